@@ -1,0 +1,3 @@
+//! The thetahat command line.
+
+fn main() {}

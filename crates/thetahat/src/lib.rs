@@ -1,0 +1,21 @@
+//! Identification of the dynamic parameters of robots from recorded motion and torques.
+//!
+//! A robot's torque model is linear in its dynamic parameters, `tau = phi(q, dq, ddq) theta`. The folders of this
+//! crate follow the way of the data, from the robot and the recording to the report; a module uses only modules
+//! listed above it.
+
+pub mod series;
+
+pub mod linear_algebra;
+
+pub mod robot;
+
+pub mod dynamics;
+
+pub mod regressor;
+
+pub mod base_parameters;
+
+pub mod recording;
+
+pub mod signal;

@@ -1,0 +1,102 @@
+//! A block of equally sampled channels: the one container for time series.
+
+use std::ops::Range;
+
+/// Equally sampled channels, stored sample by sample: `values[k * channels + c]` is channel `c` at sample `k`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    channels: usize,
+    values: Vec<f64>,
+}
+
+impl Series {
+    /// A series of zeros.
+    ///
+    /// # Panics
+    /// If `channels` is zero.
+    #[must_use]
+    pub fn zeros(samples: usize, channels: usize) -> Self {
+        Self::from_values(channels, vec![0.0; samples * channels])
+    }
+
+    /// A series from values stored sample by sample.
+    ///
+    /// # Panics
+    /// If `channels` is zero or does not divide the number of values.
+    #[must_use]
+    pub fn from_values(channels: usize, values: Vec<f64>) -> Self {
+        assert!(
+            channels > 0 && values.len().is_multiple_of(channels),
+            "{} values in {channels} channels",
+            values.len()
+        );
+        Self { channels, values }
+    }
+
+    /// A series from one vector per channel.
+    ///
+    /// # Panics
+    /// If there is no channel or the channels differ in length.
+    #[must_use]
+    pub fn from_channels(columns: &[Vec<f64>]) -> Self {
+        let samples = columns[0].len();
+        assert!(columns.iter().all(|c| c.len() == samples), "channels of different lengths");
+        let values = (0..samples).flat_map(|k| columns.iter().map(move |c| c[k])).collect();
+        Self::from_values(columns.len(), values)
+    }
+
+    /// Number of channels.
+    #[must_use]
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
+
+    /// Number of samples.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.values.len() / self.channels
+    }
+
+    /// Whether there is no sample.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.values.is_empty()
+    }
+
+    /// All values, sample by sample.
+    #[must_use]
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// All values, sample by sample, to write.
+    pub fn values_mut(&mut self) -> &mut [f64] {
+        &mut self.values
+    }
+
+    /// The channels at sample `k`.
+    #[must_use]
+    pub fn sample(&self, k: usize) -> &[f64] {
+        &self.values[k * self.channels..(k + 1) * self.channels]
+    }
+
+    /// The channels at sample `k`, to write.
+    pub fn sample_mut(&mut self, k: usize) -> &mut [f64] {
+        &mut self.values[k * self.channels..(k + 1) * self.channels]
+    }
+
+    /// A copy of channel `c` over time.
+    #[must_use]
+    pub fn channel(&self, c: usize) -> Vec<f64> {
+        self.values.iter().skip(c).step_by(self.channels).copied().collect()
+    }
+
+    /// A copy of the samples in `range`.
+    #[must_use]
+    pub fn window(&self, range: Range<usize>) -> Self {
+        Self {
+            channels: self.channels,
+            values: self.values[range.start * self.channels..range.end * self.channels].to_vec(),
+        }
+    }
+}
