@@ -1,1 +1,272 @@
-//! Dense linear algebra.
+//! Dense linear algebra: the one place that knows the library behind it.
+//!
+//! Least squares are solved by QR with column pivoting, never by normal equations.
+
+use faer::{MatRef, linalg::solvers::ColPivQr, prelude::*};
+
+/// A dense matrix, stored column by column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Matrix {
+    rows: usize,
+    columns: usize,
+    values: Vec<f64>,
+}
+
+impl Matrix {
+    /// A matrix of zeros.
+    #[must_use]
+    pub fn zeros(rows: usize, columns: usize) -> Self {
+        Self { rows, columns, values: vec![0.0; rows * columns] }
+    }
+
+    /// The identity.
+    #[must_use]
+    pub fn identity(size: usize) -> Self {
+        Self::from_fn(size, size, |i, j| if i == j { 1.0 } else { 0.0 })
+    }
+
+    /// A matrix from a function of row and column.
+    #[must_use]
+    pub fn from_fn(rows: usize, columns: usize, f: impl Fn(usize, usize) -> f64) -> Self {
+        let values = (0..columns).flat_map(|j| (0..rows).map(move |i| (i, j))).map(|(i, j)| f(i, j)).collect();
+        Self { rows, columns, values }
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Number of columns.
+    #[must_use]
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// The entry at row `i`, column `j`.
+    #[must_use]
+    pub fn at(&self, i: usize, j: usize) -> f64 {
+        self.values[j * self.rows + i]
+    }
+
+    /// The entry at row `i`, column `j`, to write.
+    pub fn at_mut(&mut self, i: usize, j: usize) -> &mut f64 {
+        &mut self.values[j * self.rows + i]
+    }
+
+    /// Column `j`.
+    #[must_use]
+    pub fn column(&self, j: usize) -> &[f64] {
+        &self.values[j * self.rows..(j + 1) * self.rows]
+    }
+
+    /// Column `j`, to write.
+    pub fn column_mut(&mut self, j: usize) -> &mut [f64] {
+        &mut self.values[j * self.rows..(j + 1) * self.rows]
+    }
+
+    /// A copy of the columns named by `indices`, in that order.
+    #[must_use]
+    pub fn select_columns(&self, indices: &[usize]) -> Self {
+        let values = indices.iter().flat_map(|&j| self.column(j).iter().copied()).collect();
+        Self { rows: self.rows, columns: indices.len(), values }
+    }
+
+    /// A copy of the rows for which `keep` holds.
+    #[must_use]
+    pub fn select_rows(&self, keep: &[bool]) -> Self {
+        let kept = keep.iter().filter(|&&k| k).count();
+        let values = (0..self.columns)
+            .flat_map(|j| self.column(j).iter().zip(keep).filter(|(_, k)| **k).map(|(v, _)| *v))
+            .collect();
+        Self { rows: kept, columns: self.columns, values }
+    }
+
+    /// The matrix with each row multiplied by its weight.
+    #[must_use]
+    pub fn scale_rows(&self, weights: &[f64]) -> Self {
+        Self::from_fn(self.rows, self.columns, |i, j| weights[i] * self.at(i, j))
+    }
+
+    /// `A x`.
+    #[must_use]
+    pub fn times(&self, x: &[f64]) -> Vec<f64> {
+        let mut y = vec![0.0; self.rows];
+        for (j, &xj) in x.iter().enumerate() {
+            y.iter_mut().zip(self.column(j)).for_each(|(y, a)| *y += a * xj);
+        }
+        y
+    }
+
+    /// `A B`.
+    #[must_use]
+    pub fn times_matrix(&self, other: &Self) -> Self {
+        from_faer((self.view() * other.view()).as_ref())
+    }
+
+    /// `A^T`.
+    #[must_use]
+    pub fn transpose(&self) -> Self {
+        Self::from_fn(self.columns, self.rows, |i, j| self.at(j, i))
+    }
+
+    /// The inverse of a square matrix, or `None` where it is singular to working precision.
+    #[must_use]
+    pub fn inverse(&self) -> Option<Self> {
+        let qr = PivotedQr::new(self);
+        (qr.rank(SINGULAR) == self.columns).then(|| qr.solve_matrix(&Self::identity(self.rows)))
+    }
+
+    /// Singular values, largest first; `None` where an entry is not finite.
+    #[must_use]
+    pub fn singular_values(&self) -> Option<Vec<f64>> {
+        if !self.values.iter().all(|v| v.is_finite()) {
+            return None;
+        }
+        self.view().singular_values().ok()
+    }
+
+    /// The ratio of the largest to the smallest singular value; infinite for a singular matrix.
+    #[must_use]
+    pub fn condition_number(&self) -> f64 {
+        match self.singular_values().as_deref() {
+            Some([largest, .., smallest]) if *smallest > 0.0 => largest / smallest,
+            Some([_]) => 1.0,
+            _ => f64::INFINITY,
+        }
+    }
+
+    fn view(&self) -> MatRef<'_, f64> {
+        MatRef::from_column_major_slice(&self.values, self.rows, self.columns)
+    }
+}
+
+/// Relative size of a diagonal entry of R below which a square matrix counts as singular.
+const SINGULAR: f64 = 1e-13;
+
+fn from_faer(a: MatRef<'_, f64>) -> Matrix {
+    Matrix::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)])
+}
+
+/// `A P = Q R` with column pivoting, for a matrix with at least as many rows as columns.
+pub struct PivotedQr {
+    qr: ColPivQr<f64>,
+    rows: usize,
+    columns: usize,
+}
+
+impl PivotedQr {
+    /// Factorises `a`.
+    #[must_use]
+    pub fn new(a: &Matrix) -> Self {
+        Self { qr: a.view().col_piv_qr(), rows: a.rows, columns: a.columns }
+    }
+
+    /// Number of diagonal entries of R above `tolerance` times the largest.
+    ///
+    /// Entries that are not finite do not count, so the rank of a matrix with a NaN is not full.
+    #[must_use]
+    pub fn rank(&self, tolerance: f64) -> usize {
+        let r = self.qr.thin_R();
+        let diagonal = (0..self.columns.min(self.rows)).map(|i| r[(i, i)].abs());
+        let largest = diagonal.clone().fold(0.0, f64::max);
+        diagonal.filter(|d| *d > tolerance * largest).count()
+    }
+
+    /// The least-squares solution of `A x = y`.
+    #[must_use]
+    pub fn solve(&self, y: &[f64]) -> Vec<f64> {
+        let rhs = MatRef::from_column_major_slice(y, self.rows, 1);
+        from_faer(self.qr.solve_lstsq(rhs).as_ref()).values
+    }
+
+    /// The least-squares solution of `A X = B`.
+    #[must_use]
+    pub fn solve_matrix(&self, b: &Matrix) -> Matrix {
+        from_faer(self.qr.solve_lstsq(b.view()).as_ref())
+    }
+
+    /// The orthonormal factor, rows by columns.
+    #[must_use]
+    pub fn thin_q(&self) -> Matrix {
+        from_faer(self.qr.compute_thin_Q().as_ref())
+    }
+
+    /// The triangular factor in pivoted column order, columns by columns.
+    #[must_use]
+    pub fn thin_r(&self) -> Matrix {
+        from_faer(self.qr.thin_R())
+    }
+
+    /// `(A^T A)^-1` from the triangular factor, without forming the product `A^T A`.
+    #[must_use]
+    pub fn inverse_gram(&self) -> Matrix {
+        let r = self.thin_r();
+        let mut inverse = Matrix::identity(self.columns).view().to_owned();
+        r.view().solve_upper_triangular_in_place(inverse.as_mut());
+        let gram = &inverse * inverse.transpose();
+        let forward = self.qr.P().arrays().0;
+        let mut out = Matrix::zeros(self.columns, self.columns);
+        for (i, &pi) in forward.iter().enumerate() {
+            for (j, &pj) in forward.iter().enumerate() {
+                *out.at_mut(pi, pj) = gram[(i, j)];
+            }
+        }
+        out
+    }
+}
+
+/// The Euclidean norm.
+#[must_use]
+pub fn norm(x: &[f64]) -> f64 {
+    x.iter().map(|v| v * v).sum::<f64>().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn example() -> Matrix {
+        Matrix::from_fn(7, 3, |i, j| ((3 * i + 5 * j * j + i * j) as f64 * 0.7).sin())
+    }
+
+    #[test]
+    fn least_squares_residual_is_orthogonal_to_the_columns() {
+        let a = example();
+        let y: Vec<f64> = (0..7).map(|i| (i as f64).cos()).collect();
+        let x = PivotedQr::new(&a).solve(&y);
+        let residual: Vec<f64> = a.times(&x).iter().zip(&y).map(|(p, y)| y - p).collect();
+        for j in 0..3 {
+            let dot: f64 = a.column(j).iter().zip(&residual).map(|(a, r)| a * r).sum();
+            assert!(dot.abs() < 1e-13, "column {j}: {dot:e}");
+        }
+    }
+
+    #[test]
+    fn inverse_gram_inverts_the_gram_matrix() {
+        let a = example();
+        let product = a.transpose().times_matrix(&a).times_matrix(&PivotedQr::new(&a).inverse_gram());
+        for i in 0..3 {
+            for j in 0..3 {
+                let expected = if i == j { 1.0 } else { 0.0 };
+                assert!((product.at(i, j) - expected).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn singular_matrix_has_no_inverse_and_an_infinite_condition_number() {
+        let a = Matrix::from_fn(3, 3, |i, j| (i + j) as f64);
+        assert!(a.inverse().is_none());
+        assert!(a.condition_number() > 1e15);
+    }
+
+    #[test]
+    fn nan_is_not_full_rank() {
+        let mut a = example();
+        *a.at_mut(2, 1) = f64::NAN;
+        assert!(PivotedQr::new(&a).rank(1e-12) < 3);
+        assert!(a.condition_number().is_infinite());
+    }
+}

@@ -1,0 +1,297 @@
+use super::{
+    DynamicParameters, DynamicsError, Model, Sign,
+    parameters::Inertial,
+    vector::{Mat3, Vec3, add, cross, dot, rotate_symmetric, scale, times, transpose_times},
+};
+
+/// Scratch of the algorithms: one for each thread.
+#[derive(Debug, Clone)]
+pub struct Workspace {
+    pub(crate) links: Vec<LinkMotion>,
+    wrenches: Vec<Wrench>,
+    composite: Vec<Inertial>,
+    mass_matrix: Vec<f64>,
+    rhs: Vec<f64>,
+    zeros: Vec<f64>,
+}
+
+/// Placement and motion of one link, in its own frame.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct LinkMotion {
+    pub(crate) r: Mat3,
+    pub(crate) p: Vec3,
+    pub(crate) w: Vec3,
+    pub(crate) dw: Vec3,
+    pub(crate) dv: Vec3,
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Wrench {
+    force: Vec3,
+    moment: Vec3,
+}
+
+const Z: Vec3 = [0.0, 0.0, 1.0];
+
+impl Workspace {
+    /// Scratch for a model.
+    #[must_use]
+    pub fn new(model: &Model) -> Self {
+        let n = model.joint_count();
+        Self {
+            links: vec![LinkMotion::default(); n],
+            wrenches: vec![Wrench::default(); n],
+            composite: vec![Inertial::default(); n],
+            mass_matrix: vec![0.0; n * n],
+            rhs: vec![0.0; n],
+            zeros: vec![0.0; n],
+        }
+    }
+}
+
+impl Model {
+    /// Inverse dynamics (1): the joint torques `tau` of a motion, by recursive Newton-Euler, with motor inertia,
+    /// friction, offsets and coupled motors. `tau = phi(q, dq, ddq) theta` (3).
+    #[allow(clippy::too_many_arguments)]
+    pub fn inverse_dynamics(
+        &self,
+        parameters: &DynamicParameters,
+        q: &[f64],
+        dq: &[f64],
+        ddq: &[f64],
+        sign: Sign,
+        workspace: &mut Workspace,
+        tau: &mut [f64],
+    ) {
+        self.propagate_motion(q, dq, ddq, &mut workspace.links);
+        self.rigid_torques(parameters, workspace, tau);
+        for (j, joint) in parameters.friction.iter().enumerate() {
+            tau[j] += joint.ia * ddq[j];
+        }
+        for (motor, of_motor) in self.coupled_motors().iter().zip(&parameters.motors) {
+            motor.cross_terms().for_each(|(j, k, w)| tau[j] += of_motor.iam * w * ddq[k]);
+        }
+        self.add_friction(parameters, dq, sign, tau);
+    }
+
+    /// Forward dynamics (5): the accelerations `ddq` that torques `tau` give.
+    ///
+    /// # Errors
+    /// [`DynamicsError::MassMatrixNotPositiveDefinite`] where these parameters have no such mass matrix.
+    #[allow(clippy::too_many_arguments)]
+    pub fn forward_dynamics(
+        &self,
+        parameters: &DynamicParameters,
+        q: &[f64],
+        dq: &[f64],
+        tau: &[f64],
+        sign: Sign,
+        workspace: &mut Workspace,
+        ddq: &mut [f64],
+    ) -> Result<(), DynamicsError> {
+        let mut bias = std::mem::take(&mut workspace.rhs);
+        let zeros = std::mem::take(&mut workspace.zeros);
+        self.inverse_dynamics(parameters, q, dq, &zeros, sign, workspace, &mut bias);
+        self.composite_mass_matrix(parameters, workspace);
+        for (a, (t, b)) in ddq.iter_mut().zip(tau.iter().zip(&bias)) {
+            *a = t - b;
+        }
+        workspace.rhs = bias;
+        workspace.zeros = zeros;
+        solve_positive_definite(&mut workspace.mass_matrix, ddq)
+    }
+
+    /// The mass matrix `M(q)`, row by row: `M = d tau / d ddq`, motor inertias and their coupling included.
+    pub fn mass_matrix(&self, parameters: &DynamicParameters, q: &[f64], workspace: &mut Workspace, m: &mut [f64]) {
+        for ((joint, link), &q) in self.joints.iter().zip(&mut workspace.links).zip(q) {
+            (link.r, link.p) = joint.placement(q);
+        }
+        self.composite_mass_matrix(parameters, workspace);
+        m.copy_from_slice(&workspace.mass_matrix);
+    }
+
+    /// Kinetic and potential energy in J, motor inertias included. The potential is zero at the base's origin.
+    pub fn energy(&self, parameters: &DynamicParameters, q: &[f64], dq: &[f64], workspace: &mut Workspace) -> f64 {
+        let n = self.joint_count();
+        let mut m = vec![0.0; n * n];
+        self.mass_matrix(parameters, q, workspace, &mut m);
+        let kinetic: f64 = (0..n).map(|i| (0..n).map(|j| 0.5 * dq[i] * m[i * n + j] * dq[j]).sum::<f64>()).sum();
+        let mut gravity = self.gravity;
+        let mut height_terms = 0.0;
+        let mut origin = 0.0;
+        for (link, body) in workspace.links.iter().zip(&parameters.links) {
+            origin -= dot(gravity, link.p);
+            gravity = transpose_times(&link.r, gravity);
+            height_terms += body.m * origin - dot(gravity, body.ms);
+        }
+        kinetic + height_terms
+    }
+
+    /// Forward pass of recursive Newton-Euler: placement, velocity and acceleration of every link.
+    pub(crate) fn propagate_motion(&self, q: &[f64], dq: &[f64], ddq: &[f64], links: &mut [LinkMotion]) {
+        let mut before = LinkMotion { dv: scale(-1.0, self.gravity), ..LinkMotion::default() };
+        for (j, (joint, link)) in self.joints.iter().zip(links.iter_mut()).enumerate() {
+            let (r, p) = joint.placement(q[j]);
+            let w = transpose_times(&r, before.w);
+            let dw = transpose_times(&r, before.dw);
+            let centripetal = cross(before.w, cross(before.w, p));
+            let dv = transpose_times(&r, add(before.dv, add(cross(before.dw, p), centripetal)));
+            *link = if joint.is_revolute() {
+                let turn = scale(dq[j], Z);
+                let dw = add(dw, add(scale(ddq[j], Z), cross(w, turn)));
+                LinkMotion { r, p, w: add(w, turn), dw, dv }
+            } else {
+                let coriolis = scale(2.0 * dq[j], cross(w, Z));
+                LinkMotion { r, p, w, dw, dv: add(dv, add(scale(ddq[j], Z), coriolis)) }
+            };
+            before = *link;
+        }
+    }
+
+    /// Backward pass of recursive Newton-Euler: the torques of the rigid links alone.
+    fn rigid_torques(&self, parameters: &DynamicParameters, workspace: &mut Workspace, tau: &mut [f64]) {
+        for ((link, body), wrench) in workspace.links.iter().zip(&parameters.links).zip(&mut workspace.wrenches) {
+            *wrench = body.wrench(link);
+        }
+        for j in (0..self.joint_count()).rev() {
+            let Wrench { force, moment } = workspace.wrenches[j];
+            tau[j] = if self.is_revolute(j) { moment[2] } else { force[2] };
+            if j > 0 {
+                let link = &workspace.links[j];
+                let force = times(&link.r, force);
+                let moment = add(times(&link.r, moment), cross(link.p, force));
+                let before = &mut workspace.wrenches[j - 1];
+                before.force = add(before.force, force);
+                before.moment = add(before.moment, moment);
+            }
+        }
+    }
+
+    fn add_friction(&self, parameters: &DynamicParameters, dq: &[f64], sign: Sign, tau: &mut [f64]) {
+        for (j, joint) in parameters.friction.iter().enumerate() {
+            tau[j] += joint.friction(dq[j], sign.of(dq[j]));
+        }
+        for (motor, of_motor) in self.coupled_motors().iter().zip(&parameters.motors) {
+            let coulomb = of_motor.fcm * sign.of(motor.velocity(dq));
+            motor.weights.iter().for_each(|&(j, w)| tau[j] += w * coulomb);
+            motor.cross_terms().for_each(|(j, k, w)| tau[j] += of_motor.fvm * w * dq[k]);
+        }
+    }
+
+    /// Composite rigid bodies from the tool to the base; the placements must be in the workspace.
+    fn composite_mass_matrix(&self, parameters: &DynamicParameters, workspace: &mut Workspace) {
+        let n = self.joint_count();
+        workspace.composite.copy_from_slice(&parameters.links);
+        for j in (0..n).rev() {
+            let mut wrench = workspace.composite[j].wrench_of_joint(self.is_revolute(j));
+            workspace.mass_matrix[j * n + j] = wrench.along(self.is_revolute(j)) + parameters.friction[j].ia;
+            for i in (0..j).rev() {
+                wrench = wrench.moved_to_parent(&workspace.links[i + 1]);
+                let coupling = wrench.along(self.is_revolute(i));
+                workspace.mass_matrix[j * n + i] = coupling;
+                workspace.mass_matrix[i * n + j] = coupling;
+            }
+            if j > 0 {
+                let moved = workspace.composite[j].moved_to_parent(&workspace.links[j]);
+                workspace.composite[j - 1].absorb(&moved);
+            }
+        }
+        for (motor, of_motor) in self.coupled_motors().iter().zip(&parameters.motors) {
+            motor.cross_terms().for_each(|(j, k, w)| workspace.mass_matrix[j * n + k] += of_motor.iam * w);
+        }
+    }
+}
+
+impl Inertial {
+    /// Force and moment about the frame's origin that move the link: `F = m dv + dw x ms + w x (w x ms)`,
+    /// `N = J dw + w x J w + ms x dv`.
+    #[inline]
+    fn wrench(&self, link: &LinkMotion) -> Wrench {
+        let LinkMotion { w, dw, dv, .. } = *link;
+        let force = add(scale(self.m, dv), add(cross(dw, self.ms), cross(w, cross(w, self.ms))));
+        let gyroscopic = cross(w, times(&self.inertia, w));
+        let moment = add(add(times(&self.inertia, dw), gyroscopic), cross(self.ms, dv));
+        Wrench { force, moment }
+    }
+
+    /// The wrench of a unit acceleration about (revolute) or along (prismatic) the z axis.
+    #[inline]
+    fn wrench_of_joint(&self, revolute: bool) -> Wrench {
+        if revolute {
+            let moment = [self.inertia[0][2], self.inertia[1][2], self.inertia[2][2]];
+            Wrench { force: cross(Z, self.ms), moment }
+        } else {
+            Wrench { force: [0.0, 0.0, self.m], moment: cross(self.ms, Z) }
+        }
+    }
+
+    /// The same body about the origin of the frame before.
+    ///
+    /// With the first moments rotated to `s = R ms`: `J' = R J R^T + (2 p.s + m p.p) 1 - (p s^T + s p^T + m p p^T)`.
+    #[inline]
+    fn moved_to_parent(&self, link: &LinkMotion) -> Self {
+        let p = link.p;
+        let s = times(&link.r, self.ms);
+        let mut inertia = rotate_symmetric(&link.r, &self.inertia);
+        let spherical = 2.0 * dot(p, s) + self.m * dot(p, p);
+        for (i, row) in inertia.iter_mut().enumerate() {
+            for (j, entry) in row.iter_mut().enumerate() {
+                *entry -= p[i] * s[j] + s[i] * p[j] + self.m * p[i] * p[j];
+            }
+            row[i] += spherical;
+        }
+        Self { inertia, ms: add(s, scale(self.m, p)), m: self.m }
+    }
+
+    #[inline]
+    fn absorb(&mut self, other: &Self) {
+        for (mine, theirs) in self.inertia.iter_mut().zip(&other.inertia) {
+            *mine = add(*mine, *theirs);
+        }
+        self.ms = add(self.ms, other.ms);
+        self.m += other.m;
+    }
+}
+
+impl Wrench {
+    /// The component that the joint's drive carries.
+    #[inline]
+    fn along(&self, revolute: bool) -> f64 {
+        if revolute { self.moment[2] } else { self.force[2] }
+    }
+
+    #[inline]
+    fn moved_to_parent(&self, link: &LinkMotion) -> Self {
+        let force = times(&link.r, self.force);
+        Self { force, moment: add(times(&link.r, self.moment), cross(link.p, force)) }
+    }
+}
+
+/// Solves `M x = b` in place by Cholesky; M is row by row and is overwritten by its factor.
+///
+/// Written out because it runs in every right-hand side of the simulation, where nothing may allocate.
+fn solve_positive_definite(m: &mut [f64], b: &mut [f64]) -> Result<(), DynamicsError> {
+    let n = b.len();
+    for j in 0..n {
+        for i in 0..=j {
+            let sum: f64 = (0..i).map(|k| m[j * n + k] * m[i * n + k]).sum();
+            let rest = m[j * n + i] - sum;
+            if i < j {
+                m[j * n + i] = rest / m[i * n + i];
+            } else if rest > 0.0 {
+                m[j * n + j] = rest.sqrt();
+            } else {
+                return Err(DynamicsError::MassMatrixNotPositiveDefinite { joint: j + 1, pivot: rest });
+            }
+        }
+    }
+    for i in 0..n {
+        let sum: f64 = (0..i).map(|k| m[i * n + k] * b[k]).sum();
+        b[i] = (b[i] - sum) / m[i * n + i];
+    }
+    for i in (0..n).rev() {
+        let sum: f64 = (i + 1..n).map(|k| m[k * n + i] * b[k]).sum();
+        b[i] = (b[i] - sum) / m[i * n + i];
+    }
+    Ok(())
+}

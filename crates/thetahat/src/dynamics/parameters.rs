@@ -1,0 +1,119 @@
+use super::vector::{Mat3, Vec3};
+use crate::robot::{INERTIAL, ParameterTable, Quantity};
+
+/// How the sign function of Coulomb friction is evaluated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Sign {
+    /// -1, 0 or 1: for measured velocities.
+    Exact,
+    /// `tanh(v / scale)`: for simulated velocities, with the scale in rad/s or m/s.
+    Smooth {
+        /// The velocity at which friction reaches 76 % of its Coulomb value.
+        scale: f64,
+    },
+}
+
+impl Sign {
+    /// The sign of `v`.
+    #[inline]
+    #[must_use]
+    pub fn of(self, v: f64) -> f64 {
+        match self {
+            Self::Exact if v == 0.0 => 0.0,
+            Self::Exact => v.signum(),
+            Self::Smooth { scale } => smooth_sign(v / scale),
+        }
+    }
+}
+
+/// Beyond this argument tanh is one to the last bit.
+const SATURATED: f64 = 19.1;
+
+fn smooth_sign(x: f64) -> f64 {
+    if x.abs() > SATURATED { x.signum() } else { x.tanh() }
+}
+
+/// A vector of standard parameters, sorted for the kernels.
+#[derive(Debug, Clone)]
+pub struct DynamicParameters {
+    pub(super) links: Vec<Inertial>,
+    pub(super) friction: Vec<JointParameters>,
+    pub(super) motors: Vec<MotorParameters>,
+}
+
+/// Inertial parameters of one link about the origin of its frame.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Inertial {
+    pub(super) inertia: Mat3,
+    pub(super) ms: Vec3,
+    pub(super) m: f64,
+}
+
+/// Motor inertia, friction and offset of one joint; symmetric friction is held as equal sides.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct JointParameters {
+    pub(super) ia: f64,
+    pub(super) fv: [f64; 2],
+    pub(super) fc: [f64; 2],
+    pub(super) off: f64,
+}
+
+/// Cross inertia, cross viscous friction and Coulomb friction of one coupled motor.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct MotorParameters {
+    pub(super) iam: f64,
+    pub(super) fvm: f64,
+    pub(super) fcm: f64,
+}
+
+impl JointParameters {
+    /// Friction and offset at velocity `dq`, whose sign is `s`.
+    #[inline]
+    pub(super) fn friction(&self, dq: f64, s: f64) -> f64 {
+        let (positive, negative) = (0.5 * (1.0 + s), 0.5 * (1.0 - s));
+        (self.fv[0] * dq + self.fc[0]) * positive + (self.fv[1] * dq - self.fc[1]) * negative + self.off
+    }
+}
+
+impl DynamicParameters {
+    /// Sorts the standard parameters `theta`, in the order of `table`.
+    ///
+    /// # Panics
+    /// If the lengths differ.
+    #[must_use]
+    pub fn new(table: &ParameterTable, joints: usize, theta: &[f64]) -> Self {
+        assert_eq!(table.len(), theta.len(), "one value for each standard parameter");
+        let value = |quantity, j| table.index(quantity, j).map_or(0.0, |i| theta[i]);
+        let coupled = |j: &usize| table.index(Quantity::Iam, *j).is_some();
+        Self {
+            links: (0..joints).map(|j| Inertial::from_vector(INERTIAL.map(|quantity| value(quantity, j)))).collect(),
+            friction: (0..joints).map(|j| joint_parameters(&|quantity| value(quantity, j))).collect(),
+            motors: (0..joints)
+                .filter(coupled)
+                .map(|j| MotorParameters {
+                    iam: value(Quantity::Iam, j),
+                    fvm: value(Quantity::Fvm, j),
+                    fcm: value(Quantity::Fcm, j),
+                })
+                .collect(),
+        }
+    }
+}
+
+/// Symmetric coefficients stand for both signs of the velocity.
+fn joint_parameters(value: &dyn Fn(Quantity) -> f64) -> JointParameters {
+    let (fv, fc) = (value(Quantity::Fv), value(Quantity::Fc));
+    JointParameters {
+        ia: value(Quantity::Ia),
+        fv: [fv + value(Quantity::Fvp), fv + value(Quantity::Fvn)],
+        fc: [fc + value(Quantity::Fcp), fc + value(Quantity::Fcn)],
+        off: value(Quantity::Off),
+    }
+}
+
+impl Inertial {
+    /// From the order of [`INERTIAL`].
+    fn from_vector([xx, xy, xz, yy, yz, zz, mx, my, mz, m]: [f64; 10]) -> Self {
+        Self { inertia: [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], ms: [mx, my, mz], m }
+    }
+}

@@ -1,0 +1,89 @@
+use std::path::PathBuf;
+
+/// Why a robot description cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RobotError {
+    /// The file cannot be read.
+    #[error("{}: cannot read the robot description: {reason}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        reason: String,
+    },
+    /// The file is not TOML of the expected form; the message names line and column.
+    #[error("{}: {message}", path.display())]
+    Syntax {
+        /// The file.
+        path: PathBuf,
+        /// The parser's message, with line, column and the expected keys.
+        message: String,
+    },
+    /// A list has the wrong number of entries.
+    #[error("{}: {key} must have {expected} entries, one for each joint, but has {found}", path.display())]
+    WrongCount {
+        /// The file.
+        path: PathBuf,
+        /// The key.
+        key: String,
+        /// Number of joints.
+        expected: usize,
+        /// Entries found.
+        found: usize,
+    },
+    /// The chain of `parent` names returns to a joint that it has left.
+    #[error("{}, line {line}: the parents of the joints form a cycle ({}); one joint must stand on the base, without `parent`", path.display(), joints.join(" -> "))]
+    Cycle {
+        /// The file.
+        path: PathBuf,
+        /// Line of the first joint of the cycle.
+        line: usize,
+        /// The joints on the cycle, the first repeated at the end.
+        joints: Vec<String>,
+    },
+    /// The joints do not form one serial chain.
+    #[error("{}, line {line}: joint `{joint}` {problem}; a robot is one serial chain, each joint the child of the one before", path.display())]
+    NotSerial {
+        /// The file.
+        path: PathBuf,
+        /// Line of the joint.
+        line: usize,
+        /// The joint.
+        joint: String,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// The motor-joint matrix cannot be inverted.
+    #[error("{}, line {line}: [transmission] matrix is singular: {reason}; every joint needs a motor that moves it", path.display())]
+    SingularTransmission {
+        /// The file.
+        path: PathBuf,
+        /// Line of the matrix.
+        line: usize,
+        /// The row or condition that shows it.
+        reason: String,
+    },
+    /// A value is not finite or not in its range.
+    #[error("{}: {key} is {found}, expected {expected}", path.display())]
+    Value {
+        /// The file.
+        path: PathBuf,
+        /// The key.
+        key: String,
+        /// What is allowed.
+        expected: &'static str,
+        /// What was found.
+        found: String,
+    },
+    /// A parameter name that this robot does not have.
+    #[error("{}: [parameters] {name}: this robot has no such parameter; joint 1 has {}, and so on by number", path.display(), known.join(" "))]
+    UnknownParameter {
+        /// The file.
+        path: PathBuf,
+        /// The name found.
+        name: String,
+        /// The names of the first joint.
+        known: Vec<String>,
+    },
+}

@@ -1,0 +1,145 @@
+use crate::{linear_algebra::Matrix, series::Series};
+
+/// The map between motors and joints: `q = N^-1 q_motor + offset`, `tau = N^T (g_tau tau_motor)`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Transmission {
+    matrix: Matrix,
+    inverse: Matrix,
+    offset: Vec<f64>,
+    drive_gain: Vec<f64>,
+}
+
+impl Transmission {
+    /// A transmission from the motor-joint matrix `N` (motors by joints), the joint offsets in rad or m, and the
+    /// drive gains `g_tau`. `None` where `N` is singular.
+    #[must_use]
+    pub fn new(matrix: Matrix, offset: Vec<f64>, drive_gain: Vec<f64>) -> Option<Self> {
+        let inverse = matrix.inverse()?;
+        Some(Self { matrix, inverse, offset, drive_gain })
+    }
+
+    /// One motor on each joint, ratio one.
+    #[must_use]
+    pub fn direct(joints: usize) -> Self {
+        let identity = Matrix::identity(joints);
+        Self { matrix: identity.clone(), inverse: identity, offset: vec![0.0; joints], drive_gain: vec![1.0; joints] }
+    }
+
+    /// The motor-joint matrix `N`.
+    #[must_use]
+    pub fn matrix(&self) -> &Matrix {
+        &self.matrix
+    }
+
+    /// The joint positions at the motors' zero, in rad or m.
+    #[must_use]
+    pub fn offset(&self) -> &[f64] {
+        &self.offset
+    }
+
+    /// Number of joints.
+    #[must_use]
+    pub fn joints(&self) -> usize {
+        self.offset.len()
+    }
+
+    /// The motor velocities in joint units: `n = D^-1 N`, where D holds each motor's own gear ratio (the diagonal of N,
+    /// or the largest entry of the row where that is zero). `n` is the identity where nothing is coupled.
+    #[must_use]
+    pub fn motor_in_joint_units(&self) -> Matrix {
+        let ratio: Vec<f64> = (0..self.joints()).map(|i| self.own_ratio(i)).collect();
+        Matrix::from_fn(self.joints(), self.joints(), |i, j| self.matrix.at(i, j) / ratio[i])
+    }
+
+    fn own_ratio(&self, motor: usize) -> f64 {
+        let row = (0..self.joints()).map(|j| self.matrix.at(motor, j));
+        let diagonal = self.matrix.at(motor, motor);
+        let larger = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
+        if diagonal == 0.0 { row.fold(0.0, larger) } else { diagonal }
+    }
+
+    /// The motors, from zero, that turn with more than one joint.
+    #[must_use]
+    pub fn coupled_motors(&self) -> Vec<usize> {
+        let moves = |i: usize| (0..self.joints()).filter(|&j| self.matrix.at(i, j) != 0.0).count();
+        (0..self.joints()).filter(|&i| moves(i) > 1).collect()
+    }
+
+    /// `q = N^-1 q_motor + offset` for each sample.
+    #[must_use]
+    pub fn joint_positions(&self, motor: &Series) -> Series {
+        self.map(motor, |x| add(self.inverse.times(x), &self.offset))
+    }
+
+    /// `tau = N^T (g_tau tau_motor)` for each sample.
+    #[must_use]
+    pub fn joint_torques(&self, drive: &Series) -> Series {
+        let transposed = self.matrix.transpose();
+        self.map(drive, |x| transposed.times(&x.iter().zip(&self.drive_gain).map(|(u, g)| u * g).collect::<Vec<_>>()))
+    }
+
+    /// `q_motor = N (q - offset)`.
+    #[must_use]
+    pub fn motor_positions(&self, joint: &Series) -> Series {
+        self.map(joint, |q| self.matrix.times(&q.iter().zip(&self.offset).map(|(q, o)| q - o).collect::<Vec<_>>()))
+    }
+
+    /// `tau_motor = N^-T tau / g_tau`.
+    #[must_use]
+    pub fn drive_signals(&self, joint_torques: &Series) -> Series {
+        let inverse_transposed = self.inverse.transpose();
+        self.map(joint_torques, |tau| {
+            inverse_transposed.times(tau).iter().zip(&self.drive_gain).map(|(u, g)| u / g).collect()
+        })
+    }
+
+    fn map(&self, series: &Series, f: impl Fn(&[f64]) -> Vec<f64>) -> Series {
+        let values = (0..series.len()).flat_map(|k| f(series.sample(k))).collect();
+        Series::from_values(self.joints(), values)
+    }
+}
+
+fn add(mut a: Vec<f64>, b: &[f64]) -> Vec<f64> {
+    a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+    a
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn coupled_wrist() -> Transmission {
+        let matrix = Matrix::from_fn(2, 2, |i, j| [[45.0, 0.0], [32.0, 32.0]][i][j]);
+        Transmission::new(matrix, vec![0.1, -0.2], vec![2.0, 0.5]).unwrap()
+    }
+
+    #[test]
+    fn positions_and_torques_go_there_and_back() {
+        let t = coupled_wrist();
+        let q = Series::from_values(2, vec![0.3, -0.7, 1.1, 0.4]);
+        let back = t.joint_positions(&t.motor_positions(&q));
+        let tau = t.joint_torques(&t.drive_signals(&q));
+        for k in 0..4 {
+            assert!((back.values()[k] - q.values()[k]).abs() < 1e-14);
+            assert!((tau.values()[k] - q.values()[k]).abs() < 1e-14);
+        }
+    }
+
+    /// Power at the motors is power at the joints: tau^T dq = tau_motor^T dq_motor.
+    #[test]
+    fn power_is_kept() {
+        let t = Transmission::new(coupled_wrist().matrix().clone(), vec![0.0; 2], vec![1.0; 2]).unwrap();
+        let (dq, motor_torque) = (Series::from_values(2, vec![0.3, -0.7]), Series::from_values(2, vec![1.5, 0.2]));
+        let power = |a: &Series, b: &Series| a.values().iter().zip(b.values()).map(|(a, b)| a * b).sum::<f64>();
+        let joint = power(&t.joint_torques(&motor_torque), &dq);
+        assert!((joint - power(&motor_torque, &t.motor_positions(&dq))).abs() < 1e-12);
+    }
+
+    #[test]
+    fn only_the_second_motor_is_coupled() {
+        let t = coupled_wrist();
+        assert_eq!(t.coupled_motors(), vec![1]);
+        let n = t.motor_in_joint_units();
+        assert_eq!((n.at(0, 0), n.at(0, 1), n.at(1, 0), n.at(1, 1)), (1.0, 0.0, 1.0, 1.0));
+    }
+}
