@@ -1,0 +1,327 @@
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::{
+    dynamics::{Model, Sign, Workspace},
+    linear_algebra::{Matrix, PivotedQr, norm},
+    regressor::Regressor,
+    robot::{Parameter, ParameterTable},
+};
+
+/// Why base parameters cannot be found.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BaseParametersError {
+    /// A name that is not a standard parameter of the robot.
+    #[error("there is no standard parameter `{name}` to exclude; names are like zz1, ia2, fcm6")]
+    UnknownStandardParameter {
+        /// The name.
+        name: String,
+    },
+    /// A name that is not a base parameter of the robot.
+    #[error("`{name}` is not a base parameter of this robot{hint}; they are: {}", known.join(" "))]
+    UnknownBaseParameter {
+        /// The name.
+        name: String,
+        /// Where it went, if it is a standard parameter.
+        hint: String,
+        /// The base parameters.
+        known: Vec<String>,
+    },
+    /// Two ways to count the base parameters disagree: the geometry is close to a special one.
+    #[error(
+        "the number of base parameters is not clear: {kept} columns are independent from left to right, but the rank \
+         is {rank}; a length or angle of the robot is nearly, but not exactly, zero or a right angle"
+    )]
+    AmbiguousRank {
+        /// Columns kept from left to right.
+        kept: usize,
+        /// Rank by pivoted QR.
+        rank: usize,
+    },
+}
+
+/// A base parameter: the standard parameter that is kept, and what is regrouped into it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BaseParameter {
+    /// Index of the kept parameter in the table.
+    pub kept: usize,
+    /// Index and coefficient of each regrouped parameter.
+    pub regrouped: Vec<(usize, f64)>,
+    /// Name: that of the kept parameter, with `r` behind it where something is regrouped.
+    pub name: String,
+    /// Formula, such as `zz1 + ia1 + yy2 + 0.07*mz3`.
+    pub expression: String,
+    /// Unit in SI.
+    pub unit: &'static str,
+}
+
+/// The base parameters of a robot, or a part of them: `X theta = X_b theta_b`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BaseParameters {
+    parameters: Vec<BaseParameter>,
+    standard_count: usize,
+}
+
+/// Random states whose rows are examined: several times as many rows as there can be parameters.
+const STATES: usize = 100;
+/// Seed of the random states.
+const SEED: u64 = 20_170_703;
+/// Part of a column, relative to its norm, below which it counts as spanned by those before it; also the relative
+/// tolerance of the rank. Spanned columns leave about 1e-14, independent ones more than 1e-4 for real geometries.
+const TOLERANCE: f64 = 1e-9;
+/// Coefficients of the formulas are exact to about 1e-12; smaller ones are rounding.
+const NEGLIGIBLE: f64 = 1e-9;
+
+impl BaseParameters {
+    /// The base parameters of a model, with the standard parameters named in `excluded` taken as zero.
+    ///
+    /// # Errors
+    /// [`BaseParametersError`] for an unknown name or a rank that is not clear.
+    pub fn of(model: &Model, excluded: &[String]) -> Result<Self, BaseParametersError> {
+        let table = model.parameter_table();
+        if let Some(name) = excluded.iter().find(|name| table.index_of(name).is_none()) {
+            return Err(BaseParametersError::UnknownStandardParameter { name: name.clone() });
+        }
+        let considered: Vec<usize> = (0..table.len()).filter(|&i| !excluded.contains(&table.get(i).name())).collect();
+        let x = normalised_observations(model, &considered);
+        let effective: Vec<usize> = (0..x.columns()).filter(|&j| norm(x.column(j)) > 0.0).collect();
+        let kept = independent_columns(&x, &effective);
+        let rank = PivotedQr::new(&x.select_columns(&effective)).rank(TOLERANCE);
+        if rank != kept.len() {
+            return Err(BaseParametersError::AmbiguousRank { kept: kept.len(), rank });
+        }
+        let scale = |j: usize| column_scale(model, considered[j]);
+        let spanned: Vec<usize> = effective.iter().copied().filter(|j| !kept.contains(j)).collect();
+        let qr = PivotedQr::new(&x.select_columns(&kept));
+        let coefficients = qr.solve_matrix(&x.select_columns(&spanned));
+        let parameters = kept.iter().enumerate().map(|(row, &column)| {
+            let regrouped = spanned
+                .iter()
+                .enumerate()
+                .map(|(k, &other)| (considered[other], coefficients.at(row, k) * scale(other) / scale(column)))
+                .filter(|(_, c)| c.abs() > NEGLIGIBLE)
+                .collect();
+            BaseParameter::new(table, considered[column], regrouped)
+        });
+        Ok(Self { parameters: parameters.collect(), standard_count: table.len() })
+    }
+
+    /// The base parameters in order.
+    #[must_use]
+    pub fn parameters(&self) -> &[BaseParameter] {
+        &self.parameters
+    }
+
+    /// Number of base parameters.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.parameters.len()
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.parameters.is_empty()
+    }
+
+    /// Indices in the table of the kept standard parameters: the columns of the observation matrix.
+    #[must_use]
+    pub fn columns(&self) -> Vec<usize> {
+        self.parameters.iter().map(|p| p.kept).collect()
+    }
+
+    /// Only the parameters named, in the order of the base parameters.
+    ///
+    /// # Errors
+    /// [`BaseParametersError::UnknownBaseParameter`], which says where a regrouped parameter went.
+    pub fn select(&self, table: &ParameterTable, names: &[String]) -> Result<Self, BaseParametersError> {
+        if let Some(name) = names.iter().find(|name| self.parameters.iter().all(|p| p.name != **name)) {
+            return Err(self.unknown(table, name));
+        }
+        let parameters = self.parameters.iter().filter(|p| names.contains(&p.name)).cloned().collect();
+        Ok(Self { parameters, standard_count: self.standard_count })
+    }
+
+    /// The base parameters that a vector of standard parameters has.
+    #[must_use]
+    pub fn from_standard(&self, theta: &[f64]) -> Vec<f64> {
+        let value = |p: &BaseParameter| theta[p.kept] + p.regrouped.iter().map(|&(i, c)| c * theta[i]).sum::<f64>();
+        self.parameters.iter().map(value).collect()
+    }
+
+    /// A vector of standard parameters with the same torques: the kept ones, zeros elsewhere.
+    #[must_use]
+    pub fn to_standard(&self, base: &[f64]) -> Vec<f64> {
+        let mut theta = vec![0.0; self.standard_count];
+        self.parameters.iter().zip(base).for_each(|(p, &v)| theta[p.kept] = v);
+        theta
+    }
+
+    fn unknown(&self, table: &ParameterTable, name: &str) -> BaseParametersError {
+        let home = |i: usize| {
+            let inside = |p: &&BaseParameter| p.kept == i || p.regrouped.iter().any(|&(k, _)| k == i);
+            self.parameters.iter().filter(inside).map(|p| p.name.clone()).collect::<Vec<_>>()
+        };
+        let hint = match table.index_of(name.trim_end_matches('r')).map(home).as_deref() {
+            None => String::new(),
+            Some([]) => " (it has no effect on any torque, or is excluded)".to_owned(),
+            Some(homes) => format!(" (it is part of {})", homes.join(" and ")),
+        };
+        let known = self.parameters.iter().map(|p| p.name.clone()).collect();
+        BaseParametersError::UnknownBaseParameter { name: name.to_owned(), hint, known }
+    }
+}
+
+impl BaseParameter {
+    fn new(table: &ParameterTable, kept: usize, regrouped: Vec<(usize, f64)>) -> Self {
+        let parameter = table.get(kept);
+        let suffix = if regrouped.is_empty() { "" } else { "r" };
+        Self {
+            name: format!("{}{suffix}", parameter.name()),
+            expression: expression(table, parameter, &regrouped),
+            unit: parameter.unit,
+            kept,
+            regrouped,
+        }
+    }
+}
+
+fn expression(table: &ParameterTable, kept: &Parameter, regrouped: &[(usize, f64)]) -> String {
+    let mut text = kept.name();
+    for &(index, coefficient) in regrouped {
+        let sign = if coefficient < 0.0 { '-' } else { '+' };
+        let factor = readable(coefficient.abs());
+        let factor = if factor == "1" { String::new() } else { format!("{factor}*") };
+        text.push_str(&format!(" {sign} {factor}{}", table.get(index).name()));
+    }
+    text
+}
+
+/// Up to nine decimals, without trailing zeros.
+fn readable(value: f64) -> String {
+    format!("{value:.9}").trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// `phi` of random states, all joints' rows, each column scaled by [`column_scale`].
+fn normalised_observations(model: &Model, indices: &[usize]) -> Matrix {
+    let n = model.joint_count();
+    let regressor = Regressor::new(model, indices);
+    let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+    let mut workspace = Workspace::new(model);
+    let mut phi = vec![0.0; regressor.entries().len()];
+    let mut x = Matrix::zeros(STATES * n, indices.len());
+    for k in 0..STATES {
+        let mut random = |range: f64| (0..n).map(|_| rng.random_range(-range..range)).collect::<Vec<f64>>();
+        let (q, dq, ddq) = (random(3.0), random(2.0), random(5.0));
+        regressor.evaluate(model, &q, &dq, &ddq, Sign::Exact, &mut workspace, &mut phi);
+        for (entry, value) in regressor.entries().iter().zip(&phi) {
+            *x.at_mut(k * n + entry.joint, entry.column) = value * column_scale(model, indices[entry.column]);
+        }
+    }
+    x
+}
+
+/// Brings the columns to comparable size; a constant, so that formulas stay readable after it is undone.
+fn column_scale(model: &Model, index: usize) -> f64 {
+    if model.parameter_table().get(index).quantity.is_inertial() { 0.1 } else { 1.0 }
+}
+
+/// The first independent columns from left to right, by Gram-Schmidt with one repetition.
+fn independent_columns(x: &Matrix, candidates: &[usize]) -> Vec<usize> {
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    let mut kept = Vec::new();
+    for &j in candidates {
+        let mut rest = x.column(j).to_vec();
+        for _ in 0..2 {
+            for b in &basis {
+                let along: f64 = b.iter().zip(&rest).map(|(b, r)| b * r).sum();
+                rest.iter_mut().zip(b).for_each(|(r, b)| *r -= along * b);
+            }
+        }
+        let size = norm(&rest);
+        if size > TOLERANCE * norm(x.column(j)) {
+            rest.iter_mut().for_each(|r| *r /= size);
+            basis.push(rest);
+            kept.push(j);
+        }
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::robot::Robot;
+
+    const TX40: &str = include_str!("../../../../robots/tx40.toml");
+
+    fn tx40(excluded: &[&str]) -> (Model, BaseParameters) {
+        let model = Model::new(&Robot::parse(TX40, Path::new("tx40.toml")).unwrap());
+        let excluded: Vec<String> = excluded.iter().map(|s| (*s).to_owned()).collect();
+        let base = BaseParameters::of(&model, &excluded).unwrap();
+        (model, base)
+    }
+
+    fn names(base: &BaseParameters) -> Vec<&str> {
+        base.parameters().iter().map(|p| p.name.as_str()).collect()
+    }
+
+    #[test]
+    fn the_tx40_has_the_papers_sixty() {
+        let (model, base) = tx40(&["iam6"]);
+        assert_eq!(base.len(), 60);
+        let quantities: Vec<_> = base.columns().iter().map(|&i| model.parameter_table().get(i).quantity).collect();
+        // 36 of the links and 4 motor inertias, 12 frictions, 6 offsets, fvm6 and fcm6.
+        assert_eq!(quantities.iter().filter(|q| q.is_inertial()).count(), 36);
+        assert_eq!(quantities.iter().filter(|q| q.is_motor_inertia()).count(), 4);
+        assert_eq!(quantities.iter().filter(|q| q.is_coupled_motor()).count(), 2);
+        assert_eq!(tx40(&[]).1.len(), 61);
+        let printed = "zz1r fc1 fv1 xx2r xz2r zz2r mx2r fc2 fv2 xx3r zz3r my3r ia3 fc3 fv3 mx4 ia4 fc4 fv4 my5r ia5 \
+                       fc5 fv5 ia6 fc6 fv6 fcm6 fvm6";
+        for name in printed.split_whitespace() {
+            assert!(names(&base).contains(&name), "{name} of the paper's Table I");
+        }
+    }
+
+    #[test]
+    fn formulas_read_like_the_literature() {
+        let (_, base) = tx40(&["iam6"]);
+        let formula = |name: &str| base.parameters().iter().find(|p| p.name == name).unwrap().expression.clone();
+        assert_eq!(
+            formula("zz1r"),
+            "zz1 + ia1 + yy2 + yy3 + 0.07*mz3 + 0.05185*m3 + 0.05185*m4 + 0.05185*m5 + 0.05185*m6"
+        );
+        assert_eq!(formula("my5r"), "my5 - mz6");
+        assert_eq!(formula("ia3"), "ia3");
+    }
+
+    #[test]
+    fn base_and_standard_parameters_give_the_same_torques() {
+        let (model, base) = tx40(&[]);
+        let all: Vec<usize> = (0..model.parameter_table().len()).collect();
+        let theta: Vec<f64> = all.iter().map(|&i| (1.7 * i as f64 + 0.3).sin()).collect();
+        let x = normalised_observations(&model, &all);
+        let unscaled: Vec<f64> = all.iter().map(|&i| theta[i] / column_scale(&model, i)).collect();
+        let same = base.to_standard(&base.from_standard(&theta));
+        let same: Vec<f64> = all.iter().map(|&i| same[i] / column_scale(&model, i)).collect();
+        let difference: Vec<f64> = x.times(&unscaled).iter().zip(x.times(&same)).map(|(a, b)| a - b).collect();
+        assert!(norm(&difference) < 1e-9 * norm(&x.times(&unscaled)));
+    }
+
+    #[test]
+    fn a_regrouped_parameter_is_named_with_its_home() {
+        let (model, base) = tx40(&[]);
+        let error = base.select(model.parameter_table(), &["yy2".to_owned()]).unwrap_err();
+        assert!(error.to_string().contains("it is part of zz1r and xx2r"), "{error}");
+    }
+
+    #[test]
+    fn an_unknown_exclusion_is_refused() {
+        let (model, _) = tx40(&[]);
+        let result = BaseParameters::of(&model, &["iam7".to_owned()]);
+        assert!(matches!(result, Err(BaseParametersError::UnknownStandardParameter { .. })));
+    }
+}
