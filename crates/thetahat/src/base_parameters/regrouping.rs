@@ -84,14 +84,15 @@ impl BaseParameters {
             return Err(BaseParametersError::UnknownStandardParameter { name: name.clone() });
         }
         let considered: Vec<usize> = (0..table.len()).filter(|&i| !excluded.contains(&table.get(i).name())).collect();
-        let x = normalised_observations(model, &considered);
-        let effective: Vec<usize> = (0..x.columns()).filter(|&j| norm(x.column(j)) > 0.0).collect();
+        let x = random_observations(model, &considered);
+        let size: Vec<f64> = (0..x.columns()).map(|j| norm(x.column(j))).collect();
+        let largest = size.iter().copied().fold(0.0, f64::max);
+        let effective: Vec<usize> = (0..x.columns()).filter(|&j| size[j] > TOLERANCE * largest).collect();
         let kept = independent_columns(&x, &effective);
         let rank = PivotedQr::new(&x.select_columns(&effective)).rank(TOLERANCE);
         if rank != kept.len() {
             return Err(BaseParametersError::AmbiguousRank { kept: kept.len(), rank });
         }
-        let scale = |j: usize| column_scale(model, considered[j]);
         let spanned: Vec<usize> = effective.iter().copied().filter(|j| !kept.contains(j)).collect();
         let qr = PivotedQr::new(&x.select_columns(&kept));
         let coefficients = qr.solve_matrix(&x.select_columns(&spanned));
@@ -99,7 +100,7 @@ impl BaseParameters {
             let regrouped = spanned
                 .iter()
                 .enumerate()
-                .map(|(k, &other)| (considered[other], coefficients.at(row, k) * scale(other) / scale(column)))
+                .map(|(k, &other)| (considered[other], coefficients.at(row, k)))
                 .filter(|(_, c)| c.abs() > NEGLIGIBLE)
                 .collect();
             BaseParameter::new(table, considered[column], regrouped)
@@ -203,8 +204,8 @@ fn readable(value: f64) -> String {
     format!("{value:.9}").trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// `phi` of random states, all joints' rows, each column scaled by [`column_scale`].
-fn normalised_observations(model: &Model, indices: &[usize]) -> Matrix {
+/// `phi` of random states, all joints' rows.
+fn random_observations(model: &Model, indices: &[usize]) -> Matrix {
     let n = model.joint_count();
     let regressor = Regressor::new(model, indices);
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
@@ -216,15 +217,10 @@ fn normalised_observations(model: &Model, indices: &[usize]) -> Matrix {
         let (q, dq, ddq) = (random(3.0), random(2.0), random(5.0));
         regressor.evaluate(model, &q, &dq, &ddq, Sign::Exact, &mut workspace, &mut phi);
         for (entry, value) in regressor.entries().iter().zip(&phi) {
-            *x.at_mut(k * n + entry.joint, entry.column) = value * column_scale(model, indices[entry.column]);
+            *x.at_mut(k * n + entry.joint, entry.column) = value;
         }
     }
     x
-}
-
-/// Brings the columns to comparable size; a constant, so that formulas stay readable after it is undone.
-fn column_scale(model: &Model, index: usize) -> f64 {
-    if model.parameter_table().get(index).quantity.is_inertial() { 0.1 } else { 1.0 }
 }
 
 /// The first independent columns from left to right, by Gram-Schmidt with one repetition.
@@ -303,12 +299,10 @@ mod tests {
         let (model, base) = tx40(&[]);
         let all: Vec<usize> = (0..model.parameter_table().len()).collect();
         let theta: Vec<f64> = all.iter().map(|&i| (1.7 * i as f64 + 0.3).sin()).collect();
-        let x = normalised_observations(&model, &all);
-        let unscaled: Vec<f64> = all.iter().map(|&i| theta[i] / column_scale(&model, i)).collect();
+        let x = random_observations(&model, &all);
         let same = base.to_standard(&base.from_standard(&theta));
-        let same: Vec<f64> = all.iter().map(|&i| same[i] / column_scale(&model, i)).collect();
-        let difference: Vec<f64> = x.times(&unscaled).iter().zip(x.times(&same)).map(|(a, b)| a - b).collect();
-        assert!(norm(&difference) < 1e-9 * norm(&x.times(&unscaled)));
+        let difference: Vec<f64> = x.times(&theta).iter().zip(x.times(&same)).map(|(a, b)| a - b).collect();
+        assert!(norm(&difference) < 1e-9 * norm(&x.times(&theta)));
     }
 
     #[test]
