@@ -217,7 +217,7 @@ fn random_observations(model: &Model, indices: &[usize]) -> Matrix {
         let (q, dq, ddq) = (random(3.0), random(2.0), random(5.0));
         regressor.evaluate(model, &q, &dq, &ddq, Sign::Exact, &mut workspace, &mut phi);
         for (entry, value) in regressor.entries().iter().zip(&phi) {
-            *x.at_mut(k * n + entry.joint, entry.column) = value;
+            *x.at_mut(k * n + entry.joint, entry.column) = *value;
         }
     }
     x

@@ -51,6 +51,18 @@ impl Transmission {
         Matrix::from_fn(self.joints(), self.joints(), |i, j| self.matrix.at(i, j) / ratio[i])
     }
 
+    /// `n^-1`: joint velocities per motor velocities in joint units.
+    #[must_use]
+    pub fn joints_per_motor(&self) -> Matrix {
+        Matrix::from_fn(self.joints(), self.joints(), |i, j| self.inverse.at(i, j) * self.own_ratio(j))
+    }
+
+    /// Torque of each motor in joint units per drive signal: its own gear ratio times its drive gain.
+    #[must_use]
+    pub fn drive_to_joint_units(&self) -> Vec<f64> {
+        self.drive_gain.iter().enumerate().map(|(i, gain)| self.own_ratio(i) * gain).collect()
+    }
+
     fn own_ratio(&self, motor: usize) -> f64 {
         let row = (0..self.joints()).map(|j| self.matrix.at(motor, j));
         let diagonal = self.matrix.at(motor, motor);

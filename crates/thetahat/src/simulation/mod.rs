@@ -1,1 +1,22 @@
-//! The `simulation` room.
+//! The closed loop: reference, controller, drive, transmission and the direct dynamic model (5), integrated in time.
+//!
+//! The simulated controller works on the motors with the true reference. The simulated robot may differ from the true
+//! one in its gear ratios, drive gains, controller gains and delay ([`SimulatorBias`]).
+//!
+//! Coulomb friction is regularised, `sign(v)` as `tanh(v / scale)`: a discontinuous sign makes an adaptive integrator
+//! chatter at rest, and its accelerations there do not converge with the step. The scale is data; what it does to the
+//! result is in `docs/simulation.md`.
+
+mod bias;
+mod closed_loop;
+mod dormand_prince;
+mod plant;
+mod reference;
+mod running;
+mod sensors;
+
+pub use bias::SimulatorBias;
+pub use closed_loop::{ClosedLoop, OutputGrid, SimulatedMotion, SimulationError};
+pub use dormand_prince::{IntegrationError, Integrator, Solver, StepView, System, WorkCounts};
+pub use reference::{Reference, SampledReference};
+pub use sensors::Sensors;

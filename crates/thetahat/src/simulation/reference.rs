@@ -1,0 +1,64 @@
+use crate::{series::Series, trajectory::Moves};
+
+/// The joint motion that the controller is asked to follow.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Reference {
+    /// A recorded reference, known at its samples.
+    Sampled(SampledReference),
+    /// Synchronised moves, known at any time.
+    Moves(Moves),
+}
+
+/// A recorded reference with its derivatives by central differences, linear between its samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SampledReference {
+    sample_rate_hz: f64,
+    q: Series,
+    dq: Series,
+    ddq: Series,
+}
+
+impl SampledReference {
+    /// A reference from its samples, the first at time zero.
+    #[must_use]
+    pub fn new(q: Series, sample_rate_hz: f64) -> Self {
+        let dq = crate::signal::central_difference(&q, sample_rate_hz);
+        let ddq = crate::signal::central_difference(&dq, sample_rate_hz);
+        Self { sample_rate_hz, q, dq, ddq }
+    }
+
+    fn evaluate(&self, t: f64, q: &mut [f64], dq: &mut [f64], ddq: &mut [f64]) {
+        let place = (t * self.sample_rate_hz).clamp(0.0, (self.q.len() - 1) as f64);
+        let k = (place + SAME_SAMPLE) as usize;
+        let part = (place - k as f64).max(0.0);
+        let next = (k + 1).min(self.q.len() - 1);
+        for (out, series) in [(q, &self.q), (dq, &self.dq), (ddq, &self.ddq)] {
+            let (from, to) = (series.sample(k), series.sample(next));
+            for (o, (a, b)) in out.iter_mut().zip(from.iter().zip(to)) {
+                *o = a + part * (b - a);
+            }
+        }
+    }
+}
+
+/// Times this close to a sample, in samples, are that sample: k * T is not exact.
+const SAME_SAMPLE: f64 = 1e-6;
+
+impl Reference {
+    /// Position, velocity and acceleration at time `t` in s.
+    pub fn evaluate(&self, t: f64, q: &mut [f64], dq: &mut [f64], ddq: &mut [f64]) {
+        match self {
+            Self::Sampled(sampled) => sampled.evaluate(t, q, dq, ddq),
+            Self::Moves(moves) => moves.evaluate(t, q, dq, ddq),
+        }
+    }
+
+    /// Number of joints.
+    #[must_use]
+    pub fn joints(&self) -> usize {
+        match self {
+            Self::Sampled(sampled) => sampled.q.channels(),
+            Self::Moves(moves) => moves.joints(),
+        }
+    }
+}

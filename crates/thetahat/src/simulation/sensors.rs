@@ -1,0 +1,46 @@
+use std::f64::consts::TAU;
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use serde::Deserialize;
+
+use super::SimulatedMotion;
+use crate::{robot::Transmission, series::Series};
+
+/// What lies between a simulated motion and its record: encoders, torque ripple and torque noise.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sensors {
+    /// Encoder counts per turn of each motor.
+    pub encoder_counts_per_turn: f64,
+    /// Standard deviation of the white noise on each joint torque, N m or N.
+    pub torque_noise: Vec<f64>,
+    /// Amplitude of the ripple on each joint torque, N m or N.
+    pub torque_ripple: Vec<f64>,
+    /// Periods of the ripple per turn of the motor.
+    pub ripple_per_turn: f64,
+    /// Seed of the noise.
+    pub seed: u64,
+}
+
+impl Sensors {
+    /// The record of a motion: motor positions in rad and drive signals, as a robot's controller would log them.
+    #[must_use]
+    pub fn record(&self, motion: &SimulatedMotion, transmission: &Transmission) -> (Series, Series) {
+        let mut positions = transmission.motor_positions(&motion.q);
+        let mut torques = motion.tau.clone();
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        for k in 0..torques.len() {
+            let motors = positions.sample(k).to_vec();
+            for (j, tau) in torques.sample_mut(k).iter_mut().enumerate() {
+                let noise: f64 = StandardNormal.sample(&mut rng);
+                let ripple = (self.ripple_per_turn * motors[j]).sin();
+                *tau += self.torque_noise[j] * noise + self.torque_ripple[j] * ripple;
+            }
+        }
+        let step = TAU / self.encoder_counts_per_turn;
+        positions.values_mut().iter_mut().for_each(|p| *p = step * (*p / step).round());
+        (positions, transmission.drive_signals(&torques))
+    }
+}
