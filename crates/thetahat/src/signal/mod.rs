@@ -1,1 +1,28 @@
-//! The `signal` room.
+//! Filtering, differentiation and decimation of recorded signals, all without delay.
+//!
+//! The way of a recording (section III-A and III-B of the paper): the positions are band-passed, that is filtered by a
+//! zero-phase Butterworth low-pass ([`zero_phase`]) and differentiated by central differences
+//! ([`central_difference`]); the still periods at both ends are found ([`moving_samples`]) and cut; the torques and
+//! every column of the observation matrix are passed through one and the same parallel filter and down-sampled
+//! ([`Decimator`]). What bandwidth remains is measured on the result ([`minus_3_db_bandwidth_hz`]).
+//!
+//! Frequencies are in hertz, gains of one pass unless stated; a [`Series`](crate::series::Series) holds many channels
+//! and each is processed by itself. Values that are not numbers spread over the whole channel; check a recording
+//! before.
+
+mod bandwidth;
+mod decimate;
+mod design;
+mod differentiate;
+mod error;
+mod forward_backward;
+mod motion;
+mod zero_phase;
+
+pub use bandwidth::minus_3_db_bandwidth_hz;
+pub use decimate::Decimator;
+pub use design::SecondOrderSections;
+pub use differentiate::central_difference;
+pub use error::SignalError;
+pub use motion::moving_samples;
+pub use zero_phase::{Padding, zero_phase};

@@ -1,0 +1,183 @@
+//! Decimation: low-pass filtering and keeping every n-th sample.
+
+use crate::series::Series;
+
+use super::forward_backward::Kept;
+use super::zero_phase::filter_and_keep;
+use super::{Padding, SecondOrderSections, SignalError};
+
+const ORDER: usize = 8;
+const RIPPLE_DB: f64 = 0.05;
+/// The cut-off times the factor, over the Nyquist frequency.
+const CUTOFF_FRACTION: f64 = 0.8;
+
+/// Decimation by a factor as MATLAB's `decimate(x, factor)`, of all channels alike.
+///
+/// The filter is a Chebyshev low-pass of type I, order 8, ripple 0.05 dB, cut-off `0.8 / factor` of the Nyquist
+/// frequency, run forward and backward with an odd extension of 24 samples. Of `n` samples, `ceil(n / factor)` are
+/// kept such that the last one kept is the record's last. The two passes have the gain `10^(-0.005) = 0.989` at DC,
+/// the same for every channel: it cancels in a regression where both sides are decimated ("parallel filter"; Janot,
+/// Gautier and Brunot, section III-A). Factor 1 filters nothing and keeps every sample.
+///
+/// The sections are used as such: MATLAB's polynomial form of the same filter loses its digits from factor 13 on.
+///
+/// ```
+/// use thetahat::{series::Series, signal::Decimator};
+/// let decimator = Decimator::new(10, 95)?;
+/// assert_eq!(decimator.kept().collect::<Vec<_>>(), [4, 14, 24, 34, 44, 54, 64, 74, 84, 94]);
+/// assert_eq!(decimator.decimate(&Series::zeros(95, 3))?.len(), decimator.rows());
+/// # Ok::<(), thetahat::signal::SignalError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Decimator {
+    samples: usize,
+    kept: Kept,
+    filter: Option<SecondOrderSections>,
+}
+
+impl Decimator {
+    /// The decimation of records of `samples` samples by `factor`.
+    ///
+    /// # Errors
+    /// If the factor is zero or the record is not longer than the padding of 24 samples (empty, for factor 1).
+    pub fn new(factor: usize, samples: usize) -> Result<Self, SignalError> {
+        if factor == 0 {
+            return Err(SignalError::InvalidFactor { factor });
+        }
+        let needed = if factor == 1 { 1 } else { Padding::Matlab.samples(ORDER) + 1 };
+        if samples < needed {
+            return Err(SignalError::RecordTooShort { needed, found: samples });
+        }
+        Ok(Self { samples, kept: Kept { first: (samples - 1) % factor, step: factor }, filter: low_pass(factor)? })
+    }
+
+    /// The indices of the samples kept, rising; the last one is the record's last.
+    pub fn kept(&self) -> impl Iterator<Item = usize> {
+        self.kept.indices(self.samples)
+    }
+
+    /// The number of samples kept, `ceil(samples / factor)`.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.samples.div_ceil(self.kept.step)
+    }
+
+    /// The series filtered, and of it the samples [`Self::kept`].
+    ///
+    /// # Errors
+    /// If the series has not the number of samples announced.
+    pub fn decimate(&self, series: &Series) -> Result<Series, SignalError> {
+        if series.len() != self.samples {
+            return Err(SignalError::LengthMismatch { expected: self.samples, found: series.len() });
+        }
+        self.filter_and_keep(series, self.kept)
+    }
+
+    /// The series filtered, with all its samples: what [`Self::decimate`] picks from. The length is free, so that the
+    /// filter can be probed.
+    ///
+    /// # Errors
+    /// If the series is not longer than the padding.
+    pub fn filter(&self, series: &Series) -> Result<Series, SignalError> {
+        self.filter_and_keep(series, Kept::ALL)
+    }
+
+    fn filter_and_keep(&self, series: &Series, kept: Kept) -> Result<Series, SignalError> {
+        match &self.filter {
+            Some(filter) => filter_and_keep(filter, series, Padding::Matlab, kept),
+            None => Ok(series.clone()),
+        }
+    }
+}
+
+/// The parallel filter; none for factor 1.
+fn low_pass(factor: usize) -> Result<Option<SecondOrderSections>, SignalError> {
+    if factor == 1 {
+        return Ok(None);
+    }
+    // At a sample rate of 2 the Nyquist frequency is 1.
+    SecondOrderSections::chebyshev1_lowpass(ORDER, RIPPLE_DB, CUTOFF_FRACTION / factor as f64, 2.0).map(Some)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+
+    #[test]
+    fn the_last_sample_kept_is_the_last() -> Result<(), SignalError> {
+        for samples in 25..80 {
+            for factor in [1, 2, 3, 7, 100] {
+                let decimator = Decimator::new(factor, samples)?;
+                let kept: Vec<usize> = decimator.kept().collect();
+                // MATLAB's start index, counted from 0.
+                assert_eq!(kept[0], factor - (factor * samples.div_ceil(factor) - samples) - 1);
+                assert_eq!(kept.last(), Some(&(samples - 1)));
+                assert_eq!(kept.len(), decimator.rows());
+            }
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn decimating_is_filtering_and_keeping() -> Result<(), SignalError> {
+        let series = Series::from_values(3, (0..900).map(|k| (f64::from(k) * 0.7).sin() + f64::from(k % 3)).collect());
+        let decimator = Decimator::new(7, 300)?;
+        let (decimated, filtered) = (decimator.decimate(&series)?, decimator.filter(&series)?);
+        for (row, k) in decimator.kept().enumerate() {
+            assert_eq!(decimated.sample(row), filtered.sample(k));
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn factor_1_keeps_the_series() -> Result<(), SignalError> {
+        let series = Series::from_values(2, (0..10).map(f64::from).collect());
+        let decimator = Decimator::new(1, 5)?;
+        assert_eq!(decimator.decimate(&series)?, series);
+        assert_eq!(decimator.filter(&series)?, series);
+        Ok(())
+    }
+
+    #[test]
+    fn a_sine_below_the_cutoff_stays_a_sine() -> Result<(), SignalError> {
+        let (factor, samples) = (5, 4000);
+        let w = 2.0 * PI * 0.01;
+        let sine = Series::from_values(1, (0..samples).map(|k| (w * k as f64).sin()).collect());
+        let decimator = Decimator::new(factor, samples)?;
+        let decimated = decimator.decimate(&sine)?.channel(0);
+        let gain = low_pass(factor)?.map_or(1.0, |filter| filter.gain(2.0 * 0.01).powi(2));
+        // The ends keep a transient; inside it has died out.
+        for (y, k) in std::iter::zip(decimated, decimator.kept()).skip(300).take(200) {
+            assert!((y - gain * (w * k as f64).sin()).abs() < 1e-11);
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn a_sine_above_the_cutoff_is_gone() -> Result<(), SignalError> {
+        let sine = Series::from_values(1, (0..4000).map(|k| (2.0 * PI * 0.4 * f64::from(k)).sin()).collect());
+        let decimated = Decimator::new(5, 4000)?.decimate(&sine)?.channel(0);
+        assert!(decimated[300..500].iter().all(|y| y.abs() < 1e-11));
+        Ok(())
+    }
+
+    #[test]
+    fn factor_0_is_refused() {
+        assert_eq!(Decimator::new(0, 100), Err(SignalError::InvalidFactor { factor: 0 }));
+    }
+
+    #[test]
+    fn a_record_as_short_as_the_padding_is_refused() {
+        assert_eq!(Decimator::new(2, 24), Err(SignalError::RecordTooShort { needed: 25, found: 24 }));
+        assert_eq!(Decimator::new(1, 0), Err(SignalError::RecordTooShort { needed: 1, found: 0 }));
+    }
+
+    #[test]
+    fn a_record_of_another_length_is_refused() -> Result<(), SignalError> {
+        let result = Decimator::new(2, 100)?.decimate(&Series::zeros(99, 1));
+        assert_eq!(result, Err(SignalError::LengthMismatch { expected: 100, found: 99 }));
+        Ok(())
+    }
+}
