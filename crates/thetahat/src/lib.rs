@@ -19,3 +19,13 @@ pub mod base_parameters;
 pub mod recording;
 
 pub mod signal;
+
+pub mod trajectory;
+
+pub mod control;
+
+pub mod simulation;
+
+pub mod statistics;
+
+pub mod identification;

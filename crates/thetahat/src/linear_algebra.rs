@@ -187,6 +187,12 @@ impl PivotedQr {
         from_faer(self.qr.solve_lstsq(b.view()).as_ref())
     }
 
+    /// The columns in pivoted order: those that the first ones span come last.
+    #[must_use]
+    pub fn pivots(&self) -> &[usize] {
+        self.qr.P().arrays().0
+    }
+
     /// The orthonormal factor, rows by columns.
     #[must_use]
     pub fn thin_q(&self) -> Matrix {
@@ -206,7 +212,7 @@ impl PivotedQr {
         let mut inverse = Matrix::identity(self.columns).view().to_owned();
         r.view().solve_upper_triangular_in_place(inverse.as_mut());
         let gram = &inverse * inverse.transpose();
-        let forward = self.qr.P().arrays().0;
+        let forward = self.pivots();
         let mut out = Matrix::zeros(self.columns, self.columns);
         for (i, &pi) in forward.iter().enumerate() {
             for (j, &pj) in forward.iter().enumerate() {
@@ -227,8 +233,10 @@ pub fn norm(x: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
+    /// The columns grow to the middle, so that pivoting is no identity and no swap.
     fn example() -> Matrix {
-        Matrix::from_fn(7, 3, |i, j| ((3 * i + 5 * j * j + i * j) as f64 * 0.7).sin())
+        let size = [1.0, 7.0, 3.0];
+        Matrix::from_fn(7, 3, |i, j| size[j] * ((3 * i + 5 * j * j + i * j) as f64 * 0.7).sin())
     }
 
     #[test]
@@ -241,6 +249,15 @@ mod tests {
             let dot: f64 = a.column(j).iter().zip(&residual).map(|(a, r)| a * r).sum();
             assert!(dot.abs() < 1e-13, "column {j}: {dot:e}");
         }
+    }
+
+    #[test]
+    fn pivots_name_the_columns_in_their_order() {
+        let mut a = example();
+        a.column_mut(0).fill(0.0);
+        let qr = PivotedQr::new(&a);
+        assert_eq!(qr.pivots(), [1, 2, 0]);
+        assert_eq!(qr.rank(1e-12), 2);
     }
 
     #[test]

@@ -1,1 +1,23 @@
-//! The `experiment` room.
+//! An experiment: one TOML file that describes a run, and the run.
+//!
+//! [`Experiment::read`] checks the file, [`Experiment::run`] goes the way of the data and returns [`Results`]; the twin
+//! ([`Experiment::demo`]) goes the same way from a simulated record.
+
+mod chain;
+mod cross_validation;
+mod description;
+mod error;
+mod predict;
+mod record;
+mod results;
+mod run;
+mod simulator;
+
+pub use description::{
+    Case, Experiment, ExperimentFile, Gains, ParameterChoice, ParameterSelection, RecordingDescription, Start, Weighting,
+};
+pub use error::ExperimentError;
+pub use predict::{Prediction, PredictionRequest, predict};
+pub use results::{
+    Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, ReferenceResult, Results, RunPlots, RunResult,
+};

@@ -1,1 +1,23 @@
-//! The `identification` room.
+//! The estimators over `(X, y, Z)`: IDIM-LS (8), IDIM-IV (9) and (10), DIDIM (12) to (19), and the iteration of the
+//! last two over a simulator.
+//!
+//! | letter | word | shape |
+//! | --- | --- | --- |
+//! | `y` | decimated torques, joint by joint, each joint's samples in time order | r |
+//! | `X` | observation matrix of the measured motion, same rows | r x b |
+//! | `Z` | instrument matrix: the observation matrix of the simulated motion, same rows | r x b |
+//! | `theta` | parameters | b |
+//! | `rho` | residual, `y - X theta` for LS and IV, `y - Z theta` for DIDIM | r |
+//!
+//! Least squares are solved by QR with column pivoting, and IV through the orthonormal factor of Z, so that no
+//! condition number is squared.
+
+mod assembly;
+mod essential;
+mod estimators;
+mod iteration;
+
+pub use assembly::Assembly;
+pub use essential::{Elimination, EliminationRule, eliminate};
+pub use estimators::{Divisor, EstimationError, Fit, Method, didim, idim_iv, idim_ls, joint_weights};
+pub use iteration::{Convergence, Iteration, Outcome, Status, iterate};

@@ -1,0 +1,461 @@
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
+
+use serde::Deserialize;
+
+use super::ExperimentError;
+use crate::{
+    control::ControllerDescription,
+    identification::{Convergence, Divisor, EliminationRule, Method},
+    recording::{ChannelSource, Quantity},
+    robot::{Friction, Robot},
+    simulation::{Sensors, SimulatorBias, Solver},
+};
+
+/// An experiment with its robot, ready to run.
+#[derive(Debug, Clone)]
+pub struct Experiment {
+    /// Where the file is; its name in messages.
+    pub path: PathBuf,
+    /// What it says.
+    pub file: ExperimentFile,
+    /// Its text, kept for the results.
+    pub text: String,
+    /// The robot.
+    pub robot: Robot,
+    /// The text of the robot's description, kept for the results.
+    pub robot_text: String,
+}
+
+/// An experiment file.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ExperimentFile {
+    /// A line that says what it is.
+    pub title: String,
+    /// The robot description, relative to the experiment file.
+    pub robot: PathBuf,
+    /// The recording to identify from.
+    pub recording: Option<RecordingDescription>,
+    /// A second recording, to validate on.
+    pub validation: Option<RecordingDescription>,
+    /// A simulated recording instead.
+    pub twin: Option<TwinDescription>,
+    /// Filters, decimation and window.
+    pub signal: SignalDescription,
+    /// Which parameters are estimated and shown.
+    #[serde(default)]
+    pub parameters: ParameterSelection,
+    /// Methods and their options.
+    #[serde(default)]
+    pub estimation: EstimationDescription,
+    /// The simulated controller.
+    pub controller: Option<ControllerDescription>,
+    /// The simulator's options.
+    #[serde(default)]
+    pub simulation: SimulationDescription,
+    /// Cases beside the nominal one.
+    #[serde(default)]
+    pub case: Vec<Case>,
+    /// A table of published figures to show beside ours, relative to the experiment file.
+    pub published: Option<PathBuf>,
+}
+
+/// Files and channels of a recording.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RecordingDescription {
+    /// Samples per second, where there is no time channel.
+    pub sample_rate_hz: Option<f64>,
+    /// The time channel.
+    pub time: Option<ChannelSource>,
+    /// Positions.
+    pub position: ChannelSource,
+    /// Torques or drive signals.
+    pub torque: ChannelSource,
+    /// The reference of the positions, where it was recorded.
+    pub reference: Option<ChannelSource>,
+    /// A signal that was added to the drive signals behind the controller; the torque channel includes it.
+    pub added_signal: Option<ChannelSource>,
+}
+
+/// A simulated robot with known parameters that is recorded and then identified.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TwinDescription {
+    /// Samples per second of the record.
+    pub sample_rate_hz: f64,
+    /// The true base parameters by name; what is not listed is zero.
+    pub parameters: BTreeMap<String, f64>,
+    /// End points of the moves in degrees (or mm for prismatic joints), the first where the robot starts.
+    pub points: Vec<Vec<f64>>,
+    /// Largest velocity of each joint, degrees/s or mm/s.
+    pub max_velocity: Vec<f64>,
+    /// Time in which the velocity rises, s.
+    pub acceleration_time_s: f64,
+    /// Time over which the acceleration is smoothed, s.
+    pub smoothing_time_s: f64,
+    /// Rest before the first and behind the last move, s.
+    pub rest_s: f64,
+    /// From the motion to its record.
+    pub sensors: Sensors,
+}
+
+/// Filters, decimation and window.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SignalDescription {
+    /// Order of the Butterworth filter of the positions, which runs forward and backward.
+    #[serde(default = "fourth_order")]
+    pub filter_order: usize,
+    /// Its cut-off.
+    pub cutoff_hz: f64,
+    /// Every how many samples one is kept, behind the parallel filter.
+    pub decimation: usize,
+    /// Start of the window, s; without it, where the motion starts.
+    pub window_start_s: Option<f64>,
+    /// End of the window, s; without it, where the motion ends.
+    pub window_end_s: Option<f64>,
+}
+
+fn fourth_order() -> usize {
+    4
+}
+
+/// Which parameters are estimated and shown.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ParameterSelection {
+    /// `"base"`, `"essential"`, or a list of base parameters.
+    pub estimate: ParameterChoice,
+    /// Standard parameters taken as zero.
+    pub exclude: Vec<String>,
+    /// Parameters that the tables show; none means all.
+    pub show: Vec<String>,
+    /// The rule of the elimination, for `"essential"`.
+    pub elimination: EliminationRule,
+}
+
+/// The parameters of a run.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(untagged)]
+pub enum ParameterChoice {
+    /// All base parameters.
+    #[default]
+    #[serde(skip)]
+    Base,
+    /// `"base"` or `"essential"`.
+    Named(NamedChoice),
+    /// Base parameters by name.
+    List(Vec<String>),
+}
+
+/// A choice by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum NamedChoice {
+    /// All base parameters.
+    Base,
+    /// Those that an elimination leaves.
+    Essential,
+}
+
+/// Methods and their options.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct EstimationDescription {
+    /// The methods, in the order of the tables.
+    pub methods: Vec<Method>,
+    /// Weighting by method; none where a method is not listed.
+    pub weighting: BTreeMap<Method, Weighting>,
+    /// Start values of the iterations.
+    pub start: Start,
+    /// Gains of a controller that is given by its bandwidth.
+    pub gains: Gains,
+    /// When the iterations stop.
+    pub convergence: Convergence,
+    /// What the squared residual is divided by.
+    pub variance: Divisor,
+}
+
+impl Default for EstimationDescription {
+    fn default() -> Self {
+        Self {
+            methods: vec![Method::IdimLs, Method::IdimIv, Method::Didim],
+            weighting: BTreeMap::new(),
+            start: Start::default(),
+            gains: Gains::default(),
+            convergence: Convergence::default(),
+            variance: Divisor::default(),
+        }
+    }
+}
+
+/// Weighting of the rows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Weighting {
+    /// Equal weights.
+    #[default]
+    None,
+    /// One over the standard deviation of each joint's residual of LS.
+    PerJoint,
+}
+
+/// Start values of the iterations.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Start {
+    /// The robot's a-priori parameters.
+    #[default]
+    Cad,
+    /// The a-priori motor inertias and nothing else.
+    MotorInertias,
+}
+
+/// Gains of a controller that is given by its bandwidth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Gains {
+    /// Follow the estimated inertia, so that the bandwidth stays.
+    #[default]
+    Updated,
+    /// Stay those of the start values.
+    Kept,
+}
+
+/// The simulator's options.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SimulationDescription {
+    /// How to integrate.
+    pub solver: Solver,
+    /// Velocity scale of the regularised sign of Coulomb friction, rad/s or m/s.
+    pub sign_velocity_scale: f64,
+    /// Whether simulated positions are filtered and differentiated as the measured ones are.
+    pub band_pass: bool,
+}
+
+impl Default for SimulationDescription {
+    fn default() -> Self {
+        Self {
+            solver: Solver::Adaptive { relative_tolerance: 1e-3, absolute_tolerance: 1e-6 },
+            sign_velocity_scale: 0.01,
+            band_pass: false,
+        }
+    }
+}
+
+/// A case beside the nominal one.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Case {
+    /// Its name, such as `gear_ratio_0.9`.
+    pub name: String,
+    /// How the simulator differs from the true loop.
+    #[serde(default)]
+    pub simulator: SimulatorBias,
+    /// Another friction model than the robot's.
+    pub friction: Option<Friction>,
+    /// Other methods than the experiment's.
+    pub methods: Option<Vec<Method>>,
+}
+
+/// Name of the case without any difference.
+pub(super) const NOMINAL: &str = "nominal";
+
+const DEMO: &str = include_str!("../../../../experiments/demo.toml");
+const DEMO_ROBOT: &str = include_str!("../../../../robots/tx40.toml");
+
+impl Experiment {
+    /// Reads an experiment and its robot.
+    ///
+    /// # Errors
+    /// [`ExperimentError`], with the file and the line or key.
+    pub fn read(path: &Path) -> Result<Self, ExperimentError> {
+        let text = read_text(path)?;
+        let file: ExperimentFile = parse(&text, path)?;
+        let robot_path = path.parent().unwrap_or(Path::new("")).join(&file.robot);
+        let robot_text = read_text(&robot_path)?;
+        Self::assemble(path, file, text, &robot_path, robot_text)
+    }
+
+    /// An experiment from the texts of its two files; `path` is its name in messages.
+    ///
+    /// # Errors
+    /// As [`Experiment::read`].
+    pub fn from_texts(path: &Path, text: String, robot_text: String) -> Result<Self, ExperimentError> {
+        let file: ExperimentFile = parse(&text, path)?;
+        let robot_path = file.robot.clone();
+        Self::assemble(path, file, text, &robot_path, robot_text)
+    }
+
+    /// The built-in demonstration: a TX40 twin.
+    ///
+    /// # Errors
+    /// None in a build that passes its tests.
+    pub fn demo() -> Result<Self, ExperimentError> {
+        Self::from_texts(Path::new("experiments/demo.toml"), DEMO.to_owned(), DEMO_ROBOT.to_owned())
+    }
+
+    /// The nominal case and the others.
+    #[must_use]
+    pub fn cases(&self) -> Vec<Case> {
+        let nominal =
+            Case { name: NOMINAL.to_owned(), simulator: SimulatorBias::NONE, friction: None, methods: None };
+        std::iter::once(nominal).chain(self.file.case.iter().cloned()).collect()
+    }
+
+    fn assemble(
+        path: &Path,
+        file: ExperimentFile,
+        text: String,
+        robot_path: &Path,
+        robot_text: String,
+    ) -> Result<Self, ExperimentError> {
+        let robot = Robot::parse(&robot_text, robot_path)?;
+        let experiment = Self { path: path.to_owned(), file, text, robot, robot_text };
+        experiment.validate()?;
+        Ok(experiment)
+    }
+
+    fn validate(&self) -> Result<(), ExperimentError> {
+        match (&self.file.recording, &self.file.twin) {
+            (Some(recording), None) => self.validate_recording(recording)?,
+            (None, Some(twin)) => self.validate_twin(twin)?,
+            _ => return Err(self.missing("[recording] or [twin]", "one of the two gives the motion and torques")),
+        }
+        if let Some(validation) = &self.file.validation {
+            self.validate_recording(validation)?;
+        }
+        self.validate_signal()?;
+        self.validate_methods()?;
+        if let Some(controller) = &self.file.controller {
+            let motors = self.robot.joint_count();
+            let refuse = |source| ExperimentError::Controller { path: self.path.clone(), source };
+            controller.validate(motors).map_err(refuse)?;
+        }
+        self.validate_simulation()
+    }
+
+    fn validate_recording(&self, recording: &RecordingDescription) -> Result<(), ExperimentError> {
+        let position = [Quantity::Angle, Quantity::Length];
+        recording.position.require_quantity("position", &position)?;
+        let torque =
+            [Quantity::Torque, Quantity::Force, Quantity::Voltage, Quantity::Current, Quantity::Dimensionless];
+        recording.torque.require_quantity("torque", &torque)?;
+        if let Some(reference) = &recording.reference {
+            reference.require_quantity("reference", &position)?;
+        }
+        if let Some(time) = &recording.time {
+            time.require_quantity("time", &[Quantity::Time])?;
+        }
+        match (recording.sample_rate_hz, &recording.time) {
+            (Some(rate), None) => self.require(rate > 0.0 && rate.is_finite(), "sample_rate_hz", "above zero", rate),
+            (None, Some(_)) => Ok(()),
+            _ => Err(self.missing("[recording] sample_rate_hz or time", "exactly one of the two gives the rate")),
+        }
+    }
+
+    fn validate_twin(&self, twin: &TwinDescription) -> Result<(), ExperimentError> {
+        let n = self.robot.joint_count();
+        let lists = [
+            ("max_velocity", twin.max_velocity.len()),
+            ("sensors.torque_noise", twin.sensors.torque_noise.len()),
+            ("sensors.torque_ripple", twin.sensors.torque_ripple.len()),
+        ];
+        let points = twin.points.iter().map(|p| ("points", p.len()));
+        for (key, found) in lists.into_iter().chain(points) {
+            if found != n {
+                return Err(self.value(&format!("[twin] {key}"), &format!("{n} entries, one for each joint"), found));
+            }
+        }
+        self.require(twin.points.len() > 1, "[twin] points", "a start and at least one end point", 0.0)?;
+        for (key, value) in [
+            ("[twin] sample_rate_hz", twin.sample_rate_hz),
+            ("[twin] sensors.encoder_counts_per_turn", twin.sensors.encoder_counts_per_turn),
+        ] {
+            self.require(value > 0.0 && value.is_finite(), key, "above zero", value)?;
+        }
+        self.require((0.0..=3600.0).contains(&twin.rest_s), "[twin] rest_s", "from 0 to 3600", twin.rest_s)
+    }
+
+    fn validate_signal(&self) -> Result<(), ExperimentError> {
+        let signal = &self.file.signal;
+        self.require(signal.decimation > 0, "[signal] decimation", "at least 1", signal.decimation)?;
+        let (start, end) = (signal.window_start_s.unwrap_or(0.0), signal.window_end_s.unwrap_or(f64::INFINITY));
+        self.require(start >= 0.0, "[signal] window_start_s", "zero or later", start)?;
+        self.require(end > start, "[signal] window_end_s", "later than window_start_s", end)
+    }
+
+    fn validate_methods(&self) -> Result<(), ExperimentError> {
+        let mut names = std::collections::BTreeSet::new();
+        for case in self.cases() {
+            if !names.insert(case.name.clone()) {
+                return Err(self.value("[[case]] name", "a name of its own for each case", case.name));
+            }
+            if !case.simulator.is_valid() {
+                let key = format!("[[case]] {}: simulator", case.name);
+                return Err(self.value(&key, "factors above zero and a delay not below zero", "out of range"));
+            }
+            let methods = case.methods.as_ref().unwrap_or(&self.file.estimation.methods);
+            if methods.is_empty() {
+                return Err(self.value("methods", "at least one method", "an empty list"));
+            }
+            let simulates = methods.iter().any(|m| *m != Method::IdimLs);
+            if simulates && self.file.controller.is_none() {
+                return Err(self.missing("[controller]", "idim-iv and didim simulate the closed loop"));
+            }
+        }
+        Ok(())
+    }
+
+    fn validate_simulation(&self) -> Result<(), ExperimentError> {
+        let simulation = &self.file.simulation;
+        let scale = simulation.sign_velocity_scale;
+        self.require(scale > 0.0 && scale.is_finite(), "[simulation] sign_velocity_scale", "above zero", scale)?;
+        let positive: &[f64] = match &simulation.solver {
+            Solver::Adaptive { relative_tolerance, absolute_tolerance } => &[*relative_tolerance, *absolute_tolerance],
+            Solver::Fixed { step_s } => &[*step_s],
+        };
+        match positive.iter().find(|v| !(v.is_finite() && **v > 0.0)) {
+            Some(v) => Err(self.value("[simulation] solver", "tolerances or a step above zero", v)),
+            None => Ok(()),
+        }
+    }
+
+    fn require(
+        &self,
+        holds: bool,
+        key: &str,
+        expected: &str,
+        found: impl std::fmt::Display,
+    ) -> Result<(), ExperimentError> {
+        if holds { Ok(()) } else { Err(self.value(key, expected, found)) }
+    }
+
+    pub(super) fn value(&self, key: &str, expected: &str, found: impl std::fmt::Display) -> ExperimentError {
+        ExperimentError::Value {
+            path: self.path.clone(),
+            key: key.to_owned(),
+            expected: expected.to_owned(),
+            found: found.to_string(),
+        }
+    }
+
+    pub(super) fn missing(&self, missing: &'static str, why: &'static str) -> ExperimentError {
+        ExperimentError::Missing { path: self.path.clone(), missing, why }
+    }
+}
+
+fn read_text(path: &Path) -> Result<String, ExperimentError> {
+    std::fs::read_to_string(path)
+        .map_err(|e| ExperimentError::Unreadable { path: path.to_owned(), reason: e.to_string() })
+}
+
+fn parse(text: &str, path: &Path) -> Result<ExperimentFile, ExperimentError> {
+    toml::from_str(text)
+        .map_err(|e| ExperimentError::Syntax { path: path.to_owned(), message: e.to_string().trim_end().to_owned() })
+}

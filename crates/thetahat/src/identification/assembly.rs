@@ -1,0 +1,69 @@
+use crate::{
+    dynamics::{Model, Sign},
+    linear_algebra::Matrix,
+    regressor::Regressor,
+    series::Series,
+    signal::{Decimator, SignalError},
+};
+
+/// Builds `y`, `X` and `Z` with the same rows: torques and every column of the observation matrix pass the same parallel
+/// filter and the same down-sampling (6), (7).
+#[derive(Debug, Clone)]
+pub struct Assembly<'a> {
+    model: &'a Model,
+    regressor: Regressor,
+    decimator: Decimator,
+}
+
+impl<'a> Assembly<'a> {
+    /// An assembly of the columns at `indices` of the model's table, for records that `decimator` fits.
+    #[must_use]
+    pub fn new(model: &'a Model, indices: &[usize], decimator: Decimator) -> Self {
+        Self { model, regressor: Regressor::new(model, indices), decimator }
+    }
+
+    /// Rows of each joint.
+    #[must_use]
+    pub fn rows_per_joint(&self) -> usize {
+        self.decimator.rows()
+    }
+
+    /// Index, in the samples before decimation, of each decimated row of a joint.
+    #[must_use]
+    pub fn kept_samples(&self) -> Vec<usize> {
+        self.decimator.kept().collect()
+    }
+
+    /// The vector `y` of decimated torques.
+    ///
+    /// # Errors
+    /// [`SignalError`] where the record is too short for the filter.
+    pub fn measurement_vector(&self, tau: &Series) -> Result<Vec<f64>, SignalError> {
+        let decimated = self.decimator.decimate(tau)?;
+        Ok((0..tau.channels()).flat_map(|j| decimated.channel(j)).collect())
+    }
+
+    /// The observation matrix of a motion: `X` of a measured one, `Z` of a simulated one.
+    ///
+    /// # Errors
+    /// [`SignalError`] where the record is too short for the filter.
+    pub fn observation_matrix(
+        &self,
+        q: &Series,
+        dq: &Series,
+        ddq: &Series,
+        sign: Sign,
+    ) -> Result<Matrix, SignalError> {
+        let phi = self.regressor.evaluate_series(self.model, q, dq, ddq, sign);
+        let decimated = self.decimator.decimate(&phi)?;
+        let rows = self.rows_per_joint();
+        let mut x = Matrix::zeros(rows * self.model.joint_count(), self.regressor.columns());
+        for (e, entry) in self.regressor.entries().iter().enumerate() {
+            let column = &mut x.column_mut(entry.column)[entry.joint * rows..][..rows];
+            for (k, value) in column.iter_mut().enumerate() {
+                *value = decimated.sample(k)[e];
+            }
+        }
+        Ok(x)
+    }
+}

@@ -1,0 +1,248 @@
+use serde::{Deserialize, Serialize};
+
+use super::{
+    EstimationError, Fit, Method,
+    estimators::{Divisor, didim, idim_iv, idim_ls},
+};
+use crate::{linear_algebra::Matrix, linear_algebra::norm, simulation::SimulationError};
+
+/// When the iteration stops.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Convergence {
+    /// Largest change of an estimate, relative to its value or to its standard deviation, whichever is larger.
+    pub parameter_change: f64,
+    /// Relative change of the error `|rho|`.
+    pub error_change: f64,
+    /// Iterations at the most.
+    pub iterations: usize,
+}
+
+impl Default for Convergence {
+    fn default() -> Self {
+        Self { parameter_change: 1e-2, error_change: 1e-3, iterations: 20 }
+    }
+}
+
+/// How an estimation ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    /// Both changes fell below their limits, or nothing had to be iterated.
+    Converged,
+    /// They did not within the iterations allowed.
+    IterationLimit,
+    /// A simulation failed.
+    Diverged,
+    /// The motion does not separate the parameters.
+    NotIdentifiable,
+}
+
+/// One iteration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Iteration {
+    /// The estimates.
+    pub theta: Vec<f64>,
+    /// Relative error in percent.
+    pub relative_error_percent: f64,
+    /// Largest change of an estimate; none for the first, which follows the start values.
+    pub parameter_change: Option<f64>,
+    /// Relative change of the error.
+    pub error_change: Option<f64>,
+}
+
+/// The end of an estimation and the way there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// How it ended.
+    pub status: Status,
+    /// Why, where it is not converged.
+    pub reason: Option<String>,
+    /// The last estimate, absent where there is none to trust.
+    pub fit: Option<Fit>,
+    /// Every iteration.
+    pub iterations: Vec<Iteration>,
+    /// Closed-loop simulations run.
+    pub simulations: usize,
+    /// The instruments of the last estimate.
+    pub instruments: Option<Matrix>,
+}
+
+impl Outcome {
+    /// The outcome of a method that does not iterate.
+    #[must_use]
+    pub fn direct(result: Result<Fit, EstimationError>) -> Self {
+        let (status, reason, fit) = match result {
+            Ok(fit) => (Status::Converged, None, Some(fit)),
+            Err(e) => (Status::NotIdentifiable, Some(e.to_string()), None),
+        };
+        Self { status, reason, fit, iterations: Vec::new(), simulations: 0, instruments: None }
+    }
+
+    fn failed(status: Status, reason: String, iterations: Vec<Iteration>, simulations: usize) -> Self {
+        Self { status, reason: Some(reason), fit: None, iterations, simulations, instruments: None }
+    }
+}
+
+/// Halvings of a step of the parameters whose simulation fails.
+const HALVINGS: usize = 4;
+
+/// Iterates IDIM-IV (10) or DIDIM (19) from `start`: simulate, build Z, estimate, until both relative changes are small.
+///
+/// `instruments` simulates the loop with given parameters and returns Z. Where the simulation of new estimates fails, the
+/// step towards them is halved a few times before the iteration counts as diverged.
+pub fn iterate(
+    method: Method,
+    (x, y): (&Matrix, &[f64]),
+    weights: Option<&[f64]>,
+    (divisor, convergence): (Divisor, Convergence),
+    start: &[f64],
+    instruments: &mut dyn FnMut(&[f64]) -> Result<Matrix, SimulationError>,
+) -> Outcome {
+    let mut iterations: Vec<Iteration> = Vec::new();
+    let mut simulations = 0;
+    let mut last: Option<(Fit, f64)> = None;
+    let mut theta = start.to_vec();
+    let mut before = start.to_vec();
+    for _ in 0..convergence.iterations {
+        let z = match simulate_with_halving(&before, &mut theta, instruments, &mut simulations) {
+            Ok(z) => z,
+            Err(e) => return Outcome::failed(Status::Diverged, e.to_string(), iterations, simulations),
+        };
+        let fit = match estimate(method, &z, x, y, weights, divisor) {
+            Ok(fit) => fit,
+            Err(e) => return Outcome::failed(Status::NotIdentifiable, e.to_string(), iterations, simulations),
+        };
+        let error = whitened_error(y, &fit.prediction, weights);
+        let parameter_change = last.as_ref().map(|(previous, _)| largest_change(previous, &fit));
+        let error_change = last.as_ref().map(|(_, previous)| relative_change(*previous, error));
+        iterations.push(Iteration {
+            theta: fit.theta.clone(),
+            relative_error_percent: fit.relative_error_percent,
+            parameter_change,
+            error_change,
+        });
+        let small = |change: Option<f64>, limit: f64| change.is_some_and(|c| c <= limit);
+        if small(parameter_change, convergence.parameter_change) && small(error_change, convergence.error_change) {
+            let (status, fit, instruments) = (Status::Converged, Some(fit), Some(z));
+            return Outcome { status, reason: None, fit, iterations, simulations, instruments };
+        }
+        before = std::mem::replace(&mut theta, fit.theta.clone());
+        last = Some((fit, error));
+        if iterations.len() == convergence.iterations {
+            let reason = format!("no convergence within {} iterations", convergence.iterations);
+            let (status, fit) = (Status::IterationLimit, last.map(|(fit, _)| fit));
+            return Outcome { status, reason: Some(reason), fit, iterations, simulations, instruments: Some(z) };
+        }
+    }
+    Outcome::failed(Status::IterationLimit, "no iteration was allowed".to_owned(), iterations, simulations)
+}
+
+/// Moves `theta` back towards `before`, halving the step, until its simulation succeeds.
+fn simulate_with_halving(
+    before: &[f64],
+    theta: &mut [f64],
+    instruments: &mut dyn FnMut(&[f64]) -> Result<Matrix, SimulationError>,
+    simulations: &mut usize,
+) -> Result<Matrix, SimulationError> {
+    let mut halvings = 0;
+    loop {
+        *simulations += 1;
+        match instruments(theta) {
+            Err(_) if halvings < HALVINGS && before != theta => {
+                halvings += 1;
+                theta.iter_mut().zip(before).for_each(|(t, b)| *t = 0.5 * (*t + b));
+            }
+            result => return result,
+        }
+    }
+}
+
+fn estimate(
+    method: Method,
+    z: &Matrix,
+    x: &Matrix,
+    y: &[f64],
+    weights: Option<&[f64]>,
+    divisor: Divisor,
+) -> Result<Fit, EstimationError> {
+    match method {
+        Method::IdimLs => idim_ls(x, y, weights, divisor),
+        Method::IdimIv => idim_iv(z, x, y, weights, divisor),
+        Method::Didim => didim(z, y, weights, divisor),
+    }
+}
+
+fn largest_change(before: &Fit, now: &Fit) -> f64 {
+    let change = |i: usize| {
+        let size = now.theta[i].abs().max(now.standard_deviation[i]).max(f64::MIN_POSITIVE);
+        (now.theta[i] - before.theta[i]).abs() / size
+    };
+    (0..now.theta.len()).map(change).fold(0.0, f64::max)
+}
+
+fn relative_change(before: f64, now: f64) -> f64 {
+    if now == before { 0.0 } else { (now - before).abs() / before }
+}
+
+fn whitened_error(y: &[f64], prediction: &[f64], weights: Option<&[f64]>) -> f64 {
+    let weight = |k: usize| weights.map_or(1.0, |w| w[k]);
+    norm(&y.iter().zip(prediction).enumerate().map(|(k, (y, p))| weight(k) * (y - p)).collect::<Vec<_>>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A simulator whose regressor depends weakly on the parameter: a contraction for DIDIM.
+    fn z_of(theta: f64) -> Matrix {
+        Matrix::from_fn(50, 1, |k, _| (0.3 * k as f64).sin() + 0.1 * theta * (0.7 * k as f64).cos())
+    }
+
+    fn measured() -> (Matrix, Vec<f64>) {
+        let x = z_of(2.0);
+        let y = x.times(&[2.0]);
+        (x, y)
+    }
+
+    #[test]
+    fn both_methods_find_the_fixed_point() {
+        let (x, y) = measured();
+        for method in [Method::IdimIv, Method::Didim] {
+            let outcome = iterate(
+                method,
+                (&x, &y),
+                None,
+                (Divisor::default(), Convergence { parameter_change: 1e-9, error_change: 1e9, iterations: 50 }),
+                &[1.0],
+                &mut |theta| Ok(z_of(theta[0])),
+            );
+            assert_eq!(outcome.status, Status::Converged);
+            assert!((outcome.fit.unwrap().theta[0] - 2.0).abs() < 1e-8, "{method:?}");
+        }
+    }
+
+    #[test]
+    fn the_limit_of_iterations_is_a_status() {
+        let (x, y) = measured();
+        let convergence = Convergence { iterations: 2, parameter_change: 0.0, error_change: 0.0 };
+        let outcome = iterate(Method::Didim, (&x, &y), None, (Divisor::default(), convergence), &[0.0], &mut |t| {
+            Ok(z_of(t[0]))
+        });
+        assert_eq!((outcome.status, outcome.iterations.len(), outcome.simulations), (Status::IterationLimit, 2, 2));
+    }
+
+    #[test]
+    fn steps_to_a_failing_simulation_are_halved_and_then_it_is_a_status() {
+        let (x, y) = measured();
+        let fail = SimulationError::StepTooSmall { time_s: 0.0 };
+        let options = (Divisor::default(), Convergence::default());
+        let outcome = iterate(Method::Didim, (&x, &y), None, options, &[1.0], &mut |theta| {
+            if theta[0] > 1.2 { Err(fail.clone()) } else { Ok(z_of(theta[0])) }
+        });
+        // Halving comes close to 1.2 and no further; the fixed point is 2.
+        assert!(outcome.iterations.len() > 1 && outcome.iterations.len() < outcome.simulations);
+        assert_eq!(outcome.status, Status::Diverged);
+        assert!(outcome.fit.is_none());
+    }
+}
