@@ -19,3 +19,5 @@ pub mod base_parameters;
 pub mod recording;
 
 pub mod signal;
+
+pub mod trajectory;
