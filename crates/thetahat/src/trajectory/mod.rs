@@ -1,1 +1,30 @@
-//! The `trajectory` room.
+//! Reference trajectories: what the robot was told to do.
+//!
+//! A trajectory is a row of point-to-point moves, synchronised over the joints, each with one normalised time law. It is
+//! planned from end points and limits ([`plan`]), or found again from a recorded motion ([`reconstruct`]), which gives
+//! the simulator a reference free of noise and ten numbers a move instead of a file.
+//!
+//! | letter | word | shape | unit |
+//! | --- | --- | --- | --- |
+//! | `s ds dds` | normalised time law from 0 to 1, and its derivatives | 1 | 1, 1/s, 1/s^2 |
+//! | `T1` | time at full speed plus one acceleration: the displacement divided by the peak velocity | 1 | s |
+//! | `T2` | acceleration time before smoothing | 1 | s |
+//! | `T3` | time over which the acceleration is smoothed: the jerk is bounded | 1 | s |
+//! | `P_0, P_k` | where the trajectory starts, where move k ends | n | rad (m for prismatic joints) |
+//! | `D_kj` | displacement of joint j in move k, `P_kj - P_(k-1)j` | 1 | rad |
+//! | `q dq ddq` | joint positions and their derivatives | n | rad, rad/s, rad/s^2 |
+//! | `w_j` | weight of joint j in a fit | 1 | 1/rad |
+
+mod detect;
+mod error;
+mod fit;
+mod law;
+mod moves;
+mod plan;
+mod reconstruct;
+
+pub use error::TrajectoryError;
+pub use law::TimeLaw;
+pub use moves::{Move, Moves};
+pub use plan::{Limits, plan};
+pub use reconstruct::{Reconstruction, reconstruct};
