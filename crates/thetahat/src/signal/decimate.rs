@@ -16,8 +16,9 @@ const CUTOFF_FRACTION: f64 = 0.8;
 /// The filter is a Chebyshev low-pass of type I, order 8, ripple 0.05 dB, cut-off `0.8 / factor` of the Nyquist
 /// frequency, run forward and backward with an odd extension of 24 samples. Of `n` samples, `ceil(n / factor)` are
 /// kept such that the last one kept is the record's last. The two passes have the gain `10^(-0.005) = 0.989` at DC,
-/// the same for every channel: it cancels in a regression where both sides are decimated ("parallel filter"; Janot,
-/// Gautier and Brunot, section III-A). Factor 1 filters nothing and keeps every sample.
+/// the same for every channel: it cancels in a regression where both sides are decimated (the "decimate" process with
+/// the parallel filter `F_p`; Brunot, Janot, Carrillo and Garnier, "Comparison between the IDIM-IV method and the DIDIM
+/// method for industrial robots identification", section III-A). Factor 1 filters nothing and keeps every sample.
 ///
 /// The sections are used as such: MATLAB's polynomial form of the same filter loses its digits from factor 13 on.
 ///

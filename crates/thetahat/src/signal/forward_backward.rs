@@ -1,16 +1,15 @@
 //! The one kernel of this room: a cascade of sections over many channels, forward and then backward in time.
 //!
-//! Eight channels at a time are filtered in place in a buffer of their own. The innermost loop runs
-//! over the eight, which the compiler turns into vector instructions; a section passes over a block of samples with
-//! its state in registers, and the block stays in the first-level cache while all sections pass over it. A few sets
-//! advance side by side, so that a sample's channels are read together.
+//! Eight channels at a time, a set, are copied out of the series and filtered in place. The innermost loop runs over
+//! the eight, which the compiler turns into vector instructions; a section passes over a block of samples with its
+//! state in registers, and the block stays in the first-level cache while all sections pass over it. Two sets are
+//! copied together: to read the series takes as long as one pass, and a little longer if by single sets.
 //!
 //! Legend: `x` input, `w` after the poles, `y` output of a section. All zeros that matter are at `z = -1` (SciPy's
 //! others, at 0, do nothing), so a numerator is a sum of neighbours: the forward pass adds them section by section;
 //! the backward pass runs the poles alone and forms `y[k] = sum_j binomial(order, j) w[k + j]` where `y[k]` is kept.
 
 use std::iter::zip;
-use std::ops::Range;
 
 use crate::series::Series;
 
@@ -18,8 +17,8 @@ use super::SecondOrderSections;
 
 /// Channels filtered together.
 const LANES: usize = 8;
-/// Sets of channels that advance side by side.
-const SETS: usize = 4;
+/// Sets of channels copied together.
+const SETS: usize = 2;
 /// Samples per block: 8 kB of values.
 const BLOCK: usize = 128;
 
@@ -39,12 +38,6 @@ impl Kept {
     pub fn indices(self, samples: usize) -> impl Iterator<Item = usize> {
         (self.first..samples).step_by(self.step)
     }
-
-    /// The rows of the output whose samples lie in `samples`.
-    fn rows(self, samples: &Range<usize>) -> Range<usize> {
-        let rows_before = |k: usize| k.saturating_sub(self.first).div_ceil(self.step);
-        rows_before(samples.start)..rows_before(samples.end)
-    }
 }
 
 /// The kept samples of `input`, filtered forward and backward, with `padding` samples of odd extension at both ends
@@ -55,38 +48,26 @@ pub(super) fn forward_backward(filter: &SecondOrderSections, padding: usize, inp
     let mut output = Series::zeros(kept.indices(input.len()).count(), input.channels());
     let extended = Extended { series: input, padding };
     let first_channels: Vec<usize> = (0..input.channels()).step_by(LANES).collect();
-    let side_by_side = first_channels.len().min(SETS);
-    let mut sets: Vec<ChannelSet> = (0..side_by_side).map(|_| ChannelSet::new(filter, extended.len())).collect();
-    for first_channels in first_channels.chunks(side_by_side) {
+    let mut sets = vec![ChannelSet::new(filter, extended.len()); first_channels.len().min(SETS)];
+    for first_channels in first_channels.chunks(SETS) {
         let sets = &mut sets[..first_channels.len()];
         zip(sets.iter_mut(), first_channels).for_each(|(set, &c)| set.first_channel = c);
-        run(sets, extended, kept, &mut output);
+        load(sets, extended);
+        for set in sets {
+            set.forward();
+            set.backward();
+            let samples = kept.indices(input.len()).enumerate();
+            samples.for_each(|(row, k)| set.store(padding + k, output.sample_mut(row)));
+        }
     }
     output
 }
 
-/// Both passes over some sets of channels, block by block.
-fn run(sets: &mut [ChannelSet], input: Extended, kept: Kept, output: &mut Series) {
-    sets.iter_mut().for_each(|set| set.start_forward(input));
-    for block in blocks(input.len()) {
-        for k in block.clone() {
-            sets.iter_mut().for_each(|set| set.load(input, k));
-        }
-        sets.iter_mut().for_each(|set| set.forward(block.clone()));
+/// Copies the channels of some sets, extended at both ends.
+fn load(sets: &mut [ChannelSet], input: Extended) {
+    for k in 0..input.len() {
+        sets.iter_mut().for_each(|set| set.load(input, k));
     }
-    sets.iter_mut().for_each(ChannelSet::start_backward);
-    for block in blocks(input.len()).rev() {
-        sets.iter_mut().for_each(|set| set.backward(block.clone()));
-        let samples = input.inside(&block);
-        for row in kept.rows(&samples) {
-            let k = input.padding + kept.first + row * kept.step;
-            sets.iter().for_each(|set| set.store(k, output.sample_mut(row)));
-        }
-    }
-}
-
-fn blocks(samples: usize) -> impl DoubleEndedIterator<Item = Range<usize>> {
-    (0..samples.div_ceil(BLOCK)).map(move |i| i * BLOCK..samples.min((i + 1) * BLOCK))
 }
 
 /// A series extended at both ends by its odd reflection about the first and the last sample, `2 x[0] - x[k]`.
@@ -101,13 +82,8 @@ impl Extended<'_> {
         self.series.len() + 2 * self.padding
     }
 
-    /// The part of the block that lies in the series, counted from its first sample.
-    fn inside(self, block: &Range<usize>) -> Range<usize> {
-        let clamp = |k: usize| k.saturating_sub(self.padding).min(self.series.len());
-        clamp(block.start)..clamp(block.end)
-    }
-
     /// Eight channels at sample `k` of the extended record.
+    #[inline]
     fn lanes(self, k: usize, first_channel: usize) -> Lanes {
         let at = |k: usize| lanes_of(self.series.sample(k), first_channel);
         let last = self.series.len() - 1;
@@ -132,6 +108,7 @@ fn reflected(centre: Lanes, x: Lanes) -> Lanes {
 }
 
 /// Eight channels: their record, extended, and the filter with their state.
+#[derive(Clone)]
 struct ChannelSet {
     first_channel: usize,
     record: Vec<Lanes>,
@@ -153,38 +130,28 @@ impl ChannelSet {
         }
     }
 
-    fn start_forward(&mut self, input: Extended) {
-        let mut x = input.lanes(0, self.first_channel).map(|x| self.gain * x);
-        for section in &mut self.sections {
-            x = section.settle(section.zeros, x);
-        }
-    }
-
     fn load(&mut self, input: Extended, k: usize) {
         self.record[k] = input.lanes(k, self.first_channel).map(|x| self.gain * x);
     }
 
-    fn forward(&mut self, block: Range<usize>) {
-        let record = &mut self.record[block];
-        for section in &mut self.sections {
-            section.pass(section.zeros, record.iter_mut());
+    fn forward(&mut self) {
+        let mut x = self.record[0];
+        self.sections.iter_mut().for_each(|section| x = section.settle(section.zeros, x));
+        for block in self.record.chunks_mut(BLOCK) {
+            self.sections.iter_mut().for_each(|section| section.pass(section.zeros, block.iter_mut()));
         }
     }
 
-    fn start_backward(&mut self) {
+    /// Leaves `w` in the record, without the numerator and the gain.
+    fn backward(&mut self) {
         let mut x = self.record[self.record.len() - 1];
-        for section in &mut self.sections {
-            x = section.settle(0, x);
+        self.sections.iter_mut().for_each(|section| x = section.settle(0, x));
+        for block in self.record.rchunks_mut(BLOCK) {
+            self.sections.iter_mut().for_each(|section| section.pass(0, block.iter_mut().rev()));
         }
     }
 
-    fn backward(&mut self, block: Range<usize>) {
-        for section in &mut self.sections {
-            section.pass(0, self.record[block.clone()].iter_mut().rev());
-        }
-    }
-
-    /// Writes the channels at sample `k` of the extended record.
+    /// Writes the channels at sample `k` of the extended record, after the backward pass.
     fn store(&self, k: usize, sample: &mut [f64]) {
         let mut sum = [0.0; LANES];
         for (c, w) in zip(&self.numerator, &self.record[k..]) {
@@ -206,6 +173,7 @@ fn binomials(order: usize) -> Vec<f64> {
 }
 
 /// One section in the direct form II: `w[k] = x[k] - a1 w[k-1] - a2 w[k-2]`, then a factor `1 + z^-1` for each zero.
+#[derive(Clone)]
 struct Section {
     a1: f64,
     a2: f64,

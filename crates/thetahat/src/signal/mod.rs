@@ -1,7 +1,7 @@
 //! Filtering, differentiation and decimation of recorded signals, all without delay.
 //!
-//! The way of a recording (section III-A and III-B of the paper): the positions are band-passed, that is filtered by a
-//! zero-phase Butterworth low-pass ([`zero_phase`]) and differentiated by central differences
+//! The way of a recording (Brunot and others, section III, see [`Decimator`]): the positions are band-passed, that is
+//! filtered by a zero-phase Butterworth low-pass ([`zero_phase`]) and differentiated by central differences
 //! ([`central_difference`]); the still periods at both ends are found ([`moving_samples`]) and cut; the torques and
 //! every column of the observation matrix are passed through one and the same parallel filter and down-sampled
 //! ([`Decimator`]). What bandwidth remains is measured on the result ([`minus_3_db_bandwidth_hz`]).
