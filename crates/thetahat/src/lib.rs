@@ -29,3 +29,5 @@ pub mod simulation;
 pub mod statistics;
 
 pub mod identification;
+
+pub mod experiment;

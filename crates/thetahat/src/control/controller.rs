@@ -220,9 +220,7 @@ impl Controller {
     #[must_use]
     pub fn command(&self, i: usize, e: f64, v: f64, dr: f64, ddr: f64) -> f64 {
         let l = &self.loops[i];
-        let u = l.position * e
-            + l.velocity * (l.velocity_feed_forward * dr - v)
-            + l.acceleration_feed_forward * ddr;
+        let u = l.position * e + l.velocity * (l.velocity_feed_forward * dr - v) + l.acceleration_feed_forward * ddr;
         u.clamp(-l.limit, l.limit)
     }
 

@@ -303,8 +303,7 @@ impl Experiment {
     /// The nominal case and the others.
     #[must_use]
     pub fn cases(&self) -> Vec<Case> {
-        let nominal =
-            Case { name: NOMINAL.to_owned(), simulator: SimulatorBias::NONE, friction: None, methods: None };
+        let nominal = Case { name: NOMINAL.to_owned(), simulator: SimulatorBias::NONE, friction: None, methods: None };
         std::iter::once(nominal).chain(self.file.case.iter().cloned()).collect()
     }
 
@@ -343,8 +342,7 @@ impl Experiment {
     fn validate_recording(&self, recording: &RecordingDescription) -> Result<(), ExperimentError> {
         let position = [Quantity::Angle, Quantity::Length];
         recording.position.require_quantity("position", &position)?;
-        let torque =
-            [Quantity::Torque, Quantity::Force, Quantity::Voltage, Quantity::Current, Quantity::Dimensionless];
+        let torque = [Quantity::Torque, Quantity::Force, Quantity::Voltage, Quantity::Current, Quantity::Dimensionless];
         recording.torque.require_quantity("torque", &torque)?;
         if let Some(reference) = &recording.reference {
             reference.require_quantity("reference", &position)?;

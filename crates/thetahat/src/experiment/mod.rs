@@ -14,10 +14,12 @@ mod run;
 mod simulator;
 
 pub use description::{
-    Case, Experiment, ExperimentFile, Gains, ParameterChoice, ParameterSelection, RecordingDescription, Start, Weighting,
+    Case, EstimationDescription, Experiment, ExperimentFile, Gains, NamedChoice, ParameterChoice, ParameterSelection,
+    RecordingDescription, SignalDescription, SimulationDescription, Start, TwinDescription, Weighting,
 };
 pub use error::ExperimentError;
 pub use predict::{Prediction, PredictionRequest, predict};
 pub use results::{
-    Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, ReferenceResult, Results, RunPlots, RunResult,
+    Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, ReferenceResult, Results, RunPlots,
+    RunResult,
 };

@@ -47,13 +47,7 @@ impl<'a> Assembly<'a> {
     ///
     /// # Errors
     /// [`SignalError`] where the record is too short for the filter.
-    pub fn observation_matrix(
-        &self,
-        q: &Series,
-        dq: &Series,
-        ddq: &Series,
-        sign: Sign,
-    ) -> Result<Matrix, SignalError> {
+    pub fn observation_matrix(&self, q: &Series, dq: &Series, ddq: &Series, sign: Sign) -> Result<Matrix, SignalError> {
         let phi = self.regressor.evaluate_series(self.model, q, dq, ddq, sign);
         let decimated = self.decimator.decimate(&phi)?;
         let rows = self.rows_per_joint();

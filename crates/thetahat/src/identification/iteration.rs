@@ -226,9 +226,8 @@ mod tests {
     fn the_limit_of_iterations_is_a_status() {
         let (x, y) = measured();
         let convergence = Convergence { iterations: 2, parameter_change: 0.0, error_change: 0.0 };
-        let outcome = iterate(Method::Didim, (&x, &y), None, (Divisor::default(), convergence), &[0.0], &mut |t| {
-            Ok(z_of(t[0]))
-        });
+        let outcome =
+            iterate(Method::Didim, (&x, &y), None, (Divisor::default(), convergence), &[0.0], &mut |t| Ok(z_of(t[0])));
         assert_eq!((outcome.status, outcome.iterations.len(), outcome.simulations), (Status::IterationLimit, 2, 2));
     }
 

@@ -19,5 +19,7 @@ mod iteration;
 
 pub use assembly::Assembly;
 pub use essential::{Elimination, EliminationRule, eliminate};
-pub use estimators::{Divisor, EstimationError, Fit, Method, didim, idim_iv, idim_ls, joint_weights};
+pub use estimators::{
+    Divisor, EstimationError, Fit, Method, didim, idim_iv, idim_ls, joint_weights, relative_error_percent,
+};
 pub use iteration::{Convergence, Iteration, Outcome, Status, iterate};

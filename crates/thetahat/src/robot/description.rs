@@ -91,10 +91,16 @@ impl Robot {
         ParameterTable::new(&kinds, self.friction, &self.transmission.coupled_motors())
     }
 
-    /// The a-priori values in the order of the table, zero where nothing is given.
+    /// The a-priori values in the order of the robot's table, zero where nothing is given.
     #[must_use]
     pub fn a_priori_parameters(&self) -> Vec<f64> {
-        self.parameter_table().iter().map(|p| self.a_priori.get(&p.name()).copied().unwrap_or(0.0)).collect()
+        self.a_priori_parameters_for(&self.parameter_table())
+    }
+
+    /// The a-priori values in the order of a table, as of the same robot with another friction model.
+    #[must_use]
+    pub fn a_priori_parameters_for(&self, table: &ParameterTable) -> Vec<f64> {
+        table.iter().map(|p| self.a_priori.get(&p.name()).copied().unwrap_or(0.0)).collect()
     }
 }
 

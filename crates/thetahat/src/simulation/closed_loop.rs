@@ -12,7 +12,9 @@ use crate::{
 #[non_exhaustive]
 pub enum SimulationError {
     /// A joint ran away from its reference, or became infinite.
-    #[error("the simulated loop diverged: joint {joint} reached {velocity:.3e} at {time_s:.4} s; lower the bandwidth or check the start values")]
+    #[error(
+        "the simulated loop diverged: joint {joint} reached {velocity:.3e} at {time_s:.4} s; lower the bandwidth or check the start values"
+    )]
     Diverged {
         /// The joint, from one.
         joint: usize,
@@ -30,11 +32,16 @@ pub enum SimulationError {
         source: DynamicsError,
     },
     /// The integrator's step vanished.
-    #[error("the integration stopped at {time_s:.4} s: its step fell below the spacing of numbers; loosen the tolerance or widen sign_velocity_scale")]
+    #[error(
+        "the integration stopped at {time_s:.4} s: its step fell below the spacing of numbers; loosen the tolerance or widen sign_velocity_scale"
+    )]
     StepTooSmall {
         /// The time.
         time_s: f64,
     },
+    /// The simulated motion is too short for the filters of the record.
+    #[error("the simulated motion is too short for the filters; take a longer window")]
+    TooShortToFilter,
     /// Fixed steps or a sample time that would take more work than any record needs.
     #[error("the simulation would take {steps:.1e} steps of {step_s} s; use a longer step")]
     TooManySteps {

@@ -78,15 +78,8 @@ const A: [&[f64]; 7] = [
     &[35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
 ];
 /// Weights of the fifth-order less those of the fourth-order formula.
-const E: [f64; 7] = [
-    71.0 / 57600.0,
-    0.0,
-    -71.0 / 16695.0,
-    71.0 / 1920.0,
-    -17253.0 / 339_200.0,
-    22.0 / 525.0,
-    -1.0 / 40.0,
-];
+const E: [f64; 7] =
+    [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339_200.0, 22.0 / 525.0, -1.0 / 40.0];
 /// Coefficients of s, s^2, s^3, s^4 in the interpolant at the fraction s of a step.
 const P: [[f64; 4]; 7] = [
     [1.0, -183.0 / 64.0, 37.0 / 12.0, -145.0 / 128.0],
@@ -152,14 +145,8 @@ impl Integrator {
             let (taken, next) = self.step(t, asked, y, system)?;
             let reached = last && taken == asked;
             let end = if reached { t1 } else { t + taken };
-            let mut view = StepView {
-                start_s: t,
-                end_s: end,
-                step: taken,
-                from: y,
-                stages: &self.stages,
-                out: &mut self.dense,
-            };
+            let mut view =
+                StepView { start_s: t, end_s: end, step: taken, from: y, stages: &self.stages, out: &mut self.dense };
             system.accept(&mut view).map_err(IntegrationError::Stopped)?;
             y.copy_from_slice(&self.trial);
             self.stages.swap(0, 6);

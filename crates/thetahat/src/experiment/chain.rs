@@ -1,0 +1,231 @@
+//! From a record to y and X: band-pass, window, observation matrix, parallel decimation.
+
+use std::ops::Range;
+
+use super::{
+    Bandwidth, Experiment, ExperimentError, ParameterChoice, RunPlots,
+    description::{NamedChoice, SignalDescription},
+    record::Record,
+};
+use crate::{
+    base_parameters::BaseParameters,
+    dynamics::{Model, Sign},
+    identification::{Assembly, Elimination, eliminate, relative_error_percent},
+    linear_algebra::Matrix,
+    robot::Robot,
+    series::Series,
+    signal::{
+        Decimator, Padding, SecondOrderSections, SignalError, central_difference, minus_3_db_bandwidth_hz,
+        moving_samples, zero_phase,
+    },
+};
+
+/// Part of its peak velocity above which a joint counts as moving.
+const MOVING: f64 = 0.01;
+/// Peak velocity in rad/s or m/s below which a joint counts as still.
+const STILL: f64 = 1e-3;
+/// Length, in decimated samples or periods of the cut-off, of the record through which bandwidths are measured.
+const PROBE_PERIODS: f64 = 40.0;
+
+/// The band-passed motion of a record, cut to the window.
+pub(super) struct FilteredRecord {
+    pub(super) record: Record,
+    pub(super) q: Series,
+    pub(super) dq: Series,
+    pub(super) ddq: Series,
+    pub(super) window: Range<usize>,
+}
+
+impl Experiment {
+    /// Filters and differentiates the whole record, then cuts it to the experiment's window.
+    pub(super) fn filter(&self, record: Record) -> Result<FilteredRecord, ExperimentError> {
+        self.filter_and_cut(record, &self.file.signal)
+    }
+
+    /// Filters and differentiates the whole record, then cuts it to its moving part.
+    pub(super) fn filter_moving_part(&self, record: Record) -> Result<FilteredRecord, ExperimentError> {
+        let signal = SignalDescription { window_start_s: None, window_end_s: None, ..self.file.signal };
+        self.filter_and_cut(record, &signal)
+    }
+
+    fn filter_and_cut(&self, record: Record, signal: &SignalDescription) -> Result<FilteredRecord, ExperimentError> {
+        let refuse = |source| ExperimentError::Signal { path: self.path.clone(), source };
+        let (q, dq, ddq) = self.band_pass(&record.position, record.sample_rate_hz).map_err(refuse)?;
+        let window = self.window(&dq, record.sample_rate_hz, signal)?;
+        let cut = |series: &Series| series.window(window.clone());
+        Ok(FilteredRecord { q: cut(&q), dq: cut(&dq), ddq: cut(&ddq), record, window })
+    }
+
+    /// Position, velocity and acceleration by the zero-phase Butterworth filter and central differences (III-A).
+    pub(super) fn band_pass(
+        &self,
+        position: &Series,
+        sample_rate_hz: f64,
+    ) -> Result<(Series, Series, Series), SignalError> {
+        let signal = &self.file.signal;
+        let filter = SecondOrderSections::butterworth_lowpass(signal.filter_order, signal.cutoff_hz, sample_rate_hz)?;
+        let q = zero_phase(&filter, position, Padding::Matlab)?;
+        let dq = central_difference(&q, sample_rate_hz);
+        let ddq = central_difference(&dq, sample_rate_hz);
+        Ok((q, dq, ddq))
+    }
+
+    /// The stated window, or the moving part. A record without motion is refused in both cases.
+    fn window(
+        &self,
+        dq: &Series,
+        sample_rate_hz: f64,
+        signal: &SignalDescription,
+    ) -> Result<Range<usize>, ExperimentError> {
+        let refuse = |source| ExperimentError::Signal { path: self.path.clone(), source };
+        let moving = moving_samples(dq, MOVING, STILL).map_err(refuse)?;
+        let sample = |t: f64| (t * sample_rate_hz).round() as usize;
+        let start = signal.window_start_s.map_or(moving.start, sample);
+        let end =
+            signal.window_end_s.map_or(if signal.window_start_s.is_some() { dq.len() } else { moving.end }, sample);
+        if end > dq.len() {
+            let found = format!("{} s", signal.window_end_s.unwrap_or_default());
+            let record = format!("at most the record's {:.4} s", dq.len() as f64 / sample_rate_hz);
+            return Err(self.value("[signal] window_end_s", &record, found));
+        }
+        if start >= end {
+            let found = format!("{start} to {end}");
+            return Err(self.value("[signal] the window, in samples,", "a start before its end", found));
+        }
+        Ok(start..end)
+    }
+
+    /// Sends an impulse through the filters as they are used on the record, and measures where they are 3 dB down.
+    pub(super) fn measure_bandwidth(&self, sample_rate_hz: f64) -> Result<Bandwidth, ExperimentError> {
+        let refuse = |source| ExperimentError::Signal { path: self.path.clone(), source };
+        let signal = &self.file.signal;
+        let decimation_cutoff_hz = 0.8 * 0.5 * sample_rate_hz / signal.decimation as f64;
+        let length = |cutoff: f64| (PROBE_PERIODS * sample_rate_hz / cutoff).ceil() as usize;
+        let filtered = length(signal.cutoff_hz);
+        let position = minus_3_db_bandwidth_hz(sample_rate_hz, filtered, 0, |x| {
+            self.band_pass(x, sample_rate_hz).map(|(q, _, _)| q)
+        });
+        let acceleration = minus_3_db_bandwidth_hz(sample_rate_hz, filtered, 2, |x| {
+            self.band_pass(x, sample_rate_hz).map(|(_, _, ddq)| ddq)
+        });
+        let decimated = length(decimation_cutoff_hz);
+        let decimation = Decimator::new(signal.decimation, decimated)
+            .and_then(|d| minus_3_db_bandwidth_hz(sample_rate_hz, decimated, 0, |x| d.filter(x)));
+        Ok(Bandwidth {
+            position_cutoff_hz: signal.cutoff_hz,
+            position_measured_hz: position.map_err(refuse)?,
+            acceleration_measured_hz: acceleration.map_err(refuse)?,
+            decimation_cutoff_hz,
+            decimation_measured_hz: decimation.map_err(refuse)?,
+        })
+    }
+}
+
+/// The regression problem of one friction model.
+pub(super) struct Problem {
+    pub(super) model: Model,
+    /// All base parameters.
+    pub(super) base: BaseParameters,
+    /// Those that are estimated.
+    pub(super) estimated: BaseParameters,
+    pub(super) elimination: Option<Elimination>,
+    pub(super) decimator: Decimator,
+    pub(super) x: Matrix,
+    pub(super) y: Vec<f64>,
+    /// X of all base parameters, where fewer are estimated.
+    pub(super) full_x: Option<Matrix>,
+}
+
+impl Experiment {
+    /// Builds y and X for a friction model, and chooses the parameters.
+    pub(super) fn problem(&self, robot: &Robot, filtered: &FilteredRecord) -> Result<Problem, ExperimentError> {
+        let refuse_signal = |source| ExperimentError::Signal { path: self.path.clone(), source };
+        let refuse = |source| ExperimentError::Parameters { path: self.path.clone(), source };
+        let model = Model::new(robot);
+        let base = BaseParameters::of(&model, &self.file.parameters.exclude).map_err(refuse)?;
+        let decimator = Decimator::new(self.file.signal.decimation, filtered.window.len()).map_err(refuse_signal)?;
+        let (full_x, y) = {
+            let assembly = Assembly::new(&model, &base.columns(), decimator.clone());
+            let torque = filtered.record.torque.window(filtered.window.clone());
+            let x = filtered.observation_matrix(&assembly).map_err(refuse_signal)?;
+            (x, assembly.measurement_vector(&torque).map_err(refuse_signal)?)
+        };
+        let (chosen, elimination) = self.choose(&model, &base, &full_x, &y)?;
+        let estimated = base.select(model.parameter_table(), &chosen).map_err(refuse)?;
+        let column = |p: &crate::base_parameters::BaseParameter| base.columns().iter().position(|&c| c == p.kept);
+        let columns: Vec<usize> = estimated.parameters().iter().filter_map(column).collect();
+        let (x, full_x) =
+            if columns.len() == base.len() { (full_x, None) } else { (full_x.select_columns(&columns), Some(full_x)) };
+        Ok(Problem { model, base, estimated, elimination, decimator, x, y, full_x })
+    }
+
+    fn choose(
+        &self,
+        model: &Model,
+        base: &BaseParameters,
+        x: &Matrix,
+        y: &[f64],
+    ) -> Result<(Vec<String>, Option<Elimination>), ExperimentError> {
+        let name = |i: usize| base.parameters()[i].name.clone();
+        let all = || (0..base.len()).map(name).collect::<Vec<_>>();
+        let unknown = |source| ExperimentError::Parameters { path: self.path.clone(), source };
+        base.select(model.parameter_table(), &self.file.parameters.show).map_err(unknown)?;
+        match &self.file.parameters.estimate {
+            ParameterChoice::Base | ParameterChoice::Named(NamedChoice::Base) => Ok((all(), None)),
+            ParameterChoice::List(names) => Ok((names.clone(), None)),
+            ParameterChoice::Named(NamedChoice::Essential) => {
+                // A set that cannot be estimated as a whole has nothing to start an elimination from; its runs say why.
+                match eliminate(x, y, self.file.parameters.elimination) {
+                    Ok(result) => Ok((result.kept.iter().map(|&i| name(i)).collect(), Some(result))),
+                    Err(_) => Ok((all(), None)),
+                }
+            }
+        }
+    }
+}
+
+impl FilteredRecord {
+    /// X of the measured motion.
+    pub(super) fn observation_matrix(&self, assembly: &Assembly<'_>) -> Result<Matrix, SignalError> {
+        assembly.observation_matrix(&self.q, &self.dq, &self.ddq, Sign::Exact)
+    }
+
+    /// Time of the first sample of the window, s.
+    pub(super) fn start_s(&self) -> f64 {
+        self.window.start as f64 / self.record.sample_rate_hz
+    }
+}
+
+impl Problem {
+    pub(super) fn assembly(&self) -> Assembly<'_> {
+        Assembly::new(&self.model, &self.estimated.columns(), self.decimator.clone())
+    }
+
+    pub(super) fn joints(&self) -> usize {
+        self.model.joint_count()
+    }
+
+    /// A vector with the rows of y, joint by joint.
+    pub(super) fn by_joint(&self, rows: &[f64]) -> Vec<Vec<f64>> {
+        rows.chunks(self.decimator.rows()).map(<[f64]>::to_vec).collect()
+    }
+
+    /// The relative error of each joint, percent.
+    pub(super) fn joint_errors(&self, prediction: &[f64]) -> Vec<f64> {
+        let rows = self.decimator.rows();
+        self.y.chunks(rows).zip(prediction.chunks(rows)).map(|(y, p)| relative_error_percent(y, p)).collect()
+    }
+
+    /// A series at the decimated instants, one vector per joint.
+    pub(super) fn at_rows(&self, series: &Series) -> Vec<Vec<f64>> {
+        (0..series.channels()).map(|j| self.decimator.kept().map(|k| series.sample(k)[j]).collect()).collect()
+    }
+
+    /// Curves of a prediction.
+    pub(super) fn plots(&self, prediction: &[f64], simulated: Option<&Series>) -> RunPlots {
+        RunPlots {
+            predicted: self.by_joint(prediction),
+            simulated_position: simulated.map(|q| self.at_rows(q)).unwrap_or_default(),
+        }
+    }
+}
