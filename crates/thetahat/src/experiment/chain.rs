@@ -24,8 +24,8 @@ use crate::{
 const MOVING: f64 = 0.01;
 /// Peak velocity in rad/s or m/s below which a joint counts as still.
 const STILL: f64 = 1e-3;
-/// Length, in decimated samples or periods of the cut-off, of the record through which bandwidths are measured.
-const PROBE_PERIODS: f64 = 40.0;
+/// Length, in periods of the cut-off, of the record through which bandwidths are measured.
+const PROBE_PERIODS: f64 = 200.0;
 
 /// The band-passed motion of a record, cut to the window.
 pub(super) struct FilteredRecord {
