@@ -1,7 +1,7 @@
 use super::{
     DynamicParameters, DynamicsError, Model, Sign,
     parameters::Inertial,
-    vector::{Mat3, Vec3, add, cross, dot, rotate_symmetric, scale, times, transpose_times},
+    vector::{Rotation, Vec3, add, cross, dot, scale, times},
 };
 
 /// Scratch of the algorithms: one for each thread.
@@ -18,7 +18,7 @@ pub struct Workspace {
 /// Placement and motion of one link, in its own frame.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct LinkMotion {
-    pub(crate) r: Mat3,
+    pub(crate) r: Rotation,
     pub(crate) p: Vec3,
     pub(crate) w: Vec3,
     pub(crate) dw: Vec3,
@@ -30,8 +30,6 @@ struct Wrench {
     force: Vec3,
     moment: Vec3,
 }
-
-const Z: Vec3 = [0.0, 0.0, 1.0];
 
 impl Workspace {
     /// Scratch for a model.
@@ -121,7 +119,7 @@ impl Model {
         let mut origin = 0.0;
         for (link, body) in workspace.links.iter().zip(&parameters.links) {
             origin -= dot(gravity, link.p);
-            gravity = transpose_times(&link.r, gravity);
+            gravity = link.r.transpose_times(gravity);
             height_terms += body.m * origin - dot(gravity, body.ms);
         }
         kinetic + height_terms
@@ -132,17 +130,17 @@ impl Model {
         let mut before = LinkMotion { dv: scale(-1.0, self.gravity), ..LinkMotion::default() };
         for (j, (joint, link)) in self.joints.iter().zip(links.iter_mut()).enumerate() {
             let (r, p) = joint.placement(q[j]);
-            let w = transpose_times(&r, before.w);
-            let dw = transpose_times(&r, before.dw);
+            let w = r.transpose_times(before.w);
+            let dw = r.transpose_times(before.dw);
             let centripetal = cross(before.w, cross(before.w, p));
-            let dv = transpose_times(&r, add(before.dv, add(cross(before.dw, p), centripetal)));
+            let dv = r.transpose_times(add(before.dv, add(cross(before.dw, p), centripetal)));
+            // Products with the z axis are written out: w x (0, 0, dq) = (w_y dq, -w_x dq, 0).
             *link = if joint.is_revolute() {
-                let turn = scale(dq[j], Z);
-                let dw = add(dw, add(scale(ddq[j], Z), cross(w, turn)));
-                LinkMotion { r, p, w: add(w, turn), dw, dv }
+                let dw = [dw[0] + w[1] * dq[j], dw[1] - w[0] * dq[j], dw[2] + ddq[j]];
+                LinkMotion { r, p, w: [w[0], w[1], w[2] + dq[j]], dw, dv }
             } else {
-                let coriolis = scale(2.0 * dq[j], cross(w, Z));
-                LinkMotion { r, p, w, dw, dv: add(dv, add(scale(ddq[j], Z), coriolis)) }
+                let dv = [dv[0] + 2.0 * w[1] * dq[j], dv[1] - 2.0 * w[0] * dq[j], dv[2] + ddq[j]];
+                LinkMotion { r, p, w, dw, dv }
             };
             before = *link;
         }
@@ -158,8 +156,8 @@ impl Model {
             tau[j] = if self.is_revolute(j) { moment[2] } else { force[2] };
             if j > 0 {
                 let link = &workspace.links[j];
-                let force = times(&link.r, force);
-                let moment = add(times(&link.r, moment), cross(link.p, force));
+                let force = link.r.times(force);
+                let moment = add(link.r.times(moment), cross(link.p, force));
                 let before = &mut workspace.wrenches[j - 1];
                 before.force = add(before.force, force);
                 before.moment = add(before.moment, moment);
@@ -219,9 +217,9 @@ impl Inertial {
     fn wrench_of_joint(&self, revolute: bool) -> Wrench {
         if revolute {
             let moment = [self.inertia[0][2], self.inertia[1][2], self.inertia[2][2]];
-            Wrench { force: cross(Z, self.ms), moment }
+            Wrench { force: [-self.ms[1], self.ms[0], 0.0], moment }
         } else {
-            Wrench { force: [0.0, 0.0, self.m], moment: cross(self.ms, Z) }
+            Wrench { force: [0.0, 0.0, self.m], moment: [self.ms[1], -self.ms[0], 0.0] }
         }
     }
 
@@ -231,8 +229,8 @@ impl Inertial {
     #[inline]
     fn moved_to_parent(&self, link: &LinkMotion) -> Self {
         let p = link.p;
-        let s = times(&link.r, self.ms);
-        let mut inertia = rotate_symmetric(&link.r, &self.inertia);
+        let s = link.r.times(self.ms);
+        let mut inertia = link.r.rotate_symmetric(&self.inertia);
         let spherical = 2.0 * dot(p, s) + self.m * dot(p, p);
         for (i, row) in inertia.iter_mut().enumerate() {
             for (j, entry) in row.iter_mut().enumerate() {
@@ -262,36 +260,40 @@ impl Wrench {
 
     #[inline]
     fn moved_to_parent(&self, link: &LinkMotion) -> Self {
-        let force = times(&link.r, self.force);
-        Self { force, moment: add(times(&link.r, self.moment), cross(link.p, force)) }
+        let force = link.r.times(self.force);
+        Self { force, moment: add(link.r.times(self.moment), cross(link.p, force)) }
     }
 }
 
-/// Solves `M x = b` in place by Cholesky; M is row by row and is overwritten by its factor.
+/// Solves `M x = b` in place by `M = L D L^T`; M is row by row and is overwritten by L with `1/D` on its diagonal.
 ///
 /// Written out because it runs in every right-hand side of the simulation, where nothing may allocate.
 fn solve_positive_definite(m: &mut [f64], b: &mut [f64]) -> Result<(), DynamicsError> {
     let n = b.len();
     for j in 0..n {
-        for i in 0..=j {
-            let sum: f64 = (0..i).map(|k| m[j * n + k] * m[i * n + k]).sum();
-            let rest = m[j * n + i] - sum;
-            if i < j {
-                m[j * n + i] = rest / m[i * n + i];
-            } else if rest > 0.0 {
-                m[j * n + j] = rest.sqrt();
-            } else {
-                return Err(DynamicsError::MassMatrixNotPositiveDefinite { joint: j + 1, pivot: rest });
-            }
+        let (above, row) = m.split_at_mut(j * n);
+        // Entry i of the row becomes (L D)_ji, then L_ji; the pivot takes away the squares of L weighted by D.
+        for i in 0..j {
+            let before = &above[i * n..i * n + i];
+            row[i] -= before.iter().zip(&row[..i]).map(|(l, ld)| l * ld).sum::<f64>();
         }
+        let mut pivot = row[j];
+        for i in 0..j {
+            let l = row[i] * above[i * n + i];
+            pivot -= l * row[i];
+            row[i] = l;
+        }
+        if pivot.is_nan() || pivot <= 0.0 {
+            return Err(DynamicsError::MassMatrixNotPositiveDefinite { joint: j + 1, pivot });
+        }
+        row[j] = 1.0 / pivot;
     }
     for i in 0..n {
-        let sum: f64 = (0..i).map(|k| m[i * n + k] * b[k]).sum();
-        b[i] = (b[i] - sum) / m[i * n + i];
+        b[i] -= (0..i).map(|k| m[i * n + k] * b[k]).sum::<f64>();
     }
     for i in (0..n).rev() {
         let sum: f64 = (i + 1..n).map(|k| m[k * n + i] * b[k]).sum();
-        b[i] = (b[i] - sum) / m[i * n + i];
+        b[i] = b[i] * m[i * n + i] - sum;
     }
     Ok(())
 }

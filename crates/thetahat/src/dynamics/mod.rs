@@ -26,4 +26,4 @@ pub use model::{CoupledMotor, DynamicsError, Model};
 pub use parameters::{DynamicParameters, Sign};
 
 pub(crate) use algorithms::LinkMotion;
-pub(crate) use vector::{Vec3, add, cross, dot, transpose_times};
+pub(crate) use vector::{Vec3, add, cross, dot};

@@ -1,4 +1,4 @@
-use super::vector::{Mat3, Vec3};
+use super::vector::{Rotation, Vec3};
 use crate::robot::{JointKind, ParameterTable, Robot, Transmission};
 
 /// Why accelerations cannot be computed.
@@ -122,11 +122,11 @@ impl JointGeometry {
 
     /// Rotation from frame j to frame j-1, and origin of frame j in frame j-1, at coordinate `q`.
     #[inline]
-    pub(super) fn placement(&self, q: f64) -> (Mat3, Vec3) {
+    pub(super) fn placement(&self, q: f64) -> (Rotation, Vec3) {
         let (theta, d) = if self.is_revolute() { (self.theta + q, self.d) } else { (self.theta, self.d + q) };
-        let (s, c) = theta.sin_cos();
+        let (sin_theta, cos_theta) = theta.sin_cos();
         let (sa, ca) = (self.sin_alpha, self.cos_alpha);
-        let r = [[c, -s, 0.0], [s * ca, c * ca, -sa], [s * sa, c * sa, ca]];
+        let r = Rotation { sin_alpha: sa, cos_alpha: ca, sin_theta, cos_theta };
         (r, [self.a, -d * sa, d * ca])
     }
 }

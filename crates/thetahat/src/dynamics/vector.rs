@@ -29,28 +29,53 @@ pub(crate) fn times(a: &Mat3, x: Vec3) -> Vec3 {
     [dot(a[0], x), dot(a[1], x), dot(a[2], x)]
 }
 
-/// `A^T x`.
-#[inline]
-pub(crate) fn transpose_times(a: &Mat3, x: Vec3) -> Vec3 {
-    [
-        a[0][0] * x[0] + a[1][0] * x[1] + a[2][0] * x[2],
-        a[0][1] * x[0] + a[1][1] * x[1] + a[2][1] * x[2],
-        a[0][2] * x[0] + a[1][2] * x[1] + a[2][2] * x[2],
-    ]
+/// The rotation of a modified Denavit-Hartenberg frame, `Rot(x, alpha) Rot(z, theta)`, by its sines and cosines: with
+/// them a vector takes 12 operations instead of 15, a symmetric matrix 34 instead of 75.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Rotation {
+    pub(crate) sin_alpha: f64,
+    pub(crate) cos_alpha: f64,
+    pub(crate) sin_theta: f64,
+    pub(crate) cos_theta: f64,
 }
 
-/// `A B`.
-#[inline]
-pub(crate) fn product(a: &Mat3, b: &Mat3) -> Mat3 {
-    let column = |j: usize| times(a, [b[0][j], b[1][j], b[2][j]]);
-    let (c0, c1, c2) = (column(0), column(1), column(2));
-    [[c0[0], c1[0], c2[0]], [c0[1], c1[1], c2[1]], [c0[2], c1[2], c2[2]]]
+impl Rotation {
+    /// `R x`: from frame j to frame j-1.
+    #[inline]
+    pub(crate) fn times(&self, x: Vec3) -> Vec3 {
+        let (s, c) = (self.sin_theta, self.cos_theta);
+        let turned = s * x[0] + c * x[1];
+        let (sa, ca) = (self.sin_alpha, self.cos_alpha);
+        [c * x[0] - s * x[1], ca * turned - sa * x[2], sa * turned + ca * x[2]]
+    }
+
+    /// `R^T x`: from frame j-1 to frame j.
+    #[inline]
+    pub(crate) fn transpose_times(&self, x: Vec3) -> Vec3 {
+        let (sa, ca) = (self.sin_alpha, self.cos_alpha);
+        let turned = ca * x[1] + sa * x[2];
+        let (s, c) = (self.sin_theta, self.cos_theta);
+        [c * x[0] + s * turned, c * turned - s * x[0], ca * x[2] - sa * x[1]]
+    }
+
+    /// `R B R^T` for a symmetric B: turned about z, then about x.
+    #[inline]
+    pub(crate) fn rotate_symmetric(&self, b: &Mat3) -> Mat3 {
+        let (s, c) = (self.sin_theta, self.cos_theta);
+        let (xx, yy, xy) = turn_in_plane(s, c, b[0][0], b[1][1], b[0][1]);
+        let (xz, yz) = (c * b[0][2] - s * b[1][2], s * b[0][2] + c * b[1][2]);
+        let (sa, ca) = (self.sin_alpha, self.cos_alpha);
+        let (yy, zz, yz) = turn_in_plane(sa, ca, yy, b[2][2], yz);
+        let (xy, xz) = (ca * xy - sa * xz, sa * xy + ca * xz);
+        [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+    }
 }
 
-/// `A B A^T` for a symmetric B.
+/// The entries `(uu, vv, uv)` of a symmetric matrix turned in the plane of axes u and v.
 #[inline]
-pub(crate) fn rotate_symmetric(a: &Mat3, b: &Mat3) -> Mat3 {
-    let ab = product(a, b);
-    let row = |i: usize| times(a, ab[i]);
-    [row(0), row(1), row(2)]
+fn turn_in_plane(s: f64, c: f64, uu: f64, vv: f64, uv: f64) -> (f64, f64, f64) {
+    let (ss, cs) = (s * s, c * s);
+    // With c^2 = 1 - s^2, and the trace in the plane unchanged.
+    let turned = uu - ss * (uu - vv) - 2.0 * cs * uv;
+    (turned, uu + vv - turned, cs * (uu - vv) + (1.0 - 2.0 * ss) * uv)
 }

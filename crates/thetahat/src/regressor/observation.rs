@@ -1,5 +1,5 @@
 use crate::{
-    dynamics::{LinkMotion, Model, Sign, Vec3, Workspace, add, cross, dot, transpose_times},
+    dynamics::{LinkMotion, Model, Sign, Vec3, Workspace, add, cross, dot},
     robot::{INERTIAL, Parameter, Quantity},
     series::Series,
 };
@@ -177,7 +177,7 @@ fn unit_twist(model: &Model, links: &[LinkMotion], joint: usize, link: usize) ->
     let mut twist = if model.is_revolute(joint) { (Z, ZERO) } else { (ZERO, Z) };
     for frame in &links[joint + 1..=link] {
         let v = add(twist.1, cross(twist.0, frame.p));
-        twist = (transpose_times(&frame.r, twist.0), transpose_times(&frame.r, v));
+        twist = (frame.r.transpose_times(twist.0), frame.r.transpose_times(v));
     }
     twist
 }

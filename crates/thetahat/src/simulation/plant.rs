@@ -7,6 +7,33 @@ use crate::{
     robot::Transmission,
 };
 
+/// The entries of a coupling matrix that are not zero: of the joints, most move one motor only.
+struct Coupling {
+    entries: Vec<(usize, usize, f64)>,
+}
+
+impl Coupling {
+    fn new(n: &Matrix, factor: f64) -> Self {
+        let all = (0..n.columns()).flat_map(|j| (0..n.rows()).map(move |i| (i, j)));
+        let entries = all.map(|(i, j)| (i, j, factor * n.at(i, j))).filter(|(_, _, w)| *w != 0.0).collect();
+        Self { entries }
+    }
+
+    /// `motors = n joints`.
+    #[inline]
+    fn to_motors(&self, joints: &[f64], motors: &mut [f64]) {
+        motors.fill(0.0);
+        self.entries.iter().for_each(|&(i, j, w)| motors[i] += w * joints[j]);
+    }
+
+    /// `joints = n^T motors`.
+    #[inline]
+    fn transpose_to_joints(&self, motors: &[f64], joints: &mut [f64]) {
+        joints.fill(0.0);
+        self.entries.iter().for_each(|&(i, j, w)| joints[j] += w * motors[i]);
+    }
+}
+
 /// The simulated robot: `p = n_s (q - offset)`, `tau = n_s^T (d_s u)`.
 pub(super) struct Plant<'a> {
     model: &'a Model,
@@ -14,7 +41,7 @@ pub(super) struct Plant<'a> {
     sign: Sign,
     workspace: Workspace,
     /// `n_s`: motors per joints, in the true joint units.
-    motors_per_joint: Matrix,
+    coupling: Coupling,
     joints_per_motor: Matrix,
     offset: &'a [f64],
     /// `d_s`: torque in joint units per drive signal.
@@ -25,28 +52,29 @@ pub(super) struct Plant<'a> {
     pub(super) v: Vec<f64>,
     /// Joint torques, as last applied.
     pub(super) tau: Vec<f64>,
+    /// Scratch: joint positions less the offset, and motor torques in joint units.
+    scratch: Vec<f64>,
 }
 
 impl<'a> Plant<'a> {
     pub(super) fn new(setup: &ClosedLoop<'a>, theta: &[f64]) -> Self {
         let n = setup.model.joint_count();
         let ratio = setup.bias.gear_ratio;
-        let motors_per_joint = setup.transmission.motor_in_joint_units();
         let joints_per_motor = setup.transmission.joints_per_motor();
-        let scaled = |m: &Matrix, s: f64| Matrix::from_fn(n, n, |i, j| s * m.at(i, j));
         let drive = setup.transmission.drive_to_joint_units();
         Self {
             parameters: DynamicParameters::new(setup.model.parameter_table(), n, theta),
             sign: Sign::Smooth { scale: setup.sign_velocity_scale },
             workspace: Workspace::new(setup.model),
-            motors_per_joint: scaled(&motors_per_joint, ratio),
-            joints_per_motor: scaled(&joints_per_motor, 1.0 / ratio),
+            coupling: Coupling::new(&setup.transmission.motor_in_joint_units(), ratio),
+            joints_per_motor: Matrix::from_fn(n, n, |i, j| joints_per_motor.at(i, j) / ratio),
             offset: setup.transmission.offset(),
             drive: drive.iter().map(|d| setup.bias.drive_gain * d).collect(),
             model: setup.model,
             p: vec![0.0; n],
             v: vec![0.0; n],
             tau: vec![0.0; n],
+            scratch: vec![0.0; n],
         }
     }
 
@@ -59,26 +87,17 @@ impl<'a> Plant<'a> {
     #[inline]
     pub(super) fn observe(&mut self, x: &[f64]) {
         let (q, dq) = x.split_at(self.p.len());
-        self.p.fill(0.0);
-        self.v.fill(0.0);
-        for j in 0..q.len() {
-            let column = self.motors_per_joint.column(j);
-            let (q, dq) = (q[j] - self.offset[j], dq[j]);
-            for (i, n) in column.iter().enumerate() {
-                self.p[i] += n * q;
-                self.v[i] += n * dq;
-            }
-        }
+        self.scratch.iter_mut().zip(q.iter().zip(self.offset)).for_each(|(s, (q, o))| *s = q - o);
+        self.coupling.to_motors(&self.scratch, &mut self.p);
+        self.coupling.to_motors(dq, &mut self.v);
     }
 
     /// The joint accelerations that drive signals `u` give in a state; leaves the joint torques in `tau`.
     #[inline]
     pub(super) fn accelerations(&mut self, x: &[f64], u: &[f64], ddq: &mut [f64]) -> Result<(), DynamicsError> {
         let (q, dq) = x.split_at(self.p.len());
-        for (j, tau) in self.tau.iter_mut().enumerate() {
-            let motors = self.motors_per_joint.column(j).iter();
-            *tau = motors.zip(u.iter().zip(&self.drive)).map(|(n, (u, d))| n * d * u).sum();
-        }
+        self.scratch.iter_mut().zip(u.iter().zip(&self.drive)).for_each(|(s, (u, d))| *s = d * u);
+        self.coupling.transpose_to_joints(&self.scratch, &mut self.tau);
         self.model.forward_dynamics(&self.parameters, q, dq, &self.tau, self.sign, &mut self.workspace, ddq)
     }
 }
@@ -86,7 +105,7 @@ impl<'a> Plant<'a> {
 /// The reference in the motors' coordinates, `p_ref = n (q_ref - offset)`, with the true transmission.
 pub(super) struct MotorReference<'a> {
     reference: &'a Reference,
-    motors_per_joint: Matrix,
+    coupling: Coupling,
     offset: &'a [f64],
     joint: [Vec<f64>; 3],
     /// Position of each motor in joint units at the time last evaluated.
@@ -102,7 +121,7 @@ impl<'a> MotorReference<'a> {
         let zeros = || vec![0.0; transmission.joints()];
         Self {
             reference,
-            motors_per_joint: transmission.motor_in_joint_units(),
+            coupling: Coupling::new(&transmission.motor_in_joint_units(), 1.0),
             offset: transmission.offset(),
             joint: [zeros(), zeros(), zeros()],
             p: zeros(),
@@ -116,13 +135,9 @@ impl<'a> MotorReference<'a> {
         let [q, dq, ddq] = &mut self.joint;
         self.reference.evaluate(t, q, dq, ddq);
         q.iter_mut().zip(self.offset).for_each(|(q, o)| *q -= o);
-        for (motor, joint) in [(&mut self.p, &*q), (&mut self.dp, &*dq), (&mut self.ddp, &*ddq)] {
-            motor.fill(0.0);
-            for (j, value) in joint.iter().enumerate() {
-                let column = self.motors_per_joint.column(j);
-                motor.iter_mut().zip(column).for_each(|(m, n)| *m += n * value);
-            }
-        }
+        self.coupling.to_motors(q, &mut self.p);
+        self.coupling.to_motors(dq, &mut self.dp);
+        self.coupling.to_motors(ddq, &mut self.ddp);
     }
 
     /// The largest motor velocity in joint units up to `end` s, at a thousand times.
