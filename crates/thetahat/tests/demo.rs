@@ -1,0 +1,54 @@
+//! The demonstration holds what it promises: known parameters are found, and a biased simulator misleads DIDIM alone.
+
+use std::{path::Path, sync::OnceLock};
+
+use thetahat::{
+    experiment::{Experiment, Results},
+    identification::{Method, Status},
+};
+
+fn results() -> &'static Results {
+    static RESULTS: OnceLock<Results> = OnceLock::new();
+    RESULTS.get_or_init(|| Experiment::demo().unwrap().run(Path::new(""), &mut |_| {}).unwrap())
+}
+
+/// Shown parameters within three standard deviations of the truth.
+fn within_three(case: &str, method: Method) -> usize {
+    let run = results().run(case, method).unwrap();
+    assert_eq!(run.status, Status::Converged, "{case} {}", method.name());
+    let shown: Vec<_> = run.parameters.iter().filter(|p| p.shown).collect();
+    assert_eq!(shown.len(), 28);
+    let close = |estimate: f64, truth: f64, deviation: f64| (estimate - truth).abs() <= 3.0 * deviation;
+    shown.iter().filter(|p| close(p.estimate, p.true_value.unwrap(), p.standard_deviation.unwrap())).count()
+}
+
+#[test]
+fn nominal_all_three_methods_find_the_truth() {
+    for method in [Method::IdimLs, Method::IdimIv, Method::Didim] {
+        let found = within_three("nominal", method);
+        assert!(found >= 26, "{}: {found} of 28", method.name());
+        let error = results().run("nominal", method).unwrap().relative_error_percent.unwrap();
+        assert!((5.0..=6.0).contains(&error), "{}: {error} %", method.name());
+    }
+}
+
+#[test]
+fn with_a_biased_simulator_iv_still_does_and_didim_does_not() {
+    let iv = within_three("gear_ratio_0.9", Method::IdimIv);
+    let didim = within_three("gear_ratio_0.9", Method::Didim);
+    assert!(iv >= 26, "idim-iv: {iv} of 28");
+    assert!(didim < 26, "didim: {didim} of 28");
+}
+
+#[test]
+fn the_same_run_gives_the_same_numbers() {
+    let mut experiment = Experiment::demo().unwrap();
+    experiment.file.case.clear();
+    let again = experiment.run(Path::new(""), &mut |_| {}).unwrap();
+    for method in [Method::IdimLs, Method::IdimIv, Method::Didim] {
+        let estimates = |r: &Results| -> Vec<u64> {
+            r.run("nominal", method).unwrap().parameters.iter().map(|p| p.estimate.to_bits()).collect()
+        };
+        assert_eq!(estimates(results()), estimates(&again), "{}", method.name());
+    }
+}

@@ -1,0 +1,103 @@
+//! EMPS against the figures that its authors print (A. Janot, M. Gautier, M. Brunot, "Data Set and Reference Models of
+//! EMPS", 2019), digit by digit.
+
+mod common;
+
+use std::{collections::BTreeMap, sync::OnceLock};
+
+use common::{ensure, ensure_printed};
+use libtest_mimic::Failed;
+use thetahat::{
+    experiment::{Experiment, Results, RunResult},
+    identification::{Method, Status},
+};
+
+fn results() -> &'static Results {
+    static RESULTS: OnceLock<Results> = OnceLock::new();
+    RESULTS.get_or_init(|| {
+        let experiment = Experiment::read(&common::root().join("experiments/emps.toml")).unwrap();
+        experiment.run(&common::data(), &mut |_| {}).unwrap()
+    })
+}
+
+fn run(case: &str, method: Method) -> &'static RunResult {
+    results().run(case, method).unwrap()
+}
+
+fn estimate(run: &RunResult, name: &str) -> f64 {
+    run.parameter(name).unwrap().estimate
+}
+
+fn least_squares() -> Result<(), Failed> {
+    let run = run("nominal", Method::IdimLs);
+    let printed = [
+        ("m1r", "95.1089", "0.1085"),
+        ("fv1", "203.5034", "1.1460"),
+        ("fc1", "20.3935", "0.1012"),
+        ("off1", "-3.1648", "0.0444"),
+    ];
+    for (name, value, deviation) in printed {
+        ensure_printed(estimate(run, name), value, name)?;
+        ensure_printed(run.parameter(name).unwrap().standard_deviation.unwrap(), deviation, name)?;
+    }
+    ensure_printed(run.condition_number.unwrap(), "25.9883", "condition number")?;
+    ensure_printed(run.relative_error_percent.unwrap(), "4.0834", "relative error")
+}
+
+fn cross_validation() -> Result<(), Failed> {
+    let run = run("nominal", Method::IdimLs);
+    ensure_printed(run.cross_validation_relative_error_percent.unwrap(), "5.9824", "relative error on the pulses")?;
+    ensure_printed(run.validation_condition_number.unwrap(), "26.0217", "condition number on the pulses")
+}
+
+fn asymmetric_friction() -> Result<(), Failed> {
+    let run = run("asymmetric", Method::IdimLs);
+    let printed = [
+        ("m1r", "95.1540"),
+        ("fvp1", "166.7061"),
+        ("fcp1r", "20.1440"),
+        ("fvn1", "240.4236"),
+        ("fcn1r", "20.6277"),
+    ];
+    for (name, value) in printed {
+        ensure_printed(estimate(run, name), value, name)?;
+    }
+    ensure_printed(run.condition_number.unwrap(), "26.0197", "condition number")?;
+    ensure_printed(run.relative_error_percent.unwrap(), "3.1117", "relative error")
+}
+
+/// At or below the published closed-loop errors, with 2 % of their value allowed.
+fn assert_simulation(errors: &BTreeMap<String, f64>, published: [f64; 3]) -> Result<(), Failed> {
+    for (name, limit) in ["velocity", "acceleration", "torque"].into_iter().zip(published) {
+        ensure(errors[name] <= 1.02 * limit, format!("{name}: {} above the published {limit}", errors[name]))?;
+    }
+    Ok(())
+}
+
+fn closed_loop() -> Result<(), Failed> {
+    let run = run("nominal", Method::IdimLs);
+    assert_simulation(run.simulation_relative_error_percent.as_ref().unwrap(), [0.22911, 8.6036, 5.848])?;
+    let pulses = run.validation_simulation_relative_error_percent.as_ref().unwrap();
+    assert_simulation(pulses, [0.47888, 19.8152, 8.9409])
+}
+
+fn iv_and_didim() -> Result<(), Failed> {
+    let ls = run("nominal", Method::IdimLs).parameter("m1r").unwrap();
+    for method in [Method::IdimIv, Method::Didim] {
+        let run = run("nominal", method);
+        ensure(run.status == Status::Converged, format!("{method:?}: {:?}", run.status))?;
+        let distance = (estimate(run, "m1r") - ls.estimate).abs() / ls.standard_deviation.unwrap();
+        ensure(distance <= 3.0, format!("{method:?}: M is {distance:.2} standard deviations from LS"))?;
+    }
+    Ok(())
+}
+
+fn main() {
+    common::run_with_shared_data(vec![
+        ("least_squares_meets_every_printed_digit", least_squares),
+        ("cross_validation_on_the_pulses_meets_every_printed_digit", cross_validation),
+        ("asymmetric_friction_meets_every_printed_digit", asymmetric_friction),
+        ("closed_loop_errors_are_at_or_below_the_published_ones", closed_loop),
+        ("iv_and_didim_find_the_mass_of_ls", iv_and_didim),
+    ]);
+}
