@@ -300,6 +300,13 @@ impl Experiment {
         Self::from_texts(Path::new("experiments/demo.toml"), DEMO.to_owned(), DEMO_ROBOT.to_owned())
     }
 
+    /// Where the table of published figures is, if there is one.
+    #[must_use]
+    pub fn published_path(&self) -> Option<PathBuf> {
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        self.file.published.as_ref().map(|published| folder.join(published))
+    }
+
     /// The nominal case and the others.
     #[must_use]
     pub fn cases(&self) -> Vec<Case> {

@@ -1,0 +1,81 @@
+use std::{
+    error::Error,
+    io::Write,
+    path::{Path, PathBuf},
+};
+
+use thetahat::{
+    experiment::{Experiment, PredictionRequest, predict},
+    report::{self, Published},
+};
+
+use crate::{
+    arguments::{Arguments, Command, Identify, Output, Predict},
+    progress::Progress,
+};
+
+/// What a finished command says of its result.
+pub enum Verdict {
+    Good,
+    NotTrusted,
+}
+
+pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
+    match arguments.command {
+        Command::Demo(output) => run_experiment(&Experiment::demo()?, Path::new(""), &output),
+        Command::Identify(identify) => identify_experiment(&identify),
+        Command::Predict(request) => predict_torques(&request),
+    }
+}
+
+fn identify_experiment(identify: &Identify) -> Result<Verdict, Box<dyn Error>> {
+    let experiment = Experiment::read(&identify.experiment)?;
+    let beside = identify.experiment.parent().map_or_else(PathBuf::new, Path::to_owned);
+    run_experiment(&experiment, identify.data.as_ref().unwrap_or(&beside), &identify.output)
+}
+
+fn run_experiment(experiment: &Experiment, data: &Path, output: &Output) -> Result<Verdict, Box<dyn Error>> {
+    let published = experiment.published_path().map(|path| Published::read(&path)).transpose()?;
+    let mut progress = Progress::new();
+    let results = experiment.run(data, &mut |stage| progress.tell(stage))?;
+    drop(progress);
+    let text = if output.verbose {
+        report::text::all(&results, published.as_ref())
+    } else {
+        report::text::main(&results, published.as_ref())
+    };
+    print(&text)?;
+    match &output.out {
+        Some(directory) => {
+            let files = report::write_all(&results, published.as_ref(), directory)?;
+            let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
+            print(&format!("\nwritten: {}\n", names.join(" ")))?;
+        }
+        None => print("\nno files written; with --out DIR: results.json, parameters.csv, report.html\n")?,
+    }
+    Ok(if results.is_trustworthy() { Verdict::Good } else { Verdict::NotTrusted })
+}
+
+fn predict_torques(request: &Predict) -> Result<Verdict, Box<dyn Error>> {
+    let prediction = predict(&PredictionRequest {
+        results: request.results.clone(),
+        recording: request.recording.clone(),
+        torque: request.torque.clone(),
+        case: request.case.clone(),
+        method: request.method.map(Into::into),
+    })?;
+    print(&report::text::prediction(&prediction))?;
+    if let Some(path) = &request.out {
+        report::write_prediction(&prediction, path)?;
+        print(&format!("\nwritten: {}\n", path.display()))?;
+    }
+    Ok(Verdict::Good)
+}
+
+/// Prints, and takes a reader that has gone away (`| head`) for the end.
+fn print(text: &str) -> Result<(), std::io::Error> {
+    match std::io::stdout().write_all(text.as_bytes()) {
+        Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => std::process::exit(0),
+        result => result,
+    }
+}
