@@ -31,3 +31,5 @@ pub mod statistics;
 pub mod identification;
 
 pub mod experiment;
+
+pub mod report;

@@ -1,1 +1,21 @@
-//! The `report` room.
+//! The report of an experiment: `results.json`, `parameters.csv`, `report.html`, and tables for the terminal.
+//!
+//! [`write_all`] writes the files, [`text`] holds the tables for the terminal. Both show the same [`Table`]s, and both
+//! put [`Published`] figures beside ours where there are any. Nothing is computed here but comparisons.
+
+mod error;
+mod figures;
+mod files;
+mod html;
+mod number;
+mod plot;
+mod published;
+mod sections;
+mod table;
+mod tables;
+pub mod text;
+
+pub use error::ReportError;
+pub use files::write_all;
+pub use published::{Agreement, Published, PublishedValue};
+pub use table::{Group, TEXT_WIDTH, Table};

@@ -1,0 +1,61 @@
+use std::{io, path::PathBuf};
+
+/// Why a report cannot be written, or published figures cannot be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReportError {
+    /// The folder of the report cannot be made.
+    #[error("{}: the folder cannot be made: {source}", path.display())]
+    Directory {
+        /// The folder.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// A file of the report cannot be written.
+    #[error("{}: cannot be written: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The results do not go into JSON.
+    #[error("results.json: {source}")]
+    Json {
+        /// Why.
+        source: serde_json::Error,
+    },
+    /// The parameters do not go into CSV.
+    #[error("parameters.csv: {source}")]
+    Csv {
+        /// Why.
+        source: csv::Error,
+    },
+    /// The page cannot be rendered.
+    #[error("report.html: {source}")]
+    Html {
+        /// Why.
+        source: minijinja::Error,
+    },
+    /// The file of published figures cannot be read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    PublishedUnreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// A line of the published figures is not of the expected form.
+    #[error("{}: line {line}: expected {expected}, found {found:?}", path.display())]
+    PublishedLine {
+        /// The file.
+        path: PathBuf,
+        /// The line, counted from 1.
+        line: u64,
+        /// What is allowed.
+        expected: String,
+        /// What stands there.
+        found: String,
+    },
+}

@@ -1,0 +1,149 @@
+//! The figures of the page.
+
+use serde::Serialize;
+
+use super::{
+    plot::{Chart, Curve},
+    tables::runs_of,
+};
+use crate::experiment::{Results, RunResult};
+
+/// Class of the measured curve.
+const MEASURED: &str = "measured";
+
+/// Ratios to the last estimate beyond these are cut off.
+const RATIOS: [f64; 2] = [-1.0, 3.0];
+
+/// Charts with one legend.
+#[derive(Debug, Serialize)]
+pub(super) struct Figure {
+    caption: String,
+    /// Class and text of each entry.
+    legend: Vec<(&'static str, &'static str)>,
+    charts: Vec<Chart>,
+}
+
+/// Whether a joint is prismatic, by the unit of its friction or offset.
+pub(super) fn is_prismatic(results: &Results, joint: usize) -> bool {
+    let number = (joint + 1).to_string();
+    let of_joint = |name: &str| {
+        let name = name.trim_end_matches('r');
+        name.trim_end_matches(|c: char| c.is_ascii_digit()).len() + number.len() == name.len()
+            && name.ends_with(&number)
+    };
+    let mut parameters = results.runs.iter().flat_map(|r| &r.parameters).filter(|p| of_joint(&p.name));
+    parameters.any(|p| p.unit == "N" || p.unit == "N s/m")
+}
+
+fn torque_unit(results: &Results, joint: usize) -> &'static str {
+    if is_prismatic(results, joint) { "N" } else { "N m" }
+}
+
+/// Runs of a case that have curves of a kind.
+fn drawn<'a>(results: &'a Results, case: &str, curves: fn(&RunResult) -> &[Vec<f64>]) -> Vec<&'a RunResult> {
+    runs_of(results, case).into_iter().filter(|r| !curves(r).is_empty()).collect()
+}
+
+fn predicted(run: &RunResult) -> &[Vec<f64>] {
+    &run.plots.predicted
+}
+
+fn simulated(run: &RunResult) -> &[Vec<f64>] {
+    &run.plots.simulated_position
+}
+
+fn legend(runs: &[&RunResult]) -> Vec<(&'static str, &'static str)> {
+    runs.iter().map(|r| (r.method.name(), r.method.name())).collect()
+}
+
+fn points(time: &[f64], values: impl Iterator<Item = f64>) -> Vec<(f64, f64)> {
+    time.iter().copied().zip(values).collect()
+}
+
+/// `values - reference`, scaled, of one joint.
+fn difference(time: &[f64], values: Option<&Vec<f64>>, reference: &[f64], scale: f64) -> Vec<(f64, f64)> {
+    let values = values.map_or(&[][..], Vec::as_slice);
+    points(time, values.iter().zip(reference).map(|(v, r)| scale * (v - r)))
+}
+
+/// One chart for each joint; none where no run of the case has a curve.
+fn per_joint(
+    results: &Results,
+    (runs, caption): (&[&RunResult], String),
+    joints: usize,
+    chart: impl Fn(usize) -> Chart,
+) -> Option<Figure> {
+    let charts: Vec<Chart> = (0..joints).map(chart).collect();
+    let usable = !runs.is_empty() && !charts.is_empty() && !results.plots.time_s.is_empty();
+    usable.then(|| Figure { caption, legend: legend(runs), charts })
+}
+
+/// Measured and reconstructed torques of a case.
+pub(super) fn torques(results: &Results, case: &str) -> Option<Figure> {
+    let runs = drawn(results, case, predicted);
+    let plots = &results.plots;
+    let chart = |joint: usize| {
+        let measured = points(&plots.time_s, plots.measured[joint].iter().copied());
+        let reconstructed = runs.iter().map(|r| {
+            let values = r.plots.predicted.get(joint).into_iter().flatten().copied();
+            Curve::new(r.method.name(), points(&plots.time_s, values))
+        });
+        let curves: Vec<Curve> = [Curve::new(MEASURED, measured)].into_iter().chain(reconstructed).collect();
+        Chart::over_time(format!("Joint {}, {}", joint + 1, torque_unit(results, joint)), &curves)
+    };
+    let caption = format!("{case}: measured and reconstructed torque over time, s");
+    let mut figure = per_joint(results, (&runs, caption), plots.measured.len(), chart)?;
+    figure.legend.insert(0, (MEASURED, MEASURED));
+    Some(figure)
+}
+
+/// Measured less reconstructed torques of a case.
+pub(super) fn residuals(results: &Results, case: &str) -> Option<Figure> {
+    let runs = drawn(results, case, predicted);
+    let plots = &results.plots;
+    let chart = |joint: usize| {
+        let residual = |r: &&RunResult| {
+            let values = difference(&plots.time_s, r.plots.predicted.get(joint), &plots.measured[joint], -1.0);
+            Curve::new(r.method.name(), values)
+        };
+        let curves: Vec<Curve> = runs.iter().map(residual).collect();
+        Chart::over_time(format!("Joint {}, {}", joint + 1, torque_unit(results, joint)), &curves)
+    };
+    let caption = format!("{case}: residual, measured less reconstructed torque, over time, s");
+    per_joint(results, (&runs, caption), plots.measured.len(), chart)
+}
+
+/// Simulated less measured positions of a case.
+pub(super) fn tracking(results: &Results, case: &str) -> Option<Figure> {
+    let runs = drawn(results, case, simulated);
+    let plots = &results.plots;
+    let chart = |joint: usize| {
+        let unit = if is_prismatic(results, joint) { "mm" } else { "mrad" };
+        let error = |r: &&RunResult| {
+            let simulated = r.plots.simulated_position.get(joint);
+            Curve::new(r.method.name(), difference(&plots.time_s, simulated, &plots.position[joint], 1e3))
+        };
+        let curves: Vec<Curve> = runs.iter().map(error).collect();
+        Chart::over_time(format!("Joint {}, {unit}", joint + 1), &curves)
+    };
+    let caption = format!("{case}: simulated less measured position over time, s");
+    per_joint(results, (&runs, caption), plots.position.len(), chart)
+}
+
+/// Estimates relative to the last ones and the relative error, per iteration.
+pub(super) fn convergence(run: &RunResult) -> Option<Figure> {
+    let last = &run.convergence.last()?.estimates;
+    let numbered = || (1..).zip(&run.convergence).map(|(k, i)| (f64::from(k), i));
+    let ratio = |p: usize| {
+        let values = numbered().map(|(k, i)| (k, (i.estimates[p] / last[p]).clamp(RATIOS[0], RATIOS[1])));
+        Curve::new(run.method.name(), values.collect())
+    };
+    let shown = |p: &usize| run.parameters.get(*p).is_none_or(|p| p.shown);
+    let ratios: Vec<Curve> = (0..last.len()).filter(|p| last[*p] != 0.0).filter(shown).map(ratio).collect();
+    let error = Curve::new(run.method.name(), numbered().map(|(k, i)| (k, i.relative_error_percent)).collect());
+    let charts = vec![
+        Chart::over_iterations("Estimates / last estimates".to_owned(), &ratios),
+        Chart::over_iterations("Relative error, %".to_owned(), &[error]),
+    ];
+    Some(Figure { caption: format!("{} {}: per iteration", run.case, run.method.name()), legend: Vec::new(), charts })
+}

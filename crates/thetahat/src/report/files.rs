@@ -1,0 +1,120 @@
+//! The files of the report, each whole or not there.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use super::{Published, ReportError, html};
+use crate::experiment::{ParameterResult, Results, RunResult};
+
+const PARAMETER_COLUMNS: [&str; 9] = [
+    "case",
+    "method",
+    "name",
+    "estimate",
+    "standard_deviation",
+    "relative_standard_deviation_percent",
+    "true_value",
+    "unit",
+    "expression",
+];
+
+/// Writes `results.json`, `parameters.csv` and `report.html` into a folder, which is made where it is not there.
+/// Returns their paths.
+///
+/// Everything is rendered before anything is written, and written under temporary names before anything is renamed: an
+/// error leaves no file in part.
+///
+/// # Errors
+/// [`ReportError`] for what cannot be rendered or written.
+pub fn write_all(
+    results: &Results,
+    published: Option<&Published>,
+    directory: &Path,
+) -> Result<Vec<PathBuf>, ReportError> {
+    let files = [
+        ("results.json", json(results)?),
+        ("parameters.csv", parameters_csv(results)?),
+        ("report.html", html::render(results, published)?.into_bytes()),
+    ];
+    fs::create_dir_all(directory).map_err(|source| ReportError::Directory { path: directory.to_owned(), source })?;
+    let files = files.map(|(name, content)| NewFile::new(directory, name, content));
+    let written = write_together(&files);
+    if written.is_err() {
+        files.iter().for_each(NewFile::discard);
+    }
+    written.map(|()| files.into_iter().map(|f| f.path).collect())
+}
+
+fn write_together(files: &[NewFile]) -> Result<(), ReportError> {
+    files.iter().try_for_each(NewFile::write)?;
+    files.iter().try_for_each(NewFile::rename)
+}
+
+/// A file under its temporary and its final name.
+struct NewFile {
+    temporary: PathBuf,
+    path: PathBuf,
+    content: Vec<u8>,
+}
+
+impl NewFile {
+    fn new(directory: &Path, name: &str, content: Vec<u8>) -> Self {
+        let temporary = directory.join(format!(".{name}.{}.part", std::process::id()));
+        Self { temporary, path: directory.join(name), content }
+    }
+
+    fn write(&self) -> Result<(), ReportError> {
+        if self.path.is_dir() {
+            return Err(self.error(std::io::ErrorKind::IsADirectory.into()));
+        }
+        fs::write(&self.temporary, &self.content).map_err(|source| self.error(source))
+    }
+
+    fn rename(&self) -> Result<(), ReportError> {
+        fs::rename(&self.temporary, &self.path).map_err(|source| self.error(source))
+    }
+
+    /// Takes the temporary file away; where there is none, nothing is to be done.
+    fn discard(&self) {
+        let _ = fs::remove_file(&self.temporary);
+    }
+
+    fn error(&self, source: std::io::Error) -> ReportError {
+        ReportError::Write { path: self.path.clone(), source }
+    }
+}
+
+fn json(results: &Results) -> Result<Vec<u8>, ReportError> {
+    let mut text = serde_json::to_vec_pretty(results).map_err(|source| ReportError::Json { source })?;
+    text.push(b'\n');
+    Ok(text)
+}
+
+fn parameters_csv(results: &Results) -> Result<Vec<u8>, ReportError> {
+    let refuse = |source| ReportError::Csv { source };
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(PARAMETER_COLUMNS).map_err(refuse)?;
+    for run in &results.runs {
+        for parameter in &run.parameters {
+            writer.write_record(parameter_record(run, parameter)).map_err(refuse)?;
+        }
+    }
+    writer.into_inner().map_err(|e| refuse(e.into_error().into()))
+}
+
+fn parameter_record(run: &RunResult, parameter: &ParameterResult) -> [String; 9] {
+    let number = |v: Option<f64>| v.map(|v| v.to_string()).unwrap_or_default();
+    [
+        run.case.clone(),
+        run.method.name().to_owned(),
+        parameter.name.clone(),
+        number(Some(parameter.estimate)),
+        number(parameter.standard_deviation),
+        number(parameter.relative_standard_deviation_percent),
+        number(parameter.true_value),
+        parameter.unit.clone(),
+        parameter.expression.clone(),
+    ]
+}

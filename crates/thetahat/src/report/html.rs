@@ -1,0 +1,42 @@
+//! The page: one file that needs nothing else.
+
+use minijinja::{Environment, Value, context, syntax::SyntaxConfig};
+use serde::Serialize;
+
+use super::{Published, ReportError, sections};
+use crate::experiment::Results;
+
+const TEMPLATE: &str = include_str!("template.html");
+
+/// The whole page.
+pub(super) fn render(results: &Results, published: Option<&Published>) -> Result<String, ReportError> {
+    let refuse = |source| ReportError::Json { source };
+    let facts = value_of(&sections::facts(results)).map_err(refuse)?;
+    let sections = value_of(&sections::all(results, published)).map_err(refuse)?;
+    page(context! { title => results.title.as_str(), facts, sections }).map_err(|source| ReportError::Html { source })
+}
+
+fn page(content: Value) -> Result<String, minijinja::Error> {
+    let mut environment = Environment::new();
+    environment.set_syntax(SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?);
+    // The extension of the name switches escaping on.
+    environment.add_template("report.html", TEMPLATE)?;
+    environment.get_template("report.html")?.render(content)
+}
+
+/// Anything as the template sees it.
+fn value_of(content: &impl Serialize) -> Result<Value, serde_json::Error> {
+    serde_json::to_value(content).map(value)
+}
+
+fn value(json: serde_json::Value) -> Value {
+    use serde_json::Value as Json;
+    match json {
+        Json::Null => Value::from(()),
+        Json::Bool(b) => b.into(),
+        Json::Number(n) => n.as_u64().map_or_else(|| n.as_f64().into(), Value::from),
+        Json::String(text) => text.into(),
+        Json::Array(items) => items.into_iter().map(value).collect(),
+        Json::Object(fields) => Value::from_pairs(fields.into_iter().map(|(name, field)| (name, value(field)))),
+    }
+}

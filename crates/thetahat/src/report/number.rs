@@ -1,0 +1,84 @@
+//! Numbers as text.
+
+/// What stands where there is no number.
+pub(super) const NONE: &str = "-";
+
+/// Power of ten of the first digit.
+fn magnitude(value: f64) -> i32 {
+    value.abs().log10().floor() as i32
+}
+
+/// A number with so many decimals, without a minus sign before zero.
+pub(super) fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(rest) if rest.chars().all(|c| c == '0' || c == '.') => rest.to_owned(),
+        _ => text,
+    }
+}
+
+/// A number with so many significant digits; very large and very small ones with a power of ten.
+pub(super) fn significant(value: f64, digits: usize) -> String {
+    if !value.is_finite() {
+        return NONE.to_owned();
+    }
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let places = digits.saturating_sub(1);
+    match magnitude(value) {
+        m @ -4..=5 => fixed(value, usize::try_from(places as i32 - m).unwrap_or(0)),
+        _ => format!("{value:.places$e}"),
+    }
+}
+
+/// The same, or a dash.
+pub(super) fn optional(value: Option<f64>, digits: usize) -> String {
+    value.map_or_else(|| NONE.to_owned(), |v| significant(v, digits))
+}
+
+/// Decimals that show two significant digits of a standard deviation.
+fn decimals_of(deviation: f64) -> Option<usize> {
+    let usable = deviation.is_finite() && deviation > 0.0;
+    usable.then(|| 1 - magnitude(deviation)).filter(|d| *d <= 7).map(|d| usize::try_from(d).unwrap_or(0))
+}
+
+/// An estimate to two significant digits of its standard deviation.
+pub(super) fn estimate(value: f64, deviation: Option<f64>) -> String {
+    match deviation.and_then(decimals_of) {
+        Some(decimals) if value.abs() < 1e6 => fixed(value, decimals),
+        _ => significant(value, 4),
+    }
+}
+
+/// An estimate and its standard deviation, `1.244±0.012`.
+pub(super) fn with_deviation(value: f64, deviation: Option<f64>) -> String {
+    let Some(deviation) = deviation else { return estimate(value, None) };
+    format!("{}±{}", estimate(value, Some(deviation)), estimate(deviation, Some(deviation)))
+}
+
+/// An estimate and its relative standard deviation as papers print them, `1.25 (1.04 %)`.
+pub(super) fn with_percent(estimate: &str, percent: Option<f64>) -> String {
+    percent.map_or_else(|| estimate.to_owned(), |p| format!("{estimate} ({} %)", significant(p, 3)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digits_follow_the_standard_deviation() {
+        assert_eq!(with_deviation(1.244_43, Some(0.012_2)), "1.244±0.012");
+        assert_eq!(with_deviation(203.503, Some(1.146)), "203.5±1.1");
+        assert_eq!(estimate(-0.000_1, Some(0.02)), "0.000");
+        assert_eq!(with_percent("-0.03", Some(23.2)), "-0.03 (23.2 %)");
+    }
+
+    #[test]
+    fn significant_digits_keep_large_and_small_numbers_short() {
+        assert_eq!(significant(975.446, 3), "975");
+        assert_eq!(significant(0.001_077_4, 3), "0.00108");
+        assert_eq!(significant(1.5e-9, 3), "1.50e-9");
+        assert_eq!(significant(f64::NAN, 3), "-");
+    }
+}

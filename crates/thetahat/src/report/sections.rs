@@ -1,0 +1,204 @@
+//! The sections of the page, and the facts that the terminal shows too.
+
+use serde::Serialize;
+
+use super::{
+    Published, Table,
+    figures::{self, Figure},
+    number::{optional, significant},
+    tables::{self, Detail},
+};
+use crate::{
+    experiment::{Results, RunResult},
+    statistics::FTest,
+};
+
+/// Probability below which an F-test rejects.
+const SIGNIFICANCE: f64 = 0.05;
+
+/// A section of the page.
+#[derive(Debug, Default, Serialize)]
+pub(super) struct Section {
+    pub(super) id: &'static str,
+    pub(super) title: &'static str,
+    pub(super) lines: Vec<String>,
+    pub(super) facts: Vec<(&'static str, String)>,
+    pub(super) tables: Vec<Table>,
+    pub(super) figures: Vec<Figure>,
+    /// Tables that open on demand.
+    pub(super) folded: Vec<Table>,
+    /// Files that open on demand, each with its title.
+    pub(super) files: Vec<(&'static str, String)>,
+}
+
+impl Section {
+    fn is_empty(&self) -> bool {
+        self.tables.is_empty()
+            && self.figures.is_empty()
+            && self.folded.is_empty()
+            && self.files.is_empty()
+            && self.lines.is_empty()
+    }
+}
+
+/// Every section that has something to show.
+pub(super) fn all(results: &Results, published: Option<&Published>) -> Vec<Section> {
+    let mut sections = vec![summary(results), estimates(results)];
+    sections.extend(published.map(|p| comparison(results, p)));
+    sections.extend([truth(results), formulas(results), torques(results)]);
+    sections.extend([convergence(results), tracking(results), elimination(results), method(results)]);
+    sections.retain(|s| !s.is_empty());
+    sections
+}
+
+fn summary(results: &Results) -> Section {
+    let runs: Vec<&RunResult> = results.runs.iter().collect();
+    let tables = [Some(tables::summary(results)), tables::joint_errors(results)];
+    Section {
+        id: "summary",
+        title: "Summary",
+        lines: tables::reasons(&runs),
+        tables: tables.into_iter().flatten().collect(),
+        ..Section::default()
+    }
+}
+
+fn estimates(results: &Results) -> Section {
+    let tables = results.cases().into_iter().map(|case| tables::parameters(results, case)).collect();
+    Section { id: "estimates", title: "Estimates", tables, ..Section::default() }
+}
+
+fn comparison(results: &Results, published: &Published) -> Section {
+    let of_case = |case| tables::published(results, published, case, Detail::Deviations);
+    let tables = results.cases().into_iter().filter_map(of_case).chain(tables::published_runs(results, published));
+    let tables: Vec<Table> = tables.collect();
+    let lines = if tables.is_empty() { Vec::new() } else { vec![published.source.clone()] };
+    Section { id: "published", title: "Published figures and ours", lines, tables, ..Section::default() }
+}
+
+fn truth(results: &Results) -> Section {
+    let tables = results.cases().into_iter().filter_map(|case| tables::truth(results, case)).collect();
+    Section { id: "truth", title: "Estimates and true values", tables, ..Section::default() }
+}
+
+fn formulas(results: &Results) -> Section {
+    let folded = results.cases().into_iter().map(|case| tables::formulas(results, case)).collect();
+    Section { id: "formulas", title: "All parameters, with their formulas", folded, ..Section::default() }
+}
+
+fn torques(results: &Results) -> Section {
+    let of_case = |case| [figures::torques(results, case), figures::residuals(results, case)];
+    let figures = results.cases().into_iter().flat_map(of_case).flatten().collect();
+    Section { id: "torques", title: "Torques and residuals", figures, ..Section::default() }
+}
+
+fn convergence(results: &Results) -> Section {
+    let figures = results.runs.iter().filter_map(figures::convergence).collect();
+    let folded = tables::convergence(results).into_iter().collect();
+    Section { id: "convergence", title: "Convergence", figures, folded, ..Section::default() }
+}
+
+fn tracking(results: &Results) -> Section {
+    let figures = results.cases().into_iter().filter_map(|case| figures::tracking(results, case)).collect();
+    let tables = tables::simulation_errors(results).into_iter().collect();
+    Section { id: "simulation", title: "Closed-loop simulation", tables, figures, ..Section::default() }
+}
+
+fn elimination(results: &Results) -> Section {
+    Section { id: "tests", title: "Elimination and F-tests", lines: tests(results), ..Section::default() }
+}
+
+fn method(results: &Results) -> Section {
+    let files = [("Experiment", &results.experiment_description), ("Robot", &results.robot_description)];
+    Section {
+        id: "method",
+        title: "What was done",
+        facts: facts(results).into_iter().chain(weights(results).map(|w| ("weights", w))).collect(),
+        files: files.map(|(title, text)| (title, text.clone())).into(),
+        ..Section::default()
+    }
+}
+
+/// What was recorded and how it was filtered, as labels and texts.
+pub(super) fn facts(results: &Results) -> Vec<(&'static str, String)> {
+    let [start, end] = results.window_s;
+    let rate = significant(results.sample_rate_hz, 6);
+    let samples = format!("{} at {rate} Hz, {start} s to {end} s", results.samples_used);
+    let rows = format!("{} after decimation", results.decimated_rows);
+    let mut facts = vec![("robot", results.robot.clone()), ("samples used", samples), ("rows", rows)];
+    facts.extend(filters(results));
+    facts.extend(results.reference.as_ref().map(|r| ("reference", reference(results, r))));
+    facts.extend(results.seed.map(|seed| ("seed", seed.to_string())));
+    facts.push(("thetahat", results.thetahat.clone()));
+    facts
+}
+
+fn filters(results: &Results) -> [(&'static str, String); 2] {
+    let bandwidth = &results.bandwidth;
+    let measured = |hz| format!("{} Hz", optional(hz, 3));
+    let position = format!(
+        "{} Hz asked, positions measured {}, accelerations {}",
+        significant(bandwidth.position_cutoff_hz, 3),
+        measured(bandwidth.position_measured_hz),
+        measured(bandwidth.acceleration_measured_hz),
+    );
+    let decimation = format!(
+        "{} Hz asked, measured {}",
+        significant(bandwidth.decimation_cutoff_hz, 3),
+        measured(bandwidth.decimation_measured_hz),
+    );
+    [("position filter", position), ("parallel filter", decimation)]
+}
+
+fn reference(results: &Results, reference: &crate::experiment::ReferenceResult) -> String {
+    let moves = reference.moves.map(|m| format!(", {m} moves")).unwrap_or_default();
+    let worst = reference.rms_deviation.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
+    let deviation = worst.map(|(joint, rms)| {
+        let unit = if figures::is_prismatic(results, joint) { "mm" } else { "mrad" };
+        format!("; worst rms deviation {} {unit}, joint {}", significant(1e3 * rms, 3), joint + 1)
+    });
+    format!("{}{moves}{}", reference.origin, deviation.unwrap_or_default())
+}
+
+/// The weights of each method, from the experiment's text.
+fn weights(results: &Results) -> Option<String> {
+    let file: toml::Table = results.experiment_description.parse().ok()?;
+    let weighting = file.get("estimation").and_then(|e| e.get("weighting"));
+    let of_method = |name: &str| weighting.and_then(|w| w.get(name)?.as_str()).unwrap_or("none").to_owned();
+    let mut weights: Vec<String> = Vec::new();
+    for run in &results.runs {
+        let weight = format!("{} {}", run.method.name(), of_method(run.method.name()));
+        if !weights.contains(&weight) {
+            weights.push(weight);
+        }
+    }
+    Some(weights.join(", "))
+}
+
+/// What the elimination did and what the F-tests say, whether they reject or not.
+pub(super) fn tests(results: &Results) -> Vec<String> {
+    let mut lines = Vec::new();
+    if let Some(elimination) = &results.elimination {
+        lines.push(format!("Kept, {}: {}.", elimination.kept.len(), elimination.kept.join(" ")));
+        let taken = elimination.eliminated.join(" ");
+        lines.push(format!("Eliminated in this order, {}: {taken}.", elimination.eliminated.len()));
+        lines.extend(elimination.f_test.as_ref().map(|t| verdict("the parameters kept", t)));
+    }
+    let of_run = |r: &RunResult| {
+        let what = format!("the parameters of {} {}", r.case, r.method.name());
+        r.f_test.as_ref().map(|t| verdict(&what, t))
+    };
+    lines.extend(results.runs.iter().filter_map(of_run));
+    lines
+}
+
+fn verdict(what: &str, test: &FTest) -> String {
+    let FTest { statistic, numerator_freedom, denominator_freedom, p_value } = test;
+    let outcome = if *p_value < SIGNIFICANCE { "rejected" } else { "not rejected" };
+    format!(
+        "F-test of {what} against all base parameters: F({numerator_freedom}, {denominator_freedom}) = {}, p = {}: \
+         {outcome} at 5 %.",
+        significant(*statistic, 4),
+        significant(*p_value, 2),
+    )
+}

@@ -1,0 +1,169 @@
+//! A table of texts, and its layout for the terminal.
+
+use serde::Serialize;
+
+use super::text::wrap;
+
+/// Columns of a terminal that no line exceeds.
+pub const TEXT_WIDTH: usize = 80;
+
+/// Longest text of a leading column, of a column under a group, and of any other column.
+const LEAD_CELL: usize = 24;
+const GROUP_CELL: usize = 15;
+const CELL: usize = 26;
+
+/// Columns under one heading.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Group {
+    /// The heading.
+    pub label: String,
+    /// Number of columns.
+    pub columns: usize,
+}
+
+/// A table of texts: a few leading columns that say what a row is, then columns of figures.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
+pub struct Table {
+    /// Title.
+    pub title: String,
+    /// Number of leading columns: aligned left, and repeated where a table is cut into several.
+    pub lead: usize,
+    /// Headings over the columns behind the leading ones; empty, or all of them are covered.
+    pub groups: Vec<Group>,
+    /// Heading of each column.
+    pub head: Vec<String>,
+    /// Rows of as many texts as there are columns.
+    pub rows: Vec<Vec<String>>,
+    /// Lines below the table.
+    pub notes: Vec<String>,
+}
+
+impl Table {
+    /// The table as lines of at most [`TEXT_WIDTH`] characters; what is wider is cut into several tables with the same
+    /// leading columns.
+    #[must_use]
+    pub fn to_text(&self) -> String {
+        let mut text = wrap(&self.title, "");
+        let widths: Vec<usize> = (0..self.head.len()).map(|c| self.width(c)).collect();
+        for page in self.pages(&widths) {
+            page.write(self, &widths, &mut text);
+        }
+        for note in &self.notes {
+            text.push_str(&wrap(note, "  "));
+        }
+        text
+    }
+
+    /// Characters of a column.
+    fn width(&self, column: usize) -> usize {
+        let cells = self.rows.iter().filter_map(|row| row.get(column));
+        let widest = cells.chain([&self.head[column]]).map(|c| c.chars().count()).max().unwrap_or(0);
+        widest.min(self.widest_cell(column))
+    }
+
+    fn widest_cell(&self, column: usize) -> usize {
+        match (column < self.lead, self.groups.is_empty()) {
+            (true, _) => LEAD_CELL,
+            (false, true) => CELL,
+            (false, false) => GROUP_CELL,
+        }
+    }
+
+    /// The blocks of columns that stay together, each with its heading.
+    fn blocks(&self) -> Vec<(&str, Vec<usize>)> {
+        if self.groups.is_empty() {
+            return (self.lead..self.head.len()).map(|c| ("", vec![c])).collect();
+        }
+        let mut next = self.lead;
+        let take = |group: &Group| {
+            next += group.columns;
+            (next - group.columns..next).collect()
+        };
+        let columns: Vec<Vec<usize>> = self.groups.iter().map(take).collect();
+        self.groups.iter().map(|g| g.label.as_str()).zip(columns).collect()
+    }
+
+    /// As many blocks side by side as fit.
+    fn pages(&self, widths: &[usize]) -> Vec<Page<'_>> {
+        let lead: Vec<usize> = (0..self.lead).collect();
+        let whole = Page { gap: 2, lead: lead.clone(), blocks: self.blocks() };
+        let gap = if whole.width(widths) <= TEXT_WIDTH { 2 } else { 1 };
+        let mut pages: Vec<Page<'_>> = Vec::new();
+        for block in whole.blocks {
+            match pages.last_mut() {
+                Some(page) if page.width_with(&block.1, widths) <= TEXT_WIDTH => page.blocks.push(block),
+                _ => pages.push(Page { gap, lead: lead.clone(), blocks: vec![block] }),
+            }
+        }
+        pages
+    }
+}
+
+/// Columns of a table side by side.
+struct Page<'a> {
+    gap: usize,
+    lead: Vec<usize>,
+    blocks: Vec<(&'a str, Vec<usize>)>,
+}
+
+impl Page<'_> {
+    fn columns(&self) -> impl Iterator<Item = usize> {
+        self.lead.iter().chain(self.blocks.iter().flat_map(|(_, columns)| columns)).copied()
+    }
+
+    fn width(&self, widths: &[usize]) -> usize {
+        self.columns().map(|c| widths[c] + self.gap).sum::<usize>().saturating_sub(self.gap)
+    }
+
+    fn width_with(&self, columns: &[usize], widths: &[usize]) -> usize {
+        self.width(widths) + columns.iter().map(|&c| widths[c] + self.gap).sum::<usize>()
+    }
+
+    fn write(&self, table: &Table, widths: &[usize], text: &mut String) {
+        let rule = "-".repeat(self.width(widths));
+        if !table.groups.is_empty() {
+            push_line(text, &self.group_line(widths));
+        }
+        push_line(text, &self.line(&table.head, table.lead, widths));
+        push_line(text, &rule);
+        for row in &table.rows {
+            push_line(text, &self.line(row, table.lead, widths));
+        }
+        push_line(text, &rule);
+    }
+
+    fn line(&self, cells: &[String], lead: usize, widths: &[usize]) -> String {
+        let gap = " ".repeat(self.gap);
+        let cell = |c: usize| {
+            let text = shortened(cells.get(c).map_or("", String::as_str), widths[c]);
+            if c < lead { format!("{text:<0$}", widths[c]) } else { format!("{text:>0$}", widths[c]) }
+        };
+        self.columns().map(cell).collect::<Vec<_>>().join(&gap)
+    }
+
+    /// The headings of the groups, each centred over its columns.
+    fn group_line(&self, widths: &[usize]) -> String {
+        let span = |columns: &[usize]| columns.iter().map(|&c| widths[c] + self.gap).sum::<usize>();
+        let mut line = " ".repeat(span(&self.lead).saturating_sub(self.gap));
+        for (label, columns) in &self.blocks {
+            let width = span(columns) - self.gap;
+            let label = shortened(label, width);
+            line.push_str(&" ".repeat(self.gap));
+            line.push_str(&format!("{label:-^width$}"));
+        }
+        line
+    }
+}
+
+fn push_line(text: &mut String, line: &str) {
+    text.push_str(line.trim_end());
+    text.push('\n');
+}
+
+/// A text of at most so many characters.
+fn shortened(text: &str, width: usize) -> String {
+    if text.chars().count() <= width {
+        return text.to_owned();
+    }
+    text.chars().take(width.saturating_sub(1)).chain(['…']).collect()
+}

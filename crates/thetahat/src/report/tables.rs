@@ -1,0 +1,377 @@
+//! What the tables of the report hold.
+
+use super::{
+    Agreement, Group, Published, PublishedValue, Table,
+    number::{NONE, estimate, fixed, optional, significant, with_deviation, with_percent},
+};
+use crate::{
+    experiment::{ParameterResult, Results, RunResult},
+    identification::Status,
+};
+
+/// Errors in standard deviations that count as within.
+const WITHIN: f64 = 3.0;
+
+/// Quantities of a simulation's relative errors, in the order shown.
+const SIMULATED: [&str; 4] = ["position", "velocity", "acceleration", "torque"];
+
+/// Figures of a run that a publication may print: name in the file of published figures, and heading.
+const RUN_FIGURES: [(&str, &str); 3] = [
+    ("relative_error_percent", "relative error %"),
+    ("cross_validation_relative_error_percent", "cross-validation %"),
+    ("condition_number", "condition number"),
+];
+
+pub(super) fn runs_of<'a>(results: &'a Results, case: &str) -> Vec<&'a RunResult> {
+    results.runs.iter().filter(|r| r.case == case).collect()
+}
+
+pub(super) fn status(run: &RunResult) -> &'static str {
+    match run.status {
+        Status::Converged => "converged",
+        Status::IterationLimit => "iteration limit",
+        Status::Diverged => "diverged",
+        Status::NotIdentifiable => "not identifiable",
+    }
+}
+
+fn strings(texts: &[&str]) -> Vec<String> {
+    texts.iter().map(|t| (*t).to_owned()).collect()
+}
+
+/// One row for each run.
+pub(super) fn summary(results: &Results) -> Table {
+    let row = |r: &RunResult| {
+        vec![
+            r.case.clone(),
+            r.method.name().to_owned(),
+            status(r).to_owned(),
+            r.iterations.to_string(),
+            r.simulations.to_string(),
+            optional(r.relative_error_percent, 3),
+            optional(r.cross_validation_relative_error_percent, 3),
+            optional(r.condition_number, 3),
+            significant(r.seconds, 2),
+        ]
+    };
+    Table {
+        title: "Runs".to_owned(),
+        lead: 3,
+        head: strings(&["case", "method", "status", "iter", "sims", "error %", "cv %", "cond", "s"]),
+        rows: results.runs.iter().map(row).collect(),
+        notes: vec!["error: relative error 100 |y - y_hat| / |y|; cv: the same on data not used.".to_owned()],
+        ..Table::default()
+    }
+}
+
+/// The parameters of some runs, in the order in which they appear.
+fn parameters_in<'a>(runs: &[&'a RunResult], wanted: impl Fn(&ParameterResult) -> bool) -> Vec<&'a ParameterResult> {
+    let mut parameters: Vec<&ParameterResult> = Vec::new();
+    for parameter in runs.iter().flat_map(|r| &r.parameters).filter(|p| wanted(p)) {
+        if !parameters.iter().any(|p| p.name == parameter.name) {
+            parameters.push(parameter);
+        }
+    }
+    parameters
+}
+
+/// What stands for a parameter of a run: its status where there is no estimate.
+fn cell(run: &RunResult, name: &str, show: impl Fn(&ParameterResult) -> String) -> String {
+    let absent = if run.parameters.is_empty() { status(run) } else { NONE };
+    run.parameter(name).map_or_else(|| absent.to_owned(), show)
+}
+
+/// Why the runs that did not converge did not.
+pub(super) fn reasons(runs: &[&RunResult]) -> Vec<String> {
+    let reason = |r: &&RunResult| {
+        let why = r.reason.as_deref().or((r.status != Status::Converged).then_some("no reason given"))?;
+        Some(format!("{} {}: {why}", r.method.name(), status(r)))
+    };
+    runs.iter().filter_map(reason).collect()
+}
+
+fn estimate_with_percent(p: &ParameterResult) -> String {
+    with_percent(&estimate(p.estimate, p.standard_deviation), p.relative_standard_deviation_percent)
+}
+
+/// The shown parameters of a case, the methods side by side.
+pub(super) fn parameters(results: &Results, case: &str) -> Table {
+    let runs = runs_of(results, case);
+    let row = |p: &ParameterResult| {
+        let estimates = runs.iter().map(|r| cell(r, &p.name, estimate_with_percent));
+        [p.name.clone(), p.unit.clone()].into_iter().chain(estimates).collect()
+    };
+    Table {
+        title: format!("{case}: estimates (relative standard deviation)"),
+        lead: 2,
+        head: strings(&["name", "unit"]).into_iter().chain(method_names(&runs)).collect(),
+        rows: parameters_in(&runs, |p| p.shown).into_iter().map(row).collect(),
+        notes: reasons(&runs),
+        ..Table::default()
+    }
+}
+
+fn method_names<'a>(runs: &'a [&RunResult]) -> impl Iterator<Item = String> + 'a {
+    runs.iter().map(|r| r.method.name().to_owned())
+}
+
+fn method_groups(runs: &[&RunResult], columns: usize) -> Vec<Group> {
+    method_names(runs).map(|label| Group { label, columns }).collect()
+}
+
+/// A heading for leading columns, then the same columns for each run.
+fn repeated_head(lead: &[&str], each: &[&str], runs: usize) -> Vec<String> {
+    let repeated = (0..runs).flat_map(|_| strings(each));
+    strings(lead).into_iter().chain(repeated).collect()
+}
+
+/// Every parameter of a case with its unit, formula and standard deviations.
+pub(super) fn formulas(results: &Results, case: &str) -> Table {
+    let runs = runs_of(results, case);
+    let cells = |r: &&RunResult, name: &str| {
+        let percent = |p: &ParameterResult| optional(p.relative_standard_deviation_percent, 3);
+        [
+            cell(r, name, |p| with_deviation(p.estimate, p.standard_deviation)),
+            r.parameter(name).map_or_else(|| NONE.to_owned(), percent),
+        ]
+    };
+    let row = |p: &ParameterResult| {
+        let lead = [p.name.clone(), p.expression.clone(), p.unit.clone()];
+        lead.into_iter().chain(runs.iter().flat_map(|r| cells(r, &p.name))).collect()
+    };
+    Table {
+        title: format!("{case}: all parameters"),
+        lead: 3,
+        groups: method_groups(&runs, 2),
+        head: repeated_head(&["name", "formula", "unit"], &["estimate±sd", "sd %"], runs.len()),
+        rows: parameters_in(&runs, |_| true).into_iter().map(row).collect(),
+        notes: reasons(&runs),
+    }
+}
+
+/// Error of an estimate in its standard deviations.
+fn error_in_deviations(p: &ParameterResult) -> Option<f64> {
+    let error = p.estimate - p.true_value?;
+    p.standard_deviation.filter(|sd| *sd > 0.0).map(|sd| error / sd)
+}
+
+/// The shown parameters of a case beside their true values; none where no true value is known.
+pub(super) fn truth(results: &Results, case: &str) -> Option<Table> {
+    let runs = runs_of(results, case);
+    let known = parameters_in(&runs, |p| p.shown && p.true_value.is_some());
+    let error = |p: &ParameterResult| error_in_deviations(p).map_or_else(|| NONE.to_owned(), |e| fixed(e, 1));
+    let cells = |r: &&RunResult, name: &str| {
+        [
+            cell(r, name, |p| with_deviation(p.estimate, p.standard_deviation)),
+            r.parameter(name).map_or_else(|| NONE.to_owned(), error),
+        ]
+    };
+    let row = |p: &&ParameterResult| {
+        let lead = [p.name.clone(), optional(p.true_value, 3)];
+        lead.into_iter().chain(runs.iter().flat_map(|r| cells(r, &p.name))).collect()
+    };
+    (!known.is_empty()).then(|| Table {
+        title: format!("{case}: truth and estimates, error in standard deviations"),
+        lead: 2,
+        groups: method_groups(&runs, 2),
+        head: repeated_head(&["name", "truth"], &["estimate±sd", "err/sd"], runs.len()),
+        rows: known.iter().map(row).collect(),
+        notes: truth_counts(&runs),
+    })
+}
+
+fn truth_counts(runs: &[&RunResult]) -> Vec<String> {
+    let count = |r: &&RunResult, wanted: fn(&ParameterResult) -> bool| {
+        let errors: Vec<f64> = r.parameters.iter().filter(|p| wanted(p)).filter_map(error_in_deviations).collect();
+        let within = errors.iter().filter(|e| e.abs() <= WITHIN).count();
+        format!("{} {within} of {}", r.method.name(), errors.len())
+    };
+    let line = |what: &str, wanted: fn(&ParameterResult) -> bool| {
+        let estimated = runs.iter().filter(|r| !r.parameters.is_empty());
+        let counts: Vec<String> = estimated.map(|r| count(r, wanted)).collect();
+        format!("within 3 standard deviations{what}: {}", counts.join(", "))
+    };
+    let hidden = runs.iter().any(|r| r.parameters.iter().any(|p| !p.shown));
+    let all = hidden.then(|| line(", of all parameters", |_| true));
+    [line("", |p| p.shown)].into_iter().chain(all).collect()
+}
+
+/// How far a published parameter table goes into detail.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Detail {
+    /// Estimates alone.
+    Estimates,
+    /// Estimates and their relative standard deviations.
+    Deviations,
+}
+
+/// Published estimates of a case beside ours; none where nothing is published for it.
+pub(super) fn published(results: &Results, published: &Published, case: &str, detail: Detail) -> Option<Table> {
+    let printed = |r: &RunResult| published.values.iter().any(|v| v.case == case && v.method == r.method);
+    let runs: Vec<&RunResult> = runs_of(results, case).into_iter().filter(|r| printed(r)).collect();
+    let names = published_names(published, case);
+    let row = |name: &&str| {
+        let cells = runs.iter().flat_map(|r| compared(published.value(case, r.method, name), r, name, detail));
+        [(*name).to_owned()].into_iter().chain(cells).collect()
+    };
+    (!runs.is_empty() && !names.is_empty()).then(|| Table {
+        title: format!("{case}: published figures and ours"),
+        lead: 1,
+        groups: method_groups(&runs, 3),
+        head: repeated_head(&["name"], &["printed", "ours", "diff/sd"], runs.len()),
+        rows: names.iter().map(row).collect(),
+        notes: agreements(published, &runs),
+    })
+}
+
+fn is_run_figure(name: &str) -> bool {
+    RUN_FIGURES.iter().any(|(figure, _)| *figure == name)
+}
+
+fn published_names<'a>(published: &'a Published, case: &str) -> Vec<&'a str> {
+    let mut names: Vec<&str> = Vec::new();
+    for value in published.values.iter().filter(|v| v.case == case && !is_run_figure(&v.parameter)) {
+        if !names.contains(&value.parameter.as_str()) {
+            names.push(&value.parameter);
+        }
+    }
+    names
+}
+
+/// The printed figure, ours, and the difference; a star marks what does not agree.
+fn compared(printed: Option<&PublishedValue>, run: &RunResult, name: &str, detail: Detail) -> [String; 3] {
+    let percent = |p: Option<f64>| p.filter(|_| detail == Detail::Deviations);
+    let ours =
+        cell(run, name, |p| with_percent(&like_printed(p, printed), percent(p.relative_standard_deviation_percent)));
+    let text = printed.map(|v| with_percent(&v.text, percent(v.relative_standard_deviation_percent)));
+    let difference = printed.zip(run.parameter(name)).map(|(v, p)| difference(v, p.estimate));
+    [text.unwrap_or_else(|| NONE.to_owned()), ours, difference.unwrap_or_else(|| NONE.to_owned())]
+}
+
+/// Our estimate with one digit more than the printed one.
+fn like_printed(ours: &ParameterResult, printed: Option<&PublishedValue>) -> String {
+    let decimals = printed.and_then(|v| usize::try_from(v.decimals() + 1).ok()).filter(|d| *d <= 7);
+    decimals.map_or_else(|| estimate(ours.estimate, ours.standard_deviation), |d| fixed(ours.estimate, d))
+}
+
+/// The difference in printed standard deviations.
+fn difference(printed: &PublishedValue, estimate: f64) -> String {
+    let deviations = printed.standard_deviation().filter(|sd| *sd > 0.0).map(|sd| (estimate - printed.estimate) / sd);
+    let text = deviations.map_or_else(|| NONE.to_owned(), |d| format!("{d:+.1}"));
+    if printed.agrees_with(estimate) { text } else { format!("{text} *") }
+}
+
+fn agreements(published: &Published, runs: &[&RunResult]) -> Vec<String> {
+    let count = |r: &&RunResult| {
+        let Agreement { within, compared } = published.agreement(r);
+        format!("{} {within} of {compared}", r.method.name())
+    };
+    let counts: Vec<String> = runs.iter().filter(|r| !r.parameters.is_empty()).map(count).collect();
+    let rule = "within 3 printed standard deviations or one unit of the last printed digit";
+    let mut notes = vec![format!("{rule}: {}", counts.join(", ")), "* not within.".to_owned()];
+    notes.extend(reasons(runs));
+    notes
+}
+
+/// Published figures of the runs beside ours: relative errors and the like.
+pub(super) fn published_runs(results: &Results, published: &Published) -> Option<Table> {
+    let printed = |name: &str| published.values.iter().any(|v| v.parameter == name);
+    let figures: Vec<_> = RUN_FIGURES.into_iter().filter(|(name, _)| printed(name)).collect();
+    let cells = |r: &RunResult, name: &str| {
+        let value = published.value(&r.case, r.method, name);
+        [value.map_or_else(|| NONE.to_owned(), |v| v.text.clone()), optional(run_figure(r, name), 4)]
+    };
+    let row = |r: &RunResult| {
+        let lead = [r.case.clone(), r.method.name().to_owned()];
+        lead.into_iter().chain(figures.iter().flat_map(|(name, _)| cells(r, name))).collect()
+    };
+    let has_any = |r: &&RunResult| figures.iter().any(|(n, _)| published.value(&r.case, r.method, n).is_some());
+    let rows: Vec<Vec<String>> = results.runs.iter().filter(has_any).map(row).collect();
+    (!rows.is_empty()).then(|| Table {
+        title: "Published figures of the runs and ours".to_owned(),
+        lead: 2,
+        groups: figures.iter().map(|(_, label)| Group { label: (*label).to_owned(), columns: 2 }).collect(),
+        head: repeated_head(&["case", "method"], &["printed", "ours"], figures.len()),
+        rows,
+        notes: Vec::new(),
+    })
+}
+
+fn run_figure(run: &RunResult, name: &str) -> Option<f64> {
+    match name {
+        "relative_error_percent" => run.relative_error_percent,
+        "cross_validation_relative_error_percent" => run.cross_validation_relative_error_percent,
+        "condition_number" => run.condition_number,
+        _ => None,
+    }
+}
+
+/// Every iteration of every run that iterates.
+pub(super) fn convergence(results: &Results) -> Option<Table> {
+    let rows_of = |run: &RunResult| -> Vec<Vec<String>> {
+        let row = |(k, i): (usize, &crate::experiment::IterationResult)| {
+            vec![
+                run.case.clone(),
+                run.method.name().to_owned(),
+                (k + 1).to_string(),
+                significant(i.relative_error_percent, 5),
+                optional(i.parameter_change, 3),
+                optional(i.error_change, 3),
+            ]
+        };
+        run.convergence.iter().enumerate().map(row).collect()
+    };
+    let rows: Vec<Vec<String>> = results.runs.iter().flat_map(rows_of).collect();
+    (!rows.is_empty()).then(|| Table {
+        title: "Convergence".to_owned(),
+        lead: 2,
+        head: strings(&["case", "method", "iteration", "error %", "parameter change", "error change"]),
+        rows,
+        notes: vec!["changes are relative: the largest of an estimate, and that of the error.".to_owned()],
+        ..Table::default()
+    })
+}
+
+/// Relative errors of the simulations with the estimates.
+pub(super) fn simulation_errors(results: &Results) -> Option<Table> {
+    let rows: Vec<Vec<String>> = results.runs.iter().flat_map(simulation_rows).collect();
+    let head = strings(&["case", "method", "record"]).into_iter().chain(SIMULATED.map(|q| format!("{q} %")));
+    (!rows.is_empty()).then(|| Table {
+        title: "Closed-loop simulation with the estimates, relative errors".to_owned(),
+        lead: 3,
+        head: head.collect(),
+        rows,
+        ..Table::default()
+    })
+}
+
+fn simulation_rows(run: &RunResult) -> Vec<Vec<String>> {
+    let records = [
+        ("first", &run.simulation_relative_error_percent),
+        ("second", &run.validation_simulation_relative_error_percent),
+    ];
+    let row = |(record, errors): (&str, &Option<std::collections::BTreeMap<String, f64>>)| {
+        let errors = errors.as_ref()?;
+        let cells = SIMULATED.map(|quantity| optional(errors.get(quantity).copied(), 3));
+        let lead = [run.case.clone(), run.method.name().to_owned(), record.to_owned()];
+        Some(lead.into_iter().chain(cells).collect())
+    };
+    records.into_iter().filter_map(row).collect()
+}
+
+/// Relative error of each joint's torque.
+pub(super) fn joint_errors(results: &Results) -> Option<Table> {
+    let joints = results.runs.iter().map(|r| r.joint_relative_error_percent.len()).max().unwrap_or(0);
+    let row = |r: &RunResult| {
+        let errors = (0..joints).map(|j| optional(r.joint_relative_error_percent.get(j).copied(), 3));
+        [r.case.clone(), r.method.name().to_owned()].into_iter().chain(errors).collect()
+    };
+    let head = strings(&["case", "method"]).into_iter().chain((1..=joints).map(|j| format!("joint {j}")));
+    (joints > 1).then(|| Table {
+        title: "Relative error of each joint, %".to_owned(),
+        lead: 2,
+        head: head.collect(),
+        rows: results.runs.iter().map(row).collect(),
+        ..Table::default()
+    })
+}
