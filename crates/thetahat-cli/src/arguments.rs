@@ -30,9 +30,6 @@ pub struct Output {
     /// Folder for results.json, parameters.csv and report.html [default: tables in the terminal only]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Print the progress of every iteration and the errors of every joint as well
-    #[arg(long)]
-    pub verbose: bool,
 }
 
 #[derive(Args)]

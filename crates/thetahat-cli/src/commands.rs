@@ -39,11 +39,7 @@ fn run_experiment(experiment: &Experiment, data: &Path, output: &Output) -> Resu
     let mut progress = Progress::new();
     let results = experiment.run(data, &mut |stage| progress.tell(stage))?;
     drop(progress);
-    let text = if output.verbose {
-        report::text::all(&results, published.as_ref())
-    } else {
-        report::text::main(&results, published.as_ref())
-    };
+    let text = report::text::all(&results, published.as_ref());
     print(&text)?;
     match &output.out {
         Some(directory) => {
@@ -64,7 +60,7 @@ fn predict_torques(request: &Predict) -> Result<Verdict, Box<dyn Error>> {
         case: request.case.clone(),
         method: request.method.map(Into::into),
     })?;
-    print(&report::text::prediction(&prediction))?;
+    print(&report::prediction_text(&prediction))?;
     if let Some(path) = &request.out {
         report::write_prediction(&prediction, path)?;
         print(&format!("\nwritten: {}\n", path.display()))?;

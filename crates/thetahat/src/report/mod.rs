@@ -9,6 +9,7 @@ mod files;
 mod html;
 mod number;
 mod plot;
+mod prediction;
 mod published;
 mod sections;
 mod table;
@@ -17,5 +18,6 @@ pub mod text;
 
 pub use error::ReportError;
 pub use files::write_all;
+pub use prediction::{prediction_text, write_prediction};
 pub use published::{Agreement, Published, PublishedValue};
 pub use table::{Group, TEXT_WIDTH, Table};
