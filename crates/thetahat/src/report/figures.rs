@@ -3,10 +3,10 @@
 use serde::Serialize;
 
 use super::{
-    plot::{Chart, Curve},
+    plot::{Chart, Curve, NARROW, WIDE},
     tables::runs_of,
 };
-use crate::experiment::{Results, RunResult};
+use crate::experiment::{IterationResult, Results, RunResult};
 
 /// Class of the measured curve.
 const MEASURED: &str = "measured";
@@ -66,6 +66,11 @@ fn difference(time: &[f64], values: Option<&Vec<f64>>, reference: &[f64], scale:
     points(time, values.iter().zip(reference).map(|(v, r)| scale * (v - r)))
 }
 
+/// Width of one of so many charts.
+fn width(charts: usize) -> f64 {
+    if charts == 1 { WIDE } else { NARROW }
+}
+
 /// One chart for each joint; none where no run of the case has a curve.
 fn per_joint(
     results: &Results,
@@ -89,7 +94,11 @@ pub(super) fn torques(results: &Results, case: &str) -> Option<Figure> {
             Curve::new(r.method.name(), points(&plots.time_s, values))
         });
         let curves: Vec<Curve> = [Curve::new(MEASURED, measured)].into_iter().chain(reconstructed).collect();
-        Chart::over_time(format!("Joint {}, {}", joint + 1, torque_unit(results, joint)), &curves)
+        Chart::over_time(
+            format!("Joint {}, {}", joint + 1, torque_unit(results, joint)),
+            &curves,
+            width(plots.measured.len()),
+        )
     };
     let caption = format!("{case}: measured and reconstructed torque over time, s");
     let mut figure = per_joint(results, (&runs, caption), plots.measured.len(), chart)?;
@@ -107,7 +116,11 @@ pub(super) fn residuals(results: &Results, case: &str) -> Option<Figure> {
             Curve::new(r.method.name(), values)
         };
         let curves: Vec<Curve> = runs.iter().map(residual).collect();
-        Chart::over_time(format!("Joint {}, {}", joint + 1, torque_unit(results, joint)), &curves)
+        Chart::over_time(
+            format!("Joint {}, {}", joint + 1, torque_unit(results, joint)),
+            &curves,
+            width(plots.measured.len()),
+        )
     };
     let caption = format!("{case}: residual, measured less reconstructed torque, over time, s");
     per_joint(results, (&runs, caption), plots.measured.len(), chart)
@@ -124,26 +137,42 @@ pub(super) fn tracking(results: &Results, case: &str) -> Option<Figure> {
             Curve::new(r.method.name(), difference(&plots.time_s, simulated, &plots.position[joint], 1e3))
         };
         let curves: Vec<Curve> = runs.iter().map(error).collect();
-        Chart::over_time(format!("Joint {}, {unit}", joint + 1), &curves)
+        Chart::over_time(format!("Joint {}, {unit}", joint + 1), &curves, width(plots.position.len()))
     };
     let caption = format!("{case}: simulated less measured position over time, s");
     per_joint(results, (&runs, caption), plots.position.len(), chart)
 }
 
-/// Estimates relative to the last ones and the relative error, per iteration.
-pub(super) fn convergence(run: &RunResult) -> Option<Figure> {
-    let last = &run.convergence.last()?.estimates;
-    let numbered = || (1..).zip(&run.convergence).map(|(k, i)| (f64::from(k), i));
-    let ratio = |p: usize| {
-        let values = numbered().map(|(k, i)| (k, (i.estimates[p] / last[p]).clamp(RATIOS[0], RATIOS[1])));
-        Curve::new(run.method.name(), values.collect())
+/// Estimates relative to the last ones for each run that iterates, and the relative errors, per iteration.
+pub(super) fn convergence(results: &Results, case: &str) -> Option<Figure> {
+    let runs: Vec<&RunResult> = runs_of(results, case).into_iter().filter(|r| !r.convergence.is_empty()).collect();
+    let estimates = |r: &&RunResult| {
+        let title = format!("{}: estimates / last estimates", r.method.name());
+        Chart::over_iterations(title, &ratios(r))
     };
+    let error = |r: &&RunResult| {
+        let errors = numbered(r).map(|(k, i)| (k, i.relative_error_percent));
+        Curve::new(r.method.name(), errors.collect())
+    };
+    let errors: Vec<Curve> = runs.iter().map(error).collect();
+    let errors = Chart::over_iterations("Relative error, %".to_owned(), &errors);
+    let charts: Vec<Chart> = runs.iter().map(estimates).chain([errors]).collect();
+    let caption = format!("{case}: per iteration");
+    (!runs.is_empty()).then(|| Figure { caption, legend: legend(&runs), charts })
+}
+
+fn numbered(run: &RunResult) -> impl Iterator<Item = (f64, &IterationResult)> {
+    (1..).map(f64::from).zip(&run.convergence)
+}
+
+/// Each shown parameter's estimates relative to its last one.
+fn ratios(run: &RunResult) -> Vec<Curve> {
+    let last = run.convergence.last().map_or(&[][..], |i| i.estimates.as_slice());
     let shown = |p: &usize| run.parameters.get(*p).is_none_or(|p| p.shown);
-    let ratios: Vec<Curve> = (0..last.len()).filter(|p| last[*p] != 0.0).filter(shown).map(ratio).collect();
-    let error = Curve::new(run.method.name(), numbered().map(|(k, i)| (k, i.relative_error_percent)).collect());
-    let charts = vec![
-        Chart::over_iterations("Estimates / last estimates".to_owned(), &ratios),
-        Chart::over_iterations("Relative error, %".to_owned(), &[error]),
-    ];
-    Some(Figure { caption: format!("{} {}: per iteration", run.case, run.method.name()), legend: Vec::new(), charts })
+    let ratio = |p: usize| {
+        let at =
+            |i: &IterationResult| i.estimates.get(p).map_or(f64::NAN, |e| (e / last[p]).clamp(RATIOS[0], RATIOS[1]));
+        Curve::new(run.method.name(), numbered(run).map(|(k, i)| (k, at(i))).collect())
+    };
+    (0..last.len()).filter(|p| last[*p] != 0.0).filter(shown).map(ratio).collect()
 }

@@ -32,7 +32,13 @@ pub(super) fn significant(value: f64, digits: usize) -> String {
     }
 }
 
-/// The same, or a dash.
+/// A number that was given: as it was, where that is short.
+pub(super) fn given(value: f64) -> String {
+    let text = value.to_string();
+    if text.len() <= 8 { text } else { significant(value, 4) }
+}
+
+/// A number with so many significant digits, or a dash.
 pub(super) fn optional(value: Option<f64>, digits: usize) -> String {
     value.map_or_else(|| NONE.to_owned(), |v| significant(v, digits))
 }
@@ -49,6 +55,12 @@ pub(super) fn estimate(value: f64, deviation: Option<f64>) -> String {
         Some(decimals) if value.abs() < 1e6 => fixed(value, decimals),
         _ => significant(value, 4),
     }
+}
+
+/// A difference in standard deviations, with its sign.
+pub(super) fn signed(deviations: f64) -> String {
+    let text = fixed(deviations, 1);
+    if deviations > 0.0 && text != "0.0" { format!("+{text}") } else { text }
 }
 
 /// An estimate and its standard deviation, `1.244±0.012`.

@@ -2,8 +2,11 @@
 
 use serde::Serialize;
 
-/// Size of a chart and of the margins around its axes, pixels.
-const WIDTH: f64 = 340.0;
+/// Width of one of several charts, and of a chart that stands alone, pixels.
+pub(super) const NARROW: f64 = 340.0;
+pub(super) const WIDE: f64 = 1060.0;
+
+/// Height of a chart and the margins around its axes, pixels.
 const HEIGHT: f64 = 170.0;
 const LEFT: f64 = 44.0;
 const RIGHT: f64 = 8.0;
@@ -15,6 +18,9 @@ const UNITS: f64 = 10.0;
 
 /// Points of a curve above which only the extremes of short stretches are drawn.
 const MOST_POINTS: usize = 1200;
+
+/// Smallest range of values in a chart, relative to the largest one.
+const SMALLEST_RANGE: f64 = 0.02;
 
 /// A curve: the class that colours it, and its points.
 #[derive(Debug)]
@@ -65,14 +71,14 @@ struct Marker {
 }
 
 impl Chart {
-    pub(super) fn over_time(title: String, curves: &[Curve]) -> Self {
-        Self::new(title, curves, 0.0)
+    pub(super) fn over_time(title: String, curves: &[Curve], width: f64) -> Self {
+        Self::new(title, curves, width, 0.0)
     }
 
     /// With ticks at whole numbers, and a dot at each point.
     pub(super) fn over_iterations(title: String, curves: &[Curve]) -> Self {
-        let mut chart = Self::new(title, curves, 1.0);
-        let axes = Axes::of(curves);
+        let mut chart = Self::new(title, curves, NARROW, 1.0);
+        let axes = Axes::of(curves, NARROW);
         let dot =
             |class, p: &(f64, f64)| Marker { class, x: pixel(axes.x.position(p.0)), y: pixel(axes.y.position(p.1)) };
         chart.markers =
@@ -80,18 +86,18 @@ impl Chart {
         chart
     }
 
-    fn new(title: String, curves: &[Curve], smallest_x_step: f64) -> Self {
-        let axes = Axes::of(curves);
+    fn new(title: String, curves: &[Curve], width: f64, smallest_x_step: f64) -> Self {
+        let axes = Axes::of(curves, width);
         Self {
             title,
-            width: WIDTH,
+            width,
             height: HEIGHT,
             left: LEFT,
-            right: WIDTH - RIGHT,
+            right: width - RIGHT,
             top: TOP,
             bottom: HEIGHT - BOTTOM,
-            x_ticks: axes.x.ticks(6.0, smallest_x_step),
-            y_ticks: axes.y.ticks(4.0, 0.0),
+            x_ticks: axes.x.ticks(8.0, smallest_x_step),
+            y_ticks: axes.y.ticks(5.5, 0.0),
             paths: curves.iter().map(|c| axes.path(c)).collect(),
             markers: Vec::new(),
         }
@@ -109,12 +115,12 @@ struct Axes {
 }
 
 impl Axes {
-    fn of(curves: &[Curve]) -> Self {
+    fn of(curves: &[Curve], width: f64) -> Self {
         let points = || curves.iter().flat_map(|c| &c.points);
         let x = Range::of(points().map(|p| p.0));
-        let y = Range::of(points().map(|p| p.1)).padded(0.05);
+        let y = Range::of(points().map(|p| p.1)).at_least(SMALLEST_RANGE).padded(0.05);
         Self {
-            x: Axis { range: x, from: LEFT, to: WIDTH - RIGHT },
+            x: Axis { range: x, from: LEFT, to: width - RIGHT },
             y: Axis { range: y, from: HEIGHT - BOTTOM, to: TOP },
         }
     }
@@ -174,6 +180,12 @@ impl Range {
         Self { low: self.low - by, high: self.high + by }
     }
 
+    /// Not below a fraction of the largest value: a curve that hardly changes looks so.
+    fn at_least(self, fraction: f64) -> Self {
+        let smallest = fraction * self.low.abs().max(self.high.abs());
+        self.padded_by(0.5 * (smallest - (self.high - self.low)).max(0.0))
+    }
+
     fn padded(self, fraction: f64) -> Self {
         self.padded_by(fraction * (self.high - self.low))
     }
@@ -223,7 +235,7 @@ mod tests {
     #[test]
     fn a_path_starts_at_a_corner_and_ends_at_the_other() {
         let curve = Curve::new("didim", vec![(0.0, 0.0), (f64::NAN, 1.0), (2.0, 1.0)]);
-        let chart = Chart::over_time(String::new(), &[curve]);
+        let chart = Chart::over_time(String::new(), &[curve], NARROW);
         let labels: Vec<&str> = chart.x_ticks.iter().map(|t| t.label.as_str()).collect();
         assert_eq!(labels, ["0.0", "0.5", "1.0", "1.5", "2.0"]);
         assert!(chart.paths[0].data.starts_with("M440 ") && chart.paths[0].data.contains("l2880-"));
@@ -238,6 +250,6 @@ mod tests {
 
     #[test]
     fn no_points_give_an_empty_chart() {
-        assert!(Chart::over_time(String::new(), &[]).paths.is_empty());
+        assert!(Chart::over_time(String::new(), &[], WIDE).paths.is_empty());
     }
 }

@@ -44,6 +44,8 @@ pub struct PublishedValue {
     pub text: String,
     /// The figure.
     pub estimate: f64,
+    /// Relative standard deviation in percent as printed; empty where none is.
+    pub deviation_text: String,
     /// Relative standard deviation, where one is printed.
     pub relative_standard_deviation_percent: Option<f64>,
 }
@@ -153,14 +155,15 @@ impl<'a> Line<'a> {
         let &[case, method, parameter, text, deviation] = self.cells.as_slice() else {
             return Err(self.error("five cells", self.text));
         };
-        let deviation = (!deviation.is_empty()).then(|| self.figure(deviation)).transpose()?;
+        let percent = (!deviation.is_empty()).then(|| self.figure(deviation)).transpose()?;
         Ok(PublishedValue {
             case: case.to_owned(),
             method: self.method(method)?,
             parameter: parameter.to_owned(),
             text: text.to_owned(),
             estimate: self.figure(text)?,
-            relative_standard_deviation_percent: deviation,
+            deviation_text: deviation.to_owned(),
+            relative_standard_deviation_percent: percent,
         })
     }
 

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::{
     Published, Table,
     figures::{self, Figure},
-    number::{optional, significant},
+    number::{given, optional, significant},
     tables::{self, Detail},
 };
 use crate::{
@@ -93,7 +93,7 @@ fn torques(results: &Results) -> Section {
 }
 
 fn convergence(results: &Results) -> Section {
-    let figures = results.runs.iter().filter_map(figures::convergence).collect();
+    let figures = results.cases().into_iter().filter_map(|case| figures::convergence(results, case)).collect();
     let folded = tables::convergence(results).into_iter().collect();
     Section { id: "convergence", title: "Convergence", figures, folded, ..Section::default() }
 }
@@ -122,8 +122,8 @@ fn method(results: &Results) -> Section {
 /// What was recorded and how it was filtered, as labels and texts.
 pub(super) fn facts(results: &Results) -> Vec<(&'static str, String)> {
     let [start, end] = results.window_s;
-    let rate = significant(results.sample_rate_hz, 6);
-    let samples = format!("{} at {rate} Hz, {start} s to {end} s", results.samples_used);
+    let [start, end, rate] = [start, end, results.sample_rate_hz].map(given);
+    let samples = format!("{} at {rate} Hz, window {start} s to {end} s", results.samples_used);
     let rows = format!("{} after decimation", results.decimated_rows);
     let mut facts = vec![("robot", results.robot.clone()), ("samples used", samples), ("rows", rows)];
     facts.extend(filters(results));
@@ -135,17 +135,16 @@ pub(super) fn facts(results: &Results) -> Vec<(&'static str, String)> {
 
 fn filters(results: &Results) -> [(&'static str, String); 2] {
     let bandwidth = &results.bandwidth;
-    let measured = |hz| format!("{} Hz", optional(hz, 3));
     let position = format!(
-        "{} Hz asked, positions measured {}, accelerations {}",
-        significant(bandwidth.position_cutoff_hz, 3),
-        measured(bandwidth.position_measured_hz),
-        measured(bandwidth.acceleration_measured_hz),
+        "{} Hz asked; measured: positions {}, accelerations {} Hz",
+        given(bandwidth.position_cutoff_hz),
+        optional(bandwidth.position_measured_hz, 3),
+        optional(bandwidth.acceleration_measured_hz, 3),
     );
     let decimation = format!(
-        "{} Hz asked, measured {}",
-        significant(bandwidth.decimation_cutoff_hz, 3),
-        measured(bandwidth.decimation_measured_hz),
+        "{} Hz asked; measured: {} Hz",
+        given(bandwidth.decimation_cutoff_hz),
+        optional(bandwidth.decimation_measured_hz, 3),
     );
     [("position filter", position), ("parallel filter", decimation)]
 }

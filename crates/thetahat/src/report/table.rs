@@ -44,7 +44,7 @@ impl Table {
     #[must_use]
     pub fn to_text(&self) -> String {
         let mut text = wrap(&self.title, "");
-        let widths: Vec<usize> = (0..self.head.len()).map(|c| self.width(c)).collect();
+        let widths = self.widths();
         for page in self.pages(&widths) {
             page.write(self, &widths, &mut text);
         }
@@ -54,7 +54,19 @@ impl Table {
         text
     }
 
-    /// Characters of a column.
+    /// Characters of each column; those under a long heading are widened to hold it.
+    fn widths(&self) -> Vec<usize> {
+        let mut widths: Vec<usize> = (0..self.head.len()).map(|c| self.width(c)).collect();
+        for (label, columns) in self.blocks() {
+            let beneath: usize = columns.iter().map(|&c| widths[c] + 1).sum();
+            if let Some(&first) = columns.first() {
+                widths[first] += (label.chars().count().min(CELL) + 1).saturating_sub(beneath);
+            }
+        }
+        widths
+    }
+
+    /// Characters that a column's own texts need.
     fn width(&self, column: usize) -> usize {
         let cells = self.rows.iter().filter_map(|row| row.get(column));
         let widest = cells.chain([&self.head[column]]).map(|c| c.chars().count()).max().unwrap_or(0);

@@ -2,7 +2,7 @@
 
 use super::{
     Agreement, Group, Published, PublishedValue, Table,
-    number::{NONE, estimate, fixed, optional, significant, with_deviation, with_percent},
+    number::{NONE, estimate, fixed, given, optional, signed, significant, with_deviation, with_percent},
 };
 use crate::{
     experiment::{ParameterResult, Results, RunResult},
@@ -159,7 +159,7 @@ fn error_in_deviations(p: &ParameterResult) -> Option<f64> {
 pub(super) fn truth(results: &Results, case: &str) -> Option<Table> {
     let runs = runs_of(results, case);
     let known = parameters_in(&runs, |p| p.shown && p.true_value.is_some());
-    let error = |p: &ParameterResult| error_in_deviations(p).map_or_else(|| NONE.to_owned(), |e| fixed(e, 1));
+    let error = |p: &ParameterResult| error_in_deviations(p).map_or_else(|| NONE.to_owned(), signed);
     let cells = |r: &&RunResult, name: &str| {
         [
             cell(r, name, |p| with_deviation(p.estimate, p.standard_deviation)),
@@ -167,7 +167,7 @@ pub(super) fn truth(results: &Results, case: &str) -> Option<Table> {
         ]
     };
     let row = |p: &&ParameterResult| {
-        let lead = [p.name.clone(), optional(p.true_value, 3)];
+        let lead = [p.name.clone(), p.true_value.map_or_else(|| NONE.to_owned(), given)];
         lead.into_iter().chain(runs.iter().flat_map(|r| cells(r, &p.name))).collect()
     };
     (!known.is_empty()).then(|| Table {
@@ -240,25 +240,35 @@ fn published_names<'a>(published: &'a Published, case: &str) -> Vec<&'a str> {
 
 /// The printed figure, ours, and the difference; a star marks what does not agree.
 fn compared(printed: Option<&PublishedValue>, run: &RunResult, name: &str, detail: Detail) -> [String; 3] {
-    let percent = |p: Option<f64>| p.filter(|_| detail == Detail::Deviations);
-    let ours =
-        cell(run, name, |p| with_percent(&like_printed(p, printed), percent(p.relative_standard_deviation_percent)));
-    let text = printed.map(|v| with_percent(&v.text, percent(v.relative_standard_deviation_percent)));
+    let detailed = detail == Detail::Deviations;
+    let ours = cell(run, name, |p| {
+        let percent = p.relative_standard_deviation_percent.filter(|_| detailed);
+        with_percent(&like_printed(p, printed), percent)
+    });
+    let text = printed.map(|v| match v.deviation_text.as_str() {
+        deviation if detailed && !deviation.is_empty() => format!("{} ({deviation} %)", v.text),
+        _ => v.text.clone(),
+    });
     let difference = printed.zip(run.parameter(name)).map(|(v, p)| difference(v, p.estimate));
     [text.unwrap_or_else(|| NONE.to_owned()), ours, difference.unwrap_or_else(|| NONE.to_owned())]
 }
 
 /// Our estimate with one digit more than the printed one.
 fn like_printed(ours: &ParameterResult, printed: Option<&PublishedValue>) -> String {
-    let decimals = printed.and_then(|v| usize::try_from(v.decimals() + 1).ok()).filter(|d| *d <= 7);
-    decimals.map_or_else(|| estimate(ours.estimate, ours.standard_deviation), |d| fixed(ours.estimate, d))
+    let alone = || estimate(ours.estimate, ours.standard_deviation);
+    printed.and_then(more_digits).map_or_else(alone, |decimals| fixed(ours.estimate, decimals))
+}
+
+/// One decimal more than the printed ones.
+fn more_digits(printed: &PublishedValue) -> Option<usize> {
+    usize::try_from(printed.decimals() + 1).ok().filter(|d| *d <= 7)
 }
 
 /// The difference in printed standard deviations.
 fn difference(printed: &PublishedValue, estimate: f64) -> String {
     let deviations = printed.standard_deviation().filter(|sd| *sd > 0.0).map(|sd| (estimate - printed.estimate) / sd);
-    let text = deviations.map_or_else(|| NONE.to_owned(), |d| format!("{d:+.1}"));
-    if printed.agrees_with(estimate) { text } else { format!("{text} *") }
+    let text = deviations.map_or_else(|| NONE.to_owned(), signed);
+    if printed.agrees_with(estimate) { text } else { format!("* {text}") }
 }
 
 fn agreements(published: &Published, runs: &[&RunResult]) -> Vec<String> {
@@ -279,7 +289,9 @@ pub(super) fn published_runs(results: &Results, published: &Published) -> Option
     let figures: Vec<_> = RUN_FIGURES.into_iter().filter(|(name, _)| printed(name)).collect();
     let cells = |r: &RunResult, name: &str| {
         let value = published.value(&r.case, r.method, name);
-        [value.map_or_else(|| NONE.to_owned(), |v| v.text.clone()), optional(run_figure(r, name), 4)]
+        let figure = |f: f64| value.and_then(more_digits).map_or_else(|| significant(f, 4), |d| fixed(f, d));
+        let ours = run_figure(r, name).map_or_else(|| NONE.to_owned(), figure);
+        [value.map_or_else(|| NONE.to_owned(), |v| v.text.clone()), ours]
     };
     let row = |r: &RunResult| {
         let lead = [r.case.clone(), r.method.name().to_owned()];
@@ -323,7 +335,7 @@ pub(super) fn convergence(results: &Results) -> Option<Table> {
     };
     let rows: Vec<Vec<String>> = results.runs.iter().flat_map(rows_of).collect();
     (!rows.is_empty()).then(|| Table {
-        title: "Convergence".to_owned(),
+        title: "Convergence, every iteration".to_owned(),
         lead: 2,
         head: strings(&["case", "method", "iteration", "error %", "parameter change", "error change"]),
         rows,

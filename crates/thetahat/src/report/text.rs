@@ -7,7 +7,7 @@ use super::{
 use crate::experiment::Results;
 
 /// Widest label of the head.
-const LABEL: usize = 18;
+const LABEL: usize = 17;
 
 /// The whole report.
 #[must_use]

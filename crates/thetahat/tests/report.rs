@@ -1,0 +1,371 @@
+//! The report of hand-made results.
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+};
+
+use thetahat::{
+    experiment::{
+        Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, ReferenceResult, Results, RunPlots,
+        RunResult,
+    },
+    identification::{Method, Status},
+    report::{Agreement, Published, ReportError, TEXT_WIDTH, text, write_all},
+    statistics::FTest,
+};
+
+const METHODS: [Method; 3] = [Method::IdimLs, Method::IdimIv, Method::Didim];
+const LONG_CASE: &str = "controller_bandwidth_of_the_second_motor_0.5";
+const TITLE: &str = "<b>& of a title that goes on and on until it is longer than a line of a terminal of 80 columns";
+
+const FIGURES: &str = "# Somebody, \"A title\"
+case,method,parameter,estimate,relative_standard_deviation_percent
+nominal,idim-ls,zz1r,1.25,1.04
+nominal,idim-ls,fc1,6.9,0.1
+nominal,idim-ls,off1,0.3,
+nominal,idim-ls,fv9,1.0,
+nominal,idim-ls,relative_error_percent,5.75,
+";
+
+fn parameter(name: &str, estimate: f64, deviation: f64, truth: f64) -> ParameterResult {
+    ParameterResult {
+        name: name.to_owned(),
+        estimate,
+        standard_deviation: Some(deviation),
+        relative_standard_deviation_percent: Some(100.0 * deviation / estimate.abs()),
+        true_value: Some(truth),
+        unit: "N m s/rad".to_owned(),
+        expression: "zz1 + ia1 + 0.05185*m3, as it is".to_owned(),
+        shown: name != "xy2",
+    }
+}
+
+/// `zz1r` errs by 1, `fc1` by 4, `off1` by 0 and `xy2` by 2 standard deviations.
+fn parameters() -> Vec<ParameterResult> {
+    vec![
+        parameter("zz1r", 1.26, 0.01, 1.25),
+        parameter("fc1", 7.1, 0.05, 6.9),
+        parameter("off1", 0.398, 0.065, 0.398),
+        parameter("xy2", -0.000_12, 0.000_01, -0.000_1),
+    ]
+}
+
+fn f_test() -> FTest {
+    FTest { statistic: 12.5, numerator_freedom: 32, denominator_freedom: 2148, p_value: 1e-40 }
+}
+
+fn run(case: &str, method: Method) -> RunResult {
+    let iteration = |error| IterationResult {
+        relative_error_percent: error,
+        parameter_change: Some(1e-3),
+        error_change: None,
+        estimates: parameters().iter().map(|p| p.estimate).collect(),
+    };
+    RunResult {
+        case: case.to_owned(),
+        method,
+        status: Status::Converged,
+        reason: None,
+        iterations: 2,
+        simulations: 3,
+        relative_error_percent: Some(5.53),
+        joint_relative_error_percent: vec![4.6, 5.1],
+        cross_validation_relative_error_percent: None,
+        validation_condition_number: None,
+        condition_number: Some(975.4),
+        seconds: 1.25,
+        simulation_relative_error_percent: Some(BTreeMap::from([("position".to_owned(), 0.2)])),
+        validation_simulation_relative_error_percent: None,
+        f_test: Some(f_test()),
+        convergence: vec![iteration(6.0), iteration(5.53)],
+        parameters: parameters(),
+        plots: RunPlots {
+            predicted: vec![vec![1.0, 2.0, 3.0], vec![0.0, 0.0, 0.0]],
+            simulated_position: vec![vec![0.1, 0.2, 0.3], vec![0.0, 0.0, f64::NAN]],
+        },
+    }
+}
+
+fn diverged(case: &str) -> RunResult {
+    RunResult {
+        status: Status::Diverged,
+        reason: Some("the simulation failed at 0.25 s".to_owned()),
+        relative_error_percent: None,
+        joint_relative_error_percent: Vec::new(),
+        condition_number: None,
+        simulation_relative_error_percent: None,
+        f_test: None,
+        convergence: Vec::new(),
+        parameters: Vec::new(),
+        plots: RunPlots::default(),
+        ..run(case, Method::Didim)
+    }
+}
+
+fn results() -> Results {
+    let runs = ["nominal", LONG_CASE].into_iter().flat_map(|case| METHODS.map(|method| run(case, method)));
+    Results {
+        thetahat: "0.1.0".to_owned(),
+        robot: "A robot".to_owned(),
+        title: TITLE.to_owned(),
+        samples_used: 300,
+        decimated_rows: 6,
+        sample_rate_hz: 1000.0,
+        window_s: [0.05, 0.35],
+        bandwidth: Bandwidth {
+            position_cutoff_hz: 50.0,
+            position_measured_hz: Some(44.787),
+            acceleration_measured_hz: None,
+            decimation_cutoff_hz: 20.0,
+            decimation_measured_hz: Some(20.98),
+        },
+        reference: Some(ReferenceResult {
+            origin: "reconstructed".to_owned(),
+            moves: Some(13),
+            rms_deviation: vec![0.000_4, 0.001_24],
+        }),
+        seed: Some(1),
+        elimination: Some(EliminationResult {
+            kept: vec!["zz1r".to_owned()],
+            eliminated: vec!["fc6".to_owned(); 40],
+            f_test: Some(f_test()),
+        }),
+        runs: runs.collect(),
+        experiment_description: "title = \"<i>\"\n[estimation]\nweighting = { didim = \"per-joint\" }\n".to_owned(),
+        robot_description: "name = \"A robot\"\n".to_owned(),
+        plots: Plots {
+            time_s: vec![0.1, 0.2, 0.3],
+            measured: vec![vec![1.1, 2.1, 2.9], vec![0.0, 0.0, 0.0]],
+            position: vec![vec![0.1, 0.2, 0.3], vec![0.0, 0.0, 0.0]],
+        },
+    }
+}
+
+/// A folder of a test's own.
+fn folder(name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("report").join(name);
+    let _ = fs::remove_dir_all(&path);
+    fs::create_dir_all(&path).unwrap();
+    path
+}
+
+fn published(name: &str, content: &str) -> Result<Published, ReportError> {
+    let path = folder(name).join("figures.csv");
+    fs::write(&path, content).unwrap();
+    Published::read(&path)
+}
+
+/// What the report wrote, by file name.
+fn written(name: &str, results: &Results) -> BTreeMap<String, String> {
+    let directory = folder(name).join("out");
+    let published = published(&format!("{name}_published"), FIGURES).unwrap();
+    let files = write_all(results, Some(&published), &directory).unwrap();
+    assert_eq!(fs::read_dir(&directory).unwrap().count(), files.len(), "nothing temporary is left");
+    let named = |f: &PathBuf| (f.file_name().unwrap().to_str().unwrap().to_owned(), fs::read_to_string(f).unwrap());
+    files.iter().map(named).collect()
+}
+
+#[test]
+fn no_line_of_the_terminal_is_too_long() {
+    let mut results = results();
+    results.runs.push(diverged("last"));
+    let text = text::all(&results, Some(&published("width", FIGURES).unwrap()));
+    let too_long = |line: &&str| line.chars().count() > TEXT_WIDTH;
+    assert_eq!(text.lines().find(too_long), None, "{text}");
+}
+
+#[test]
+fn the_terminal_shows_only_the_parameters_asked_for() {
+    let text = text::parameters(&results(), "nominal");
+    assert!(text.contains("1.260 (0.794 %)") && !text.contains("xy2"), "{text}");
+}
+
+#[test]
+fn the_truth_is_counted() {
+    let text = text::truth(&results(), "nominal");
+    assert!(text.contains("within 3 standard deviations: idim-ls 2 of 3, idim-iv 2 of 3"), "{text}");
+    assert!(text.contains("of all parameters: idim-ls 3 of 4"), "{text}");
+}
+
+#[test]
+fn tests_are_told_where_they_reject() {
+    let text = text::tests(&results());
+    assert!(text.contains("F(32, 2148) = 12.50, p = 1.0e-40: rejected"), "{text}");
+}
+
+#[test]
+fn json_has_the_fixed_keys_and_reads_back() {
+    let results = results();
+    let files = written("json", &results);
+    let json: serde_json::Value = serde_json::from_str(&files["results.json"]).unwrap();
+    for key in ["thetahat", "robot", "samples_used", "decimated_rows", "runs"] {
+        assert!(json.get(key).is_some(), "{key}");
+    }
+    let run = &json["runs"][0];
+    for key in [
+        "case",
+        "method",
+        "status",
+        "iterations",
+        "simulations",
+        "relative_error_percent",
+        "cross_validation_relative_error_percent",
+        "condition_number",
+        "seconds",
+        "simulation_relative_error_percent",
+        "parameters",
+    ] {
+        assert!(run.get(key).is_some(), "{key}");
+    }
+    for key in [
+        "name",
+        "estimate",
+        "standard_deviation",
+        "relative_standard_deviation_percent",
+        "true_value",
+        "unit",
+        "expression",
+    ] {
+        assert!(run["parameters"][0].get(key).is_some(), "{key}");
+    }
+    assert_eq!((run["method"].as_str(), run["status"].as_str()), (Some("idim-ls"), Some("converged")));
+    let back: Results = serde_json::from_value(json.clone()).unwrap();
+    assert_eq!(serde_json::to_value(&back).unwrap(), json);
+}
+
+#[test]
+fn csv_has_one_row_for_each_parameter_and_run() {
+    let results = results();
+    let files = written("csv", &results);
+    let mut reader = csv::Reader::from_reader(files["parameters.csv"].as_bytes());
+    let header: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
+    let expected = "case,method,name,estimate,standard_deviation,relative_standard_deviation_percent,true_value,unit,\
+                    expression";
+    assert_eq!(header.join(","), expected);
+    let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+    assert_eq!(rows.len(), 2 * 3 * 4);
+    assert_eq!((&rows[0][2], &rows[0][3], &rows[0][8]), ("zz1r", "1.26", "zz1 + ia1 + 0.05185*m3, as it is"));
+}
+
+#[test]
+fn the_page_is_whole_escaped_and_needs_nothing_else() {
+    let page = &written("html", &results())["report.html"];
+    assert!(page.starts_with("<!DOCTYPE html>") && page.trim_end().ends_with("</html>"));
+    assert!(page.contains("&lt;b&gt;&amp;") && !page.contains("<b>") && !page.contains("<i>"));
+    for reference in ["http://", "https://", "<script", "<link", "src=", "@import", "url("] {
+        assert!(!page.contains(reference), "{reference}");
+    }
+    let svgs = page.matches("<svg viewBox=\"0 0 340").count();
+    assert_eq!(
+        svgs,
+        2 * (3 * 2 + 4),
+        "torque, residual and tracking of two joints, four of convergence, for two cases"
+    );
+    assert!(!page.contains("NaN") && !page.contains("inf"), "a value that is none is not drawn");
+}
+
+#[test]
+fn the_page_says_what_was_done() {
+    let page = &written("method", &results())["report.html"];
+    assert!(page.contains("idim-ls none, idim-iv none, didim per-joint"));
+    assert!(page.contains("reconstructed, 13 moves; worst rms deviation 1.24 mrad, joint 2"));
+}
+
+#[test]
+fn a_diverged_run_has_a_status_and_no_numbers() {
+    let mut results = results();
+    results.runs[2] = diverged("nominal");
+    let table = text::parameters(&results, "nominal");
+    let row = table.lines().find(|l| l.starts_with("fc1")).unwrap();
+    assert!(row.ends_with("diverged"), "{table}");
+    assert!(table.contains("didim diverged: the simulation failed at 0.25 s"), "{table}");
+    let summary = text::summary(&results);
+    let row = summary.lines().find(|l| l.contains("diverged")).unwrap();
+    let cells: Vec<&str> = row.split_whitespace().collect();
+    assert_eq!(cells[5..8], ["-", "-", "-"], "{summary}");
+    assert!(written("diverged", &results)["report.html"].contains("the simulation failed at 0.25 s"));
+}
+
+#[test]
+fn results_without_runs_are_a_report_too() {
+    let mut results = results();
+    results.runs.clear();
+    assert!(text::all(&results, None).starts_with("<b>&"));
+    assert!(written("no_runs", &results)["report.html"].contains("</html>"));
+}
+
+#[test]
+fn a_folder_that_cannot_be_made_is_an_error() {
+    let file = folder("no_folder").join("file");
+    fs::write(&file, "").unwrap();
+    let error = write_all(&results(), None, &file.join("out")).unwrap_err();
+    assert!(matches!(error, ReportError::Directory { path, .. } if path == file.join("out")));
+}
+
+#[test]
+fn a_file_that_cannot_be_replaced_leaves_nothing_in_part() {
+    let directory = folder("blocked");
+    fs::create_dir(directory.join("report.html")).unwrap();
+    let error = write_all(&results(), None, &directory).unwrap_err();
+    assert!(matches!(error, ReportError::Write { path, .. } if path == directory.join("report.html")));
+    assert_eq!(fs::read_dir(&directory).unwrap().count(), 1);
+}
+
+/// `zz1r` 1.26 lies within 3 * 1.04 % of 1.25. `fc1` 7.1 lies 0.2 from 6.9, outside 3 * 0.1 % and outside the 0.1 of its
+/// last digit. `off1` 0.398 lies within the 0.1 of 0.3. `fv9` is not ours, and `xy2` is not printed.
+#[test]
+fn agreement_is_counted() {
+    let results = results();
+    let published = published("agreement", FIGURES).unwrap();
+    assert_eq!(published.source, "Somebody, \"A title\"");
+    assert_eq!(published.agreement(&results.runs[0]), Agreement { within: 2, compared: 3 });
+    assert_eq!(published.agreement(&results.runs[1]), Agreement { within: 0, compared: 0 });
+    let text = text::published(&results, &published, "nominal");
+    assert!(text.contains("idim-ls 2 of 3") && text.contains("* +29.0"), "{text}");
+    assert!(text::published_runs(&results, &published).contains("5.75  5.530"));
+}
+
+#[test]
+fn the_last_digit_is_that_of_the_text() {
+    let decimals = |text: &str| {
+        let content = FIGURES.replace("6.9,", &format!("{text},"));
+        published("digits", &content).unwrap().value("nominal", Method::IdimLs, "fc1").unwrap().decimals()
+    };
+    assert_eq!(["7", "6.90", "6.90e-3", "1.2E2"].map(decimals), [0, 2, 5, -1]);
+}
+
+#[test]
+fn defects_of_published_figures_name_file_and_line() {
+    let defects = [
+        ("case,method,parameter,estimate,", "case,method,parameter,value,", 2),
+        ("6.9,", "6.9 N m,", 4),
+        ("nominal,idim-ls,off1", "nominal,ls,off1", 5),
+        ("0.3,\n", "0.3\n", 5),
+        ("idim-ls,fc1", "idim-ls,zz1r", 4),
+        ("1.04", "NaN", 3),
+    ];
+    for (k, (right, wrong, expected)) in defects.into_iter().enumerate() {
+        let error = published(&format!("defect_{k}"), &FIGURES.replace(right, wrong)).unwrap_err();
+        let ReportError::PublishedLine { path, line, .. } = &error else { panic!("{error}") };
+        assert!(*line == expected && path.ends_with("figures.csv"), "{error}");
+        assert!(error.to_string().contains(&format!("figures.csv: line {expected}: expected")));
+    }
+}
+
+#[test]
+fn published_figures_that_are_not_there_are_an_error() {
+    let error = Published::read(Path::new("no such file.csv")).unwrap_err();
+    assert!(matches!(error, ReportError::PublishedUnreadable { .. }));
+}
+
+#[test]
+fn the_published_tables_of_the_project_can_be_read() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../experiments/published");
+    let paper = Published::read(&folder.join("tx40.csv")).unwrap();
+    assert_eq!(paper.values.len(), 6 * 29);
+    assert_eq!(paper.value("gear_ratio_0.9", Method::Didim, "zz1r").unwrap().text, "1.08");
+    let emps = Published::read(&folder.join("emps.csv")).unwrap();
+    assert_eq!(emps.value("nominal", Method::IdimLs, "m1r").unwrap().decimals(), 4);
+}
