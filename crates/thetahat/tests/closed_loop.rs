@@ -65,12 +65,8 @@ impl Bench {
 }
 
 fn one_move(start: Vec<f64>, end: Vec<f64>) -> Moves {
-    let limits = Limits {
-        max_velocity: vec![2.0; start.len()],
-        acceleration_time_s: 0.1,
-        smoothing_time_s: 0.03,
-        dwell_s: 0.0,
-    };
+    let limits =
+        Limits { max_velocity: vec![2.0; start.len()], acceleration_time_s: 0.1, smoothing_time_s: 0.03, dwell_s: 0.0 };
     plan(start, &[end], &limits, 0.05).unwrap()
 }
 
@@ -135,7 +131,8 @@ fn a_delay_shifts_the_first_action() {
 fn smaller_gear_ratios_move_the_joints_further() {
     let start = vec![20f64.to_radians(), -10f64.to_radians()];
     let end = vec![start[0] + 0.3, start[1] - 0.2];
-    let controller = "law = \"pd\"\nbandwidth_hz = [60.0]\nvelocity_feed_forward = 1.0\nacceleration_feed_forward = 1.0";
+    let controller =
+        "law = \"pd\"\nbandwidth_hz = [60.0]\nvelocity_feed_forward = 1.0\nacceleration_feed_forward = 1.0";
     let mut bench = Bench::new(COUPLED, controller, Reference::Moves(one_move(start.clone(), end)));
     let nominal = bench.run(700);
     bench.bias = SimulatorBias { gear_ratio: 0.9, ..SimulatorBias::NONE };
@@ -154,9 +151,8 @@ fn the_default_solver_is_close_to_the_reference_solution() {
     let reference = bench.run(700);
     bench.solver = Solver::ODE45;
     let default = bench.run(700);
-    let largest = |a: &Series, b: &Series| {
-        a.values().iter().zip(b.values()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
-    };
+    let largest =
+        |a: &Series, b: &Series| a.values().iter().zip(b.values()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(largest(&default.q, &reference.q) < 1e-5);
     assert!(default.counts.evaluations < reference.counts.evaluations / 3);
 }

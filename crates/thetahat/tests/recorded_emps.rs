@@ -52,13 +52,8 @@ fn cross_validation() -> Result<(), Failed> {
 
 fn asymmetric_friction() -> Result<(), Failed> {
     let run = run("asymmetric", Method::IdimLs);
-    let printed = [
-        ("m1r", "95.1540"),
-        ("fvp1", "166.7061"),
-        ("fcp1r", "20.1440"),
-        ("fvn1", "240.4236"),
-        ("fcn1r", "20.6277"),
-    ];
+    let printed =
+        [("m1r", "95.1540"), ("fvp1", "166.7061"), ("fcp1r", "20.1440"), ("fvn1", "240.4236"), ("fcn1r", "20.6277")];
     for (name, value) in printed {
         ensure_printed(estimate(run, name), value, name)?;
     }

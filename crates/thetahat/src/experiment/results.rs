@@ -127,7 +127,7 @@ pub struct RunResult {
 pub struct IterationResult {
     /// Relative error, percent.
     pub relative_error_percent: f64,
-    /// Largest relative change of an estimate.
+    /// Largest change of an estimate, in its standard deviations.
     pub parameter_change: Option<f64>,
     /// Relative change of the error.
     pub error_change: Option<f64>,

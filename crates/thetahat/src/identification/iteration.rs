@@ -10,7 +10,7 @@ use crate::{linear_algebra::Matrix, linear_algebra::norm, simulation::Simulation
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Convergence {
-    /// Largest change of an estimate, relative to its value or to its standard deviation, whichever is larger.
+    /// Largest change of an estimate, relative to its standard deviation.
     pub parameter_change: f64,
     /// Relative change of the error `|rho|`.
     pub error_change: f64,
@@ -20,7 +20,7 @@ pub struct Convergence {
 
 impl Default for Convergence {
     fn default() -> Self {
-        Self { parameter_change: 1e-2, error_change: 1e-3, iterations: 20 }
+        Self { parameter_change: 0.05, error_change: 1e-3, iterations: 20 }
     }
 }
 
@@ -45,7 +45,7 @@ pub struct Iteration {
     pub theta: Vec<f64>,
     /// Relative error in percent.
     pub relative_error_percent: f64,
-    /// Largest change of an estimate; none for the first, which follows the start values.
+    /// Largest change of an estimate in its standard deviations; none for the first, which follows the start values.
     pub parameter_change: Option<f64>,
     /// Relative change of the error.
     pub error_change: Option<f64>,
@@ -173,9 +173,11 @@ fn estimate(
     }
 }
 
+/// The largest change of an estimate in its standard deviations: a change that the data could not tell from none does not
+/// hold up the iteration, however small the estimate is.
 fn largest_change(before: &Fit, now: &Fit) -> f64 {
     let change = |i: usize| {
-        let size = now.theta[i].abs().max(now.standard_deviation[i]).max(f64::MIN_POSITIVE);
+        let size = now.standard_deviation[i].max(f64::EPSILON * now.theta[i].abs()).max(f64::MIN_POSITIVE);
         (now.theta[i] - before.theta[i]).abs() / size
     };
     (0..now.theta.len()).map(change).fold(0.0, f64::max)
