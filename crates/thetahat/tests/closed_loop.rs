@@ -137,8 +137,8 @@ fn smaller_gear_ratios_move_the_joints_further() {
     let nominal = bench.run(700);
     bench.bias = SimulatorBias { gear_ratio: 0.9, ..SimulatorBias::NONE };
     let biased = bench.run(700);
-    for j in 0..2 {
-        let moved = |motion: &SimulatedMotion| motion.q.sample(699)[j] - start[j];
+    for (j, start) in start.iter().enumerate() {
+        let moved = |motion: &SimulatedMotion| motion.q.sample(699)[j] - start;
         assert!((moved(&biased) * 0.9 / moved(&nominal) - 1.0).abs() < 2e-3, "joint {j}");
     }
 }

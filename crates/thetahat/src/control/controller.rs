@@ -144,10 +144,10 @@ impl ControllerDescription {
         }
         let [by_bandwidth, kp, kv] =
             [&self.bandwidth_hz, &self.position_gain, &self.velocity_gain].map(|list| !list.is_empty());
-        if (by_bandwidth && (kp || kv)) || (!by_bandwidth && !(kp && kv)) {
-            return Err(ControllerError::Gains);
+        match (by_bandwidth, kp, kv) {
+            (true, false, false) | (false, true, true) => self.validate_times(),
+            _ => Err(ControllerError::Gains),
         }
-        self.validate_times()
     }
 
     fn validate_times(&self) -> Result<(), ControllerError> {

@@ -8,6 +8,7 @@ use super::{
 #[derive(Debug, Clone)]
 pub struct Workspace {
     pub(crate) links: Vec<LinkMotion>,
+    pub(crate) twists: Vec<Twist>,
     wrenches: Vec<Wrench>,
     composite: Vec<Inertial>,
     mass_matrix: Vec<f64>,
@@ -25,6 +26,28 @@ pub(crate) struct LinkMotion {
     pub(crate) dv: Vec3,
 }
 
+/// Angular and linear velocity at the origin of a frame, in that frame, for a unit velocity of a joint.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Twist {
+    pub(crate) angular: Vec3,
+    pub(crate) linear: Vec3,
+}
+
+impl Twist {
+    /// At the joint's own frame.
+    pub(crate) fn of_joint(revolute: bool) -> Self {
+        let (z, zero) = ([0.0, 0.0, 1.0], [0.0; 3]);
+        if revolute { Self { angular: z, linear: zero } } else { Self { angular: zero, linear: z } }
+    }
+
+    /// The same twist, seen from the next frame.
+    #[inline]
+    pub(crate) fn seen_from(&self, next: &LinkMotion) -> Self {
+        let linear = add(self.linear, cross(self.angular, next.p));
+        Self { angular: next.r.transpose_times(self.angular), linear: next.r.transpose_times(linear) }
+    }
+}
+
 #[derive(Debug, Clone, Copy, Default)]
 struct Wrench {
     force: Vec3,
@@ -38,6 +61,7 @@ impl Workspace {
         let n = model.joint_count();
         Self {
             links: vec![LinkMotion::default(); n],
+            twists: vec![Twist::default(); n],
             wrenches: vec![Wrench::default(); n],
             composite: vec![Inertial::default(); n],
             mass_matrix: vec![0.0; n * n],

@@ -25,5 +25,5 @@ pub use algorithms::Workspace;
 pub use model::{CoupledMotor, DynamicsError, Model};
 pub use parameters::{DynamicParameters, Sign};
 
-pub(crate) use algorithms::LinkMotion;
-pub(crate) use vector::{Vec3, add, cross, dot};
+pub(crate) use algorithms::{LinkMotion, Twist};
+pub(crate) use vector::{add, cross, dot};

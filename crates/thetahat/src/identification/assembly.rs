@@ -1,5 +1,5 @@
 use crate::{
-    dynamics::{Model, Sign},
+    dynamics::{Model, Sign, Workspace},
     linear_algebra::Matrix,
     regressor::Regressor,
     series::Series,
@@ -48,8 +48,10 @@ impl<'a> Assembly<'a> {
     /// # Errors
     /// [`SignalError`] where the record is too short for the filter.
     pub fn observation_matrix(&self, q: &Series, dq: &Series, ddq: &Series, sign: Sign) -> Result<Matrix, SignalError> {
-        let phi = self.regressor.evaluate_series(self.model, q, dq, ddq, sign);
-        let decimated = self.decimator.decimate(&phi)?;
+        let mut workspace = Workspace::new(self.model);
+        let decimated = self.decimator.decimate_computed(self.regressor.entries().len(), |k, phi| {
+            self.regressor.evaluate(self.model, q.sample(k), dq.sample(k), ddq.sample(k), sign, &mut workspace, phi);
+        })?;
         let rows = self.rows_per_joint();
         let mut x = Matrix::zeros(rows * self.model.joint_count(), self.regressor.columns());
         for (e, entry) in self.regressor.entries().iter().enumerate() {

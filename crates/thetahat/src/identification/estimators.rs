@@ -260,8 +260,8 @@ mod tests {
         let direct = cross.times(&zw.transpose().times(&yw));
         let gram = cross.times_matrix(&zw.transpose().times_matrix(&zw)).times_matrix(&cross.transpose());
         let residual: f64 = xw.times(&direct).iter().zip(&yw).map(|(p, y)| (y - p).powi(2)).sum();
-        for i in 0..2 {
-            assert!((fit.theta[i] - direct[i]).abs() < 1e-11);
+        for (i, theta) in direct.iter().enumerate() {
+            assert!((fit.theta[i] - theta).abs() < 1e-11);
             let sd = (residual / (ROWS - 2) as f64 * gram.at(i, i)).sqrt();
             assert!((fit.standard_deviation[i] - sd).abs() < 1e-12);
         }

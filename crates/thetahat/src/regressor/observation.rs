@@ -1,5 +1,5 @@
 use crate::{
-    dynamics::{LinkMotion, Model, Sign, Vec3, Workspace, add, cross, dot},
+    dynamics::{LinkMotion, Model, Sign, Twist, Workspace, add, cross, dot},
     robot::{INERTIAL, Parameter, Quantity},
     series::Series,
 };
@@ -17,8 +17,19 @@ pub struct Entry {
 #[derive(Debug, Clone)]
 pub struct Regressor {
     entries: Vec<Entry>,
-    terms: Vec<Term>,
+    /// Inertial entries, block by block, then the others, one by one: together in the order of `entries`.
+    blocks: Vec<Block>,
+    components: Vec<usize>,
+    others: Vec<(usize, Term)>,
     columns: usize,
+}
+
+/// The entries of one joint for the inertial parameters of one link: as many of `components` as it is long.
+#[derive(Debug, Clone, Copy)]
+struct Block {
+    link: usize,
+    joint: usize,
+    length: usize,
 }
 
 /// What an entry is computed from.
@@ -48,8 +59,26 @@ impl Regressor {
         }
         // Entries of one joint and link together, so that the kernel computes a joint's view of a link once.
         placed.sort_by_key(|(entry, term)| (block_of(term), entry.joint));
-        let (entries, terms) = placed.into_iter().unzip();
-        Self { entries, terms, columns: indices.len() }
+        let mut regressor = Self {
+            entries: placed.iter().map(|(entry, _)| *entry).collect(),
+            blocks: Vec::new(),
+            components: Vec::new(),
+            others: Vec::new(),
+            columns: indices.len(),
+        };
+        placed.iter().for_each(|(entry, term)| regressor.add(entry.joint, *term));
+        regressor
+    }
+
+    fn add(&mut self, joint: usize, term: Term) {
+        let Term::Inertial { link, component } = term else {
+            return self.others.push((joint, term));
+        };
+        self.components.push(component);
+        match self.blocks.last_mut() {
+            Some(block) if (block.link, block.joint) == (link, joint) => block.length += 1,
+            _ => self.blocks.push(Block { link, joint, length: 1 }),
+        }
     }
 
     /// The entries, in the order in which [`Regressor::evaluate`] writes them.
@@ -77,28 +106,33 @@ impl Regressor {
         phi: &mut [f64],
     ) {
         model.propagate_motion(q, dq, ddq, &mut workspace.links);
-        let mut block = None;
-        let mut inertial = [0.0; 10];
-        for ((value, entry), term) in phi.iter_mut().zip(&self.entries).zip(&self.terms) {
-            *value = match *term {
-                Term::Inertial { link, component } => {
-                    if block != Some((entry.joint, link)) {
-                        block = Some((entry.joint, link));
-                        inertial = inertial_entries(model, &workspace.links, entry.joint, link);
-                    }
-                    inertial[component]
-                }
-                Term::Joint(quantity) => joint_entry(quantity, dq[entry.joint], ddq[entry.joint], sign),
-                Term::Motor { quantity, motor } => {
-                    let motor = &model.coupled_motors()[motor];
-                    let own = motor.weights.iter().find(|(j, _)| *j == entry.joint).map_or(0.0, |(_, w)| *w);
-                    match quantity {
-                        Quantity::Iam => own * (motor.velocity(ddq) - own * ddq[entry.joint]),
-                        Quantity::Fvm => own * (motor.velocity(dq) - own * dq[entry.joint]),
-                        _ => own * sign.of(motor.velocity(dq)),
-                    }
-                }
+        let (inertial, others) = phi.split_at_mut(self.components.len());
+        self.evaluate_inertial(model, workspace, inertial);
+        for (value, &(joint, term)) in others.iter_mut().zip(&self.others) {
+            *value = match term {
+                Term::Motor { quantity, motor } => motor_entry(model, (quantity, motor), joint, (dq, ddq), sign),
+                Term::Joint(quantity) => joint_entry(quantity, dq[joint], ddq[joint], sign),
+                Term::Inertial { .. } => 0.0,
             };
+        }
+    }
+
+    /// Walks outwards over the links, as the blocks are ordered, and carries the unit twists of the joints along.
+    fn evaluate_inertial(&self, model: &Model, workspace: &mut Workspace, mut phi: &mut [f64]) {
+        let (links, twists) = (&workspace.links, &mut workspace.twists);
+        let mut reached = 0;
+        let mut components = &self.components[..];
+        for &Block { link, joint, length } in &self.blocks {
+            while reached <= link {
+                twists[..reached].iter_mut().for_each(|twist| *twist = twist.seen_from(&links[reached]));
+                twists[reached] = Twist::of_joint(model.is_revolute(reached));
+                reached += 1;
+            }
+            let entries = inertial_entries(twists[joint], &links[link]);
+            let (values, rest) = phi.split_at_mut(length);
+            let (chosen, others) = components.split_at(length);
+            values.iter_mut().zip(chosen).for_each(|(value, &c)| *value = entries[c]);
+            (phi, components) = (rest, others);
         }
     }
 
@@ -139,6 +173,22 @@ fn block_of(term: &Term) -> usize {
     }
 }
 
+fn motor_entry(
+    model: &Model,
+    (quantity, motor): (Quantity, usize),
+    joint: usize,
+    (dq, ddq): (&[f64], &[f64]),
+    sign: Sign,
+) -> f64 {
+    let motor = &model.coupled_motors()[motor];
+    let own = motor.weights.iter().find(|(j, _)| *j == joint).map_or(0.0, |(_, w)| *w);
+    match quantity {
+        Quantity::Iam => own * (motor.velocity(ddq) - own * ddq[joint]),
+        Quantity::Fvm => own * (motor.velocity(dq) - own * dq[joint]),
+        _ => own * sign.of(motor.velocity(dq)),
+    }
+}
+
 fn joint_entry(quantity: Quantity, dq: f64, ddq: f64, sign: Sign) -> f64 {
     let s = sign.of(dq);
     match quantity {
@@ -153,31 +203,17 @@ fn joint_entry(quantity: Quantity, dq: f64, ddq: f64, sign: Sign) -> f64 {
     }
 }
 
-/// The torque of joint `joint` for a unit of each inertial parameter of `link`.
-///
-/// With the joint's unit twist seen at the link's origin, in the link's frame, `(z, v)`: the torque is
-/// `z . N + v . F`, where `F = m dv + dw x ms + w x (w x ms)` and `N = J dw + w x (J w) + ms x dv`.
+/// The torque for a unit of each inertial parameter of a link, where the joint's unit twist, seen at the link's origin in
+/// the link's frame, is `(z, v)`: it is `z . N + v . F`, where `F = m dv + dw x ms + w x (w x ms)` and
+/// `N = J dw + w x (J w) + ms x dv`.
 #[inline]
-fn inertial_entries(model: &Model, links: &[LinkMotion], joint: usize, link: usize) -> [f64; 10] {
-    let (z, v) = unit_twist(model, links, joint, link);
-    let LinkMotion { w, dw, dv, .. } = links[link];
+fn inertial_entries(twist: Twist, link: &LinkMotion) -> [f64; 10] {
+    let Twist { angular: z, linear: v } = twist;
+    let LinkMotion { w, dw, dv, .. } = *link;
     let u = cross(z, w);
     let square = |i: usize| z[i] * dw[i] + u[i] * w[i];
     let mixed = |i: usize, j: usize| z[i] * dw[j] + z[j] * dw[i] + u[i] * w[j] + u[j] * w[i];
     // v . (dw x e + w x (w x e)) = e . (v x dw + (v x w) x w), and z . (e x dv) = e . (dv x z)
     let first = add(add(cross(v, dw), cross(cross(v, w), w)), cross(dv, z));
     [square(0), mixed(0, 1), mixed(0, 2), square(1), mixed(1, 2), square(2), first[0], first[1], first[2], dot(v, dv)]
-}
-
-/// Angular and linear velocity at the origin of `link`, in its frame, for a unit velocity of `joint`.
-#[inline]
-fn unit_twist(model: &Model, links: &[LinkMotion], joint: usize, link: usize) -> (Vec3, Vec3) {
-    const Z: Vec3 = [0.0, 0.0, 1.0];
-    const ZERO: Vec3 = [0.0; 3];
-    let mut twist = if model.is_revolute(joint) { (Z, ZERO) } else { (ZERO, Z) };
-    for frame in &links[joint + 1..=link] {
-        let v = add(twist.1, cross(twist.0, frame.p));
-        twist = (frame.r.transpose_times(twist.0), frame.r.transpose_times(v));
-    }
-    twist
 }

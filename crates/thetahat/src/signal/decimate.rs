@@ -71,7 +71,20 @@ impl Decimator {
         if series.len() != self.samples {
             return Err(SignalError::LengthMismatch { expected: self.samples, found: series.len() });
         }
-        self.filter_and_keep(series, self.kept)
+        self.decimate_computed(series.channels(), |k, sample| sample.copy_from_slice(series.sample(k)))
+    }
+
+    /// The same of a series of so many channels that is computed and not stored: `fill` is called for one sample after
+    /// the other and writes its channels.
+    ///
+    /// # Errors
+    /// None for a decimator that could be made.
+    pub fn decimate_computed(
+        &self,
+        channels: usize,
+        fill: impl FnMut(usize, &mut [f64]),
+    ) -> Result<Series, SignalError> {
+        self.filter_and_keep((self.samples, channels), self.kept, fill)
     }
 
     /// The series filtered, with all its samples: what [`Self::decimate`] picks from. The length is free, so that the
@@ -80,14 +93,22 @@ impl Decimator {
     /// # Errors
     /// If the series is not longer than the padding.
     pub fn filter(&self, series: &Series) -> Result<Series, SignalError> {
-        self.filter_and_keep(series, Kept::ALL)
+        let fill = |k: usize, sample: &mut [f64]| sample.copy_from_slice(series.sample(k));
+        self.filter_and_keep((series.len(), series.channels()), Kept::ALL, fill)
     }
 
-    fn filter_and_keep(&self, series: &Series, kept: Kept) -> Result<Series, SignalError> {
-        match &self.filter {
-            Some(filter) => filter_and_keep(filter, series, Padding::Matlab, kept),
-            None => Ok(series.clone()),
+    fn filter_and_keep(
+        &self,
+        (samples, channels): (usize, usize),
+        kept: Kept,
+        mut fill: impl FnMut(usize, &mut [f64]),
+    ) -> Result<Series, SignalError> {
+        if let Some(filter) = &self.filter {
+            return filter_and_keep(filter, (samples, channels), Padding::Matlab, kept, fill);
         }
+        let mut series = Series::zeros(samples, channels);
+        (0..samples).for_each(|k| fill(k, series.sample_mut(k)));
+        Ok(series)
     }
 }
 

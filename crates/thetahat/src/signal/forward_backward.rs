@@ -1,9 +1,9 @@
 //! The one kernel of this room: a cascade of sections over many channels, forward and then backward in time.
 //!
-//! Eight channels at a time, a set, are copied out of the series and filtered in place. The innermost loop runs over
-//! the eight, which the compiler turns into vector instructions; a section passes over a block of samples with its
-//! state in registers, and the block stays in the first-level cache while all sections pass over it. Two sets are
-//! copied together: to read the series takes as long as one pass, and a little longer if by single sets.
+//! Eight channels at a time, a set, are filtered in place. The innermost loop runs over the eight, which the compiler
+//! turns into vector instructions; a section passes over a block of samples with its state in registers, and the block
+//! stays in the first-level cache while all sections pass over it. The samples come one by one, as they are computed,
+//! and go to their sets at once: no series of all channels is stored beside them.
 //!
 //! Legend: `x` input, `w` after the poles, `y` output of a section. All zeros that matter are at `z = -1` (SciPy's
 //! others, at 0, do nothing), so a numerator is a sum of neighbours: the forward pass adds them section by section;
@@ -17,8 +17,6 @@ use super::SecondOrderSections;
 
 /// Channels filtered together.
 const LANES: usize = 8;
-/// Sets of channels copied together.
-const SETS: usize = 2;
 /// Samples per block: 8 kB of values.
 const BLOCK: usize = 128;
 
@@ -40,77 +38,51 @@ impl Kept {
     }
 }
 
-/// The kept samples of `input`, filtered forward and backward, with `padding` samples of odd extension at both ends
-/// and each pass started in the steady state of its first value.
+/// Size of a record: samples and channels, and by how many samples it is extended at both ends.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Shape {
+    pub samples: usize,
+    pub channels: usize,
+    pub padding: usize,
+}
+
+/// The kept samples of a record, filtered forward and backward, with an odd extension at both ends, `2 x[0] - x[k]`, and
+/// each pass started in the steady state of its first value. `fill` writes the channels of one sample after the other.
 ///
 /// The record must be longer than the padding, and the padding at least as long as the order.
-pub(super) fn forward_backward(filter: &SecondOrderSections, padding: usize, input: &Series, kept: Kept) -> Series {
-    let mut output = Series::zeros(kept.indices(input.len()).count(), input.channels());
-    let extended = Extended { series: input, padding };
-    let first_channels: Vec<usize> = (0..input.channels()).step_by(LANES).collect();
-    let mut sets = vec![ChannelSet::new(filter, extended.len()); first_channels.len().min(SETS)];
-    for first_channels in first_channels.chunks(SETS) {
-        let sets = &mut sets[..first_channels.len()];
-        zip(sets.iter_mut(), first_channels).for_each(|(set, &c)| set.first_channel = c);
-        load(sets, extended);
-        for set in sets {
+pub(super) fn forward_backward(
+    filter: &SecondOrderSections,
+    shape: Shape,
+    kept: Kept,
+    mut fill: impl FnMut(usize, &mut [f64]),
+) -> Series {
+    let sets = shape.channels.div_ceil(LANES);
+    let mut sets = vec![ChannelSet::new(filter, shape.samples + 2 * shape.padding); sets];
+    // Channels that fill up the last set stay zero.
+    let mut sample = vec![0.0; sets.len() * LANES];
+    for k in 0..shape.samples {
+        fill(k, &mut sample[..shape.channels]);
+        let (lanes, _) = sample.as_chunks::<LANES>();
+        zip(&mut sets, lanes).for_each(|(set, lanes)| set.load(shape.padding + k, lanes));
+    }
+    let mut output = Series::zeros(kept.indices(shape.samples).count(), shape.channels);
+    for (first_channel, set) in zip((0..).step_by(LANES), &mut sets) {
+        set.extend(shape.padding);
+        // The widest vector instructions that the machine has; they round as the others do.
+        pulp::Arch::new().dispatch(|| {
             set.forward();
             set.backward();
-            let samples = kept.indices(input.len()).enumerate();
-            samples.for_each(|(row, k)| set.store(padding + k, output.sample_mut(row)));
+        });
+        for (row, k) in kept.indices(shape.samples).enumerate() {
+            set.store(shape.padding + k, &mut output.sample_mut(row)[first_channel..]);
         }
     }
     output
 }
 
-/// Copies the channels of some sets, extended at both ends.
-fn load(sets: &mut [ChannelSet], input: Extended) {
-    for k in 0..input.len() {
-        sets.iter_mut().for_each(|set| set.load(input, k));
-    }
-}
-
-/// A series extended at both ends by its odd reflection about the first and the last sample, `2 x[0] - x[k]`.
-#[derive(Clone, Copy)]
-struct Extended<'a> {
-    series: &'a Series,
-    padding: usize,
-}
-
-impl Extended<'_> {
-    fn len(self) -> usize {
-        self.series.len() + 2 * self.padding
-    }
-
-    /// Eight channels at sample `k` of the extended record.
-    #[inline]
-    fn lanes(self, k: usize, first_channel: usize) -> Lanes {
-        let at = |k: usize| lanes_of(self.series.sample(k), first_channel);
-        let last = self.series.len() - 1;
-        if k < self.padding {
-            reflected(at(0), at(self.padding - k))
-        } else if k - self.padding <= last {
-            at(k - self.padding)
-        } else {
-            reflected(at(last), at(2 * last - (k - self.padding)))
-        }
-    }
-}
-
-/// The eight channels from `first_channel` on; zeros where there is no channel.
-fn lanes_of(sample: &[f64], first_channel: usize) -> Lanes {
-    let rest = &sample[first_channel..];
-    rest.first_chunk().copied().unwrap_or_else(|| std::array::from_fn(|l| rest.get(l).copied().unwrap_or(0.0)))
-}
-
-fn reflected(centre: Lanes, x: Lanes) -> Lanes {
-    std::array::from_fn(|l| 2.0 * centre[l] - x[l])
-}
-
 /// Eight channels: their record, extended, and the filter with their state.
 #[derive(Clone)]
 struct ChannelSet {
-    first_channel: usize,
     record: Vec<Lanes>,
     /// The gain of the whole cascade, in neither the sections nor the numerator.
     gain: f64,
@@ -122,7 +94,6 @@ struct ChannelSet {
 impl ChannelSet {
     fn new(filter: &SecondOrderSections, samples: usize) -> Self {
         Self {
-            first_channel: 0,
             record: vec![[0.0; LANES]; samples],
             gain: filter.sections()[0][0],
             sections: filter.sections().iter().map(Section::new).collect(),
@@ -130,10 +101,21 @@ impl ChannelSet {
         }
     }
 
-    fn load(&mut self, input: Extended, k: usize) {
-        self.record[k] = input.lanes(k, self.first_channel).map(|x| self.gain * x);
+    #[inline]
+    fn load(&mut self, k: usize, lanes: &Lanes) {
+        self.record[k] = lanes.map(|x| self.gain * x);
     }
 
+    /// Extends the record at both ends by its odd reflection about the first and the last sample.
+    fn extend(&mut self, padding: usize) {
+        let last = self.record.len() - 1 - padding;
+        for k in 1..=padding {
+            self.record[padding - k] = reflected(&self.record[padding], &self.record[padding + k]);
+            self.record[last + k] = reflected(&self.record[last], &self.record[last - k]);
+        }
+    }
+
+    #[inline(always)]
     fn forward(&mut self) {
         let mut x = self.record[0];
         self.sections.iter_mut().for_each(|section| x = section.settle(section.zeros, x));
@@ -143,6 +125,7 @@ impl ChannelSet {
     }
 
     /// Leaves `w` in the record, without the numerator and the gain.
+    #[inline(always)]
     fn backward(&mut self) {
         let mut x = self.record[self.record.len() - 1];
         self.sections.iter_mut().for_each(|section| x = section.settle(0, x));
@@ -152,15 +135,18 @@ impl ChannelSet {
     }
 
     /// Writes the channels at sample `k` of the extended record, after the backward pass.
-    fn store(&self, k: usize, sample: &mut [f64]) {
+    fn store(&self, k: usize, channels: &mut [f64]) {
         let mut sum = [0.0; LANES];
         for (c, w) in zip(&self.numerator, &self.record[k..]) {
             sum = std::array::from_fn(|l| sum[l] + c * w[l]);
         }
-        for (y, sum) in zip(&mut sample[self.first_channel..], sum) {
-            *y = self.gain * sum;
-        }
+        zip(channels, sum).for_each(|(y, sum)| *y = self.gain * sum);
     }
+}
+
+/// `2 centre - x`.
+fn reflected(centre: &Lanes, x: &Lanes) -> Lanes {
+    std::array::from_fn(|l| 2.0 * centre[l] - x[l])
 }
 
 /// One row of Pascal's triangle.
@@ -191,6 +177,7 @@ impl Section {
     }
 
     /// Sets the state to that after an endless constant input, and returns the output then.
+    #[inline(always)]
     fn settle(&mut self, zeros: usize, x: Lanes) -> Lanes {
         self.w1 = x.map(|x| x / (1.0 + self.a1 + self.a2));
         self.w2 = self.w1;
@@ -198,6 +185,7 @@ impl Section {
     }
 
     /// Filters the samples in place, with none, one or two of the section's zeros.
+    #[inline(always)]
     fn pass<'a>(&mut self, zeros: usize, samples: impl Iterator<Item = &'a mut Lanes>) {
         match zeros {
             0 => self.pass_with(samples, |w, _, _| w),
@@ -207,6 +195,7 @@ impl Section {
     }
 
     /// `output` chooses from `w[k]`, `s[k] = w[k] + w[k-1]` and `s[k-1]`.
+    #[inline(always)]
     fn pass_with<'a>(&mut self, samples: impl Iterator<Item = &'a mut Lanes>, output: impl Fn(f64, f64, f64) -> f64) {
         let (a1, a2, mut w1, mut w2) = (self.a1, self.a2, self.w1, self.w2);
         let mut s1: Lanes = std::array::from_fn(|l| w1[l] + w2[l]);

@@ -2,7 +2,7 @@
 
 use crate::series::Series;
 
-use super::forward_backward::{Kept, forward_backward};
+use super::forward_backward::{Kept, Shape, forward_backward};
 use super::{SecondOrderSections, SignalError};
 
 /// How many samples a record is extended by at both ends before it is filtered forward and backward.
@@ -44,21 +44,23 @@ impl Padding {
 /// # Ok::<(), thetahat::signal::SignalError>(())
 /// ```
 pub fn zero_phase(filter: &SecondOrderSections, series: &Series, padding: Padding) -> Result<Series, SignalError> {
-    filter_and_keep(filter, series, padding, Kept::ALL)
+    let fill = |k: usize, sample: &mut [f64]| sample.copy_from_slice(series.sample(k));
+    filter_and_keep(filter, (series.len(), series.channels()), padding, Kept::ALL, fill)
 }
 
-/// The kept samples of [`zero_phase`].
+/// The kept samples of [`zero_phase`] of a record of so many samples and channels, which `fill` writes sample by sample.
 pub(super) fn filter_and_keep(
     filter: &SecondOrderSections,
-    series: &Series,
+    (samples, channels): (usize, usize),
     padding: Padding,
     kept: Kept,
+    fill: impl FnMut(usize, &mut [f64]),
 ) -> Result<Series, SignalError> {
     let padding = padding.samples(filter.order());
-    if series.len() <= padding {
-        return Err(SignalError::RecordTooShort { needed: padding + 1, found: series.len() });
+    if samples <= padding {
+        return Err(SignalError::RecordTooShort { needed: padding + 1, found: samples });
     }
-    Ok(forward_backward(filter, padding, series, kept))
+    Ok(forward_backward(filter, Shape { samples, channels, padding }, kept, fill))
 }
 
 #[cfg(test)]
