@@ -35,6 +35,9 @@ fn identify_experiment(identify: &Identify) -> Result<Verdict, Box<dyn Error>> {
 }
 
 fn run_experiment(experiment: &Experiment, data: &Path, output: &Output) -> Result<Verdict, Box<dyn Error>> {
+    if let Some(directory) = &output.out {
+        report::check_folder(directory)?;
+    }
     let published = experiment.published_path().map(|path| Published::read(&path)).transpose()?;
     let mut progress = Progress::new();
     let results = experiment.run(data, &mut |stage| progress.tell(stage))?;
@@ -68,10 +71,10 @@ fn predict_torques(request: &Predict) -> Result<Verdict, Box<dyn Error>> {
     Ok(Verdict::Good)
 }
 
-/// Prints, and takes a reader that has gone away (`| head`) for the end.
+/// Prints. A reader that has gone away (`| head`) is no reason not to write the files.
 fn print(text: &str) -> Result<(), std::io::Error> {
     match std::io::stdout().write_all(text.as_bytes()) {
-        Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => std::process::exit(0),
+        Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         result => result,
     }
 }

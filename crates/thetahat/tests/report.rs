@@ -71,7 +71,7 @@ fn run(case: &str, method: Method) -> RunResult {
         iterations: 2,
         simulations: 3,
         relative_error_percent: Some(5.53),
-        joint_relative_error_percent: vec![4.6, 5.1],
+        joint_relative_error_percent: vec![Some(4.6), Some(5.1)],
         cross_validation_relative_error_percent: None,
         validation_condition_number: None,
         condition_number: Some(975.4),

@@ -28,6 +28,9 @@ pub enum BaseParametersError {
         /// The base parameters.
         known: Vec<String>,
     },
+    /// Nothing acts on any torque: everything that does is excluded.
+    #[error("`exclude` leaves no parameter that acts on any torque; exclude fewer")]
+    NoneLeft,
     /// Two ways to count the base parameters disagree: the geometry is close to a special one.
     #[error(
         "the number of base parameters is not clear: {kept} columns are independent from left to right, but the rank \
@@ -88,6 +91,9 @@ impl BaseParameters {
         let size: Vec<f64> = (0..x.columns()).map(|j| norm(x.column(j))).collect();
         let largest = size.iter().copied().fold(0.0, f64::max);
         let effective: Vec<usize> = (0..x.columns()).filter(|&j| size[j] > TOLERANCE * largest).collect();
+        if effective.is_empty() {
+            return Err(BaseParametersError::NoneLeft);
+        }
         let kept = independent_columns(&x, &effective);
         let rank = PivotedQr::new(&x.select_columns(&effective)).rank(TOLERANCE);
         if rank != kept.len() {

@@ -24,6 +24,8 @@ use crate::{
 const MOVING: f64 = 0.01;
 /// Peak velocity in rad/s or m/s below which a joint counts as still.
 const STILL: f64 = 1e-3;
+/// Fewest periods of the position filter's cut-off in a record: with fewer, the ends are all that is left of it.
+const FEWEST_PERIODS: f64 = 10.0;
 /// Length, in periods of the cut-off, of the record through which bandwidths are measured.
 const PROBE_PERIODS: f64 = 200.0;
 
@@ -50,6 +52,9 @@ impl Experiment {
 
     fn filter_and_cut(&self, record: Record, signal: &SignalDescription) -> Result<FilteredRecord, ExperimentError> {
         let refuse = |source| ExperimentError::Signal { path: self.path.clone(), source };
+        let slowest = FEWEST_PERIODS * record.sample_rate_hz / record.position.len() as f64;
+        let expected = format!("at least {slowest:.3}, {FEWEST_PERIODS} periods in the record");
+        self.require(signal.cutoff_hz >= slowest, "[signal] cutoff_hz", &expected, signal.cutoff_hz)?;
         let (q, dq, ddq) = self.band_pass(&record.position, record.sample_rate_hz).map_err(refuse)?;
         let window = self.window(&dq, record.sample_rate_hz, signal)?;
         let cut = |series: &Series| series.window(window.clone());
@@ -139,10 +144,31 @@ pub(super) struct Problem {
 impl Experiment {
     /// Builds y and X for a friction model, and chooses the parameters.
     pub(super) fn problem(&self, robot: &Robot, filtered: &FilteredRecord) -> Result<Problem, ExperimentError> {
+        self.problem_of(robot, filtered, &self.file.parameters.estimate)
+    }
+
+    /// Builds y and X of a second record for parameters that were estimated from another.
+    pub(super) fn validation_problem(
+        &self,
+        robot: &Robot,
+        filtered: &FilteredRecord,
+        estimated: &BaseParameters,
+    ) -> Result<Problem, ExperimentError> {
+        let names = estimated.parameters().iter().map(|p| p.name.clone()).collect();
+        self.problem_of(robot, filtered, &ParameterChoice::List(names))
+    }
+
+    fn problem_of(
+        &self,
+        robot: &Robot,
+        filtered: &FilteredRecord,
+        choice: &ParameterChoice,
+    ) -> Result<Problem, ExperimentError> {
         let refuse_signal = |source| ExperimentError::Signal { path: self.path.clone(), source };
         let refuse = |source| ExperimentError::Parameters { path: self.path.clone(), source };
         let model = Model::new(robot);
         let base = BaseParameters::of(&model, &self.file.parameters.exclude).map_err(refuse)?;
+        self.require_rows(filtered, choice, base.len())?;
         let decimator = Decimator::new(self.file.signal.decimation, filtered.window.len()).map_err(refuse_signal)?;
         let (full_x, y) = {
             let assembly = Assembly::new(&model, &base.columns(), decimator.clone());
@@ -150,7 +176,7 @@ impl Experiment {
             let x = filtered.observation_matrix(&assembly).map_err(refuse_signal)?;
             (x, assembly.measurement_vector(&torque).map_err(refuse_signal)?)
         };
-        let (chosen, elimination) = self.choose(&model, &base, &full_x, &y)?;
+        let (chosen, elimination) = self.choose(choice, (&model, &base), &full_x, &y)?;
         let estimated = base.select(model.parameter_table(), &chosen).map_err(refuse)?;
         let column = |p: &crate::base_parameters::BaseParameter| base.columns().iter().position(|&c| c == p.kept);
         let columns: Vec<usize> = estimated.parameters().iter().filter_map(column).collect();
@@ -159,10 +185,24 @@ impl Experiment {
         Ok(Problem { model, base, estimated, elimination, decimator, x, y, full_x })
     }
 
+    /// A decimation must leave more rows than there are parameters, with which the estimation begins.
+    fn require_rows(
+        &self,
+        filtered: &FilteredRecord,
+        choice: &ParameterChoice,
+        base: usize,
+    ) -> Result<(), ExperimentError> {
+        let parameters = if let ParameterChoice::List(names) = choice { names.len() } else { base };
+        let decimation = self.file.signal.decimation;
+        let rows = filtered.q.channels() * filtered.window.len().div_ceil(decimation);
+        let expected = format!("a smaller factor or a longer window: {rows} rows are left for {parameters} parameters");
+        self.require(rows > parameters, "[signal] decimation", &expected, decimation)
+    }
+
     fn choose(
         &self,
-        model: &Model,
-        base: &BaseParameters,
+        choice: &ParameterChoice,
+        (model, base): (&Model, &BaseParameters),
         x: &Matrix,
         y: &[f64],
     ) -> Result<(Vec<String>, Option<Elimination>), ExperimentError> {
@@ -170,7 +210,7 @@ impl Experiment {
         let all = || (0..base.len()).map(name).collect::<Vec<_>>();
         let unknown = |source| ExperimentError::Parameters { path: self.path.clone(), source };
         base.select(model.parameter_table(), &self.file.parameters.show).map_err(unknown)?;
-        match &self.file.parameters.estimate {
+        match choice {
             ParameterChoice::Base | ParameterChoice::Named(NamedChoice::Base) => Ok((all(), None)),
             ParameterChoice::List(names) => Ok((names.clone(), None)),
             ParameterChoice::Named(NamedChoice::Essential) => {
@@ -210,10 +250,11 @@ impl Problem {
         rows.chunks(self.decimator.rows()).map(<[f64]>::to_vec).collect()
     }
 
-    /// The relative error of each joint, percent.
-    pub(super) fn joint_errors(&self, prediction: &[f64]) -> Vec<f64> {
+    /// The relative error of each joint, percent; none where its torque is zero.
+    pub(super) fn joint_errors(&self, prediction: &[f64]) -> Vec<Option<f64>> {
         let rows = self.decimator.rows();
-        self.y.chunks(rows).zip(prediction.chunks(rows)).map(|(y, p)| relative_error_percent(y, p)).collect()
+        let error = |(y, p)| Some(relative_error_percent(y, p)).filter(|e| e.is_finite());
+        self.y.chunks(rows).zip(prediction.chunks(rows)).map(error).collect()
     }
 
     /// A series at the decimated instants, one vector per joint.

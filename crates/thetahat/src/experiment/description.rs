@@ -9,7 +9,7 @@ use super::ExperimentError;
 use crate::{
     control::ControllerDescription,
     identification::{Convergence, Divisor, EliminationRule, Method},
-    recording::{ChannelSource, Quantity},
+    recording::ChannelSource,
     robot::{Friction, Robot},
     simulation::{Sensors, SimulatorBias, Solver},
 };
@@ -140,7 +140,7 @@ pub struct ParameterSelection {
 
 /// The parameters of a run.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected \"base\", \"essential\" or a list of base parameters")]
 pub enum ParameterChoice {
     /// All base parameters.
     #[default]
@@ -327,111 +327,7 @@ impl Experiment {
         Ok(experiment)
     }
 
-    fn validate(&self) -> Result<(), ExperimentError> {
-        match (&self.file.recording, &self.file.twin) {
-            (Some(recording), None) => self.validate_recording(recording)?,
-            (None, Some(twin)) => self.validate_twin(twin)?,
-            _ => return Err(self.missing("[recording] or [twin]", "one of the two gives the motion and torques")),
-        }
-        if let Some(validation) = &self.file.validation {
-            self.validate_recording(validation)?;
-        }
-        self.validate_signal()?;
-        self.validate_methods()?;
-        if let Some(controller) = &self.file.controller {
-            let motors = self.robot.joint_count();
-            let refuse = |source| ExperimentError::Controller { path: self.path.clone(), source };
-            controller.validate(motors).map_err(refuse)?;
-        }
-        self.validate_simulation()
-    }
-
-    fn validate_recording(&self, recording: &RecordingDescription) -> Result<(), ExperimentError> {
-        let position = [Quantity::Angle, Quantity::Length];
-        recording.position.require_quantity("position", &position)?;
-        let torque = [Quantity::Torque, Quantity::Force, Quantity::Voltage, Quantity::Current, Quantity::Dimensionless];
-        recording.torque.require_quantity("torque", &torque)?;
-        if let Some(reference) = &recording.reference {
-            reference.require_quantity("reference", &position)?;
-        }
-        if let Some(time) = &recording.time {
-            time.require_quantity("time", &[Quantity::Time])?;
-        }
-        match (recording.sample_rate_hz, &recording.time) {
-            (Some(rate), None) => self.require(rate > 0.0 && rate.is_finite(), "sample_rate_hz", "above zero", rate),
-            (None, Some(_)) => Ok(()),
-            _ => Err(self.missing("[recording] sample_rate_hz or time", "exactly one of the two gives the rate")),
-        }
-    }
-
-    fn validate_twin(&self, twin: &TwinDescription) -> Result<(), ExperimentError> {
-        let n = self.robot.joint_count();
-        let lists = [
-            ("max_velocity", twin.max_velocity.len()),
-            ("sensors.torque_noise", twin.sensors.torque_noise.len()),
-            ("sensors.torque_ripple", twin.sensors.torque_ripple.len()),
-        ];
-        let points = twin.points.iter().map(|p| ("points", p.len()));
-        for (key, found) in lists.into_iter().chain(points) {
-            if found != n {
-                return Err(self.value(&format!("[twin] {key}"), &format!("{n} entries, one for each joint"), found));
-            }
-        }
-        self.require(twin.points.len() > 1, "[twin] points", "a start and at least one end point", 0.0)?;
-        for (key, value) in [
-            ("[twin] sample_rate_hz", twin.sample_rate_hz),
-            ("[twin] sensors.encoder_counts_per_turn", twin.sensors.encoder_counts_per_turn),
-        ] {
-            self.require(value > 0.0 && value.is_finite(), key, "above zero", value)?;
-        }
-        self.require((0.0..=3600.0).contains(&twin.rest_s), "[twin] rest_s", "from 0 to 3600", twin.rest_s)
-    }
-
-    fn validate_signal(&self) -> Result<(), ExperimentError> {
-        let signal = &self.file.signal;
-        self.require(signal.decimation > 0, "[signal] decimation", "at least 1", signal.decimation)?;
-        let (start, end) = (signal.window_start_s.unwrap_or(0.0), signal.window_end_s.unwrap_or(f64::INFINITY));
-        self.require(start >= 0.0, "[signal] window_start_s", "zero or later", start)?;
-        self.require(end > start, "[signal] window_end_s", "later than window_start_s", end)
-    }
-
-    fn validate_methods(&self) -> Result<(), ExperimentError> {
-        let mut names = std::collections::BTreeSet::new();
-        for case in self.cases() {
-            if !names.insert(case.name.clone()) {
-                return Err(self.value("[[case]] name", "a name of its own for each case", case.name));
-            }
-            if !case.simulator.is_valid() {
-                let key = format!("[[case]] {}: simulator", case.name);
-                return Err(self.value(&key, "factors above zero and a delay not below zero", "out of range"));
-            }
-            let methods = case.methods.as_ref().unwrap_or(&self.file.estimation.methods);
-            if methods.is_empty() {
-                return Err(self.value("methods", "at least one method", "an empty list"));
-            }
-            let simulates = methods.iter().any(|m| *m != Method::IdimLs);
-            if simulates && self.file.controller.is_none() {
-                return Err(self.missing("[controller]", "idim-iv and didim simulate the closed loop"));
-            }
-        }
-        Ok(())
-    }
-
-    fn validate_simulation(&self) -> Result<(), ExperimentError> {
-        let simulation = &self.file.simulation;
-        let scale = simulation.sign_velocity_scale;
-        self.require(scale > 0.0 && scale.is_finite(), "[simulation] sign_velocity_scale", "above zero", scale)?;
-        let positive: &[f64] = match &simulation.solver {
-            Solver::Adaptive { relative_tolerance, absolute_tolerance } => &[*relative_tolerance, *absolute_tolerance],
-            Solver::Fixed { step_s } => &[*step_s],
-        };
-        match positive.iter().find(|v| !(v.is_finite() && **v > 0.0)) {
-            Some(v) => Err(self.value("[simulation] solver", "tolerances or a step above zero", v)),
-            None => Ok(()),
-        }
-    }
-
-    fn require(
+    pub(super) fn require(
         &self,
         holds: bool,
         key: &str,

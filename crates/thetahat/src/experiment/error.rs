@@ -77,12 +77,30 @@ pub enum ExperimentError {
     /// The recording is not usable.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// No reference can be made of the recording, or of the planned moves.
-    #[error("the reference trajectory: {0}")]
-    Trajectory(#[from] TrajectoryError),
+    /// No reference can be made of the recording.
+    #[error("{}: the reference made of the recorded motion: {source}", path.display())]
+    Trajectory {
+        /// The experiment file.
+        path: PathBuf,
+        /// Why.
+        source: TrajectoryError,
+    },
+    /// The twin's moves cannot be planned.
+    #[error("{}: [twin] {source}", path.display())]
+    Plan {
+        /// The experiment file.
+        path: PathBuf,
+        /// Why.
+        source: TrajectoryError,
+    },
     /// The twin's record cannot be simulated.
-    #[error("the twin: {0}")]
-    Twin(SimulationError),
+    #[error("{}: [twin] {source}", path.display())]
+    Twin {
+        /// The experiment file.
+        path: PathBuf,
+        /// Why.
+        source: SimulationError,
+    },
     /// The results file is not one of this program, or misses what a prediction needs.
     #[error("{}: {problem}", path.display())]
     ResultsFile {

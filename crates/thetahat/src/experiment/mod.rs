@@ -4,6 +4,7 @@
 //! ([`Experiment::demo`]) goes the same way from a simulated record.
 
 mod chain;
+mod checks;
 mod cross_validation;
 mod description;
 mod error;

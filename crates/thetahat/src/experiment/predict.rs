@@ -42,8 +42,8 @@ pub struct Prediction {
     pub measured: Option<Series>,
     /// Relative error in the decimated rows of the moving part, of all joints.
     pub relative_error_percent: Option<f64>,
-    /// The same of each joint.
-    pub joint_relative_error_percent: Vec<f64>,
+    /// The same of each joint; none where its torque is zero.
+    pub joint_relative_error_percent: Vec<Option<f64>>,
     /// Rms of the prediction of each joint in the moving part.
     pub rms: Vec<f64>,
     /// Moving part, s.
@@ -97,10 +97,14 @@ fn chosen_run(
         r.case == request.case && request.method.is_none_or(|m| m == r.method) && !r.parameters.is_empty()
     };
     let Some(run) = results.runs.iter().find(fits) else {
-        let found: Vec<String> = results.runs.iter().map(|r| format!("{} {}", r.case, r.method.name())).collect();
+        let with = |r: &&super::RunResult| !r.parameters.is_empty();
+        let name = |r: &super::RunResult| format!("{} {}", r.case, r.method.name());
+        let found: Vec<String> = results.runs.iter().filter(with).map(name).collect();
+        let found = if found.is_empty() { "none".to_owned() } else { found.join(", ") };
+        let method = request.method.map_or("any method", Method::name);
         return Err(ExperimentError::ResultsFile {
             path: request.results.clone(),
-            problem: format!("holds no estimate for this case and method; its runs are: {}", found.join(", ")),
+            problem: format!("holds no estimate of {} by {method}; those it holds: {found}", request.case),
         });
     };
     let theta = run.parameters.iter().map(|p| (p.name.clone(), p.estimate)).collect();
@@ -173,7 +177,8 @@ impl<'a> Predictor<'a> {
             .transpose()
             .map_err(refuse)?;
         let joint_errors = |y: &Vec<f64>| {
-            y.chunks(rows).zip(prediction.chunks(rows)).map(|(y, p)| relative_error_percent(y, p)).collect()
+            let error = |(y, p)| Some(relative_error_percent(y, p)).filter(|e| e.is_finite());
+            y.chunks(rows).zip(prediction.chunks(rows)).map(error).collect()
         };
         let rms = |p: &[f64]| (p.iter().map(|v| v * v).sum::<f64>() / p.len() as f64).sqrt();
         Ok(Prediction {

@@ -12,6 +12,9 @@ use crate::{
     trajectory::{self, Limits, Moves},
 };
 
+/// Fewer samples of a twin cannot be filtered; more are not needed for any use of it: an hour at 25 kHz.
+const TWIN_SAMPLES: std::ops::RangeInclusive<f64> = 100.0..=1e8;
+
 /// Positions and torques of the joints, and what else was recorded with them.
 pub(super) struct Record {
     pub(super) sample_rate_hz: f64,
@@ -48,7 +51,8 @@ impl Experiment {
                 recording::same_length(&position, "position", &files.0, series, name, &source.path(data))?;
             }
         }
-        let sample_rate_hz = sample_rate(description, data)?;
+        recording::not_all_zero(&torque, "torque", &files.1)?;
+        let sample_rate_hz = sample_rate(description, data, &position)?;
         Ok(Record { sample_rate_hz, position, torque, reference, added_signal, planned: None, truth: None })
     }
 
@@ -60,7 +64,7 @@ impl Experiment {
     ) -> Result<Record, ExperimentError> {
         let position = self.read_joint_positions(&description.position, data)?;
         Ok(Record {
-            sample_rate_hz: sample_rate(description, data)?,
+            sample_rate_hz: sample_rate(description, data, &position)?,
             torque: Series::zeros(position.len(), position.channels()),
             position,
             reference: None,
@@ -100,7 +104,10 @@ impl Experiment {
     pub(super) fn simulate_twin(&self, twin: &TwinDescription) -> Result<Record, ExperimentError> {
         let model = Model::new(&self.robot);
         let moves = self.plan(twin)?;
-        let samples = ((moves.end_s() + twin.rest_s) * twin.sample_rate_hz).ceil() as usize;
+        let samples = (moves.end_s() + twin.rest_s) * twin.sample_rate_hz;
+        let key = "[twin] duration of the moves times sample_rate_hz";
+        self.require(TWIN_SAMPLES.contains(&samples), key, "from 100 to 1e8 samples", samples)?;
+        let samples = samples.ceil() as usize;
         let truth = self.true_parameters(twin, &model)?;
         let controller = self.file.controller.as_ref();
         let why = "the twin moves under its control";
@@ -117,7 +124,9 @@ impl Experiment {
         };
         let inertia = closed_loop.motor_inertia(&truth, moves.end_s());
         let grid = OutputGrid { start_s: 0.0, sample_rate_hz: twin.sample_rate_hz, samples };
-        let motion = closed_loop.simulate(&truth, &inertia, &grid).map_err(ExperimentError::Twin)?;
+        let motion = closed_loop
+            .simulate(&truth, &inertia, &grid)
+            .map_err(|source| ExperimentError::Twin { path: self.path.clone(), source })?;
         let (positions, drive_signals) = twin.sensors.record(&motion, &self.robot.transmission);
         Ok(Record {
             sample_rate_hz: twin.sample_rate_hz,
@@ -147,7 +156,8 @@ impl Experiment {
             smoothing_time_s: twin.smoothing_time_s,
             dwell_s: 0.0,
         };
-        Ok(trajectory::plan(points[0].clone(), &points[1..], &limits, twin.rest_s)?)
+        trajectory::plan(points[0].clone(), &points[1..], &limits, twin.rest_s)
+            .map_err(|source| ExperimentError::Plan { path: self.path.clone(), source })
     }
 
     fn true_parameters(&self, twin: &TwinDescription, model: &Model) -> Result<Vec<f64>, ExperimentError> {
@@ -161,11 +171,13 @@ impl Experiment {
     }
 }
 
-fn sample_rate(description: &RecordingDescription, data: &Path) -> Result<f64, ExperimentError> {
+fn sample_rate(description: &RecordingDescription, data: &Path, position: &Series) -> Result<f64, ExperimentError> {
     let Some(source) = &description.time else {
         return Ok(description.sample_rate_hz.unwrap_or_default());
     };
     let time = recording::read_channels(source, data)?;
+    recording::one_channel(&time, "time", &source.path(data))?;
+    recording::same_length(position, "position", &description.position.path(data), &time, "time", &source.path(data))?;
     let column = source.columns.first().map_or("time", String::as_str);
     Ok(recording::sample_rate_from_time(&time.channel(0), &source.path(data), column)?)
 }

@@ -97,8 +97,8 @@ pub struct RunResult {
     pub simulations: usize,
     /// `100 |y - y_hat| / |y|`, unweighted; none where there is no estimate.
     pub relative_error_percent: Option<f64>,
-    /// The same for each joint.
-    pub joint_relative_error_percent: Vec<f64>,
+    /// The same for each joint; none where its torque is zero.
+    pub joint_relative_error_percent: Vec<Option<f64>>,
     /// The same on data that the estimate has not seen: the second recording, or each move left out in turn.
     pub cross_validation_relative_error_percent: Option<f64>,
     /// Condition number of the observation matrix of the second recording.

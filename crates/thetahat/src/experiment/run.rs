@@ -10,6 +10,7 @@ use super::{
     simulator::{RecordReference, Simulator},
 };
 use crate::{
+    base_parameters::BaseParameters,
     identification::{Method, Outcome, idim_ls, iterate, joint_weights, relative_error_percent},
     linear_algebra::norm,
     robot::{Friction, Robot},
@@ -121,7 +122,7 @@ impl Session<'_> {
         run.simulation_relative_error_percent = simulator.as_ref().zip(motion.as_ref()).map(|(s, m)| s.errors(m));
         run.plots = problem.plots(&fit.prediction, motion.as_ref().map(|m: &SimulatedMotion| &m.q));
         if self.validation.is_some() {
-            self.validate_on_second_recording(case, &fit.theta, &mut run)?;
+            self.validate_on_second_recording(case, (&problem.estimated, &fit.theta), &mut run)?;
         } else if let Some(folds) = self.folds(problem) {
             let instruments = outcome.instruments.as_ref();
             run.cross_validation_relative_error_percent =
@@ -232,11 +233,12 @@ impl Session<'_> {
     fn validate_on_second_recording(
         &self,
         case: &Case,
-        theta: &[f64],
+        (estimated, theta): (&BaseParameters, &[f64]),
         run: &mut RunResult,
     ) -> Result<(), ExperimentError> {
         let Some(validation) = &self.validation else { return Ok(()) };
-        let problem = self.experiment.problem(&self.experiment.robot_for(case), &validation.filtered)?;
+        let robot = self.experiment.robot_for(case);
+        let problem = self.experiment.validation_problem(&robot, &validation.filtered, estimated)?;
         run.cross_validation_relative_error_percent = Some(relative_error_percent(&problem.y, &problem.x.times(theta)));
         run.validation_condition_number = Some(problem.x.condition_number());
         if let Some(simulator) = self.simulator(validation, &problem, case) {

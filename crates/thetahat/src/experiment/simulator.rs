@@ -38,7 +38,8 @@ impl Experiment {
         }
         let refuse = |source| ExperimentError::Signal { path: self.path.clone(), source };
         let (_, velocity, _) = self.band_pass(&record.position, rate).map_err(refuse)?;
-        let found = reconstruct(&record.position, &velocity, rate)?;
+        let found = reconstruct(&record.position, &velocity, rate)
+            .map_err(|source| ExperimentError::Trajectory { path: self.path.clone(), source })?;
         Ok(RecordReference { reference: Reference::Moves(found.moves), origin: "reconstructed" })
     }
 }

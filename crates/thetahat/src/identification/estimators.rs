@@ -51,6 +51,9 @@ pub enum EstimationError {
         /// Columns, from zero, that the others span.
         dependent: Vec<usize>,
     },
+    /// There is no finite estimate or error.
+    #[error("no finite estimate: the torques are zero in the window, or values are too large; check the units")]
+    NotFinite,
     /// There are not more rows than parameters.
     #[error("{rows} rows cannot determine {columns} parameters; take a longer record or a smaller decimation factor")]
     TooFewRows {
@@ -93,7 +96,7 @@ pub fn idim_ls(x: &Matrix, y: &[f64], weights: Option<&[f64]>, divisor: Divisor)
     let inverse_gram = qr.inverse_gram();
     let variance = variance(&yw, &xw.times(&theta), theta.len(), divisor);
     let diagonal = (0..theta.len()).map(|i| inverse_gram.at(i, i));
-    Ok(Fit::new(y, x.times(&theta), theta, diagonal, variance, qr.thin_r().condition_number()))
+    Fit::new(y, x.times(&theta), theta, diagonal, variance, qr.thin_r().condition_number())
 }
 
 /// IDIM-IV (9): `theta = (Z^T X)^-1 Z^T y`, with covariance `s^2 (Z^T X)^-1 Z^T Z (X^T Z)^-1`.
@@ -119,7 +122,7 @@ pub fn idim_iv(
     let variance = variance(&yw, &xw.times(&theta), theta.len(), divisor);
     let columns = theta.len();
     let diagonal = (0..columns).map(|i| (0..columns).map(|k| inverse.at(i, k).powi(2)).sum());
-    Ok(Fit::new(y, x.times(&theta), theta, diagonal, variance, projected.condition_number()))
+    Fit::new(y, x.times(&theta), theta, diagonal, variance, projected.condition_number())
 }
 
 /// One step of DIDIM (19): `theta = Z^+ y`, with covariance `s^2 (Z^T Z)^-1`.
@@ -160,14 +163,17 @@ impl Fit {
         covariance_diagonal: impl Iterator<Item = f64>,
         variance: f64,
         condition_number: f64,
-    ) -> Self {
-        Self {
+    ) -> Result<Self, EstimationError> {
+        let fit = Self {
             standard_deviation: covariance_diagonal.map(|v| (variance * v).sqrt()).collect(),
             relative_error_percent: relative_error_percent(y, &prediction),
             theta,
             prediction,
             condition_number,
-        }
+        };
+        let numbers = fit.theta.iter().chain(&fit.standard_deviation).chain([&fit.relative_error_percent]);
+        let finite = numbers.copied().all(f64::is_finite);
+        if finite { Ok(fit) } else { Err(EstimationError::NotFinite) }
     }
 
     /// Sum of the squared, unweighted residual.

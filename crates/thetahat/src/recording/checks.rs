@@ -61,6 +61,28 @@ pub fn same_length(
     })
 }
 
+/// Checks that a signal has one channel.
+///
+/// # Errors
+/// [`RecordingError::NotOneChannel`] if it has several.
+pub fn one_channel(series: &Series, what: &str, file: &Path) -> Result<(), RecordingError> {
+    match series.channels() {
+        1 => Ok(()),
+        found => Err(RecordingError::NotOneChannel { file: file.into(), signal: what.into(), found }),
+    }
+}
+
+/// Checks that a signal is not zero throughout, as one that was not recorded is.
+///
+/// # Errors
+/// [`RecordingError::AllZero`] if it is.
+pub fn not_all_zero(series: &Series, what: &str, file: &Path) -> Result<(), RecordingError> {
+    if series.values().iter().any(|v| *v != 0.0) {
+        return Ok(());
+    }
+    Err(RecordingError::AllZero { file: file.into(), signal: what.into() })
+}
+
 /// Checks that all values of a named column are finite.
 pub(super) fn require_finite(values: &[f64], file: &Path, column: &str) -> Result<(), RecordingError> {
     match values.iter().position(|value| !value.is_finite()) {

@@ -237,7 +237,7 @@ pub enum RecordingError {
     },
 
     /// The unit does not measure what the signal is.
-    #[error("{file}: the {signal} is {}, but its unit {:?} measures {}; correct the unit, or point to the right columns",
+    #[error("{file}: the {signal} is {}, but its unit {:?} measures {}; correct the unit, the side (motor or joint) or the columns",
         alternatives(.expected), .found.symbol(), .found.quantity())]
     WrongQuantity {
         /// The file.
@@ -294,6 +294,26 @@ pub enum RecordingError {
         second_file: PathBuf,
         /// Its number of samples.
         second_samples: usize,
+    },
+
+    /// A signal of one channel has several.
+    #[error("{file}: expected one channel of {signal}, found {found}; name its column in the list of columns")]
+    NotOneChannel {
+        /// The file.
+        file: PathBuf,
+        /// The signal, such as `time`.
+        signal: String,
+        /// Number of channels.
+        found: usize,
+    },
+
+    /// A signal is zero at every sample.
+    #[error("{file}: the {signal} is zero at every sample; point to the columns that hold what was recorded")]
+    AllZero {
+        /// The file.
+        file: PathBuf,
+        /// The signal, such as `torque`.
+        signal: String,
     },
 
     /// A time axis is too short to give a sample rate.

@@ -23,7 +23,7 @@ mod unit;
 #[cfg(test)]
 mod test_files;
 
-pub use checks::{STEP_TOLERANCE, same_length, sample_rate_from_time};
+pub use checks::{STEP_TOLERANCE, not_all_zero, one_channel, same_length, sample_rate_from_time};
 pub use error::RecordingError;
 pub use mat::read_scalar;
 pub use source::{ChannelSource, Side, read_channels};

@@ -17,7 +17,7 @@ mod tables;
 pub mod text;
 
 pub use error::ReportError;
-pub use files::write_all;
+pub use files::{check_folder, write_all};
 pub use prediction::{prediction_text, write_prediction};
 pub use published::{Agreement, Published, PublishedValue};
 pub use table::{Group, TEXT_WIDTH, Table};

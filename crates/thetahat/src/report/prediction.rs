@@ -18,7 +18,7 @@ pub fn prediction_text(prediction: &Prediction) -> String {
         "relative error %"
     );
     for (j, (joint, rms)) in prediction.joints.iter().zip(&prediction.rms).enumerate() {
-        let error = percent(prediction.joint_relative_error_percent.get(j).copied());
+        let error = percent(prediction.joint_relative_error_percent.get(j).copied().flatten());
         let joint: String = joint.chars().take(23).collect();
         text += &format!("{joint:<24}{rms:>16.4}{error:>20}\n");
     }

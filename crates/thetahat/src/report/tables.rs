@@ -375,7 +375,7 @@ fn simulation_rows(run: &RunResult) -> Vec<Vec<String>> {
 pub(super) fn joint_errors(results: &Results) -> Option<Table> {
     let joints = results.runs.iter().map(|r| r.joint_relative_error_percent.len()).max().unwrap_or(0);
     let row = |r: &RunResult| {
-        let errors = (0..joints).map(|j| optional(r.joint_relative_error_percent.get(j).copied(), 3));
+        let errors = (0..joints).map(|j| optional(r.joint_relative_error_percent.get(j).copied().flatten(), 3));
         [r.case.clone(), r.method.name().to_owned()].into_iter().chain(errors).collect()
     };
     let head = strings(&["case", "method"]).into_iter().chain((1..=joints).map(|j| format!("joint {j}")));

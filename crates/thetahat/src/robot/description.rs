@@ -155,6 +155,7 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     fn robot(&self, file: RobotFile) -> Result<Robot, RobotError> {
+        self.check_joint_names(&file.joint)?;
         let order = self.serial_order(&file.joint)?;
         let joints: Vec<Joint> = order.iter().map(|&j| joint(file.joint[j].as_ref())).collect();
         self.check_finite(&file, &joints)?;
@@ -193,6 +194,14 @@ impl Reader<'_> {
             last = order.last().copied();
         }
         Ok(order)
+    }
+
+    fn check_joint_names(&self, joints: &[Spanned<JointEntry>]) -> Result<(), RobotError> {
+        let name = |j: usize| &joints[j].as_ref().name;
+        match (1..joints.len()).find(|&j| (0..j).any(|i| name(i) == name(j))) {
+            Some(j) => Err(self.not_serial(&joints[j], "has the name of another joint")),
+            None => Ok(()),
+        }
     }
 
     fn parent_index(
@@ -241,6 +250,21 @@ impl Reader<'_> {
         self.count("[transmission] offset_deg", n, offset_deg.len())?;
         self.count("[transmission] offset_m", n, offset_m.len())?;
         self.count("[transmission] drive_gain", n, drive_gain.len())?;
+        let numbers = matrix.iter().flatten().chain(&offset_deg).chain(&offset_m);
+        if let Some(number) = numbers.into_iter().find(|v| !v.is_finite()) {
+            return Err(self.value("[transmission] a number", "finite numbers", &number.to_string()));
+        }
+        let of_kind = |kind, offset: &[f64]| joints.iter().zip(offset).any(|(j, o)| j.kind == kind && *o != 0.0);
+        if of_kind(JointKind::Prismatic, &offset_deg) {
+            return Err(self.value(
+                "[transmission] offset_deg",
+                "zero for prismatic joints (use offset_m)",
+                "not zero",
+            ));
+        }
+        if of_kind(JointKind::Revolute, &offset_m) {
+            return Err(self.value("[transmission] offset_m", "zero for revolute joints (use offset_deg)", "not zero"));
+        }
         if let Some(gain) = drive_gain.iter().find(|g| !(g.is_finite() && **g != 0.0)) {
             return Err(self.value("[transmission] drive_gain", "numbers other than zero", &gain.to_string()));
         }

@@ -42,6 +42,16 @@ pub enum SimulationError {
     /// The simulated motion is too short for the filters of the record.
     #[error("the simulated motion is too short for the filters; take a longer window")]
     TooShortToFilter,
+    /// Adaptive steps so short that they would take more work than any record needs.
+    #[error(
+        "the simulation took {steps:.1e} steps up to {time_s:.4} s: the loop is too stiff; lower the bandwidth, loosen the tolerance or widen sign_velocity_scale"
+    )]
+    TooStiff {
+        /// Steps taken.
+        steps: f64,
+        /// The time reached.
+        time_s: f64,
+    },
     /// Fixed steps or a sample time that would take more work than any record needs.
     #[error("the simulation would take {steps:.1e} steps of {step_s} s; use a longer step")]
     TooManySteps {

@@ -16,6 +16,9 @@ use crate::{
 const RUNAWAY: f64 = 100.0;
 /// More steps than any use of a simulation needs: an hour at 100 kHz.
 const STEP_LIMIT: f64 = 3.6e8;
+/// Adaptive steps per second of motion, on average, beyond which a loop is too stiff: ten times what chattering friction
+/// takes.
+const ADAPTIVE_STEPS_PER_S: f64 = 2e5;
 /// Times closer than this part of a period are the same: `k T` is not exact.
 const SAME_TIME: f64 = 1e-6;
 
@@ -49,6 +52,7 @@ struct Running<'a> {
     next_output: usize,
     motion: SimulatedMotion,
     runaway: f64,
+    steps: f64,
 }
 
 impl<'a> Running<'a> {
@@ -65,6 +69,7 @@ impl<'a> Running<'a> {
             u: vec![0.0; n],
             grid: *grid,
             next_output: 0,
+            steps: 0.0,
             setup,
             controller,
             reference,
@@ -192,6 +197,16 @@ impl<'a> Running<'a> {
         }
     }
 
+    /// Counts an adaptive step; a loop that takes too many would take hours.
+    fn check_stiffness(&mut self, t: f64) -> Result<(), SimulationError> {
+        self.steps += 1.0;
+        let adaptive = matches!(self.setup.solver, Solver::Adaptive { .. });
+        if adaptive && self.steps > ADAPTIVE_STEPS_PER_S * self.end().max(1.0) {
+            return Err(SimulationError::TooStiff { steps: self.steps, time_s: t });
+        }
+        Ok(())
+    }
+
     fn check_runaway(&self, t: f64, x: &[f64]) -> Result<(), SimulationError> {
         let velocities = &x[self.u.len()..];
         match velocities.iter().position(|v| v.is_nan() || v.abs() > self.runaway) {
@@ -225,6 +240,7 @@ impl System for Running<'_> {
             self.record(t, step.at(t))?;
         }
         let end = step.end_s;
+        self.check_stiffness(end)?;
         self.check_runaway(end, step.at(end))
     }
 }
