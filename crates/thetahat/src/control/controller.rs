@@ -144,7 +144,8 @@ impl ControllerDescription {
         }
         let [by_bandwidth, kp, kv] =
             [&self.bandwidth_hz, &self.position_gain, &self.velocity_gain].map(|list| !list.is_empty());
-        if (by_bandwidth && (kp || kv)) || (!by_bandwidth && !(kp && kv)) {
+        let given_once = if by_bandwidth { !kp && !kv } else { kp && kv };
+        if !given_once {
             return Err(ControllerError::Gains);
         }
         self.validate_times()

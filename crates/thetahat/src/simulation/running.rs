@@ -209,7 +209,7 @@ impl<'a> Running<'a> {
 
     fn check_runaway(&self, t: f64, x: &[f64]) -> Result<(), SimulationError> {
         let velocities = &x[self.u.len()..];
-        match velocities.iter().position(|v| !(v.abs() <= self.runaway)) {
+        match velocities.iter().position(|v| v.is_nan() || v.abs() > self.runaway) {
             Some(j) => Err(SimulationError::Diverged { joint: j + 1, time_s: t, velocity: velocities[j] }),
             None => Ok(()),
         }
