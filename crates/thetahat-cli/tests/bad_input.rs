@@ -760,6 +760,38 @@ fn a_joint_that_does_not_move_is_named() {
     assert!(case.read("out/report.html").contains("fv2 fc2"));
 }
 
+/// What the second recording would eliminate is no matter: it is predicted with the parameters of the first.
+#[test]
+fn essential_parameters_are_validated_on_another_recording() {
+    let recording = EXPERIMENT.split_once("[recording]").unwrap().1.split_once("[signal]").unwrap().0;
+    let validation = format!("[validation]{}[signal]", recording.replace("record.csv", "other.csv"));
+    let case = Case::valid("essential").experiment("\"base\"", "\"essential\"").experiment("[signal]", &validation);
+    let row = |k: usize| {
+        let [q, _, a] = motion(k as f64 * STEP_S);
+        format!("0,{q},{}\n", TRUTH[0] * a + 9.0 * (78.233 * k as f64).sin())
+    };
+    case.write("other.csv", &format!("t,q1,tau1\n{}", (0..SAMPLES).map(row).collect::<String>()));
+    is_identified(&case);
+    assert!(!case.read("out/results.json").contains("\"cross_validation_relative_error_percent\": null"));
+}
+
+/// A locked joint without torque has no relative error, and its results can still be read.
+#[test]
+fn results_with_a_locked_joint_are_predicted_from() {
+    let case = Case::valid("locked")
+        .with("robot.toml", "[transmission]", "[[joint]]\nname = \"second\"\nkind = \"prismatic\"\n[transmission]")
+        .with("robot.toml", "[[1]]", "[[1, 0], [0, 1]]")
+        .experiment("\"base\"", "[\"fv1\", \"fc1\", \"off1\"]")
+        .experiment("[\"q1\"]", "[\"q1\", \"q2\"]")
+        .experiment("[\"tau1\"]", "[\"tau1\", \"tau2\"]");
+    let lines = record().lines().skip(1).map(|l| format!("{l},0.3,0\n")).collect::<String>();
+    case.write("record.csv", &format!("t,q1,tau1,q2,tau2\n{lines}"));
+    is_identified(&case);
+    let output = case.run(&["predict", "out/results.json", "--recording", "record.csv"]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("not measured"));
+}
+
 // The output.
 
 #[test]

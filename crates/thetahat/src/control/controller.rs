@@ -144,10 +144,11 @@ impl ControllerDescription {
         }
         let [by_bandwidth, kp, kv] =
             [&self.bandwidth_hz, &self.position_gain, &self.velocity_gain].map(|list| !list.is_empty());
-        match (by_bandwidth, kp, kv) {
-            (true, false, false) | (false, true, true) => self.validate_times(),
-            _ => Err(ControllerError::Gains),
+        let given_once = if by_bandwidth { !kp && !kv } else { kp && kv };
+        if !given_once {
+            return Err(ControllerError::Gains);
         }
+        self.validate_times()
     }
 
     fn validate_times(&self) -> Result<(), ControllerError> {

@@ -266,8 +266,8 @@ mod tests {
         let direct = cross.times(&zw.transpose().times(&yw));
         let gram = cross.times_matrix(&zw.transpose().times_matrix(&zw)).times_matrix(&cross.transpose());
         let residual: f64 = xw.times(&direct).iter().zip(&yw).map(|(p, y)| (y - p).powi(2)).sum();
-        for (i, theta) in direct.iter().enumerate() {
-            assert!((fit.theta[i] - theta).abs() < 1e-11);
+        for (i, expected) in direct.iter().enumerate() {
+            assert!((fit.theta[i] - expected).abs() < 1e-11);
             let sd = (residual / (ROWS - 2) as f64 * gram.at(i, i)).sqrt();
             assert!((fit.standard_deviation[i] - sd).abs() < 1e-12);
         }
@@ -283,6 +283,13 @@ mod tests {
         let weighted = idim_iv(&z, &x, &y, Some(&weights), Divisor::default()).unwrap();
         let cut = idim_iv(&z.select_rows(&keep), &x.select_rows(&keep), &half, None, Divisor::default()).unwrap();
         assert!((weighted.theta[0] - cut.theta[0]).abs() < 1e-12);
+    }
+
+    #[test]
+    fn torques_of_zero_give_no_estimate() {
+        let (x, _, _) = example();
+        let result = idim_ls(&x, &[0.0; ROWS], None, Divisor::default());
+        assert_eq!(result, Err(EstimationError::NotFinite));
     }
 
     #[test]
