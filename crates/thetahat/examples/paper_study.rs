@@ -64,7 +64,9 @@ fn deviations_of_iv(experiment: &Experiment, data: &Path) -> Result<(), Box<dyn 
     let mut experiment = experiment.clone();
     experiment.file.estimation.weighting.clear();
     let results = experiment.run(data, &mut |_| {})?;
-    println!("\n| parameter | IV nominal % | biased % | by Z^T Z, nominal % | biased % |\n| --- | --- | --- | --- | --- |");
+    println!(
+        "\n| parameter | IV nominal % | biased % | by Z^T Z, nominal % | biased % |\n| --- | --- | --- | --- | --- |"
+    );
     for name in ["zz1r", "fc1", "fv1", "xx2r", "mx2r", "fv2", "my3r", "ia3", "fv5", "ia6", "fcm6", "fvm6"] {
         let mut cells = Vec::new();
         for case in ["nominal", "gear_ratio_0.9"] {

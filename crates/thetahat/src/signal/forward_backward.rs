@@ -58,21 +58,24 @@ pub(super) fn forward_backward(
 ) -> Series {
     let sets = shape.channels.div_ceil(LANES);
     let mut sets = vec![ChannelSet::new(filter, shape.samples + 2 * shape.padding); sets];
-    // Channels that fill up the last set stay zero.
-    let mut sample = vec![0.0; sets.len() * LANES];
-    for k in 0..shape.samples {
-        fill(k, &mut sample[..shape.channels]);
-        let (lanes, _) = sample.as_chunks::<LANES>();
-        zip(&mut sets, lanes).for_each(|(set, lanes)| set.load(shape.padding + k, lanes));
+    // Channels that fill up the last set stay zero. A block of samples is computed, then dealt out to the sets.
+    let width = sets.len() * LANES;
+    let mut block = vec![0.0; BLOCK * width];
+    for first in (0..shape.samples).step_by(BLOCK) {
+        let count = BLOCK.min(shape.samples - first);
+        for (k, sample) in block.chunks_mut(width).take(count).enumerate() {
+            fill(first + k, &mut sample[..shape.channels]);
+        }
+        let (lanes, _) = block.as_chunks::<LANES>();
+        let stride = sets.len();
+        for (s, set) in sets.iter_mut().enumerate() {
+            set.load(shape.padding + first, lanes[s..].iter().step_by(stride).take(count));
+        }
     }
     let mut output = Series::zeros(kept.indices(shape.samples).count(), shape.channels);
     for (first_channel, set) in zip((0..).step_by(LANES), &mut sets) {
         set.extend(shape.padding);
-        // The widest vector instructions that the machine has; they round as the others do.
-        pulp::Arch::new().dispatch(|| {
-            set.forward();
-            set.backward();
-        });
+        pulp::Arch::new().dispatch(BothPasses(set));
         for (row, k) in kept.indices(shape.samples).enumerate() {
             set.store(shape.padding + k, &mut output.sample_mut(row)[first_channel..]);
         }
@@ -101,9 +104,11 @@ impl ChannelSet {
         }
     }
 
-    #[inline]
-    fn load(&mut self, k: usize, lanes: &Lanes) {
-        self.record[k] = lanes.map(|x| self.gain * x);
+    /// Takes samples from `k` of the extended record on.
+    fn load<'a>(&mut self, k: usize, samples: impl Iterator<Item = &'a Lanes>) {
+        for (into, lanes) in zip(&mut self.record[k..], samples) {
+            *into = lanes.map(|x| self.gain * x);
+        }
     }
 
     /// Extends the record at both ends by its odd reflection about the first and the last sample.
@@ -118,9 +123,13 @@ impl ChannelSet {
     #[inline(always)]
     fn forward(&mut self) {
         let mut x = self.record[0];
-        self.sections.iter_mut().for_each(|section| x = section.settle(section.zeros, x));
+        for section in &mut self.sections {
+            x = section.settle(section.zeros, x);
+        }
         for block in self.record.chunks_mut(BLOCK) {
-            self.sections.iter_mut().for_each(|section| section.pass(section.zeros, block.iter_mut()));
+            for section in &mut self.sections {
+                section.pass(section.zeros, block.iter_mut());
+            }
         }
     }
 
@@ -128,9 +137,13 @@ impl ChannelSet {
     #[inline(always)]
     fn backward(&mut self) {
         let mut x = self.record[self.record.len() - 1];
-        self.sections.iter_mut().for_each(|section| x = section.settle(0, x));
+        for section in &mut self.sections {
+            x = section.settle(0, x);
+        }
         for block in self.record.rchunks_mut(BLOCK) {
-            self.sections.iter_mut().for_each(|section| section.pass(0, block.iter_mut().rev()));
+            for section in &mut self.sections {
+                section.pass(0, block.iter_mut().rev());
+            }
         }
     }
 
@@ -141,6 +154,21 @@ impl ChannelSet {
             sum = std::array::from_fn(|l| sum[l] + c * w[l]);
         }
         zip(channels, sum).for_each(|(y, sum)| *y = self.gain * sum);
+    }
+}
+
+/// Both passes over a set, compiled once for each kind of vector instructions; the machine's widest are used. They round as
+/// the others do. All that is called from here is `inline(always)` and loops, not closures: what is not inlined is
+/// compiled for the narrowest.
+struct BothPasses<'a>(&'a mut ChannelSet);
+
+impl pulp::WithSimd for BothPasses<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        self.0.forward();
+        self.0.backward();
     }
 }
 
