@@ -47,8 +47,8 @@ fn run_experiment(experiment: &Experiment, data: &Path, output: &Output) -> Resu
     match &output.out {
         Some(directory) => {
             let files = report::write_all(&results, published.as_ref(), directory)?;
-            let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
-            print(&format!("\nwritten: {}\n", names.join(" ")))?;
+            let names: String = files.iter().map(|f| format!("  {}\n", f.display())).collect();
+            print(&format!("\nwritten:\n{names}"))?;
         }
         None => print("\nno files written; with --out DIR: results.json, parameters.csv, report.html\n")?,
     }

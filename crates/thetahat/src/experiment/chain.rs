@@ -22,6 +22,9 @@ use crate::{
 
 /// Part of its peak velocity above which a joint counts as moving.
 const MOVING: f64 = 0.01;
+/// Periods of the position filter's cut-off that are cut at both ends of a record: the reach of its transient, where a
+/// record starts or ends in motion.
+const EDGE_PERIODS: f64 = 5.0;
 /// Peak velocity in rad/s or m/s below which a joint counts as still.
 const STILL: f64 = 1e-3;
 /// Fewest periods of the position filter's cut-off in a record: with fewer, the ends are all that is left of it.
@@ -75,7 +78,8 @@ impl Experiment {
         Ok((q, dq, ddq))
     }
 
-    /// The stated window, or the moving part. A record without motion is refused in both cases.
+    /// The stated window, or the moving part without the edges of the filter. A record without motion is refused in both
+    /// cases.
     fn window(
         &self,
         dq: &Series,
@@ -85,9 +89,13 @@ impl Experiment {
         let refuse = |source| ExperimentError::Signal { path: self.path.clone(), source };
         let moving = moving_samples(dq, MOVING, STILL).map_err(refuse)?;
         let sample = |t: f64| (t * sample_rate_hz).round() as usize;
-        let start = signal.window_start_s.map_or(moving.start, sample);
-        let end =
-            signal.window_end_s.map_or(if signal.window_start_s.is_some() { dq.len() } else { moving.end }, sample);
+        let edge = (EDGE_PERIODS * sample_rate_hz / signal.cutoff_hz).ceil() as usize;
+        let start = signal.window_start_s.map_or(moving.start.max(edge), sample);
+        let end = match (signal.window_start_s, signal.window_end_s) {
+            (_, Some(end)) => sample(end),
+            (Some(_), None) => dq.len(),
+            (None, None) => moving.end.min(dq.len().saturating_sub(edge)),
+        };
         if end > dq.len() {
             let found = format!("{} s", signal.window_end_s.unwrap_or_default());
             let record = format!("at most the record's {:.4} s", dq.len() as f64 / sample_rate_hz);

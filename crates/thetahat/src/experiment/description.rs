@@ -114,9 +114,9 @@ pub struct SignalDescription {
     pub cutoff_hz: f64,
     /// Every how many samples one is kept, behind the parallel filter.
     pub decimation: usize,
-    /// Start of the window, s; without it, where the motion starts.
+    /// Start of the window, s. Without start and end, the window is the moving part less the edges of the filter.
     pub window_start_s: Option<f64>,
-    /// End of the window, s; without it, where the motion ends.
+    /// End of the window, s; with a start alone, the end of the record.
     pub window_end_s: Option<f64>,
 }
 
