@@ -56,8 +56,10 @@ pub(super) fn forward_backward(
     kept: Kept,
     mut fill: impl FnMut(usize, &mut [f64]),
 ) -> Series {
-    let sets = shape.channels.div_ceil(LANES);
-    let mut sets = vec![ChannelSet::new(filter, shape.samples + 2 * shape.padding); sets];
+    // Each made anew and not cloned: zeros that nobody has written yet take no time to copy.
+    let samples = shape.samples + 2 * shape.padding;
+    let mut sets: Vec<ChannelSet> =
+        (0..shape.channels.div_ceil(LANES)).map(|_| ChannelSet::new(filter, samples)).collect();
     // Channels that fill up the last set stay zero. A block of samples is computed, then dealt out to the sets.
     let width = sets.len() * LANES;
     let mut block = vec![0.0; BLOCK * width];
@@ -84,7 +86,6 @@ pub(super) fn forward_backward(
 }
 
 /// Eight channels: their record, extended, and the filter with their state.
-#[derive(Clone)]
 struct ChannelSet {
     record: Vec<Lanes>,
     /// The gain of the whole cascade, in neither the sections nor the numerator.
