@@ -11,7 +11,9 @@ use super::{
 };
 use crate::{
     base_parameters::BaseParameters,
-    identification::{Method, Outcome, idim_ls, iterate, joint_weights, relative_error_percent},
+    identification::{
+        EstimationError, Method, Outcome, Reason, idim_ls, iterate, joint_weights, relative_error_percent,
+    },
     linear_algebra::norm,
     robot::{Friction, Robot},
     simulation::{Reference, SimulatedMotion},
@@ -170,7 +172,7 @@ impl Session<'_> {
             case: case.name.clone(),
             method,
             status: outcome.status,
-            reason: outcome.reason.clone().map(|r| self.name_columns(problem, r)),
+            reason: outcome.reason.as_ref().map(|r| explain(problem, r)),
             iterations: outcome.iterations.len(),
             simulations: outcome.simulations,
             relative_error_percent: fit.map(|f| f.relative_error_percent),
@@ -186,14 +188,6 @@ impl Session<'_> {
             parameters: fit.map(|f| self.parameters(problem, &f.theta, &f.standard_deviation)).unwrap_or_default(),
             plots: RunPlots::default(),
         }
-    }
-
-    fn name_columns(&self, problem: &Problem, reason: String) -> String {
-        // The estimators know columns; people know names.
-        let Some((before, list)) = reason.split_once("columns that depend on others: [") else { return reason };
-        let names = list.trim_end_matches(']').split(", ").filter_map(|c| c.parse::<usize>().ok());
-        let names: Vec<&str> = names.map(|c| problem.estimated.parameters()[c].name.as_str()).collect();
-        format!("{before}not separated from the others by this motion: {}", names.join(" "))
     }
 
     fn parameters(&self, problem: &Problem, theta: &[f64], deviations: &[f64]) -> Vec<ParameterResult> {
@@ -298,6 +292,18 @@ impl Session<'_> {
         let rms = squares.iter().map(|s| (s / filtered.window.len() as f64).sqrt()).collect();
         ReferenceResult { origin: reference.origin.to_owned(), moves, rms_deviation: rms }
     }
+}
+
+/// A reason in words: the estimators know columns, people know names.
+fn explain(problem: &Problem, reason: &Reason) -> String {
+    let Reason::Estimation(EstimationError::NotIdentifiable { rank, columns, dependent }) = reason else {
+        return reason.to_string();
+    };
+    let names: Vec<&str> = dependent.iter().map(|&c| problem.estimated.parameters()[c].name.as_str()).collect();
+    format!(
+        "the motion separates only {rank} of {columns} parameters; not separated from the others by this motion: {}",
+        names.join(" ")
+    )
 }
 
 /// The F-test of the estimated parameters against all base parameters, by least squares on X.

@@ -38,6 +38,24 @@ pub enum Status {
     NotIdentifiable,
 }
 
+/// Why an estimation has not converged.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Reason {
+    /// The motion does not give an estimate.
+    #[error(transparent)]
+    Estimation(EstimationError),
+    /// A simulation failed, also after the step towards its parameters was halved.
+    #[error(transparent)]
+    Simulation(SimulationError),
+    /// The changes were not small enough in time.
+    #[error("no convergence within {iterations} iterations")]
+    IterationLimit {
+        /// Iterations allowed.
+        iterations: usize,
+    },
+}
+
 /// One iteration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Iteration {
@@ -57,7 +75,7 @@ pub struct Outcome {
     /// How it ended.
     pub status: Status,
     /// Why, where it is not converged.
-    pub reason: Option<String>,
+    pub reason: Option<Reason>,
     /// The last estimate, absent where there is none to trust.
     pub fit: Option<Fit>,
     /// Every iteration.
@@ -74,12 +92,12 @@ impl Outcome {
     pub fn direct(result: Result<Fit, EstimationError>) -> Self {
         let (status, reason, fit) = match result {
             Ok(fit) => (Status::Converged, None, Some(fit)),
-            Err(e) => (Status::NotIdentifiable, Some(e.to_string()), None),
+            Err(e) => (Status::NotIdentifiable, Some(Reason::Estimation(e)), None),
         };
         Self { status, reason, fit, iterations: Vec::new(), simulations: 0, instruments: None }
     }
 
-    fn failed(status: Status, reason: String, iterations: Vec<Iteration>, simulations: usize) -> Self {
+    fn failed(status: Status, reason: Reason, iterations: Vec<Iteration>, simulations: usize) -> Self {
         Self { status, reason: Some(reason), fit: None, iterations, simulations, instruments: None }
     }
 }
@@ -107,11 +125,11 @@ pub fn iterate(
     for _ in 0..convergence.iterations {
         let z = match simulate_with_halving(&before, &mut theta, instruments, &mut simulations) {
             Ok(z) => z,
-            Err(e) => return Outcome::failed(Status::Diverged, e.to_string(), iterations, simulations),
+            Err(e) => return Outcome::failed(Status::Diverged, Reason::Simulation(e), iterations, simulations),
         };
         let fit = match estimate(method, &z, x, y, weights, divisor) {
             Ok(fit) => fit,
-            Err(e) => return Outcome::failed(Status::NotIdentifiable, e.to_string(), iterations, simulations),
+            Err(e) => return Outcome::failed(Status::NotIdentifiable, Reason::Estimation(e), iterations, simulations),
         };
         let error = whitened_error(y, &fit.prediction, weights);
         let parameter_change = last.as_ref().map(|(previous, _)| largest_change(previous, &fit));
@@ -130,12 +148,12 @@ pub fn iterate(
         before = std::mem::replace(&mut theta, fit.theta.clone());
         last = Some((fit, error));
         if iterations.len() == convergence.iterations {
-            let reason = format!("no convergence within {} iterations", convergence.iterations);
+            let reason = Reason::IterationLimit { iterations: convergence.iterations };
             let (status, fit) = (Status::IterationLimit, last.map(|(fit, _)| fit));
             return Outcome { status, reason: Some(reason), fit, iterations, simulations, instruments: Some(z) };
         }
     }
-    Outcome::failed(Status::IterationLimit, "no iteration was allowed".to_owned(), iterations, simulations)
+    Outcome::failed(Status::IterationLimit, Reason::IterationLimit { iterations: 0 }, iterations, simulations)
 }
 
 /// Moves `theta` back towards `before`, halving the step, until its simulation succeeds.
