@@ -29,9 +29,9 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
 }
 
 fn identify_experiment(identify: &Identify) -> Result<Verdict, Box<dyn Error>> {
-    let experiment = Experiment::read(&identify.experiment)?;
     let beside = identify.experiment.parent().map_or_else(PathBuf::new, Path::to_owned);
-    run_experiment(&experiment, identify.data.as_ref().unwrap_or(&beside), &identify.output)
+    let data = identify.data.as_ref().unwrap_or(&beside);
+    run_experiment(&Experiment::read(&identify.experiment, data)?, data, &identify.output)
 }
 
 fn run_experiment(experiment: &Experiment, data: &Path, output: &Output) -> Result<Verdict, Box<dyn Error>> {

@@ -8,7 +8,7 @@ use std::{
 
 use thetahat::{
     experiment::{
-        Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, ReferenceResult, Results, RunPlots,
+        Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, RecordingResult, ReferenceResult, Results, RunPlots,
         RunResult,
     },
     identification::{Method, Status},
@@ -112,8 +112,20 @@ fn results() -> Results {
         title: TITLE.to_owned(),
         samples_used: 300,
         decimated_rows: 6,
-        sample_rate_hz: 1000.0,
-        window_s: [0.05, 0.35],
+        recordings: vec![RecordingResult {
+            name: "1".to_owned(),
+            weight: 1.0,
+            samples_used: 300,
+            sample_rate_hz: 1000.0,
+            window_s: [0.05, 0.35],
+            resampling: None,
+            reference: Some(ReferenceResult {
+                origin: "reconstructed".to_owned(),
+                moves: Some(13),
+                rms_deviation: vec![0.000_4, 0.001_24],
+            }),
+        }],
+        validation_recordings: Vec::new(),
         bandwidth: Bandwidth {
             position_cutoff_hz: 50.0,
             position_measured_hz: Some(44.787),
@@ -121,11 +133,6 @@ fn results() -> Results {
             decimation_cutoff_hz: 20.0,
             decimation_measured_hz: Some(20.98),
         },
-        reference: Some(ReferenceResult {
-            origin: "reconstructed".to_owned(),
-            moves: Some(13),
-            rms_deviation: vec![0.000_4, 0.001_24],
-        }),
         seed: Some(1),
         elimination: Some(EliminationResult {
             kept: vec!["zz1r".to_owned()],

@@ -9,6 +9,14 @@ use crate::{
 
 /// Fewest moves of which one can be left out.
 const FEWEST_MOVES: usize = 3;
+/// Fewest recordings of which one can be left out: the others must identify all parameters.
+const FEWEST_RECORDINGS: usize = 2;
+
+/// The recording, from zero, to which each decimated row of a joint belongs.
+pub(super) fn folds_by_recording(recordings: Vec<usize>) -> Option<Vec<usize>> {
+    let count = recordings.iter().max().map_or(0, |last| last + 1);
+    (count >= FEWEST_RECORDINGS).then_some(recordings)
+}
 
 /// The move, from zero, to which each decimated row of a joint belongs: the last one that has started.
 pub(super) fn folds_by_move(moves: &Moves, times: &[f64]) -> Option<Vec<usize>> {

@@ -1,9 +1,16 @@
 use std::{
     collections::BTreeMap,
+    fmt,
     path::{Path, PathBuf},
 };
 
-use serde::Deserialize;
+use serde::{
+    Deserialize, Deserializer,
+    de::{
+        MapAccess, SeqAccess, Visitor,
+        value::{MapAccessDeserializer, SeqAccessDeserializer},
+    },
+};
 
 use super::ExperimentError;
 use crate::{
@@ -35,12 +42,14 @@ pub struct Experiment {
 pub struct ExperimentFile {
     /// A line that says what it is.
     pub title: String,
-    /// The robot description, relative to the experiment file.
+    /// The robot description, relative to the experiment file, or else to the folder of the data.
     pub robot: PathBuf,
-    /// The recording to identify from.
-    pub recording: Option<RecordingDescription>,
-    /// A second recording, to validate on.
-    pub validation: Option<RecordingDescription>,
+    /// The recordings to identify from: one `[recording]` or several `[[recording]]`.
+    #[serde(default, deserialize_with = "one_or_several")]
+    pub recording: Vec<RecordingDescription>,
+    /// Recordings held back to validate on: one `[validation]` or several `[[validation]]`.
+    #[serde(default, deserialize_with = "one_or_several")]
+    pub validation: Vec<RecordingDescription>,
     /// A simulated recording instead.
     pub twin: Option<TwinDescription>,
     /// Filters, decimation and window.
@@ -67,18 +76,61 @@ pub struct ExperimentFile {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecordingDescription {
+    /// Its name in tables and messages; none takes its number.
+    pub name: Option<String>,
+    /// Weight of its rows beside those of other recordings.
+    #[serde(default = "one")]
+    pub weight: f64,
     /// Samples per second, where there is no time channel.
     pub sample_rate_hz: Option<f64>,
     /// The time channel.
     pub time: Option<ChannelSource>,
+    /// Largest deviation of a time step from the mean one, in steps, up to which the record is resampled to equal steps.
+    #[serde(default = "half")]
+    pub largest_jitter: f64,
+    /// Start of the window, s, where it is another one than the experiment's.
+    pub window_start_s: Option<f64>,
+    /// End of the window, s, likewise.
+    pub window_end_s: Option<f64>,
     /// Positions.
     pub position: ChannelSource,
+    /// Velocities, where they were recorded: the checks compare them with the positions; nothing else uses them.
+    pub velocity: Option<ChannelSource>,
     /// Torques or drive signals.
     pub torque: ChannelSource,
     /// The reference of the positions, where it was recorded.
     pub reference: Option<ChannelSource>,
     /// A signal that was added to the drive signals behind the controller; the torque channel includes it.
     pub added_signal: Option<ChannelSource>,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn half() -> f64 {
+    0.5
+}
+
+/// A table, or an array of tables; an untagged enum would lose the parser's message on what is wrong inside.
+fn one_or_several<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<RecordingDescription>, D::Error> {
+    struct OneOrSeveral;
+    impl<'de> Visitor<'de> for OneOrSeveral {
+        type Value = Vec<RecordingDescription>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("a table, or an array of tables")
+        }
+
+        fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+            RecordingDescription::deserialize(MapAccessDeserializer::new(map)).map(|one| vec![one])
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, sequence: A) -> Result<Self::Value, A::Error> {
+            Deserialize::deserialize(SeqAccessDeserializer::new(sequence))
+        }
+    }
+    deserializer.deserialize_any(OneOrSeveral)
 }
 
 /// A simulated robot with known parameters that is recorded and then identified.
@@ -270,14 +322,16 @@ const DEMO: &str = include_str!("../../../../experiments/demo.toml");
 const DEMO_ROBOT: &str = include_str!("../../../../robots/tx40.toml");
 
 impl Experiment {
-    /// Reads an experiment and its robot.
+    /// Reads an experiment and its robot, which is looked for beside the experiment and then in the folder `data`.
     ///
     /// # Errors
     /// [`ExperimentError`], with the file and the line or key.
-    pub fn read(path: &Path) -> Result<Self, ExperimentError> {
+    pub fn read(path: &Path, data: &Path) -> Result<Self, ExperimentError> {
         let text = read_text(path)?;
         let file: ExperimentFile = parse(&text, path)?;
-        let robot_path = path.parent().unwrap_or(Path::new("")).join(&file.robot);
+        let beside = path.parent().unwrap_or(Path::new("")).join(&file.robot);
+        let in_data = data.join(&file.robot);
+        let robot_path = if !beside.exists() && in_data.exists() { in_data } else { beside };
         let robot_text = read_text(&robot_path)?;
         Self::assemble(path, file, text, &robot_path, robot_text)
     }

@@ -11,6 +11,7 @@ mod error;
 mod predict;
 mod record;
 mod results;
+mod rows;
 mod run;
 mod simulator;
 
@@ -21,6 +22,6 @@ pub use description::{
 pub use error::ExperimentError;
 pub use predict::{Prediction, PredictionRequest, predict};
 pub use results::{
-    Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, ReferenceResult, Results, RunPlots,
-    RunResult,
+    Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, RecordingResult, ReferenceResult, Results,
+    RunPlots, RunResult,
 };

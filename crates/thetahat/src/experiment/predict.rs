@@ -67,7 +67,7 @@ pub fn predict(request: &PredictionRequest) -> Result<Prediction, ExperimentErro
     let description = described(&experiment, request)?;
     let has_torque = request.torque.is_some() || same_file(&experiment);
     let record = if has_torque {
-        experiment.read_record(&description, Path::new(""))?
+        experiment.read_record(&description, 1, Path::new(""))?
     } else {
         experiment.read_motion(&description, Path::new(""))?
     };
@@ -113,7 +113,7 @@ fn chosen_run(
 
 /// The experiment's description of its recording, with the files of the request.
 fn described(experiment: &Experiment, request: &PredictionRequest) -> Result<RecordingDescription, ExperimentError> {
-    let Some(of_experiment) = &experiment.file.recording else {
+    let Some(of_experiment) = experiment.file.recording.first() else {
         return Err(experiment.missing("[recording]", "it describes the channels of the file to predict for"));
     };
     let mut description = of_experiment.clone();
@@ -122,6 +122,7 @@ fn described(experiment: &Experiment, request: &PredictionRequest) -> Result<Rec
     if let Some(time) = &mut description.time {
         time.file.clone_from(&request.recording);
     }
+    description.velocity = None;
     description.reference = None;
     description.added_signal = None;
     Ok(description)
@@ -129,7 +130,7 @@ fn described(experiment: &Experiment, request: &PredictionRequest) -> Result<Rec
 
 /// Whether the experiment has positions and torques in one file.
 fn same_file(experiment: &Experiment) -> bool {
-    experiment.file.recording.as_ref().is_some_and(|r| r.position.file == r.torque.file)
+    experiment.file.recording.first().is_some_and(|r| r.position.file == r.torque.file)
 }
 
 struct Predictor<'a> {

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     identification::{Method, Status},
+    recording::Resampling,
     statistics::FTest,
 };
 
@@ -16,18 +17,16 @@ pub struct Results {
     pub robot: String,
     /// Title of the experiment.
     pub title: String,
-    /// Samples in the window.
+    /// Samples in the windows of the recordings that were identified from.
     pub samples_used: usize,
     /// Rows of y.
     pub decimated_rows: usize,
-    /// Samples per second of the record.
-    pub sample_rate_hz: f64,
-    /// Start and end of the window, s.
-    pub window_s: [f64; 2],
+    /// The recordings that were identified from.
+    pub recordings: Vec<RecordingResult>,
+    /// Those held back.
+    pub validation_recordings: Vec<RecordingResult>,
     /// Bandwidths asked for and measured.
     pub bandwidth: Bandwidth,
-    /// The reference that the simulations follow.
-    pub reference: Option<ReferenceResult>,
     /// Seed of the simulated record's noise.
     pub seed: Option<u64>,
     /// The elimination, where essential parameters were sought.
@@ -41,6 +40,25 @@ pub struct Results {
     /// Curves for the report.
     #[serde(skip)]
     pub plots: Plots,
+}
+
+/// What was used of a recording.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct RecordingResult {
+    /// Its name, or its number.
+    pub name: String,
+    /// Weight of its rows.
+    pub weight: f64,
+    /// Samples in its window.
+    pub samples_used: usize,
+    /// Samples per second.
+    pub sample_rate_hz: f64,
+    /// Start and end of the window, s.
+    pub window_s: [f64; 2],
+    /// How far its time steps deviate, where it was resampled to equal ones.
+    pub resampling: Option<Resampling>,
+    /// The reference that its simulations follow.
+    pub reference: Option<ReferenceResult>,
 }
 
 /// Bandwidths asked for, and measured by sending an impulse through the same code.

@@ -345,6 +345,27 @@ pub enum RecordingError {
         found: f64,
     },
 
+    /// The time steps jitter too much to be made equal.
+    #[error(
+        "{file}: {column:?}, sample {sample} counted from 0: the step is {found:.6} s where it is {expected:.6} s on \
+         average, which deviates by more than {largest} of a step (`largest_jitter`); samples were dropped or the clock \
+         is not that of the samples: cut the record there, or state sample_rate_hz instead of time"
+    )]
+    TooMuchJitter {
+        /// The file.
+        file: PathBuf,
+        /// The name of the time column.
+        column: String,
+        /// The sample at the end of the step that deviates most, counted from 0.
+        sample: usize,
+        /// The mean step, in seconds.
+        expected: f64,
+        /// The step found, in seconds.
+        found: f64,
+        /// Largest deviation allowed, in steps.
+        largest: f64,
+    },
+
     /// The samples are not equally spaced in time.
     #[error(
         "{file}: {column:?}, sample {sample} counted from 0: expected a step of {expected} s as on average, \

@@ -11,9 +11,11 @@
 //! | `csv`, `mat` | the two formats |
 //! | `unit` | units, their factors to SI, and what they measure |
 //! | `checks` | the sample rate from a time column; signals of the same length |
+//! | `clock` | the sampling instants, and equal steps where they jitter |
 //! | `error` | what can be wrong with a recording |
 
 mod checks;
+mod clock;
 mod csv;
 mod error;
 mod mat;
@@ -24,6 +26,7 @@ mod unit;
 mod test_files;
 
 pub use checks::{STEP_TOLERANCE, not_all_zero, one_channel, same_length, sample_rate_from_time};
+pub use clock::{Clock, Resampling};
 pub use error::RecordingError;
 pub use mat::read_scalar;
 pub use source::{ChannelSource, Side, read_channels};

@@ -9,7 +9,7 @@ use super::{
     tables::{self, Detail},
 };
 use crate::{
-    experiment::{Results, RunResult},
+    experiment::{RecordingResult, Results, RunResult},
     statistics::FTest,
 };
 
@@ -121,16 +121,41 @@ fn method(results: &Results) -> Section {
 
 /// What was recorded and how it was filtered, as labels and texts.
 pub(super) fn facts(results: &Results) -> Vec<(&'static str, String)> {
-    let [start, end] = results.window_s;
-    let [start, end, rate] = [start, end, results.sample_rate_hz].map(given);
-    let samples = format!("{} at {rate} Hz, window {start} s to {end} s", results.samples_used);
     let rows = format!("{} after decimation", results.decimated_rows);
-    let mut facts = vec![("robot", results.robot.clone()), ("samples used", samples), ("rows", rows)];
+    let mut facts = vec![("robot", results.robot.clone())];
+    facts.extend(recordings("samples used", &results.recordings));
+    facts.extend(recordings("held back", &results.validation_recordings));
+    facts.push(("rows", rows));
     facts.extend(filters(results));
-    facts.extend(results.reference.as_ref().map(|r| ("reference", reference(results, r))));
+    facts.extend(references(results).map(|r| ("reference", r)));
     facts.extend(results.seed.map(|seed| ("seed", seed.to_string())));
     facts.push(("thetahat", results.thetahat.clone()));
     facts
+}
+
+/// A line for each recording; its name is shown where there are several.
+fn recordings(label: &'static str, recordings: &[RecordingResult]) -> Vec<(&'static str, String)> {
+    let line = |r: &RecordingResult| {
+        let [start, end, rate] = [r.window_s[0], r.window_s[1], r.sample_rate_hz].map(given);
+        let name = if recordings.len() > 1 { format!("{}: ", r.name) } else { String::new() };
+        let weight = if r.weight == 1.0 { String::new() } else { format!(", weight {}", given(r.weight)) };
+        let resampled = r.resampling.map(|j| {
+            let [rms, largest] = [j.rms_deviation, j.largest_deviation].map(|d| significant(100.0 * d, 2));
+            format!("; resampled, its steps deviate by {rms} % rms, {largest} % at most")
+        });
+        let window = format!("{} at {rate} Hz, window {start} s to {end} s", r.samples_used);
+        (label, format!("{name}{window}{weight}{}", resampled.unwrap_or_default()))
+    };
+    recordings.iter().map(line).collect()
+}
+
+/// One line for each recording's reference.
+fn references(results: &Results) -> impl Iterator<Item = String> {
+    let several = results.recordings.len() > 1;
+    results.recordings.iter().filter_map(move |r| {
+        let text = reference(results, r.reference.as_ref()?);
+        Some(if several { format!("{}: {text}", r.name) } else { text })
+    })
 }
 
 fn filters(results: &Results) -> [(&'static str, String); 2] {
