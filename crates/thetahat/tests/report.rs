@@ -8,8 +8,8 @@ use std::{
 
 use thetahat::{
     experiment::{
-        Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, RecordingResult, ReferenceResult, Results, RunPlots,
-        RunResult,
+        Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, RecordingResult, ReferenceResult,
+        Results, RunPlots, RunResult,
     },
     identification::{Method, Status},
     report::{Agreement, Published, ReportError, TEXT_WIDTH, text, write_all},

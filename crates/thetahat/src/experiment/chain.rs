@@ -15,11 +15,11 @@ use crate::{
     linear_algebra::Matrix,
     robot::Robot,
     series::Series,
-    simulation::SimulatedMotion,
     signal::{
         Decimator, Padding, SecondOrderSections, SignalError, central_difference, minus_3_db_bandwidth_hz,
         moving_samples, zero_phase,
     },
+    simulation::SimulatedMotion,
 };
 
 /// Part of its peak velocity above which a joint counts as moving.
@@ -288,7 +288,8 @@ impl Problem {
 
     /// One series for each recording at the decimated instants, one vector per joint.
     pub(super) fn at_rows(&self, series: &[&Series]) -> Vec<Vec<f64>> {
-        let of_recording = |j| self.decimators.iter().zip(series).flat_map(move |(d, s)| d.kept().map(move |k| s.sample(k)[j]));
+        let of_recording =
+            |j| self.decimators.iter().zip(series).flat_map(move |(d, s)| d.kept().map(move |k| s.sample(k)[j]));
         (0..self.joints()).map(|j| of_recording(j).collect()).collect()
     }
 

@@ -3,8 +3,8 @@
 use std::{path::Path, time::Instant};
 
 use super::{
-    Case, EliminationResult, Experiment, ExperimentError, IterationResult, ParameterResult, Plots, ReferenceResult,
-    RecordingDescription, RecordingResult, Results, RunPlots, RunResult, Weighting,
+    Case, EliminationResult, Experiment, ExperimentError, IterationResult, ParameterResult, Plots,
+    RecordingDescription, RecordingResult, ReferenceResult, Results, RunPlots, RunResult, Weighting,
     chain::{FilteredRecord, Problem},
     cross_validation::{folds_by_move, folds_by_recording, leave_folds_out},
     simulator::{RecordReference, Simulator},
@@ -170,7 +170,8 @@ impl Session<'_> {
 
     fn simulator<'s>(&'s self, prepared: &'s [Prepared], problem: &'s Problem, case: &Case) -> Option<Simulator<'s>> {
         let controller = self.experiment.file.controller.as_ref()?;
-        let recordings = prepared.iter().map(|p| Some((&p.filtered, p.reference.as_ref()?))).collect::<Option<Vec<_>>>()?;
+        let recordings =
+            prepared.iter().map(|p| Some((&p.filtered, p.reference.as_ref()?))).collect::<Option<Vec<_>>>()?;
         Some(Simulator::new(self.experiment, problem, &recordings, controller, case.simulator))
     }
 
@@ -226,7 +227,11 @@ impl Session<'_> {
     }
 
     fn parameters(&self, problem: &Problem, theta: &[f64], deviations: &[f64]) -> Vec<ParameterResult> {
-        let truth = self.main.first().and_then(|p| p.filtered.record.truth.as_ref()).map(|t| problem.estimated.from_standard(t));
+        let truth = self
+            .main
+            .first()
+            .and_then(|p| p.filtered.record.truth.as_ref())
+            .map(|t| problem.estimated.from_standard(t));
         let show = &self.experiment.file.parameters.show;
         let relative = |sd: f64, value: f64| (value != 0.0).then(|| 100.0 * sd / value.abs());
         problem
