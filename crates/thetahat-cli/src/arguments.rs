@@ -23,6 +23,8 @@ pub enum Command {
     Identify(Identify),
     /// Predict the torques of another motion with identified parameters.
     Predict(Predict),
+    /// Record the simulated robot that an experiment describes in [twin].
+    Simulate(Simulate),
 }
 
 #[derive(Args)]
@@ -42,6 +44,16 @@ pub struct Identify {
     pub data: Option<PathBuf>,
     #[command(flatten)]
     pub output: Output,
+}
+
+#[derive(Args)]
+pub struct Simulate {
+    /// The experiment file
+    #[arg(value_name = "EXPERIMENT.toml")]
+    pub experiment: PathBuf,
+    /// CSV file for time, joint positions and joint torques
+    #[arg(long, value_name = "FILE.csv")]
+    pub out: PathBuf,
 }
 
 #[derive(Args)]

@@ -10,7 +10,7 @@ use thetahat::{
 };
 
 use crate::{
-    arguments::{Arguments, Command, Identify, Output, Predict},
+    arguments::{Arguments, Command, Identify, Output, Predict, Simulate},
     progress::Progress,
 };
 
@@ -25,6 +25,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
         Command::Demo(output) => run_experiment(&Experiment::demo()?, Path::new(""), &output),
         Command::Identify(identify) => identify_experiment(&identify),
         Command::Predict(request) => predict_torques(&request),
+        Command::Simulate(simulate) => record_twin(&simulate),
     }
 }
 
@@ -68,6 +69,19 @@ fn predict_torques(request: &Predict) -> Result<Verdict, Box<dyn Error>> {
         report::write_prediction(&prediction, path)?;
         print(&format!("\nwritten: {}\n", path.display()))?;
     }
+    Ok(Verdict::Good)
+}
+
+fn record_twin(simulate: &Simulate) -> Result<Verdict, Box<dyn Error>> {
+    let record = Experiment::read(&simulate.experiment, Path::new(""))?.record_twin()?;
+    report::write_record(&record, &simulate.out)?;
+    let (samples, rate) = (record.position.len(), record.sample_rate_hz);
+    print(&format!(
+        "{samples} samples at {rate} Hz of {} joints: time_s, position_1 ..., torque_1 ... (rad and N m, or m and N)\n\
+         written: {}\n",
+        record.joints.len(),
+        simulate.out.display()
+    ))?;
     Ok(Verdict::Good)
 }
 

@@ -139,8 +139,12 @@ fn one_or_several<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Reco
 pub struct TwinDescription {
     /// Samples per second of the record.
     pub sample_rate_hz: f64,
-    /// The true base parameters by name; what is not listed is zero.
+    /// The true base parameters by name.
+    #[serde(default)]
     pub parameters: BTreeMap<String, f64>,
+    /// The true values of those that are not listed.
+    #[serde(default)]
+    pub unlisted: Unlisted,
     /// End points of the moves in degrees (or mm for prismatic joints), the first where the robot starts.
     pub points: Vec<Vec<f64>>,
     /// Largest velocity of each joint, degrees/s or mm/s.
@@ -153,6 +157,17 @@ pub struct TwinDescription {
     pub rest_s: f64,
     /// From the motion to its record.
     pub sensors: Sensors,
+}
+
+/// True values of base parameters that a twin does not list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Unlisted {
+    /// Zero.
+    #[default]
+    Zero,
+    /// Those of the robot's a-priori parameters.
+    APriori,
 }
 
 /// Filters, decimation and window.

@@ -17,9 +17,10 @@ mod simulator;
 
 pub use description::{
     Case, EstimationDescription, Experiment, ExperimentFile, Gains, NamedChoice, ParameterChoice, ParameterSelection,
-    RecordingDescription, SignalDescription, SimulationDescription, Start, TwinDescription, Weighting,
+    RecordingDescription, SignalDescription, SimulationDescription, Start, TwinDescription, Unlisted, Weighting,
 };
 pub use error::ExperimentError;
+pub use record::TwinRecord;
 pub use predict::{Prediction, PredictionRequest, predict};
 pub use results::{
     Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, RecordingResult, ReferenceResult, Results,

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Experiment, ExperimentError, RecordingDescription, description::TwinDescription};
+use super::{Experiment, ExperimentError, RecordingDescription, TwinDescription, Unlisted};
 use crate::{
     base_parameters::BaseParameters,
     dynamics::Model,
@@ -36,6 +36,19 @@ pub(super) struct Record {
     pub(super) planned: Option<Moves>,
     /// The true standard parameters of a twin.
     pub(super) truth: Option<Vec<f64>>,
+}
+
+/// What the sensors of a twin saw.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TwinRecord {
+    /// Names of the joints.
+    pub joints: Vec<String>,
+    /// Samples per second.
+    pub sample_rate_hz: f64,
+    /// Joint positions, rad or m.
+    pub position: Series,
+    /// Joint torques, N m or N.
+    pub torque: Series,
 }
 
 impl Experiment {
@@ -165,6 +178,18 @@ impl Experiment {
         })
     }
 
+    /// The record of the twin of `[twin]`: time in s, positions and torques of the joints.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] where there is no twin, or its motion cannot be simulated.
+    pub fn record_twin(&self) -> Result<TwinRecord, ExperimentError> {
+        let why = "it describes the simulated robot that is recorded";
+        let twin = self.file.twin.as_ref().ok_or_else(|| self.missing("[twin]", why))?;
+        let Record { sample_rate_hz, position, torque, .. } = self.simulate_twin(twin)?;
+        let joints = self.robot.joints.iter().map(|j| j.name.clone()).collect();
+        Ok(TwinRecord { joints, sample_rate_hz, position, torque })
+    }
+
     fn plan(&self, twin: &TwinDescription) -> Result<Moves, ExperimentError> {
         // Angles in degrees, lengths in mm.
         let si = |values: &Vec<f64>| -> Vec<f64> {
@@ -191,8 +216,13 @@ impl Experiment {
         let base = BaseParameters::of(model, &self.file.parameters.exclude).map_err(refuse)?;
         let names: Vec<String> = twin.parameters.keys().cloned().collect();
         base.select(model.parameter_table(), &names).map_err(refuse)?;
-        let value = |name: &str| twin.parameters.get(name).copied().unwrap_or(0.0);
-        let theta: Vec<f64> = base.parameters().iter().map(|p| value(&p.name)).collect();
+        let unlisted = match twin.unlisted {
+            Unlisted::Zero => vec![0.0; base.len()],
+            Unlisted::APriori => base.from_standard(&self.robot.a_priori_parameters()),
+        };
+        let value = |(name, unlisted): (&str, f64)| twin.parameters.get(name).copied().unwrap_or(unlisted);
+        let names = base.parameters().iter().map(|p| p.name.as_str());
+        let theta: Vec<f64> = names.zip(unlisted).map(value).collect();
         Ok(base.to_standard(&theta))
     }
 }
