@@ -20,8 +20,8 @@ pub use description::{
     RecordingDescription, SignalDescription, SimulationDescription, Start, TwinDescription, Unlisted, Weighting,
 };
 pub use error::ExperimentError;
-pub use record::TwinRecord;
 pub use predict::{Prediction, PredictionRequest, predict};
+pub use record::TwinRecord;
 pub use results::{
     Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, RecordingResult, ReferenceResult, Results,
     RunPlots, RunResult,

@@ -14,11 +14,7 @@ pub fn write_record(record: &TwinRecord, path: &Path) -> Result<(), ReportError>
 }
 
 /// Writes series of the same length beside their time, whole or not at all: `time_s`, then `name_1` ... of each.
-pub(super) fn write_series(
-    sample_rate_hz: f64,
-    columns: &[(&str, &Series)],
-    path: &Path,
-) -> Result<(), ReportError> {
+pub(super) fn write_series(sample_rate_hz: f64, columns: &[(&str, &Series)], path: &Path) -> Result<(), ReportError> {
     let content = table(sample_rate_hz, columns).map_err(|source| ReportError::Csv { source })?;
     let temporary = path.with_extension(format!("{}.part", std::process::id()));
     let write = fs::write(&temporary, content).and_then(|()| fs::rename(&temporary, path));
