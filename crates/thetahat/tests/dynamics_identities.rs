@@ -91,7 +91,7 @@ struct Case {
 
 impl Case {
     fn parameters(&self) -> DynamicParameters {
-        DynamicParameters::new(self.model.parameter_table(), self.n, &self.theta)
+        DynamicParameters::new(&self.model, &self.theta)
     }
 
     fn torques(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Vec<f64> {
@@ -174,7 +174,7 @@ fn energy_balances() {
             .zip(&case.theta)
             .map(|(p, v)| if p.quantity.is_inertial() || p.quantity.is_motor_inertia() { *v } else { 0.0 })
             .collect();
-        let parameters = DynamicParameters::new(case.model.parameter_table(), case.n, &without_losses);
+        let parameters = DynamicParameters::new(&case.model, &without_losses);
         let mut workspace = Workspace::new(&case.model);
         let mut tau = vec![0.0; case.n];
         case.model.inverse_dynamics(&parameters, &q, &dq, &ddq, SMOOTH, &mut workspace, &mut tau);
@@ -233,7 +233,7 @@ fn a_mass_matrix_that_is_not_positive_definite_is_named() {
     )
     .unwrap();
     let model = Model::new(&robot);
-    let parameters = DynamicParameters::new(model.parameter_table(), 1, &robot.a_priori_parameters());
+    let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters());
     let mut ddq = [0.0];
     let mut workspace = Workspace::new(&model);
     let result = model.forward_dynamics(&parameters, &[0.0], &[0.0], &[1.0], SMOOTH, &mut workspace, &mut ddq);

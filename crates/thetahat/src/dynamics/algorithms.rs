@@ -1,8 +1,5 @@
-use super::{
-    DynamicParameters, DynamicsError, Model, Sign,
-    parameters::Inertial,
-    vector::{Rotation, Vec3, add, cross, dot, scale, times},
-};
+use super::{DynamicParameters, DynamicsError, Model, Sign, parameters::Inertial, rotation::Rotation, twist::Twist};
+use crate::vector::{Mat3, Vec3, add, cross, dot, scale, times, transpose_times};
 
 /// Scratch of the algorithms: one for each thread.
 #[derive(Debug, Clone)]
@@ -26,25 +23,18 @@ pub(crate) struct LinkMotion {
     pub(crate) dv: Vec3,
 }
 
-/// Angular and linear velocity at the origin of a frame, in that frame, for a unit velocity of a joint.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Twist {
-    pub(crate) angular: Vec3,
-    pub(crate) linear: Vec3,
-}
-
-impl Twist {
-    /// At the joint's own frame.
-    pub(crate) fn of_joint(revolute: bool) -> Self {
-        let (z, zero) = ([0.0, 0.0, 1.0], [0.0; 3]);
-        if revolute { Self { angular: z, linear: zero } } else { Self { angular: zero, linear: z } }
+impl LinkMotion {
+    /// Acceleration, less gravity, of the point of the link at `p`.
+    #[inline]
+    pub(super) fn acceleration_at(&self, p: Vec3) -> Vec3 {
+        let centripetal = cross(self.w, cross(self.w, p));
+        add(self.dv, add(cross(self.dw, p), centripetal))
     }
 
-    /// The same twist, seen from the next frame.
-    #[inline]
-    pub(crate) fn seen_from(&self, next: &LinkMotion) -> Self {
-        let linear = add(self.linear, cross(self.angular, next.p));
-        Self { angular: next.r.transpose_times(self.angular), linear: next.r.transpose_times(linear) }
+    /// The motion in the link's own axes, `x_here = axes x_link`.
+    pub(crate) fn in_axes(&self, axes: &Mat3) -> Self {
+        let turn = |x| transpose_times(axes, x);
+        Self { w: turn(self.w), dw: turn(self.dw), dv: turn(self.dv), ..*self }
     }
 }
 
@@ -58,12 +48,12 @@ impl Workspace {
     /// Scratch for a model.
     #[must_use]
     pub fn new(model: &Model) -> Self {
-        let n = model.joint_count();
+        let (n, links) = (model.joint_count(), model.link_count());
         Self {
-            links: vec![LinkMotion::default(); n],
-            twists: vec![Twist::default(); n],
-            wrenches: vec![Wrench::default(); n],
-            composite: vec![Inertial::default(); n],
+            links: vec![LinkMotion::default(); links],
+            twists: vec![Twist::default(); model.twist_count()],
+            wrenches: vec![Wrench::default(); links],
+            composite: vec![Inertial::default(); links],
             mass_matrix: vec![0.0; n * n],
             rhs: vec![0.0; n],
             zeros: vec![0.0; n],
@@ -87,8 +77,8 @@ impl Model {
     ) {
         self.propagate_motion(q, dq, ddq, &mut workspace.links);
         self.rigid_torques(parameters, workspace, tau);
-        for (j, joint) in parameters.friction.iter().enumerate() {
-            tau[j] += joint.ia * ddq[j];
+        for (joint, own) in self.joints.iter().zip(&parameters.friction) {
+            tau[joint.coordinate] += joint.ratio * own.ia * joint.rate(ddq);
         }
         for (motor, of_motor) in self.coupled_motors().iter().zip(&parameters.motors) {
             motor.cross_terms().for_each(|(j, k, w)| tau[j] += of_motor.iam * w * ddq[k]);
@@ -120,12 +110,14 @@ impl Model {
         }
         workspace.rhs = bias;
         workspace.zeros = zeros;
-        solve_positive_definite(&mut workspace.mass_matrix, ddq)
+        solve_positive_definite(&mut workspace.mass_matrix, ddq).map_err(|(coordinate, pivot)| {
+            DynamicsError::MassMatrixNotPositiveDefinite { joint: self.coordinates[coordinate] + 1, pivot }
+        })
     }
 
     /// The mass matrix `M(q)`, row by row: `M = d tau / d ddq`, motor inertias and their coupling included.
     pub fn mass_matrix(&self, parameters: &DynamicParameters, q: &[f64], workspace: &mut Workspace, m: &mut [f64]) {
-        for ((joint, link), &q) in self.joints.iter().zip(&mut workspace.links).zip(q) {
+        for (joint, link) in self.joints.iter().zip(&mut workspace.links) {
             (link.r, link.p) = joint.placement(q);
         }
         self.composite_mass_matrix(parameters, workspace);
@@ -138,35 +130,24 @@ impl Model {
         let mut m = vec![0.0; n * n];
         self.mass_matrix(parameters, q, workspace, &mut m);
         let kinetic: f64 = (0..n).map(|i| (0..n).map(|j| 0.5 * dq[i] * m[i * n + j] * dq[j]).sum::<f64>()).sum();
-        let mut gravity = self.gravity;
-        let mut height_terms = 0.0;
-        let mut origin = 0.0;
-        for (link, body) in workspace.links.iter().zip(&parameters.links) {
-            origin -= dot(gravity, link.p);
-            gravity = link.r.transpose_times(gravity);
-            height_terms += body.m * origin - dot(gravity, body.ms);
+        // Gravity in each link's frame, and the potential of a unit mass at its origin.
+        let mut fields: Vec<(Vec3, f64)> = Vec::with_capacity(self.link_count());
+        let mut potential = 0.0;
+        for ((joint, link), body) in self.joints.iter().zip(&workspace.links).zip(&parameters.links) {
+            let (before, origin) = joint.parent.map_or((self.gravity, 0.0), |p| fields[p]);
+            let (gravity, origin) = (link.r.transpose_times(before), origin - dot(before, link.p));
+            potential += body.m * origin - dot(gravity, body.ms);
+            fields.push((gravity, origin));
         }
-        kinetic + height_terms
+        kinetic + potential
     }
 
     /// Forward pass of recursive Newton-Euler: placement, velocity and acceleration of every link.
     pub(crate) fn propagate_motion(&self, q: &[f64], dq: &[f64], ddq: &[f64], links: &mut [LinkMotion]) {
-        let mut before = LinkMotion { dv: scale(-1.0, self.gravity), ..LinkMotion::default() };
-        for (j, (joint, link)) in self.joints.iter().zip(links.iter_mut()).enumerate() {
-            let (r, p) = joint.placement(q[j]);
-            let w = r.transpose_times(before.w);
-            let dw = r.transpose_times(before.dw);
-            let centripetal = cross(before.w, cross(before.w, p));
-            let dv = r.transpose_times(add(before.dv, add(cross(before.dw, p), centripetal)));
-            // Products with the z axis are written out: w x (0, 0, dq) = (w_y dq, -w_x dq, 0).
-            *link = if joint.is_revolute() {
-                let dw = [dw[0] + w[1] * dq[j], dw[1] - w[0] * dq[j], dw[2] + ddq[j]];
-                LinkMotion { r, p, w: [w[0], w[1], w[2] + dq[j]], dw, dv }
-            } else {
-                let dv = [dv[0] + 2.0 * w[1] * dq[j], dv[1] - 2.0 * w[0] * dq[j], dv[2] + ddq[j]];
-                LinkMotion { r, p, w, dw, dv }
-            };
-            before = *link;
+        let base = LinkMotion { dv: scale(-1.0, self.gravity), ..LinkMotion::default() };
+        for (j, joint) in self.joints.iter().enumerate() {
+            let before = joint.parent.map_or(&base, |parent| &links[parent]);
+            links[j] = joint.propagate(before, q, dq, ddq);
         }
     }
 
@@ -175,23 +156,21 @@ impl Model {
         for ((link, body), wrench) in workspace.links.iter().zip(&parameters.links).zip(&mut workspace.wrenches) {
             *wrench = body.wrench(link);
         }
-        for j in (0..self.joint_count()).rev() {
-            let Wrench { force, moment } = workspace.wrenches[j];
-            tau[j] = if self.is_revolute(j) { moment[2] } else { force[2] };
-            if j > 0 {
-                let link = &workspace.links[j];
-                let force = link.r.times(force);
-                let moment = add(link.r.times(moment), cross(link.p, force));
-                let before = &mut workspace.wrenches[j - 1];
-                before.force = add(before.force, force);
-                before.moment = add(before.moment, moment);
+        tau.fill(0.0);
+        for (j, joint) in self.joints.iter().enumerate().rev() {
+            let wrench = workspace.wrenches[j];
+            tau[joint.coordinate] += joint.ratio * wrench.along(joint.revolute);
+            if let Some(parent) = joint.parent {
+                let moved = wrench.moved_to_parent(&workspace.links[j]);
+                workspace.wrenches[parent].absorb(&moved);
             }
         }
     }
 
     fn add_friction(&self, parameters: &DynamicParameters, dq: &[f64], sign: Sign, tau: &mut [f64]) {
-        for (j, joint) in parameters.friction.iter().enumerate() {
-            tau[j] += joint.friction(dq[j], sign.of(dq[j]));
+        for (joint, own) in self.joints.iter().zip(&parameters.friction) {
+            let velocity = joint.rate(dq);
+            tau[joint.coordinate] += joint.ratio * own.friction(velocity, sign.of(velocity));
         }
         for (motor, of_motor) in self.coupled_motors().iter().zip(&parameters.motors) {
             let coulomb = of_motor.fcm * sign.of(motor.velocity(dq));
@@ -200,22 +179,28 @@ impl Model {
         }
     }
 
-    /// Composite rigid bodies from the tool to the base; the placements must be in the workspace.
+    /// Composite rigid bodies from the tips to the base; the placements must be in the workspace. The wrench of each
+    /// joint's unit acceleration is carried to the base, and meets the joints on the way.
     fn composite_mass_matrix(&self, parameters: &DynamicParameters, workspace: &mut Workspace) {
         let n = self.joint_count();
         workspace.composite.copy_from_slice(&parameters.links);
-        for j in (0..n).rev() {
-            let mut wrench = workspace.composite[j].wrench_of_joint(self.is_revolute(j));
-            workspace.mass_matrix[j * n + j] = wrench.along(self.is_revolute(j)) + parameters.friction[j].ia;
-            for i in (0..j).rev() {
-                wrench = wrench.moved_to_parent(&workspace.links[i + 1]);
-                let coupling = wrench.along(self.is_revolute(i));
-                workspace.mass_matrix[j * n + i] = coupling;
-                workspace.mass_matrix[i * n + j] = coupling;
+        workspace.mass_matrix.fill(0.0);
+        for (j, joint) in self.joints.iter().enumerate().rev() {
+            let mut wrench = workspace.composite[j].wrench_of_joint(joint.revolute);
+            let own = wrench.along(joint.revolute) + parameters.friction[j].ia;
+            workspace.mass_matrix[joint.coordinate * (n + 1)] += joint.ratio * joint.ratio * own;
+            let (mut at, mut next) = (j, joint.parent);
+            while let Some(i) = next {
+                wrench = wrench.moved_to_parent(&workspace.links[at]);
+                let before = &self.joints[i];
+                let coupling = joint.ratio * before.ratio * wrench.along(before.revolute);
+                workspace.mass_matrix[joint.coordinate * n + before.coordinate] += coupling;
+                workspace.mass_matrix[before.coordinate * n + joint.coordinate] += coupling;
+                (at, next) = (i, before.parent);
             }
-            if j > 0 {
+            if let Some(parent) = joint.parent {
                 let moved = workspace.composite[j].moved_to_parent(&workspace.links[j]);
-                workspace.composite[j - 1].absorb(&moved);
+                workspace.composite[parent].absorb(&moved);
             }
         }
         for (motor, of_motor) in self.coupled_motors().iter().zip(&parameters.motors) {
@@ -287,12 +272,18 @@ impl Wrench {
         let force = link.r.times(self.force);
         Self { force, moment: add(link.r.times(self.moment), cross(link.p, force)) }
     }
+
+    #[inline]
+    fn absorb(&mut self, other: &Self) {
+        self.force = add(self.force, other.force);
+        self.moment = add(self.moment, other.moment);
+    }
 }
 
 /// Solves `M x = b` in place by `M = L D L^T`; M is row by row and is overwritten by L with `1/D` on its diagonal.
 ///
-/// Written out because it runs in every right-hand side of the simulation, where nothing may allocate.
-fn solve_positive_definite(m: &mut [f64], b: &mut [f64]) -> Result<(), DynamicsError> {
+/// The error is the index and value of a pivot that is not positive. Written out because it runs in every right-hand side of the simulation, where nothing may allocate.
+fn solve_positive_definite(m: &mut [f64], b: &mut [f64]) -> Result<(), (usize, f64)> {
     let n = b.len();
     for j in 0..n {
         let (above, row) = m.split_at_mut(j * n);
@@ -308,7 +299,7 @@ fn solve_positive_definite(m: &mut [f64], b: &mut [f64]) -> Result<(), DynamicsE
             row[i] = l;
         }
         if pivot.is_nan() || pivot <= 0.0 {
-            return Err(DynamicsError::MassMatrixNotPositiveDefinite { joint: j + 1, pivot });
+            return Err((j, pivot));
         }
         row[j] = 1.0 / pivot;
     }

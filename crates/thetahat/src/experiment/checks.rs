@@ -82,7 +82,7 @@ impl Experiment {
         if source.side == Side::Motor || !source.gain.is_empty() {
             return Ok(source.require_quantity(signal, any)?);
         }
-        let has = |kind| self.robot.joints.iter().any(|j| j.kind == kind);
+        let has = |kind| self.robot.coordinates().any(|j| j.kind == kind);
         let kinds = joints.into_iter().zip([JointKind::Revolute, JointKind::Prismatic]);
         let expected: Vec<Quantity> = kinds.filter(|(_, kind)| has(*kind)).map(|(quantity, _)| quantity).collect();
         Ok(source.require_quantity(signal, &expected)?)

@@ -192,7 +192,7 @@ impl<'a> Predictor<'a> {
             measured: has_torque.then(|| filtered.record.torque.clone()),
             rms: prediction.chunks(rows).map(rms).collect(),
             window_s: [filtered.start_s(), filtered.window.end as f64 / rate],
-            joints: self.experiment.robot.joints.iter().map(|j| j.name.clone()).collect(),
+            joints: self.experiment.robot.coordinates().map(|j| j.name.clone()).collect(),
         })
     }
 

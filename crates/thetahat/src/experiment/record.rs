@@ -193,7 +193,7 @@ impl Experiment {
     fn plan(&self, twin: &TwinDescription) -> Result<Moves, ExperimentError> {
         // Angles in degrees, lengths in mm.
         let si = |values: &Vec<f64>| -> Vec<f64> {
-            let model = self.robot.joints.iter().map(|j| j.kind);
+            let model = self.robot.coordinates().map(|j| j.kind);
             let convert = |(v, kind): (&f64, _)| match kind {
                 crate::robot::JointKind::Revolute => v.to_radians(),
                 crate::robot::JointKind::Prismatic => 1e-3 * v,
