@@ -36,14 +36,24 @@ pub struct Output {
 
 #[derive(Args)]
 pub struct Identify {
+    #[command(flatten)]
+    pub described: Described,
+    #[command(flatten)]
+    pub output: Output,
+}
+
+/// An experiment with its data.
+#[derive(Args)]
+pub struct Described {
     /// The experiment file
     #[arg(value_name = "EXPERIMENT.toml")]
     pub experiment: PathBuf,
     /// Folder of the data, against which the experiment's paths are resolved [default: that of the experiment]
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
-    #[command(flatten)]
-    pub output: Output,
+    /// Robot description instead of the one that the experiment names
+    #[arg(long, value_name = "FILE")]
+    pub robot: Option<PathBuf>,
 }
 
 #[derive(Args)]

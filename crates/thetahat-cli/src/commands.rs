@@ -10,7 +10,7 @@ use thetahat::{
 };
 
 use crate::{
-    arguments::{Arguments, Command, Identify, Output, Predict, Simulate},
+    arguments::{Arguments, Command, Described, Identify, Output, Predict, Simulate},
     progress::Progress,
 };
 
@@ -30,9 +30,19 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
 }
 
 fn identify_experiment(identify: &Identify) -> Result<Verdict, Box<dyn Error>> {
-    let beside = identify.experiment.parent().map_or_else(PathBuf::new, Path::to_owned);
-    let data = identify.data.as_ref().unwrap_or(&beside);
-    run_experiment(&Experiment::read(&identify.experiment, data)?, data, &identify.output)
+    let (experiment, data) = read_experiment(&identify.described)?;
+    run_experiment(&experiment, &data, &identify.output)
+}
+
+/// The experiment, and the folder of its data.
+fn read_experiment(described: &Described) -> Result<(Experiment, PathBuf), Box<dyn Error>> {
+    let beside = described.experiment.parent().map_or_else(PathBuf::new, Path::to_owned);
+    let data = described.data.clone().unwrap_or(beside);
+    let experiment = match &described.robot {
+        Some(robot) => Experiment::read_with_robot(&described.experiment, robot)?,
+        None => Experiment::read(&described.experiment, &data)?,
+    };
+    Ok((experiment, data))
 }
 
 fn run_experiment(experiment: &Experiment, data: &Path, output: &Output) -> Result<Verdict, Box<dyn Error>> {

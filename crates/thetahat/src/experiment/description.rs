@@ -12,12 +12,12 @@ use serde::{
     },
 };
 
-use super::ExperimentError;
+use super::{ExperimentError, paths};
 use crate::{
     control::ControllerDescription,
     identification::{Convergence, Divisor, EliminationRule, Method},
     recording::ChannelSource,
-    robot::{Friction, Robot},
+    robot::{Friction, Robot, RobotSource},
     simulation::{Sensors, SimulatorBias, Solver},
 };
 
@@ -344,11 +344,22 @@ impl Experiment {
     pub fn read(path: &Path, data: &Path) -> Result<Self, ExperimentError> {
         let text = read_text(path)?;
         let file: ExperimentFile = parse(&text, path)?;
-        let beside = path.parent().unwrap_or(Path::new("")).join(&file.robot);
-        let in_data = data.join(&file.robot);
-        let robot_path = if !beside.exists() && in_data.exists() { in_data } else { beside };
-        let robot_text = read_text(&robot_path)?;
-        Self::assemble(path, file, text, &robot_path, robot_text)
+        let robot = RobotSource::read(&paths::robot(path, &file.robot, data)?)?;
+        if let Some(published) = &file.published {
+            paths::beside(path, "published", published)?;
+        }
+        Self::assemble(path, file, text, robot.robot()?, robot.to_text())
+    }
+
+    /// The same with another robot description than the one that the experiment names.
+    ///
+    /// # Errors
+    /// As [`Experiment::read`].
+    pub fn read_with_robot(path: &Path, robot: &Path) -> Result<Self, ExperimentError> {
+        let text = read_text(path)?;
+        let file: ExperimentFile = parse(&text, path)?;
+        let robot = RobotSource::read(robot)?;
+        Self::assemble(path, file, text, robot.robot()?, robot.to_text())
     }
 
     /// An experiment from the texts of its two files; `path` is its name in messages.
@@ -357,8 +368,8 @@ impl Experiment {
     /// As [`Experiment::read`].
     pub fn from_texts(path: &Path, text: String, robot_text: String) -> Result<Self, ExperimentError> {
         let file: ExperimentFile = parse(&text, path)?;
-        let robot_path = file.robot.clone();
-        Self::assemble(path, file, text, &robot_path, robot_text)
+        let robot = Robot::parse(&robot_text, &file.robot)?;
+        Self::assemble(path, file, text, robot, robot_text)
     }
 
     /// The built-in demonstration: a TX40 twin.
@@ -387,10 +398,9 @@ impl Experiment {
         path: &Path,
         file: ExperimentFile,
         text: String,
-        robot_path: &Path,
+        robot: Robot,
         robot_text: String,
     ) -> Result<Self, ExperimentError> {
-        let robot = Robot::parse(&robot_text, robot_path)?;
         let experiment = Self { path: path.to_owned(), file, text, robot, robot_text };
         experiment.validate()?;
         Ok(experiment)

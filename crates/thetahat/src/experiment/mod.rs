@@ -8,6 +8,7 @@ mod checks;
 mod cross_validation;
 mod description;
 mod error;
+mod paths;
 mod predict;
 mod record;
 mod results;
