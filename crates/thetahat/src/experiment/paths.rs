@@ -41,9 +41,10 @@ fn outside(experiment: &Path, key: &str, named: &Path) -> ExperimentError {
     ExperimentError::Value {
         path: experiment.to_owned(),
         key: key.to_owned(),
-        expected: "a file in the folder of the experiment or the one above (a robot also in the folder of the data, or \
+        expected:
+            "a file in the folder of the experiment or the one above (a robot also in the folder of the data, or \
                    anywhere by --robot)"
-            .to_owned(),
+                .to_owned(),
         found: named.display().to_string(),
     }
 }

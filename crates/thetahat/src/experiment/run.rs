@@ -6,7 +6,7 @@ use super::{
     Case, EliminationResult, Experiment, ExperimentError, IterationResult, ParameterResult, Plots,
     RecordingDescription, RecordingResult, ReferenceResult, Results, RunPlots, RunResult, Weighting,
     chain::{FilteredRecord, Problem},
-    cross_validation::{folds_by_move, folds_by_recording, leave_folds_out},
+    cross_validation::{folds_by_move, folds_by_part, folds_by_recording, leave_folds_out},
     simulator::{RecordReference, Simulator},
 };
 use crate::{
@@ -252,14 +252,14 @@ impl Session<'_> {
             .collect()
     }
 
-    /// What is left out in turn: a recording where there are several, else a move.
+    /// What is left out in turn: a recording where there are several, else a move where they are known, else a part.
     fn folds(&self, problem: &Problem) -> Option<Vec<usize>> {
         let [only] = &self.main[..] else {
             return folds_by_recording(problem.rows.recording_of_row());
         };
-        match &only.reference.as_ref()?.reference {
-            Reference::Moves(moves) => folds_by_move(moves, &self.times(problem)),
-            Reference::Sampled(_) => None,
+        match only.reference.as_ref().map(|r| &r.reference) {
+            Some(Reference::Moves(moves)) => folds_by_move(moves, &self.times(problem)),
+            Some(Reference::Sampled(_)) | None => Some(folds_by_part(problem.rows.per_joint())),
         }
     }
 
