@@ -1,4 +1,4 @@
-use super::{DynamicParameters, DynamicsError, Model, Sign, parameters::Inertial, rotation::Rotation, twist::Twist};
+use super::{DynamicParameters, DynamicsError, Model, Sign, geometry::BASE, parameters::Inertial, rotation::Rotation, twist::Twist};
 use crate::vector::{Mat3, Vec3, add, cross, dot, scale, times, transpose_times};
 
 /// Scratch of the algorithms: one for each thread.
@@ -134,7 +134,7 @@ impl Model {
         let mut fields: Vec<(Vec3, f64)> = Vec::with_capacity(self.link_count());
         let mut potential = 0.0;
         for ((joint, link), body) in self.joints.iter().zip(&workspace.links).zip(&parameters.links) {
-            let (before, origin) = joint.parent.map_or((self.gravity, 0.0), |p| fields[p]);
+            let (before, origin) = fields.get(joint.parent).copied().unwrap_or((self.gravity, 0.0));
             let (gravity, origin) = (link.r.transpose_times(before), origin - dot(before, link.p));
             potential += body.m * origin - dot(gravity, body.ms);
             fields.push((gravity, origin));
@@ -145,9 +145,14 @@ impl Model {
     /// Forward pass of recursive Newton-Euler: placement, velocity and acceleration of every link.
     pub(crate) fn propagate_motion(&self, q: &[f64], dq: &[f64], ddq: &[f64], links: &mut [LinkMotion]) {
         let base = LinkMotion { dv: scale(-1.0, self.gravity), ..LinkMotion::default() };
+        let mut before = base;
         for (j, joint) in self.joints.iter().enumerate() {
-            let before = joint.parent.map_or(&base, |parent| &links[parent]);
-            links[j] = joint.propagate(before, q, dq, ddq);
+            // A chain hands its motion on without a detour through the memory.
+            if !joint.continues_chain {
+                before = links.get(joint.parent).copied().unwrap_or(base);
+            }
+            before = joint.propagate(&before, q, dq, ddq);
+            links[j] = before;
         }
     }
 
@@ -160,9 +165,8 @@ impl Model {
         for (j, joint) in self.joints.iter().enumerate().rev() {
             let wrench = workspace.wrenches[j];
             tau[joint.coordinate] += joint.ratio * wrench.along(joint.revolute);
-            if let Some(parent) = joint.parent {
-                let moved = wrench.moved_to_parent(&workspace.links[j]);
-                workspace.wrenches[parent].absorb(&moved);
+            if let Some(of_parent) = workspace.wrenches.get_mut(joint.parent) {
+                of_parent.absorb(&wrench.moved_to_parent(&workspace.links[j]));
             }
         }
     }
@@ -190,17 +194,16 @@ impl Model {
             let own = wrench.along(joint.revolute) + parameters.friction[j].ia;
             workspace.mass_matrix[joint.coordinate * (n + 1)] += joint.ratio * joint.ratio * own;
             let (mut at, mut next) = (j, joint.parent);
-            while let Some(i) = next {
+            while let Some(before) = self.joints.get(next) {
                 wrench = wrench.moved_to_parent(&workspace.links[at]);
-                let before = &self.joints[i];
                 let coupling = joint.ratio * before.ratio * wrench.along(before.revolute);
                 workspace.mass_matrix[joint.coordinate * n + before.coordinate] += coupling;
                 workspace.mass_matrix[before.coordinate * n + joint.coordinate] += coupling;
-                (at, next) = (i, before.parent);
+                (at, next) = (next, before.parent);
             }
-            if let Some(parent) = joint.parent {
+            if joint.parent != BASE {
                 let moved = workspace.composite[j].moved_to_parent(&workspace.links[j]);
-                workspace.composite[parent].absorb(&moved);
+                workspace.composite[joint.parent].absorb(&moved);
             }
         }
         for (motor, of_motor) in self.coupled_motors().iter().zip(&parameters.motors) {

@@ -4,11 +4,17 @@ use crate::{
     vector::{Vec3, add, scale},
 };
 
+/// The parent of joints on the base: beyond any joint, so that `get` finds none.
+pub(super) const BASE: usize = usize::MAX;
+
 /// A joint as the kernels need it: its placement with the sines taken, and the coordinate that moves it.
 #[derive(Debug, Clone)]
 pub(super) struct JointGeometry {
     pub(super) revolute: bool,
-    pub(super) parent: Option<usize>,
+    /// The joint whose link carries it, or [`BASE`].
+    pub(super) parent: usize,
+    /// Whether that is the joint before it in the list.
+    pub(super) continues_chain: bool,
     /// Rotation at theta zero.
     turn: Rotation,
     theta: f64,
@@ -30,7 +36,8 @@ impl JointGeometry {
         let has_gamma = joint.placement.gamma != 0.0;
         Self {
             revolute: joint.kind == JointKind::Revolute,
-            parent: joint.parent,
+            parent: joint.parent.unwrap_or(BASE),
+            continues_chain: j > 0 && joint.parent == Some(j - 1),
             turn: Rotation { has_gamma, sin_gamma, cos_gamma, sin_alpha, cos_alpha, ..Rotation::default() },
             theta: joint.placement.theta,
             origin: joint.placement.origin,

@@ -37,7 +37,7 @@ impl Model {
         let (before, here) = twists.split_at_mut(support.start);
         let here = &mut here[..support.coordinates.len()];
         let mut carried = 0;
-        if let Some(parent) = joint.parent.map(|p| self.support(p)) {
+        if let Some(parent) = self.supports().get(joint.parent) {
             carried = parent.coordinates.len();
             let of_parent = &before[parent.start..parent.start + carried];
             here.iter_mut().zip(of_parent).for_each(|(twist, before)| *twist = before.seen_from(&links[k]));
