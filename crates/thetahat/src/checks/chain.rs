@@ -4,6 +4,8 @@
 //! observation matrix then pass the same second decimation. On the TX40 that takes 10 ms instead of 110 and the relative
 //! error agrees to 0.01 %.
 
+use std::{cell::OnceCell, rc::Rc};
+
 use super::{
     Subject,
     affine::Affine,
@@ -15,6 +17,7 @@ use crate::{
     identification::Assembly,
     linear_algebra::{Matrix, PivotedQr},
     regressor::Regressor,
+    robot::Quantity,
     series::Series,
     signal::{Decimator, SignalError},
 };
@@ -23,8 +26,8 @@ use crate::{
 const SAMPLES_PER_PERIOD: f64 = 10.0;
 /// Most samples at which the motion is evaluated: the time of a check is bounded.
 const MOST_SAMPLES: usize = 20_000;
-/// Most rows of a joint.
-const MOST_ROWS: usize = 2_000;
+/// Most work of one factorisation, rows times squared columns: of more rows, every n-th is taken.
+const MOST_WORK: f64 = 2e7;
 /// Relative size of the last diagonal entries of R below which a column counts as dependent, as for the estimate.
 const RANK_TOLERANCE: f64 = 1e-10;
 
@@ -48,14 +51,16 @@ pub(super) struct Chain<'a> {
     pub(super) rate_hz: f64,
     /// Samples that become rows.
     pub(super) kept: Vec<usize>,
+    every: usize,
     regressor: Regressor,
+    fit: OnceCell<Rc<Regression>>,
     corrected: bool,
 }
 
 impl<'a> Chain<'a> {
     pub(super) fn new(subject: &'a Subject<'a>, cutoff_hz: f64) -> Result<Self, SignalError> {
         let (window, rate) = (subject.signal.window.clone(), subject.sample_rate_hz);
-        let factor = subject.signal.decimation.max(window.len().div_ceil(MOST_ROWS));
+        let factor = subject.signal.decimation;
         let stride = ((rate / (SAMPLES_PER_PERIOD * cutoff_hz)) as usize).max(window.len().div_ceil(MOST_SAMPLES));
         let stride = stride.clamp(1, factor);
         let (q, dq, ddq) = band_pass(subject, subject.position, cutoff_hz)?;
@@ -64,10 +69,13 @@ impl<'a> Chain<'a> {
         let [q, dq, ddq] = [q, dq, ddq].map(|series| at(&series, &samples));
         let decimator = Decimator::new((factor as f64 / stride as f64).round() as usize, samples.len())?;
         let torque = decimator.filter(&first.decimate(&subject.torque.window(window))?)?;
-        let kept = decimator.kept().collect();
+        let every = (work(subject, decimator.rows()) / MOST_WORK).ceil() as usize;
+        let kept = decimator.kept().step_by(every.max(1)).collect();
         let regressor = Regressor::new(subject.model, &subject.base.columns());
         let motion = Motion { q, dq, ddq };
-        Ok(Self { subject, motion, torque, decimator, rate_hz: rate / stride as f64, kept, regressor, corrected: false })
+        let rate_hz = rate / stride as f64;
+        let fit = OnceCell::new();
+        Ok(Self { subject, motion, torque, decimator, rate_hz, kept, every: every.max(1), regressor, fit, corrected: false })
     }
 
     pub(super) fn joints(&self) -> usize {
@@ -84,12 +92,14 @@ impl<'a> Chain<'a> {
         self.motion = correction.motion(&self.motion);
         self.torque = correction.torque(&self.torque);
         self.corrected = true;
+        self.fit = OnceCell::new();
     }
 
     /// Puts other torques in the place of the recorded ones.
     pub(super) fn replace_torque(&mut self, torque: Series) {
         self.torque = torque;
         self.corrected = true;
+        self.fit = OnceCell::new();
     }
 
     /// Whether the record was put right.
@@ -105,11 +115,18 @@ impl<'a> Chain<'a> {
     }
 
     /// The regression with every joint's rows divided by the standard deviation of its torque.
-    pub(super) fn regression(&self) -> Result<Regression, SignalError> {
+    pub(super) fn regression(&self) -> Result<Rc<Regression>, SignalError> {
+        if let Some(fit) = self.fit.get() {
+            return Ok(Rc::clone(fit));
+        }
         let assembly = Assembly::new(self.subject.model, &self.subject.base.columns(), self.decimator.clone());
         let Motion { q, dq, ddq } = &self.motion;
         let x = assembly.observation_matrix(q, dq, ddq, Sign::Exact)?;
-        Ok(Regression::new(&x, &self.stack(&self.torque), self.joints()))
+        let all = self.decimator.rows();
+        let taken: Vec<bool> = (0..x.rows()).map(|i| (i % all).is_multiple_of(self.every)).collect();
+        let x = if self.every == 1 { x } else { x.select_rows(&taken) };
+        let fit = Rc::new(Regression::new(&x, &self.stack(&self.torque), self.joints()));
+        Ok(Rc::clone(self.fit.get_or_init(|| fit)))
     }
 
     /// The rows of a series that is already low-passed, joint by joint.
@@ -130,6 +147,22 @@ impl<'a> Chain<'a> {
         tau
     }
 
+    /// Whether a column is Coulomb friction.
+    pub(super) fn is_coulomb_friction(&self, column: usize) -> bool {
+        matches!(self.quantity(column), Quantity::Fc | Quantity::Fcp | Quantity::Fcn | Quantity::Fcm)
+    }
+
+    /// Whether a column is friction.
+    pub(super) fn is_friction(&self, column: usize) -> bool {
+        let viscous = matches!(self.quantity(column), Quantity::Fv | Quantity::Fvp | Quantity::Fvn | Quantity::Fvm);
+        viscous || self.is_coulomb_friction(column)
+    }
+
+    fn quantity(&self, column: usize) -> Quantity {
+        let kept = self.subject.base.parameters()[column].kept;
+        self.subject.model.parameter_table().get(kept).quantity
+    }
+
     /// X at chosen samples without a filter: for hypotheses that change much.
     pub(super) fn raw_matrix(&self, motion: &Motion) -> Matrix {
         let phi = self.regressor.evaluate_series(self.subject.model, &motion.q, &motion.dq, &motion.ddq, Sign::Exact);
@@ -142,6 +175,11 @@ impl<'a> Chain<'a> {
         }
         x
     }
+}
+
+/// Rows times squared columns.
+fn work(subject: &Subject<'_>, rows: usize) -> f64 {
+    (rows * subject.torque.channels()) as f64 * (subject.base.len() as f64).powi(2)
 }
 
 /// The samples of a series at given places.
@@ -169,9 +207,7 @@ pub(super) struct Regression {
 impl Regression {
     pub(super) fn new(x: &Matrix, y: &[f64], joints: usize) -> Self {
         let rows = y.len() / joints;
-        let size: Vec<f64> = y.chunks(rows).map(deviation).collect();
-        let weight = |s: &f64| if *s > 0.0 { 1.0 / s } else { 1.0 };
-        let weights: Vec<f64> = size.iter().flat_map(|s| std::iter::repeat_n(weight(s), rows)).collect();
+        let weights = weights(y, rows);
         let x = x.scale_rows(&weights);
         let y: Vec<f64> = y.iter().zip(&weights).map(|(y, w)| y * w).collect();
         let qr = PivotedQr::new(&x);
@@ -241,6 +277,24 @@ impl Regression {
         let rows = self.y.len() / joints;
         super::numbers::rms(&self.residual[j * rows..(j + 1) * rows])
     }
+}
+
+/// One over the standard deviation of each joint's torque, for each row; one where that is zero.
+fn weights(y: &[f64], rows: usize) -> Vec<f64> {
+    let weight = |y: &[f64]| Some(deviation(y)).filter(|s| *s > 0.0).map_or(1.0, f64::recip);
+    y.chunks(rows).flat_map(|y| std::iter::repeat_n(weight(y), y.len())).collect()
+}
+
+/// The squared residual of [`Regression`] alone, for less.
+pub(super) fn squared_residual(x: &Matrix, y: &[f64], joints: usize) -> f64 {
+    let weights = weights(y, y.len() / joints);
+    let xw = x.scale_rows(&weights);
+    let yw: Vec<f64> = y.iter().zip(&weights).map(|(y, w)| y * w).collect();
+    let qr = PivotedQr::new(&xw);
+    if qr.rank(RANK_TOLERANCE) < x.columns() {
+        return Regression::new(x, y, joints).squares;
+    }
+    xw.times(&qr.solve(&yw)).iter().zip(&yw).map(|(p, y)| (y - p).powi(2)).sum()
 }
 
 /// A vector less its part in the span of orthonormal columns.

@@ -4,7 +4,7 @@
 use super::{
     Code, Severity,
     affine::{Affine, diagonal},
-    chain::{Chain, Motion, Regression, at},
+    chain::{Chain, Motion, at, squared_residual},
     examination::{Evidence, Examination},
 };
 use crate::robot::{JointKind, Robot};
@@ -94,7 +94,7 @@ impl Screening {
         let x = chain.raw_matrix(&correction.motion(&self.motion));
         let torque = correction.torque(&self.torque);
         let y: Vec<f64> = (0..torque.channels()).flat_map(|j| torque.channel(j)).collect();
-        let squares = Regression::new(&x, &y, chain.joints()).squares;
+        let squares = squared_residual(&x, &y, chain.joints());
         squares.is_finite().then_some(squares)
     }
 }

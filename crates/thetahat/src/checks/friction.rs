@@ -7,10 +7,7 @@ use super::{
     examination::{Evidence, Examination},
     numbers::dot,
 };
-use crate::{
-    linear_algebra::PivotedQr,
-    robot::Quantity,
-};
+use crate::linear_algebra::PivotedQr;
 
 /// Standard deviations by which the power of a joint's friction must be negative.
 const NEGATIVE_LIMIT: f64 = 10.0;
@@ -29,22 +26,26 @@ pub(super) fn check(exam: &mut Examination<'_>, chain: &mut Chain<'_>) {
     let everywhere = negative.len() > 1 && power.iter().all(|p| *p < 0.0);
     for (j, p) in power.iter().enumerate() {
         let value = -p;
-        let (code, correction, words) = cause(chain, &regression, j, everywhere);
-        let evidence =
-            Evidence { code, joint: Some(j), value, unit: "standard deviations", limit: NEGATIVE_LIMIT };
-        exam.judge_with(evidence, Severity::Problem, || {
-            let message = format!(
-                "joint {}: friction would drive the joint, by {value:.0} standard deviations of its power; {words}",
-                j + 1
-            );
-            let remedy = "turn the sign of the channel by its gain, or the row of the motor in [transmission] matrix";
-            ((message, remedy.to_owned()), friction_parameters(chain, j))
-        });
-        if value > NEGATIVE_LIMIT
-            && let Some(correction) = correction
-        {
-            chain.correct(&correction);
+        let mut evidence = Evidence {
+            code: Code::NegativeFriction,
+            joint: Some(j),
+            value,
+            unit: "standard deviations",
+            limit: NEGATIVE_LIMIT,
+        };
+        exam.note_measure(evidence);
+        if value <= NEGATIVE_LIMIT {
+            continue;
         }
+        let (code, correction, words) = cause(chain, &regression, j, everywhere);
+        evidence.code = code;
+        let message = format!(
+            "joint {}: friction would drive the joint, by {value:.0} standard deviations of its power; {words}",
+            j + 1
+        );
+        let remedy = "turn the sign of the channel by its gain, or the row of the motor in [transmission] matrix";
+        exam.raise(evidence, Severity::Problem, (message, remedy.to_owned()), friction_parameters(chain, j));
+        correction.iter().for_each(|correction| chain.correct(correction));
     }
     poor_fit(exam, chain);
 }
@@ -97,19 +98,13 @@ fn power_per_parameter(chain: &Chain<'_>, regression: &Regression, j: usize) -> 
     let rows = chain.rows();
     let velocity: Vec<f64> = chain.kept.iter().map(|&k| chain.motion.dq.sample(k)[j]).collect();
     let of = |c: usize| dot(&velocity, &regression.x.column(c)[j * rows..(j + 1) * rows]) / rows as f64;
-    (0..regression.x.columns()).map(|c| if is_friction(chain, c) { of(c) } else { 0.0 }).collect()
-}
-
-fn is_friction(chain: &Chain<'_>, column: usize) -> bool {
-    use Quantity::{Fc, Fcm, Fcn, Fcp, Fv, Fvm, Fvn, Fvp};
-    let kept = chain.subject.base.parameters()[column].kept;
-    matches!(chain.subject.model.parameter_table().get(kept).quantity, Fc | Fcm | Fcn | Fcp | Fv | Fvm | Fvn | Fvp)
+    (0..regression.x.columns()).map(|c| if chain.is_friction(c) { of(c) } else { 0.0 }).collect()
 }
 
 fn friction_parameters(chain: &Chain<'_>, j: usize) -> Vec<String> {
     let table = chain.subject.model.parameter_table();
     let parameters = chain.subject.base.parameters().iter().enumerate();
-    let own = parameters.filter(|(c, p)| is_friction(chain, *c) && table.get(p.kept).number == j + 1);
+    let own = parameters.filter(|(c, p)| chain.is_friction(*c) && table.get(p.kept).number == j + 1);
     own.map(|(_, p)| p.name.clone()).collect()
 }
 

@@ -13,13 +13,13 @@ use super::{
 };
 
 /// Standard deviations by which a scale must differ from one.
-const SURE_LIMIT: f64 = 6.0;
+const SURE: f64 = 6.0;
 /// The same with deviations by blocks of time, which hold for residuals that are no white noise.
 const SURE_IN_BLOCKS: f64 = 3.0;
 /// Smallest error of a scale that counts: modelling errors move the scales of the recorded TX40 by up to 0.13.
 const SMALLEST: f64 = 0.05;
-/// Part of the squared residual that the right scale must explain, as it is with the parameters estimated again.
-const EXPLAINED: f64 = 0.01;
+/// Part of the squared residual that the right scale must explain, percent, as it is with the parameters estimated again.
+const EXPLAINED_LIMIT_PERCENT: f64 = 1.0;
 /// Blocks of time.
 const BLOCKS: usize = 10;
 /// Relative step of the difference quotient.
@@ -52,41 +52,51 @@ struct Estimate {
     sure_in_blocks: f64,
 }
 
+/// A scale with what it leaves of the squared residual.
+struct Found {
+    scale: Scale,
+    factor: f64,
+    left: f64,
+}
+
 pub(super) fn check(exam: &mut Examination<'_>, chain: &mut Chain<'_>) {
     let geared: Vec<usize> = (0..chain.joints()).filter(|&j| ratio(chain, j).abs() != 1.0).collect();
-    if geared.is_empty() || chain.joints() == 1 {
+    if chain.joints() == 1 {
         return;
     }
     for round in 0..MOST_FAULTS {
         let Ok(regression) = chain.regression() else { return };
         let theta = regression.theta();
-        let mut best: Option<(Scale, f64, f64)> = None;
-        for &joint in &geared {
-            let mut strongest = 0.0_f64;
-            for kind in [Kind::Ratio, Kind::Position, Kind::Torque] {
-                let scale = Scale { joint, kind };
-                let Some(estimate) = estimate(chain, &regression, &theta, scale) else { continue };
-                if !estimate.counts() {
-                    continue;
-                }
-                strongest = strongest.max(estimate.sure.abs());
-                if estimate.sure.abs() < SURE_LIMIT {
-                    continue;
-                }
-                let (factor, squares) = refined(chain, scale, 1.0 + estimate.change);
-                if squares < best.map_or((1.0 - EXPLAINED) * regression.squares, |b| b.2) {
-                    best = Some((scale, factor, squares));
-                }
-            }
-            if round == 0 {
-                exam.note_measure(evidence(joint, strongest));
-            }
+        let found: Vec<Found> =
+            geared.iter().filter_map(|&joint| best_of_joint(chain, &regression, &theta, joint)).collect();
+        if round == 0 {
+            note_measures(exam, &geared, &found);
         }
-        let Some((scale, factor, squares)) = best.filter(|b| (b.1 - 1.0).abs() > SMALLEST) else { return };
-        raise(exam, chain, scale, factor, squares / regression.squares);
-        let Some(correction) = scale.correction(chain, factor) else { return };
+        let best = found.into_iter().min_by(|a, b| a.left.total_cmp(&b.left));
+        let Some(best) = best.filter(|b| b.left < 1.0 - EXPLAINED_LIMIT_PERCENT / 100.0) else { return };
+        raise(exam, chain, &best);
+        let Some(correction) = best.scale.correction(chain, best.factor) else { return };
         chain.correct(&correction);
     }
+}
+
+fn note_measures(exam: &mut Examination<'_>, geared: &[usize], found: &[Found]) {
+    for &joint in geared {
+        let own = found.iter().find(|f| f.scale.joint == joint);
+        exam.note_measure(evidence(joint, own.map_or(0.0, |f| 100.0 * (1.0 - f.left))));
+    }
+}
+
+/// The scale of a joint or its motor that explains most, of those that are certain and large enough to matter.
+fn best_of_joint(chain: &Chain<'_>, regression: &Regression, theta: &[f64], joint: usize) -> Option<Found> {
+    let kinds = [Kind::Ratio, Kind::Position, Kind::Torque].into_iter();
+    let found = kinds.filter_map(|kind| {
+        let scale = Scale { joint, kind };
+        let estimate = estimate(chain, regression, theta, scale).filter(Estimate::is_certain)?;
+        let (factor, squares) = refined(chain, scale, 1.0 + estimate.change);
+        ((factor - 1.0).abs() > SMALLEST).then_some(Found { scale, factor, left: squares / regression.squares })
+    });
+    found.min_by(|a, b| a.left.total_cmp(&b.left))
 }
 
 fn ratio(chain: &Chain<'_>, j: usize) -> f64 {
@@ -94,10 +104,12 @@ fn ratio(chain: &Chain<'_>, j: usize) -> f64 {
 }
 
 fn evidence(joint: usize, value: f64) -> Evidence {
-    Evidence { code: Code::GearRatio, joint: Some(joint), value, unit: "standard deviations", limit: SURE_LIMIT }
+    let (unit, limit) = ("% of the squared residual", EXPLAINED_LIMIT_PERCENT);
+    Evidence { code: Code::GearRatio, joint: Some(joint), value, unit, limit }
 }
 
-fn raise(exam: &mut Examination<'_>, chain: &Chain<'_>, Scale { joint, kind }: Scale, factor: f64, left: f64) {
+fn raise(exam: &mut Examination<'_>, chain: &Chain<'_>, found: &Found) {
+    let Found { scale: Scale { joint, kind }, factor, left } = *found;
     let number = joint + 1;
     let what = match kind {
         Kind::Ratio => {
@@ -128,8 +140,8 @@ impl Scale {
 }
 
 impl Estimate {
-    fn counts(&self) -> bool {
-        self.change.abs() > SMALLEST && self.sure_in_blocks.abs() > SURE_IN_BLOCKS
+    fn is_certain(&self) -> bool {
+        self.sure.abs() > SURE && self.sure_in_blocks.abs() > SURE_IN_BLOCKS && self.change.abs() > SMALLEST
     }
 }
 

@@ -11,8 +11,7 @@ pub(super) const STILL: f64 = 1e-3;
 pub(super) struct Signals {
     /// Positions as recorded.
     pub(super) raw: Series,
-    /// Band-passed positions.
-    pub(super) q: Series,
+    /// Velocities and accelerations, band-passed.
     pub(super) dq: Series,
     pub(super) ddq: Series,
     /// Largest velocity of each joint.
@@ -25,12 +24,12 @@ impl Signals {
     pub(super) fn new(subject: &Subject<'_>) -> Result<Self, SignalError> {
         let window = subject.signal.window.clone();
         let raw = subject.position.window(window.clone());
-        let (q, dq, ddq) = band_pass(subject, subject.position, subject.signal.cutoff_hz)?;
-        let [q, dq, ddq] = [q, dq, ddq].map(|s| s.window(window.clone()));
+        let (_, dq, ddq) = band_pass(subject, subject.position, subject.signal.cutoff_hz)?;
+        let [dq, ddq] = [dq, ddq].map(|s| s.window(window.clone()));
         let joints = 0..raw.channels();
         let peak = joints.clone().map(|j| quantile_abs(dq.channel(j).into_iter(), 1.0)).collect();
         let noise = joints.map(|j| white_noise(&raw.channel(j))).collect();
-        Ok(Self { raw, q, dq, ddq, peak, noise })
+        Ok(Self { raw, dq, ddq, peak, noise })
     }
 
     pub(super) fn joints(&self) -> usize {

@@ -64,30 +64,21 @@ fn saturation(exam: &mut Examination<'_>, j: usize, drive: &[f64]) {
 
 /// Samples at the upper and lower limit, where there is one.
 fn at_limit(drive: &[f64]) -> usize {
-    let mut sorted = drive.to_vec();
-    sorted.sort_unstable_by(f64::total_cmp);
     let tolerance = SAME * span(drive);
-    let low = piled(sorted.iter().copied(), tolerance);
-    let high = piled(sorted.iter().rev().copied(), tolerance);
-    low + high
+    let below: Vec<f64> = drive.iter().map(|v| -v).collect();
+    piled(drive, tolerance) + piled(&below, tolerance)
 }
 
-/// Samples at the first of sorted levels, if there are many more of them than of the next.
-fn piled(levels: impl Iterator<Item = f64>, tolerance: f64) -> usize {
-    let mut counts = Vec::new();
-    let mut level = f64::NAN;
-    for value in levels {
-        if (value - level).abs() <= tolerance {
-            counts.iter_mut().last().into_iter().for_each(|count| *count += 1);
-        } else if counts.len() == 2 {
-            break;
-        } else {
-            level = value;
-            counts.push(1);
-        }
+/// Samples at the largest value, if there are many more of them than of the next value below.
+fn piled(values: &[f64], tolerance: f64) -> usize {
+    let largest = |below: f64| values.iter().copied().filter(|v| *v < below).fold(f64::NEG_INFINITY, f64::max);
+    let count = |level: f64| values.iter().filter(|v| (**v - level).abs() <= tolerance).count();
+    let extreme = largest(f64::INFINITY);
+    let at_extreme = count(extreme);
+    if at_extreme < FEWEST_AT_LIMIT || at_extreme < PILE * count(largest(extreme - tolerance)) {
+        return 0;
     }
-    let next = counts.get(1).copied().unwrap_or(0);
-    counts.first().copied().filter(|&count| count >= FEWEST_AT_LIMIT && count >= PILE * next).unwrap_or(0)
+    at_extreme
 }
 
 fn quantisation(exam: &mut Examination<'_>, j: usize, tau: &[f64]) {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use thetahat::{
     base_parameters::BaseParameters,
-    checks::{SignalSettings, Subject},
+    checks::{Finding, SignalSettings, Subject, examine},
     control::ControllerDescription,
     dynamics::Model,
     experiment::{Experiment, TwinDescription},
@@ -190,4 +190,11 @@ pub fn from_experiment(path: &Path, data: &Path, validation: bool) -> Record {
         _ => moving_window(&record),
     };
     record
+}
+
+impl Record {
+    /// What the checks find.
+    pub fn findings(&self) -> Vec<Finding> {
+        self.with_subject(examine)
+    }
 }
