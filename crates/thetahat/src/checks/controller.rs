@@ -69,12 +69,7 @@ struct LawInputs {
 }
 
 impl LawInputs {
-    fn new(
-        subject: &Subject<'_>,
-        signals: &Signals,
-        reference: &Series,
-        description: &ControllerDescription,
-    ) -> Self {
+    fn new(subject: &Subject<'_>, signals: &Signals, reference: &Series, description: &ControllerDescription) -> Self {
         let (rate, window) = (subject.sample_rate_hz, &subject.signal.window);
         let n = subject.robot.transmission.motor_in_joint_units();
         let reference = motors(&n, reference);

@@ -129,8 +129,20 @@ fn units(robot: &Robot) -> Vec<Hypothesis> {
             let down = format!("{whose} position is taken from degrees (or mm), not from rad (or m)");
             let up = format!("{whose} position is taken as rad (or m): it was converted from degrees (or mm) twice");
             [
-                Hypothesis { code: Code::PositionScale, joint, correction: scale(&joints, false), words: down, remedy: UNIT },
-                Hypothesis { code: Code::PositionScale, joint, correction: scale(&joints, true), words: up, remedy: UNIT },
+                Hypothesis {
+                    code: Code::PositionScale,
+                    joint,
+                    correction: scale(&joints, false),
+                    words: down,
+                    remedy: UNIT,
+                },
+                Hypothesis {
+                    code: Code::PositionScale,
+                    joint,
+                    correction: scale(&joints, true),
+                    words: up,
+                    remedy: UNIT,
+                },
             ]
         })
         .collect()
@@ -156,7 +168,8 @@ fn sides(robot: &Robot) -> Vec<Hypothesis> {
                 let kept = |j: &usize| if joints.contains(j) { offset[*j] } else { 0.0 };
                 let shift: Vec<f64> = (0..n).map(|j| kept(&j)).collect();
                 let back = shift.iter().zip(&up).map(|(o, r)| -o * r).collect();
-                let down = Affine { position: diagonal(&down), shift, torque: crate::linear_algebra::Matrix::identity(n) };
+                let down =
+                    Affine { position: diagonal(&down), shift, torque: crate::linear_algebra::Matrix::identity(n) };
                 (Some(down), Some(Affine { position: diagonal(&up), shift: back, ..Affine::identity(n) }))
             }
         };
@@ -167,9 +180,8 @@ fn sides(robot: &Robot) -> Vec<Hypothesis> {
             let words = format!("{whose} position is taken as it is on the joint side: it went through the gear twice");
             add(Code::PositionScale, correction, words);
         }
-        let torques = |up: bool| {
-            Affine::scaled_torques(&select(robot, &joints, &|j| if up { ratio(j) } else { 1.0 / ratio(j) }))
-        };
+        let torques =
+            |up: bool| Affine::scaled_torques(&select(robot, &joints, &|j| if up { ratio(j) } else { 1.0 / ratio(j) }));
         let words = format!("{whose} torque is taken from the motor side");
         add(Code::TorqueScale, torques(true), words);
         let words = format!("{whose} torque is taken as it is on the joint side: it went through the gear twice");

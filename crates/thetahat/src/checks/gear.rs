@@ -113,7 +113,11 @@ fn raise(exam: &mut Examination<'_>, chain: &Chain<'_>, found: &Found) {
     let number = joint + 1;
     let what = match kind {
         Kind::Ratio => {
-            format!("the gear ratio of motor {number} is {:.4}, not {:.4}", factor * ratio(chain, joint), ratio(chain, joint))
+            format!(
+                "the gear ratio of motor {number} is {:.4}, not {:.4}",
+                factor * ratio(chain, joint),
+                ratio(chain, joint)
+            )
         }
         Kind::Position => format!("the position of joint {number} is {factor:.4} times what was recorded"),
         Kind::Torque => format!("the torque of joint {number} is {factor:.4} times what was recorded"),

@@ -5,11 +5,14 @@
 
 mod chain;
 mod checks;
+mod column_names;
 mod cross_validation;
 mod description;
 mod error;
+mod examination;
 mod paths;
 mod predict;
+mod proposal;
 mod record;
 mod results;
 mod rows;
@@ -21,7 +24,9 @@ pub use description::{
     RecordingDescription, SignalDescription, SimulationDescription, Start, TwinDescription, Unlisted, Weighting,
 };
 pub use error::ExperimentError;
+pub use examination::RecordingFindings;
 pub use predict::{Prediction, PredictionRequest, predict};
+pub use proposal::{ProposalError, ProposalRequest, propose};
 pub use record::TwinRecord;
 pub use results::{
     Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, RecordingResult, ReferenceResult, Results,

@@ -4,7 +4,7 @@ use std::{path::Path, time::Instant};
 
 use super::{
     Case, EliminationResult, Experiment, ExperimentError, IterationResult, ParameterResult, Plots,
-    RecordingDescription, RecordingResult, ReferenceResult, Results, RunPlots, RunResult, Weighting,
+    RecordingDescription, RecordingFindings, RecordingResult, ReferenceResult, Results, RunPlots, RunResult, Weighting,
     chain::{FilteredRecord, Problem},
     cross_validation::{folds_by_move, folds_by_part, folds_by_recording, leave_folds_out},
     simulator::{RecordReference, Simulator},
@@ -48,6 +48,8 @@ impl Experiment {
         let validation = self.read_all(&self.file.validation, data)?;
         let session = Session { experiment: self, main, validation };
         let problems = session.problems(progress)?;
+        progress("checking the recordings");
+        let findings = session.findings(&problems[0].problem);
         let mut runs = Vec::new();
         for case in self.cases() {
             let problem = &problems[session.friction_index(&case)];
@@ -56,7 +58,7 @@ impl Experiment {
                 runs.push(session.run(problem, &case, method)?);
             }
         }
-        session.results(&problems[0], runs)
+        session.results(&problems[0], findings, runs)
     }
 
     fn read_all(&self, descriptions: &[RecordingDescription], data: &Path) -> Result<Vec<Prepared>, ExperimentError> {
@@ -292,7 +294,21 @@ impl Session<'_> {
         Ok(())
     }
 
-    fn results(&self, nominal: &CaseProblem, runs: Vec<RunResult>) -> Result<Results, ExperimentError> {
+    /// What is found in the recordings, those that are identified from and those held back.
+    fn findings(&self, nominal: &Problem) -> Vec<RecordingFindings> {
+        let examine = |prepared: &Prepared, held_back| {
+            self.experiment.examine(&prepared.filtered, prepared.reference.as_ref(), nominal, held_back)
+        };
+        let main = self.main.iter().map(|p| examine(p, false));
+        main.chain(self.validation.iter().map(|p| examine(p, true))).collect()
+    }
+
+    fn results(
+        &self,
+        nominal: &CaseProblem,
+        findings: Vec<RecordingFindings>,
+        runs: Vec<RunResult>,
+    ) -> Result<Results, ExperimentError> {
         let problem = &nominal.problem;
         let name = |i: &usize| problem.base.parameters()[*i].name.clone();
         let elimination = problem.elimination.as_ref().map(|e| EliminationResult {
@@ -312,6 +328,7 @@ impl Session<'_> {
             validation_recordings: self.validation.iter().map(Prepared::describe).collect(),
             bandwidth: self.experiment.measure_bandwidth(rate)?,
             seed: self.experiment.file.twin.as_ref().map(|t| t.sensors.seed),
+            findings,
             elimination,
             runs,
             experiment_description: self.experiment.text.clone(),
@@ -345,21 +362,12 @@ impl Prepared {
     }
 
     fn describe_reference(&self, reference: &RecordReference) -> ReferenceResult {
-        let filtered = &self.filtered;
-        let joints = filtered.q.channels();
-        let [mut q, mut dq, mut ddq] = [(); 3].map(|()| vec![0.0; joints]);
-        let mut squares = vec![0.0; joints];
-        for k in filtered.window.clone() {
-            reference.reference.evaluate(k as f64 / filtered.record.sample_rate_hz, &mut q, &mut dq, &mut ddq);
-            let measured = filtered.record.position.sample(k);
-            squares.iter_mut().zip(measured.iter().zip(&q)).for_each(|(s, (m, r))| *s += (m - r).powi(2));
-        }
         let moves = match &reference.reference {
             Reference::Moves(moves) => Some(moves.moves().len()),
             Reference::Sampled(_) => None,
         };
-        let rms = squares.iter().map(|s| (s / filtered.window.len() as f64).sqrt()).collect();
-        ReferenceResult { origin: reference.origin.to_owned(), moves, rms_deviation: rms }
+        let rms_deviation = self.filtered.rms_deviation_from(reference);
+        ReferenceResult { origin: reference.origin.to_owned(), moves, rms_deviation }
     }
 }
 

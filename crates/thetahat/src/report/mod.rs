@@ -3,9 +3,11 @@
 //! [`write_all`] writes the files, [`text`] holds the tables for the terminal. Both show the same [`Table`]s, and both
 //! put [`Published`] figures beside ours where there are any. Nothing is computed here but comparisons.
 
+mod contents;
 mod error;
 mod figures;
 mod files;
+mod findings;
 mod html;
 mod number;
 mod plot;
@@ -17,8 +19,10 @@ mod table;
 mod tables;
 pub mod text;
 
+pub use contents::contents_text;
 pub use error::ReportError;
 pub use files::{check_folder, write_all};
+pub use findings::findings_text;
 pub use prediction::{prediction_text, write_prediction};
 pub use published::{Agreement, Published, PublishedValue};
 pub use series::write_record;
