@@ -10,7 +10,7 @@ use crate::{
     control::ControllerDescription,
     identification::{Convergence, Divisor, EliminationRule, Method},
     recording::ChannelSource,
-    robot::{Friction, Robot},
+    robot::{Friction, Robot, RobotSource},
     simulation::{Sensors, SimulatorBias, Solver},
 };
 
@@ -25,7 +25,7 @@ pub struct Experiment {
     pub text: String,
     /// The robot.
     pub robot: Robot,
-    /// The text of the robot's description, kept for the results.
+    /// The text of the robot's description, that of a URDF below it included, kept for the results.
     pub robot_text: String,
 }
 
@@ -278,8 +278,8 @@ impl Experiment {
         let text = read_text(path)?;
         let file: ExperimentFile = parse(&text, path)?;
         let robot_path = path.parent().unwrap_or(Path::new("")).join(&file.robot);
-        let robot_text = read_text(&robot_path)?;
-        Self::assemble(path, file, text, &robot_path, robot_text)
+        let source = RobotSource::read(&robot_path)?;
+        Self::assemble(path, file, text, source)
     }
 
     /// An experiment from the texts of its two files; `path` is its name in messages.
@@ -288,8 +288,8 @@ impl Experiment {
     /// As [`Experiment::read`].
     pub fn from_texts(path: &Path, text: String, robot_text: String) -> Result<Self, ExperimentError> {
         let file: ExperimentFile = parse(&text, path)?;
-        let robot_path = file.robot.clone();
-        Self::assemble(path, file, text, &robot_path, robot_text)
+        let source = RobotSource::from_text(robot_text, &file.robot)?;
+        Self::assemble(path, file, text, source)
     }
 
     /// The built-in demonstration: a TX40 twin.
@@ -314,14 +314,8 @@ impl Experiment {
         std::iter::once(nominal).chain(self.file.case.iter().cloned()).collect()
     }
 
-    fn assemble(
-        path: &Path,
-        file: ExperimentFile,
-        text: String,
-        robot_path: &Path,
-        robot_text: String,
-    ) -> Result<Self, ExperimentError> {
-        let robot = Robot::parse(&robot_text, robot_path)?;
+    fn assemble(path: &Path, file: ExperimentFile, text: String, source: RobotSource) -> Result<Self, ExperimentError> {
+        let (robot, robot_text) = (source.robot()?, source.to_text());
         let experiment = Self { path: path.to_owned(), file, text, robot, robot_text };
         experiment.validate()?;
         Ok(experiment)
