@@ -86,7 +86,9 @@ impl Wanted<'_> {
     pub(super) fn includes(self, name: &str) -> bool {
         match self {
             Self::All => true,
-            Self::Named(asked) => asked.iter().any(|asked| asked == name || indexed(asked).is_some_and(|(n, _)| n == name)),
+            Self::Named(asked) => {
+                asked.iter().any(|asked| asked == name || indexed(asked).is_some_and(|(n, _)| n == name))
+            }
         }
     }
 }

@@ -57,7 +57,8 @@ struct Bag<'a> {
 
 impl Bag<'_> {
     fn read(mut self, mut input: impl Read) -> Result<Topics, RecordingError> {
-        let options = LinearReaderOptions::default().with_record_length_limit(LONGEST_RECORD).with_validate_chunk_crcs(true);
+        let options =
+            LinearReaderOptions::default().with_record_length_limit(LONGEST_RECORD).with_validate_chunk_crcs(true);
         let mut reader = LinearReader::new_with_options(options);
         while let Some(event) = reader.next_event() {
             match event.map_err(|e| self.damaged(&e))? {

@@ -75,7 +75,8 @@ pub(super) fn tables(path: &Path, _: Format) -> Result<(Vec<Table>, Vec<(String,
 /// Reads all joint states of a bag in SQLite, and forgets them.
 #[cfg(feature = "rosbag")]
 pub(super) fn fuzz_db3(bytes: &[u8]) {
-    let _ = db3::read_bytes(bytes, Path::new("fuzz.db3")).map(|topics| topics.in_order_of_time().list.iter().map(tables::of).count());
+    let _ = db3::read_bytes(bytes, Path::new("fuzz.db3"))
+        .map(|topics| topics.in_order_of_time().list.iter().map(tables::of).count());
 }
 
 /// Reads all joint states of a bag in MCAP, and forgets them.

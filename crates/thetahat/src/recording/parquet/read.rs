@@ -26,7 +26,8 @@ pub(in super::super) fn read(bytes: Vec<u8>, path: &Path, wanted: Wanted<'_>) ->
 fn read_columns(bytes: Vec<u8>, path: &Path, wanted: Wanted<'_>) -> Result<Table, RecordingError> {
     check_footer(&bytes).map_err(|reason| RecordingError::damaged(path, reason.to_owned()))?;
     let bytes = Bytes::from(bytes);
-    let metadata = ParquetMetaDataReader::new().parse_and_finish(&bytes).map_err(|e| damaged(path, "description", &e))?;
+    let metadata =
+        ParquetMetaDataReader::new().parse_and_finish(&bytes).map_err(|e| damaged(path, "description", &e))?;
     let budget = Budget::of(path, bytes.len() as u64);
     let mut reader = Reader { path, bytes, metadata, budget };
     let columns = (0..reader.metadata.file_metadata().schema_descr().num_columns())
@@ -56,10 +57,12 @@ impl Reader<'_> {
         if !wanted.includes(&name) {
             return Ok(Column::of_numbers(name, 0, Vec::new()));
         }
-        let mut values = Values { number: Number::of(&described), present: described.max_def_level(), values: Vec::new() };
+        let mut values =
+            Values { number: Number::of(&described), present: described.max_def_level(), values: Vec::new() };
         for group in 0..self.metadata.num_row_groups() {
             let rows = self.rows(&name, group)?;
-            self.add_group(index, group, rows, &mut values).map_err(|e| damaged(self.path, &format!("column {name:?}"), &e))?;
+            self.add_group(index, group, rows, &mut values)
+                .map_err(|e| damaged(self.path, &format!("column {name:?}"), &e))?;
         }
         Ok(Column::of_numbers(name, 1, values.values))
     }
