@@ -22,7 +22,12 @@ pub(super) fn read(bytes: Vec<u8>, path: &Path, wanted: Wanted<'_>) -> Result<Ve
     caught(path, "HDF5", || {
         let budget = Budget::of(path, bytes.len() as u64);
         let mut reader = Reader { path, wanted, budget, objects: 0, columns: Vec::new() };
+        let length = bytes.len() as u64;
         let file = File::from_bytes(bytes).map_err(|e| reader.damaged("file", &e))?;
+        let expected = file.superblock().eof_address;
+        if length < expected {
+            return Err(RecordingError::damaged(path, format!("expected {expected} bytes, found {length}")));
+        }
         reader.add_group("", &file.root(), 0)?;
         Ok(reader.columns)
     })
