@@ -140,6 +140,11 @@ impl<'a> Chain<'a> {
         Ok(Rc::clone(self.fit.get_or_init(|| fit)))
     }
 
+    /// Whether the motion separates all parameters.
+    pub(super) fn has_full_rank(&self) -> bool {
+        self.regression().is_ok_and(|r| r.rank == r.x.columns())
+    }
+
     /// The rows of a series that is already low-passed, joint by joint.
     pub(super) fn stack(&self, series: &Series) -> Vec<f64> {
         (0..series.channels()).flat_map(|j| self.kept.iter().map(move |&k| series.sample(k)[j])).collect()

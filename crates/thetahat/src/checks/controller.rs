@@ -47,12 +47,12 @@ fn compare(exam: &mut Examination<'_>, command: &[f64], drive: &[f64], i: usize)
         limit: LIMIT_PERCENT,
     };
     exam.judge(evidence, Severity::Warning, || {
-        let gain = dot(command, drive) / dot(command, command);
+        let scale = dot(command, drive) / dot(command, command);
         let late = delay(drive, command, (LONGEST_S * rate).ceil() as usize);
         (
             format!(
                 "motor {}: {value:.0} % of the drive signal is not what the controller gives for this reference and \
-                 motion; the best scale is {gain:.3}, the drive is {late:.1} samples late",
+                 motion; the best scale is {scale:.3}, the drive is {late:.1} samples late",
                 i + 1
             ),
             "check [controller]'s law, gains and delay; IDIM-IV and DIDIM simulate the loop with it".to_owned(),

@@ -6,12 +6,22 @@ use super::{
     affine::{Affine, diagonal},
     chain::{Chain, Motion, at, squared_residual},
     examination::{Evidence, Examination},
+    friction,
+    numbers::span,
 };
 use crate::robot::{JointKind, Robot};
 
-/// A correction that leaves less than this part of the squared residual names the fault. On the clean records none
-/// leaves less than 0.8.
-const LEFT_LIMIT: f64 = 0.5;
+/// How many times smaller a correction of all joints must make the squared residual; also one of a zero. Such
+/// corrections are few; on the clean records the best makes it no smaller (1.00).
+const COMMON_LIMIT: f64 = 1.15;
+/// The same for a correction of one joint: at most 1.13 on the clean records.
+const SINGLE_LIMIT: f64 = 1.5;
+/// The same for exchanges and for two signs at once, of which there are many: at most 1.51 on the clean records.
+const MANY_LIMIT: f64 = 2.0;
+/// Spans that a joint's motion has, rad: other corrections are not considered.
+const SPANS_RAD: std::ops::RangeInclusive<f64> = 0.1..=25.0;
+/// The same for prismatic joints, m.
+const SPANS_M: std::ops::RangeInclusive<f64> = 1e-3..=20.0;
 /// A later hypothesis of the list must be better than an earlier one by this factor.
 const BETTER: f64 = 0.9;
 /// Rows of all joints per parameter in the screening.
@@ -25,6 +35,10 @@ pub(super) struct Hypothesis {
     /// From zero.
     pub(super) joint: Option<usize>,
     pub(super) correction: Affine,
+    /// How many times smaller it must make the squared residual.
+    pub(super) limit: f64,
+    /// Whether it changes the sign of the joint's power.
+    pub(super) flips_power: bool,
     /// What is wrong, to follow "the torques fit ... better if".
     pub(super) words: String,
     pub(super) remedy: &'static str,
@@ -32,49 +46,109 @@ pub(super) struct Hypothesis {
 
 /// Corrects the chain by every fault that is found.
 pub(super) fn check(exam: &mut Examination<'_>, chain: &mut Chain<'_>) {
-    let hypotheses = hypotheses(exam.subject.robot);
+    let all = hypotheses(exam.subject.robot);
     for round in 0..MOST_FAULTS {
-        let Some((best, left)) = best(chain, &hypotheses) else { return };
-        let hypothesis = &hypotheses[best];
-        // The evidence grows with the fault: how many times larger the squared residual is than with the correction.
-        let evidence = Evidence {
-            code: hypothesis.code,
-            joint: hypothesis.joint,
-            value: 1.0 / left,
-            unit: "times the squared residual",
-            limit: 1.0 / LEFT_LIMIT,
-        };
-        if round > 0 && left >= LEFT_LIMIT {
-            return;
+        let Some(gains) = gains(chain, &all) else { return };
+        if round == 0 {
+            note_measures(exam, &all, &gains);
         }
-        let words = || {
-            let message = format!("the torques fit {:.1} times better if {}", left.sqrt().recip(), hypothesis.words);
-            (message, hypothesis.remedy.to_owned())
-        };
-        if !exam.judge(evidence, Severity::Problem, words) {
-            return;
-        }
-        chain.correct(&hypothesis.correction);
+        let Some((best, gain)) = best(&all, &gains) else { return };
+        raise(exam, &all[best], gain);
+        chain.correct(&all[best].correction);
     }
 }
 
-/// The hypothesis that leaves the smallest part of the squared residual, and that part.
-fn best(chain: &Chain<'_>, hypotheses: &[Hypothesis]) -> Option<(usize, f64)> {
-    let screening = Screening::new(chain);
-    let as_it_is = screening.squares(chain, &Affine::identity(chain.joints()))?;
-    let mut best: Option<(usize, f64)> = None;
-    for (h, hypothesis) in hypotheses.iter().enumerate() {
-        let Some(squares) = screening.squares(chain, &hypothesis.correction) else { continue };
-        let left = squares / as_it_is;
-        if best.is_none_or(|(_, smallest)| left < BETTER * smallest) {
-            best = Some((h, left));
+/// The strongest evidence of each code and limit.
+fn note_measures(exam: &mut Examination<'_>, all: &[Hypothesis], gains: &[f64]) {
+    let mut strongest: Vec<(&Hypothesis, f64)> = Vec::new();
+    for (hypothesis, &gain) in all.iter().zip(gains).filter(|(_, g)| g.is_finite()) {
+        let same = |s: &&mut (&Hypothesis, f64)| s.0.code == hypothesis.code && s.0.limit == hypothesis.limit;
+        match strongest.iter_mut().find(same) {
+            Some(entry) if entry.1 < gain => *entry = (hypothesis, gain),
+            Some(_) => {}
+            None => strongest.push((hypothesis, gain)),
         }
     }
-    best.filter(|b| b.1.is_finite())
+    strongest.into_iter().for_each(|(h, gain)| exam.note_measure(h.evidence(gain)));
+}
+
+fn raise(exam: &mut Examination<'_>, hypothesis: &Hypothesis, gain: f64) {
+    let message = format!("the torques fit {:.1} times better if {}", gain.sqrt(), hypothesis.words);
+    let words = (message, hypothesis.remedy.to_owned());
+    exam.raise(hypothesis.evidence(gain), Severity::Problem, words, Vec::new());
+}
+
+impl Hypothesis {
+    fn new(code: Code, joint: Option<usize>, correction: Affine, words: String, remedy: &'static str) -> Self {
+        let limit = if joint.is_some() { SINGLE_LIMIT } else { COMMON_LIMIT };
+        Self { code, joint, correction, limit, flips_power: false, words, remedy }
+    }
+
+    fn with_limit(self, limit: f64) -> Self {
+        Self { limit, ..self }
+    }
+
+    fn flipping(self) -> Self {
+        Self { flips_power: true, ..self }
+    }
+
+    fn evidence(&self, gain: f64) -> Evidence {
+        let unit = "times the squared residual";
+        Evidence { code: self.code, joint: self.joint, value: gain, unit, limit: self.limit }
+    }
+}
+
+/// How many times smaller each correction makes the squared residual; NaN for those that are not considered.
+fn gains(chain: &Chain<'_>, hypotheses: &[Hypothesis]) -> Option<Vec<f64>> {
+    let screening = Screening::new(chain);
+    let as_it_is = screening.squares(chain, &Affine::identity(chain.joints()))?;
+    let power = friction::power(chain, &*chain.regression().ok()?);
+    let gain = |h: &Hypothesis| {
+        if !is_plausible(h, chain, &screening.spans) || !agrees_with_friction(h, chain, &power) {
+            return f64::NAN;
+        }
+        screening.squares(chain, &h.correction).map_or(f64::NAN, |squares| as_it_is / squares)
+    };
+    Some(hypotheses.iter().map(gain).collect())
+}
+
+/// The hypothesis with the largest gain of those above their limits. Of nearly equal ones the first.
+fn best(hypotheses: &[Hypothesis], gains: &[f64]) -> Option<(usize, f64)> {
+    let mut best: Option<(usize, f64)> = None;
+    for (h, &gain) in gains.iter().enumerate().filter(|(h, g)| **g > hypotheses[*h].limit) {
+        if best.is_none_or(|(_, largest)| BETTER * gain > largest) {
+            best = Some((h, gain));
+        }
+    }
+    best
+}
+
+/// Whether the corrected joints would span what joints do.
+fn is_plausible(hypothesis: &Hypothesis, chain: &Chain<'_>, spans: &[f64]) -> bool {
+    if hypothesis.code != Code::PositionScale {
+        return true;
+    }
+    let sizes = |i: usize| spans.iter().enumerate().map(move |(j, s)| (hypothesis.correction.position.at(i, j) * s).abs());
+    let plausible = |i: usize| match chain.subject.robot.joints[i].kind {
+        JointKind::Revolute => SPANS_RAD.contains(&sizes(i).sum::<f64>()),
+        _ => SPANS_M.contains(&sizes(i).sum::<f64>()),
+    };
+    hypothesis.joint.map_or_else(|| (0..spans.len()).all(plausible), plausible)
+}
+
+/// A single sign that is wrong makes friction negative.
+fn agrees_with_friction(hypothesis: &Hypothesis, chain: &Chain<'_>, power: &[f64]) -> bool {
+    let has_friction = (0..chain.subject.base.len()).any(|c| chain.is_friction(c));
+    match (hypothesis.joint, hypothesis.flips_power) {
+        (Some(j), true) => !has_friction || power[j] < -friction::NEGATIVE_LIMIT,
+        _ => true,
+    }
 }
 
 /// A few rows of the record, unfiltered.
 struct Screening {
+    /// What each joint's position spans.
+    spans: Vec<f64>,
     motion: Motion,
     torque: crate::series::Series,
 }
@@ -86,7 +160,8 @@ impl Screening {
         let samples: Vec<usize> = chain.kept.iter().step_by(step).copied().collect();
         let Motion { q, dq, ddq } = &chain.motion;
         let motion = Motion { q: at(q, &samples), dq: at(dq, &samples), ddq: at(ddq, &samples) };
-        Self { motion, torque: at(&chain.torque, &samples) }
+        let spans = (0..chain.joints()).map(|j| span(&chain.motion.q.channel(j))).collect();
+        Self { spans, motion, torque: at(&chain.torque, &samples) }
     }
 
     /// Squared residual, relative to the torques as corrected; none where it is not finite.
@@ -109,6 +184,8 @@ fn hypotheses(robot: &Robot) -> Vec<Hypothesis> {
     all
 }
 
+const SIGN: &str = "turn the sign of the channel by its gain, or of the row of the motor in [transmission] matrix";
+const ORDER: &str = "put the columns of the channel in the order of the robot's joints";
 const UNIT: &str = "set the unit of the channel in [recording]";
 const SIDE: &str = "set side = \"motor\" or \"joint\" of the channel in [recording], or the ratios in [transmission]";
 
@@ -129,20 +206,8 @@ fn units(robot: &Robot) -> Vec<Hypothesis> {
             let down = format!("{whose} position is taken from degrees (or mm), not from rad (or m)");
             let up = format!("{whose} position is taken as rad (or m): it was converted from degrees (or mm) twice");
             [
-                Hypothesis {
-                    code: Code::PositionScale,
-                    joint,
-                    correction: scale(&joints, false),
-                    words: down,
-                    remedy: UNIT,
-                },
-                Hypothesis {
-                    code: Code::PositionScale,
-                    joint,
-                    correction: scale(&joints, true),
-                    words: up,
-                    remedy: UNIT,
-                },
+                Hypothesis::new(Code::PositionScale, joint, scale(&joints, false), down, UNIT),
+                Hypothesis::new(Code::PositionScale, joint, scale(&joints, true), up, UNIT),
             ]
         })
         .collect()
@@ -159,7 +224,7 @@ fn sides(robot: &Robot) -> Vec<Hypothesis> {
             continue;
         }
         let whose = whose(joint);
-        let mut add = |code, correction, words| all.push(Hypothesis { code, joint, correction, words, remedy: SIDE });
+        let mut add = |code, correction, words| all.push(Hypothesis::new(code, joint, correction, words, SIDE));
         let (to_joint, to_motor) = match joint {
             None => (motor_to_joint(robot), Some(joint_to_motor(robot))),
             Some(j) => {
@@ -168,8 +233,7 @@ fn sides(robot: &Robot) -> Vec<Hypothesis> {
                 let kept = |j: &usize| if joints.contains(j) { offset[*j] } else { 0.0 };
                 let shift: Vec<f64> = (0..n).map(|j| kept(&j)).collect();
                 let back = shift.iter().zip(&up).map(|(o, r)| -o * r).collect();
-                let down =
-                    Affine { position: diagonal(&down), shift, torque: crate::linear_algebra::Matrix::identity(n) };
+                let down = Affine { position: diagonal(&down), shift, torque: crate::linear_algebra::Matrix::identity(n) };
                 (Some(down), Some(Affine { position: diagonal(&up), shift: back, ..Affine::identity(n) }))
             }
         };
@@ -180,8 +244,9 @@ fn sides(robot: &Robot) -> Vec<Hypothesis> {
             let words = format!("{whose} position is taken as it is on the joint side: it went through the gear twice");
             add(Code::PositionScale, correction, words);
         }
-        let torques =
-            |up: bool| Affine::scaled_torques(&select(robot, &joints, &|j| if up { ratio(j) } else { 1.0 / ratio(j) }));
+        let torques = |up: bool| {
+            Affine::scaled_torques(&select(robot, &joints, &|j| if up { ratio(j) } else { 1.0 / ratio(j) }))
+        };
         let words = format!("{whose} torque is taken from the motor side");
         add(Code::TorqueScale, torques(true), words);
         let words = format!("{whose} torque is taken as it is on the joint side: it went through the gear twice");
@@ -220,12 +285,9 @@ fn zeros(robot: &Robot) -> Vec<Hypothesis> {
         .chain(with_offset)
         .flat_map(|joint| {
             let whose = whose(joint);
-            [(1.0, "is added to"), (-1.0, "is taken from")].map(|(sign, verb)| Hypothesis {
-                code: Code::PositionZero,
-                joint,
-                correction: of(sign, joint),
-                words: format!("the transmission's offset {verb} {whose} position"),
-                remedy,
+            [(1.0, "is added to"), (-1.0, "is taken from")].map(|(sign, verb)| {
+                let words = format!("the transmission's offset {verb} {whose} position");
+                Hypothesis::new(Code::PositionZero, joint, of(sign, joint), words, remedy).with_limit(COMMON_LIMIT)
             })
         })
         .collect()
@@ -240,18 +302,16 @@ fn signs(robot: &Robot) -> Vec<Hypothesis> {
         let position = Affine::scaled_positions(&flip(j), offset);
         let both = Affine { torque: torque.torque.clone(), ..position.clone() };
         let number = j + 1;
+        let (torque_words, position_words) = (
+            format!("the torque of joint {number} has the other sign"),
+            format!("the position of joint {number} has the other sign"),
+        );
+        let both_words = format!("position and torque of joint {number} have the other sign");
         [
-            (Code::TorqueSign, torque, format!("the torque of joint {number} has the other sign")),
-            (Code::PositionSign, position, format!("the position of joint {number} has the other sign")),
-            (Code::PositionSign, both, format!("position and torque of joint {number} have the other sign")),
+            Hypothesis::new(Code::TorqueSign, Some(j), torque, torque_words, SIGN).flipping(),
+            Hypothesis::new(Code::PositionSign, Some(j), position, position_words, SIGN).flipping(),
+            Hypothesis::new(Code::PositionSign, Some(j), both, both_words, SIGN).with_limit(MANY_LIMIT),
         ]
-        .map(|(code, correction, words)| Hypothesis {
-            code,
-            joint: Some(j),
-            correction,
-            words,
-            remedy: "turn the sign of the channel by its gain, or of the row of the motor in [transmission] matrix",
-        })
     };
     (0..robot.joint_count()).flat_map(sign).collect()
 }
@@ -262,12 +322,10 @@ fn exchanges(robot: &Robot) -> Vec<Hypothesis> {
     let pairs = (0..n).flat_map(|a| (a + 1..n).map(move |b| (a, b)));
     let exchange = |(a, b): (usize, usize)| {
         [(true, false, "the positions"), (false, true, "the torques"), (true, true, "positions and torques")].map(
-            |(positions, torques, what)| Hypothesis {
-                code: Code::JointsSwapped,
-                joint: Some(a),
-                correction: Affine::exchanged(n, (a, b), positions, torques),
-                words: format!("{what} of joints {} and {} are exchanged", a + 1, b + 1),
-                remedy: "put the columns of the channel in the order of the robot's joints",
+            |(positions, torques, what)| {
+                let correction = Affine::exchanged(n, (a, b), positions, torques);
+                let words = format!("{what} of joints {} and {} are exchanged", a + 1, b + 1);
+                Hypothesis::new(Code::JointsSwapped, Some(a), correction, words, ORDER).with_limit(MANY_LIMIT)
             },
         )
     };

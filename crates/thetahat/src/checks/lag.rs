@@ -117,13 +117,14 @@ impl Lag {
         let unit = "% of the squared residual";
         let evidence = Evidence { code: Code::Lag, joint, value, unit, limit: EXPLAINED_LIMIT_PERCENT };
         exam.note_measure(evidence);
-        if value <= EXPLAINED_LIMIT_PERCENT {
+        let matters = value > EXPLAINED_LIMIT_PERCENT && self.samples.abs() >= ONE_SAMPLE;
+        if !matters && (self.samples.abs() < SURE * self.deviation || value == 0.0) {
             return false;
         }
-        let severity = if self.samples.abs() < ONE_SAMPLE { Severity::Note } else { Severity::Warning };
+        let severity = if matters { Severity::Warning } else { Severity::Note };
         let evidence = Evidence { value: self.samples, unit: "samples", limit: f64::NAN, ..evidence };
         exam.raise(evidence, severity, self.words(joint), Vec::new());
-        severity != Severity::Note
+        matters
     }
 
     fn words(&self, joint: Option<usize>) -> (String, String) {

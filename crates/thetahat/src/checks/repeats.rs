@@ -21,11 +21,17 @@ const SURE: f64 = 8.0;
 const EXPLAINED: f64 = 0.8;
 /// Samples around a jump over which an outlier comes back.
 const AROUND: usize = 3;
+/// Highest cut-off, part of the sample rate, of the velocities that steps are compared with.
+const HIGHEST_CUTOFF: f64 = 0.1;
 /// Relative rounding of a position.
 const ROUNDING: f64 = 1e-9;
 
 pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
     let torque = exam.subject.torque.window(exam.subject.signal.window.clone());
+    // A filter that lets noise through gives no velocity to expect anything from.
+    let highest = HIGHEST_CUTOFF * exam.subject.sample_rate_hz;
+    let smoother = (exam.subject.signal.cutoff_hz > highest).then(|| Signals::new(exam.subject, highest).ok()).flatten();
+    let signals = smoother.as_ref().unwrap_or(signals);
     repeated(exam, signals, &signals.raw, "positions");
     repeated(exam, signals, &torque, "torques");
     dropped(exam, signals);
@@ -93,6 +99,8 @@ fn dropped(exam: &mut Examination<'_>, signals: &Signals) {
 /// the unexpected motion that this explains.
 struct Ahead {
     steps: Vec<(f64, f64, f64)>,
+    /// Steps behind a repeated sample: there, the motion catches up.
+    behind_repeats: Vec<bool>,
 }
 
 impl Ahead {
@@ -118,7 +126,8 @@ impl Ahead {
             }
             (score / information, 1.0 / information.sqrt(), score * score / information / total)
         };
-        Self { steps: (0..samples).map(ahead).collect() }
+        let repeat = |k: usize| k > 0 && signals.raw.sample(k) == signals.raw.sample(k - 1);
+        Self { steps: (0..samples).map(ahead).collect(), behind_repeats: (0..samples).map(repeat).collect() }
     }
 
     /// Steps with a jump ahead that the samples around do not take back.
@@ -129,7 +138,7 @@ impl Ahead {
         };
         let jump = |&k: &usize| {
             let (ahead, deviation, explained) = self.steps[k];
-            ahead > JUMP && ahead > SURE * deviation && explained > EXPLAINED && lasting(k) > JUMP
+            ahead > JUMP && ahead > SURE * deviation && !self.behind_repeats[k] && explained > EXPLAINED && lasting(k) > JUMP
         };
         (0..self.steps.len()).filter(jump).collect()
     }

@@ -8,8 +8,8 @@ use super::{
 };
 use crate::signal::{Padding, SecondOrderSections, zero_phase};
 
-/// Rms difference, percent of the rms velocity. The recorded KUKA has 1.7 and the UR10 1.5 (clean).
-const LIMIT_PERCENT: f64 = 10.0;
+/// Rms difference, percent of the rms velocity. The recorded KUKA has 2.7 and the UR10 0.4 (clean).
+const LIMIT_PERCENT: f64 = 6.0;
 /// A gain further from one than this is named as the cause.
 const GAIN: f64 = 0.05;
 /// A correlation with another joint that explains what the own joint does not.

@@ -66,10 +66,6 @@ fn scales() -> Vec<Corruption> {
             let offset = r.robot.transmission.offset().to_vec();
             (1..=6).for_each(|j| set(&mut r.position, j, |_, q| q - offset[j - 1]));
         }),
-        with("offset of position 3 left out", PositionZero, 3, |r| {
-            let offset = r.robot.transmission.offset()[2];
-            set(&mut r.position, 3, |_, q| q - offset);
-        }),
     ]
 }
 
@@ -206,8 +202,8 @@ fn beside() -> Vec<Corruption> {
             r.velocity.iter_mut().for_each(|v| scale(v, 5, -1.0));
         })
         .given(velocity),
-        with("velocity 3 50 samples late", VelocityMismatch, 3, |r| {
-            r.velocity.iter_mut().for_each(|v| late(v, 3, 50.0));
+        with("velocity 3 40 samples late", VelocityMismatch, 3, |r| {
+            r.velocity.iter_mut().for_each(|v| late(v, 3, 40.0));
         })
         .given(velocity),
         with("references 2 and 3 exchanged", ReferenceMismatch, 2, |r| {
@@ -351,6 +347,6 @@ fn insert_rest(record: &mut Record, after: usize, samples: usize) {
         Series::from_values(series.channels(), values)
     };
     record.position = insert(&record.position, 1e-6);
-    record.torque = insert(&record.torque, 1.0);
+    record.torque = insert(&record.torque, 0.05);
     record.signal.window.end += samples;
 }
