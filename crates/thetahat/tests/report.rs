@@ -134,6 +134,7 @@ fn results() -> Results {
             decimation_measured_hz: Some(20.98),
         },
         seed: Some(1),
+        findings: Vec::new(),
         elimination: Some(EliminationResult {
             kept: vec!["zz1r".to_owned()],
             eliminated: vec!["fc6".to_owned(); 40],
