@@ -23,6 +23,10 @@ pub enum Command {
     Identify(Identify),
     /// Predict the torques of another motion with identified parameters.
     Predict(Predict),
+    /// Show a robot: its structure, its standard parameters, and its base parameters with their formulas.
+    ///
+    /// Exit code 1 where the base parameters are not clear: a length or an angle is nearly special.
+    Model(Model),
 }
 
 #[derive(Args)]
@@ -42,6 +46,19 @@ pub struct Identify {
     pub data: Option<PathBuf>,
     #[command(flatten)]
     pub output: Output,
+}
+
+#[derive(Args)]
+pub struct Model {
+    /// The robot: a URDF, or a TOML description
+    #[arg(value_name = "ROBOT")]
+    pub robot: PathBuf,
+    /// Print one JSON object, in SI units
+    #[arg(long)]
+    pub json: bool,
+    /// Folder against which the robot's path is resolved [default: the current one]
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
 }
 
 #[derive(Args)]

@@ -6,11 +6,12 @@ use std::{
 
 use thetahat::{
     experiment::{Experiment, PredictionRequest, predict},
-    report::{self, Published},
+    report::{self, ModelReport, Published},
+    robot::RobotSource,
 };
 
 use crate::{
-    arguments::{Arguments, Command, Identify, Output, Predict},
+    arguments::{Arguments, Command, Identify, Model, Output, Predict},
     progress::Progress,
 };
 
@@ -25,6 +26,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
         Command::Demo(output) => run_experiment(&Experiment::demo()?, Path::new(""), &output),
         Command::Identify(identify) => identify_experiment(&identify),
         Command::Predict(request) => predict_torques(&request),
+        Command::Model(request) => show_model(&request),
     }
 }
 
@@ -69,6 +71,14 @@ fn predict_torques(request: &Predict) -> Result<Verdict, Box<dyn Error>> {
         print(&format!("\nwritten: {}\n", path.display()))?;
     }
     Ok(Verdict::Good)
+}
+
+fn show_model(request: &Model) -> Result<Verdict, Box<dyn Error>> {
+    let folder = request.data.clone().unwrap_or_default();
+    let source = RobotSource::read(&folder.join(&request.robot))?;
+    let report = ModelReport::new(&source, &source.robot()?);
+    print(&if request.json { report::model_json(&report)? } else { report::model_text(&report) })?;
+    Ok(if report.problem.is_none() { Verdict::Good } else { Verdict::NotTrusted })
 }
 
 /// Prints. A reader that has gone away (`| head`) is no reason not to write the files.

@@ -7,6 +7,8 @@ mod error;
 mod figures;
 mod files;
 mod html;
+mod model;
+mod model_text;
 mod number;
 mod plot;
 mod prediction;
@@ -17,7 +19,12 @@ mod tables;
 pub mod text;
 
 pub use error::ReportError;
-pub use files::{check_folder, write_all};
+pub use files::{check_folder, model_json, write_all};
+pub use model::{
+    BaseParameterReport, Count, Counts, JointReport, MimicReport, ModelReport, StandardParameterReport,
+    TransmissionReport,
+};
+pub use model_text::model_text;
 pub use prediction::{prediction_text, write_prediction};
 pub use published::{Agreement, Published, PublishedValue};
 pub use table::{Group, TEXT_WIDTH, Table};
