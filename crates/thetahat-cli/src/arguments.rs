@@ -31,6 +31,10 @@ pub enum Command {
     Predict(Predict),
     /// Record the simulated robot that an experiment describes in [twin].
     Simulate(Simulate),
+    /// Show a robot: its structure, its standard parameters, and its base parameters with their formulas.
+    ///
+    /// Exit code 1 where the base parameters are not clear: a length or an angle is nearly special.
+    Model(Model),
 }
 
 #[derive(Args)]
@@ -120,6 +124,19 @@ pub struct Simulate {
     /// CSV file for time, joint positions and joint torques
     #[arg(long, value_name = "FILE.csv")]
     pub out: PathBuf,
+}
+
+#[derive(Args)]
+pub struct Model {
+    /// The robot: a URDF, or a TOML description
+    #[arg(value_name = "ROBOT")]
+    pub robot: PathBuf,
+    /// Print one JSON object, in SI units
+    #[arg(long)]
+    pub json: bool,
+    /// Folder against which the robot's path is resolved [default: the current one]
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
 }
 
 #[derive(Args)]

@@ -8,12 +8,12 @@ use std::{
 use thetahat::{
     experiment::{Experiment, PredictionRequest, ProposalRequest, predict, propose},
     recording::{Contents, inspect},
-    report::{self, Published},
-    robot::Robot,
+    report::{self, ModelReport, Published},
+    robot::{Robot, RobotSource},
 };
 
 use crate::{
-    arguments::{Arguments, Columns, Command, Described, Identify, Init, Inspect, Output, Predict, Simulate},
+    arguments::{Arguments, Columns, Command, Described, Identify, Init, Inspect, Model, Output, Predict, Simulate},
     progress::Progress,
 };
 
@@ -32,6 +32,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
         Command::Identify(identify) => identify_experiment(&identify),
         Command::Predict(request) => predict_torques(&request),
         Command::Simulate(simulate) => record_twin(&simulate),
+        Command::Model(request) => show_model(&request),
     }
 }
 
@@ -177,6 +178,12 @@ fn record_twin(simulate: &Simulate) -> Result<Verdict, Box<dyn Error>> {
         simulate.out.display()
     ))?;
     Ok(Verdict::Good)
+fn show_model(request: &Model) -> Result<Verdict, Box<dyn Error>> {
+    let folder = request.data.clone().unwrap_or_default();
+    let source = RobotSource::read(&folder.join(&request.robot))?;
+    let report = ModelReport::new(&source, &source.robot()?);
+    print(&if request.json { report::model_json(&report)? } else { report::model_text(&report) })?;
+    Ok(if report.problem.is_none() { Verdict::Good } else { Verdict::NotTrusted })
 }
 
 /// Prints. A reader that has gone away (`| head`) is no reason not to write the files.

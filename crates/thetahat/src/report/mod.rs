@@ -9,6 +9,8 @@ mod figures;
 mod files;
 mod findings;
 mod html;
+mod model;
+mod model_text;
 mod number;
 mod plot;
 mod prediction;
@@ -23,6 +25,12 @@ pub use contents::contents_text;
 pub use error::ReportError;
 pub use files::{check_folder, write_all};
 pub use findings::findings_text;
+pub use files::{check_folder, model_json, write_all};
+pub use model::{
+    BaseParameterReport, Count, Counts, JointReport, MimicReport, ModelReport, StandardParameterReport,
+    TransmissionReport,
+};
+pub use model_text::model_text;
 pub use prediction::{prediction_text, write_prediction};
 pub use published::{Agreement, Published, PublishedValue};
 pub use series::write_record;
