@@ -91,15 +91,15 @@ impl Reader<'_> {
         if let Some(kind) = kind_not_read(&attributes, &kind) {
             return Ok(Column::of_kind(name, kind));
         }
+        if attributes.contains_key("MATLAB_empty") {
+            return Ok(Column::of_numbers(name, 1, Vec::new()));
+        }
         let shape = self.shape(&name, set)?;
         let Some((samples, channels)) = samples_and_channels(&shape) else {
             return Ok(Column::of_kind(name, format!("an array of {} dimensions", shape.len())));
         };
         if !self.wanted.includes(&name) {
             return Ok(Column::of_numbers(name, 0, Vec::new()));
-        }
-        if attributes.contains_key("MATLAB_empty") {
-            return Ok(Column::of_numbers(name, 1, Vec::new()));
         }
         self.check_chunks(&name, set)?;
         let count = self.budget.take(&format!("variable {name:?}"), &[samples, channels])?;
