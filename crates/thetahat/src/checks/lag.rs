@@ -98,9 +98,7 @@ impl Lag {
             longest: LONGEST_S * rate,
             rate,
         };
-        if lag.explained > EXPLAINED_LIMIT_PERCENT {
-            lag.friction = per_step * search.friction_lag(&lags.steps, group).unwrap_or(0.0);
-        }
+        lag.friction = per_step * search.friction_lag(&lags.steps, group).unwrap_or(0.0);
         lag
     }
 
@@ -113,14 +111,14 @@ impl Lag {
     /// Raises it where it is one; whether the record is to be put right.
     fn judge(&self, exam: &mut Examination<'_>, together: bool) -> bool {
         let joint = (!together).then_some(self.joint);
-        let value = if self.is_one() || self.explained <= EXPLAINED_LIMIT_PERCENT { self.explained } else { 0.0 };
+        let value = if self.is_one() { self.explained } else { 0.0 };
         let unit = "% of the squared residual";
         let evidence = Evidence { code: Code::Lag, joint, value, unit, limit: EXPLAINED_LIMIT_PERCENT };
         exam.note_measure(evidence);
-        let matters = value > EXPLAINED_LIMIT_PERCENT && self.samples.abs() >= ONE_SAMPLE;
-        if !matters && (self.samples.abs() < SURE * self.deviation || value == 0.0) {
+        if !self.is_one() {
             return false;
         }
+        let matters = value > EXPLAINED_LIMIT_PERCENT && self.samples.abs() >= ONE_SAMPLE;
         let severity = if matters { Severity::Warning } else { Severity::Note };
         let evidence = Evidence { value: self.samples, unit: "samples", limit: f64::NAN, ..evidence };
         exam.raise(evidence, severity, self.words(joint), Vec::new());
