@@ -290,15 +290,15 @@ fn exchange(series: &mut Series, a: usize, b: usize) {
     (0..series.len()).for_each(|k| series.sample_mut(k).swap(a - 1, b - 1));
 }
 
-fn quantise(series: &mut Series, joint: usize, step: f64) {
+pub fn quantise(series: &mut Series, joint: usize, step: f64) {
     set(series, joint, |_, v| step * (v / step).round());
 }
 
-fn peak(series: &Series, joint: usize) -> f64 {
+pub fn peak(series: &Series, joint: usize) -> f64 {
     series.channel(joint - 1).iter().fold(0.0, |m, v| v.abs().max(m))
 }
 
-fn limit(series: &mut Series, joint: usize, part: f64) {
+pub fn limit(series: &mut Series, joint: usize, part: f64) {
     // Of a low percentile of the peak, so that the noise of single samples does not set it.
     let mut sizes: Vec<f64> = series.channel(joint - 1).iter().map(|v| v.abs()).collect();
     sizes.sort_by(f64::total_cmp);
@@ -329,7 +329,7 @@ pub fn wrong_ratio(record: &mut Record, motor: usize, factor: f64) {
     record.robot.transmission = wrong;
 }
 
-fn remove(record: &mut Record, samples: &[usize]) {
+pub fn remove(record: &mut Record, samples: &[usize]) {
     let keep: Vec<usize> = (0..record.position.len()).filter(|k| !samples.contains(k)).collect();
     let of = |series: &Series| {
         let values = keep.iter().flat_map(|&k| series.sample(k).to_vec()).collect();
@@ -340,7 +340,7 @@ fn remove(record: &mut Record, samples: &[usize]) {
     record.signal.window.end -= samples.len();
 }
 
-fn repeat(record: &mut Record, k: usize) {
+pub fn repeat(record: &mut Record, k: usize) {
     for series in [&mut record.position, &mut record.torque] {
         let before = series.sample(k - 1).to_vec();
         series.sample_mut(k).copy_from_slice(&before);
@@ -348,7 +348,7 @@ fn repeat(record: &mut Record, k: usize) {
 }
 
 /// The robot stops for a while where its joints come closest to rest, with the noise of a record.
-fn insert_rest(record: &mut Record, after: usize, samples: usize) {
+pub fn insert_rest(record: &mut Record, after: usize, samples: usize) {
     let velocity = record.own_velocity();
     let speed = |k: usize| velocity.sample(k).iter().map(|v| v.abs()).sum::<f64>();
     let rest = (after..after + 4000).min_by(|a, b| speed(*a).total_cmp(&speed(*b))).unwrap();

@@ -206,6 +206,8 @@ pub fn tx40_with_reference(root: &Path, data: &Path) -> Record {
     let mut record = tx40(root, data);
     let found = trajectory::reconstruct(&record.position, &record.own_velocity(), record.rate_hz).unwrap();
     record.moves = Some(found.moves);
+    // The real one is not known.
+    record.controller = None;
     record.reconstructed_deviation = Some(found.rms_deviation);
     record
 }
@@ -230,10 +232,11 @@ pub fn other_twin(number: u64) -> Record {
     })
 }
 
-/// A twin without noise, whose friction is close to a sign.
+/// A twin with little noise and without Coulomb friction, whose torque has no edges.
 pub fn quiet_twin() -> Record {
     twin(|t| {
         t.sensors.torque_noise.iter_mut().for_each(|n| *n *= 0.02);
         t.sensors.torque_ripple.iter_mut().for_each(|n| *n = 0.0);
+        t.parameters.iter_mut().filter(|(name, _)| name.starts_with("fc")).for_each(|(_, value)| *value = 0.0);
     })
 }
