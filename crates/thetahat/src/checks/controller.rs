@@ -10,12 +10,12 @@ use crate::{
     control::{Controller, ControllerDescription, VelocityEstimate},
     linear_algebra::Matrix,
     series::Series,
-    signal::central_difference,
+    signal::{Decimator, central_difference},
 };
 
-/// Rms of the drive signal that the law does not give, percent of its standard deviation. EMPS has 0.3, the twin with its
-/// torque noise at most 22 (clean).
-const LIMIT_PERCENT: f64 = 50.0;
+/// Rms of the drive signal that the law does not give, in the band of the estimate's rows, percent of its standard
+/// deviation. EMPS has 0.3, the twin with its torque noise at most CLEAN (clean).
+const LIMIT_PERCENT: f64 = 20.0;
 /// Longest delay that is looked for, s.
 const LONGEST_S: f64 = 0.02;
 
@@ -30,9 +30,10 @@ pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
     let drive = subject.robot.transmission.drive_signals(&subject.torque.window(subject.signal.window.clone()));
     let inertia = law.inertia(description, &drive);
     let controller = description.resolve(&inertia, 1.0);
-    for i in 0..signals.joints() {
-        compare(exam, &law.command(&controller, i), &drive.channel(i), i);
-    }
+    let commands: Vec<Vec<f64>> = (0..signals.joints()).map(|i| law.command(&controller, i)).collect();
+    let smooth = |series: &Series| Decimator::new(subject.signal.decimation, series.len()).and_then(|d| d.filter(series));
+    let (Ok(command), Ok(drive)) = (smooth(&Series::from_channels(&commands)), smooth(&drive)) else { return };
+    (0..signals.joints()).for_each(|i| compare(exam, &command.channel(i), &drive.channel(i), i));
 }
 
 fn compare(exam: &mut Examination<'_>, command: &[f64], drive: &[f64], i: usize) {

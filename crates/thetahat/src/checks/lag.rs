@@ -18,9 +18,11 @@ use crate::{
     signal::central_difference,
 };
 
-/// Part of a joint's squared residual that its lag must explain, percent. The clean records stay below 17; the pulses of
-/// EMPS have 50, which is a true lag of 0.7 samples.
+/// Part of the squared residual that a lag must explain, percent. The clean records stay below 18.
 const EXPLAINED_LIMIT_PERCENT: f64 = 25.0;
+/// Rms torque that it must explain, percent of the torque's deviation. The friction of the clean twins, which is not quite
+/// a sign, leaves up to 2.9.
+const EFFECT_LIMIT_PERCENT: f64 = 4.0;
 /// Standard deviations by which a lag must differ from zero.
 const SURE: f64 = 6.0;
 /// Part of a lag by which friction alone may differ from it. Joints whose model is poor follow any shift with one part of
@@ -79,7 +81,9 @@ struct Lag {
     deviation: f64,
     /// Part of the squared residual that it explains, percent.
     explained: f64,
-    /// Lag of friction alone that is left, in samples.
+    /// Rms torque that it explains, percent of the torque's deviation.
+    effect: f64,
+    /// Lag of friction alone that is left, in samples; zero where friction says nothing.
     friction: f64,
     longest: f64,
     rate: f64,
@@ -94,13 +98,14 @@ impl Lag {
             samples: per_step * lags.steps[group.start],
             deviation: per_step * lags.deviation[group.start],
             explained: 100.0 * (1.0 - is / was),
+            effect: 100.0 * ((was - is).max(0.0) / (group.len() * search.chain.rows()) as f64).sqrt(),
             friction: 0.0,
             longest: LONGEST_S * rate,
             rate,
         };
-        if lag.explained > EXPLAINED_LIMIT_PERCENT {
-            lag.friction = per_step * search.friction_lag(&lags.steps, group).unwrap_or(0.0);
-        }
+        let certain = |friction: &(f64, f64)| per_step * friction.1 < 0.5 * SAME * lag.samples.abs();
+        let friction = search.friction_lag(&lags.steps, group).filter(certain);
+        lag.friction = per_step * friction.map_or(0.0, |f| f.0);
         lag
     }
 
@@ -113,14 +118,14 @@ impl Lag {
     /// Raises it where it is one; whether the record is to be put right.
     fn judge(&self, exam: &mut Examination<'_>, together: bool) -> bool {
         let joint = (!together).then_some(self.joint);
-        let value = if self.is_one() || self.explained <= EXPLAINED_LIMIT_PERCENT { self.explained } else { 0.0 };
-        let unit = "% of the squared residual";
-        let evidence = Evidence { code: Code::Lag, joint, value, unit, limit: EXPLAINED_LIMIT_PERCENT };
+        let strength = (self.explained / EXPLAINED_LIMIT_PERCENT).min(self.effect / EFFECT_LIMIT_PERCENT);
+        let value = if self.is_one() { strength } else { 0.0 };
+        let evidence = Evidence { code: Code::Lag, joint, value, unit: "times the limits", limit: 1.0 };
         exam.note_measure(evidence);
-        let matters = value > EXPLAINED_LIMIT_PERCENT && self.samples.abs() >= ONE_SAMPLE;
-        if !matters && (self.samples.abs() < SURE * self.deviation || value == 0.0) {
+        if !self.is_one() {
             return false;
         }
+        let matters = strength > 1.0 && self.samples.abs() >= ONE_SAMPLE;
         let severity = if matters { Severity::Warning } else { Severity::Note };
         let evidence = Evidence { value: self.samples, unit: "samples", limit: f64::NAN, ..evidence };
         exam.raise(evidence, severity, self.words(joint), Vec::new());
@@ -238,9 +243,9 @@ impl Search<'_, '_> {
         Some(Matrix::from_fn(slope.len(), count, |i, c| columns[c][i]))
     }
 
-    /// The further lag, in steps, of the Coulomb friction of a group of joints when their torques are put right; none where
-    /// friction says nothing.
-    fn friction_lag(&self, steps: &[f64], group: Range<usize>) -> Option<f64> {
+    /// The further lag, in steps, of the Coulomb friction of a group of joints when their torques are put right, and its
+    /// standard deviation; none where there is no friction.
+    fn friction_lag(&self, steps: &[f64], group: Range<usize>) -> Option<(f64, f64)> {
         let chain = self.chain;
         let rest = self.residual(steps);
         let theta = self.regression.theta_of(&chain.stack(&shifted(&chain.torque, steps)));
@@ -256,7 +261,8 @@ impl Search<'_, '_> {
         let others: Vec<f64> = theta.iter().zip(&coulomb).map(|(t, f)| t - f).collect();
         let columns = [slope(&coulomb)?, slope(&others)?].map(|s| self.regression.unexplained(&s));
         let qr = PivotedQr::new(&Matrix::from_fn(rest.len(), 2, |i, c| columns[c][i]));
-        (qr.rank(1e-9) == 2).then(|| -qr.solve(&rest)[0])
+        let variance = dot(&rest, &rest) / rest.len() as f64;
+        (qr.rank(1e-9) == 2).then(|| (-qr.solve(&rest)[0], (variance * qr.inverse_gram().at(0, 0)).sqrt()))
     }
 
     fn joint_squares(&self, rest: &[f64]) -> Vec<f64> {

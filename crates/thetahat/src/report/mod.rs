@@ -23,9 +23,8 @@ pub mod text;
 
 pub use contents::contents_text;
 pub use error::ReportError;
-pub use files::{check_folder, write_all};
-pub use findings::findings_text;
 pub use files::{check_folder, model_json, write_all};
+pub use findings::findings_text;
 pub use model::{
     BaseParameterReport, Count, Counts, JointReport, MimicReport, ModelReport, StandardParameterReport,
     TransmissionReport,

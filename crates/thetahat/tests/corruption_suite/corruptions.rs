@@ -6,26 +6,33 @@ use thetahat::{checks::Code, control::ControllerDescription, robot::Transmission
 
 use super::record::Record;
 
+/// What is recorded beside positions and torques.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Beside {
+    Nothing,
+    Velocities,
+    TimeStamps,
+    Reference,
+}
+
 /// A corruption with the finding that it must raise.
+#[derive(Clone)]
 pub struct Corruption {
     pub name: &'static str,
     pub code: Code,
     /// From one; none where any joint or no joint will do.
     pub joint: Option<usize>,
+    pub beside: Beside,
     pub apply: fn(&mut Record),
-    /// What must be added to the clean record for the corruption to make sense, such as a recorded velocity.
-    pub prepare: fn(&mut Record),
 }
 
-const NOTHING: fn(&mut Record) = |_| {};
-
 fn with(name: &'static str, code: Code, joint: impl Into<Option<usize>>, apply: fn(&mut Record)) -> Corruption {
-    Corruption { name, code, joint: joint.into(), apply, prepare: NOTHING }
+    Corruption { name, code, joint: joint.into(), beside: Beside::Nothing, apply }
 }
 
 impl Corruption {
-    fn given(self, prepare: fn(&mut Record)) -> Self {
-        Self { prepare, ..self }
+    fn given(self, beside: Beside) -> Self {
+        Self { beside, ..self }
     }
 }
 
@@ -120,7 +127,7 @@ fn samples() -> Vec<Corruption> {
         with("three samples missing, seen in the time stamps", DroppedSamples, None, |r| {
             remove(r, &[5000, 14_000, 25_000]);
         })
-        .given(stamps),
+        .given(Beside::TimeStamps),
         with("20 stretches of 5 samples that repeat the one before", RepeatedSamples, None, |r| {
             for start in (5000..33_000).step_by(1400) {
                 (start..start + 5).for_each(|k| repeat(r, k));
@@ -137,7 +144,7 @@ fn samples() -> Vec<Corruption> {
             let step = 1.0 / r.rate_hz;
             r.time_s.iter_mut().flatten().for_each(|t| *t += step * 0.2 * rng.random_range(-1.0..1.0));
         })
-        .given(stamps),
+        .given(Beside::TimeStamps),
     ]
 }
 
@@ -193,71 +200,79 @@ fn beside() -> Vec<Corruption> {
         with("velocity 2 in degrees/s, read as rad/s", VelocityMismatch, 2, |r| {
             r.velocity.iter_mut().for_each(|v| scale(v, 2, 1.0_f64.to_degrees()));
         })
-        .given(velocity),
+        .given(Beside::Velocities),
         with("velocities 1 and 4 exchanged", VelocityMismatch, 4, |r| {
             r.velocity.iter_mut().for_each(|v| exchange(v, 1, 4));
         })
-        .given(velocity),
+        .given(Beside::Velocities),
         with("velocity 5 with the other sign", VelocityMismatch, 5, |r| {
             r.velocity.iter_mut().for_each(|v| scale(v, 5, -1.0));
         })
-        .given(velocity),
-        with("velocity 3 40 samples late", VelocityMismatch, 3, |r| {
-            r.velocity.iter_mut().for_each(|v| late(v, 3, 40.0));
+        .given(Beside::Velocities),
+        with("velocity 3 60 samples late", VelocityMismatch, 3, |r| {
+            r.velocity.iter_mut().for_each(|v| late(v, 3, 60.0));
         })
-        .given(velocity),
+        .given(Beside::Velocities),
         with("references 2 and 3 exchanged", ReferenceMismatch, 2, |r| {
             r.reference.iter_mut().for_each(|v| exchange(v, 2, 3));
         })
-        .given(reference),
+        .given(Beside::Reference),
         with("references 30 ms early", ReferenceMismatch, 1, |r| {
             let samples = -0.03 * r.rate_hz;
             r.reference.iter_mut().for_each(|v| (1..=6).for_each(|j| late(v, j, samples)));
         })
-        .given(reference),
-        with("a motion that is not made of moves", ReferenceMismatch, 1, |r| {
+        .given(Beside::Reference),
+        with("moves reconstructed 0.1 rad off the motion", ReferenceMismatch, 1, |r| {
             r.reconstructed_deviation = Some(vec![0.1; 6]);
         }),
     ]
 }
 
-/// Corruptions of records with a recorded reference and a described controller.
+/// Corruptions of a controller and of the drive signals that it gives.
 pub fn of_controllers() -> Vec<Corruption> {
     use Code::ControllerMismatch;
     vec![
-        with("a controller with another velocity gain", ControllerMismatch, 1, |r| controller(r, |c| {
-            c.velocity_gain.iter_mut().for_each(|g| *g *= 2.0);
-            c.damping *= 4.0;
-        })),
-        with("a controller that is a pure position loop", ControllerMismatch, 1, |r| controller(r, |c| {
-            c.velocity_gain.iter_mut().for_each(|g| *g *= 0.3);
-            c.damping *= 0.1;
-            c.acceleration_feed_forward = 0.0;
-            c.velocity_feed_forward = 0.0;
-        })),
-        with("a drive signal with the other sign", ControllerMismatch, 1, |r| {
+        with("a controller with twice the damping", ControllerMismatch, 1, |r| {
+            controller(r, |c| {
+                c.velocity_gain.iter_mut().for_each(|g| *g *= 2.0);
+                c.position_gain.iter_mut().for_each(|g| *g *= 0.5);
+                c.damping *= 2.0;
+            });
+        }),
+        with("a controller with a quarter of the position gain", ControllerMismatch, 1, |r| {
+            controller(r, |c| {
+                c.position_gain.iter_mut().for_each(|g| *g *= 0.25);
+                c.bandwidth_hz.iter_mut().for_each(|b| *b *= 0.5);
+            });
+        }),
+        with("drive signals with the other sign", ControllerMismatch, 1, |r| {
             r.torque.values_mut().iter_mut().for_each(|t| *t = -*t);
         }),
     ]
+    .into_iter()
+    .map(|c| c.given(Beside::Reference))
+    .collect()
 }
 
 fn controller(record: &mut Record, change: fn(&mut ControllerDescription)) {
     record.controller.iter_mut().for_each(change);
 }
 
-/// Nothing; for the twin, the reference that its controller had.
-pub fn reference(record: &mut Record) {
-    if let (None, Some(moves)) = (&record.reference, &record.moves) {
-        record.reference = Some(moves.sample(record.rate_hz, record.position.len()).0);
+impl Record {
+    /// The record with what is recorded beside it.
+    pub fn with(&self, beside: Beside) -> Self {
+        let mut record = self.clone();
+        match beside {
+            Beside::Nothing => {}
+            Beside::Velocities => record.velocity = Some(self.own_velocity()),
+            Beside::TimeStamps => record.time_s = Some((0..self.position.len()).map(|k| k as f64 / self.rate_hz).collect()),
+            Beside::Reference => {
+                let moves = self.moves.as_ref().map(|m| m.sample(self.rate_hz, self.position.len()).0);
+                record.reference = record.reference.or(moves);
+            }
+        }
+        record
     }
-}
-
-fn velocity(record: &mut Record) {
-    record.velocity = Some(record.own_velocity());
-}
-
-fn stamps(record: &mut Record) {
-    record.time_s = Some((0..record.position.len()).map(|k| k as f64 / record.rate_hz).collect());
 }
 
 fn set(series: &mut Series, joint: usize, value: impl Fn(usize, f64) -> f64) {
@@ -275,15 +290,15 @@ fn exchange(series: &mut Series, a: usize, b: usize) {
     (0..series.len()).for_each(|k| series.sample_mut(k).swap(a - 1, b - 1));
 }
 
-fn quantise(series: &mut Series, joint: usize, step: f64) {
+pub fn quantise(series: &mut Series, joint: usize, step: f64) {
     set(series, joint, |_, v| step * (v / step).round());
 }
 
-fn peak(series: &Series, joint: usize) -> f64 {
+pub fn peak(series: &Series, joint: usize) -> f64 {
     series.channel(joint - 1).iter().fold(0.0, |m, v| v.abs().max(m))
 }
 
-fn limit(series: &mut Series, joint: usize, part: f64) {
+pub fn limit(series: &mut Series, joint: usize, part: f64) {
     // Of a low percentile of the peak, so that the noise of single samples does not set it.
     let mut sizes: Vec<f64> = series.channel(joint - 1).iter().map(|v| v.abs()).collect();
     sizes.sort_by(f64::total_cmp);
@@ -314,7 +329,7 @@ pub fn wrong_ratio(record: &mut Record, motor: usize, factor: f64) {
     record.robot.transmission = wrong;
 }
 
-fn remove(record: &mut Record, samples: &[usize]) {
+pub fn remove(record: &mut Record, samples: &[usize]) {
     let keep: Vec<usize> = (0..record.position.len()).filter(|k| !samples.contains(k)).collect();
     let of = |series: &Series| {
         let values = keep.iter().flat_map(|&k| series.sample(k).to_vec()).collect();
@@ -325,7 +340,7 @@ fn remove(record: &mut Record, samples: &[usize]) {
     record.signal.window.end -= samples.len();
 }
 
-fn repeat(record: &mut Record, k: usize) {
+pub fn repeat(record: &mut Record, k: usize) {
     for series in [&mut record.position, &mut record.torque] {
         let before = series.sample(k - 1).to_vec();
         series.sample_mut(k).copy_from_slice(&before);
@@ -333,7 +348,7 @@ fn repeat(record: &mut Record, k: usize) {
 }
 
 /// The robot stops for a while where its joints come closest to rest, with the noise of a record.
-fn insert_rest(record: &mut Record, after: usize, samples: usize) {
+pub fn insert_rest(record: &mut Record, after: usize, samples: usize) {
     let velocity = record.own_velocity();
     let speed = |k: usize| velocity.sample(k).iter().map(|v| v.abs()).sum::<f64>();
     let rest = (after..after + 4000).min_by(|a, b| speed(*a).total_cmp(&speed(*b))).unwrap();
