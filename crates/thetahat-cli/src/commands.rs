@@ -178,6 +178,8 @@ fn record_twin(simulate: &Simulate) -> Result<Verdict, Box<dyn Error>> {
         simulate.out.display()
     ))?;
     Ok(Verdict::Good)
+}
+
 fn show_model(request: &Model) -> Result<Verdict, Box<dyn Error>> {
     let folder = request.data.clone().unwrap_or_default();
     let source = RobotSource::read(&folder.join(&request.robot))?;
