@@ -169,6 +169,7 @@ fn check(source: Source) -> Result<(), Failed> {
 }
 
 /// Lower, upper, velocity and effort of every joint, as the files have them.
+#[allow(clippy::approx_constant)] // The file says 3.14.
 fn limits() -> Result<(), Failed> {
     let tx40 = [
         [-3.14, 3.14, 5.009, 131.84],
