@@ -13,7 +13,7 @@ const GRIPPER: &str = r#"<robot name="gripper">
   <link name="left"/>
   <link name="right"/>
   <joint name="turn" type="revolute"><parent link="base"/><child link="table"/><axis xyz="0 0 1"/>
-    <limit lower="-1.5708" upper="1.5708" velocity="2" effort="30"/></joint>
+    <limit lower="-1.5" upper="1.5" velocity="2" effort="30"/></joint>
   <joint name="finger_left" type="prismatic"><parent link="table"/><child link="left"/><axis xyz="0 1 0"/></joint>
   <joint name="finger_right" type="prismatic"><parent link="table"/><child link="right"/><axis xyz="0 1 0"/>
     <mimic joint="finger_left" multiplier="-1" offset="0.05"/></joint>
@@ -72,7 +72,7 @@ fn has(text: &str, words: &[&str]) {
 fn the_text_shows_structure_parameters_and_formulas() {
     let text = Folder::new("text").text(&["gripper.urdf"]);
     has(&text, &["gripper.urdf (URDF)", "2, 1 of 3 joints following others", "0 0 -9.81 m/s^2"]);
-    has(&text, &["-90..90 deg", "114.6 deg/s", "30 N m", "-1 q2 + 0.05 m"]);
+    has(&text, &["-85.94..85.94 deg", "114.6 deg/s", "30 N m", "-1 q2 + 0.05 m"]);
     has(&text, &["motor positions per joint positions: 80 1", "Standard parameters: 42"]);
     has(
         &text,
@@ -92,7 +92,7 @@ fn the_json_says_the_same() {
         (&1.into(), &2.into(), &(-1.0).into())
     );
     assert!(follower["coordinate"].is_null());
-    assert_eq!(report["joints"][0]["upper"], 1.5708);
+    assert_eq!(report["joints"][0]["upper"], 1.5);
     assert_eq!(report["transmission"]["matrix"][0][0], 80.0);
     assert_eq!(report["standard_parameters"].as_array().unwrap().len(), 42);
     let counts = &report["counts"]["base"];

@@ -54,10 +54,13 @@ fn head(report: &ModelReport) -> String {
     facts.into_iter().map(line).collect()
 }
 
+/// A column of the structure: what it says of a joint, if anything.
+type Cell = fn(&JointReport) -> Option<String>;
+
 /// One row for each joint; names are indented where their branch of the tree begins.
 fn structure(report: &ModelReport) -> Table {
     let joints = &report.joints;
-    let columns: [(&str, fn(&JointReport) -> Option<String>); 4] =
+    let columns: [(&str, Cell); 4] =
         [("range", range), ("velocity", velocity), ("effort", effort), ("follows", follows)];
     let shown: Vec<_> = columns.iter().filter(|(_, text)| joints.iter().any(|j| text(j).is_some())).collect();
     let row = |joint: &JointReport| {

@@ -230,6 +230,7 @@ fn a_number_that_is_none_is_refused() {
         &["line 21", "<origin> of <joint name=\"shoulder\">", "three numbers"],
     );
     says(&refused("ixx=\"0.3\"", "ixx=\"inf\""), &["<inertia>", "ixx", "a finite number"]);
+    says(&refused("value=\"2\"", "value=\"1e300\""), &["<mass>", "a number up to 1e9"]);
     says(&refused("damping=\"0.7\"", "damping=\"NaN\""), &["<dynamics>", "a finite number"]);
 }
 
@@ -314,4 +315,26 @@ fn files_beyond_any_robot_are_refused() {
 fn deep_nesting_does_not_overflow_the_stack() {
     let deep = format!("{}{}", "<a>".repeat(300_000), "</a>".repeat(300_000));
     assert!(read(&ARM.replace("<link name=\"base\"/>", &format!("{deep}<link name=\"base\"/>"))).is_ok());
+}
+
+/// Bytes changed, pieces left out, doubled or moved: whatever comes out is read or refused.
+#[test]
+fn mutilated_files_are_read_or_refused() {
+    use rand::{RngExt, SeedableRng};
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+    for _ in 0..5000 {
+        let mut bytes = ARM.as_bytes().to_vec();
+        for _ in 0..rng.random_range(1..4) {
+            let (from, to) = (rng.random_range(0..bytes.len()), rng.random_range(0..bytes.len()));
+            let piece: Vec<u8> = bytes[from..(from + rng.random_range(1..60)).min(bytes.len())].to_vec();
+            match rng.random_range(0..3) {
+                0 => bytes[from] = rng.random_range(32..127),
+                1 => drop(bytes.drain(from..from + piece.len())),
+                _ => drop(bytes.splice(to..to, piece)),
+            }
+        }
+        if let Ok(robot) = read(&String::from_utf8_lossy(&bytes)) {
+            assert!(robot.a_priori_parameters().iter().all(|v| v.is_finite()));
+        }
+    }
 }
