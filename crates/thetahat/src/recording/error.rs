@@ -118,7 +118,7 @@ pub enum RecordingError {
         /// The file.
         file: PathBuf,
         /// What is wrong.
-        problem: BagError,
+        problem: Box<BagError>,
     },
 
     /// The delimiter given for a CSV file cannot be one.

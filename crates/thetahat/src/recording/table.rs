@@ -48,7 +48,7 @@ impl Column {
 
     /// Number of samples of each channel.
     pub(super) fn samples(&self) -> usize {
-        if self.channels == 0 { 0 } else { self.values.len() / self.channels }
+        self.values.len().checked_div(self.channels).unwrap_or(0)
     }
 
     pub(super) fn is_numeric(&self) -> bool {

@@ -12,6 +12,7 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use super::super::RecordingError;
 use super::super::caught::caught;
 use super::super::place::{file_length, open, unreadable};
+use super::OtherTopic;
 use super::topic::{JOINT_STATE, Topics};
 
 /// Longest record that is read: no image or cloud of points in a bag is longer.
@@ -117,7 +118,7 @@ impl Bag<'_> {
             let place = self.topics.add_topic(channel.topic);
             is_asked.then_some(place)
         } else {
-            self.topics.others.push((channel.topic, kind));
+            self.topics.others.push(OtherTopic { name: channel.topic, kind });
             None
         };
         self.places.insert(channel.id, place);

@@ -1,7 +1,8 @@
 use std::path::Path;
 
+use super::super::table::Wanted;
 use super::super::test_files::MatBytes;
-use super::super::{Format, select};
+use super::super::{Format, RecordingError, select};
 use super::*;
 use crate::series::Series;
 

@@ -10,7 +10,7 @@ use super::super::RecordingError;
 use super::super::caught::caught;
 use super::super::limits::Budget;
 use super::super::table::{Column, Wanted};
-use super::samples_and_channels;
+use super::read::samples_and_channels;
 
 /// Structures within structures.
 const DEEPEST_STRUCTURE: usize = 8;
