@@ -11,7 +11,7 @@ use std::sync::OnceLock;
 use common::ensure;
 use corruption_suite::{
     corruptions::{Beside, Corruption, LATE, all, late, of_controllers},
-    record::{Record, from_experiment, other_twin, quiet_twin, tx40_with_reference, twin},
+    record::{Record, from_experiment, other_twin, quiet_twin, twin, tx40_with_reference},
     table::{Clean, cells, row, same},
 };
 use libtest_mimic::{Arguments, Failed, Trial};
@@ -44,8 +44,11 @@ fn raises(record: fn() -> &'static Clean, corruption: &Corruption) -> Result<(),
 }
 
 fn is_clean(findings: &[Finding]) -> Result<(), Failed> {
-    let serious: Vec<String> =
-        findings.iter().filter(|f| f.severity < Severity::Note).map(|f| format!("[{}] {}", f.code, f.message)).collect();
+    let serious: Vec<String> = findings
+        .iter()
+        .filter(|f| f.severity < Severity::Note)
+        .map(|f| format!("[{}] {}", f.code, f.message))
+        .collect();
     ensure(serious.is_empty(), serious.join("\n"))
 }
 
@@ -112,13 +115,17 @@ fn main() {
         eprintln!("\n*** SKIPPED: the tests on recorded data; it is not at {} ***\n", common::shared().display());
     }
     let mut trials = Vec::new();
-    let mut always = |name: String, run: Box<dyn FnOnce() -> Result<(), Failed> + Send>| trials.push(Trial::test(name, run));
+    let mut always =
+        |name: String, run: Box<dyn FnOnce() -> Result<(), Failed> + Send>| trials.push(Trial::test(name, run));
     for corruption in all().into_iter().chain(of_controllers()) {
         always(format!("twin: {}", corruption.name), Box::new(move || raises(the_twin, &corruption)));
     }
     always("twin: clean".into(), Box::new(|| clean_with_everything_beside(the_twin())));
     for number in 0..OTHER_TWINS {
-        always(format!("twin {number} with other noise and moves: clean"), Box::new(move || is_clean(&other_twin(number).findings())));
+        always(
+            format!("twin {number} with other noise and moves: clean"),
+            Box::new(move || is_clean(&other_twin(number).findings())),
+        );
     }
     always("twin: findings are sorted and the same every time".into(), Box::new(deterministic));
     always("twin: lag to a tenth of a sample".into(), Box::new(lag_to_a_tenth));

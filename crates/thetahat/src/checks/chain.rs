@@ -75,7 +75,18 @@ impl<'a> Chain<'a> {
         let motion = Motion { q, dq, ddq };
         let rate_hz = rate / stride as f64;
         let fit = OnceCell::new();
-        Ok(Self { subject, motion, torque, decimator, rate_hz, kept, every: every.max(1), regressor, fit, corrected: false })
+        Ok(Self {
+            subject,
+            motion,
+            torque,
+            decimator,
+            rate_hz,
+            kept,
+            every: every.max(1),
+            regressor,
+            fit,
+            corrected: false,
+        })
     }
 
     pub(super) fn joints(&self) -> usize {

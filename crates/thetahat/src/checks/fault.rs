@@ -128,7 +128,8 @@ fn is_plausible(hypothesis: &Hypothesis, chain: &Chain<'_>, spans: &[f64]) -> bo
     if hypothesis.code != Code::PositionScale {
         return true;
     }
-    let sizes = |i: usize| spans.iter().enumerate().map(move |(j, s)| (hypothesis.correction.position.at(i, j) * s).abs());
+    let sizes =
+        |i: usize| spans.iter().enumerate().map(move |(j, s)| (hypothesis.correction.position.at(i, j) * s).abs());
     let plausible = |i: usize| match chain.subject.robot.joints[i].kind {
         JointKind::Revolute => SPANS_RAD.contains(&sizes(i).sum::<f64>()),
         _ => SPANS_M.contains(&sizes(i).sum::<f64>()),
@@ -233,7 +234,8 @@ fn sides(robot: &Robot) -> Vec<Hypothesis> {
                 let kept = |j: &usize| if joints.contains(j) { offset[*j] } else { 0.0 };
                 let shift: Vec<f64> = (0..n).map(|j| kept(&j)).collect();
                 let back = shift.iter().zip(&up).map(|(o, r)| -o * r).collect();
-                let down = Affine { position: diagonal(&down), shift, torque: crate::linear_algebra::Matrix::identity(n) };
+                let down =
+                    Affine { position: diagonal(&down), shift, torque: crate::linear_algebra::Matrix::identity(n) };
                 (Some(down), Some(Affine { position: diagonal(&up), shift: back, ..Affine::identity(n) }))
             }
         };
@@ -244,9 +246,8 @@ fn sides(robot: &Robot) -> Vec<Hypothesis> {
             let words = format!("{whose} position is taken as it is on the joint side: it went through the gear twice");
             add(Code::PositionScale, correction, words);
         }
-        let torques = |up: bool| {
-            Affine::scaled_torques(&select(robot, &joints, &|j| if up { ratio(j) } else { 1.0 / ratio(j) }))
-        };
+        let torques =
+            |up: bool| Affine::scaled_torques(&select(robot, &joints, &|j| if up { ratio(j) } else { 1.0 / ratio(j) }));
         let words = format!("{whose} torque is taken from the motor side");
         add(Code::TorqueScale, torques(true), words);
         let words = format!("{whose} torque is taken as it is on the joint side: it went through the gear twice");

@@ -51,12 +51,7 @@ pub(super) fn check(exam: &mut Examination<'_>, chain: &mut Chain<'_>) {
 }
 
 /// What makes a joint's friction negative: its torque's sign, its position's sign, or neither.
-fn cause(
-    chain: &Chain<'_>,
-    regression: &Regression,
-    j: usize,
-    everywhere: bool,
-) -> (Code, Option<Affine>, String) {
+fn cause(chain: &Chain<'_>, regression: &Regression, j: usize, everywhere: bool) -> (Code, Option<Affine>, String) {
     let flip: Vec<f64> = (0..chain.joints()).map(|i| if i == j { -1.0 } else { 1.0 }).collect();
     let torque = Affine::scaled_torques(&flip);
     if everywhere {
@@ -116,7 +111,10 @@ fn poor_fit(exam: &mut Examination<'_>, chain: &Chain<'_>) {
     let remedy = "look at the other findings; else at the robot's geometry, the order of the joints, and loads that are \
                   not in the model";
     exam.judge(evidence, Severity::Warning, || {
-        (format!("the model with its best parameters leaves {value:.0} % of the torques unexplained"), remedy.to_owned())
+        (
+            format!("the model with its best parameters leaves {value:.0} % of the torques unexplained"),
+            remedy.to_owned(),
+        )
     });
     for j in 0..chain.joints() {
         let value = 100.0 * regression.joint_error(j, chain.joints());

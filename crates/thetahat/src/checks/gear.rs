@@ -15,11 +15,12 @@ use super::{
 /// Standard deviations by which a scale must differ from one.
 const SURE: f64 = 6.0;
 /// The same with deviations by blocks of time, which hold for residuals that are no white noise.
-const SURE_IN_BLOCKS: f64 = 3.0;
+const SURE_IN_BLOCKS: f64 = 4.0;
 /// Smallest error of a scale that counts: modelling errors move the scales of the recorded TX40 by up to 0.13.
 const SMALLEST: f64 = 0.05;
 /// Rms torque that the right scale must explain, percent of the torques' deviation, with the parameters estimated again.
-const EFFECT_LIMIT_PERCENT: f64 = 1.0;
+/// Friction that is not quite a sign gives up to 1.2 on the clean twins.
+const EFFECT_LIMIT_PERCENT: f64 = 1.5;
 /// Blocks of time.
 const BLOCKS: usize = 10;
 /// Relative step of the difference quotient.
@@ -116,7 +117,11 @@ fn raise(exam: &mut Examination<'_>, chain: &Chain<'_>, found: &Found, left: f64
     let number = joint + 1;
     let what = match kind {
         Kind::Ratio => {
-            format!("the gear ratio of motor {number} is {:.4}, not {:.4}", factor * ratio(chain, joint), ratio(chain, joint))
+            format!(
+                "the gear ratio of motor {number} is {:.4}, not {:.4}",
+                factor * ratio(chain, joint),
+                ratio(chain, joint)
+            )
         }
         Kind::Position => format!("the position of joint {number} is {factor:.4} times what was recorded"),
         Kind::Torque => format!("the torque of joint {number} is {factor:.4} times what was recorded"),

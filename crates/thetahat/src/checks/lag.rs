@@ -27,7 +27,7 @@ const EFFECT_LIMIT_PERCENT: f64 = 4.0;
 const SURE: f64 = 6.0;
 /// Part of a lag by which friction alone may differ from it. Joints whose model is poor follow any shift with one part of
 /// their torque: joint 5 of the recorded KUKA differs by 0.9.
-const SAME: f64 = 0.5;
+const SAME: f64 = 0.35;
 /// Lag in samples below which it is noted only.
 const ONE_SAMPLE: f64 = 1.0;
 /// Longest lag that is searched for, s.

@@ -30,7 +30,8 @@ pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
     let torque = exam.subject.torque.window(exam.subject.signal.window.clone());
     // A filter that lets noise through gives no velocity to expect anything from.
     let highest = HIGHEST_CUTOFF * exam.subject.sample_rate_hz;
-    let smoother = (exam.subject.signal.cutoff_hz > highest).then(|| Signals::new(exam.subject, highest).ok()).flatten();
+    let smoother =
+        (exam.subject.signal.cutoff_hz > highest).then(|| Signals::new(exam.subject, highest).ok()).flatten();
     let signals = smoother.as_ref().unwrap_or(signals);
     repeated(exam, signals, &signals.raw, "positions");
     repeated(exam, signals, &torque, "torques");
@@ -40,8 +41,7 @@ pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
 /// All channels of a signal exactly as one sample before, while a joint moves by several steps of its position.
 fn repeated(exam: &mut Examination<'_>, signals: &Signals, series: &Series, what: &str) {
     let moving = moving_fast(exam.subject.sample_rate_hz, signals);
-    let repeated: Vec<usize> =
-        moving.iter().copied().filter(|&k| series.sample(k) == series.sample(k - 1)).collect();
+    let repeated: Vec<usize> = moving.iter().copied().filter(|&k| series.sample(k) == series.sample(k - 1)).collect();
     let value = 100.0 * repeated.len() as f64 / moving.len().max(1) as f64;
     let evidence = Evidence {
         code: Code::RepeatedSamples,
@@ -54,7 +54,10 @@ fn repeated(exam: &mut Examination<'_>, signals: &Signals, series: &Series, what
     exam.judge(evidence, Severity::Warning, || {
         let first = repeated.first().map_or(0, |k| k + start);
         (
-            format!("{} samples ({value:.2} %) repeat the {what} of the one before, the first is sample {first}", repeated.len()),
+            format!(
+                "{} samples ({value:.2} %) repeat the {what} of the one before, the first is sample {first}",
+                repeated.len()
+            ),
             "the logger holds old values: record at the rate at which they are new, or drop the repeats and resample"
                 .to_owned(),
         )
@@ -136,7 +139,11 @@ impl Ahead {
         };
         let jump = |&k: &usize| {
             let (ahead, deviation, explained) = self.steps[k];
-            ahead > JUMP && ahead > SURE * deviation && !self.behind_repeats[k] && explained > EXPLAINED && lasting(k) > JUMP
+            ahead > JUMP
+                && ahead > SURE * deviation
+                && !self.behind_repeats[k]
+                && explained > EXPLAINED
+                && lasting(k) > JUMP
         };
         (0..self.steps.len()).filter(jump).collect()
     }

@@ -39,13 +39,8 @@ pub(super) fn check(exam: &mut Examination<'_>) {
     });
     let regular: Vec<f64> = late.iter().enumerate().filter(|(k, _)| !gaps.contains(k)).map(|(_, l)| *l).collect();
     let value = 100.0 * rms(&regular);
-    let evidence = Evidence {
-        code: Code::ClockJitter,
-        joint: None,
-        value,
-        unit: "% of a step",
-        limit: JITTER_LIMIT_PERCENT,
-    };
+    let evidence =
+        Evidence { code: Code::ClockJitter, joint: None, value, unit: "% of a step", limit: JITTER_LIMIT_PERCENT };
     exam.judge(evidence, Severity::Warning, || {
         let largest = 100.0 * quantile_abs(regular.iter().copied(), 1.0);
         (

@@ -57,7 +57,8 @@ fn saturation(exam: &mut Examination<'_>, j: usize, drive: &[f64]) {
     exam.judge(evidence, Severity::Warning, || {
         (
             format!("joint {}: the drive stays at its extreme value for {count} samples ({value:.2} %)", j + 1),
-            "the recorded torque is cut off there: move more slowly or widen the drive's or recorder's range".to_owned(),
+            "the recorded torque is cut off there: move more slowly or widen the drive's or recorder's range"
+                .to_owned(),
         )
     });
 }
@@ -93,7 +94,10 @@ fn quantisation(exam: &mut Examination<'_>, j: usize, tau: &[f64]) {
     };
     exam.judge(evidence, Severity::Warning, || {
         (
-            format!("joint {}: the torque comes in steps of {step:.3e}, an error of {value:.1} % of its deviation", j + 1),
+            format!(
+                "joint {}: the torque comes in steps of {step:.3e}, an error of {value:.1} % of its deviation",
+                j + 1
+            ),
             "record more digits, or a finer current range".to_owned(),
         )
     });

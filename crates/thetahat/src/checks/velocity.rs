@@ -44,7 +44,10 @@ fn compare(exam: &mut Examination<'_>, recorded: &[f64], motion: &[Vec<f64>], (j
     exam.judge(evidence, Severity::Warning, || {
         let cause = cause(recorded, motion, (j, reach));
         (
-            format!("joint {}: recorded velocity and derivative of the position differ by {value:.0} % rms: {cause}", j + 1),
+            format!(
+                "joint {}: recorded velocity and derivative of the position differ by {value:.0} % rms: {cause}",
+                j + 1
+            ),
             "check the velocity's column, unit and sign; the estimate itself uses the position only".to_owned(),
         )
     });
