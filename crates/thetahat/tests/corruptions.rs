@@ -93,6 +93,28 @@ fn lag_of_the_suite(record: &Clean) -> Result<(), Failed> {
     ensure((apart / (2.0 * LATE) - 1.0).abs() < 0.03, format!("{apart} samples apart, expected {}", 2.0 * LATE))
 }
 
+/// Windows and values that no robot has end without a panic.
+fn nothing_panics() -> Result<(), Failed> {
+    let clean = twin(|_| {}).with(Beside::Velocities).with(Beside::TimeStamps).with(Beside::Reference);
+    for window in [0..0, 5..6, 100..109, 100..130, 100..400, 1500..2600] {
+        for decimation in [1, 10_000] {
+            let mut record = clean.clone();
+            (record.signal.window, record.signal.decimation) = (window.clone(), decimation);
+            record.findings();
+        }
+    }
+    for factor in [0.0, 1e-300, 1e200] {
+        let mut record = clean.clone();
+        record.signal.window = 1500..6500;
+        record.position.values_mut().iter_mut().for_each(|q| *q *= factor);
+        record.findings();
+        record.torque.values_mut().iter_mut().for_each(|t| *t *= factor);
+        record.time_s.iter_mut().flatten().for_each(|t| *t *= factor);
+        record.findings();
+    }
+    Ok(())
+}
+
 /// Every row of the table in the documentation is what is found.
 fn table_is_that_of_the_documentation(with_real: bool) -> Result<(), Failed> {
     let text = std::fs::read_to_string(common::root().join("docs/checks.md"))?;
@@ -128,6 +150,7 @@ fn main() {
         );
     }
     always("twin: findings are sorted and the same every time".into(), Box::new(deterministic));
+    always("twin: nothing panics".into(), Box::new(nothing_panics));
     always("twin: lag to a tenth of a sample".into(), Box::new(lag_to_a_tenth));
     always("twin: lag beside noise".into(), Box::new(|| lag_of_the_suite(the_twin())));
     always("table of the documentation".into(), Box::new(move || table_is_that_of_the_documentation(!absent)));

@@ -7,9 +7,10 @@
 use super::{
     Code, Severity,
     affine::Affine,
-    chain::{Chain, Motion, Regression, at},
+    chain::{Chain, Motion, at},
     examination::{Evidence, Examination},
     numbers::dot,
+    regression::Regression,
 };
 
 /// Standard deviations by which a scale must differ from one.

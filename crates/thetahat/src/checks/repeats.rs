@@ -79,7 +79,7 @@ fn moving_fast(rate: f64, signals: &Signals) -> Vec<usize> {
 fn dropped(exam: &mut Examination<'_>, signals: &Signals) {
     let ahead = Ahead::new(exam.subject.sample_rate_hz, signals);
     let jumps = ahead.jumps();
-    let missing: f64 = jumps.iter().map(|&k| ahead.steps[k].0.round().max(1.0)).sum();
+    let missing = 0.0 + jumps.iter().map(|&k| ahead.steps[k].0.round().max(1.0)).sum::<f64>();
     let evidence = Evidence { code: Code::DroppedSamples, joint: None, value: missing, unit: "samples", limit: 0.5 };
     let (start, rate) = (exam.subject.signal.window.start, exam.subject.sample_rate_hz);
     exam.judge(evidence, Severity::Warning, || {
