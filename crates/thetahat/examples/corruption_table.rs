@@ -13,7 +13,7 @@ mod corruption_suite;
 use corruption_suite::{
     corruptions::{all, of_controllers},
     power::powers,
-    record::{Record, from_experiment, other_twin, tx40_with_reference, twin},
+    record::{Record, from_experiment, other_twin, twin, tx40_with_reference},
     table::{Clean, markdown, row, short},
 };
 use thetahat::checks::{Code, measure};
@@ -78,7 +78,8 @@ fn smallest(twin: &Record, tx40: &Record) {
     let rows: Vec<Vec<String>> = powers()
         .iter()
         .map(|p| {
-            let cell = |record: &Record| p.smallest(record).map_or_else(|| "none".to_owned(), |v| format!("{v} {}", p.unit));
+            let cell =
+                |record: &Record| p.smallest(record).map_or_else(|| "none".to_owned(), |v| format!("{v} {}", p.unit));
             vec![p.name.to_owned(), format!("`{}`", p.code), cell(twin), cell(tx40)]
         })
         .collect();

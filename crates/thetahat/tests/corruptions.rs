@@ -11,7 +11,7 @@ use std::sync::OnceLock;
 use common::ensure;
 use corruption_suite::{
     corruptions::{Beside, Corruption, LATE, all, late, of_controllers},
-    record::{Record, from_experiment, other_twin, quiet_twin, tx40_with_reference, twin},
+    record::{Record, from_experiment, other_twin, quiet_twin, twin, tx40_with_reference},
     table::{Clean, cells, row, same},
 };
 use libtest_mimic::{Arguments, Failed, Trial};
@@ -44,8 +44,11 @@ fn raises(record: fn() -> &'static Clean, corruption: &Corruption) -> Result<(),
 }
 
 fn is_clean(findings: &[Finding]) -> Result<(), Failed> {
-    let serious: Vec<String> =
-        findings.iter().filter(|f| f.severity < Severity::Note).map(|f| format!("[{}] {}", f.code, f.message)).collect();
+    let serious: Vec<String> = findings
+        .iter()
+        .filter(|f| f.severity < Severity::Note)
+        .map(|f| format!("[{}] {}", f.code, f.message))
+        .collect();
     ensure(serious.is_empty(), serious.join("\n"))
 }
 
@@ -90,6 +93,28 @@ fn lag_of_the_suite(record: &Clean) -> Result<(), Failed> {
     ensure((apart / (2.0 * LATE) - 1.0).abs() < 0.03, format!("{apart} samples apart, expected {}", 2.0 * LATE))
 }
 
+/// Windows and values that no robot has end without a panic.
+fn nothing_panics() -> Result<(), Failed> {
+    let clean = twin(|_| {}).with(Beside::Velocities).with(Beside::TimeStamps).with(Beside::Reference);
+    for window in [0..0, 5..6, 100..109, 100..130, 100..400, 1500..2600] {
+        for decimation in [1, 10_000] {
+            let mut record = clean.clone();
+            (record.signal.window, record.signal.decimation) = (window.clone(), decimation);
+            record.findings();
+        }
+    }
+    for factor in [0.0, 1e-300, 1e200] {
+        let mut record = clean.clone();
+        record.signal.window = 1500..6500;
+        record.position.values_mut().iter_mut().for_each(|q| *q *= factor);
+        record.findings();
+        record.torque.values_mut().iter_mut().for_each(|t| *t *= factor);
+        record.time_s.iter_mut().flatten().for_each(|t| *t *= factor);
+        record.findings();
+    }
+    Ok(())
+}
+
 /// Every row of the table in the documentation is what is found.
 fn table_is_that_of_the_documentation(with_real: bool) -> Result<(), Failed> {
     let text = std::fs::read_to_string(common::root().join("docs/checks.md"))?;
@@ -112,15 +137,20 @@ fn main() {
         eprintln!("\n*** SKIPPED: the tests on recorded data; it is not at {} ***\n", common::shared().display());
     }
     let mut trials = Vec::new();
-    let mut always = |name: String, run: Box<dyn FnOnce() -> Result<(), Failed> + Send>| trials.push(Trial::test(name, run));
+    let mut always =
+        |name: String, run: Box<dyn FnOnce() -> Result<(), Failed> + Send>| trials.push(Trial::test(name, run));
     for corruption in all().into_iter().chain(of_controllers()) {
         always(format!("twin: {}", corruption.name), Box::new(move || raises(the_twin, &corruption)));
     }
     always("twin: clean".into(), Box::new(|| clean_with_everything_beside(the_twin())));
     for number in 0..OTHER_TWINS {
-        always(format!("twin {number} with other noise and moves: clean"), Box::new(move || is_clean(&other_twin(number).findings())));
+        always(
+            format!("twin {number} with other noise and moves: clean"),
+            Box::new(move || is_clean(&other_twin(number).findings())),
+        );
     }
     always("twin: findings are sorted and the same every time".into(), Box::new(deterministic));
+    always("twin: nothing panics".into(), Box::new(nothing_panics));
     always("twin: lag to a tenth of a sample".into(), Box::new(lag_to_a_tenth));
     always("twin: lag beside noise".into(), Box::new(|| lag_of_the_suite(the_twin())));
     always("table of the documentation".into(), Box::new(move || table_is_that_of_the_documentation(!absent)));

@@ -2,8 +2,9 @@
 
 use super::{
     Code, Severity,
-    chain::{Chain, Regression},
+    chain::Chain,
     examination::{Evidence, Examination},
+    regression::Regression,
 };
 use crate::linear_algebra::{Matrix, PivotedQr};
 

@@ -3,9 +3,10 @@
 use super::{
     Code, Severity,
     affine::Affine,
-    chain::{Chain, Regression},
+    chain::Chain,
     examination::{Evidence, Examination},
     numbers::dot,
+    regression::Regression,
 };
 use crate::linear_algebra::PivotedQr;
 

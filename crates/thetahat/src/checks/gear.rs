@@ -7,19 +7,21 @@
 use super::{
     Code, Severity,
     affine::Affine,
-    chain::{Chain, Motion, Regression, at},
+    chain::{Chain, Motion, at},
     examination::{Evidence, Examination},
     numbers::dot,
+    regression::Regression,
 };
 
 /// Standard deviations by which a scale must differ from one.
 const SURE: f64 = 6.0;
 /// The same with deviations by blocks of time, which hold for residuals that are no white noise.
-const SURE_IN_BLOCKS: f64 = 3.0;
+const SURE_IN_BLOCKS: f64 = 4.0;
 /// Smallest error of a scale that counts: modelling errors move the scales of the recorded TX40 by up to 0.13.
 const SMALLEST: f64 = 0.05;
 /// Rms torque that the right scale must explain, percent of the torques' deviation, with the parameters estimated again.
-const EFFECT_LIMIT_PERCENT: f64 = 1.0;
+/// Friction that is not quite a sign gives up to 1.2 on the clean twins.
+const EFFECT_LIMIT_PERCENT: f64 = 1.5;
 /// Blocks of time.
 const BLOCKS: usize = 10;
 /// Relative step of the difference quotient.

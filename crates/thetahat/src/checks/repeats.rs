@@ -30,7 +30,8 @@ pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
     let torque = exam.subject.torque.window(exam.subject.signal.window.clone());
     // A filter that lets noise through gives no velocity to expect anything from.
     let highest = HIGHEST_CUTOFF * exam.subject.sample_rate_hz;
-    let smoother = (exam.subject.signal.cutoff_hz > highest).then(|| Signals::new(exam.subject, highest).ok()).flatten();
+    let smoother =
+        (exam.subject.signal.cutoff_hz > highest).then(|| Signals::new(exam.subject, highest).ok()).flatten();
     let signals = smoother.as_ref().unwrap_or(signals);
     repeated(exam, signals, &signals.raw, "positions");
     repeated(exam, signals, &torque, "torques");
@@ -78,7 +79,7 @@ fn moving_fast(rate: f64, signals: &Signals) -> Vec<usize> {
 fn dropped(exam: &mut Examination<'_>, signals: &Signals) {
     let ahead = Ahead::new(exam.subject.sample_rate_hz, signals);
     let jumps = ahead.jumps();
-    let missing: f64 = jumps.iter().map(|&k| ahead.steps[k].0.round().max(1.0)).sum();
+    let missing = 0.0 + jumps.iter().map(|&k| ahead.steps[k].0.round().max(1.0)).sum::<f64>();
     let evidence = Evidence { code: Code::DroppedSamples, joint: None, value: missing, unit: "samples", limit: 0.5 };
     let (start, rate) = (exam.subject.signal.window.start, exam.subject.sample_rate_hz);
     exam.judge(evidence, Severity::Warning, || {
@@ -138,7 +139,11 @@ impl Ahead {
         };
         let jump = |&k: &usize| {
             let (ahead, deviation, explained) = self.steps[k];
-            ahead > JUMP && ahead > SURE * deviation && !self.behind_repeats[k] && explained > EXPLAINED && lasting(k) > JUMP
+            ahead > JUMP
+                && ahead > SURE * deviation
+                && !self.behind_repeats[k]
+                && explained > EXPLAINED
+                && lasting(k) > JUMP
         };
         (0..self.steps.len()).filter(jump).collect()
     }

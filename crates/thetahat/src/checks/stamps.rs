@@ -25,7 +25,7 @@ pub(super) fn check(exam: &mut Examination<'_>) {
     }
     let late: Vec<f64> = steps.iter().map(|s| s / median - 1.0).collect();
     let gaps = gaps(&late);
-    let missing: f64 = gaps.iter().map(|&k| late[k].round().max(1.0)).sum();
+    let missing = 0.0 + gaps.iter().map(|&k| late[k].round().max(1.0)).sum::<f64>();
     let evidence = Evidence { code: Code::DroppedSamples, joint: None, value: missing, unit: "samples", limit: 0.5 };
     exam.judge(evidence, Severity::Warning, || {
         let first = gaps.first().map_or(0.0, |&k| time[k]);

@@ -54,7 +54,9 @@ fn scales() -> Vec<Corruption> {
         with("all positions in degrees, read as rad", PositionScale, None, |r| {
             r.position.values_mut().iter_mut().for_each(|q| *q = q.to_degrees());
         }),
-        with("position 3 in degrees, read as rad", PositionScale, 3, |r| scale(&mut r.position, 3, 1.0_f64.to_degrees())),
+        with("position 3 in degrees, read as rad", PositionScale, 3, |r| {
+            scale(&mut r.position, 3, 1.0_f64.to_degrees())
+        }),
         with("all positions in rad, read as degrees", PositionScale, None, |r| {
             r.position.values_mut().iter_mut().for_each(|q| *q = q.to_radians());
         }),
@@ -68,7 +70,9 @@ fn scales() -> Vec<Corruption> {
         with("all positions of the joints, read as of the motor side", PositionScale, None, |r| {
             r.position = r.robot.transmission.joint_positions(&r.position);
         }),
-        with("torque 3 of the motor side, read as of the joint", TorqueScale, 3, |r| scale(&mut r.torque, 3, 1.0 / 45.0)),
+        with("torque 3 of the motor side, read as of the joint", TorqueScale, 3, |r| {
+            scale(&mut r.torque, 3, 1.0 / 45.0)
+        }),
         with("offsets of positions 2 and 3 left out", PositionZero, None, |r| {
             let offset = r.robot.transmission.offset().to_vec();
             (1..=6).for_each(|j| set(&mut r.position, j, |_, q| q - offset[j - 1]));
@@ -110,8 +114,8 @@ fn ratios_and_lags() -> Vec<Corruption> {
     vec![
         with("gear ratio of motor 2 taken 25 % too large", GearRatio, 2, |r| wrong_ratio(r, 2, 1.25)),
         with("gear ratio of motor 3 taken 20 % too small", GearRatio, 3, |r| wrong_ratio(r, 3, 0.8)),
-        with("position 3 taken 15 % too large", GearRatio, 3, |r| scale(&mut r.position, 3, 1.15)),
-        with("drive gain of motor 2 taken 30 % too large", GearRatio, 2, |r| scale(&mut r.torque, 2, 1.3)),
+        with("position 3 taken 25 % too large", GearRatio, 3, |r| scale(&mut r.position, 3, 1.25)),
+        with("drive gain of motor 2 taken 40 % too large", GearRatio, 2, |r| scale(&mut r.torque, 2, 1.4)),
         with("all torques 60.3 samples late", Lag, None, |r| (1..=6).for_each(|j| late(&mut r.torque, j, LATE))),
         with("all torques 60.3 samples early", Lag, None, |r| (1..=6).for_each(|j| late(&mut r.torque, j, -LATE))),
         with("torque 3 60.3 samples late", Lag, 3, |r| late(&mut r.torque, 3, LATE)),
@@ -153,7 +157,9 @@ fn values() -> Vec<Corruption> {
     vec![
         with("torque 2 limited to 60 % of its peak", TorqueSaturated, 2, |r| limit(&mut r.torque, 2, 0.6)),
         with("torque 4 limited to 80 % of its peak", TorqueSaturated, 4, |r| limit(&mut r.torque, 4, 0.8)),
-        with("position 3 in steps of 0.1 degree", PositionQuantised, 3, |r| quantise(&mut r.position, 3, 0.1_f64.to_radians())),
+        with("position 3 in steps of 0.1 degree", PositionQuantised, 3, |r| {
+            quantise(&mut r.position, 3, 0.1_f64.to_radians())
+        }),
         with("torque 1 in 12 steps of its range", TorqueQuantised, 1, |r| {
             let range = peak(&r.torque, 1) / 6.0;
             quantise(&mut r.torque, 1, range);
@@ -232,12 +238,11 @@ fn beside() -> Vec<Corruption> {
 pub fn of_controllers() -> Vec<Corruption> {
     use Code::ControllerMismatch;
     vec![
-        with("a controller with twice the damping", ControllerMismatch, 1, |r| {
-            controller(r, |c| {
-                c.velocity_gain.iter_mut().for_each(|g| *g *= 2.0);
-                c.position_gain.iter_mut().for_each(|g| *g *= 0.5);
-                c.damping *= 2.0;
-            });
+        with("a controller that acts 30 ms late", ControllerMismatch, 1, |r| {
+            let sample_time_s = 1.0 / r.rate_hz;
+            if let Some(c) = &mut r.controller {
+                (c.delay_s, c.sample_time_s) = (0.03, sample_time_s);
+            }
         }),
         with("a controller with a quarter of the position gain", ControllerMismatch, 1, |r| {
             controller(r, |c| {
@@ -265,7 +270,9 @@ impl Record {
         match beside {
             Beside::Nothing => {}
             Beside::Velocities => record.velocity = Some(self.own_velocity()),
-            Beside::TimeStamps => record.time_s = Some((0..self.position.len()).map(|k| k as f64 / self.rate_hz).collect()),
+            Beside::TimeStamps => {
+                record.time_s = Some((0..self.position.len()).map(|k| k as f64 / self.rate_hz).collect())
+            }
             Beside::Reference => {
                 let moves = self.moves.as_ref().map(|m| m.sample(self.rate_hz, self.position.len()).0);
                 record.reference = record.reference.or(moves);
@@ -362,6 +369,6 @@ pub fn insert_rest(record: &mut Record, after: usize, samples: usize) {
         Series::from_values(series.channels(), values)
     };
     record.position = insert(&record.position, 1e-6);
-    record.torque = insert(&record.torque, 0.05);
+    record.torque = insert(&record.torque, 0.01);
     record.signal.window.end += samples;
 }

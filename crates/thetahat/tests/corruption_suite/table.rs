@@ -40,7 +40,8 @@ impl Clean {
         }
         let found = self.corrupted(corruption);
         let others = other_codes(&found, corruption.code);
-        let expected = |f: &&Finding| f.code == corruption.code && (corruption.joint.is_none() || f.joint == corruption.joint);
+        let expected =
+            |f: &&Finding| f.code == corruption.code && (corruption.joint.is_none() || f.joint == corruption.joint);
         match found.iter().find(expected) {
             Some(finding) => Ok((finding.clone(), others)),
             None => Err(format!("{} {:?} is not raised, but {others:?}", corruption.code, corruption.joint)),
