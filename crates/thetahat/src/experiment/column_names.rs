@@ -54,7 +54,9 @@ pub(super) fn read(name: &str) -> Option<Reading> {
         _ => None,
     }?;
     let number = words.iter().rev().find_map(|w| w.parse().ok());
-    Some(Reading { signal, number, unit: unit(&words, signal) })
+    // A unit keeps its capitals together: `mNm` is one word.
+    let whole: Vec<String> = name.split(|c: char| !c.is_alphanumeric()).map(str::to_lowercase).collect();
+    Some(Reading { signal, number, unit: unit(&whole, signal).or_else(|| unit(&words, signal)) })
 }
 
 /// A unit that the name ends with, or has in brackets, if it measures what the signal is.

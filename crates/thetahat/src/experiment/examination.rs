@@ -77,6 +77,7 @@ impl Experiment {
             sample_rate_hz: record.sample_rate_hz,
             time_s: record.stamps.as_deref(),
             position: &record.position,
+            geared: record.geared,
             velocity: record.velocity.as_ref(),
             torque: &record.torque,
             reference: record.reference.as_ref(),

@@ -26,6 +26,8 @@ pub(super) struct Record {
     /// How the record was brought to equal steps, where it had none.
     pub(super) resampling: Option<Resampling>,
     pub(super) position: Series,
+    /// Whether positions or torques came through the transmission.
+    pub(super) geared: bool,
     pub(super) velocity: Option<Series>,
     pub(super) torque: Series,
     /// The recorded reference of the joints.
@@ -169,6 +171,7 @@ impl Experiment {
             stamps: None,
             resampling: None,
             velocity: None,
+            geared: true,
             position: self.robot.transmission.joint_positions(&positions),
             torque: self.robot.transmission.joint_torques(&drive_signals),
             reference: None,
@@ -238,6 +241,7 @@ impl Record {
             resampling: clock.resampling(),
             torque: Series::zeros(position.len(), position.channels()),
             position: clock.to_equal_steps(position),
+            geared: [&description.position, &description.torque].iter().any(|s| s.side == Side::Motor),
             velocity: None,
             reference: None,
             added_signal: None,

@@ -49,6 +49,7 @@ impl Record {
             sample_rate_hz: self.rate_hz,
             time_s: self.time_s.as_deref(),
             position: &self.position,
+            geared: true,
             velocity: self.velocity.as_ref(),
             torque: &self.torque,
             reference: self.reference.as_ref(),
