@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 mod corruption_suite;
 
 use corruption_suite::{
-    corruptions::{all, of_controllers},
+    corruptions::{Beside, all, of_controllers, unseen},
     power::powers,
     record::{Record, from_experiment, other_twin, twin, tx40_with_reference},
     table::{Clean, markdown, row, short},
@@ -25,7 +25,7 @@ fn main() {
     let (twin, tx40) = (twin(|_| {}), tx40_with_reference(&root, &data));
     println!("## Limits and margins\n");
     let records = [
-        ("twin", twin.clone()),
+        ("twin", twin.with(Beside::Reference)),
         ("TX40", tx40.clone()),
         ("EMPS", from_experiment(&emps, &data, false)),
         ("EMPS, pulses", from_experiment(&emps, &data, true)),
@@ -33,6 +33,9 @@ fn main() {
     margins(&records);
     println!("\n## The corruption suite\n");
     suite(&Clean::new(twin.clone()), &Clean::new(tx40.clone()), &Clean::new(records[2].1.clone()));
+    println!("\n## What is not detected\n");
+    let rows: Vec<Vec<String>> = unseen().iter().map(|u| vec![u.name.to_owned(), u.why.to_owned()]).collect();
+    print!("{}", markdown(&["corruption", "why"], &rows));
     println!("\n## The smallest that is found\n");
     smallest(&twin, &tx40);
 }
@@ -53,7 +56,7 @@ fn margins(records: &[(&str, Record)]) {
                 own.fold(f64::NEG_INFINITY, f64::max)
             };
             let cell = |value: f64| if value.is_finite() { short(value) } else { String::new() };
-            let mut row = vec![format!("`{code}`"), short(limit)];
+            let mut row = vec![format!("`{code}`"), format!("{limit}")];
             row.extend(measured.iter().map(|m| cell(worst(m))));
             row.push(cell(others.iter().map(worst).fold(f64::NEG_INFINITY, f64::max)));
             rows.push(row);
@@ -78,8 +81,10 @@ fn smallest(twin: &Record, tx40: &Record) {
     let rows: Vec<Vec<String>> = powers()
         .iter()
         .map(|p| {
-            let cell =
-                |record: &Record| p.smallest(record).map_or_else(|| "none".to_owned(), |v| format!("{v} {}", p.unit));
+            let cell = |record: &Record| {
+                p.smallest(record)
+                    .map_or_else(|| "none".to_owned(), |v| format!("{v} {}", p.unit).trim_end().to_owned())
+            };
             vec![p.name.to_owned(), format!("`{}`", p.code), cell(twin), cell(tx40)]
         })
         .collect();

@@ -9,6 +9,7 @@ use super::{
 use crate::linear_algebra::{Matrix, PivotedQr};
 
 /// Variance inflation above which a parameter counts as confounded with others: 99.99 % of its column is spanned by them.
+/// The recorded KUKA, whose motion is one of few frequencies, has 7900 (clean).
 const INFLATION_LIMIT: f64 = 1e4;
 /// Relative standard deviation in percent above which a parameter is named in a note.
 const DEVIATION_LIMIT_PERCENT: f64 = 30.0;

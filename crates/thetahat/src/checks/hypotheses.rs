@@ -12,9 +12,9 @@ use crate::{
 /// How many times smaller a correction of all joints must make the squared residual; also one of a zero. Such
 /// corrections are few; on the clean records the best makes it no smaller (1.00).
 const COMMON_LIMIT: f64 = 1.15;
-/// The same for a correction of one joint: at most 1.13 on the clean records.
+/// The same for a correction of one joint: at most 1.12 on the clean records.
 const SINGLE_LIMIT: f64 = 1.5;
-/// The same for exchanges and for two signs at once, of which there are many: at most 1.51 on the clean records.
+/// The same for exchanges and for two signs at once, of which there are many: at most 1.50 on the clean records.
 const MANY_LIMIT: f64 = 2.0;
 /// A way in which a record goes wrong, and its correction.
 pub(super) struct Hypothesis {

@@ -13,7 +13,7 @@ use super::{
     lag_search::{LONGEST_S, Lags, Search, shifted},
 };
 
-/// Part of the squared residual that a lag must explain, percent. The clean records stay below 18.
+/// Part of the squared residual that a lag must explain, percent. The clean recordings stay below 18.
 const EXPLAINED_LIMIT_PERCENT: f64 = 25.0;
 /// Rms torque that it must explain, percent of the torque's deviation. The friction of the clean twins, which is not quite
 /// a sign, leaves up to 3.8.

@@ -13,7 +13,7 @@ const AT_REST: f64 = 0.01;
 const SLOWEST: f64 = 1e6;
 /// Periods of the position filter's cut-off that a rest lasts: shorter ones are turning points.
 const REST_PERIODS: f64 = 10.0;
-/// Rest, percent of the window; the clean records have at most 2.
+/// Rest, percent of the window; the clean records have none.
 const REST_LIMIT_PERCENT: f64 = 6.0;
 
 pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {

@@ -7,7 +7,8 @@ use super::{
 };
 use crate::series::Series;
 
-/// Rms deviation of the motion from the reference, percent of the motion's standard deviation.
+/// Rms deviation of the motion from the reference, percent of the motion's standard deviation. The clean
+/// records have at most 0.8.
 const LIMIT_PERCENT: f64 = 5.0;
 /// Standard deviation of a position, rad or m, of a joint that does not move.
 const STILL: f64 = 1e-4;

@@ -17,7 +17,7 @@ const PILE: usize = 5;
 const FEWEST_AT_LIMIT: usize = 10;
 /// Values this close, relative to the span, are the same: rounding of the way to the motor side.
 const SAME: f64 = 1e-7;
-/// Effect of the torque's steps, percent of its standard deviation; the clean records have 0.03.
+/// Effect of the torque's steps, percent of its standard deviation; the clean records have less than 0.001.
 const STEP_LIMIT_PERCENT: f64 = 3.0;
 
 pub(super) fn check(exam: &mut Examination<'_>) {

@@ -234,6 +234,86 @@ fn beside() -> Vec<Corruption> {
     ]
 }
 
+/// Corruptions that are not found, by name, and why.
+pub struct Unseen {
+    pub name: &'static str,
+    pub why: &'static str,
+    pub apply: fn(&mut Record),
+}
+
+/// What the checks do not see in the two TX40 records.
+pub fn unseen() -> Vec<Unseen> {
+    let by = |name, why, apply| Unseen { name, why, apply };
+    vec![
+        by(
+            "all torques 30 % too large",
+            "every parameter is 30 % larger and nothing contradicts it; compare the masses with a scale or with CAD",
+            |r| (1..=6).for_each(|j| scale(&mut r.torque, j, 1.3)),
+        ),
+        by(
+            "sample rate stated 20 % too low",
+            "time is in inertia and friction alone, which take it up; gravity has none",
+            |r| r.rate_hz *= 0.8,
+        ),
+        by(
+            "zero of position 1 off by 30 degrees",
+            "a vertical first axis has no zero: nothing depends on its position",
+            |r| set(&mut r.position, 1, |_, q| q + 30.0_f64.to_radians()),
+        ),
+        by(
+            "zero of position 3 off by 90 degrees",
+            "the link's parameters in the turned frame explain nearly the same; it matters for their values alone",
+            |r| set(&mut r.position, 3, |_, q| q - 90.0_f64.to_radians()),
+        ),
+        by(
+            "zero of position 6 off by 40 degrees",
+            "the last link's parameters in the turned frame are as good as the others",
+            |r| set(&mut r.position, 6, |_, q| q + 40.0_f64.to_radians()),
+        ),
+        by(
+            "position and torque 1 with the other sign",
+            "the mirrored motion of a vertical axis fits the model nearly as well",
+            |r| {
+                scale(&mut r.position, 1, -1.0);
+                scale(&mut r.torque, 1, -1.0);
+            },
+        ),
+        by(
+            "gear ratio of motor 4 taken 25 % too large",
+            "the joint's torque is its own friction, which takes the ratio up; the coupling is below the noise",
+            |r| wrong_ratio(r, 4, 1.25),
+        ),
+        by("all torques 15 samples (3 ms) late", "below what friction that is not quite a sign looks like", |r| {
+            (1..=6).for_each(|j| late(&mut r.torque, j, 15.0))
+        }),
+        by(
+            "torque 2 limited to 90 % of its peak, with noise of 0.1 N m on top",
+            "a limit is recognised by samples at exactly one value",
+            |r| {
+                limit(&mut r.torque, 2, 0.9);
+                let mut rng = ChaCha8Rng::seed_from_u64(5);
+                let noise: Vec<f64> = (0..r.torque.len()).map(|_| 0.1 * rng.random_range(-1.0..1.0)).collect();
+                set(&mut r.torque, 2, |k, t| t + noise[k]);
+            },
+        ),
+        by(
+            "one sample missing at slow motion",
+            "the jump is below the noise and the steps of the positions; with time stamps it is found",
+            |r| {
+                let slow = slowest(r);
+                remove(r, &[slow]);
+            },
+        ),
+    ]
+}
+
+/// The sample of the window at which the joints are slowest.
+fn slowest(record: &Record) -> usize {
+    let velocity = record.own_velocity();
+    let speed = |k: &usize| velocity.sample(*k).iter().map(|v| v.abs()).sum::<f64>();
+    record.signal.window.clone().min_by(|a, b| speed(a).total_cmp(&speed(b))).unwrap()
+}
+
 /// Corruptions of a controller and of the drive signals that it gives.
 pub fn of_controllers() -> Vec<Corruption> {
     use Code::ControllerMismatch;

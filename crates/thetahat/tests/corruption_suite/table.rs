@@ -32,6 +32,13 @@ impl Clean {
         serious(record.findings())
     }
 
+    /// The warnings and problems of the record with a change.
+    pub fn changed(&self, change: fn(&mut Record)) -> Vec<Finding> {
+        let mut record = self.record.clone();
+        change(&mut record);
+        serious(record.findings())
+    }
+
     /// The expected finding, raised by the corruption and not without it.
     pub fn outcome(&self, corruption: &Corruption) -> Result<(Finding, Vec<Code>), String> {
         let clean = self.findings(corruption.beside);
