@@ -13,7 +13,7 @@ use super::{
 #[must_use]
 pub fn examine(subject: &Subject<'_>) -> Vec<Finding> {
     let mut findings = examination(subject).findings;
-    findings.sort_by(|a, b| (a.severity, a.code, a.joint).cmp(&(b.severity, b.code, b.joint)));
+    findings.sort_by_key(|f| (f.severity, f.code, f.joint));
     findings
 }
 
@@ -24,7 +24,7 @@ pub fn examine(subject: &Subject<'_>) -> Vec<Finding> {
 #[must_use]
 pub fn measure(subject: &Subject<'_>) -> Vec<Measure> {
     let mut measures = examination(subject).measures;
-    measures.sort_by(|a, b| (a.code, a.joint).cmp(&(b.code, b.joint)));
+    measures.sort_by_key(|m| (m.code, m.joint));
     measures
 }
 
