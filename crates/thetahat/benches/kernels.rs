@@ -30,7 +30,7 @@ struct Tx40 {
 fn tx40() -> Tx40 {
     let robot = Experiment::demo().expect("the built-in experiment").robot;
     let model = Model::new(&robot);
-    let parameters = DynamicParameters::new(model.parameter_table(), 6, &robot.a_priori_parameters());
+    let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters());
     let workspace = Workspace::new(&model);
     Tx40 { model, parameters, workspace }
 }

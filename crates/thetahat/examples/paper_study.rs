@@ -14,7 +14,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [experiment, data] = &arguments[..] else {
         return Err("usage: paper_study EXPERIMENT DATA".into());
     };
-    let experiment = Experiment::read(Path::new(experiment))?;
+    let experiment = Experiment::read(Path::new(experiment), Path::new(data))?;
     let data = Path::new(data);
     windows_and_cutoffs(&experiment, data)?;
     deviations_of_iv(&experiment, data)

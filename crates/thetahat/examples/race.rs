@@ -75,8 +75,8 @@ fn fastest<T>(mut stage: impl FnMut() -> Result<T, Box<dyn Error>>) -> Result<(f
 
 fn our_stages(data: &Path) -> Result<Vec<(&'static str, f64)>, Box<dyn Error>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../experiments/tx40_paper.toml");
-    let experiment = Experiment::read(&root)?;
-    let recording = experiment.file.recording.as_ref().ok_or("no recording")?;
+    let experiment = Experiment::read(&root, Path::new(""))?;
+    let recording = experiment.file.recording.first().ok_or("no recording")?;
     let transmission = &experiment.robot.transmission;
     let (loading, (q, tau)) = fastest(|| {
         let position = transmission.joint_positions(&read_channels(&recording.position, data)?);

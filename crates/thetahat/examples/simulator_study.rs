@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [experiment, data] = &arguments[..] else {
         return Err("usage: simulator_study EXPERIMENT DATA".into());
     };
-    let experiment = Experiment::read(Path::new(experiment))?;
+    let experiment = Experiment::read(Path::new(experiment), Path::new(data))?;
     let data = Path::new(data);
     bandwidths(&experiment, data)?;
     sign_scales(&experiment, data)?;

@@ -8,6 +8,8 @@ pub mod series;
 
 pub mod linear_algebra;
 
+mod vector;
+
 pub mod robot;
 
 pub mod dynamics;

@@ -15,7 +15,7 @@ use thetahat::{
 fn results() -> &'static Results {
     static RESULTS: OnceLock<Results> = OnceLock::new();
     RESULTS.get_or_init(|| {
-        let experiment = Experiment::read(&common::root().join("experiments/emps.toml")).unwrap();
+        let experiment = Experiment::read(&common::root().join("experiments/emps.toml"), &common::data()).unwrap();
         experiment.run(&common::data(), &mut |_| {}).unwrap()
     })
 }

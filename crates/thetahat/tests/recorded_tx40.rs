@@ -15,7 +15,7 @@ use thetahat::{
 };
 
 fn identify(name: &str) -> Results {
-    let experiment = Experiment::read(&common::root().join("experiments").join(name)).unwrap();
+    let experiment = Experiment::read(&common::root().join("experiments").join(name), &common::data()).unwrap();
     experiment.run(&common::data(), &mut |_| {}).unwrap()
 }
 
@@ -114,7 +114,7 @@ fn biased_simulator_moves_didim() -> Result<(), Failed> {
 }
 
 fn reference_is_moves() -> Result<(), Failed> {
-    let reference = results().reference.as_ref().unwrap();
+    let reference = results().recordings[0].reference.as_ref().unwrap();
     ensure(reference.moves == Some(13), format!("{:?} moves", reference.moves))?;
     let worst = reference.rms_deviation.iter().copied().fold(0.0, f64::max);
     ensure(worst <= 1.5e-3, format!("rms deviation {worst} rad"))
@@ -131,7 +131,8 @@ fn twenty_eight_alone() -> Result<(), Failed> {
 }
 
 fn inertias_are_enough_to_start() -> Result<(), Failed> {
-    let mut experiment = Experiment::read(&common::root().join("experiments/tx40_paper.toml")).unwrap();
+    let mut experiment =
+        Experiment::read(&common::root().join("experiments/tx40_paper.toml"), &common::data()).unwrap();
     experiment.file.estimation.start = thetahat::experiment::Start::MotorInertias;
     experiment.file.case.clear();
     let from_inertias = experiment.run(&common::data(), &mut |_| {}).unwrap();

@@ -8,8 +8,8 @@ use std::{
 
 use thetahat::{
     experiment::{
-        Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, ReferenceResult, Results, RunPlots,
-        RunResult,
+        Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, RecordingResult, ReferenceResult,
+        Results, RunPlots, RunResult,
     },
     identification::{Method, Status},
     report::{Agreement, Published, ReportError, TEXT_WIDTH, text, write_all},
@@ -112,8 +112,20 @@ fn results() -> Results {
         title: TITLE.to_owned(),
         samples_used: 300,
         decimated_rows: 6,
-        sample_rate_hz: 1000.0,
-        window_s: [0.05, 0.35],
+        recordings: vec![RecordingResult {
+            name: "1".to_owned(),
+            weight: 1.0,
+            samples_used: 300,
+            sample_rate_hz: 1000.0,
+            window_s: [0.05, 0.35],
+            resampling: None,
+            reference: Some(ReferenceResult {
+                origin: "reconstructed".to_owned(),
+                moves: Some(13),
+                rms_deviation: vec![0.000_4, 0.001_24],
+            }),
+        }],
+        validation_recordings: Vec::new(),
         bandwidth: Bandwidth {
             position_cutoff_hz: 50.0,
             position_measured_hz: Some(44.787),
@@ -121,12 +133,8 @@ fn results() -> Results {
             decimation_cutoff_hz: 20.0,
             decimation_measured_hz: Some(20.98),
         },
-        reference: Some(ReferenceResult {
-            origin: "reconstructed".to_owned(),
-            moves: Some(13),
-            rms_deviation: vec![0.000_4, 0.001_24],
-        }),
         seed: Some(1),
+        findings: Vec::new(),
         elimination: Some(EliminationResult {
             kept: vec!["zz1r".to_owned()],
             eliminated: vec!["fc6".to_owned(); 40],

@@ -65,7 +65,7 @@ struct Found {
 
 pub(super) fn check(exam: &mut Examination<'_>, chain: &mut Chain<'_>) {
     let geared: Vec<usize> = (0..chain.joints()).filter(|&j| ratio(chain, j).abs() != 1.0).collect();
-    if chain.joints() == 1 {
+    if chain.joints() == 1 || !exam.subject.geared {
         return;
     }
     for round in 0..MOST_FAULTS {

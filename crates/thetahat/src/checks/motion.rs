@@ -26,7 +26,9 @@ fn still_joint(exam: &mut Examination<'_>, signals: &Signals, j: usize) {
     let value = (STILL / signals.peak[j]).min(SLOWEST);
     let evidence = Evidence { code: Code::JointStill, joint: Some(j), value, unit: "times too slow", limit: 1.0 };
     let parameters = exam.own_parameters(j);
-    exam.judge_with(evidence, Severity::Problem, || {
+    // A joint that is held on purpose, with nothing estimated of it, harms nothing.
+    let severity = if parameters.is_empty() { Severity::Note } else { Severity::Problem };
+    exam.judge_with(evidence, severity, || {
         let words = (
             format!(
                 "joint {} does not move: it spans {:.2e} rad or m, and its velocity stays below {:.1e}",

@@ -41,7 +41,8 @@ fn constant(exam: &mut Examination<'_>, j: usize, value: f64) {
         format!("joint {}: the torque is {value} throughout", j + 1),
         "check the channel's column: the drive was not recorded, or the file names another one".to_owned(),
     );
-    exam.raise(evidence, Severity::Problem, words, Vec::new());
+    let severity = if exam.own_parameters(j).is_empty() { Severity::Note } else { Severity::Problem };
+    exam.raise(evidence, severity, words, Vec::new());
 }
 
 fn saturation(exam: &mut Examination<'_>, j: usize, drive: &[f64]) {

@@ -1,4 +1,4 @@
-//! Rigid-body dynamics of a serial robot with friction, motor inertia and coupled motors.
+//! Rigid-body dynamics of a robot, serial or a tree, with friction, motor inertia and coupled motors.
 //!
 //! [`Model`] is constant, [`Workspace`] is scratch: no function here allocates. Every algorithm is linear in the
 //! dynamic parameters and needs nothing of them but numbers, so an identified set that no rigid body could have is
@@ -10,20 +10,25 @@
 //! | --- | --- | --- | --- |
 //! | `q dq ddq` | joint positions and their derivatives | n | rad, rad/s, rad/s^2 (m for prismatic joints) |
 //! | `tau` | joint torques | n | N m (N) |
-//! | `r` | rotation from frame j to frame j-1 | 3 x 3 | |
-//! | `p` | origin of frame j in frame j-1 | 3 | m |
+//! | `r` | rotation from frame j to that of its parent | 3 x 3 | |
+//! | `p` | origin of frame j in that of its parent | 3 | m |
 //! | `w dw` | angular velocity and acceleration of link j, in frame j | 3 | rad/s, rad/s^2 |
 //! | `dv` | acceleration of the origin of frame j less gravity, in frame j | 3 | m/s^2 |
 //! | `inertia ms m` | inertia about the origin of frame j, first moments, mass | 3 x 3, 3, 1 | kg m^2, kg m, kg |
+//!
+//! A joint that follows another (a mimic) moves by `ratio q + offset` of the other's coordinate, and its torque acts on that
+//! coordinate times the ratio: with the ratios in a matrix `G`, `tau = G^T tau_joints` and `M = G^T M_joints G`.
 
 mod algorithms;
+mod geometry;
 mod model;
 mod parameters;
-mod vector;
+mod rotation;
+mod twist;
 
 pub use algorithms::Workspace;
 pub use model::{CoupledMotor, DynamicsError, Model};
 pub use parameters::{DynamicParameters, Sign};
 
-pub(crate) use algorithms::{LinkMotion, Twist};
-pub(crate) use vector::{add, cross, dot};
+pub(crate) use algorithms::LinkMotion;
+pub(crate) use twist::Twist;

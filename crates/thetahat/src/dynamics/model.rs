@@ -1,5 +1,8 @@
-use super::vector::{Rotation, Vec3};
-use crate::robot::{JointKind, ParameterTable, Robot, Transmission};
+use super::geometry::JointGeometry;
+use crate::{
+    robot::{ParameterTable, Robot, Transmission},
+    vector::{Mat3, Vec3},
+};
 
 /// Why accelerations cannot be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -23,53 +26,60 @@ pub enum DynamicsError {
 pub struct Model {
     pub(super) joints: Vec<JointGeometry>,
     pub(super) gravity: Vec3,
+    /// The joint of each coordinate.
+    pub(super) coordinates: Vec<usize>,
+    link_axes: Vec<Option<Mat3>>,
+    support: Vec<Support>,
     motors: Vec<CoupledMotor>,
     table: ParameterTable,
 }
 
-/// A motor that turns with more than one joint, as row i of `n` (design: motor velocity `n dq`).
+/// The coordinates that move a link, those nearer to the base before, and where their twists stand in the workspace.
+#[derive(Debug, Clone)]
+pub(crate) struct Support {
+    pub(crate) coordinates: Vec<usize>,
+    /// Place of the first twist.
+    pub(crate) start: usize,
+    /// Which of the coordinates is the joint's own, or that of the joint that it follows.
+    pub(crate) own: usize,
+}
+
+/// A motor that turns with more than one coordinate, as row i of `n` (design: motor velocity `n dq`).
 #[derive(Debug, Clone, PartialEq)]
 pub struct CoupledMotor {
     /// Its number from zero, which is the number of its own joint.
     pub motor: usize,
-    /// The joints that move it, with their weights in `n`.
+    /// The coordinates that move it, with their weights in `n`.
     pub weights: Vec<(usize, f64)>,
-}
-
-/// Modified Denavit-Hartenberg placement with its sines taken.
-#[derive(Debug, Clone)]
-pub(super) struct JointGeometry {
-    kind: JointKind,
-    a: f64,
-    sin_alpha: f64,
-    cos_alpha: f64,
-    d: f64,
-    theta: f64,
 }
 
 impl Model {
     /// The model of a robot.
     #[must_use]
     pub fn new(robot: &Robot) -> Self {
-        let joints = robot.joints.iter().map(|j| JointGeometry {
-            kind: j.kind,
-            a: j.a,
-            sin_alpha: j.alpha.sin(),
-            cos_alpha: j.alpha.cos(),
-            d: j.d,
-            theta: j.theta,
-        });
+        let coordinates = robot.coordinate_joints();
+        let geometry = |j| JointGeometry::new(robot, j, &coordinates);
+        let joints: Vec<JointGeometry> = (0..robot.joints.len()).map(geometry).collect();
         Self {
-            joints: joints.collect(),
+            support: support(&joints),
+            link_axes: robot.joints.iter().map(|j| j.link_axes).collect(),
+            motors: coupled_motors(&robot.transmission, &coordinates),
             gravity: robot.gravity,
-            motors: coupled_motors(&robot.transmission),
             table: robot.parameter_table(),
+            joints,
+            coordinates,
         }
     }
 
-    /// Number of joints.
+    /// Number of coordinates: the length of `q` and `tau`.
     #[must_use]
     pub fn joint_count(&self) -> usize {
+        self.coordinates.len()
+    }
+
+    /// Number of moving links: of the joints that follow others as well.
+    #[must_use]
+    pub fn link_count(&self) -> usize {
         self.joints.len()
     }
 
@@ -85,17 +95,54 @@ impl Model {
         &self.motors
     }
 
-    /// Whether joint `j` is revolute.
+    /// The coordinate of joint `j`, or of the joint that it follows, and the joint's velocity per velocity of it.
     #[must_use]
-    pub fn is_revolute(&self, j: usize) -> bool {
-        self.joints[j].kind == JointKind::Revolute
+    pub fn coordinate_of(&self, j: usize) -> (usize, f64) {
+        (self.joints[j].coordinate, self.joints[j].ratio)
+    }
+
+    /// The coordinates that move link `k`.
+    pub(crate) fn support(&self, k: usize) -> &Support {
+        &self.support[k]
+    }
+
+    pub(super) fn supports(&self) -> &[Support] {
+        &self.support
+    }
+
+    /// From link `k`'s own axes to those of its joint's frame, where they differ.
+    pub(crate) fn link_axes(&self, k: usize) -> Option<&Mat3> {
+        self.link_axes[k].as_ref()
+    }
+
+    /// Number of twists that the regressor needs: of all links, those of the coordinates that move it.
+    pub(super) fn twist_count(&self) -> usize {
+        self.support.last().map_or(0, |last| last.start + last.coordinates.len())
     }
 }
 
-fn coupled_motors(transmission: &Transmission) -> Vec<CoupledMotor> {
+fn support(joints: &[JointGeometry]) -> Vec<Support> {
+    let mut all: Vec<Support> = Vec::with_capacity(joints.len());
+    let mut start = 0;
+    for joint in joints {
+        let mut coordinates = all.get(joint.parent).map_or_else(Vec::new, |p| p.coordinates.clone());
+        let known = coordinates.iter().position(|&c| c == joint.coordinate);
+        let own = known.unwrap_or(coordinates.len());
+        if known.is_none() {
+            coordinates.push(joint.coordinate);
+        }
+        let count = coordinates.len();
+        all.push(Support { coordinates, start, own });
+        start += count;
+    }
+    all
+}
+
+fn coupled_motors(transmission: &Transmission, coordinates: &[usize]) -> Vec<CoupledMotor> {
     let n = transmission.motor_in_joint_units();
     let weights = |i: usize| (0..n.columns()).map(|j| (j, n.at(i, j))).filter(|(_, w)| *w != 0.0).collect();
-    transmission.coupled_motors().into_iter().map(|motor| CoupledMotor { motor, weights: weights(motor) }).collect()
+    let motor = |i: usize| CoupledMotor { motor: coordinates[i], weights: weights(i) };
+    transmission.coupled_motors().into_iter().map(motor).collect()
 }
 
 impl CoupledMotor {
@@ -106,27 +153,10 @@ impl CoupledMotor {
         self.weights.iter().map(|&(j, w)| w * dq[j]).sum()
     }
 
-    /// The cross terms of `n_i^T n_i`: every ordered pair of different joints with its weight.
+    /// The cross terms of `n_i^T n_i`: every ordered pair of different coordinates with its weight.
     pub fn cross_terms(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
         self.weights.iter().flat_map(move |&(j, wj)| {
             self.weights.iter().filter(move |&&(k, _)| k != j).map(move |&(k, wk)| (j, k, wj * wk))
         })
-    }
-}
-
-impl JointGeometry {
-    #[inline]
-    pub(super) fn is_revolute(&self) -> bool {
-        self.kind == JointKind::Revolute
-    }
-
-    /// Rotation from frame j to frame j-1, and origin of frame j in frame j-1, at coordinate `q`.
-    #[inline]
-    pub(super) fn placement(&self, q: f64) -> (Rotation, Vec3) {
-        let (theta, d) = if self.is_revolute() { (self.theta + q, self.d) } else { (self.theta, self.d + q) };
-        let (sin_theta, cos_theta) = theta.sin_cos();
-        let (sa, ca) = (self.sin_alpha, self.cos_alpha);
-        let r = Rotation { sin_alpha: sa, cos_alpha: ca, sin_theta, cos_theta };
-        (r, [self.a, -d * sa, d * ca])
     }
 }

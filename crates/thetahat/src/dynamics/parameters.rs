@@ -1,5 +1,8 @@
-use super::vector::{Mat3, Vec3};
-use crate::robot::{INERTIAL, ParameterTable, Quantity};
+use super::Model;
+use crate::{
+    robot::{INERTIAL, Quantity},
+    vector::{Mat3, Vec3, times, turned},
+};
 
 /// How the sign function of Coulomb friction is evaluated.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,28 +79,32 @@ impl JointParameters {
 }
 
 impl DynamicParameters {
-    /// Sorts the standard parameters `theta`, in the order of `table`.
+    /// Sorts the standard parameters `theta`, in the order of the model's table, and turns those of each link into the
+    /// axes of its joint's frame.
     ///
     /// # Panics
-    /// If the lengths differ.
+    /// If there is not one value for each standard parameter.
     #[must_use]
-    pub fn new(table: &ParameterTable, joints: usize, theta: &[f64]) -> Self {
+    pub fn new(model: &Model, theta: &[f64]) -> Self {
+        let (table, links) = (model.parameter_table(), 0..model.link_count());
         assert_eq!(table.len(), theta.len(), "one value for each standard parameter");
         let value = |quantity, j| table.index(quantity, j).map_or(0.0, |i| theta[i]);
-        let coupled = |j: &usize| table.index(Quantity::Iam, *j).is_some();
+        let link =
+            |k| Inertial::from_vector(INERTIAL.map(|quantity| value(quantity, k))).in_joint_axes(model.link_axes(k));
         Self {
-            links: (0..joints).map(|j| Inertial::from_vector(INERTIAL.map(|quantity| value(quantity, j)))).collect(),
-            friction: (0..joints).map(|j| joint_parameters(&|quantity| value(quantity, j))).collect(),
-            motors: (0..joints)
-                .filter(coupled)
-                .map(|j| MotorParameters {
-                    iam: value(Quantity::Iam, j),
-                    fvm: value(Quantity::Fvm, j),
-                    fcm: value(Quantity::Fcm, j),
-                })
+            links: links.clone().map(link).collect(),
+            friction: links.map(|j| joint_parameters(&|quantity| value(quantity, j))).collect(),
+            motors: model
+                .coupled_motors()
+                .iter()
+                .map(|m| motor_parameters(&|quantity| value(quantity, m.motor)))
                 .collect(),
         }
     }
+}
+
+fn motor_parameters(value: &dyn Fn(Quantity) -> f64) -> MotorParameters {
+    MotorParameters { iam: value(Quantity::Iam), fvm: value(Quantity::Fvm), fcm: value(Quantity::Fcm) }
 }
 
 /// Symmetric coefficients stand for both signs of the velocity.
@@ -115,5 +122,10 @@ impl Inertial {
     /// From the order of [`INERTIAL`].
     fn from_vector([xx, xy, xz, yy, yz, zz, mx, my, mz, m]: [f64; 10]) -> Self {
         Self { inertia: [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], ms: [mx, my, mz], m }
+    }
+
+    fn in_joint_axes(self, link_axes: Option<&Mat3>) -> Self {
+        let Some(axes) = link_axes else { return self };
+        Self { inertia: turned(axes, &self.inertia), ms: times(axes, self.ms), m: self.m }
     }
 }

@@ -3,9 +3,10 @@
 use std::ops::Range;
 
 use super::{
-    Bandwidth, Experiment, ExperimentError, ParameterChoice, RunPlots,
+    Bandwidth, Experiment, ExperimentError, ParameterChoice, RecordingDescription, RunPlots,
     description::{NamedChoice, SignalDescription},
     record::Record,
+    rows::Rows,
 };
 use crate::{
     base_parameters::BaseParameters,
@@ -18,6 +19,7 @@ use crate::{
         Decimator, Padding, SecondOrderSections, SignalError, central_difference, minus_3_db_bandwidth_hz,
         moving_samples, zero_phase,
     },
+    simulation::SimulatedMotion,
 };
 
 /// Part of its peak velocity above which a joint counts as moving.
@@ -42,9 +44,21 @@ pub(super) struct FilteredRecord {
 }
 
 impl Experiment {
-    /// Filters and differentiates the whole record, then cuts it to the experiment's window.
-    pub(super) fn filter(&self, record: Record) -> Result<FilteredRecord, ExperimentError> {
-        self.filter_and_cut(record, &self.file.signal)
+    /// Filters and differentiates the whole record, then cuts it to its window: that of its description, or else the
+    /// experiment's.
+    pub(super) fn filter(
+        &self,
+        record: Record,
+        description: Option<&RecordingDescription>,
+    ) -> Result<FilteredRecord, ExperimentError> {
+        let own = description.map(|d| (d.window_start_s, d.window_end_s)).filter(|w| *w != (None, None));
+        let signal = match own {
+            Some((window_start_s, window_end_s)) => {
+                SignalDescription { window_start_s, window_end_s, ..self.file.signal }
+            }
+            None => self.file.signal,
+        };
+        self.filter_and_cut(record, &signal)
     }
 
     /// Filters and differentiates the whole record, then cuts it to its moving part.
@@ -134,7 +148,7 @@ impl Experiment {
     }
 }
 
-/// The regression problem of one friction model.
+/// The regression problem of one friction model, over all recordings.
 pub(super) struct Problem {
     pub(super) model: Model,
     /// All base parameters.
@@ -142,7 +156,9 @@ pub(super) struct Problem {
     /// Those that are estimated.
     pub(super) estimated: BaseParameters,
     pub(super) elimination: Option<Elimination>,
-    pub(super) decimator: Decimator,
+    /// The parallel filter of each recording.
+    pub(super) decimators: Vec<Decimator>,
+    pub(super) rows: Rows,
     pub(super) x: Matrix,
     pub(super) y: Vec<f64>,
     /// X of all base parameters, where fewer are estimated.
@@ -151,58 +167,62 @@ pub(super) struct Problem {
 
 impl Experiment {
     /// Builds y and X for a friction model, and chooses the parameters.
-    pub(super) fn problem(&self, robot: &Robot, filtered: &FilteredRecord) -> Result<Problem, ExperimentError> {
-        self.problem_of(robot, filtered, &self.file.parameters.estimate)
+    pub(super) fn problem(&self, robot: &Robot, recordings: &[&FilteredRecord]) -> Result<Problem, ExperimentError> {
+        self.problem_of(robot, recordings, &self.file.parameters.estimate)
     }
 
-    /// Builds y and X of a second record for parameters that were estimated from another.
+    /// Builds y and X of other recordings for parameters that are estimated already.
     pub(super) fn validation_problem(
         &self,
         robot: &Robot,
-        filtered: &FilteredRecord,
+        recordings: &[&FilteredRecord],
         estimated: &BaseParameters,
     ) -> Result<Problem, ExperimentError> {
         let names = estimated.parameters().iter().map(|p| p.name.clone()).collect();
-        self.problem_of(robot, filtered, &ParameterChoice::List(names))
+        self.problem_of(robot, recordings, &ParameterChoice::List(names))
     }
 
     fn problem_of(
         &self,
         robot: &Robot,
-        filtered: &FilteredRecord,
+        recordings: &[&FilteredRecord],
         choice: &ParameterChoice,
     ) -> Result<Problem, ExperimentError> {
         let refuse_signal = |source| ExperimentError::Signal { path: self.path.clone(), source };
         let refuse = |source| ExperimentError::Parameters { path: self.path.clone(), source };
         let model = Model::new(robot);
         let base = BaseParameters::of(&model, &self.file.parameters.exclude).map_err(refuse)?;
-        self.require_rows(filtered, choice, base.len())?;
-        let decimator = Decimator::new(self.file.signal.decimation, filtered.window.len()).map_err(refuse_signal)?;
-        let (full_x, y) = {
+        self.require_rows(recordings, choice, base.len())?;
+        let decimator = |r: &&FilteredRecord| Decimator::new(self.file.signal.decimation, r.window.len());
+        let decimators = recordings.iter().map(decimator).collect::<Result<Vec<_>, _>>().map_err(refuse_signal)?;
+        let rows = Rows::new(model.joint_count(), decimators.iter().map(Decimator::rows).collect());
+        let (mut matrices, mut vectors) = (Vec::new(), Vec::new());
+        for (recording, decimator) in recordings.iter().zip(&decimators) {
             let assembly = Assembly::new(&model, &base.columns(), decimator.clone());
-            let torque = filtered.record.torque.window(filtered.window.clone());
-            let x = filtered.observation_matrix(&assembly).map_err(refuse_signal)?;
-            (x, assembly.measurement_vector(&torque).map_err(refuse_signal)?)
-        };
+            let torque = recording.record.torque.window(recording.window.clone());
+            matrices.push(recording.observation_matrix(&assembly).map_err(refuse_signal)?);
+            vectors.push(assembly.measurement_vector(&torque).map_err(refuse_signal)?);
+        }
+        let (full_x, y) = (rows.stack_matrices(matrices), rows.stack_vectors(vectors));
         let (chosen, elimination) = self.choose(choice, (&model, &base), &full_x, &y)?;
         let estimated = base.select(model.parameter_table(), &chosen).map_err(refuse)?;
         let column = |p: &crate::base_parameters::BaseParameter| base.columns().iter().position(|&c| c == p.kept);
         let columns: Vec<usize> = estimated.parameters().iter().filter_map(column).collect();
         let (x, full_x) =
             if columns.len() == base.len() { (full_x, None) } else { (full_x.select_columns(&columns), Some(full_x)) };
-        Ok(Problem { model, base, estimated, elimination, decimator, x, y, full_x })
+        Ok(Problem { model, base, estimated, elimination, decimators, rows, x, y, full_x })
     }
 
     /// A decimation must leave more rows than there are parameters, with which the estimation begins.
     fn require_rows(
         &self,
-        filtered: &FilteredRecord,
+        recordings: &[&FilteredRecord],
         choice: &ParameterChoice,
         base: usize,
     ) -> Result<(), ExperimentError> {
         let parameters = if let ParameterChoice::List(names) = choice { names.len() } else { base };
         let decimation = self.file.signal.decimation;
-        let rows = filtered.q.channels() * filtered.window.len().div_ceil(decimation);
+        let rows: usize = recordings.iter().map(|r| r.q.channels() * r.window.len().div_ceil(decimation)).sum();
         let expected = format!("a smaller factor or a longer window: {rows} rows are left for {parameters} parameters");
         self.require(rows > parameters, "[signal] decimation", &expected, decimation)
     }
@@ -245,8 +265,9 @@ impl FilteredRecord {
 }
 
 impl Problem {
-    pub(super) fn assembly(&self) -> Assembly<'_> {
-        Assembly::new(&self.model, &self.estimated.columns(), self.decimator.clone())
+    /// The assembly of one recording.
+    pub(super) fn assembly(&self, recording: usize) -> Assembly<'_> {
+        Assembly::new(&self.model, &self.estimated.columns(), self.decimators[recording].clone())
     }
 
     pub(super) fn joints(&self) -> usize {
@@ -255,26 +276,29 @@ impl Problem {
 
     /// A vector with the rows of y, joint by joint.
     pub(super) fn by_joint(&self, rows: &[f64]) -> Vec<Vec<f64>> {
-        rows.chunks(self.decimator.rows()).map(<[f64]>::to_vec).collect()
+        rows.chunks(self.rows.per_joint()).map(<[f64]>::to_vec).collect()
     }
 
     /// The relative error of each joint, percent; none where its torque is zero.
     pub(super) fn joint_errors(&self, prediction: &[f64]) -> Vec<Option<f64>> {
-        let rows = self.decimator.rows();
+        let rows = self.rows.per_joint();
         let error = |(y, p)| Some(relative_error_percent(y, p)).filter(|e| e.is_finite());
         self.y.chunks(rows).zip(prediction.chunks(rows)).map(error).collect()
     }
 
-    /// A series at the decimated instants, one vector per joint.
-    pub(super) fn at_rows(&self, series: &Series) -> Vec<Vec<f64>> {
-        (0..series.channels()).map(|j| self.decimator.kept().map(|k| series.sample(k)[j]).collect()).collect()
+    /// One series for each recording at the decimated instants, one vector per joint.
+    pub(super) fn at_rows(&self, series: &[&Series]) -> Vec<Vec<f64>> {
+        let of_recording =
+            |j| self.decimators.iter().zip(series).flat_map(move |(d, s)| d.kept().map(move |k| s.sample(k)[j]));
+        (0..self.joints()).map(|j| of_recording(j).collect()).collect()
     }
 
     /// Curves of a prediction.
-    pub(super) fn plots(&self, prediction: &[f64], simulated: Option<&Series>) -> RunPlots {
+    pub(super) fn plots(&self, prediction: &[f64], simulated: &[SimulatedMotion]) -> RunPlots {
+        let positions: Vec<&Series> = simulated.iter().map(|m| &m.q).collect();
         RunPlots {
             predicted: self.by_joint(prediction),
-            simulated_position: simulated.map(|q| self.at_rows(q)).unwrap_or_default(),
+            simulated_position: if positions.is_empty() { Vec::new() } else { self.at_rows(&positions) },
         }
     }
 }

@@ -21,16 +21,16 @@ const DRIVE: [Quantity; 5] =
 
 impl Experiment {
     pub(super) fn validate(&self) -> Result<(), ExperimentError> {
-        match (&self.file.recording, &self.file.twin) {
-            (Some(recording), None) => self.validate_recording(recording)?,
-            (None, Some(twin)) => self.validate_twin(twin)?,
+        match (&self.file.recording[..], &self.file.twin) {
+            ([], Some(twin)) => self.validate_twin(twin)?,
+            ([_, ..], None) => {}
             _ => {
                 let why = "exactly one of the two gives the motion and torques";
                 return Err(self.missing("[recording] or [twin]", why));
             }
         }
-        if let Some(validation) = &self.file.validation {
-            self.validate_recording(validation)?;
+        for recording in self.file.recording.iter().chain(&self.file.validation) {
+            self.validate_recording(recording)?;
         }
         self.validate_signal()?;
         self.validate_parameters()?;
@@ -47,6 +47,11 @@ impl Experiment {
     fn validate_recording(&self, recording: &RecordingDescription) -> Result<(), ExperimentError> {
         self.validate_unit(&recording.position, "position", &POSITION, [Quantity::Angle, Quantity::Length])?;
         self.validate_unit(&recording.torque, "torque", &DRIVE, [Quantity::Torque, Quantity::Force])?;
+        self.require_positive("[recording] weight", recording.weight)?;
+        let jitter = recording.largest_jitter;
+        self.require((0.0..=1.0).contains(&jitter), "[recording] largest_jitter", "from 0 to 1 steps", jitter)?;
+        let window = (recording.window_start_s, recording.window_end_s);
+        self.validate_window("[recording]", window)?;
         if let Some(reference) = &recording.reference {
             self.validate_unit(reference, "reference", &POSITION, [Quantity::Angle, Quantity::Length])?;
         }
@@ -77,7 +82,7 @@ impl Experiment {
         if source.side == Side::Motor || !source.gain.is_empty() {
             return Ok(source.require_quantity(signal, any)?);
         }
-        let has = |kind| self.robot.joints.iter().any(|j| j.kind == kind);
+        let has = |kind| self.robot.coordinates().any(|j| j.kind == kind);
         let kinds = joints.into_iter().zip([JointKind::Revolute, JointKind::Prismatic]);
         let expected: Vec<Quantity> = kinds.filter(|(_, kind)| has(*kind)).map(|(quantity, _)| quantity).collect();
         Ok(source.require_quantity(signal, &expected)?)
@@ -118,10 +123,16 @@ impl Experiment {
         self.require(orders.contains(&signal.filter_order), "[signal] filter_order", &expected, signal.filter_order)?;
         self.require_positive("[signal] cutoff_hz", signal.cutoff_hz)?;
         self.require(signal.decimation > 0, "[signal] decimation", "at least 1", signal.decimation)?;
-        let start = signal.window_start_s.unwrap_or(0.0);
-        self.require(start >= 0.0 && start.is_finite(), "[signal] window_start_s", "zero or later", start)?;
-        let end = signal.window_end_s.unwrap_or(f64::MAX);
-        self.require(end > start && end.is_finite(), "[signal] window_end_s", "later than window_start_s", end)
+        self.validate_window("[signal]", (signal.window_start_s, signal.window_end_s))
+    }
+
+    fn validate_window(&self, table: &str, (start, end): (Option<f64>, Option<f64>)) -> Result<(), ExperimentError> {
+        let start = start.unwrap_or(0.0);
+        let key = format!("{table} window_start_s");
+        self.require(start >= 0.0 && start.is_finite(), &key, "zero or later", start)?;
+        let end = end.unwrap_or(f64::MAX);
+        let key = format!("{table} window_end_s");
+        self.require(end > start && end.is_finite(), &key, "later than window_start_s", end)
     }
 
     fn validate_parameters(&self) -> Result<(), ExperimentError> {

@@ -9,6 +9,22 @@ use crate::{
 
 /// Fewest moves of which one can be left out.
 const FEWEST_MOVES: usize = 3;
+/// Fewest recordings of which one can be left out: the others must identify all parameters.
+const FEWEST_RECORDINGS: usize = 2;
+
+/// Parts of a record that is left out in pieces, where it has no moves that are known.
+const PARTS: usize = 5;
+
+/// The part, of five equal ones, to which each decimated row of a joint belongs.
+pub(super) fn folds_by_part(rows: usize) -> Vec<usize> {
+    (0..rows).map(|k| k * PARTS / rows.max(1)).collect()
+}
+
+/// The recording, from zero, to which each decimated row of a joint belongs.
+pub(super) fn folds_by_recording(recordings: Vec<usize>) -> Option<Vec<usize>> {
+    let count = recordings.iter().max().map_or(0, |last| last + 1);
+    (count >= FEWEST_RECORDINGS).then_some(recordings)
+}
 
 /// The move, from zero, to which each decimated row of a joint belongs: the last one that has started.
 pub(super) fn folds_by_move(moves: &Moves, times: &[f64]) -> Option<Vec<usize>> {

@@ -1,16 +1,23 @@
 use std::{
     collections::BTreeMap,
+    fmt,
     path::{Path, PathBuf},
 };
 
-use serde::Deserialize;
+use serde::{
+    Deserialize, Deserializer,
+    de::{
+        MapAccess, SeqAccess, Visitor,
+        value::{MapAccessDeserializer, SeqAccessDeserializer},
+    },
+};
 
-use super::ExperimentError;
+use super::{ExperimentError, paths};
 use crate::{
     control::ControllerDescription,
     identification::{Convergence, Divisor, EliminationRule, Method},
     recording::ChannelSource,
-    robot::{Friction, Robot},
+    robot::{Friction, Robot, RobotSource},
     simulation::{Sensors, SimulatorBias, Solver},
 };
 
@@ -25,7 +32,7 @@ pub struct Experiment {
     pub text: String,
     /// The robot.
     pub robot: Robot,
-    /// The text of the robot's description, kept for the results.
+    /// The text of the robot's description, that of a URDF below it included, kept for the results.
     pub robot_text: String,
 }
 
@@ -35,12 +42,14 @@ pub struct Experiment {
 pub struct ExperimentFile {
     /// A line that says what it is.
     pub title: String,
-    /// The robot description, relative to the experiment file.
+    /// The robot description, relative to the experiment file, or else to the folder of the data.
     pub robot: PathBuf,
-    /// The recording to identify from.
-    pub recording: Option<RecordingDescription>,
-    /// A second recording, to validate on.
-    pub validation: Option<RecordingDescription>,
+    /// The recordings to identify from: one `[recording]` or several `[[recording]]`.
+    #[serde(default, deserialize_with = "one_or_several")]
+    pub recording: Vec<RecordingDescription>,
+    /// Recordings held back to validate on: one `[validation]` or several `[[validation]]`.
+    #[serde(default, deserialize_with = "one_or_several")]
+    pub validation: Vec<RecordingDescription>,
     /// A simulated recording instead.
     pub twin: Option<TwinDescription>,
     /// Filters, decimation and window.
@@ -67,12 +76,26 @@ pub struct ExperimentFile {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecordingDescription {
+    /// Its name in tables and messages; none takes its number.
+    pub name: Option<String>,
+    /// Weight of its rows beside those of other recordings.
+    #[serde(default = "one")]
+    pub weight: f64,
     /// Samples per second, where there is no time channel.
     pub sample_rate_hz: Option<f64>,
     /// The time channel.
     pub time: Option<ChannelSource>,
+    /// Largest deviation of a time step from the mean one, in steps, up to which the record is resampled to equal steps.
+    #[serde(default = "half")]
+    pub largest_jitter: f64,
+    /// Start of the window, s, where it is another one than the experiment's.
+    pub window_start_s: Option<f64>,
+    /// End of the window, s, likewise.
+    pub window_end_s: Option<f64>,
     /// Positions.
     pub position: ChannelSource,
+    /// Velocities, where they were recorded: the checks compare them with the positions; nothing else uses them.
+    pub velocity: Option<ChannelSource>,
     /// Torques or drive signals.
     pub torque: ChannelSource,
     /// The reference of the positions, where it was recorded.
@@ -81,14 +104,47 @@ pub struct RecordingDescription {
     pub added_signal: Option<ChannelSource>,
 }
 
+fn one() -> f64 {
+    1.0
+}
+
+fn half() -> f64 {
+    0.5
+}
+
+/// A table, or an array of tables; an untagged enum would lose the parser's message on what is wrong inside.
+fn one_or_several<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<RecordingDescription>, D::Error> {
+    struct OneOrSeveral;
+    impl<'de> Visitor<'de> for OneOrSeveral {
+        type Value = Vec<RecordingDescription>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("a table, or an array of tables")
+        }
+
+        fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+            RecordingDescription::deserialize(MapAccessDeserializer::new(map)).map(|one| vec![one])
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, sequence: A) -> Result<Self::Value, A::Error> {
+            Deserialize::deserialize(SeqAccessDeserializer::new(sequence))
+        }
+    }
+    deserializer.deserialize_any(OneOrSeveral)
+}
+
 /// A simulated robot with known parameters that is recorded and then identified.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TwinDescription {
     /// Samples per second of the record.
     pub sample_rate_hz: f64,
-    /// The true base parameters by name; what is not listed is zero.
+    /// The true base parameters by name.
+    #[serde(default)]
     pub parameters: BTreeMap<String, f64>,
+    /// The true values of those that are not listed.
+    #[serde(default)]
+    pub unlisted: Unlisted,
     /// End points of the moves in degrees (or mm for prismatic joints), the first where the robot starts.
     pub points: Vec<Vec<f64>>,
     /// Largest velocity of each joint, degrees/s or mm/s.
@@ -101,6 +157,17 @@ pub struct TwinDescription {
     pub rest_s: f64,
     /// From the motion to its record.
     pub sensors: Sensors,
+}
+
+/// True values of base parameters that a twin does not list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Unlisted {
+    /// Zero.
+    #[default]
+    Zero,
+    /// Those of the robot's a-priori parameters.
+    APriori,
 }
 
 /// Filters, decimation and window.
@@ -270,16 +337,28 @@ const DEMO: &str = include_str!("../../../../experiments/demo.toml");
 const DEMO_ROBOT: &str = include_str!("../../../../robots/tx40.toml");
 
 impl Experiment {
-    /// Reads an experiment and its robot.
+    /// Reads an experiment and its robot, which is looked for beside the experiment and then in the folder `data`.
     ///
     /// # Errors
     /// [`ExperimentError`], with the file and the line or key.
-    pub fn read(path: &Path) -> Result<Self, ExperimentError> {
+    pub fn read(path: &Path, data: &Path) -> Result<Self, ExperimentError> {
         let text = read_text(path)?;
         let file: ExperimentFile = parse(&text, path)?;
-        let robot_path = path.parent().unwrap_or(Path::new("")).join(&file.robot);
-        let robot_text = read_text(&robot_path)?;
-        Self::assemble(path, file, text, &robot_path, robot_text)
+        let robot = RobotSource::read(&paths::robot(path, &file.robot, data)?)?;
+        if let Some(published) = &file.published {
+            paths::beside(path, "published", published)?;
+        }
+        Self::assemble(path, file, text, robot)
+    }
+
+    /// The same with another robot description than the one that the experiment names.
+    ///
+    /// # Errors
+    /// As [`Experiment::read`].
+    pub fn read_with_robot(path: &Path, robot: &Path) -> Result<Self, ExperimentError> {
+        let text = read_text(path)?;
+        let file: ExperimentFile = parse(&text, path)?;
+        Self::assemble(path, file, text, RobotSource::read(robot)?)
     }
 
     /// An experiment from the texts of its two files; `path` is its name in messages.
@@ -288,8 +367,8 @@ impl Experiment {
     /// As [`Experiment::read`].
     pub fn from_texts(path: &Path, text: String, robot_text: String) -> Result<Self, ExperimentError> {
         let file: ExperimentFile = parse(&text, path)?;
-        let robot_path = file.robot.clone();
-        Self::assemble(path, file, text, &robot_path, robot_text)
+        let source = RobotSource::from_text(robot_text, &file.robot)?;
+        Self::assemble(path, file, text, source)
     }
 
     /// The built-in demonstration: a TX40 twin.
@@ -314,14 +393,8 @@ impl Experiment {
         std::iter::once(nominal).chain(self.file.case.iter().cloned()).collect()
     }
 
-    fn assemble(
-        path: &Path,
-        file: ExperimentFile,
-        text: String,
-        robot_path: &Path,
-        robot_text: String,
-    ) -> Result<Self, ExperimentError> {
-        let robot = Robot::parse(&robot_text, robot_path)?;
+    fn assemble(path: &Path, file: ExperimentFile, text: String, source: RobotSource) -> Result<Self, ExperimentError> {
+        let (robot, robot_text) = (source.robot()?, source.to_text());
         let experiment = Self { path: path.to_owned(), file, text, robot, robot_text };
         experiment.validate()?;
         Ok(experiment)

@@ -5,22 +5,30 @@
 
 mod chain;
 mod checks;
+mod column_names;
 mod cross_validation;
 mod description;
 mod error;
+mod examination;
+mod paths;
 mod predict;
+mod proposal;
 mod record;
 mod results;
+mod rows;
 mod run;
 mod simulator;
 
 pub use description::{
     Case, EstimationDescription, Experiment, ExperimentFile, Gains, NamedChoice, ParameterChoice, ParameterSelection,
-    RecordingDescription, SignalDescription, SimulationDescription, Start, TwinDescription, Weighting,
+    RecordingDescription, SignalDescription, SimulationDescription, Start, TwinDescription, Unlisted, Weighting,
 };
 pub use error::ExperimentError;
+pub use examination::RecordingFindings;
 pub use predict::{Prediction, PredictionRequest, predict};
+pub use proposal::{ProposalError, ProposalRequest, propose};
+pub use record::TwinRecord;
 pub use results::{
-    Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, ReferenceResult, Results, RunPlots,
-    RunResult,
+    Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, RecordingResult, ReferenceResult, Results,
+    RunPlots, RunResult,
 };

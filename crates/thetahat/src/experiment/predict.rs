@@ -67,7 +67,7 @@ pub fn predict(request: &PredictionRequest) -> Result<Prediction, ExperimentErro
     let description = described(&experiment, request)?;
     let has_torque = request.torque.is_some() || same_file(&experiment);
     let record = if has_torque {
-        experiment.read_record(&description, Path::new(""))?
+        experiment.read_record(&description, 1, Path::new(""))?
     } else {
         experiment.read_motion(&description, Path::new(""))?
     };
@@ -113,15 +113,18 @@ fn chosen_run(
 
 /// The experiment's description of its recording, with the files of the request.
 fn described(experiment: &Experiment, request: &PredictionRequest) -> Result<RecordingDescription, ExperimentError> {
-    let Some(of_experiment) = &experiment.file.recording else {
+    let Some(of_experiment) = experiment.file.recording.first() else {
         return Err(experiment.missing("[recording]", "it describes the channels of the file to predict for"));
     };
     let mut description = of_experiment.clone();
     description.position.file.clone_from(&request.recording);
     description.torque.file = request.torque.clone().unwrap_or_else(|| request.recording.clone());
+    (description.position.anywhere, description.torque.anywhere) = (true, true);
     if let Some(time) = &mut description.time {
         time.file.clone_from(&request.recording);
+        time.anywhere = true;
     }
+    description.velocity = None;
     description.reference = None;
     description.added_signal = None;
     Ok(description)
@@ -129,7 +132,7 @@ fn described(experiment: &Experiment, request: &PredictionRequest) -> Result<Rec
 
 /// Whether the experiment has positions and torques in one file.
 fn same_file(experiment: &Experiment) -> bool {
-    experiment.file.recording.as_ref().is_some_and(|r| r.position.file == r.torque.file)
+    experiment.file.recording.first().is_some_and(|r| r.position.file == r.torque.file)
 }
 
 struct Predictor<'a> {
@@ -191,7 +194,7 @@ impl<'a> Predictor<'a> {
             measured: has_torque.then(|| filtered.record.torque.clone()),
             rms: prediction.chunks(rows).map(rms).collect(),
             window_s: [filtered.start_s(), filtered.window.end as f64 / rate],
-            joints: self.experiment.robot.joints.iter().map(|j| j.name.clone()).collect(),
+            joints: self.experiment.robot.coordinates().map(|j| j.name.clone()).collect(),
         })
     }
 

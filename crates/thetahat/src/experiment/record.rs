@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use super::{Experiment, ExperimentError, RecordingDescription, description::TwinDescription};
+use super::{Experiment, ExperimentError, RecordingDescription, TwinDescription, Unlisted};
 use crate::{
     base_parameters::BaseParameters,
     dynamics::Model,
-    recording::{self, ChannelSource, Side},
+    recording::{self, ChannelSource, Clock, Resampling, Side},
     series::Series,
     simulation::{ClosedLoop, OutputGrid, Reference, SimulatorBias},
     trajectory::{self, Limits, Moves},
@@ -17,8 +17,18 @@ const TWIN_SAMPLES: std::ops::RangeInclusive<f64> = 100.0..=1e8;
 
 /// Positions and torques of the joints, and what else was recorded with them.
 pub(super) struct Record {
+    pub(super) name: String,
+    /// Weight of its rows.
+    pub(super) weight: f64,
     pub(super) sample_rate_hz: f64,
+    /// The times as they were recorded, s.
+    pub(super) stamps: Option<Vec<f64>>,
+    /// How the record was brought to equal steps, where it had none.
+    pub(super) resampling: Option<Resampling>,
     pub(super) position: Series,
+    /// Whether positions or torques came through the transmission.
+    pub(super) geared: bool,
+    pub(super) velocity: Option<Series>,
     pub(super) torque: Series,
     /// The recorded reference of the joints.
     pub(super) reference: Option<Series>,
@@ -30,30 +40,55 @@ pub(super) struct Record {
     pub(super) truth: Option<Vec<f64>>,
 }
 
+/// What the sensors of a twin saw.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TwinRecord {
+    /// Names of the joints.
+    pub joints: Vec<String>,
+    /// Samples per second.
+    pub sample_rate_hz: f64,
+    /// Joint positions, rad or m.
+    pub position: Series,
+    /// Joint torques, N m or N.
+    pub torque: Series,
+}
+
 impl Experiment {
-    /// Reads a recording and brings it to the joint side.
+    /// Reads a recording and brings it to the joint side and to equal time steps. `number` counts from one.
     pub(super) fn read_record(
         &self,
         description: &RecordingDescription,
+        number: usize,
         data: &Path,
     ) -> Result<Record, ExperimentError> {
         let position = self.read_joint_positions(&description.position, data)?;
         let torque = self.read_torques(&description.torque, data)?;
-        let files = (description.position.path(data), description.torque.path(data));
-        recording::same_length(&position, "position", &files.0, &torque, "torque", &files.1)?;
-        let reference = description.reference.as_ref().map(|s| self.read_joint_positions(s, data)).transpose()?;
-        let added_signal = description.added_signal.as_ref().map(|s| self.read_channels(s, data)).transpose()?;
-        for (name, source, series) in [
-            ("reference", &description.reference, &reference),
-            ("added signal", &description.added_signal, &added_signal),
+        recording::not_all_zero(&torque, "torque", &description.torque.path(data))?;
+        let optional = |source: &Option<ChannelSource>, read: &dyn Fn(&ChannelSource) -> Result<Series, _>| {
+            source.as_ref().map(read).transpose()
+        };
+        let velocity = optional(&description.velocity, &|s| self.read_joint_velocities(s, data))?;
+        let reference = optional(&description.reference, &|s| self.read_joint_positions(s, data))?;
+        let added_signal = optional(&description.added_signal, &|s| self.read_channels(s, data))?;
+        for (signal, source, series) in [
+            ("torque", Some(&description.torque), Some(&torque)),
+            ("velocity", description.velocity.as_ref(), velocity.as_ref()),
+            ("reference", description.reference.as_ref(), reference.as_ref()),
+            ("added signal", description.added_signal.as_ref(), added_signal.as_ref()),
         ] {
-            if let (Some(source), Some(series)) = (source, series) {
-                recording::same_length(&position, "position", &files.0, series, name, &source.path(data))?;
-            }
+            let (Some(source), Some(series)) = (source, series) else { continue };
+            let file = description.position.path(data);
+            recording::same_length(&position, "position", &file, series, signal, &source.path(data))?;
         }
-        recording::not_all_zero(&torque, "torque", &files.1)?;
-        let sample_rate_hz = sample_rate(description, data, &position)?;
-        Ok(Record { sample_rate_hz, position, torque, reference, added_signal, planned: None, truth: None })
+        let clock = read_clock(description, data, &position)?;
+        let even = |series: Series| clock.to_equal_steps(series);
+        Ok(Record {
+            torque: even(torque),
+            velocity: velocity.map(even),
+            reference: reference.map(even),
+            added_signal: added_signal.map(even),
+            ..Record::of_motion(description, number, position, &clock)
+        })
     }
 
     /// Reads a motion whose torques were not recorded.
@@ -63,14 +98,15 @@ impl Experiment {
         data: &Path,
     ) -> Result<Record, ExperimentError> {
         let position = self.read_joint_positions(&description.position, data)?;
-        Ok(Record {
-            sample_rate_hz: sample_rate(description, data, &position)?,
-            torque: Series::zeros(position.len(), position.channels()),
-            position,
-            reference: None,
-            added_signal: None,
-            planned: None,
-            truth: None,
+        let clock = read_clock(description, data, &position)?;
+        Ok(Record::of_motion(description, 1, position, &clock))
+    }
+
+    fn read_joint_velocities(&self, source: &ChannelSource, data: &Path) -> Result<Series, ExperimentError> {
+        let series = self.read_channels(source, data)?;
+        Ok(match source.side {
+            Side::Motor => self.robot.transmission.joint_velocities(&series),
+            Side::Joint => series,
         })
     }
 
@@ -129,7 +165,13 @@ impl Experiment {
             .map_err(|source| ExperimentError::Twin { path: self.path.clone(), source })?;
         let (positions, drive_signals) = twin.sensors.record(&motion, &self.robot.transmission);
         Ok(Record {
+            name: "twin".to_owned(),
+            weight: 1.0,
             sample_rate_hz: twin.sample_rate_hz,
+            stamps: None,
+            resampling: None,
+            velocity: None,
+            geared: true,
             position: self.robot.transmission.joint_positions(&positions),
             torque: self.robot.transmission.joint_torques(&drive_signals),
             reference: None,
@@ -139,10 +181,22 @@ impl Experiment {
         })
     }
 
+    /// The record of the twin of `[twin]`: time in s, positions and torques of the joints.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] where there is no twin, or its motion cannot be simulated.
+    pub fn record_twin(&self) -> Result<TwinRecord, ExperimentError> {
+        let why = "it describes the simulated robot that is recorded";
+        let twin = self.file.twin.as_ref().ok_or_else(|| self.missing("[twin]", why))?;
+        let Record { sample_rate_hz, position, torque, .. } = self.simulate_twin(twin)?;
+        let joints = self.robot.joints.iter().map(|j| j.name.clone()).collect();
+        Ok(TwinRecord { joints, sample_rate_hz, position, torque })
+    }
+
     fn plan(&self, twin: &TwinDescription) -> Result<Moves, ExperimentError> {
         // Angles in degrees, lengths in mm.
         let si = |values: &Vec<f64>| -> Vec<f64> {
-            let model = self.robot.joints.iter().map(|j| j.kind);
+            let model = self.robot.coordinates().map(|j| j.kind);
             let convert = |(v, kind): (&f64, _)| match kind {
                 crate::robot::JointKind::Revolute => v.to_radians(),
                 crate::robot::JointKind::Prismatic => 1e-3 * v,
@@ -165,19 +219,45 @@ impl Experiment {
         let base = BaseParameters::of(model, &self.file.parameters.exclude).map_err(refuse)?;
         let names: Vec<String> = twin.parameters.keys().cloned().collect();
         base.select(model.parameter_table(), &names).map_err(refuse)?;
-        let value = |name: &str| twin.parameters.get(name).copied().unwrap_or(0.0);
-        let theta: Vec<f64> = base.parameters().iter().map(|p| value(&p.name)).collect();
+        let unlisted = match twin.unlisted {
+            Unlisted::Zero => vec![0.0; base.len()],
+            Unlisted::APriori => base.from_standard(&self.robot.a_priori_parameters()),
+        };
+        let value = |(name, unlisted): (&str, f64)| twin.parameters.get(name).copied().unwrap_or(unlisted);
+        let names = base.parameters().iter().map(|p| p.name.as_str());
+        let theta: Vec<f64> = names.zip(unlisted).map(value).collect();
         Ok(base.to_standard(&theta))
     }
 }
 
-fn sample_rate(description: &RecordingDescription, data: &Path, position: &Series) -> Result<f64, ExperimentError> {
+impl Record {
+    /// A record of positions alone; its torques are zero.
+    fn of_motion(description: &RecordingDescription, number: usize, position: Series, clock: &Clock) -> Self {
+        Self {
+            name: description.name.clone().unwrap_or_else(|| number.to_string()),
+            weight: description.weight,
+            sample_rate_hz: clock.sample_rate_hz(),
+            stamps: clock.stamps().map(<[f64]>::to_vec),
+            resampling: clock.resampling(),
+            torque: Series::zeros(position.len(), position.channels()),
+            position: clock.to_equal_steps(position),
+            geared: [&description.position, &description.torque].iter().any(|s| s.side == Side::Motor),
+            velocity: None,
+            reference: None,
+            added_signal: None,
+            planned: None,
+            truth: None,
+        }
+    }
+}
+
+fn read_clock(description: &RecordingDescription, data: &Path, position: &Series) -> Result<Clock, ExperimentError> {
     let Some(source) = &description.time else {
-        return Ok(description.sample_rate_hz.unwrap_or_default());
+        return Ok(Clock::uniform(description.sample_rate_hz.unwrap_or_default()));
     };
     let time = recording::read_channels(source, data)?;
     recording::one_channel(&time, "time", &source.path(data))?;
     recording::same_length(position, "position", &description.position.path(data), &time, "time", &source.path(data))?;
     let column = source.columns.first().map_or("time", String::as_str);
-    Ok(recording::sample_rate_from_time(&time.channel(0), &source.path(data), column)?)
+    Ok(Clock::from_stamps(time.channel(0), description.largest_jitter, &source.path(data), column)?)
 }

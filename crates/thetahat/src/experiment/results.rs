@@ -2,8 +2,10 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::RecordingFindings;
 use crate::{
     identification::{Method, Status},
+    recording::Resampling,
     statistics::FTest,
 };
 
@@ -16,20 +18,21 @@ pub struct Results {
     pub robot: String,
     /// Title of the experiment.
     pub title: String,
-    /// Samples in the window.
+    /// Samples in the windows of the recordings that were identified from.
     pub samples_used: usize,
     /// Rows of y.
     pub decimated_rows: usize,
-    /// Samples per second of the record.
-    pub sample_rate_hz: f64,
-    /// Start and end of the window, s.
-    pub window_s: [f64; 2],
+    /// The recordings that were identified from.
+    pub recordings: Vec<RecordingResult>,
+    /// Those held back.
+    pub validation_recordings: Vec<RecordingResult>,
     /// Bandwidths asked for and measured.
     pub bandwidth: Bandwidth,
-    /// The reference that the simulations follow.
-    pub reference: Option<ReferenceResult>,
     /// Seed of the simulated record's noise.
     pub seed: Option<u64>,
+    /// What the checks found in the recordings.
+    #[serde(default)]
+    pub findings: Vec<RecordingFindings>,
     /// The elimination, where essential parameters were sought.
     pub elimination: Option<EliminationResult>,
     /// Every case and method.
@@ -41,6 +44,25 @@ pub struct Results {
     /// Curves for the report.
     #[serde(skip)]
     pub plots: Plots,
+}
+
+/// What was used of a recording.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct RecordingResult {
+    /// Its name, or its number.
+    pub name: String,
+    /// Weight of its rows.
+    pub weight: f64,
+    /// Samples in its window.
+    pub samples_used: usize,
+    /// Samples per second.
+    pub sample_rate_hz: f64,
+    /// Start and end of the window, s.
+    pub window_s: [f64; 2],
+    /// How far its time steps deviate, where it was resampled to equal ones.
+    pub resampling: Option<Resampling>,
+    /// The reference that its simulations follow.
+    pub reference: Option<ReferenceResult>,
 }
 
 /// Bandwidths asked for, and measured by sending an impulse through the same code.
@@ -177,9 +199,12 @@ pub struct RunPlots {
 }
 
 impl Results {
-    /// Whether every nominal run converged.
+    /// Whether every nominal run converged, and no check of a recording that was identified from found a problem.
     #[must_use]
     pub fn is_trustworthy(&self) -> bool {
+        if self.findings.iter().any(|r| !r.held_back && r.has_problem()) {
+            return false;
+        }
         let nominal = |r: &&RunResult| r.case == super::description::NOMINAL;
         self.runs.iter().filter(nominal).all(|r| r.status == Status::Converged)
     }

@@ -3,10 +3,10 @@
 use std::{path::Path, time::Instant};
 
 use super::{
-    Case, EliminationResult, Experiment, ExperimentError, IterationResult, ParameterResult, Plots, ReferenceResult,
-    Results, RunPlots, RunResult, Weighting,
+    Case, EliminationResult, Experiment, ExperimentError, IterationResult, ParameterResult, Plots,
+    RecordingDescription, RecordingFindings, RecordingResult, ReferenceResult, Results, RunPlots, RunResult, Weighting,
     chain::{FilteredRecord, Problem},
-    cross_validation::{folds_by_move, leave_folds_out},
+    cross_validation::{folds_by_move, folds_by_part, folds_by_recording, leave_folds_out},
     simulator::{RecordReference, Simulator},
 };
 use crate::{
@@ -16,9 +16,13 @@ use crate::{
     },
     linear_algebra::norm,
     robot::{Friction, Robot},
-    simulation::{Reference, SimulatedMotion},
+    series::Series,
+    simulation::Reference,
     statistics::{FTest, f_test},
 };
+
+/// Part by which the sample rates of recordings may differ: clocks differ by less, chosen rates by more.
+const RATE_TOLERANCE: f64 = 0.01;
 
 /// A record ready for every case: filtered, with its reference where a method or report needs one.
 struct Prepared {
@@ -36,20 +40,16 @@ impl Experiment {
     /// # Errors
     /// [`ExperimentError`] for input that cannot be used.
     pub fn run(&self, data: &Path, progress: &mut dyn FnMut(&str)) -> Result<Results, ExperimentError> {
-        progress("reading the recording");
-        let record = match (&self.file.recording, &self.file.twin) {
-            (Some(recording), _) => self.read_record(recording, data)?,
-            (None, Some(twin)) => self.simulate_twin(twin)?,
-            (None, None) => return Err(self.missing("[recording] or [twin]", "there is nothing to identify from")),
+        progress("reading and filtering the recordings");
+        let main = match &self.file.twin {
+            Some(twin) => vec![self.prepare(self.filter(self.simulate_twin(twin)?, None)?)?],
+            None => self.read_all(&self.file.recording, data)?,
         };
-        progress("filtering and reconstructing the reference");
-        let main = self.prepare(self.filter(record)?)?;
-        let validation = match &self.file.validation {
-            Some(recording) => Some(self.prepare(self.filter(self.read_record(recording, data)?)?)?),
-            None => None,
-        };
+        let validation = self.read_all(&self.file.validation, data)?;
         let session = Session { experiment: self, main, validation };
         let problems = session.problems(progress)?;
+        progress("checking the recordings");
+        let findings = session.findings(&problems[0].problem);
         let mut runs = Vec::new();
         for case in self.cases() {
             let problem = &problems[session.friction_index(&case)];
@@ -58,7 +58,31 @@ impl Experiment {
                 runs.push(session.run(problem, &case, method)?);
             }
         }
-        session.results(&problems[0], runs)
+        session.results(&problems[0], findings, runs)
+    }
+
+    fn read_all(&self, descriptions: &[RecordingDescription], data: &Path) -> Result<Vec<Prepared>, ExperimentError> {
+        let read = |(i, description): (usize, &RecordingDescription)| {
+            let record = self.read_record(description, i + 1, data)?;
+            self.prepare(self.filter(record, Some(description))?)
+        };
+        let all = descriptions.iter().enumerate().map(read).collect::<Result<Vec<_>, _>>()?;
+        self.require_one_rate(&all)?;
+        Ok(all)
+    }
+
+    /// One parallel filter and one decimation suit only recordings of one rate.
+    fn require_one_rate(&self, recordings: &[Prepared]) -> Result<(), ExperimentError> {
+        let rate = |p: &Prepared| p.filtered.record.sample_rate_hz;
+        let Some(first) = recordings.first().map(rate) else { return Ok(()) };
+        match recordings.iter().find(|p| (rate(p) / first - 1.0).abs() > RATE_TOLERANCE) {
+            None => Ok(()),
+            Some(other) => {
+                let key = format!("[[recording]] {}: the sample rate", other.filtered.record.name);
+                let expected = format!("that of the first recording, {first:.6} Hz, within 1 %; resample one of them");
+                Err(self.value(&key, &expected, format!("{:.6} Hz", rate(other))))
+            }
+        }
     }
 
     fn prepare(&self, filtered: FilteredRecord) -> Result<Prepared, ExperimentError> {
@@ -74,8 +98,8 @@ impl Experiment {
 
 struct Session<'a> {
     experiment: &'a Experiment,
-    main: Prepared,
-    validation: Option<Prepared>,
+    main: Vec<Prepared>,
+    validation: Vec<Prepared>,
 }
 
 /// The regression problem of one friction model, with its weights.
@@ -96,7 +120,7 @@ impl Session<'_> {
                 continue;
             }
             progress("building the observation matrix");
-            let problem = self.experiment.problem(&robot, &self.main.filtered)?;
+            let problem = self.experiment.problem(&robot, &filtered(&self.main))?;
             let fit = idim_ls(&problem.x, &problem.y, None, self.experiment.file.estimation.variance).ok();
             let weights = fit.map(|fit| joint_weights(&problem.x, &problem.y, &fit, problem.joints()));
             problems.push(CaseProblem { friction: robot.friction, problem, weights });
@@ -111,32 +135,46 @@ impl Session<'_> {
 
     fn run(&self, case_problem: &CaseProblem, case: &Case, method: Method) -> Result<RunResult, ExperimentError> {
         let started = Instant::now();
-        let CaseProblem { problem, weights, .. } = case_problem;
-        let weighting = self.experiment.file.estimation.weighting.get(&method).copied().unwrap_or_default();
-        let weights = weights.as_deref().filter(|_| weighting == Weighting::PerJoint);
+        let problem = &case_problem.problem;
+        let weights = self.weights(case_problem, method);
         let simulator = self.simulator(&self.main, problem, case);
-        let outcome = self.estimate(problem, method, weights, simulator.as_ref());
+        let outcome = self.estimate(problem, method, weights.as_deref(), simulator.as_ref());
         let seconds = started.elapsed().as_secs_f64();
         let mut run = self.summarise(problem, case, method, &outcome);
         run.seconds = seconds;
         let Some(fit) = &outcome.fit else { return Ok(run) };
-        let motion = simulator.as_ref().and_then(|s| s.simulate(&fit.theta).ok());
-        run.simulation_relative_error_percent = simulator.as_ref().zip(motion.as_ref()).map(|(s, m)| s.errors(m));
-        run.plots = problem.plots(&fit.prediction, motion.as_ref().map(|m: &SimulatedMotion| &m.q));
-        if self.validation.is_some() {
-            self.validate_on_second_recording(case, (&problem.estimated, &fit.theta), &mut run)?;
+        let motions = simulator.as_ref().and_then(|s| s.simulate(&fit.theta).ok());
+        run.simulation_relative_error_percent = simulator.as_ref().zip(motions.as_ref()).map(|(s, m)| s.errors(m));
+        run.plots = problem.plots(&fit.prediction, motions.as_deref().unwrap_or_default());
+        if !self.validation.is_empty() {
+            self.validate_on_others(case, (&problem.estimated, &fit.theta), &mut run)?;
         } else if let Some(folds) = self.folds(problem) {
             let instruments = outcome.instruments.as_ref();
             run.cross_validation_relative_error_percent =
-                leave_folds_out(problem, method, instruments, weights, &folds);
+                leave_folds_out(problem, method, instruments, weights.as_deref(), &folds);
         }
         Ok(run)
     }
 
-    fn simulator<'s>(&'s self, prepared: &'s Prepared, problem: &'s Problem, case: &Case) -> Option<Simulator<'s>> {
+    /// The weight of each row: that of its recording, and where the method asks for it that of its joint. None where all
+    /// are one.
+    fn weights(&self, case_problem: &CaseProblem, method: Method) -> Option<Vec<f64>> {
+        let weighting = self.experiment.file.estimation.weighting.get(&method).copied().unwrap_or_default();
+        let of_joints = case_problem.weights.clone().filter(|_| weighting == Weighting::PerJoint);
+        let of_recordings: Vec<f64> = self.main.iter().map(|p| p.filtered.record.weight).collect();
+        if of_recordings.iter().all(|w| *w == 1.0) {
+            return of_joints;
+        }
+        let mut weights = case_problem.problem.rows.spread(&of_recordings);
+        weights.iter_mut().zip(of_joints.iter().flatten()).for_each(|(w, joint)| *w *= joint);
+        Some(weights)
+    }
+
+    fn simulator<'s>(&'s self, prepared: &'s [Prepared], problem: &'s Problem, case: &Case) -> Option<Simulator<'s>> {
         let controller = self.experiment.file.controller.as_ref()?;
-        let reference = prepared.reference.as_ref()?;
-        Some(Simulator::new(self.experiment, problem, &prepared.filtered, (controller, reference), case.simulator))
+        let recordings =
+            prepared.iter().map(|p| Some((&p.filtered, p.reference.as_ref()?))).collect::<Option<Vec<_>>>()?;
+        Some(Simulator::new(self.experiment, problem, &recordings, controller, case.simulator))
     }
 
     fn estimate(
@@ -191,7 +229,11 @@ impl Session<'_> {
     }
 
     fn parameters(&self, problem: &Problem, theta: &[f64], deviations: &[f64]) -> Vec<ParameterResult> {
-        let truth = self.main.filtered.record.truth.as_ref().map(|t| problem.estimated.from_standard(t));
+        let truth = self
+            .main
+            .first()
+            .and_then(|p| p.filtered.record.truth.as_ref())
+            .map(|t| problem.estimated.from_standard(t));
         let show = &self.experiment.file.parameters.show;
         let relative = |sd: f64, value: f64| (value != 0.0).then(|| 100.0 * sd / value.abs());
         problem
@@ -212,57 +254,81 @@ impl Session<'_> {
             .collect()
     }
 
+    /// What is left out in turn: a recording where there are several, else a move where they are known, else a part.
     fn folds(&self, problem: &Problem) -> Option<Vec<usize>> {
-        match &self.main.reference.as_ref()?.reference {
-            Reference::Moves(moves) => folds_by_move(moves, &self.times(problem)),
-            Reference::Sampled(_) => None,
+        let [only] = &self.main[..] else {
+            return folds_by_recording(problem.rows.recording_of_row());
+        };
+        match only.reference.as_ref().map(|r| &r.reference) {
+            Some(Reference::Moves(moves)) => folds_by_move(moves, &self.times(problem)),
+            Some(Reference::Sampled(_)) | None => Some(folds_by_part(problem.rows.per_joint())),
         }
     }
 
+    /// The time of each row of a joint; the recordings follow one another.
     fn times(&self, problem: &Problem) -> Vec<f64> {
-        let filtered = &self.main.filtered;
-        problem.decimator.kept().map(|k| filtered.start_s() + k as f64 / filtered.record.sample_rate_hz).collect()
+        let mut times = Vec::new();
+        let mut before_s = 0.0;
+        for (Prepared { filtered, .. }, decimator) in self.main.iter().zip(&problem.decimators) {
+            let rate = filtered.record.sample_rate_hz;
+            times.extend(decimator.kept().map(|k| before_s + filtered.start_s() + k as f64 / rate));
+            before_s += filtered.record.position.len() as f64 / rate;
+        }
+        times
     }
 
-    fn validate_on_second_recording(
+    fn validate_on_others(
         &self,
         case: &Case,
         (estimated, theta): (&BaseParameters, &[f64]),
         run: &mut RunResult,
     ) -> Result<(), ExperimentError> {
-        let Some(validation) = &self.validation else { return Ok(()) };
         let robot = self.experiment.robot_for(case);
-        let problem = self.experiment.validation_problem(&robot, &validation.filtered, estimated)?;
+        let problem = self.experiment.validation_problem(&robot, &filtered(&self.validation), estimated)?;
         run.cross_validation_relative_error_percent = Some(relative_error_percent(&problem.y, &problem.x.times(theta)));
         run.validation_condition_number = Some(problem.x.condition_number());
-        if let Some(simulator) = self.simulator(validation, &problem, case) {
-            let motion = simulator.simulate(theta).ok();
-            run.validation_simulation_relative_error_percent = motion.map(|m| simulator.errors(&m));
+        if let Some(simulator) = self.simulator(&self.validation, &problem, case) {
+            let motions = simulator.simulate(theta).ok();
+            run.validation_simulation_relative_error_percent = motions.map(|m| simulator.errors(&m));
         }
         Ok(())
     }
 
-    fn results(&self, nominal: &CaseProblem, runs: Vec<RunResult>) -> Result<Results, ExperimentError> {
+    /// What is found in the recordings, those that are identified from and those held back.
+    fn findings(&self, nominal: &Problem) -> Vec<RecordingFindings> {
+        let examine = |prepared: &Prepared, held_back| {
+            self.experiment.examine(&prepared.filtered, prepared.reference.as_ref(), nominal, held_back)
+        };
+        let main = self.main.iter().map(|p| examine(p, false));
+        main.chain(self.validation.iter().map(|p| examine(p, true))).collect()
+    }
+
+    fn results(
+        &self,
+        nominal: &CaseProblem,
+        findings: Vec<RecordingFindings>,
+        runs: Vec<RunResult>,
+    ) -> Result<Results, ExperimentError> {
         let problem = &nominal.problem;
-        let filtered = &self.main.filtered;
-        let rate = filtered.record.sample_rate_hz;
         let name = |i: &usize| problem.base.parameters()[*i].name.clone();
         let elimination = problem.elimination.as_ref().map(|e| EliminationResult {
             kept: e.kept.iter().map(name).collect(),
             eliminated: e.eliminated.iter().map(name).collect(),
             f_test: e.f_test,
         });
+        let positions: Vec<&Series> = self.main.iter().map(|p| &p.filtered.q).collect();
+        let rate = self.main.first().map_or(0.0, |p| p.filtered.record.sample_rate_hz);
         Ok(Results {
             thetahat: env!("CARGO_PKG_VERSION").to_owned(),
             robot: self.experiment.robot.name.clone(),
             title: self.experiment.file.title.clone(),
-            samples_used: filtered.window.len(),
+            samples_used: self.main.iter().map(|p| p.filtered.window.len()).sum(),
             decimated_rows: problem.y.len(),
-            sample_rate_hz: rate,
-            window_s: [filtered.window.start as f64 / rate, filtered.window.end as f64 / rate],
+            recordings: self.main.iter().map(Prepared::describe).collect(),
+            validation_recordings: self.validation.iter().map(Prepared::describe).collect(),
             bandwidth: self.experiment.measure_bandwidth(rate)?,
-            reference: self.main.reference.as_ref().map(|r| self.describe_reference(r)),
             seed: self.experiment.file.twin.as_ref().map(|t| t.sensors.seed),
+            findings,
             elimination,
             runs,
             experiment_description: self.experiment.text.clone(),
@@ -270,27 +336,38 @@ impl Session<'_> {
             plots: Plots {
                 time_s: self.times(problem),
                 measured: problem.by_joint(&problem.y),
-                position: problem.at_rows(&filtered.q),
+                position: problem.at_rows(&positions),
             },
         })
     }
+}
+
+fn filtered(prepared: &[Prepared]) -> Vec<&FilteredRecord> {
+    prepared.iter().map(|p| &p.filtered).collect()
+}
+
+impl Prepared {
+    fn describe(&self) -> RecordingResult {
+        let FilteredRecord { record, window, .. } = &self.filtered;
+        let rate = record.sample_rate_hz;
+        RecordingResult {
+            name: record.name.clone(),
+            weight: record.weight,
+            samples_used: window.len(),
+            sample_rate_hz: rate,
+            window_s: [window.start as f64 / rate, window.end as f64 / rate],
+            resampling: record.resampling,
+            reference: self.reference.as_ref().map(|r| self.describe_reference(r)),
+        }
+    }
 
     fn describe_reference(&self, reference: &RecordReference) -> ReferenceResult {
-        let filtered = &self.main.filtered;
-        let joints = filtered.q.channels();
-        let [mut q, mut dq, mut ddq] = [(); 3].map(|()| vec![0.0; joints]);
-        let mut squares = vec![0.0; joints];
-        for k in filtered.window.clone() {
-            reference.reference.evaluate(k as f64 / filtered.record.sample_rate_hz, &mut q, &mut dq, &mut ddq);
-            let measured = filtered.record.position.sample(k);
-            squares.iter_mut().zip(measured.iter().zip(&q)).for_each(|(s, (m, r))| *s += (m - r).powi(2));
-        }
         let moves = match &reference.reference {
             Reference::Moves(moves) => Some(moves.moves().len()),
             Reference::Sampled(_) => None,
         };
-        let rms = squares.iter().map(|s| (s / filtered.window.len() as f64).sqrt()).collect();
-        ReferenceResult { origin: reference.origin.to_owned(), moves, rms_deviation: rms }
+        let rms_deviation = self.filtered.rms_deviation_from(reference);
+        ReferenceResult { origin: reference.origin.to_owned(), moves, rms_deviation }
     }
 }
 

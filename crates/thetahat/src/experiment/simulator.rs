@@ -44,38 +44,47 @@ impl Experiment {
     }
 }
 
-/// Simulates one record's loop for one case.
+/// Simulates the loops of all recordings for one case.
 pub(super) struct Simulator<'a> {
     experiment: &'a Experiment,
     problem: &'a Problem,
-    filtered: &'a FilteredRecord,
-    assembly: Assembly<'a>,
-    closed_loop: ClosedLoop<'a>,
+    loops: Vec<RecordedLoop<'a>>,
     kept_inertia: Option<Vec<f64>>,
 }
 
+/// The loop of one recording.
+struct RecordedLoop<'a> {
+    filtered: &'a FilteredRecord,
+    assembly: Assembly<'a>,
+    closed_loop: ClosedLoop<'a>,
+}
+
 impl<'a> Simulator<'a> {
+    /// The simulator of the recordings from which `problem` was made, each with its reference.
     pub(super) fn new(
         experiment: &'a Experiment,
         problem: &'a Problem,
-        filtered: &'a FilteredRecord,
-        (controller, reference): (&'a ControllerDescription, &'a RecordReference),
+        recordings: &[(&'a FilteredRecord, &'a RecordReference)],
+        controller: &'a ControllerDescription,
         bias: SimulatorBias,
     ) -> Self {
-        let closed_loop = ClosedLoop {
-            model: &problem.model,
-            transmission: &experiment.robot.transmission,
-            controller,
-            reference: &reference.reference,
-            added_signal: filtered.record.added_signal.as_ref().map(|s| (s, filtered.record.sample_rate_hz)),
-            bias,
-            solver: experiment.file.simulation.solver,
-            sign_velocity_scale: experiment.file.simulation.sign_velocity_scale,
+        let loop_of = |(number, (filtered, reference)): (usize, &(&'a FilteredRecord, &'a RecordReference))| {
+            let closed_loop = ClosedLoop {
+                model: &problem.model,
+                transmission: &experiment.robot.transmission,
+                controller,
+                reference: &reference.reference,
+                added_signal: filtered.record.added_signal.as_ref().map(|s| (s, filtered.record.sample_rate_hz)),
+                bias,
+                solver: experiment.file.simulation.solver,
+                sign_velocity_scale: experiment.file.simulation.sign_velocity_scale,
+            };
+            RecordedLoop { filtered, assembly: problem.assembly(number), closed_loop }
         };
-        let mut simulator =
-            Self { experiment, problem, filtered, assembly: problem.assembly(), closed_loop, kept_inertia: None };
+        let loops = recordings.iter().enumerate().map(loop_of).collect();
+        let mut simulator = Self { experiment, problem, loops, kept_inertia: None };
         if experiment.file.estimation.gains == Gains::Kept {
-            let start = simulator.standard(&simulator.start());
+            let start = simulator.problem.estimated.to_standard(&simulator.start());
             simulator.kept_inertia = Some(simulator.inertia(&start));
         }
         simulator
@@ -91,75 +100,94 @@ impl<'a> Simulator<'a> {
         self.problem.estimated.from_standard(&theta)
     }
 
-    /// Z of the loop simulated with base parameters `theta`.
+    /// Z of the loops simulated with base parameters `theta`.
     pub(super) fn instruments(&self, theta: &[f64]) -> Result<Matrix, SimulationError> {
-        let (motion, window) = self.simulate_where_needed(theta)?;
+        let (theta, inertia) = self.resolve(theta);
+        let of_loop = |l: &RecordedLoop<'_>| l.instruments(self.experiment, &theta, &inertia);
+        let matrices = self.loops.iter().map(of_loop).collect::<Result<Vec<_>, _>>()?;
+        Ok(self.problem.rows.stack_matrices(matrices))
+    }
+
+    /// The simulated motion of each recording in its window.
+    pub(super) fn simulate(&self, theta: &[f64]) -> Result<Vec<SimulatedMotion>, SimulationError> {
+        let (theta, inertia) = self.resolve(theta);
+        self.loops.iter().map(|l| l.simulate(&theta, &inertia)).collect()
+    }
+
+    /// Standard parameters of base parameters, and the inertia that each motor sees for the gains of its controller.
+    fn resolve(&self, theta: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let standard = self.problem.estimated.to_standard(theta);
+        let inertia = self.kept_inertia.clone().unwrap_or_else(|| self.inertia(&standard));
+        (standard, inertia)
+    }
+
+    /// The inertia that each motor sees, on average over the recordings: the gains are those of one controller.
+    fn inertia(&self, standard: &[f64]) -> Vec<f64> {
+        let of_loops: Vec<Vec<f64>> = self.loops.iter().map(|l| l.inertia(standard)).collect();
+        let mean = |motor: usize| of_loops.iter().map(|i| i[motor]).sum::<f64>() / of_loops.len() as f64;
+        (0..self.problem.joints()).map(mean).collect()
+    }
+
+    /// `100 |measured - simulated| / |measured|` in the windows: band-passed position, velocity and acceleration and raw
+    /// torque of the records, against the simulations as they are.
+    pub(super) fn errors(&self, motions: &[SimulatedMotion]) -> BTreeMap<String, f64> {
+        let mut squares: BTreeMap<&str, [f64; 2]> = BTreeMap::new();
+        for (l, motion) in self.loops.iter().zip(motions) {
+            let torque = l.filtered.record.torque.window(l.filtered.window.clone());
+            for (name, measured, simulated) in [
+                ("position", &l.filtered.q, &motion.q),
+                ("velocity", &l.filtered.dq, &motion.dq),
+                ("acceleration", &l.filtered.ddq, &motion.ddq),
+                ("torque", &torque, &motion.tau),
+            ] {
+                let [difference, size] = squares.entry(name).or_default();
+                *difference += squared_difference(measured, simulated);
+                *size += norm(measured.values()).powi(2);
+            }
+        }
+        squares.into_iter().map(|(name, [d, m])| (name.to_owned(), 100.0 * (d / m).sqrt())).collect()
+    }
+}
+
+impl RecordedLoop<'_> {
+    fn instruments(&self, experiment: &Experiment, theta: &[f64], inertia: &[f64]) -> Result<Matrix, SimulationError> {
         let sign = Sign::Smooth { scale: self.closed_loop.sign_velocity_scale };
         let unfiltered = |_| SimulationError::TooShortToFilter;
-        if !self.experiment.file.simulation.band_pass {
+        if !experiment.file.simulation.band_pass {
+            let motion = self.simulate(theta, inertia)?;
             return self.assembly.observation_matrix(&motion.q, &motion.dq, &motion.ddq, sign).map_err(unfiltered);
         }
+        // Filtered as the record is: the whole of it, then cut to the window.
+        let whole = self.run(theta, inertia, 0, self.filtered.record.position.len())?;
         let rate = self.filtered.record.sample_rate_hz;
-        let (q, dq, ddq) = self.experiment.band_pass(&motion.q, rate).map_err(unfiltered)?;
-        let cut = |series: &Series| series.window(window.clone());
+        let (q, dq, ddq) = experiment.band_pass(&whole.q, rate).map_err(unfiltered)?;
+        let cut = |series: &Series| series.window(self.filtered.window.clone());
         self.assembly.observation_matrix(&cut(&q), &cut(&dq), &cut(&ddq), sign).map_err(unfiltered)
     }
 
     /// The simulated motion in the window.
-    pub(super) fn simulate(&self, theta: &[f64]) -> Result<SimulatedMotion, SimulationError> {
-        self.run(theta, self.filtered.window.start, self.filtered.window.len())
+    fn simulate(&self, theta: &[f64], inertia: &[f64]) -> Result<SimulatedMotion, SimulationError> {
+        self.run(theta, inertia, self.filtered.window.start, self.filtered.window.len())
     }
 
-    /// The motion in the window, or in the whole record where it is to be filtered as the record is; and where the
-    /// window is in it.
-    fn simulate_where_needed(
+    fn run(
         &self,
         theta: &[f64],
-    ) -> Result<(SimulatedMotion, std::ops::Range<usize>), SimulationError> {
-        if self.experiment.file.simulation.band_pass {
-            let whole = self.run(theta, 0, self.filtered.record.position.len())?;
-            Ok((whole, self.filtered.window.clone()))
-        } else {
-            Ok((self.simulate(theta)?, 0..self.filtered.window.len()))
-        }
-    }
-
-    fn run(&self, theta: &[f64], first: usize, samples: usize) -> Result<SimulatedMotion, SimulationError> {
+        inertia: &[f64],
+        first: usize,
+        samples: usize,
+    ) -> Result<SimulatedMotion, SimulationError> {
         let rate = self.filtered.record.sample_rate_hz;
         let grid = OutputGrid { start_s: first as f64 / rate, sample_rate_hz: rate, samples };
-        let theta = self.standard(theta);
-        match &self.kept_inertia {
-            Some(inertia) => self.closed_loop.simulate(&theta, inertia, &grid),
-            None => self.closed_loop.simulate(&theta, &self.inertia(&theta), &grid),
-        }
-    }
-
-    fn standard(&self, theta: &[f64]) -> Vec<f64> {
-        self.problem.estimated.to_standard(theta)
+        self.closed_loop.simulate(theta, inertia, &grid)
     }
 
     fn inertia(&self, standard: &[f64]) -> Vec<f64> {
         let duration_s = self.filtered.record.position.len() as f64 / self.filtered.record.sample_rate_hz;
         self.closed_loop.motor_inertia(standard, duration_s)
     }
-
-    /// `100 |measured - simulated| / |measured|` in the window: band-passed position, velocity and acceleration and raw
-    /// torque of the record, against the simulation as it is.
-    pub(super) fn errors(&self, motion: &SimulatedMotion) -> BTreeMap<String, f64> {
-        let torque = self.filtered.record.torque.window(self.filtered.window.clone());
-        [
-            ("position", &self.filtered.q, &motion.q),
-            ("velocity", &self.filtered.dq, &motion.dq),
-            ("acceleration", &self.filtered.ddq, &motion.ddq),
-            ("torque", &torque, &motion.tau),
-        ]
-        .into_iter()
-        .map(|(name, measured, simulated)| (name.to_owned(), relative_error(measured, simulated)))
-        .collect()
-    }
 }
 
-fn relative_error(measured: &Series, simulated: &Series) -> f64 {
-    let difference: Vec<f64> = measured.values().iter().zip(simulated.values()).map(|(m, s)| m - s).collect();
-    100.0 * norm(&difference) / norm(measured.values())
+fn squared_difference(measured: &Series, simulated: &Series) -> f64 {
+    measured.values().iter().zip(simulated.values()).map(|(m, s)| (m - s).powi(2)).sum()
 }

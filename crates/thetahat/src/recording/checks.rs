@@ -96,7 +96,7 @@ pub(super) fn require_finite(values: &[f64], file: &Path, column: &str) -> Resul
     }
 }
 
-fn require_increasing(time: &[f64], file: &Path, column: &str) -> Result<(), RecordingError> {
+pub(super) fn require_increasing(time: &[f64], file: &Path, column: &str) -> Result<(), RecordingError> {
     match time.windows(2).position(|pair| pair[1] <= pair[0]) {
         None => Ok(()),
         Some(k) => Err(RecordingError::TimeNotIncreasing {

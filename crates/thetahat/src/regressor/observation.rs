@@ -1,13 +1,14 @@
 use crate::{
-    dynamics::{LinkMotion, Model, Sign, Twist, Workspace, add, cross, dot},
+    dynamics::{LinkMotion, Model, Sign, Twist, Workspace},
     robot::{INERTIAL, Parameter, Quantity},
     series::Series,
+    vector::{add, cross, dot},
 };
 
 /// One entry of `phi` that is not zero by structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Entry {
-    /// The joint, from zero: the row of `phi`.
+    /// The coordinate, from zero: the row of `phi`.
     pub joint: usize,
     /// The place of the parameter in the list that the regressor was made for: the column of `phi`.
     pub column: usize,
@@ -24,28 +25,25 @@ pub struct Regressor {
     columns: usize,
 }
 
-/// The entries of one joint for the inertial parameters of one link: as many of `components` as it is long.
+/// The entries of one coordinate for the inertial parameters of one link: as many of `components` as it is long.
 #[derive(Debug, Clone, Copy)]
 struct Block {
     link: usize,
-    joint: usize,
+    /// Which of the coordinates that move the link.
+    place: usize,
     length: usize,
 }
 
 /// What an entry is computed from.
 #[derive(Debug, Clone, Copy)]
 enum Term {
-    /// Inertial parameter `component` (in the order of [`INERTIAL`]) of `link`.
-    Inertial {
-        link: usize,
-        component: usize,
-    },
-    Joint(Quantity),
-    /// Cross term of a coupled motor: the row's joint and another, with weights.
-    Motor {
-        quantity: Quantity,
-        motor: usize,
-    },
+    /// Inertial parameter `component` (in the order of [`INERTIAL`]) of `link`, for the coordinate at `place` among those
+    /// that move it.
+    Inertial { link: usize, place: usize, component: usize },
+    /// Motor inertia, friction or offset of a joint that moves by `ratio` with the row's coordinate.
+    Joint { quantity: Quantity, ratio: f64 },
+    /// Cross term of a coupled motor: the row's coordinate and another, with weights.
+    Motor { quantity: Quantity, motor: usize },
 }
 
 impl Regressor {
@@ -57,8 +55,8 @@ impl Regressor {
             let parameter = model.parameter_table().get(index);
             placed.extend(terms_of(model, parameter).map(|(joint, term)| (Entry { joint, column }, term)));
         }
-        // Entries of one joint and link together, so that the kernel computes a joint's view of a link once.
-        placed.sort_by_key(|(entry, term)| (block_of(term), entry.joint));
+        // Entries of one coordinate and link together, so that the kernel computes a coordinate's view of a link once.
+        placed.sort_by_key(|(entry, term)| block_of(term, entry.joint));
         let mut regressor = Self {
             entries: placed.iter().map(|(entry, _)| *entry).collect(),
             blocks: Vec::new(),
@@ -71,13 +69,13 @@ impl Regressor {
     }
 
     fn add(&mut self, joint: usize, term: Term) {
-        let Term::Inertial { link, component } = term else {
+        let Term::Inertial { link, place, component } = term else {
             return self.others.push((joint, term));
         };
         self.components.push(component);
         match self.blocks.last_mut() {
-            Some(block) if (block.link, block.joint) == (link, joint) => block.length += 1,
-            _ => self.blocks.push(Block { link, joint, length: 1 }),
+            Some(block) if (block.link, block.place) == (link, place) => block.length += 1,
+            _ => self.blocks.push(Block { link, place, length: 1 }),
         }
     }
 
@@ -111,24 +109,30 @@ impl Regressor {
         for (value, &(joint, term)) in others.iter_mut().zip(&self.others) {
             *value = match term {
                 Term::Motor { quantity, motor } => motor_entry(model, (quantity, motor), joint, (dq, ddq), sign),
-                Term::Joint(quantity) => joint_entry(quantity, dq[joint], ddq[joint], sign),
+                Term::Joint { quantity, ratio } => {
+                    ratio * joint_entry(quantity, ratio * dq[joint], ratio * ddq[joint], sign)
+                }
                 Term::Inertial { .. } => 0.0,
             };
         }
     }
 
-    /// Walks outwards over the links, as the blocks are ordered, and carries the unit twists of the joints along.
+    /// Walks outwards over the links, as the blocks are ordered, and carries the unit twists of the coordinates along.
     fn evaluate_inertial(&self, model: &Model, workspace: &mut Workspace, mut phi: &mut [f64]) {
         let (links, twists) = (&workspace.links, &mut workspace.twists);
-        let mut reached = 0;
+        let (mut reached, mut start, mut axes) = (0, 0, None);
+        let mut motion = LinkMotion::default();
         let mut components = &self.components[..];
-        for &Block { link, joint, length } in &self.blocks {
-            while reached <= link {
-                twists[..reached].iter_mut().for_each(|twist| *twist = twist.seen_from(&links[reached]));
-                twists[reached] = Twist::of_joint(model.is_revolute(reached));
-                reached += 1;
+        for &Block { link, place, length } in &self.blocks {
+            if reached <= link {
+                (reached..=link).for_each(|k| model.propagate_twists(k, links, twists));
+                reached = link + 1;
+                start = model.support(link).start;
+                axes = model.link_axes(link);
+                motion = axes.map_or(links[link], |axes| links[link].in_axes(axes));
             }
-            let entries = inertial_entries(twists[joint], &links[link]);
+            let twist = twists[start + place];
+            let entries = inertial_entries(axes.map_or(twist, |axes| twist.in_axes(axes)), &motion);
             let (values, rest) = phi.split_at_mut(length);
             let (chosen, others) = components.split_at(length);
             values.iter_mut().zip(chosen).for_each(|(value, &c)| *value = entries[c]);
@@ -152,7 +156,8 @@ fn terms_of(model: &Model, parameter: &Parameter) -> impl Iterator<Item = (usize
     let own = parameter.number - 1;
     let quantity = parameter.quantity;
     let terms: Vec<(usize, Term)> = if let Some(component) = INERTIAL.iter().position(|&i| i == quantity) {
-        (0..=own).map(|joint| (joint, Term::Inertial { link: own, component })).collect()
+        let coordinates = model.support(own).coordinates.iter().enumerate();
+        coordinates.map(|(place, &c)| (c, Term::Inertial { link: own, place, component })).collect()
     } else if quantity.is_coupled_motor() {
         let place = model.coupled_motors().iter().position(|m| m.motor == own);
         let motor = place.map(|motor| (motor, &model.coupled_motors()[motor].weights));
@@ -161,15 +166,17 @@ fn terms_of(model: &Model, parameter: &Parameter) -> impl Iterator<Item = (usize
             .flat_map(|(motor, weights)| weights.iter().map(move |&(j, _)| (j, Term::Motor { quantity, motor })))
             .collect()
     } else {
-        vec![(own, Term::Joint(quantity))]
+        let (coordinate, ratio) = model.coordinate_of(own);
+        vec![(coordinate, Term::Joint { quantity, ratio })]
     };
     terms.into_iter()
 }
 
-fn block_of(term: &Term) -> usize {
+/// Link and place of an inertial entry; the others come behind, by coordinate.
+fn block_of(term: &Term, coordinate: usize) -> (usize, usize) {
     match term {
-        Term::Inertial { link, .. } => *link,
-        Term::Joint(_) | Term::Motor { .. } => usize::MAX,
+        Term::Inertial { link, place, .. } => (*link, *place),
+        Term::Joint { .. } | Term::Motor { .. } => (usize::MAX, coordinate),
     }
 }
 

@@ -5,7 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{Published, ReportError, html};
+use super::{ModelReport, Published, ReportError, html};
 use crate::experiment::{ParameterResult, Results, RunResult};
 
 const PARAMETER_COLUMNS: [&str; 9] = [
@@ -101,6 +101,15 @@ fn json(results: &Results) -> Result<Vec<u8>, ReportError> {
     let mut text = serde_json::to_vec_pretty(results).map_err(|source| ReportError::Json { source })?;
     text.push(b'\n');
     Ok(text)
+}
+
+/// A robot as one JSON object; the units are SI.
+///
+/// # Errors
+/// [`ReportError`] for what cannot be rendered.
+pub fn model_json(report: &ModelReport) -> Result<String, ReportError> {
+    let text = serde_json::to_string_pretty(report).map_err(|source| ReportError::ModelJson { source })?;
+    Ok(text + "\n")
 }
 
 fn parameters_csv(results: &Results) -> Result<Vec<u8>, ReportError> {

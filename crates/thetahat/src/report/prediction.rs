@@ -1,8 +1,8 @@
 //! A prediction as a table for the terminal and as a CSV file.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
-use super::ReportError;
+use super::{ReportError, series::write_series};
 use crate::experiment::Prediction;
 
 /// Rms of each joint's prediction and, where torques were measured, its relative error.
@@ -34,27 +34,7 @@ fn percent(value: Option<f64>) -> String {
 /// # Errors
 /// [`ReportError`] where the file cannot be written.
 pub fn write_prediction(prediction: &Prediction, path: &Path) -> Result<(), ReportError> {
-    let refuse = |source| ReportError::Csv { source };
-    let joints = prediction.torque.channels();
-    let mut header = vec!["time_s".to_owned()];
-    header.extend((1..=joints).map(|j| format!("predicted_{j}")));
-    if prediction.measured.is_some() {
-        header.extend((1..=joints).map(|j| format!("measured_{j}")));
-    }
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(&header).map_err(refuse)?;
-    for k in 0..prediction.torque.len() {
-        let mut row = vec![k as f64 / prediction.sample_rate_hz];
-        row.extend(prediction.torque.sample(k));
-        row.extend(prediction.measured.iter().flat_map(|m| m.sample(k)));
-        writer.write_record(row.iter().map(f64::to_string)).map_err(refuse)?;
-    }
-    let content = writer.into_inner().map_err(|e| ReportError::Csv { source: e.into_error().into() })?;
-    let temporary = path.with_extension(format!("{}.part", std::process::id()));
-    let write = fs::write(&temporary, content).and_then(|()| fs::rename(&temporary, path));
-    write.map_err(|source| {
-        // Where there is no temporary file, nothing is to be taken away.
-        let _ = fs::remove_file(&temporary);
-        ReportError::Write { path: path.to_owned(), source }
-    })
+    let mut columns = vec![("predicted", &prediction.torque)];
+    columns.extend(prediction.measured.as_ref().map(|m| ("measured", m)));
+    write_series(prediction.sample_rate_hz, &columns, path)
 }

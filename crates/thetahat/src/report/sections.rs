@@ -5,11 +5,12 @@ use serde::Serialize;
 use super::{
     Published, Table,
     figures::{self, Figure},
+    findings,
     number::{given, optional, significant},
     tables::{self, Detail},
 };
 use crate::{
-    experiment::{Results, RunResult},
+    experiment::{RecordingResult, Results, RunResult},
     statistics::FTest,
 };
 
@@ -43,7 +44,7 @@ impl Section {
 
 /// Every section that has something to show.
 pub(super) fn all(results: &Results, published: Option<&Published>) -> Vec<Section> {
-    let mut sections = vec![summary(results), estimates(results)];
+    let mut sections = vec![summary(results), findings(results), estimates(results)];
     sections.extend(published.map(|p| comparison(results, p)));
     sections.extend([truth(results), formulas(results), torques(results)]);
     sections.extend([convergence(results), tracking(results), elimination(results), method(results)]);
@@ -59,6 +60,16 @@ fn summary(results: &Results) -> Section {
         title: "Summary",
         lines: tables::reasons(&runs),
         tables: tables.into_iter().flatten().collect(),
+        ..Section::default()
+    }
+}
+
+fn findings(results: &Results) -> Section {
+    Section {
+        id: "checks",
+        title: "Checks of the recordings",
+        lines: vec![findings::count(&results.findings) + "."],
+        tables: findings::table(&results.findings).into_iter().collect(),
         ..Section::default()
     }
 }
@@ -121,16 +132,41 @@ fn method(results: &Results) -> Section {
 
 /// What was recorded and how it was filtered, as labels and texts.
 pub(super) fn facts(results: &Results) -> Vec<(&'static str, String)> {
-    let [start, end] = results.window_s;
-    let [start, end, rate] = [start, end, results.sample_rate_hz].map(given);
-    let samples = format!("{} at {rate} Hz, window {start} s to {end} s", results.samples_used);
     let rows = format!("{} after decimation", results.decimated_rows);
-    let mut facts = vec![("robot", results.robot.clone()), ("samples used", samples), ("rows", rows)];
+    let mut facts = vec![("robot", results.robot.clone())];
+    facts.extend(recordings("samples used", &results.recordings));
+    facts.extend(recordings("held back", &results.validation_recordings));
+    facts.push(("rows", rows));
     facts.extend(filters(results));
-    facts.extend(results.reference.as_ref().map(|r| ("reference", reference(results, r))));
+    facts.extend(references(results).map(|r| ("reference", r)));
     facts.extend(results.seed.map(|seed| ("seed", seed.to_string())));
     facts.push(("thetahat", results.thetahat.clone()));
     facts
+}
+
+/// A line for each recording; its name is shown where there are several.
+fn recordings(label: &'static str, recordings: &[RecordingResult]) -> Vec<(&'static str, String)> {
+    let line = |r: &RecordingResult| {
+        let [start, end, rate] = [r.window_s[0], r.window_s[1], r.sample_rate_hz].map(given);
+        let name = if recordings.len() > 1 { format!("{}: ", r.name) } else { String::new() };
+        let weight = if r.weight == 1.0 { String::new() } else { format!(", weight {}", given(r.weight)) };
+        let resampled = r.resampling.map(|j| {
+            let [rms, largest] = [j.rms_deviation, j.largest_deviation].map(|d| significant(100.0 * d, 2));
+            format!("; resampled, its steps deviate by {rms} % rms, {largest} % at most")
+        });
+        let window = format!("{} at {rate} Hz, window {start} s to {end} s", r.samples_used);
+        (label, format!("{name}{window}{weight}{}", resampled.unwrap_or_default()))
+    };
+    recordings.iter().map(line).collect()
+}
+
+/// One line for each recording's reference.
+fn references(results: &Results) -> impl Iterator<Item = String> {
+    let several = results.recordings.len() > 1;
+    results.recordings.iter().filter_map(move |r| {
+        let text = reference(results, r.reference.as_ref()?);
+        Some(if several { format!("{}: {text}", r.name) } else { text })
+    })
 }
 
 fn filters(results: &Results) -> [(&'static str, String); 2] {

@@ -1,11 +1,13 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+use super::UrdfError;
 
 /// Why a robot description cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RobotError {
     /// The file cannot be read.
-    #[error("{}: cannot read the robot description: {reason}", path.display())]
+    #[error("{}: the robot description cannot be read: {reason}", path.display())]
     Unreadable {
         /// The file.
         path: PathBuf,
@@ -42,18 +44,31 @@ pub enum RobotError {
         /// The joints on the cycle, the first repeated at the end.
         joints: Vec<String>,
     },
-    /// The joints do not form one serial chain.
-    #[error("{}, line {line}: joint `{joint}` {problem}; a robot is one serial chain, each joint the child of the one before", path.display())]
-    NotSerial {
+    /// Something is wrong with one joint.
+    #[error("{}, line {line}: joint `{joint}` {problem}", path.display())]
+    Joint {
         /// The file.
         path: PathBuf,
         /// Line of the joint.
         line: usize,
         /// The joint.
         joint: String,
-        /// What is wrong with it.
+        /// What is wrong with it, and what to do.
         problem: String,
     },
+    /// A description beyond any robot.
+    #[error("{}: the robot description has more than {limit} {what}, the most that is read", path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// What there is too much of.
+        what: &'static str,
+        /// How much is read.
+        limit: usize,
+    },
+    /// A URDF that cannot be used.
+    #[error(transparent)]
+    Urdf(#[from] UrdfError),
     /// The motor-joint matrix cannot be inverted.
     #[error("{}, line {line}: [transmission] matrix is singular: {reason}; every joint needs a motor that moves it", path.display())]
     SingularTransmission {
@@ -86,4 +101,10 @@ pub enum RobotError {
         /// The names of the first joint.
         known: Vec<String>,
     },
+}
+
+impl RobotError {
+    pub(super) fn of_toml(error: &toml::de::Error, path: &Path) -> Self {
+        Self::Syntax { path: path.to_owned(), message: error.to_string().trim_end().to_owned() }
+    }
 }

@@ -83,6 +83,12 @@ impl Transmission {
         self.map(motor, |x| add(self.inverse.times(x), &self.offset))
     }
 
+    /// `dq = N^-1 dq_motor` for each sample.
+    #[must_use]
+    pub fn joint_velocities(&self, motor: &Series) -> Series {
+        self.map(motor, |x| self.inverse.times(x))
+    }
+
     /// `tau = N^T (g_tau tau_motor)` for each sample.
     #[must_use]
     pub fn joint_torques(&self, drive: &Series) -> Series {

@@ -2,9 +2,9 @@
 
 use crate::series::Series;
 
-use super::forward_backward::Kept;
-use super::zero_phase::filter_and_keep;
-use super::{Padding, SecondOrderSections, SignalError};
+use super::forward_backward::{Kept, Shape};
+use super::pole_sums::PoleSums;
+use super::{Padding, SecondOrderSections, SignalError, zero_phase};
 
 const ORDER: usize = 8;
 const RIPPLE_DB: f64 = 0.05;
@@ -33,7 +33,14 @@ const CUTOFF_FRACTION: f64 = 0.8;
 pub struct Decimator {
     samples: usize,
     kept: Kept,
-    filter: Option<SecondOrderSections>,
+    filter: Option<ParallelFilter>,
+}
+
+/// The parallel filter: its sections, which give every sample, and its sums over poles, which give those kept.
+#[derive(Debug, Clone, PartialEq)]
+struct ParallelFilter {
+    sections: SecondOrderSections,
+    sums: PoleSums,
 }
 
 impl Decimator {
@@ -82,9 +89,15 @@ impl Decimator {
     pub fn decimate_computed(
         &self,
         channels: usize,
-        fill: impl FnMut(usize, &mut [f64]),
+        mut fill: impl FnMut(usize, &mut [f64]),
     ) -> Result<Series, SignalError> {
-        self.filter_and_keep((self.samples, channels), self.kept, fill)
+        if let Some(filter) = &self.filter {
+            let shape = Shape { samples: self.samples, channels, padding: Padding::Matlab.samples(ORDER) };
+            return Ok(filter.sums.filter_and_keep(shape, self.kept, fill));
+        }
+        let mut series = Series::zeros(self.samples, channels);
+        (0..self.samples).for_each(|k| fill(k, series.sample_mut(k)));
+        Ok(series)
     }
 
     /// The series filtered, with all its samples: what [`Self::decimate`] picks from. The length is free, so that the
@@ -93,32 +106,23 @@ impl Decimator {
     /// # Errors
     /// If the series is not longer than the padding.
     pub fn filter(&self, series: &Series) -> Result<Series, SignalError> {
-        let fill = |k: usize, sample: &mut [f64]| sample.copy_from_slice(series.sample(k));
-        self.filter_and_keep((series.len(), series.channels()), Kept::ALL, fill)
-    }
-
-    fn filter_and_keep(
-        &self,
-        (samples, channels): (usize, usize),
-        kept: Kept,
-        mut fill: impl FnMut(usize, &mut [f64]),
-    ) -> Result<Series, SignalError> {
-        if let Some(filter) = &self.filter {
-            return filter_and_keep(filter, (samples, channels), Padding::Matlab, kept, fill);
+        match &self.filter {
+            Some(filter) => zero_phase(&filter.sections, series, Padding::Matlab),
+            None => Ok(series.clone()),
         }
-        let mut series = Series::zeros(samples, channels);
-        (0..samples).for_each(|k| fill(k, series.sample_mut(k)));
-        Ok(series)
     }
 }
 
 /// The parallel filter; none for factor 1.
-fn low_pass(factor: usize) -> Result<Option<SecondOrderSections>, SignalError> {
+fn low_pass(factor: usize) -> Result<Option<ParallelFilter>, SignalError> {
     if factor == 1 {
         return Ok(None);
     }
     // At a sample rate of 2 the Nyquist frequency is 1.
-    SecondOrderSections::chebyshev1_lowpass(ORDER, RIPPLE_DB, CUTOFF_FRACTION / factor as f64, 2.0).map(Some)
+    let cutoff = CUTOFF_FRACTION / factor as f64;
+    let sections = SecondOrderSections::chebyshev1_lowpass(ORDER, RIPPLE_DB, cutoff, 2.0)?;
+    let sums = PoleSums::new(&sections).ok_or(SignalError::InvalidFactor { factor })?;
+    Ok(Some(ParallelFilter { sections, sums }))
 }
 
 #[cfg(test)]
@@ -148,7 +152,27 @@ mod tests {
         let decimator = Decimator::new(7, 300)?;
         let (decimated, filtered) = (decimator.decimate(&series)?, decimator.filter(&series)?);
         for (row, k) in decimator.kept().enumerate() {
-            assert_eq!(decimated.sample(row), filtered.sample(k));
+            for (d, f) in std::iter::zip(decimated.sample(row), filtered.sample(k)) {
+                assert!((d - f).abs() < 1e-11, "{d} {f}");
+            }
+        }
+        Ok(())
+    }
+
+    /// The sums over poles are the two recursions, at every factor, also for records that barely hold the padding and for
+    /// values far from zero.
+    #[test]
+    fn sums_over_poles_are_the_two_recursions() -> Result<(), SignalError> {
+        for (factor, samples) in [(2, 25), (2, 400), (7, 31), (10, 1000), (100, 90), (100, 7001), (1000, 5000)] {
+            let value = |k: usize| 50.0 + (k as f64 * 0.37).sin() + ((k * k) % 17) as f64 + k as f64 * 1e-3;
+            let series = Series::from_values(3, (0..3 * samples).map(value).collect());
+            let decimator = Decimator::new(factor, samples)?;
+            let (decimated, filtered) = (decimator.decimate(&series)?, decimator.filter(&series)?);
+            for (row, k) in decimator.kept().enumerate() {
+                for (d, f) in std::iter::zip(decimated.sample(row), filtered.sample(k)) {
+                    assert!((d - f).abs() < 1e-10 * f.abs(), "factor {factor}, sample {k} of {samples}: {d} {f}");
+                }
+            }
         }
         Ok(())
     }
@@ -169,7 +193,7 @@ mod tests {
         let sine = Series::from_values(1, (0..samples).map(|k| (w * k as f64).sin()).collect());
         let decimator = Decimator::new(factor, samples)?;
         let decimated = decimator.decimate(&sine)?.channel(0);
-        let gain = low_pass(factor)?.map_or(1.0, |filter| filter.gain(2.0 * 0.01).powi(2));
+        let gain = low_pass(factor)?.map_or(1.0, |filter| filter.sections.gain(2.0 * 0.01).powi(2));
         // The ends keep a transient; inside it has died out.
         for (y, k) in std::iter::zip(decimated, decimator.kept()).skip(300).take(200) {
             assert!((y - gain * (w * k as f64).sin()).abs() < 1e-11);

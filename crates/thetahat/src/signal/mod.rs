@@ -17,6 +17,7 @@ mod differentiate;
 mod error;
 mod forward_backward;
 mod motion;
+mod pole_sums;
 mod zero_phase;
 
 pub use bandwidth::minus_3_db_bandwidth_hz;

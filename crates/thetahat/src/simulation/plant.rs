@@ -63,7 +63,7 @@ impl<'a> Plant<'a> {
         let joints_per_motor = setup.transmission.joints_per_motor();
         let drive = setup.transmission.drive_to_joint_units();
         Self {
-            parameters: DynamicParameters::new(setup.model.parameter_table(), n, theta),
+            parameters: DynamicParameters::new(setup.model, theta),
             sign: Sign::Smooth { scale: setup.sign_velocity_scale },
             workspace: Workspace::new(setup.model),
             coupling: Coupling::new(&setup.transmission.motor_in_joint_units(), ratio),

@@ -49,6 +49,7 @@ impl Record {
             sample_rate_hz: self.rate_hz,
             time_s: self.time_s.as_deref(),
             position: &self.position,
+            geared: true,
             velocity: self.velocity.as_ref(),
             torque: &self.torque,
             reference: self.reference.as_ref(),
@@ -150,9 +151,9 @@ pub fn tx40(root: &Path, data: &Path) -> Record {
 
 /// The record of an experiment file, or its validation record.
 pub fn from_experiment(path: &Path, data: &Path, validation: bool) -> Record {
-    let experiment = Experiment::read(path).unwrap();
+    let experiment = Experiment::read(path, data).unwrap();
     let file = &experiment.file;
-    let description = if validation { file.validation.clone() } else { file.recording.clone() }.unwrap();
+    let description = if validation { file.validation[0].clone() } else { file.recording[0].clone() };
     let transmission = &experiment.robot.transmission;
     let motor = thetahat::recording::Side::Motor;
     let positions = |source: &thetahat::recording::ChannelSource| {

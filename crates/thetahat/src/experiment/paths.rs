@@ -1,0 +1,50 @@
+//! Which files an experiment file may name: those of its own project, so that a file from elsewhere reads nothing else.
+
+use std::path::{Path, PathBuf};
+
+use super::ExperimentError;
+
+/// The robot description: beside the experiment, or else in the folder of the data.
+pub(super) fn robot(experiment: &Path, named: &Path, data: &Path) -> Result<PathBuf, ExperimentError> {
+    let here = folder(experiment).join(named);
+    let there = data.join(named);
+    if here.exists() || !there.exists() {
+        return beside(experiment, "robot", named);
+    }
+    if is_inside(&there, data) { Ok(there) } else { Err(outside(experiment, "robot", named)) }
+}
+
+/// A file named by the experiment, relative to it: inside its folder or the folder above.
+pub(super) fn beside(experiment: &Path, key: &str, named: &Path) -> Result<PathBuf, ExperimentError> {
+    let own = folder(experiment);
+    let path = own.join(named);
+    // What is not there is reported where it is read.
+    if !path.exists() || is_inside(&path, &own.join("..")) {
+        return Ok(path);
+    }
+    Err(outside(experiment, key, named))
+}
+
+fn folder(file: &Path) -> PathBuf {
+    let folder = file.parent().unwrap_or(Path::new(""));
+    if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder.to_owned() }
+}
+
+/// Whether a file lies below a folder, links followed.
+fn is_inside(file: &Path, folder: &Path) -> bool {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let real = |path: &Path| path.canonicalize().ok();
+    real(file).zip(real(folder)).is_some_and(|(file, folder)| file.starts_with(folder))
+}
+
+fn outside(experiment: &Path, key: &str, named: &Path) -> ExperimentError {
+    ExperimentError::Value {
+        path: experiment.to_owned(),
+        key: key.to_owned(),
+        expected:
+            "a file in the folder of the experiment or the one above (a robot also in the folder of the data, or \
+                   anywhere by --robot)"
+                .to_owned(),
+        found: named.display().to_string(),
+    }
+}

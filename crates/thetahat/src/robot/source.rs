@@ -1,0 +1,104 @@
+use std::{
+    fs::File,
+    io::Read,
+    path::{Path, PathBuf},
+};
+
+use super::{Robot, RobotError, toml_file, urdf};
+
+/// Longest robot description, bytes.
+const LONGEST: u64 = 16 << 20;
+
+/// The text that a robot is read from, complete in itself: with the text of the URDF that a TOML stands on.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RobotSource {
+    path: PathBuf,
+    text: String,
+    urdf: Option<(PathBuf, String)>,
+}
+
+impl RobotSource {
+    /// Reads the description, and the URDF that it stands on.
+    ///
+    /// # Errors
+    /// [`RobotError`] for a file that cannot be read.
+    pub fn read(path: &Path) -> Result<Self, RobotError> {
+        Self::from_text(read_text(path)?, path)
+    }
+
+    /// A description from its text; `path` is its name in messages, and its key `urdf` is relative to its folder.
+    ///
+    /// # Errors
+    /// As [`RobotSource::read`].
+    pub fn from_text(text: String, path: &Path) -> Result<Self, RobotError> {
+        let urdf = if is_xml(&text) { None } else { toml_file::urdf_of(&text, path)? };
+        let urdf = match urdf {
+            Some(toml_file::Urdf::File(file)) => Some((file.clone(), read_text(&file)?)),
+            Some(toml_file::Urdf::Text(name, text)) => Some((name, text)),
+            None => None,
+        };
+        Ok(Self { path: path.to_owned(), text, urdf })
+    }
+
+    /// The file of the description.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The file of the URDF that a TOML stands on.
+    #[must_use]
+    pub fn urdf_path(&self) -> Option<&Path> {
+        self.urdf.as_ref().map(|(path, _)| path.as_path())
+    }
+
+    /// What the description is, for people: `URDF`, `TOML` or `TOML on URDF`.
+    #[must_use]
+    pub fn format(&self) -> &'static str {
+        match &self.urdf {
+            _ if is_xml(&self.text) => "URDF",
+            None => "TOML",
+            Some(_) => "TOML on URDF",
+        }
+    }
+
+    /// The robot.
+    ///
+    /// # Errors
+    /// [`RobotError`], with the file and the line or key.
+    pub fn robot(&self) -> Result<Robot, RobotError> {
+        if is_xml(&self.text) {
+            return Ok(urdf::read(&self.text, &self.path, urdf::Transmissions::Read)?);
+        }
+        toml_file::read(&self.text, &self.path, self.urdf.as_ref())
+    }
+
+    /// One text with everything, from which [`Robot::parse`] makes the same robot without any file.
+    #[must_use]
+    pub fn to_text(&self) -> String {
+        match &self.urdf {
+            Some((_, urdf)) if !toml_file::has_embedded_urdf(&self.text) => {
+                toml_file::with_embedded_urdf(&self.text, urdf)
+            }
+            _ => self.text.clone(),
+        }
+    }
+}
+
+fn is_xml(text: &str) -> bool {
+    text.trim_start_matches('\u{feff}').trim_start().starts_with('<')
+}
+
+fn read_text(path: &Path) -> Result<String, RobotError> {
+    let unreadable = |e: std::io::Error| RobotError::Unreadable { path: path.to_owned(), reason: e.to_string() };
+    let mut text = String::new();
+    File::open(path).and_then(|file| file.take(LONGEST + 1).read_to_string(&mut text)).map_err(unreadable)?;
+    if text.len() as u64 > LONGEST {
+        return Err(RobotError::TooLarge {
+            path: path.to_owned(),
+            what: "MiB of text",
+            limit: (LONGEST >> 20) as usize,
+        });
+    }
+    Ok(text)
+}

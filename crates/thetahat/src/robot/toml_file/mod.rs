@@ -1,0 +1,14 @@
+//! Our TOML description: joints in Denavit-Hartenberg form, or a URDF, and what stands on either: transmission, friction
+//! model, gravity, a-priori parameters.
+
+mod embedding;
+mod file;
+mod joints;
+mod reader;
+mod transmission;
+
+pub(super) use embedding::{Urdf, has_embedded_urdf, urdf_of, with_embedded_urdf};
+pub(super) use reader::read;
+
+#[cfg(test)]
+mod tests;

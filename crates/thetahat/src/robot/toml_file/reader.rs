@@ -1,0 +1,110 @@
+use std::{
+    ops::Range,
+    path::{Path, PathBuf},
+};
+
+use super::file::RobotFile;
+use crate::robot::{Friction, Parameter, Robot, RobotError, Transmission, urdf};
+
+/// Acceleration of gravity where none is given, m/s^2.
+const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
+
+/// The robot of a TOML description, which stands on the text of `urdf` where it names one.
+pub(in crate::robot) fn read(text: &str, path: &Path, urdf: Option<&(PathBuf, String)>) -> Result<Robot, RobotError> {
+    let file: RobotFile = toml::from_str(text).map_err(|e| RobotError::of_toml(&e, path))?;
+    let reader = Reader { path, text };
+    let below = match urdf {
+        Some((urdf_path, urdf_text)) => reader.on_urdf(&file, urdf_path, urdf_text)?,
+        None => reader.alone(&file)?,
+    };
+    reader.with_additions(below, file)
+}
+
+/// Turns the parsed file into a robot; knows where in the file things stand.
+pub(super) struct Reader<'a> {
+    pub(super) path: &'a Path,
+    pub(super) text: &'a str,
+}
+
+impl Reader<'_> {
+    fn alone(&self, file: &RobotFile) -> Result<Robot, RobotError> {
+        let name = file.name.clone().ok_or_else(|| self.value("name", "the robot's name", "missing"))?;
+        let joints = self.joints(&file.joint, file.convention.unwrap_or_default())?;
+        let coordinates = joints.iter().filter(|j| j.mimic.is_none()).count();
+        Ok(Robot {
+            name,
+            gravity: GRAVITY,
+            joints,
+            transmission: Transmission::direct(coordinates),
+            friction: Friction::default(),
+            a_priori: std::collections::BTreeMap::new(),
+        })
+    }
+
+    fn on_urdf(&self, file: &RobotFile, urdf_path: &Path, urdf_text: &str) -> Result<Robot, RobotError> {
+        if !file.joint.is_empty() {
+            return Err(self.value("joint", "none where urdf gives the joints", "[[joint]]"));
+        }
+        if file.convention.is_some() {
+            return Err(self.value(
+                "convention",
+                "none where urdf gives the joints",
+                "a Denavit-Hartenberg convention",
+            ));
+        }
+        let own = file.transmission.as_ref().is_some_and(|t| t.matrix.is_some());
+        let transmissions = if own { urdf::Transmissions::Ignored } else { urdf::Transmissions::Read };
+        Ok(urdf::read(urdf_text, urdf_path, transmissions)?)
+    }
+
+    /// What the file says beside the joints, over what `robot` says.
+    fn with_additions(&self, mut robot: Robot, file: RobotFile) -> Result<Robot, RobotError> {
+        let RobotFile { name, gravity, friction, transmission, parameters, .. } = file;
+        self.check_finite("gravity", gravity.into_iter().flatten())?;
+        for (name, value) in &parameters {
+            self.check_finite(&format!("[parameters] {name}"), [*value])?;
+        }
+        robot.name = name.unwrap_or(robot.name);
+        robot.gravity = gravity.unwrap_or(robot.gravity);
+        if let Some(entry) = transmission {
+            robot.transmission = self.transmission(entry, &robot.joints, &robot.transmission)?;
+        }
+        robot.set_friction(friction.unwrap_or(robot.friction));
+        self.check_parameter_names(&robot, parameters.keys())?;
+        robot.a_priori.extend(parameters);
+        Ok(robot)
+    }
+
+    fn check_parameter_names<'n>(
+        &self,
+        robot: &Robot,
+        mut names: impl Iterator<Item = &'n String>,
+    ) -> Result<(), RobotError> {
+        let table = robot.parameter_table();
+        let Some(name) = names.find(|name| table.index_of(name).is_none()) else { return Ok(()) };
+        let known = table.iter().filter(|p| p.number == 1).map(Parameter::name).collect();
+        Err(RobotError::UnknownParameter { path: self.path.to_owned(), name: name.clone(), known })
+    }
+
+    pub(super) fn check_finite(&self, key: &str, values: impl IntoIterator<Item = f64>) -> Result<(), RobotError> {
+        match values.into_iter().find(|v| !v.is_finite()) {
+            Some(v) => Err(self.value(key, "finite numbers", &v.to_string())),
+            None => Ok(()),
+        }
+    }
+
+    pub(super) fn count(&self, key: &str, expected: usize, found: usize) -> Result<(), RobotError> {
+        if expected == found {
+            return Ok(());
+        }
+        Err(RobotError::WrongCount { path: self.path.to_owned(), key: key.to_owned(), expected, found })
+    }
+
+    pub(super) fn value(&self, key: &str, expected: &'static str, found: &str) -> RobotError {
+        RobotError::Value { path: self.path.to_owned(), key: key.to_owned(), expected, found: found.to_owned() }
+    }
+
+    pub(super) fn line(&self, span: Range<usize>) -> usize {
+        self.text[..span.start].matches('\n').count() + 1
+    }
+}

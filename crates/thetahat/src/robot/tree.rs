@@ -1,0 +1,86 @@
+//! Orders and cycles of trees that are given by the parent of each node; nothing here recurses.
+
+use super::{LARGEST, Mimic};
+
+/// Parents before children, depth first, children of one parent in the order given.
+///
+/// # Errors
+/// The nodes of a cycle, from parent's child to child's parent, where there is one.
+pub(super) fn depth_first(parents: &[Option<usize>]) -> Result<Vec<usize>, Vec<usize>> {
+    let mut children: Vec<Vec<usize>> = vec![Vec::new(); parents.len()];
+    let mut waiting = Vec::new();
+    for (node, parent) in parents.iter().enumerate().rev() {
+        match parent {
+            Some(parent) => children[*parent].push(node),
+            None => waiting.push(node),
+        }
+    }
+    let mut order = Vec::with_capacity(parents.len());
+    while let Some(node) = waiting.pop() {
+        order.push(node);
+        waiting.append(&mut children[node]);
+    }
+    if order.len() == parents.len() { Ok(order) } else { Err(cycle(parents, &order)) }
+}
+
+fn cycle(parents: &[Option<usize>], reached: &[usize]) -> Vec<usize> {
+    let mut place = vec![None; parents.len()];
+    reached.iter().for_each(|&node| place[node] = Some(0));
+    let mut next = place.iter().position(Option::is_none);
+    let mut path = Vec::new();
+    while let Some(node) = next {
+        if let Some(first) = place[node] {
+            return path.split_off(first);
+        }
+        place[node] = Some(path.len());
+        path.push(node);
+        next = parents[node];
+    }
+    path
+}
+
+/// Joints that follow a follower follow its leader.
+///
+/// # Errors
+/// The index of a joint that follows itself in the end, or by a number beyond [`LARGEST`].
+pub(super) fn resolve_mimics(mimics: &[Option<Mimic>]) -> Result<Vec<Option<Mimic>>, usize> {
+    (0..mimics.len()).map(|joint| resolved(mimics, joint)).collect()
+}
+
+fn resolved(mimics: &[Option<Mimic>], joint: usize) -> Result<Option<Mimic>, usize> {
+    let Some(mut found) = mimics[joint] else { return Ok(None) };
+    for _ in 0..mimics.len() {
+        if !(found.ratio.abs() <= LARGEST && found.offset.abs() <= LARGEST) {
+            return Err(joint);
+        }
+        let Some(next) = mimics[found.of] else { return Ok(Some(found)) };
+        let offset = found.ratio * next.offset + found.offset;
+        found = Mimic { of: next.of, ratio: found.ratio * next.ratio, offset };
+    }
+    Err(joint)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn children_come_behind_their_parents_in_the_order_given() {
+        let parents = [Some(3), None, Some(1), Some(1), Some(3), None];
+        assert_eq!(depth_first(&parents), Ok(vec![1, 2, 3, 0, 4, 5]));
+    }
+
+    #[test]
+    fn a_cycle_is_found_from_a_branch_that_leads_to_it() {
+        let parents = [Some(1), Some(2), Some(3), Some(1), None];
+        assert_eq!(depth_first(&parents), Err(vec![1, 2, 3]));
+    }
+
+    #[test]
+    fn followers_of_followers_follow_the_leader() {
+        let mimic = |of, ratio, offset| Some(Mimic { of, ratio, offset });
+        let resolved = resolve_mimics(&[None, mimic(0, 2.0, 0.5), mimic(1, -3.0, 1.0)]).unwrap();
+        assert_eq!(resolved, [None, mimic(0, 2.0, 0.5), mimic(0, -6.0, -0.5)]);
+        assert_eq!(resolve_mimics(&[mimic(1, 1.0, 0.0), mimic(0, 1.0, 0.0)]), Err(0));
+    }
+}

@@ -1,0 +1,168 @@
+use std::{fmt, path::PathBuf};
+
+/// Where in a URDF something stands.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place {
+    /// The file.
+    pub path: PathBuf,
+    /// The line, from one.
+    pub line: usize,
+    /// The element, such as `<axis> of <joint name="elbow">`.
+    pub element: String,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}, line {}: {}", self.path.display(), self.line, self.element)
+    }
+}
+
+/// Why a URDF cannot be used.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum UrdfError {
+    /// The file is not XML.
+    #[error("{}, line {line}, column {column}: this is not XML: {problem}", path.display())]
+    Syntax {
+        /// The file.
+        path: PathBuf,
+        /// The line, from one.
+        line: usize,
+        /// The column, from one.
+        column: usize,
+        /// What the XML reader says.
+        problem: String,
+    },
+    /// The file is a xacro that has not been expanded.
+    #[error("{place} is xacro that has not been expanded; run `xacro {} > robot.urdf` and use robot.urdf", place.path.display())]
+    Xacro {
+        /// Where it shows.
+        place: Place,
+    },
+    /// The root element is not `<robot>`.
+    #[error("{place} is the root of this file, but a URDF is one <robot name=\"...\">")]
+    NotARobot {
+        /// The root element.
+        place: Place,
+    },
+    /// The file is beyond any robot.
+    #[error("{}: the URDF has more than {limit} {what}, the most that is read", path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// What there is too much of.
+        what: &'static str,
+        /// How much is read.
+        limit: usize,
+    },
+    /// An attribute or element is missing.
+    #[error("{place} has no {missing}; {remedy}")]
+    Missing {
+        /// The element that lacks it.
+        place: Place,
+        /// What is missing.
+        missing: String,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// A value is not what it must be.
+    #[error("{place}: {key} is `{found}`, expected {expected}")]
+    Value {
+        /// The element.
+        place: Place,
+        /// The attribute, or the text of the element.
+        key: &'static str,
+        /// What is allowed.
+        expected: &'static str,
+        /// What was found.
+        found: String,
+    },
+    /// A link or joint is named that the file does not have.
+    #[error("{place} names the {kind} `{name}`, which this file does not have{}", similar.as_ref().map_or(String::new(), |s| format!("; is `{s}` meant?")))]
+    UnknownName {
+        /// The element.
+        place: Place,
+        /// `link` or `joint`.
+        kind: &'static str,
+        /// The name.
+        name: String,
+        /// A name that differs little, if there is one.
+        similar: Option<String>,
+    },
+    /// Two links or two joints have one name.
+    #[error("{place} has the name of the element in line {first_line}; rename one of the two")]
+    DuplicateName {
+        /// The second element.
+        place: Place,
+        /// Line of the first.
+        first_line: usize,
+    },
+    /// A link is the child of two joints.
+    #[error(
+        "{place} makes `{link}` its child, which is the child of joint `{other}` already; a loop cannot be described, cut it at \
+         one of the two joints"
+    )]
+    TwoParents {
+        /// The second joint.
+        place: Place,
+        /// The link.
+        link: String,
+        /// The first joint.
+        other: String,
+    },
+    /// The joints form a cycle.
+    #[error("{place}: the joints {} form a cycle; one link must be nobody's child", joints.join(" -> "))]
+    Cycle {
+        /// The first joint of the cycle.
+        place: Place,
+        /// The joints of the cycle.
+        joints: Vec<String>,
+    },
+    /// Several links, or none, are nobody's child.
+    #[error(
+        "{place} is nobody's child, as is `{first}` in line {first_line}; exactly one link is the base: join the two with a \
+         joint of type fixed, or remove one"
+    )]
+    TwoRoots {
+        /// The second root.
+        place: Place,
+        /// The first root.
+        first: String,
+        /// Its line.
+        first_line: usize,
+    },
+    /// There is nothing to identify.
+    #[error("{}: no joint of this URDF moves; at least one must be revolute, continuous or prismatic", path.display())]
+    NoMovingJoint {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A joint with more than one coordinate.
+    #[error("{place} is of type `{kind}`, which is not supported: {why}")]
+    UnsupportedJoint {
+        /// The joint.
+        place: Place,
+        /// Its type.
+        kind: String,
+        /// What is supported, or why not.
+        why: &'static str,
+    },
+    /// A joint cannot follow the one that it names.
+    #[error("{place} cannot follow `{joint}`: {problem}")]
+    Mimic {
+        /// The `<mimic>`.
+        place: Place,
+        /// The joint that it names.
+        joint: String,
+        /// Why not.
+        problem: &'static str,
+    },
+    /// A transmission cannot be expressed by one ratio for each joint.
+    #[error("{place} {problem}; give [transmission] matrix in a TOML with urdf = \"...\" instead")]
+    Transmission {
+        /// The transmission.
+        place: Place,
+        /// Why not.
+        problem: String,
+    },
+}

@@ -1,0 +1,25 @@
+//! Robots from URDF, the format of ROS (<https://docs.ros.org/en/rolling/p/urdfdom>).
+//!
+//! Read are links with their `<inertial>`, joints of the types revolute, continuous, prismatic and fixed with `<origin>`,
+//! `<axis>`, `<limit>`, `<dynamics>` and `<mimic>`, and the `<mechanicalReduction>` of each `<transmission>`. A link that is
+//! fixed to another is lumped into it. Everything else, as looks, collision shapes and simulators' tags, is passed over.
+//!
+//! The inertial parameters of a robot from URDF are those of its link frames, about their origins, whatever the axis of the
+//! joint. Angles that are a multiple of a right angle rounded to four decimals or more, such as 1.5708, are that multiple:
+//! otherwise parallel axes are not parallel, and parameters count as independent that are not.
+
+mod document;
+mod element;
+mod error;
+mod joints;
+mod links;
+mod reader;
+mod structure;
+mod transmissions;
+
+pub use error::{Place, UrdfError};
+
+pub(super) use reader::{Transmissions, read};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,127 @@
+use std::collections::HashMap;
+
+use super::{UrdfError, element::Element, joints::JointElement};
+use crate::robot::tree;
+
+/// Edits between two names that are taken for a slip.
+const SLIP: usize = 2;
+
+/// The links and joints of a file as a tree.
+pub(super) struct Structure<'a> {
+    pub(super) links: Vec<Element<'a>>,
+    pub(super) joints: Vec<JointElement<'a>>,
+    /// Parent and child link of each joint.
+    pub(super) ends: Vec<(usize, usize)>,
+    /// The joints, those nearer to the base before, depth first in the order of the file.
+    pub(super) order: Vec<usize>,
+    /// The link that is nobody's child.
+    pub(super) root: usize,
+}
+
+impl<'a> Structure<'a> {
+    pub(super) fn read(robot: Element<'a>) -> Result<Self, UrdfError> {
+        let links: Vec<Element<'a>> = robot.elements().filter(|e| e.tag() == "link").collect();
+        let elements: Vec<Element<'a>> = robot.elements().filter(|e| e.tag() == "joint").collect();
+        let link_names = names(&links)?;
+        names(&elements)?;
+        let joints = elements.into_iter().map(JointElement::read).collect::<Result<Vec<_>, _>>()?;
+        let link = |joint: &JointElement<'a>, tag: &str, name: &str| match link_names.get(name) {
+            Some(&index) => Ok(index),
+            None => Err(unknown(joint.element.child(tag).unwrap_or(joint.element), "link", name, link_names.keys())),
+        };
+        let ends = joints.iter().map(|j| Ok((link(j, "parent", j.parent)?, link(j, "child", j.child)?)));
+        let ends = ends.collect::<Result<Vec<_>, UrdfError>>()?;
+        if joints.iter().all(|joint| joint.moving.is_none()) {
+            return Err(UrdfError::NoMovingJoint { path: robot.path().to_owned() });
+        }
+        let parent_joint = parent_joints(&links, &joints, &ends)?;
+        let parents: Vec<Option<usize>> = ends.iter().map(|(parent, _)| parent_joint[*parent]).collect();
+        let order = tree::depth_first(&parents).map_err(|found| cycle(&joints, &found))?;
+        let root = only_root(&links, &parent_joint)?.unwrap_or(0);
+        Ok(Self { links, joints, ends, order, root })
+    }
+}
+
+/// The index of each name, which no two elements share.
+fn names<'a>(elements: &[Element<'a>]) -> Result<HashMap<&'a str, usize>, UrdfError> {
+    let mut names = HashMap::new();
+    for (index, element) in elements.iter().enumerate() {
+        let name = element.required("name", "every link and joint has one")?;
+        if let Some(first) = names.insert(name, index) {
+            return Err(UrdfError::DuplicateName { place: element.place(), first_line: elements[first].line() });
+        }
+    }
+    Ok(names)
+}
+
+/// The joint whose child each link is.
+fn parent_joints(
+    links: &[Element<'_>],
+    joints: &[JointElement<'_>],
+    ends: &[(usize, usize)],
+) -> Result<Vec<Option<usize>>, UrdfError> {
+    let mut parent_joint: Vec<Option<usize>> = vec![None; links.len()];
+    for (joint, &(_, child)) in ends.iter().enumerate() {
+        if let Some(other) = parent_joint[child].replace(joint) {
+            let name = joints[other].name.to_owned();
+            return Err(UrdfError::TwoParents {
+                place: joints[joint].element.place(),
+                link: joints[joint].child.to_owned(),
+                other: name,
+            });
+        }
+    }
+    Ok(parent_joint)
+}
+
+fn only_root(links: &[Element<'_>], parent_joint: &[Option<usize>]) -> Result<Option<usize>, UrdfError> {
+    let mut roots = (0..links.len()).filter(|&link| parent_joint[link].is_none());
+    let first = roots.next();
+    match (first, roots.next()) {
+        (Some(first), Some(second)) => Err(UrdfError::TwoRoots {
+            place: links[second].place(),
+            first: links[first].attribute("name").unwrap_or_default().to_owned(),
+            first_line: links[first].line(),
+        }),
+        _ => Ok(first),
+    }
+}
+
+/// The error of a cycle, which is found from child to parent and read from parent to child.
+fn cycle(joints: &[JointElement<'_>], cycle: &[usize]) -> UrdfError {
+    let first = cycle.first().copied().unwrap_or(0);
+    let downward = cycle.first().into_iter().chain(cycle.iter().rev());
+    let name = |&joint: &usize| joints[joint].name.to_owned();
+    UrdfError::Cycle { place: joints[first].element.place(), joints: downward.map(name).collect() }
+}
+
+/// The error of a name that is none of the `known`.
+pub(super) fn unknown<'n>(
+    element: Element<'_>,
+    kind: &'static str,
+    name: &str,
+    known: impl Iterator<Item = &'n &'n str>,
+) -> UrdfError {
+    let mut near: Vec<&str> = known.copied().filter(|other| edits(name, other) <= SLIP).collect();
+    near.sort_unstable();
+    let similar = near.first().map(|s| (*s).to_owned());
+    UrdfError::UnknownName { place: element.place(), kind, name: super::element::shortened(name), similar }
+}
+
+/// Letters to change, insert or leave out between two names; long names count as far apart.
+fn edits(a: &str, b: &str) -> usize {
+    const LONGEST: usize = 200;
+    if a.len() > LONGEST || b.len() > LONGEST || a.len().abs_diff(b.len()) > SLIP {
+        return LONGEST;
+    }
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.bytes().enumerate() {
+        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
+        for (j, y) in b.bytes().enumerate() {
+            let changed = diagonal + usize::from(x != y);
+            diagonal = row[j + 1];
+            row[j + 1] = changed.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
+}

@@ -1,0 +1,39 @@
+use super::{UrdfError, element::Element, structure};
+
+/// The reduction of each joint named, one where none is given.
+pub(super) fn reductions(robot: Element<'_>, joints: &[&str]) -> Result<Vec<f64>, UrdfError> {
+    let mut found: Vec<Option<f64>> = vec![None; joints.len()];
+    for transmission in robot.elements().filter(|e| e.tag() == "transmission") {
+        let Some((joint, element)) = joint_of(transmission)? else { continue };
+        let place = joints.iter().position(|name| *name == joint);
+        let place = place.ok_or_else(|| structure::unknown(element, "joint", joint, joints.iter()))?;
+        let Some(reduction) = reduction(transmission)? else { continue };
+        if found[place].replace(reduction).is_some_and(|other| other != reduction) {
+            let problem = format!("gives joint `{joint}` a second, different reduction");
+            return Err(UrdfError::Transmission { place: transmission.place(), problem });
+        }
+    }
+    Ok(found.into_iter().map(|reduction| reduction.unwrap_or(1.0)).collect())
+}
+
+/// The one joint of a transmission; transmissions of old files that drive no joint are passed over.
+fn joint_of(transmission: Element<'_>) -> Result<Option<(&str, Element<'_>)>, UrdfError> {
+    let count = |tag: &str| transmission.elements().filter(|e| e.tag() == tag).count();
+    if count("joint") > 1 || count("actuator") > 1 {
+        let problem = "couples several joints or motors".to_owned();
+        return Err(UrdfError::Transmission { place: transmission.place(), problem });
+    }
+    let Some(joint) = transmission.child("joint") else { return Ok(None) };
+    Ok(Some((joint.required("name", "name the joint of the transmission")?, joint)))
+}
+
+/// `<mechanicalReduction>` of the actuator, or where older files have it: of the joint, or of the transmission itself.
+fn reduction(transmission: Element<'_>) -> Result<Option<f64>, UrdfError> {
+    let owners = [transmission.child("actuator"), transmission.child("joint"), Some(transmission)];
+    let element = owners.into_iter().flatten().find_map(|owner| owner.child("mechanicalReduction"));
+    let Some(element) = element else { return Ok(None) };
+    match element.text_number()? {
+        0.0 => Err(element.value("the text", "a ratio other than zero", "0")),
+        reduction => Ok(Some(reduction)),
+    }
+}
