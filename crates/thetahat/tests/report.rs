@@ -7,12 +7,13 @@ use std::{
 };
 
 use thetahat::{
+    checks::{Code, Finding, Severity},
     experiment::{
-        Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, RecordingResult, ReferenceResult,
-        Results, RunPlots, RunResult,
+        Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, RecordingFindings, RecordingResult,
+        ReferenceResult, Results, RunPlots, RunResult,
     },
     identification::{Method, Status},
-    report::{Agreement, Published, ReportError, TEXT_WIDTH, text, write_all},
+    report::{self, Agreement, Published, ReportError, TEXT_WIDTH, text, write_all},
     statistics::FTest,
 };
 
@@ -104,6 +105,21 @@ fn diverged(case: &str) -> RunResult {
     }
 }
 
+fn finding() -> Finding {
+    Finding {
+        code: Code::Lag,
+        severity: Severity::Problem,
+        joint: Some(2),
+        joint_name: Some("elbow".to_owned()),
+        value: 2.4,
+        unit: "samples".to_owned(),
+        limit: Some(1.0),
+        message: "the torque is 2.4 samples later".to_owned(),
+        remedy: "shift it".to_owned(),
+        parameters: Vec::new(),
+    }
+}
+
 fn results() -> Results {
     let runs = ["nominal", LONG_CASE].into_iter().flat_map(|case| METHODS.map(|method| run(case, method)));
     Results {
@@ -134,7 +150,7 @@ fn results() -> Results {
             decimation_measured_hz: Some(20.98),
         },
         seed: Some(1),
-        findings: Vec::new(),
+        findings: vec![RecordingFindings { recording: "1".to_owned(), held_back: false, findings: vec![finding()] }],
         elimination: Some(EliminationResult {
             kept: vec!["zz1r".to_owned()],
             eliminated: vec!["fc6".to_owned(); 40],
@@ -376,4 +392,24 @@ fn the_published_tables_of_the_project_can_be_read() {
     assert_eq!(paper.value("gear_ratio_0.9", Method::Didim, "zz1r").unwrap().text, "1.08");
     let emps = Published::read(&folder.join("emps.csv")).unwrap();
     assert_eq!(emps.value("nominal", Method::IdimLs, "m1r").unwrap().decimals(), 4);
+}
+
+#[test]
+fn findings_are_said_with_their_joint_and_remedy() {
+    let text = report::findings_text(&results().findings);
+    for words in ["Checks: 1 problem", "PROBLEM [lag] joint 2 (elbow): the torque is 2.4 samples later", "-> shift it"]
+    {
+        assert!(text.contains(words), "no {words:?} in: {text}");
+    }
+    assert_eq!(report::findings_text(&[]), "Checks: nothing found\n");
+}
+
+/// The estimate is not to be trusted where a recording that it came from has a problem.
+#[test]
+fn a_problem_of_a_recording_is_one_of_the_results() {
+    let mut results = results();
+    results.runs.retain(|r| r.status == Status::Converged);
+    assert!(!results.is_trustworthy());
+    results.findings[0].held_back = true;
+    assert!(results.is_trustworthy());
 }

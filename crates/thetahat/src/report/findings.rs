@@ -1,10 +1,6 @@
 //! What the checks found, for the terminal and the page.
 
-use super::{
-    Table,
-    number::{optional, significant},
-    text::wrap,
-};
+use super::text::wrap;
 use crate::{
     checks::{Finding, Severity},
     experiment::RecordingFindings,
@@ -40,28 +36,14 @@ pub(super) fn count(recordings: &[RecordingFindings]) -> String {
     if parts.is_empty() { "nothing found".to_owned() } else { parts.join(", ") }
 }
 
-/// A table for the page; none where nothing was found.
-pub(super) fn table(recordings: &[RecordingFindings]) -> Option<Table> {
-    let row = |r: &RecordingFindings, f: &Finding| {
-        vec![
-            label(f.severity).to_owned(),
-            f.code.to_string(),
-            name(r),
-            seen(f),
-            f.remedy.clone(),
-            format!("{} {}", significant(f.value, 3), f.unit),
-            optional(f.limit, 3),
-        ]
+/// A paragraph for each finding, for the page: what was seen, and what to do.
+pub(super) fn lines(recordings: &[RecordingFindings]) -> Vec<String> {
+    let several = recordings.len() > 1;
+    let line = |r: &RecordingFindings, f: &Finding| {
+        let place = if several { format!("{}: ", name(r)) } else { String::new() };
+        format!("{place}{} [{}] {}. \u{2192} {}.", label(f.severity), f.code, seen(f), f.remedy)
     };
-    let rows: Vec<Vec<String>> = recordings.iter().flat_map(|r| r.findings.iter().map(move |f| row(r, f))).collect();
-    let head = ["severity", "check", "recording", "seen", "what to do", "evidence", "limit"];
-    (!rows.is_empty()).then(|| Table {
-        title: "Findings".to_owned(),
-        lead: 5,
-        head: head.map(str::to_owned).to_vec(),
-        rows,
-        ..Table::default()
-    })
+    recordings.iter().flat_map(|r| r.findings.iter().map(move |f| line(r, f))).collect()
 }
 
 fn label(severity: Severity) -> &'static str {

@@ -68,8 +68,10 @@ fn findings(results: &Results) -> Section {
     Section {
         id: "checks",
         title: "Checks of the recordings",
-        lines: vec![findings::count(&results.findings) + "."],
-        tables: findings::table(&results.findings).into_iter().collect(),
+        lines: [findings::count(&results.findings) + "."]
+            .into_iter()
+            .chain(findings::lines(&results.findings))
+            .collect(),
         ..Section::default()
     }
 }
