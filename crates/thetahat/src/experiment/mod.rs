@@ -16,6 +16,17 @@ mod rows;
 mod run;
 mod simulator;
 
+#[cfg(feature = "parquet")]
+pub(crate) use chain::{FilteredRecord, Problem};
+#[cfg(feature = "parquet")]
+pub(crate) use paths::beside;
+#[cfg(feature = "parquet")]
+pub(crate) use record::TwinMotion;
+#[cfg(feature = "parquet")]
+pub(crate) use run::explain;
+#[cfg(feature = "parquet")]
+pub(crate) use simulator::{RecordReference, Simulator};
+
 pub use description::{
     Case, EstimationDescription, Experiment, ExperimentFile, Gains, NamedChoice, ParameterChoice, ParameterSelection,
     RecordingDescription, SignalDescription, SimulationDescription, Start, TwinDescription, Unlisted, Weighting,

@@ -8,7 +8,7 @@ use crate::{
     dynamics::Model,
     recording::{self, ChannelSource, Clock, Resampling, Side},
     series::Series,
-    simulation::{ClosedLoop, OutputGrid, Reference, SimulatorBias},
+    simulation::{ClosedLoop, OutputGrid, Reference, SimulatedMotion, SimulatorBias},
     trajectory::{self, Limits, Moves},
 };
 
@@ -16,7 +16,7 @@ use crate::{
 const TWIN_SAMPLES: std::ops::RangeInclusive<f64> = 100.0..=1e8;
 
 /// Positions and torques of the joints, and what else was recorded with them.
-pub(super) struct Record {
+pub(crate) struct Record {
     pub(super) name: String,
     /// Weight of its rows.
     pub(super) weight: f64,
@@ -49,6 +49,35 @@ pub struct TwinRecord {
     pub position: Series,
     /// Joint torques, N m or N.
     pub torque: Series,
+}
+
+/// The motion of a twin, which can be recorded again and again with other noise.
+pub(crate) struct TwinMotion {
+    pub(crate) sample_rate_hz: f64,
+    pub(crate) motion: SimulatedMotion,
+    planned: Moves,
+    /// The true standard parameters.
+    pub(crate) truth: Vec<f64>,
+}
+
+impl TwinMotion {
+    /// The record of what sensors saw of the joints.
+    pub(crate) fn record(&self, position: Series, torque: Series) -> Record {
+        Record {
+            name: "twin".to_owned(),
+            weight: 1.0,
+            sample_rate_hz: self.sample_rate_hz,
+            stamps: None,
+            resampling: None,
+            velocity: None,
+            position,
+            torque,
+            reference: None,
+            added_signal: None,
+            planned: Some(self.planned.clone()),
+            truth: Some(self.truth.clone()),
+        }
+    }
 }
 
 impl Experiment {
@@ -136,6 +165,14 @@ impl Experiment {
 
     /// Simulates the twin's motion and records it through its sensors.
     pub(super) fn simulate_twin(&self, twin: &TwinDescription) -> Result<Record, ExperimentError> {
+        let twin_motion = self.twin_motion(twin)?;
+        let (positions, drive_signals) = twin.sensors.record(&twin_motion.motion, &self.robot.transmission);
+        let position = self.robot.transmission.joint_positions(&positions);
+        Ok(twin_motion.record(position, self.robot.transmission.joint_torques(&drive_signals)))
+    }
+
+    /// Simulates the twin's motion, before any sensor.
+    pub(crate) fn twin_motion(&self, twin: &TwinDescription) -> Result<TwinMotion, ExperimentError> {
         let model = Model::new(&self.robot);
         let moves = self.plan(twin)?;
         let samples = (moves.end_s() + twin.rest_s) * twin.sample_rate_hz;
@@ -161,21 +198,7 @@ impl Experiment {
         let motion = closed_loop
             .simulate(&truth, &inertia, &grid)
             .map_err(|source| ExperimentError::Twin { path: self.path.clone(), source })?;
-        let (positions, drive_signals) = twin.sensors.record(&motion, &self.robot.transmission);
-        Ok(Record {
-            name: "twin".to_owned(),
-            weight: 1.0,
-            sample_rate_hz: twin.sample_rate_hz,
-            stamps: None,
-            resampling: None,
-            velocity: None,
-            position: self.robot.transmission.joint_positions(&positions),
-            torque: self.robot.transmission.joint_torques(&drive_signals),
-            reference: None,
-            added_signal: None,
-            planned: Some(moves),
-            truth: Some(truth),
-        })
+        Ok(TwinMotion { sample_rate_hz: twin.sample_rate_hz, motion, planned: moves, truth })
     }
 
     /// The record of the twin of `[twin]`: time in s, positions and torques of the joints.

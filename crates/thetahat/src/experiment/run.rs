@@ -89,7 +89,7 @@ impl Experiment {
     }
 
     /// The robot with a case's friction model.
-    fn robot_for(&self, case: &Case) -> Robot {
+    pub(crate) fn robot_for(&self, case: &Case) -> Robot {
         Robot { friction: case.friction.unwrap_or(self.robot.friction), ..self.robot.clone() }
     }
 }
@@ -364,7 +364,7 @@ impl Prepared {
 }
 
 /// A reason in words: the estimators know columns, people know names.
-fn explain(problem: &Problem, reason: &Reason) -> String {
+pub(crate) fn explain(problem: &Problem, reason: &Reason) -> String {
     let Reason::Estimation(EstimationError::NotIdentifiable { rank, columns, dependent }) = reason else {
         return reason.to_string();
     };
