@@ -32,6 +32,8 @@ pub mod statistics;
 
 pub mod identification;
 
+pub mod checks;
+
 pub mod experiment;
 
 pub mod report;

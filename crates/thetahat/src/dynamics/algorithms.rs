@@ -1,4 +1,10 @@
-use super::{DynamicParameters, DynamicsError, Model, Sign, parameters::Inertial, rotation::Rotation, twist::Twist};
+use super::{
+    DynamicParameters, DynamicsError, Model, Sign,
+    geometry::BASE,
+    parameters::Inertial,
+    rotation::{Rotation, Turn},
+    twist::Twist,
+};
 use crate::vector::{Mat3, Vec3, add, cross, dot, scale, times, transpose_times};
 
 /// Scratch of the algorithms: one for each thread.
@@ -8,12 +14,15 @@ pub struct Workspace {
     pub(crate) twists: Vec<Twist>,
     wrenches: Vec<Wrench>,
     composite: Vec<Inertial>,
+    /// Mass matrix of the joints as if none followed another, its lower triangle; used where one does.
+    link_masses: Vec<f64>,
+    /// Mass matrix of the coordinates, its lower triangle.
     mass_matrix: Vec<f64>,
     rhs: Vec<f64>,
     zeros: Vec<f64>,
 }
 
-/// Placement and motion of one link, in its own frame.
+/// Placement of one link in the turned frame before it (see [`Turn`]), and its motion in its own frame.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct LinkMotion {
     pub(crate) r: Rotation,
@@ -29,6 +38,13 @@ impl LinkMotion {
     pub(super) fn acceleration_at(&self, p: Vec3) -> Vec3 {
         let centripetal = cross(self.w, cross(self.w, p));
         add(self.dv, add(cross(self.dw, p), centripetal))
+    }
+
+    /// The motion in the frame turned by gamma.
+    #[inline]
+    pub(super) fn turned_back(&self, turn: &Turn) -> Self {
+        let back = |x| turn.transpose_times(x);
+        Self { w: back(self.w), dw: back(self.dw), dv: back(self.dv), ..*self }
     }
 
     /// The motion in the link's own axes, `x_here = axes x_link`.
@@ -54,6 +70,7 @@ impl Workspace {
             twists: vec![Twist::default(); model.twist_count()],
             wrenches: vec![Wrench::default(); links],
             composite: vec![Inertial::default(); links],
+            link_masses: vec![0.0; links * links],
             mass_matrix: vec![0.0; n * n],
             rhs: vec![0.0; n],
             zeros: vec![0.0; n],
@@ -77,13 +94,7 @@ impl Model {
     ) {
         self.propagate_motion(q, dq, ddq, &mut workspace.links);
         self.rigid_torques(parameters, workspace, tau);
-        for (joint, own) in self.joints.iter().zip(&parameters.friction) {
-            tau[joint.coordinate] += joint.ratio * own.ia * joint.rate(ddq);
-        }
-        for (motor, of_motor) in self.coupled_motors().iter().zip(&parameters.motors) {
-            motor.cross_terms().for_each(|(j, k, w)| tau[j] += of_motor.iam * w * ddq[k]);
-        }
-        self.add_friction(parameters, dq, sign, tau);
+        self.add_drive_torques(parameters, dq, ddq, sign, tau);
     }
 
     /// Forward dynamics (5): the accelerations `ddq` that torques `tau` give.
@@ -104,7 +115,7 @@ impl Model {
         let mut bias = std::mem::take(&mut workspace.rhs);
         let zeros = std::mem::take(&mut workspace.zeros);
         self.inverse_dynamics(parameters, q, dq, &zeros, sign, workspace, &mut bias);
-        self.composite_mass_matrix(parameters, workspace);
+        self.lower_mass_matrix(parameters, workspace);
         for (a, (t, b)) in ddq.iter_mut().zip(tau.iter().zip(&bias)) {
             *a = t - b;
         }
@@ -120,8 +131,13 @@ impl Model {
         for (joint, link) in self.joints.iter().zip(&mut workspace.links) {
             (link.r, link.p) = joint.placement(q);
         }
-        self.composite_mass_matrix(parameters, workspace);
+        self.lower_mass_matrix(parameters, workspace);
+        let n = self.joint_count();
         m.copy_from_slice(&workspace.mass_matrix);
+        for i in 1..n {
+            let (above, row) = m.split_at_mut(i * n);
+            above.chunks_exact_mut(n).zip(row).for_each(|(upper, lower)| upper[i] = *lower);
+        }
     }
 
     /// Kinetic and potential energy in J, motor inertias included. The potential is zero at the base's origin.
@@ -134,7 +150,8 @@ impl Model {
         let mut fields: Vec<(Vec3, f64)> = Vec::with_capacity(self.link_count());
         let mut potential = 0.0;
         for ((joint, link), body) in self.joints.iter().zip(&workspace.links).zip(&parameters.links) {
-            let (before, origin) = joint.parent.map_or((self.gravity, 0.0), |p| fields[p]);
+            let (before, origin) = fields.get(joint.parent).copied().unwrap_or((self.gravity, 0.0));
+            let before = joint.turned_back(before);
             let (gravity, origin) = (link.r.transpose_times(before), origin - dot(before, link.p));
             potential += body.m * origin - dot(gravity, body.ms);
             fields.push((gravity, origin));
@@ -145,9 +162,14 @@ impl Model {
     /// Forward pass of recursive Newton-Euler: placement, velocity and acceleration of every link.
     pub(crate) fn propagate_motion(&self, q: &[f64], dq: &[f64], ddq: &[f64], links: &mut [LinkMotion]) {
         let base = LinkMotion { dv: scale(-1.0, self.gravity), ..LinkMotion::default() };
+        let mut before = base;
         for (j, joint) in self.joints.iter().enumerate() {
-            let before = joint.parent.map_or(&base, |parent| &links[parent]);
-            links[j] = joint.propagate(before, q, dq, ddq);
+            // A chain hands its motion on without a detour through the memory.
+            if !joint.continues_chain {
+                before = links.get(joint.parent).copied().unwrap_or(base);
+            }
+            before = joint.propagate(before, q, dq, ddq);
+            links[j] = before;
         }
     }
 
@@ -160,51 +182,85 @@ impl Model {
         for (j, joint) in self.joints.iter().enumerate().rev() {
             let wrench = workspace.wrenches[j];
             tau[joint.coordinate] += joint.ratio * wrench.along(joint.revolute);
-            if let Some(parent) = joint.parent {
-                let moved = wrench.moved_to_parent(&workspace.links[j]);
-                workspace.wrenches[parent].absorb(&moved);
+            if let Some(of_parent) = workspace.wrenches.get_mut(joint.parent) {
+                of_parent.absorb(&wrench.moved_to_parent(&workspace.links[j], joint.turn.as_ref()));
             }
         }
     }
 
-    fn add_friction(&self, parameters: &DynamicParameters, dq: &[f64], sign: Sign, tau: &mut [f64]) {
+    /// Motor inertia, friction and offset of the joints, and the cross terms of the coupled motors.
+    fn add_drive_torques(&self, parameters: &DynamicParameters, dq: &[f64], ddq: &[f64], sign: Sign, tau: &mut [f64]) {
         for (joint, own) in self.joints.iter().zip(&parameters.friction) {
             let velocity = joint.rate(dq);
-            tau[joint.coordinate] += joint.ratio * own.friction(velocity, sign.of(velocity));
+            let torque = own.ia * joint.rate(ddq) + own.friction(velocity, sign.of(velocity));
+            tau[joint.coordinate] += joint.ratio * torque;
         }
         for (motor, of_motor) in self.coupled_motors().iter().zip(&parameters.motors) {
             let coulomb = of_motor.fcm * sign.of(motor.velocity(dq));
             motor.weights.iter().for_each(|&(j, w)| tau[j] += w * coulomb);
-            motor.cross_terms().for_each(|(j, k, w)| tau[j] += of_motor.fvm * w * dq[k]);
+            motor.cross_terms().for_each(|(j, k, w)| tau[j] += w * (of_motor.iam * ddq[k] + of_motor.fvm * dq[k]));
         }
     }
 
-    /// Composite rigid bodies from the tips to the base; the placements must be in the workspace. The wrench of each
-    /// joint's unit acceleration is carried to the base, and meets the joints on the way.
-    fn composite_mass_matrix(&self, parameters: &DynamicParameters, workspace: &mut Workspace) {
+    /// The lower triangle of the mass matrix of the coordinates; the placements must be in the workspace.
+    fn lower_mass_matrix(&self, parameters: &DynamicParameters, workspace: &mut Workspace) {
         let n = self.joint_count();
-        workspace.composite.copy_from_slice(&parameters.links);
-        workspace.mass_matrix.fill(0.0);
-        for (j, joint) in self.joints.iter().enumerate().rev() {
-            let mut wrench = workspace.composite[j].wrench_of_joint(joint.revolute);
-            let own = wrench.along(joint.revolute) + parameters.friction[j].ia;
-            workspace.mass_matrix[joint.coordinate * (n + 1)] += joint.ratio * joint.ratio * own;
-            let (mut at, mut next) = (j, joint.parent);
-            while let Some(i) = next {
-                wrench = wrench.moved_to_parent(&workspace.links[at]);
-                let before = &self.joints[i];
-                let coupling = joint.ratio * before.ratio * wrench.along(before.revolute);
-                workspace.mass_matrix[joint.coordinate * n + before.coordinate] += coupling;
-                workspace.mass_matrix[before.coordinate * n + joint.coordinate] += coupling;
-                (at, next) = (i, before.parent);
-            }
-            if let Some(parent) = joint.parent {
-                let moved = workspace.composite[j].moved_to_parent(&workspace.links[j]);
-                workspace.composite[parent].absorb(&moved);
-            }
+        let Workspace { links, composite, mass_matrix, link_masses, .. } = workspace;
+        if n == self.link_count() {
+            self.composite_rigid_bodies(parameters, links, composite, mass_matrix);
+        } else {
+            self.composite_rigid_bodies(parameters, links, composite, link_masses);
+            self.reduce_to_coordinates(link_masses, mass_matrix);
         }
         for (motor, of_motor) in self.coupled_motors().iter().zip(&parameters.motors) {
-            motor.cross_terms().for_each(|(j, k, w)| workspace.mass_matrix[j * n + k] += of_motor.iam * w);
+            motor.cross_terms().for_each(|(j, k, w)| mass_matrix[j * n + k] += of_motor.iam * w);
+        }
+    }
+
+    /// The lower triangle of the mass matrix of all joints, as if none followed another, by composite rigid bodies from
+    /// the tips to the base: the wrench of each joint's unit acceleration is carried to the base and meets the joints on
+    /// the way.
+    fn composite_rigid_bodies(
+        &self,
+        parameters: &DynamicParameters,
+        links: &[LinkMotion],
+        composite: &mut [Inertial],
+        m: &mut [f64],
+    ) {
+        composite.copy_from_slice(&parameters.links);
+        for (j, joint) in self.joints.iter().enumerate().rev() {
+            let row = &mut m[j * links.len()..=j * links.len() + j];
+            let mut wrench = composite[j].wrench_of_joint(joint.revolute);
+            row[j] = wrench.along(joint.revolute) + parameters.friction[j].ia;
+            // All joints before are passed, not only those on the way: on a chain, no index waits for a parent's.
+            let (mut outer, mut link) = (joint, &links[j]);
+            for (i, (inner, entry)) in self.joints[..j].iter().zip(row).enumerate().rev() {
+                if i != outer.parent {
+                    *entry = 0.0;
+                    continue;
+                }
+                wrench = wrench.moved_to_parent(link, outer.turn.as_ref());
+                *entry = wrench.along(inner.revolute);
+                (outer, link) = (inner, &links[i]);
+            }
+            if joint.parent != BASE {
+                let moved = composite[j].moved_to_parent(&links[j], joint.turn.as_ref());
+                composite[joint.parent].absorb(&moved);
+            }
+        }
+    }
+
+    /// The lower triangle of `G^T M G`, of that of the joints' mass matrix.
+    fn reduce_to_coordinates(&self, m: &[f64], reduced: &mut [f64]) {
+        let (n, links) = (self.joint_count(), self.link_count());
+        reduced.fill(0.0);
+        for (i, first) in self.joints.iter().enumerate() {
+            for (j, second) in self.joints[..=i].iter().enumerate() {
+                let value = first.ratio * second.ratio * m[i * links + j];
+                let (row, column) = (first.coordinate.max(second.coordinate), first.coordinate.min(second.coordinate));
+                let both = if i != j && row == column { 2.0 } else { 1.0 };
+                reduced[row * n + column] += both * value;
+            }
         }
     }
 }
@@ -236,7 +292,7 @@ impl Inertial {
     ///
     /// With the first moments rotated to `s = R ms`: `J' = R J R^T + (2 p.s + m p.p) 1 - (p s^T + s p^T + m p p^T)`.
     #[inline]
-    fn moved_to_parent(&self, link: &LinkMotion) -> Self {
+    fn moved_to_parent(&self, link: &LinkMotion, turn: Option<&Turn>) -> Self {
         let p = link.p;
         let s = link.r.times(self.ms);
         let mut inertia = link.r.rotate_symmetric(&self.inertia);
@@ -247,7 +303,11 @@ impl Inertial {
             }
             row[i] += spherical;
         }
-        Self { inertia, ms: add(s, scale(self.m, p)), m: self.m }
+        let ms = add(s, scale(self.m, p));
+        match turn {
+            None => Self { inertia, ms, m: self.m },
+            Some(turn) => Self { inertia: turn.rotate_symmetric(&inertia), ms: turn.times(ms), m: self.m },
+        }
     }
 
     #[inline]
@@ -268,9 +328,13 @@ impl Wrench {
     }
 
     #[inline]
-    fn moved_to_parent(&self, link: &LinkMotion) -> Self {
+    fn moved_to_parent(&self, link: &LinkMotion, turn: Option<&Turn>) -> Self {
         let force = link.r.times(self.force);
-        Self { force, moment: add(link.r.times(self.moment), cross(link.p, force)) }
+        let moment = add(link.r.times(self.moment), cross(link.p, force));
+        match turn {
+            None => Self { force, moment },
+            Some(turn) => Self { force: turn.times(force), moment: turn.times(moment) },
+        }
     }
 
     #[inline]
@@ -280,7 +344,7 @@ impl Wrench {
     }
 }
 
-/// Solves `M x = b` in place by `M = L D L^T`; M is row by row and is overwritten by L with `1/D` on its diagonal.
+/// Solves `M x = b` in place by `M = L D L^T`; M is row by row, its lower triangle alone is used, and it is overwritten by L with `1/D` on its diagonal.
 ///
 /// The error is the index and value of a pivot that is not positive. Written out because it runs in every right-hand side of the simulation, where nothing may allocate.
 fn solve_positive_definite(m: &mut [f64], b: &mut [f64]) -> Result<(), (usize, f64)> {

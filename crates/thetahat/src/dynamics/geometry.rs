@@ -1,20 +1,30 @@
-use super::{algorithms::LinkMotion, rotation::Rotation, twist::Twist};
+use super::{
+    algorithms::LinkMotion,
+    rotation::{Rotation, Turn},
+    twist::Twist,
+};
 use crate::{
     robot::{JointKind, Robot},
-    vector::{Vec3, add, scale},
+    vector::{Vec3, add},
 };
+
+/// The parent of joints on the base: beyond any joint, so that `get` finds none.
+pub(super) const BASE: usize = usize::MAX;
 
 /// A joint as the kernels need it: its placement with the sines taken, and the coordinate that moves it.
 #[derive(Debug, Clone)]
 pub(super) struct JointGeometry {
     pub(super) revolute: bool,
-    pub(super) parent: Option<usize>,
-    /// Rotation at theta zero.
-    turn: Rotation,
+    /// The joint whose link carries it, or [`BASE`].
+    pub(super) parent: usize,
+    /// Whether that is the joint before it in the list.
+    pub(super) continues_chain: bool,
+    /// `Rot(z, gamma)`, from the frame before to the one in which `origin` and the rotations are; none where gamma is zero.
+    pub(super) turn: Option<Turn>,
+    sin_alpha: f64,
+    cos_alpha: f64,
     theta: f64,
     origin: Vec3,
-    /// The z axis in the frame before.
-    axis: Vec3,
     pub(super) coordinate: usize,
     /// Velocity per velocity of the coordinate: one but for joints that follow others.
     pub(super) ratio: f64,
@@ -27,31 +37,39 @@ impl JointGeometry {
         let (leader, ratio, offset) = joint.mimic.map_or((j, 1.0, 0.0), |m| (m.of, m.ratio, m.offset));
         let (sin_gamma, cos_gamma) = joint.placement.gamma.sin_cos();
         let (sin_alpha, cos_alpha) = joint.placement.alpha.sin_cos();
-        let has_gamma = joint.placement.gamma != 0.0;
+        let turn = (joint.placement.gamma != 0.0).then_some(Turn { sin: sin_gamma, cos: cos_gamma });
         Self {
             revolute: joint.kind == JointKind::Revolute,
-            parent: joint.parent,
-            turn: Rotation { has_gamma, sin_gamma, cos_gamma, sin_alpha, cos_alpha, ..Rotation::default() },
+            parent: joint.parent.unwrap_or(BASE),
+            continues_chain: j > 0 && joint.parent == Some(j - 1),
+            turn,
+            sin_alpha,
+            cos_alpha,
             theta: joint.placement.theta,
-            origin: joint.placement.origin,
-            axis: joint.placement.axis(),
+            origin: turn.map_or(joint.placement.origin, |turn| turn.transpose_times(joint.placement.origin)),
             coordinate: coordinates.iter().position(|&c| c == leader).unwrap_or(0),
             ratio,
             offset,
         }
     }
 
-    /// Rotation from the joint's frame to that before, and its origin there, at the coordinates `q`.
+    /// Rotation from the joint's frame to the turned one before, and its origin there, at the coordinates `q`.
     #[inline]
     pub(super) fn placement(&self, q: &[f64]) -> (Rotation, Vec3) {
         let q = self.ratio * q[self.coordinate] + self.offset;
         let (theta, p) = if self.revolute {
             (self.theta + q, self.origin)
         } else {
-            (self.theta, add(self.origin, scale(q, self.axis)))
+            (self.theta, add(self.origin, [0.0, -q * self.sin_alpha, q * self.cos_alpha]))
         };
         let (sin_theta, cos_theta) = theta.sin_cos();
-        (Rotation { sin_theta, cos_theta, ..self.turn }, p)
+        (Rotation { sin_alpha: self.sin_alpha, cos_alpha: self.cos_alpha, sin_theta, cos_theta }, p)
+    }
+
+    /// A vector of the frame before, in the turned one.
+    #[inline]
+    pub(super) fn turned_back(&self, x: Vec3) -> Vec3 {
+        self.turn.as_ref().map_or(x, |turn| turn.transpose_times(x))
     }
 
     /// The joint's own velocity or acceleration, of those of the coordinates.
@@ -69,7 +87,10 @@ impl JointGeometry {
 
     /// The motion of the link behind the joint, of that of the link before.
     #[inline]
-    pub(super) fn propagate(&self, before: &LinkMotion, q: &[f64], dq: &[f64], ddq: &[f64]) -> LinkMotion {
+    pub(super) fn propagate(&self, mut before: LinkMotion, q: &[f64], dq: &[f64], ddq: &[f64]) -> LinkMotion {
+        if let Some(turn) = &self.turn {
+            before = before.turned_back(turn);
+        }
         let (r, p) = self.placement(q);
         let (dq, ddq) = (self.rate(dq), self.rate(ddq));
         let w = r.transpose_times(before.w);

@@ -106,6 +106,10 @@ impl Model {
         &self.support[k]
     }
 
+    pub(super) fn supports(&self) -> &[Support] {
+        &self.support
+    }
+
     /// From link `k`'s own axes to those of its joint's frame, where they differ.
     pub(crate) fn link_axes(&self, k: usize) -> Option<&Mat3> {
         self.link_axes[k].as_ref()
@@ -121,7 +125,7 @@ fn support(joints: &[JointGeometry]) -> Vec<Support> {
     let mut all: Vec<Support> = Vec::with_capacity(joints.len());
     let mut start = 0;
     for joint in joints {
-        let mut coordinates = joint.parent.map_or_else(Vec::new, |p| all[p].coordinates.clone());
+        let mut coordinates = all.get(joint.parent).map_or_else(Vec::new, |p| p.coordinates.clone());
         let known = coordinates.iter().position(|&c| c == joint.coordinate);
         let own = known.unwrap_or(coordinates.len());
         if known.is_none() {

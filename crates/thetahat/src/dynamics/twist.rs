@@ -1,4 +1,4 @@
-use super::{Model, algorithms::LinkMotion};
+use super::{Model, algorithms::LinkMotion, rotation::Turn};
 use crate::vector::{Mat3, Vec3, add, cross, transpose_times};
 
 /// Angular and linear velocity at the origin of a frame, in that frame, for a unit velocity of a coordinate.
@@ -23,6 +23,11 @@ impl Twist {
     }
 
     #[inline]
+    fn turned_back(&self, turn: &Turn) -> Self {
+        Self { angular: turn.transpose_times(self.angular), linear: turn.transpose_times(self.linear) }
+    }
+
+    #[inline]
     fn plus(&self, other: &Self) -> Self {
         Self { angular: add(self.angular, other.angular), linear: add(self.linear, other.linear) }
     }
@@ -37,10 +42,15 @@ impl Model {
         let (before, here) = twists.split_at_mut(support.start);
         let here = &mut here[..support.coordinates.len()];
         let mut carried = 0;
-        if let Some(parent) = joint.parent.map(|p| self.support(p)) {
+        if let Some(parent) = self.supports().get(joint.parent) {
             carried = parent.coordinates.len();
             let of_parent = &before[parent.start..parent.start + carried];
-            here.iter_mut().zip(of_parent).for_each(|(twist, before)| *twist = before.seen_from(&links[k]));
+            let link = &links[k];
+            let carry = here.iter_mut().zip(of_parent);
+            match &joint.turn {
+                None => carry.for_each(|(twist, before)| *twist = before.seen_from(link)),
+                Some(turn) => carry.for_each(|(twist, before)| *twist = before.turned_back(turn).seen_from(link)),
+            }
         }
         let own = joint.twist();
         here[support.own] = if support.own < carried { here[support.own].plus(&own) } else { own };

@@ -119,8 +119,10 @@ fn described(experiment: &Experiment, request: &PredictionRequest) -> Result<Rec
     let mut description = of_experiment.clone();
     description.position.file.clone_from(&request.recording);
     description.torque.file = request.torque.clone().unwrap_or_else(|| request.recording.clone());
+    (description.position.anywhere, description.torque.anywhere) = (true, true);
     if let Some(time) = &mut description.time {
         time.file.clone_from(&request.recording);
+        time.anywhere = true;
     }
     description.velocity = None;
     description.reference = None;

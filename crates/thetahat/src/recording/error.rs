@@ -1,11 +1,11 @@
 //! What can be wrong with a recording.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::{Quantity, Unit};
+use super::{BagError, Format, Quantity, Unit};
 
 /// Why a recording is not accepted: where the defect is, what was expected, what was found.
 ///
@@ -30,12 +30,13 @@ pub enum RecordingError {
     },
 
     /// The extension names no format that is read.
-    #[error("{file}: expected a file name that ends in {expected}, found {found:?}; export the recording to CSV")]
+    #[error(
+        "{file}: expected a file name that ends in .csv or .mat, or in .tsv, .txt, .dat, .npy, .npz, .parquet, .db3 or \
+         .mcap, found {found:?}; export the recording to CSV"
+    )]
     UnknownFormat {
         /// The file.
         file: PathBuf,
-        /// The extensions that are read.
-        expected: &'static str,
         /// The extension of this file, empty if it has none.
         found: String,
     },
@@ -54,14 +55,107 @@ pub enum RecordingError {
         file: PathBuf,
     },
 
-    /// The first line of a CSV file holds numbers, and no column was asked for by name.
-    #[error("{file}: line 1: expected the names of the columns, found numbers; write a first line of names")]
-    MissingHeader {
-        /// The file.
+    /// The path leads out of the folder of the data.
+    #[error(
+        "{file}: the file lies outside the folder of the data ({root}), where a description may not lead; \
+         copy it there, or name a folder above it as that of the data"
+    )]
+    OutsideData {
+        /// The file as described.
         file: PathBuf,
+        /// The folder of the data.
+        root: PathBuf,
     },
 
-    /// A CSV file has no column of this name.
+    /// The program was built without the reader of this format.
+    #[error("{file}: this build does not read {format}; build it with the feature `{feature}`, or export to CSV")]
+    FeatureMissing {
+        /// The file.
+        file: PathBuf,
+        /// The format in words.
+        format: &'static str,
+        /// The feature of the crate that reads it.
+        feature: &'static str,
+    },
+
+    /// A setting belongs to another format.
+    #[error("{file}: `{setting}` has no meaning for {format}; remove it")]
+    UselessSetting {
+        /// The file.
+        file: PathBuf,
+        /// The setting.
+        setting: &'static str,
+        /// The format of the file.
+        format: Format,
+    },
+
+    /// The file is not of its format, was cut short, or damaged.
+    #[error("{file}: the file is cut short or damaged: {reason}; copy or save it again")]
+    Damaged {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong, and where.
+        reason: String,
+    },
+
+    /// A part of the file asks for more memory than a file of its size may.
+    #[error(
+        "{file}: {what}: expected no more than {limit} values in a file of this size, found more; \
+         save only the signals that are needed, or save without compression"
+    )]
+    TooLarge {
+        /// The file.
+        file: PathBuf,
+        /// The part.
+        what: String,
+        /// How many values a file of this size may hold.
+        limit: usize,
+    },
+
+    /// The joint states of a bag are not accepted.
+    #[error("{file}: {problem}")]
+    Bag {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong.
+        problem: BagError,
+    },
+
+    /// The delimiter given for a CSV file cannot be one.
+    #[error("{file}: expected a delimiter such as \",\", \";\", \"|\", a tab or a space, found {found:?}; correct `delimiter`")]
+    BadDelimiter {
+        /// The file.
+        file: PathBuf,
+        /// The delimiter given.
+        found: char,
+    },
+
+    /// Two delimiters make a table of a CSV file.
+    #[error(
+        "{file}: line {line}: cells may be separated by {:?} or by {:?}; say which by `delimiter`", .found[0], .found[1]
+    )]
+    UnclearDelimiter {
+        /// The file.
+        file: PathBuf,
+        /// The first line of the table, counted from 1.
+        line: u64,
+        /// The two.
+        found: [char; 2],
+    },
+
+    /// The first line of a CSV file may be names or values.
+    #[error(
+        "{file}: line {line}: some columns of numbers begin with a number and some with text, so it may be a line of names \
+         or of values; say which by `header = true` or `header = false`"
+    )]
+    UnclearHeader {
+        /// The file.
+        file: PathBuf,
+        /// The line, counted from 1.
+        line: u64,
+    },
+
+    /// The file has no column or variable of this name.
     #[error("{file}: there is no column {column:?}; the columns are {}; correct the list of columns", quoted(.found))]
     MissingColumn {
         /// The file.
@@ -72,8 +166,8 @@ pub enum RecordingError {
         found: Vec<String>,
     },
 
-    /// A CSV file has several columns of the name asked for.
-    #[error("{file}: column {column:?} occurs {found} times in line 1; give each column its own name")]
+    /// The file has several columns of the name asked for.
+    #[error("{file}: column {column:?} occurs {found} times (in a CSV file, in line 1); give each column its own name")]
     AmbiguousColumn {
         /// The file.
         file: PathBuf,
@@ -94,8 +188,8 @@ pub enum RecordingError {
 
     /// A row of a CSV file is longer or shorter than the header.
     #[error(
-        "{file}: line {line}: expected {expected} values as in line 1, found {found}; \
-         values are separated by commas, and the decimal sign is a point"
+        "{file}: line {line}: expected {expected} values as in line 1, found {found}; the values were taken to be separated \
+         by {delimiter:?}: correct the line, or set `delimiter`, and `decimal` if the decimal sign is a comma"
     )]
     RowLength {
         /// The file.
@@ -106,10 +200,13 @@ pub enum RecordingError {
         expected: usize,
         /// Number of values in the row.
         found: usize,
+        /// What separates the values.
+        delimiter: char,
     },
 
     /// A cell of a CSV file is not a number.
-    #[error("{file}: line {line}, column {column:?}: expected a number, found {found:?}; correct or remove the line")]
+    #[error("{file}: line {line}, column {column:?}: expected a number, found {found:?}; correct or remove the line, \
+             or set `decimal` if the decimal sign is not seen as one")]
     NotANumber {
         /// The file.
         file: PathBuf,
@@ -137,7 +234,7 @@ pub enum RecordingError {
         found: f64,
     },
 
-    /// A sample of a MAT variable or of a time axis is NaN or infinite.
+    /// A sample of a variable or of a time axis is NaN or infinite.
     #[error(
         "{file}: {column:?}, sample {sample} counted from 0: expected a finite number, found {found}; \
          cut the record to the part without gaps, or fill the gap"
@@ -153,78 +250,44 @@ pub enum RecordingError {
         found: f64,
     },
 
-    /// The file is not a MAT file of version 5.
-    #[error("{file}: expected a MAT file of version 5, found another kind of file; save it in MATLAB with save -v7")]
-    NotMatV5 {
-        /// The file.
-        file: PathBuf,
-    },
-
-    /// The file is a MAT file of version 7.3, which is HDF5 inside.
+    /// The file is not a MAT file of version 5 or 7.3.
     #[error(
-        "{file}: expected a MAT file of version 5, found one of version 7.3, which is an HDF5 file; \
-         save it in MATLAB with save -v7"
+        "{file}: expected a MAT file of version 5 or 7.3, found another kind of file; save it in MATLAB with save -v7"
     )]
-    MatV73 {
+    NotMat {
         /// The file.
         file: PathBuf,
     },
 
-    /// The parts of a MAT file do not fit into it: it was cut short or damaged.
-    #[error("{file}: the file is cut short or damaged from byte {offset} on; copy or save it again")]
-    DamagedMat {
+    /// No column was asked for by name, and the file has several variables or topics.
+    #[error("{file}: no column is listed; the columns and variables are {}; list those to read", quoted(.found))]
+    NoColumnListed {
         /// The file.
         file: PathBuf,
-        /// Where the part begins that does not fit.
-        offset: usize,
-    },
-
-    /// No variable of a MAT file was asked for by name.
-    #[error("{file}: no variable is listed; the numeric variables are {}; list those to read", quoted(.found))]
-    NoVariableListed {
-        /// The file.
-        file: PathBuf,
-        /// The variables that can be read.
+        /// The columns and variables that are there.
         found: Vec<String>,
     },
 
-    /// A MAT file has no variable of this name that can be read.
-    #[error(
-        "{file}: there is no numeric variable {variable:?}; those that can be read are {}{}; \
-         correct the name, or save the variable as a matrix of doubles", quoted(.found), beside(*.skipped)
-    )]
-    MissingVariable {
+    /// A variable has fewer columns than the one asked for.
+    #[error("{file}: {column:?}: expected a column from 1 to {found}, which is what the variable has; correct the number")]
+    MissingChannel {
         /// The file.
         file: PathBuf,
-        /// The name asked for.
-        variable: String,
-        /// The variables that can be read.
-        found: Vec<String>,
-        /// How many more variables there are, of kinds that are not read: text, cells, structures, sparse and some
-        /// integer matrices, or damaged ones.
-        skipped: usize,
+        /// The name asked for, with the number of the column.
+        column: String,
+        /// The number of columns of the variable.
+        found: usize,
     },
 
-    /// A MAT variable is complex.
-    #[error("{file}: variable {variable:?} is complex; save its real part")]
-    ComplexVariable {
+    /// A column or variable is not one of real numbers.
+    #[error("{file}: {column:?}: expected a vector or matrix of real numbers, found {found}; save it as such")]
+    NotNumeric {
         /// The file.
         file: PathBuf,
-        /// The variable.
-        variable: String,
-    },
-
-    /// A MAT variable has not the shape asked for.
-    #[error("{file}: variable {variable:?}: expected {expected}, found {}; save it in that shape", by_sides(.found))]
-    VariableShape {
-        /// The file.
-        file: PathBuf,
-        /// The variable.
-        variable: String,
-        /// The shape asked for.
-        expected: &'static str,
-        /// The shape of the variable.
-        found: Vec<usize>,
+        /// The column or variable.
+        column: String,
+        /// What it is.
+        found: String,
     },
 
     /// The text names no known unit.
@@ -385,6 +448,12 @@ pub enum RecordingError {
     },
 }
 
+impl RecordingError {
+    pub(super) fn damaged(file: &Path, reason: String) -> Self {
+        Self::Damaged { file: file.to_owned(), reason }
+    }
+}
+
 fn quoted(names: &[String]) -> String {
     if names.is_empty() {
         return "none".to_owned();
@@ -394,15 +463,4 @@ fn quoted(names: &[String]) -> String {
 
 fn alternatives(quantities: &[Quantity]) -> String {
     quantities.iter().map(Quantity::to_string).collect::<Vec<_>>().join(" or ")
-}
-
-fn by_sides(shape: &[usize]) -> String {
-    shape.iter().map(usize::to_string).collect::<Vec<_>>().join(" x ")
-}
-
-fn beside(skipped: usize) -> String {
-    match skipped {
-        0 => String::new(),
-        n => format!(" (beside {n} of a kind that is not read, such as text, cells, structures, sparse or int32)"),
-    }
 }

@@ -1,12 +1,13 @@
 //! The description of a signal in a file, and its reading into a series.
 
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use super::{Quantity, RecordingError, Unit, csv, mat};
+use super::csv::{Decimal, Dialect};
+use super::format::table;
+use super::table::Wanted;
+use super::{Format, Quantity, RecordingError, Unit, bag, place, select};
 use crate::series::Series;
 
 /// Where the channels of one signal are, and what they are.
@@ -27,8 +28,9 @@ use crate::series::Series;
 pub struct ChannelSource {
     /// The file, relative to the folder of the data.
     pub file: PathBuf,
-    /// Names of CSV columns or of MAT variables, in the order of the channels; none means all columns of a CSV file. A
-    /// MAT variable with several columns gives several channels.
+    /// Names of columns or variables, in the order of the channels. A variable with several columns gives several
+    /// channels, and `name[3]` its third alone. None means all columns of a table (CSV, Parquet), or the only variable of
+    /// numbers of another file. Joints of a bag are `elbow.position`, `elbow.velocity`, `elbow.effort`.
     #[serde(default)]
     pub columns: Vec<String>,
     /// The unit of the values in the file.
@@ -39,6 +41,23 @@ pub struct ChannelSource {
     /// A factor per channel, applied after the unit; none means 1 for all.
     #[serde(default)]
     pub gain: Vec<f64>,
+    /// The topic of a bag; needed where the bag holds several with joint states.
+    #[serde(default)]
+    pub topic: Option<String>,
+    /// The delimiter of a CSV file, one character; none means that it is detected. A space stands for any number of
+    /// spaces.
+    #[serde(default)]
+    pub delimiter: Option<char>,
+    /// The decimal sign of a CSV file; none means that it is detected.
+    #[serde(default)]
+    pub decimal: Option<Decimal>,
+    /// Whether a CSV file has a line of column names; none means that it is detected. Without one, columns are named
+    /// `1`, `2` and so on.
+    #[serde(default)]
+    pub header: Option<bool>,
+    /// Whether the file may lie anywhere, because the user named it and not a file of descriptions. Not read from files.
+    #[serde(skip)]
+    pub anywhere: bool,
 }
 
 /// A side of the transmission.
@@ -97,23 +116,45 @@ impl ChannelSource {
             Err(RecordingError::RepeatedColumn { file: self.file.clone(), column: self.columns[i].clone() })
         })
     }
+
+    /// Refuses settings of another format, which would be without effect.
+    fn refuse_useless_settings(&self, format: Format) -> Result<(), RecordingError> {
+        let text = !matches!(format, Format::Csv);
+        let settings = [
+            ("topic", self.topic.is_some() && !format.is_bag()),
+            ("delimiter", self.delimiter.is_some() && text),
+            ("decimal", self.decimal.is_some() && text),
+            ("header", self.header.is_some() && text),
+        ];
+        match settings.into_iter().find(|(_, useless)| *useless) {
+            None => Ok(()),
+            Some((setting, _)) => Err(RecordingError::UselessSetting { file: self.file.clone(), setting, format }),
+        }
+    }
+
+    fn dialect(&self) -> Dialect {
+        Dialect { delimiter: self.delimiter, decimal: self.decimal, header: self.header }
+    }
+
+    /// The path to read from: inside the folder of the data, unless the file may lie anywhere.
+    fn place(&self, root: &Path) -> Result<PathBuf, RecordingError> {
+        if self.anywhere { Ok(self.path(root)) } else { place::inside(root, &self.file) }
+    }
 }
 
 /// The channels of `source` in SI units: the file's values times the unit's factor times the gain.
 ///
-/// The file is looked for in `root`; its format follows from its extension, `.csv` or `.mat`. The side is not applied:
-/// motor values stay on the motor side.
+/// The file is looked for in `root`, and must lie inside; its [`Format`] follows from its extension. The side is not
+/// applied: motor values stay on the motor side. Time stamps of a bag are seconds from the first message of their topic.
 ///
 /// # Errors
 /// A [`RecordingError`] that names the place, what was expected and what was found, if the file cannot be read, a column
 /// is missing, a value is not a finite number, or the gains do not fit the channels.
 pub fn read_channels(source: &ChannelSource, root: &Path) -> Result<Series, RecordingError> {
     source.refuse_repetition()?;
-    let path = source.path(root);
-    let mut series = match Format::of(&path)? {
-        Format::Csv => csv::read(&path, &source.columns)?,
-        Format::Mat => mat::read(&path, &source.columns)?,
-    };
+    let format = Format::of(&source.file)?;
+    source.refuse_useless_settings(format)?;
+    let mut series = read(source, format, &source.place(root)?)?;
     let factors = source.factors(series.channels())?;
     for sample in series.values_mut().chunks_exact_mut(factors.len()) {
         sample.iter_mut().zip(&factors).for_each(|(value, factor)| *value *= factor);
@@ -121,33 +162,14 @@ pub fn read_channels(source: &ChannelSource, root: &Path) -> Result<Series, Reco
     Ok(series)
 }
 
-enum Format {
-    Csv,
-    Mat,
-}
-
-impl Format {
-    fn of(path: &Path) -> Result<Self, RecordingError> {
-        let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-        match extension.as_str() {
-            "csv" => Ok(Self::Csv),
-            "mat" => Ok(Self::Mat),
-            _ => {
-                Err(RecordingError::UnknownFormat { file: path.to_owned(), expected: ".csv or .mat", found: extension })
-            }
-        }
+/// The channels in the units of the file.
+fn read(source: &ChannelSource, format: Format, path: &Path) -> Result<Series, RecordingError> {
+    if format.is_bag() {
+        return bag::channels(path, format, source.topic.as_deref(), &source.columns);
     }
-}
-
-/// All bytes of a file that must hold some.
-pub(super) fn file_bytes(path: &Path) -> Result<Vec<u8>, RecordingError> {
-    let file = path.to_owned();
-    match fs::read(path) {
-        Ok(bytes) if bytes.is_empty() => Err(RecordingError::EmptyFile { file }),
-        Ok(bytes) => Ok(bytes),
-        Err(e) if e.kind() == io::ErrorKind::NotFound => Err(RecordingError::FileNotFound { file }),
-        Err(source) => Err(RecordingError::Unreadable { file, source }),
-    }
+    let wanted = if source.columns.is_empty() { Wanted::All } else { Wanted::Named(&source.columns) };
+    let table = table(path, format, &source.dialect(), wanted)?;
+    select::series(&table, format, &source.columns, path)
 }
 
 #[cfg(test)]
@@ -164,6 +186,11 @@ mod tests {
             unit: Unit::Millimetre,
             side: Side::Joint,
             gain: gain.to_vec(),
+            topic: None,
+            delimiter: None,
+            decimal: None,
+            header: None,
+            anywhere: false,
         }
     }
 
@@ -231,5 +258,30 @@ mod tests {
         let mut source = source("q.csv", &[]);
         source.columns = vec!["a".into(), "b".into(), "a".into()];
         assert!(matches!(failure(&source), RecordingError::RepeatedColumn { column, .. } if column == "a"));
+    }
+
+    #[test]
+    fn delimiter_of_a_file_that_is_not_text() {
+        let mut source = source("q.npz", &[]);
+        source.delimiter = Some(';');
+        assert!(matches!(failure(&source), RecordingError::UselessSetting { setting: "delimiter", .. }));
+    }
+
+    #[test]
+    fn topic_of_a_file_that_is_not_a_bag() {
+        let mut source = source("q.csv", &[]);
+        source.topic = Some("/joint_states".into());
+        assert!(matches!(failure(&source), RecordingError::UselessSetting { setting: "topic", .. }));
+    }
+
+    #[test]
+    fn absolute_path_is_read_only_where_the_user_named_it() {
+        let folder = Folder::with("q.csv", TWO_JOINTS.as_bytes());
+        let mut source = source("q.csv", &[]);
+        source.file = folder.path().join("q.csv");
+        let error = read_channels(&source, folder.path()).unwrap_err();
+        assert!(matches!(error, RecordingError::OutsideData { .. }));
+        source.anywhere = true;
+        assert_eq!(read_channels(&source, folder.path()).unwrap().len(), 2);
     }
 }

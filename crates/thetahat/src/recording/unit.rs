@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::fmt;
 use std::str::FromStr;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::RecordingError;
 
@@ -15,6 +15,14 @@ pub enum Quantity {
     Angle,
     /// Position of a prismatic joint.
     Length,
+    /// Velocity of a revolute joint or of a motor.
+    AngularVelocity,
+    /// Velocity of a prismatic joint.
+    LinearVelocity,
+    /// Acceleration of a revolute joint or of a motor.
+    AngularAcceleration,
+    /// Acceleration of a prismatic joint.
+    LinearAcceleration,
     /// Torque of a revolute joint or of a motor.
     Torque,
     /// Force of a prismatic joint.
@@ -34,6 +42,10 @@ impl fmt::Display for Quantity {
         f.write_str(match self {
             Self::Angle => "an angle",
             Self::Length => "a length",
+            Self::AngularVelocity => "an angular velocity",
+            Self::LinearVelocity => "a velocity",
+            Self::AngularAcceleration => "an angular acceleration",
+            Self::LinearAcceleration => "an acceleration",
             Self::Torque => "a torque",
             Self::Force => "a force",
             Self::Current => "a current",
@@ -45,8 +57,8 @@ impl fmt::Display for Quantity {
 }
 
 /// A unit in which a file may hold its values. Written by its symbol, with a space between factors: `"N m"`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(try_from = "String")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(try_from = "String", into = "&'static str")]
 pub enum Unit {
     /// `rad`
     Radian,
@@ -62,12 +74,36 @@ pub enum Unit {
     Millimetre,
     /// `um`
     Micrometre,
+    /// `rad/s`
+    RadianPerSecond,
+    /// `deg/s`
+    DegreePerSecond,
+    /// `rev/s`
+    RevolutionPerSecond,
+    /// `rpm`
+    RevolutionPerMinute,
+    /// `m/s`
+    MetrePerSecond,
+    /// `mm/s`
+    MillimetrePerSecond,
+    /// `rad/s^2`
+    RadianPerSecondSquared,
+    /// `deg/s^2`
+    DegreePerSecondSquared,
+    /// `m/s^2`
+    MetrePerSecondSquared,
+    /// `mm/s^2`
+    MillimetrePerSecondSquared,
     /// `N m`
     NewtonMetre,
     /// `mN m`
     MillinewtonMetre,
+    /// `kN m`
+    KilonewtonMetre,
     /// `N`
     Newton,
+    /// `kN`
+    Kilonewton,
     /// `A`
     Ampere,
     /// `mA`
@@ -86,11 +122,13 @@ pub enum Unit {
     Nanosecond,
     /// `1`
     One,
+    /// `%`, of a nominal torque or current that is given as gain
+    Percent,
 }
 
 impl Unit {
     /// Every unit that is known.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 32] = [
         Self::Radian,
         Self::Milliradian,
         Self::Degree,
@@ -98,9 +136,21 @@ impl Unit {
         Self::Metre,
         Self::Millimetre,
         Self::Micrometre,
+        Self::RadianPerSecond,
+        Self::DegreePerSecond,
+        Self::RevolutionPerSecond,
+        Self::RevolutionPerMinute,
+        Self::MetrePerSecond,
+        Self::MillimetrePerSecond,
+        Self::RadianPerSecondSquared,
+        Self::DegreePerSecondSquared,
+        Self::MetrePerSecondSquared,
+        Self::MillimetrePerSecondSquared,
         Self::NewtonMetre,
         Self::MillinewtonMetre,
+        Self::KilonewtonMetre,
         Self::Newton,
+        Self::Kilonewton,
         Self::Ampere,
         Self::Milliampere,
         Self::Volt,
@@ -110,6 +160,7 @@ impl Unit {
         Self::Microsecond,
         Self::Nanosecond,
         Self::One,
+        Self::Percent,
     ];
 
     /// The symbol by which files name the unit.
@@ -145,9 +196,21 @@ impl Unit {
             Self::Metre => ("m", 1.0, Quantity::Length),
             Self::Millimetre => ("mm", 1e-3, Quantity::Length),
             Self::Micrometre => ("um", 1e-6, Quantity::Length),
+            Self::RadianPerSecond => ("rad/s", 1.0, Quantity::AngularVelocity),
+            Self::DegreePerSecond => ("deg/s", PI / 180.0, Quantity::AngularVelocity),
+            Self::RevolutionPerSecond => ("rev/s", 2.0 * PI, Quantity::AngularVelocity),
+            Self::RevolutionPerMinute => ("rpm", PI / 30.0, Quantity::AngularVelocity),
+            Self::MetrePerSecond => ("m/s", 1.0, Quantity::LinearVelocity),
+            Self::MillimetrePerSecond => ("mm/s", 1e-3, Quantity::LinearVelocity),
+            Self::RadianPerSecondSquared => ("rad/s^2", 1.0, Quantity::AngularAcceleration),
+            Self::DegreePerSecondSquared => ("deg/s^2", PI / 180.0, Quantity::AngularAcceleration),
+            Self::MetrePerSecondSquared => ("m/s^2", 1.0, Quantity::LinearAcceleration),
+            Self::MillimetrePerSecondSquared => ("mm/s^2", 1e-3, Quantity::LinearAcceleration),
             Self::NewtonMetre => ("N m", 1.0, Quantity::Torque),
             Self::MillinewtonMetre => ("mN m", 1e-3, Quantity::Torque),
+            Self::KilonewtonMetre => ("kN m", 1e3, Quantity::Torque),
             Self::Newton => ("N", 1.0, Quantity::Force),
+            Self::Kilonewton => ("kN", 1e3, Quantity::Force),
             Self::Ampere => ("A", 1.0, Quantity::Current),
             Self::Milliampere => ("mA", 1e-3, Quantity::Current),
             Self::Volt => ("V", 1.0, Quantity::Voltage),
@@ -157,6 +220,7 @@ impl Unit {
             Self::Microsecond => ("us", 1e-6, Quantity::Time),
             Self::Nanosecond => ("ns", 1e-9, Quantity::Time),
             Self::One => ("1", 1.0, Quantity::Dimensionless),
+            Self::Percent => ("%", 1e-2, Quantity::Dimensionless),
         }
     }
 }
@@ -176,6 +240,12 @@ impl FromStr for Unit {
             found: symbol.to_owned(),
             expected: Self::ALL.map(|unit| format!("\"{unit}\"")).to_vec(),
         })
+    }
+}
+
+impl From<Unit> for &'static str {
+    fn from(unit: Unit) -> Self {
+        unit.symbol()
     }
 }
 
@@ -203,6 +273,8 @@ mod tests {
         assert_eq!(Unit::Revolution.to_si(), 2.0 * PI);
         assert_eq!(Unit::Millimetre.to_si(), 1e-3);
         assert_eq!(Unit::MillinewtonMetre.quantity(), Quantity::Torque);
+        assert_eq!(30.0 * Unit::RevolutionPerMinute.to_si(), PI);
+        assert_eq!(50.0 * Unit::Percent.to_si(), 0.5);
     }
 
     #[test]

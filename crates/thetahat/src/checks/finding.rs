@@ -1,0 +1,205 @@
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+/// How much a finding matters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Severity {
+    /// The estimate is not to be trusted.
+    Problem,
+    /// The estimate suffers; look at it.
+    Warning,
+    /// Worth knowing.
+    Note,
+}
+
+impl Severity {
+    /// Its name, lower case.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Problem => "problem",
+            Self::Warning => "warning",
+            Self::Note => "note",
+        }
+    }
+}
+
+impl fmt::Display for Severity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// What was found; the order is that of the findings of one severity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum Code {
+    /// Positions are in another unit, or on the other side of the gears.
+    PositionScale,
+    /// Positions count in the other direction.
+    PositionSign,
+    /// Positions start from another zero.
+    PositionZero,
+    /// Torques are in another unit, or on the other side of the gears.
+    TorqueScale,
+    /// Torques count in the other direction.
+    TorqueSign,
+    /// Two joints are exchanged.
+    JointsSwapped,
+    /// A gear ratio, or the scale of a position or torque, is wrong by some percent.
+    GearRatio,
+    /// Torques are later or earlier than positions.
+    Lag,
+    /// Samples are missing.
+    DroppedSamples,
+    /// Samples are repeated.
+    RepeatedSamples,
+    /// The time stamps are not equally spaced.
+    ClockJitter,
+    /// A torque stays at its limit.
+    TorqueSaturated,
+    /// A torque does not change.
+    TorqueConstant,
+    /// The torque's steps are coarse.
+    TorqueQuantised,
+    /// The torque has outliers.
+    TorqueSpikes,
+    /// The position's steps are coarse.
+    PositionQuantised,
+    /// The position has outliers.
+    PositionSpikes,
+    /// The recorded velocity is not that of the position.
+    VelocityMismatch,
+    /// A joint does not move.
+    JointStill,
+    /// Nothing moves for a part of the window.
+    StillPeriod,
+    /// The position filter cuts off motion.
+    CutoffLow,
+    /// The position filter lets noise through.
+    CutoffHigh,
+    /// Friction comes out negative.
+    NegativeFriction,
+    /// The model does not explain the torques.
+    PoorFit,
+    /// The motion does not excite parameters.
+    NotExcited,
+    /// The reference is not what the motion follows.
+    ReferenceMismatch,
+    /// The controller does not give the drive signals.
+    ControllerMismatch,
+}
+
+impl Code {
+    /// All codes, in order.
+    pub const ALL: [Self; 27] = [
+        Self::PositionScale,
+        Self::PositionSign,
+        Self::PositionZero,
+        Self::TorqueScale,
+        Self::TorqueSign,
+        Self::JointsSwapped,
+        Self::GearRatio,
+        Self::Lag,
+        Self::DroppedSamples,
+        Self::RepeatedSamples,
+        Self::ClockJitter,
+        Self::TorqueSaturated,
+        Self::TorqueConstant,
+        Self::TorqueQuantised,
+        Self::TorqueSpikes,
+        Self::PositionQuantised,
+        Self::PositionSpikes,
+        Self::VelocityMismatch,
+        Self::JointStill,
+        Self::StillPeriod,
+        Self::CutoffLow,
+        Self::CutoffHigh,
+        Self::NegativeFriction,
+        Self::PoorFit,
+        Self::NotExcited,
+        Self::ReferenceMismatch,
+        Self::ControllerMismatch,
+    ];
+
+    /// Its stable name, lower case with hyphens.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::PositionScale => "position-scale",
+            Self::PositionSign => "position-sign",
+            Self::PositionZero => "position-zero",
+            Self::TorqueScale => "torque-scale",
+            Self::TorqueSign => "torque-sign",
+            Self::JointsSwapped => "joints-swapped",
+            Self::GearRatio => "gear-ratio",
+            Self::Lag => "lag",
+            Self::DroppedSamples => "dropped-samples",
+            Self::RepeatedSamples => "repeated-samples",
+            Self::ClockJitter => "clock-jitter",
+            Self::TorqueSaturated => "torque-saturated",
+            Self::TorqueConstant => "torque-constant",
+            Self::TorqueQuantised => "torque-quantised",
+            Self::TorqueSpikes => "torque-spikes",
+            Self::PositionQuantised => "position-quantised",
+            Self::PositionSpikes => "position-spikes",
+            Self::VelocityMismatch => "velocity-mismatch",
+            Self::JointStill => "joint-still",
+            Self::StillPeriod => "still-period",
+            Self::CutoffLow => "cutoff-low",
+            Self::CutoffHigh => "cutoff-high",
+            Self::NegativeFriction => "negative-friction",
+            Self::PoorFit => "poor-fit",
+            Self::NotExcited => "not-excited",
+            Self::ReferenceMismatch => "reference-mismatch",
+            Self::ControllerMismatch => "controller-mismatch",
+        }
+    }
+}
+
+impl fmt::Display for Code {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Something noticed in a recording.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Finding {
+    /// What it is.
+    pub code: Code,
+    /// How much it matters.
+    pub severity: Severity,
+    /// The joint, from one; none where it is about all of them.
+    pub joint: Option<usize>,
+    /// The joint's name.
+    pub joint_name: Option<String>,
+    /// The evidence.
+    pub value: f64,
+    /// The unit of the evidence and of its limit.
+    pub unit: String,
+    /// What the evidence was compared with.
+    pub limit: Option<f64>,
+    /// What was seen, in a sentence with the number.
+    pub message: String,
+    /// What to do, in a sentence.
+    pub remedy: String,
+    /// The parameters concerned.
+    pub parameters: Vec<String>,
+}
+
+/// A number that was compared with a limit, whether or not it led to a finding.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measure {
+    /// What it is evidence for.
+    pub code: Code,
+    /// The joint, from one; none where it is about all of them.
+    pub joint: Option<usize>,
+    /// The evidence.
+    pub value: f64,
+    /// What it is compared with: above it, there is a finding.
+    pub limit: f64,
+}

@@ -1,0 +1,135 @@
+//! What friction must be, and what the model must explain.
+
+use super::{
+    Code, Severity,
+    affine::Affine,
+    chain::{Chain, Regression},
+    examination::{Evidence, Examination},
+    numbers::dot,
+};
+use crate::linear_algebra::PivotedQr;
+
+/// Standard deviations by which the power of a joint's friction must be negative.
+const NEGATIVE_LIMIT: f64 = 10.0;
+/// A change of sign may make the squared residual larger by this factor and still be the cause of negative friction.
+const AS_GOOD: f64 = 1.02;
+/// Relative error of the whole fit, percent. The clean records have at most 6.4.
+const WHOLE_LIMIT_PERCENT: f64 = 20.0;
+/// Rms residual of a joint, percent of the deviation of its torque: nothing of it is explained.
+const JOINT_LIMIT_PERCENT: f64 = 90.0;
+
+/// Corrects signs that friction shows to be wrong.
+pub(super) fn check(exam: &mut Examination<'_>, chain: &mut Chain<'_>) {
+    let Ok(regression) = chain.regression() else { return };
+    let power = friction_power(chain, &regression);
+    let negative: Vec<usize> = (0..power.len()).filter(|&j| power[j] < -NEGATIVE_LIMIT).collect();
+    let everywhere = negative.len() > 1 && power.iter().all(|p| *p < 0.0);
+    for (j, p) in power.iter().enumerate() {
+        let value = -p;
+        let mut evidence = Evidence {
+            code: Code::NegativeFriction,
+            joint: Some(j),
+            value,
+            unit: "standard deviations",
+            limit: NEGATIVE_LIMIT,
+        };
+        exam.note_measure(evidence);
+        if value <= NEGATIVE_LIMIT {
+            continue;
+        }
+        let (code, correction, words) = cause(chain, &regression, j, everywhere);
+        evidence.code = code;
+        let message = format!(
+            "joint {}: friction would drive the joint, by {value:.0} standard deviations of its power; {words}",
+            j + 1
+        );
+        let remedy = "turn the sign of the channel by its gain, or the row of the motor in [transmission] matrix";
+        exam.raise(evidence, Severity::Problem, (message, remedy.to_owned()), friction_parameters(chain, j));
+        correction.iter().for_each(|correction| chain.correct(correction));
+    }
+    poor_fit(exam, chain);
+}
+
+/// What makes a joint's friction negative: its torque's sign, its position's sign, or neither.
+fn cause(
+    chain: &Chain<'_>,
+    regression: &Regression,
+    j: usize,
+    everywhere: bool,
+) -> (Code, Option<Affine>, String) {
+    let flip: Vec<f64> = (0..chain.joints()).map(|i| if i == j { -1.0 } else { 1.0 }).collect();
+    let torque = Affine::scaled_torques(&flip);
+    if everywhere {
+        return (Code::TorqueSign, Some(torque), "so it is in all joints: the torques have the other sign".to_owned());
+    }
+    let position = Affine::scaled_positions(&flip, chain.subject.robot.transmission.offset());
+    let squares = |correction: &Affine| corrected_squares(chain, correction) / regression.squares;
+    let (with_torque, with_position) = (squares(&torque), squares(&position));
+    if with_torque.min(with_position) > AS_GOOD {
+        return (Code::NegativeFriction, None, "but no change of sign fits as well".to_owned());
+    }
+    if with_position < with_torque / AS_GOOD {
+        return (Code::PositionSign, Some(position), "the position has the other sign".to_owned());
+    }
+    (Code::TorqueSign, Some(torque), "the torque, or the position, has the other sign".to_owned())
+}
+
+fn corrected_squares(chain: &Chain<'_>, correction: &Affine) -> f64 {
+    chain.corrected(correction).regression().map_or(f64::INFINITY, |r| r.squares)
+}
+
+/// Mean power that friction takes from each joint, in standard deviations of its estimate.
+fn friction_power(chain: &Chain<'_>, regression: &Regression) -> Vec<f64> {
+    let theta = regression.theta();
+    let independent = &regression.qr.pivots()[..regression.rank];
+    let covariance = PivotedQr::new(&regression.x.select_columns(independent)).inverse_gram();
+    let power = |j: usize| {
+        let per_parameter = power_per_parameter(chain, regression, j);
+        let mean = dot(&per_parameter, &theta);
+        let part: Vec<f64> = independent.iter().map(|&c| per_parameter[c]).collect();
+        let variance = regression.variance() * dot(&part, &covariance.times(&part));
+        if variance > 0.0 { mean / variance.sqrt() } else { 0.0 }
+    };
+    (0..chain.joints()).map(power).collect()
+}
+
+/// Mean power of joint `j`, times its weight, for a unit of each friction parameter.
+fn power_per_parameter(chain: &Chain<'_>, regression: &Regression, j: usize) -> Vec<f64> {
+    let rows = chain.rows();
+    let velocity: Vec<f64> = chain.kept.iter().map(|&k| chain.motion.dq.sample(k)[j]).collect();
+    let of = |c: usize| dot(&velocity, &regression.x.column(c)[j * rows..(j + 1) * rows]) / rows as f64;
+    (0..regression.x.columns()).map(|c| if chain.is_friction(c) { of(c) } else { 0.0 }).collect()
+}
+
+fn friction_parameters(chain: &Chain<'_>, j: usize) -> Vec<String> {
+    let table = chain.subject.model.parameter_table();
+    let parameters = chain.subject.base.parameters().iter().enumerate();
+    let own = parameters.filter(|(c, p)| chain.is_friction(*c) && table.get(p.kept).number == j + 1);
+    own.map(|(_, p)| p.name.clone()).collect()
+}
+
+fn poor_fit(exam: &mut Examination<'_>, chain: &Chain<'_>) {
+    let Ok(regression) = chain.regression() else { return };
+    let value = 100.0 * regression.relative_error();
+    let evidence =
+        Evidence { code: Code::PoorFit, joint: None, value, unit: "% of the torques", limit: WHOLE_LIMIT_PERCENT };
+    let remedy = "look at the other findings; else at the robot's geometry, the order of the joints, and loads that are \
+                  not in the model";
+    exam.judge(evidence, Severity::Warning, || {
+        (format!("the model with its best parameters leaves {value:.0} % of the torques unexplained"), remedy.to_owned())
+    });
+    for j in 0..chain.joints() {
+        let value = 100.0 * regression.joint_error(j, chain.joints());
+        let evidence = Evidence {
+            code: Code::PoorFit,
+            joint: Some(j),
+            value,
+            unit: "% of the torque's deviation",
+            limit: JOINT_LIMIT_PERCENT,
+        };
+        exam.judge(evidence, Severity::Warning, || {
+            let message = format!("joint {}: the model explains nothing of its torque ({value:.0} % is left)", j + 1);
+            (message, remedy.to_owned())
+        });
+    }
+}

@@ -1,0 +1,34 @@
+//! What is wrong with a recording, found before anything is estimated from it.
+//!
+//! [`examine`] looks at one recording on the joint side: at its samples (missing, repeated, outliers, coarse steps, limits,
+//! rests), at what the filter makes of them, at velocities and references that were recorded beside, and at the fit of the
+//! robot's model, which shows units, sides of the gears, signs, exchanged joints, ratios, lags, and what the motion does not
+//! excite. Each [`Finding`] has a stable [`Code`], a [`Severity`], its evidence as a number, and what to do. Limits,
+//! their margins on clean records, and what is not detected are in `docs/checks.md`.
+
+mod affine;
+mod chain;
+mod controller;
+mod cutoff;
+mod examination;
+mod excitation;
+mod fault;
+mod finding;
+mod friction;
+mod gear;
+mod lag;
+mod motion;
+mod numbers;
+mod reference;
+mod repeats;
+mod resolution;
+mod signals;
+mod spikes;
+mod stamps;
+mod subject;
+mod torque;
+mod velocity;
+
+pub use examination::{examine, measure};
+pub use finding::{Code, Finding, Measure, Severity};
+pub use subject::{SignalSettings, Subject};

@@ -1,0 +1,86 @@
+//! Joints that do not move, and times at which nothing moves.
+
+use super::{
+    Code, Severity,
+    examination::{Evidence, Examination},
+    numbers::span,
+    signals::{STILL, Signals},
+};
+
+/// Part of its peak velocity below which a joint counts as at rest.
+const AT_REST: f64 = 0.01;
+/// Evidence for a joint that does not move at all.
+const SLOWEST: f64 = 1e6;
+/// Periods of the position filter's cut-off that a rest lasts: shorter ones are turning points.
+const REST_PERIODS: f64 = 10.0;
+/// Rest, percent of the window; the clean records have at most 2.
+const REST_LIMIT_PERCENT: f64 = 6.0;
+
+pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
+    (0..signals.joints()).for_each(|j| still_joint(exam, signals, j));
+    still_periods(exam, signals);
+}
+
+/// Slower than the velocity at which a joint counts as still: the evidence is how many times slower.
+fn still_joint(exam: &mut Examination<'_>, signals: &Signals, j: usize) {
+    let value = (STILL / signals.peak[j]).min(SLOWEST);
+    let evidence = Evidence { code: Code::JointStill, joint: Some(j), value, unit: "times too slow", limit: 1.0 };
+    let parameters = exam.own_parameters(j);
+    exam.judge_with(evidence, Severity::Problem, || {
+        let words = (
+            format!(
+                "joint {} does not move: it spans {:.2e} rad or m, and its velocity stays below {:.1e}",
+                j + 1,
+                span(&signals.raw.channel(j)),
+                signals.peak[j]
+            ),
+            "move it, or take its parameters out of the estimate; if it did move, check the position channel"
+                .to_owned(),
+        );
+        (words, parameters)
+    });
+}
+
+fn still_periods(exam: &mut Examination<'_>, signals: &Signals) {
+    let shortest = (REST_PERIODS * exam.subject.sample_rate_hz / exam.subject.signal.cutoff_hz).ceil() as usize;
+    let rests = rests(signals, shortest);
+    let still: usize = rests.iter().map(|r| r.len()).sum();
+    let value = 100.0 * still as f64 / signals.raw.len() as f64;
+    let evidence =
+        Evidence { code: Code::StillPeriod, joint: None, value, unit: "% of the window", limit: REST_LIMIT_PERCENT };
+    let (rate, start) = (exam.subject.sample_rate_hz, exam.subject.signal.window.start);
+    exam.judge(evidence, Severity::Warning, || {
+        let at = |k: usize| (start + k) as f64 / rate;
+        let longest = rests.iter().max_by_key(|r| r.len()).cloned().unwrap_or(0..0);
+        (
+            format!(
+                "no joint moves for {value:.0} % of the window, the longest time from {:.3} s to {:.3} s; the sign of \
+                 the velocity is noise there",
+                at(longest.start),
+                at(longest.end)
+            ),
+            "set [signal] window_start_s and window_end_s to the moving part, or cut the rests out of the record"
+                .to_owned(),
+        )
+    });
+}
+
+/// Stretches of at least `shortest` samples in which no joint moves.
+fn rests(signals: &Signals, shortest: usize) -> Vec<std::ops::Range<usize>> {
+    let at_rest = |k: usize| {
+        let v = signals.dq.sample(k);
+        (0..v.len()).all(|j| !signals.moves(j) || v[j].abs() < AT_REST * signals.peak[j])
+    };
+    let mut rests = Vec::new();
+    let mut start = 0;
+    for k in 0..=signals.dq.len() {
+        if k < signals.dq.len() && at_rest(k) {
+            continue;
+        }
+        if k - start >= shortest {
+            rests.push(start..k);
+        }
+        start = k + 1;
+    }
+    rests
+}

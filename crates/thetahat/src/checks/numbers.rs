@@ -1,0 +1,89 @@
+//! Small statistics of the checks.
+
+/// The mean.
+pub(super) fn mean(x: &[f64]) -> f64 {
+    x.iter().sum::<f64>() / x.len().max(1) as f64
+}
+
+/// Root mean square.
+pub(super) fn rms(x: &[f64]) -> f64 {
+    (x.iter().map(|v| v * v).sum::<f64>() / x.len().max(1) as f64).sqrt()
+}
+
+/// Standard deviation about the mean.
+pub(super) fn deviation(x: &[f64]) -> f64 {
+    let mean = mean(x);
+    (x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / x.len().max(1) as f64).sqrt()
+}
+
+/// Largest less smallest.
+pub(super) fn span(x: &[f64]) -> f64 {
+    let (low, high) = x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
+    (high - low).max(0.0)
+}
+
+/// The quantile of absolute values at `part` from 0 to 1; zero of nothing.
+pub(super) fn quantile_abs(x: impl Iterator<Item = f64>, part: f64) -> f64 {
+    let mut sizes: Vec<f64> = x.map(f64::abs).collect();
+    if sizes.is_empty() {
+        return 0.0;
+    }
+    let place = ((sizes.len() - 1) as f64 * part).round() as usize;
+    *sizes.select_nth_unstable_by(place, f64::total_cmp).1
+}
+
+/// Normal standard deviation per median of absolute values.
+pub(super) const NORMAL_PER_MEDIAN: f64 = 1.4826;
+
+/// Inner product.
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Correlation coefficient about the means; zero where one of the two is constant.
+pub(super) fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let (ma, mb) = (mean(a), mean(b));
+    let covariance = a.iter().zip(b).map(|(a, b)| (a - ma) * (b - mb)).sum::<f64>() / a.len().max(1) as f64;
+    let size = deviation(a) * deviation(b);
+    if size > 0.0 { covariance / size } else { 0.0 }
+}
+
+/// The delay in samples by which `a` is later than `b`, to a fraction of a sample: the parabola through the smallest sum of
+/// squared differences within `reach`.
+pub(super) fn delay(a: &[f64], b: &[f64], reach: usize) -> f64 {
+    let reach = reach.min(a.len() / 4).max(1) as isize;
+    let (inside, stride) = (reach as usize..a.len() - reach as usize, (a.len() / 4000).max(1));
+    let mismatch = |shift: isize| -> f64 {
+        inside.clone().step_by(stride).map(|k| (a[(k as isize + shift) as usize] - b[k]).powi(2)).sum()
+    };
+    let best = (-reach..=reach).map(|s| (s, mismatch(s))).min_by(|x, y| x.1.total_cmp(&y.1)).map_or(0, |b| b.0);
+    if best.abs() == reach {
+        return best as f64;
+    }
+    let [before, at, after] = [-1, 0, 1].map(|d| mismatch(best + d));
+    let bend = before - 2.0 * at + after;
+    best as f64 + if bend > 0.0 { 0.5 * (before - after) / bend } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_delay_is_found_to_a_hundredth_of_a_sample() {
+        let wave = |t: f64| (0.05 * t).sin() + 0.3 * (0.13 * t).cos();
+        let b: Vec<f64> = (0..500).map(|k| wave(f64::from(k))).collect();
+        for expected in [-7.4, -0.3, 0.0, 2.6] {
+            let a: Vec<f64> = (0..500).map(|k| wave(f64::from(k) - expected)).collect();
+            assert!((delay(&a, &b, 20) - expected).abs() < 0.01, "{expected}: {}", delay(&a, &b, 20));
+        }
+    }
+
+    #[test]
+    fn quantiles_of_sizes() {
+        let x = [-3.0, 1.0, 2.0, -5.0, 4.0];
+        assert_eq!(quantile_abs(x.into_iter(), 0.5), 3.0);
+        assert_eq!(quantile_abs(x.into_iter(), 1.0), 5.0);
+        assert_eq!(quantile_abs([].into_iter(), 0.5), 0.0);
+    }
+}

@@ -1,0 +1,67 @@
+//! Whether the motion follows the reference.
+
+use super::{
+    Code, Severity,
+    examination::{Evidence, Examination},
+    numbers::{correlation, delay, deviation, rms},
+};
+use crate::series::Series;
+
+/// Rms deviation of the motion from the reference, percent of the motion's standard deviation.
+const LIMIT_PERCENT: f64 = 5.0;
+/// A correlation with the reference of another joint that the own joint does not reach.
+const OTHER: f64 = 0.95;
+/// Longest delay that is looked for, s.
+const LONGEST_S: f64 = 0.2;
+
+pub(super) fn check(exam: &mut Examination<'_>) {
+    let window = exam.subject.signal.window.clone();
+    let position = exam.subject.position.window(window.clone());
+    if let Some(reference) = exam.subject.reference {
+        let reference = reference.window(window);
+        return (0..position.channels()).for_each(|j| recorded(exam, &position, &reference, j));
+    }
+    let Some(deviations) = exam.subject.reconstructed_deviation else { return };
+    for (j, &rms_deviation) in deviations.iter().enumerate().take(position.channels()) {
+        reconstructed(exam, &position.channel(j), rms_deviation, j);
+    }
+}
+
+fn evidence(j: usize, value: f64) -> Evidence {
+    Evidence { code: Code::ReferenceMismatch, joint: Some(j), value, unit: "% of the motion", limit: LIMIT_PERCENT }
+}
+
+fn recorded(exam: &mut Examination<'_>, position: &Series, reference: &Series, j: usize) {
+    let (q, r) = (position.channel(j), reference.channel(j));
+    let difference: Vec<f64> = q.iter().zip(&r).map(|(q, r)| q - r).collect();
+    let rate = exam.subject.sample_rate_hz;
+    exam.judge(evidence(j, 100.0 * rms(&difference) / deviation(&q)), Severity::Warning, || {
+        let cause = cause(&q, position.channels(), reference, j, rate);
+        (
+            format!("joint {}: the motion is {:.3e} rad or m rms off its reference: {cause}", j + 1, rms(&difference)),
+            "check the reference's column, unit and side; IDIM-IV and DIDIM simulate the loop with it".to_owned(),
+        )
+    });
+}
+
+/// The most likely cause in words.
+fn cause(q: &[f64], joints: usize, reference: &Series, j: usize, rate: f64) -> String {
+    let own = correlation(q, &reference.channel(j));
+    let others = (0..joints).filter(|&i| i != j).map(|i| (i, correlation(q, &reference.channel(i))));
+    if let Some((i, r)) = others.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|o| o.1 > OTHER && own < OTHER) {
+        return format!("it follows that of joint {} (correlation {r:.3})", i + 1);
+    }
+    let r = reference.channel(j);
+    let scale = correlation(q, &r) * deviation(q) / deviation(&r);
+    let late = delay(q, &r, (LONGEST_S * rate).ceil() as usize);
+    format!("it is {late:.1} samples ({:.1} ms) late, scale {scale:.4}, correlation {own:.4}", 1e3 * late / rate)
+}
+
+fn reconstructed(exam: &mut Examination<'_>, q: &[f64], rms_deviation: f64, j: usize) {
+    exam.judge(evidence(j, 100.0 * rms_deviation / deviation(q)), Severity::Warning, || {
+        (
+            format!("joint {}: the motion is {rms_deviation:.3e} rad or m rms off the reconstructed moves", j + 1),
+            "the motion is not made of synchronised moves: record the reference and name it in [recording]".to_owned(),
+        )
+    });
+}

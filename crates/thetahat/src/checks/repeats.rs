@@ -1,0 +1,134 @@
+//! Samples that are missing or repeated, seen in the motion itself.
+
+use super::{
+    Code, Severity,
+    examination::{Evidence, Examination},
+    numbers::{NORMAL_PER_MEDIAN, quantile_abs},
+    resolution::step_of,
+    signals::Signals,
+};
+use crate::series::Series;
+
+/// Repeated samples, percent of those at which the robot moves. None of the clean records has one.
+const REPEATED_LIMIT_PERCENT: f64 = 0.05;
+/// Expected steps of a joint between two samples, from which on an equal position is no coincidence.
+const EXPECTED_STEPS: f64 = 4.0;
+/// A jump ahead by this part of a sample is a dropped sample.
+const JUMP: f64 = 0.5;
+/// Times the standard deviation that a jump must be.
+const SURE: f64 = 8.0;
+/// Part of the unexpected step of all joints that one jump in time must explain: an outlier of one joint does not.
+const EXPLAINED: f64 = 0.8;
+/// Samples around a jump over which an outlier comes back.
+const AROUND: usize = 3;
+/// Relative rounding of a position.
+const ROUNDING: f64 = 1e-9;
+
+pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
+    let torque = exam.subject.torque.window(exam.subject.signal.window.clone());
+    repeated(exam, signals, &signals.raw, "positions");
+    repeated(exam, signals, &torque, "torques");
+    dropped(exam, signals);
+}
+
+/// All channels of a signal exactly as one sample before, while a joint moves by several steps of its position.
+fn repeated(exam: &mut Examination<'_>, signals: &Signals, series: &Series, what: &str) {
+    let moving = moving_fast(exam.subject.sample_rate_hz, signals);
+    let repeated: Vec<usize> =
+        moving.iter().copied().filter(|&k| series.sample(k) == series.sample(k - 1)).collect();
+    let value = 100.0 * repeated.len() as f64 / moving.len().max(1) as f64;
+    let evidence = Evidence {
+        code: Code::RepeatedSamples,
+        joint: None,
+        value,
+        unit: "% of the moving samples",
+        limit: REPEATED_LIMIT_PERCENT,
+    };
+    let start = exam.subject.signal.window.start;
+    exam.judge(evidence, Severity::Warning, || {
+        let first = repeated.first().map_or(0, |k| k + start);
+        (
+            format!("{} samples ({value:.2} %) repeat the {what} of the one before, the first is sample {first}", repeated.len()),
+            "the logger holds old values: record at the rate at which they are new, or drop the repeats and resample"
+                .to_owned(),
+        )
+    });
+}
+
+/// Samples at which some joint is expected to be several steps of its position further than one sample before.
+fn moving_fast(rate: f64, signals: &Signals) -> Vec<usize> {
+    let joints = 0..signals.joints();
+    let steps: Vec<f64> = joints.map(|j| step_of(&signals.raw.channel(j)).unwrap_or(0.0)).collect();
+    let fast = |&k: &usize| {
+        let v = signals.dq.sample(k);
+        (0..v.len()).any(|j| v[j].abs() > 0.1 * signals.peak[j] && v[j].abs() / rate > EXPECTED_STEPS * steps[j])
+    };
+    (1..signals.raw.len()).filter(fast).collect()
+}
+
+/// A sample that is missing shows as a step of all moving joints that is as long as their velocities say.
+fn dropped(exam: &mut Examination<'_>, signals: &Signals) {
+    let ahead = Ahead::new(exam.subject.sample_rate_hz, signals);
+    let jumps = ahead.jumps();
+    let missing: f64 = jumps.iter().map(|&k| ahead.steps[k].0.round().max(1.0)).sum();
+    let evidence = Evidence { code: Code::DroppedSamples, joint: None, value: missing, unit: "samples", limit: 0.5 };
+    let (start, rate) = (exam.subject.signal.window.start, exam.subject.sample_rate_hz);
+    exam.judge(evidence, Severity::Warning, || {
+        let first = jumps.first().map_or(0, |k| k + start);
+        (
+            format!(
+                "the joints jump ahead at {} places, as if {missing:.0} samples were missing, the first at sample \
+                 {first} ({:.4} s)",
+                jumps.len(),
+                first as f64 / rate
+            ),
+            "cut the record at the jumps or record again; a filter takes them for accelerations".to_owned(),
+        )
+    });
+}
+
+/// By how many samples the motion is ahead of its velocity at each step, with the standard deviation, and the part of
+/// the unexpected motion that this explains.
+struct Ahead {
+    steps: Vec<(f64, f64, f64)>,
+}
+
+impl Ahead {
+    fn new(rate: f64, signals: &Signals) -> Self {
+        let joints: Vec<usize> = (0..signals.joints()).filter(|&j| signals.moves(j)).collect();
+        let step = |k: usize, j: usize| {
+            let expected = 0.5 * (signals.dq.sample(k)[j] + signals.dq.sample(k + 1)[j]) / rate;
+            (expected, signals.raw.sample(k + 1)[j] - signals.raw.sample(k)[j] - expected)
+        };
+        let samples = signals.raw.len().saturating_sub(1);
+        let weight = |&j: &usize| {
+            let size = quantile_abs((0..samples).map(|k| step(k, j).1), 0.5) * NORMAL_PER_MEDIAN;
+            1.0 / (size + ROUNDING * quantile_abs((0..samples).map(|k| signals.raw.sample(k)[j]), 1.0)).powi(2)
+        };
+        let weights: Vec<f64> = joints.iter().map(weight).collect();
+        let ahead = |k: usize| {
+            let (mut information, mut score, mut total) = (f64::MIN_POSITIVE, 0.0, f64::MIN_POSITIVE);
+            for (&j, w) in joints.iter().zip(&weights) {
+                let (expected, unexpected) = step(k, j);
+                information += w * expected * expected;
+                score += w * expected * unexpected;
+                total += w * unexpected * unexpected;
+            }
+            (score / information, 1.0 / information.sqrt(), score * score / information / total)
+        };
+        Self { steps: (0..samples).map(ahead).collect() }
+    }
+
+    /// Steps with a jump ahead that the samples around do not take back.
+    fn jumps(&self) -> Vec<usize> {
+        let lasting = |k: usize| {
+            let around = k.saturating_sub(AROUND)..(k + AROUND + 1).min(self.steps.len());
+            self.steps[around].iter().map(|s| s.0).sum::<f64>()
+        };
+        let jump = |&k: &usize| {
+            let (ahead, deviation, explained) = self.steps[k];
+            ahead > JUMP && ahead > SURE * deviation && explained > EXPLAINED && lasting(k) > JUMP
+        };
+        (0..self.steps.len()).filter(jump).collect()
+    }
+}

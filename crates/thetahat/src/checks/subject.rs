@@ -1,0 +1,51 @@
+use std::ops::Range;
+
+use crate::{
+    base_parameters::BaseParameters, control::ControllerDescription, dynamics::Model, robot::Robot, series::Series,
+};
+
+/// How the record is filtered, decimated and cut for the estimate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SignalSettings {
+    /// Order of the Butterworth filter of the positions.
+    pub filter_order: usize,
+    /// Its cut-off, Hz.
+    pub cutoff_hz: f64,
+    /// Every how many samples one is kept.
+    pub decimation: usize,
+    /// The samples that are used, of the whole record.
+    pub window: Range<usize>,
+}
+
+/// One recording on the joint side, and what it is to be explained by.
+///
+/// All series have one channel for each joint, the same number of samples, and finite values.
+#[derive(Debug, Clone)]
+pub struct Subject<'a> {
+    /// The robot.
+    pub robot: &'a Robot,
+    /// Its model.
+    pub model: &'a Model,
+    /// The parameters that are to be estimated.
+    pub base: &'a BaseParameters,
+    /// Samples per second.
+    pub sample_rate_hz: f64,
+    /// Time stamps as recorded, s, before any resampling.
+    pub time_s: Option<&'a [f64]>,
+    /// Positions as recorded, rad or m.
+    pub position: &'a Series,
+    /// Recorded velocities, if any, rad/s or m/s.
+    pub velocity: Option<&'a Series>,
+    /// Torques as recorded, N m or N.
+    pub torque: &'a Series,
+    /// The recorded reference, if any, rad or m.
+    pub reference: Option<&'a Series>,
+    /// Rms deviation of the motion from the reconstructed reference, if there is one, per joint, rad or m.
+    pub reconstructed_deviation: Option<&'a [f64]>,
+    /// Whether a signal was added to the drives behind the controller.
+    pub added_signal: bool,
+    /// Filters, decimation and window.
+    pub signal: SignalSettings,
+    /// The controller that is simulated, if any.
+    pub controller: Option<&'a ControllerDescription>,
+}

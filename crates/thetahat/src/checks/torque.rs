@@ -1,0 +1,115 @@
+//! The torque's own defects: constant, at its limit, in coarse steps.
+
+use super::{
+    Code, Severity,
+    examination::{Evidence, Examination},
+    numbers::{deviation, quantile_abs, span},
+    resolution::step_of,
+};
+
+/// Span of a torque, relative to the largest size of any, below which it counts as constant.
+const CONSTANT: f64 = 1e-9;
+/// Samples at the limit of a drive, percent of the window: the clean records have one sample at each extreme.
+const SATURATED_LIMIT_PERCENT: f64 = 0.05;
+/// A limit holds this many times as many samples as the level next to it, which tells it from a coarse step.
+const PILE: usize = 5;
+/// Fewest samples of a limit.
+const FEWEST_AT_LIMIT: usize = 10;
+/// Values this close, relative to the span, are the same: rounding of the way to the motor side.
+const SAME: f64 = 1e-7;
+/// Effect of the torque's steps, percent of its standard deviation; the clean records have 0.03.
+const STEP_LIMIT_PERCENT: f64 = 3.0;
+
+pub(super) fn check(exam: &mut Examination<'_>) {
+    let window = exam.subject.torque.window(exam.subject.signal.window.clone());
+    let largest = quantile_abs(window.values().iter().copied(), 1.0);
+    let drives = exam.subject.robot.transmission.drive_signals(&window);
+    for j in 0..window.channels() {
+        let tau = window.channel(j);
+        if span(&tau) <= CONSTANT * largest {
+            constant(exam, j, tau.first().copied().unwrap_or(0.0));
+            continue;
+        }
+        saturation(exam, j, &drives.channel(j));
+        quantisation(exam, j, &tau);
+    }
+}
+
+fn constant(exam: &mut Examination<'_>, j: usize, value: f64) {
+    let evidence = Evidence { code: Code::TorqueConstant, joint: Some(j), value, unit: "N m or N", limit: f64::NAN };
+    let words = (
+        format!("joint {}: the torque is {value} throughout", j + 1),
+        "check the channel's column: the drive was not recorded, or the file names another one".to_owned(),
+    );
+    exam.raise(evidence, Severity::Problem, words, Vec::new());
+}
+
+fn saturation(exam: &mut Examination<'_>, j: usize, drive: &[f64]) {
+    let count = at_limit(drive);
+    let value = 100.0 * count as f64 / drive.len() as f64;
+    let evidence = Evidence {
+        code: Code::TorqueSaturated,
+        joint: Some(j),
+        value,
+        unit: "% of the window",
+        limit: SATURATED_LIMIT_PERCENT,
+    };
+    exam.judge(evidence, Severity::Warning, || {
+        (
+            format!("joint {}: the drive stays at its extreme value for {count} samples ({value:.2} %)", j + 1),
+            "the recorded torque is cut off there: move more slowly or widen the drive's or recorder's range".to_owned(),
+        )
+    });
+}
+
+/// Samples at the upper and lower limit, where there is one.
+fn at_limit(drive: &[f64]) -> usize {
+    let tolerance = SAME * span(drive);
+    let below: Vec<f64> = drive.iter().map(|v| -v).collect();
+    piled(drive, tolerance) + piled(&below, tolerance)
+}
+
+/// Samples at the largest value, if there are many more of them than of the next value below.
+fn piled(values: &[f64], tolerance: f64) -> usize {
+    let largest = |below: f64| values.iter().copied().filter(|v| *v < below).fold(f64::NEG_INFINITY, f64::max);
+    let count = |level: f64| values.iter().filter(|v| (**v - level).abs() <= tolerance).count();
+    let extreme = largest(f64::INFINITY);
+    let at_extreme = count(extreme);
+    if at_extreme < FEWEST_AT_LIMIT || at_extreme < PILE * count(largest(extreme - tolerance)) {
+        return 0;
+    }
+    at_extreme
+}
+
+fn quantisation(exam: &mut Examination<'_>, j: usize, tau: &[f64]) {
+    let Some(step) = step_of(tau) else { return };
+    let value = 100.0 * step / 12.0_f64.sqrt() / deviation(tau);
+    let evidence = Evidence {
+        code: Code::TorqueQuantised,
+        joint: Some(j),
+        value,
+        unit: "% of the torque",
+        limit: STEP_LIMIT_PERCENT,
+    };
+    exam.judge(evidence, Severity::Warning, || {
+        (
+            format!("joint {}: the torque comes in steps of {step:.3e}, an error of {value:.1} % of its deviation", j + 1),
+            "record more digits, or a finer current range".to_owned(),
+        )
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_flat_top_counts_and_a_coarse_step_does_not() {
+        let wave: Vec<f64> = (0..1000).map(|k| (0.02 * f64::from(k)).sin()).collect();
+        let clipped: Vec<f64> = wave.iter().map(|v| v.min(0.8)).collect();
+        let coarse: Vec<f64> = wave.iter().map(|v| (v * 5.0).round() / 5.0).collect();
+        assert_eq!(at_limit(&wave), 0);
+        assert!((180..230).contains(&at_limit(&clipped)), "{}", at_limit(&clipped));
+        assert_eq!(at_limit(&coarse), 0);
+    }
+}

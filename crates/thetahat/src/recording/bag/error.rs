@@ -1,0 +1,114 @@
+//! What can be wrong with a bag.
+
+use thiserror::Error;
+
+/// Why the joint states of a bag are not accepted. Messages of a topic are counted from 1 in the order of time.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum BagError {
+    /// No topic of the bag has joint states.
+    #[error(
+        "the bag has no topic of type sensor_msgs/msg/JointState in CDR; its topics are {}; \
+         record such a topic, or export the record to CSV", listed(.found)
+    )]
+    NoJointStates {
+        /// The topics of the bag with their types.
+        found: Vec<String>,
+    },
+
+    /// There is no topic of this name with joint states.
+    #[error("there is no topic {topic:?} of joint states; those of the bag are {}; correct `topic`", listed(.found))]
+    MissingTopic {
+        /// The topic asked for.
+        topic: String,
+        /// The topics with joint states.
+        found: Vec<String>,
+    },
+
+    /// Several topics have joint states, and none is named.
+    #[error("several topics hold joint states: {}; name one by `topic = \"...\"`", listed(.found))]
+    UnclearTopic {
+        /// The topics with joint states.
+        found: Vec<String>,
+    },
+
+    /// A message holds some of the joints asked for, and not all.
+    #[error(
+        "topic {topic:?}, message {message}: expected joint {joint:?} beside {beside:?}, found {}; \
+         ask for joints that are in the same messages", listed(.found)
+    )]
+    MissingJoint {
+        /// The topic.
+        topic: String,
+        /// The message, counted from 1.
+        message: usize,
+        /// The joint that is not there.
+        joint: String,
+        /// A joint asked for that is there.
+        beside: String,
+        /// The joints of the message.
+        found: Vec<String>,
+    },
+
+    /// A message holds a joint without the position, velocity or effort asked for.
+    #[error("topic {topic:?}, message {message}: expected the {field} of each joint, found none; leave it out")]
+    MissingField {
+        /// The topic.
+        topic: String,
+        /// The message, counted from 1.
+        message: usize,
+        /// `position`, `velocity` or `effort`.
+        field: &'static str,
+    },
+
+    /// All joints were asked for at once, and messages differ in their joints or the order of them.
+    #[error(
+        "topic {topic:?}, message {message}: expected the joints of the first message in the same order ({}), found {}; \
+         list the columns by their full names, such as \"{}.position\"",
+        listed(.expected), listed(.found), .expected.first().map_or("joint", String::as_str)
+    )]
+    JointsChange {
+        /// The topic.
+        topic: String,
+        /// The message, counted from 1.
+        message: usize,
+        /// The joints of the first message.
+        expected: Vec<String>,
+        /// The joints of this message.
+        found: Vec<String>,
+    },
+
+    /// The time of messages was asked for without a joint, and messages differ in their joints.
+    #[error(
+        "topic {topic:?} has messages of different joints, from several publishers; \
+         ask for the time of those with one joint by \"{example}\""
+    )]
+    UnclearTime {
+        /// The topic.
+        topic: String,
+        /// A name that is clear.
+        example: String,
+    },
+
+    /// The bytes of a message are not those of joint states.
+    #[error("topic {topic:?}, message {message} in the order of the file: {reason}; record the bag again")]
+    BadMessage {
+        /// The topic.
+        topic: String,
+        /// The message, counted from 1 in the order of the file.
+        message: usize,
+        /// What is wrong.
+        reason: String,
+    },
+
+    /// A bag in SQLite was not closed: what was written last lies in a second file.
+    #[error("the bag was not closed: a file with the ending -wal lies beside it; close it with `sqlite3 FILE vacuum`")]
+    NotClosed,
+}
+
+fn listed(names: &[String]) -> String {
+    if names.is_empty() {
+        return "none".to_owned();
+    }
+    names.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,38 @@
+//! Panics of libraries on damaged files, told as damage.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+
+use super::RecordingError;
+
+/// What `read` gives; should the library of a format stop at damaged bytes by a panic, an error that says so.
+///
+/// This is the last line: sizes and counts are checked before. Nothing outlives the panic but the error, so that no value
+/// is left half made.
+pub(super) fn caught<T>(
+    path: &Path,
+    library: &str,
+    read: impl FnOnce() -> Result<T, RecordingError>,
+) -> Result<T, RecordingError> {
+    catch_unwind(AssertUnwindSafe(read)).unwrap_or_else(|panic| {
+        let reason = format!("the reader of {library} stopped: {}", message(&*panic));
+        Err(RecordingError::damaged(path, reason))
+    })
+}
+
+fn message(panic: &(dyn Any + Send)) -> &str {
+    let text = panic.downcast_ref::<String>().map(String::as_str).or_else(|| panic.downcast_ref::<&str>().copied());
+    text.unwrap_or("for an unknown reason")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn panic_is_told_as_damage() {
+        let result = caught::<()>(Path::new("q.mat"), "HDF5", || panic!("index out of bounds"));
+        assert!(matches!(result, Err(RecordingError::Damaged { reason, .. }) if reason.contains("index out of bounds")));
+    }
+}

@@ -1,0 +1,20 @@
+//! Text in columns: one line per sample, with or without a line of names before.
+//!
+//! | file | what it does |
+//! | --- | --- |
+//! | `text` | drops byte order mark, comments and runs of spaces; splits lines into cells |
+//! | `dialect` | what may be set, and what is detected where it is not: delimiter and header |
+//! | `number` | cells to numbers, with a decimal point or comma |
+//! | `read` | all of it into a table |
+
+mod dialect;
+mod number;
+mod read;
+mod text;
+
+pub use dialect::Dialect;
+pub use number::Decimal;
+pub(super) use read::{read, read_with_dialect};
+
+#[cfg(test)]
+mod tests;

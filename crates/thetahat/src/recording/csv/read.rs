@@ -1,0 +1,108 @@
+//! A text file into a table.
+
+use std::io;
+use std::path::Path;
+
+use csv::ByteRecord;
+
+use super::super::RecordingError;
+use super::super::table::{Column, Flaw, Table, Wanted};
+use super::dialect::Dialect;
+use super::number::Numbers;
+use super::text::{Text, rows};
+
+/// The columns of a text. Those not wanted are there by name, without values.
+pub(in super::super) fn read(
+    bytes: &[u8],
+    path: &Path,
+    dialect: &Dialect,
+    wanted: Wanted<'_>,
+) -> Result<Table, RecordingError> {
+    read_with_dialect(bytes, path, dialect, wanted).map(|(table, _)| table)
+}
+
+/// The columns, and the dialect that was detected.
+pub(in super::super) fn read_with_dialect(
+    bytes: &[u8],
+    path: &Path,
+    dialect: &Dialect,
+    wanted: Wanted<'_>,
+) -> Result<(Table, Dialect), RecordingError> {
+    let text = Text::of(bytes, path)?;
+    let (delimiter, header) = dialect.detect(&text, path)?;
+    let prepared = text.prepared(delimiter);
+    let mut reader = rows(&prepared, delimiter);
+    let numbers = Numbers::new(dialect.decimal, delimiter);
+    let mut columns = Columns { path, text: &text, delimiter, numbers, columns: Vec::new(), read: Vec::new() };
+    let mut row = ByteRecord::new();
+    let mut first = true;
+    while reader.read_byte_record(&mut row).map_err(|e| unreadable(path, e))? {
+        if first {
+            columns.name(&row, header, wanted);
+        }
+        if !(first && header) {
+            columns.add(&row)?;
+        }
+        first = false;
+    }
+    let decimal = columns.numbers.decimal();
+    let table = Table { name: String::new(), columns: columns.columns };
+    Ok((table, Dialect { delimiter: Some(delimiter.into()), decimal, header: Some(header) }))
+}
+
+/// The columns while their rows are read.
+struct Columns<'a> {
+    path: &'a Path,
+    text: &'a Text<'a>,
+    delimiter: u8,
+    numbers: Numbers,
+    columns: Vec<Column>,
+    /// Places of the columns that are wanted.
+    read: Vec<usize>,
+}
+
+impl Columns<'_> {
+    /// Makes the columns, with the names in the first row or numbered from 1.
+    fn name(&mut self, first: &ByteRecord, header: bool, wanted: Wanted<'_>) {
+        let text = |cell| String::from_utf8_lossy(cell).trim().to_owned();
+        let names = first.iter().enumerate().map(|(i, cell)| if header { text(cell) } else { (i + 1).to_string() });
+        self.columns = names.map(|name| Column::of_numbers(name, 1, Vec::new())).collect();
+        self.read = (0..self.columns.len()).filter(|&i| wanted.includes(&self.columns[i].name)).collect();
+    }
+
+    fn add(&mut self, row: &ByteRecord) -> Result<(), RecordingError> {
+        if row.len() != self.columns.len() {
+            return Err(self.row_length(row));
+        }
+        for &place in &self.read {
+            let number = self.numbers.read(&row[place]);
+            let column = &mut self.columns[place];
+            column.values.push(number.unwrap_or(f64::NAN));
+            if column.flaw.is_none() && !number.is_some_and(f64::is_finite) {
+                column.flaw = Some(flaw(number, &row[place], self.text.line(row)));
+            }
+        }
+        Ok(())
+    }
+
+    fn row_length(&self, row: &ByteRecord) -> RecordingError {
+        RecordingError::RowLength {
+            file: self.path.to_owned(),
+            line: self.text.line(row),
+            expected: self.columns.len(),
+            found: row.len(),
+            delimiter: self.delimiter.into(),
+        }
+    }
+}
+
+fn flaw(number: Option<f64>, cell: &[u8], line: u64) -> Flaw {
+    match number {
+        Some(found) => Flaw::NotFinite { line, found },
+        None => Flaw::Text { line, found: String::from_utf8_lossy(cell).into_owned() },
+    }
+}
+
+fn unreadable(path: &Path, error: csv::Error) -> RecordingError {
+    RecordingError::Unreadable { file: path.into(), source: io::Error::from(error) }
+}

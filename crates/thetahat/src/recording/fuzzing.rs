@@ -1,0 +1,54 @@
+//! Every reader on bytes, for fuzz tests: each reads all that the bytes hold and drops it.
+//!
+//! The readers of HDF5, Parquet and MCAP catch panics of their libraries. A fuzzer that ends at a panic before it is
+//! caught has to leave the hook of panics as it is.
+
+use std::path::Path;
+
+use super::csv::{self, Dialect};
+use super::table::Wanted;
+use super::{mat, npy, npz};
+
+/// Text in columns, with everything detected.
+pub fn csv(bytes: &[u8]) {
+    let _ = csv::read(bytes, Path::new("fuzz.csv"), &Dialect::default(), Wanted::All);
+}
+
+/// A NumPy array.
+pub fn npy(bytes: &[u8]) {
+    let _ = npy::read(bytes, Path::new("fuzz.npy"));
+}
+
+/// A NumPy archive.
+pub fn npz(bytes: &[u8]) {
+    let _ = npz::read(bytes, Path::new("fuzz.npz"), Wanted::All);
+}
+
+/// A MAT file: of version 7.3 if the bytes begin as one does.
+pub fn mat(bytes: &[u8]) {
+    let _ = mat::read(bytes.to_vec(), Path::new("fuzz.mat"), Wanted::All);
+}
+
+/// A MAT file of version 7.3, whatever the bytes begin with.
+#[cfg(feature = "hdf5")]
+pub fn mat73(bytes: &[u8]) {
+    let _ = mat::read_v73(bytes.to_vec(), Path::new("fuzz.mat"), Wanted::All);
+}
+
+/// A Parquet file.
+#[cfg(feature = "parquet")]
+pub fn parquet(bytes: &[u8]) {
+    let _ = super::parquet::read(bytes.to_vec(), Path::new("fuzz.parquet"), Wanted::All);
+}
+
+/// A bag in SQLite.
+#[cfg(feature = "rosbag")]
+pub fn db3(bytes: &[u8]) {
+    super::bag::fuzz_db3(bytes);
+}
+
+/// A bag in MCAP.
+#[cfg(feature = "rosbag")]
+pub fn mcap(bytes: &[u8]) {
+    super::bag::fuzz_mcap(bytes);
+}

@@ -1,0 +1,122 @@
+//! Times: which columns they are, their unit, rate, jitter and gaps.
+
+use serde::Serialize;
+
+use super::super::Unit;
+use super::super::table::Column;
+
+/// A step longer than this many median steps is a gap.
+const GAP: f64 = 1.5;
+/// Jitter (root mean square) below which a rising column without the name of a time is one.
+const EVEN: f64 = 0.05;
+/// Sample rates of recordings in Hz, by which the unit of a time is guessed.
+const RATES: std::ops::Range<f64> = 10.0..20_000.0;
+/// Units of time, in the order in which they are tried.
+const UNITS: [Unit; 4] = [Unit::Second, Unit::Millisecond, Unit::Microsecond, Unit::Nanosecond];
+
+/// A column that is a time.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TimeSummary {
+    /// The column.
+    pub column: String,
+    /// The unit, by its name or else such that the rate is between 10 Hz and 20 kHz. Of a bag it is the second.
+    pub unit: Unit,
+    /// Samples per second: one divided by the median step.
+    pub rate_hz: f64,
+    /// Root mean square of the deviations of steps from the median step, without gaps, relative to it.
+    pub jitter_rms: f64,
+    /// Largest deviation of a step from the median step, without gaps, relative to it.
+    pub jitter_max: f64,
+    /// Steps of more than one and a half median steps.
+    pub gaps: Vec<Gap>,
+    /// Number of times that equal the one before.
+    pub repeated: usize,
+    /// Number of times that are earlier than the one before.
+    pub backwards: usize,
+}
+
+/// A step that is too long.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Gap {
+    /// The sample behind the gap, counted from 0.
+    pub sample: usize,
+    /// The length of the step in seconds.
+    pub length_s: f64,
+    /// How many samples are missing: the median steps in it, less one.
+    pub missing: u64,
+}
+
+/// The columns that are times, those with a name of one first.
+pub(super) fn times(columns: &[Column], in_seconds: bool) -> Vec<TimeSummary> {
+    let summaries = columns.iter().filter_map(|column| Some((is_named(&column.name), time(column, in_seconds)?)));
+    let (named, others): (Vec<_>, Vec<_>) = summaries.partition(|(named, _)| *named);
+    named.into_iter().chain(others).map(|(_, summary)| summary).collect()
+}
+
+/// Whether a name is one of a time: `t`, `time`, `stamp` and their like, with or without a unit.
+fn is_named(name: &str) -> bool {
+    let name = name.rsplit('.').next().unwrap_or(name).to_ascii_lowercase();
+    let word = name.trim_start_matches('_').split(['_', ' ', '[', '(', '/']).next().unwrap_or_default();
+    matches!(word, "t" | "time" | "times" | "stamp" | "stamps" | "timestamp" | "timestamps" | "clock" | "zeit")
+        || matches!(name.as_str(), "log_time" | "sample_time" | "sim_time" | "elapsed_time")
+}
+
+fn time(column: &Column, in_seconds: bool) -> Option<TimeSummary> {
+    if column.channels != 1 || column.samples() < 3 || column.values.iter().any(|value| !value.is_finite()) {
+        return None;
+    }
+    let steps: Vec<f64> = column.values.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let median = median(&steps).filter(|median| *median > 0.0)?;
+    let backwards = steps.iter().filter(|step| **step < 0.0).count();
+    let (jitter_rms, jitter_max) = jitter(&steps, median);
+    let is_even = steps.iter().all(|step| *step > 0.0) && jitter_rms < EVEN && steps.iter().all(|s| *s <= GAP * median);
+    if !is_named(&column.name) && !is_even {
+        return None;
+    }
+    let unit = if in_seconds { Unit::Second } else { unit(&column.name, median) };
+    Some(TimeSummary {
+        column: column.name.clone(),
+        unit,
+        rate_hz: 1.0 / (median * unit.to_si()),
+        jitter_rms,
+        jitter_max,
+        gaps: gaps(&steps, median, unit),
+        repeated: steps.iter().filter(|step| **step == 0.0).count(),
+        backwards,
+    })
+}
+
+/// The median of the steps forward.
+fn median(steps: &[f64]) -> Option<f64> {
+    let mut forward: Vec<f64> = steps.iter().copied().filter(|step| *step > 0.0 && step.is_finite()).collect();
+    let middle = forward.len() / 2;
+    if forward.is_empty() {
+        return None;
+    }
+    Some(*forward.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+/// Root mean square and largest deviation from the median step, relative to it, over steps that are not gaps.
+fn jitter(steps: &[f64], median: f64) -> (f64, f64) {
+    let deviations = || steps.iter().filter(|step| **step <= GAP * median).map(|step| (step / median - 1.0).abs());
+    let squares: f64 = deviations().map(|deviation| deviation * deviation).sum();
+    ((squares / deviations().count().max(1) as f64).sqrt(), deviations().fold(0.0, f64::max))
+}
+
+fn gaps(steps: &[f64], median: f64, unit: Unit) -> Vec<Gap> {
+    let long = steps.iter().enumerate().filter(|(_, step)| **step > GAP * median);
+    let gap = |(k, step): (usize, &f64)| Gap {
+        sample: k + 1,
+        length_s: step * unit.to_si(),
+        missing: (step / median).round() as u64 - 1,
+    };
+    long.map(gap).collect()
+}
+
+/// The unit in a name such as `t_ms` or `time [us]`; else the first that makes the rate one of a recording.
+fn unit(name: &str, median: f64) -> Unit {
+    let word = name.trim_end_matches([']', ')']).rsplit(['_', ' ', '[', '(', '/']).next().unwrap_or_default();
+    let named = UNITS.into_iter().find(|unit| name != word && unit.symbol() == word);
+    let likely = || UNITS.into_iter().find(|unit| RATES.contains(&(1.0 / (median * unit.to_si()))));
+    named.or_else(likely).unwrap_or(Unit::Second)
+}

@@ -1,0 +1,176 @@
+//! Variables of MAT files of version 5.
+
+use std::borrow::Cow;
+use std::path::Path;
+
+use flate2::read::ZlibDecoder;
+
+use super::super::RecordingError;
+use super::super::limits::{Budget, DecompressError};
+use super::super::table::{Column, Wanted};
+use super::parts::{ByteOrder, COMPRESSED, MATRIX, Part, parts};
+use super::samples_and_channels;
+
+/// Length of the header, after which the variables follow.
+const HEADER: usize = 128;
+/// Structures within structures.
+const DEEPEST_STRUCTURE: usize = 8;
+
+/// The variables of a file. Those not wanted are there by name, without values.
+pub(super) fn read(bytes: &[u8], path: &Path, wanted: Wanted<'_>) -> Result<Vec<Column>, RecordingError> {
+    let order = byte_order(bytes, path)?;
+    let damaged = |offset: usize| cut_or_damaged(path, HEADER + offset);
+    let budget = Budget::of(path, bytes.len() as u64);
+    let mut reader = Reader { path, order, wanted, budget, columns: Vec::new() };
+    for part in parts(&bytes[HEADER..], order).map_err(damaged)? {
+        let matrix = reader.decompressed(&part)?;
+        reader.add(None, &matrix, 0).map_err(|problem| problem.unwrap_or_else(|| damaged(part.offset)))?;
+    }
+    Ok(reader.columns)
+}
+
+/// The byte order that the header states.
+fn byte_order(bytes: &[u8], path: &Path) -> Result<ByteOrder, RecordingError> {
+    match bytes.get(HEADER - 4..HEADER) {
+        Some([0, 1, b'I', b'M']) => Ok(ByteOrder::Little),
+        Some([1, 0, b'M', b'I']) => Ok(ByteOrder::Big),
+        _ => Err(RecordingError::NotMat { file: path.into() }),
+    }
+}
+
+fn cut_or_damaged(path: &Path, offset: usize) -> RecordingError {
+    RecordingError::damaged(path, format!("its parts do not fit into it from byte {offset} on"))
+}
+
+struct Reader<'a> {
+    path: &'a Path,
+    order: ByteOrder,
+    wanted: Wanted<'a>,
+    budget: Budget,
+    columns: Vec<Column>,
+}
+
+/// What is wrong with a variable: none says that its parts do not fit.
+type Problem = Option<RecordingError>;
+
+impl Reader<'_> {
+    /// The inside of a part that is a variable, compressed or not.
+    fn decompressed<'b>(&self, part: &Part<'b>) -> Result<Cow<'b, [u8]>, RecordingError> {
+        let damaged = || cut_or_damaged(self.path, HEADER + part.offset);
+        match part.kind {
+            MATRIX => Ok(Cow::Borrowed(part.data)),
+            COMPRESSED => match self.budget.decompress("a compressed variable", ZlibDecoder::new(part.data)) {
+                Ok(bytes) => self.inside(&bytes).map(Cow::Owned).ok_or_else(damaged),
+                Err(DecompressError::TooLarge(error)) => Err(error),
+                Err(DecompressError::Damaged(_)) => Err(damaged()),
+            },
+            _ => Err(damaged()),
+        }
+    }
+
+    /// The inside of the one variable that compressed bytes hold.
+    fn inside(&self, bytes: &[u8]) -> Option<Vec<u8>> {
+        match parts(bytes, self.order).ok()?.as_slice() {
+            [only] if only.kind == MATRIX => Some(only.data.to_vec()),
+            _ => None,
+        }
+    }
+
+    /// Adds a variable from its inside, or a field of a structure by the name that the structure gives it.
+    fn add(&mut self, field: Option<String>, inside: &[u8], depth: usize) -> Result<(), Problem> {
+        if field.is_some() && inside.is_empty() {
+            return Ok(());
+        }
+        let parts = parts(inside, self.order).map_err(|_| None)?;
+        let matrix = Matrix::of(&parts, self.order).ok_or(None)?;
+        let name = field.unwrap_or_else(|| matrix.name.clone());
+        match matrix.class {
+            STRUCTURE if depth < DEEPEST_STRUCTURE && matrix.shape.iter().all(|&n| n == 1) => {
+                self.add_fields(&name, &parts[3..], depth + 1)
+            }
+            _ => {
+                let column = self.column(name, &matrix)?;
+                self.columns.push(column);
+                Ok(())
+            }
+        }
+    }
+
+    /// Adds the fields of a structure: the length of names, the names, then a matrix for each field.
+    fn add_fields(&mut self, name: &str, parts: &[Part], depth: usize) -> Result<(), Problem> {
+        let [length, names, fields @ ..] = parts else { return Err(None) };
+        let length = self.order.word(length.data, 0).and_then(|n| usize::try_from(n).ok()).filter(|n| *n > 0);
+        let names = names.data.chunks_exact(length.ok_or(None)?);
+        if names.len() != fields.len() || fields.iter().any(|field| field.kind != MATRIX) {
+            return Err(None);
+        }
+        for (field_name, field) in names.zip(fields) {
+            self.add(Some(format!("{name}.{}", text(field_name))), field.data, depth)?;
+        }
+        Ok(())
+    }
+
+    fn column(&mut self, name: String, matrix: &Matrix) -> Result<Column, Problem> {
+        if let Some(kind) = matrix.kind_not_read() {
+            return Ok(Column::of_kind(name, kind));
+        }
+        let Some((samples, channels)) = samples_and_channels(&matrix.shape) else {
+            return Ok(Column::of_kind(name, format!("an array of {} dimensions", matrix.shape.len())));
+        };
+        if !self.wanted.includes(&name) {
+            return Ok(Column::of_numbers(name, 0, Vec::new()));
+        }
+        let count = self.budget.take(&format!("variable {name:?}"), &[samples, channels]).map_err(Some)?;
+        let Some(data) = matrix.data.filter(|data| data.count() == Some(count)) else {
+            return Err(Some(self.miscounted(&name, count, matrix.data)));
+        };
+        Ok(Column::of_numbers(name, channels, data.numbers(self.order).ok_or(None)?))
+    }
+
+    fn miscounted(&self, name: &str, expected: usize, data: Option<&Part>) -> RecordingError {
+        let found = data.and_then(Part::count).unwrap_or_default();
+        let reason = format!("variable {name:?} has the size of {expected} values and holds {found}");
+        RecordingError::damaged(self.path, reason)
+    }
+}
+
+const STRUCTURE: u8 = 2;
+
+/// A variable: flags, size and name, then its numbers or whatever else it holds.
+struct Matrix<'a> {
+    class: u8,
+    complex: bool,
+    shape: Vec<usize>,
+    name: String,
+    data: Option<&'a Part<'a>>,
+}
+
+impl<'a> Matrix<'a> {
+    fn of(parts: &'a [Part<'a>], order: ByteOrder) -> Option<Self> {
+        let [flags, size, name, rest @ ..] = parts else { return None };
+        let flags = order.word(flags.data, 0)?;
+        let side = |i| usize::try_from(order.word(size.data, 4 * i)?).ok();
+        let shape: Vec<usize> = (0..size.data.len() / 4).map(side).collect::<Option<_>>()?;
+        let [class, kinds, ..] = flags.to_le_bytes();
+        Some(Self { class, complex: kinds & 0x08 != 0, shape, name: text(name.data), data: rest.first() })
+    }
+
+    /// What the variable is, if it is not an array of real numbers.
+    fn kind_not_read(&self) -> Option<&'static str> {
+        match self.class {
+            1 => Some("a cell array"),
+            STRUCTURE => Some("an array of structures"),
+            4 => Some("text"),
+            5 => Some("a sparse matrix"),
+            6..=15 if self.complex => Some("complex"),
+            6..=15 => None,
+            _ => Some("an object"),
+        }
+    }
+}
+
+/// A name, which ends at the first zero.
+fn text(bytes: &[u8]) -> String {
+    let end = bytes.iter().position(|&b| b == 0).unwrap_or(bytes.len());
+    String::from_utf8_lossy(&bytes[..end]).into_owned()
+}

@@ -1,0 +1,119 @@
+//! NumPy archives: `.npz`, a zip file of arrays, stored or deflated.
+
+use std::io::Cursor;
+use std::path::Path;
+
+use zip::ZipArchive;
+use zip::read::ZipFile;
+
+use super::RecordingError;
+use super::limits::Budget;
+use super::npy;
+use super::table::{Column, Table, Wanted};
+
+/// The arrays of an archive by their keys. Those not wanted are there by name, without values.
+pub(super) fn read(bytes: &[u8], path: &Path, wanted: Wanted<'_>) -> Result<Table, RecordingError> {
+    let damaged = |reason: String| RecordingError::damaged(path, reason);
+    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|e| damaged(e.to_string()))?;
+    let mut budget = Budget::of(path, bytes.len() as u64);
+    let mut table = Table::default();
+    for index in 0..archive.len() {
+        let entry = archive.by_index(index).map_err(|e| damaged(format!("entry {index} of the archive: {e}")))?;
+        let name = String::from_utf8_lossy(entry.name_raw()).into_owned();
+        let Some(key) = name.strip_suffix(".npy") else { continue };
+        let column = if wanted.includes(key) {
+            array(key, entry, path, &mut budget)?
+        } else {
+            Column::of_numbers(key.to_owned(), 0, Vec::new())
+        };
+        table.columns.push(column);
+    }
+    Ok(table)
+}
+
+fn array(
+    key: &str,
+    entry: ZipFile<'_, Cursor<&[u8]>>,
+    path: &Path,
+    budget: &mut Budget,
+) -> Result<Column, RecordingError> {
+    let what = format!("array {key:?}");
+    let bytes = budget.decompress(&what, entry).map_err(|e| e.at(path, &what))?;
+    npy::column(key.to_owned(), &bytes, path, budget)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+
+    use zip::write::SimpleFileOptions;
+    use zip::{CompressionMethod, ZipWriter};
+
+    use super::super::test_files::npy;
+    use super::*;
+
+    const FILE: &str = "q.npz";
+
+    fn archive(method: CompressionMethod, entries: &[(&str, &[u8])]) -> Vec<u8> {
+        let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
+        for (name, bytes) in entries {
+            writer.start_file(*name, SimpleFileOptions::default().compression_method(method)).unwrap();
+            writer.write_all(bytes).unwrap();
+        }
+        writer.finish().unwrap().into_inner()
+    }
+
+    fn valid(method: CompressionMethod) -> Vec<u8> {
+        let (q, t) = (npy("|u1", false, "(2, 2)", &[1, 2, 3, 4]), npy("|u1", false, "(2,)", &[0, 1]));
+        archive(method, &[("q.npy", &q), ("t.npy", &t), ("notes.txt", b"run 3")])
+    }
+
+    fn loaded(bytes: &[u8]) -> Result<Table, RecordingError> {
+        read(bytes, Path::new(FILE), Wanted::All)
+    }
+
+    #[test]
+    fn arrays_by_their_keys_stored_and_deflated() {
+        for method in [CompressionMethod::Stored, CompressionMethod::Deflated] {
+            let table = loaded(&valid(method)).unwrap();
+            let names: Vec<_> = table.columns.iter().map(|c| c.name.as_str()).collect();
+            assert_eq!(names, ["q", "t"]);
+            assert_eq!(table.columns[0].values, [1.0, 3.0, 2.0, 4.0]);
+        }
+    }
+
+    #[test]
+    fn arrays_that_are_not_wanted_are_not_decompressed() {
+        let bytes = archive(CompressionMethod::Stored, &[("q.npy", b"not an array")]);
+        let asked = ["t".to_owned()];
+        assert_eq!(read(&bytes, Path::new(FILE), Wanted::Named(&asked)).unwrap().columns[0].channels, 0);
+    }
+
+    #[test]
+    fn array_that_expands_without_end() {
+        let zeros = npy("|u1", false, "(200000000,)", &vec![0; 200_000_000]);
+        let bytes = archive(CompressionMethod::Deflated, &[("q.npy", &zeros)]);
+        assert!(bytes.len() < 1 << 20);
+        assert!(matches!(loaded(&bytes), Err(RecordingError::TooLarge { .. })));
+    }
+
+    #[test]
+    fn file_cut_short() {
+        let whole = valid(CompressionMethod::Deflated);
+        for length in 0..whole.len() {
+            assert!(matches!(loaded(&whole[..length]), Err(RecordingError::Damaged { .. })), "{length}");
+        }
+    }
+
+    #[test]
+    fn damaged_bytes_never_panic() {
+        let whole = valid(CompressionMethod::Deflated);
+        for place in 0..whole.len() {
+            for damage in [0x00, 0x01, 0x7f, 0x80, 0xff] {
+                let mut bytes = whole.clone();
+                bytes[place] = damage;
+                let _ = loaded(&bytes);
+            }
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! What a file holds, as its reader gives it: columns of numbers by name, with what is wrong with each, and nothing
+//! refused yet. Reading a signal refuses flawed columns, inspecting a file reports them.
+
+use std::path::Path;
+
+use super::RecordingError;
+
+/// Columns that stand together in a file: a CSV file, the variables of a MAT file, a topic.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Table {
+    /// Name of the topic; empty where the file is one table.
+    pub(super) name: String,
+    pub(super) columns: Vec<Column>,
+}
+
+/// One named column, or variable of several columns.
+#[derive(Debug, Clone)]
+pub(super) struct Column {
+    pub(super) name: String,
+    /// Number of channels, one for each column of a matrix.
+    pub(super) channels: usize,
+    /// The samples of the first channel, then those of the second, and so on.
+    pub(super) values: Vec<f64>,
+    pub(super) flaw: Option<Flaw>,
+}
+
+/// What keeps a column from being read.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Flaw {
+    /// The first cell that is not a number; such cells are NaN among the values.
+    Text { line: u64, found: String },
+    /// The first cell that is NaN or infinite, where the file has lines.
+    NotFinite { line: u64, found: f64 },
+    /// The whole column is not numbers: a phrase such as `text` or `a cell array`. It has no values.
+    Kind(String),
+}
+
+impl Column {
+    /// A column of numbers: `channels` times equally many values.
+    pub(super) fn of_numbers(name: String, channels: usize, values: Vec<f64>) -> Self {
+        Self { name, channels, values, flaw: None }
+    }
+
+    /// A column that holds no numbers that can be read.
+    pub(super) fn of_kind(name: String, kind: impl Into<String>) -> Self {
+        Self { name, channels: 0, values: Vec::new(), flaw: Some(Flaw::Kind(kind.into())) }
+    }
+
+    /// Number of samples of each channel.
+    pub(super) fn samples(&self) -> usize {
+        if self.channels == 0 { 0 } else { self.values.len() / self.channels }
+    }
+
+    pub(super) fn is_numeric(&self) -> bool {
+        !matches!(self.flaw, Some(Flaw::Kind(_)))
+    }
+
+    /// The samples of one channel, counted from 0.
+    pub(super) fn channel(&self, channel: usize) -> &[f64] {
+        let samples = self.samples();
+        self.values.get(channel * samples..(channel + 1) * samples).unwrap_or_default()
+    }
+
+    /// Refuses a flawed column, or one without samples.
+    pub(super) fn require_sound(&self, file: &Path) -> Result<(), RecordingError> {
+        let (file, column) = (file.to_owned(), self.name.clone());
+        match self.flaw.clone() {
+            None if self.samples() == 0 => Err(RecordingError::NoSamples { file }),
+            None => Ok(()),
+            Some(Flaw::Text { line, found }) => Err(RecordingError::NotANumber { file, line, column, found }),
+            Some(Flaw::NotFinite { line, found }) => Err(RecordingError::NotFinite { file, line, column, found }),
+            Some(Flaw::Kind(found)) => Err(RecordingError::NotNumeric { file, column, found }),
+        }
+    }
+}
+
+/// Which columns are to be read, so that a reader can leave the others alone.
+#[derive(Clone, Copy)]
+pub(super) enum Wanted<'a> {
+    All,
+    Named(&'a [String]),
+}
+
+impl Wanted<'_> {
+    /// Whether a column is asked for: by its name, or one column of it as `name[3]`.
+    pub(super) fn includes(self, name: &str) -> bool {
+        match self {
+            Self::All => true,
+            Self::Named(asked) => asked.iter().any(|asked| asked == name || indexed(asked).is_some_and(|(n, _)| n == name)),
+        }
+    }
+}
+
+/// The parts of `name[3]`.
+pub(super) fn indexed(asked: &str) -> Option<(&str, usize)> {
+    let (name, index) = asked.strip_suffix(']')?.rsplit_once('[')?;
+    Some((name, index.parse().ok()?))
+}

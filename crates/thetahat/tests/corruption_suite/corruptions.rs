@@ -1,0 +1,356 @@
+//! Corruptions of a record, one by one, with the finding that each must raise.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use thetahat::{checks::Code, control::ControllerDescription, robot::Transmission, series::Series};
+
+use super::record::Record;
+
+/// A corruption with the finding that it must raise.
+pub struct Corruption {
+    pub name: &'static str,
+    pub code: Code,
+    /// From one; none where any joint or no joint will do.
+    pub joint: Option<usize>,
+    pub apply: fn(&mut Record),
+    /// What must be added to the clean record for the corruption to make sense, such as a recorded velocity.
+    pub prepare: fn(&mut Record),
+}
+
+const NOTHING: fn(&mut Record) = |_| {};
+
+fn with(name: &'static str, code: Code, joint: impl Into<Option<usize>>, apply: fn(&mut Record)) -> Corruption {
+    Corruption { name, code, joint: joint.into(), apply, prepare: NOTHING }
+}
+
+impl Corruption {
+    fn given(self, prepare: fn(&mut Record)) -> Self {
+        Self { prepare, ..self }
+    }
+}
+
+/// All corruptions of the two TX40 records.
+pub fn all() -> Vec<Corruption> {
+    let mut all = scales();
+    all.extend(signs_and_order());
+    all.extend(ratios_and_lags());
+    all.extend(samples());
+    all.extend(values());
+    all.extend(motion_and_filter());
+    all.extend(beside());
+    all
+}
+
+fn scales() -> Vec<Corruption> {
+    use Code::{PositionScale, PositionZero, TorqueScale};
+    vec![
+        with("all positions in degrees, read as rad", PositionScale, None, |r| {
+            r.position.values_mut().iter_mut().for_each(|q| *q = q.to_degrees());
+        }),
+        with("position 3 in degrees, read as rad", PositionScale, 3, |r| scale(&mut r.position, 3, 1.0_f64.to_degrees())),
+        with("all positions in rad, read as degrees", PositionScale, None, |r| {
+            r.position.values_mut().iter_mut().for_each(|q| *q = q.to_radians());
+        }),
+        with("all positions of the motor side, read as of the joints", PositionScale, None, |r| {
+            r.position = r.robot.transmission.motor_positions(&r.position);
+        }),
+        with("position 2 of the motor side, read as of the joint", PositionScale, 2, |r| {
+            let motor = r.robot.transmission.motor_positions(&r.position).channel(1);
+            set(&mut r.position, 2, |k, _| motor[k]);
+        }),
+        with("all positions of the joints, read as of the motor side", PositionScale, None, |r| {
+            r.position = r.robot.transmission.joint_positions(&r.position);
+        }),
+        with("torque 3 of the motor side, read as of the joint", TorqueScale, 3, |r| scale(&mut r.torque, 3, 1.0 / 45.0)),
+        with("offsets of positions 2 and 3 left out", PositionZero, None, |r| {
+            let offset = r.robot.transmission.offset().to_vec();
+            (1..=6).for_each(|j| set(&mut r.position, j, |_, q| q - offset[j - 1]));
+        }),
+        with("offset of position 3 left out", PositionZero, 3, |r| {
+            let offset = r.robot.transmission.offset()[2];
+            set(&mut r.position, 3, |_, q| q - offset);
+        }),
+    ]
+}
+
+fn signs_and_order() -> Vec<Corruption> {
+    use Code::{JointsSwapped, PositionSign, TorqueSign};
+    vec![
+        with("torque 1 with the other sign", TorqueSign, 1, |r| scale(&mut r.torque, 1, -1.0)),
+        with("torque 2 with the other sign", TorqueSign, 2, |r| scale(&mut r.torque, 2, -1.0)),
+        with("torque 4 with the other sign", TorqueSign, 4, |r| scale(&mut r.torque, 4, -1.0)),
+        with("torque 6 with the other sign", TorqueSign, 6, |r| scale(&mut r.torque, 6, -1.0)),
+        with("all torques with the other sign", TorqueSign, None, |r| {
+            r.torque.values_mut().iter_mut().for_each(|t| *t = -*t);
+        }),
+        with("position 3 with the other sign", PositionSign, 3, |r| scale(&mut r.position, 3, -1.0)),
+        with("position 5 with the other sign", PositionSign, 5, |r| scale(&mut r.position, 5, -1.0)),
+        with("torques 2 and 3 exchanged", JointsSwapped, None, |r| exchange(&mut r.torque, 2, 3)),
+        with("torques 5 and 6 exchanged", JointsSwapped, None, |r| exchange(&mut r.torque, 5, 6)),
+        with("positions 4 and 5 exchanged", JointsSwapped, None, |r| exchange(&mut r.position, 4, 5)),
+        with("positions and torques 1 and 2 exchanged", JointsSwapped, None, |r| {
+            exchange(&mut r.position, 1, 2);
+            exchange(&mut r.torque, 1, 2);
+        }),
+        with("positions and torques 3 and 5 exchanged", JointsSwapped, None, |r| {
+            exchange(&mut r.position, 3, 5);
+            exchange(&mut r.torque, 3, 5);
+        }),
+    ]
+}
+
+/// The late shift of the suite's lags, samples.
+pub const LATE: f64 = 60.3;
+
+fn ratios_and_lags() -> Vec<Corruption> {
+    use Code::{GearRatio, Lag};
+    vec![
+        with("gear ratio of motor 2 taken 25 % too large", GearRatio, 2, |r| wrong_ratio(r, 2, 1.25)),
+        with("gear ratio of motor 3 taken 20 % too small", GearRatio, 3, |r| wrong_ratio(r, 3, 0.8)),
+        with("position 3 taken 15 % too large", GearRatio, 3, |r| scale(&mut r.position, 3, 1.15)),
+        with("drive gain of motor 2 taken 30 % too large", GearRatio, 2, |r| scale(&mut r.torque, 2, 1.3)),
+        with("all torques 60.3 samples late", Lag, None, |r| (1..=6).for_each(|j| late(&mut r.torque, j, LATE))),
+        with("all torques 60.3 samples early", Lag, None, |r| (1..=6).for_each(|j| late(&mut r.torque, j, -LATE))),
+        with("torque 3 60.3 samples late", Lag, 3, |r| late(&mut r.torque, 3, LATE)),
+    ]
+}
+
+fn samples() -> Vec<Corruption> {
+    use Code::{ClockJitter, DroppedSamples, RepeatedSamples};
+    vec![
+        with("five samples missing, no time stamps", DroppedSamples, None, |r| {
+            remove(r, &[6000, 12_100, 12_101, 20_000, 31_000]);
+        }),
+        with("three samples missing, seen in the time stamps", DroppedSamples, None, |r| {
+            remove(r, &[5000, 14_000, 25_000]);
+        })
+        .given(stamps),
+        with("20 stretches of 5 samples that repeat the one before", RepeatedSamples, None, |r| {
+            for start in (5000..33_000).step_by(1400) {
+                (start..start + 5).for_each(|k| repeat(r, k));
+            }
+        }),
+        with("torques recorded at a tenth of the rate and held", RepeatedSamples, None, |r| {
+            (0..r.torque.len()).for_each(|k| {
+                let held = r.torque.sample(k - k % 10).to_vec();
+                r.torque.sample_mut(k).copy_from_slice(&held);
+            });
+        }),
+        with("time stamps that vary by 15 % of a step", ClockJitter, None, |r| {
+            let mut rng = ChaCha8Rng::seed_from_u64(3);
+            let step = 1.0 / r.rate_hz;
+            r.time_s.iter_mut().flatten().for_each(|t| *t += step * 0.2 * rng.random_range(-1.0..1.0));
+        })
+        .given(stamps),
+    ]
+}
+
+fn values() -> Vec<Corruption> {
+    use Code::{PositionQuantised, PositionSpikes, TorqueConstant, TorqueQuantised, TorqueSaturated, TorqueSpikes};
+    vec![
+        with("torque 2 limited to 60 % of its peak", TorqueSaturated, 2, |r| limit(&mut r.torque, 2, 0.6)),
+        with("torque 4 limited to 80 % of its peak", TorqueSaturated, 4, |r| limit(&mut r.torque, 4, 0.8)),
+        with("position 3 in steps of 0.1 degree", PositionQuantised, 3, |r| quantise(&mut r.position, 3, 0.1_f64.to_radians())),
+        with("torque 1 in 12 steps of its range", TorqueQuantised, 1, |r| {
+            let range = peak(&r.torque, 1) / 6.0;
+            quantise(&mut r.torque, 1, range);
+        }),
+        with("torque 5 zero throughout", TorqueConstant, 5, |r| set(&mut r.torque, 5, |_, _| 0.0)),
+        with("six outliers in position 2", PositionSpikes, 2, |r| {
+            (0..6).for_each(|i| r.position.sample_mut(4000 + 5000 * i)[1] += 0.3);
+        }),
+        with("six outliers in torque 3", TorqueSpikes, 3, |r| {
+            let size = 3.0 * peak(&r.torque, 3);
+            (0..6).for_each(|i| r.torque.sample_mut(4000 + 5000 * i)[2] += size);
+        }),
+    ]
+}
+
+fn motion_and_filter() -> Vec<Corruption> {
+    use Code::{CutoffHigh, CutoffLow, JointStill, NotExcited, PoorFit, StillPeriod};
+    vec![
+        with("position 6 stays at its first value", JointStill, 6, |r| {
+            let first = r.position.sample(0)[5];
+            set(&mut r.position, 6, |_, _| first);
+        }),
+        with("a rest of 1.5 s in the window", StillPeriod, None, |r| {
+            let rest = r.signal.window.start + 20_000;
+            insert_rest(r, rest, 7500);
+        }),
+        with("position filter at 4 Hz", CutoffLow, None, |r| r.signal.cutoff_hz = 4.0),
+        with("position filter at 2000 Hz", CutoffHigh, None, |r| r.signal.cutoff_hz = 2000.0),
+        with("a window of one move", NotExcited, None, |r| r.signal.window = 1500..4200),
+        with("joint 6 without motion, its parameters estimated", NotExcited, None, |r| {
+            let first = r.position.sample(0)[5];
+            set(&mut r.position, 6, |_, _| first);
+        }),
+        with("torques of another motion", PoorFit, None, |r| {
+            let values: Vec<f64> = (0..r.torque.len()).rev().flat_map(|k| r.torque.sample(k).to_vec()).collect();
+            r.torque = Series::from_values(6, values);
+        }),
+    ]
+}
+
+fn beside() -> Vec<Corruption> {
+    use Code::{ReferenceMismatch, VelocityMismatch};
+    vec![
+        with("velocity 2 in degrees/s, read as rad/s", VelocityMismatch, 2, |r| {
+            r.velocity.iter_mut().for_each(|v| scale(v, 2, 1.0_f64.to_degrees()));
+        })
+        .given(velocity),
+        with("velocities 1 and 4 exchanged", VelocityMismatch, 4, |r| {
+            r.velocity.iter_mut().for_each(|v| exchange(v, 1, 4));
+        })
+        .given(velocity),
+        with("velocity 5 with the other sign", VelocityMismatch, 5, |r| {
+            r.velocity.iter_mut().for_each(|v| scale(v, 5, -1.0));
+        })
+        .given(velocity),
+        with("velocity 3 50 samples late", VelocityMismatch, 3, |r| {
+            r.velocity.iter_mut().for_each(|v| late(v, 3, 50.0));
+        })
+        .given(velocity),
+        with("references 2 and 3 exchanged", ReferenceMismatch, 2, |r| {
+            r.reference.iter_mut().for_each(|v| exchange(v, 2, 3));
+        })
+        .given(reference),
+        with("references 30 ms early", ReferenceMismatch, 1, |r| {
+            let samples = -0.03 * r.rate_hz;
+            r.reference.iter_mut().for_each(|v| (1..=6).for_each(|j| late(v, j, samples)));
+        })
+        .given(reference),
+        with("a motion that is not made of moves", ReferenceMismatch, 1, |r| {
+            r.reconstructed_deviation = Some(vec![0.1; 6]);
+        }),
+    ]
+}
+
+/// Corruptions of records with a recorded reference and a described controller.
+pub fn of_controllers() -> Vec<Corruption> {
+    use Code::ControllerMismatch;
+    vec![
+        with("a controller with another velocity gain", ControllerMismatch, 1, |r| controller(r, |c| {
+            c.velocity_gain.iter_mut().for_each(|g| *g *= 2.0);
+            c.damping *= 4.0;
+        })),
+        with("a controller that is a pure position loop", ControllerMismatch, 1, |r| controller(r, |c| {
+            c.velocity_gain.iter_mut().for_each(|g| *g *= 0.3);
+            c.damping *= 0.1;
+            c.acceleration_feed_forward = 0.0;
+            c.velocity_feed_forward = 0.0;
+        })),
+        with("a drive signal with the other sign", ControllerMismatch, 1, |r| {
+            r.torque.values_mut().iter_mut().for_each(|t| *t = -*t);
+        }),
+    ]
+}
+
+fn controller(record: &mut Record, change: fn(&mut ControllerDescription)) {
+    record.controller.iter_mut().for_each(change);
+}
+
+/// Nothing; for the twin, the reference that its controller had.
+pub fn reference(record: &mut Record) {
+    if let (None, Some(moves)) = (&record.reference, &record.moves) {
+        record.reference = Some(moves.sample(record.rate_hz, record.position.len()).0);
+    }
+}
+
+fn velocity(record: &mut Record) {
+    record.velocity = Some(record.own_velocity());
+}
+
+fn stamps(record: &mut Record) {
+    record.time_s = Some((0..record.position.len()).map(|k| k as f64 / record.rate_hz).collect());
+}
+
+fn set(series: &mut Series, joint: usize, value: impl Fn(usize, f64) -> f64) {
+    for k in 0..series.len() {
+        let old = series.sample(k)[joint - 1];
+        series.sample_mut(k)[joint - 1] = value(k, old);
+    }
+}
+
+pub fn scale(series: &mut Series, joint: usize, factor: f64) {
+    set(series, joint, |_, v| factor * v);
+}
+
+fn exchange(series: &mut Series, a: usize, b: usize) {
+    (0..series.len()).for_each(|k| series.sample_mut(k).swap(a - 1, b - 1));
+}
+
+fn quantise(series: &mut Series, joint: usize, step: f64) {
+    set(series, joint, |_, v| step * (v / step).round());
+}
+
+fn peak(series: &Series, joint: usize) -> f64 {
+    series.channel(joint - 1).iter().fold(0.0, |m, v| v.abs().max(m))
+}
+
+fn limit(series: &mut Series, joint: usize, part: f64) {
+    // Of a low percentile of the peak, so that the noise of single samples does not set it.
+    let mut sizes: Vec<f64> = series.channel(joint - 1).iter().map(|v| v.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let most = part * sizes[sizes.len() * 995 / 1000];
+    set(series, joint, |_, v| v.clamp(-most, most));
+}
+
+/// The channel later by so many samples, linear between samples, the ends held.
+pub fn late(series: &mut Series, joint: usize, samples: f64) {
+    let channel = series.channel(joint - 1);
+    let last = channel.len() - 1;
+    set(series, joint, |k, _| {
+        let place = (k as f64 - samples).clamp(0.0, last as f64);
+        let (before, part) = (place.floor() as usize, place - place.floor());
+        channel[before] + part * (channel[(before + 1).min(last)] - channel[before])
+    });
+}
+
+/// The record as read with another ratio of one motor.
+pub fn wrong_ratio(record: &mut Record, motor: usize, factor: f64) {
+    let right = &record.robot.transmission;
+    let n = right.joints();
+    let of = |i: usize| if i == motor - 1 { factor } else { 1.0 };
+    let matrix = thetahat::linear_algebra::Matrix::from_fn(n, n, |i, j| of(i) * right.matrix().at(i, j));
+    let wrong = Transmission::new(matrix, right.offset().to_vec(), vec![1.0; n]).unwrap();
+    record.position = wrong.joint_positions(&right.motor_positions(&record.position));
+    record.torque = wrong.joint_torques(&right.drive_signals(&record.torque));
+    record.robot.transmission = wrong;
+}
+
+fn remove(record: &mut Record, samples: &[usize]) {
+    let keep: Vec<usize> = (0..record.position.len()).filter(|k| !samples.contains(k)).collect();
+    let of = |series: &Series| {
+        let values = keep.iter().flat_map(|&k| series.sample(k).to_vec()).collect();
+        Series::from_values(series.channels(), values)
+    };
+    (record.position, record.torque) = (of(&record.position), of(&record.torque));
+    record.time_s = record.time_s.take().map(|t| keep.iter().map(|&k| t[k]).collect());
+    record.signal.window.end -= samples.len();
+}
+
+fn repeat(record: &mut Record, k: usize) {
+    for series in [&mut record.position, &mut record.torque] {
+        let before = series.sample(k - 1).to_vec();
+        series.sample_mut(k).copy_from_slice(&before);
+    }
+}
+
+/// The robot stops for a while where its joints come closest to rest, with the noise of a record.
+fn insert_rest(record: &mut Record, after: usize, samples: usize) {
+    let velocity = record.own_velocity();
+    let speed = |k: usize| velocity.sample(k).iter().map(|v| v.abs()).sum::<f64>();
+    let rest = (after..after + 4000).min_by(|a, b| speed(*a).total_cmp(&speed(*b))).unwrap();
+    let insert = |series: &Series, noise: f64| {
+        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        let mut values = series.values()[..rest * series.channels()].to_vec();
+        for _ in 0..samples {
+            values.extend(series.sample(rest).iter().map(|v| v + noise * rng.random_range(-1.0..1.0)));
+        }
+        values.extend_from_slice(&series.values()[rest * series.channels()..]);
+        Series::from_values(series.channels(), values)
+    };
+    record.position = insert(&record.position, 1e-6);
+    record.torque = insert(&record.torque, 1.0);
+    record.signal.window.end += samples;
+}

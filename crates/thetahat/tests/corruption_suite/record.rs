@@ -1,0 +1,200 @@
+//! The clean records of the suite: the TX40 twin and the recorded TX40, on the joint side.
+
+use std::path::Path;
+
+use thetahat::{
+    base_parameters::BaseParameters,
+    checks::{Finding, SignalSettings, Subject, examine},
+    control::ControllerDescription,
+    dynamics::Model,
+    experiment::{Experiment, TwinDescription},
+    recording::read_channels,
+    robot::{JointKind, Robot},
+    series::Series,
+    signal::{Padding, SecondOrderSections, central_difference, moving_samples, zero_phase},
+    simulation::{ClosedLoop, OutputGrid, Reference, SimulatorBias},
+    trajectory::{self, Limits, Moves},
+};
+
+/// A record with everything that the checks look at, to be changed at will.
+#[derive(Clone)]
+pub struct Record {
+    pub robot: Robot,
+    pub excluded: Vec<String>,
+    pub rate_hz: f64,
+    pub time_s: Option<Vec<f64>>,
+    pub position: Series,
+    pub velocity: Option<Series>,
+    pub torque: Series,
+    pub reference: Option<Series>,
+    pub reconstructed_deviation: Option<Vec<f64>>,
+    pub added_signal: bool,
+    pub signal: SignalSettings,
+    pub controller: Option<ControllerDescription>,
+    /// The noise-free moves, for corruptions of a reference.
+    pub moves: Option<Moves>,
+}
+
+impl Record {
+    /// Calls `f` with the record as a subject.
+    pub fn with_subject<T>(&self, f: impl FnOnce(&Subject<'_>) -> T) -> T {
+        let model = Model::new(&self.robot);
+        let base = BaseParameters::of(&model, &self.excluded).unwrap();
+        f(&Subject {
+            robot: &self.robot,
+            model: &model,
+            base: &base,
+            sample_rate_hz: self.rate_hz,
+            time_s: self.time_s.as_deref(),
+            position: &self.position,
+            velocity: self.velocity.as_ref(),
+            torque: &self.torque,
+            reference: self.reference.as_ref(),
+            reconstructed_deviation: self.reconstructed_deviation.as_deref(),
+            added_signal: self.added_signal,
+            signal: self.signal.clone(),
+            controller: self.controller.as_ref(),
+        })
+    }
+
+    /// The band-passed velocity of the record's own positions: what a robot that records velocities would give.
+    pub fn own_velocity(&self) -> Series {
+        let filter =
+            SecondOrderSections::butterworth_lowpass(self.signal.filter_order, self.signal.cutoff_hz, self.rate_hz);
+        let q = zero_phase(&filter.unwrap(), &self.position, Padding::Matlab).unwrap();
+        central_difference(&q, self.rate_hz)
+    }
+}
+
+/// The moving part less the edges of the filter, as an experiment without a stated window has it.
+pub fn moving_window(record: &Record) -> std::ops::Range<usize> {
+    let moving = moving_samples(&record.own_velocity(), 0.01, 1e-3).unwrap();
+    let edge = (5.0 * record.rate_hz / record.signal.cutoff_hz).ceil() as usize;
+    moving.start.max(edge)..moving.end.min(record.position.len() - edge)
+}
+
+/// The twin of the demonstration, recorded once more through its public parts.
+pub fn twin(change: impl FnOnce(&mut TwinDescription)) -> Record {
+    let mut experiment = Experiment::demo().unwrap();
+    change(experiment.file.twin.as_mut().unwrap());
+    let robot = experiment.robot.clone();
+    let twin = experiment.file.twin.clone().unwrap();
+    let model = Model::new(&robot);
+    let si = |values: &Vec<f64>| -> Vec<f64> {
+        let convert = |(v, j): (&f64, &thetahat::robot::Joint)| match j.kind {
+            JointKind::Prismatic => 1e-3 * v,
+            _ => v.to_radians(),
+        };
+        values.iter().zip(&robot.joints).map(convert).collect()
+    };
+    let points: Vec<Vec<f64>> = twin.points.iter().map(si).collect();
+    let limits = Limits {
+        max_velocity: si(&twin.max_velocity),
+        acceleration_time_s: twin.acceleration_time_s,
+        smoothing_time_s: twin.smoothing_time_s,
+        dwell_s: 0.0,
+    };
+    let moves = trajectory::plan(points[0].clone(), &points[1..], &limits, twin.rest_s).unwrap();
+    let excluded = experiment.file.parameters.exclude.clone();
+    let base = BaseParameters::of(&model, &excluded).unwrap();
+    let value = |name: &str| twin.parameters.get(name).copied().unwrap_or(0.0);
+    let theta = base.to_standard(&base.parameters().iter().map(|p| value(&p.name)).collect::<Vec<_>>());
+    let reference = Reference::Moves(moves.clone());
+    let controller = experiment.file.controller.clone().unwrap();
+    let closed_loop = ClosedLoop {
+        model: &model,
+        transmission: &robot.transmission,
+        controller: &controller,
+        reference: &reference,
+        added_signal: None,
+        bias: SimulatorBias::NONE,
+        solver: experiment.file.simulation.solver,
+        sign_velocity_scale: experiment.file.simulation.sign_velocity_scale,
+    };
+    let samples = ((moves.end_s() + twin.rest_s) * twin.sample_rate_hz).ceil() as usize;
+    let grid = OutputGrid { start_s: 0.0, sample_rate_hz: twin.sample_rate_hz, samples };
+    let inertia = closed_loop.motor_inertia(&theta, moves.end_s());
+    let motion = closed_loop.simulate(&theta, &inertia, &grid).unwrap();
+    let (positions, drive) = twin.sensors.record(&motion, &robot.transmission);
+    let signal = experiment.file.signal;
+    let mut record = Record {
+        excluded,
+        rate_hz: twin.sample_rate_hz,
+        time_s: None,
+        position: robot.transmission.joint_positions(&positions),
+        velocity: None,
+        torque: robot.transmission.joint_torques(&drive),
+        reference: None,
+        reconstructed_deviation: None,
+        added_signal: false,
+        signal: SignalSettings {
+            filter_order: signal.filter_order,
+            cutoff_hz: signal.cutoff_hz,
+            decimation: signal.decimation,
+            window: 0..samples,
+        },
+        controller: Some(controller),
+        moves: Some(moves),
+        robot,
+    };
+    record.signal.window = moving_window(&record);
+    record
+}
+
+/// The recorded TX40 of the paper's experiment.
+pub fn tx40(root: &Path, data: &Path) -> Record {
+    from_experiment(&root.join("experiments/tx40_paper.toml"), data, false)
+}
+
+/// The record of an experiment file, or its validation record.
+pub fn from_experiment(path: &Path, data: &Path, validation: bool) -> Record {
+    let experiment = Experiment::read(path).unwrap();
+    let file = &experiment.file;
+    let description = if validation { file.validation.clone() } else { file.recording.clone() }.unwrap();
+    let transmission = &experiment.robot.transmission;
+    let motor = thetahat::recording::Side::Motor;
+    let positions = |source: &thetahat::recording::ChannelSource| {
+        let series = read_channels(source, data).unwrap();
+        if source.side == motor { transmission.joint_positions(&series) } else { series }
+    };
+    let position = positions(&description.position);
+    let torque = read_channels(&description.torque, data).unwrap();
+    let torque = if description.torque.side == motor { transmission.joint_torques(&torque) } else { torque };
+    let time_s = description.time.as_ref().map(|t| read_channels(t, data).unwrap().channel(0));
+    let rate = description.sample_rate_hz.or(time_s.as_ref().map(|t| (t.len() - 1) as f64 / (t[t.len() - 1] - t[0])));
+    let rate_hz = rate.unwrap();
+    let samples = position.len();
+    let mut record = Record {
+        excluded: file.parameters.exclude.clone(),
+        rate_hz,
+        time_s,
+        velocity: None,
+        torque,
+        reference: description.reference.as_ref().map(positions),
+        reconstructed_deviation: None,
+        added_signal: description.added_signal.is_some(),
+        signal: SignalSettings {
+            filter_order: file.signal.filter_order,
+            cutoff_hz: file.signal.cutoff_hz,
+            decimation: file.signal.decimation,
+            window: 0..samples,
+        },
+        controller: file.controller.clone(),
+        moves: None,
+        position,
+        robot: experiment.robot.clone(),
+    };
+    let sample = |t: f64| (t * rate_hz).round() as usize;
+    record.signal.window = match (file.signal.window_start_s, file.signal.window_end_s) {
+        (Some(start), end) => sample(start)..end.map_or(samples, sample),
+        _ => moving_window(&record),
+    };
+    record
+}
+
+impl Record {
+    /// What the checks find.
+    pub fn findings(&self) -> Vec<Finding> {
+        self.with_subject(examine)
+    }
+}
