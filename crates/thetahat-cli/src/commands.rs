@@ -10,6 +10,7 @@ use thetahat::{
 };
 
 use crate::{
+    campaign,
     arguments::{Arguments, Command, Described, Identify, Output, Predict, Simulate},
     progress::Progress,
 };
@@ -25,6 +26,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
         Command::Demo(output) => run_experiment(&Experiment::demo()?, Path::new(""), &output),
         Command::Identify(identify) => identify_experiment(&identify),
         Command::Predict(request) => predict_torques(&request),
+        Command::Campaign(request) => campaign::run(&request),
         Command::Simulate(simulate) => record_twin(&simulate),
     }
 }
@@ -96,7 +98,7 @@ fn record_twin(simulate: &Simulate) -> Result<Verdict, Box<dyn Error>> {
 }
 
 /// Prints. A reader that has gone away (`| head`) is no reason not to write the files.
-fn print(text: &str) -> Result<(), std::io::Error> {
+pub fn print(text: &str) -> Result<(), std::io::Error> {
     match std::io::stdout().write_all(text.as_bytes()) {
         Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         result => result,

@@ -190,6 +190,13 @@ impl Experiment {
         self.problem_on(self.basis(robot)?, recordings, &ParameterChoice::List(names))
     }
 
+    /// The parameters of the base that are estimated, where no record has to choose them.
+    pub(crate) fn estimated(&self, model: &Model, base: &BaseParameters) -> Result<BaseParameters, ExperimentError> {
+        let ParameterChoice::List(names) = &self.file.parameters.estimate else { return Ok(base.clone()) };
+        let refuse = |source| ExperimentError::Parameters { path: self.path.clone(), source };
+        base.select(model.parameter_table(), names).map_err(refuse)
+    }
+
     /// Builds y and X of records for the parameters chosen from the base.
     pub(crate) fn problem_on(
         &self,

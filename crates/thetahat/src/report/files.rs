@@ -47,6 +47,16 @@ pub fn write_all(
     written.map(|()| files.into_iter().map(|f| f.path).collect())
 }
 
+/// Writes one file into a folder that is there. Returns its path.
+pub(super) fn write_one(directory: &Path, name: &str, content: Vec<u8>) -> Result<PathBuf, ReportError> {
+    let file = NewFile::new(directory, name, content);
+    let written = write_together(std::slice::from_ref(&file));
+    if written.is_err() {
+        file.discard();
+    }
+    written.map(|()| file.path)
+}
+
 /// Checks, before a long run, that a folder can be where [`write_all`] will write.
 ///
 /// # Errors

@@ -3,6 +3,12 @@
 //! [`write_all`] writes the files, [`text`] holds the tables for the terminal. Both show the same [`Table`]s, and both
 //! put [`Published`] figures beside ours where there are any. Nothing is computed here but comparisons.
 
+#[cfg(feature = "parquet")]
+mod box_plot;
+#[cfg(feature = "parquet")]
+mod campaign;
+#[cfg(feature = "parquet")]
+mod campaign_tables;
 mod error;
 mod figures;
 mod files;
@@ -17,6 +23,8 @@ mod table;
 mod tables;
 pub mod text;
 
+#[cfg(feature = "parquet")]
+pub use campaign::{campaign_text, write_campaign};
 pub use error::ReportError;
 pub use files::{check_folder, write_all};
 pub use prediction::{prediction_text, write_prediction};
