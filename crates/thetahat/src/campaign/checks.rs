@@ -7,6 +7,8 @@ use crate::experiment::{NamedChoice, ParameterChoice};
 
 /// Most runs along one axis: beyond it, places no longer fit into the numbers of the random streams.
 const MOST: u32 = 1 << 20;
+/// Most records of a campaign: their rows are held in memory.
+const MOST_RECORDS: u64 = 10_000_000;
 
 impl Campaign {
     pub(super) fn validate(&self) -> Result<(), CampaignError> {
@@ -18,6 +20,9 @@ impl Campaign {
         self.require_distinct("[[noise]] name", file.noise.iter().map(|n| n.name.as_str()))?;
         file.noise.iter().try_for_each(|level| self.validate_level(level))?;
         self.validate_cases()?;
+        let records = u64::from(file.seeds) * u64::from(file.starts.count) * file.noise.len() as u64;
+        let key = "seeds times starts times noise levels";
+        self.require(records <= MOST_RECORDS, key, "at most 10000000", records)?;
         self.validate_starts()?;
         let essential = self.experiment.file.parameters.estimate == ParameterChoice::Named(NamedChoice::Essential);
         let expected = "\"base\" or a list of base parameters: every run of a campaign estimates the same ones";

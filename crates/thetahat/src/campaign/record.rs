@@ -106,7 +106,9 @@ impl<'a> Bench<'a> {
         let attempt = Attempt { experiment, problem, simulator: simulator.as_ref(), method };
         let outcome = estimate(&attempt);
         let seconds = prepared.seconds + started.elapsed().as_secs_f64();
-        let motion = outcome.fit.as_ref().zip(simulator.as_ref()).and_then(|(fit, s)| s.simulate(&fit.theta).ok());
+        let step = experiment.file.signal.decimation;
+        let simulate = |(fit, simulator): (&Fit, &Simulator<'_>)| simulator.simulate_every(&fit.theta, step).ok();
+        let motion = outcome.fit.as_ref().zip(simulator.as_ref()).and_then(simulate);
         let mut row = self.row(key, (case, method), problem, &outcome);
         row.seconds = Some(seconds);
         if let Some(fit) = &outcome.fit {
@@ -140,12 +142,13 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// The errors of the simulated motion against the true one, in the window.
+    /// The errors of the simulated motion against the true one, in the window, at as many instants as y has.
     fn fill_motion(&self, row: &mut Row, prepared: &Prepared, motion: &SimulatedMotion) {
-        let window = prepared.filtered.window.clone();
+        let step = self.campaign.experiment.file.signal.decimation.max(1);
+        let instants = || prepared.filtered.window.clone().step_by(step);
         let error = |truth: &Series, simulated: &Series| {
-            let truth = truth.window(window.clone());
-            Some(100.0 * distance(truth.values(), simulated.values()) / norm(truth.values()))
+            let truth: Vec<f64> = instants().flat_map(|k| truth.sample(k).iter().copied()).collect();
+            Some(100.0 * distance(&truth, simulated.values()) / norm(&truth))
         };
         row.position_error_percent = error(&self.twin.motion.q, &motion.q);
         row.torque_error_percent = error(&self.twin.motion.tau, &motion.tau);

@@ -6,6 +6,7 @@ use super::{CampaignRuns, Row};
 const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 /// The runs of one case, noise level and method.
+#[non_exhaustive]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Summary {
     /// The case.

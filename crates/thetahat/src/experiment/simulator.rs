@@ -109,9 +109,15 @@ impl<'a> Simulator<'a> {
     }
 
     /// The simulated motion of each recording in its window.
-    pub(crate) fn simulate(&self, theta: &[f64]) -> Result<Vec<SimulatedMotion>, SimulationError> {
+    pub(super) fn simulate(&self, theta: &[f64]) -> Result<Vec<SimulatedMotion>, SimulationError> {
         let (theta, inertia) = self.resolve(theta);
         self.loops.iter().map(|l| l.simulate(&theta, &inertia)).collect()
+    }
+
+    /// The same at every so many samples of the window, the first included.
+    pub(crate) fn simulate_every(&self, theta: &[f64], step: usize) -> Result<Vec<SimulatedMotion>, SimulationError> {
+        let (theta, inertia) = self.resolve(theta);
+        self.loops.iter().map(|l| l.simulate_every(&theta, &inertia, step.max(1))).collect()
     }
 
     /// Standard parameters of base parameters, and the inertia that each motor sees for the gains of its controller.
@@ -168,6 +174,18 @@ impl RecordedLoop<'_> {
     /// The simulated motion in the window.
     fn simulate(&self, theta: &[f64], inertia: &[f64]) -> Result<SimulatedMotion, SimulationError> {
         self.run(theta, inertia, self.filtered.window.start, self.filtered.window.len())
+    }
+
+    fn simulate_every(
+        &self,
+        theta: &[f64],
+        inertia: &[f64],
+        step: usize,
+    ) -> Result<SimulatedMotion, SimulationError> {
+        let (window, rate) = (&self.filtered.window, self.filtered.record.sample_rate_hz);
+        let start_s = window.start as f64 / rate;
+        let samples = window.len().div_ceil(step);
+        self.closed_loop.simulate(theta, inertia, &OutputGrid { start_s, sample_rate_hz: rate / step as f64, samples })
     }
 
     fn run(
