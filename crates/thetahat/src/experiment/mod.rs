@@ -21,6 +21,7 @@ pub use description::{
 };
 pub use error::ExperimentError;
 pub use predict::{Prediction, PredictionRequest, predict};
+pub use record::TwinMotion;
 pub use results::{
     Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, RecordingResult, ReferenceResult, Results,
     RunPlots, RunResult,
