@@ -4,16 +4,13 @@ use super::{
 };
 use crate::{
     linear_algebra::Matrix,
-    statistics::{EstimatedVariance, RowBlocks, Sandwich, t_quantile},
+    statistics::{EstimatedVariance, RowBlocks, Sandwich},
 };
-
-/// Probability that a quantile of the interval leaves below it.
-const UPPER: f64 = 0.975;
 
 /// How far an estimate may be off, with errors that are correlated in time and differ between joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Uncertainty {
-    /// Standard deviation of each parameter, by [`Sandwich::stationary`].
+    /// Standard deviation of each parameter, by [`Sandwich::robust`].
     pub standard_deviation: Vec<f64>,
     /// Degrees of freedom of each standard deviation.
     pub freedom: Vec<f64>,
@@ -56,7 +53,7 @@ fn instrumental(z: &Matrix, x: &Matrix) -> Result<Matrix, EstimationError> {
 
 /// Standard deviations and intervals of a fit of the rows laid out as `rows`.
 ///
-/// The interval is that of Student's t with each parameter's own degrees of freedom. It holds what [`Sandwich::stationary`]
+/// The interval is that of Student's t with each parameter's own degrees of freedom. It holds what [`Sandwich::robust`]
 /// assumes, and what the method does: a filter's bias in X, or a wrong simulator in DIDIM, moves the whole interval.
 ///
 /// # Errors
@@ -71,7 +68,7 @@ pub fn uncertainty(
     let influence = influence(method, x, z, weights)?;
     let design = z.filter(|_| method == Method::Didim).unwrap_or(x);
     let residual: Vec<f64> = y.iter().zip(&fit.prediction).map(|(y, p)| y - p).collect();
-    let variances = Sandwich { design, influence: &influence, residual: &residual, rows }.stationary();
+    let variances = Sandwich { design, influence: &influence, residual: &residual, rows }.robust();
     Uncertainty::new(&fit.theta, &variances)
 }
 
@@ -81,9 +78,8 @@ impl Uncertainty {
     /// # Errors
     /// [`EstimationError::NotFinite`] where there is none.
     pub fn new(theta: &[f64], variances: &[EstimatedVariance]) -> Result<Self, EstimationError> {
-        let half = |v: &EstimatedVariance| Some(t_quantile(UPPER, v.freedom)? * v.variance.sqrt());
         let interval = |(theta, v): (&f64, &EstimatedVariance)| {
-            half(v).filter(|h| h.is_finite()).map(|h| [theta - h, theta + h]).ok_or(EstimationError::NotFinite)
+            v.half_width_95().map(|h| [theta - h, theta + h]).ok_or(EstimationError::NotFinite)
         };
         Ok(Self {
             standard_deviation: variances.iter().map(|v| v.variance.sqrt()).collect(),

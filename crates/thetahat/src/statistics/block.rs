@@ -7,8 +7,6 @@ use super::{
 };
 use crate::linear_algebra::Matrix;
 
-/// Smallest bandwidth, rows: the parallel filter of the decimation correlates that many neighbours.
-const SMALLEST_BANDWIDTH: f64 = 4.0;
 /// Largest bandwidth as part of a block's rows.
 const LARGEST_BANDWIDTH: f64 = 1.0 / 3.0;
 
@@ -84,7 +82,8 @@ impl Block {
     }
 }
 
-/// The bandwidth of Andrews for Parzen's window and a series that is autoregressive of the first order.
+/// The bandwidth of Andrews for Parzen's window and a series that is autoregressive of the first order, but at least the
+/// square root of the rows: where white and slow errors come together, neighbours alone do not show the slow ones.
 fn bandwidth(residual: &[f64]) -> f64 {
     let n = residual.len() as f64;
     let mut sums = [0.0; 2];
@@ -92,7 +91,7 @@ fn bandwidth(residual: &[f64]) -> f64 {
     let r = if sums[0] > 0.0 { sums[1] / sums[0] } else { 0.0 };
     let alpha = 4.0 * r * r / (1.0 - r).powi(4);
     let plug_in = 2.6614 * (alpha * n).powf(0.2);
-    plug_in.max(SMALLEST_BANDWIDTH).min((LARGEST_BANDWIDTH * n).max(1.0))
+    plug_in.max(n.sqrt()).min((LARGEST_BANDWIDTH * n).max(1.0))
 }
 
 /// Parzen's window at the lags inside a bandwidth.
@@ -119,11 +118,11 @@ mod tests {
 
     #[test]
     fn the_bandwidth_follows_the_correlation_and_stays_in_its_bounds() {
-        let alternating: Vec<f64> = (0..90).map(|k| if k % 2 == 0 { 1.0 } else { -1.0 }).collect();
-        assert_eq!(bandwidth(&[1.0; 90]), 30.0);
-        assert_eq!(bandwidth(&[0.0; 90]), SMALLEST_BANDWIDTH);
-        // r = -89/90.
-        let alpha: f64 = 4.0 * (89.0_f64 / 90.0).powi(2) / (179.0_f64 / 90.0).powi(4);
-        assert!((bandwidth(&alternating) - 2.6614 * (alpha * 90.0).powf(0.2)).abs() < 1e-12);
+        assert_eq!((bandwidth(&[1.0; 90]), bandwidth(&[0.0; 100])), (30.0, 10.0));
+        // Three rows of one sign, then three of the other.
+        let wave: Vec<f64> = (0..900).map(|k| if k / 3 % 2 == 0 { 1.0 } else { -1.0 }).collect();
+        let r: f64 = (600.0 - 299.0) / 900.0;
+        let alpha = 4.0 * r * r / (1.0 - r).powi(4);
+        assert!((bandwidth(&wave) - (2.6614 * (alpha * 900.0).powf(0.2)).max(30.0)).abs() < 1e-12);
     }
 }

@@ -5,6 +5,7 @@ use super::{
     Sandwich,
     block::Block,
     lagged::{add_lagged_products, convolve},
+    t_quantile,
 };
 use crate::linear_algebra::Matrix;
 
@@ -17,6 +18,8 @@ pub struct EstimatedVariance {
     pub freedom: f64,
 }
 
+/// Probability below the upper end of an interval of 95 %.
+const UPPER: f64 = 0.975;
 /// Passes that undo what the fit takes out of the autocovariance of its residual; each leaves about a third of the rest
 /// or less.
 const PASSES: usize = 2;
@@ -25,13 +28,36 @@ const FEWEST_FREEDOM: f64 = 2.0;
 /// Standard deviations from zero at which the errors of two joints count as correlated: one pair in a thousand by chance.
 const CORRELATED: f64 = 3.29;
 
+impl EstimatedVariance {
+    /// Half the width of the interval that holds the truth 95 times in a hundred; none where the variance is not finite.
+    #[must_use]
+    pub fn half_width_95(&self) -> Option<f64> {
+        t_quantile(UPPER, self.freedom).map(|t| t * self.variance.sqrt()).filter(|h| h.is_finite())
+    }
+}
+
 impl Sandwich<'_> {
+    /// For each parameter the variance that gives the wider interval: [`Sandwich::stationary`], or
+    /// [`Sandwich::newey_west`] with as many degrees of freedom as there are rows.
+    ///
+    /// The first follows errors as slow as the record allows, but takes them to be as large in one moment as in another;
+    /// the second takes the moments as they are, but sees few lags.
+    #[must_use]
+    pub fn robust(&self) -> Vec<EstimatedVariance> {
+        let freedom = self.residual.len() as f64;
+        let by_moments = self.newey_west().into_iter().map(|variance| EstimatedVariance { variance, freedom });
+        let wider = |(a, b): (EstimatedVariance, EstimatedVariance)| {
+            if a.half_width_95() >= b.half_width_95() { a } else { b }
+        };
+        self.stationary().into_iter().zip(by_moments).map(wider).collect()
+    }
+
     /// Errors whose autocovariance `gamma(l)` is one for each joint and recording: `V = A^T Gamma A`.
     ///
     /// 1. `gamma(l)` is that of the residual, tapered by Parzen's window up to the bandwidth `S = 2.6614 (alpha n)^(1/5)`,
     ///    `alpha = 4 r^2 / (1 - r)^4`, r the residual's correlation of neighbouring rows (D. Andrews,
     ///    "Heteroskedasticity and autocorrelation consistent covariance matrix estimation", 1991, (2.7), (6.2), (6.4));
-    ///    at least 4 rows, at most a third of them.
+    ///    at least `sqrt(n)`, at most `n / 3`.
     /// 2. A fit takes from its residual what it can explain. The autocovariance is corrected such that the expectation of
     ///    the residual's, `E rho rho^T = (I - X A^T) Gamma (I - A X^T)`, is what was found: the small-sample correction,
     ///    in two passes. A variance is never below the uncorrected one.
@@ -39,8 +65,7 @@ impl Sandwich<'_> {
     ///    recordings never.
     /// 4. The degrees of freedom are Satterthwaite's, `2 V^2 / var(V)`, for the quadratic form that V is.
     ///
-    /// What it does not see: errors whose spectrum depends on the motion. [`Sandwich::newey_west`] does, at the price of
-    /// far larger scatter.
+    /// What it does not see: errors whose size depends on the motion. [`Sandwich::newey_west`] does.
     #[must_use]
     pub fn stationary(&self) -> Vec<EstimatedVariance> {
         let leverage = self.leverage();
