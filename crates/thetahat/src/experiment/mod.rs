@@ -27,7 +27,7 @@ pub use error::ExperimentError;
 pub use examination::RecordingFindings;
 pub use predict::{Prediction, PredictionRequest, predict};
 pub use proposal::{ProposalError, ProposalRequest, propose};
-pub use record::TwinRecord;
+pub use record::{TwinMotion, TwinRecord};
 pub use results::{
     Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, RecordingResult, ReferenceResult, Results,
     RunPlots, RunResult,
