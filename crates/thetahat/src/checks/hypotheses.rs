@@ -87,43 +87,53 @@ fn units(robot: &Robot) -> Vec<Hypothesis> {
 
 /// Motor side and joint side, where they differ.
 fn sides(robot: &Robot) -> Vec<Hypothesis> {
-    let n = robot.joint_count();
-    let (matrix, offset) = (robot.transmission.matrix(), robot.transmission.offset());
-    let ratio = |j: usize| matrix.at(j, j);
-    let mut all = Vec::new();
-    for (joint, joints) in each_and_all(robot) {
-        if joints.iter().all(|&j| ratio(j) == 1.0 || ratio(j) == 0.0) {
-            continue;
-        }
-        let whose = whose(joint);
-        let mut add = |code, correction, words| all.push(Hypothesis::new(code, joint, correction, words, SIDE));
-        let (to_joint, to_motor) = match joint {
-            None => (motor_to_joint(robot), Some(joint_to_motor(robot))),
-            Some(j) => {
-                let down = select(robot, &[j], &|j| 1.0 / ratio(j));
-                let up = select(robot, &[j], &ratio);
-                let kept = |j: &usize| if joints.contains(j) { offset[*j] } else { 0.0 };
-                let shift: Vec<f64> = (0..n).map(|j| kept(&j)).collect();
-                let back = shift.iter().zip(&up).map(|(o, r)| -o * r).collect();
-                let down = Affine { position: diagonal(&down), shift, torque: Matrix::identity(n) };
-                (Some(down), Some(Affine { position: diagonal(&up), shift: back, ..Affine::identity(n) }))
-            }
-        };
-        if let Some(correction) = to_joint {
-            add(Code::PositionScale, correction, format!("{whose} position is taken from the motor side"));
-        }
-        if let Some(correction) = to_motor {
-            let words = format!("{whose} position is taken as it is on the joint side: it went through the gear twice");
-            add(Code::PositionScale, correction, words);
-        }
-        let torques =
-            |up: bool| Affine::scaled_torques(&select(robot, &joints, &|j| if up { ratio(j) } else { 1.0 / ratio(j) }));
-        let words = format!("{whose} torque is taken from the motor side");
-        add(Code::TorqueScale, torques(true), words);
-        let words = format!("{whose} torque is taken as it is on the joint side: it went through the gear twice");
-        add(Code::TorqueScale, torques(false), words);
-    }
-    all
+    let ratio = |j: usize| robot.transmission.matrix().at(j, j);
+    let geared = |joints: &[usize]| joints.iter().any(|&j| ratio(j) != 1.0 && ratio(j) != 0.0);
+    let sides = |(joint, joints): (Option<usize>, Vec<usize>)| {
+        let mut both = sides_of_positions(robot, joint);
+        both.extend(sides_of_torques(robot, joint, &joints));
+        both
+    };
+    each_and_all(robot).into_iter().filter(|(_, joints)| geared(joints)).flat_map(sides).collect()
+}
+
+fn sides_of_positions(robot: &Robot, joint: Option<usize>) -> Vec<Hypothesis> {
+    let whose = whose(joint);
+    let (to_joint, to_motor) = match joint {
+        None => (motor_to_joint(robot), joint_to_motor(robot)),
+        Some(j) => (Some(one_to_joint(robot, j)), one_to_motor(robot, j)),
+    };
+    let motor = to_joint.map(|c| (c, format!("{whose} position is taken from the motor side")));
+    let twice = format!("{whose} position is taken as it is on the joint side: it went through the gear twice");
+    let corrections = motor.into_iter().chain([(to_motor, twice)]);
+    corrections.map(|(c, words)| Hypothesis::new(Code::PositionScale, joint, c, words, SIDE)).collect()
+}
+
+fn sides_of_torques(robot: &Robot, joint: Option<usize>, joints: &[usize]) -> Vec<Hypothesis> {
+    let whose = whose(joint);
+    let ratio = |j: usize| robot.transmission.matrix().at(j, j);
+    let up = Affine::scaled_torques(&select(robot, joints, &ratio));
+    let down = Affine::scaled_torques(&select(robot, joints, &|j| 1.0 / ratio(j)));
+    let motor = format!("{whose} torque is taken from the motor side");
+    let twice = format!("{whose} torque is taken as it is on the joint side: it went through the gear twice");
+    let hypothesis = |(c, words)| Hypothesis::new(Code::TorqueScale, joint, c, words, SIDE);
+    [(up, motor), (down, twice)].map(hypothesis).into()
+}
+
+/// `q_j' = q_j / N_jj + o_j`.
+fn one_to_joint(robot: &Robot, j: usize) -> Affine {
+    let ratio = robot.transmission.matrix().at(j, j);
+    let shift = (0..robot.joint_count()).map(|i| if i == j { robot.transmission.offset()[j] } else { 0.0 }).collect();
+    let position = diagonal(&select(robot, &[j], &|_| 1.0 / ratio));
+    Affine { position, shift, torque: Matrix::identity(robot.joint_count()) }
+}
+
+/// `q_j' = N_jj (q_j - o_j)`.
+fn one_to_motor(robot: &Robot, j: usize) -> Affine {
+    let (ratio, offset) = (robot.transmission.matrix().at(j, j), robot.transmission.offset()[j]);
+    let shift = (0..robot.joint_count()).map(|i| if i == j { -ratio * offset } else { 0.0 }).collect();
+    let position = diagonal(&select(robot, &[j], &|_| ratio));
+    Affine { position, shift, torque: Matrix::identity(robot.joint_count()) }
 }
 
 /// `q' = N^-1 q + o`.

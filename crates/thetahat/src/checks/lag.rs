@@ -37,13 +37,10 @@ pub(super) fn check(exam: &mut Examination<'_>, chain: &mut Chain<'_>) {
     let together = common.squares.iter().sum::<f64>() <= AS_GOOD * each.squares.iter().sum::<f64>();
     let lags = if together { common } else { each };
     let before = search.joint_squares(&regression.residual);
-    let groups: Vec<Range<usize>> = if together {
-        std::iter::once(0..chain.joints()).collect()
-    } else {
-        (0..chain.joints()).map(|j| j..j + 1).collect()
-    };
+    let size = if together { chain.joints() } else { 1 };
     let mut correction = vec![0.0; chain.joints()];
-    for group in groups {
+    for first in (0..chain.joints()).step_by(size) {
+        let group = first..first + size;
         let lag = Lag::new(&search, &lags, group.clone(), (&before, exam.subject.sample_rate_hz));
         if lag.judge(exam, together) {
             group.for_each(|j| correction[j] = lags.steps[j]);
