@@ -1,7 +1,7 @@
 use std::{num::NonZero, path::PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use thetahat::identification::Method;
+use thetahat::{identification::Method, recording::Unit};
 
 /// Identifies the dynamic parameters of a robot from its recorded motion and torques.
 ///
@@ -19,6 +19,12 @@ pub enum Command {
     ///
     /// The simulated robot is recorded with noise and identified nominally and with the simulator's gear ratios at 90 %.
     Demo(Output),
+    /// Show what is in a recording, and with --robot the experiment that would be proposed for it.
+    Inspect(Inspect),
+    /// Write an experiment file for a robot and a recording.
+    Init(Init),
+    /// Look for what is wrong with the recordings of an experiment.
+    Check(Described),
     /// Identify the robot of an experiment file.
     Identify(Identify),
     /// Predict the torques of another motion with identified parameters.
@@ -29,6 +35,10 @@ pub enum Command {
     Campaign(Campaign),
     /// Record the simulated robot that an experiment describes in [twin].
     Simulate(Simulate),
+    /// Show a robot: its structure, its standard parameters, and its base parameters with their formulas.
+    ///
+    /// Exit code 1 where the base parameters are not clear: a length or an angle is nearly special.
+    Model(Model),
 }
 
 #[derive(Args)]
@@ -36,6 +46,56 @@ pub struct Output {
     /// Folder for results.json, parameters.csv and report.html [default: tables in the terminal only]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct Inspect {
+    /// The recording
+    #[arg(value_name = "FILE")]
+    pub recording: PathBuf,
+    /// The robot description: URDF or TOML
+    #[arg(long, value_name = "FILE")]
+    pub robot: Option<PathBuf>,
+    #[command(flatten)]
+    pub columns: Columns,
+}
+
+#[derive(Args)]
+pub struct Init {
+    /// The robot description: URDF or TOML
+    #[arg(long, value_name = "FILE")]
+    pub robot: PathBuf,
+    /// The recording
+    #[arg(long, value_name = "FILE")]
+    pub recording: PathBuf,
+    #[command(flatten)]
+    pub columns: Columns,
+    /// The experiment file to write; never overwritten
+    #[arg(long, value_name = "FILE.toml", default_value = "experiment.toml")]
+    pub out: PathBuf,
+}
+
+/// What the names of a recording's columns do not tell.
+#[derive(Args)]
+pub struct Columns {
+    /// Columns of the positions, one for each joint, or one of a matrix
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub position: Vec<String>,
+    /// Columns of the torques
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub torque: Vec<String>,
+    /// The time column
+    #[arg(long, value_name = "NAME")]
+    pub time: Option<String>,
+    /// Samples per second, where there is no time column
+    #[arg(long, value_name = "HZ", conflicts_with = "time")]
+    pub rate: Option<f64>,
+    /// Unit of the positions, such as deg
+    #[arg(long, value_name = "UNIT")]
+    pub position_unit: Option<Unit>,
+    /// Unit of the torques, such as "mN m"
+    #[arg(long, value_name = "UNIT")]
+    pub torque_unit: Option<Unit>,
 }
 
 #[derive(Args)]
@@ -87,6 +147,19 @@ pub struct Simulate {
     /// CSV file for time, joint positions and joint torques
     #[arg(long, value_name = "FILE.csv")]
     pub out: PathBuf,
+}
+
+#[derive(Args)]
+pub struct Model {
+    /// The robot: a URDF, or a TOML description
+    #[arg(value_name = "ROBOT")]
+    pub robot: PathBuf,
+    /// Print one JSON object, in SI units
+    #[arg(long)]
+    pub json: bool,
+    /// Folder against which the robot's path is resolved [default: the current one]
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
 }
 
 #[derive(Args)]

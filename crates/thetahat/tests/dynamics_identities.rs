@@ -15,36 +15,79 @@ use thetahat::{
 const SMOOTH: Sign = Sign::Smooth { scale: 0.3 };
 
 /// A chain of `joints` random joints with a random coupling matrix near the identity.
-fn random_robot(joints: usize, friction: &str, rng: &mut ChaCha8Rng) -> Robot {
+fn random_chain(joints: usize, friction: &str, rng: &mut ChaCha8Rng) -> Robot {
     let mut text = format!("name = \"random\"\ngravity = [1.0, -2.0, -9.0]\nfriction = \"{friction}\"\n");
     for j in 0..joints {
-        let kind = if rng.random_bool(0.3) { "prismatic" } else { "revolute" };
-        let mut value = || rng.random_range(-1.0..1.0);
-        let (a, d, alpha, theta) = (value(), value(), 180.0 * value(), 180.0 * value());
-        writeln!(text, "[[joint]]\nname = \"j{j}\"\nkind = \"{kind}\"\na_m = {a}\nd_m = {d}").unwrap();
-        writeln!(text, "alpha_deg = {alpha}\ntheta_deg = {theta}").unwrap();
+        write_joint(&mut text, j, rng);
     }
-    let row = |i: usize| {
-        (0..joints).map(move |j| {
-            if i == j {
-                10.0
-            } else if j + 1 == i {
-                4.0
-            } else {
-                0.0
-            }
-        })
-    };
-    let rows: Vec<String> = (0..joints).map(|i| format!("{:?}", row(i).collect::<Vec<_>>())).collect();
-    writeln!(text, "[transmission]\nmatrix = [{}]", rows.join(", ")).unwrap();
+    write_coupling(&mut text, joints);
     Robot::parse(&text, Path::new("random.toml")).unwrap()
+}
+
+/// A tree of `joints` random joints in Khalil's form; from the third on, some follow others.
+fn random_tree(joints: usize, friction: &str, rng: &mut ChaCha8Rng) -> Robot {
+    let mut text = format!("name = \"random\"\ngravity = [1.0, -2.0, -9.0]\nfriction = \"{friction}\"\n");
+    let mut coordinates = joints;
+    for j in 0..joints {
+        write_joint(&mut text, j, rng);
+        writeln!(text, "gamma_deg = {}\nb_m = {}", rng.random_range(-180.0..180.0), rng.random_range(-1.0..1.0))
+            .unwrap();
+        if j > 0 && rng.random_bool(0.8) {
+            writeln!(text, "parent = \"j{}\"", rng.random_range(0..j)).unwrap();
+        }
+        if j > 1 && rng.random_bool(0.4) {
+            let (leader, ratio) = (rng.random_range(0..j), rng.random_range(-2.0..2.0));
+            writeln!(text, "mimic = {{ joint = \"j{leader}\", ratio = {ratio} }}").unwrap();
+            coordinates -= 1;
+        }
+    }
+    write_coupling(&mut text, coordinates);
+    Robot::parse(&text, Path::new("random.toml")).unwrap()
+}
+
+fn write_joint(text: &mut String, j: usize, rng: &mut ChaCha8Rng) {
+    let kind = if rng.random_bool(0.3) { "prismatic" } else { "revolute" };
+    let mut value = || rng.random_range(-1.0..1.0);
+    let (a, d, alpha, theta) = (value(), value(), 180.0 * value(), 180.0 * value());
+    writeln!(text, "[[joint]]\nname = \"j{j}\"\nkind = \"{kind}\"\na_m = {a}\nd_m = {d}").unwrap();
+    writeln!(text, "alpha_deg = {alpha}\ntheta_deg = {theta}").unwrap();
+}
+
+fn write_coupling(text: &mut String, n: usize) {
+    let entry = |i: usize, j: usize| match i {
+        _ if i == j => 10.0,
+        _ if j + 1 == i => 4.0,
+        _ => 0.0,
+    };
+    let rows: Vec<String> = (0..n).map(|i| format!("{:?}", (0..n).map(|j| entry(i, j)).collect::<Vec<_>>())).collect();
+    writeln!(text, "[transmission]\nmatrix = [{}]", rows.join(", ")).unwrap();
+}
+
+/// A tree from a URDF with skew axes, a fixed joint and a follower.
+fn random_urdf(joints: usize, rng: &mut ChaCha8Rng) -> Robot {
+    let mut text = "<robot name=\"random\"><link name=\"l0\"/>".to_owned();
+    for j in 1..=joints {
+        let kind = ["continuous", "prismatic", "revolute"][rng.random_range(0..3)];
+        let kind = if j == 3 { "fixed" } else { kind };
+        let mut three = || [0; 3].map(|_| rng.random_range(-1.0..1.0).to_string()).join(" ");
+        let (xyz, rpy, axis) = (three(), three(), three());
+        let parent = rng.random_range(0..j);
+        let mimic = if j == 5 { "<mimic joint=\"j1\" multiplier=\"-1.5\" offset=\"0.2\"/>" } else { "" };
+        write!(
+            text,
+            "<link name=\"l{j}\"/><joint name=\"j{j}\" type=\"{kind}\"><parent link=\"l{parent}\"/><child link=\"l{j}\"/>\
+             <origin xyz=\"{xyz}\" rpy=\"{rpy}\"/><axis xyz=\"{axis}\"/>{mimic}</joint>"
+        )
+        .unwrap();
+    }
+    Robot::parse(&(text + "</robot>"), Path::new("random.urdf")).unwrap()
 }
 
 /// Parameters of real bodies: each link is a cloud of point masses; motor inertias and friction are positive.
 fn physical_parameters(robot: &Robot, rng: &mut ChaCha8Rng) -> Vec<f64> {
     let table = robot.parameter_table();
     let mut theta: Vec<f64> = table.iter().map(|_| rng.random_range(0.1..1.0)).collect();
-    for j in 1..=robot.joint_count() {
+    for j in 1..=robot.link_count() {
         let mut set = |name: &str, value: f64, add: bool| {
             let i = table.index_of(&format!("{name}{j}")).unwrap();
             theta[i] = if add { theta[i] + value } else { value };
@@ -102,13 +145,24 @@ impl Case {
     }
 }
 
+impl Case {
+    fn new(robot: Robot, rng: &mut ChaCha8Rng) -> Self {
+        let theta = physical_parameters(&robot, rng);
+        Self { model: Model::new(&robot), n: robot.joint_count(), robot, theta }
+    }
+}
+
 fn for_random_robots(check: impl Fn(&Case, &mut ChaCha8Rng)) {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     for k in 0..20 {
         let n = 1 + k % 7;
-        let robot = random_robot(n, if k % 2 == 0 { "symmetric" } else { "asymmetric" }, &mut rng);
-        let theta = physical_parameters(&robot, &mut rng);
-        check(&Case { model: Model::new(&robot), robot, theta, n }, &mut rng);
+        let friction = if k % 2 == 0 { "symmetric" } else { "asymmetric" };
+        let robots =
+            [random_chain(n, friction, &mut rng), random_tree(n + 2, friction, &mut rng), random_urdf(n + 1, &mut rng)];
+        for robot in robots {
+            let case = Case::new(robot, &mut rng);
+            check(&case, &mut rng);
+        }
     }
 }
 
@@ -187,6 +241,51 @@ fn energy_balances() {
         let h = 1e-4;
         assert_close((energy_at(h) - energy_at(-h)) / (2.0 * h), power, 1e-5, "power");
     });
+}
+
+/// Followers are a constraint `q_all = G q + offset`: the torques are `G^T` those of the same tree in which no joint
+/// follows another, the mass matrix is `G^T M G`.
+#[test]
+fn followers_are_a_constraint_on_the_free_tree() {
+    let mut rng = ChaCha8Rng::seed_from_u64(11);
+    for k in 0..20 {
+        let robot = random_urdf(5 + k % 4, &mut rng);
+        let mut free = robot.clone();
+        free.joints.iter_mut().for_each(|joint| joint.mimic = None);
+        free.transmission = thetahat::robot::Transmission::direct(free.link_count());
+        let (case, free) = (Case::new(robot, &mut rng), free);
+        let free = Case { model: Model::new(&free), n: free.joint_count(), theta: case.theta.clone(), robot: free };
+        assert_eq!((case.n + 1, free.n), (free.n, case.robot.link_count()));
+        // Row of G and offset of each joint.
+        let coordinates = case.robot.coordinate_joints();
+        let place = |joint: usize| coordinates.iter().position(|&c| c == joint).unwrap();
+        let rows: Vec<(usize, f64, f64)> = (0..free.n)
+            .map(|j| {
+                case.robot.joints[j].mimic.map_or_else(|| (place(j), 1.0, 0.0), |m| (place(m.of), m.ratio, m.offset))
+            })
+            .collect();
+        let [q, dq, ddq] = state(case.n, &mut rng);
+        let all = |x: &[f64], offset: f64| rows.iter().map(|(c, g, o)| g * x[*c] + offset * o).collect::<Vec<f64>>();
+        let of_free = free.torques(&all(&q, 1.0), &all(&dq, 0.0), &all(&ddq, 0.0));
+        let mut expected = vec![0.0; case.n];
+        rows.iter().zip(&of_free).for_each(|((c, g, _), tau)| expected[*c] += g * tau);
+        for (a, b) in case.torques(&q, &dq, &ddq).iter().zip(expected) {
+            assert_close(*a, b, 1e-11, "torque");
+        }
+        let mass = |case: &Case, q: &[f64]| {
+            let mut m = vec![0.0; case.n * case.n];
+            case.model.mass_matrix(&case.parameters(), q, &mut Workspace::new(&case.model), &mut m);
+            m
+        };
+        let mut expected = vec![0.0; case.n * case.n];
+        for (k, value) in mass(&free, &all(&q, 1.0)).iter().enumerate() {
+            let ((c, g, _), (d, h, _)) = (rows[k / free.n], rows[k % free.n]);
+            expected[c * case.n + d] += g * value * h;
+        }
+        for (a, b) in mass(&case, &q).iter().zip(expected) {
+            assert_close(*a, b, 1e-11, "M");
+        }
+    }
 }
 
 #[test]

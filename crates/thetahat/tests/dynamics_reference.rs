@@ -168,11 +168,44 @@ fn check(source: Source) -> Result<(), Failed> {
     Ok(())
 }
 
+/// Lower, upper, velocity and effort of every joint, as the files have them.
+#[allow(clippy::approx_constant)] // The file says 3.14.
+fn limits() -> Result<(), Failed> {
+    let tx40 = [
+        [-3.14, 3.14, 5.009, 131.84],
+        [-2.18, 2.18, 5.009, 131.84],
+        [-2.40, 2.40, 7.504, 103.49],
+        [-4.71, 4.71, 7.15, 46.08],
+        [-2.09, 2.33, 5.585, 43.19],
+        [-4.71, 4.71, 12.217, 30.72],
+    ];
+    let (wide, narrow) = (2.96705972839, 2.09439510239);
+    let kuka = [
+        [-wide, wide, 1.91986217719, 176.0],
+        [-narrow, narrow, 1.91986217719, 176.0],
+        [-wide, wide, 2.23402144255, 100.0],
+        [-narrow, narrow, 2.23402144255, 100.0],
+        [-wide, wide, 3.56047167407, 100.0],
+        [-narrow, narrow, 3.21140582367, 38.0],
+        [-wide, wide, 3.21140582367, 38.0],
+    ];
+    let tree = [[-3.0, 3.0, 5.0, 100.0]; 8];
+    for (source, expected) in [(tx40_urdf(), &tx40[..]), (kuka_lwr4(), &kuka[..]), (tree8(), &tree[..])] {
+        let robot = Robot::read(&source.0)?;
+        let found: Vec<[Option<f64>; 4]> =
+            robot.joints.iter().map(|j| [j.limits.lower, j.limits.upper, j.limits.velocity, j.limits.effort]).collect();
+        let expected: Vec<[Option<f64>; 4]> = expected.iter().map(|four| four.map(Some)).collect();
+        common::ensure(found == expected, format!("{}: {found:?}", source.1))?;
+    }
+    Ok(())
+}
+
 fn main() {
     common::run_with_shared_data(vec![
         ("tx40_from_toml", || check(tx40_toml())),
         ("tx40_from_urdf", || check(tx40_urdf())),
         ("kuka_lwr4_from_urdf", || check(kuka_lwr4())),
         ("tree8_from_urdf", || check(tree8())),
+        ("limits_of_every_joint", limits),
     ]);
 }

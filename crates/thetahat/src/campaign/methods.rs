@@ -3,7 +3,8 @@
 use super::CampaignMethod;
 use crate::{
     experiment::{Experiment, Problem, Simulator, Weighting},
-    identification::{Method, Outcome, idim_ls, iterate, joint_weights},
+    identification::{Fit, Method, Outcome, Uncertainty, idim_ls, iterate, joint_weights, uncertainty},
+    linear_algebra::Matrix,
 };
 
 /// What a method works on.
@@ -13,12 +14,14 @@ pub(super) struct Attempt<'a> {
     pub(super) problem: &'a Problem,
     pub(super) simulator: Option<&'a Simulator<'a>>,
     pub(super) method: CampaignMethod,
+    /// The weight of each row, where the method has any.
+    pub(super) weights: Option<Vec<f64>>,
 }
 
 pub(super) fn estimate(attempt: &Attempt<'_>) -> Outcome {
     let Attempt { experiment, problem, method, .. } = attempt;
     let estimation = &experiment.file.estimation;
-    let weights = attempt.weights();
+    let weights = &attempt.weights;
     match (method.estimator(), attempt.simulator) {
         (method @ (Method::IdimIv | Method::Didim), Some(simulator)) => iterate(
             method,
@@ -32,20 +35,36 @@ pub(super) fn estimate(attempt: &Attempt<'_>) -> Outcome {
     }
 }
 
-impl Attempt<'_> {
-    /// The weight of each row, where the method has any and LS has an estimate to take them from.
-    fn weights(&self) -> Option<Vec<f64>> {
-        let estimation = &self.experiment.file.estimation;
-        let per_joint = match self.method {
-            CampaignMethod::IdimLs => false,
-            CampaignMethod::IdimWls => true,
-            _ => estimation.weighting.get(&self.method.estimator()) == Some(&Weighting::PerJoint),
-        };
-        if !per_joint {
-            return None;
-        }
-        let Problem { x, y, .. } = self.problem;
-        let fit = idim_ls(x, y, None, estimation.variance).ok()?;
-        Some(joint_weights(x, y, &fit, self.problem.joints()))
+impl<'a> Attempt<'a> {
+    /// A method with its weights.
+    pub(super) fn new(
+        experiment: &'a Experiment,
+        problem: &'a Problem,
+        simulator: Option<&'a Simulator<'a>>,
+        method: CampaignMethod,
+    ) -> Self {
+        Self { experiment, problem, simulator, method, weights: weights(experiment, problem, method) }
     }
+
+    /// How far an estimate may be off; none where that has no finite answer.
+    pub(super) fn uncertainty(&self, fit: &Fit, instruments: Option<&Matrix>) -> Option<Uncertainty> {
+        let Problem { x, y, .. } = self.problem;
+        let weights = self.weights.as_deref();
+        uncertainty(self.method.estimator(), (x, instruments, y), weights, fit, &self.problem.rows.blocks()).ok()
+    }
+}
+
+/// The weight of each row, where the method has any and LS has an estimate to take them from.
+fn weights(experiment: &Experiment, problem: &Problem, method: CampaignMethod) -> Option<Vec<f64>> {
+    let estimation = &experiment.file.estimation;
+    let per_joint = match method {
+        CampaignMethod::IdimLs => false,
+        CampaignMethod::IdimWls => true,
+        _ => estimation.weighting.get(&method.estimator()) == Some(&Weighting::PerJoint),
+    };
+    if !per_joint {
+        return None;
+    }
+    let fit = idim_ls(&problem.x, &problem.y, None, estimation.variance).ok()?;
+    Some(joint_weights(&problem.x, &problem.y, &fit, problem.joints()))
 }

@@ -78,6 +78,8 @@ fn columns(rows: &[Row], facts: &Facts, content: Content) -> Vec<(String, Column
         for (i, parameter) in facts.parameters.iter().enumerate() {
             all.push((format!("estimate_{}", parameter.name), number(&|r| r.estimates[i])));
             all.push((format!("deviation_{}", parameter.name), number(&|r| r.deviations[i])));
+            all.push((format!("low_{}", parameter.name), number(&|r| r.intervals[i].map(|[low, _]| low))));
+            all.push((format!("high_{}", parameter.name), number(&|r| r.intervals[i].map(|[_, high]| high))));
         }
     }
     if content != Content::Results {
@@ -163,7 +165,10 @@ fn row(record: &Record, facts: &Facts) -> Option<Row> {
         Some(Field::Double(value)) => Some(*value),
         _ => None,
     };
-    let each = |what: &str| facts.parameters.iter().map(|p| number(&format!("{what}_{}", p.name))).collect();
+    let each = |what: &str| -> Vec<Option<f64>> {
+        facts.parameters.iter().map(|p| number(&format!("{what}_{}", p.name))).collect()
+    };
+    let intervals = each("low").into_iter().zip(each("high"));
     let count = |name: &str| whole(name).and_then(|v| usize::try_from(v).ok());
     let place = |name: &str| whole(name).and_then(|v| u32::try_from(v).ok()).filter(|v| *v > 0);
     Some(Row {
@@ -183,6 +188,7 @@ fn row(record: &Record, facts: &Facts) -> Option<Row> {
         parameter_distance: number("parameter_distance"),
         estimates: each("estimate"),
         deviations: each("deviation"),
+        intervals: intervals.map(|(low, high)| Some([low?, high?])).collect(),
     })
 }
 

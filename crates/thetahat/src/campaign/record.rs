@@ -23,6 +23,7 @@ use crate::{
 pub(super) struct Bench<'a> {
     campaign: &'a Campaign,
     twin: TwinMotion,
+    sample_rate_hz: f64,
     cases: Vec<Case>,
     bases: Vec<Basis>,
     starts: Vec<Experiment>,
@@ -53,6 +54,7 @@ impl<'a> Bench<'a> {
         let experiment = &campaign.experiment;
         let why = "it describes the simulated robot that is recorded";
         let twin = experiment.file.twin.as_ref().ok_or_else(|| experiment.missing("[twin]", why))?;
+        let sample_rate_hz = twin.sample_rate_hz;
         let twin = experiment.twin_motion(twin)?;
         let chosen = campaign.file.cases.as_ref();
         let cases: Vec<Case> =
@@ -66,7 +68,7 @@ impl<'a> Bench<'a> {
             }
         }
         let starts = (0..starts).map(|s| campaign.start(s)).collect::<Result<_, _>>()?;
-        Ok(Self { campaign, twin, cases, bases, starts, facts })
+        Ok(Self { campaign, twin, sample_rate_hz, cases, bases, starts, facts })
     }
 
     /// Runs every case and method on the record at `key`.
@@ -83,7 +85,7 @@ impl<'a> Bench<'a> {
         let level = &self.campaign.file.noise[key.level as usize];
         let (position, torque) = measure(experiment, &self.twin, level, &mut rng);
         let started = Instant::now();
-        let filtered = experiment.filter(self.twin.record(position, torque), None)?;
+        let filtered = experiment.filter(self.twin.record(self.sample_rate_hz, position, torque), None)?;
         let reference = experiment.reference(&filtered)?;
         let choice = &experiment.file.parameters.estimate;
         let problem = |b: &Basis| experiment.problem_on((b.model.clone(), b.base.clone()), &[&filtered], choice);
@@ -103,7 +105,7 @@ impl<'a> Bench<'a> {
             .as_ref()
             .map(|controller| Simulator::new(experiment, problem, &recordings, controller, case.simulator));
         let started = Instant::now();
-        let attempt = Attempt { experiment, problem, simulator: simulator.as_ref(), method };
+        let attempt = Attempt::new(experiment, problem, simulator.as_ref(), method);
         let outcome = estimate(&attempt);
         let seconds = prepared.seconds + started.elapsed().as_secs_f64();
         let step = experiment.file.signal.decimation;
@@ -113,6 +115,8 @@ impl<'a> Bench<'a> {
         row.seconds = Some(seconds);
         if let Some(fit) = &outcome.fit {
             basis.fill(&mut row, fit);
+            let intervals = attempt.uncertainty(fit, outcome.instruments.as_ref()).map(|u| u.interval_95);
+            basis.places.iter().zip(intervals.into_iter().flatten()).for_each(|(&p, i)| row.intervals[p] = Some(i));
         }
         if let Some(motion) = motion.as_ref().and_then(|m| m.first()) {
             self.fill_motion(&mut row, prepared, motion);
@@ -138,7 +142,8 @@ impl<'a> Bench<'a> {
             torque_error_percent: None,
             parameter_distance: None,
             estimates: absent.clone(),
-            deviations: absent,
+            deviations: absent.clone(),
+            intervals: vec![None; absent.len()],
         }
     }
 
@@ -165,7 +170,7 @@ impl Basis {
     ) -> Result<Self, CampaignError> {
         let (model, base) = experiment.basis(&experiment.robot_for(case))?;
         let estimated = experiment.estimated(&model, &base)?;
-        let truth = (friction == experiment.robot.friction).then(|| estimated.from_standard(&twin.truth));
+        let truth = (friction == experiment.robot.friction).then(|| estimated.from_standard(&twin.parameters));
         let value = |i: usize| truth.as_ref().map(|t| t[i]);
         let add = |(i, p): (usize, &crate::base_parameters::BaseParameter)| facts.place(&p.name, p.unit, value(i));
         let places = estimated.parameters().iter().enumerate().map(add).collect();

@@ -46,6 +46,8 @@ pub struct Row {
     pub estimates: Vec<Option<f64>>,
     /// Their classical standard deviations.
     pub deviations: Vec<Option<f64>>,
+    /// Their 95 % intervals, with errors that may be correlated in time and differ between joints.
+    pub intervals: Vec<Option<[f64; 2]>>,
 }
 
 impl Row {

@@ -24,8 +24,10 @@ pub struct Summary {
     /// Root mean square over the parameters of the ratio of the estimates' standard deviation to the mean classical one:
     /// one where the classical one is right.
     pub spread: Option<f64>,
-    /// Part of the estimates whose classical 95 % interval holds the true value, over all parameters, percent.
+    /// Part of the 95 % intervals that hold the true value, over all parameters, percent.
     pub coverage_percent: Option<f64>,
+    /// The same of the estimates with 1.96 classical standard deviations on both sides.
+    pub classical_coverage_percent: Option<f64>,
     /// Mean of the iterations.
     pub iterations: Option<f64>,
     /// Mean of the simulations.
@@ -57,8 +59,10 @@ pub struct ParameterSummary {
     pub spread: Option<f64>,
     /// Mean of the classical standard deviations.
     pub deviation: f64,
-    /// Part of the classical 95 % intervals that hold the true value, percent.
+    /// Part of the 95 % intervals that hold the true value, percent.
     pub coverage_percent: f64,
+    /// The same of the estimates with 1.96 classical standard deviations on both sides.
+    pub classical_coverage_percent: f64,
     /// Estimates.
     pub count: usize,
 }
@@ -127,8 +131,9 @@ fn parameters(runs: &CampaignRuns, converged: &[&Row]) -> Vec<ParameterSummary> 
         let pairs = converged.iter().filter_map(|r| r.estimates[i].zip(r.deviations[i]));
         let (estimates, deviations): (Vec<f64>, Vec<f64>) = pairs.unzip();
         let (truth, mean) = (p.truth?, mean(estimates.iter().copied())?);
-        let covers = |(e, d): (&f64, &f64)| (e - truth).abs() <= NORMAL_95 * d;
-        let covered = estimates.iter().zip(&deviations).filter(|(e, d)| covers((e, d))).count();
+        let classical = estimates.iter().zip(&deviations).filter(|(e, d)| (*e - truth).abs() <= NORMAL_95 * **d);
+        let holds = |r: &&&Row| r.intervals[i].is_some_and(|[low, high]| (low..=high).contains(&truth));
+        let percent = |count: usize| 100.0 * count as f64 / estimates.len() as f64;
         Some(ParameterSummary {
             name: p.name.clone(),
             unit: p.unit.clone(),
@@ -136,7 +141,8 @@ fn parameters(runs: &CampaignRuns, converged: &[&Row]) -> Vec<ParameterSummary> 
             mean,
             spread: standard_deviation(&estimates),
             deviation: self::mean(deviations.iter().copied())?,
-            coverage_percent: 100.0 * covered as f64 / estimates.len() as f64,
+            coverage_percent: percent(converged.iter().filter(holds).count()),
+            classical_coverage_percent: percent(classical.count()),
             count: estimates.len(),
         })
     };
@@ -149,7 +155,10 @@ impl Summary {
         let numbers = |f: &dyn Fn(&Row) -> Option<f64>| converged.iter().filter_map(|r| f(r)).collect::<Vec<f64>>();
         let parameters = parameters(runs, &converged);
         let estimates: usize = parameters.iter().map(|p| p.count).sum();
-        let covered: f64 = parameters.iter().map(|p| p.coverage_percent * p.count as f64).sum();
+        let pooled = |coverage: fn(&ParameterSummary) -> f64| {
+            let covered: f64 = parameters.iter().map(|p| coverage(p) * p.count as f64).sum();
+            (estimates > 0).then(|| covered / estimates as f64)
+        };
         let size = runs.facts.parameters.iter().filter_map(|p| p.truth).map(|t| t * t).sum::<f64>().sqrt();
         let text = |f: fn(&Row) -> &String| rows.first().map(|r| f(r).clone()).unwrap_or_default();
         Self {
@@ -160,7 +169,8 @@ impl Summary {
             converged: converged.len(),
             bias: root_mean_square(parameters.iter().map(|p| (p.mean - p.truth) / p.deviation)),
             spread: root_mean_square(parameters.iter().filter_map(|p| Some(p.spread? / p.deviation))),
-            coverage_percent: (estimates > 0).then(|| covered / estimates as f64),
+            coverage_percent: pooled(|p| p.coverage_percent),
+            classical_coverage_percent: pooled(|p| p.classical_coverage_percent),
             iterations: mean(converged.iter().map(|r| r.iterations as f64)),
             simulations: mean(converged.iter().map(|r| r.simulations as f64)),
             seconds: mean(numbers(&|r| r.seconds)),

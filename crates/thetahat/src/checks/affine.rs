@@ -70,7 +70,15 @@ pub(super) fn diagonal(entries: &[f64]) -> Matrix {
 }
 
 fn permutation(joints: usize, (a, b): (usize, usize)) -> Matrix {
-    let image = |i: usize| if i == a { b } else if i == b { a } else { i };
+    let image = |i: usize| {
+        if i == a {
+            b
+        } else if i == b {
+            a
+        } else {
+            i
+        }
+    };
     Matrix::from_fn(joints, joints, |i, j| if image(i) == j { 1.0 } else { 0.0 })
 }
 

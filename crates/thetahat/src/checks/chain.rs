@@ -6,16 +6,11 @@
 
 use std::{cell::OnceCell, rc::Rc};
 
-use super::{
-    Subject,
-    affine::Affine,
-    numbers::{deviation, dot},
-    signals::band_pass,
-};
+use super::{Subject, affine::Affine, regression::Regression, signals::band_pass};
 use crate::{
     dynamics::Sign,
     identification::Assembly,
-    linear_algebra::{Matrix, PivotedQr},
+    linear_algebra::Matrix,
     regressor::Regressor,
     robot::Quantity,
     series::Series,
@@ -26,10 +21,10 @@ use crate::{
 const SAMPLES_PER_PERIOD: f64 = 10.0;
 /// Most samples at which the motion is evaluated: the time of a check is bounded.
 const MOST_SAMPLES: usize = 20_000;
+/// Rows of a joint of which more would add nothing.
+const ENOUGH_ROWS: usize = 2_000;
 /// Most work of one factorisation, rows times squared columns: of more rows, every n-th is taken.
 const MOST_WORK: f64 = 2e7;
-/// Relative size of the last diagonal entries of R below which a column counts as dependent, as for the estimate.
-const RANK_TOLERANCE: f64 = 1e-10;
 
 /// Positions and their derivatives.
 #[derive(Debug, Clone)]
@@ -60,7 +55,7 @@ pub(super) struct Chain<'a> {
 impl<'a> Chain<'a> {
     pub(super) fn new(subject: &'a Subject<'a>, cutoff_hz: f64) -> Result<Self, SignalError> {
         let (window, rate) = (subject.signal.window.clone(), subject.sample_rate_hz);
-        let factor = subject.signal.decimation;
+        let factor = subject.signal.decimation.max(bounded_factor(window.len(), rate, cutoff_hz));
         let stride = ((rate / (SAMPLES_PER_PERIOD * cutoff_hz)) as usize).max(window.len().div_ceil(MOST_SAMPLES));
         let stride = stride.clamp(1, factor);
         let (q, dq, ddq) = band_pass(subject, subject.position, cutoff_hz)?;
@@ -75,7 +70,18 @@ impl<'a> Chain<'a> {
         let motion = Motion { q, dq, ddq };
         let rate_hz = rate / stride as f64;
         let fit = OnceCell::new();
-        Ok(Self { subject, motion, torque, decimator, rate_hz, kept, every: every.max(1), regressor, fit, corrected: false })
+        Ok(Self {
+            subject,
+            motion,
+            torque,
+            decimator,
+            rate_hz,
+            kept,
+            every: every.max(1),
+            regressor,
+            fit,
+            corrected: false,
+        })
     }
 
     pub(super) fn joints(&self) -> usize {
@@ -129,6 +135,11 @@ impl<'a> Chain<'a> {
         Ok(Rc::clone(self.fit.get_or_init(|| fit)))
     }
 
+    /// Whether the motion separates all parameters.
+    pub(super) fn has_full_rank(&self) -> bool {
+        self.regression().is_ok_and(|r| r.rank == r.x.columns())
+    }
+
     /// The rows of a series that is already low-passed, joint by joint.
     pub(super) fn stack(&self, series: &Series) -> Vec<f64> {
         (0..series.channels()).flat_map(|j| self.kept.iter().map(move |&k| series.sample(k)[j])).collect()
@@ -177,6 +188,12 @@ impl<'a> Chain<'a> {
     }
 }
 
+/// The decimation that leaves about [`ENOUGH_ROWS`], where that keeps the band of the position filter.
+fn bounded_factor(samples: usize, rate: f64, cutoff_hz: f64) -> usize {
+    let keeps_the_band = (0.4 * rate / (2.0 * cutoff_hz)) as usize;
+    keeps_the_band.min(samples / ENOUGH_ROWS)
+}
+
 /// Rows times squared columns.
 fn work(subject: &Subject<'_>, rows: usize) -> f64 {
     (rows * subject.torque.channels()) as f64 * (subject.base.len() as f64).powi(2)
@@ -186,123 +203,4 @@ fn work(subject: &Subject<'_>, rows: usize) -> f64 {
 pub(super) fn at(series: &Series, samples: &[usize]) -> Series {
     let values = samples.iter().flat_map(|&k| series.sample(k).iter().copied()).collect();
     Series::from_values(series.channels(), values)
-}
-
-/// Least squares on weighted rows, also where columns depend on one another.
-pub(super) struct Regression {
-    pub(super) x: Matrix,
-    /// Factor of each row.
-    weights: Vec<f64>,
-    /// Orthonormal basis of the columns of x.
-    basis: Matrix,
-    pub(super) qr: PivotedQr,
-    pub(super) rank: usize,
-    pub(super) y: Vec<f64>,
-    /// y along the basis.
-    projection: Vec<f64>,
-    pub(super) residual: Vec<f64>,
-    pub(super) squares: f64,
-}
-
-impl Regression {
-    pub(super) fn new(x: &Matrix, y: &[f64], joints: usize) -> Self {
-        let rows = y.len() / joints;
-        let weights = weights(y, rows);
-        let x = x.scale_rows(&weights);
-        let y: Vec<f64> = y.iter().zip(&weights).map(|(y, w)| y * w).collect();
-        let qr = PivotedQr::new(&x);
-        let rank = qr.rank(RANK_TOLERANCE);
-        let basis = qr.thin_q().select_columns(&(0..rank).collect::<Vec<_>>());
-        let residual = project_out(&basis, &y);
-        let squares = dot(&residual, &residual);
-        let projection = (0..rank).map(|c| dot(basis.column(c), &y)).collect();
-        Self { x, weights, basis, qr, rank, y, projection, residual, squares }
-    }
-
-    /// What is left of a vector of unweighted rows that the parameters do not take up, weighted.
-    pub(super) fn unexplained(&self, rows: &[f64]) -> Vec<f64> {
-        project_out(&self.basis, &self.weighted(rows))
-    }
-
-    /// A vector of unweighted rows, weighted.
-    pub(super) fn weighted(&self, rows: &[f64]) -> Vec<f64> {
-        rows.iter().zip(&self.weights).map(|(r, w)| r * w).collect()
-    }
-
-    /// Parameters; those that depend on others are zero.
-    pub(super) fn theta(&self) -> Vec<f64> {
-        self.theta_of_weighted(&self.y)
-    }
-
-    /// The same for another vector of unweighted rows.
-    pub(super) fn theta_of(&self, rows: &[f64]) -> Vec<f64> {
-        self.theta_of_weighted(&self.weighted(rows))
-    }
-
-    fn theta_of_weighted(&self, y: &[f64]) -> Vec<f64> {
-        if self.rank == self.x.columns() {
-            return self.qr.solve(y);
-        }
-        let mut theta = vec![0.0; self.x.columns()];
-        let independent = &self.qr.pivots()[..self.rank];
-        let solution = PivotedQr::new(&self.x.select_columns(independent)).solve(y);
-        independent.iter().zip(solution).for_each(|(&c, v)| theta[c] = v);
-        theta
-    }
-
-    /// The squared residual with the rows of joint `j` taken from another vector of unweighted rows.
-    pub(super) fn squares_with(&self, rows: &[f64], j: usize, joints: usize) -> f64 {
-        let count = self.y.len() / joints;
-        let own = j * count..(j + 1) * count;
-        let change: Vec<f64> = own.clone().map(|i| rows[i] * self.weights[i] - self.y[i]).collect();
-        let norm = |y: &[f64]| dot(y, y);
-        let total = norm(&self.y) + own.clone().zip(&change).map(|(i, c)| c * (c + 2.0 * self.y[i])).sum::<f64>();
-        let along = |c: usize| self.projection[c] + dot(&self.basis.column(c)[own.clone()], &change);
-        total - (0..self.rank).map(|c| along(c).powi(2)).sum::<f64>()
-    }
-
-    /// Variance of the weighted residual.
-    pub(super) fn variance(&self) -> f64 {
-        self.squares / self.y.len().saturating_sub(self.rank).max(1) as f64
-    }
-
-    /// Rms residual relative to the rms torque, without weights.
-    pub(super) fn relative_error(&self) -> f64 {
-        let unweighted = |rows: &[f64]| rows.iter().zip(&self.weights).map(|(r, w)| (r / w).powi(2)).sum::<f64>();
-        (unweighted(&self.residual) / unweighted(&self.y)).sqrt()
-    }
-
-    /// Rms residual of joint `j`, relative to the standard deviation of its torque.
-    pub(super) fn joint_error(&self, j: usize, joints: usize) -> f64 {
-        let rows = self.y.len() / joints;
-        super::numbers::rms(&self.residual[j * rows..(j + 1) * rows])
-    }
-}
-
-/// One over the standard deviation of each joint's torque, for each row; one where that is zero.
-fn weights(y: &[f64], rows: usize) -> Vec<f64> {
-    let weight = |y: &[f64]| Some(deviation(y)).filter(|s| *s > 0.0).map_or(1.0, f64::recip);
-    y.chunks(rows).flat_map(|y| std::iter::repeat_n(weight(y), y.len())).collect()
-}
-
-/// The squared residual of [`Regression`] alone, for less.
-pub(super) fn squared_residual(x: &Matrix, y: &[f64], joints: usize) -> f64 {
-    let weights = weights(y, y.len() / joints);
-    let xw = x.scale_rows(&weights);
-    let yw: Vec<f64> = y.iter().zip(&weights).map(|(y, w)| y * w).collect();
-    let qr = PivotedQr::new(&xw);
-    if qr.rank(RANK_TOLERANCE) < x.columns() {
-        return Regression::new(x, y, joints).squares;
-    }
-    xw.times(&qr.solve(&yw)).iter().zip(&yw).map(|(p, y)| (y - p).powi(2)).sum()
-}
-
-/// A vector less its part in the span of orthonormal columns.
-fn project_out(basis: &Matrix, vector: &[f64]) -> Vec<f64> {
-    let mut rest = vector.to_vec();
-    for j in 0..basis.columns() {
-        let along = dot(basis.column(j), &rest);
-        rest.iter_mut().zip(basis.column(j)).for_each(|(r, b)| *r -= along * b);
-    }
-    rest
 }

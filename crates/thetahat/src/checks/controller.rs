@@ -10,14 +10,14 @@ use crate::{
     control::{Controller, ControllerDescription, VelocityEstimate},
     linear_algebra::Matrix,
     series::Series,
-    signal::central_difference,
+    signal::{Decimator, central_difference},
 };
 
-/// Rms of the drive signal that the law does not give, percent of its standard deviation. EMPS has 0.3, the twin with its
-/// torque noise at most 22 (clean).
-const LIMIT_PERCENT: f64 = 50.0;
+/// Rms of the drive signal that the law does not give, in the band of the estimate's rows, percent of its standard
+/// deviation. EMPS has 0.3, the twin with its torque noise at most 13 (clean).
+const LIMIT_PERCENT: f64 = 25.0;
 /// Longest delay that is looked for, s.
-const LONGEST_S: f64 = 0.02;
+const LONGEST_S: f64 = 0.05;
 
 /// Nothing to compare where the reference is not recorded, or where a signal is added that the subject does not hold.
 pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
@@ -28,11 +28,14 @@ pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
     }
     let law = LawInputs::new(subject, signals, reference, description);
     let drive = subject.robot.transmission.drive_signals(&subject.torque.window(subject.signal.window.clone()));
-    let inertia = law.inertia(description, &drive);
+    let direction: Vec<f64> = subject.robot.transmission.drive_to_joint_units().iter().map(|d| d.signum()).collect();
+    let inertia = law.inertia(description, &drive, &direction);
     let controller = description.resolve(&inertia, 1.0);
-    for i in 0..signals.joints() {
-        compare(exam, &law.command(&controller, i), &drive.channel(i), i);
-    }
+    let commands: Vec<Vec<f64>> = (0..signals.joints()).map(|i| law.command(&controller, i)).collect();
+    let smooth =
+        |series: &Series| Decimator::new(subject.signal.decimation, series.len()).and_then(|d| d.filter(series));
+    let (Ok(command), Ok(drive)) = (smooth(&Series::from_channels(&commands)), smooth(&drive)) else { return };
+    (0..signals.joints()).for_each(|i| compare(exam, &command.channel(i), &drive.channel(i), i));
 }
 
 fn compare(exam: &mut Examination<'_>, command: &[f64], drive: &[f64], i: usize) {
@@ -47,12 +50,13 @@ fn compare(exam: &mut Examination<'_>, command: &[f64], drive: &[f64], i: usize)
         limit: LIMIT_PERCENT,
     };
     exam.judge(evidence, Severity::Warning, || {
-        let gain = dot(command, drive) / dot(command, command);
         let late = delay(drive, command, (LONGEST_S * rate).ceil() as usize);
+        let size = dot(command, command);
+        let scale = if size > 0.0 { dot(command, drive) / size } else { 0.0 };
         (
             format!(
                 "motor {}: {value:.0} % of the drive signal is not what the controller gives for this reference and \
-                 motion; the best scale is {gain:.3}, the drive is {late:.1} samples late",
+                 motion; the best scale is {scale:.3}, the drive is {late:.1} samples late",
                 i + 1
             ),
             "check [controller]'s law, gains and delay; IDIM-IV and DIDIM simulate the loop with it".to_owned(),
@@ -69,12 +73,7 @@ struct LawInputs {
 }
 
 impl LawInputs {
-    fn new(
-        subject: &Subject<'_>,
-        signals: &Signals,
-        reference: &Series,
-        description: &ControllerDescription,
-    ) -> Self {
+    fn new(subject: &Subject<'_>, signals: &Signals, reference: &Series, description: &ControllerDescription) -> Self {
         let (rate, window) = (subject.sample_rate_hz, &subject.signal.window);
         let n = subject.robot.transmission.motor_in_joint_units();
         let reference = motors(&n, reference);
@@ -107,8 +106,8 @@ impl LawInputs {
             .collect()
     }
 
-    /// The inertia that explains the drive signals best, where the gains follow from it.
-    fn inertia(&self, description: &ControllerDescription, drive: &Series) -> Vec<f64> {
+    /// The inertia, in the direction of each drive, that explains the drive signals best, where the gains follow from it.
+    fn inertia(&self, description: &ControllerDescription, drive: &Series, direction: &[f64]) -> Vec<f64> {
         let motors = drive.channels();
         if !description.needs_inertia() {
             return vec![1.0; motors];
@@ -120,7 +119,8 @@ impl LawInputs {
                 let fixed = self.command(&none, i);
                 let slope: Vec<f64> = self.command(&unit, i).iter().zip(&fixed).map(|(a, b)| a - b).collect();
                 let rest: Vec<f64> = drive.channel(i).iter().zip(&fixed).map(|(u, f)| u - f).collect();
-                dot(&slope, &rest) / dot(&slope, &slope)
+                let best = dot(&slope, &rest) / dot(&slope, &slope);
+                direction[i] * (direction[i] * best).max(0.0)
             })
             .collect()
     }

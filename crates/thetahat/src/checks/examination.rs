@@ -13,7 +13,7 @@ use super::{
 #[must_use]
 pub fn examine(subject: &Subject<'_>) -> Vec<Finding> {
     let mut findings = examination(subject).findings;
-    findings.sort_by(|a, b| (a.severity, a.code, a.joint).cmp(&(b.severity, b.code, b.joint)));
+    findings.sort_by_key(|f| (f.severity, f.code, f.joint));
     findings
 }
 
@@ -24,30 +24,63 @@ pub fn examine(subject: &Subject<'_>) -> Vec<Finding> {
 #[must_use]
 pub fn measure(subject: &Subject<'_>) -> Vec<Measure> {
     let mut measures = examination(subject).measures;
-    measures.sort_by(|a, b| (a.code, a.joint).cmp(&(b.code, b.joint)));
+    measures.sort_by_key(|m| (m.code, m.joint));
     measures
 }
 
 fn examination<'a>(subject: &'a Subject<'a>) -> Examination<'a> {
     let mut exam = Examination { subject, findings: Vec::new(), measures: Vec::new() };
-    stamps::check(&mut exam);
-    torque::check(&mut exam);
-    spikes::check(&mut exam);
-    let Ok(signals) = Signals::new(subject) else { return exam };
-    motion::check(&mut exam, &signals);
-    repeats::check(&mut exam, &signals);
-    resolution::check(&mut exam, &signals);
-    velocity::check(&mut exam, &signals);
-    reference::check(&mut exam);
-    controller::check(&mut exam, &signals);
-    let Ok(mut chain) = Chain::new(subject, subject.signal.cutoff_hz) else { return exam };
-    fault::check(&mut exam, &mut chain);
-    friction::check(&mut exam, &mut chain);
-    lag::check(&mut exam, &mut chain);
-    gear::check(&mut exam, &mut chain);
-    cutoff::check(&mut exam, &chain);
-    excitation::check(&mut exam, &chain);
+    exam.samples();
+    if let Ok(signals) = Signals::new(subject, subject.signal.cutoff_hz) {
+        exam.motion(&signals);
+        if let Ok(chain) = Chain::new(subject, subject.signal.cutoff_hz) {
+            exam.fit(chain);
+        }
+    }
     exam
+}
+
+impl<'a> Examination<'a> {
+    /// The samples as recorded.
+    fn samples(&mut self) {
+        stamps::check(self);
+        torque::check(self);
+        spikes::check(self);
+    }
+
+    /// The band-passed motion, and what was recorded beside it.
+    fn motion(&mut self, signals: &Signals) {
+        motion::check(self, signals);
+        if !self.has(&[Code::PositionSpikes]) {
+            repeats::check(self, signals);
+        }
+        resolution::check(self, signals);
+        velocity::check(self, signals);
+        reference::check(self);
+        if !self.has(&[Code::ReferenceMismatch]) {
+            controller::check(self, signals);
+        }
+    }
+
+    /// The fit. What a defect that was found makes meaningless is left out.
+    fn fit(&mut self, mut chain: Chain<'a>) {
+        let blind = self.has(&[Code::TorqueConstant, Code::JointStill]);
+        if !blind {
+            fault::check(self, &mut chain);
+            friction::check(self, &mut chain);
+            cutoff::check(self, &chain);
+        }
+        excitation::check(self, &chain);
+        if !blind && !self.has(&[Code::PoorFit, Code::CutoffLow]) && chain.has_full_rank() {
+            lag::check(self, &mut chain);
+            gear::check(self, &mut chain);
+        }
+    }
+
+    /// Whether one of these was found to matter.
+    fn has(&self, codes: &[Code]) -> bool {
+        self.findings.iter().any(|f| codes.contains(&f.code) && f.severity < Severity::Note)
+    }
 }
 
 /// The findings and measures so far.

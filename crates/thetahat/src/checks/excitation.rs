@@ -2,12 +2,14 @@
 
 use super::{
     Code, Severity,
-    chain::{Chain, Regression},
+    chain::Chain,
     examination::{Evidence, Examination},
+    regression::Regression,
 };
 use crate::linear_algebra::{Matrix, PivotedQr};
 
 /// Variance inflation above which a parameter counts as confounded with others: 99.99 % of its column is spanned by them.
+/// The recorded KUKA, whose motion is one of few frequencies, has 7900 (clean).
 const INFLATION_LIMIT: f64 = 1e4;
 /// Relative standard deviation in percent above which a parameter is named in a note.
 const DEVIATION_LIMIT_PERCENT: f64 = 30.0;
@@ -54,10 +56,15 @@ fn dependent(exam: &mut Examination<'_>, regression: &Regression, columns: &Matr
         let phrase = |&c: &usize| {
             let on = qr.solve(columns.column(c));
             let partners = strongest(on.iter().map(|v| v.abs()).zip(pick(names, kept)));
-            if partners.is_empty() { format!("{} (no effect)", names[c]) } else { format!("{} (with {partners})", names[c]) }
+            if partners.is_empty() {
+                format!("{} (no effect)", names[c])
+            } else {
+                format!("{} (with {partners})", names[c])
+            }
         };
         let list: Vec<String> = lost.iter().map(phrase).collect();
-        let message = format!("the motion does not separate {} parameters from the others: {}", lost.len(), list.join(", "));
+        let message =
+            format!("the motion does not separate {} parameters from the others: {}", lost.len(), list.join(", "));
         let remedy = "move the joints concerned, faster and in other configurations, or exclude these parameters";
         ((message, remedy.to_owned()), pick(names, &lost).into_iter().map(str::to_owned).collect())
     });
@@ -77,7 +84,8 @@ fn confounded(exam: &mut Examination<'_>, columns: &Matrix, names: &[&str]) {
             strongest(share)
         };
         let list: Vec<String> = worst.iter().map(|&c| format!("{} (with {})", names[c], partners(c))).collect();
-        let message = format!("the motion hardly separates {} parameters from others: {}", worst.len(), list.join(", "));
+        let message =
+            format!("the motion hardly separates {} parameters from others: {}", worst.len(), list.join(", "));
         let remedy = "move the joints concerned in other configurations and speeds, or exclude these parameters";
         ((message, remedy.to_owned()), pick(names, &worst).into_iter().map(str::to_owned).collect())
     });
@@ -104,13 +112,8 @@ fn uncertain(exam: &mut Examination<'_>, regression: &Regression, names: &[&str]
     if bad.is_empty() {
         return;
     }
-    let evidence = Evidence {
-        code: Code::NotExcited,
-        joint: None,
-        value: bad.len() as f64,
-        unit: "parameters",
-        limit: f64::NAN,
-    };
+    let evidence =
+        Evidence { code: Code::NotExcited, joint: None, value: bad.len() as f64, unit: "parameters", limit: f64::NAN };
     let parameters: Vec<String> = pick(names, &bad).into_iter().map(str::to_owned).collect();
     let message = format!(
         "{} of {} parameters have a relative standard deviation above {DEVIATION_LIMIT_PERCENT} %: {}",

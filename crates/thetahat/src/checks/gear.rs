@@ -7,19 +7,21 @@
 use super::{
     Code, Severity,
     affine::Affine,
-    chain::{Chain, Motion, Regression, at},
+    chain::{Chain, Motion, at},
     examination::{Evidence, Examination},
     numbers::dot,
+    regression::Regression,
 };
 
 /// Standard deviations by which a scale must differ from one.
 const SURE: f64 = 6.0;
 /// The same with deviations by blocks of time, which hold for residuals that are no white noise.
-const SURE_IN_BLOCKS: f64 = 3.0;
+const SURE_IN_BLOCKS: f64 = 4.0;
 /// Smallest error of a scale that counts: modelling errors move the scales of the recorded TX40 by up to 0.13.
 const SMALLEST: f64 = 0.05;
-/// Part of the squared residual that the right scale must explain, percent, as it is with the parameters estimated again.
-const EXPLAINED_LIMIT_PERCENT: f64 = 1.0;
+/// Rms torque that the right scale must explain, percent of the torques' deviation, with the parameters estimated again.
+/// Friction that is not quite a sign gives up to 1.2 on the clean twins.
+const EFFECT_LIMIT_PERCENT: f64 = 1.5;
 /// Blocks of time.
 const BLOCKS: usize = 10;
 /// Relative step of the difference quotient.
@@ -56,12 +58,14 @@ struct Estimate {
 struct Found {
     scale: Scale,
     factor: f64,
-    left: f64,
+    squares: f64,
+    /// Rms torque that it explains, percent of the torques' deviation.
+    effect: f64,
 }
 
 pub(super) fn check(exam: &mut Examination<'_>, chain: &mut Chain<'_>) {
     let geared: Vec<usize> = (0..chain.joints()).filter(|&j| ratio(chain, j).abs() != 1.0).collect();
-    if chain.joints() == 1 {
+    if chain.joints() == 1 || !exam.subject.geared {
         return;
     }
     for round in 0..MOST_FAULTS {
@@ -72,9 +76,9 @@ pub(super) fn check(exam: &mut Examination<'_>, chain: &mut Chain<'_>) {
         if round == 0 {
             note_measures(exam, &geared, &found);
         }
-        let best = found.into_iter().min_by(|a, b| a.left.total_cmp(&b.left));
-        let Some(best) = best.filter(|b| b.left < 1.0 - EXPLAINED_LIMIT_PERCENT / 100.0) else { return };
-        raise(exam, chain, &best);
+        let best = found.into_iter().min_by(|a, b| a.squares.total_cmp(&b.squares));
+        let Some(best) = best.filter(|b| b.effect > EFFECT_LIMIT_PERCENT) else { return };
+        raise(exam, chain, &best, best.squares / regression.squares);
         let Some(correction) = best.scale.correction(chain, best.factor) else { return };
         chain.correct(&correction);
     }
@@ -83,7 +87,7 @@ pub(super) fn check(exam: &mut Examination<'_>, chain: &mut Chain<'_>) {
 fn note_measures(exam: &mut Examination<'_>, geared: &[usize], found: &[Found]) {
     for &joint in geared {
         let own = found.iter().find(|f| f.scale.joint == joint);
-        exam.note_measure(evidence(joint, own.map_or(0.0, |f| 100.0 * (1.0 - f.left))));
+        exam.note_measure(evidence(joint, own.map_or(0.0, |f| f.effect)));
     }
 }
 
@@ -94,9 +98,10 @@ fn best_of_joint(chain: &Chain<'_>, regression: &Regression, theta: &[f64], join
         let scale = Scale { joint, kind };
         let estimate = estimate(chain, regression, theta, scale).filter(Estimate::is_certain)?;
         let (factor, squares) = refined(chain, scale, 1.0 + estimate.change);
-        ((factor - 1.0).abs() > SMALLEST).then_some(Found { scale, factor, left: squares / regression.squares })
+        let effect = 100.0 * ((regression.squares - squares).max(0.0) / regression.y.len() as f64).sqrt();
+        ((factor - 1.0).abs() > SMALLEST).then_some(Found { scale, factor, squares, effect })
     });
-    found.min_by(|a, b| a.left.total_cmp(&b.left))
+    found.min_by(|a, b| a.squares.total_cmp(&b.squares))
 }
 
 fn ratio(chain: &Chain<'_>, j: usize) -> f64 {
@@ -104,16 +109,20 @@ fn ratio(chain: &Chain<'_>, j: usize) -> f64 {
 }
 
 fn evidence(joint: usize, value: f64) -> Evidence {
-    let (unit, limit) = ("% of the squared residual", EXPLAINED_LIMIT_PERCENT);
+    let (unit, limit) = ("% of the torques", EFFECT_LIMIT_PERCENT);
     Evidence { code: Code::GearRatio, joint: Some(joint), value, unit, limit }
 }
 
-fn raise(exam: &mut Examination<'_>, chain: &Chain<'_>, found: &Found) {
-    let Found { scale: Scale { joint, kind }, factor, left } = *found;
+fn raise(exam: &mut Examination<'_>, chain: &Chain<'_>, found: &Found, left: f64) {
+    let Found { scale: Scale { joint, kind }, factor, .. } = *found;
     let number = joint + 1;
     let what = match kind {
         Kind::Ratio => {
-            format!("the gear ratio of motor {number} is {:.4}, not {:.4}", factor * ratio(chain, joint), ratio(chain, joint))
+            format!(
+                "the gear ratio of motor {number} is {:.4}, not {:.4}",
+                factor * ratio(chain, joint),
+                ratio(chain, joint)
+            )
         }
         Kind::Position => format!("the position of joint {number} is {factor:.4} times what was recorded"),
         Kind::Torque => format!("the torque of joint {number} is {factor:.4} times what was recorded"),

@@ -13,7 +13,7 @@ const AT_REST: f64 = 0.01;
 const SLOWEST: f64 = 1e6;
 /// Periods of the position filter's cut-off that a rest lasts: shorter ones are turning points.
 const REST_PERIODS: f64 = 10.0;
-/// Rest, percent of the window; the clean records have at most 2.
+/// Rest, percent of the window; the clean records have none.
 const REST_LIMIT_PERCENT: f64 = 6.0;
 
 pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
@@ -26,7 +26,9 @@ fn still_joint(exam: &mut Examination<'_>, signals: &Signals, j: usize) {
     let value = (STILL / signals.peak[j]).min(SLOWEST);
     let evidence = Evidence { code: Code::JointStill, joint: Some(j), value, unit: "times too slow", limit: 1.0 };
     let parameters = exam.own_parameters(j);
-    exam.judge_with(evidence, Severity::Problem, || {
+    // A joint that is held on purpose, with nothing estimated of it, harms nothing.
+    let severity = if parameters.is_empty() { Severity::Note } else { Severity::Problem };
+    exam.judge_with(evidence, severity, || {
         let words = (
             format!(
                 "joint {} does not move: it spans {:.2e} rad or m, and its velocity stays below {:.1e}",

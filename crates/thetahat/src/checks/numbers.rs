@@ -48,10 +48,16 @@ pub(super) fn correlation(a: &[f64], b: &[f64]) -> f64 {
     if size > 0.0 { covariance / size } else { 0.0 }
 }
 
+/// Fewest samples of which a delay is taken.
+const FEWEST: usize = 8;
+
 /// The delay in samples by which `a` is later than `b`, to a fraction of a sample: the parabola through the smallest sum of
 /// squared differences within `reach`.
 pub(super) fn delay(a: &[f64], b: &[f64], reach: usize) -> f64 {
-    let reach = reach.min(a.len() / 4).max(1) as isize;
+    if a.len() < FEWEST {
+        return 0.0;
+    }
+    let reach = reach.clamp(1, a.len() / 4) as isize;
     let (inside, stride) = (reach as usize..a.len() - reach as usize, (a.len() / 4000).max(1));
     let mismatch = |shift: isize| -> f64 {
         inside.clone().step_by(stride).map(|k| (a[(k as isize + shift) as usize] - b[k]).powi(2)).sum()

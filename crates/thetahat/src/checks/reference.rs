@@ -7,8 +7,11 @@ use super::{
 };
 use crate::series::Series;
 
-/// Rms deviation of the motion from the reference, percent of the motion's standard deviation.
+/// Rms deviation of the motion from the reference, percent of the motion's standard deviation. The clean
+/// records have at most 0.8.
 const LIMIT_PERCENT: f64 = 5.0;
+/// Standard deviation of a position, rad or m, of a joint that does not move.
+const STILL: f64 = 1e-4;
 /// A correlation with the reference of another joint that the own joint does not reach.
 const OTHER: f64 = 0.95;
 /// Longest delay that is looked for, s.
@@ -17,13 +20,15 @@ const LONGEST_S: f64 = 0.2;
 pub(super) fn check(exam: &mut Examination<'_>) {
     let window = exam.subject.signal.window.clone();
     let position = exam.subject.position.window(window.clone());
+    let moves = |j: &usize| deviation(&position.channel(*j)) > STILL;
+    let moving = (0..position.channels()).filter(moves);
     if let Some(reference) = exam.subject.reference {
         let reference = reference.window(window);
-        return (0..position.channels()).for_each(|j| recorded(exam, &position, &reference, j));
+        return moving.for_each(|j| recorded(exam, &position, &reference, j));
     }
     let Some(deviations) = exam.subject.reconstructed_deviation else { return };
-    for (j, &rms_deviation) in deviations.iter().enumerate().take(position.channels()) {
-        reconstructed(exam, &position.channel(j), rms_deviation, j);
+    for j in moving.filter(|&j| j < deviations.len()) {
+        reconstructed(exam, &position.channel(j), deviations[j], j);
     }
 }
 

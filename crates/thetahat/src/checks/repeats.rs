@@ -21,11 +21,18 @@ const SURE: f64 = 8.0;
 const EXPLAINED: f64 = 0.8;
 /// Samples around a jump over which an outlier comes back.
 const AROUND: usize = 3;
+/// Highest cut-off, part of the sample rate, of the velocities that steps are compared with.
+const HIGHEST_CUTOFF: f64 = 0.1;
 /// Relative rounding of a position.
 const ROUNDING: f64 = 1e-9;
 
 pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
     let torque = exam.subject.torque.window(exam.subject.signal.window.clone());
+    // A filter that lets noise through gives no velocity to expect anything from.
+    let highest = HIGHEST_CUTOFF * exam.subject.sample_rate_hz;
+    let smoother =
+        (exam.subject.signal.cutoff_hz > highest).then(|| Signals::new(exam.subject, highest).ok()).flatten();
+    let signals = smoother.as_ref().unwrap_or(signals);
     repeated(exam, signals, &signals.raw, "positions");
     repeated(exam, signals, &torque, "torques");
     dropped(exam, signals);
@@ -34,8 +41,7 @@ pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
 /// All channels of a signal exactly as one sample before, while a joint moves by several steps of its position.
 fn repeated(exam: &mut Examination<'_>, signals: &Signals, series: &Series, what: &str) {
     let moving = moving_fast(exam.subject.sample_rate_hz, signals);
-    let repeated: Vec<usize> =
-        moving.iter().copied().filter(|&k| series.sample(k) == series.sample(k - 1)).collect();
+    let repeated: Vec<usize> = moving.iter().copied().filter(|&k| series.sample(k) == series.sample(k - 1)).collect();
     let value = 100.0 * repeated.len() as f64 / moving.len().max(1) as f64;
     let evidence = Evidence {
         code: Code::RepeatedSamples,
@@ -48,7 +54,10 @@ fn repeated(exam: &mut Examination<'_>, signals: &Signals, series: &Series, what
     exam.judge(evidence, Severity::Warning, || {
         let first = repeated.first().map_or(0, |k| k + start);
         (
-            format!("{} samples ({value:.2} %) repeat the {what} of the one before, the first is sample {first}", repeated.len()),
+            format!(
+                "{} samples ({value:.2} %) repeat the {what} of the one before, the first is sample {first}",
+                repeated.len()
+            ),
             "the logger holds old values: record at the rate at which they are new, or drop the repeats and resample"
                 .to_owned(),
         )
@@ -70,7 +79,7 @@ fn moving_fast(rate: f64, signals: &Signals) -> Vec<usize> {
 fn dropped(exam: &mut Examination<'_>, signals: &Signals) {
     let ahead = Ahead::new(exam.subject.sample_rate_hz, signals);
     let jumps = ahead.jumps();
-    let missing: f64 = jumps.iter().map(|&k| ahead.steps[k].0.round().max(1.0)).sum();
+    let missing = 0.0 + jumps.iter().map(|&k| ahead.steps[k].0.round().max(1.0)).sum::<f64>();
     let evidence = Evidence { code: Code::DroppedSamples, joint: None, value: missing, unit: "samples", limit: 0.5 };
     let (start, rate) = (exam.subject.signal.window.start, exam.subject.sample_rate_hz);
     exam.judge(evidence, Severity::Warning, || {
@@ -91,6 +100,8 @@ fn dropped(exam: &mut Examination<'_>, signals: &Signals) {
 /// the unexpected motion that this explains.
 struct Ahead {
     steps: Vec<(f64, f64, f64)>,
+    /// Steps behind a repeated sample: there, the motion catches up.
+    behind_repeats: Vec<bool>,
 }
 
 impl Ahead {
@@ -116,7 +127,8 @@ impl Ahead {
             }
             (score / information, 1.0 / information.sqrt(), score * score / information / total)
         };
-        Self { steps: (0..samples).map(ahead).collect() }
+        let repeat = |k: usize| k > 0 && signals.raw.sample(k) == signals.raw.sample(k - 1);
+        Self { steps: (0..samples).map(ahead).collect(), behind_repeats: (0..samples).map(repeat).collect() }
     }
 
     /// Steps with a jump ahead that the samples around do not take back.
@@ -127,7 +139,11 @@ impl Ahead {
         };
         let jump = |&k: &usize| {
             let (ahead, deviation, explained) = self.steps[k];
-            ahead > JUMP && ahead > SURE * deviation && explained > EXPLAINED && lasting(k) > JUMP
+            ahead > JUMP
+                && ahead > SURE * deviation
+                && !self.behind_repeats[k]
+                && explained > EXPLAINED
+                && lasting(k) > JUMP
         };
         (0..self.steps.len()).filter(jump).collect()
     }

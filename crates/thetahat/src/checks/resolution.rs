@@ -9,10 +9,13 @@ use super::{
 use crate::series::Series;
 
 /// Noise of the acceleration by the position's steps, percent of the acceleration's rms. The clean records have at most
-/// 0.1.
+/// 0.3.
 const STEP_LIMIT_PERCENT: f64 = 5.0;
-/// Noise of the acceleration by white noise of the position, percent of the acceleration's rms.
+/// Noise of the acceleration by white noise of the position, percent of the acceleration's rms. The clean records have at
+/// most 0.4.
 const NOISE_LIMIT_PERCENT: f64 = 10.0;
+/// A sensible cut-off, in bands of the decimated rows: 5 times the dynamics' bandwidth where the rows hold twice of it.
+const BANDS: f64 = 2.5;
 /// Differences smaller than this part of the span are rounding.
 const ROUNDING: f64 = 1e-12;
 /// Deviation of a difference from a whole number of steps, in steps.
@@ -23,16 +26,22 @@ const ON_GRID: f64 = 0.9;
 const PERIODS: f64 = 20.0;
 
 pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
-    let Some(gain) = noise_gain(exam.subject) else { return };
+    let signal = &exam.subject.signal;
+    let cutoff = signal.cutoff_hz;
+    // Steps are coarse if they are so with a sensible filter; else it is the filter.
+    let sensible = BANDS * 0.4 * exam.subject.sample_rate_hz / signal.decimation as f64;
+    let gains = (noise_gain(exam.subject, cutoff.min(sensible)), noise_gain(exam.subject, cutoff));
+    let (Some(of_steps), Some(of_noise)) = gains else { return };
     for j in (0..signals.joints()).filter(|&j| signals.moves(j)) {
         let acceleration = rms(&signals.ddq.channel(j));
-        quantisation(exam, signals, j, gain / acceleration);
-        noise(exam, signals, j, gain / acceleration);
+        if !quantisation(exam, signals, j, of_steps / acceleration) {
+            noise(exam, signals, j, of_noise / acceleration);
+        }
     }
 }
 
-fn quantisation(exam: &mut Examination<'_>, signals: &Signals, j: usize, relative_gain: f64) {
-    let Some(step) = step_of(&signals.raw.channel(j)) else { return };
+fn quantisation(exam: &mut Examination<'_>, signals: &Signals, j: usize, relative_gain: f64) -> bool {
+    let Some(step) = step_of(&signals.raw.channel(j)) else { return false };
     let value = 100.0 * relative_gain * step / 12.0_f64.sqrt();
     let evidence = Evidence {
         code: Code::PositionQuantised,
@@ -51,7 +60,7 @@ fn quantisation(exam: &mut Examination<'_>, signals: &Signals, j: usize, relativ
             ),
             format!("record the encoder's own counts, or lower the cut-off of {cutoff} Hz"),
         )
-    });
+    })
 }
 
 fn noise(exam: &mut Examination<'_>, signals: &Signals, j: usize, relative_gain: f64) {
@@ -76,11 +85,11 @@ fn noise(exam: &mut Examination<'_>, signals: &Signals, j: usize, relative_gain:
 }
 
 /// Rms acceleration behind the filter per standard deviation of white noise of the position.
-fn noise_gain(subject: &Subject<'_>) -> Option<f64> {
-    let half = (PERIODS * subject.sample_rate_hz / subject.signal.cutoff_hz).ceil() as usize + 50;
+fn noise_gain(subject: &Subject<'_>, cutoff_hz: f64) -> Option<f64> {
+    let half = (PERIODS * subject.sample_rate_hz / cutoff_hz).ceil() as usize + 50;
     let mut impulse = Series::zeros(2 * half + 1, 1);
     impulse.values_mut()[half] = 1.0;
-    let (_, _, ddq) = band_pass(subject, &impulse, subject.signal.cutoff_hz).ok()?;
+    let (_, _, ddq) = band_pass(subject, &impulse, cutoff_hz).ok()?;
     Some(crate::linear_algebra::norm(ddq.values()))
 }
 

@@ -21,10 +21,10 @@ pub(super) struct Signals {
 }
 
 impl Signals {
-    pub(super) fn new(subject: &Subject<'_>) -> Result<Self, SignalError> {
+    pub(super) fn new(subject: &Subject<'_>, cutoff_hz: f64) -> Result<Self, SignalError> {
         let window = subject.signal.window.clone();
         let raw = subject.position.window(window.clone());
-        let (_, dq, ddq) = band_pass(subject, subject.position, subject.signal.cutoff_hz)?;
+        let (_, dq, ddq) = band_pass(subject, subject.position, cutoff_hz)?;
         let [dq, ddq] = [dq, ddq].map(|s| s.window(window.clone()));
         let joints = 0..raw.channels();
         let peak = joints.clone().map(|j| quantile_abs(dq.channel(j).into_iter(), 1.0)).collect();

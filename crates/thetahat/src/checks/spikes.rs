@@ -32,14 +32,18 @@ fn spikes(exam: &mut Examination<'_>, code: Code, series: &Series, (j, what): (u
     exam.judge(evidence, Severity::Warning, || {
         let first = found.first().map_or(0, |k| k + start);
         (
-            format!("joint {}: {count} samples of the {what} lie far off their neighbours, the first is sample {first}", j + 1),
+            format!(
+                "joint {}: {count} samples of the {what} lie far off their neighbours, the first is sample {first}",
+                j + 1
+            ),
             "replace them by their neighbours' mean, or find the loose contact or transmission error".to_owned(),
         )
     });
 }
 
 fn outliers(x: &[f64]) -> Vec<usize> {
-    let off: Vec<f64> = x.windows(NEIGHBOURS).map(|w| w[NEIGHBOURS / 2] - median([w[0], w[1], w[2], w[3], w[4]])).collect();
+    let off: Vec<f64> =
+        x.windows(NEIGHBOURS).map(|w| w[NEIGHBOURS / 2] - median([w[0], w[1], w[2], w[3], w[4]])).collect();
     let scale = NORMAL_PER_MEDIAN * quantile_abs(off.iter().copied().filter(|d| *d != 0.0), 0.5);
     // The span without the outliers themselves.
     let (low, high) = (quantile(x, 0.005), quantile(x, 0.995));

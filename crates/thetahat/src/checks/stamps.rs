@@ -25,7 +25,7 @@ pub(super) fn check(exam: &mut Examination<'_>) {
     }
     let late: Vec<f64> = steps.iter().map(|s| s / median - 1.0).collect();
     let gaps = gaps(&late);
-    let missing: f64 = gaps.iter().map(|&k| late[k].round().max(1.0)).sum();
+    let missing = 0.0 + gaps.iter().map(|&k| late[k].round().max(1.0)).sum::<f64>();
     let evidence = Evidence { code: Code::DroppedSamples, joint: None, value: missing, unit: "samples", limit: 0.5 };
     exam.judge(evidence, Severity::Warning, || {
         let first = gaps.first().map_or(0.0, |&k| time[k]);
@@ -39,13 +39,8 @@ pub(super) fn check(exam: &mut Examination<'_>) {
     });
     let regular: Vec<f64> = late.iter().enumerate().filter(|(k, _)| !gaps.contains(k)).map(|(_, l)| *l).collect();
     let value = 100.0 * rms(&regular);
-    let evidence = Evidence {
-        code: Code::ClockJitter,
-        joint: None,
-        value,
-        unit: "% of a step",
-        limit: JITTER_LIMIT_PERCENT,
-    };
+    let evidence =
+        Evidence { code: Code::ClockJitter, joint: None, value, unit: "% of a step", limit: JITTER_LIMIT_PERCENT };
     exam.judge(evidence, Severity::Warning, || {
         let largest = 100.0 * quantile_abs(regular.iter().copied(), 1.0);
         (

@@ -34,6 +34,8 @@ pub struct Subject<'a> {
     pub time_s: Option<&'a [f64]>,
     /// Positions as recorded, rad or m.
     pub position: &'a Series,
+    /// Whether positions or torques were recorded on the motors' side, and came through the transmission.
+    pub geared: bool,
     /// Recorded velocities, if any, rad/s or m/s.
     pub velocity: Option<&'a Series>,
     /// Torques as recorded, N m or N.

@@ -17,7 +17,7 @@ const PILE: usize = 5;
 const FEWEST_AT_LIMIT: usize = 10;
 /// Values this close, relative to the span, are the same: rounding of the way to the motor side.
 const SAME: f64 = 1e-7;
-/// Effect of the torque's steps, percent of its standard deviation; the clean records have 0.03.
+/// Effect of the torque's steps, percent of its standard deviation; the clean records have less than 0.001.
 const STEP_LIMIT_PERCENT: f64 = 3.0;
 
 pub(super) fn check(exam: &mut Examination<'_>) {
@@ -41,7 +41,8 @@ fn constant(exam: &mut Examination<'_>, j: usize, value: f64) {
         format!("joint {}: the torque is {value} throughout", j + 1),
         "check the channel's column: the drive was not recorded, or the file names another one".to_owned(),
     );
-    exam.raise(evidence, Severity::Problem, words, Vec::new());
+    let severity = if exam.own_parameters(j).is_empty() { Severity::Note } else { Severity::Problem };
+    exam.raise(evidence, severity, words, Vec::new());
 }
 
 fn saturation(exam: &mut Examination<'_>, j: usize, drive: &[f64]) {
@@ -57,7 +58,8 @@ fn saturation(exam: &mut Examination<'_>, j: usize, drive: &[f64]) {
     exam.judge(evidence, Severity::Warning, || {
         (
             format!("joint {}: the drive stays at its extreme value for {count} samples ({value:.2} %)", j + 1),
-            "the recorded torque is cut off there: move more slowly or widen the drive's or recorder's range".to_owned(),
+            "the recorded torque is cut off there: move more slowly or widen the drive's or recorder's range"
+                .to_owned(),
         )
     });
 }
@@ -93,7 +95,10 @@ fn quantisation(exam: &mut Examination<'_>, j: usize, tau: &[f64]) {
     };
     exam.judge(evidence, Severity::Warning, || {
         (
-            format!("joint {}: the torque comes in steps of {step:.3e}, an error of {value:.1} % of its deviation", j + 1),
+            format!(
+                "joint {}: the torque comes in steps of {step:.3e}, an error of {value:.1} % of its deviation",
+                j + 1
+            ),
             "record more digits, or a finer current range".to_owned(),
         )
     });

@@ -8,8 +8,8 @@ use super::{
 };
 use crate::signal::{Padding, SecondOrderSections, zero_phase};
 
-/// Rms difference, percent of the rms velocity. The recorded KUKA has 1.7 and the UR10 1.5 (clean).
-const LIMIT_PERCENT: f64 = 10.0;
+/// Rms difference, percent of the rms velocity. The recorded KUKA has 2.7 and the UR10 0.4 (clean).
+const LIMIT_PERCENT: f64 = 6.0;
 /// A gain further from one than this is named as the cause.
 const GAIN: f64 = 0.05;
 /// A correlation with another joint that explains what the own joint does not.
@@ -44,7 +44,10 @@ fn compare(exam: &mut Examination<'_>, recorded: &[f64], motion: &[Vec<f64>], (j
     exam.judge(evidence, Severity::Warning, || {
         let cause = cause(recorded, motion, (j, reach));
         (
-            format!("joint {}: recorded velocity and derivative of the position differ by {value:.0} % rms: {cause}", j + 1),
+            format!(
+                "joint {}: recorded velocity and derivative of the position differ by {value:.0} % rms: {cause}",
+                j + 1
+            ),
             "check the velocity's column, unit and sign; the estimate itself uses the position only".to_owned(),
         )
     });

@@ -158,7 +158,7 @@ pub(crate) struct Problem {
     pub(super) elimination: Option<Elimination>,
     /// The parallel filter of each recording.
     pub(super) decimators: Vec<Decimator>,
-    pub(super) rows: Rows,
+    pub(crate) rows: Rows,
     pub(crate) x: Matrix,
     pub(crate) y: Vec<f64>,
     /// X of all base parameters, where fewer are estimated.

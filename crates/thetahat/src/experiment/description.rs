@@ -32,7 +32,7 @@ pub struct Experiment {
     pub text: String,
     /// The robot.
     pub robot: Robot,
-    /// The text of the robot's description, kept for the results.
+    /// The text of the robot's description, that of a URDF below it included, kept for the results.
     pub robot_text: String,
 }
 
@@ -348,7 +348,7 @@ impl Experiment {
         if let Some(published) = &file.published {
             paths::beside(path, "published", published)?;
         }
-        Self::assemble(path, file, text, robot.robot()?, robot.to_text())
+        Self::assemble(path, file, text, robot)
     }
 
     /// The same with another robot description than the one that the experiment names.
@@ -358,8 +358,7 @@ impl Experiment {
     pub fn read_with_robot(path: &Path, robot: &Path) -> Result<Self, ExperimentError> {
         let text = read_text(path)?;
         let file: ExperimentFile = parse(&text, path)?;
-        let robot = RobotSource::read(robot)?;
-        Self::assemble(path, file, text, robot.robot()?, robot.to_text())
+        Self::assemble(path, file, text, RobotSource::read(robot)?)
     }
 
     /// An experiment from the texts of its two files; `path` is its name in messages.
@@ -368,8 +367,8 @@ impl Experiment {
     /// As [`Experiment::read`].
     pub fn from_texts(path: &Path, text: String, robot_text: String) -> Result<Self, ExperimentError> {
         let file: ExperimentFile = parse(&text, path)?;
-        let robot = Robot::parse(&robot_text, &file.robot)?;
-        Self::assemble(path, file, text, robot, robot_text)
+        let source = RobotSource::from_text(robot_text, &file.robot)?;
+        Self::assemble(path, file, text, source)
     }
 
     /// The built-in demonstration: a TX40 twin.
@@ -394,13 +393,8 @@ impl Experiment {
         std::iter::once(nominal).chain(self.file.case.iter().cloned()).collect()
     }
 
-    fn assemble(
-        path: &Path,
-        file: ExperimentFile,
-        text: String,
-        robot: Robot,
-        robot_text: String,
-    ) -> Result<Self, ExperimentError> {
+    fn assemble(path: &Path, file: ExperimentFile, text: String, source: RobotSource) -> Result<Self, ExperimentError> {
+        let (robot, robot_text) = (source.robot()?, source.to_text());
         let experiment = Self { path: path.to_owned(), file, text, robot, robot_text };
         experiment.validate()?;
         Ok(experiment)

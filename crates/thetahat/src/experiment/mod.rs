@@ -5,11 +5,14 @@
 
 mod chain;
 mod checks;
+mod column_names;
 mod cross_validation;
 mod description;
 mod error;
+mod examination;
 mod paths;
 mod predict;
+mod proposal;
 mod record;
 mod results;
 mod rows;
@@ -21,8 +24,6 @@ pub(crate) use chain::{FilteredRecord, Problem};
 #[cfg(feature = "parquet")]
 pub(crate) use paths::beside;
 #[cfg(feature = "parquet")]
-pub(crate) use record::TwinMotion;
-#[cfg(feature = "parquet")]
 pub(crate) use run::explain;
 #[cfg(feature = "parquet")]
 pub(crate) use simulator::{RecordReference, Simulator};
@@ -32,8 +33,10 @@ pub use description::{
     RecordingDescription, SignalDescription, SimulationDescription, Start, TwinDescription, Unlisted, Weighting,
 };
 pub use error::ExperimentError;
+pub use examination::RecordingFindings;
 pub use predict::{Prediction, PredictionRequest, predict};
-pub use record::TwinRecord;
+pub use proposal::{ProposalError, ProposalRequest, propose};
+pub use record::{TwinMotion, TwinRecord};
 pub use results::{
     Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, RecordingResult, ReferenceResult, Results,
     RunPlots, RunResult,

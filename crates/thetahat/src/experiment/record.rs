@@ -26,6 +26,8 @@ pub(crate) struct Record {
     /// How the record was brought to equal steps, where it had none.
     pub(super) resampling: Option<Resampling>,
     pub(super) position: Series,
+    /// Whether positions or torques came through the transmission.
+    pub(super) geared: bool,
     pub(super) velocity: Option<Series>,
     pub(super) torque: Series,
     /// The recorded reference of the joints.
@@ -51,31 +53,34 @@ pub struct TwinRecord {
     pub torque: Series,
 }
 
-/// The motion of a twin, which can be recorded again and again with other noise.
-pub(crate) struct TwinMotion {
-    pub(crate) sample_rate_hz: f64,
-    pub(crate) motion: SimulatedMotion,
-    planned: Moves,
-    /// The true standard parameters.
-    pub(crate) truth: Vec<f64>,
+/// The true motion of a twin.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TwinMotion {
+    /// The motion and the torques that made it.
+    pub motion: SimulatedMotion,
+    /// The reference it followed.
+    pub moves: Moves,
+    /// Its standard parameters.
+    pub parameters: Vec<f64>,
 }
 
 impl TwinMotion {
-    /// The record of what sensors saw of the joints.
-    pub(crate) fn record(&self, position: Series, torque: Series) -> Record {
+    /// The record of what sensors saw of the joints: a motion can be recorded again and again with other noise.
+    pub(crate) fn record(&self, sample_rate_hz: f64, position: Series, torque: Series) -> Record {
         Record {
             name: "twin".to_owned(),
             weight: 1.0,
-            sample_rate_hz: self.sample_rate_hz,
+            sample_rate_hz,
             stamps: None,
             resampling: None,
             velocity: None,
+            geared: true,
             position,
             torque,
             reference: None,
             added_signal: None,
-            planned: Some(self.planned.clone()),
-            truth: Some(self.truth.clone()),
+            planned: Some(self.moves.clone()),
+            truth: Some(self.parameters.clone()),
         }
     }
 }
@@ -168,18 +173,34 @@ impl Experiment {
         let twin_motion = self.twin_motion(twin)?;
         let (positions, drive_signals) = twin.sensors.record(&twin_motion.motion, &self.robot.transmission);
         let position = self.robot.transmission.joint_positions(&positions);
-        Ok(twin_motion.record(position, self.robot.transmission.joint_torques(&drive_signals)))
+        let torque = self.robot.transmission.joint_torques(&drive_signals);
+        Ok(twin_motion.record(twin.sample_rate_hz, position, torque))
     }
 
-    /// Simulates the twin's motion, before any sensor.
-    pub(crate) fn twin_motion(&self, twin: &TwinDescription) -> Result<TwinMotion, ExperimentError> {
+    /// The record of the twin of `[twin]`: time in s, positions and torques of the joints.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] where there is no twin, or its motion cannot be simulated.
+    pub fn record_twin(&self) -> Result<TwinRecord, ExperimentError> {
+        let why = "it describes the simulated robot that is recorded";
+        let twin = self.file.twin.as_ref().ok_or_else(|| self.missing("[twin]", why))?;
+        let Record { sample_rate_hz, position, torque, .. } = self.simulate_twin(twin)?;
+        let joints = self.robot.coordinates().map(|j| j.name.clone()).collect();
+        Ok(TwinRecord { joints, sample_rate_hz, position, torque })
+    }
+
+    /// The motion of a twin before its sensors, with this experiment's robot, controller and solver.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] for a description that cannot be used or a loop that diverges.
+    pub fn twin_motion(&self, twin: &TwinDescription) -> Result<TwinMotion, ExperimentError> {
         let model = Model::new(&self.robot);
         let moves = self.plan(twin)?;
         let samples = (moves.end_s() + twin.rest_s) * twin.sample_rate_hz;
         let key = "[twin] duration of the moves times sample_rate_hz";
         self.require(TWIN_SAMPLES.contains(&samples), key, "from 100 to 1e8 samples", samples)?;
         let samples = samples.ceil() as usize;
-        let truth = self.true_parameters(twin, &model)?;
+        let parameters = self.true_parameters(twin, &model)?;
         let controller = self.file.controller.as_ref();
         let why = "the twin moves under its control";
         let reference = Reference::Moves(moves.clone());
@@ -193,24 +214,12 @@ impl Experiment {
             solver: self.file.simulation.solver,
             sign_velocity_scale: self.file.simulation.sign_velocity_scale,
         };
-        let inertia = closed_loop.motor_inertia(&truth, moves.end_s());
+        let inertia = closed_loop.motor_inertia(&parameters, moves.end_s());
         let grid = OutputGrid { start_s: 0.0, sample_rate_hz: twin.sample_rate_hz, samples };
         let motion = closed_loop
-            .simulate(&truth, &inertia, &grid)
+            .simulate(&parameters, &inertia, &grid)
             .map_err(|source| ExperimentError::Twin { path: self.path.clone(), source })?;
-        Ok(TwinMotion { sample_rate_hz: twin.sample_rate_hz, motion, planned: moves, truth })
-    }
-
-    /// The record of the twin of `[twin]`: time in s, positions and torques of the joints.
-    ///
-    /// # Errors
-    /// [`ExperimentError`] where there is no twin, or its motion cannot be simulated.
-    pub fn record_twin(&self) -> Result<TwinRecord, ExperimentError> {
-        let why = "it describes the simulated robot that is recorded";
-        let twin = self.file.twin.as_ref().ok_or_else(|| self.missing("[twin]", why))?;
-        let Record { sample_rate_hz, position, torque, .. } = self.simulate_twin(twin)?;
-        let joints = self.robot.joints.iter().map(|j| j.name.clone()).collect();
-        Ok(TwinRecord { joints, sample_rate_hz, position, torque })
+        Ok(TwinMotion { motion, moves, parameters })
     }
 
     fn plan(&self, twin: &TwinDescription) -> Result<Moves, ExperimentError> {
@@ -261,6 +270,7 @@ impl Record {
             resampling: clock.resampling(),
             torque: Series::zeros(position.len(), position.channels()),
             position: clock.to_equal_steps(position),
+            geared: [&description.position, &description.torque].iter().any(|s| s.side == Side::Motor),
             velocity: None,
             reference: None,
             added_signal: None,

@@ -2,6 +2,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::RecordingFindings;
 use crate::{
     identification::{Method, Status},
     recording::Resampling,
@@ -29,6 +30,9 @@ pub struct Results {
     pub bandwidth: Bandwidth,
     /// Seed of the simulated record's noise.
     pub seed: Option<u64>,
+    /// What the checks found in the recordings.
+    #[serde(default)]
+    pub findings: Vec<RecordingFindings>,
     /// The elimination, where essential parameters were sought.
     pub elimination: Option<EliminationResult>,
     /// Every case and method.
@@ -172,6 +176,12 @@ pub struct ParameterResult {
     pub expression: String,
     /// Whether the tables show it.
     pub shown: bool,
+    /// Standard deviation with errors that are correlated in time and differ between joints.
+    #[serde(default)]
+    pub standard_deviation_robust: Option<f64>,
+    /// Low and high end of the interval of 95 % with these errors.
+    #[serde(default)]
+    pub interval_95: Option<[f64; 2]>,
 }
 
 /// Curves that all runs share; joint by joint as in y.
@@ -195,9 +205,12 @@ pub struct RunPlots {
 }
 
 impl Results {
-    /// Whether every nominal run converged.
+    /// Whether every nominal run converged, and no check of a recording that was identified from found a problem.
     #[must_use]
     pub fn is_trustworthy(&self) -> bool {
+        if self.findings.iter().any(|r| !r.held_back && r.has_problem()) {
+            return false;
+        }
         let nominal = |r: &&RunResult| r.case == super::description::NOMINAL;
         self.runs.iter().filter(nominal).all(|r| r.status == Status::Converged)
     }

@@ -4,7 +4,7 @@ use std::{path::Path, time::Instant};
 
 use super::{
     Case, EliminationResult, Experiment, ExperimentError, IterationResult, ParameterResult, Plots,
-    RecordingDescription, RecordingResult, ReferenceResult, Results, RunPlots, RunResult, Weighting,
+    RecordingDescription, RecordingFindings, RecordingResult, ReferenceResult, Results, RunPlots, RunResult, Weighting,
     chain::{FilteredRecord, Problem},
     cross_validation::{folds_by_move, folds_by_part, folds_by_recording, leave_folds_out},
     simulator::{RecordReference, Simulator},
@@ -12,7 +12,8 @@ use super::{
 use crate::{
     base_parameters::BaseParameters,
     identification::{
-        EstimationError, Method, Outcome, Reason, idim_ls, iterate, joint_weights, relative_error_percent,
+        EstimationError, Fit, Method, Outcome, Reason, Uncertainty, idim_ls, iterate, joint_weights,
+        relative_error_percent, uncertainty,
     },
     linear_algebra::norm,
     robot::{Friction, Robot},
@@ -48,6 +49,8 @@ impl Experiment {
         let validation = self.read_all(&self.file.validation, data)?;
         let session = Session { experiment: self, main, validation };
         let problems = session.problems(progress)?;
+        progress("checking the recordings");
+        let findings = session.findings(&problems[0].problem);
         let mut runs = Vec::new();
         for case in self.cases() {
             let problem = &problems[session.friction_index(&case)];
@@ -56,7 +59,7 @@ impl Experiment {
                 runs.push(session.run(problem, &case, method)?);
             }
         }
-        session.results(&problems[0], runs)
+        session.results(&problems[0], findings, runs)
     }
 
     fn read_all(&self, descriptions: &[RecordingDescription], data: &Path) -> Result<Vec<Prepared>, ExperimentError> {
@@ -138,7 +141,7 @@ impl Session<'_> {
         let simulator = self.simulator(&self.main, problem, case);
         let outcome = self.estimate(problem, method, weights.as_deref(), simulator.as_ref());
         let seconds = started.elapsed().as_secs_f64();
-        let mut run = self.summarise(problem, case, method, &outcome);
+        let mut run = self.summarise(problem, case, method, &outcome, weights.as_deref());
         run.seconds = seconds;
         let Some(fit) = &outcome.fit else { return Ok(run) };
         let motions = simulator.as_ref().and_then(|s| s.simulate(&fit.theta).ok());
@@ -196,8 +199,19 @@ impl Session<'_> {
         }
     }
 
-    fn summarise(&self, problem: &Problem, case: &Case, method: Method, outcome: &Outcome) -> RunResult {
+    fn summarise(
+        &self,
+        problem: &Problem,
+        case: &Case,
+        method: Method,
+        outcome: &Outcome,
+        weights: Option<&[f64]>,
+    ) -> RunResult {
         let fit = outcome.fit.as_ref();
+        let instruments = outcome.instruments.as_ref();
+        let rows = problem.rows.blocks();
+        let uncertain = |f| uncertainty(method, (&problem.x, instruments, &problem.y), weights, f, &rows).ok();
+        let parameters = fit.map(|f| self.parameters(problem, f, uncertain(f).as_ref()));
         let iterations = outcome.iterations.iter().map(|i| IterationResult {
             relative_error_percent: i.relative_error_percent,
             parameter_change: i.parameter_change,
@@ -221,12 +235,13 @@ impl Session<'_> {
             validation_simulation_relative_error_percent: None,
             f_test: fit.filter(|_| method == Method::IdimLs).and_then(|f| full_model_test(problem, &f.theta)),
             convergence: iterations.collect(),
-            parameters: fit.map(|f| self.parameters(problem, &f.theta, &f.standard_deviation)).unwrap_or_default(),
+            parameters: parameters.unwrap_or_default(),
             plots: RunPlots::default(),
         }
     }
 
-    fn parameters(&self, problem: &Problem, theta: &[f64], deviations: &[f64]) -> Vec<ParameterResult> {
+    fn parameters(&self, problem: &Problem, fit: &Fit, uncertainty: Option<&Uncertainty>) -> Vec<ParameterResult> {
+        let (theta, deviations) = (&fit.theta, &fit.standard_deviation);
         let truth = self
             .main
             .first()
@@ -248,6 +263,8 @@ impl Session<'_> {
                 unit: p.unit.to_owned(),
                 expression: p.expression.clone(),
                 shown: show.is_empty() || show.contains(&p.name),
+                standard_deviation_robust: uncertainty.map(|u| u.standard_deviation[i]),
+                interval_95: uncertainty.map(|u| u.interval_95[i]),
             })
             .collect()
     }
@@ -292,7 +309,21 @@ impl Session<'_> {
         Ok(())
     }
 
-    fn results(&self, nominal: &CaseProblem, runs: Vec<RunResult>) -> Result<Results, ExperimentError> {
+    /// What is found in the recordings, those that are identified from and those held back.
+    fn findings(&self, nominal: &Problem) -> Vec<RecordingFindings> {
+        let examine = |prepared: &Prepared, held_back| {
+            self.experiment.examine(&prepared.filtered, prepared.reference.as_ref(), nominal, held_back)
+        };
+        let main = self.main.iter().map(|p| examine(p, false));
+        main.chain(self.validation.iter().map(|p| examine(p, true))).collect()
+    }
+
+    fn results(
+        &self,
+        nominal: &CaseProblem,
+        findings: Vec<RecordingFindings>,
+        runs: Vec<RunResult>,
+    ) -> Result<Results, ExperimentError> {
         let problem = &nominal.problem;
         let name = |i: &usize| problem.base.parameters()[*i].name.clone();
         let elimination = problem.elimination.as_ref().map(|e| EliminationResult {
@@ -312,6 +343,7 @@ impl Session<'_> {
             validation_recordings: self.validation.iter().map(Prepared::describe).collect(),
             bandwidth: self.experiment.measure_bandwidth(rate)?,
             seed: self.experiment.file.twin.as_ref().map(|t| t.sensors.seed),
+            findings,
             elimination,
             runs,
             experiment_description: self.experiment.text.clone(),
@@ -345,21 +377,12 @@ impl Prepared {
     }
 
     fn describe_reference(&self, reference: &RecordReference) -> ReferenceResult {
-        let filtered = &self.filtered;
-        let joints = filtered.q.channels();
-        let [mut q, mut dq, mut ddq] = [(); 3].map(|()| vec![0.0; joints]);
-        let mut squares = vec![0.0; joints];
-        for k in filtered.window.clone() {
-            reference.reference.evaluate(k as f64 / filtered.record.sample_rate_hz, &mut q, &mut dq, &mut ddq);
-            let measured = filtered.record.position.sample(k);
-            squares.iter_mut().zip(measured.iter().zip(&q)).for_each(|(s, (m, r))| *s += (m - r).powi(2));
-        }
         let moves = match &reference.reference {
             Reference::Moves(moves) => Some(moves.moves().len()),
             Reference::Sampled(_) => None,
         };
-        let rms = squares.iter().map(|s| (s / filtered.window.len() as f64).sqrt()).collect();
-        ReferenceResult { origin: reference.origin.to_owned(), moves, rms_deviation: rms }
+        let rms_deviation = self.filtered.rms_deviation_from(reference);
+        ReferenceResult { origin: reference.origin.to_owned(), moves, rms_deviation }
     }
 }
 

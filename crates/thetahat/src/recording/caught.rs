@@ -33,6 +33,8 @@ mod tests {
     #[test]
     fn panic_is_told_as_damage() {
         let result = caught::<()>(Path::new("q.mat"), "HDF5", || panic!("index out of bounds"));
-        assert!(matches!(result, Err(RecordingError::Damaged { reason, .. }) if reason.contains("index out of bounds")));
+        assert!(
+            matches!(result, Err(RecordingError::Damaged { reason, .. }) if reason.contains("index out of bounds"))
+        );
     }
 }

@@ -118,11 +118,13 @@ pub enum RecordingError {
         /// The file.
         file: PathBuf,
         /// What is wrong.
-        problem: BagError,
+        problem: Box<BagError>,
     },
 
     /// The delimiter given for a CSV file cannot be one.
-    #[error("{file}: expected a delimiter such as \",\", \";\", \"|\", a tab or a space, found {found:?}; correct `delimiter`")]
+    #[error(
+        "{file}: expected a delimiter such as \",\", \";\", \"|\", a tab or a space, found {found:?}; correct `delimiter`"
+    )]
     BadDelimiter {
         /// The file.
         file: PathBuf,
@@ -205,8 +207,10 @@ pub enum RecordingError {
     },
 
     /// A cell of a CSV file is not a number.
-    #[error("{file}: line {line}, column {column:?}: expected a number, found {found:?}; correct or remove the line, \
-             or set `decimal` if the decimal sign is not seen as one")]
+    #[error(
+        "{file}: line {line}, column {column:?}: expected a number, found {found:?}; correct or remove the line, \
+             or set `decimal` if the decimal sign is not seen as one"
+    )]
     NotANumber {
         /// The file.
         file: PathBuf,
@@ -269,7 +273,9 @@ pub enum RecordingError {
     },
 
     /// A variable has fewer columns than the one asked for.
-    #[error("{file}: {column:?}: expected a column from 1 to {found}, which is what the variable has; correct the number")]
+    #[error(
+        "{file}: {column:?}: expected a column from 1 to {found}, which is what the variable has; correct the number"
+    )]
     MissingChannel {
         /// The file.
         file: PathBuf,

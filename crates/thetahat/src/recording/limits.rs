@@ -48,6 +48,7 @@ impl Budget {
         Ok(bytes)
     }
 
+    #[cfg(feature = "hdf5")]
     pub(super) fn left(&self) -> usize {
         self.left
     }

@@ -21,6 +21,7 @@
 //! | `fuzzing` | every reader on bytes, for fuzz tests |
 
 mod bag;
+#[cfg(any(feature = "hdf5", feature = "parquet", feature = "rosbag"))]
 mod caught;
 mod checks;
 mod clock;
@@ -45,12 +46,12 @@ mod unit;
 #[cfg(test)]
 mod test_files;
 
-pub use bag::BagError;
+pub use bag::{BagError, OtherTopic};
 pub use checks::{STEP_TOLERANCE, not_all_zero, one_channel, same_length, sample_rate_from_time};
 pub use clock::{Clock, Resampling};
 pub use csv::{Decimal, Dialect};
 pub use error::RecordingError;
 pub use format::Format;
-pub use inspect::{ChannelSummary, ColumnSummary, Contents, Gap, OtherTopic, TableSummary, TimeSummary, inspect};
+pub use inspect::{ChannelSummary, ColumnSummary, Contents, Gap, TableSummary, TimeSummary, inspect};
 pub use source::{ChannelSource, Side, read_channels};
 pub use unit::{Quantity, Unit};

@@ -25,12 +25,7 @@ pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Table, RecordingError> {
 }
 
 /// An array as a column: one channel for a vector, one for each column of a matrix.
-pub(super) fn column(
-    name: String,
-    bytes: &[u8],
-    path: &Path,
-    budget: &mut Budget,
-) -> Result<Column, RecordingError> {
+pub(super) fn column(name: String, bytes: &[u8], path: &Path, budget: &mut Budget) -> Result<Column, RecordingError> {
     let damaged = |reason: String| RecordingError::damaged(path, format!("array {name:?}: {reason}"));
     check_header(bytes).map_err(|reason| damaged(reason.to_owned()))?;
     let mut rest = bytes;

@@ -48,7 +48,7 @@ impl Column {
 
     /// Number of samples of each channel.
     pub(super) fn samples(&self) -> usize {
-        if self.channels == 0 { 0 } else { self.values.len() / self.channels }
+        self.values.len().checked_div(self.channels).unwrap_or(0)
     }
 
     pub(super) fn is_numeric(&self) -> bool {
@@ -86,7 +86,9 @@ impl Wanted<'_> {
     pub(super) fn includes(self, name: &str) -> bool {
         match self {
             Self::All => true,
-            Self::Named(asked) => asked.iter().any(|asked| asked == name || indexed(asked).is_some_and(|(n, _)| n == name)),
+            Self::Named(asked) => {
+                asked.iter().any(|asked| asked == name || indexed(asked).is_some_and(|(n, _)| n == name))
+            }
         }
     }
 }

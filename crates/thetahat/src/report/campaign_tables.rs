@@ -12,7 +12,7 @@ const HEAD: [&str; 11] =
 /// What the columns are.
 pub(super) const LEGEND: &str = "ok: runs that converged; all other figures are of these alone. bias: rms over the \
     parameters of the mean error in classical standard deviations. spread: rms over the parameters of the estimates' \
-    standard deviation over the classical one (1 where that is right). cover: how often the classical 95 % interval \
+    standard deviation over the classical one (1 where that is right). cover: how often the 95 % interval \
     holds the true value. dist: median of |theta - theta_true| / |theta_true|. pos, torque: medians of the relative \
     errors of the loop simulated with the estimate against the true motion. iter, sims: iterations and closed-loop \
     simulations, on average. ms: time from the measurements to the estimate, on average.";
@@ -72,7 +72,7 @@ pub(super) fn parameters(runs: &CampaignRuns, summaries: &[Summary]) -> Vec<Tabl
     let table = |s: &Summary| Table {
         title: format!("{}, {}, {}", s.case, s.noise, s.method),
         lead: 2,
-        head: ["parameter", "unit", "true", "mean", "error", "sd of estimates", "mean classical sd", "cover %"]
+        head: ["parameter", "unit", "true", "mean", "error", "sd of estimates", "mean classical sd", "cover %", "classical %"]
             .map(str::to_owned)
             .into(),
         rows: parameter_summaries(runs, &s.case, &s.noise, &s.method).iter().map(parameter).collect(),
@@ -91,5 +91,6 @@ fn parameter(p: &ParameterSummary) -> Vec<String> {
         optional(p.spread, 2),
         significant(p.deviation, 2),
         fixed(p.coverage_percent, 1),
+        fixed(p.classical_coverage_percent, 1),
     ]
 }

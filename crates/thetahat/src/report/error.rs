@@ -26,6 +26,12 @@ pub enum ReportError {
         /// What the system says.
         source: io::Error,
     },
+    /// A robot cannot be turned into JSON.
+    #[error("the robot as JSON: {source}")]
+    ModelJson {
+        /// Why.
+        source: serde_json::Error,
+    },
     /// The results do not go into JSON.
     #[error("results.json: {source}")]
     Json {

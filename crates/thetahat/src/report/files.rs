@@ -5,10 +5,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{Published, ReportError, html};
+use super::{ModelReport, Published, ReportError, html};
 use crate::experiment::{ParameterResult, Results, RunResult};
 
-const PARAMETER_COLUMNS: [&str; 9] = [
+const PARAMETER_COLUMNS: [&str; 12] = [
     "case",
     "method",
     "name",
@@ -18,6 +18,9 @@ const PARAMETER_COLUMNS: [&str; 9] = [
     "true_value",
     "unit",
     "expression",
+    "standard_deviation_robust",
+    "interval_95_low",
+    "interval_95_high",
 ];
 
 /// Writes `results.json`, `parameters.csv` and `report.html` into a folder, which is made where it is not there.
@@ -113,6 +116,15 @@ fn json(results: &Results) -> Result<Vec<u8>, ReportError> {
     Ok(text)
 }
 
+/// A robot as one JSON object; the units are SI.
+///
+/// # Errors
+/// [`ReportError`] for what cannot be rendered.
+pub fn model_json(report: &ModelReport) -> Result<String, ReportError> {
+    let text = serde_json::to_string_pretty(report).map_err(|source| ReportError::ModelJson { source })?;
+    Ok(text + "\n")
+}
+
 fn parameters_csv(results: &Results) -> Result<Vec<u8>, ReportError> {
     let refuse = |source| ReportError::Csv { source };
     let mut writer = csv::Writer::from_writer(Vec::new());
@@ -125,7 +137,7 @@ fn parameters_csv(results: &Results) -> Result<Vec<u8>, ReportError> {
     writer.into_inner().map_err(|e| refuse(e.into_error().into()))
 }
 
-fn parameter_record(run: &RunResult, parameter: &ParameterResult) -> [String; 9] {
+fn parameter_record(run: &RunResult, parameter: &ParameterResult) -> [String; 12] {
     let number = |v: Option<f64>| v.map(|v| v.to_string()).unwrap_or_default();
     [
         run.case.clone(),
@@ -137,5 +149,8 @@ fn parameter_record(run: &RunResult, parameter: &ParameterResult) -> [String; 9]
         number(parameter.true_value),
         parameter.unit.clone(),
         parameter.expression.clone(),
+        number(parameter.standard_deviation_robust),
+        number(parameter.interval_95.map(|[low, _]| low)),
+        number(parameter.interval_95.map(|[_, high]| high)),
     ]
 }

@@ -9,10 +9,14 @@ mod box_plot;
 mod campaign;
 #[cfg(feature = "parquet")]
 mod campaign_tables;
+mod contents;
 mod error;
 mod figures;
 mod files;
+mod findings;
 mod html;
+mod model;
+mod model_text;
 mod number;
 mod plot;
 mod prediction;
@@ -25,8 +29,15 @@ pub mod text;
 
 #[cfg(feature = "parquet")]
 pub use campaign::{campaign_text, write_campaign};
+pub use contents::contents_text;
 pub use error::ReportError;
-pub use files::{check_folder, write_all};
+pub use files::{check_folder, model_json, write_all};
+pub use findings::findings_text;
+pub use model::{
+    BaseParameterReport, Count, Counts, JointReport, MimicReport, ModelReport, StandardParameterReport,
+    TransmissionReport,
+};
+pub use model_text::model_text;
 pub use prediction::{prediction_text, write_prediction};
 pub use published::{Agreement, Published, PublishedValue};
 pub use series::write_record;

@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::{
     Published, Table,
     figures::{self, Figure},
+    findings,
     number::{given, optional, significant},
     tables::{self, Detail},
 };
@@ -43,7 +44,7 @@ impl Section {
 
 /// Every section that has something to show.
 pub(super) fn all(results: &Results, published: Option<&Published>) -> Vec<Section> {
-    let mut sections = vec![summary(results), estimates(results)];
+    let mut sections = vec![summary(results), findings(results), estimates(results)];
     sections.extend(published.map(|p| comparison(results, p)));
     sections.extend([truth(results), formulas(results), torques(results)]);
     sections.extend([convergence(results), tracking(results), elimination(results), method(results)]);
@@ -59,6 +60,16 @@ fn summary(results: &Results) -> Section {
         title: "Summary",
         lines: tables::reasons(&runs),
         tables: tables.into_iter().flatten().collect(),
+        ..Section::default()
+    }
+}
+
+fn findings(results: &Results) -> Section {
+    Section {
+        id: "checks",
+        title: "Checks of the recordings",
+        lines: vec![findings::count(&results.findings) + "."],
+        tables: findings::table(&results.findings).into_iter().collect(),
         ..Section::default()
     }
 }

@@ -12,7 +12,7 @@ const LABEL: usize = 17;
 /// The whole report.
 #[must_use]
 pub fn all(results: &Results, published: Option<&Published>) -> String {
-    let mut parts = vec![head(results), summary(results)];
+    let mut parts = vec![head(results), super::findings_text(&results.findings), summary(results)];
     for case in results.cases() {
         parts.push(parameters(results, case));
         parts.push(truth(results, case));

@@ -5,6 +5,9 @@ use crate::vector::{Mat3, Vec3};
 /// Moving joints of the largest robot that is read.
 pub(super) const MOST_JOINTS: usize = 100;
 
+/// Largest length in m, angle in rad, mass or ratio of a description: far beyond any robot, and far from overflow.
+pub(super) const LARGEST: f64 = 1e9;
+
 /// How a joint moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]

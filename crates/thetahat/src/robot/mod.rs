@@ -22,4 +22,4 @@ pub use source::RobotSource;
 pub use transmission::Transmission;
 pub use urdf::{Place, UrdfError};
 
-use joint::MOST_JOINTS;
+use joint::{LARGEST, MOST_JOINTS};

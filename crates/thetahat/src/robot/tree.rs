@@ -1,6 +1,6 @@
 //! Orders and cycles of trees that are given by the parent of each node; nothing here recurses.
 
-use super::Mimic;
+use super::{LARGEST, Mimic};
 
 /// Parents before children, depth first, children of one parent in the order given.
 ///
@@ -42,7 +42,7 @@ fn cycle(parents: &[Option<usize>], reached: &[usize]) -> Vec<usize> {
 /// Joints that follow a follower follow its leader.
 ///
 /// # Errors
-/// The index of a joint that follows itself in the end.
+/// The index of a joint that follows itself in the end, or by a number beyond [`LARGEST`].
 pub(super) fn resolve_mimics(mimics: &[Option<Mimic>]) -> Result<Vec<Option<Mimic>>, usize> {
     (0..mimics.len()).map(|joint| resolved(mimics, joint)).collect()
 }
@@ -50,6 +50,9 @@ pub(super) fn resolve_mimics(mimics: &[Option<Mimic>]) -> Result<Vec<Option<Mimi
 fn resolved(mimics: &[Option<Mimic>], joint: usize) -> Result<Option<Mimic>, usize> {
     let Some(mut found) = mimics[joint] else { return Ok(None) };
     for _ in 0..mimics.len() {
+        if !(found.ratio.abs() <= LARGEST && found.offset.abs() <= LARGEST) {
+            return Err(joint);
+        }
         let Some(next) = mimics[found.of] else { return Ok(Some(found)) };
         let offset = found.ratio * next.offset + found.offset;
         found = Mimic { of: next.of, ratio: found.ratio * next.ratio, offset };

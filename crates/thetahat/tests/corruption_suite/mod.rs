@@ -2,5 +2,6 @@
 #![allow(dead_code)]
 
 pub mod corruptions;
+pub mod power;
 pub mod record;
 pub mod table;

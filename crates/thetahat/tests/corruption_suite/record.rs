@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use thetahat::{
     base_parameters::BaseParameters,
     checks::{Finding, SignalSettings, Subject, examine},
@@ -47,6 +49,7 @@ impl Record {
             sample_rate_hz: self.rate_hz,
             time_s: self.time_s.as_deref(),
             position: &self.position,
+            geared: true,
             velocity: self.velocity.as_ref(),
             torque: &self.torque,
             reference: self.reference.as_ref(),
@@ -148,9 +151,9 @@ pub fn tx40(root: &Path, data: &Path) -> Record {
 
 /// The record of an experiment file, or its validation record.
 pub fn from_experiment(path: &Path, data: &Path, validation: bool) -> Record {
-    let experiment = Experiment::read(path).unwrap();
+    let experiment = Experiment::read(path, data).unwrap();
     let file = &experiment.file;
-    let description = if validation { file.validation.clone() } else { file.recording.clone() }.unwrap();
+    let description = if validation { file.validation[0].clone() } else { file.recording[0].clone() };
     let transmission = &experiment.robot.transmission;
     let motor = thetahat::recording::Side::Motor;
     let positions = |source: &thetahat::recording::ChannelSource| {
@@ -197,4 +200,44 @@ impl Record {
     pub fn findings(&self) -> Vec<Finding> {
         self.with_subject(examine)
     }
+}
+
+/// The real record with the reference that is found in its motion.
+pub fn tx40_with_reference(root: &Path, data: &Path) -> Record {
+    let mut record = tx40(root, data);
+    let found = trajectory::reconstruct(&record.position, &record.own_velocity(), record.rate_hz).unwrap();
+    record.moves = Some(found.moves);
+    // The real one is not known.
+    record.controller = None;
+    record.reconstructed_deviation = Some(found.rms_deviation);
+    record
+}
+
+/// A twin with another seed, noise and trajectory: `number` picks them.
+pub fn other_twin(number: u64) -> Record {
+    let mut rng = ChaCha8Rng::seed_from_u64(1000 + number);
+    twin(|t| {
+        let noise = [0.3, 1.0, 1.5][number as usize % 3];
+        t.sensors.seed = 100 + number;
+        t.sensors.torque_noise.iter_mut().for_each(|n| *n *= noise);
+        t.sensors.torque_ripple.iter_mut().for_each(|n| *n *= noise);
+        t.acceleration_time_s = rng.random_range(0.15..0.3);
+        let last = t.points.len() - 1;
+        for point in &mut t.points[1..last] {
+            let ranges = [150.0, 60.0, 100.0, 180.0, 110.0, 180.0];
+            for (j, value) in point.iter_mut().enumerate() {
+                let center = [0.0, -30.0, 30.0, -60.0, 10.0, -60.0][j];
+                *value = (center + 0.8 * ranges[j] * rng.random_range(-1.0_f64..1.0)).round();
+            }
+        }
+    })
+}
+
+/// A twin with little noise and without Coulomb friction, whose torque has no edges.
+pub fn quiet_twin() -> Record {
+    twin(|t| {
+        t.sensors.torque_noise.iter_mut().for_each(|n| *n *= 0.02);
+        t.sensors.torque_ripple.iter_mut().for_each(|n| *n = 0.0);
+        t.parameters.iter_mut().filter(|(name, _)| name.starts_with("fc")).for_each(|(_, value)| *value = 0.0);
+    })
 }

@@ -23,7 +23,11 @@ pub(super) fn joint_state(message: &[u8]) -> Result<JointState<'_>, String> {
     let stamp_ns = reader.stamp().ok_or("it ends within its stamp")?;
     reader.text().ok_or("its frame is not text")?;
     let names = reader.names()?;
-    let fields = [reader.numbers(&names, "positions")?, reader.numbers(&names, "velocities")?, reader.numbers(&names, "efforts")?];
+    let fields = [
+        reader.numbers(&names, "positions")?,
+        reader.numbers(&names, "velocities")?,
+        reader.numbers(&names, "efforts")?,
+    ];
     Ok(JointState { stamp_ns, names, fields })
 }
 

@@ -98,8 +98,11 @@ impl Chosen<'_> {
         if columns.is_empty() {
             return Err(RecordingError::NoColumnListed { file: file(), found: self.names() });
         }
-        let missing =
-            |column: &String| RecordingError::MissingColumn { file: file(), column: column.clone(), found: self.names() };
+        let missing = |column: &String| RecordingError::MissingColumn {
+            file: file(),
+            column: column.clone(),
+            found: self.names(),
+        };
         columns.iter().map(|column| Asked::of(column).ok_or_else(|| missing(column))).collect()
     }
 
@@ -133,7 +136,9 @@ impl Chosen<'_> {
             return Ok(());
         }
         let joint = self.topic.joints.iter().flatten().next().map_or("joint", String::as_str);
-        Err(self.topics.refuse(BagError::UnclearTime { topic: self.topic.name.clone(), example: format!("{joint}.stamp") }))
+        Err(self
+            .topics
+            .refuse(BagError::UnclearTime { topic: self.topic.name.clone(), example: format!("{joint}.stamp") }))
     }
 
     fn has_one_set_of_joints(&self) -> bool {
@@ -153,7 +158,13 @@ impl Chosen<'_> {
     }
 
     /// Adds one sample, unless the message holds none of the joints.
-    fn add(&self, number: usize, message: &Message, asked: &[Asked], values: &mut Vec<f64>) -> Result<(), RecordingError> {
+    fn add(
+        &self,
+        number: usize,
+        message: &Message,
+        asked: &[Asked],
+        values: &mut Vec<f64>,
+    ) -> Result<(), RecordingError> {
         let joints = self.topic.joints_of(message);
         let place = |joint: &str| joints.iter().position(|known| known == joint);
         let beside = asked.iter().filter_map(Asked::joint).find(|joint| place(joint).is_some());

@@ -12,8 +12,8 @@ use rusqlite::{Connection, OpenFlags, Row};
 
 use super::super::RecordingError;
 use super::super::place::{file_length, unreadable};
-use super::BagError;
 use super::topic::{JOINT_STATE, Topics};
+use super::{BagError, OtherTopic};
 
 /// Steps of SQLite's virtual machine between two looks at how many there were.
 const STEPS_AT_A_TIME: i32 = 10_000;
@@ -126,7 +126,7 @@ impl Bag {
             let (name, kind) = (text(row, 1)?, text(row, 2)?);
             match kind == JOINT_STATE && text(row, 3)? == "cdr" {
                 true => joint_states.push((row.get(0)?, name)),
-                false => others.push((name, kind)),
+                false => others.push(OtherTopic { name, kind }),
             }
             Ok(Ok(()))
         })?;

@@ -12,6 +12,7 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use super::super::RecordingError;
 use super::super::caught::caught;
 use super::super::place::{file_length, open, unreadable};
+use super::OtherTopic;
 use super::topic::{JOINT_STATE, Topics};
 
 /// Longest record that is read: no image or cloud of points in a bag is longer.
@@ -57,7 +58,8 @@ struct Bag<'a> {
 
 impl Bag<'_> {
     fn read(mut self, mut input: impl Read) -> Result<Topics, RecordingError> {
-        let options = LinearReaderOptions::default().with_record_length_limit(LONGEST_RECORD).with_validate_chunk_crcs(true);
+        let options =
+            LinearReaderOptions::default().with_record_length_limit(LONGEST_RECORD).with_validate_chunk_crcs(true);
         let mut reader = LinearReader::new_with_options(options);
         while let Some(event) = reader.next_event() {
             match event.map_err(|e| self.damaged(&e))? {
@@ -116,7 +118,7 @@ impl Bag<'_> {
             let place = self.topics.add_topic(channel.topic);
             is_asked.then_some(place)
         } else {
-            self.topics.others.push((channel.topic, kind));
+            self.topics.others.push(OtherTopic { name: channel.topic, kind });
             None
         };
         self.places.insert(channel.id, place);

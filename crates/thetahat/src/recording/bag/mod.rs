@@ -14,6 +14,7 @@
 //! | `channels` | joints by name over all messages |
 //! | `tables` | all columns of a topic, for inspection |
 //! | `db3`, `mcap` | the two kinds of bags |
+//! | `read` | the kind of bag by its format |
 //! | `error` | what can be wrong with a bag |
 
 #[cfg(feature = "rosbag")]
@@ -25,65 +26,17 @@ mod db3;
 mod error;
 #[cfg(feature = "rosbag")]
 mod mcap;
+mod read;
 #[cfg(feature = "rosbag")]
 mod tables;
 #[cfg(feature = "rosbag")]
 mod topic;
 
-use std::path::Path;
-
 pub use error::BagError;
-
-use super::table::Table;
-use super::{Format, RecordingError};
-use crate::series::Series;
-
-/// The named columns of a topic, one channel each.
+pub use read::OtherTopic;
+pub(super) use read::{channels, tables};
 #[cfg(feature = "rosbag")]
-pub(super) fn channels(
-    path: &Path,
-    format: Format,
-    topic: Option<&str>,
-    columns: &[String],
-) -> Result<Series, RecordingError> {
-    channels::of(&read(path, format, topic)?, topic, columns)
-}
-
-/// All topics with joint states, and the names and types of the other topics.
-#[cfg(feature = "rosbag")]
-pub(super) fn tables(path: &Path, format: Format) -> Result<(Vec<Table>, Vec<(String, String)>), RecordingError> {
-    let topics = read(path, format, None)?;
-    Ok((topics.list.iter().flat_map(tables::of).collect(), topics.others))
-}
-
-#[cfg(feature = "rosbag")]
-fn read(path: &Path, format: Format, topic: Option<&str>) -> Result<topic::Topics, RecordingError> {
-    let topics = if format == Format::Mcap { mcap::read(path, topic)? } else { db3::read(path, topic)? };
-    Ok(topics.in_order_of_time())
-}
-
-#[cfg(not(feature = "rosbag"))]
-pub(super) fn channels(path: &Path, _: Format, _: Option<&str>, _: &[String]) -> Result<Series, RecordingError> {
-    Err(RecordingError::FeatureMissing { file: path.to_owned(), format: "ROS 2 bags", feature: "rosbag" })
-}
-
-#[cfg(not(feature = "rosbag"))]
-pub(super) fn tables(path: &Path, _: Format) -> Result<(Vec<Table>, Vec<(String, String)>), RecordingError> {
-    Err(RecordingError::FeatureMissing { file: path.to_owned(), format: "ROS 2 bags", feature: "rosbag" })
-}
-
-/// Reads all joint states of a bag in SQLite, and forgets them.
-#[cfg(feature = "rosbag")]
-pub(super) fn fuzz_db3(bytes: &[u8]) {
-    let _ = db3::read_bytes(bytes, Path::new("fuzz.db3")).map(|topics| topics.in_order_of_time().list.iter().map(tables::of).count());
-}
-
-/// Reads all joint states of a bag in MCAP, and forgets them.
-#[cfg(feature = "rosbag")]
-pub(super) fn fuzz_mcap(bytes: &[u8]) {
-    let topics = mcap::read_from(bytes, bytes.len() as u64, Path::new("fuzz.mcap"), None);
-    let _ = topics.map(|topics| topics.in_order_of_time().list.iter().map(tables::of).count());
-}
+pub(super) use read::{fuzz_db3, fuzz_mcap};
 
 #[cfg(all(test, feature = "rosbag"))]
 mod tests;

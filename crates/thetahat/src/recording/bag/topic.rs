@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use super::super::RecordingError;
 use super::super::limits::Budget;
-use super::BagError;
 use super::cdr::joint_state;
+use super::{BagError, OtherTopic};
 
 /// The type of messages that is read.
 pub(super) const JOINT_STATE: &str = "sensor_msgs/msg/JointState";
@@ -16,8 +16,8 @@ const MOST_LISTS: usize = 256;
 pub(super) struct Topics {
     pub(super) path: PathBuf,
     pub(super) list: Vec<Topic>,
-    /// Names and types of topics that are not read.
-    pub(super) others: Vec<(String, String)>,
+    /// Topics that are not read.
+    pub(super) others: Vec<OtherTopic>,
     budget: Budget,
 }
 
@@ -101,13 +101,13 @@ impl Topics {
     }
 
     pub(super) fn refuse(&self, problem: BagError) -> RecordingError {
-        RecordingError::Bag { file: self.path.clone(), problem }
+        RecordingError::Bag { file: self.path.clone(), problem: Box::new(problem) }
     }
 
     /// The topic of a name, or the only one of joint states.
     pub(super) fn topic(&self, name: Option<&str>) -> Result<&Topic, RecordingError> {
         let found: Vec<String> = self.list.iter().map(|topic| topic.name.clone()).collect();
-        let others = || self.others.iter().map(|(name, kind)| format!("{name} ({kind})")).collect();
+        let others = || self.others.iter().map(|other| format!("{} ({})", other.name, other.kind)).collect();
         match (name, self.list.as_slice()) {
             (_, []) => Err(self.refuse(BagError::NoJointStates { found: others() })),
             (None, [only]) => Ok(only),

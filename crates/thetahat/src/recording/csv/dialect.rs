@@ -134,10 +134,10 @@ fn best<'a>(samples: &'a [Sample], path: &Path) -> Result<&'a Sample, RecordingE
 }
 
 /// Where no delimiter gives rows of one length: a single column, else the delimiter that comes nearest, whose error then
-/// names the row.
+/// names the row. A comma is then a delimiter, and not the decimal sign of a single column, unless that is set.
 fn inconsistent<'a>(samples: &'a [Sample], path: &Path) -> Result<&'a Sample, RecordingError> {
-    let column = samples.iter().rev().find(|s| s.is_one_column());
-    let rank = |s: &&Sample| (s.width() > 1, s.agreeing(), s.delimiter == b',');
-    let sample = column.or_else(|| samples.iter().max_by_key(rank));
-    sample.ok_or_else(|| RecordingError::EmptyFile { file: path.to_owned() })
+    let comma = samples.iter().find(|s| s.delimiter == b',').or(samples.first());
+    let column = comma.filter(|s| s.is_one_column());
+    let nearest = || samples.iter().filter(|s| s.width() > 1).max_by_key(|s| s.agreeing());
+    column.or_else(nearest).or(comma).ok_or_else(|| RecordingError::EmptyFile { file: path.to_owned() })
 }

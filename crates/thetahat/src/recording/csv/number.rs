@@ -57,7 +57,10 @@ impl Numbers {
 
 fn with_comma(text: &str) -> Option<f64> {
     let (whole, broken) = text.split_once(',').unwrap_or((text, ""));
-    if text.contains('.') || broken.contains(',') || (text.contains(',') && !broken.starts_with(|c: char| c.is_ascii_digit())) {
+    if text.contains('.')
+        || broken.contains(',')
+        || (text.contains(',') && !broken.starts_with(|c: char| c.is_ascii_digit()))
+    {
         return None;
     }
     if broken.is_empty() { whole.parse().ok() } else { format!("{whole}.{broken}").parse().ok() }

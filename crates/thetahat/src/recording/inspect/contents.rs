@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::super::csv::{self, Dialect};
 use super::super::place::file_bytes;
 use super::super::table::{Column, Flaw, Table, Wanted};
-use super::super::{Format, RecordingError, bag, format};
+use super::super::{Format, OtherTopic, RecordingError, bag, format};
 use super::channel::ChannelSummary;
 use super::time::{TimeSummary, times};
 
@@ -55,15 +55,6 @@ pub struct ColumnSummary {
     pub statistics: Vec<ChannelSummary>,
 }
 
-/// A topic of a bag that is not read.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct OtherTopic {
-    /// Its name.
-    pub name: String,
-    /// The type of its messages.
-    pub kind: String,
-}
-
 /// What the file at `path` holds: tables, columns with ranges and resolution, times with rate, jitter and gaps.
 ///
 /// # Errors
@@ -71,15 +62,15 @@ pub struct OtherTopic {
 /// Columns of text, values that are not finite and irregular times are not errors but reported.
 pub fn inspect(path: &Path) -> Result<Contents, RecordingError> {
     let format = Format::of(path)?;
-    let (tables, dialect, others) = match format {
+    let (tables, dialect, other_topics) = match format {
         Format::Csv => {
             let bytes = file_bytes(path)?;
             let (table, dialect) = csv::read_with_dialect(&bytes, path, &Dialect::default(), Wanted::All)?;
             (vec![table], Some(dialect), Vec::new())
         }
         Format::Db3 | Format::Mcap => {
-            let (tables, others) = bag::tables(path, format)?;
-            (tables, None, others)
+            let (tables, other_topics) = bag::tables(path, format)?;
+            (tables, None, other_topics)
         }
         _ => (by_samples(format::table(path, format, &Dialect::default(), Wanted::All)?), None, Vec::new()),
     };
@@ -88,7 +79,7 @@ pub fn inspect(path: &Path) -> Result<Contents, RecordingError> {
         format,
         dialect,
         tables: tables.iter().map(|table| summary(table, format)).collect(),
-        other_topics: others.into_iter().map(|(name, kind)| OtherTopic { name, kind }).collect(),
+        other_topics,
     })
 }
 

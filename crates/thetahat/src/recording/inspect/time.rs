@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::super::Unit;
 use super::super::table::Column;
 
-/// A step longer than this many median steps is a gap.
+/// A step longer than this many usual steps is a gap.
 const GAP: f64 = 1.5;
 /// Jitter (root mean square) below which a rising column without the name of a time is one.
 const EVEN: f64 = 0.05;
@@ -21,13 +21,13 @@ pub struct TimeSummary {
     pub column: String,
     /// The unit, by its name or else such that the rate is between 10 Hz and 20 kHz. Of a bag it is the second.
     pub unit: Unit,
-    /// Samples per second: one divided by the median step.
+    /// Samples per second: one divided by the usual step, which is the time without gaps divided by its steps.
     pub rate_hz: f64,
-    /// Root mean square of the deviations of steps from the median step, without gaps, relative to it.
+    /// Root mean square of the deviations of steps from the usual step, without gaps, relative to it.
     pub jitter_rms: f64,
-    /// Largest deviation of a step from the median step, without gaps, relative to it.
+    /// Largest deviation of a step from the usual step, without gaps, relative to it.
     pub jitter_max: f64,
-    /// Steps of more than one and a half median steps.
+    /// Steps of more than one and a half usual steps.
     pub gaps: Vec<Gap>,
     /// Number of times that equal the one before.
     pub repeated: usize,
@@ -42,7 +42,7 @@ pub struct Gap {
     pub sample: usize,
     /// The length of the step in seconds.
     pub length_s: f64,
-    /// How many samples are missing: the median steps in it, less one.
+    /// How many samples are missing: the usual steps in it, less one.
     pub missing: u64,
 }
 
@@ -66,24 +66,33 @@ fn time(column: &Column, in_seconds: bool) -> Option<TimeSummary> {
         return None;
     }
     let steps: Vec<f64> = column.values.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let median = median(&steps).filter(|median| *median > 0.0)?;
+    let step = period(&steps)?;
     let backwards = steps.iter().filter(|step| **step < 0.0).count();
-    let (jitter_rms, jitter_max) = jitter(&steps, median);
-    let is_even = steps.iter().all(|step| *step > 0.0) && jitter_rms < EVEN && steps.iter().all(|s| *s <= GAP * median);
+    let (jitter_rms, jitter_max) = jitter(&steps, step);
+    let is_even = steps.iter().all(|step| *step > 0.0) && jitter_rms < EVEN && steps.iter().all(|s| *s <= GAP * step);
     if !is_named(&column.name) && !is_even {
         return None;
     }
-    let unit = if in_seconds { Unit::Second } else { unit(&column.name, median) };
+    let unit = if in_seconds { Unit::Second } else { unit(&column.name, step) };
     Some(TimeSummary {
         column: column.name.clone(),
         unit,
-        rate_hz: 1.0 / (median * unit.to_si()),
+        rate_hz: 1.0 / (step * unit.to_si()),
         jitter_rms,
         jitter_max,
-        gaps: gaps(&steps, median, unit),
+        gaps: gaps(&steps, step, unit),
         repeated: steps.iter().filter(|step| **step == 0.0).count(),
         backwards,
     })
+}
+
+/// The step between samples: the whole time divided by the number of steps in it, of which a gap holds several. The median
+/// step alone would carry the rounding of the times.
+fn period(steps: &[f64]) -> Option<f64> {
+    let median = median(steps)?;
+    let count: f64 = steps.iter().map(|step| (step / median).round()).sum();
+    let mean = steps.iter().sum::<f64>() / count;
+    Some(if (mean / median - 1.0).abs() < 0.5 { mean } else { median })
 }
 
 /// The median of the steps forward.
@@ -96,27 +105,27 @@ fn median(steps: &[f64]) -> Option<f64> {
     Some(*forward.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-/// Root mean square and largest deviation from the median step, relative to it, over steps that are not gaps.
-fn jitter(steps: &[f64], median: f64) -> (f64, f64) {
-    let deviations = || steps.iter().filter(|step| **step <= GAP * median).map(|step| (step / median - 1.0).abs());
+/// Root mean square and largest deviation from the usual step, relative to it, over steps that are not gaps.
+fn jitter(steps: &[f64], period: f64) -> (f64, f64) {
+    let deviations = || steps.iter().filter(|step| **step <= GAP * period).map(|step| (step / period - 1.0).abs());
     let squares: f64 = deviations().map(|deviation| deviation * deviation).sum();
     ((squares / deviations().count().max(1) as f64).sqrt(), deviations().fold(0.0, f64::max))
 }
 
-fn gaps(steps: &[f64], median: f64, unit: Unit) -> Vec<Gap> {
-    let long = steps.iter().enumerate().filter(|(_, step)| **step > GAP * median);
+fn gaps(steps: &[f64], period: f64, unit: Unit) -> Vec<Gap> {
+    let long = steps.iter().enumerate().filter(|(_, step)| **step > GAP * period);
     let gap = |(k, step): (usize, &f64)| Gap {
         sample: k + 1,
         length_s: step * unit.to_si(),
-        missing: (step / median).round() as u64 - 1,
+        missing: (step / period).round() as u64 - 1,
     };
     long.map(gap).collect()
 }
 
 /// The unit in a name such as `t_ms` or `time [us]`; else the first that makes the rate one of a recording.
-fn unit(name: &str, median: f64) -> Unit {
+fn unit(name: &str, period: f64) -> Unit {
     let word = name.trim_end_matches([']', ')']).rsplit(['_', ' ', '[', '(', '/']).next().unwrap_or_default();
     let named = UNITS.into_iter().find(|unit| name != word && unit.symbol() == word);
-    let likely = || UNITS.into_iter().find(|unit| RATES.contains(&(1.0 / (median * unit.to_si()))));
+    let likely = || UNITS.into_iter().find(|unit| RATES.contains(&(1.0 / (period * unit.to_si()))));
     named.or_else(likely).unwrap_or(Unit::Second)
 }

@@ -9,7 +9,7 @@ use super::super::RecordingError;
 use super::super::limits::{Budget, DecompressError};
 use super::super::table::{Column, Wanted};
 use super::parts::{ByteOrder, COMPRESSED, MATRIX, Part, parts};
-use super::samples_and_channels;
+use super::read::samples_and_channels;
 
 /// Length of the header, after which the variables follow.
 const HEADER: usize = 128;

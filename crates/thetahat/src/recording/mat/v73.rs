@@ -10,7 +10,7 @@ use super::super::RecordingError;
 use super::super::caught::caught;
 use super::super::limits::Budget;
 use super::super::table::{Column, Wanted};
-use super::samples_and_channels;
+use super::read::samples_and_channels;
 
 /// Structures within structures.
 const DEEPEST_STRUCTURE: usize = 8;
@@ -22,7 +22,12 @@ pub(super) fn read(bytes: Vec<u8>, path: &Path, wanted: Wanted<'_>) -> Result<Ve
     caught(path, "HDF5", || {
         let budget = Budget::of(path, bytes.len() as u64);
         let mut reader = Reader { path, wanted, budget, objects: 0, columns: Vec::new() };
+        let length = bytes.len() as u64;
         let file = File::from_bytes(bytes).map_err(|e| reader.damaged("file", &e))?;
+        let expected = file.superblock().eof_address;
+        if length < expected {
+            return Err(RecordingError::damaged(path, format!("expected {expected} bytes, found {length}")));
+        }
         reader.add_group("", &file.root(), 0)?;
         Ok(reader.columns)
     })
@@ -86,15 +91,15 @@ impl Reader<'_> {
         if let Some(kind) = kind_not_read(&attributes, &kind) {
             return Ok(Column::of_kind(name, kind));
         }
+        if attributes.contains_key("MATLAB_empty") {
+            return Ok(Column::of_numbers(name, 1, Vec::new()));
+        }
         let shape = self.shape(&name, set)?;
         let Some((samples, channels)) = samples_and_channels(&shape) else {
             return Ok(Column::of_kind(name, format!("an array of {} dimensions", shape.len())));
         };
         if !self.wanted.includes(&name) {
             return Ok(Column::of_numbers(name, 0, Vec::new()));
-        }
-        if attributes.contains_key("MATLAB_empty") {
-            return Ok(Column::of_numbers(name, 1, Vec::new()));
         }
         self.check_chunks(&name, set)?;
         let count = self.budget.take(&format!("variable {name:?}"), &[samples, channels])?;

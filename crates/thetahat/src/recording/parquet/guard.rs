@@ -6,12 +6,14 @@
 
 use bytes::buf::Reader;
 use bytes::{Buf, Bytes};
+use parquet::basic::Encoding;
 use parquet::column::page::{Page, PageMetadata, PageReader};
 use parquet::errors::{ParquetError, Result};
 use parquet::file::reader::{ChunkReader, Length};
 use parquet::file::serialized_reader::SerializedPageReader;
 
-use super::thrift::{Thrift, Value};
+use super::records::{FILE, PAGE, PAGE_HEADER, SCHEMA_ELEMENT};
+use super::thrift::Thrift;
 
 /// Columns and groups of columns of one file.
 const MOST_COLUMNS: usize = 1 << 14;
@@ -24,30 +26,17 @@ pub(super) fn check_footer(bytes: &[u8]) -> std::result::Result<(), &'static str
     let ending = ending.ok_or("it does not begin and end as a Parquet file does")?;
     let length = bytes[ending..].first_chunk().map_or(0, |chunk| u32::from_le_bytes(*chunk) as usize);
     let start = ending.checked_sub(length).ok_or("its description is longer than the file")?;
-    let mut children = Vec::new();
-    let mut tell = |field, value| match (field, value) {
-        (2, Value::Records(count, records)) if count <= MOST_COLUMNS => children_of_each(count, records, &mut children),
-        (2, _) => None,
-        _ => Some(()),
+    let (mut children, mut own) = (Vec::new(), 0_usize);
+    let mut tell = |record, field, value| {
+        match (record, field) {
+            (SCHEMA_ELEMENT, 5) => own = usize::try_from(value).ok()?,
+            (SCHEMA_ELEMENT, 0) => children.push(std::mem::take(&mut own)),
+            _ => {}
+        }
+        (children.len() <= MOST_COLUMNS).then_some(())
     };
-    let walked = Thrift::new(&bytes[start..ending]).record(&mut tell);
+    let walked = Thrift::new(&bytes[start..ending]).record(&FILE, &mut tell);
     walked.filter(|()| is_tree(&children)).ok_or("its description is damaged")
-}
-
-/// The number of children that each element of the list of columns names.
-fn children_of_each(count: usize, mut records: Thrift<'_>, children: &mut Vec<usize>) -> Option<()> {
-    for _ in 0..count {
-        let mut own = 0;
-        let mut tell = |field, value| {
-            if let (5, Value::Integer(number)) = (field, value) {
-                own = usize::try_from(number).ok()?;
-            }
-            Some(())
-        };
-        records.record(&mut tell)?;
-        children.push(own);
-    }
-    Some(())
 }
 
 /// Whether elements in the order of a walk, each with its number of children, are one tree that is not too deep.
@@ -75,14 +64,14 @@ pub(super) struct Guarded {
 }
 
 impl Guarded {
-    /// Checks the header of a page: its field 2 is the size of the page when it is decompressed.
+    /// Checks the header of a page, and its size when it is decompressed.
     fn check_page(&self, header: &[u8]) -> Option<()> {
         let limit = i64::try_from(self.limit).unwrap_or(i64::MAX);
-        let mut tell = |field, value| match (field, value) {
-            (2, Value::Integer(size)) => (0..=limit).contains(&size).then_some(()),
+        let mut tell = |record, field, value| match (record, field) {
+            (PAGE_HEADER, 2) => (0..=limit).contains(&value).then_some(()),
             _ => Some(()),
         };
-        Thrift::new(header).record(&mut tell)
+        Thrift::new(header).record(&PAGE, &mut tell)
     }
 }
 
@@ -112,11 +101,34 @@ impl ChunkReader for Guarded {
     }
 }
 
-/// The pages of a column, of which dictionaries are not larger than the column.
+/// The pages of a column, of which dictionaries are not larger than the column, and come before they are used.
 pub(super) struct Pages {
     pub(super) pages: SerializedPageReader<Guarded>,
     /// Most values that a dictionary may hold.
     pub(super) limit: usize,
+    pub(super) has_dictionary: bool,
+}
+
+impl Pages {
+    fn check(&mut self, page: &Page) -> Result<()> {
+        match page {
+            Page::DictionaryPage { num_values, .. } if *num_values as usize > self.limit => {
+                Err(wrong("a dictionary is too large"))
+            }
+            Page::DictionaryPage { .. } => {
+                self.has_dictionary = true;
+                Ok(())
+            }
+            page if uses_dictionary(page.encoding()) && !self.has_dictionary => {
+                Err(wrong("a page uses a dictionary that is not there"))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+fn uses_dictionary(encoding: Encoding) -> bool {
+    matches!(encoding, Encoding::RLE_DICTIONARY | Encoding::PLAIN_DICTIONARY)
 }
 
 impl Iterator for Pages {
@@ -129,12 +141,9 @@ impl Iterator for Pages {
 
 impl PageReader for Pages {
     fn get_next_page(&mut self) -> Result<Option<Page>> {
-        match self.pages.get_next_page()? {
-            Some(Page::DictionaryPage { num_values, .. }) if num_values as usize > self.limit => {
-                Err(wrong("a dictionary is too large"))
-            }
-            page => Ok(page),
-        }
+        let page = self.pages.get_next_page()?;
+        page.as_ref().map_or(Ok(()), |page| self.check(page))?;
+        Ok(page)
     }
 
     fn peek_next_page(&mut self) -> Result<Option<PageMetadata>> {

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use bytes::Bytes;
-use parquet::basic::{ConvertedType, LogicalType, Type};
+use parquet::basic::{Compression, ConvertedType, LogicalType, Type};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
 use parquet::data_type::DataType;
 use parquet::errors::ParquetError;
@@ -26,7 +26,8 @@ pub(in super::super) fn read(bytes: Vec<u8>, path: &Path, wanted: Wanted<'_>) ->
 fn read_columns(bytes: Vec<u8>, path: &Path, wanted: Wanted<'_>) -> Result<Table, RecordingError> {
     check_footer(&bytes).map_err(|reason| RecordingError::damaged(path, reason.to_owned()))?;
     let bytes = Bytes::from(bytes);
-    let metadata = ParquetMetaDataReader::new().parse_and_finish(&bytes).map_err(|e| damaged(path, "description", &e))?;
+    let metadata =
+        ParquetMetaDataReader::new().parse_and_finish(&bytes).map_err(|e| damaged(path, "description", &e))?;
     let budget = Budget::of(path, bytes.len() as u64);
     let mut reader = Reader { path, bytes, metadata, budget };
     let columns = (0..reader.metadata.file_metadata().schema_descr().num_columns())
@@ -53,15 +54,30 @@ impl Reader<'_> {
         if let Some(kind) = kind_not_read(&described) {
             return Ok(Column::of_kind(name, kind));
         }
+        if let Some(compression) = self.compression_not_read(index) {
+            let compression = compression.to_string();
+            let word = compression.split('(').next().unwrap_or_default();
+            return Ok(Column::of_kind(name, format!("a column compressed by {word}")));
+        }
         if !wanted.includes(&name) {
             return Ok(Column::of_numbers(name, 0, Vec::new()));
         }
-        let mut values = Values { number: Number::of(&described), present: described.max_def_level(), values: Vec::new() };
+        let mut values =
+            Values { number: Number::of(&described), present: described.max_def_level(), values: Vec::new() };
         for group in 0..self.metadata.num_row_groups() {
             let rows = self.rows(&name, group)?;
-            self.add_group(index, group, rows, &mut values).map_err(|e| damaged(self.path, &format!("column {name:?}"), &e))?;
+            self.add_group(index, group, rows, &mut values)
+                .map_err(|e| damaged(self.path, &format!("column {name:?}"), &e))?;
         }
         Ok(Column::of_numbers(name, 1, values.values))
+    }
+
+    /// A compression that is not read. The library decompresses some of them without a bound.
+    fn compression_not_read(&self, index: usize) -> Option<Compression> {
+        let compressions = self.metadata.row_groups().iter().map(|group| group.column(index).compression());
+        let is_read =
+            |c: &Compression| matches!(c, Compression::UNCOMPRESSED | Compression::SNAPPY | Compression::ZSTD(_));
+        compressions.into_iter().find(|compression| !is_read(compression))
     }
 
     /// Number of rows of a group, for which there must be room.
@@ -72,10 +88,14 @@ impl Reader<'_> {
 
     fn add_group(&self, index: usize, group: usize, rows: usize, values: &mut Values) -> Result<(), ParquetError> {
         let chunk = self.metadata.row_group(group).column(index);
+        let offsets = [Some(chunk.data_page_offset()), chunk.dictionary_page_offset(), Some(chunk.compressed_size())];
+        if offsets.into_iter().flatten().any(|offset| offset < 0) {
+            return Err(ParquetError::General("its place in the file is negative".to_owned()));
+        }
         let limit = 16 * (rows + 1024);
         let guarded = Arc::new(Guarded { bytes: self.bytes.clone(), limit });
         let pages = SerializedPageReader::new(guarded, chunk, rows, None)?;
-        let pages = Pages { pages, limit: rows };
+        let pages = Pages { pages, limit: rows, has_dictionary: false };
         match get_column_reader(chunk.column_descr_ptr(), Box::new(pages)) {
             ColumnReader::BoolColumnReader(reader) => values.add(reader, rows, |x, _| f64::from(u8::from(x))),
             ColumnReader::Int32ColumnReader(reader) => values.add(reader, rows, |x, number| number.of_i32(x)),

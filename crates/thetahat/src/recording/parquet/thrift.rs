@@ -1,25 +1,39 @@
 //! Records of the compact protocol of Apache Thrift, which describe a Parquet file and each of its pages.
 //!
-//! The library reserves memory by the counts in these records and follows nested groups by calling itself. Forged counts
-//! are found here first.
-//! Source: thrift-compact-protocol.md of Apache Thrift, and parquet.thrift of Apache Parquet.
+//! The library reserves memory by the counts in these records, follows nested groups by calling itself, and does not ask
+//! whether a field is of the type that it expects. So each record is compared here first with the [`Record`] that it
+//! should be; those of Parquet are in `records`.
+//! Source: thrift-compact-protocol.md of Apache Thrift.
 
-/// Records within records.
+/// Records within records where their fields are not known.
 const DEEPEST: usize = 16;
 
-/// Where a record is read, byte by byte. Each step is none where the bytes end or do not make sense.
-pub(super) struct Thrift<'a> {
-    rest: &'a [u8],
+/// The type of a field.
+pub(super) enum Kind {
+    Bool,
+    Byte,
+    I16,
+    I32,
+    I64,
+    Double,
+    Binary,
+    List(&'static Kind),
+    Record(&'static Record),
 }
 
-/// A value of a field.
-pub(super) enum Value<'a> {
-    /// A whole number.
-    Integer(i64),
-    /// A list of records, each at the beginning of `rest` after the one before; see [`Thrift::next_record`].
-    Records(usize, Thrift<'a>),
-    /// Something else, passed over.
-    Other,
+/// A record: its name, and its fields by number.
+pub(super) struct Record {
+    pub(super) name: &'static str,
+    pub(super) fields: &'static [(i64, Kind)],
+}
+
+/// Is told the name of a record, the number of a field and its value if it is a whole number; at the end of the record
+/// zero and zero. None ends the walk.
+pub(super) type Tell<'t> = &'t mut dyn FnMut(&'static str, i64, i64) -> Option<()>;
+
+/// Where records are read, byte by byte. Each step is none where the bytes end or are not of their kind.
+pub(super) struct Thrift<'a> {
+    rest: &'a [u8],
 }
 
 impl<'a> Thrift<'a> {
@@ -27,74 +41,86 @@ impl<'a> Thrift<'a> {
         Self { rest: bytes }
     }
 
-    /// Passes over one record and tells of each field its number and value.
-    pub(super) fn record(&mut self, tell: &mut dyn FnMut(i64, Value<'a>) -> Option<()>) -> Option<()> {
-        self.fields(0, tell)
-    }
-
-    fn fields(&mut self, depth: usize, tell: &mut dyn FnMut(i64, Value<'a>) -> Option<()>) -> Option<()> {
-        let mut field = 0_i64;
-        loop {
-            let head = self.byte()?;
-            if head == 0 {
-                return Some(());
+    /// Walks over a record of a kind. Fields that it does not know are passed over.
+    pub(super) fn record(&mut self, record: &'static Record, tell: Tell<'_>) -> Option<()> {
+        let mut number = 0_i64;
+        while let Some((next, code)) = self.field(number)? {
+            number = next;
+            match record.fields.iter().find(|(known, _)| *known == number) {
+                None => self.pass(code, 0)?,
+                Some((_, kind)) if !kind.is_written_as(code) => return None,
+                Some((_, kind)) => {
+                    let value = self.value(kind, false, tell)?;
+                    tell(record.name, number, value)?;
+                }
             }
-            field = match head >> 4 {
-                0 => self.integer()?,
-                delta => field.checked_add(delta.into())?,
-            };
-            let value = self.value(head & 0x0f, false, depth)?;
-            tell(field, value)?;
         }
+        tell(record.name, 0, 0)
     }
 
-    fn value(&mut self, kind: u8, in_list: bool, depth: usize) -> Option<Value<'a>> {
+    /// The number and code of the next field, or none at the end of the record.
+    fn field(&mut self, before: i64) -> Option<Option<(i64, u8)>> {
+        let head = self.byte()?;
+        if head == 0 {
+            return Some(None);
+        }
+        let number = match head >> 4 {
+            0 => self.integer()?,
+            delta => before.checked_add(delta.into())?,
+        };
+        Some(Some((number, head & 0x0f)))
+    }
+
+    /// A value of a kind, zero if it is not a whole number.
+    fn value(&mut self, kind: &'static Kind, in_list: bool, tell: Tell<'_>) -> Option<i64> {
         match kind {
-            1 | 2 if in_list => self.skip(1)?,
-            1 | 2 => {}
-            3 => self.skip(1)?,
-            4..=6 => return self.integer().map(Value::Integer),
-            7 => self.skip(8)?,
-            8 => {
-                let length = self.length()?;
-                self.skip(length)?;
+            Kind::Bool if in_list => return None,
+            Kind::Bool => {}
+            Kind::Byte => self.skip(1)?,
+            Kind::I16 | Kind::I32 | Kind::I64 => return self.integer(),
+            Kind::Double => self.skip(8)?,
+            Kind::Binary => self.skip_binary()?,
+            Kind::Record(record) => self.record(record, tell)?,
+            Kind::List(element) => {
+                let (count, code) = self.list()?;
+                if count > 0 && !element.is_written_as(code) {
+                    return None;
+                }
+                for _ in 0..count {
+                    self.value(element, true, tell)?;
+                }
             }
-            9 | 10 => return self.list(depth),
-            11 => self.map(depth)?,
-            12 if depth < DEEPEST => self.fields(depth + 1, &mut |_, _| Some(()))?,
-            _ => return None,
         }
-        Some(Value::Other)
+        Some(0)
     }
 
-    fn list(&mut self, depth: usize) -> Option<Value<'a>> {
+    /// Passes over a value of a field that is not known.
+    fn pass(&mut self, code: u8, depth: usize) -> Option<()> {
+        match code {
+            1 | 2 => Some(()),
+            3 => self.skip(1),
+            4..=6 => self.integer().map(|_| ()),
+            7 => self.skip(8),
+            8 => self.skip_binary(),
+            9 | 10 if depth < DEEPEST => {
+                let (count, code) = self.list()?;
+                (0..count).try_for_each(|_| self.pass(code, depth + 1))
+            }
+            12 if depth < DEEPEST => {
+                while let Some((_, code)) = self.field(0)? {
+                    self.pass(code, depth + 1)?;
+                }
+                Some(())
+            }
+            _ => None,
+        }
+    }
+
+    /// The number of elements of a list, which is not larger than that of the bytes behind it, and their code.
+    fn list(&mut self) -> Option<(usize, u8)> {
         let head = self.byte()?;
         let count = if head >> 4 == 15 { self.length()? } else { usize::from(head >> 4) };
-        let kind = head & 0x0f;
-        let records = Thrift { rest: self.rest };
-        if count > self.rest.len() || depth >= DEEPEST {
-            return None;
-        }
-        for _ in 0..count {
-            self.value(kind, true, depth + 1)?;
-        }
-        Some(if kind == 12 { Value::Records(count, records) } else { Value::Other })
-    }
-
-    fn map(&mut self, depth: usize) -> Option<()> {
-        let count = self.length()?;
-        if count == 0 {
-            return Some(());
-        }
-        let kinds = self.byte()?;
-        if count > self.rest.len() || depth >= DEEPEST {
-            return None;
-        }
-        for _ in 0..count {
-            self.value(kinds >> 4, true, depth + 1)?;
-            self.value(kinds & 0x0f, true, depth + 1)?;
-        }
-        Some(())
+        (count <= self.rest.len()).then_some((count, head & 0x0f))
     }
 
     fn byte(&mut self) -> Option<u8> {
@@ -106,6 +132,11 @@ impl<'a> Thrift<'a> {
     fn skip(&mut self, bytes: usize) -> Option<()> {
         self.rest = self.rest.get(bytes..)?;
         Some(())
+    }
+
+    fn skip_binary(&mut self) -> Option<()> {
+        let length = self.length()?;
+        self.skip(length)
     }
 
     fn length(&mut self) -> Option<usize> {
@@ -132,33 +163,67 @@ impl<'a> Thrift<'a> {
     }
 }
 
+impl Kind {
+    fn is_written_as(&self, code: u8) -> bool {
+        match self {
+            Self::Bool => matches!(code, 1 | 2),
+            Self::Byte => code == 3,
+            Self::I16 => code == 4,
+            Self::I32 => code == 5,
+            Self::I64 => code == 6,
+            Self::Double => code == 7,
+            Self::Binary => code == 8,
+            Self::List(_) => code == 9,
+            Self::Record(_) => code == 12,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn integers_alternate_in_sign() {
+    static RECORD: Record =
+        Record { name: "r", fields: &[(1, Kind::I32), (2, Kind::List(&Kind::Binary)), (5, Kind::I32)] };
+
+    fn walk(bytes: &[u8]) -> Option<Vec<(i64, i64)>> {
         let mut found = Vec::new();
-        let mut tell = |field, value| {
-            if let Value::Integer(number) = value {
-                found.push((field, number));
-            }
+        let mut tell = |_, field, value| {
+            found.push((field, value));
             Some(())
         };
-        Thrift::new(&[0x15, 0x02, 0x15, 0x03, 0x35, 0x80, 0x01, 0x00]).record(&mut tell).unwrap();
-        assert_eq!(found, [(1, 1), (2, -2), (5, 64)]);
+        Thrift::new(bytes).record(&RECORD, &mut tell)?;
+        Some(found)
+    }
+
+    #[test]
+    fn integers_alternate_in_sign() {
+        assert_eq!(walk(&[0x15, 0x02, 0x45, 0x80, 0x01, 0x00]).unwrap(), [(1, 1), (5, 64), (0, 0)]);
+        assert_eq!(walk(&[0x15, 0x03, 0x00]).unwrap(), [(1, -2), (0, 0)]);
+    }
+
+    #[test]
+    fn fields_that_are_not_known_are_passed_over() {
+        assert_eq!(walk(&[0x37, 0, 0, 0, 0, 0, 0, 0, 0, 0x25, 0x02, 0x00]).unwrap(), [(5, 1), (0, 0)]);
+    }
+
+    #[test]
+    fn field_of_another_type() {
+        assert!(walk(&[0x17, 0, 0, 0, 0, 0, 0, 0, 0, 0x00]).is_none());
+        assert!(walk(&[0x29, 0x15, 0x02, 0x00]).is_none());
     }
 
     #[test]
     fn records_without_end() {
-        let deep = vec![0x1c; 100_000];
-        assert!(Thrift::new(&deep).record(&mut |_, _| Some(())).is_none());
+        assert!(walk(&[0x3c; 100_000]).is_none());
     }
 
     #[test]
     fn lengths_beyond_the_bytes() {
-        for bytes in [&[0x18, 0xff, 0xff, 0xff, 0x7f][..], &[0x19, 0xf5, 0xff, 0xff, 0xff, 0x7f], &[0x1b, 0x7f, 0x55]] {
-            assert!(Thrift::new(bytes).record(&mut |_, _| Some(())).is_none(), "{bytes:?}");
+        for bytes in
+            [&[0x38, 0xff, 0xff, 0xff, 0x7f][..], &[0x29, 0xf8, 0xff, 0xff, 0xff, 0x7f], &[0x39, 0xf1, 0x7f, 0x55]]
+        {
+            assert!(walk(bytes).is_none(), "{bytes:?}");
         }
     }
 }

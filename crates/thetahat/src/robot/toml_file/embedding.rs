@@ -21,12 +21,29 @@ struct Keys {
 /// The URDF of a description at `path`, if it stands on one.
 pub(in crate::robot) fn urdf_of(text: &str, path: &Path) -> Result<Option<Urdf>, RobotError> {
     let keys = toml::from_str::<Keys>(text).map_err(|e| RobotError::of_toml(&e, path))?;
-    let beside = |name: PathBuf| path.parent().unwrap_or(Path::new("")).join(name);
     Ok(match (keys.urdf, keys.urdf_text) {
         (name, Some(text)) => Some(Urdf::Text(name.unwrap_or_else(|| PathBuf::from("urdf_text")), text)),
-        (Some(name), None) => Some(Urdf::File(beside(name))),
+        (Some(name), None) => Some(Urdf::File(beside(path, &name)?)),
         (None, None) => None,
     })
+}
+
+/// A file named by the description at `path`: inside its folder or the folder above, links followed, so that a
+/// description from elsewhere reads nothing else.
+fn beside(path: &Path, name: &Path) -> Result<PathBuf, RobotError> {
+    let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let file = folder.join(name);
+    let real = |path: &Path| path.canonicalize().ok();
+    match real(&file).zip(real(&folder.join(".."))) {
+        Some((file, above)) if !file.starts_with(&above) => Err(RobotError::Value {
+            path: path.to_owned(),
+            key: "urdf".to_owned(),
+            expected: "a file in the folder of this description or the one above",
+            found: name.display().to_string(),
+        }),
+        // What is not there is reported where it is read.
+        _ => Ok(file),
+    }
 }
 
 /// Whether the description carries its URDF in itself.

@@ -4,7 +4,9 @@ use super::{
     file::{Convention, JointEntry, MimicEntry},
     reader::Reader,
 };
-use crate::robot::{DenavitHartenberg, Joint, JointKind, Limits, MOST_JOINTS, Mimic, Placement, RobotError, tree};
+use crate::robot::{
+    DenavitHartenberg, Joint, JointKind, LARGEST, Limits, MOST_JOINTS, Mimic, Placement, RobotError, tree,
+};
 
 type Entry = Spanned<JointEntry>;
 
@@ -43,8 +45,8 @@ impl Reader<'_> {
             return Err(RobotError::TooLarge { path, what: "moving joints", limit: MOST_JOINTS });
         }
         let numbers = |e: &JointEntry| [e.a_m, e.alpha_deg, e.d_m, e.theta_deg, e.gamma_deg, e.b_m];
-        match entries.iter().find(|e| numbers(e.as_ref()).iter().any(|v| !v.is_finite())) {
-            Some(entry) => Err(self.joint(entry, "has a number that is not finite")),
+        match entries.iter().find(|e| !numbers(e.as_ref()).iter().all(|v| v.abs() <= LARGEST)) {
+            Some(entry) => Err(self.joint(entry, "has a number that is not finite, or beyond 1e9")),
             None => Ok(()),
         }
     }
@@ -76,7 +78,9 @@ impl Reader<'_> {
             Some(mimic) => self.mimic(entries, entry, mimic).map(Some),
         };
         let mimics = entries.iter().map(mimic).collect::<Result<Vec<_>, _>>()?;
-        tree::resolve_mimics(&mimics).map_err(|j| self.joint(&entries[j], "follows itself; one joint must follow none"))
+        tree::resolve_mimics(&mimics).map_err(|j| {
+            self.joint(&entries[j], "follows itself, or by a ratio beyond 1e9; one joint must follow none")
+        })
     }
 
     fn mimic(&self, entries: &[Entry], entry: &Entry, mimic: &MimicEntry) -> Result<Mimic, RobotError> {
@@ -88,8 +92,8 @@ impl Reader<'_> {
             (JointKind::Revolute, ..) => return Err(self.joint(entry, "is revolute: its offset is offset_deg")),
             (JointKind::Prismatic, ..) => return Err(self.joint(entry, "is prismatic: its offset is offset_m")),
         };
-        if !(mimic.ratio.is_finite() && offset.is_finite()) {
-            return Err(self.joint(entry, "has a mimic with a number that is not finite"));
+        if !(mimic.ratio.abs() <= LARGEST && offset.abs() <= LARGEST) {
+            return Err(self.joint(entry, "has a mimic with a number that is not finite, or beyond 1e9"));
         }
         Ok(Mimic { of, ratio: mimic.ratio, offset })
     }

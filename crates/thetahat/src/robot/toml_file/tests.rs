@@ -1,6 +1,9 @@
 use std::path::Path;
 
-use crate::robot::{JointKind, Robot, RobotError};
+use crate::{
+    robot::{JointKind, Robot, RobotError, RobotSource},
+    vector::{IDENTITY, Mat3, Vec3, add, product, times},
+};
 
 const TWO_JOINTS: &str = r#"
 name = "arm"
@@ -103,4 +106,145 @@ fn an_unknown_key_is_refused_with_line_and_the_known_ones() {
 fn an_unknown_parameter_is_refused() {
     let text = TWO_JOINTS.replace("zz1 = 0.5", "zz7 = 0.5");
     assert!(matches!(parse(&text).unwrap_err(), RobotError::UnknownParameter { .. }));
+}
+
+#[test]
+fn a_follower_in_degrees_or_metres_has_no_coordinate() {
+    let mimic = |what: &str| {
+        let text =
+            TWO_JOINTS.replace("alpha_deg = 90", &format!("mimic = {{ joint = \"shoulder\", ratio = 2, {what} }}"));
+        parse(&text.replace("[[10, 0], [5, 5]]", "[[10]]").replace("[90, 0]", "[90]"))
+    };
+    let robot = mimic("offset_m = 0.5").unwrap();
+    assert_eq!((robot.joint_count(), robot.link_count()), (1, 2));
+    assert_eq!(robot.joints[1].mimic.unwrap().offset, 0.5);
+    assert!(matches!(mimic("offset_deg = 1").unwrap_err(), RobotError::Joint { line: 6, .. }));
+}
+
+/// `Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha)` multiplied out.
+fn standard_frame([a, alpha, d, theta]: [f64; 4]) -> (Mat3, Vec3) {
+    let ((sa, ca), (st, ct)) = (alpha.sin_cos(), theta.sin_cos());
+    let rotation = [[ct, -st * ca, st * sa], [st, ct * ca, -ct * sa], [0.0, sa, ca]];
+    (rotation, [a * ct, a * st, d])
+}
+
+fn then((r, p): (Mat3, Vec3), (s, o): (Mat3, Vec3)) -> (Mat3, Vec3) {
+    (product(&r, &s), add(p, times(&r, o)))
+}
+
+/// The tool's frame through the converted frames is that of the standard table, whose last a and alpha lie beyond the
+/// last joint.
+#[test]
+fn a_standard_table_has_its_own_forward_kinematics() {
+    let table = [[0.3, 40.0, 0.2, 10.0], [-0.5, -90.0, 0.1, 0.0], [0.2, 25.0, -0.4, -70.0]];
+    let mut text = "name = \"s\"\nconvention = \"standard\"\n".to_owned();
+    for (j, [a, alpha, d, theta]) in table.iter().enumerate() {
+        text += &format!("[[joint]]\nname = \"j{j}\"\nkind = \"revolute\"\n");
+        text += &format!("a_m = {a}\nalpha_deg = {alpha}\nd_m = {d}\ntheta_deg = {theta}\n");
+    }
+    let robot = parse(&text).unwrap();
+    let q = [0.4, -1.1, 0.7];
+    let mut expected = (IDENTITY, [0.0; 3]);
+    let mut found = expected;
+    for (k, [a, alpha, d, theta]) in table.iter().enumerate() {
+        expected = then(expected, standard_frame([*a, alpha.to_radians(), *d, theta.to_radians() + q[k]]));
+        let placement = robot.joints[k].placement;
+        let turned = standard_frame([0.0, 0.0, 0.0, q[k]]);
+        found = then(then(found, (placement.rotation(), placement.origin)), turned);
+    }
+    let [a, alpha, ..] = table[2];
+    found = then(found, standard_frame([a, f64::to_radians(alpha), 0.0, 0.0]));
+    let pairs = found.0.as_flattened().iter().chain(&found.1).zip(expected.0.as_flattened().iter().chain(&expected.1));
+    pairs.for_each(|(a, b)| assert!((a - b).abs() < 1e-14, "{a} against {b}"));
+}
+
+/// The numbers of a standard table, moved by one joint, are those of the modified one.
+#[test]
+fn a_standard_table_is_the_modified_one_moved_by_a_joint() {
+    let joint = |name: &str, rest: &str| format!("[[joint]]\nname = \"{name}\"\nkind = \"revolute\"\n{rest}\n");
+    let head = "name = \"s\"\n";
+    let standard =
+        joint("a", "d_m = 0.1\na_m = 0.5\nalpha_deg = 30") + &joint("b", "d_m = 0.2\na_m = 0.7\nalpha_deg = 40");
+    let modified = joint("a", "d_m = 0.1") + &joint("b", "d_m = 0.2\na_m = 0.5\nalpha_deg = 30");
+    let standard = parse(&format!("{head}convention = \"standard\"\n{standard}")).unwrap();
+    assert_eq!(standard, parse(&format!("{head}convention = \"modified\"\n{modified}")).unwrap());
+}
+
+#[test]
+fn a_standard_table_of_a_tree_is_refused() {
+    let third = "[[joint]]\nname = \"third\"\nparent = \"shoulder\"\nkind = \"revolute\"\n[transmission]";
+    let text = format!("convention = \"standard\"{}", TWO_JOINTS.replace("[transmission]", third));
+    assert!(matches!(parse(&text).unwrap_err(), RobotError::Joint { line: 11, .. }));
+    let text = format!("convention = \"standard\"{}", TWO_JOINTS.replace("alpha_deg", "gamma_deg"));
+    assert!(matches!(parse(&text).unwrap_err(), RobotError::Joint { line: 6, .. }));
+}
+
+#[test]
+fn the_ur10_has_its_parallel_axes() {
+    let robot = Robot::parse(include_str!("../../../../../robots/ur10.toml"), Path::new("ur10.toml")).unwrap();
+    let (shoulder, elbow) = (&robot.joints[1].placement, &robot.joints[2].placement);
+    assert_eq!((elbow.alpha, elbow.origin, shoulder.origin[2]), (0.0, [-0.612, 0.0, 0.0], 0.0));
+}
+
+const URDF: &str = r#"<robot name="arm"><link name="base"/><link name="rod">
+<inertial><mass value="2"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0.4"/></inertial></link>
+<joint name="hinge" type="revolute"><parent link="base"/><child link="rod"/><axis xyz="0 0 1"/>
+<dynamics damping="0.7"/></joint>
+<transmission name="t"><joint name="hinge"/><actuator name="m"><mechanicalReduction>50</mechanicalReduction></actuator>
+</transmission></robot>"#;
+
+/// A description on the URDF above, in one text.
+fn on_urdf(toml: &str) -> Result<Robot, RobotError> {
+    parse(&super::with_embedded_urdf(toml, URDF))
+}
+
+#[test]
+fn a_description_adds_to_its_urdf() {
+    let robot = on_urdf("name = \"mine\"\nurdf = \"arm.urdf\"\n[parameters]\nia1 = 0.1\nzz1 = 0.5").unwrap();
+    assert_eq!((robot.name.as_str(), robot.transmission.matrix().at(0, 0)), ("mine", 50.0));
+    let given: Vec<(&str, f64)> = robot.a_priori.iter().map(|(name, v)| (name.as_str(), *v)).collect();
+    assert_eq!(given, [("fv1", 0.7), ("ia1", 0.1), ("m1", 2.0), ("zz1", 0.5)]);
+}
+
+#[test]
+fn a_description_takes_the_place_of_what_its_urdf_says() {
+    let robot = on_urdf("friction = \"asymmetric\"\ngravity = [0, 9.81, 0]\n[transmission]\nmatrix = [[80]]").unwrap();
+    assert_eq!((robot.gravity, robot.transmission.matrix().at(0, 0)), ([0.0, 9.81, 0.0], 80.0));
+    assert_eq!(
+        (robot.a_priori.get("fvp1"), robot.a_priori.get("fvn1"), robot.a_priori.get("fv1")),
+        (Some(&0.7), Some(&0.7), None)
+    );
+    let gains = on_urdf("[transmission]\ndrive_gain = [0.5]").unwrap().transmission;
+    assert_eq!((gains.matrix().at(0, 0), gains.drive_to_joint_units()), (50.0, vec![25.0]));
+}
+
+#[test]
+fn joints_are_given_once() {
+    let joints = on_urdf("[[joint]]\nname = \"j\"\nkind = \"revolute\"").unwrap_err();
+    assert!(matches!(joints, RobotError::Value { .. }), "{joints}");
+    assert!(matches!(on_urdf("convention = \"standard\"").unwrap_err(), RobotError::Value { .. }));
+    assert!(matches!(parse("name = \"n\"").unwrap_err(), RobotError::Value { .. }));
+    assert!(matches!(parse("[[joint]]\nname = \"j\"\nkind = \"revolute\"").unwrap_err(), RobotError::Value { .. }));
+}
+
+#[test]
+fn a_urdf_beside_its_description_is_read_and_kept_in_one_text() {
+    let folder = std::env::temp_dir().join(format!("thetahat-on-urdf-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("arm.toml");
+    std::fs::write(folder.join("arm.urdf"), URDF.replace('\n', "\r\n")).unwrap();
+    std::fs::write(&path, "urdf = \"arm.urdf\" # the maker's\n[parameters]\nia1 = 0.1\n").unwrap();
+    let source = RobotSource::read(&path).unwrap();
+    std::fs::remove_dir_all(&folder).unwrap();
+    let robot = source.robot().unwrap();
+    assert_eq!((source.format(), robot.name.as_str()), ("TOML on URDF", "arm"));
+    let kept = RobotSource::from_text(source.to_text(), Path::new("results.json")).unwrap();
+    assert_eq!(kept.robot().unwrap(), robot);
+    assert_eq!(kept.to_text(), source.to_text());
+}
+
+#[test]
+fn a_missing_urdf_is_named() {
+    let error = parse("urdf = \"absent.urdf\"").unwrap_err();
+    assert!(matches!(&error, RobotError::Unreadable { path, .. } if path.ends_with("absent.urdf")), "{error}");
 }

@@ -3,7 +3,7 @@ use std::path::Path;
 use roxmltree::{Document, Node};
 
 use super::{Place, UrdfError};
-use crate::vector::Vec3;
+use crate::{robot::LARGEST, vector::Vec3};
 
 /// Characters of a name or value that messages show.
 const SHOWN: usize = 60;
@@ -56,6 +56,12 @@ impl<'a> Element<'a> {
         value.ok_or_else(|| self.missing(&format!("attribute {key}"), remedy))
     }
 
+    /// The number in an attribute, no larger than numbers of geometry and inertia are.
+    pub(super) fn bounded_number(self, key: &'static str) -> Result<Option<f64>, UrdfError> {
+        let Some(text) = self.attribute(key) else { return Ok(None) };
+        self.bounded(key, text).map(Some)
+    }
+
     /// The number in an attribute.
     pub(super) fn number(self, key: &'static str) -> Result<Option<f64>, UrdfError> {
         self.attribute(key).map(|text| self.parse(key, text)).transpose()
@@ -83,7 +89,12 @@ impl<'a> Element<'a> {
         let ([Some(x), Some(y), Some(z)], None) = (three, parts.next()) else {
             return Err(self.value(key, "three numbers", text));
         };
-        Ok(Some([(self.parse(key, x)?, x), (self.parse(key, y)?, y), (self.parse(key, z)?, z)]))
+        Ok(Some([(self.bounded(key, x)?, x), (self.bounded(key, y)?, y), (self.bounded(key, z)?, z)]))
+    }
+
+    fn bounded(self, key: &'static str, text: &str) -> Result<f64, UrdfError> {
+        let number = self.parse(key, text)?;
+        if number.abs() <= LARGEST { Ok(number) } else { Err(self.value(key, "a number up to 1e9", text)) }
     }
 
     fn parse(self, key: &'static str, text: &str) -> Result<f64, UrdfError> {

@@ -84,8 +84,8 @@ impl<'a> MimicElement<'a> {
         Ok(Self {
             element,
             joint: element.required("joint", "name the joint that it follows")?,
-            ratio: element.number("multiplier")?.unwrap_or(1.0),
-            offset: element.number("offset")?.unwrap_or(0.0),
+            ratio: element.bounded_number("multiplier")?.unwrap_or(1.0),
+            offset: element.bounded_number("offset")?.unwrap_or(0.0),
         })
     }
 }
@@ -137,5 +137,5 @@ fn limits(element: Element<'_>) -> Result<Limits, UrdfError> {
 
 fn friction(element: Element<'_>) -> Result<[f64; 2], UrdfError> {
     let Some(dynamics) = element.child("dynamics") else { return Ok([0.0; 2]) };
-    Ok([dynamics.number("damping")?.unwrap_or(0.0), dynamics.number("friction")?.unwrap_or(0.0)])
+    Ok([dynamics.bounded_number("damping")?.unwrap_or(0.0), dynamics.bounded_number("friction")?.unwrap_or(0.0)])
 }

@@ -93,5 +93,5 @@ impl Body {
 
 fn required_number(element: Element<'_>, key: &'static str, remedy: &'static str) -> Result<f64, UrdfError> {
     element.required(key, remedy)?;
-    element.number(key)?.ok_or_else(|| element.missing(&format!("attribute {key}"), remedy))
+    element.bounded_number(key)?.ok_or_else(|| element.missing(&format!("attribute {key}"), remedy))
 }

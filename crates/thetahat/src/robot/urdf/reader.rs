@@ -146,7 +146,11 @@ impl<'s, 'a> Assembly<'s, 'a> {
         let mimic = self.moving[joint].mimic.as_ref();
         let place = mimic.map_or_else(|| self.links[0].place(), |mimic| mimic.element.place());
         let joint = mimic.map_or(String::new(), |mimic| mimic.joint.to_owned());
-        UrdfError::Mimic { place, joint, problem: "it follows itself in the end; one joint must follow none" }
+        UrdfError::Mimic {
+            place,
+            joint,
+            problem: "it follows itself in the end, or by a ratio beyond 1e9; one joint must follow none",
+        }
     }
 
     fn coordinates(&self) -> impl Iterator<Item = &Joint> {

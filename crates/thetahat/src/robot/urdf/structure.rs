@@ -87,10 +87,12 @@ fn only_root(links: &[Element<'_>], parent_joint: &[Option<usize>]) -> Result<Op
     }
 }
 
+/// The error of a cycle, which is found from child to parent and read from parent to child.
 fn cycle(joints: &[JointElement<'_>], cycle: &[usize]) -> UrdfError {
+    let first = cycle.first().copied().unwrap_or(0);
+    let downward = cycle.first().into_iter().chain(cycle.iter().rev());
     let name = |&joint: &usize| joints[joint].name.to_owned();
-    let place = joints[cycle.first().copied().unwrap_or(0)].element.place();
-    UrdfError::Cycle { place, joints: cycle.iter().chain(cycle.first()).map(name).collect() }
+    UrdfError::Cycle { place: joints[first].element.place(), joints: downward.map(name).collect() }
 }
 
 /// The error of a name that is none of the `known`.

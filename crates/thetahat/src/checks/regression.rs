@@ -1,0 +1,126 @@
+//! Least squares on rows that weigh as much for every joint.
+
+use super::numbers::{deviation, dot, rms};
+use crate::linear_algebra::{Matrix, PivotedQr};
+
+/// Relative size of the last diagonal entries of R below which a column counts as dependent, as for the estimate.
+const RANK_TOLERANCE: f64 = 1e-10;
+
+/// Least squares on weighted rows, also where columns depend on one another.
+pub(super) struct Regression {
+    pub(super) x: Matrix,
+    /// Factor of each row.
+    weights: Vec<f64>,
+    /// Orthonormal basis of the columns of x.
+    basis: Matrix,
+    pub(super) qr: PivotedQr,
+    pub(super) rank: usize,
+    pub(super) y: Vec<f64>,
+    /// y along the basis.
+    projection: Vec<f64>,
+    pub(super) residual: Vec<f64>,
+    pub(super) squares: f64,
+}
+
+impl Regression {
+    pub(super) fn new(x: &Matrix, y: &[f64], joints: usize) -> Self {
+        let rows = y.len() / joints;
+        let weights = weights(y, rows);
+        let x = x.scale_rows(&weights);
+        let y: Vec<f64> = y.iter().zip(&weights).map(|(y, w)| y * w).collect();
+        let qr = PivotedQr::new(&x);
+        let rank = qr.rank(RANK_TOLERANCE);
+        let basis = qr.thin_q().select_columns(&(0..rank).collect::<Vec<_>>());
+        let residual = project_out(&basis, &y);
+        let squares = dot(&residual, &residual);
+        let projection = (0..rank).map(|c| dot(basis.column(c), &y)).collect();
+        Self { x, weights, basis, qr, rank, y, projection, residual, squares }
+    }
+
+    /// What is left of a vector of unweighted rows that the parameters do not take up, weighted.
+    pub(super) fn unexplained(&self, rows: &[f64]) -> Vec<f64> {
+        project_out(&self.basis, &self.weighted(rows))
+    }
+
+    /// A vector of unweighted rows, weighted.
+    pub(super) fn weighted(&self, rows: &[f64]) -> Vec<f64> {
+        rows.iter().zip(&self.weights).map(|(r, w)| r * w).collect()
+    }
+
+    /// Parameters; those that depend on others are zero.
+    pub(super) fn theta(&self) -> Vec<f64> {
+        self.theta_of_weighted(&self.y)
+    }
+
+    /// The same for another vector of unweighted rows.
+    pub(super) fn theta_of(&self, rows: &[f64]) -> Vec<f64> {
+        self.theta_of_weighted(&self.weighted(rows))
+    }
+
+    fn theta_of_weighted(&self, y: &[f64]) -> Vec<f64> {
+        if self.rank == self.x.columns() {
+            return self.qr.solve(y);
+        }
+        let mut theta = vec![0.0; self.x.columns()];
+        let independent = &self.qr.pivots()[..self.rank];
+        let solution = PivotedQr::new(&self.x.select_columns(independent)).solve(y);
+        independent.iter().zip(solution).for_each(|(&c, v)| theta[c] = v);
+        theta
+    }
+
+    /// The squared residual with the rows of joint `j` taken from another vector of unweighted rows.
+    pub(super) fn squares_with(&self, rows: &[f64], j: usize, joints: usize) -> f64 {
+        let count = self.y.len() / joints;
+        let own = j * count..(j + 1) * count;
+        let change: Vec<f64> = own.clone().map(|i| rows[i] * self.weights[i] - self.y[i]).collect();
+        let norm = |y: &[f64]| dot(y, y);
+        let total = norm(&self.y) + own.clone().zip(&change).map(|(i, c)| c * (c + 2.0 * self.y[i])).sum::<f64>();
+        let along = |c: usize| self.projection[c] + dot(&self.basis.column(c)[own.clone()], &change);
+        total - (0..self.rank).map(|c| along(c).powi(2)).sum::<f64>()
+    }
+
+    /// Variance of the weighted residual.
+    pub(super) fn variance(&self) -> f64 {
+        self.squares / self.y.len().saturating_sub(self.rank).max(1) as f64
+    }
+
+    /// Rms residual relative to the rms torque, without weights.
+    pub(super) fn relative_error(&self) -> f64 {
+        let unweighted = |rows: &[f64]| rows.iter().zip(&self.weights).map(|(r, w)| (r / w).powi(2)).sum::<f64>();
+        (unweighted(&self.residual) / unweighted(&self.y)).sqrt()
+    }
+
+    /// Rms residual of joint `j`, relative to the standard deviation of its torque.
+    pub(super) fn joint_error(&self, j: usize, joints: usize) -> f64 {
+        let rows = self.y.len() / joints;
+        rms(&self.residual[j * rows..(j + 1) * rows])
+    }
+}
+
+/// One over the standard deviation of each joint's torque, for each row; one where that is zero.
+fn weights(y: &[f64], rows: usize) -> Vec<f64> {
+    let weight = |y: &[f64]| Some(deviation(y)).filter(|s| *s > 0.0).map_or(1.0, f64::recip);
+    y.chunks(rows).flat_map(|y| std::iter::repeat_n(weight(y), y.len())).collect()
+}
+
+/// The squared residual of [`Regression`] alone, for less.
+pub(super) fn squared_residual(x: &Matrix, y: &[f64], joints: usize) -> f64 {
+    let weights = weights(y, y.len() / joints);
+    let xw = x.scale_rows(&weights);
+    let yw: Vec<f64> = y.iter().zip(&weights).map(|(y, w)| y * w).collect();
+    let qr = PivotedQr::new(&xw);
+    if qr.rank(RANK_TOLERANCE) < x.columns() {
+        return Regression::new(x, y, joints).squares;
+    }
+    xw.times(&qr.solve(&yw)).iter().zip(&yw).map(|(p, y)| (y - p).powi(2)).sum()
+}
+
+/// A vector less its part in the span of orthonormal columns.
+fn project_out(basis: &Matrix, vector: &[f64]) -> Vec<f64> {
+    let mut rest = vector.to_vec();
+    for j in 0..basis.columns() {
+        let along = dot(basis.column(j), &rest);
+        rest.iter_mut().zip(basis.column(j)).for_each(|(r, b)| *r -= along * b);
+    }
+    rest
+}

@@ -1,0 +1,160 @@
+//! What the names of columns say: signal, joint, unit.
+
+use crate::recording::Unit;
+
+/// What a column seems to hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Signal {
+    Time,
+    Position,
+    Velocity,
+    Torque,
+    Reference,
+}
+
+/// Words that name a signal, each in the spellings that logs use.
+const TIME: [&str; 6] = ["t", "time", "times", "timestamp", "stamp", "sec"];
+const POSITION: [&str; 11] =
+    ["q", "qm", "pos", "position", "positions", "angle", "angles", "theta", "enc", "encoder", "x"];
+const VELOCITY: [&str; 8] = ["dq", "qd", "qdot", "vel", "velocity", "velocities", "speed", "speeds"];
+const TORQUE: [&str; 14] = [
+    "tau", "torque", "torques", "trq", "effort", "efforts", "moment", "force", "current", "currents", "curr", "vir",
+    "voltage", "u",
+];
+const OTHER: [&str; 8] = ["ddq", "qdd", "acc", "accel", "acceleration", "accelerations", "temp", "temperature"];
+/// Words by which a signal is the wanted one and not the measured one.
+const WANTED: [&str; 11] =
+    ["ref", "reference", "target", "des", "desired", "cmd", "command", "commanded", "setpoint", "goal", "qg"];
+
+/// What a name says.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Reading {
+    pub(super) signal: Signal,
+    /// The last number in it.
+    pub(super) number: Option<usize>,
+    pub(super) unit: Option<Unit>,
+}
+
+/// Reads the name of a column; none where it names no signal that is used.
+pub(super) fn read(name: &str) -> Option<Reading> {
+    let words = words(name);
+    let has = |list: &[&str]| words.iter().any(|w| list.contains(&w.as_str()));
+    let signal = match (has(&POSITION), has(&VELOCITY), has(&TORQUE), has(&TIME)) {
+        _ if has(&OTHER) => None,
+        (_, true, ..) => Some(Signal::Velocity),
+        (_, _, true, _) => Some(Signal::Torque),
+        (true, ..) => Some(Signal::Position),
+        (.., true) => Some(Signal::Time),
+        _ => None,
+    };
+    let signal = match (signal, has(&WANTED)) {
+        (None, true) if words.iter().any(|w| w == "qg") => Some(Signal::Reference),
+        (Some(Signal::Position), true) => Some(Signal::Reference),
+        (Some(Signal::Time) | None, false) | (Some(_), false) => signal,
+        _ => None,
+    }?;
+    let number = words.iter().rev().find_map(|w| w.parse().ok());
+    // A unit keeps its capitals together: `mNm` is one word.
+    let whole: Vec<String> = name.split(|c: char| !c.is_alphanumeric()).map(str::to_lowercase).collect();
+    Some(Reading { signal, number, unit: unit(&whole, signal).or_else(|| unit(&words, signal)) })
+}
+
+/// A unit that the name ends with, or has in brackets, if it measures what the signal is.
+fn unit(words: &[String], signal: Signal) -> Option<Unit> {
+    let candidates: &[(&str, Unit)] = match signal {
+        Signal::Position | Signal::Reference => &[
+            ("rad", Unit::Radian),
+            ("deg", Unit::Degree),
+            ("degree", Unit::Degree),
+            ("degrees", Unit::Degree),
+            ("rev", Unit::Revolution),
+            ("mm", Unit::Millimetre),
+            ("m", Unit::Metre),
+        ],
+        Signal::Torque => &[
+            ("nm", Unit::NewtonMetre),
+            ("mnm", Unit::MillinewtonMetre),
+            ("a", Unit::Ampere),
+            ("ma", Unit::Milliampere),
+            ("v", Unit::Volt),
+            ("n", Unit::Newton),
+        ],
+        Signal::Time => {
+            &[("ms", Unit::Millisecond), ("us", Unit::Microsecond), ("ns", Unit::Nanosecond), ("s", Unit::Second)]
+        }
+        Signal::Velocity => &[],
+    };
+    let found = |(word, unit): &(&str, Unit)| words.iter().skip(1).any(|w| w == word).then_some(*unit);
+    let drive = match signal {
+        Signal::Torque if words.iter().any(|w| w.starts_with("curr")) => Some(Unit::Ampere),
+        Signal::Torque if words.iter().any(|w| w == "voltage") => Some(Unit::Volt),
+        _ => None,
+    };
+    candidates.iter().find_map(found).or(drive)
+}
+
+/// The words of a name, lower case: cut at everything but letters and digits, between letters and digits, and where a
+/// small letter meets a capital one.
+fn words(name: &str) -> Vec<String> {
+    let mut words: Vec<String> = Vec::new();
+    let mut before: Option<char> = None;
+    for c in name.chars() {
+        let joins =
+            before.is_some_and(|b| b.is_ascii_digit() == c.is_ascii_digit() && !(b.is_lowercase() && c.is_uppercase()));
+        match (c.is_alphanumeric(), words.last_mut()) {
+            (false, _) => {}
+            (true, Some(word)) if joins => word.extend(c.to_lowercase()),
+            (true, _) => words.push(c.to_lowercase().collect()),
+        }
+        before = c.is_alphanumeric().then_some(c);
+    }
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn signal(name: &str) -> Option<(Signal, Option<usize>)> {
+        read(name).map(|r| (r.signal, r.number))
+    }
+
+    #[test]
+    fn names_of_common_logs_are_understood() {
+        for (name, expected) in [
+            ("t", Some((Signal::Time, None))),
+            ("timestamp_ns", Some((Signal::Time, None))),
+            ("q1", Some((Signal::Position, Some(1)))),
+            ("joint_2_position", Some((Signal::Position, Some(2)))),
+            ("actual_q_0", Some((Signal::Position, Some(0)))),
+            ("target_q_0", Some((Signal::Reference, Some(0)))),
+            ("actual_qd_3", Some((Signal::Velocity, Some(3)))),
+            ("actual_current_5", Some((Signal::Torque, Some(5)))),
+            ("target_moment_5", None),
+            ("MotorTorque3", Some((Signal::Torque, Some(3)))),
+            ("elbow_joint.effort", Some((Signal::Torque, None))),
+            ("qg", Some((Signal::Reference, None))),
+            ("ddq1", None),
+            ("positions", Some((Signal::Position, None))),
+            ("accelerations", None),
+            ("note", None),
+        ] {
+            assert_eq!(signal(name), expected, "{name}");
+        }
+    }
+
+    #[test]
+    fn units_are_read_from_the_name() {
+        for (name, unit) in [
+            ("q1 [deg]", Some(Unit::Degree)),
+            ("q1_rad", Some(Unit::Radian)),
+            ("tau_1 (mNm)", Some(Unit::MillinewtonMetre)),
+            ("current_2", Some(Unit::Ampere)),
+            ("motor_current_2", Some(Unit::Ampere)),
+            ("time_ms", Some(Unit::Millisecond)),
+            ("q1", None),
+        ] {
+            assert_eq!(read(name).and_then(|r| r.unit), unit, "{name}");
+        }
+    }
+}

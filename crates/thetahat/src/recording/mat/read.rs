@@ -1,0 +1,45 @@
+//! The variables of a MAT file of either version.
+
+use std::path::Path;
+
+use super::super::RecordingError;
+use super::super::table::{Column, Table, Wanted};
+use super::v5;
+#[cfg(feature = "hdf5")]
+use super::v73;
+
+/// The signature of an HDF5 file, at its beginning or behind a header of 512 bytes.
+const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
+
+/// The variables of a MAT file. Those not wanted are there by name, without values.
+pub(in super::super) fn read(bytes: Vec<u8>, path: &Path, wanted: Wanted<'_>) -> Result<Table, RecordingError> {
+    let columns = if is_version_7_3(&bytes) { read_v73(bytes, path, wanted)? } else { v5::read(&bytes, path, wanted)? };
+    Ok(Table { name: String::new(), columns })
+}
+
+fn is_version_7_3(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"MATLAB 7.3") || [0, 512].iter().any(|&at| bytes.get(at..).is_some_and(|b| b.starts_with(HDF5)))
+}
+
+#[cfg(feature = "hdf5")]
+pub(in super::super) fn read_v73(
+    bytes: Vec<u8>,
+    path: &Path,
+    wanted: Wanted<'_>,
+) -> Result<Vec<Column>, RecordingError> {
+    v73::read(bytes, path, wanted)
+}
+
+#[cfg(not(feature = "hdf5"))]
+pub(in super::super) fn read_v73(_: Vec<u8>, path: &Path, _: Wanted<'_>) -> Result<Vec<Column>, RecordingError> {
+    Err(RecordingError::FeatureMissing { file: path.to_owned(), format: "MAT files of version 7.3", feature: "hdf5" })
+}
+
+/// Samples and channels of an array: a vector, whichever way it lies, is one channel; a matrix has one for each column.
+pub(super) fn samples_and_channels(shape: &[usize]) -> Option<(usize, usize)> {
+    match *shape {
+        [1, columns] => Some((columns, 1)),
+        [rows, columns] => Some((rows, columns)),
+        _ => None,
+    }
+}

@@ -1,0 +1,81 @@
+//! What is in a recording, for the terminal.
+
+use super::{Table, number::significant, text::wrap};
+use crate::recording::{ColumnSummary, Contents, TableSummary, TimeSummary};
+
+/// Longest list of gaps that is shown.
+const GAPS: usize = 5;
+
+/// Format, columns with their ranges, rate, jitter and gaps.
+#[must_use]
+pub fn contents_text(contents: &Contents) -> String {
+    let mut text = wrap(&format!("{}: {}", contents.file.display(), contents.format), "");
+    for table in &contents.tables {
+        text += "\n";
+        text += &columns(table).to_text();
+        table.times.iter().take(1).for_each(|time| text += &times(time));
+    }
+    for topic in &contents.other_topics {
+        text += &wrap(&format!("not read: topic {} ({})", topic.name, topic.kind), "");
+    }
+    text
+}
+
+fn columns(table: &TableSummary) -> Table {
+    let rows = table.columns.iter().flat_map(rows).collect();
+    let title = match table.name.as_str() {
+        "" => format!("{} samples", table.samples),
+        topic => format!("{topic}: {} samples", table.samples),
+    };
+    Table {
+        title,
+        lead: 1,
+        head: ["column", "least", "most", "rms", "step", "note"].map(str::to_owned).to_vec(),
+        rows,
+        notes: vec!["step: the smallest one between different neighbours.".to_owned()],
+        ..Table::default()
+    }
+}
+
+/// One row for each channel; the channels of a matrix are named as a description names them.
+fn rows(column: &ColumnSummary) -> Vec<Vec<String>> {
+    if let Some(kind) = &column.not_numeric {
+        return vec![vec![
+            column.name.clone(),
+            String::new(),
+            String::new(),
+            String::new(),
+            String::new(),
+            kind.clone(),
+        ]];
+    }
+    let number = |value: Option<f64>, digits| value.map_or_else(|| "-".to_owned(), |v| significant(v, digits));
+    let row = |(i, s): (usize, &crate::recording::ChannelSummary)| {
+        let name = if column.channels > 1 { format!("{}[{}]", column.name, i + 1) } else { column.name.clone() };
+        let missing = (s.not_finite > 0).then(|| format!("{} no numbers", s.not_finite));
+        let note = missing.or_else(|| s.constant.then(|| "constant".to_owned())).unwrap_or_default();
+        vec![name, number(s.min, 5), number(s.max, 5), number(s.rms, 4), number(s.resolution, 3), note]
+    };
+    column.statistics.iter().enumerate().map(row).collect()
+}
+
+fn times(time: &TimeSummary) -> String {
+    let [rms, largest] = [time.jitter_rms, time.jitter_max].map(|j| significant(100.0 * j, 3));
+    let mut text = wrap(
+        &format!(
+            "time: {:?} in {}, {} Hz; steps deviate by {rms} % rms, {largest} % at most",
+            time.column,
+            time.unit.symbol(),
+            significant(time.rate_hz, 7),
+        ),
+        "",
+    );
+    let places: Vec<String> = time.gaps.iter().take(GAPS).map(|g| format!("sample {}", g.sample)).collect();
+    if !places.is_empty() {
+        text += &wrap(&format!("gaps: {}, at {} ...", time.gaps.len(), places.join(", ")), "");
+    }
+    if time.repeated + time.backwards > 0 {
+        text += &wrap(&format!("times repeated: {}; times that go back: {}", time.repeated, time.backwards), "");
+    }
+    text
+}

@@ -1,0 +1,294 @@
+//! The robot of `thetahat model` for the terminal.
+
+use super::{
+    ModelReport, Table,
+    model::{BaseParameterReport, Count, JointReport, StandardParameterReport},
+    number::{NONE, given, significant},
+    text::wrap,
+};
+use crate::robot::{JointKind, Quantity};
+
+/// Widest label of the head.
+const LABEL: usize = 14;
+/// Digits of a-priori values.
+const DIGITS: usize = 4;
+
+/// The report as text of at most 80 columns.
+#[must_use]
+pub fn model_text(report: &ModelReport) -> String {
+    let mut parts = vec![head(report), structure(report).to_text()];
+    parts.extend(transmission(report));
+    parts.push(standard_parameters(report).to_text());
+    parts.push(counts(report).to_text());
+    parts.push(base_parameters(report));
+    parts.join("\n")
+}
+
+/// A number with four significant digits at most.
+fn short(value: f64) -> String {
+    let text = significant(value, DIGITS);
+    match text.contains('.') && !text.contains('e') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
+fn head(report: &ModelReport) -> String {
+    let [x, y, z] = report.gravity.map(given);
+    let (links, coordinates) = (report.joints.len(), report.coordinates());
+    let follow = match links - coordinates {
+        0 => String::new(),
+        followers => format!(", {followers} of {links} joints following others"),
+    };
+    let facts = [
+        ("robot", report.name.clone()),
+        ("source", format!("{} ({})", report.source, report.format)),
+        ("coordinates", format!("{coordinates}{follow}")),
+        ("gravity", format!("{x} {y} {z} m/s^2 in the base frame")),
+        ("friction", report.friction.to_owned()),
+    ];
+    let line = |(label, value): (&str, String)| {
+        let text = wrap(&value, &" ".repeat(LABEL));
+        format!("{label:<LABEL$}{}", text.trim_start())
+    };
+    facts.into_iter().map(line).collect()
+}
+
+/// A column of the structure: what it says of a joint, if anything.
+type Cell = fn(&JointReport) -> Option<String>;
+
+/// One row for each joint; names are indented where their branch of the tree begins.
+fn structure(report: &ModelReport) -> Table {
+    let joints = &report.joints;
+    let columns: [(&str, Cell); 4] =
+        [("range", range), ("velocity", velocity), ("effort", effort), ("follows", follows)];
+    let shown: Vec<_> = columns.iter().filter(|(_, text)| joints.iter().any(|j| text(j).is_some())).collect();
+    let row = |joint: &JointReport| {
+        let name = format!("{}{}", "  ".repeat(branches_before(joints, joint)), joint.name);
+        let on = joint.parent.map_or_else(|| "base".to_owned(), |p| p.to_string());
+        let lead = [joint.number.to_string(), name, kind(joint.kind).to_owned(), on];
+        lead.into_iter().chain(shown.iter().map(|(_, text)| text(joint).unwrap_or_else(|| NONE.to_owned()))).collect()
+    };
+    Table {
+        title: "Structure".to_owned(),
+        lead: 2,
+        head: ["", "joint", "kind", "on"]
+            .into_iter()
+            .chain(shown.iter().map(|(head, _)| *head))
+            .map(str::to_owned)
+            .collect(),
+        rows: joints.iter().map(row).collect(),
+        ..Table::default()
+    }
+}
+
+/// On how many branches of the tree a joint stands.
+fn branches_before(joints: &[JointReport], joint: &JointReport) -> usize {
+    let siblings = |parent: Option<usize>| joints.iter().filter(|j| j.parent == parent).count();
+    let mut at = Some(joint);
+    let mut branches = 0;
+    while let Some(joint) = at {
+        branches += usize::from(siblings(joint.parent) > 1);
+        at = joint.parent.and_then(|p| joints.get(p - 1));
+    }
+    branches
+}
+
+fn kind(kind: JointKind) -> &'static str {
+    match kind {
+        JointKind::Revolute => "revolute",
+        JointKind::Prismatic => "prismatic",
+    }
+}
+
+/// An angle in degrees, or a length in m.
+fn coordinate(value: f64, kind: JointKind) -> String {
+    match kind {
+        JointKind::Revolute => short(value.to_degrees()),
+        JointKind::Prismatic => short(value),
+    }
+}
+
+fn unit(kind: JointKind) -> &'static str {
+    match kind {
+        JointKind::Revolute => "deg",
+        JointKind::Prismatic => "m",
+    }
+}
+
+fn range(joint: &JointReport) -> Option<String> {
+    let text = |bound: Option<f64>| bound.map(|value| coordinate(value, joint.kind));
+    match (text(joint.lower), text(joint.upper)) {
+        (None, None) => None,
+        (lower, upper) => {
+            let [lower, upper] = [lower, upper].map(|bound| bound.unwrap_or_else(|| "?".to_owned()));
+            Some(format!("{lower}..{upper} {}", unit(joint.kind)))
+        }
+    }
+}
+
+fn velocity(joint: &JointReport) -> Option<String> {
+    joint.velocity.map(|v| format!("{} {}/s", coordinate(v, joint.kind), unit(joint.kind)))
+}
+
+fn effort(joint: &JointReport) -> Option<String> {
+    let unit = if joint.kind == JointKind::Revolute { "N m" } else { "N" };
+    joint.effort.map(|effort| format!("{} {unit}", given(effort)))
+}
+
+fn follows(joint: &JointReport) -> Option<String> {
+    let mimic = joint.mimic.as_ref()?;
+    let offset = match mimic.offset {
+        0.0 => String::new(),
+        offset => format!(" + {} {}", coordinate(offset, joint.kind), unit(joint.kind)),
+    };
+    Some(format!("{} q{}{offset}", given(mimic.ratio), mimic.joint))
+}
+
+/// The ratios, or the matrix where motors are coupled, and the offsets; nothing where motors and joints are the same.
+fn transmission(report: &ModelReport) -> Option<String> {
+    let transmission = &report.transmission;
+    let notes = transmission_notes(report);
+    let ratios: Vec<String> = transmission.matrix.iter().enumerate().map(|(i, row)| given(row[i])).collect();
+    if transmission.coupled_motors.is_empty() {
+        let direct = ratios.iter().all(|ratio| ratio == "1");
+        let lines = wrap(&format!("motor positions per joint positions: {}", ratios.join(" ")), "  ");
+        let lines = if direct { String::new() } else { lines };
+        let lines = lines + &notes.iter().map(|note| wrap(note, "  ")).collect::<String>();
+        return (!lines.is_empty()).then(|| format!("Transmission\n{lines}"));
+    }
+    let rows = transmission.matrix.iter().enumerate();
+    let rows = rows.map(|(i, row)| std::iter::once((i + 1).to_string()).chain(row.iter().map(|v| given(*v))).collect());
+    let independent = report.joints.iter().filter(|joint| joint.coordinate.is_some());
+    let table = Table {
+        title: "Transmission: motor positions per joint positions".to_owned(),
+        lead: 1,
+        head: std::iter::once("motor".to_owned()).chain(independent.map(|j| format!("q{}", j.number))).collect(),
+        rows: rows.collect(),
+        notes,
+        ..Table::default()
+    };
+    Some(table.to_text())
+}
+
+fn transmission_notes(report: &ModelReport) -> Vec<String> {
+    let transmission = &report.transmission;
+    let independent = report.joints.iter().filter(|joint| joint.coordinate.is_some());
+    let mut notes = Vec::new();
+    if transmission.offset.iter().any(|offset| *offset != 0.0) {
+        let offset =
+            |(joint, offset): (&JointReport, &f64)| format!("{} {}", coordinate(*offset, joint.kind), unit(joint.kind));
+        let all: Vec<String> = independent.zip(&transmission.offset).map(offset).collect();
+        notes.push(format!("joints at the motors' zero: {}", all.join(", ")));
+    }
+    let own_ratio = |(i, drive): (usize, &f64)| transmission.matrix[i][i] == *drive;
+    if !transmission.drive_to_joint.iter().enumerate().all(own_ratio) {
+        let drives: Vec<String> = transmission.drive_to_joint.iter().map(|d| given(*d)).collect();
+        notes.push(format!("torque in joint units per drive signal: {}", drives.join(" ")));
+    }
+    for motor in &transmission.coupled_motors {
+        let number = report.number_of_coordinate(*motor);
+        notes.push(format!("motor {motor} is coupled: it has iam{number} fvm{number} fcm{number}"));
+    }
+    notes
+}
+
+/// One row for each link; columns that the description leaves at zero are not shown.
+fn standard_parameters(report: &ModelReport) -> Table {
+    let all = &report.standard_parameters;
+    let mut quantities: Vec<Quantity> = Vec::new();
+    for parameter in all.iter().filter(|p| p.a_priori != 0.0).map(|p| &p.parameter) {
+        if !quantities.contains(&parameter.quantity) {
+            quantities.push(parameter.quantity);
+        }
+    }
+    quantities.sort_unstable();
+    let cell = |number: usize, quantity: Quantity| {
+        let is = |p: &&StandardParameterReport| p.parameter.number == number && p.parameter.quantity == quantity;
+        all.iter().find(is).map_or_else(|| NONE.to_owned(), |p| short(p.a_priori))
+    };
+    let row = |number: usize| {
+        std::iter::once(number.to_string()).chain(quantities.iter().map(|q| cell(number, *q))).collect()
+    };
+    let numbers = if quantities.is_empty() { 0 } else { report.joints.len() };
+    let mut notes = vec![names_of_link(all)];
+    if quantities.is_empty() {
+        notes.push("the description gives no a-priori values".to_owned());
+    }
+    Table {
+        title: format!("Standard parameters: {}, with their a-priori values (SI)", all.len()),
+        lead: 1,
+        head: std::iter::once("link").chain(quantities.iter().map(|q| q.name())).map(str::to_owned).collect(),
+        rows: (1..=numbers).map(row).collect(),
+        notes,
+        ..Table::default()
+    }
+}
+
+fn names_of_link(all: &[StandardParameterReport]) -> String {
+    let first = all.iter().filter(|p| p.parameter.number == 1 && !p.parameter.quantity.is_coupled_motor());
+    let names: Vec<&str> = first.map(|p| p.name.as_str()).collect();
+    format!("link 1 and its joint have {}, and so on by number", names.join(" "))
+}
+
+fn counts(report: &ModelReport) -> Table {
+    let row = |label: &str, count: &Count| {
+        let numbers = [count.inertial, count.motor_inertia, count.friction, count.offset, count.all()];
+        std::iter::once(label.to_owned()).chain(numbers.iter().map(usize::to_string)).collect()
+    };
+    let counts = &report.counts;
+    Table {
+        title: "Numbers of parameters".to_owned(),
+        lead: 1,
+        head: ["", "inertial", "motor inertia", "friction", "offset", "all"].map(str::to_owned).to_vec(),
+        rows: vec![
+            row("standard", &counts.standard),
+            row("without effect", &counts.without_effect),
+            row("base", &counts.base),
+        ],
+        ..Table::default()
+    }
+}
+
+/// Name, a-priori value and unit, and the formula where something is regrouped.
+fn base_parameters(report: &ModelReport) -> String {
+    if let Some(problem) = &report.problem {
+        return wrap(&format!("No base parameters: {problem}"), "");
+    }
+    let all = &report.base_parameters;
+    let width = |text: fn(&BaseParameterReport) -> usize| all.iter().map(text).max().unwrap_or(0);
+    let (names, units) = (width(|p| p.name.len()), width(|p| p.unit.len()));
+    let line = |p: &BaseParameterReport| {
+        let lead = format!("{:<names$} {:>10} {:<units$}", p.name, short(p.a_priori), p.unit);
+        if p.regrouped.is_empty() {
+            return format!("{}\n", lead.trim_end());
+        }
+        let formula = formula(&p.expression, &" ".repeat(lead.chars().count() + 2));
+        format!("{lead}  {}", formula.trim_start())
+    };
+    let title = format!("Base parameters: {}, with their a-priori values and formulas\n", all.len());
+    title + &all.iter().map(line).collect::<String>() + &without_effect(report)
+}
+
+/// A formula in lines; a sign stays with the term behind it.
+fn formula(expression: &str, indent: &str) -> String {
+    let joined = expression.replace(" + ", " +~").replace(" - ", " -~");
+    wrap(&joined, indent).replace('~', " ")
+}
+
+fn without_effect(report: &ModelReport) -> String {
+    let idle = report.standard_parameters.iter().filter(|p| p.has_effect == Some(false));
+    let names: Vec<&str> = idle.map(|p| p.name.as_str()).collect();
+    if names.is_empty() {
+        String::new()
+    } else {
+        format!("\n{}", wrap(&format!("Without effect on any torque: {}", names.join(" ")), ""))
+    }
+}
+
+impl ModelReport {
+    /// The joint's number of a coordinate from one.
+    fn number_of_coordinate(&self, coordinate: usize) -> usize {
+        self.joints.iter().find(|j| j.coordinate == Some(coordinate)).map_or(coordinate, |j| j.number)
+    }
+}

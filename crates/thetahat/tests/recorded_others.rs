@@ -1,0 +1,71 @@
+//! KUKA LWR4+ (URDF, NumPy archives, two recordings) and UR10 (standard Denavit-Hartenberg, a ROS 2 bag): relative errors
+//! and friction, from their experiment files.
+
+mod common;
+
+use common::ensure;
+use libtest_mimic::Failed;
+use thetahat::{
+    experiment::{Experiment, Results},
+    robot::INERTIAL,
+};
+
+/// The estimates of others from these records differ by their filters: 15 % of each.
+const FRICTION: f64 = 0.15;
+
+fn identify(name: &str) -> Results {
+    let experiment = Experiment::read(&common::root().join("experiments").join(name), &common::data()).unwrap();
+    experiment.run(&common::data(), &mut |_| {}).unwrap()
+}
+
+fn ensure_error(results: &Results, limit: f64) -> Result<(), Failed> {
+    let error = results.runs[0].relative_error_percent.unwrap();
+    ensure(error <= limit, format!("relative error {error} %, at most {limit} %"))
+}
+
+fn ensure_friction(results: &Results, kind: &str, expected: &[f64]) -> Result<(), Failed> {
+    for (j, expected) in expected.iter().enumerate() {
+        let name = format!("{kind}{}", j + 1);
+        let found = results.runs[0].parameter(&name).unwrap().estimate;
+        let close = (found - expected).abs() <= FRICTION * expected;
+        ensure(close, format!("{name}: {found}, others {expected}"))?;
+    }
+    Ok(())
+}
+
+/// 1.86 % weighted, by others; unweighted at most 2.1 %.
+fn kuka_error() -> Result<(), Failed> {
+    let results = identify("kuka_lwr4.toml");
+    ensure_error(&results, 2.1)?;
+    ensure(results.recordings.len() == 2, "two recordings")
+}
+
+/// The 43 base inertial parameters of the KUKA; five motor inertias are apart from them.
+fn kuka_parameters() -> Result<(), Failed> {
+    let results = identify("kuka_lwr4.toml");
+    let inertial: Vec<&str> = INERTIAL.iter().map(|q| q.name()).collect();
+    let kind = |name: &str| name.trim_end_matches('r').trim_end_matches(|c: char| c.is_ascii_digit()).to_owned();
+    let names = results.runs[0].parameters.iter().map(|p| kind(&p.name));
+    let count = names.filter(|k| inertial.contains(&k.as_str())).count();
+    ensure(count == 43, format!("{count} inertial base parameters"))
+}
+
+fn ur10_error() -> Result<(), Failed> {
+    ensure_error(&identify("ur10.toml"), 6.6)
+}
+
+/// fv about 20.6 25.1 9.3 3.3 3.3 3.3, fc about 11.9 13.7 7.6 2.8 2.3 2.5.
+fn ur10_friction() -> Result<(), Failed> {
+    let results = identify("ur10.toml");
+    ensure_friction(&results, "fv", &[20.6, 25.1, 9.3, 3.3, 3.3, 3.3])?;
+    ensure_friction(&results, "fc", &[11.9, 13.7, 7.6, 2.8, 2.3, 2.5])
+}
+
+fn main() {
+    common::run_with_shared_data(vec![
+        ("kuka_is_fitted_to_two_percent", kuka_error),
+        ("kuka_has_43_inertial_parameters", kuka_parameters),
+        ("ur10_is_fitted_to_seven_percent", ur10_error),
+        ("ur10_has_the_friction_that_others_found", ur10_friction),
+    ]);
+}
