@@ -1,4 +1,4 @@
-use std::path::PathBuf;
+use std::{num::NonZero, path::PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use thetahat::{identification::Method, recording::Unit};
@@ -29,6 +29,10 @@ pub enum Command {
     Identify(Identify),
     /// Predict the torques of another motion with identified parameters.
     Predict(Predict),
+    /// Run a Monte Carlo campaign on a simulated robot and compare the methods.
+    ///
+    /// What a folder holds already is not run again: a campaign that was stopped goes on where it was.
+    Campaign(Campaign),
     /// Record the simulated robot that an experiment describes in [twin].
     Simulate(Simulate),
     /// Show a robot: its structure, its standard parameters, and its base parameters with their formulas.
@@ -114,6 +118,25 @@ pub struct Described {
     /// Robot description instead of the one that the experiment names
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct Campaign {
+    /// The campaign file
+    #[arg(value_name = "CAMPAIGN.toml")]
+    pub campaign: PathBuf,
+    /// Folder for runs.parquet, timing.parquet and campaign.html [default: tables in the terminal only]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Records that are worked on at a time [default: one for each processor]
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZero<usize>>,
+    /// Only the first starts of the campaign
+    #[arg(long, value_name = "N")]
+    pub starts: Option<NonZero<u32>>,
+    /// Only the first seeds of the campaign
+    #[arg(long, value_name = "N")]
+    pub seeds: Option<NonZero<u32>>,
 }
 
 #[derive(Args)]

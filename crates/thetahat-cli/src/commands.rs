@@ -14,6 +14,7 @@ use thetahat::{
 
 use crate::{
     arguments::{Arguments, Columns, Command, Described, Identify, Init, Inspect, Model, Output, Predict, Simulate},
+    campaign,
     progress::Progress,
 };
 
@@ -31,6 +32,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
         Command::Check(described) => check_experiment(&described),
         Command::Identify(identify) => identify_experiment(&identify),
         Command::Predict(request) => predict_torques(&request),
+        Command::Campaign(request) => campaign::run(&request),
         Command::Simulate(simulate) => record_twin(&simulate),
         Command::Model(request) => show_model(&request),
     }
@@ -189,7 +191,7 @@ fn show_model(request: &Model) -> Result<Verdict, Box<dyn Error>> {
 }
 
 /// Prints. A reader that has gone away (`| head`) is no reason not to write the files.
-fn print(text: &str) -> Result<(), std::io::Error> {
+pub fn print(text: &str) -> Result<(), std::io::Error> {
     match std::io::stdout().write_all(text.as_bytes()) {
         Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         result => result,

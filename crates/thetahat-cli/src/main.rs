@@ -1,6 +1,7 @@
 //! The thetahat command line.
 
 mod arguments;
+mod campaign;
 mod commands;
 mod progress;
 

@@ -36,4 +36,7 @@ pub mod checks;
 
 pub mod experiment;
 
+#[cfg(feature = "parquet")]
+pub mod campaign;
+
 pub mod report;

@@ -89,6 +89,12 @@ impl Matrix {
         Self::from_fn(self.rows, self.columns, |i, j| weights[i] * self.at(i, j))
     }
 
+    /// The matrix with each column multiplied by its factor.
+    #[must_use]
+    pub fn scale_columns(&self, factors: &[f64]) -> Self {
+        Self::from_fn(self.rows, self.columns, |i, j| factors[j] * self.at(i, j))
+    }
+
     /// `A x`.
     #[must_use]
     pub fn times(&self, x: &[f64]) -> Vec<f64> {
@@ -103,6 +109,12 @@ impl Matrix {
     #[must_use]
     pub fn times_matrix(&self, other: &Self) -> Self {
         from_faer((self.view() * other.view()).as_ref())
+    }
+
+    /// `A^T B`.
+    #[must_use]
+    pub fn transposed_times(&self, other: &Self) -> Self {
+        from_faer((self.view().transpose() * other.view()).as_ref())
     }
 
     /// `A^T`.
@@ -145,22 +157,43 @@ impl Matrix {
 /// Relative size of a diagonal entry of R below which a square matrix counts as singular.
 const SINGULAR: f64 = 1e-13;
 
+/// Size of a column relative to the largest below which it is taken for rounding.
+const ROUNDING: f64 = 1e-14;
+
 fn from_faer(a: MatRef<'_, f64>) -> Matrix {
     Matrix::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)])
 }
 
 /// `A P = Q R` with column pivoting, for a matrix with at least as many rows as columns.
+///
+/// The factorisation may be of a matrix with scaled columns, `A D P = Q R_D`; what is solved and returned is that of `A`.
 pub struct PivotedQr {
     qr: ColPivQr<f64>,
     rows: usize,
     columns: usize,
+    /// D, by which each column of `A` was multiplied.
+    scale: Vec<f64>,
 }
 
 impl PivotedQr {
-    /// Factorises `a`.
+    /// Factorises `a` as it is.
     #[must_use]
     pub fn new(a: &Matrix) -> Self {
-        Self { qr: a.view().col_piv_qr(), rows: a.rows, columns: a.columns }
+        Self { qr: a.view().col_piv_qr(), rows: a.rows, columns: a.columns, scale: vec![1.0; a.columns] }
+    }
+
+    /// Factorises `a` with its columns brought to norms between 1 and 2.
+    ///
+    /// Pivots and rank then do not depend on the units of the columns, and a matrix whose columns differ by orders of
+    /// magnitude keeps its digits. The factors are powers of two, so that scaling itself rounds nothing. A column that is
+    /// but rounding beside the largest is scaled as that one, and stays rounding.
+    #[must_use]
+    pub fn with_equal_columns(a: &Matrix) -> Self {
+        let sizes: Vec<f64> = (0..a.columns).map(|j| norm(a.column(j))).collect();
+        let largest = sizes.iter().copied().fold(0.0, f64::max);
+        let of_size = |size: &f64| to_unit_magnitude(if *size < ROUNDING * largest { largest } else { *size });
+        let scale: Vec<f64> = sizes.iter().map(of_size).collect();
+        Self { scale: scale.clone(), ..Self::new(&a.scale_columns(&scale)) }
     }
 
     /// Number of diagonal entries of R above `tolerance` times the largest.
@@ -178,13 +211,13 @@ impl PivotedQr {
     #[must_use]
     pub fn solve(&self, y: &[f64]) -> Vec<f64> {
         let rhs = MatRef::from_column_major_slice(y, self.rows, 1);
-        from_faer(self.qr.solve_lstsq(rhs).as_ref()).values
+        from_faer(self.qr.solve_lstsq(rhs).as_ref()).scale_rows(&self.scale).values
     }
 
     /// The least-squares solution of `A X = B`.
     #[must_use]
     pub fn solve_matrix(&self, b: &Matrix) -> Matrix {
-        from_faer(self.qr.solve_lstsq(b.view()).as_ref())
+        from_faer(self.qr.solve_lstsq(b.view()).as_ref()).scale_rows(&self.scale)
     }
 
     /// The columns in pivoted order: those that the first ones span come last.
@@ -202,13 +235,14 @@ impl PivotedQr {
     /// The triangular factor in pivoted column order, columns by columns.
     #[must_use]
     pub fn thin_r(&self) -> Matrix {
-        from_faer(self.qr.thin_R())
+        let unscaled: Vec<f64> = self.pivots().iter().map(|&p| 1.0 / self.scale[p]).collect();
+        from_faer(self.qr.thin_R()).scale_columns(&unscaled)
     }
 
     /// `(A^T A)^-1` from the triangular factor, without forming the product `A^T A`.
     #[must_use]
     pub fn inverse_gram(&self) -> Matrix {
-        let r = self.thin_r();
+        let r = from_faer(self.qr.thin_R());
         let mut inverse = Matrix::identity(self.columns).view().to_owned();
         r.view().solve_upper_triangular_in_place(inverse.as_mut());
         let gram = &inverse * inverse.transpose();
@@ -216,11 +250,17 @@ impl PivotedQr {
         let mut out = Matrix::zeros(self.columns, self.columns);
         for (i, &pi) in forward.iter().enumerate() {
             for (j, &pj) in forward.iter().enumerate() {
-                *out.at_mut(pi, pj) = gram[(i, j)];
+                *out.at_mut(pi, pj) = self.scale[pi] * self.scale[pj] * gram[(i, j)];
             }
         }
         out
     }
+}
+
+/// The power of two that brings a size to between 1 and 2; 1 for a size that has none.
+fn to_unit_magnitude(size: f64) -> f64 {
+    let factor = (-size.log2().floor()).exp2();
+    if factor.is_normal() { factor } else { 1.0 }
 }
 
 /// The Euclidean norm.
@@ -269,6 +309,30 @@ mod tests {
                 let expected = if i == j { 1.0 } else { 0.0 };
                 assert!((product.at(i, j) - expected).abs() < 1e-12);
             }
+        }
+    }
+
+    #[test]
+    fn scaled_columns_change_nothing_but_the_rounding() {
+        let a = example().scale_columns(&[1e-4, 1.0, 1e6]);
+        let y: Vec<f64> = (0..7).map(|i| (i as f64).cos()).collect();
+        let (scaled, plain) = (PivotedQr::with_equal_columns(&a), PivotedQr::with_equal_columns(&example()));
+        let (x, expected) = (scaled.solve(&y), plain.solve(&y));
+        for (j, factor) in [1e-4, 1.0, 1e6].into_iter().enumerate() {
+            assert!((x[j] * factor / expected[j] - 1.0).abs() < 1e-12);
+            let gram = scaled.inverse_gram().at(j, j) * factor * factor;
+            assert!((gram / plain.inverse_gram().at(j, j) - 1.0).abs() < 1e-12);
+        }
+        assert_eq!((scaled.rank(1e-10), PivotedQr::new(&a).rank(1e-10)), (3, 2));
+        let of_r = scaled.thin_r().condition_number() / a.condition_number();
+        assert!((of_r - 1.0).abs() < 1e-3, "the condition number is that of the matrix as it is: {of_r}");
+    }
+
+    #[test]
+    fn columns_of_zeros_and_of_rounding_stay_what_they_are() {
+        for size in [0.0, 1e-16] {
+            let a = example().scale_columns(&[size, 1.0, 1.0]);
+            assert_eq!(PivotedQr::with_equal_columns(&a).rank(1e-12), 2);
         }
     }
 

@@ -40,6 +40,8 @@ fn parameter(name: &str, estimate: f64, deviation: f64, truth: f64) -> Parameter
         unit: "N m s/rad".to_owned(),
         expression: "zz1 + ia1 + 0.05185*m3, as it is".to_owned(),
         shown: name != "xy2",
+        standard_deviation_robust: Some(1.2 * deviation),
+        interval_95: Some([estimate - 2.4 * deviation, estimate + 2.4 * deviation]),
     }
 }
 
@@ -251,6 +253,8 @@ fn json_has_the_fixed_keys_and_reads_back() {
         "true_value",
         "unit",
         "expression",
+        "standard_deviation_robust",
+        "interval_95",
     ] {
         assert!(run["parameters"][0].get(key).is_some(), "{key}");
     }
@@ -266,11 +270,13 @@ fn csv_has_one_row_for_each_parameter_and_run() {
     let mut reader = csv::Reader::from_reader(files["parameters.csv"].as_bytes());
     let header: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
     let expected = "case,method,name,estimate,standard_deviation,relative_standard_deviation_percent,true_value,unit,\
-                    expression";
+                    expression,standard_deviation_robust,interval_95_low,interval_95_high";
     assert_eq!(header.join(","), expected);
     let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
     assert_eq!(rows.len(), 2 * 3 * 4);
     assert_eq!((&rows[0][2], &rows[0][3], &rows[0][8]), ("zz1r", "1.26", "zz1 + ia1 + 0.05185*m3, as it is"));
+    let end: Vec<f64> = (9..12).map(|c| rows[0][c].parse().unwrap()).collect();
+    assert_eq!(end, [1.2 * 0.01, 1.26 - 2.4 * 0.01, 1.26 + 2.4 * 0.01]);
 }
 
 #[test]

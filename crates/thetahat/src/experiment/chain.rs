@@ -35,18 +35,18 @@ const FEWEST_PERIODS: f64 = 10.0;
 const PROBE_PERIODS: f64 = 200.0;
 
 /// The band-passed motion of a record, cut to the window.
-pub(super) struct FilteredRecord {
+pub(crate) struct FilteredRecord {
     pub(super) record: Record,
     pub(super) q: Series,
     pub(super) dq: Series,
     pub(super) ddq: Series,
-    pub(super) window: Range<usize>,
+    pub(crate) window: Range<usize>,
 }
 
 impl Experiment {
     /// Filters and differentiates the whole record, then cuts it to its window: that of its description, or else the
     /// experiment's.
-    pub(super) fn filter(
+    pub(crate) fn filter(
         &self,
         record: Record,
         description: Option<&RecordingDescription>,
@@ -149,18 +149,18 @@ impl Experiment {
 }
 
 /// The regression problem of one friction model, over all recordings.
-pub(super) struct Problem {
+pub(crate) struct Problem {
     pub(super) model: Model,
     /// All base parameters.
     pub(super) base: BaseParameters,
     /// Those that are estimated.
-    pub(super) estimated: BaseParameters,
+    pub(crate) estimated: BaseParameters,
     pub(super) elimination: Option<Elimination>,
     /// The parallel filter of each recording.
     pub(super) decimators: Vec<Decimator>,
-    pub(super) rows: Rows,
-    pub(super) x: Matrix,
-    pub(super) y: Vec<f64>,
+    pub(crate) rows: Rows,
+    pub(crate) x: Matrix,
+    pub(crate) y: Vec<f64>,
     /// X of all base parameters, where fewer are estimated.
     pub(super) full_x: Option<Matrix>,
 }
@@ -168,7 +168,15 @@ pub(super) struct Problem {
 impl Experiment {
     /// Builds y and X for a friction model, and chooses the parameters.
     pub(super) fn problem(&self, robot: &Robot, recordings: &[&FilteredRecord]) -> Result<Problem, ExperimentError> {
-        self.problem_of(robot, recordings, &self.file.parameters.estimate)
+        self.problem_on(self.basis(robot)?, recordings, &self.file.parameters.estimate)
+    }
+
+    /// The model of a robot with its base parameters: what the problems of all its records share.
+    pub(crate) fn basis(&self, robot: &Robot) -> Result<(Model, BaseParameters), ExperimentError> {
+        let model = Model::new(robot);
+        let refuse = |source| ExperimentError::Parameters { path: self.path.clone(), source };
+        let base = BaseParameters::of(&model, &self.file.parameters.exclude).map_err(refuse)?;
+        Ok((model, base))
     }
 
     /// Builds y and X of other recordings for parameters that are estimated already.
@@ -179,19 +187,25 @@ impl Experiment {
         estimated: &BaseParameters,
     ) -> Result<Problem, ExperimentError> {
         let names = estimated.parameters().iter().map(|p| p.name.clone()).collect();
-        self.problem_of(robot, recordings, &ParameterChoice::List(names))
+        self.problem_on(self.basis(robot)?, recordings, &ParameterChoice::List(names))
     }
 
-    fn problem_of(
+    /// The parameters of the base that are estimated, where no record has to choose them.
+    pub(crate) fn estimated(&self, model: &Model, base: &BaseParameters) -> Result<BaseParameters, ExperimentError> {
+        let ParameterChoice::List(names) = &self.file.parameters.estimate else { return Ok(base.clone()) };
+        let refuse = |source| ExperimentError::Parameters { path: self.path.clone(), source };
+        base.select(model.parameter_table(), names).map_err(refuse)
+    }
+
+    /// Builds y and X of records for the parameters chosen from the base.
+    pub(crate) fn problem_on(
         &self,
-        robot: &Robot,
+        (model, base): (Model, BaseParameters),
         recordings: &[&FilteredRecord],
         choice: &ParameterChoice,
     ) -> Result<Problem, ExperimentError> {
         let refuse_signal = |source| ExperimentError::Signal { path: self.path.clone(), source };
         let refuse = |source| ExperimentError::Parameters { path: self.path.clone(), source };
-        let model = Model::new(robot);
-        let base = BaseParameters::of(&model, &self.file.parameters.exclude).map_err(refuse)?;
         self.require_rows(recordings, choice, base.len())?;
         let decimator = |r: &&FilteredRecord| Decimator::new(self.file.signal.decimation, r.window.len());
         let decimators = recordings.iter().map(decimator).collect::<Result<Vec<_>, _>>().map_err(refuse_signal)?;
@@ -270,7 +284,7 @@ impl Problem {
         Assembly::new(&self.model, &self.estimated.columns(), self.decimators[recording].clone())
     }
 
-    pub(super) fn joints(&self) -> usize {
+    pub(crate) fn joints(&self) -> usize {
         self.model.joint_count()
     }
 

@@ -419,7 +419,7 @@ impl Experiment {
         }
     }
 
-    pub(super) fn missing(&self, missing: &'static str, why: &'static str) -> ExperimentError {
+    pub(crate) fn missing(&self, missing: &'static str, why: &'static str) -> ExperimentError {
         ExperimentError::Missing { path: self.path.clone(), missing, why }
     }
 }

@@ -19,6 +19,15 @@ mod rows;
 mod run;
 mod simulator;
 
+#[cfg(feature = "parquet")]
+pub(crate) use chain::{FilteredRecord, Problem};
+#[cfg(feature = "parquet")]
+pub(crate) use paths::beside;
+#[cfg(feature = "parquet")]
+pub(crate) use run::explain;
+#[cfg(feature = "parquet")]
+pub(crate) use simulator::{RecordReference, Simulator};
+
 pub use description::{
     Case, EstimationDescription, Experiment, ExperimentFile, Gains, NamedChoice, ParameterChoice, ParameterSelection,
     RecordingDescription, SignalDescription, SimulationDescription, Start, TwinDescription, Unlisted, Weighting,
@@ -27,7 +36,7 @@ pub use error::ExperimentError;
 pub use examination::RecordingFindings;
 pub use predict::{Prediction, PredictionRequest, predict};
 pub use proposal::{ProposalError, ProposalRequest, propose};
-pub use record::TwinRecord;
+pub use record::{TwinMotion, TwinRecord};
 pub use results::{
     Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, RecordingResult, ReferenceResult, Results,
     RunPlots, RunResult,

@@ -15,7 +15,7 @@ pub(super) fn robot(experiment: &Path, named: &Path, data: &Path) -> Result<Path
 }
 
 /// A file named by the experiment, relative to it: inside its folder or the folder above.
-pub(super) fn beside(experiment: &Path, key: &str, named: &Path) -> Result<PathBuf, ExperimentError> {
+pub(crate) fn beside(experiment: &Path, key: &str, named: &Path) -> Result<PathBuf, ExperimentError> {
     let own = folder(experiment);
     let path = own.join(named);
     // What is not there is reported where it is read.

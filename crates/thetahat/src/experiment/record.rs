@@ -8,7 +8,7 @@ use crate::{
     dynamics::Model,
     recording::{self, ChannelSource, Clock, Resampling, Side},
     series::Series,
-    simulation::{ClosedLoop, OutputGrid, Reference, SimulatorBias},
+    simulation::{ClosedLoop, OutputGrid, Reference, SimulatedMotion, SimulatorBias},
     trajectory::{self, Limits, Moves},
 };
 
@@ -16,7 +16,7 @@ use crate::{
 const TWIN_SAMPLES: std::ops::RangeInclusive<f64> = 100.0..=1e8;
 
 /// Positions and torques of the joints, and what else was recorded with them.
-pub(super) struct Record {
+pub(crate) struct Record {
     pub(super) name: String,
     /// Weight of its rows.
     pub(super) weight: f64,
@@ -51,6 +51,38 @@ pub struct TwinRecord {
     pub position: Series,
     /// Joint torques, N m or N.
     pub torque: Series,
+}
+
+/// The true motion of a twin.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TwinMotion {
+    /// The motion and the torques that made it.
+    pub motion: SimulatedMotion,
+    /// The reference it followed.
+    pub moves: Moves,
+    /// Its standard parameters.
+    pub parameters: Vec<f64>,
+}
+
+impl TwinMotion {
+    /// The record of what sensors saw of the joints: a motion can be recorded again and again with other noise.
+    pub(crate) fn record(&self, sample_rate_hz: f64, position: Series, torque: Series) -> Record {
+        Record {
+            name: "twin".to_owned(),
+            weight: 1.0,
+            sample_rate_hz,
+            stamps: None,
+            resampling: None,
+            velocity: None,
+            geared: true,
+            position,
+            torque,
+            reference: None,
+            added_signal: None,
+            planned: Some(self.moves.clone()),
+            truth: Some(self.parameters.clone()),
+        }
+    }
 }
 
 impl Experiment {
@@ -138,13 +170,37 @@ impl Experiment {
 
     /// Simulates the twin's motion and records it through its sensors.
     pub(super) fn simulate_twin(&self, twin: &TwinDescription) -> Result<Record, ExperimentError> {
+        let twin_motion = self.twin_motion(twin)?;
+        let (positions, drive_signals) = twin.sensors.record(&twin_motion.motion, &self.robot.transmission);
+        let position = self.robot.transmission.joint_positions(&positions);
+        let torque = self.robot.transmission.joint_torques(&drive_signals);
+        Ok(twin_motion.record(twin.sample_rate_hz, position, torque))
+    }
+
+    /// The record of the twin of `[twin]`: time in s, positions and torques of the joints.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] where there is no twin, or its motion cannot be simulated.
+    pub fn record_twin(&self) -> Result<TwinRecord, ExperimentError> {
+        let why = "it describes the simulated robot that is recorded";
+        let twin = self.file.twin.as_ref().ok_or_else(|| self.missing("[twin]", why))?;
+        let Record { sample_rate_hz, position, torque, .. } = self.simulate_twin(twin)?;
+        let joints = self.robot.coordinates().map(|j| j.name.clone()).collect();
+        Ok(TwinRecord { joints, sample_rate_hz, position, torque })
+    }
+
+    /// The motion of a twin before its sensors, with this experiment's robot, controller and solver.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] for a description that cannot be used or a loop that diverges.
+    pub fn twin_motion(&self, twin: &TwinDescription) -> Result<TwinMotion, ExperimentError> {
         let model = Model::new(&self.robot);
         let moves = self.plan(twin)?;
         let samples = (moves.end_s() + twin.rest_s) * twin.sample_rate_hz;
         let key = "[twin] duration of the moves times sample_rate_hz";
         self.require(TWIN_SAMPLES.contains(&samples), key, "from 100 to 1e8 samples", samples)?;
         let samples = samples.ceil() as usize;
-        let truth = self.true_parameters(twin, &model)?;
+        let parameters = self.true_parameters(twin, &model)?;
         let controller = self.file.controller.as_ref();
         let why = "the twin moves under its control";
         let reference = Reference::Moves(moves.clone());
@@ -158,39 +214,12 @@ impl Experiment {
             solver: self.file.simulation.solver,
             sign_velocity_scale: self.file.simulation.sign_velocity_scale,
         };
-        let inertia = closed_loop.motor_inertia(&truth, moves.end_s());
+        let inertia = closed_loop.motor_inertia(&parameters, moves.end_s());
         let grid = OutputGrid { start_s: 0.0, sample_rate_hz: twin.sample_rate_hz, samples };
         let motion = closed_loop
-            .simulate(&truth, &inertia, &grid)
+            .simulate(&parameters, &inertia, &grid)
             .map_err(|source| ExperimentError::Twin { path: self.path.clone(), source })?;
-        let (positions, drive_signals) = twin.sensors.record(&motion, &self.robot.transmission);
-        Ok(Record {
-            name: "twin".to_owned(),
-            weight: 1.0,
-            sample_rate_hz: twin.sample_rate_hz,
-            stamps: None,
-            resampling: None,
-            velocity: None,
-            geared: true,
-            position: self.robot.transmission.joint_positions(&positions),
-            torque: self.robot.transmission.joint_torques(&drive_signals),
-            reference: None,
-            added_signal: None,
-            planned: Some(moves),
-            truth: Some(truth),
-        })
-    }
-
-    /// The record of the twin of `[twin]`: time in s, positions and torques of the joints.
-    ///
-    /// # Errors
-    /// [`ExperimentError`] where there is no twin, or its motion cannot be simulated.
-    pub fn record_twin(&self) -> Result<TwinRecord, ExperimentError> {
-        let why = "it describes the simulated robot that is recorded";
-        let twin = self.file.twin.as_ref().ok_or_else(|| self.missing("[twin]", why))?;
-        let Record { sample_rate_hz, position, torque, .. } = self.simulate_twin(twin)?;
-        let joints = self.robot.joints.iter().map(|j| j.name.clone()).collect();
-        Ok(TwinRecord { joints, sample_rate_hz, position, torque })
+        Ok(TwinMotion { motion, moves, parameters })
     }
 
     fn plan(&self, twin: &TwinDescription) -> Result<Moves, ExperimentError> {

@@ -176,6 +176,12 @@ pub struct ParameterResult {
     pub expression: String,
     /// Whether the tables show it.
     pub shown: bool,
+    /// Standard deviation with errors that are correlated in time and differ between joints.
+    #[serde(default)]
+    pub standard_deviation_robust: Option<f64>,
+    /// Low and high end of the interval of 95 % with these errors.
+    #[serde(default)]
+    pub interval_95: Option<[f64; 2]>,
 }
 
 /// Curves that all runs share; joint by joint as in y.

@@ -1,10 +1,10 @@
 //! Where the rows of several recordings stand in y, X and Z.
 
-use crate::linear_algebra::Matrix;
+use crate::{linear_algebra::Matrix, statistics::RowBlocks};
 
 /// The rows of y, X and Z: joint by joint, in each joint recording by recording, in each recording in time order.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Rows {
+pub(crate) struct Rows {
     joints: usize,
     /// Rows per joint of each recording.
     of_recording: Vec<usize>,
@@ -18,6 +18,11 @@ impl Rows {
     /// Rows of each joint.
     pub(super) fn per_joint(&self) -> usize {
         self.of_recording.iter().sum()
+    }
+
+    /// Which rows are one series in time.
+    pub(crate) fn blocks(&self) -> RowBlocks {
+        RowBlocks::new(self.joints, self.of_recording.clone())
     }
 
     /// The recording, from zero, of each row of a joint.

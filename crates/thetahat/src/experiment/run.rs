@@ -12,7 +12,8 @@ use super::{
 use crate::{
     base_parameters::BaseParameters,
     identification::{
-        EstimationError, Method, Outcome, Reason, idim_ls, iterate, joint_weights, relative_error_percent,
+        EstimationError, Fit, Method, Outcome, Reason, Uncertainty, idim_ls, iterate, joint_weights,
+        relative_error_percent, uncertainty,
     },
     linear_algebra::norm,
     robot::{Friction, Robot},
@@ -91,7 +92,7 @@ impl Experiment {
     }
 
     /// The robot with a case's friction model.
-    fn robot_for(&self, case: &Case) -> Robot {
+    pub(crate) fn robot_for(&self, case: &Case) -> Robot {
         Robot { friction: case.friction.unwrap_or(self.robot.friction), ..self.robot.clone() }
     }
 }
@@ -140,7 +141,7 @@ impl Session<'_> {
         let simulator = self.simulator(&self.main, problem, case);
         let outcome = self.estimate(problem, method, weights.as_deref(), simulator.as_ref());
         let seconds = started.elapsed().as_secs_f64();
-        let mut run = self.summarise(problem, case, method, &outcome);
+        let mut run = self.summarise(problem, case, method, &outcome, weights.as_deref());
         run.seconds = seconds;
         let Some(fit) = &outcome.fit else { return Ok(run) };
         let motions = simulator.as_ref().and_then(|s| s.simulate(&fit.theta).ok());
@@ -198,8 +199,19 @@ impl Session<'_> {
         }
     }
 
-    fn summarise(&self, problem: &Problem, case: &Case, method: Method, outcome: &Outcome) -> RunResult {
+    fn summarise(
+        &self,
+        problem: &Problem,
+        case: &Case,
+        method: Method,
+        outcome: &Outcome,
+        weights: Option<&[f64]>,
+    ) -> RunResult {
         let fit = outcome.fit.as_ref();
+        let instruments = outcome.instruments.as_ref();
+        let rows = problem.rows.blocks();
+        let uncertain = |f| uncertainty(method, (&problem.x, instruments, &problem.y), weights, f, &rows).ok();
+        let parameters = fit.map(|f| self.parameters(problem, f, uncertain(f).as_ref()));
         let iterations = outcome.iterations.iter().map(|i| IterationResult {
             relative_error_percent: i.relative_error_percent,
             parameter_change: i.parameter_change,
@@ -223,12 +235,13 @@ impl Session<'_> {
             validation_simulation_relative_error_percent: None,
             f_test: fit.filter(|_| method == Method::IdimLs).and_then(|f| full_model_test(problem, &f.theta)),
             convergence: iterations.collect(),
-            parameters: fit.map(|f| self.parameters(problem, &f.theta, &f.standard_deviation)).unwrap_or_default(),
+            parameters: parameters.unwrap_or_default(),
             plots: RunPlots::default(),
         }
     }
 
-    fn parameters(&self, problem: &Problem, theta: &[f64], deviations: &[f64]) -> Vec<ParameterResult> {
+    fn parameters(&self, problem: &Problem, fit: &Fit, uncertainty: Option<&Uncertainty>) -> Vec<ParameterResult> {
+        let (theta, deviations) = (&fit.theta, &fit.standard_deviation);
         let truth = self
             .main
             .first()
@@ -250,6 +263,8 @@ impl Session<'_> {
                 unit: p.unit.to_owned(),
                 expression: p.expression.clone(),
                 shown: show.is_empty() || show.contains(&p.name),
+                standard_deviation_robust: uncertainty.map(|u| u.standard_deviation[i]),
+                interval_95: uncertainty.map(|u| u.interval_95[i]),
             })
             .collect()
     }
@@ -372,7 +387,7 @@ impl Prepared {
 }
 
 /// A reason in words: the estimators know columns, people know names.
-fn explain(problem: &Problem, reason: &Reason) -> String {
+pub(crate) fn explain(problem: &Problem, reason: &Reason) -> String {
     let Reason::Estimation(EstimationError::NotIdentifiable { rank, columns, dependent }) = reason else {
         return reason.to_string();
     };

@@ -19,14 +19,14 @@ use crate::{
 };
 
 /// The reference that a record's simulations follow, and where it comes from.
-pub(super) struct RecordReference {
+pub(crate) struct RecordReference {
     pub(super) reference: Reference,
     pub(super) origin: &'static str,
 }
 
 impl Experiment {
     /// The recorded or planned reference; without one, it is reconstructed from the motion.
-    pub(super) fn reference(&self, filtered: &FilteredRecord) -> Result<RecordReference, ExperimentError> {
+    pub(crate) fn reference(&self, filtered: &FilteredRecord) -> Result<RecordReference, ExperimentError> {
         let record = &filtered.record;
         let rate = record.sample_rate_hz;
         if let Some(recorded) = &record.reference {
@@ -45,7 +45,7 @@ impl Experiment {
 }
 
 /// Simulates the loops of all recordings for one case.
-pub(super) struct Simulator<'a> {
+pub(crate) struct Simulator<'a> {
     experiment: &'a Experiment,
     problem: &'a Problem,
     loops: Vec<RecordedLoop<'a>>,
@@ -61,7 +61,7 @@ struct RecordedLoop<'a> {
 
 impl<'a> Simulator<'a> {
     /// The simulator of the recordings from which `problem` was made, each with its reference.
-    pub(super) fn new(
+    pub(crate) fn new(
         experiment: &'a Experiment,
         problem: &'a Problem,
         recordings: &[(&'a FilteredRecord, &'a RecordReference)],
@@ -91,7 +91,7 @@ impl<'a> Simulator<'a> {
     }
 
     /// The start values of an iteration.
-    pub(super) fn start(&self) -> Vec<f64> {
+    pub(crate) fn start(&self) -> Vec<f64> {
         let mut theta = self.experiment.robot.a_priori_parameters_for(self.problem.model.parameter_table());
         if self.experiment.file.estimation.start == Start::MotorInertias {
             let table = self.problem.model.parameter_table().iter();
@@ -101,7 +101,7 @@ impl<'a> Simulator<'a> {
     }
 
     /// Z of the loops simulated with base parameters `theta`.
-    pub(super) fn instruments(&self, theta: &[f64]) -> Result<Matrix, SimulationError> {
+    pub(crate) fn instruments(&self, theta: &[f64]) -> Result<Matrix, SimulationError> {
         let (theta, inertia) = self.resolve(theta);
         let of_loop = |l: &RecordedLoop<'_>| l.instruments(self.experiment, &theta, &inertia);
         let matrices = self.loops.iter().map(of_loop).collect::<Result<Vec<_>, _>>()?;
@@ -112,6 +112,12 @@ impl<'a> Simulator<'a> {
     pub(super) fn simulate(&self, theta: &[f64]) -> Result<Vec<SimulatedMotion>, SimulationError> {
         let (theta, inertia) = self.resolve(theta);
         self.loops.iter().map(|l| l.simulate(&theta, &inertia)).collect()
+    }
+
+    /// The same at every so many samples of the window, the first included.
+    pub(crate) fn simulate_every(&self, theta: &[f64], step: usize) -> Result<Vec<SimulatedMotion>, SimulationError> {
+        let (theta, inertia) = self.resolve(theta);
+        self.loops.iter().map(|l| l.simulate_every(&theta, &inertia, step.max(1))).collect()
     }
 
     /// Standard parameters of base parameters, and the inertia that each motor sees for the gains of its controller.
@@ -168,6 +174,18 @@ impl RecordedLoop<'_> {
     /// The simulated motion in the window.
     fn simulate(&self, theta: &[f64], inertia: &[f64]) -> Result<SimulatedMotion, SimulationError> {
         self.run(theta, inertia, self.filtered.window.start, self.filtered.window.len())
+    }
+
+    fn simulate_every(
+        &self,
+        theta: &[f64],
+        inertia: &[f64],
+        step: usize,
+    ) -> Result<SimulatedMotion, SimulationError> {
+        let (window, rate) = (&self.filtered.window, self.filtered.record.sample_rate_hz);
+        let start_s = window.start as f64 / rate;
+        let samples = window.len().div_ceil(step);
+        self.closed_loop.simulate(theta, inertia, &OutputGrid { start_s, sample_rate_hz: rate / step as f64, samples })
     }
 
     fn run(

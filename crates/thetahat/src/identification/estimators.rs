@@ -54,6 +54,9 @@ pub enum EstimationError {
     /// There is no finite estimate or error.
     #[error("no finite estimate: the torques are zero in the window, or values are too large; check the units")]
     NotFinite,
+    /// IV and DIDIM need the observation matrix of a simulated motion.
+    #[error("this method needs instruments from a simulation: give a [controller]")]
+    NoInstruments,
     /// There are not more rows than parameters.
     #[error("{rows} rows cannot determine {columns} parameters; take a longer record or a smaller decimation factor")]
     TooFewRows {
@@ -79,7 +82,8 @@ pub struct Fit {
     pub condition_number: f64,
 }
 
-/// Relative size of the last diagonal entries of R below which a column counts as dependent.
+/// Size of a diagonal entry of R, relative to the largest and with columns of equal norm, below which a column counts as
+/// dependent: a hundredth of what the rounding of a record in double precision leaves.
 const RANK_TOLERANCE: f64 = 1e-10;
 
 /// IDIM-LS (8): `theta = X^+ y`, with covariance `s^2 (X^T X)^-1` and `s^2` from the residual.
@@ -190,11 +194,11 @@ pub fn relative_error_percent(y: &[f64], prediction: &[f64]) -> f64 {
     100.0 * norm(&residual) / norm(y)
 }
 
-fn full_rank(a: &Matrix) -> Result<PivotedQr, EstimationError> {
+pub(super) fn full_rank(a: &Matrix) -> Result<PivotedQr, EstimationError> {
     if a.rows() < a.columns() {
         return Err(EstimationError::TooFewRows { rows: a.rows(), columns: a.columns() });
     }
-    let qr = PivotedQr::new(a);
+    let qr = PivotedQr::with_equal_columns(a);
     let rank = qr.rank(RANK_TOLERANCE);
     if rank == a.columns() {
         return Ok(qr);
@@ -202,7 +206,7 @@ fn full_rank(a: &Matrix) -> Result<PivotedQr, EstimationError> {
     Err(EstimationError::NotIdentifiable { rank, columns: a.columns(), dependent: qr.pivots()[rank..].to_vec() })
 }
 
-fn whiten_matrix(a: &Matrix, weights: Option<&[f64]>) -> Matrix {
+pub(super) fn whiten_matrix(a: &Matrix, weights: Option<&[f64]>) -> Matrix {
     weights.map_or_else(|| a.clone(), |w| a.scale_rows(w))
 }
 

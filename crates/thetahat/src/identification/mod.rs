@@ -16,6 +16,7 @@ mod assembly;
 mod essential;
 mod estimators;
 mod iteration;
+mod uncertainty;
 
 pub use assembly::Assembly;
 pub use essential::{Elimination, EliminationRule, eliminate};
@@ -23,3 +24,4 @@ pub use estimators::{
     Divisor, EstimationError, Fit, Method, didim, idim_iv, idim_ls, joint_weights, relative_error_percent,
 };
 pub use iteration::{Convergence, Iteration, Outcome, Reason, Status, iterate};
+pub use uncertainty::{Uncertainty, influence, uncertainty};

@@ -17,10 +17,10 @@ const RATIOS: [f64; 2] = [-1.0, 3.0];
 /// Charts with one legend.
 #[derive(Debug, Serialize)]
 pub(super) struct Figure {
-    caption: String,
+    pub(super) caption: String,
     /// Class and text of each entry.
-    legend: Vec<(&'static str, &'static str)>,
-    charts: Vec<Chart>,
+    pub(super) legend: Vec<(&'static str, &'static str)>,
+    pub(super) charts: Vec<Chart>,
 }
 
 /// Whether a joint is prismatic, by the unit of its friction or offset.

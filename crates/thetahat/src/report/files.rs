@@ -8,7 +8,7 @@ use std::{
 use super::{ModelReport, Published, ReportError, html};
 use crate::experiment::{ParameterResult, Results, RunResult};
 
-const PARAMETER_COLUMNS: [&str; 9] = [
+const PARAMETER_COLUMNS: [&str; 12] = [
     "case",
     "method",
     "name",
@@ -18,6 +18,9 @@ const PARAMETER_COLUMNS: [&str; 9] = [
     "true_value",
     "unit",
     "expression",
+    "standard_deviation_robust",
+    "interval_95_low",
+    "interval_95_high",
 ];
 
 /// Writes `results.json`, `parameters.csv` and `report.html` into a folder, which is made where it is not there.
@@ -45,6 +48,16 @@ pub fn write_all(
         files.iter().for_each(NewFile::discard);
     }
     written.map(|()| files.into_iter().map(|f| f.path).collect())
+}
+
+/// Writes one file into a folder that is there. Returns its path.
+pub(super) fn write_one(directory: &Path, name: &str, content: Vec<u8>) -> Result<PathBuf, ReportError> {
+    let file = NewFile::new(directory, name, content);
+    let written = write_together(std::slice::from_ref(&file));
+    if written.is_err() {
+        file.discard();
+    }
+    written.map(|()| file.path)
 }
 
 /// Checks, before a long run, that a folder can be where [`write_all`] will write.
@@ -124,7 +137,7 @@ fn parameters_csv(results: &Results) -> Result<Vec<u8>, ReportError> {
     writer.into_inner().map_err(|e| refuse(e.into_error().into()))
 }
 
-fn parameter_record(run: &RunResult, parameter: &ParameterResult) -> [String; 9] {
+fn parameter_record(run: &RunResult, parameter: &ParameterResult) -> [String; 12] {
     let number = |v: Option<f64>| v.map(|v| v.to_string()).unwrap_or_default();
     [
         run.case.clone(),
@@ -136,5 +149,8 @@ fn parameter_record(run: &RunResult, parameter: &ParameterResult) -> [String; 9]
         number(parameter.true_value),
         parameter.unit.clone(),
         parameter.expression.clone(),
+        number(parameter.standard_deviation_robust),
+        number(parameter.interval_95.map(|[low, _]| low)),
+        number(parameter.interval_95.map(|[_, high]| high)),
     ]
 }

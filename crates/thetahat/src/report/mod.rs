@@ -3,6 +3,12 @@
 //! [`write_all`] writes the files, [`text`] holds the tables for the terminal. Both show the same [`Table`]s, and both
 //! put [`Published`] figures beside ours where there are any. Nothing is computed here but comparisons.
 
+#[cfg(feature = "parquet")]
+mod box_plot;
+#[cfg(feature = "parquet")]
+mod campaign;
+#[cfg(feature = "parquet")]
+mod campaign_tables;
 mod contents;
 mod error;
 mod figures;
@@ -21,6 +27,8 @@ mod table;
 mod tables;
 pub mod text;
 
+#[cfg(feature = "parquet")]
+pub use campaign::{campaign_text, write_campaign};
 pub use contents::contents_text;
 pub use error::ReportError;
 pub use files::{check_folder, model_json, write_all};

@@ -38,36 +38,36 @@ impl Curve {
 /// A chart as the template draws it; coordinates in pixels, paths in tenths of pixels.
 #[derive(Debug, Serialize)]
 pub(super) struct Chart {
-    title: String,
-    width: f64,
-    height: f64,
-    left: f64,
-    right: f64,
-    top: f64,
-    bottom: f64,
-    x_ticks: Vec<Tick>,
-    y_ticks: Vec<Tick>,
-    paths: Vec<Path>,
-    markers: Vec<Marker>,
+    pub(super) title: String,
+    pub(super) width: f64,
+    pub(super) height: f64,
+    pub(super) left: f64,
+    pub(super) right: f64,
+    pub(super) top: f64,
+    pub(super) bottom: f64,
+    pub(super) x_ticks: Vec<Tick>,
+    pub(super) y_ticks: Vec<Tick>,
+    pub(super) paths: Vec<Path>,
+    pub(super) markers: Vec<Marker>,
 }
 
 #[derive(Debug, Serialize)]
-struct Tick {
-    at: f64,
-    label: String,
+pub(super) struct Tick {
+    pub(super) at: f64,
+    pub(super) label: String,
 }
 
 #[derive(Debug, Serialize)]
-struct Path {
-    class: &'static str,
-    data: String,
+pub(super) struct Path {
+    pub(super) class: &'static str,
+    pub(super) data: String,
 }
 
 #[derive(Debug, Serialize)]
-struct Marker {
-    class: &'static str,
-    x: f64,
-    y: f64,
+pub(super) struct Marker {
+    pub(super) class: &'static str,
+    pub(super) x: f64,
+    pub(super) y: f64,
 }
 
 impl Chart {

@@ -33,7 +33,7 @@ pub(super) struct Section {
 }
 
 impl Section {
-    fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.tables.is_empty()
             && self.figures.is_empty()
             && self.folded.is_empty()

@@ -125,7 +125,16 @@ fn repeated_head(lead: &[&str], each: &[&str], runs: usize) -> Vec<String> {
     strings(lead).into_iter().chain(repeated).collect()
 }
 
-/// Every parameter of a case with its unit, formula and standard deviations.
+/// The interval of 95 %, to two digits of its half width.
+fn interval(p: &ParameterResult) -> String {
+    let text = |[low, high]: [f64; 2]| {
+        let [low, high] = [low, high].map(|v| estimate(v, Some(0.5 * (high - low))));
+        format!("{low} to {high}")
+    };
+    p.interval_95.map_or_else(|| NONE.to_owned(), text)
+}
+
+/// Every parameter of a case with its unit, formula, classical standard deviations and intervals.
 pub(super) fn formulas(results: &Results, case: &str) -> Table {
     let runs = runs_of(results, case);
     let cells = |r: &&RunResult, name: &str| {
@@ -133,6 +142,7 @@ pub(super) fn formulas(results: &Results, case: &str) -> Table {
         [
             cell(r, name, |p| with_deviation(p.estimate, p.standard_deviation)),
             r.parameter(name).map_or_else(|| NONE.to_owned(), percent),
+            r.parameter(name).map_or_else(|| NONE.to_owned(), interval),
         ]
     };
     let row = |p: &ParameterResult| {
@@ -142,8 +152,8 @@ pub(super) fn formulas(results: &Results, case: &str) -> Table {
     Table {
         title: format!("{case}: all parameters"),
         lead: 3,
-        groups: method_groups(&runs, 2),
-        head: repeated_head(&["name", "formula", "unit"], &["estimate±sd", "sd %"], runs.len()),
+        groups: method_groups(&runs, 3),
+        head: repeated_head(&["name", "formula", "unit"], &["estimate±sd", "sd %", "95 % interval"], runs.len()),
         rows: parameters_in(&runs, |_| true).into_iter().map(row).collect(),
         notes: reasons(&runs),
     }
@@ -193,7 +203,20 @@ fn truth_counts(runs: &[&RunResult]) -> Vec<String> {
     };
     let hidden = runs.iter().any(|r| r.parameters.iter().any(|p| !p.shown));
     let all = hidden.then(|| line(", of all parameters", |_| true));
-    [line("", |p| p.shown)].into_iter().chain(all).collect()
+    [line("", |p| p.shown)].into_iter().chain(all).chain(interval_counts(runs)).collect()
+}
+
+/// How many intervals hold the true value; none where there are no intervals.
+fn interval_counts(runs: &[&RunResult]) -> Option<String> {
+    let holds = |p: &ParameterResult| p.interval_95.zip(p.true_value).map(|([a, b], t)| (a..=b).contains(&t));
+    let count = |r: &&RunResult| {
+        let held: Vec<bool> = r.parameters.iter().filter_map(holds).collect();
+        let of = held.iter().filter(|h| **h).count();
+        (!held.is_empty()).then(|| format!("{} {of} of {}", r.method.name(), held.len()))
+    };
+    let counts: Vec<String> = runs.iter().filter_map(count).collect();
+    let what = "95 % intervals that hold the truth, of all parameters";
+    (!counts.is_empty()).then(|| format!("{what}: {}", counts.join(", ")))
 }
 
 /// How far a published parameter table goes into detail.

@@ -1,0 +1,194 @@
+//! One seed in one condition: estimates and their standard deviations by every method.
+
+use std::error::Error;
+
+use thetahat::{
+    identification::{Divisor, Fit, Method, Uncertainty, idim_iv, idim_ls, influence, uncertainty},
+    linear_algebra::Matrix,
+    statistics::{RowBlocks, Sandwich},
+};
+
+use super::{noise::Noise, twin::Twin};
+
+/// Two-sided 95 % of the normal distribution, for the covariances without degrees of freedom of their own.
+const NORMAL_95: f64 = 1.959_963_984_540_054;
+
+/// The kinds of interval that are compared.
+pub const KINDS: [&str; 6] = ["classical", "per joint", "HC3", "Newey-West", "stationary", "interval_95"];
+
+/// What a method made of a seed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// Estimates less the true values.
+    pub error: Vec<f64>,
+    /// Half width of each parameter's interval, by kind.
+    pub half_width: [Vec<f64>; 6],
+}
+
+/// A method with what stays the same from seed to seed: an exact design.
+pub struct Exact<'a> {
+    twin: &'a Twin,
+    rows: RowBlocks,
+    weights: Option<Vec<f64>>,
+    influence: Matrix,
+    /// Diagonal of `(X_w^T X_w)^-1`.
+    inverse_gram: Vec<f64>,
+}
+
+impl<'a> Exact<'a> {
+    /// Least squares on X of the true motion: IDIM-LS, and without weights DIDIM too.
+    pub fn new(twin: &'a Twin, weights: Option<Vec<f64>>) -> Result<Self, Box<dyn Error>> {
+        let influence = influence(Method::IdimLs, &twin.x_true, None, weights.as_deref())?;
+        let weight = |k: usize| weights.as_ref().map_or(1.0, |w| w[k]);
+        let norm = |i| influence.column(i).iter().enumerate().map(|(k, a)| (a / weight(k)).powi(2)).sum();
+        let inverse_gram = (0..influence.columns()).map(norm).collect();
+        Ok(Self { twin, rows: twin.rows(), weights, influence, inverse_gram })
+    }
+
+    /// The estimate for errors e of the rows: `A^T e` off.
+    pub fn estimate(&self, e: &[f64]) -> Result<Estimate, Box<dyn Error>> {
+        let error = self.influence.transposed_times(&Matrix::from_fn(e.len(), 1, |k, _| e[k])).column(0).to_vec();
+        let fitted = self.twin.x_true.times(&error);
+        let residual: Vec<f64> = e.iter().zip(fitted).map(|(e, f)| e - f).collect();
+        let weight = |k: usize| self.weights.as_ref().map_or(1.0, |w| w[k]);
+        let squares: f64 = residual.iter().enumerate().map(|(k, r)| (weight(k) * r).powi(2)).sum();
+        let variance = squares / (e.len() - error.len()) as f64;
+        let classical = self.inverse_gram.iter().map(|g| (variance * g).sqrt()).collect();
+        let sandwich = self.sandwich(&residual);
+        let interval = Uncertainty::new(&error, &sandwich.robust())?;
+        Ok(Estimate { half_width: half_widths(classical, &sandwich, &interval), error })
+    }
+
+    fn sandwich<'s>(&'s self, residual: &'s [f64]) -> Sandwich<'s> {
+        Sandwich { design: &self.twin.x_true, influence: &self.influence, residual, rows: &self.rows }
+    }
+}
+
+fn half_widths(classical: Vec<f64>, sandwich: &Sandwich<'_>, interval: &Uncertainty) -> [Vec<f64>; 6] {
+    let of_variances = |v: Vec<f64>| -> Vec<f64> { v.into_iter().map(|v| NORMAL_95 * v.sqrt()).collect() };
+    [
+        classical.into_iter().map(|sd: f64| NORMAL_95 * sd).collect(),
+        of_variances(sandwich.per_joint()),
+        of_variances(sandwich.heteroscedastic()),
+        of_variances(sandwich.newey_west()),
+        sandwich.stationary().iter().map(|v| v.half_width_95().unwrap_or(f64::NAN)).collect(),
+        interval.interval_95.iter().map(|[low, high]| 0.5 * (high - low)).collect(),
+    ]
+}
+
+/// What a method of the program makes of measured rows.
+pub fn as_the_program(
+    twin: &Twin,
+    method: Method,
+    (x, z, y): (&Matrix, Option<&Matrix>, &[f64]),
+    weights: Option<&[f64]>,
+    fit: &Fit,
+) -> Result<Estimate, Box<dyn Error>> {
+    let rows = twin.rows();
+    let interval = uncertainty(method, (x, z, y), weights, fit, &rows)?;
+    let influence = influence(method, x, z, weights)?;
+    let residual: Vec<f64> = y.iter().zip(&fit.prediction).map(|(y, p)| y - p).collect();
+    let design = z.filter(|_| method == Method::Didim).unwrap_or(x);
+    let sandwich = Sandwich { design, influence: &influence, residual: &residual, rows: &rows };
+    let error = fit.theta.iter().zip(&twin.theta).map(|(found, exact)| found - exact).collect();
+    Ok(Estimate { error, half_width: half_widths(fit.standard_deviation.clone(), &sandwich, &interval) })
+}
+
+/// The methods where their assumptions hold, in the order of [`ASSUMED`].
+pub const ASSUMED: [&str; 3] = ["IDIM-LS, exact X", "IDIM-IV, noise-free Z", "DIDIM, exact simulator"];
+/// The methods through the program's filters, in the order in which [`Trials::run`] gives them.
+pub const CHAIN: [&str; 4] = ["IDIM-LS", "IDIM-IV", "DIDIM", "IDIM-LS, noise-free positions"];
+
+/// What a seed gives: with the assumptions, and through the chain; none where it was not run.
+pub type Outcome = ([Option<Estimate>; 3], [Option<Estimate>; 4]);
+
+/// Which methods are run.
+#[derive(Debug, Clone, Copy)]
+pub struct Scope {
+    /// IV with errors in X, and LS and IV through the filters, on one seed of so many.
+    pub measured_every: u64,
+    /// DIDIM with simulations, on one seed of so many; none for not at all.
+    pub simulated_every: Option<u64>,
+}
+
+/// All seeds of one twin in one condition.
+pub struct Trials<'a> {
+    twin: &'a Twin,
+    noise: Noise,
+    scope: Scope,
+    unweighted: Exact<'a>,
+    weighted: Exact<'a>,
+    weights: Vec<f64>,
+}
+
+impl<'a> Trials<'a> {
+    pub fn new(twin: &'a Twin, noise: Noise, scope: Scope) -> Result<Self, Box<dyn Error>> {
+        let per_joint = twin.y_true.len() / twin.model.joint_count();
+        let deviations = noise.torque_deviation(twin);
+        let weights: Vec<f64> = deviations.iter().flat_map(|sd| vec![1.0 / sd; per_joint]).collect();
+        Ok(Self {
+            twin,
+            noise,
+            scope,
+            unweighted: Exact::new(twin, None)?,
+            weighted: Exact::new(twin, Some(weights.clone()))?,
+            weights,
+        })
+    }
+
+    /// The estimates of a seed: LS with equal weights, IV with equal weights, DIDIM weighted per joint.
+    pub fn run(&self, seed: u64) -> Result<Outcome, Box<dyn Error>> {
+        let twin = self.twin;
+        let mut generator = self.noise.generator(seed);
+        let e = twin.decimate(&self.noise.torque(twin, &mut generator))?;
+        let mut assumed = [Some(self.unweighted.estimate(&e)?), None, Some(self.weighted.estimate(&e)?)];
+        let y = plus(&twin.y_true, &e);
+        let mut chain = [None, None, None, Some(self.ls(&twin.x_filtered, &y)?)];
+        if seed.is_multiple_of(self.scope.measured_every) {
+            let positions = self.noise.positions(twin, &mut generator);
+            assumed[1] = Some(self.iv(&twin.matrix_with_errors(&positions)?, &y)?);
+            let x = twin.measured_matrix(&positions)?;
+            chain[0] = Some(self.ls(&x, &y)?);
+            chain[1] = Some(self.iv(&x, &y)?);
+        }
+        if self.scope.simulated_every.is_some_and(|n| seed.is_multiple_of(n)) {
+            chain[2] = self.didim(&y)?;
+        }
+        Ok((assumed, chain))
+    }
+
+    fn ls(&self, x: &Matrix, y: &[f64]) -> Result<Estimate, Box<dyn Error>> {
+        let fit = idim_ls(x, y, None, Divisor::default())?;
+        as_the_program(self.twin, Method::IdimLs, (x, None, y), None, &fit)
+    }
+
+    fn iv(&self, x: &Matrix, y: &[f64]) -> Result<Estimate, Box<dyn Error>> {
+        let z = &self.twin.x_true;
+        let fit = idim_iv(z, x, y, None, Divisor::default())?;
+        as_the_program(self.twin, Method::IdimIv, (x, Some(z), y), None, &fit)
+    }
+
+    /// None where the iteration does not converge.
+    fn didim(&self, y: &[f64]) -> Result<Option<Estimate>, Box<dyn Error>> {
+        let outcome = self.twin.iterate_didim(y, &self.weights);
+        let (Some(fit), Some(z)) = (outcome.fit, outcome.instruments) else { return Ok(None) };
+        let data = (&self.twin.x_true, Some(&z), y);
+        as_the_program(self.twin, Method::Didim, data, Some(&self.weights), &fit).map(Some)
+    }
+
+    /// What noise-free positions give less the truth, with LS and with IV: first by the filters alone, then with the sign
+    /// of the velocity in place of the smooth one of the simulated friction.
+    pub fn noise_free(&self) -> Result<[[Vec<f64>; 2]; 2], Box<dyn Error>> {
+        let twin = self.twin;
+        let of = |x: &Matrix| -> Result<_, Box<dyn Error>> {
+            let ls = idim_ls(x, &twin.y_true, None, Divisor::default())?;
+            let iv = idim_iv(&twin.x_true, x, &twin.y_true, None, Divisor::default())?;
+            Ok([ls, iv].map(|fit| fit.theta.iter().zip(&twin.theta).map(|(found, exact)| found - exact).collect()))
+        };
+        Ok([of(&twin.x_smooth)?, of(&twin.x_filtered)?])
+    }
+}
+
+fn plus(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + b).collect()
+}

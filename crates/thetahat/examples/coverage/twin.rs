@@ -1,0 +1,203 @@
+//! A robot with known parameters: its true motion, what the program makes of it, and what an exact simulator gives.
+
+use std::{error::Error, ops::Range, path::Path};
+
+use thetahat::{
+    base_parameters::BaseParameters,
+    dynamics::{Model, Sign},
+    experiment::{Experiment, TwinMotion},
+    identification::{Assembly, Convergence, Divisor, Method, Outcome, iterate},
+    linear_algebra::Matrix,
+    series::Series,
+    signal::{Decimator, Padding, SecondOrderSections, SignalError, central_difference, moving_samples, zero_phase},
+    simulation::{ClosedLoop, OutputGrid, Reference, Sensors, SimulatedMotion, SimulationError, SimulatorBias},
+    statistics::RowBlocks,
+    trajectory::Moves,
+};
+
+const EMPS: &str = include_str!("../../../../experiments/emps_twin.toml");
+const EMPS_ROBOT: &str = include_str!("../../../../robots/emps.toml");
+
+/// A joint moves above this part of its peak velocity, and above this velocity.
+const MOVING: (f64, f64) = (0.01, 1e-3);
+
+pub struct Twin {
+    pub name: &'static str,
+    pub experiment: Experiment,
+    pub model: Model,
+    pub base: BaseParameters,
+    /// True base parameters.
+    pub theta: Vec<f64>,
+    pub motion: SimulatedMotion,
+    pub window: Range<usize>,
+    pub sample_rate_hz: f64,
+    /// Standard deviation of the white noise on the positions at the high level, rad or m.
+    pub position_noise: f64,
+    /// X of the true motion: with `theta`, the true torques. It is also Z of an exact simulator.
+    pub x_true: Matrix,
+    /// X that the program makes of noise-free positions.
+    pub x_filtered: Matrix,
+    /// The same with the smooth sign of the simulated friction: the filters alone.
+    pub x_smooth: Matrix,
+    /// The decimated true torques.
+    pub y_true: Vec<f64>,
+    reference: Reference,
+    inertia: Vec<f64>,
+    decimator: Decimator,
+    filter: SecondOrderSections,
+}
+
+impl Twin {
+    /// The robot of the demonstration. Its position noise is a thousandth of a degree.
+    pub fn tx40() -> Result<Self, Box<dyn Error>> {
+        Self::new("TX40", Experiment::demo()?, 1e-3_f64.to_radians())
+    }
+
+    /// EMPS with its cascaded controller on a planned reference. Its position noise is two micrometres.
+    pub fn emps() -> Result<Self, Box<dyn Error>> {
+        let path = Path::new("experiments/emps_twin.toml");
+        Self::new("EMPS", Experiment::from_texts(path, EMPS.to_owned(), EMPS_ROBOT.to_owned())?, 2e-6)
+    }
+
+    fn new(name: &'static str, experiment: Experiment, position_noise: f64) -> Result<Self, Box<dyn Error>> {
+        let description = experiment.file.twin.clone().ok_or("no twin")?;
+        let TwinMotion { motion, moves, parameters } = experiment.twin_motion(&description)?;
+        let model = Model::new(&experiment.robot);
+        let base = BaseParameters::of(&model, &experiment.file.parameters.exclude)?;
+        let rate = description.sample_rate_hz;
+        let window = moving_samples(&motion.dq, MOVING.0, MOVING.1)?;
+        let signal = experiment.file.signal;
+        let mut twin = Self {
+            name,
+            theta: base.from_standard(&parameters),
+            window: window.clone(),
+            sample_rate_hz: rate,
+            position_noise,
+            x_true: Matrix::zeros(0, 0),
+            x_filtered: Matrix::zeros(0, 0),
+            x_smooth: Matrix::zeros(0, 0),
+            y_true: Vec::new(),
+            inertia: motor_inertia(&experiment, &model, &moves, &parameters)?,
+            reference: Reference::Moves(moves),
+            decimator: Decimator::new(signal.decimation, window.len())?,
+            filter: SecondOrderSections::butterworth_lowpass(signal.filter_order, signal.cutoff_hz, rate)?,
+            experiment,
+            model,
+            base,
+            motion,
+        };
+        twin.x_true = twin.matrix_of(&twin.cut_motion(), twin.smooth_sign())?;
+        twin.x_filtered = twin.measured_matrix(&twin.motion.q)?;
+        twin.x_smooth = twin.filtered_matrix(&twin.motion.q, twin.smooth_sign())?;
+        twin.y_true = twin.decimate(&twin.motion.tau.window(window))?;
+        Ok(twin)
+    }
+
+    pub fn sensors(&self) -> &Sensors {
+        // Checked in `new`: there is a twin.
+        match &self.experiment.file.twin {
+            Some(twin) => &twin.sensors,
+            None => unreachable!("a twin is made from its description"),
+        }
+    }
+
+    pub fn rows(&self) -> RowBlocks {
+        RowBlocks::new(self.model.joint_count(), vec![self.decimator.rows()])
+    }
+
+    /// Whether the tables show a parameter.
+    pub fn shown(&self, name: &str) -> bool {
+        let show = &self.experiment.file.parameters.show;
+        show.is_empty() || show.iter().any(|s| s == name)
+    }
+
+    /// Rows of y from torques in the window.
+    pub fn decimate(&self, torque: &Series) -> Result<Vec<f64>, SignalError> {
+        self.assembly().measurement_vector(torque)
+    }
+
+    /// X as the program makes it of recorded positions.
+    pub fn measured_matrix(&self, positions: &Series) -> Result<Matrix, SignalError> {
+        self.filtered_matrix(positions, Sign::Exact)
+    }
+
+    /// X of the true motion with the errors of recorded positions, and these zero on average: half the difference of what
+    /// the filters make of positions with the errors added, and with the errors taken away.
+    pub fn matrix_with_errors(&self, positions: &Series) -> Result<Matrix, SignalError> {
+        let mut mirrored = self.motion.q.clone();
+        mirrored.values_mut().iter_mut().zip(positions.values()).for_each(|(q, p)| *q = 2.0 * *q - p);
+        let [with, without] = [self.measured_matrix(positions)?, self.measured_matrix(&mirrored)?];
+        let entry = |k, i| self.x_true.at(k, i) + 0.5 * (with.at(k, i) - without.at(k, i));
+        Ok(Matrix::from_fn(with.rows(), with.columns(), entry))
+    }
+
+    fn filtered_matrix(&self, positions: &Series, sign: Sign) -> Result<Matrix, SignalError> {
+        let q = zero_phase(&self.filter, positions, Padding::Matlab)?;
+        let dq = central_difference(&q, self.sample_rate_hz);
+        let ddq = central_difference(&dq, self.sample_rate_hz);
+        let cut = |s: &Series| s.window(self.window.clone());
+        self.matrix_of(&[cut(&q), cut(&dq), cut(&ddq)], sign)
+    }
+
+    /// DIDIM, iterated from the true parameters with an exact simulator.
+    pub fn iterate_didim(&self, y: &[f64], weights: &[f64]) -> Outcome {
+        iterate(
+            Method::Didim,
+            (&self.x_true, y),
+            Some(weights),
+            (Divisor::default(), Convergence::default()),
+            &self.theta,
+            &mut |theta| self.instruments(theta),
+        )
+    }
+
+    fn instruments(&self, theta: &[f64]) -> Result<Matrix, SimulationError> {
+        let rate = self.sample_rate_hz;
+        let grid =
+            OutputGrid { start_s: self.window.start as f64 / rate, sample_rate_hz: rate, samples: self.window.len() };
+        let missing = SimulationError::TooShortToFilter;
+        let closed_loop = closed_loop(&self.experiment, &self.model, &self.reference).ok_or(missing.clone())?;
+        let m = closed_loop.simulate(&self.base.to_standard(theta), &self.inertia, &grid)?;
+        self.matrix_of(&[m.q, m.dq, m.ddq], self.smooth_sign()).map_err(|_| missing)
+    }
+
+    fn smooth_sign(&self) -> Sign {
+        Sign::Smooth { scale: self.experiment.file.simulation.sign_velocity_scale }
+    }
+
+    fn cut_motion(&self) -> [Series; 3] {
+        [&self.motion.q, &self.motion.dq, &self.motion.ddq].map(|s| s.window(self.window.clone()))
+    }
+
+    fn matrix_of(&self, [q, dq, ddq]: &[Series; 3], sign: Sign) -> Result<Matrix, SignalError> {
+        self.assembly().observation_matrix(q, dq, ddq, sign)
+    }
+
+    fn assembly(&self) -> Assembly<'_> {
+        Assembly::new(&self.model, &self.base.columns(), self.decimator.clone())
+    }
+}
+
+fn closed_loop<'a>(experiment: &'a Experiment, model: &'a Model, reference: &'a Reference) -> Option<ClosedLoop<'a>> {
+    Some(ClosedLoop {
+        model,
+        transmission: &experiment.robot.transmission,
+        controller: experiment.file.controller.as_ref()?,
+        reference,
+        added_signal: None,
+        bias: SimulatorBias::NONE,
+        solver: experiment.file.simulation.solver,
+        sign_velocity_scale: experiment.file.simulation.sign_velocity_scale,
+    })
+}
+
+fn motor_inertia(
+    experiment: &Experiment,
+    model: &Model,
+    moves: &Moves,
+    parameters: &[f64],
+) -> Result<Vec<f64>, Box<dyn Error>> {
+    let reference = Reference::Moves(moves.clone());
+    let closed_loop = closed_loop(experiment, model, &reference).ok_or("no controller")?;
+    Ok(closed_loop.motor_inertia(parameters, moves.end_s()))
+}

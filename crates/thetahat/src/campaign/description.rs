@@ -1,0 +1,209 @@
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
+
+use serde::Deserialize;
+
+use super::CampaignError;
+use crate::{experiment::Experiment, identification::Method};
+
+/// A campaign with its experiment, ready to run.
+#[derive(Debug, Clone)]
+pub struct Campaign {
+    /// Where the file is; its name in messages.
+    pub path: PathBuf,
+    /// What it says.
+    pub file: CampaignFile,
+    /// Its text, by which a folder of results is known to be that of this campaign.
+    pub text: String,
+    /// The experiment whose twin is recorded; its robot has the a-priori values of the campaign.
+    pub experiment: Experiment,
+}
+
+/// A campaign file.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CampaignFile {
+    /// A line that says what it is.
+    pub title: String,
+    /// The experiment file with the twin, relative to the campaign file.
+    pub experiment: PathBuf,
+    /// Records at each noise level and for each start, each with its own noise.
+    pub seeds: u32,
+    /// Seed of all random numbers.
+    #[serde(default)]
+    pub seed: u64,
+    /// The methods.
+    pub methods: Vec<CampaignMethod>,
+    /// Cases of the experiment by name; none means all.
+    pub cases: Option<Vec<String>>,
+    /// Noise levels.
+    pub noise: Vec<NoiseLevel>,
+    /// Start values of the iterations.
+    #[serde(default)]
+    pub starts: Starts,
+    /// A-priori values that replace those of the robot description.
+    #[serde(default)]
+    pub a_priori: BTreeMap<String, f64>,
+    /// What others claim, to stand beside the figures.
+    #[serde(default)]
+    pub claim: Vec<Claim>,
+}
+
+/// A method as a campaign names it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CampaignMethod {
+    /// Least squares, all rows alike.
+    IdimLs,
+    /// Least squares, each joint's rows divided by the deviation of its residual.
+    IdimWls,
+    /// Instrumental variables, weighted as the experiment says.
+    IdimIv,
+    /// DIDIM, weighted as the experiment says.
+    Didim,
+}
+
+impl CampaignMethod {
+    /// Every method.
+    pub const ALL: [Self; 4] = [Self::IdimLs, Self::IdimWls, Self::IdimIv, Self::Didim];
+
+    /// Its name, lower case with hyphens.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::IdimLs => "idim-ls",
+            Self::IdimWls => "idim-wls",
+            Self::IdimIv => "idim-iv",
+            Self::Didim => "didim",
+        }
+    }
+
+    /// The estimator behind it.
+    #[must_use]
+    pub fn estimator(self) -> Method {
+        match self {
+            Self::IdimLs | Self::IdimWls => Method::IdimLs,
+            Self::IdimIv => Method::IdimIv,
+            Self::Didim => Method::Didim,
+        }
+    }
+
+    pub(crate) fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|m| m.name() == name)
+    }
+}
+
+/// Standard deviations of the white noise on the measured joints.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NoiseLevel {
+    /// Its name in the rows.
+    pub name: String,
+    /// On the positions, degrees or mm: one for all joints, or one for each.
+    pub position_noise: Levels,
+    /// On the torques, N m or N: one for all joints, or one for each.
+    pub torque_noise: Levels,
+    /// Whether the twin's encoder and torque ripple act as well.
+    #[serde(default)]
+    pub sensors: bool,
+}
+
+/// One value for all joints, or one for each.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(untagged, expecting = "expected a number, or a list with one for each joint")]
+pub enum Levels {
+    /// The same for every joint.
+    All(f64),
+    /// One for each joint.
+    Each(Vec<f64>),
+}
+
+impl Levels {
+    /// The value of each of so many joints.
+    #[must_use]
+    pub fn of_joints(&self, joints: usize) -> Vec<f64> {
+        match self {
+            Self::All(value) => vec![*value; joints],
+            Self::Each(values) => values.clone(),
+        }
+    }
+}
+
+/// Start values: the a-priori standard parameters, each multiplied by its own N(1, deviation^2), drawn again until the
+/// whole set is physical. Without deviation, the a-priori values themselves.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Starts {
+    /// Number of starts.
+    pub count: u32,
+    /// Standard deviation of the factors.
+    pub relative_deviation: f64,
+}
+
+impl Default for Starts {
+    fn default() -> Self {
+        Self { count: 1, relative_deviation: 0.0 }
+    }
+}
+
+/// A statement of a publication that the figures can be held against.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Claim {
+    /// Who says so, and where.
+    pub source: String,
+    /// What they say.
+    pub says: String,
+}
+
+/// How much of a campaign is run now. The runs are the same as in the whole campaign, and go into the same folder.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Limits {
+    /// Only the first starts.
+    pub starts: Option<u32>,
+    /// Only the first seeds.
+    pub seeds: Option<u32>,
+}
+
+impl Campaign {
+    /// Reads a campaign with its experiment and robot.
+    ///
+    /// # Errors
+    /// [`CampaignError`], with the file and the line or key.
+    pub fn read(path: &Path) -> Result<Self, CampaignError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|e| CampaignError::Unreadable { path: path.to_owned(), reason: e.to_string() })?;
+        let file = Self::parse(path, &text)?;
+        let experiment = crate::experiment::beside(path, "experiment", &file.experiment)?;
+        let data = experiment.parent().map_or_else(PathBuf::new, Path::to_owned);
+        Self::assemble(path, text, file, Experiment::read(&experiment, &data)?)
+    }
+
+    /// A campaign from its text and an experiment; `path` is its name in messages.
+    ///
+    /// # Errors
+    /// As [`Campaign::read`].
+    pub fn from_text(path: &Path, text: String, experiment: Experiment) -> Result<Self, CampaignError> {
+        let file = Self::parse(path, &text)?;
+        Self::assemble(path, text, file, experiment)
+    }
+
+    fn parse(path: &Path, text: &str) -> Result<CampaignFile, CampaignError> {
+        toml::from_str(text)
+            .map_err(|e| CampaignError::Syntax { path: path.to_owned(), message: e.to_string().trim_end().to_owned() })
+    }
+
+    fn assemble(
+        path: &Path,
+        text: String,
+        file: CampaignFile,
+        mut experiment: Experiment,
+    ) -> Result<Self, CampaignError> {
+        experiment.robot.a_priori.extend(file.a_priori.clone());
+        let campaign = Self { path: path.to_owned(), file, text, experiment };
+        campaign.validate()?;
+        Ok(campaign)
+    }
+}

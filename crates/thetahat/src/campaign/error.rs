@@ -1,0 +1,82 @@
+use std::path::PathBuf;
+
+use crate::experiment::ExperimentError;
+
+/// Why a campaign cannot be read, run or stored.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CampaignError {
+    /// A file cannot be read.
+    #[error("{}: cannot be read: {reason}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        reason: String,
+    },
+    /// The file is not TOML of the expected form; the message names line and column.
+    #[error("{}: {message}", path.display())]
+    Syntax {
+        /// The file.
+        path: PathBuf,
+        /// The parser's message, with line, column and the expected keys.
+        message: String,
+    },
+    /// A value of the campaign is not usable.
+    #[error("{}: {key} is {found}, expected {expected}", path.display())]
+    Value {
+        /// The campaign file.
+        path: PathBuf,
+        /// The key.
+        key: String,
+        /// What is allowed.
+        expected: String,
+        /// What was found.
+        found: String,
+    },
+    /// The experiment, its robot or its twin is not usable.
+    #[error(transparent)]
+    Experiment(#[from] ExperimentError),
+    /// No physical start was drawn.
+    #[error(
+        "{}: [starts]: none of {draws} draws around the a-priori parameters is physical; the last one failed at {reason}. \
+         Correct these values in [a_priori], or lower relative_deviation",
+        path.display()
+    )]
+    NoPhysicalStart {
+        /// The campaign file.
+        path: PathBuf,
+        /// Draws made.
+        draws: u32,
+        /// The link or joint, and what it violates.
+        reason: String,
+    },
+    /// The folder holds the results of another campaign.
+    #[error(
+        "{}: holds runs of another campaign: {changed} is another text than when they were made; take another folder, or \
+         delete this one",
+        folder.display()
+    )]
+    OtherCampaign {
+        /// The folder.
+        folder: PathBuf,
+        /// What changed: the campaign, the experiment, the robot or the version of the program.
+        changed: String,
+    },
+    /// A file of the folder is not what this program writes.
+    #[error("{}: {problem}; delete the file, and its runs are made again", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: String,
+    },
+    /// A file or folder cannot be written.
+    #[error("{}: cannot be written: {reason}", path.display())]
+    Write {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system or the Parquet library says.
+        reason: String,
+    },
+}

@@ -1,0 +1,26 @@
+//! A Monte Carlo campaign: one TOML file that describes many runs on simulated records, and the runs.
+//!
+//! The true motion is simulated once; noise is on the measurements alone. [`Campaign::read`] checks the file,
+//! [`Campaign::run`] runs what is missing in a [`Store`] and returns all [`Row`]s, [`summarise`] makes figures of them.
+//! Every random number has its own stream by the place of its run, so that rows depend neither on the number of threads
+//! nor on which runs were made before.
+
+mod checks;
+mod description;
+mod error;
+mod methods;
+mod noise;
+mod parquet_file;
+mod record;
+mod row;
+mod run;
+mod starts;
+mod store;
+mod summary;
+
+pub use description::{Campaign, CampaignFile, CampaignMethod, Claim, Levels, Limits, NoiseLevel, Starts};
+pub use error::CampaignError;
+pub use row::{Key, Row};
+pub use run::{CampaignParameter, CampaignRuns, Facts, Progress};
+pub use store::Store;
+pub use summary::{ParameterSummary, Quantiles, Summary, parameter_summaries, quantiles, summarise};

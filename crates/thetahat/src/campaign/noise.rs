@@ -1,0 +1,92 @@
+//! The measurements of one run: the true motion with noise.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::{NoiseLevel, row::Key};
+use crate::{
+    experiment::{Experiment, TwinMotion},
+    robot::JointKind,
+    series::Series,
+    simulation::Sensors,
+};
+
+/// Bits of a stream's number that hold the seed, and those that hold the start.
+const SEED_BITS: u32 = 20;
+const START_BITS: u32 = 20;
+
+/// The stream of the noise of one record: levels, starts and seeds all have their place in its number.
+pub(super) fn record_stream(key: Key) -> u64 {
+    let place = |number: u32, shift: u32| u64::from(number) << shift;
+    place(key.level + 1, SEED_BITS + START_BITS) | place(key.start, SEED_BITS) | u64::from(key.seed)
+}
+
+/// Random numbers of a stream; equal seed and stream give equal numbers whatever was drawn before.
+pub(super) fn random(seed: u64, stream: u64) -> ChaCha8Rng {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(stream);
+    rng
+}
+
+/// Positions and torques as one record holds them.
+pub(super) fn measure(
+    experiment: &Experiment,
+    twin: &TwinMotion,
+    level: &NoiseLevel,
+    rng: &mut ChaCha8Rng,
+) -> (Series, Series) {
+    let joints = experiment.robot.joint_count();
+    let (mut position, mut torque) = match sensors(experiment).filter(|_| level.sensors) {
+        Some(sensors) => {
+            let transmission = &experiment.robot.transmission;
+            let (motors, drives) = sensors.record(&twin.motion, transmission);
+            (transmission.joint_positions(&motors), transmission.joint_torques(&drives))
+        }
+        None => (twin.motion.q.clone(), twin.motion.tau.clone()),
+    };
+    add(&mut position, &position_deviations(experiment, level), rng);
+    add(&mut torque, &level.torque_noise.of_joints(joints), rng);
+    (position, torque)
+}
+
+/// The twin's sensors without their own noise.
+fn sensors(experiment: &Experiment) -> Option<Sensors> {
+    let sensors = &experiment.file.twin.as_ref()?.sensors;
+    Some(Sensors { torque_noise: vec![0.0; sensors.torque_noise.len()], ..sensors.clone() })
+}
+
+/// Standard deviations of the positions, rad or m.
+fn position_deviations(experiment: &Experiment, level: &NoiseLevel) -> Vec<f64> {
+    let given = level.position_noise.of_joints(experiment.robot.joint_count());
+    let convert = |(value, kind): (f64, JointKind)| match kind {
+        JointKind::Revolute => value.to_radians(),
+        JointKind::Prismatic => 1e-3 * value,
+    };
+    given.into_iter().zip(experiment.robot.coordinates().map(|j| j.kind)).map(convert).collect()
+}
+
+fn add(series: &mut Series, deviations: &[f64], rng: &mut ChaCha8Rng) {
+    for k in 0..series.len() {
+        for (value, deviation) in series.sample_mut(k).iter_mut().zip(deviations) {
+            let noise: f64 = StandardNormal.sample(rng);
+            *value += deviation * noise;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn streams_of_different_places_differ() {
+        let places = [(0, 0, 0), (0, 0, 1), (0, 1, 0), (1, 0, 0), (0, 1, 1)];
+        let streams: std::collections::BTreeSet<u64> =
+            places.into_iter().map(|(level, start, seed)| record_stream(Key { level, start, seed })).collect();
+        assert_eq!(streams.len(), places.len());
+        let draw = |stream| -> f64 { StandardNormal.sample(&mut random(7, stream)) };
+        assert_eq!(draw(3), draw(3));
+        assert_ne!(draw(3), draw(4));
+    }
+}

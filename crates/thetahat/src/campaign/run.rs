@@ -1,0 +1,156 @@
+//! The runs of a campaign, by several threads.
+
+use std::{
+    collections::BTreeMap,
+    path::PathBuf,
+    sync::{
+        atomic::{AtomicUsize, Ordering},
+        mpsc,
+    },
+    thread,
+};
+
+use super::{Campaign, CampaignError, Key, Limits, Row, Store, record::Bench};
+
+/// A parameter that a campaign estimates.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CampaignParameter {
+    /// Its name.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// Its true value; absent where the twin has another friction model.
+    pub truth: Option<f64>,
+}
+
+/// What the rows of a campaign have in common.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Facts {
+    /// The parameters of all cases, in the order of the rows' numbers.
+    pub parameters: Vec<CampaignParameter>,
+}
+
+impl Facts {
+    /// The place of a parameter, which is added where it is not known.
+    pub(super) fn place(&mut self, name: &str, unit: &str, truth: Option<f64>) -> usize {
+        if let Some(place) = self.parameters.iter().position(|p| p.name == name) {
+            let known = &mut self.parameters[place].truth;
+            *known = known.or(truth);
+            return place;
+        }
+        self.parameters.push(CampaignParameter { name: name.to_owned(), unit: unit.to_owned(), truth });
+        self.parameters.len() - 1
+    }
+}
+
+/// The runs of a campaign.
+#[derive(Debug, Clone)]
+pub struct CampaignRuns {
+    /// What they have in common.
+    pub facts: Facts,
+    /// The rows, by noise level, start, seed, case and method.
+    pub rows: Vec<Row>,
+    /// The files that hold them.
+    pub files: Vec<PathBuf>,
+}
+
+/// How far a campaign is: records, each with all its cases and methods.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Progress {
+    /// Records done by earlier commands.
+    pub before: usize,
+    /// Records done now.
+    pub done: usize,
+    /// Records to do now.
+    pub to_do: usize,
+}
+
+impl Campaign {
+    /// Runs what is not in the store yet and returns all rows; `threads` records at a time. Rows are the same for any
+    /// number of threads, and with or without a store.
+    ///
+    /// A run that fails is a row with its status and reason.
+    ///
+    /// # Errors
+    /// [`CampaignError`] for input that cannot be used, and for a store that cannot be read or written.
+    pub fn run(
+        &self,
+        limits: Limits,
+        threads: usize,
+        store: Option<&Store>,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<CampaignRuns, CampaignError> {
+        let keys = self.keys(limits);
+        let starts = keys.iter().map(|k| k.start + 1).max().unwrap_or_default();
+        let bench = Bench::new(self, starts)?;
+        let mut records = store.map(|s| s.finished(self, &bench.facts)).transpose()?.unwrap_or_default();
+        let missing: Vec<Key> = keys.into_iter().filter(|k| !records.contains_key(k)).collect();
+        let before = records.len();
+        let tell = |done| Progress { before, done, to_do: missing.len() };
+        progress(tell(0));
+        let found = run_all(&bench, &missing, threads, store, &mut |done| progress(tell(done)))?;
+        records.extend(found);
+        let rows: Vec<Row> = records.into_values().flatten().collect();
+        let files = store.map(|s| s.finish(&rows, &bench.facts)).transpose()?.unwrap_or_default();
+        Ok(CampaignRuns { facts: bench.facts, rows, files })
+    }
+
+    /// Every record within the limits, in the order of the rows.
+    fn keys(&self, limits: Limits) -> Vec<Key> {
+        let starts = limits.starts.unwrap_or(u32::MAX).min(self.file.starts.count);
+        let seeds = limits.seeds.unwrap_or(u32::MAX).min(self.file.seeds);
+        let levels = 0..u32::try_from(self.file.noise.len()).unwrap_or(u32::MAX);
+        let of_level = |level| {
+            (0..starts).flat_map(move |start| (0..seeds).map(move |seed| Key { level, start, seed }))
+        };
+        levels.flat_map(of_level).collect()
+    }
+}
+
+type Records = BTreeMap<Key, Vec<Row>>;
+
+/// Runs the records by a queue of their places: each thread takes the next one, keeps its rows, and reports.
+fn run_all(
+    bench: &Bench<'_>,
+    keys: &[Key],
+    threads: usize,
+    store: Option<&Store>,
+    progress: &mut dyn FnMut(usize),
+) -> Result<Records, CampaignError> {
+    let next = AtomicUsize::new(0);
+    let (sender, receiver) = mpsc::channel();
+    let next = &next;
+    thread::scope(|scope| {
+        for _ in 0..threads.clamp(1, keys.len().max(1)) {
+            let sender = sender.clone();
+            scope.spawn(move || work(bench, keys, next, store, &sender));
+        }
+        drop(sender);
+        let mut records = Records::new();
+        for result in receiver {
+            // An error ends the loop and drops the receiver, so that no thread begins another record.
+            let (key, rows) = result?;
+            records.insert(key, rows);
+            progress(records.len());
+        }
+        Ok(records)
+    })
+}
+
+fn work(
+    bench: &Bench<'_>,
+    keys: &[Key],
+    next: &AtomicUsize,
+    store: Option<&Store>,
+    sender: &mpsc::Sender<Result<(Key, Vec<Row>), CampaignError>>,
+) {
+    while let Some(&key) = keys.get(next.fetch_add(1, Ordering::Relaxed)) {
+        let result = bench.run(key).and_then(|rows| {
+            store.map_or(Ok(()), |s| s.keep(key, &rows, &bench.facts))?;
+            Ok((key, rows))
+        });
+        if sender.send(result).is_err() {
+            return;
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! A folder with the results of a campaign: a part for each record while it runs, and two files at its end.
+
+use std::{
+    collections::BTreeMap,
+    fs, io,
+    path::{Path, PathBuf},
+};
+
+use serde::{Deserialize, Serialize};
+
+use super::{
+    Campaign, CampaignError, Key, Row,
+    parquet_file::{self, Content},
+    run::Facts,
+};
+
+const MANIFEST: &str = "campaign.json";
+const RUNS: &str = "runs.parquet";
+const TIMING: &str = "timing.parquet";
+const PARTS: &str = "parts";
+
+/// A folder of results, known to be that of one campaign.
+#[derive(Debug, Clone)]
+pub struct Store {
+    folder: PathBuf,
+}
+
+/// What the runs of a folder were made from.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+struct Manifest {
+    thetahat: String,
+    campaign: String,
+    experiment: String,
+    robot: String,
+}
+
+impl Manifest {
+    fn of(campaign: &Campaign) -> Self {
+        Self {
+            thetahat: env!("CARGO_PKG_VERSION").to_owned(),
+            campaign: campaign.text.clone(),
+            experiment: campaign.experiment.text.clone(),
+            robot: campaign.experiment.robot_text.clone(),
+        }
+    }
+
+    /// What differs from another one.
+    fn change(&self, other: &Self) -> Option<&'static str> {
+        [
+            ("the version of thetahat", self.thetahat == other.thetahat),
+            ("the campaign file", self.campaign == other.campaign),
+            ("the experiment file", self.experiment == other.experiment),
+            ("the robot description", self.robot == other.robot),
+        ]
+        .into_iter()
+        .find_map(|(what, same)| (!same).then_some(what))
+    }
+}
+
+impl Store {
+    /// Opens a folder, or makes it; it must be new, or hold runs of this very campaign.
+    ///
+    /// # Errors
+    /// [`CampaignError`] for a folder of another campaign, or one that cannot be written.
+    pub fn open(folder: &Path, campaign: &Campaign) -> Result<Self, CampaignError> {
+        let store = Self { folder: folder.to_owned() };
+        let parts = store.parts();
+        fs::create_dir_all(&parts).map_err(|e| refuse(&parts, &e))?;
+        let (path, manifest) = (folder.join(MANIFEST), Manifest::of(campaign));
+        if !path.exists() {
+            let text = serde_json::to_string_pretty(&manifest).map_err(|e| refuse(&path, &e))?;
+            replace_file(&path, text.as_bytes())?;
+            return Ok(store);
+        }
+        let text = fs::read_to_string(&path)
+            .map_err(|e| CampaignError::Unreadable { path: path.clone(), reason: e.to_string() })?;
+        let found: Manifest = serde_json::from_str(&text)
+            .map_err(|e| CampaignError::Damaged { path: path.clone(), problem: e.to_string() })?;
+        match manifest.change(&found) {
+            None => Ok(store),
+            Some(what) => {
+                Err(CampaignError::OtherCampaign { folder: folder.to_owned(), changed: what.to_owned() })
+            }
+        }
+    }
+
+    /// The records that are done.
+    pub(super) fn finished(
+        &self,
+        campaign: &Campaign,
+        facts: &Facts,
+    ) -> Result<BTreeMap<Key, Vec<Row>>, CampaignError> {
+        let mut records = BTreeMap::new();
+        for row in self.merged(facts)? {
+            let key = key_of(campaign, &row).ok_or_else(|| self.unknown(&row))?;
+            records.entry(key).or_insert_with(Vec::new).push(row);
+        }
+        for path in self.part_files()? {
+            let rows = parquet_file::read(&path, facts)?;
+            let first = rows.first().and_then(|row| key_of(campaign, row));
+            let problem = || CampaignError::Damaged { path: path.clone(), problem: "holds no run".to_owned() };
+            records.insert(first.ok_or_else(problem)?, rows);
+        }
+        Ok(records)
+    }
+
+    /// Keeps the rows of one record.
+    pub(super) fn keep(&self, key: Key, rows: &[Row], facts: &Facts) -> Result<(), CampaignError> {
+        let name = format!("{:02}-{:05}-{:05}.parquet", key.level + 1, key.start + 1, key.seed + 1);
+        parquet_file::write(&self.parts().join(name), rows, facts, Content::Everything)
+    }
+
+    /// Writes the two files of all rows, then takes the parts away. Returns the paths of the two.
+    pub(super) fn finish(&self, rows: &[Row], facts: &Facts) -> Result<Vec<PathBuf>, CampaignError> {
+        let paths = [self.folder.join(TIMING), self.folder.join(RUNS)];
+        parquet_file::write(&paths[0], rows, facts, Content::Timing)?;
+        parquet_file::write(&paths[1], rows, facts, Content::Results)?;
+        for path in self.part_files()? {
+            fs::remove_file(&path).map_err(|e| refuse(&path, &e))?;
+        }
+        Ok(paths.into())
+    }
+
+    /// The rows of earlier commands, with their times.
+    fn merged(&self, facts: &Facts) -> Result<Vec<Row>, CampaignError> {
+        let [timing, runs] = [self.folder.join(TIMING), self.folder.join(RUNS)];
+        if !runs.exists() {
+            return Ok(Vec::new());
+        }
+        let mut rows = parquet_file::read(&runs, facts)?;
+        let seconds = if timing.exists() { parquet_file::read_seconds(&timing)? } else { Vec::new() };
+        // Killed between the two, the times are those of more rows; the parts that are still there hold all.
+        if seconds.len() == rows.len() {
+            rows.iter_mut().zip(seconds).for_each(|(row, s)| row.seconds = s);
+        }
+        Ok(rows)
+    }
+
+    fn parts(&self) -> PathBuf {
+        self.folder.join(PARTS)
+    }
+
+    /// The parts in the order of their names; what a killed program left in part is taken away.
+    fn part_files(&self) -> Result<Vec<PathBuf>, CampaignError> {
+        let parts = self.parts();
+        let entries = fs::read_dir(&parts).map_err(|e| refuse(&parts, &e))?;
+        let mut files = Vec::new();
+        for entry in entries {
+            let path = entry.map_err(|e| refuse(&parts, &e))?.path();
+            if path.extension().is_some_and(|e| e == "parquet") {
+                files.push(path);
+            } else if path.extension().is_some_and(|e| e == TEMPORARY) {
+                fs::remove_file(&path).map_err(|e| refuse(&path, &e))?;
+            }
+        }
+        files.sort();
+        Ok(files)
+    }
+
+    fn unknown(&self, row: &Row) -> CampaignError {
+        let problem = format!("the noise level {:?} is not one of the campaign", row.noise);
+        CampaignError::Damaged { path: self.folder.join(RUNS), problem }
+    }
+}
+
+fn key_of(campaign: &Campaign, row: &Row) -> Option<Key> {
+    let level = campaign.file.noise.iter().position(|n| n.name == row.noise)?;
+    Some(Key { level: u32::try_from(level).ok()?, start: row.start - 1, seed: row.seed - 1 })
+}
+
+/// Extension of files that are being written.
+const TEMPORARY: &str = "part";
+
+/// Writes under a temporary name and renames: the file is there as a whole, or as it was.
+pub(super) fn replace_file(path: &Path, content: &[u8]) -> Result<(), CampaignError> {
+    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let temporary = path.with_file_name(format!(".{name}.{}.{TEMPORARY}", std::process::id()));
+    let written: io::Result<()> = fs::write(&temporary, content).and_then(|()| fs::rename(&temporary, path));
+    written.map_err(|e| {
+        let _ = fs::remove_file(&temporary);
+        refuse(path, &e)
+    })
+}
+
+fn refuse(path: &Path, reason: &dyn std::error::Error) -> CampaignError {
+    CampaignError::Write { path: path.to_owned(), reason: reason.to_string() }
+}

@@ -1,0 +1,275 @@
+//! Errors that are, in each joint and recording, a stationary series of whatever spectrum: the covariance behind the
+//! intervals.
+
+use super::{
+    Sandwich,
+    block::Block,
+    lagged::{add_lagged_products, convolve},
+    t_quantile,
+};
+use crate::linear_algebra::Matrix;
+
+/// A variance that is itself estimated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EstimatedVariance {
+    /// The variance.
+    pub variance: f64,
+    /// Degrees of freedom: how sure the variance is, as that of so many independent rows (Satterthwaite).
+    pub freedom: f64,
+}
+
+/// Probability below the upper end of an interval of 95 %.
+const UPPER: f64 = 0.975;
+/// Passes that undo what the fit takes out of the autocovariance of its residual; each leaves about a third of the rest
+/// or less.
+const PASSES: usize = 2;
+/// Fewest degrees of freedom: with fewer an interval says nothing.
+const FEWEST_FREEDOM: f64 = 2.0;
+/// Standard deviations from zero at which the errors of two joints count as correlated: one pair in a thousand by chance.
+const CORRELATED: f64 = 3.29;
+
+impl EstimatedVariance {
+    /// Half the width of the interval that holds the truth 95 times in a hundred; none where the variance is not finite.
+    #[must_use]
+    pub fn half_width_95(&self) -> Option<f64> {
+        t_quantile(UPPER, self.freedom).map(|t| t * self.variance.sqrt()).filter(|h| h.is_finite())
+    }
+}
+
+impl Sandwich<'_> {
+    /// For each parameter the variance that gives the wider interval: [`Sandwich::stationary`], or
+    /// [`Sandwich::newey_west`] with as many degrees of freedom as there are rows.
+    ///
+    /// The first follows errors as slow as the record allows, but takes them to be as large in one moment as in another;
+    /// the second takes the moments as they are, but sees few lags.
+    #[must_use]
+    pub fn robust(&self) -> Vec<EstimatedVariance> {
+        let freedom = self.residual.len() as f64;
+        let by_moments = self.newey_west().into_iter().map(|variance| EstimatedVariance { variance, freedom });
+        let wider = |(a, b): (EstimatedVariance, EstimatedVariance)| {
+            if a.half_width_95() >= b.half_width_95() { a } else { b }
+        };
+        self.stationary().into_iter().zip(by_moments).map(wider).collect()
+    }
+
+    /// Errors whose autocovariance `gamma(l)` is one for each joint and recording: `V = A^T Gamma A`.
+    ///
+    /// 1. `gamma(l)` is that of the residual, tapered by Parzen's window up to the bandwidth `S = 2.6614 (alpha n)^(1/5)`,
+    ///    `alpha = 4 r^2 / (1 - r)^4`, r the residual's correlation of neighbouring rows (D. Andrews,
+    ///    "Heteroskedasticity and autocorrelation consistent covariance matrix estimation", 1991, (2.7), (6.2), (6.4));
+    ///    at least `sqrt(n)`, at most `n / 3`.
+    /// 2. A fit takes from its residual what it can explain. The autocovariance is corrected such that the expectation of
+    ///    the residual's, `E rho rho^T = (I - X A^T) Gamma (I - A X^T)`, is what was found: the small-sample correction,
+    ///    in two passes. A variance is never below the uncorrected one.
+    /// 3. Joints whose errors are measurably correlated at equal times add their cross-covariances; joints of different
+    ///    recordings never.
+    /// 4. The degrees of freedom are Satterthwaite's, `2 V^2 / var(V)`, for the quadratic form that V is.
+    ///
+    /// What it does not see: errors whose size depends on the motion. [`Sandwich::newey_west`] does.
+    #[must_use]
+    pub fn stationary(&self) -> Vec<EstimatedVariance> {
+        let leverage = self.leverage();
+        let mut blocks: Vec<Block> = self.rows.blocks().map(|rows| Block::new(self, rows, &leverage)).collect();
+        let correlations: Vec<Matrix> = blocks.iter().map(|b| b.influence_correlation(self.influence)).collect();
+        let uncorrected = variances(&blocks, &correlations);
+        for _ in 0..PASSES {
+            self.correct(&mut blocks);
+        }
+        let corrected = variances(&blocks, &correlations);
+        let mut own: Vec<f64> = uncorrected.iter().zip(corrected).map(|(u, c)| u.max(c)).collect();
+        let spread = spreads(&blocks, &correlations);
+        let freedom: Vec<f64> = own.iter().zip(spread).map(|(v, s)| freedom(*v, s, self.residual.len())).collect();
+        let cross = self.cross_terms(&blocks);
+        own.iter_mut().zip(cross).zip(uncorrected).for_each(|((v, c), least)| *v = (*v + c).max(least));
+        own.into_iter().zip(freedom).map(|(variance, freedom)| EstimatedVariance { variance, freedom }).collect()
+    }
+
+    /// One pass: `gamma(l) = (r(l) - bias(l)) / (n - l)`, with r(l) the sums of lagged products of the residual and
+    /// `bias(l) = sum_t x_t^T c_{t+l} + x_{t+l}^T c_t`, `c = V x / 2 - b`, `b = Gamma A` row by row.
+    fn correct(&self, blocks: &mut [Block]) {
+        let mut b = Matrix::zeros(self.influence.rows(), self.influence.columns());
+        for i in 0..b.columns() {
+            for block in blocks.iter() {
+                let rows = block.rows.clone();
+                convolve(&block.covariance, &self.influence.column(i)[rows.clone()], &mut b.column_mut(i)[rows]);
+            }
+        }
+        let v = self.influence.transposed_times(&b);
+        let vx = self.design.times_matrix(&v);
+        let c = Matrix::from_fn(b.rows(), b.columns(), |k, i| 0.5 * vx.at(k, i) - b.at(k, i));
+        blocks.iter_mut().for_each(|block| block.correct(self.design, &c));
+    }
+
+    /// Twice the covariance that each pair of correlated joints adds.
+    fn cross_terms(&self, blocks: &[Block]) -> Vec<f64> {
+        let mut terms = vec![0.0; self.influence.columns()];
+        let recordings = self.rows.recordings();
+        for (first, a) in blocks.iter().enumerate() {
+            for b in blocks[first..].iter().skip(recordings).step_by(recordings) {
+                if let Some(covariance) = self.cross_covariance(a, b) {
+                    let term = |i: usize| 2.0 * cross_sum(&covariance, self.influence.column(i), a, b);
+                    terms.iter_mut().enumerate().for_each(|(i, t)| *t += term(i));
+                }
+            }
+        }
+        terms
+    }
+
+    /// The tapered cross-covariance of two joints, that of equal times in the middle; none where it is not measurable.
+    fn cross_covariance(&self, a: &Block, b: &Block) -> Option<CrossCovariance> {
+        let (x, y) = (&self.residual[a.rows.clone()], &self.residual[b.rows.clone()]);
+        let window = if a.window.len() >= b.window.len() { &a.window } else { &b.window };
+        let lagged = |x: &[f64], y: &[f64]| {
+            let mut sums = vec![0.0; window.len()];
+            add_lagged_products(x, y, &mut sums);
+            sums.iter().zip(window).map(|(s, w)| w * s / x.len() as f64).collect::<Vec<f64>>()
+        };
+        let later = lagged(x, y);
+        // Of two uncorrelated series, n var(correlation) is the sum over all lags of the product of their correlations.
+        let products = a.covariance.iter().zip(&b.covariance).map(|(a, b)| a * b);
+        let sum: f64 = products.enumerate().map(|(l, p)| if l == 0 { p } else { 2.0 * p }).sum();
+        let deviation = (sum.max(0.0) / x.len() as f64).sqrt();
+        (later[0].abs() > CORRELATED * deviation).then(|| CrossCovariance { later, earlier: lagged(y, x) })
+    }
+}
+
+/// Cross-covariance of two joints by lag.
+struct CrossCovariance {
+    /// `E e_a(t) e_b(t + l)`.
+    later: Vec<f64>,
+    /// `E e_a(t + l) e_b(t)`.
+    earlier: Vec<f64>,
+}
+
+/// `a^T Gamma_ab b` for a parameter's influence in two blocks.
+fn cross_sum(covariance: &CrossCovariance, influence: &[f64], a: &Block, b: &Block) -> f64 {
+    let (x, y) = (&influence[a.rows.clone()], &influence[b.rows.clone()]);
+    let sum = |covariance: &[f64], x: &[f64], y: &[f64]| {
+        let mut sums = vec![0.0; covariance.len()];
+        add_lagged_products(x, y, &mut sums);
+        sums.iter().zip(covariance).map(|(s, c)| s * c).collect::<Vec<f64>>()
+    };
+    let (later, earlier) = (sum(&covariance.later, x, y), sum(&covariance.earlier, y, x));
+    later.iter().sum::<f64>() + earlier.iter().skip(1).sum::<f64>()
+}
+
+/// The variance of each parameter, over all blocks.
+fn variances(blocks: &[Block], correlations: &[Matrix]) -> Vec<f64> {
+    sum_over_blocks(blocks, correlations, Block::variance)
+}
+
+fn spreads(blocks: &[Block], correlations: &[Matrix]) -> Vec<f64> {
+    sum_over_blocks(blocks, correlations, Block::spread)
+}
+
+fn sum_over_blocks(blocks: &[Block], correlations: &[Matrix], of: fn(&Block, &[f64]) -> f64) -> Vec<f64> {
+    let parameters = correlations.first().map_or(0, Matrix::columns);
+    let sum = |i: usize| blocks.iter().zip(correlations).map(|(b, c)| of(b, c.column(i))).sum();
+    (0..parameters).map(sum).collect()
+}
+
+/// Satterthwaite's degrees of freedom, not more than there are rows.
+fn freedom(variance: f64, spread: f64, rows: usize) -> f64 {
+    let freedom = variance * variance / spread;
+    if freedom.is_finite() { freedom.clamp(FEWEST_FREEDOM, rows as f64) } else { rows as f64 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{linear_algebra::PivotedQr, statistics::RowBlocks};
+
+    const ROWS: usize = 60;
+    /// Autocovariance of each joint, a moving average of the second order.
+    const GAMMA: [[f64; 3]; 2] = [[3.0, 1.5, 0.4], [0.5, -0.2, 0.1]];
+
+    fn design() -> Matrix {
+        let value = |k: usize, i: usize| ((0.05 + 0.11 * i as f64) * k as f64 + (i * i) as f64).cos();
+        Matrix::from_fn(2 * ROWS, 5, |k, i| if k >= ROWS && i == 4 { 0.0 } else { value(k, i) })
+    }
+
+    fn gamma(k: usize, l: usize) -> f64 {
+        let same_joint = k / ROWS == l / ROWS;
+        if same_joint { GAMMA[k / ROWS].get(k.abs_diff(l)).copied().unwrap_or(0.0) } else { 0.0 }
+    }
+
+    /// What the residual's lagged products are on average, by dense matrices.
+    fn expected_products(x: &Matrix, a: &Matrix, rows: std::ops::Range<usize>) -> Vec<f64> {
+        let n = 2 * ROWS;
+        let hat = x.times_matrix(&a.transpose());
+        let m = Matrix::from_fn(n, n, |k, l| f64::from(k == l) - hat.at(k, l));
+        let covariance = m.times_matrix(&Matrix::from_fn(n, n, gamma)).times_matrix(&m.transpose());
+        (0..3).map(|l| rows.clone().filter(|k| k + l < rows.end).map(|k| covariance.at(k, k + l)).sum()).collect()
+    }
+
+    #[test]
+    fn the_correction_recovers_the_autocovariance_from_what_the_residual_shows_on_average() {
+        let x = design();
+        let a = x.times_matrix(&PivotedQr::new(&x).inverse_gram());
+        let rows = RowBlocks::new(2, vec![ROWS]);
+        let residual = vec![1.0; 2 * ROWS];
+        let sandwich = Sandwich { design: &x, influence: &a, residual: &residual, rows: &rows };
+        let leverage = sandwich.leverage();
+        let mut blocks: Vec<Block> = rows.blocks().map(|rows| Block::new(&sandwich, rows, &leverage)).collect();
+        for block in &mut blocks {
+            block.observed = expected_products(&x, &a, block.rows.clone());
+            block.window = vec![1.0; 3];
+            block.covariance = block.observed.iter().map(|r| r / ROWS as f64).collect();
+        }
+        let mut errors = Vec::new();
+        for _ in 0..12 {
+            let pairs = blocks.iter().flat_map(|b| &b.covariance).zip(GAMMA.as_flattened());
+            errors.push(pairs.map(|(found, exact)| (found - exact).abs()).fold(0.0, f64::max));
+            sandwich.correct(&mut blocks);
+        }
+        assert!(errors[0] > 0.05 && errors[2] < 0.1 * errors[0] && errors[11] < 1e-5, "{errors:?}");
+        let exact = a.transpose().times_matrix(&Matrix::from_fn(2 * ROWS, 2 * ROWS, gamma)).times_matrix(&a);
+        let correlations: Vec<Matrix> = blocks.iter().map(|b| b.influence_correlation(&a)).collect();
+        for (i, variance) in variances(&blocks, &correlations).into_iter().enumerate() {
+            assert!((variance / exact.at(i, i) - 1.0).abs() < 1e-5, "parameter {i}");
+        }
+    }
+
+    fn noise(seed: f64) -> Vec<f64> {
+        (0..400).map(|k| (((78.233 + seed) * f64::from(k)).sin() * 43758.5453).fract()).collect()
+    }
+
+    /// The mean of all rows.
+    fn of_mean(residual: &[f64], rows: &RowBlocks) -> EstimatedVariance {
+        let n = residual.len();
+        let (design, influence) = (Matrix::from_fn(n, 1, |_, _| 1.0), Matrix::from_fn(n, 1, |_, _| 1.0 / n as f64));
+        Sandwich { design: &design, influence: &influence, residual, rows }.stationary()[0]
+    }
+
+    #[test]
+    fn slow_errors_widen_the_interval_of_a_mean_and_leave_it_less_sure() {
+        let white = noise(0.0);
+        let mut slow = white.clone();
+        (1..slow.len()).for_each(|k| slow[k] += 0.8 * slow[k - 1]);
+        let rows = RowBlocks::new(1, vec![400]);
+        let (white, slow) = (of_mean(&white, &rows), of_mean(&slow, &rows));
+        // An autoregression of 0.8 has 25 times the power at rest of its innovations.
+        let ratio = slow.variance / white.variance;
+        assert!((12.0..=38.0).contains(&ratio), "{ratio}");
+        assert!(slow.freedom < 0.6 * white.freedom && slow.freedom > 10.0, "{slow:?} {white:?}");
+    }
+
+    #[test]
+    fn joints_that_err_together_add_their_covariance() {
+        let first = noise(0.0);
+        let together = [first.clone(), first.clone()].concat();
+        let apart: Vec<f64> = first.iter().copied().chain(first.iter().map(|e| -e)).collect();
+        let rows = RowBlocks::new(2, vec![400]);
+        let alone = of_mean(&first, &RowBlocks::new(1, vec![400])).variance;
+        // The mean of two equal series is that of one; without their covariance its variance would be half.
+        let [together, apart] = [together, apart].map(|e| of_mean(&e, &rows).variance / alone);
+        assert!((together - 1.0).abs() < 0.02, "{together}");
+        assert!((apart - 0.5).abs() < 0.02, "a variance is never below that of the joints alone: {apart}");
+    }
+
+    #[test]
+    fn an_exact_fit_has_no_variance() {
+        let found = of_mean(&[0.0; 40], &RowBlocks::new(1, vec![40]));
+        assert_eq!((found.variance, found.freedom), (0.0, 40.0));
+    }
+}

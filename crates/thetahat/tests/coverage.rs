@@ -1,0 +1,58 @@
+//! Intervals hold the truth as often as they say, where the assumptions of the methods hold: a short form of
+//! `examples/coverage`, whose tables are in `docs/statistics.md`.
+#![allow(dead_code)]
+
+#[path = "../examples/coverage/noise.rs"]
+mod noise;
+#[path = "../examples/coverage/tally.rs"]
+mod tally;
+#[path = "../examples/coverage/trial.rs"]
+mod trial;
+#[path = "../examples/coverage/twin.rs"]
+mod twin;
+
+use noise::{Colour, Level, Noise};
+use tally::{INTERVAL, Tally, run_seeds};
+use trial::{ASSUMED, Scope, Trials};
+use twin::Twin;
+
+const SEEDS: u64 = 60;
+/// What holds of 500 seeds: 93 to 97 %.
+const TOLERANCE: f64 = 0.02;
+/// Standard errors of the pooled coverage that come on top for fewer seeds.
+const STANDARD_ERRORS: f64 = 2.0;
+
+/// `measured_every`: seeds with errors in X take long on the TX40.
+fn check(twin: &Twin, measured_every: u64) {
+    for colour in Colour::ALL {
+        let noise = Noise { level: Level::High, colour };
+        let trials = Trials::new(twin, noise, Scope { measured_every, simulated_every: None }).unwrap();
+        let outcomes = run_seeds(&trials, SEEDS, 2).unwrap();
+        for (m, method) in ASSUMED.into_iter().enumerate() {
+            let tally = Tally::new(outcomes.iter().map(|o| o.0[m].as_ref())).unwrap();
+            let (found, error) = (tally.pooled(INTERVAL), tally.pooled_error(INTERVAL));
+            let what = format!("{} {} {method}: {found:.3} ± {error:.3}", twin.name, colour.name());
+            assert!((found - 0.95).abs() < TOLERANCE + STANDARD_ERRORS * error, "{what}");
+            // Correlated rows are what the classical intervals do not know of.
+            assert!(colour == Colour::White || tally.pooled(0) < 0.85, "{what}: classical {}", tally.pooled(0));
+        }
+    }
+}
+
+#[test]
+fn intervals_of_the_tx40_hold_the_truth() {
+    check(&Twin::tx40().unwrap(), 6);
+}
+
+#[test]
+fn intervals_of_emps_hold_the_truth() {
+    check(&Twin::emps().unwrap(), 1);
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let twin = Twin::emps().unwrap();
+    let noise = Noise { level: Level::Low, colour: Colour::Coloured };
+    let trials = Trials::new(&twin, noise, Scope { measured_every: 2, simulated_every: None }).unwrap();
+    assert_eq!(run_seeds(&trials, 7, 1).unwrap(), run_seeds(&trials, 7, 3).unwrap());
+}
