@@ -50,10 +50,6 @@ impl<'a> Tally<'a> {
         self.estimates.len()
     }
 
-    pub fn parameters(&self) -> usize {
-        self.parameters
-    }
-
     /// Part of a parameter's intervals of a kind that hold the truth.
     pub fn coverage(&self, kind: usize, parameter: usize) -> f64 {
         let holds = |e: &&&Estimate| e.error[parameter].abs() <= e.half_width[kind][parameter];

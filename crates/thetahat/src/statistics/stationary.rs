@@ -63,7 +63,8 @@ impl Sandwich<'_> {
     ///    in two passes. A variance is never below the uncorrected one.
     /// 3. Joints whose errors are measurably correlated at equal times add their cross-covariances; joints of different
     ///    recordings never.
-    /// 4. The degrees of freedom are Satterthwaite's, `2 V^2 / var(V)`, for the quadratic form that V is.
+    /// 4. The degrees of freedom are Satterthwaite's, `2 V^2 / var(V)`, for the quadratic form that V is, its bandwidth taken
+    ///    as given: for very slow errors up to half too many.
     ///
     /// What it does not see: errors whose size depends on the motion. [`Sandwich::newey_west`] does.
     #[must_use]
@@ -176,6 +177,10 @@ fn freedom(variance: f64, spread: f64, rows: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
     use super::*;
     use crate::{linear_algebra::PivotedQr, statistics::RowBlocks};
 
@@ -230,41 +235,82 @@ mod tests {
         }
     }
 
-    fn noise(seed: f64) -> Vec<f64> {
-        (0..400).map(|k| (((78.233 + seed) * f64::from(k)).sin() * 43758.5453).fract()).collect()
+    const LENGTH: usize = 400;
+
+    /// An autoregression of the first order with normal innovations of variance one.
+    fn autoregression(coefficient: f64, seed: u64) -> Vec<f64> {
+        let mut generator = ChaCha8Rng::seed_from_u64(seed);
+        let mut last = 0.0;
+        let mut next = || {
+            let innovation: f64 = StandardNormal.sample(&mut generator);
+            last = coefficient * last + innovation;
+            last
+        };
+        (0..10 * LENGTH).for_each(|_| _ = next());
+        (0..LENGTH).map(|_| next()).collect()
     }
 
-    /// The mean of all rows.
-    fn of_mean(residual: &[f64], rows: &RowBlocks) -> EstimatedVariance {
-        let n = residual.len();
+    fn less_mean(errors: &[f64]) -> Vec<f64> {
+        let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+        errors.iter().map(|e| e - mean).collect()
+    }
+
+    /// The variance of the mean of all rows, from the residual that the mean leaves.
+    fn of_mean(errors: &[f64], rows: &RowBlocks) -> EstimatedVariance {
+        let n = errors.len();
         let (design, influence) = (Matrix::from_fn(n, 1, |_, _| 1.0), Matrix::from_fn(n, 1, |_, _| 1.0 / n as f64));
-        Sandwich { design: &design, influence: &influence, residual, rows }.stationary()[0]
+        Sandwich { design: &design, influence: &influence, residual: &less_mean(errors), rows }.stationary()[0]
+    }
+
+    /// Mean of the variances found for many series, how unsure each says that it is, and how much they really differ, both
+    /// as degrees of freedom.
+    fn of_many(coefficient: f64) -> (f64, f64, f64) {
+        let rows = RowBlocks::new(1, vec![LENGTH]);
+        let found: Vec<_> = (0..600).map(|seed| of_mean(&autoregression(coefficient, seed), &rows)).collect();
+        let mean = |f: &dyn Fn(&EstimatedVariance) -> f64| found.iter().map(f).sum::<f64>() / found.len() as f64;
+        let variance = mean(&|v| v.variance);
+        let spread = mean(&|v| (v.variance - variance).powi(2));
+        (variance, mean(&|v| v.freedom), 2.0 * variance * variance / spread)
+    }
+
+    /// The part of the variance of a mean, `sum gamma(l) / n`, that the tapered autocovariance of an autoregression keeps.
+    fn kept_by_the_window(r: f64) -> f64 {
+        let n = LENGTH as f64;
+        let bandwidth = (2.6614 * (4.0 * r * r / (1.0 - r).powi(4) * n).powf(0.2)).max(n.sqrt());
+        let window = |x: f64| if x <= 0.5 { 1.0 - 6.0 * x * x + 6.0 * x * x * x } else { 2.0 * (1.0 - x).powi(3) };
+        let both_ways = |l: i32| if l == 0 { 1.0 } else { 2.0 * r.powi(l) };
+        let kept: f64 = (0..bandwidth as i32).map(|l| window(f64::from(l) / bandwidth) * both_ways(l)).sum();
+        kept * (1.0 - r) / (1.0 + r)
     }
 
     #[test]
-    fn slow_errors_widen_the_interval_of_a_mean_and_leave_it_less_sure() {
-        let white = noise(0.0);
-        let mut slow = white.clone();
-        (1..slow.len()).for_each(|k| slow[k] += 0.8 * slow[k - 1]);
-        let rows = RowBlocks::new(1, vec![400]);
-        let (white, slow) = (of_mean(&white, &rows), of_mean(&slow, &rows));
-        // An autoregression of 0.8 has 25 times the power at rest of its innovations.
-        let ratio = slow.variance / white.variance;
-        assert!((12.0..=38.0).contains(&ratio), "{ratio}");
-        assert!(slow.freedom < 0.6 * white.freedom && slow.freedom > 10.0, "{slow:?} {white:?}");
+    fn the_interval_of_a_mean_follows_how_slow_the_errors_are_and_says_how_unsure_it_is() {
+        for r in [0.0, 0.5, 0.8] {
+            let (variance, stated, seen) = of_many(r);
+            let ratio = variance * LENGTH as f64 * (1.0 - r) * (1.0 - r) / kept_by_the_window(r);
+            assert!((ratio - 1.0).abs() < 0.04, "{r}: {ratio} of the variance");
+            // What is stated takes the bandwidth as given; it is chosen from the residual.
+            assert!((0.7..=1.6).contains(&(stated / seen)), "{r}: {stated} degrees of freedom, really {seen}");
+        }
     }
 
+    /// With equal errors in both joints the mean is that of one joint: each joint adds a quarter of its variance, and what
+    /// they have in common a half. The fit of one mean to two joints takes `c / 2` out of each joint's variance, where that to
+    /// one joint takes c, the sum of the window over n; what joints have in common is not put right for it.
     #[test]
     fn joints_that_err_together_add_their_covariance() {
-        let first = noise(0.0);
+        let first = less_mean(&autoregression(0.0, 1));
         let together = [first.clone(), first.clone()].concat();
         let apart: Vec<f64> = first.iter().copied().chain(first.iter().map(|e| -e)).collect();
-        let rows = RowBlocks::new(2, vec![400]);
-        let alone = of_mean(&first, &RowBlocks::new(1, vec![400])).variance;
-        // The mean of two equal series is that of one; without their covariance its variance would be half.
+        let rows = RowBlocks::new(2, vec![LENGTH]);
+        let alone = of_mean(&first, &RowBlocks::new(1, vec![LENGTH])).variance;
         let [together, apart] = [together, apart].map(|e| of_mean(&e, &rows).variance / alone);
-        assert!((together - 1.0).abs() < 0.02, "{together}");
-        assert!((apart - 0.5).abs() < 0.02, "a variance is never below that of the joints alone: {apart}");
+        let bandwidth = (LENGTH as f64).sqrt();
+        let c = 0.75 * bandwidth / LENGTH as f64;
+        let expected = (0.5 * (1.0 + 0.5 * c) + 0.5) / (1.0 + c);
+        assert!((together - expected).abs() < 0.005, "{together}, not {expected}");
+        let expected = 0.5 / (1.0 + c);
+        assert!((apart - expected).abs() < 0.005, "never below the joints alone, uncorrected: {apart}, not {expected}");
     }
 
     #[test]
