@@ -3,10 +3,13 @@
 //! [`Experiment::read`] checks the file, [`Experiment::run`] goes the way of the data and returns [`Results`]; the twin
 //! ([`Experiment::demo`]) goes the same way from a simulated record.
 
+mod advice;
 mod chain;
 mod checks;
 mod cross_validation;
 mod description;
+mod diagnosis;
+mod diagnosis_results;
 mod error;
 mod paths;
 mod predict;
@@ -19,6 +22,10 @@ mod simulator;
 pub use description::{
     Case, EstimationDescription, Experiment, ExperimentFile, Gains, NamedChoice, ParameterChoice, ParameterSelection,
     RecordingDescription, SignalDescription, SimulationDescription, Start, TwinDescription, Unlisted, Weighting,
+};
+pub use diagnosis_results::{
+    Advice, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis, EndogeneityResult, Influence, InstrumentResult,
+    JointResidual, ParameterDifference, ResidualResult, Verdict,
 };
 pub use error::ExperimentError;
 pub use predict::{Prediction, PredictionRequest, predict};

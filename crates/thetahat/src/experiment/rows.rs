@@ -1,6 +1,6 @@
 //! Where the rows of several recordings stand in y, X and Z.
 
-use crate::linear_algebra::Matrix;
+use crate::{linear_algebra::Matrix, statistics::RowBlocks};
 
 /// The rows of y, X and Z: joint by joint, in each joint recording by recording, in each recording in time order.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,6 +18,16 @@ impl Rows {
     /// Rows of each joint.
     pub(super) fn per_joint(&self) -> usize {
         self.of_recording.iter().sum()
+    }
+
+    /// Where the rows of each joint and recording stand.
+    pub(super) fn blocks(&self) -> RowBlocks {
+        let mut next = 0;
+        let mut take = |rows: &usize| {
+            next += rows;
+            next - rows..next
+        };
+        RowBlocks { joints: (0..self.joints).map(|_| self.of_recording.iter().map(&mut take).collect()).collect() }
     }
 
     /// The recording, from zero, of each row of a joint.
@@ -69,6 +79,7 @@ mod tests {
         let rows = Rows::new(2, vec![2, 1]);
         let stacked = rows.stack_vectors(vec![vec![1.0, 2.0, 3.0, 4.0], vec![10.0, 20.0]]);
         assert_eq!(stacked, [1.0, 2.0, 10.0, 3.0, 4.0, 20.0]);
+        assert_eq!(rows.blocks().joints, [vec![0..2, 2..3], vec![3..5, 5..6]]);
         assert_eq!(rows.spread(&[0.5, 2.0]), [0.5, 0.5, 2.0, 0.5, 0.5, 2.0]);
         let first = Matrix::from_fn(4, 1, |i, _| (i + 1) as f64);
         let second = Matrix::from_fn(2, 1, |i, _| 10.0 * (i + 1) as f64);

@@ -11,7 +11,7 @@ const TEMPLATE: &str = include_str!("template.html");
 /// The whole page.
 pub(super) fn render(results: &Results, published: Option<&Published>) -> Result<String, ReportError> {
     let refuse = |source| ReportError::Json { source };
-    let facts = value_of(&sections::facts(results)).map_err(refuse)?;
+    let facts = value_of(&sections::head(results)).map_err(refuse)?;
     let sections = value_of(&sections::all(results, published)).map_err(refuse)?;
     page(context! { title => results.title.as_str(), facts, sections }).map_err(|source| ReportError::Html { source })
 }

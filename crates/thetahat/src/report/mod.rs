@@ -3,6 +3,7 @@
 //! [`write_all`] writes the files, [`text`] holds the tables for the terminal. Both show the same [`Table`]s, and both
 //! put [`Published`] figures beside ours where there are any. Nothing is computed here but comparisons.
 
+mod diagnosis;
 mod error;
 mod figures;
 mod files;

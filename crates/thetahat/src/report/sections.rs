@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{
-    Published, Table,
+    Published, Table, diagnosis,
     figures::{self, Figure},
     number::{given, optional, significant},
     tables::{self, Detail},
@@ -43,7 +43,7 @@ impl Section {
 
 /// Every section that has something to show.
 pub(super) fn all(results: &Results, published: Option<&Published>) -> Vec<Section> {
-    let mut sections = vec![summary(results), estimates(results)];
+    let mut sections = vec![summary(results), diagnosis::section(results), estimates(results)];
     sections.extend(published.map(|p| comparison(results, p)));
     sections.extend([truth(results), formulas(results), torques(results)]);
     sections.extend([convergence(results), tracking(results), elimination(results), method(results)]);
@@ -117,6 +117,11 @@ fn method(results: &Results) -> Section {
         files: files.map(|(title, text)| (title, text.clone())).into(),
         ..Section::default()
     }
+}
+
+/// The head: what to take, then what was recorded and how it was filtered.
+pub(super) fn head(results: &Results) -> Vec<(&'static str, String)> {
+    diagnosis::advice(results).chain(facts(results)).collect()
 }
 
 /// What was recorded and how it was filtered, as labels and texts.
