@@ -61,14 +61,14 @@ fn iv_text(diagnosis: &CaseDiagnosis, ls: bool) -> String {
     match (&diagnosis.endogeneity, ls) {
         (Some(e), true) if e.verdict == Verdict::Alarm => format!(
             "Take idim-iv, distrust idim-ls: they differ by {} standard deviations on average, most in {} \
-             (Durbin-Wu-Hausman p = {}), and {strong}.",
+             (Durbin-Wu-Hausman {}), and {strong}.",
             short(e.average_difference),
             most(e),
             p_value(e.robust.p_value),
         ),
         (Some(e), true) => format!(
             "Take idim-iv, or idim-ls, which differs from it by {} standard deviations on average (Durbin-Wu-Hausman \
-             p = {}), {}; {strong}.",
+             {}), {}; {strong}.",
             short(e.average_difference),
             p_value(e.robust.p_value),
             if e.verdict == Verdict::Agree { "no more than chance" } else { "too little to matter" },
@@ -107,9 +107,9 @@ fn simulator_text(test: &BiasedSimulatorResult) -> String {
         short(test.threshold)
     );
     match test.verdict {
-        Verdict::Agree => format!("didim differs from it by {numbers}: no more than noise, the simulator passes."),
+        Verdict::Agree => format!("didim differs from idim-iv by {numbers}: no more than noise, the simulator passes."),
         Verdict::SmallDifference => format!(
-            "didim differs from it by {numbers}: the simulator is not exact, but the difference stays below the {} that \
+            "didim differs from idim-iv by {numbers}: the simulator is not exact, but the difference stays below the {} that \
              would matter.",
             test.harmless_below
         ),
@@ -120,7 +120,7 @@ fn simulator_text(test: &BiasedSimulatorResult) -> String {
                 || "; no single error of gear ratios, drive gains or delay explains most of it.".to_owned(),
                 explained,
             );
-            format!("Distrust didim: it differs by {numbers}, most in {}{why}", names.join(", "))
+            format!("Distrust didim: it differs from idim-iv by {numbers}, most in {}{why}", names.join(", "))
         }
     }
 }
@@ -160,5 +160,5 @@ fn short(value: f64) -> String {
 }
 
 fn p_value(p: f64) -> String {
-    if p < 1e-4 { "below 0.0001".to_owned() } else { format!("{p:.4}") }
+    if p < 1e-4 { "p < 0.0001".to_owned() } else { format!("p = {p:.4}") }
 }

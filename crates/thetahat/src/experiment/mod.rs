@@ -12,12 +12,15 @@ mod diagnosis;
 mod diagnosis_results;
 mod error;
 mod paths;
+mod power;
 mod predict;
 mod record;
 mod results;
 mod rows;
 mod run;
+mod sensitivity;
 mod simulator;
+mod workers;
 
 pub use description::{
     Case, EstimationDescription, Experiment, ExperimentFile, Gains, NamedChoice, ParameterChoice, ParameterSelection,
@@ -28,9 +31,11 @@ pub use diagnosis_results::{
     JointResidual, ParameterDifference, ResidualResult, Verdict,
 };
 pub use error::ExperimentError;
+pub use power::PowerPoint;
 pub use predict::{Prediction, PredictionRequest, predict};
 pub use record::TwinRecord;
 pub use results::{
     Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, RecordingResult, ReferenceResult, Results,
     RunPlots, RunResult,
 };
+pub use sensitivity::{Sensitivity, SensitivityPoint};

@@ -8,7 +8,7 @@ use crate::{
     dynamics::Model,
     recording::{self, ChannelSource, Clock, Resampling, Side},
     series::Series,
-    simulation::{ClosedLoop, OutputGrid, Reference, SimulatorBias},
+    simulation::{ClosedLoop, OutputGrid, Reference, Sensors, SimulatedMotion, SimulatorBias},
     trajectory::{self, Limits, Moves},
 };
 
@@ -36,6 +36,13 @@ pub(super) struct Record {
     pub(super) planned: Option<Moves>,
     /// The true standard parameters of a twin.
     pub(super) truth: Option<Vec<f64>>,
+}
+
+/// The true motion of a twin, its moves, and its true standard parameters.
+pub(super) struct TwinMotion {
+    motion: SimulatedMotion,
+    moves: Moves,
+    truth: Vec<f64>,
 }
 
 /// What the sensors of a twin saw.
@@ -136,6 +143,11 @@ impl Experiment {
 
     /// Simulates the twin's motion and records it through its sensors.
     pub(super) fn simulate_twin(&self, twin: &TwinDescription) -> Result<Record, ExperimentError> {
+        Ok(self.record_motion(&twin.sensors, twin.sample_rate_hz, &self.twin_motion(twin)?))
+    }
+
+    /// The true motion of a twin.
+    pub(super) fn twin_motion(&self, twin: &TwinDescription) -> Result<TwinMotion, ExperimentError> {
         let model = Model::new(&self.robot);
         let moves = self.plan(twin)?;
         let samples = (moves.end_s() + twin.rest_s) * twin.sample_rate_hz;
@@ -161,11 +173,16 @@ impl Experiment {
         let motion = closed_loop
             .simulate(&truth, &inertia, &grid)
             .map_err(|source| ExperimentError::Twin { path: self.path.clone(), source })?;
-        let (positions, drive_signals) = twin.sensors.record(&motion, &self.robot.transmission);
-        Ok(Record {
+        Ok(TwinMotion { motion, moves, truth })
+    }
+
+    /// The record of a twin's motion by its sensors.
+    pub(super) fn record_motion(&self, sensors: &Sensors, sample_rate_hz: f64, twin: &TwinMotion) -> Record {
+        let (positions, drive_signals) = sensors.record(&twin.motion, &self.robot.transmission);
+        Record {
             name: "twin".to_owned(),
             weight: 1.0,
-            sample_rate_hz: twin.sample_rate_hz,
+            sample_rate_hz,
             stamps: None,
             resampling: None,
             velocity: None,
@@ -173,9 +190,9 @@ impl Experiment {
             torque: self.robot.transmission.joint_torques(&drive_signals),
             reference: None,
             added_signal: None,
-            planned: Some(moves),
-            truth: Some(truth),
-        })
+            planned: Some(twin.moves.clone()),
+            truth: Some(twin.truth.clone()),
+        }
     }
 
     /// The record of the twin of `[twin]`: time in s, positions and torques of the joints.

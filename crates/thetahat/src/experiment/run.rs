@@ -9,6 +9,7 @@ use super::{
     chain::{FilteredRecord, Problem},
     cross_validation::{CrossValidation, Folds, folds_by_move, folds_by_part, folds_by_recording, leave_folds_out},
     diagnosis::{Estimated, diagnose, residual},
+    record::Record,
     simulator::{RecordReference, Simulator},
 };
 use crate::{
@@ -27,7 +28,7 @@ use crate::{
 const RATE_TOLERANCE: f64 = 0.01;
 
 /// A record ready for every case: filtered, with its reference where a method or report needs one.
-struct Prepared {
+pub(super) struct Prepared {
     filtered: FilteredRecord,
     reference: Option<RecordReference>,
 }
@@ -42,13 +43,7 @@ impl Experiment {
     /// # Errors
     /// [`ExperimentError`] for input that cannot be used.
     pub fn run(&self, data: &Path, progress: &mut dyn FnMut(&str)) -> Result<Results, ExperimentError> {
-        progress("reading and filtering the recordings");
-        let main = match &self.file.twin {
-            Some(twin) => vec![self.prepare(self.filter(self.simulate_twin(twin)?, None)?)?],
-            None => self.read_all(&self.file.recording, data)?,
-        };
-        let validation = self.read_all(&self.file.validation, data)?;
-        let session = Session { experiment: self, main, validation };
+        let session = self.session(data, progress)?;
         let problems = session.problems(progress)?;
         let (mut runs, mut diagnostics) = (Vec::new(), Vec::new());
         for case in self.cases() {
@@ -64,6 +59,23 @@ impl Experiment {
             diagnostics.push(session.diagnose(&problem.problem, &case, &estimated));
         }
         session.results(&problems[0], runs, diagnostics)
+    }
+
+    /// Reads the recordings, or makes the twin's.
+    pub(super) fn session(&self, data: &Path, progress: &mut dyn FnMut(&str)) -> Result<Session<'_>, ExperimentError> {
+        progress("reading and filtering the recordings");
+        let main = match &self.file.twin {
+            Some(twin) => vec![self.prepare(self.filter(self.simulate_twin(twin)?, None)?)?],
+            None => self.read_all(&self.file.recording, data)?,
+        };
+        let validation = self.read_all(&self.file.validation, data)?;
+        Ok(Session { experiment: self, main, validation })
+    }
+
+    /// A session with one record.
+    pub(super) fn session_of(&self, record: Record) -> Result<Session<'_>, ExperimentError> {
+        let main = vec![self.prepare(self.filter(record, None)?)?];
+        Ok(Session { experiment: self, main, validation: Vec::new() })
     }
 
     fn read_all(&self, descriptions: &[RecordingDescription], data: &Path) -> Result<Vec<Prepared>, ExperimentError> {
@@ -101,23 +113,24 @@ impl Experiment {
     }
 }
 
-struct Session<'a> {
+/// The recordings of an experiment, ready for every case.
+pub(super) struct Session<'a> {
     experiment: &'a Experiment,
     main: Vec<Prepared>,
     validation: Vec<Prepared>,
 }
 
 /// The regression problem of one friction model, with its weights.
-struct CaseProblem {
+pub(super) struct CaseProblem {
     friction: Friction,
-    problem: Problem,
+    pub(super) problem: Problem,
     /// One over the standard deviation of each joint's LS residual, where LS has an estimate.
     weights: Option<Vec<f64>>,
 }
 
 impl Session<'_> {
     /// One problem for each friction model, the nominal one first.
-    fn problems(&self, progress: &mut dyn FnMut(&str)) -> Result<Vec<CaseProblem>, ExperimentError> {
+    pub(super) fn problems(&self, progress: &mut dyn FnMut(&str)) -> Result<Vec<CaseProblem>, ExperimentError> {
         let mut problems: Vec<CaseProblem> = Vec::new();
         for case in self.experiment.cases() {
             let robot = self.experiment.robot_for(&case);
@@ -197,7 +210,7 @@ impl Session<'_> {
 
     /// The weight of each row: that of its recording, and where the method asks for it that of its joint. None where all
     /// are one.
-    fn weights(&self, case_problem: &CaseProblem, method: Method) -> Option<Vec<f64>> {
+    pub(super) fn weights(&self, case_problem: &CaseProblem, method: Method) -> Option<Vec<f64>> {
         let weighting = self.experiment.file.estimation.weighting.get(&method).copied().unwrap_or_default();
         let of_joints = case_problem.weights.clone().filter(|_| weighting == Weighting::PerJoint);
         let of_recordings: Vec<f64> = self.main.iter().map(|p| p.filtered.record.weight).collect();
@@ -214,6 +227,11 @@ impl Session<'_> {
         let recordings =
             prepared.iter().map(|p| Some((&p.filtered, p.reference.as_ref()?))).collect::<Option<Vec<_>>>()?;
         Some(Simulator::new(self.experiment, problem, &recordings, controller, case.simulator))
+    }
+
+    /// The simulator of the main recordings for one case.
+    pub(super) fn main_simulator<'s>(&'s self, problem: &'s Problem, case: &Case) -> Option<Simulator<'s>> {
+        self.simulator(&self.main, problem, case)
     }
 
     fn estimate(

@@ -54,8 +54,8 @@ fn probability(p: f64) -> String {
 }
 
 fn differing(parameters: &[ParameterDifference]) -> String {
-    let named = parameters.iter().take(3).map(|p| format!("{} {}", p.name, significant(p.deviations, 2)));
-    named.collect::<Vec<_>>().join(", ")
+    let most = parameters.first();
+    most.map_or_else(|| NONE.to_owned(), |p| format!("{} {}", p.name, significant(p.deviations, 2)))
 }
 
 /// LS and DIDIM against IV, one row for each comparison.
