@@ -65,7 +65,8 @@ fn summary(results: &Results) -> Section {
 
 fn estimates(results: &Results) -> Section {
     let tables = results.cases().into_iter().map(|case| tables::parameters(results, case)).collect();
-    Section { id: "estimates", title: "Estimates", tables, ..Section::default() }
+    let figures = results.cases().into_iter().filter_map(|case| figures::coefficients(results, case)).collect();
+    Section { id: "estimates", title: "Estimates", tables, figures, ..Section::default() }
 }
 
 fn comparison(results: &Results, published: &Published) -> Section {
