@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (records, nominal, threads) = (argument(0, RECORDS), argument(1, NOMINAL_RECORDS), argument(2, cores));
     let experiment = Experiment::demo()?;
     println!(
-        "| simulator's error | records | rejected % | alarm % | mean difference, sd |\n| --- | --- | --- | --- | --- |"
+        "| simulator's error | records | rejected % | DIDIM distrusted % | mean difference, sd |\n| --- | --- | --- | --- | --- |"
     );
     print(&experiment.biased_simulator_power(&[(BiasKind::GearRatio, 1.0)], nominal, threads)?);
     print(&experiment.biased_simulator_power(&errors(), records, threads)?);
@@ -47,7 +47,7 @@ fn print(points: &[PowerPoint]) {
             "| {} | {judged}{failures} | {:.1} | {:.1} | {:.2} |",
             error(point),
             percent(point.rejections),
-            percent(point.alarms),
+            percent(point.distrusted),
             point.average_difference
         );
     }

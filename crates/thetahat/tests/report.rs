@@ -126,6 +126,7 @@ fn diagnosis(case: &str) -> CaseDiagnosis {
             draws: 199,
             seed: 1,
             average_difference: 3.76,
+            residual_ratio: 1.08,
             harmless_below: 0.5,
             verdict: Verdict::Alarm,
             parameters,

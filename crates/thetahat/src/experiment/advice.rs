@@ -95,7 +95,7 @@ fn simulator(diagnosis: &CaseDiagnosis, converged: bool, runs: &[&RunResult]) ->
         (_, _, false) => (false, String::new()),
         (_, false, true) => (true, "didim has no converged estimate.".to_owned()),
         (None, true, true) => (weak_instruments(diagnosis), "didim could not be compared with idim-iv.".to_owned()),
-        (Some(test), true, true) => (test.verdict == Verdict::Alarm, simulator_text(test)),
+        (Some(test), true, true) => (test.verdict.distrusts(), simulator_text(test)),
     }
 }
 
@@ -112,6 +112,11 @@ fn simulator_text(test: &BiasedSimulatorResult) -> String {
             "didim differs from idim-iv by {numbers}: the simulator is not exact, but the difference stays below the {} that \
              would matter.",
             test.harmless_below
+        ),
+        Verdict::Unclear => format!(
+            "Distrust didim: it differs from idim-iv by {numbers}, no more than chance, but only because the simulated \
+             motion is so far from the measured one: its residual is {} times that of idim-iv.",
+            short(test.residual_ratio)
         ),
         Verdict::Alarm => {
             let names: Vec<&str> = test.parameters.iter().take(3).map(|p| p.name.as_str()).collect();

@@ -164,7 +164,12 @@ fn biased_simulator(
     let statistics = compared.bootstrap(DRAWS, SEED);
     let threshold = *statistics.get(((1.0 - SIGNIFICANCE) * (DRAWS + 1) as f64) as usize - 1)?;
     let larger = statistics.iter().filter(|s| **s >= compared.statistic).count();
-    let verdict = verdict(compared.statistic > threshold, compared.average_difference);
+    let verdict = match verdict(compared.statistic > threshold, compared.average_difference) {
+        Verdict::Agree if compared.average_difference >= HARMLESS_BELOW && compared.residual_ratio > 1.0 => {
+            Verdict::Unclear
+        }
+        other => other,
+    };
     let alarm = verdict == Verdict::Alarm;
     let all: f64 = compared.joint_squares.iter().sum();
     Some(BiasedSimulatorResult {
@@ -175,6 +180,7 @@ fn biased_simulator(
         draws: DRAWS,
         seed: SEED,
         average_difference: compared.average_difference,
+        residual_ratio: compared.residual_ratio,
         harmless_below: HARMLESS_BELOW,
         verdict,
         parameters: largest(problem, &compared.difference, &compared.iv_deviation),
@@ -211,6 +217,7 @@ fn explain(
 }
 
 /// A correction c of the simulator's setting means that the setting is `1 / (1 + c)` of the true one, or c less than it.
+/// None where the factor would not be positive.
 fn explanation(kind: BiasKind, compared: &SimulatorComparison, change: &[f64]) -> Option<BiasExplanation> {
     let fit = compared.explain(change)?;
     let factor = 1.0 + fit.correction;
@@ -220,5 +227,6 @@ fn explanation(kind: BiasKind, compared: &SimulatorComparison, change: &[f64]) -
         (-fit.correction, fit.standard_deviation)
     };
     let explained_percent = 100.0 * fit.explained;
-    Some(BiasExplanation { kind, simulator_to_true, standard_deviation, explained_percent })
+    let possible = !kind.is_factor() || factor > 0.0;
+    possible.then_some(BiasExplanation { kind, simulator_to_true, standard_deviation, explained_percent })
 }

@@ -103,6 +103,8 @@ pub struct BiasedSimulatorResult {
     pub seed: u64,
     /// Average difference of the estimates in standard deviations of IV.
     pub average_difference: f64,
+    /// Residual of DIDIM over that of IV: above one, the simulated motion explains the torques worse than the measured one.
+    pub residual_ratio: f64,
     /// The average difference below which a bias does little.
     pub harmless_below: f64,
     /// What follows.
@@ -125,6 +127,17 @@ pub enum Verdict {
     SmallDifference,
     /// It is more than noise, and matters.
     Alarm,
+    /// It matters and is no more than noise, but the noise is that of the simulator: the simulated motion explains the
+    /// torques worse than the measured one.
+    Unclear,
+}
+
+impl Verdict {
+    /// Whether the estimates that were compared with IV are not to be trusted.
+    #[must_use]
+    pub fn distrusts(self) -> bool {
+        matches!(self, Self::Alarm | Self::Unclear)
+    }
 }
 
 /// One parameter's difference between two estimates.

@@ -27,8 +27,8 @@ pub struct PowerPoint {
     pub failures: usize,
     /// Rejections at 5 %.
     pub rejections: usize,
-    /// Alarms: rejections with a difference that matters.
-    pub alarms: usize,
+    /// Verdicts that distrust DIDIM: rejections with a difference that matters, and those that are unclear.
+    pub distrusted: usize,
     /// Mean over the records of the average difference, in standard deviations of IV.
     pub average_difference: f64,
 }
@@ -41,7 +41,7 @@ struct Seen {
 }
 
 impl Experiment {
-    /// How often the biased simulator test rejects and alarms for each error of the simulator, over records of the twin
+    /// How often the biased simulator test rejects, and distrusts DIDIM, for each error of the simulator, over records of the twin
     /// with the same true motion and noise of the seeds from 1 to `records`.
     ///
     /// The result does not depend on the number of `threads`.
@@ -107,8 +107,8 @@ impl PowerPoint {
             value,
             records: all.len(),
             failures: all.len() - good.len(),
-            rejections: count(|v| v != Verdict::Agree),
-            alarms: count(|v| v == Verdict::Alarm),
+            rejections: count(|v| matches!(v, Verdict::SmallDifference | Verdict::Alarm)),
+            distrusted: count(Verdict::distrusts),
             average_difference: good.iter().map(|s| s.average_difference).sum::<f64>() / good.len().max(1) as f64,
         }
     }

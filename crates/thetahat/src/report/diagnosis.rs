@@ -46,6 +46,7 @@ fn verdict(verdict: Verdict) -> &'static str {
         Verdict::Agree => "agree",
         Verdict::SmallDifference => "small",
         Verdict::Alarm => "* alarm",
+        Verdict::Unclear => "* unclear",
     }
 }
 
@@ -68,7 +69,8 @@ pub(super) fn comparisons(results: &Results) -> Option<Table> {
         rows,
         notes: strings(&[
             "idim-ls: Durbin-Wu-Hausman test. didim: biased simulator test, same instruments and weights.",
-            "mean sd: average difference in standard deviations of idim-iv; an alarm takes a rejection and 0.5.",
+            "mean sd: average difference in standard deviations of idim-iv; below 0.5 it is small, above it an alarm where \
+             p < 0.05, unclear where the simulated motion explains the torques too badly to tell.",
         ]),
         ..Table::default()
     })

@@ -19,7 +19,7 @@ use super::{
     RowBlocks, RowNoise,
     wu_hausman::{IvEstimate, without},
 };
-use crate::linear_algebra::{Matrix, PivotedQr};
+use crate::linear_algebra::{Matrix, PivotedQr, norm};
 
 /// DIDIM against IV.
 #[derive(Debug, Clone)]
@@ -41,6 +41,9 @@ pub struct SimulatorComparison {
     pub average_difference: f64,
     /// `(Q^T s)^T W^-1 Q^T s` with the covariance W of `Q^T u`.
     pub statistic: f64,
+    /// `|y - Z theta_DIDIM| / |y - X theta_IV|`: above one where the simulated motion explains the torques worse than the
+    /// measured one.
+    pub residual_ratio: f64,
     /// Squares of the torques `Z d` that the difference stands for, by joint.
     pub joint_squares: Vec<f64>,
 }
@@ -66,13 +69,15 @@ impl SimulatorComparison {
         let delta = q.transpose_times(&s);
         let projected = q.transpose().times_matrix(z);
         let difference = PivotedQr::new(&projected).solve(&delta);
-        let noise = RowNoise::of(&without(&q, &s), blocks);
+        let u = without(&q, &s);
+        let noise = RowNoise::of(&u, blocks);
         let covariances = noise.covariances(&q);
         let covariance = sum(&covariances, &vec![1.0; covariances.len()]);
         Some(Self {
             statistic: covariance.inverse_quadratic_form(&delta)?,
             average_difference: iv.average(&difference)?,
             iv_deviation: iv.deviations(),
+            residual_ratio: norm(&sum_of(&iv.residual, &u)) / norm(&iv.residual),
             joint_squares: blocks.squares(&z.times(&difference)),
             q,
             projected,
@@ -131,6 +136,10 @@ impl SimulatorComparison {
     }
 }
 
+fn sum_of(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + b).collect()
+}
+
 fn sum(matrices: &[Matrix], scales: &[f64]) -> Matrix {
     let columns = matrices.first().map_or(0, Matrix::columns);
     let zero = Matrix::zeros(columns, columns);
@@ -185,6 +194,10 @@ mod tests {
         let compared = SimulatorComparison::new(&z, &x.plus(&z, 0.01), &y, &blocks()).unwrap();
         let didim = PivotedQr::new(&z).solve(&y);
         let iv = IvEstimate::new(&z, &x.plus(&z, 0.01), &y, &blocks()).unwrap().theta;
+        let residual =
+            |a: &Matrix, theta: &[f64]| norm(&a.times(theta).iter().zip(&y).map(|(p, y)| y - p).collect::<Vec<_>>());
+        let ratio = residual(&z, &didim) / residual(&x.plus(&z, 0.01), &iv);
+        assert!((compared.residual_ratio - ratio).abs() < 1e-12);
         for (d, (a, b)) in compared.difference.iter().zip(didim.iter().zip(&iv)) {
             assert!((d - (a - b)).abs() < 1e-12);
         }
