@@ -139,6 +139,6 @@ mod tests {
         let half = 50.0 * (1.5_f64 * 6.0).sqrt() / 300.0 / 0.02_f64.sqrt() * 4.302_652_73;
         let centre = 100.0 * 0.02_f64.sqrt();
         assert!((high - centre - half).abs() < 1e-6, "{low} {high}");
-        assert!((low - (centre - half)).abs() < 1e-6);
+        assert_eq!(low, 0.0, "not below zero: {}", centre - half);
     }
 }
