@@ -8,7 +8,7 @@ use crate::{
     dynamics::Model,
     recording::{self, ChannelSource, Clock, Resampling, Side},
     series::Series,
-    simulation::{ClosedLoop, OutputGrid, Reference, SimulatedMotion, SimulatorBias},
+    simulation::{ClosedLoop, OutputGrid, Reference, Sensors, SimulatedMotion, SimulatorBias},
     trajectory::{self, Limits, Moves},
 };
 
@@ -149,23 +149,7 @@ impl Experiment {
 
     /// Simulates the twin's motion and records it through its sensors.
     pub(super) fn simulate_twin(&self, twin: &TwinDescription) -> Result<Record, ExperimentError> {
-        let TwinMotion { motion, moves, parameters } = self.twin_motion(twin)?;
-        let (positions, drive_signals) = twin.sensors.record(&motion, &self.robot.transmission);
-        Ok(Record {
-            name: "twin".to_owned(),
-            weight: 1.0,
-            sample_rate_hz: twin.sample_rate_hz,
-            stamps: None,
-            resampling: None,
-            velocity: None,
-            geared: true,
-            position: self.robot.transmission.joint_positions(&positions),
-            torque: self.robot.transmission.joint_torques(&drive_signals),
-            reference: None,
-            added_signal: None,
-            planned: Some(moves),
-            truth: Some(parameters),
-        })
+        Ok(self.record_motion(&twin.sensors, twin.sample_rate_hz, &self.twin_motion(twin)?))
     }
 
     /// The record of the twin of `[twin]`: time in s, positions and torques of the joints.
@@ -211,6 +195,26 @@ impl Experiment {
             .simulate(&parameters, &inertia, &grid)
             .map_err(|source| ExperimentError::Twin { path: self.path.clone(), source })?;
         Ok(TwinMotion { motion, moves, parameters })
+    }
+
+    /// The record of a twin's motion by its sensors.
+    pub(super) fn record_motion(&self, sensors: &Sensors, sample_rate_hz: f64, twin: &TwinMotion) -> Record {
+        let (positions, drive_signals) = sensors.record(&twin.motion, &self.robot.transmission);
+        Record {
+            name: "twin".to_owned(),
+            weight: 1.0,
+            sample_rate_hz,
+            stamps: None,
+            resampling: None,
+            velocity: None,
+            geared: true,
+            position: self.robot.transmission.joint_positions(&positions),
+            torque: self.robot.transmission.joint_torques(&drive_signals),
+            reference: None,
+            added_signal: None,
+            planned: Some(twin.moves.clone()),
+            truth: Some(twin.parameters.clone()),
+        }
     }
 
     fn plan(&self, twin: &TwinDescription) -> Result<Moves, ExperimentError> {

@@ -3,17 +3,29 @@
 use minijinja::{Environment, Value, context, syntax::SyntaxConfig};
 use serde::Serialize;
 
-use super::{Published, ReportError, sections};
+use super::{
+    Published, ReportError,
+    sections::{self, Section},
+};
 use crate::experiment::Results;
 
 const TEMPLATE: &str = include_str!("template.html");
 
 /// The whole page.
 pub(super) fn render(results: &Results, published: Option<&Published>) -> Result<String, ReportError> {
+    page_of(&results.title, &sections::head(results), &sections::all(results, published))
+}
+
+/// A page with a title, a head of labels and texts, and sections.
+pub(super) fn page_of(
+    title: &str,
+    facts: &[(&'static str, String)],
+    sections: &[Section],
+) -> Result<String, ReportError> {
     let refuse = |source| ReportError::Json { source };
-    let facts = value_of(&sections::facts(results)).map_err(refuse)?;
-    let sections = value_of(&sections::all(results, published)).map_err(refuse)?;
-    page(context! { title => results.title.as_str(), facts, sections }).map_err(|source| ReportError::Html { source })
+    let facts = value_of(&facts).map_err(refuse)?;
+    let sections = value_of(&sections).map_err(refuse)?;
+    page(context! { title, facts, sections }).map_err(|source| ReportError::Html { source })
 }
 
 fn page(content: Value) -> Result<String, minijinja::Error> {

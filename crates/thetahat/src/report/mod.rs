@@ -4,6 +4,7 @@
 //! put [`Published`] figures beside ours where there are any. Nothing is computed here but comparisons.
 
 mod contents;
+mod diagnosis;
 mod error;
 mod figures;
 mod files;
@@ -16,6 +17,7 @@ mod plot;
 mod prediction;
 mod published;
 mod sections;
+mod sensitivity;
 mod series;
 mod table;
 mod tables;
@@ -32,5 +34,6 @@ pub use model::{
 pub use model_text::model_text;
 pub use prediction::{prediction_text, write_prediction};
 pub use published::{Agreement, Published, PublishedValue};
+pub use sensitivity::{sensitivity_text, write_sensitivity};
 pub use series::write_record;
 pub use table::{Group, TEXT_WIDTH, Table};
