@@ -33,6 +33,11 @@ pub enum Command {
     ///
     /// What a folder holds already is not run again: a campaign that was stopped goes on where it was.
     Campaign(Campaign),
+    /// What errors of the simulator do to the estimates of idim-iv and didim.
+    ///
+    /// Identifies with the simulator's gear ratios, drive gains, controller gains, delay, reference and friction wrong by
+    /// steps, and compares with the estimates without error.
+    Sensitivity(Sensitivity),
     /// Record the simulated robot that an experiment describes in [twin].
     Simulate(Simulate),
     /// Show a robot: its structure, its standard parameters, and its base parameters with their formulas.
@@ -104,6 +109,18 @@ pub struct Identify {
     pub described: Described,
     #[command(flatten)]
     pub output: Output,
+}
+
+#[derive(Args)]
+pub struct Sensitivity {
+    #[command(flatten)]
+    pub described: Described,
+    /// Folder for sensitivity.csv and sensitivity.html [default: a table in the terminal only]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Threads; the result does not depend on them [default: one for each core]
+    #[arg(long, value_name = "N")]
+    pub threads: Option<std::num::NonZeroUsize>,
 }
 
 /// An experiment with its data.

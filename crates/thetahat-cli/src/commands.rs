@@ -2,7 +2,9 @@ use std::{
     error::Error,
     fs::File,
     io::Write,
+    num::NonZero,
     path::{Path, PathBuf},
+    sync::{Mutex, PoisonError},
 };
 
 use thetahat::{
@@ -13,7 +15,9 @@ use thetahat::{
 };
 
 use crate::{
-    arguments::{Arguments, Columns, Command, Described, Identify, Init, Inspect, Model, Output, Predict, Simulate},
+    arguments::{
+        Arguments, Columns, Command, Described, Identify, Init, Inspect, Model, Output, Predict, Sensitivity, Simulate,
+    },
     campaign,
     progress::Progress,
 };
@@ -33,6 +37,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
         Command::Identify(identify) => identify_experiment(&identify),
         Command::Predict(request) => predict_torques(&request),
         Command::Campaign(request) => campaign::run(&request),
+        Command::Sensitivity(sensitivity) => sweep_errors(&sensitivity),
         Command::Simulate(simulate) => record_twin(&simulate),
         Command::Model(request) => show_model(&request),
     }
@@ -165,6 +170,29 @@ fn predict_torques(request: &Predict) -> Result<Verdict, Box<dyn Error>> {
     if let Some(path) = &request.out {
         report::write_prediction(&prediction, path)?;
         print(&format!("\nwritten: {}\n", path.display()))?;
+    }
+    Ok(Verdict::Good)
+}
+
+fn sweep_errors(sensitivity: &Sensitivity) -> Result<Verdict, Box<dyn Error>> {
+    let (experiment, data) = read_experiment(&sensitivity.described)?;
+    if let Some(directory) = &sensitivity.out {
+        report::check_folder(directory)?;
+    }
+    let cores = || std::thread::available_parallelism().map_or(1, NonZero::get);
+    let threads = sensitivity.threads.map_or_else(cores, NonZero::get);
+    let progress = Mutex::new(Progress::new());
+    let tell = |done: usize, of: usize| {
+        let mut progress = progress.lock().unwrap_or_else(PoisonError::into_inner);
+        progress.tell(&format!("{done} of {of} estimations"));
+    };
+    let found = experiment.sensitivity(&data, threads, &tell)?;
+    drop(progress);
+    print(&report::sensitivity_text(&found))?;
+    if let Some(directory) = &sensitivity.out {
+        let files = report::write_sensitivity(&found, directory)?;
+        let names: String = files.iter().map(|f| format!("  {}\n", f.display())).collect();
+        print(&format!("\nwritten:\n{names}"))?;
     }
     Ok(Verdict::Good)
 }

@@ -105,6 +105,41 @@ impl Matrix {
         y
     }
 
+    /// `A^T x`.
+    #[must_use]
+    pub fn transpose_times(&self, x: &[f64]) -> Vec<f64> {
+        (0..self.columns).map(|j| self.column(j).iter().zip(x).map(|(a, x)| a * x).sum()).collect()
+    }
+
+    /// `A + factor B`.
+    #[must_use]
+    pub fn plus(&self, other: &Self, factor: f64) -> Self {
+        let values = self.values.iter().zip(&other.values).map(|(a, b)| a + factor * b).collect();
+        Self { values, ..*self }
+    }
+
+    /// A copy of a range of rows.
+    #[must_use]
+    pub fn row_range(&self, range: std::ops::Range<usize>) -> Self {
+        let values = (0..self.columns).flat_map(|j| self.column(j)[range.clone()].iter().copied()).collect();
+        Self { rows: range.len(), columns: self.columns, values }
+    }
+
+    /// `A^-1 x` of a symmetric matrix; `None` where it is not positive definite.
+    #[must_use]
+    pub fn inverse_times(&self, x: &[f64]) -> Option<Vec<f64>> {
+        let factor = self.view().llt(faer::Side::Lower).ok()?;
+        let rhs = MatRef::from_column_major_slice(x, self.rows, 1);
+        Some(from_faer(factor.solve(rhs).as_ref()).values)
+    }
+
+    /// `x^T A^-1 x` of a symmetric matrix; `None` where it is not positive definite.
+    #[must_use]
+    pub fn inverse_quadratic_form(&self, x: &[f64]) -> Option<f64> {
+        let solved = self.inverse_times(x)?;
+        Some(solved.iter().zip(x).map(|(s, x)| s * x).sum())
+    }
+
     /// `A B`.
     #[must_use]
     pub fn times_matrix(&self, other: &Self) -> Self {
@@ -334,6 +369,18 @@ mod tests {
             let a = example().scale_columns(&[size, 1.0, 1.0]);
             assert_eq!(PivotedQr::with_equal_columns(&a).rank(1e-12), 2);
         }
+    }
+
+    #[test]
+    fn the_inverse_quadratic_form_is_that_of_the_inverse() {
+        let a = example();
+        let gram = a.transpose().times_matrix(&a);
+        let x = [1.0, -2.0, 0.5];
+        let solved = gram.inverse().unwrap().times(&x);
+        let expected: f64 = solved.iter().zip(&x).map(|(s, x)| s * x).sum();
+        assert!((gram.inverse_quadratic_form(&x).unwrap() / expected - 1.0).abs() < 1e-10);
+        assert!(Matrix::zeros(2, 2).inverse_quadratic_form(&[1.0, 1.0]).is_none());
+        assert_eq!(a.row_range(1..3).plus(&a.row_range(1..3), -1.0), Matrix::zeros(2, 3));
     }
 
     #[test]

@@ -143,6 +143,34 @@ fn smaller_gear_ratios_move_the_joints_further() {
     }
 }
 
+/// q_0 + scale (q_ref - q_0) + offset, that much later: where the motors track well.
+#[test]
+fn a_biased_reference_is_scaled_moved_and_late() {
+    let controller =
+        "law = \"pd\"\nbandwidth_hz = [60.0]\nvelocity_feed_forward = 1.0\nacceleration_feed_forward = 1.0";
+    let mut bench = Bench::new(SLIDE, controller, Reference::Moves(one_move(vec![0.2], vec![0.5])));
+    let nominal = bench.run(700);
+    bench.bias = SimulatorBias { reference_scale: 1.1, reference_offset: 0.01, delay_s: 0.02, ..SimulatorBias::NONE };
+    let biased = bench.run(700);
+    for k in [60, 150, 300, 680] {
+        let expected = 0.2 + 1.1 * (nominal.q.sample(k - 20)[0] - 0.2) + 0.01;
+        let found = biased.q.sample(k)[0];
+        assert!((found - expected).abs() < 1e-4, "{k}: {found} against {expected}");
+    }
+}
+
+/// The torque of a slide at constant speed is its friction.
+#[test]
+fn biased_friction_is_a_factor() {
+    let controller = "law = \"pd\"\nbandwidth_hz = [60.0]\nvelocity_feed_forward = 1.0";
+    let mut bench = Bench::new(SLIDE, controller, Reference::Moves(one_move(vec![0.0], vec![1.0])));
+    bench.bias = SimulatorBias { friction: 1.5, ..SimulatorBias::NONE };
+    let motion = bench.run(600);
+    let expected = 2.0 * motion.ddq.sample(400)[0] + 1.5 * 3.0 * motion.dq.sample(400)[0];
+    assert!(motion.dq.sample(400)[0] > 0.5);
+    assert!((motion.tau.sample(400)[0] - expected).abs() < 1e-9);
+}
+
 #[test]
 fn the_default_solver_is_close_to_the_reference_solution() {
     let start = vec![0.3, -0.1];

@@ -3,8 +3,9 @@
 use std::{path::Path, sync::OnceLock};
 
 use thetahat::{
-    experiment::{Experiment, Results},
+    experiment::{Advice, BiasedSimulatorResult, Experiment, Results, Verdict},
     identification::{Method, Status},
+    simulation::BiasKind,
 };
 
 fn results() -> &'static Results {
@@ -40,6 +41,36 @@ fn with_a_biased_simulator_iv_still_does_and_didim_does_not() {
     assert!(didim < 26, "didim: {didim} of 28");
 }
 
+fn simulator_test(case: &str) -> &'static BiasedSimulatorResult {
+    let diagnosis = results().diagnostics.iter().find(|d| d.case == case).unwrap();
+    diagnosis.biased_simulator.as_ref().unwrap()
+}
+
+fn advice(case: &str) -> &'static Advice {
+    results().advice.iter().find(|a| a.case == case).unwrap()
+}
+
+#[test]
+fn the_exact_simulator_passes() {
+    let test = simulator_test("nominal");
+    assert_eq!(test.verdict, Verdict::Agree, "{test:?}");
+    assert!(test.explanations.is_empty());
+    let advice = advice("nominal");
+    assert_eq!((advice.take, advice.distrust.as_slice()), (Some(Method::IdimIv), &[][..]), "{advice:?}");
+}
+
+#[test]
+fn the_biased_simulator_is_found_and_measured() {
+    let test = simulator_test("gear_ratio_0.9");
+    assert_eq!(test.verdict, Verdict::Alarm, "{test:?}");
+    let best = test.explanations[0];
+    assert_eq!(best.kind, BiasKind::GearRatio);
+    assert!((best.simulator_to_true - 0.9).abs() < 3.0 * best.standard_deviation, "{best:?}");
+    assert!(best.standard_deviation < 0.003 && best.explained_percent > 98.0, "{best:?}");
+    let advice = advice("gear_ratio_0.9");
+    assert_eq!((advice.take, advice.distrust.as_slice()), (Some(Method::IdimIv), &[Method::Didim][..]), "{advice:?}");
+}
+
 #[test]
 fn the_same_run_gives_the_same_numbers() {
     let mut experiment = Experiment::demo().unwrap();
@@ -51,4 +82,6 @@ fn the_same_run_gives_the_same_numbers() {
         };
         assert_eq!(estimates(results()), estimates(&again), "{}", method.name());
     }
+    let (first, second) = (&results().diagnostics[0], &again.diagnostics[0]);
+    assert_eq!(format!("{first:?}"), format!("{second:?}"));
 }

@@ -10,8 +10,9 @@ use std::{collections::HashMap, sync::OnceLock};
 use common::ensure;
 use libtest_mimic::Failed;
 use thetahat::{
-    experiment::{Experiment, ParameterResult, Results, RunResult},
+    experiment::{BiasedSimulatorResult, Experiment, ParameterResult, Results, RunResult, Verdict},
     identification::{Method, Status},
+    simulation::BiasKind,
 };
 
 fn identify(name: &str) -> Results {
@@ -113,6 +114,29 @@ fn biased_simulator_moves_didim() -> Result<(), Failed> {
     ensure(error("gear_ratio_0.9", Method::Didim) > error("nominal", Method::Didim), "the error grows")
 }
 
+fn simulator_test(case: &str) -> Result<&'static BiasedSimulatorResult, Failed> {
+    let found = results().diagnostics.iter().find(|d| d.case == case).and_then(|d| d.biased_simulator.as_ref());
+    found.ok_or_else(|| "no biased simulator test".into())
+}
+
+fn advice_is_quiet_nominally() -> Result<(), Failed> {
+    let test = simulator_test("nominal")?;
+    ensure(test.verdict != Verdict::Alarm, format!("{test:?}"))?;
+    let advice = &results().advice[0];
+    ensure(advice.take == Some(Method::IdimIv) && advice.distrust.is_empty(), format!("{advice:?}"))
+}
+
+/// The alarm of the 90 % case, and gear ratios near 0.9 as its cause.
+fn advice_distrusts_didim_with_wrong_gear_ratios() -> Result<(), Failed> {
+    let test = simulator_test("gear_ratio_0.9")?;
+    ensure(test.verdict == Verdict::Alarm && test.statistic > 20.0 * test.threshold, format!("{test:?}"))?;
+    let best = test.explanations[0];
+    ensure(best.kind == BiasKind::GearRatio && best.explained_percent > 95.0, format!("{best:?}"))?;
+    ensure((best.simulator_to_true - 0.9).abs() < 0.005, format!("{best:?}"))?;
+    let advice = &results().advice[1];
+    ensure(advice.take == Some(Method::IdimIv) && advice.distrust == [Method::Didim], format!("{advice:?}"))
+}
+
 fn reference_is_moves() -> Result<(), Failed> {
     let reference = results().recordings[0].reference.as_ref().unwrap();
     ensure(reference.moves == Some(13), format!("{:?} moves", reference.moves))?;
@@ -155,6 +179,8 @@ fn main() {
         ("standard_deviations_of_ls_agree_with_table_one", standard_deviations_of_ls),
         ("a_biased_simulator_leaves_iv_where_it_was", biased_simulator_leaves_iv),
         ("a_biased_simulator_moves_didim_as_table_three", biased_simulator_moves_didim),
+        ("the_advice_is_quiet_in_the_nominal_case", advice_is_quiet_nominally),
+        ("the_advice_distrusts_didim_in_the_biased_case", advice_distrusts_didim_with_wrong_gear_ratios),
         ("the_reference_is_thirteen_moves", reference_is_moves),
         ("the_28_alone_are_a_list", twenty_eight_alone),
         ("motor_inertias_are_enough_to_start_from", inertias_are_enough_to_start),

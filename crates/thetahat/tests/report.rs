@@ -9,12 +9,14 @@ use std::{
 use thetahat::{
     checks::{Code, Finding, Severity},
     experiment::{
-        Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, RecordingFindings, RecordingResult,
-        ReferenceResult, Results, RunPlots, RunResult,
+        Advice, Bandwidth, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis, EliminationResult, EndogeneityResult,
+        Influence, IterationResult, JointResidual, ParameterDifference, ParameterResult, Plots, RecordingFindings,
+        RecordingResult, ReferenceResult, ResidualResult, Results, RunPlots, RunResult, Verdict,
     },
     identification::{Method, Status},
     report::{self, Agreement, Published, ReportError, TEXT_WIDTH, text, write_all},
-    statistics::FTest,
+    simulation::BiasKind,
+    statistics::{FTest, chi_squared_test},
 };
 
 const METHODS: [Method; 3] = [Method::IdimLs, Method::IdimIv, Method::Didim];
@@ -76,6 +78,9 @@ fn run(case: &str, method: Method) -> RunResult {
         relative_error_percent: Some(5.53),
         joint_relative_error_percent: vec![Some(4.6), Some(5.1)],
         cross_validation_relative_error_percent: None,
+        cross_validation_interval_95_percent: Some([5.1, 6.9]),
+        influence: Some(Influence { part: "move 10".to_owned(), parameter: "zz1r".to_owned(), change: -4.7 }),
+        residual: Some(residual()),
         validation_condition_number: None,
         condition_number: Some(975.4),
         seconds: 1.25,
@@ -91,6 +96,63 @@ fn run(case: &str, method: Method) -> RunResult {
     }
 }
 
+fn residual() -> ResidualResult {
+    let test = |statistic, freedom| chi_squared_test(statistic, freedom);
+    let joint = |joint| JointResidual {
+        joint,
+        rms: 1.5,
+        autocorrelation: 0.62,
+        whiteness: test(170.0, 10),
+        normality: test(1.3, 2),
+    };
+    ResidualResult { joints: vec![joint(1), joint(2)], homoscedasticity: Some(f_test()) }
+}
+
+/// DIDIM differs by nearly 4 standard deviations, and gear ratios at 90 % explain it; LS differs by chance.
+fn diagnosis(case: &str) -> CaseDiagnosis {
+    let parameters = vec![ParameterDifference { name: "fv1".to_owned(), difference: -0.8, deviations: -8.4 }];
+    CaseDiagnosis {
+        case: case.to_owned(),
+        endogeneity: Some(EndogeneityResult {
+            classical: f_test(),
+            robust: chi_squared_test(3.2, 4).unwrap(),
+            average_difference: 0.19,
+            parameters: parameters.clone(),
+            verdict: Verdict::Agree,
+        }),
+        instruments: None,
+        biased_simulator: Some(BiasedSimulatorResult {
+            statistic: 12_855.0,
+            freedom: 4,
+            threshold: 116.2,
+            p_value: 0.005,
+            draws: 199,
+            seed: 1,
+            average_difference: 3.76,
+            residual_ratio: 1.08,
+            harmless_below: 0.5,
+            verdict: Verdict::Alarm,
+            parameters,
+            joint_percent: vec![70.0, 30.0],
+            explanations: vec![BiasExplanation {
+                kind: BiasKind::GearRatio,
+                simulator_to_true: 0.8999,
+                standard_deviation: 0.0011,
+                explained_percent: 99.1,
+            }],
+        }),
+    }
+}
+
+fn advice(case: &str) -> Advice {
+    Advice {
+        case: case.to_owned(),
+        take: Some(Method::IdimIv),
+        distrust: vec![Method::Didim],
+        text: "Take idim-iv. Distrust didim: it differs by 3.76 standard deviations on average.".to_owned(),
+    }
+}
+
 fn diverged(case: &str) -> RunResult {
     RunResult {
         status: Status::Diverged,
@@ -100,6 +162,8 @@ fn diverged(case: &str) -> RunResult {
         condition_number: None,
         simulation_relative_error_percent: None,
         f_test: None,
+        residual: None,
+        influence: None,
         convergence: Vec::new(),
         parameters: Vec::new(),
         plots: RunPlots::default(),
@@ -158,6 +222,8 @@ fn results() -> Results {
             eliminated: vec!["fc6".to_owned(); 40],
             f_test: Some(f_test()),
         }),
+        advice: ["nominal", LONG_CASE].map(advice).into(),
+        diagnostics: ["nominal", LONG_CASE].map(diagnosis).into(),
         runs: runs.collect(),
         experiment_description: "title = \"<i>\"\n[estimation]\nweighting = { didim = \"per-joint\" }\n".to_owned(),
         robot_description: "name = \"A robot\"\n".to_owned(),
@@ -226,7 +292,7 @@ fn json_has_the_fixed_keys_and_reads_back() {
     let results = results();
     let files = written("json", &results);
     let json: serde_json::Value = serde_json::from_str(&files["results.json"]).unwrap();
-    for key in ["thetahat", "robot", "samples_used", "decimated_rows", "runs"] {
+    for key in ["thetahat", "robot", "samples_used", "decimated_rows", "advice", "diagnostics", "runs"] {
         assert!(json.get(key).is_some(), "{key}");
     }
     let run = &json["runs"][0];
@@ -293,7 +359,8 @@ fn the_page_is_whole_escaped_and_needs_nothing_else() {
         2 * (3 * 2 + 4),
         "torque, residual and tracking of two joints, four of convergence, for two cases"
     );
-    assert!(!page.contains("NaN") && !page.contains("inf"), "a value that is none is not drawn");
+    let numbers = page.replace("influence", "");
+    assert!(!numbers.contains("NaN") && !numbers.contains("inf"), "a value that is none is not drawn");
 }
 
 #[test]
@@ -301,6 +368,20 @@ fn the_page_says_what_was_done() {
     let page = &written("method", &results())["report.html"];
     assert!(page.contains("idim-ls none, idim-iv none, didim per-joint"));
     assert!(page.contains("reconstructed, 13 moves; worst rms deviation 1.24 mrad, joint 2"));
+}
+
+#[test]
+fn advice_stands_in_the_head_and_the_tests_behind_it_follow() {
+    let results = results();
+    let head = text::head(&results);
+    assert!(head.contains("advice           nominal: Take idim-iv. Distrust didim"), "{head}");
+    let diagnosis = text::diagnosis(&results);
+    assert!(diagnosis.contains("* alarm") && diagnosis.contains("fv1 -8.4"), "{diagnosis}");
+    assert!(diagnosis.contains("gear ratios") && diagnosis.contains("0.8999"), "{diagnosis}");
+    assert!(diagnosis.contains("move 10: zz1r"), "{diagnosis}");
+    let page = &written("advice", &results)["report.html"];
+    assert!(page.contains("<dt>advice</dt>") && page.contains("Residuals, joint by joint"));
+    assert!(page.contains("Estimates less those of idim-iv"));
 }
 
 #[test]

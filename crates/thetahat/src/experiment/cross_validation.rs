@@ -1,5 +1,7 @@
 //! How well estimates predict what they have not seen.
 
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
 use super::chain::Problem;
 use crate::{
     identification::{Divisor, EstimationError, Method, didim, idim_iv, idim_ls, relative_error_percent},
@@ -33,27 +35,76 @@ pub(super) fn folds_by_move(moves: &Moves, times: &[f64]) -> Option<Vec<usize>> 
     (starts.len() >= FEWEST_MOVES).then(|| times.iter().map(fold).collect())
 }
 
-/// Leaves each fold out in turn, estimates from the others with the instruments at hand, and predicts the one left out;
-/// the relative error is that of all predictions together.
+/// What is left out in turn.
+pub(super) struct Folds {
+    /// The fold of each decimated row of a joint.
+    pub(super) of_row: Vec<usize>,
+    /// The name of each fold.
+    pub(super) names: Vec<String>,
+}
+
+impl Folds {
+    /// Folds that are called by a word and their number from one.
+    pub(super) fn numbered(word: &str, of_row: Vec<usize>) -> Self {
+        let count = of_row.iter().max().map_or(0, |last| last + 1);
+        Self { of_row, names: (1..=count).map(|k| format!("{word} {k}")).collect() }
+    }
+}
+
+/// What leaving folds out shows.
+pub(super) struct CrossValidation {
+    /// The relative error of all predictions together.
+    pub(super) relative_error_percent: f64,
+    /// Its 95 % interval, from how much the folds differ.
+    pub(super) interval_95_percent: Option<[f64; 2]>,
+    /// The estimates without each fold.
+    pub(super) theta: Vec<Vec<f64>>,
+}
+
+/// Leaves each fold out in turn, estimates from the others with the instruments at hand, and predicts the one left out.
 pub(super) fn leave_folds_out(
     problem: &Problem,
     method: Method,
     instruments: Option<&Matrix>,
     weights: Option<&[f64]>,
-    folds: &[usize],
-) -> Option<f64> {
+    folds: &Folds,
+) -> Option<CrossValidation> {
     let rows = problem.y.len();
-    let fold_of_row = |k: usize| folds[k % folds.len()];
-    let count = folds.iter().max()? + 1;
+    let of_row: Vec<usize> = (0..rows).map(|k| folds.of_row[k % folds.of_row.len()]).collect();
     let mut prediction = vec![0.0; rows];
-    for fold in 0..count {
-        let keep: Vec<bool> = (0..rows).map(|k| fold_of_row(k) != fold).collect();
+    let mut estimates = Vec::with_capacity(folds.names.len());
+    for fold in 0..folds.names.len() {
+        let keep: Vec<bool> = of_row.iter().map(|f| *f != fold).collect();
         let theta = estimate_rows(problem, method, instruments, weights, &keep).ok()?;
         let predicting = if method == Method::Didim { instruments? } else { &problem.x };
         let all = predicting.times(&theta);
         (0..rows).filter(|&k| !keep[k]).for_each(|k| prediction[k] = all[k]);
+        estimates.push(theta);
     }
-    Some(relative_error_percent(&problem.y, &prediction))
+    Some(CrossValidation {
+        relative_error_percent: relative_error_percent(&problem.y, &prediction),
+        interval_95_percent: interval(&problem.y, &prediction, &of_row, folds.names.len()),
+        theta: estimates,
+    })
+}
+
+/// The interval of `100 sqrt(R)`, where R is the ratio of the sums over the folds of the squared errors and the squared
+/// torques: the folds as a sample of clusters (W. G. Cochran, "Sampling techniques", 1977, section 2.11), Student's t.
+fn interval(y: &[f64], prediction: &[f64], of_row: &[usize], folds: usize) -> Option<[f64; 2]> {
+    let mut squares = vec![[0.0; 2]; folds];
+    for ((y, p), fold) in y.iter().zip(prediction).zip(of_row) {
+        squares[*fold][0] += (y - p).powi(2);
+        squares[*fold][1] += y * y;
+    }
+    let [error, size] = squares.iter().fold([0.0; 2], |[e, s], f| [e + f[0], s + f[1]]);
+    let count = folds as f64;
+    let ratio = error / size;
+    let spread: f64 = squares.iter().map(|[e, s]| (e - ratio * s).powi(2)).sum();
+    let deviation = (count / (count - 1.0) * spread).sqrt() / size;
+    let quantile = StudentsT::new(0.0, 1.0, count - 1.0).ok()?.inverse_cdf(0.975);
+    let of_percent = 50.0 * deviation / ratio.sqrt() * quantile;
+    let centre = 100.0 * ratio.sqrt();
+    of_percent.is_finite().then(|| [(centre - of_percent).max(0.0), centre + of_percent])
 }
 
 fn estimate_rows(
@@ -74,4 +125,20 @@ fn estimate_rows(
         _ => idim_ls(&x, &y, weights, divisor),
     };
     fit.map(|f| f.theta)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Three folds of one row each, by hand: errors 1, 2, 1 of torques 10, 10, 10.
+    #[test]
+    fn the_interval_is_that_of_a_ratio_of_sums() {
+        let [low, high] = interval(&[10.0; 3], &[9.0, 8.0, 9.0], &[0, 1, 2], 3).unwrap();
+        // R = 6 / 300; spread = 1 + 4 + 1; t = 4.302653 for two degrees of freedom.
+        let half = 50.0 * (1.5_f64 * 6.0).sqrt() / 300.0 / 0.02_f64.sqrt() * 4.302_652_73;
+        let centre = 100.0 * 0.02_f64.sqrt();
+        assert!((high - centre - half).abs() < 1e-6, "{low} {high}");
+        assert!((low - (centre - half)).abs() < 1e-6);
+    }
 }

@@ -3,21 +3,27 @@
 //! [`Experiment::read`] checks the file, [`Experiment::run`] goes the way of the data and returns [`Results`]; the twin
 //! ([`Experiment::demo`]) goes the same way from a simulated record.
 
+mod advice;
 mod chain;
 mod checks;
 mod column_names;
 mod cross_validation;
 mod description;
+mod diagnosis;
+mod diagnosis_results;
 mod error;
 mod examination;
 mod paths;
+mod power;
 mod predict;
 mod proposal;
 mod record;
 mod results;
 mod rows;
 mod run;
+mod sensitivity;
 mod simulator;
+mod workers;
 
 #[cfg(feature = "parquet")]
 pub(crate) use chain::{FilteredRecord, Problem};
@@ -32,8 +38,13 @@ pub use description::{
     Case, EstimationDescription, Experiment, ExperimentFile, Gains, NamedChoice, ParameterChoice, ParameterSelection,
     RecordingDescription, SignalDescription, SimulationDescription, Start, TwinDescription, Unlisted, Weighting,
 };
+pub use diagnosis_results::{
+    Advice, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis, EndogeneityResult, Influence, InstrumentResult,
+    JointResidual, ParameterDifference, ResidualResult, Verdict,
+};
 pub use error::ExperimentError;
 pub use examination::RecordingFindings;
+pub use power::PowerPoint;
 pub use predict::{Prediction, PredictionRequest, predict};
 pub use proposal::{ProposalError, ProposalRequest, propose};
 pub use record::{TwinMotion, TwinRecord};
@@ -41,3 +52,4 @@ pub use results::{
     Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, RecordingResult, ReferenceResult, Results,
     RunPlots, RunResult,
 };
+pub use sensitivity::{Sensitivity, SensitivityPoint};

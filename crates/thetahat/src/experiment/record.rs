@@ -8,7 +8,7 @@ use crate::{
     dynamics::Model,
     recording::{self, ChannelSource, Clock, Resampling, Side},
     series::Series,
-    simulation::{ClosedLoop, OutputGrid, Reference, SimulatedMotion, SimulatorBias},
+    simulation::{ClosedLoop, OutputGrid, Reference, Sensors, SimulatedMotion, SimulatorBias},
     trajectory::{self, Limits, Moves},
 };
 
@@ -170,11 +170,7 @@ impl Experiment {
 
     /// Simulates the twin's motion and records it through its sensors.
     pub(super) fn simulate_twin(&self, twin: &TwinDescription) -> Result<Record, ExperimentError> {
-        let twin_motion = self.twin_motion(twin)?;
-        let (positions, drive_signals) = twin.sensors.record(&twin_motion.motion, &self.robot.transmission);
-        let position = self.robot.transmission.joint_positions(&positions);
-        let torque = self.robot.transmission.joint_torques(&drive_signals);
-        Ok(twin_motion.record(twin.sample_rate_hz, position, torque))
+        Ok(self.record_motion(&twin.sensors, twin.sample_rate_hz, &self.twin_motion(twin)?))
     }
 
     /// The record of the twin of `[twin]`: time in s, positions and torques of the joints.
@@ -220,6 +216,14 @@ impl Experiment {
             .simulate(&parameters, &inertia, &grid)
             .map_err(|source| ExperimentError::Twin { path: self.path.clone(), source })?;
         Ok(TwinMotion { motion, moves, parameters })
+    }
+
+    /// The record of a twin's motion by its sensors.
+    pub(super) fn record_motion(&self, sensors: &Sensors, sample_rate_hz: f64, twin: &TwinMotion) -> Record {
+        let (positions, drive_signals) = sensors.record(&twin.motion, &self.robot.transmission);
+        let position = self.robot.transmission.joint_positions(&positions);
+        let torque = self.robot.transmission.joint_torques(&drive_signals);
+        twin.record(sample_rate_hz, position, torque)
     }
 
     fn plan(&self, twin: &TwinDescription) -> Result<Moves, ExperimentError> {

@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::RecordingFindings;
+use super::{Advice, CaseDiagnosis, Influence, RecordingFindings, ResidualResult};
 use crate::{
     identification::{Method, Status},
     recording::Resampling,
@@ -35,6 +35,12 @@ pub struct Results {
     pub findings: Vec<RecordingFindings>,
     /// The elimination, where essential parameters were sought.
     pub elimination: Option<EliminationResult>,
+    /// Which numbers of each case to take, and why.
+    #[serde(default)]
+    pub advice: Vec<Advice>,
+    /// What tells the methods of each case apart.
+    #[serde(default)]
+    pub diagnostics: Vec<CaseDiagnosis>,
     /// Every case and method.
     pub runs: Vec<RunResult>,
     /// The text of the experiment file.
@@ -123,6 +129,15 @@ pub struct RunResult {
     pub joint_relative_error_percent: Vec<Option<f64>>,
     /// The same on data that the estimate has not seen: the second recording, or each move left out in turn.
     pub cross_validation_relative_error_percent: Option<f64>,
+    /// Its 95 % interval, from how much the parts that were left out differ.
+    #[serde(default)]
+    pub cross_validation_interval_95_percent: Option<[f64; 2]>,
+    /// The part of the record without which the estimates change most.
+    #[serde(default)]
+    pub influence: Option<Influence>,
+    /// The tests of the residual.
+    #[serde(default)]
+    pub residual: Option<ResidualResult>,
     /// Condition number of the observation matrix of the second recording.
     pub validation_condition_number: Option<f64>,
     /// Condition number of the matrix that is solved.

@@ -1,6 +1,9 @@
 //! Where the rows of several recordings stand in y, X and Z.
 
-use crate::{linear_algebra::Matrix, statistics::RowBlocks};
+use crate::{
+    linear_algebra::Matrix,
+    statistics::{JointRows, RowBlocks},
+};
 
 /// The rows of y, X and Z: joint by joint, in each joint recording by recording, in each recording in time order.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +26,11 @@ impl Rows {
     /// Which rows are one series in time.
     pub(crate) fn blocks(&self) -> RowBlocks {
         RowBlocks::new(self.joints, self.of_recording.clone())
+    }
+
+    /// The rows of each joint, one range for each recording.
+    pub(super) fn joint_rows(&self) -> JointRows {
+        JointRows::new(&self.blocks())
     }
 
     /// The recording, from zero, of each row of a joint.
@@ -74,6 +82,7 @@ mod tests {
         let rows = Rows::new(2, vec![2, 1]);
         let stacked = rows.stack_vectors(vec![vec![1.0, 2.0, 3.0, 4.0], vec![10.0, 20.0]]);
         assert_eq!(stacked, [1.0, 2.0, 10.0, 3.0, 4.0, 20.0]);
+        assert_eq!(rows.joint_rows().joints, [vec![0..2, 2..3], vec![3..5, 5..6]]);
         assert_eq!(rows.spread(&[0.5, 2.0]), [0.5, 0.5, 2.0, 0.5, 0.5, 2.0]);
         let first = Matrix::from_fn(4, 1, |i, _| (i + 1) as f64);
         let second = Matrix::from_fn(2, 1, |i, _| 10.0 * (i + 1) as f64);

@@ -3,10 +3,14 @@
 use std::{path::Path, time::Instant};
 
 use super::{
-    Case, EliminationResult, Experiment, ExperimentError, IterationResult, ParameterResult, Plots,
-    RecordingDescription, RecordingFindings, RecordingResult, ReferenceResult, Results, RunPlots, RunResult, Weighting,
+    Case, CaseDiagnosis, EliminationResult, Experiment, ExperimentError, Influence, IterationResult, ParameterResult,
+    Plots, RecordingDescription, RecordingFindings, RecordingResult, ReferenceResult, Results, RunPlots, RunResult,
+    Weighting,
+    advice::advise,
     chain::{FilteredRecord, Problem},
-    cross_validation::{folds_by_move, folds_by_part, folds_by_recording, leave_folds_out},
+    cross_validation::{CrossValidation, Folds, folds_by_move, folds_by_part, folds_by_recording, leave_folds_out},
+    diagnosis::{Estimated, diagnose, residual},
+    record::Record,
     simulator::{RecordReference, Simulator},
 };
 use crate::{
@@ -18,7 +22,7 @@ use crate::{
     linear_algebra::norm,
     robot::{Friction, Robot},
     series::Series,
-    simulation::Reference,
+    simulation::{Reference, SimulatorBias},
     statistics::{FTest, f_test},
 };
 
@@ -26,7 +30,7 @@ use crate::{
 const RATE_TOLERANCE: f64 = 0.01;
 
 /// A record ready for every case: filtered, with its reference where a method or report needs one.
-struct Prepared {
+pub(super) struct Prepared {
     filtered: FilteredRecord,
     reference: Option<RecordReference>,
 }
@@ -41,25 +45,41 @@ impl Experiment {
     /// # Errors
     /// [`ExperimentError`] for input that cannot be used.
     pub fn run(&self, data: &Path, progress: &mut dyn FnMut(&str)) -> Result<Results, ExperimentError> {
+        let session = self.session(data, progress)?;
+        let problems = session.problems(progress)?;
+        progress("checking the recordings");
+        let findings = session.findings(&problems[0].problem);
+        let (mut runs, mut diagnostics) = (Vec::new(), Vec::new());
+        for case in self.cases() {
+            let problem = &problems[session.friction_index(&case)];
+            let mut estimated = Vec::new();
+            for &method in case.methods.as_ref().unwrap_or(&self.file.estimation.methods) {
+                progress(&format!("{}: {}", case.name, method.name()));
+                let (run, estimate) = session.run(problem, &case, method)?;
+                runs.push(run);
+                estimated.push(estimate);
+            }
+            progress(&format!("{}: diagnosis", case.name));
+            diagnostics.push(session.diagnose(&problem.problem, &case, &estimated));
+        }
+        session.results(&problems[0], findings, runs, diagnostics)
+    }
+
+    /// Reads the recordings, or makes the twin's.
+    pub(super) fn session(&self, data: &Path, progress: &mut dyn FnMut(&str)) -> Result<Session<'_>, ExperimentError> {
         progress("reading and filtering the recordings");
         let main = match &self.file.twin {
             Some(twin) => vec![self.prepare(self.filter(self.simulate_twin(twin)?, None)?)?],
             None => self.read_all(&self.file.recording, data)?,
         };
         let validation = self.read_all(&self.file.validation, data)?;
-        let session = Session { experiment: self, main, validation };
-        let problems = session.problems(progress)?;
-        progress("checking the recordings");
-        let findings = session.findings(&problems[0].problem);
-        let mut runs = Vec::new();
-        for case in self.cases() {
-            let problem = &problems[session.friction_index(&case)];
-            for &method in case.methods.as_ref().unwrap_or(&self.file.estimation.methods) {
-                progress(&format!("{}: {}", case.name, method.name()));
-                runs.push(session.run(problem, &case, method)?);
-            }
-        }
-        session.results(&problems[0], findings, runs)
+        Ok(Session { experiment: self, main, validation })
+    }
+
+    /// A session with one record.
+    pub(super) fn session_of(&self, record: Record) -> Result<Session<'_>, ExperimentError> {
+        let main = vec![self.prepare(self.filter(record, None)?)?];
+        Ok(Session { experiment: self, main, validation: Vec::new() })
     }
 
     fn read_all(&self, descriptions: &[RecordingDescription], data: &Path) -> Result<Vec<Prepared>, ExperimentError> {
@@ -97,23 +117,24 @@ impl Experiment {
     }
 }
 
-struct Session<'a> {
+/// The recordings of an experiment, ready for every case.
+pub(super) struct Session<'a> {
     experiment: &'a Experiment,
     main: Vec<Prepared>,
     validation: Vec<Prepared>,
 }
 
 /// The regression problem of one friction model, with its weights.
-struct CaseProblem {
+pub(super) struct CaseProblem {
     friction: Friction,
-    problem: Problem,
+    pub(super) problem: Problem,
     /// One over the standard deviation of each joint's LS residual, where LS has an estimate.
     weights: Option<Vec<f64>>,
 }
 
 impl Session<'_> {
     /// One problem for each friction model, the nominal one first.
-    fn problems(&self, progress: &mut dyn FnMut(&str)) -> Result<Vec<CaseProblem>, ExperimentError> {
+    pub(super) fn problems(&self, progress: &mut dyn FnMut(&str)) -> Result<Vec<CaseProblem>, ExperimentError> {
         let mut problems: Vec<CaseProblem> = Vec::new();
         for case in self.experiment.cases() {
             let robot = self.experiment.robot_for(&case);
@@ -134,7 +155,12 @@ impl Session<'_> {
         usize::from(case.friction.is_some_and(|f| f != self.experiment.robot.friction))
     }
 
-    fn run(&self, case_problem: &CaseProblem, case: &Case, method: Method) -> Result<RunResult, ExperimentError> {
+    fn run(
+        &self,
+        case_problem: &CaseProblem,
+        case: &Case,
+        method: Method,
+    ) -> Result<(RunResult, Estimated), ExperimentError> {
         let started = Instant::now();
         let problem = &case_problem.problem;
         let weights = self.weights(case_problem, method);
@@ -143,23 +169,52 @@ impl Session<'_> {
         let seconds = started.elapsed().as_secs_f64();
         let mut run = self.summarise(problem, case, method, &outcome, weights.as_deref());
         run.seconds = seconds;
-        let Some(fit) = &outcome.fit else { return Ok(run) };
-        let motions = simulator.as_ref().and_then(|s| s.simulate(&fit.theta).ok());
-        run.simulation_relative_error_percent = simulator.as_ref().zip(motions.as_ref()).map(|(s, m)| s.errors(m));
-        run.plots = problem.plots(&fit.prediction, motions.as_deref().unwrap_or_default());
-        if !self.validation.is_empty() {
-            self.validate_on_others(case, (&problem.estimated, &fit.theta), &mut run)?;
-        } else if let Some(folds) = self.folds(problem) {
-            let instruments = outcome.instruments.as_ref();
-            run.cross_validation_relative_error_percent =
-                leave_folds_out(problem, method, instruments, weights.as_deref(), &folds);
+        if outcome.fit.is_some() {
+            self.assess(problem, case, simulator.as_ref(), (&outcome, weights.as_deref()), &mut run)?;
         }
-        Ok(run)
+        Ok((run, Estimated { method, weights, outcome }))
+    }
+
+    /// What is computed of an estimate: its simulation, its curves, its residual, and how it predicts.
+    fn assess(
+        &self,
+        problem: &Problem,
+        case: &Case,
+        simulator: Option<&Simulator<'_>>,
+        (outcome, weights): (&Outcome, Option<&[f64]>),
+        run: &mut RunResult,
+    ) -> Result<(), ExperimentError> {
+        let Some(fit) = &outcome.fit else { return Ok(()) };
+        let motions = simulator.and_then(|s| s.simulate(&fit.theta).ok());
+        run.simulation_relative_error_percent = simulator.zip(motions.as_ref()).map(|(s, m)| s.errors(m));
+        run.plots = problem.plots(&fit.prediction, motions.as_deref().unwrap_or_default());
+        run.residual = Some(residual(problem, &fit.prediction, weights));
+        if let Some(folds) = self.folds(problem) {
+            let instruments = outcome.instruments.as_ref();
+            let left_out = leave_folds_out(problem, run.method, instruments, weights, &folds);
+            run.influence = left_out.as_ref().and_then(|l| influence(run, l, &folds));
+            run.cross_validation_relative_error_percent = left_out.as_ref().map(|l| l.relative_error_percent);
+            run.cross_validation_interval_95_percent = left_out.and_then(|l| l.interval_95_percent);
+        }
+        if !self.validation.is_empty() {
+            run.cross_validation_interval_95_percent = None;
+            self.validate_on_others(case, (&problem.estimated, &fit.theta), run)?;
+        }
+        Ok(())
+    }
+
+    /// Compares the methods of a case; what needs a simulator with another bias makes one.
+    fn diagnose(&self, problem: &Problem, case: &Case, estimated: &[Estimated]) -> CaseDiagnosis {
+        let simulate = |bias: SimulatorBias, theta: &[f64]| {
+            let case = Case { simulator: bias, ..case.clone() };
+            self.simulator(&self.main, problem, &case)?.instruments(theta).ok()
+        };
+        diagnose(problem, case, estimated, &simulate)
     }
 
     /// The weight of each row: that of its recording, and where the method asks for it that of its joint. None where all
     /// are one.
-    fn weights(&self, case_problem: &CaseProblem, method: Method) -> Option<Vec<f64>> {
+    pub(super) fn weights(&self, case_problem: &CaseProblem, method: Method) -> Option<Vec<f64>> {
         let weighting = self.experiment.file.estimation.weighting.get(&method).copied().unwrap_or_default();
         let of_joints = case_problem.weights.clone().filter(|_| weighting == Weighting::PerJoint);
         let of_recordings: Vec<f64> = self.main.iter().map(|p| p.filtered.record.weight).collect();
@@ -176,6 +231,11 @@ impl Session<'_> {
         let recordings =
             prepared.iter().map(|p| Some((&p.filtered, p.reference.as_ref()?))).collect::<Option<Vec<_>>>()?;
         Some(Simulator::new(self.experiment, problem, &recordings, controller, case.simulator))
+    }
+
+    /// The simulator of the main recordings for one case.
+    pub(super) fn main_simulator<'s>(&'s self, problem: &'s Problem, case: &Case) -> Option<Simulator<'s>> {
+        self.simulator(&self.main, problem, case)
     }
 
     fn estimate(
@@ -228,6 +288,9 @@ impl Session<'_> {
             relative_error_percent: fit.map(|f| f.relative_error_percent),
             joint_relative_error_percent: fit.map(|f| problem.joint_errors(&f.prediction)).unwrap_or_default(),
             cross_validation_relative_error_percent: None,
+            cross_validation_interval_95_percent: None,
+            influence: None,
+            residual: None,
             validation_condition_number: None,
             condition_number: fit.map(|f| f.condition_number),
             seconds: 0.0,
@@ -270,13 +333,19 @@ impl Session<'_> {
     }
 
     /// What is left out in turn: a recording where there are several, else a move where they are known, else a part.
-    fn folds(&self, problem: &Problem) -> Option<Vec<usize>> {
+    fn folds(&self, problem: &Problem) -> Option<Folds> {
         let [only] = &self.main[..] else {
-            return folds_by_recording(problem.rows.recording_of_row());
+            let of_row = folds_by_recording(problem.rows.recording_of_row())?;
+            let names = self.main.iter().map(|p| format!("recording {}", p.filtered.record.name)).collect();
+            return Some(Folds { of_row, names });
         };
         match only.reference.as_ref().map(|r| &r.reference) {
-            Some(Reference::Moves(moves)) => folds_by_move(moves, &self.times(problem)),
-            Some(Reference::Sampled(_)) | None => Some(folds_by_part(problem.rows.per_joint())),
+            Some(Reference::Moves(moves)) => {
+                folds_by_move(moves, &self.times(problem)).map(|f| Folds::numbered("move", f))
+            }
+            Some(Reference::Sampled(_)) | None => {
+                Some(Folds::numbered("part", folds_by_part(problem.rows.per_joint())))
+            }
         }
     }
 
@@ -323,6 +392,7 @@ impl Session<'_> {
         nominal: &CaseProblem,
         findings: Vec<RecordingFindings>,
         runs: Vec<RunResult>,
+        diagnostics: Vec<CaseDiagnosis>,
     ) -> Result<Results, ExperimentError> {
         let problem = &nominal.problem;
         let name = |i: &usize| problem.base.parameters()[*i].name.clone();
@@ -345,6 +415,8 @@ impl Session<'_> {
             seed: self.experiment.file.twin.as_ref().map(|t| t.sensors.seed),
             findings,
             elimination,
+            advice: diagnostics.iter().map(|d| advise(d, &runs)).collect(),
+            diagnostics,
             runs,
             experiment_description: self.experiment.text.clone(),
             robot_description: self.experiment.robot_text.clone(),
@@ -355,6 +427,17 @@ impl Session<'_> {
             },
         })
     }
+}
+
+/// The largest change of an estimate, in its standard deviations, without one of the folds.
+fn influence(run: &RunResult, left_out: &CrossValidation, folds: &Folds) -> Option<Influence> {
+    let changes = left_out.theta.iter().zip(&folds.names).flat_map(|(theta, part)| {
+        run.parameters.iter().zip(theta).filter_map(move |(p, without)| {
+            let change = (without - p.estimate) / p.standard_deviation.filter(|sd| *sd > 0.0)?;
+            Some(Influence { part: part.clone(), parameter: p.name.clone(), change })
+        })
+    });
+    changes.max_by(|a, b| a.change.abs().total_cmp(&b.change.abs()))
 }
 
 fn filtered(prepared: &[Prepared]) -> Vec<&FilteredRecord> {

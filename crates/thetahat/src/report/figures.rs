@@ -6,7 +6,10 @@ use super::{
     plot::{Chart, Curve, NARROW, WIDE},
     tables::runs_of,
 };
-use crate::experiment::{IterationResult, Results, RunResult};
+use crate::{
+    experiment::{IterationResult, ParameterResult, Results, RunResult},
+    identification::Method,
+};
 
 /// Class of the measured curve.
 const MEASURED: &str = "measured";
@@ -21,6 +24,12 @@ pub(super) struct Figure {
     /// Class and text of each entry.
     pub(super) legend: Vec<(&'static str, &'static str)>,
     pub(super) charts: Vec<Chart>,
+}
+
+impl Figure {
+    pub(super) fn new(caption: String, legend: Vec<(&'static str, &'static str)>, charts: Vec<Chart>) -> Self {
+        Self { caption, legend, charts }
+    }
 }
 
 /// Whether a joint is prismatic, by the unit of its friction or offset.
@@ -54,6 +63,11 @@ fn simulated(run: &RunResult) -> &[Vec<f64>] {
 
 fn legend(runs: &[&RunResult]) -> Vec<(&'static str, &'static str)> {
     runs.iter().map(|r| (r.method.name(), r.method.name())).collect()
+}
+
+/// The legend of some methods.
+pub(super) fn legend_of(methods: &[Method]) -> Vec<(&'static str, &'static str)> {
+    methods.iter().map(|m| (m.name(), m.name())).collect()
 }
 
 fn points(time: &[f64], values: impl Iterator<Item = f64>) -> Vec<(f64, f64)> {
@@ -175,4 +189,32 @@ fn ratios(run: &RunResult) -> Vec<Curve> {
         Curve::new(run.method.name(), numbered(run).map(|(k, i)| (k, at(i))).collect())
     };
     (0..last.len()).filter(|p| last[*p] != 0.0).filter(shown).map(ratio).collect()
+}
+
+/// Half the width of a 95 % interval, in standard deviations.
+const INTERVAL: f64 = 1.96;
+/// Differences of estimates beyond these standard deviations are cut off.
+const FARTHEST: f64 = 20.0;
+
+/// The shown estimates of a case with their classical 95 % intervals, as differences from those of IV (or else of the
+/// first method) in its standard deviations.
+pub(super) fn coefficients(results: &Results, case: &str) -> Option<Figure> {
+    let runs: Vec<&RunResult> = runs_of(results, case).into_iter().filter(|r| !r.parameters.is_empty()).collect();
+    let centre = runs.iter().find(|r| r.method == Method::IdimIv).or(runs.first())?;
+    let deviation = |p: &ParameterResult| p.standard_deviation.filter(|sd| *sd > 0.0);
+    let shown: Vec<&ParameterResult> = centre.parameters.iter().filter(|p| p.shown && deviation(p).is_some()).collect();
+    let bar = |run: &RunResult, from: &ParameterResult| {
+        let (of_run, unit) = (run.parameter(&from.name)?, deviation(from)?);
+        let end = |side: f64| {
+            let value = of_run.estimate + side * INTERVAL * of_run.standard_deviation.unwrap_or(0.0);
+            ((value - from.estimate) / unit).clamp(-FARTHEST, FARTHEST)
+        };
+        Some([end(-1.0), end(0.0), end(1.0)])
+    };
+    let bars: Vec<(&'static str, Vec<Option<[f64; 3]>>)> =
+        runs.iter().map(|r| (r.method.name(), shown.iter().map(|p| bar(r, p)).collect())).collect();
+    let names: Vec<&str> = shown.iter().map(|p| p.name.as_str()).collect();
+    let title = format!("Estimates less those of {}, in its standard deviations", centre.method.name());
+    let caption = format!("{case}: estimates with classical 95 % intervals");
+    (names.len() > 1).then(|| Figure::new(caption, legend(&runs), vec![Chart::of_intervals(title, &names, &bars)]))
 }

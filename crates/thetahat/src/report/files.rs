@@ -36,13 +36,18 @@ pub fn write_all(
     published: Option<&Published>,
     directory: &Path,
 ) -> Result<Vec<PathBuf>, ReportError> {
-    let files = [
+    let files = vec![
         ("results.json", json(results)?),
         ("parameters.csv", parameters_csv(results)?),
         ("report.html", html::render(results, published)?.into_bytes()),
     ];
+    write_files(directory, files)
+}
+
+/// Writes files with their content into a folder, all of them or none; returns their paths.
+pub(super) fn write_files(directory: &Path, files: Vec<(&'static str, Vec<u8>)>) -> Result<Vec<PathBuf>, ReportError> {
     fs::create_dir_all(directory).map_err(|source| ReportError::Directory { path: directory.to_owned(), source })?;
-    let files = files.map(|(name, content)| NewFile::new(directory, name, content));
+    let files: Vec<NewFile> = files.into_iter().map(|(name, content)| NewFile::new(directory, name, content)).collect();
     let written = write_together(&files);
     if written.is_err() {
         files.iter().for_each(NewFile::discard);

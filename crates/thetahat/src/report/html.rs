@@ -13,10 +13,10 @@ const TEMPLATE: &str = include_str!("template.html");
 
 /// The whole page.
 pub(super) fn render(results: &Results, published: Option<&Published>) -> Result<String, ReportError> {
-    page_of(&results.title, &sections::facts(results), &sections::all(results, published))
+    page_of(&results.title, &sections::head(results), &sections::all(results, published))
 }
 
-/// A page with a title, facts at its head, and sections.
+/// A page with a title, a head of labels and texts, and sections.
 pub(super) fn page_of(
     title: &str,
     facts: &[(&'static str, String)],

@@ -10,6 +10,7 @@ mod campaign;
 #[cfg(feature = "parquet")]
 mod campaign_tables;
 mod contents;
+mod diagnosis;
 mod error;
 mod figures;
 mod files;
@@ -22,6 +23,7 @@ mod plot;
 mod prediction;
 mod published;
 mod sections;
+mod sensitivity;
 mod series;
 mod table;
 mod tables;
@@ -40,5 +42,6 @@ pub use model::{
 pub use model_text::model_text;
 pub use prediction::{prediction_text, write_prediction};
 pub use published::{Agreement, Published, PublishedValue};
+pub use sensitivity::{sensitivity_text, write_sensitivity};
 pub use series::write_record;
 pub use table::{Group, TEXT_WIDTH, Table};

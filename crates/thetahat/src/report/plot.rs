@@ -77,13 +77,39 @@ impl Chart {
 
     /// With ticks at whole numbers, and a dot at each point.
     pub(super) fn over_iterations(title: String, curves: &[Curve]) -> Self {
-        let mut chart = Self::new(title, curves, NARROW, 1.0);
-        let axes = Axes::of(curves, NARROW);
-        let dot =
-            |class, p: &(f64, f64)| Marker { class, x: pixel(axes.x.position(p.0)), y: pixel(axes.y.position(p.1)) };
-        chart.markers =
-            curves.iter().flat_map(|c| c.points.iter().map(move |p| (c.class, p))).map(|(c, p)| dot(c, p)).collect();
-        chart
+        Self { markers: dots(curves, NARROW), ..Self::new(title, curves, NARROW, 1.0) }
+    }
+
+    /// With a dot at each point.
+    pub(super) fn over_values(title: String, curves: &[Curve]) -> Self {
+        Self { markers: dots(curves, NARROW), ..Self::new(title, curves, NARROW, 0.0) }
+    }
+
+    /// Intervals side by side above the names they belong to: low end, centre and high end of each.
+    pub(super) fn of_intervals(title: String, names: &[&str], bars: &[(&'static str, Vec<Option<[f64; 3]>>)]) -> Self {
+        let place = |name: usize, bar: usize| name as f64 + 0.6 * ((bar as f64 + 0.5) / bars.len().max(1) as f64 - 0.5);
+        let drawn = bars.iter().enumerate().flat_map(|(b, (class, of_names))| {
+            let some = of_names.iter().enumerate().filter_map(|(n, i)| Some((n, (*i)?)));
+            some.map(move |(n, interval)| (*class, place(n, b), interval))
+        });
+        let drawn: Vec<(&'static str, f64, [f64; 3])> = drawn.collect();
+        let line = |(class, x, [low, _, high]): &(&'static str, f64, [f64; 3])| {
+            Curve::new(class, vec![(*x, *low), (*x, *high)])
+        };
+        let curves: Vec<Curve> = drawn.iter().map(line).collect();
+        let axes = Axes::of(&curves, WIDE);
+        let dot = |(class, x, [_, centre, _]): &(&'static str, f64, [f64; 3])| Marker {
+            class,
+            x: pixel(axes.x.position(*x)),
+            y: pixel(axes.y.position(*centre)),
+        };
+        let named =
+            |(n, name): (usize, &&str)| Tick { at: pixel(axes.x.position(n as f64)), label: (*name).to_owned() };
+        Self {
+            x_ticks: names.iter().enumerate().map(named).collect(),
+            markers: drawn.iter().map(dot).collect(),
+            ..Self::new(title, &curves, WIDE, 0.0)
+        }
     }
 
     fn new(title: String, curves: &[Curve], width: f64, smallest_x_step: f64) -> Self {
@@ -102,6 +128,12 @@ impl Chart {
             markers: Vec::new(),
         }
     }
+}
+
+fn dots(curves: &[Curve], width: f64) -> Vec<Marker> {
+    let axes = Axes::of(curves, width);
+    let dot = |class, p: &(f64, f64)| Marker { class, x: pixel(axes.x.position(p.0)), y: pixel(axes.y.position(p.1)) };
+    curves.iter().flat_map(|c| c.points.iter().map(move |p| (c.class, p))).map(|(c, p)| dot(c, p)).collect()
 }
 
 /// To a tenth of a pixel.

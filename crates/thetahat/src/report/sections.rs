@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{
-    Published, Table,
+    Published, Table, diagnosis,
     figures::{self, Figure},
     findings,
     number::{given, optional, significant},
@@ -44,7 +44,7 @@ impl Section {
 
 /// Every section that has something to show.
 pub(super) fn all(results: &Results, published: Option<&Published>) -> Vec<Section> {
-    let mut sections = vec![summary(results), findings(results), estimates(results)];
+    let mut sections = vec![summary(results), findings(results), diagnosis::section(results), estimates(results)];
     sections.extend(published.map(|p| comparison(results, p)));
     sections.extend([truth(results), formulas(results), torques(results)]);
     sections.extend([convergence(results), tracking(results), elimination(results), method(results)]);
@@ -78,7 +78,8 @@ fn findings(results: &Results) -> Section {
 
 fn estimates(results: &Results) -> Section {
     let tables = results.cases().into_iter().map(|case| tables::parameters(results, case)).collect();
-    Section { id: "estimates", title: "Estimates", tables, ..Section::default() }
+    let figures = results.cases().into_iter().filter_map(|case| figures::coefficients(results, case)).collect();
+    Section { id: "estimates", title: "Estimates", tables, figures, ..Section::default() }
 }
 
 fn comparison(results: &Results, published: &Published) -> Section {
@@ -130,6 +131,11 @@ fn method(results: &Results) -> Section {
         files: files.map(|(title, text)| (title, text.clone())).into(),
         ..Section::default()
     }
+}
+
+/// The head: what to take, then what was recorded and how it was filtered.
+pub(super) fn head(results: &Results) -> Vec<(&'static str, String)> {
+    diagnosis::advice(results).chain(facts(results)).collect()
 }
 
 /// What was recorded and how it was filtered, as labels and texts.

@@ -1,7 +1,7 @@
 //! The report for the terminal: tables of at most [`TEXT_WIDTH`] columns, without colour.
 
 use super::{
-    Published, TEXT_WIDTH, sections,
+    Published, TEXT_WIDTH, diagnosis, sections,
     tables::{self, Detail},
 };
 use crate::experiment::Results;
@@ -12,7 +12,8 @@ const LABEL: usize = 17;
 /// The whole report.
 #[must_use]
 pub fn all(results: &Results, published: Option<&Published>) -> String {
-    let mut parts = vec![head(results), super::findings_text(&results.findings), summary(results)];
+    let findings = super::findings_text(&results.findings);
+    let mut parts = vec![head(results), findings, summary(results), self::diagnosis(results)];
     for case in results.cases() {
         parts.push(parameters(results, case));
         parts.push(truth(results, case));
@@ -24,7 +25,7 @@ pub fn all(results: &Results, published: Option<&Published>) -> String {
     parts.join("\n")
 }
 
-/// Title, record, filters, reference, seed.
+/// Title, advice, record, filters, reference, seed.
 #[must_use]
 pub fn head(results: &Results) -> String {
     let line = |(label, value): (&str, String)| {
@@ -32,7 +33,7 @@ pub fn head(results: &Results) -> String {
         let text = wrap(&value, &indent);
         format!("{label:<LABEL$}{}", text.trim_start())
     };
-    let facts = sections::facts(results).into_iter().map(line);
+    let facts = sections::head(results).into_iter().map(line);
     [wrap(&results.title, "")].into_iter().chain(facts).collect()
 }
 
@@ -40,6 +41,15 @@ pub fn head(results: &Results) -> String {
 #[must_use]
 pub fn summary(results: &Results) -> String {
     tables::summary(results).to_text()
+}
+
+/// What tells the methods apart, and what the residuals say; empty where nothing was diagnosed.
+#[must_use]
+pub fn diagnosis(results: &Results) -> String {
+    let tables = [diagnosis::comparisons(results), diagnosis::explanations(results), diagnosis::residuals(results)];
+    let tables = tables.into_iter().flatten().map(|t| t.to_text());
+    let notes: String = diagnosis::notes(results).iter().map(|line| wrap(line, "")).collect();
+    tables.chain([notes]).filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")
 }
 
 /// The shown parameters of a case, the methods side by side, and why a method has no estimate.

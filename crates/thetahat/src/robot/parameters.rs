@@ -91,6 +91,14 @@ impl Quantity {
         matches!(self, Self::Ia | Self::Iam)
     }
 
+    /// Whether it is viscous or Coulomb friction.
+    #[must_use]
+    pub fn is_friction(self) -> bool {
+        SYMMETRIC_FRICTION.contains(&self)
+            || ASYMMETRIC_FRICTION.contains(&self)
+            || matches!(self, Self::Fvm | Self::Fcm)
+    }
+
     /// Whether it belongs to a coupled motor, not to a link or joint.
     #[must_use]
     pub fn is_coupled_motor(self) -> bool {

@@ -15,7 +15,7 @@ mod reference;
 mod running;
 mod sensors;
 
-pub use bias::SimulatorBias;
+pub use bias::{BiasKind, SimulatorBias};
 pub use closed_loop::{ClosedLoop, OutputGrid, SimulatedMotion, SimulationError};
 pub use dormand_prince::{IntegrationError, Integrator, Solver, StepView, System, WorkCounts};
 pub use reference::{Reference, SampledReference};

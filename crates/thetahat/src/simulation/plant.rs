@@ -1,6 +1,6 @@
 //! The simulated robot seen from its motors, and the reference in the motors' coordinates.
 
-use super::{ClosedLoop, Reference};
+use super::{ClosedLoop, Reference, SimulatorBias};
 use crate::{
     dynamics::{DynamicParameters, DynamicsError, Model, Sign, Workspace},
     linear_algebra::Matrix,
@@ -63,7 +63,7 @@ impl<'a> Plant<'a> {
         let joints_per_motor = setup.transmission.joints_per_motor();
         let drive = setup.transmission.drive_to_joint_units();
         Self {
-            parameters: DynamicParameters::new(setup.model, theta),
+            parameters: DynamicParameters::new(setup.model, &with_friction(setup, theta)),
             sign: Sign::Smooth { scale: setup.sign_velocity_scale },
             workspace: Workspace::new(setup.model),
             coupling: Coupling::new(&setup.transmission.motor_in_joint_units(), ratio),
@@ -102,12 +102,20 @@ impl<'a> Plant<'a> {
     }
 }
 
+/// Standard parameters with the friction of a biased simulator.
+fn with_friction(setup: &ClosedLoop<'_>, theta: &[f64]) -> Vec<f64> {
+    let factor = |friction: bool| if friction { setup.bias.friction } else { 1.0 };
+    let table = setup.model.parameter_table().iter();
+    theta.iter().zip(table).map(|(t, p)| t * factor(p.quantity.is_friction())).collect()
+}
+
 /// The reference in the motors' coordinates, `p_ref = n (q_ref - offset)`, with the true transmission.
 pub(super) struct MotorReference<'a> {
     reference: &'a Reference,
     coupling: Coupling,
     offset: &'a [f64],
     joint: [Vec<f64>; 3],
+    bias: ReferenceBias,
     /// Position of each motor in joint units at the time last evaluated.
     pub(super) p: Vec<f64>,
     /// Its velocity.
@@ -117,9 +125,16 @@ pub(super) struct MotorReference<'a> {
 }
 
 impl<'a> MotorReference<'a> {
-    pub(super) fn new(reference: &'a Reference, transmission: &'a Transmission) -> Self {
+    /// The reference with its own biases; `delay_s` moves it in time.
+    pub(super) fn new(
+        reference: &'a Reference,
+        transmission: &'a Transmission,
+        bias: &SimulatorBias,
+        delay_s: f64,
+    ) -> Self {
         let zeros = || vec![0.0; transmission.joints()];
         Self {
+            bias: ReferenceBias::new(reference, bias, delay_s),
             reference,
             coupling: Coupling::new(&transmission.motor_in_joint_units(), 1.0),
             offset: transmission.offset(),
@@ -133,7 +148,8 @@ impl<'a> MotorReference<'a> {
     #[inline]
     pub(super) fn evaluate(&mut self, t: f64) {
         let [q, dq, ddq] = &mut self.joint;
-        self.reference.evaluate(t, q, dq, ddq);
+        self.reference.evaluate(t - self.bias.delay_s, q, dq, ddq);
+        self.bias.apply(q, dq, ddq);
         q.iter_mut().zip(self.offset).for_each(|(q, o)| *q -= o);
         self.coupling.to_motors(q, &mut self.p);
         self.coupling.to_motors(dq, &mut self.dp);
@@ -148,5 +164,30 @@ impl<'a> MotorReference<'a> {
             fastest = self.dp.iter().fold(fastest, |a, v| a.max(v.abs()));
         }
         fastest
+    }
+}
+
+/// How a biased simulator's reference differs: `q_0 + scale (q - q_0) + offset`, later by a delay.
+struct ReferenceBias {
+    start: Vec<f64>,
+    scale: f64,
+    offset: f64,
+    delay_s: f64,
+}
+
+impl ReferenceBias {
+    fn new(reference: &Reference, bias: &SimulatorBias, delay_s: f64) -> Self {
+        let [mut start, mut dq, mut ddq] = [(); 3].map(|()| vec![0.0; reference.joints()]);
+        reference.evaluate(0.0, &mut start, &mut dq, &mut ddq);
+        Self { start, scale: bias.reference_scale, offset: bias.reference_offset, delay_s }
+    }
+
+    #[inline]
+    fn apply(&self, q: &mut [f64], dq: &mut [f64], ddq: &mut [f64]) {
+        if self.scale == 1.0 && self.offset == 0.0 {
+            return;
+        }
+        q.iter_mut().zip(&self.start).for_each(|(q, q0)| *q = q0 + self.scale * (*q - q0) + self.offset);
+        dq.iter_mut().chain(ddq).for_each(|v| *v *= self.scale);
     }
 }

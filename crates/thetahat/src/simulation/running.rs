@@ -59,8 +59,9 @@ impl<'a> Running<'a> {
     fn new(setup: &'a ClosedLoop<'a>, theta: &[f64], motor_inertia: &[f64], grid: &OutputGrid) -> Self {
         let n = setup.model.joint_count();
         let mut controller = setup.controller.resolve(motor_inertia, setup.bias.controller_gain);
+        let reference_delay_s = if controller.is_sampled() { 0.0 } else { setup.bias.delay_s };
         controller.delay_s += setup.bias.delay_s;
-        let mut reference = MotorReference::new(setup.reference, setup.transmission);
+        let mut reference = MotorReference::new(setup.reference, setup.transmission, &setup.bias, reference_delay_s);
         let [q, dq, ddq, tau] = [(); 4].map(|()| Series::zeros(grid.samples, n));
         Self {
             runaway: RUNAWAY * reference.fastest(grid.time(grid.samples)).max(1.0),

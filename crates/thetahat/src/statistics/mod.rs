@@ -1,15 +1,38 @@
-//! Tests and figures that compare fits, and covariances of estimates under weaker assumptions than the classical one.
+//! Tests and figures that compare fits, tests of their assumptions, and covariances of estimates under weaker
+//! assumptions than the classical one.
+//!
+//! Rows stand joint by joint, in each joint recording by recording, in each recording in time order; [`RowBlocks`] says
+//! where. What follows one another in time is described by [`Autoregressive`] noise, never across a joint's or a
+//! recording's border.
 
+mod autoregressive;
+mod biased_simulator;
 mod block;
+mod chi_squared;
 mod f_test;
+mod homoscedasticity;
 mod lagged;
+mod noise;
+mod normality;
+mod relevance;
 mod rows;
 mod sandwich;
 mod stationary;
 mod student;
+mod whiteness;
+mod wu_hausman;
 
+pub use autoregressive::Autoregressive;
+pub use biased_simulator::{BiasFit, SimulatorComparison};
+pub use chi_squared::{ChiSquaredTest, chi_squared_test};
 pub use f_test::{FTest, f_test};
+pub use homoscedasticity::levene;
+pub use noise::{JointRows, RowNoise};
+pub use normality::jarque_bera;
+pub use relevance::{InstrumentStrength, instrument_strength};
 pub use rows::RowBlocks;
 pub use sandwich::Sandwich;
 pub use stationary::EstimatedVariance;
 pub use student::t_quantile;
+pub use whiteness::{autocorrelation, ljung_box, usual_lags};
+pub use wu_hausman::{WuHausman, wu_hausman};

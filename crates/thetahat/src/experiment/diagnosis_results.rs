@@ -1,0 +1,178 @@
+//! What the diagnosis of a run gives.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    identification::Method,
+    simulation::BiasKind,
+    statistics::{ChiSquaredTest, FTest},
+};
+
+/// What the residual of one run says.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct ResidualResult {
+    /// Joint by joint.
+    pub joints: Vec<JointResidual>,
+    /// Levene's test of equal variances of the joints, on the residual as it was weighted.
+    pub homoscedasticity: Option<FTest>,
+}
+
+/// The residual of one joint.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct JointResidual {
+    /// The joint, from one.
+    pub joint: usize,
+    /// Root mean square, N m or N.
+    pub rms: f64,
+    /// Correlation of neighbouring rows.
+    pub autocorrelation: f64,
+    /// The Ljung-Box test of white rows.
+    pub whiteness: Option<ChiSquaredTest>,
+    /// The Jarque-Bera test of normal rows.
+    pub normality: Option<ChiSquaredTest>,
+}
+
+/// The part of the record without which the estimates change most.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Influence {
+    /// The move, part or recording.
+    pub part: String,
+    /// The parameter that changes most in its standard deviations.
+    pub parameter: String,
+    /// Its change in standard deviations when the part is left out.
+    pub change: f64,
+}
+
+/// What one case says of its methods.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct CaseDiagnosis {
+    /// The case.
+    pub case: String,
+    /// LS against IV.
+    pub endogeneity: Option<EndogeneityResult>,
+    /// The instruments of IV.
+    pub instruments: Option<InstrumentResult>,
+    /// DIDIM against IV.
+    pub biased_simulator: Option<BiasedSimulatorResult>,
+}
+
+/// The Durbin-Wu-Hausman test of LS against IV.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct EndogeneityResult {
+    /// The F-test of the augmented regression, for independent rows of equal variance.
+    pub classical: FTest,
+    /// The same with the autocorrelation and the variance of each joint's residual.
+    pub robust: ChiSquaredTest,
+    /// Average difference of the estimates in standard deviations of IV.
+    pub average_difference: f64,
+    /// The parameters that differ most.
+    pub parameters: Vec<ParameterDifference>,
+    /// What follows.
+    pub verdict: Verdict,
+}
+
+/// How strong the instruments are.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct InstrumentResult {
+    /// The conditional first-stage F statistic of each parameter, in their order; empty where the rank is not full.
+    pub f_statistics: Vec<f64>,
+    /// The smallest of them.
+    pub smallest_f: f64,
+    /// The parameter that has it.
+    pub weakest: String,
+    /// Rank of `Z^T X`.
+    pub rank: usize,
+    /// Condition number of `Q^T X` with `Z = Q R` and columns of X of length one.
+    pub condition_number: f64,
+}
+
+/// The biased simulator test: DIDIM against IV with the same instruments and weights.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct BiasedSimulatorResult {
+    /// The statistic.
+    pub statistic: f64,
+    /// Parameters.
+    pub freedom: usize,
+    /// What 5 % of the statistics of an unbiased simulator exceed, by parametric bootstrap.
+    pub threshold: f64,
+    /// Part of those statistics that are at least as large, the record's own counted.
+    pub p_value: f64,
+    /// Draws of the bootstrap.
+    pub draws: usize,
+    /// Its seed.
+    pub seed: u64,
+    /// Average difference of the estimates in standard deviations of IV.
+    pub average_difference: f64,
+    /// Residual of DIDIM over that of IV: above one, the simulated motion explains the torques worse than the measured one.
+    pub residual_ratio: f64,
+    /// The average difference below which a bias does little.
+    pub harmless_below: f64,
+    /// What follows.
+    pub verdict: Verdict,
+    /// The parameters that differ most, in standard deviations of IV.
+    pub parameters: Vec<ParameterDifference>,
+    /// The part of each joint in the squared torques that the difference stands for, percent.
+    pub joint_percent: Vec<f64>,
+    /// How large an error of the simulator would explain the difference; only where the verdict is an alarm.
+    pub explanations: Vec<BiasExplanation>,
+}
+
+/// What a comparison of two estimates says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The difference is no more than noise.
+    Agree,
+    /// It is more than noise, but too small to matter beside the standard deviations.
+    SmallDifference,
+    /// It is more than noise, and matters.
+    Alarm,
+    /// It matters and is no more than noise, but the noise is that of the simulator: the simulated motion explains the
+    /// torques worse than the measured one.
+    Unclear,
+}
+
+impl Verdict {
+    /// Whether the estimates that were compared with IV are not to be trusted.
+    #[must_use]
+    pub fn distrusts(self) -> bool {
+        matches!(self, Self::Alarm | Self::Unclear)
+    }
+}
+
+/// One parameter's difference between two estimates.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct ParameterDifference {
+    /// The parameter.
+    pub name: String,
+    /// The difference, in its unit.
+    pub difference: f64,
+    /// The same in standard deviations of IV, with the autocorrelation of the residual.
+    pub deviations: f64,
+}
+
+/// The error of the simulator that would explain a difference best.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+pub struct BiasExplanation {
+    /// What would be wrong.
+    pub kind: BiasKind,
+    /// The simulator's value over the true one, or less the true one for a delay (s).
+    pub simulator_to_true: f64,
+    /// Its standard deviation.
+    pub standard_deviation: f64,
+    /// Part of the statistic that it explains, percent.
+    pub explained_percent: f64,
+}
+
+/// Which numbers of a case to take.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Advice {
+    /// The case.
+    pub case: String,
+    /// The method to take; none where no method has an estimate.
+    pub take: Option<Method>,
+    /// Methods whose estimates are not to be trusted.
+    pub distrust: Vec<Method>,
+    /// Why, with the numbers.
+    pub text: String,
+}

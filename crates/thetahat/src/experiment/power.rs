@@ -1,0 +1,115 @@
+//! Size and power of the biased simulator test by Monte Carlo on a twin.
+
+use super::{
+    Case, Experiment, ExperimentError, Verdict,
+    diagnosis::{Estimated, diagnose},
+    record::TwinMotion,
+    workers::in_parallel,
+};
+use crate::{
+    identification::{Convergence, Method, iterate},
+    simulation::{BiasKind, SimulatorBias},
+};
+
+/// Iterations of DIDIM for each record: from the a-priori values the third changes nothing that the test could see.
+const ITERATIONS: usize = 3;
+
+/// How often the test saw one error of the simulator.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PowerPoint {
+    /// What was wrong with the simulator.
+    pub kind: BiasKind,
+    /// Factor, or the value that was added.
+    pub value: f64,
+    /// Records.
+    pub records: usize,
+    /// Records on which DIDIM had no estimate; they are in no other count.
+    pub failures: usize,
+    /// Rejections at 5 %.
+    pub rejections: usize,
+    /// Verdicts that distrust DIDIM: rejections with a difference that matters, and those that are unclear.
+    pub distrusted: usize,
+    /// Mean over the records of the average difference, in standard deviations of IV.
+    pub average_difference: f64,
+}
+
+/// The test on one record.
+#[derive(Debug, Clone, Copy)]
+struct Seen {
+    verdict: Verdict,
+    average_difference: f64,
+}
+
+impl Experiment {
+    /// How often the biased simulator test rejects, and distrusts DIDIM, for each error of the simulator, over records of the twin
+    /// with the same true motion and noise of the seeds from 1 to `records`.
+    ///
+    /// The result does not depend on the number of `threads`.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] without a `[twin]`, or where its record cannot be used.
+    pub fn biased_simulator_power(
+        &self,
+        errors: &[(BiasKind, f64)],
+        records: usize,
+        threads: usize,
+    ) -> Result<Vec<PowerPoint>, ExperimentError> {
+        let why = "the power is measured on its records";
+        let twin = self.file.twin.as_ref().ok_or_else(|| self.missing("[twin]", why))?;
+        let motion = self.twin_motion(twin)?;
+        let of_seed = |k: usize| self.seen(&motion, errors, k as u64 + 1);
+        let seen = in_parallel(records, threads, &of_seed).into_iter().collect::<Result<Vec<_>, _>>()?;
+        let point = |(i, &(kind, value)): (usize, &(BiasKind, f64))| {
+            PowerPoint::of(kind, value, seen.iter().map(|of_seed| of_seed[i]))
+        };
+        Ok(errors.iter().enumerate().map(point).collect())
+    }
+
+    /// The test with each error on the record of one seed.
+    fn seen(
+        &self,
+        motion: &TwinMotion,
+        errors: &[(BiasKind, f64)],
+        seed: u64,
+    ) -> Result<Vec<Option<Seen>>, ExperimentError> {
+        let Some(twin) = &self.file.twin else { return Ok(Vec::new()) };
+        let sensors = crate::simulation::Sensors { seed, ..twin.sensors.clone() };
+        let session = self.session_of(self.record_motion(&sensors, twin.sample_rate_hz, motion))?;
+        let problems = session.problems(&mut |_| {})?;
+        let (problem, weights) = (&problems[0].problem, session.weights(&problems[0], Method::Didim));
+        let convergence = Convergence { iterations: ITERATIONS, ..self.file.estimation.convergence };
+        let of_error = |&(kind, value): &(BiasKind, f64)| {
+            let case = Case { simulator: SimulatorBias::NONE.with(kind, value), ..self.cases().swap_remove(0) };
+            let simulator = session.main_simulator(problem, &case)?;
+            let outcome = iterate(
+                Method::Didim,
+                (&problem.x, &problem.y),
+                weights.as_deref(),
+                (self.file.estimation.variance, convergence),
+                &simulator.start(),
+                &mut |theta| simulator.instruments(theta),
+            );
+            let estimated = [Estimated { method: Method::Didim, weights: weights.clone(), outcome }];
+            let test = diagnose(problem, &case, &estimated, &|_, _| None).biased_simulator?;
+            Some(Seen { verdict: test.verdict, average_difference: test.average_difference })
+        };
+        Ok(errors.iter().map(of_error).collect())
+    }
+}
+
+impl PowerPoint {
+    fn of(kind: BiasKind, value: f64, seen: impl Iterator<Item = Option<Seen>>) -> Self {
+        let all: Vec<Option<Seen>> = seen.collect();
+        let good: Vec<Seen> = all.iter().flatten().copied().collect();
+        let count = |wanted: fn(Verdict) -> bool| good.iter().filter(|s| wanted(s.verdict)).count();
+        Self {
+            kind,
+            value,
+            records: all.len(),
+            failures: all.len() - good.len(),
+            rejections: count(|v| matches!(v, Verdict::SmallDifference | Verdict::Alarm)),
+            distrusted: count(Verdict::distrusts),
+            average_difference: good.iter().map(|s| s.average_difference).sum::<f64>() / good.len().max(1) as f64,
+        }
+    }
+}

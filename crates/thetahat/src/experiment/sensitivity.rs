@@ -1,0 +1,188 @@
+//! What errors of the simulator do to the estimates of IV and DIDIM: section V-C of the paper for any error.
+
+use std::{
+    path::Path,
+    sync::atomic::{AtomicUsize, Ordering},
+};
+
+use super::{
+    Case, Experiment, ExperimentError,
+    run::{CaseProblem, Session},
+    workers::in_parallel,
+};
+use crate::{
+    identification::{Method, Outcome, Status, iterate},
+    simulation::{BiasKind, SimulatorBias},
+};
+
+/// The values of each kind that are swept; the nominal value, 1 or 0, is in none of them.
+const SWEEP: [(BiasKind, &[f64]); 7] = [
+    (BiasKind::GearRatio, &[0.9, 0.95, 0.98, 0.99, 1.01, 1.02, 1.05, 1.1]),
+    (BiasKind::DriveGain, &[0.5, 0.8, 0.9, 1.1, 1.25, 2.0]),
+    (BiasKind::ControllerGain, &[0.25, 0.5, 0.8, 1.25, 2.0, 4.0]),
+    (BiasKind::Delay, &[0.5e-3, 1e-3, 2e-3, 5e-3]),
+    (BiasKind::ReferenceScale, &[0.9, 0.95, 0.98, 0.99, 1.01, 1.02, 1.05, 1.1]),
+    (BiasKind::ReferenceOffset, &[-0.02, -0.01, -0.005, 0.005, 0.01, 0.02]),
+    (BiasKind::Friction, &[0.0, 0.5, 0.8, 1.2, 1.5, 2.0]),
+];
+const METHODS: [Method; 2] = [Method::IdimIv, Method::Didim];
+
+/// A sweep over errors of the simulator.
+#[derive(Debug, Clone)]
+pub struct Sensitivity {
+    /// Title of the experiment.
+    pub title: String,
+    /// Name of the robot.
+    pub robot: String,
+    /// Names of the parameters, in the order of the estimates.
+    pub parameters: Vec<String>,
+    /// Which of them the tables show, and the changes consider.
+    pub shown: Vec<bool>,
+    /// The estimates with the simulator as it is, method by method.
+    pub nominal: Vec<SensitivityPoint>,
+    /// Those with each error.
+    pub points: Vec<SensitivityPoint>,
+}
+
+/// The estimates of one method with one error of the simulator.
+#[derive(Debug, Clone)]
+pub struct SensitivityPoint {
+    /// What is wrong.
+    pub kind: BiasKind,
+    /// Factor, or the value that is added: s for a delay, rad or m for an offset.
+    pub value: f64,
+    /// The method.
+    pub method: Method,
+    /// How its iteration ended.
+    pub status: Status,
+    /// `100 |y - y_hat| / |y|`; none where there is no estimate.
+    pub relative_error_percent: Option<f64>,
+    /// Root mean square change of the shown estimates from those of the simulator as it is, in their standard deviations.
+    pub rms_change: Option<f64>,
+    /// The largest change, with its sign, and its parameter.
+    pub largest_change: Option<(String, f64)>,
+    /// The estimates; empty where there are none.
+    pub estimates: Vec<f64>,
+}
+
+impl Experiment {
+    /// Estimates by IV and DIDIM with each error of the simulator, on top of none. `progress` is told how many of how many
+    /// estimations are done; the result does not depend on the number of `threads`.
+    ///
+    /// An estimation that does not converge says so in its status.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] for input that cannot be used, or without a `[controller]`.
+    pub fn sensitivity(
+        &self,
+        data: &Path,
+        threads: usize,
+        progress: &(dyn Fn(usize, usize) + Sync),
+    ) -> Result<Sensitivity, ExperimentError> {
+        let why = "idim-iv and didim simulate the closed loop";
+        self.file.controller.as_ref().ok_or_else(|| self.missing("[controller]", why))?;
+        let session = self.session(data, &mut |_| {})?;
+        let problems = session.problems(&mut |_| {})?;
+        let sweep = Sweep { experiment: self, session: &session, problem: &problems[0] };
+        let nominal: Vec<Outcome> = METHODS
+            .iter()
+            .map(|&m| sweep.estimate(m, SimulatorBias::NONE, None))
+            .collect::<Option<_>>()
+            .unwrap_or_default();
+        let jobs: Vec<(BiasKind, f64, usize)> = SWEEP
+            .iter()
+            .flat_map(|(kind, values)| values.iter().map(move |v| (*kind, *v)))
+            .flat_map(|(kind, value)| (0..nominal.len()).map(move |m| (kind, value, m)))
+            .collect();
+        let done = AtomicUsize::new(0);
+        let work = |k: usize| {
+            let (kind, value, m) = jobs[k];
+            let point = sweep.point(kind, value, METHODS[m], &nominal[m]);
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1, jobs.len());
+            point
+        };
+        let points = in_parallel(jobs.len(), threads, &work).into_iter().flatten().collect();
+        Ok(sweep.finish(&nominal, points))
+    }
+}
+
+struct Sweep<'a> {
+    experiment: &'a Experiment,
+    session: &'a Session<'a>,
+    problem: &'a CaseProblem,
+}
+
+impl Sweep<'_> {
+    fn estimate(&self, method: Method, bias: SimulatorBias, start: Option<&[f64]>) -> Option<Outcome> {
+        let problem = &self.problem.problem;
+        let case = Case { simulator: bias, ..self.experiment.cases().swap_remove(0) };
+        let simulator = self.session.main_simulator(problem, &case)?;
+        let weights = self.session.weights(self.problem, method);
+        let estimation = &self.experiment.file.estimation;
+        Some(iterate(
+            method,
+            (&problem.x, &problem.y),
+            weights.as_deref(),
+            (estimation.variance, estimation.convergence),
+            &start.map_or_else(|| simulator.start(), <[f64]>::to_vec),
+            &mut |theta| simulator.instruments(theta),
+        ))
+    }
+
+    /// Starts from the nominal estimates, where there are any.
+    fn point(&self, kind: BiasKind, value: f64, method: Method, nominal: &Outcome) -> Option<SensitivityPoint> {
+        let start = nominal.fit.as_ref().map(|f| f.theta.as_slice());
+        let outcome = self.estimate(method, SimulatorBias::NONE.with(kind, value), start)?;
+        Some(self.describe((kind, value), method, &outcome, nominal))
+    }
+
+    fn describe(
+        &self,
+        (kind, value): (BiasKind, f64),
+        method: Method,
+        outcome: &Outcome,
+        nominal: &Outcome,
+    ) -> SensitivityPoint {
+        let changes = self.changes(outcome, nominal);
+        let squares: f64 = changes.iter().map(|(_, c)| c * c).sum();
+        let rms = (squares / changes.len().max(1) as f64).sqrt();
+        SensitivityPoint {
+            kind,
+            value,
+            method,
+            status: outcome.status,
+            relative_error_percent: outcome.fit.as_ref().map(|f| f.relative_error_percent),
+            rms_change: (!changes.is_empty()).then_some(rms),
+            largest_change: changes.into_iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())),
+            estimates: outcome.fit.as_ref().map(|f| f.theta.clone()).unwrap_or_default(),
+        }
+    }
+
+    /// The changes of the shown estimates in the nominal standard deviations.
+    fn changes(&self, outcome: &Outcome, nominal: &Outcome) -> Vec<(String, f64)> {
+        let (Some(fit), Some(from)) = (&outcome.fit, &nominal.fit) else { return Vec::new() };
+        let shown = self.shown();
+        let change = |i: usize| (fit.theta[i] - from.theta[i]) / from.standard_deviation[i];
+        let name = |i: usize| self.problem.problem.estimated.parameters()[i].name.clone();
+        (0..fit.theta.len()).filter(|&i| shown[i]).map(|i| (name(i), change(i))).collect()
+    }
+
+    fn shown(&self) -> Vec<bool> {
+        let show = &self.experiment.file.parameters.show;
+        let parameters = self.problem.problem.estimated.parameters().iter();
+        parameters.map(|p| show.is_empty() || show.contains(&p.name)).collect()
+    }
+
+    fn finish(&self, nominal: &[Outcome], points: Vec<SensitivityPoint>) -> Sensitivity {
+        let of_method =
+            |(m, outcome): (&Method, &Outcome)| self.describe((BiasKind::GearRatio, 1.0), *m, outcome, outcome);
+        Sensitivity {
+            title: self.experiment.file.title.clone(),
+            robot: self.experiment.robot.name.clone(),
+            parameters: self.problem.problem.estimated.parameters().iter().map(|p| p.name.clone()).collect(),
+            shown: self.shown(),
+            nominal: METHODS.iter().zip(nominal).map(of_method).collect(),
+            points,
+        }
+    }
+}

@@ -1,0 +1,227 @@
+//! Advice and diagnosis: which numbers to take, and the tests behind it.
+
+use super::{
+    Table,
+    number::{NONE, optional, significant},
+    sections::Section,
+};
+use crate::{
+    experiment::{
+        BiasExplanation, BiasedSimulatorResult, CaseDiagnosis, EndogeneityResult, InstrumentResult, JointResidual,
+        ParameterDifference, ResidualResult, Results, RunResult, Verdict,
+    },
+    statistics::ChiSquaredTest,
+};
+
+/// Probability below which a test of a residual rejects.
+const SIGNIFICANCE: f64 = 0.05;
+
+/// The advice of each case, as a label and a text.
+pub(super) fn advice(results: &Results) -> impl Iterator<Item = (&'static str, String)> {
+    let several = results.advice.len() > 1;
+    results.advice.iter().map(move |a| {
+        let text = if several { format!("{}: {}", a.case, a.text) } else { a.text.clone() };
+        ("advice", text)
+    })
+}
+
+pub(super) fn section(results: &Results) -> Section {
+    let tables = [comparisons(results), explanations(results), residuals(results)];
+    Section {
+        id: "diagnosis",
+        title: "Diagnosis",
+        lines: notes(results),
+        tables: tables.into_iter().flatten().collect(),
+        folded: joint_residuals(results).into_iter().collect(),
+        ..Section::default()
+    }
+}
+
+fn strings(texts: &[&str]) -> Vec<String> {
+    texts.iter().map(|t| (*t).to_owned()).collect()
+}
+
+fn verdict(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Agree => "agree",
+        Verdict::SmallDifference => "small",
+        Verdict::Alarm => "* alarm",
+        Verdict::Unclear => "* unclear",
+    }
+}
+
+fn probability(p: f64) -> String {
+    if p < 1e-4 { "< 1e-4".to_owned() } else { significant(p, 2) }
+}
+
+fn differing(parameters: &[ParameterDifference]) -> String {
+    let most = parameters.first();
+    most.map_or_else(|| NONE.to_owned(), |p| format!("{} {}", p.name, significant(p.deviations, 2)))
+}
+
+/// LS and DIDIM against IV, one row for each comparison.
+pub(super) fn comparisons(results: &Results) -> Option<Table> {
+    let rows: Vec<Vec<String>> = results.diagnostics.iter().flat_map(comparisons_of).collect();
+    (!rows.is_empty()).then(|| Table {
+        title: "Methods against idim-iv".to_owned(),
+        lead: 2,
+        head: strings(&["case", "method", "statistic", "5 %", "p", "mean sd", "verdict", "most, sd"]),
+        rows,
+        notes: strings(&[
+            "idim-ls: Durbin-Wu-Hausman test. didim: biased simulator test, same instruments and weights.",
+            "mean sd: average difference in standard deviations of idim-iv; below 0.5 it is small, above it an alarm where \
+             p < 0.05, unclear where the simulated motion explains the torques too badly to tell.",
+        ]),
+        ..Table::default()
+    })
+}
+
+fn comparisons_of(diagnosis: &CaseDiagnosis) -> Vec<Vec<String>> {
+    let ls = diagnosis.endogeneity.as_ref().map(|e| endogeneity_row(&diagnosis.case, e));
+    let didim = diagnosis.biased_simulator.as_ref().map(|b| simulator_row(&diagnosis.case, b));
+    ls.into_iter().chain(didim).collect()
+}
+
+fn endogeneity_row(case: &str, e: &EndogeneityResult) -> Vec<String> {
+    vec![
+        case.to_owned(),
+        "idim-ls".to_owned(),
+        significant(e.robust.statistic, 3),
+        NONE.to_owned(),
+        probability(e.robust.p_value),
+        significant(e.average_difference, 2),
+        verdict(e.verdict).to_owned(),
+        differing(&e.parameters),
+    ]
+}
+
+fn simulator_row(case: &str, b: &BiasedSimulatorResult) -> Vec<String> {
+    vec![
+        case.to_owned(),
+        "didim".to_owned(),
+        significant(b.statistic, 3),
+        significant(b.threshold, 3),
+        probability(b.p_value),
+        significant(b.average_difference, 2),
+        verdict(b.verdict).to_owned(),
+        differing(&b.parameters),
+    ]
+}
+
+/// How large an error of the simulator would explain an alarm.
+pub(super) fn explanations(results: &Results) -> Option<Table> {
+    let of_case = |d: &CaseDiagnosis| -> Vec<Vec<String>> {
+        let all = d.biased_simulator.iter().flat_map(|b| &b.explanations);
+        all.map(|e| explanation_row(&d.case, e)).collect()
+    };
+    let rows: Vec<Vec<String>> = results.diagnostics.iter().flat_map(of_case).collect();
+    (!rows.is_empty()).then(|| Table {
+        title: "Errors of the simulator that would explain the difference of didim".to_owned(),
+        lead: 2,
+        head: strings(&["case", "error in", "simulator / true", "sd", "explained %"]),
+        rows,
+        notes: strings(&["delay: simulator less true, ms. An error that explains little is not the cause."]),
+        ..Table::default()
+    })
+}
+
+fn explanation_row(case: &str, e: &BiasExplanation) -> Vec<String> {
+    let scale = if e.kind.is_factor() { 1.0 } else { 1e3 };
+    vec![
+        case.to_owned(),
+        e.kind.name().to_owned(),
+        significant(scale * e.simulator_to_true, 4),
+        significant(scale * e.standard_deviation, 2),
+        significant(e.explained_percent, 3),
+    ]
+}
+
+/// The residual of each run in one row.
+pub(super) fn residuals(results: &Results) -> Option<Table> {
+    let row = |r: &RunResult| Some(residual_row(r, r.residual.as_ref()?));
+    let rows: Vec<Vec<String>> = results.runs.iter().filter_map(row).collect();
+    (!rows.is_empty()).then(|| Table {
+        title: "Residuals, cross-validation and influence".to_owned(),
+        lead: 2,
+        head: strings(&["case", "method", "r1", "white", "normal", "Levene p", "cv 95 %", "most influence", "sd"]),
+        rows,
+        notes: strings(&[
+            "r1: largest correlation of neighbouring rows of a joint; white, normal: joints that pass Ljung-Box and \
+             Jarque-Bera at 5 %; Levene: equal variances of the joints, as weighted; influence: the part without which \
+             a parameter changes most, in its standard deviations.",
+        ]),
+        ..Table::default()
+    })
+}
+
+fn residual_row(run: &RunResult, residual: &ResidualResult) -> Vec<String> {
+    let largest = residual.joints.iter().map(|j| j.autocorrelation).max_by(|a, b| a.abs().total_cmp(&b.abs()));
+    let passing = |test: fn(&JointResidual) -> Option<ChiSquaredTest>| {
+        let passed = residual.joints.iter().filter_map(test).filter(|t| t.p_value >= SIGNIFICANCE).count();
+        format!("{passed}/{}", residual.joints.len())
+    };
+    let interval = run.cross_validation_interval_95_percent;
+    let influence = run.influence.as_ref();
+    vec![
+        run.case.clone(),
+        run.method.name().to_owned(),
+        optional(largest, 2),
+        passing(|j| j.whiteness),
+        passing(|j| j.normality),
+        residual.homoscedasticity.map_or_else(|| NONE.to_owned(), |t| probability(t.p_value)),
+        interval.map_or_else(|| NONE.to_owned(), |[l, h]| format!("{}-{}", significant(l, 2), significant(h, 2))),
+        influence.map_or_else(|| NONE.to_owned(), |i| format!("{}: {}", i.part, i.parameter)),
+        optional(influence.map(|i| i.change), 2),
+    ]
+}
+
+/// Joint by joint.
+fn joint_residuals(results: &Results) -> Option<Table> {
+    let of_run = |r: &RunResult| -> Vec<Vec<String>> {
+        r.residual.iter().flat_map(|d| &d.joints).map(|j| joint_row(r, j)).collect()
+    };
+    let rows: Vec<Vec<String>> = results.runs.iter().flat_map(of_run).collect();
+    (!rows.is_empty()).then(|| Table {
+        title: "Residuals, joint by joint".to_owned(),
+        lead: 3,
+        head: strings(&["case", "method", "joint", "rms", "r1", "Ljung-Box", "p", "Jarque-Bera", "p"]),
+        rows,
+        ..Table::default()
+    })
+}
+
+fn joint_row(run: &RunResult, joint: &JointResidual) -> Vec<String> {
+    let test = |t: Option<ChiSquaredTest>| {
+        [optional(t.map(|t| t.statistic), 3), t.map_or_else(|| NONE.to_owned(), |t| probability(t.p_value))]
+    };
+    let lead = [run.case.clone(), run.method.name().to_owned(), joint.joint.to_string()];
+    let figures = [significant(joint.rms, 3), significant(joint.autocorrelation, 2)];
+    lead.into_iter().chain(figures).chain(test(joint.whiteness)).chain(test(joint.normality)).collect()
+}
+
+/// Instruments and joints in words.
+pub(super) fn notes(results: &Results) -> Vec<String> {
+    let of_case = |d: &CaseDiagnosis| {
+        let instruments = d.instruments.as_ref().map(|i| instrument_note(&d.case, i));
+        let joints = d.biased_simulator.as_ref().filter(|b| b.joint_percent.len() > 1).map(|b| joint_note(&d.case, b));
+        [instruments, joints].into_iter().flatten().collect::<Vec<_>>()
+    };
+    results.diagnostics.iter().flat_map(of_case).collect()
+}
+
+fn instrument_note(case: &str, i: &InstrumentResult) -> String {
+    format!(
+        "{case}: the weakest instrument is that of {} with a first-stage F of {} (weak below 10); Z^T X has rank {} and, \
+         in columns of length one, condition number {}.",
+        i.weakest,
+        significant(i.smallest_f, 3),
+        i.rank,
+        significant(i.condition_number, 3)
+    )
+}
+
+fn joint_note(case: &str, b: &BiasedSimulatorResult) -> String {
+    let joints = b.joint_percent.iter().enumerate().map(|(j, p)| format!("{} {} %", j + 1, significant(*p, 2)));
+    let joints: Vec<String> = joints.collect();
+    format!("{case}: torques by which didim differs from idim-iv, by joint: {}.", joints.join(", "))
+}

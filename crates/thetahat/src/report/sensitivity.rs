@@ -1,0 +1,168 @@
+//! The report of a sweep over the simulator's errors: a table for the terminal, a CSV file and a page.
+
+use std::path::{Path, PathBuf};
+
+use super::{
+    ReportError, Table,
+    figures::{Figure, legend_of},
+    files, html,
+    number::{NONE, given, optional, significant},
+    plot::{Chart, Curve},
+    sections::Section,
+};
+use crate::{
+    experiment::{Sensitivity, SensitivityPoint},
+    identification::{Method, Status},
+    simulation::BiasKind,
+};
+
+/// The methods of a sweep, in the order of the table's groups.
+const METHODS: [Method; 2] = [Method::IdimIv, Method::Didim];
+
+/// The table of a sweep for the terminal.
+#[must_use]
+pub fn sensitivity_text(sensitivity: &Sensitivity) -> String {
+    table(sensitivity).to_text()
+}
+
+/// Writes `sensitivity.csv`, with every estimate, and `sensitivity.html` into a folder, which is made where it is not
+/// there. Returns their paths.
+///
+/// # Errors
+/// [`ReportError`] for what cannot be rendered or written.
+pub fn write_sensitivity(sensitivity: &Sensitivity, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
+    let page = html::page_of(&sensitivity.title, &facts(sensitivity), &sections(sensitivity))?;
+    files::write_files(
+        directory,
+        vec![("sensitivity.csv", csv_of(sensitivity)?), ("sensitivity.html", page.into_bytes())],
+    )
+}
+
+fn facts(sensitivity: &Sensitivity) -> Vec<(&'static str, String)> {
+    let nominal = sensitivity.nominal.iter().map(|p| {
+        let text = format!("{} relative error {} %", p.method.name(), optional(p.relative_error_percent, 3));
+        ("without error", text)
+    });
+    [("robot", sensitivity.robot.clone())].into_iter().chain(nominal).collect()
+}
+
+fn sections(sensitivity: &Sensitivity) -> Vec<Section> {
+    let picture = Section {
+        id: "sensitivity",
+        title: "What errors of the simulator do",
+        lines: vec![
+            "Root mean square change of the shown estimates, in their standard deviations, over the error of the \
+             simulator; cut off at 100."
+                .to_owned(),
+        ],
+        figures: vec![figure(sensitivity)],
+        ..Section::default()
+    };
+    let all = Section { id: "table", title: "Every error", tables: vec![table(sensitivity)], ..Section::default() };
+    vec![picture, all]
+}
+
+/// Changes beyond these standard deviations are cut off in the picture.
+const LARGEST_CHANGE: f64 = 100.0;
+
+fn figure(sensitivity: &Sensitivity) -> Figure {
+    let chart = |kind: BiasKind| {
+        let curves: Vec<Curve> = METHODS.iter().map(|m| curve(sensitivity, kind, *m)).collect();
+        Chart::over_values(axis(kind), &curves)
+    };
+    let charts = BiasKind::ALL.into_iter().map(chart).collect();
+    Figure::new("idim-iv and didim by kind of error".to_owned(), legend_of(&METHODS), charts)
+}
+
+/// The changes of one method over one kind of error, with none where there is no error.
+fn curve(sensitivity: &Sensitivity, kind: BiasKind, method: Method) -> Curve {
+    let of_kind = sensitivity.points.iter().filter(|p| p.kind == kind && p.method == method);
+    let swept = of_kind.map(|p| (shown_value(p), p.rms_change.map_or(f64::NAN, |c| c.min(LARGEST_CHANGE))));
+    let none = if kind.is_factor() { 1.0 } else { 0.0 };
+    let mut points: Vec<(f64, f64)> = swept.chain([(none, 0.0)]).collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Curve::new(method.name(), points)
+}
+
+fn axis(kind: BiasKind) -> String {
+    match kind {
+        BiasKind::Delay => "delay, ms".to_owned(),
+        BiasKind::ReferenceOffset => "reference offset, mrad or mm".to_owned(),
+        kind => format!("{}, factor", kind.name()),
+    }
+}
+
+/// Times in ms, angles and lengths in mrad and mm.
+fn shown_value(point: &SensitivityPoint) -> f64 {
+    if point.kind.is_factor() { point.value } else { 1e3 * point.value }
+}
+
+fn table(sensitivity: &Sensitivity) -> Table {
+    let strings = |texts: &[&str]| texts.iter().map(|t| (*t).to_owned()).collect::<Vec<_>>();
+    let first = |p: &&SensitivityPoint| p.method == METHODS[0];
+    let row = |p: &SensitivityPoint| {
+        let cells = METHODS.iter().flat_map(|m| cells(same_error(sensitivity, p, *m)));
+        [axis(p.kind), given(shown_value(p))].into_iter().chain(cells).collect()
+    };
+    Table {
+        title: "Changes of the estimates with errors of the simulator, standard deviations".to_owned(),
+        lead: 2,
+        groups: METHODS.iter().map(|m| super::Group { label: m.name().to_owned(), columns: 3 }).collect(),
+        head: strings(&["error", "value", "rms", "most", "error %", "rms", "most", "error %"]),
+        rows: sensitivity.points.iter().filter(first).map(row).collect(),
+        notes: strings(&["rms and most: of the shown estimates, against those without error."]),
+    }
+}
+
+fn same_error<'a>(
+    sensitivity: &'a Sensitivity,
+    point: &SensitivityPoint,
+    method: Method,
+) -> Option<&'a SensitivityPoint> {
+    sensitivity.points.iter().find(|p| p.kind == point.kind && p.value == point.value && p.method == method)
+}
+
+fn cells(point: Option<&SensitivityPoint>) -> [String; 3] {
+    let Some(point) = point.filter(|p| p.rms_change.is_some()) else {
+        let why = point.map_or(NONE, |p| status(p.status));
+        return [why, NONE, NONE].map(str::to_owned);
+    };
+    let most = point.largest_change.as_ref().map(|(name, c)| format!("{name} {}", significant(*c, 2)));
+    let star = if point.status == Status::Converged { "" } else { "*" };
+    [
+        format!("{}{star}", optional(point.rms_change, 2)),
+        most.unwrap_or_else(|| NONE.to_owned()),
+        optional(point.relative_error_percent, 3),
+    ]
+}
+
+fn status(status: Status) -> &'static str {
+    match status {
+        Status::Converged => "converged",
+        Status::IterationLimit => "iteration limit",
+        Status::Diverged => "diverged",
+        Status::NotIdentifiable => "not identifiable",
+    }
+}
+
+fn csv_of(sensitivity: &Sensitivity) -> Result<Vec<u8>, ReportError> {
+    let refuse = |source| ReportError::Csv { source };
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let head = ["error", "value", "method", "status", "relative_error_percent", "rms_change_sd"];
+    let names = sensitivity.parameters.iter().map(String::as_str);
+    writer.write_record(head.into_iter().chain(names)).map_err(refuse)?;
+    for point in sensitivity.nominal.iter().map(|p| (p, "none")).chain(sensitivity.points.iter().map(|p| (p, ""))) {
+        writer.write_record(record(point, sensitivity.parameters.len())).map_err(refuse)?;
+    }
+    writer.into_inner().map_err(|e| refuse(e.into_error().into()))
+}
+
+/// Values in SI units.
+fn record((point, kind): (&SensitivityPoint, &str), parameters: usize) -> Vec<String> {
+    let number = |v: Option<f64>| v.map(|v| v.to_string()).unwrap_or_default();
+    let kind = if kind.is_empty() { point.kind.name() } else { kind };
+    let lead = [kind, &point.value.to_string(), point.method.name(), status(point.status)].map(str::to_owned);
+    let figures = [number(point.relative_error_percent), number(point.rms_change)];
+    let estimates = (0..parameters).map(|i| number(point.estimates.get(i).copied()));
+    lead.into_iter().chain(figures).chain(estimates).collect()
+}

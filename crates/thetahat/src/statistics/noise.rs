@@ -1,0 +1,150 @@
+use std::ops::Range;
+
+use rand::Rng;
+
+use super::{Autoregressive, RowBlocks};
+use crate::linear_algebra::Matrix;
+
+/// Highest order of a joint's process that is tried.
+const HIGHEST_ORDER: usize = 8;
+
+/// Where the rows of each joint stand: one range for each of its recordings.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct JointRows {
+    /// The ranges of each joint.
+    pub joints: Vec<Vec<Range<usize>>>,
+}
+
+impl JointRows {
+    /// The rows of a layout.
+    #[must_use]
+    pub fn new(rows: &RowBlocks) -> Self {
+        let of_joint = |j: usize| (0..rows.recordings()).map(|r| rows.block(j, r)).collect();
+        Self { joints: (0..rows.joints()).map(of_joint).collect() }
+    }
+
+    /// The segments of each joint's rows.
+    #[must_use]
+    pub fn segments<'a>(&self, rows: &'a [f64]) -> Vec<Vec<&'a [f64]>> {
+        let of_joint = |ranges: &Vec<Range<usize>>| ranges.iter().map(|r| &rows[r.clone()]).collect();
+        self.joints.iter().map(of_joint).collect()
+    }
+
+    /// The sum of the squares of each joint's rows.
+    #[must_use]
+    pub fn squares(&self, rows: &[f64]) -> Vec<f64> {
+        let squares = |s: &&[f64]| s.iter().map(|v| v * v).sum::<f64>();
+        self.segments(rows).iter().map(|joint| joint.iter().map(squares).sum()).collect()
+    }
+}
+
+/// Noise in the rows: one autoregressive process for each joint, independent of the others and between recordings.
+#[derive(Debug, Clone)]
+pub struct RowNoise {
+    blocks: JointRows,
+    /// The process of each joint.
+    pub joints: Vec<Autoregressive>,
+}
+
+impl RowNoise {
+    /// The noise of a residual.
+    #[must_use]
+    pub fn of(residual: &[f64], blocks: &JointRows) -> Self {
+        let segments = blocks.segments(residual);
+        let joints = segments.iter().map(|s| Autoregressive::fit(s, HIGHEST_ORDER)).collect();
+        Self { blocks: blocks.clone(), joints }
+    }
+
+    /// `Q_j^T S_j Q_j` of each joint j with the covariance S of its rows: the sum over the joints is the covariance of
+    /// `Q^T e`.
+    #[must_use]
+    pub fn covariances(&self, q: &Matrix) -> Vec<Matrix> {
+        let of_joint = |(process, ranges): (&Autoregressive, &Vec<Range<usize>>)| {
+            let autocovariance = process.autocovariance();
+            let parts = ranges.iter().map(|r| covariance_of_rows(q, r, &autocovariance));
+            parts.fold(Matrix::zeros(q.columns(), q.columns()), |sum, part| sum.plus(&part, 1.0))
+        };
+        self.joints.iter().zip(&self.blocks.joints).map(of_joint).collect()
+    }
+
+    /// The covariance of `Q^T e`.
+    #[must_use]
+    pub fn covariance(&self, q: &Matrix) -> Matrix {
+        let zero = Matrix::zeros(q.columns(), q.columns());
+        self.covariances(q).iter().fold(zero, |sum, part| sum.plus(part, 1.0))
+    }
+
+    /// Draws one realisation; `memory` is that of [`RowNoise::memory`].
+    pub fn draw(&self, memory: &[usize], rng: &mut impl Rng, out: &mut [f64]) {
+        for ((process, ranges), memory) in self.joints.iter().zip(&self.blocks.joints).zip(memory) {
+            ranges.iter().for_each(|r| process.draw(*memory, rng, &mut out[r.clone()]));
+        }
+    }
+
+    /// Rows after which each joint's process has forgotten how it started.
+    #[must_use]
+    pub fn memory(&self) -> Vec<usize> {
+        self.joints.iter().map(|p| p.weights().len()).collect()
+    }
+
+    /// The long-run variance of each joint of another residual, by processes of the same orders, over that of this one.
+    #[must_use]
+    pub fn relative_long_run_variances(&self, residual: &[f64]) -> Vec<f64> {
+        let segments = self.blocks.segments(residual);
+        let ratio = |(process, segments): (&Autoregressive, &Vec<&[f64]>)| {
+            let other = Autoregressive::fit_order(segments, process.coefficients.len());
+            other.long_run_variance() / process.long_run_variance()
+        };
+        self.joints.iter().zip(&segments).map(ratio).collect()
+    }
+}
+
+/// `Q^T S Q` over one range of rows with the Toeplitz matrix S of an autocovariance.
+fn covariance_of_rows(q: &Matrix, range: &Range<usize>, autocovariance: &[f64]) -> Matrix {
+    let rows = q.row_range(range.clone());
+    let mut filtered = Matrix::zeros(rows.rows(), rows.columns());
+    for c in 0..rows.columns() {
+        convolve(rows.column(c), autocovariance, filtered.column_mut(c));
+    }
+    rows.transpose().times_matrix(&filtered)
+}
+
+/// `out = S x`.
+fn convolve(x: &[f64], autocovariance: &[f64], out: &mut [f64]) {
+    for (k, covariance) in autocovariance.iter().enumerate().take(x.len()) {
+        let kept = x.len() - k;
+        out[k..].iter_mut().zip(&x[..kept]).for_each(|(o, x)| *o += covariance * x);
+        if k > 0 {
+            out[..kept].iter_mut().zip(&x[k..]).for_each(|(o, x)| *o += covariance * x);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+
+    /// The covariance is that of many realisations.
+    #[test]
+    fn drawn_noise_has_the_covariance() {
+        let blocks = JointRows { joints: vec![vec![0..40, 40..60], vec![60..100, 100..120]] };
+        let process = |a: f64, v: f64| Autoregressive { coefficients: vec![a], innovation_variance: v };
+        let noise = RowNoise { blocks, joints: vec![process(0.7, 1.0), process(-0.4, 2.0)] };
+        let q = Matrix::from_fn(120, 2, |k, c| (0.05 * (k * (c + 1)) as f64 + 0.3).sin());
+        let covariance = noise.covariance(&q);
+        let mut sum = Matrix::zeros(2, 2);
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(3);
+        let draws = 4000;
+        let mut e = vec![0.0; 120];
+        for _ in 0..draws {
+            noise.draw(&noise.memory(), &mut rng, &mut e);
+            let d = q.transpose_times(&e);
+            sum = sum.plus(&Matrix::from_fn(2, 2, |i, j| d[i] * d[j]), 1.0 / f64::from(draws));
+        }
+        for (i, j) in [(0, 0), (0, 1), (1, 1)] {
+            let scale = (covariance.at(i, i) * covariance.at(j, j)).sqrt();
+            assert!((sum.at(i, j) - covariance.at(i, j)).abs() < 0.08 * scale, "{sum:?}, expected {covariance:?}");
+        }
+    }
+}
