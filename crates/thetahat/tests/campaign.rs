@@ -90,7 +90,9 @@ fn bytes_depend_neither_on_threads_nor_on_the_order_of_commands() {
 #[test]
 fn methods_find_the_truth_and_a_wrong_simulator_leads_didim_astray() {
     let runs = run(&small(), Limits::default(), 2, None);
-    assert!(runs.rows.iter().all(|r| r.has_converged()), "{:?}", summarise(&runs));
+    // The wrong simulator may keep DIDIM from converging; where nothing is wrong, all do.
+    let failed = |r: &&thetahat::campaign::Row| r.case == "nominal" && !r.has_converged();
+    assert_eq!(runs.rows.iter().find(failed), None);
     let median = |case: &str, method: &str| {
         let fits = |s: &thetahat::campaign::Summary| s.case == case && s.method == method && s.noise == "low";
         summarise(&runs).into_iter().find(fits).unwrap().distance_percent.unwrap().median
@@ -186,7 +188,7 @@ fn starts_that_cannot_be_physical_are_an_error_that_names_the_link() {
     let campaign = changed(("[starts]", "[a_priori]\nxx2 = 1\n[starts]"), ("", "")).unwrap();
     let error = campaign.run(Limits::default(), 1, None, &mut |_| {}).unwrap_err();
     assert!(matches!(error, CampaignError::NoPhysicalStart { .. }));
-    assert!(error.to_string().contains("link 2"), "{error}");
+    assert!(error.to_string().contains("They are not physical themselves: link 2"), "{error}");
 }
 
 #[test]

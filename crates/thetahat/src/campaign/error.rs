@@ -39,8 +39,7 @@ pub enum CampaignError {
     Experiment(#[from] ExperimentError),
     /// No physical start was drawn.
     #[error(
-        "{}: [starts]: none of {draws} draws around the a-priori parameters is physical; the last one failed at {reason}. \
-         Correct these values in [a_priori], or lower relative_deviation",
+        "{}: [starts]: none of {draws} draws around the a-priori parameters is physical. {reason}",
         path.display()
     )]
     NoPhysicalStart {
@@ -48,7 +47,7 @@ pub enum CampaignError {
         path: PathBuf,
         /// Draws made.
         draws: u32,
-        /// The link or joint, and what it violates.
+        /// The link or joint, what it violates, and the remedy.
         reason: String,
     },
     /// The folder holds the results of another campaign.

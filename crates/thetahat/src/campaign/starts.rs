@@ -28,10 +28,11 @@ impl Campaign {
         let mut rng = random(self.file.seed, STREAM | u64::from(start));
         let table = experiment.robot.parameter_table();
         let centre = experiment.robot.a_priori_parameters();
+        let impossible = |theta: &[f64]| violation(&table, experiment.robot.link_count(), theta);
         let mut reason = String::new();
         for _ in 0..DRAWS {
             let drawn = draw(&centre, deviation, &mut rng);
-            match violation(&table, experiment.robot.link_count(), &drawn) {
+            match impossible(&drawn) {
                 Some(found) => reason = found,
                 None => {
                     let named = table.iter().zip(&drawn).filter(|(_, v)| **v != 0.0);
@@ -40,6 +41,10 @@ impl Campaign {
                 }
             }
         }
+        let reason = impossible(&centre).map_or_else(
+            || format!("The last one failed at {reason}. Lower relative_deviation in [starts]"),
+            |found| format!("They are not physical themselves: {found}. Correct them"),
+        );
         Err(CampaignError::NoPhysicalStart { path: self.path.clone(), draws: DRAWS, reason })
     }
 }

@@ -131,14 +131,24 @@ fn estimate_rows(
 mod tests {
     use super::*;
 
-    /// Three folds of one row each, by hand: errors 1, 2, 1 of torques 10, 10, 10.
+    const T_OF_TWO: f64 = 4.302_652_73;
+
+    /// Three folds of one row each, by hand: errors 1, 1.5, 1 of torques 10, 10, 10.
     #[test]
     fn the_interval_is_that_of_a_ratio_of_sums() {
+        let [low, high] = interval(&[10.0; 3], &[9.0, 8.5, 9.0], &[0, 1, 2], 3).unwrap();
+        // R = 4.25 / 300; the errors less 100 R are -5/12, 10/12, -5/12.
+        let ratio: f64 = 4.25 / 300.0;
+        let half = 50.0 * (1.5_f64 * 150.0 / 144.0).sqrt() / 300.0 / ratio.sqrt() * T_OF_TWO;
+        let centre = 100.0 * ratio.sqrt();
+        assert!((high - centre - half).abs() < 1e-6 && (low - centre + half).abs() < 1e-6, "{low} {high}");
+    }
+
+    #[test]
+    fn the_interval_does_not_go_below_zero() {
         let [low, high] = interval(&[10.0; 3], &[9.0, 8.0, 9.0], &[0, 1, 2], 3).unwrap();
-        // R = 6 / 300; spread = 1 + 4 + 1; t = 4.302653 for two degrees of freedom.
-        let half = 50.0 * (1.5_f64 * 6.0).sqrt() / 300.0 / 0.02_f64.sqrt() * 4.302_652_73;
-        let centre = 100.0 * 0.02_f64.sqrt();
-        assert!((high - centre - half).abs() < 1e-6, "{low} {high}");
-        assert!((low - (centre - half)).abs() < 1e-6);
+        let half = 50.0 * (1.5_f64 * 6.0).sqrt() / 300.0 / 0.02_f64.sqrt() * T_OF_TWO;
+        assert!((high - 100.0 * 0.02_f64.sqrt() - half).abs() < 1e-6, "{high}");
+        assert_eq!(low, 0.0);
     }
 }

@@ -90,9 +90,14 @@ pub(super) fn residual(problem: &Problem, prediction: &[f64], weights: Option<&[
     let per_joint = problem.rows.per_joint();
     let joints = problem.rows.joint_rows().segments(&residual);
     let joint = |(j, segments): (usize, &Vec<&[f64]>)| joint_residual(j + 1, segments);
+    // A joint that is fitted exactly, as one that is locked and without torque, has no residual to test.
+    let is_left = |joint: &JointResidual| joint.rms > 0.0;
     let whitened = weighted(&residual, weights);
     let groups: Vec<&[f64]> = whitened.chunks(per_joint.max(1)).collect();
-    ResidualResult { joints: joints.iter().enumerate().map(joint).collect(), homoscedasticity: levene(&groups) }
+    ResidualResult {
+        joints: joints.iter().enumerate().map(joint).filter(is_left).collect(),
+        homoscedasticity: levene(&groups),
+    }
 }
 
 fn joint_residual(joint: usize, segments: &[&[f64]]) -> JointResidual {
