@@ -99,9 +99,12 @@ fn figures(summaries: &[Summary]) -> Vec<Figure> {
         ("error of the simulated torques, %", |s| s.torque_error_percent),
         ("error of the simulated positions, %", |s| s.position_error_percent),
     ];
-    let mut cases: Vec<&str> = summaries.iter().map(|s| s.case.as_str()).collect();
-    cases.sort_unstable();
-    cases.dedup();
+    let mut cases: Vec<&str> = Vec::new();
+    for summary in summaries {
+        if !cases.contains(&summary.case.as_str()) {
+            cases.push(&summary.case);
+        }
+    }
     let figure = |case: &&str| {
         let of_case: Vec<&Summary> = summaries.iter().filter(|s| s.case == *case).collect();
         let chart = |(title, metric): &(&str, Metric)| box_chart((*title).to_owned(), &groups(&of_case, *metric));

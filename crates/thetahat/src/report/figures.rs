@@ -191,13 +191,11 @@ fn ratios(run: &RunResult) -> Vec<Curve> {
     (0..last.len()).filter(|p| last[*p] != 0.0).filter(shown).map(ratio).collect()
 }
 
-/// Half the width of a 95 % interval, in standard deviations.
-const INTERVAL: f64 = 1.96;
 /// Differences of estimates beyond these standard deviations are cut off.
 const FARTHEST: f64 = 20.0;
 
-/// The shown estimates of a case with their classical 95 % intervals, as differences from those of IV (or else of the
-/// first method) in its standard deviations.
+/// The shown estimates of a case with their 95 % intervals, as differences from those of IV (or else of the first
+/// method) in its standard deviations.
 pub(super) fn coefficients(results: &Results, case: &str) -> Option<Figure> {
     let runs: Vec<&RunResult> = runs_of(results, case).into_iter().filter(|r| !r.parameters.is_empty()).collect();
     let centre = runs.iter().find(|r| r.method == Method::IdimIv).or(runs.first())?;
@@ -205,16 +203,13 @@ pub(super) fn coefficients(results: &Results, case: &str) -> Option<Figure> {
     let shown: Vec<&ParameterResult> = centre.parameters.iter().filter(|p| p.shown && deviation(p).is_some()).collect();
     let bar = |run: &RunResult, from: &ParameterResult| {
         let (of_run, unit) = (run.parameter(&from.name)?, deviation(from)?);
-        let end = |side: f64| {
-            let value = of_run.estimate + side * INTERVAL * of_run.standard_deviation.unwrap_or(0.0);
-            ((value - from.estimate) / unit).clamp(-FARTHEST, FARTHEST)
-        };
-        Some([end(-1.0), end(0.0), end(1.0)])
+        let [low, high] = of_run.interval_95.unwrap_or([of_run.estimate; 2]);
+        Some([low, of_run.estimate, high].map(|value| ((value - from.estimate) / unit).clamp(-FARTHEST, FARTHEST)))
     };
     let bars: Vec<(&'static str, Vec<Option<[f64; 3]>>)> =
         runs.iter().map(|r| (r.method.name(), shown.iter().map(|p| bar(r, p)).collect())).collect();
     let names: Vec<&str> = shown.iter().map(|p| p.name.as_str()).collect();
     let title = format!("Estimates less those of {}, in its standard deviations", centre.method.name());
-    let caption = format!("{case}: estimates with classical 95 % intervals");
+    let caption = format!("{case}: estimates with their 95 % intervals");
     (names.len() > 1).then(|| Figure::new(caption, legend(&runs), vec![Chart::of_intervals(title, &names, &bars)]))
 }

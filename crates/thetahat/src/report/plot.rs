@@ -9,7 +9,7 @@ pub(super) const WIDE: f64 = 1060.0;
 /// Height of a chart and the margins around its axes, pixels.
 const HEIGHT: f64 = 170.0;
 const LEFT: f64 = 44.0;
-const RIGHT: f64 = 8.0;
+const RIGHT: f64 = 14.0;
 const TOP: f64 = 24.0;
 const BOTTOM: f64 = 22.0;
 
