@@ -270,7 +270,7 @@ mod tests {
         let chart = Chart::over_time(String::new(), &[curve], NARROW);
         let labels: Vec<&str> = chart.x_ticks.iter().map(|t| t.label.as_str()).collect();
         assert_eq!(labels, ["0.0", "0.5", "1.0", "1.5", "2.0"]);
-        assert!(chart.paths[0].data.starts_with("M440 ") && chart.paths[0].data.contains("l2880-"));
+        assert!(chart.paths[0].data.starts_with("M440 ") && chart.paths[0].data.contains("l2820-"));
     }
 
     #[test]
