@@ -1,6 +1,6 @@
-use std::{num::NonZero, path::PathBuf};
+use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 use thetahat::{identification::Method, recording::Unit};
 
 /// Identifies the dynamic parameters of a robot from its recorded motion and torques.
@@ -111,6 +111,10 @@ pub struct Identify {
     pub output: Output,
 }
 
+fn at_least_one(text: &str) -> Result<usize, String> {
+    text.parse().ok().filter(|n| *n > 0).ok_or_else(|| "expected a whole number, 1 or more".to_owned())
+}
+
 #[derive(Args)]
 pub struct Sensitivity {
     #[command(flatten)]
@@ -119,8 +123,8 @@ pub struct Sensitivity {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Threads; the result does not depend on them [default: one for each core]
-    #[arg(long, value_name = "N")]
-    pub threads: Option<std::num::NonZeroUsize>,
+    #[arg(long, value_name = "N", value_parser = at_least_one)]
+    pub threads: Option<usize>,
 }
 
 /// An experiment with its data.
@@ -146,14 +150,14 @@ pub struct Campaign {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Records that are worked on at a time [default: one for each processor]
-    #[arg(long, value_name = "N")]
-    pub threads: Option<NonZero<usize>>,
+    #[arg(long, value_name = "N", value_parser = at_least_one)]
+    pub threads: Option<usize>,
     /// Only the first starts of the campaign
-    #[arg(long, value_name = "N")]
-    pub starts: Option<NonZero<u32>>,
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..))]
+    pub starts: Option<u32>,
     /// Only the first seeds of the campaign
-    #[arg(long, value_name = "N")]
-    pub seeds: Option<NonZero<u32>>,
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..))]
+    pub seeds: Option<u32>,
 }
 
 #[derive(Args)]

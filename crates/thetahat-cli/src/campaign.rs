@@ -28,8 +28,8 @@ pub fn run(request: &arguments::Campaign) -> Result<Verdict, Box<dyn Error>> {
     }
     let campaign = Campaign::read(&request.campaign)?;
     let store = request.out.as_ref().map(|directory| Store::open(directory, &campaign)).transpose()?;
-    let limits = Limits { starts: request.starts.map(NonZero::get), seeds: request.seeds.map(NonZero::get) };
-    let threads = request.threads.or_else(|| available_parallelism().ok()).map_or(1, NonZero::get);
+    let limits = Limits { starts: request.starts, seeds: request.seeds };
+    let threads = request.threads.or_else(|| available_parallelism().ok().map(NonZero::get)).unwrap_or(1);
     let mut bar = Bar::new();
     let runs = campaign.run(limits, threads, store.as_ref(), &mut |progress| bar.tell(progress))?;
     bar.finish();

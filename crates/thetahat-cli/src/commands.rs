@@ -180,7 +180,7 @@ fn sweep_errors(sensitivity: &Sensitivity) -> Result<Verdict, Box<dyn Error>> {
         report::check_folder(directory)?;
     }
     let cores = || std::thread::available_parallelism().map_or(1, NonZero::get);
-    let threads = sensitivity.threads.map_or_else(cores, NonZero::get);
+    let threads = sensitivity.threads.unwrap_or_else(cores);
     let progress = Mutex::new(Progress::new());
     let tell = |done: usize, of: usize| {
         let mut progress = progress.lock().unwrap_or_else(PoisonError::into_inner);

@@ -136,8 +136,8 @@ fn diagnosis(case: &str) -> CaseDiagnosis {
             joint_percent: vec![70.0, 30.0],
             explanations: vec![BiasExplanation {
                 kind: BiasKind::GearRatio,
-                simulator_to_true: 0.8999,
-                standard_deviation: 0.0011,
+                simulator_to_true: Some(0.8999),
+                standard_deviation: Some(0.0011),
                 explained_percent: 99.1,
             }],
         }),

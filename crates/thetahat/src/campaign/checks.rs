@@ -17,6 +17,8 @@ impl Campaign {
         self.require(self.experiment.file.twin.is_some(), "[twin]", &why, "missing")?;
         self.require((1..=MOST).contains(&file.seeds), "seeds", "from 1 to 1048576", file.seeds)?;
         self.require_distinct("methods", file.methods.iter().map(|m| m.name()))?;
+        let expected = "one or more tables with name, position_noise and torque_noise";
+        self.require(!file.noise.is_empty(), "[[noise]]", expected, "missing")?;
         self.require_distinct("[[noise]] name", file.noise.iter().map(|n| n.name.as_str()))?;
         file.noise.iter().try_for_each(|level| self.validate_level(level))?;
         self.validate_cases()?;

@@ -39,6 +39,7 @@ pub struct CampaignFile {
     /// Cases of the experiment by name; none means all.
     pub cases: Option<Vec<String>>,
     /// Noise levels.
+    #[serde(default)]
     pub noise: Vec<NoiseLevel>,
     /// Start values of the iterations.
     #[serde(default)]
@@ -177,6 +178,11 @@ impl Campaign {
             .map_err(|e| CampaignError::Unreadable { path: path.to_owned(), reason: e.to_string() })?;
         let file = Self::parse(path, &text)?;
         let experiment = crate::experiment::beside(path, "experiment", &file.experiment)?;
+        if !experiment.is_file() {
+            let expected = format!("the path of an experiment file, from {}", path.parent().unwrap_or(path).display());
+            let found = format!("{:?}, which is no file", file.experiment.display().to_string());
+            return Err(CampaignError::Value { path: path.to_owned(), key: "experiment".to_owned(), expected, found });
+        }
         let data = experiment.parent().map_or_else(PathBuf::new, Path::to_owned);
         Self::assemble(path, text, file, Experiment::read(&experiment, &data)?)
     }

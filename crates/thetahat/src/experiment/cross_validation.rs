@@ -44,10 +44,16 @@ pub(super) struct Folds {
 }
 
 impl Folds {
-    /// Folds that are called by a word and their number from one.
+    /// Folds that are called by a word and their number from one. Those without rows, as moves before the window, are none.
     pub(super) fn numbered(word: &str, of_row: Vec<usize>) -> Self {
-        let count = of_row.iter().max().map_or(0, |last| last + 1);
-        Self { of_row, names: (1..=count).map(|k| format!("{word} {k}")).collect() }
+        let mut numbers = of_row.clone();
+        numbers.sort_unstable();
+        numbers.dedup();
+        let place = |fold: &usize| numbers.binary_search(fold).unwrap_or_default();
+        Self {
+            of_row: of_row.iter().map(place).collect(),
+            names: numbers.iter().map(|k| format!("{word} {}", k + 1)).collect(),
+        }
     }
 }
 
@@ -130,6 +136,12 @@ fn estimate_rows(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn folds_without_rows_are_none() {
+        let folds = Folds::numbered("move", vec![3, 3, 5, 4]);
+        assert_eq!((folds.of_row, folds.names), (vec![0, 0, 2, 1], ["move 4", "move 5", "move 6"].map(String::from).into()));
+    }
 
     const T_OF_TWO: f64 = 4.302_652_73;
 

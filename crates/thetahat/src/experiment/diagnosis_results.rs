@@ -37,7 +37,7 @@ pub struct JointResidual {
 pub struct Influence {
     /// The move, part or recording.
     pub part: String,
-    /// The parameter that changes most in its standard deviations.
+    /// The parameter that changes most in its standard deviations with correlated errors.
     pub parameter: String,
     /// Its change in standard deviations when the part is left out.
     pub change: f64,
@@ -113,7 +113,7 @@ pub struct BiasedSimulatorResult {
     pub parameters: Vec<ParameterDifference>,
     /// The part of each joint in the squared torques that the difference stands for, percent.
     pub joint_percent: Vec<f64>,
-    /// How large an error of the simulator would explain the difference; only where the verdict is an alarm.
+    /// How large an error of the simulator would explain the difference, the best first; only where the verdict is an alarm.
     pub explanations: Vec<BiasExplanation>,
 }
 
@@ -127,6 +127,9 @@ pub enum Verdict {
     SmallDifference,
     /// It is more than noise, and matters.
     Alarm,
+    /// It is more than noise, and matters, but DIDIM explains the torques better than IV: the measured motion may be wrong as
+    /// well as the simulated one.
+    Undecided,
     /// It matters and is no more than noise, but the noise is that of the simulator: the simulated motion explains the
     /// torques worse than the measured one.
     Unclear,
@@ -156,10 +159,11 @@ pub struct ParameterDifference {
 pub struct BiasExplanation {
     /// What would be wrong.
     pub kind: BiasKind,
-    /// The simulator's value over the true one, or less the true one for a delay (s).
-    pub simulator_to_true: f64,
+    /// The simulator's value over the true one, or less the true one for a delay (s); none where the difference asks for a
+    /// factor that is not positive.
+    pub simulator_to_true: Option<f64>,
     /// Its standard deviation.
-    pub standard_deviation: f64,
+    pub standard_deviation: Option<f64>,
     /// Part of the statistic that it explains, percent.
     pub explained_percent: f64,
 }

@@ -246,6 +246,16 @@ impl Results {
 }
 
 impl RunResult {
+    /// Median over the parameters of the standard deviation with correlated errors over the classical one: how far the
+    /// classical ones are too small.
+    #[must_use]
+    pub fn widening(&self) -> Option<f64> {
+        let ratio = |p: &ParameterResult| Some(p.standard_deviation_robust? / p.standard_deviation?);
+        let mut ratios: Vec<f64> = self.parameters.iter().filter_map(ratio).filter(|r| r.is_finite()).collect();
+        ratios.sort_by(f64::total_cmp);
+        ratios.get(ratios.len() / 2).copied()
+    }
+
     /// The estimate of a parameter.
     #[must_use]
     pub fn parameter(&self, name: &str) -> Option<&ParameterResult> {

@@ -429,11 +429,11 @@ impl Session<'_> {
     }
 }
 
-/// The largest change of an estimate, in its standard deviations, without one of the folds.
+/// The largest change of an estimate, in its standard deviations with correlated errors, without one of the folds.
 fn influence(run: &RunResult, left_out: &CrossValidation, folds: &Folds) -> Option<Influence> {
     let changes = left_out.theta.iter().zip(&folds.names).flat_map(|(theta, part)| {
         run.parameters.iter().zip(theta).filter_map(move |(p, without)| {
-            let change = (without - p.estimate) / p.standard_deviation.filter(|sd| *sd > 0.0)?;
+            let change = (without - p.estimate) / p.standard_deviation_robust.filter(|sd| *sd > 0.0)?;
             Some(Influence { part: part.clone(), parameter: p.name.clone(), change })
         })
     });

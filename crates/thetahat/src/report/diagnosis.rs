@@ -47,6 +47,7 @@ fn verdict(verdict: Verdict) -> &'static str {
         Verdict::SmallDifference => "small",
         Verdict::Alarm => "* alarm",
         Verdict::Unclear => "* unclear",
+        Verdict::Undecided => "* undecided",
     }
 }
 
@@ -70,7 +71,8 @@ pub(super) fn comparisons(results: &Results) -> Option<Table> {
         notes: strings(&[
             "idim-ls: Durbin-Wu-Hausman test. didim: biased simulator test, same instruments and weights.",
             "mean sd: average difference in standard deviations of idim-iv; below 0.5 it is small, above it an alarm where \
-             p < 0.05, unclear where the simulated motion explains the torques too badly to tell.",
+             p <= 0.05, undecided where didim explains the torques better than idim-iv, and unclear where it does \
+             too badly to tell.",
         ]),
         ..Table::default()
     })
@@ -120,7 +122,10 @@ pub(super) fn explanations(results: &Results) -> Option<Table> {
         lead: 2,
         head: strings(&["case", "error in", "simulator / true", "sd", "explained %"]),
         rows,
-        notes: strings(&["delay: simulator less true, ms. An error that explains little is not the cause."]),
+        notes: strings(&[
+            "delay: simulator less true, ms; -: it would take a factor below zero. An error that explains little is not the \
+             cause.",
+        ]),
         ..Table::default()
     })
 }
@@ -130,8 +135,8 @@ fn explanation_row(case: &str, e: &BiasExplanation) -> Vec<String> {
     vec![
         case.to_owned(),
         e.kind.name().to_owned(),
-        significant(scale * e.simulator_to_true, 4),
-        significant(scale * e.standard_deviation, 2),
+        optional(e.simulator_to_true.map(|v| scale * v), 4),
+        optional(e.standard_deviation.map(|v| scale * v), 2),
         significant(e.explained_percent, 3),
     ]
 }
@@ -143,12 +148,12 @@ pub(super) fn residuals(results: &Results) -> Option<Table> {
     (!rows.is_empty()).then(|| Table {
         title: "Residuals, cross-validation and influence".to_owned(),
         lead: 2,
-        head: strings(&["case", "method", "r1", "white", "normal", "Levene p", "cv 95 %", "most influence", "sd"]),
+        head: strings(&["case", "method", "r1", "white", "normal", "Levene p", "cv 95 %", "without", "changes", "sd"]),
         rows,
         notes: strings(&[
             "r1: largest correlation of neighbouring rows of a joint; white, normal: joints that pass Ljung-Box and \
              Jarque-Bera at 5 %; Levene: equal variances of the joints, as weighted; influence: the part without which \
-             a parameter changes most, in its standard deviations.",
+             a parameter changes most, in its standard deviations with correlated errors.",
         ]),
         ..Table::default()
     })
@@ -170,7 +175,8 @@ fn residual_row(run: &RunResult, residual: &ResidualResult) -> Vec<String> {
         passing(|j| j.normality),
         residual.homoscedasticity.map_or_else(|| NONE.to_owned(), |t| probability(t.p_value)),
         interval.map_or_else(|| NONE.to_owned(), |[l, h]| format!("{}-{}", significant(l, 2), significant(h, 2))),
-        influence.map_or_else(|| NONE.to_owned(), |i| format!("{}: {}", i.part, i.parameter)),
+        influence.map_or_else(|| NONE.to_owned(), |i| i.part.clone()),
+        influence.map_or_else(|| NONE.to_owned(), |i| i.parameter.clone()),
         optional(influence.map(|i| i.change), 2),
     ]
 }

@@ -87,7 +87,7 @@ fn curve(sensitivity: &Sensitivity, kind: BiasKind, method: Method) -> Curve {
 fn axis(kind: BiasKind) -> String {
     match kind {
         BiasKind::Delay => "delay, ms".to_owned(),
-        BiasKind::ReferenceOffset => "reference offset, mrad or mm".to_owned(),
+        BiasKind::ReferenceOffset => "offset, mrad or mm".to_owned(),
         kind => format!("{}, factor", kind.name()),
     }
 }
@@ -110,7 +110,10 @@ fn table(sensitivity: &Sensitivity) -> Table {
         groups: METHODS.iter().map(|m| super::Group { label: m.name().to_owned(), columns: 3 }).collect(),
         head: strings(&["error", "value", "rms", "most", "error %", "rms", "most", "error %"]),
         rows: sensitivity.points.iter().filter(first).map(row).collect(),
-        notes: strings(&["rms and most: of the shown estimates, against those without error."]),
+        notes: strings(&[
+            "rms and most: of the shown estimates, against those without error; offset: of the reference.",
+            "* has not converged.",
+        ]),
     }
 }
 

@@ -106,9 +106,18 @@ pub(super) fn parameters(results: &Results, case: &str) -> Table {
         lead: 2,
         head: strings(&["name", "unit"]).into_iter().chain(method_names(&runs)).collect(),
         rows: parameters_in(&runs, |p| p.shown).into_iter().map(row).collect(),
-        notes: reasons(&runs),
+        notes: reasons(&runs).into_iter().chain(widening(&runs)).collect(),
         ..Table::default()
     }
+}
+
+/// How far the classical deviations are from those of the intervals.
+fn widening(runs: &[&RunResult]) -> Option<String> {
+    let of_run = |r: &&RunResult| Some(format!("{} for {}", significant(r.widening()?, 2), r.method.name()));
+    let times: Vec<String> = runs.iter().filter_map(of_run).collect();
+    let note = "Classical deviations. Errors are correlated from row to row: the 95 % intervals (interval_95) use deviations \
+                that are larger, in the median by a factor of";
+    (!times.is_empty()).then(|| format!("{note} {}.", times.join(", ")))
 }
 
 fn method_names<'a>(runs: &'a [&RunResult]) -> impl Iterator<Item = String> + 'a {

@@ -92,7 +92,8 @@ impl SimulatorComparison {
     /// The statistic of each of so many records with the same Z and noise like `u`, but no bias: smallest first.
     ///
     /// Each draws `u`, estimates its `d` and its noise again, and forms the statistic with the covariance scaled joint by
-    /// joint to that noise. The same seed gives the same numbers.
+    /// joint to that noise. The same seed gives the same numbers. Draws without a statistic count as infinite, so that there are
+    /// always so many.
     #[must_use]
     pub fn bootstrap(&self, draws: usize, seed: u64) -> Vec<f64> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -101,7 +102,7 @@ impl SimulatorComparison {
         let mut statistics: Vec<f64> = Vec::with_capacity(draws);
         for _ in 0..draws {
             self.noise.draw(&memory, &mut rng, &mut u);
-            statistics.extend(self.statistic_of(&u));
+            statistics.push(self.statistic_of(&u).unwrap_or(f64::INFINITY));
         }
         statistics.sort_by(f64::total_cmp);
         statistics

@@ -87,13 +87,15 @@ impl RowNoise {
         self.joints.iter().map(|p| p.weights().len()).collect()
     }
 
-    /// The long-run variance of each joint of another residual, by processes of the same orders, over that of this one.
+    /// The long-run variance of each joint of another residual, by processes of the same orders, over that of this one; one
+    /// where this one has none.
     #[must_use]
     pub fn relative_long_run_variances(&self, residual: &[f64]) -> Vec<f64> {
         let segments = self.blocks.segments(residual);
         let ratio = |(process, segments): (&Autoregressive, &Vec<&[f64]>)| {
             let other = Autoregressive::fit_order(segments, process.coefficients.len());
-            other.long_run_variance() / process.long_run_variance()
+            let own = process.long_run_variance();
+            if own > 0.0 { other.long_run_variance() / own } else { 1.0 }
         };
         self.joints.iter().zip(&segments).map(ratio).collect()
     }

@@ -30,11 +30,13 @@ pub fn instrument_strength(z: &Matrix, x: &Matrix) -> Option<Vec<InstrumentStren
         let diagonal = inverse.at(j, j);
         let squares: f64 = left.column(j).iter().map(|u| (u / diagonal).powi(2)).sum();
         let unexplained = (squares - 1.0 / diagonal).max(0.0) / (rows - columns) as f64;
-        InstrumentStrength { f_statistic: 1.0 / diagonal / unexplained }
+        InstrumentStrength { f_statistic: (1.0 / diagonal / unexplained).min(LARGEST) }
     };
     Some((0..columns).map(strength).collect())
 }
 
+/// An F statistic where nothing is left unexplained, as with instruments that are X itself.
+const LARGEST: f64 = 1e300;
 /// Relative size of a diagonal entry below which instruments count as dependent.
 const SINGULAR: f64 = 1e-10;
 
