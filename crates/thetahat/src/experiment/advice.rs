@@ -172,7 +172,8 @@ fn ls_numbers(run: &Ran) -> String {
     let unseen = run.unseen.zip(run.fit).map(|(unseen, fit)| {
         format!("its error is {} % on data that it has not seen, {} % on its own", short(unseen), short(fit))
     });
-    let wider = run.widening.map(|w| format!("its deviations with correlated errors are {} times the classical", short(w)));
+    let wider =
+        run.widening.map(|w| format!("its deviations with correlated errors are {} times the classical", short(w)));
     let all: Vec<String> = unseen.into_iter().chain(wider).collect();
     if all.is_empty() { String::new() } else { format!(": {}", all.join("; ")) }
 }
@@ -339,9 +340,9 @@ mod tests {
             };
             let runs: Vec<Ran> = METHODS.iter().enumerate().filter_map(ran).collect();
             let converged = |m: Method| runs.iter().any(|r| r.method == m && r.status == Status::Converged);
-            for (ls, verdict, f) in VERDICTS.iter().flat_map(|ls| {
-                VERDICTS.iter().flat_map(move |v| [3.0, 300.0].map(|f| (*ls, *v, f)))
-            }) {
+            for (ls, verdict, f) in
+                VERDICTS.iter().flat_map(|ls| VERDICTS.iter().flat_map(move |v| [3.0, 300.0].map(|f| (*ls, *v, f))))
+            {
                 let diagnosis = CaseDiagnosis {
                     case: "nominal".to_owned(),
                     endogeneity: converged(Method::IdimIv).then(|| endogeneity(ls)),

@@ -140,7 +140,10 @@ mod tests {
     #[test]
     fn folds_without_rows_are_none() {
         let folds = Folds::numbered("move", vec![3, 3, 5, 4]);
-        assert_eq!((folds.of_row, folds.names), (vec![0, 0, 2, 1], ["move 4", "move 5", "move 6"].map(String::from).into()));
+        assert_eq!(
+            (folds.of_row, folds.names),
+            (vec![0, 0, 2, 1], ["move 4", "move 5", "move 6"].map(String::from).into())
+        );
     }
 
     const T_OF_TWO: f64 = 4.302_652_73;
