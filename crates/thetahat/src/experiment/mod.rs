@@ -19,6 +19,7 @@ mod rows;
 mod run;
 mod simulator;
 
+pub(crate) use chain::{MOVING, STILL};
 #[cfg(feature = "parquet")]
 pub(crate) use chain::{FilteredRecord, Problem};
 #[cfg(feature = "parquet")]
@@ -27,6 +28,9 @@ pub(crate) use paths::beside;
 pub(crate) use run::explain;
 #[cfg(feature = "parquet")]
 pub(crate) use simulator::{RecordReference, Simulator};
+
+pub(crate) use description::NOMINAL;
+pub(crate) use record::Record;
 
 pub use description::{
     Case, EstimationDescription, Experiment, ExperimentFile, Gains, NamedChoice, ParameterChoice, ParameterSelection,

@@ -1,0 +1,91 @@
+use std::{io, path::PathBuf};
+
+use crate::{experiment::ExperimentError, identification::EstimationError};
+
+/// Why there is no reduction, or no estimate from it.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReductionError {
+    /// The experiment or its recordings are not usable.
+    #[error(transparent)]
+    Experiment(#[from] ExperimentError),
+    /// A record has time steps that are not equal.
+    #[error(
+        "recording {recording}: the step to sample {sample} is {found:e} s, expected {expected:e} s within a thousandth; \
+         a long record is not brought to equal steps: export it at equal steps, or use `thetahat identify`"
+    )]
+    UnequalSteps {
+        /// The recording.
+        recording: String,
+        /// The sample at the end of the step.
+        sample: usize,
+        /// The mean step, s.
+        expected: f64,
+        /// The step found, s.
+        found: f64,
+    },
+    /// A recording without torque.
+    #[error("recording {recording}: the torque is zero throughout its window; record it, or name another column")]
+    NoTorque {
+        /// The recording.
+        recording: String,
+    },
+    /// Two reductions are not of one robot and one way of filtering.
+    #[error("{what} differs: {first} in one reduction, {other} in another; reduce both with the same robot and [signal]")]
+    Unlike {
+        /// What differs.
+        what: &'static str,
+        /// In the first.
+        first: String,
+        /// In the other.
+        other: String,
+    },
+    /// A recording was reduced twice.
+    #[error("recordings {first} and {other} hold the same samples; a recording counts once: leave one out")]
+    SameRecording {
+        /// Its name.
+        first: String,
+        /// Its other name.
+        other: String,
+    },
+    /// No reduction was given.
+    #[error("there is no reduction to solve; give at least one")]
+    Nothing,
+    /// The file is not a reduction, or damaged.
+    #[error("{}: not a reduction, or damaged: {reason}; run `thetahat reduce` again", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The file is of another version of its form.
+    #[error("{}: a reduction of form {found}, this program reads form {expected}; run `thetahat reduce` again", path.display())]
+    Version {
+        /// The file.
+        path: PathBuf,
+        /// The form of the file.
+        found: String,
+        /// The form that is read.
+        expected: u32,
+    },
+    /// The file cannot be read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The file cannot be written.
+    #[error("{}: cannot be written: {source}; choose another file with --out", path.display())]
+    Unwritable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// There is no estimate.
+    #[error(transparent)]
+    Estimation(#[from] EstimationError),
+}

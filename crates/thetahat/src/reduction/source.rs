@@ -1,0 +1,215 @@
+//! A recording that is read in parts, on the joint side.
+
+use std::{ops::Range, path::Path};
+
+use super::ReductionError;
+use crate::{
+    experiment::{Experiment, ExperimentError, Record, RecordingDescription},
+    recording::{ChannelSource, RecordingError, STEP_TOLERANCE, Side, SignalParts},
+    series::Series,
+};
+
+/// Places of the signals in the list that is opened.
+const POSITION: usize = 0;
+const TORQUE: usize = 1;
+const TIME: usize = 2;
+
+/// A recording of which any part can be had.
+pub(super) struct Source<'a> {
+    experiment: &'a Experiment,
+    pub name: String,
+    pub weight: f64,
+    pub samples: usize,
+    pub sample_rate_hz: f64,
+    /// True standard parameters, for a twin.
+    pub truth: Option<Vec<f64>>,
+    values: Values<'a>,
+}
+
+enum Values<'a> {
+    Parts { signals: Box<SignalParts>, description: &'a RecordingDescription },
+    Whole(Box<Record>),
+}
+
+impl<'a> Source<'a> {
+    /// Looks through a recording; one whose files cannot be read in parts is read whole. `number` counts from one.
+    pub(super) fn open(
+        experiment: &'a Experiment,
+        description: &'a RecordingDescription,
+        number: usize,
+        data: &Path,
+    ) -> Result<Self, ReductionError> {
+        let sources: Vec<&ChannelSource> =
+            [&description.position, &description.torque].into_iter().chain(&description.time).collect();
+        let Some(signals) = SignalParts::open(&sources, data).map_err(ExperimentError::from)? else {
+            return Ok(Self::of_record(experiment, experiment.read_record(description, number, data)?));
+        };
+        require_same_length(&signals, &sources, data)?;
+        let mut source = Self {
+            experiment,
+            name: description.name.clone().unwrap_or_else(|| number.to_string()),
+            weight: description.weight,
+            samples: signals.samples(POSITION),
+            sample_rate_hz: description.sample_rate_hz.unwrap_or_default(),
+            truth: None,
+            values: Values::Parts { signals: Box::new(signals), description },
+        };
+        source.require_channels(&sources, data)?;
+        if description.time.is_some() {
+            source.sample_rate_hz = source.rate_from_stamps()?;
+        }
+        Ok(source)
+    }
+
+    /// A record that is in memory.
+    pub(super) fn of_record(experiment: &'a Experiment, record: Record) -> Self {
+        Self {
+            experiment,
+            name: record.name.clone(),
+            weight: record.weight,
+            samples: record.position.len(),
+            sample_rate_hz: record.sample_rate_hz,
+            truth: record.truth.clone(),
+            values: Values::Whole(Box::new(record)),
+        }
+    }
+
+    /// Whether its time stamps must be looked at.
+    pub(super) fn has_stamps(&self) -> bool {
+        matches!(&self.values, Values::Parts { description, .. } if description.time.is_some())
+    }
+
+    /// Positions of the joints in a range of samples; the stamps there are checked.
+    pub(super) fn position(&self, range: Range<usize>) -> Result<Series, ReductionError> {
+        match &self.values {
+            Values::Whole(record) => Ok(record.position.window(range)),
+            Values::Parts { .. } => {
+                let mut read = self.read(&[POSITION], range)?;
+                Ok(self.joint_positions(read.remove(0)))
+            }
+        }
+    }
+
+    /// Positions and torques of the joints in a range of samples; the stamps there are checked.
+    pub(super) fn motion(&self, range: Range<usize>) -> Result<(Series, Series), ReductionError> {
+        match &self.values {
+            Values::Whole(record) => Ok((record.position.window(range.clone()), record.torque.window(range))),
+            Values::Parts { .. } => {
+                let mut read = self.read(&[POSITION, TORQUE], range)?;
+                let torque = self.joint_torques(read.remove(1));
+                Ok((self.joint_positions(read.remove(0)), torque))
+            }
+        }
+    }
+
+    /// Checks the stamps in a range of samples.
+    pub(super) fn check_stamps(&self, range: Range<usize>) -> Result<(), ReductionError> {
+        self.read(&[], range).map(|_| ())
+    }
+
+    /// Signals as they were recorded, in SI units.
+    fn read(&self, signals: &[usize], range: Range<usize>) -> Result<Vec<Series>, ReductionError> {
+        let Values::Parts { signals: parts, .. } = &self.values else { return Ok(Vec::new()) };
+        let mut asked = signals.to_vec();
+        asked.extend(self.has_stamps().then_some(TIME));
+        let mut read = parts.read(&asked, range.clone()).map_err(ExperimentError::from)?;
+        if self.has_stamps()
+            && let Some(stamps) = read.pop()
+        {
+            self.require_equal_steps(stamps.values(), range.start)?;
+        }
+        Ok(read)
+    }
+
+    fn joint_positions(&self, series: Series) -> Series {
+        match &self.values {
+            Values::Parts { description, .. } if description.position.side == Side::Motor => {
+                self.experiment.robot.transmission.joint_positions(&series)
+            }
+            _ => series,
+        }
+    }
+
+    fn joint_torques(&self, series: Series) -> Series {
+        match &self.values {
+            Values::Parts { description, .. } if description.torque.side == Side::Motor => {
+                self.experiment.robot.transmission.joint_torques(&series)
+            }
+            _ => series,
+        }
+    }
+
+    fn require_equal_steps(&self, stamps: &[f64], first: usize) -> Result<(), ReductionError> {
+        let step = 1.0 / self.sample_rate_hz;
+        let even = |pair: &[f64]| ((pair[1] - pair[0]) / step - 1.0).abs() <= STEP_TOLERANCE;
+        match stamps.windows(2).position(|pair| !even(pair)) {
+            None => Ok(()),
+            Some(k) => Err(ReductionError::UnequalSteps {
+                recording: self.name.clone(),
+                sample: first + k + 1,
+                expected: step,
+                found: stamps[k + 1] - stamps[k],
+            }),
+        }
+    }
+
+    /// The number of steps divided by the time they take.
+    fn rate_from_stamps(&self) -> Result<f64, ReductionError> {
+        let Values::Parts { signals, description } = &self.values else { return Ok(self.sample_rate_hz) };
+        let source = description.time.as_ref();
+        let (file, column) = source.map_or((Path::new("").to_owned(), "time".to_owned()), |s| {
+            (s.file.clone(), s.columns.first().cloned().unwrap_or_else(|| "time".to_owned()))
+        });
+        let refuse = |error: RecordingError| ReductionError::from(ExperimentError::from(error));
+        let at = |k: usize| -> Result<f64, ReductionError> {
+            Ok(signals.read(&[TIME], k..k + 1).map_err(refuse)?[0].values()[0])
+        };
+        let last = self.samples - 1;
+        if last == 0 {
+            return Err(refuse(RecordingError::TooFewTimes { file, column, found: 1 }));
+        }
+        let (first_s, last_s) = (at(0)?, at(last)?);
+        if last_s <= first_s {
+            let (previous, found) = (first_s, last_s);
+            return Err(refuse(RecordingError::TimeNotIncreasing { file, column, sample: last, previous, found }));
+        }
+        Ok(last as f64 / (last_s - first_s))
+    }
+
+    /// As many channels as joints, and one time.
+    fn require_channels(&self, sources: &[&ChannelSource], data: &Path) -> Result<(), ReductionError> {
+        let Values::Parts { signals, .. } = &self.values else { return Ok(()) };
+        let (joints, robot) = (self.experiment.robot.joint_count(), &self.experiment.robot.name);
+        for (signal, source) in sources.iter().enumerate() {
+            let found = signals.read(&[signal], 0..1).map_err(ExperimentError::from)?[0].channels();
+            let (expected, what) = match signal {
+                TIME => (1, "1, the time".to_owned()),
+                _ => (joints, format!("{joints}, one for each joint of {robot}")),
+            };
+            if found != expected {
+                let key = format!("{}: number of channels", source.path(data).display());
+                return Err(self.experiment.value(&key, &what, found).into());
+            }
+        }
+        Ok(())
+    }
+}
+
+fn require_same_length(signals: &SignalParts, sources: &[&ChannelSource], data: &Path) -> Result<(), ReductionError> {
+    let first_samples = signals.samples(POSITION);
+    for (signal, name) in [(TORQUE, "torque"), (TIME, "time")] {
+        let Some(source) = sources.get(signal) else { continue };
+        if signals.samples(signal) != first_samples {
+            let error = RecordingError::DifferentLengths {
+                first: "position".to_owned(),
+                first_file: sources[POSITION].path(data),
+                first_samples,
+                second: name.to_owned(),
+                second_file: source.path(data),
+                second_samples: signals.samples(signal),
+            };
+            return Err(ExperimentError::from(error).into());
+        }
+    }
+    Ok(())
+}
