@@ -33,6 +33,13 @@ pub enum Command {
     ///
     /// What a folder holds already is not run again: a campaign that was stopped goes on where it was.
     Campaign(Campaign),
+    /// Reduce recordings of any length to a small file from which `solve` estimates.
+    ///
+    /// The file holds triangular factors of the regression; the recordings are read in pieces. Reductions of the same robot
+    /// and the same [signal] can be merged.
+    Reduce(Reduce),
+    /// Identify from reductions, alone or merged, by IDIM-LS.
+    Solve(Solve),
     /// Record the simulated robot that an experiment describes in [twin].
     Simulate(Simulate),
     /// Show a robot: its structure, its standard parameters, and its base parameters with their formulas.
@@ -137,6 +144,30 @@ pub struct Campaign {
     /// Only the first seeds of the campaign
     #[arg(long, value_name = "N")]
     pub seeds: Option<NonZero<u32>>,
+}
+
+#[derive(Args)]
+pub struct Reduce {
+    #[command(flatten)]
+    pub described: Described,
+    /// The file to write
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Pieces that are worked on at a time [default: one for each processor]
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZero<usize>>,
+}
+
+#[derive(Args)]
+pub struct Solve {
+    /// Files of `reduce`
+    #[arg(value_name = "REDUCTION", required = true)]
+    pub reductions: Vec<PathBuf>,
+    #[command(flatten)]
+    pub output: Output,
+    /// File for the reductions merged to one
+    #[arg(long, value_name = "FILE")]
+    pub merged: Option<PathBuf>,
 }
 
 #[derive(Args)]

@@ -16,6 +16,7 @@ use crate::{
     arguments::{Arguments, Columns, Command, Described, Identify, Init, Inspect, Model, Output, Predict, Simulate},
     campaign,
     progress::Progress,
+    reduction,
 };
 
 /// What a finished command says of its result.
@@ -33,6 +34,8 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
         Command::Identify(identify) => identify_experiment(&identify),
         Command::Predict(request) => predict_torques(&request),
         Command::Campaign(request) => campaign::run(&request),
+        Command::Reduce(request) => reduction::reduce(&request),
+        Command::Solve(request) => reduction::solve(&request),
         Command::Simulate(simulate) => record_twin(&simulate),
         Command::Model(request) => show_model(&request),
     }
@@ -122,7 +125,7 @@ fn identify_experiment(identify: &Identify) -> Result<Verdict, Box<dyn Error>> {
 }
 
 /// The experiment, and the folder of its data.
-fn read_experiment(described: &Described) -> Result<(Experiment, PathBuf), Box<dyn Error>> {
+pub fn read_experiment(described: &Described) -> Result<(Experiment, PathBuf), Box<dyn Error>> {
     let beside = described.experiment.parent().map_or_else(PathBuf::new, Path::to_owned);
     let data = described.data.clone().unwrap_or(beside);
     let experiment = match &described.robot {

@@ -14,6 +14,9 @@ const POSITION: usize = 0;
 const TORQUE: usize = 1;
 const TIME: usize = 2;
 
+/// Samples up to which a record is read whole where its steps must be made equal.
+const SHORT: usize = 1 << 20;
+
 /// A recording of which any part can be had.
 pub(super) struct Source<'a> {
     experiment: &'a Experiment,
@@ -57,6 +60,9 @@ impl<'a> Source<'a> {
         source.require_channels(&sources, data)?;
         if description.time.is_some() {
             source.sample_rate_hz = source.rate_from_stamps()?;
+            if source.samples <= SHORT && !source.has_equal_steps()? {
+                return Ok(Self::of_record(experiment, experiment.read_record(description, number, data)?));
+            }
         }
         Ok(source)
     }
@@ -71,6 +77,14 @@ impl<'a> Source<'a> {
             sample_rate_hz: record.sample_rate_hz,
             truth: record.truth.clone(),
             values: Values::Whole(Box::new(record)),
+        }
+    }
+
+    fn has_equal_steps(&self) -> Result<bool, ReductionError> {
+        match self.check_stamps(0..self.samples) {
+            Ok(()) => Ok(true),
+            Err(ReductionError::UnequalSteps { .. }) => Ok(false),
+            Err(other) => Err(other),
         }
     }
 
