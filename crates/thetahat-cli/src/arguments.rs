@@ -38,7 +38,7 @@ pub enum Command {
     /// The file holds triangular factors of the regression; the recordings are read in pieces. Reductions of the same robot
     /// and the same [signal] can be merged.
     Reduce(Reduce),
-    /// Identify from reductions, alone or merged, by IDIM-LS.
+    /// Identify from reductions, alone or merged: by IDIM-LS, and by IDIM-IV where they have instruments.
     Solve(Solve),
     /// Record the simulated robot that an experiment describes in [twin].
     Simulate(Simulate),
@@ -153,6 +153,9 @@ pub struct Reduce {
     /// The file to write
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
+    /// A results.json with whose estimates instruments are simulated, for IDIM-IV: those of its idim-iv, or else idim-ls
+    #[arg(long, value_name = "RESULTS.json")]
+    pub instruments_from: Option<PathBuf>,
     /// Pieces that are worked on at a time [default: one for each processor]
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZero<usize>>,

@@ -12,7 +12,7 @@ use std::{
 use indicatif::{ProgressBar, ProgressStyle};
 use thetahat::{
     experiment::Experiment,
-    reduction::{ReduceOptions, ReduceProgress, ReducedRecording, Reduction},
+    reduction::{ReduceOptions, ReduceProgress, ReducedRecording, Reduction, estimates_of_results},
     report::{self, Published},
 };
 
@@ -28,9 +28,11 @@ pub fn reduce(request: &arguments::Reduce) -> Result<Verdict, Box<dyn Error>> {
     let (experiment, data) = read_experiment(&request.described)?;
     check_place(&request.out)?;
     let threads = request.threads.or_else(|| available_parallelism().ok()).map_or(1, NonZero::get);
+    let options = ReduceOptions { threads, ..Default::default() };
+    let instruments = request.instruments_from.as_ref().map(|path| estimates_of_results(path)).transpose()?;
     let mut bar = Bar::new();
     let reduction =
-        experiment.reduce(&data, ReduceOptions { threads, ..Default::default() }, &mut |progress| bar.tell(progress))?;
+        experiment.reduce_with_instruments(&data, instruments.as_ref(), options, &mut |progress| bar.tell(progress))?;
     bar.finish();
     reduction.write(&request.out)?;
     let recordings: String = reduction.recordings.iter().map(line).collect();
@@ -53,7 +55,9 @@ fn check_place(file: &Path) -> Result<(), Box<dyn Error>> {
     let folder = file.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
     match (folder.is_dir(), file.is_dir()) {
         (true, false) => Ok(()),
-        (false, _) => Err(format!("{}: there is no such folder; make it, or choose another --out", folder.display()).into()),
+        (false, _) => {
+            Err(format!("{}: there is no such folder; make it, or choose another --out", folder.display()).into())
+        }
         (true, true) => Err(format!("{}: it is a folder; give the name of a file in it", file.display()).into()),
     }
 }
@@ -68,7 +72,9 @@ pub fn solve(request: &arguments::Solve) -> Result<Verdict, Box<dyn Error>> {
     let published = published(&reduction);
     let mut text = report::text::all(&solution.results, published.as_ref());
     text += &match solution.segments {
-        Some(segments) => format!("\nIntervals from {segments} stretches of time, cluster-robust (docs/long_records.md).\n"),
+        Some(segments) => {
+            format!("\nIntervals from {segments} stretches of time, cluster-robust (docs/long_records.md).\n")
+        }
         None => "\nNo intervals: fewer than two stretches of time.\n".to_owned(),
     };
     print(&text)?;
@@ -121,7 +127,9 @@ impl Bar {
             self.told = Instant::now();
             let elapsed = self.started.elapsed().as_secs_f64();
             let left = elapsed / done.max(1) as f64 * to_do.saturating_sub(done) as f64;
-            eprintln!("{elapsed:5.0} s  recording {recording} of {recordings}, piece {done} of {to_do}, {left:.0} s left");
+            eprintln!(
+                "{elapsed:5.0} s  recording {recording} of {recordings}, piece {done} of {to_do}, {left:.0} s left"
+            );
         }
     }
 

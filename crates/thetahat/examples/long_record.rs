@@ -59,7 +59,11 @@ impl Twin {
     }
 
     /// Positions and torques of all samples, in order. A counter of the encoder is as fine as the twin's.
-    fn each(&self, samples: usize, mut sample: impl FnMut(&[f64], &[f64]) -> Result<(), Box<dyn Error>>) -> Result<(), Box<dyn Error>> {
+    fn each(
+        &self,
+        samples: usize,
+        mut sample: impl FnMut(&[f64], &[f64]) -> Result<(), Box<dyn Error>>,
+    ) -> Result<(), Box<dyn Error>> {
         let mut random = ChaCha8Rng::seed_from_u64(1);
         let mut torque = vec![0.0; self.noise.len()];
         for k in 0..samples {

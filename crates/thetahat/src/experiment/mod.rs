@@ -19,9 +19,9 @@ mod rows;
 mod run;
 mod simulator;
 
-pub(crate) use chain::{MOVING, STILL};
 #[cfg(feature = "parquet")]
 pub(crate) use chain::{FilteredRecord, Problem};
+pub(crate) use chain::{MOVING, STILL};
 #[cfg(feature = "parquet")]
 pub(crate) use paths::beside;
 #[cfg(feature = "parquet")]

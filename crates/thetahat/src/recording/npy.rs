@@ -203,11 +203,7 @@ fn values(code: TypeChar, width: usize, file: NpyFile<&[u8]>, count: usize) -> R
     }
 }
 
-fn collected<T: Deserialize>(
-    file: NpyFile<&[u8]>,
-    count: usize,
-    number: fn(T) -> f64,
-) -> Result<Vec<f64>, String> {
+fn collected<T: Deserialize>(file: NpyFile<&[u8]>, count: usize, number: fn(T) -> f64) -> Result<Vec<f64>, String> {
     let values = file.data::<T>().map_err(|e| e.to_string())?.take(count);
     values.map(|value| value.map(number).map_err(|e| e.to_string())).collect()
 }

@@ -1,6 +1,9 @@
-use super::{Identity, Reduction, factors::{Segment, coarsened}};
+use super::{
+    Identity, Reduction,
+    factors::{Segment, coarsened},
+};
 use crate::{
-    identification::{Divisor, EstimationError, Fit, idim_ls},
+    identification::{Divisor, EstimationError, Fit, idim_iv, idim_ls},
     linear_algebra::{Matrix, norm},
 };
 
@@ -9,6 +12,8 @@ use crate::{
 pub(super) struct Compressed {
     /// X with all base columns.
     pub x: Matrix,
+    /// Z likewise, where there are instruments.
+    pub z: Option<Matrix>,
     pub y: Vec<f64>,
     /// Joint, recording and segment of each row.
     pub place: Vec<Place>,
@@ -38,41 +43,56 @@ impl Compressed {
 
     fn of<'a>(identity: &Identity, recordings: impl Iterator<Item = &'a [Segment]>) -> Self {
         let columns = identity.parameters.len();
-        let (mut parts, mut y, mut place) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut parts, mut instruments, mut y, mut place) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let (mut rows, mut number) = (0, 0);
         for (recording, segments) in recordings.enumerate() {
             for segment in segments {
                 for (joint, (factor, acting)) in segment.factors.iter().zip(&identity.acting).enumerate() {
-                    let mut x = Matrix::zeros(factor.rows(), columns);
-                    for (c, &column) in acting.iter().enumerate() {
-                        x.column_mut(column).copy_from_slice(factor.column(c));
-                    }
-                    parts.push(x);
-                    y.extend_from_slice(factor.column(acting.len()));
+                    let matrix = |first: usize| {
+                        let mut matrix = Matrix::zeros(factor.rows(), columns);
+                        for (c, &column) in acting.iter().enumerate() {
+                            matrix.column_mut(column).copy_from_slice(factor.column(first + c));
+                        }
+                        matrix
+                    };
+                    let before = factor.columns() - 1 - acting.len();
+                    instruments.extend((before > 0).then(|| matrix(0)));
+                    parts.push(matrix(before));
+                    y.extend_from_slice(factor.column(before + acting.len()));
                     place.extend(vec![Place { joint, recording, segment: number }; factor.rows()]);
                 }
                 rows += segment.rows * segment.factors.len();
                 number += 1;
             }
         }
-        Self { x: Matrix::stack(&parts.iter().collect::<Vec<_>>()), y, place, rows }
+        let stack = |parts: &[Matrix]| Matrix::stack(&parts.iter().collect::<Vec<_>>());
+        let z = (instruments.len() == parts.len()).then(|| stack(&instruments));
+        Self { x: stack(&parts), z, y, place, rows }
     }
 
-    /// LS of some columns, with its deviations for the rows that there were.
-    pub(super) fn fit(
+    /// LS on some columns of X, with its deviations for the rows that there were.
+    pub(super) fn fit(&self, x: &Matrix, weights: Option<&[f64]>, divisor: Divisor) -> Result<Fit, EstimationError> {
+        Ok(self.for_all_rows(idim_ls(x, &self.y, weights, divisor)?, x, divisor))
+    }
+
+    /// IV likewise.
+    pub(super) fn fit_iv(
         &self,
-        x: &Matrix,
+        (z, x): (&Matrix, &Matrix),
         weights: Option<&[f64]>,
         divisor: Divisor,
     ) -> Result<Fit, EstimationError> {
-        let mut fit = idim_ls(x, &self.y, weights, divisor)?;
+        Ok(self.for_all_rows(idim_iv(z, x, &self.y, weights, divisor)?, x, divisor))
+    }
+
+    fn for_all_rows(&self, mut fit: Fit, x: &Matrix, divisor: Divisor) -> Fit {
         let freedom = |rows: usize| match divisor {
             Divisor::RowsMinusParameters => rows.saturating_sub(x.columns()),
             Divisor::RowsMinusOne => rows - 1,
         };
         let factor = (freedom(self.y.len()).max(1) as f64 / freedom(self.rows).max(1) as f64).sqrt();
         fit.standard_deviation.iter_mut().for_each(|sd| *sd *= factor);
-        Ok(fit)
+        fit
     }
 
     /// One over the standard deviation of each joint's residual, as

@@ -1,6 +1,6 @@
 use std::{io, path::PathBuf};
 
-use crate::{experiment::ExperimentError, identification::EstimationError};
+use crate::{experiment::ExperimentError, identification::EstimationError, simulation::SimulationError};
 
 /// Why there is no reduction, or no estimate from it.
 #[derive(Debug, thiserror::Error)]
@@ -31,7 +31,9 @@ pub enum ReductionError {
         recording: String,
     },
     /// Two reductions are not of one robot and one way of filtering.
-    #[error("{what} differs: {first} in one reduction, {other} in another; reduce both with the same robot and [signal]")]
+    #[error(
+        "{what} differs: {first} in one reduction, {other} in another; reduce both with the same robot and [signal]"
+    )]
     Unlike {
         /// What differs.
         what: &'static str,
@@ -47,6 +49,48 @@ pub enum ReductionError {
         first: String,
         /// Its other name.
         other: String,
+    },
+    /// A long record has no reference that can be read in pieces.
+    #[error(
+        "recording {recording}: instruments for a long record follow its recorded reference: name it as `reference`, or \
+         use `thetahat identify`"
+    )]
+    NoReference {
+        /// The recording.
+        recording: String,
+    },
+    /// The simulation of the instruments failed.
+    #[error("recording {recording}, instruments simulated from {from_s:.4} s on: {source}")]
+    Simulation {
+        /// The recording.
+        recording: String,
+        /// Where the piece begins, s.
+        from_s: f64,
+        /// Why.
+        source: SimulationError,
+    },
+    /// Two pieces of a simulation do not meet.
+    #[error(
+        "recording {recording}: simulated pieces are {tolerances:.0} tolerances apart at {time_s:.4} s: the loop remembers \
+         longer than the {warm_up_s} s before each piece; raise the bandwidth of the controller"
+    )]
+    Seam {
+        /// The recording.
+        recording: String,
+        /// Where they meet, s.
+        time_s: f64,
+        /// How far they are apart, in tolerances of the integration.
+        tolerances: f64,
+        /// Time that each is simulated before, s.
+        warm_up_s: f64,
+    },
+    /// The results hold no estimates to simulate with.
+    #[error("{}: no estimates for instruments: {reason}; give the results.json of `thetahat solve` or `identify`", path.display())]
+    NoEstimates {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
     },
     /// No reduction was given.
     #[error("there is no reduction to solve; give at least one")]

@@ -92,3 +92,73 @@ impl Accumulator {
         self.finished
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linear_algebra::PivotedQr;
+
+    const ROWS: usize = 2000;
+    const COLUMNS: usize = 11;
+    /// Digits are counted up to those of a double.
+    const ALL: f64 = 16.0;
+
+    /// Powers of t, rounded so that y is exact in double precision: the estimates are known exactly.
+    fn ill_conditioned() -> (Series, Vec<f64>) {
+        let grid = (1_u64 << 30) as f64;
+        let power = |k: usize, j: i32| ((k as f64 / ROWS as f64).powi(j) * grid).round() / grid;
+        let theta: Vec<f64> = (0..COLUMNS).map(|j| (j * j % 7) as f64 - 3.0).collect();
+        let mut values = Vec::new();
+        for k in 0..ROWS {
+            let row: Vec<f64> = (0..COLUMNS as i32).map(|j| power(k, j)).collect();
+            let y: f64 = row.iter().zip(&theta).map(|(x, t)| x * t).sum();
+            values.extend(row);
+            values.push(y);
+        }
+        (Series::from_values(COLUMNS + 1, values), theta)
+    }
+
+    fn digits(found: &[f64], exact: &[f64]) -> f64 {
+        let error = |(f, e): (&f64, &f64)| (f - e).abs() / e.abs().max(1.0);
+        (-found.iter().zip(exact).map(error).fold(0.0, f64::max).log10()).min(ALL)
+    }
+
+    /// At a condition number of 1e8 factors of factors keep as many digits as all rows at once, 8 or more; the product
+    /// `X^T X`, whose condition number is the square, keeps none.
+    #[test]
+    fn factors_keep_the_digits_that_products_lose() {
+        let (rows, exact) = ill_conditioned();
+        let all: Vec<usize> = (0..COLUMNS).collect();
+        let x = Matrix::from_fn(ROWS, COLUMNS, |k, j| rows.sample(k)[j]);
+        let y = rows.channel(COLUMNS);
+        let condition = x.condition_number();
+        let mut accumulator = Accumulator::new(JointColumns { channels: vec![(0..=COLUMNS).collect()] }, ROWS);
+        (0..ROWS).step_by(50).for_each(|k| accumulator.take(&rows.window(k..k + 50)));
+        let merged = coarsened(accumulator.finish(), 1);
+        let r = &merged[0].factors[0];
+        let of_factors = digits(&PivotedQr::new(&r.select_columns(&all)).solve(r.column(COLUMNS)), &exact);
+        let of_rows = digits(&PivotedQr::new(&x).solve(&y), &exact);
+        let products = PivotedQr::new(&x.transposed_times(&x)).solve(&x.transpose().times(&y));
+        let of_products = digits(&products, &exact);
+        println!(
+            "condition {condition:.1e}: digits {of_factors:.1} factors, {of_rows:.1} rows, {of_products:.1} products"
+        );
+        assert!((1e7..1e9).contains(&condition), "{condition:e}");
+        assert!(of_factors > 7.0 && of_factors > of_rows - 1.5, "{of_factors} {of_rows}");
+        assert!(of_products < 2.5, "{of_products}");
+    }
+
+    #[test]
+    fn segments_are_few_and_hold_all_rows() {
+        for rows in [1, 15, 16, 17, 368, 512, 513, 100_000] {
+            let mut accumulator = Accumulator::new(JointColumns { channels: vec![vec![0, 1]] }, rows);
+            let series = Series::from_values(2, (0..2 * rows).map(|k| (k as f64).sin()).collect());
+            for first in (0..rows).step_by(37) {
+                accumulator.take(&series.window(first..(first + 37).min(rows)));
+            }
+            let segments = accumulator.finish();
+            assert_eq!(segments.iter().map(|s| s.rows).sum::<usize>(), rows);
+            assert!(segments.len() <= MOST_SEGMENTS && (rows < 272 || segments.len() > 16), "{rows}");
+        }
+    }
+}

@@ -19,6 +19,7 @@ struct Header {
     experiment_name: String,
     experiment_description: String,
     robot_description: String,
+    instruments: Option<Vec<f64>>,
     recordings: Vec<RecordingHeader>,
 }
 
@@ -60,8 +61,7 @@ impl Reduction {
     /// # Errors
     /// [`ReductionError`] for a file that is damaged or of another form.
     pub fn read(path: &Path) -> Result<Self, ReductionError> {
-        let bytes =
-            fs::read(path).map_err(|source| ReductionError::Unreadable { path: path.to_owned(), source })?;
+        let bytes = fs::read(path).map_err(|source| ReductionError::Unreadable { path: path.to_owned(), source })?;
         Self::from_bytes(&bytes, path)
     }
 
@@ -81,6 +81,7 @@ impl Reduction {
             experiment_name: self.experiment_name.clone(),
             experiment_description: self.experiment_description.clone(),
             robot_description: self.robot_description.clone(),
+            instruments: self.instruments.clone(),
             recordings: self.recordings.iter().map(recording).collect(),
         };
         let mut bytes = MAGIC.to_vec();
@@ -128,7 +129,12 @@ impl Identity {
 impl Header {
     /// The reduction, if there are as many values as it says.
     fn with_values(self, bytes: &[u8]) -> Option<Reduction> {
-        let sizes: Vec<usize> = self.identity.acting.iter().map(|acting| acting.len() + 1).collect();
+        let parameters = self.identity.parameters.len();
+        if self.instruments.as_ref().is_some_and(|theta| theta.len() != parameters) {
+            return None;
+        }
+        let matrices = if self.instruments.is_some() { 2 } else { 1 };
+        let sizes: Vec<usize> = self.identity.acting.iter().map(|acting| matrices * acting.len() + 1).collect();
         let of_segment = |rows: &usize| sizes.iter().map(|&n| upper_count((*rows).min(n), n)).sum::<usize>();
         let needed = self.recordings.iter().flat_map(|r| &r.segment_rows).map(of_segment).sum::<usize>();
         if bytes.len() != needed.checked_mul(8)? {
@@ -159,6 +165,7 @@ impl Header {
             experiment_name: self.experiment_name,
             experiment_description: self.experiment_description,
             robot_description: self.robot_description,
+            instruments: self.instruments,
         })
     }
 }

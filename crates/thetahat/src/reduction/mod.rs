@@ -1,9 +1,11 @@
 //! Recordings of any length reduced to triangular factors, which can be kept, merged and solved later.
 mod compressed;
 mod error;
+mod estimates;
 mod factors;
 mod file;
 mod fingerprint;
+mod instruments;
 mod pieces;
 mod pool;
 mod reduce;
@@ -13,6 +15,7 @@ mod source;
 mod value;
 
 pub use error::ReductionError;
+pub use estimates::estimates_of_results;
 pub use factors::Segment;
 pub use reduce::{ReduceOptions, ReduceProgress};
 pub use solve::Solution;

@@ -2,7 +2,12 @@
 
 use std::ops::Range;
 
-use super::{ReductionError, fingerprint::Fingerprint, source::Source};
+use super::{
+    ReductionError,
+    fingerprint::Fingerprint,
+    instruments::{Motion, Simulated},
+    source::Source,
+};
 use crate::{
     dynamics::{Model, Sign, Workspace},
     experiment::{Experiment, ExperimentError, MOVING, STILL},
@@ -35,6 +40,8 @@ pub(super) struct Piece {
     /// Largest velocity.
     pub peak: f64,
     pub has_torque: bool,
+    /// Simulated positions at the first sample, and at the one behind the last.
+    pub seam: Option<(Vec<f64>, Option<Vec<f64>>)>,
 }
 
 impl<'a> Pieces<'a> {
@@ -116,14 +123,18 @@ pub(super) struct Rows<'a> {
     pub decimator: &'a Decimator,
     pub model: &'a Model,
     pub regressor: &'a Regressor,
+    /// The simulation of the instruments.
+    pub simulated: Option<&'a Simulated<'a>>,
 }
 
 impl Rows<'_> {
     pub(super) fn channels(&self) -> usize {
-        self.regressor.entries().len() + self.model.joint_count()
+        let matrices = if self.simulated.is_some() { 2 } else { 1 };
+        matrices * self.regressor.entries().len() + self.model.joint_count()
     }
 
-    /// The piece with these rows: the entries of phi, then the torques.
+    /// The piece with these rows: the entries of phi of the simulated motion, where there is one, those of the measured
+    /// motion, then the torques.
     pub(super) fn piece(&self, rows: Range<usize>) -> Result<Piece, ReductionError> {
         let own = self.decimator.samples_of(&rows);
         let range = own.start + self.window.start..own.end + self.window.start;
@@ -132,9 +143,16 @@ impl Rows<'_> {
         let (q, dq, ddq) = self.pieces.band_pass(&position)?;
         let place = |k: usize| k + self.window.start - extended.start;
         let entries = self.regressor.entries().len();
+        let simulated = self.simulated.map(|s| s.motion(&range).map(|motion| (s.sign(), motion))).transpose()?;
+        let before = if simulated.is_some() { entries } else { 0 };
         let mut workspace = Workspace::new(self.model);
         let part = self.decimator.decimate_part(rows, self.channels(), |k, values| {
             let i = place(k);
+            let (z, values) = values.split_at_mut(before);
+            if let Some((sign, Motion { q, dq, ddq, .. })) = &simulated {
+                let state = (q.sample(k - own.start), dq.sample(k - own.start), ddq.sample(k - own.start));
+                self.regressor.evaluate(self.model, state.0, state.1, state.2, *sign, &mut workspace, z);
+            }
             let (phi, tau) = values.split_at_mut(entries);
             let state = (q.sample(i), dq.sample(i), ddq.sample(i));
             self.regressor.evaluate(self.model, state.0, state.1, state.2, Sign::Exact, &mut workspace, phi);
@@ -143,7 +161,9 @@ impl Rows<'_> {
         let joints = q.channels();
         let of_range = place(own.start) * joints..place(own.end) * joints;
         let mut fingerprint = Fingerprint::EMPTY;
-        for (q, tau) in position.values()[of_range.clone()].chunks(joints).zip(torque.values()[of_range.clone()].chunks(joints)) {
+        for (q, tau) in
+            position.values()[of_range.clone()].chunks(joints).zip(torque.values()[of_range.clone()].chunks(joints))
+        {
             fingerprint.add(q);
             fingerprint.add(tau);
         }
@@ -152,6 +172,7 @@ impl Rows<'_> {
             fingerprint,
             peak: dq.values()[of_range.clone()].iter().fold(0.0, |peak, v| peak.max(v.abs())),
             has_torque: torque.values()[of_range].iter().any(|v| *v != 0.0),
+            seam: simulated.map(|(_, motion)| (motion.q.sample(0).to_vec(), motion.next)),
         })
     }
 }

@@ -1,9 +1,10 @@
-use std::{ops::Range, path::Path};
+use std::{collections::BTreeMap, ops::Range, path::Path};
 
 use super::{
     Identity, ReducedRecording, Reduction, ReductionError,
     factors::{Accumulator, JointColumns},
     fingerprint::Fingerprint,
+    instruments::Simulated,
     pieces::{Pieces, Rows, refuse},
     pool::in_order,
     source::Source,
@@ -11,7 +12,7 @@ use super::{
 use crate::{
     base_parameters::BaseParameters,
     dynamics::Model,
-    experiment::{Experiment, RecordingDescription, STILL},
+    experiment::{Experiment, ExperimentError, RecordingDescription, STILL},
     regressor::Regressor,
     signal::{Decimator, SignalError},
 };
@@ -59,12 +60,33 @@ impl Experiment {
         options: ReduceOptions,
         progress: &mut dyn FnMut(ReduceProgress),
     ) -> Result<Reduction, ReductionError> {
+        self.reduce_with_instruments(data, None, options, progress)
+    }
+
+    /// The same with instruments, for IDIM-IV: the observation matrix of the closed loop simulated with base parameters of
+    /// these names; those that are not named are zero.
+    ///
+    /// A record that is read in pieces is simulated in pieces along its recorded reference, each from 2 s before it; one
+    /// that is read whole is simulated as [`Experiment::run`] does.
+    ///
+    /// # Errors
+    /// [`ReductionError`] for input that cannot be used, and a simulation that fails.
+    pub fn reduce_with_instruments(
+        &self,
+        data: &Path,
+        instruments: Option<&BTreeMap<String, f64>>,
+        options: ReduceOptions,
+        progress: &mut dyn FnMut(ReduceProgress),
+    ) -> Result<Reduction, ReductionError> {
         let (model, base) = self.basis(&self.robot)?;
+        let theta = instruments.map(|named| self.base_values(&model, &base, named)).transpose()?;
         let mut reducer = Reducer::new(self, &model, &base, options);
+        reducer.theta.clone_from(&theta);
         let mut reduction = Reduction::empty(self, &base, &reducer.regressor);
+        reduction.instruments = theta;
         let recordings = self.file.recording.len().max(1);
         for (i, description) in self.file.recording.iter().enumerate() {
-            let source = Source::open(self, description, i + 1, data)?;
+            let source = Source::open(self, description, (i + 1, data), reducer.theta.is_some())?;
             let mut tell = |done, to_do| progress(ReduceProgress { recording: i + 1, recordings, done, to_do });
             reduction.add(reducer.recording(&source, Some(description), &mut tell)?)?;
         }
@@ -75,6 +97,19 @@ impl Experiment {
         }
         Ok(reduction)
     }
+
+    /// Values of all base parameters from those named.
+    fn base_values(
+        &self,
+        model: &Model,
+        base: &BaseParameters,
+        named: &BTreeMap<String, f64>,
+    ) -> Result<Vec<f64>, ReductionError> {
+        let names: Vec<String> = named.keys().cloned().collect();
+        let refuse = |source| ExperimentError::Parameters { path: self.path.clone(), source };
+        base.select(model.parameter_table(), &names).map_err(refuse)?;
+        Ok(base.parameters().iter().map(|p| named.get(&p.name).copied().unwrap_or(0.0)).collect())
+    }
 }
 
 /// What all recordings share.
@@ -84,11 +119,13 @@ struct Reducer<'a> {
     base: &'a BaseParameters,
     regressor: Regressor,
     options: ReduceOptions,
+    /// Base parameters of the simulation of instruments.
+    theta: Option<Vec<f64>>,
 }
 
 impl<'a> Reducer<'a> {
     fn new(experiment: &'a Experiment, model: &'a Model, base: &'a BaseParameters, options: ReduceOptions) -> Self {
-        Self { experiment, model, base, regressor: Regressor::new(model, &base.columns()), options }
+        Self { experiment, model, base, regressor: Regressor::new(model, &base.columns()), options, theta: None }
     }
 
     fn recording(
@@ -101,10 +138,23 @@ impl<'a> Reducer<'a> {
         let (window, before) = self.window(&pieces, description, tell)?;
         let decimation = self.experiment.file.signal.decimation;
         let decimator = Decimator::new(decimation, window.len()).map_err(|e| refuse(self.experiment, e))?;
-        let rows = Rows { pieces: &pieces, window, decimator: &decimator, model: self.model, regressor: &self.regressor };
+        let simulated = |theta: &Vec<f64>| {
+            Simulated::new(self.experiment, (self.model, self.base), source, theta, (pieces.reach, &window))
+        };
+        let simulated = self.theta.as_ref().map(simulated).transpose()?;
+        let rows = Rows {
+            pieces: &pieces,
+            window: window.clone(),
+            decimator: &decimator,
+            model: self.model,
+            regressor: &self.regressor,
+            simulated: simulated.as_ref(),
+        };
         let parts = pieces.parts(&decimator, decimation, rows.channels());
-        let mut accumulator = Accumulator::new(joint_columns(self.model, &self.regressor), decimator.rows());
+        let mut accumulator =
+            Accumulator::new(joint_columns(self.model, &self.regressor, simulated.is_some()), decimator.rows());
         let mut joiner = decimator.joiner();
+        let mut seam: Option<Vec<f64>> = None;
         let (mut fingerprint, mut peak, mut has_torque) = (Fingerprint::EMPTY, 0.0_f64, false);
         let work = |number: usize| rows.piece(parts[number].clone());
         in_order(parts.len(), self.options.threads, work, |number, piece| {
@@ -112,6 +162,11 @@ impl<'a> Reducer<'a> {
             fingerprint = fingerprint.followed_by(piece.fingerprint);
             peak = peak.max(piece.peak);
             has_torque |= piece.has_torque;
+            if let Some((simulated, (first, next))) = simulated.as_ref().zip(piece.seam) {
+                let start = window.start + decimator.samples_of(&parts[number]).start;
+                seam.iter().try_for_each(|before| simulated.require_seam(before, &first, start))?;
+                seam = next;
+            }
             joiner.take(piece.part).iter().for_each(|rows| accumulator.take(rows));
             tell(before + number + 1, before + parts.len());
             Ok::<(), ReductionError>(())
@@ -150,11 +205,16 @@ impl<'a> Reducer<'a> {
         let of = |moving| self.experiment.window_of(moving, source.samples, source.sample_rate_hz, &signal);
         if signal.window_start_s.is_none() {
             let mut peaks = Vec::with_capacity(all.len());
-            in_order(all.len(), threads, |piece| pieces.peaks(&all[piece]), |piece, of_piece| {
-                peaks.push(of_piece?);
-                tell(piece + 1, 2 * all.len());
-                Ok::<(), ReductionError>(())
-            })?;
+            in_order(
+                all.len(),
+                threads,
+                |piece| pieces.peaks(&all[piece]),
+                |piece, of_piece| {
+                    peaks.push(of_piece?);
+                    tell(piece + 1, 2 * all.len());
+                    Ok::<(), ReductionError>(())
+                },
+            )?;
             return Ok((of(pieces.moving(&peaks)?)?, all.len()));
         }
         let window = of(0..source.samples)?;
@@ -171,23 +231,26 @@ impl<'a> Reducer<'a> {
     }
 }
 
-/// The channels of each joint: its entries of phi in the order of the columns, then its torque.
-pub(super) fn joint_columns(model: &Model, regressor: &Regressor) -> JointColumns {
+/// The channels of each joint: its entries of phi in the order of the columns, of the simulated motion and of the measured
+/// one, then its torque.
+fn joint_columns(model: &Model, regressor: &Regressor, simulated: bool) -> JointColumns {
     let entries = regressor.entries();
     let of_joint = |joint: usize| {
         let mut own: Vec<usize> = (0..entries.len()).filter(|&e| entries[e].joint == joint).collect();
         own.sort_by_key(|&e| entries[e].column);
-        own.push(entries.len() + joint);
-        own
+        let matrices = if simulated { 2 } else { 1 };
+        let mut channels: Vec<usize> =
+            (0..matrices).flat_map(|m| own.iter().map(move |e| e + m * entries.len())).collect();
+        channels.push(matrices * entries.len() + joint);
+        channels
     };
     JointColumns { channels: (0..model.joint_count()).map(of_joint).collect() }
 }
 
 /// The columns that act on each joint, in order.
-pub(super) fn acting(joints: usize, regressor: &Regressor) -> Vec<Vec<usize>> {
+fn acting(joints: usize, regressor: &Regressor) -> Vec<Vec<usize>> {
     let of_joint = |joint: usize| {
-        let mut own: Vec<usize> =
-            regressor.entries().iter().filter(|e| e.joint == joint).map(|e| e.column).collect();
+        let mut own: Vec<usize> = regressor.entries().iter().filter(|e| e.joint == joint).map(|e| e.column).collect();
         own.sort_unstable();
         own
     };
@@ -212,6 +275,7 @@ impl Reduction {
             experiment_name: experiment.path.display().to_string(),
             experiment_description: experiment.text.clone(),
             robot_description: experiment.robot_text.clone(),
+            instruments: None,
             recordings: Vec::new(),
         }
     }

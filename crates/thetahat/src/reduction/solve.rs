@@ -15,7 +15,7 @@ use crate::{
 /// The estimate from a reduction.
 #[derive(Debug, Clone)]
 pub struct Solution {
-    /// In the form of an identification: one run, the nominal one of IDIM-LS.
+    /// In the form of an identification: the nominal run of IDIM-LS, and with instruments that of IDIM-IV.
     pub results: Results,
     /// Stretches of time from which the robust deviations and intervals come; none where there are too few.
     pub segments: Option<usize>,
@@ -51,8 +51,12 @@ impl Reduction {
         let column = |p: &BaseParameter| base.columns().iter().position(|&c| c == p.kept);
         let columns = estimated.parameters().iter().filter_map(column).collect();
         let solver = Solver { reduction: self, experiment: &experiment, problem, columns, estimated };
-        let (run, segments) = solver.run();
-        let results = solver.results(run, elimination.map(|e| e.named(&base)))?;
+        let (run, segments) = solver.run(Method::IdimLs);
+        let mut runs = vec![run];
+        if solver.problem.z.is_some() {
+            runs.push(solver.run(Method::IdimIv).0);
+        }
+        let results = solver.results(runs, elimination.map(|e| e.named(&base)))?;
         Ok(Solution { results, segments })
     }
 }
@@ -131,32 +135,44 @@ impl Solver<'_> {
         problem.x.select_columns(&self.columns)
     }
 
+    /// The matrix that is correlated with the rows: Z for IV, else X.
+    fn z(&self, problem: &Compressed, method: Method) -> Matrix {
+        let z = problem.z.as_ref().filter(|_| method == Method::IdimIv);
+        z.unwrap_or(&problem.x).select_columns(&self.columns)
+    }
+
     fn joints(&self) -> usize {
         self.reduction.identity.joints.len()
     }
 
     /// The run, and the stretches behind its intervals.
-    fn run(&self) -> (RunResult, Option<usize>) {
-        let x = self.x(&self.problem);
-        let of_joints = match self.joint_weights(&x) {
-            Ok(weights) => weights,
-            Err(e) => return (self.failed(&e), None),
-        };
-        let weights = self.weights(&self.problem, of_joints.as_deref());
-        match self.problem.fit(&x, weights.as_deref(), self.experiment.file.estimation.variance) {
-            Err(e) => (self.failed(&e), None),
-            Ok(fit) => {
-                let robust = self.uncertainty(&fit, of_joints.as_deref()).ok();
+    fn run(&self, method: Method) -> (RunResult, Option<usize>) {
+        match self.fit(method) {
+            Err(e) => (self.failed(method, &e), None),
+            Ok((fit, of_joints)) => {
+                let robust = self.uncertainty(method, &fit, of_joints.as_deref()).ok();
                 let segments = self.reduction.recordings.iter().map(|r| r.segments.len()).sum();
-                (self.summarise(&fit, robust.as_ref()), robust.map(|_| segments))
+                (self.summarise(method, &fit, robust.as_ref()), robust.map(|_| segments))
             }
         }
     }
 
+    /// The fit, and the weight of each joint where the experiment asks for one.
+    fn fit(&self, method: Method) -> Result<(Fit, Option<Vec<f64>>), EstimationError> {
+        let (x, divisor) = (self.x(&self.problem), self.experiment.file.estimation.variance);
+        let of_joints = self.joint_weights(method, &x)?;
+        let weights = self.weights(&self.problem, of_joints.as_deref());
+        let fit = match method {
+            Method::IdimIv => self.problem.fit_iv((&self.z(&self.problem, method), &x), weights.as_deref(), divisor)?,
+            _ => self.problem.fit(&x, weights.as_deref(), divisor)?,
+        };
+        Ok((fit, of_joints))
+    }
+
     /// The weight of each joint, where the experiment asks for one.
-    fn joint_weights(&self, x: &Matrix) -> Result<Option<Vec<f64>>, EstimationError> {
+    fn joint_weights(&self, method: Method, x: &Matrix) -> Result<Option<Vec<f64>>, EstimationError> {
         let estimation = &self.experiment.file.estimation;
-        let weighting = estimation.weighting.get(&Method::IdimLs).copied().unwrap_or_default();
+        let weighting = estimation.weighting.get(&method).copied().unwrap_or_default();
         if weighting == Weighting::None {
             return Ok(None);
         }
@@ -176,17 +192,23 @@ impl Solver<'_> {
         Some(problem.place.iter().map(weight).collect())
     }
 
-    fn uncertainty(&self, fit: &Fit, of_joints: Option<&[f64]>) -> Result<Uncertainty, EstimationError> {
+    fn uncertainty(
+        &self,
+        method: Method,
+        fit: &Fit,
+        of_joints: Option<&[f64]>,
+    ) -> Result<Uncertainty, EstimationError> {
         let problem = Compressed::in_segments(self.reduction);
         let weights = self.weights(&problem, of_joints).unwrap_or_else(|| vec![1.0; problem.y.len()]);
         let x = self.x(&problem);
         let residual: Vec<f64> = x.times(&fit.theta).iter().zip(&problem.y).map(|(p, y)| y - p).collect();
         let residual: Vec<f64> = residual.iter().zip(&weights).map(|(e, w)| w * e).collect();
         let segment: Vec<usize> = problem.place.iter().map(|place| place.segment).collect();
-        Uncertainty::new(&fit.theta, &cluster_variances(&x.scale_rows(&weights), &residual, &segment)?)
+        let (z, x) = (self.z(&problem, method).scale_rows(&weights), x.scale_rows(&weights));
+        Uncertainty::new(&fit.theta, &cluster_variances((&z, &x), &residual, &segment)?)
     }
 
-    fn failed(&self, error: &EstimationError) -> RunResult {
+    fn failed(&self, method: Method, error: &EstimationError) -> RunResult {
         let name = |c: &usize| self.estimated.parameters()[*c].name.as_str();
         let reason = match error {
             EstimationError::NotIdentifiable { rank, columns, dependent } => format!(
@@ -196,18 +218,39 @@ impl Solver<'_> {
             ),
             other => other.to_string(),
         };
-        RunResult { status: Status::NotIdentifiable, reason: Some(reason), ..empty_run() }
+        RunResult { status: Status::NotIdentifiable, reason: Some(reason), ..empty_run(method) }
     }
 
-    fn summarise(&self, fit: &Fit, robust: Option<&Uncertainty>) -> RunResult {
+    fn summarise(&self, method: Method, fit: &Fit, robust: Option<&Uncertainty>) -> RunResult {
+        let (status, reason) = self.convergence(method, fit);
         RunResult {
+            status,
+            reason,
+            iterations: usize::from(method == Method::IdimIv),
             relative_error_percent: Some(fit.relative_error_percent),
             joint_relative_error_percent: self.problem.joint_errors(&fit.prediction, self.joints()),
             condition_number: Some(fit.condition_number),
-            f_test: self.full_model_test(fit),
+            f_test: (method == Method::IdimLs).then(|| self.full_model_test(fit)).flatten(),
             parameters: self.parameters(fit, robust),
-            ..empty_run()
+            ..empty_run(method)
         }
+    }
+
+    /// Whether IV is where its instruments were simulated.
+    fn convergence(&self, method: Method, fit: &Fit) -> (Status, Option<String>) {
+        let Some(simulated) = self.reduction.instruments.as_ref().filter(|_| method == Method::IdimIv) else {
+            return (Status::Converged, None);
+        };
+        let change = |(i, &c): (usize, &usize)| (fit.theta[i] - simulated[c]).abs() / fit.standard_deviation[i];
+        let largest = self.columns.iter().enumerate().map(change).fold(0.0, f64::max);
+        if largest <= self.experiment.file.estimation.convergence.parameter_change {
+            return (Status::Converged, None);
+        }
+        let reason = format!(
+            "an estimate is {largest:.2} standard deviations from the parameters of its instruments; reduce again with \
+             --instruments-from these results"
+        );
+        (Status::IterationLimit, Some(reason))
     }
 
     /// The F-test of the estimated parameters against all base parameters, where they are fewer.
@@ -217,7 +260,8 @@ impl Solver<'_> {
             return None;
         }
         let full = self.problem.fit(&self.problem.x, None, Default::default()).ok()?;
-        let (squares, full) = (fit.residual_sum_of_squares(&self.problem.y), full.residual_sum_of_squares(&self.problem.y));
+        let (squares, full) =
+            (fit.residual_sum_of_squares(&self.problem.y), full.residual_sum_of_squares(&self.problem.y));
         f_test(squares, self.columns.len(), full, all, self.problem.rows)
     }
 
@@ -240,7 +284,7 @@ impl Solver<'_> {
         self.estimated.parameters().iter().enumerate().map(result).collect()
     }
 
-    fn results(&self, run: RunResult, elimination: Option<EliminationResult>) -> Result<Results, ReductionError> {
+    fn results(&self, runs: Vec<RunResult>, elimination: Option<EliminationResult>) -> Result<Results, ReductionError> {
         let recordings = &self.reduction.recordings;
         let describe = |r: &super::ReducedRecording| RecordingResult {
             name: r.name.clone(),
@@ -264,7 +308,7 @@ impl Solver<'_> {
             seed: self.experiment.file.twin.as_ref().map(|t| t.sensors.seed),
             findings: Vec::new(),
             elimination,
-            runs: vec![run],
+            runs,
             experiment_description: self.reduction.experiment_description.clone(),
             robot_description: self.reduction.robot_description.clone(),
             plots: Plots::default(),
@@ -273,10 +317,10 @@ impl Solver<'_> {
 }
 
 /// A run that has converged and says nothing else.
-fn empty_run() -> RunResult {
+fn empty_run(method: Method) -> RunResult {
     RunResult {
         case: NOMINAL.to_owned(),
-        method: Method::IdimLs,
+        method,
         status: Status::Converged,
         reason: None,
         iterations: 0,

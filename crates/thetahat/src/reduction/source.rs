@@ -9,10 +9,9 @@ use crate::{
     series::Series,
 };
 
-/// Places of the signals in the list that is opened.
+/// Places of the first signals in the list that is opened.
 const POSITION: usize = 0;
 const TORQUE: usize = 1;
-const TIME: usize = 2;
 
 /// Samples up to which a record is read whole where its steps must be made equal.
 const SHORT: usize = 1 << 20;
@@ -27,6 +26,15 @@ pub(super) struct Source<'a> {
     /// True standard parameters, for a twin.
     pub truth: Option<Vec<f64>>,
     values: Values<'a>,
+    places: Places,
+}
+
+/// Places of the signals that not every recording has.
+#[derive(Debug, Clone, Copy, Default)]
+struct Places {
+    time: Option<usize>,
+    reference: Option<usize>,
+    added: Option<usize>,
 }
 
 enum Values<'a> {
@@ -39,13 +47,12 @@ impl<'a> Source<'a> {
     pub(super) fn open(
         experiment: &'a Experiment,
         description: &'a RecordingDescription,
-        number: usize,
-        data: &Path,
+        (number, data): (usize, &Path),
+        simulated: bool,
     ) -> Result<Self, ReductionError> {
-        let sources: Vec<&ChannelSource> =
-            [&description.position, &description.torque].into_iter().chain(&description.time).collect();
+        let (sources, places) = sources_of(description, simulated);
         let Some(signals) = SignalParts::open(&sources, data).map_err(ExperimentError::from)? else {
-            return Ok(Self::of_record(experiment, experiment.read_record(description, number, data)?));
+            return Self::whole(experiment, description, (number, data));
         };
         require_same_length(&signals, &sources, data)?;
         let mut source = Self {
@@ -56,15 +63,51 @@ impl<'a> Source<'a> {
             sample_rate_hz: description.sample_rate_hz.unwrap_or_default(),
             truth: None,
             values: Values::Parts { signals: Box::new(signals), description },
+            places,
         };
         source.require_channels(&sources, data)?;
         if description.time.is_some() {
             source.sample_rate_hz = source.rate_from_stamps()?;
             if source.samples <= SHORT && !source.has_equal_steps()? {
-                return Ok(Self::of_record(experiment, experiment.read_record(description, number, data)?));
+                return Self::whole(experiment, description, (number, data));
             }
         }
-        Ok(source)
+        match (simulated, source.places.reference) {
+            (true, None) if source.samples <= SHORT => Self::whole(experiment, description, (number, data)),
+            (true, None) => Err(ReductionError::NoReference { recording: source.name }),
+            _ => Ok(source),
+        }
+    }
+
+    fn whole(
+        experiment: &'a Experiment,
+        description: &'a RecordingDescription,
+        (number, data): (usize, &Path),
+    ) -> Result<Self, ReductionError> {
+        Ok(Self::of_record(experiment, experiment.read_record(description, number, data)?))
+    }
+
+    /// The record, where it is in memory.
+    pub(super) fn record(&self) -> Option<&Record> {
+        match &self.values {
+            Values::Whole(record) => Some(record),
+            Values::Parts { .. } => None,
+        }
+    }
+
+    /// The recorded reference of the joints and the added signal in a range of samples, of a record that is read in parts.
+    pub(super) fn reference(&self, range: Range<usize>) -> Result<(Series, Option<Series>), ReductionError> {
+        let missing = || ReductionError::NoReference { recording: self.name.clone() };
+        let (Values::Parts { description, .. }, Some(place)) = (&self.values, self.places.reference) else {
+            return Err(missing());
+        };
+        let asked: Vec<usize> = [place].into_iter().chain(self.places.added).collect();
+        let mut read = self.read(&asked, range)?.into_iter();
+        let reference = read.next().ok_or_else(missing)?;
+        let is_motor = description.reference.as_ref().is_some_and(|r| r.side == Side::Motor);
+        let transmission = &self.experiment.robot.transmission;
+        let reference = if is_motor { transmission.joint_positions(&reference) } else { reference };
+        Ok((reference, read.next()))
     }
 
     /// A record that is in memory.
@@ -77,6 +120,7 @@ impl<'a> Source<'a> {
             sample_rate_hz: record.sample_rate_hz,
             truth: record.truth.clone(),
             values: Values::Whole(Box::new(record)),
+            places: Places::default(),
         }
     }
 
@@ -90,7 +134,7 @@ impl<'a> Source<'a> {
 
     /// Whether its time stamps must be looked at.
     pub(super) fn has_stamps(&self) -> bool {
-        matches!(&self.values, Values::Parts { description, .. } if description.time.is_some())
+        self.places.time.is_some()
     }
 
     /// Positions of the joints in a range of samples; the stamps there are checked.
@@ -125,7 +169,7 @@ impl<'a> Source<'a> {
     fn read(&self, signals: &[usize], range: Range<usize>) -> Result<Vec<Series>, ReductionError> {
         let Values::Parts { signals: parts, .. } = &self.values else { return Ok(Vec::new()) };
         let mut asked = signals.to_vec();
-        asked.extend(self.has_stamps().then_some(TIME));
+        asked.extend(self.places.time);
         let mut read = parts.read(&asked, range.clone()).map_err(ExperimentError::from)?;
         if self.has_stamps()
             && let Some(stamps) = read.pop()
@@ -169,14 +213,16 @@ impl<'a> Source<'a> {
 
     /// The number of steps divided by the time they take.
     fn rate_from_stamps(&self) -> Result<f64, ReductionError> {
-        let Values::Parts { signals, description } = &self.values else { return Ok(self.sample_rate_hz) };
+        let (Values::Parts { signals, description }, Some(place)) = (&self.values, self.places.time) else {
+            return Ok(self.sample_rate_hz);
+        };
         let source = description.time.as_ref();
         let (file, column) = source.map_or((Path::new("").to_owned(), "time".to_owned()), |s| {
             (s.file.clone(), s.columns.first().cloned().unwrap_or_else(|| "time".to_owned()))
         });
         let refuse = |error: RecordingError| ReductionError::from(ExperimentError::from(error));
         let at = |k: usize| -> Result<f64, ReductionError> {
-            Ok(signals.read(&[TIME], k..k + 1).map_err(refuse)?[0].values()[0])
+            Ok(signals.read(&[place], k..k + 1).map_err(refuse)?[0].values()[0])
         };
         let last = self.samples - 1;
         if last == 0 {
@@ -196,9 +242,9 @@ impl<'a> Source<'a> {
         let (joints, robot) = (self.experiment.robot.joint_count(), &self.experiment.robot.name);
         for (signal, source) in sources.iter().enumerate() {
             let found = signals.read(&[signal], 0..1).map_err(ExperimentError::from)?[0].channels();
-            let (expected, what) = match signal {
-                TIME => (1, "1, the time".to_owned()),
-                _ => (joints, format!("{joints}, one for each joint of {robot}")),
+            let (expected, what) = match Some(signal) == self.places.time {
+                true => (1, "1, the time".to_owned()),
+                false => (joints, format!("{joints}, one for each joint of {robot}")),
             };
             if found != expected {
                 let key = format!("{}: number of channels", source.path(data).display());
@@ -209,16 +255,32 @@ impl<'a> Source<'a> {
     }
 }
 
+/// The signals that are read, and where in their list those are that not every recording has.
+fn sources_of(description: &RecordingDescription, simulated: bool) -> (Vec<&ChannelSource>, Places) {
+    let mut sources = vec![&description.position, &description.torque];
+    let mut places = Places::default();
+    for (source, wanted, place) in [
+        (&description.time, true, &mut places.time),
+        (&description.reference, simulated, &mut places.reference),
+        (&description.added_signal, simulated, &mut places.added),
+    ] {
+        if let Some(source) = source.as_ref().filter(|_| wanted) {
+            *place = Some(sources.len());
+            sources.push(source);
+        }
+    }
+    (sources, places)
+}
+
 fn require_same_length(signals: &SignalParts, sources: &[&ChannelSource], data: &Path) -> Result<(), ReductionError> {
     let first_samples = signals.samples(POSITION);
-    for (signal, name) in [(TORQUE, "torque"), (TIME, "time")] {
-        let Some(source) = sources.get(signal) else { continue };
+    for (signal, source) in sources.iter().enumerate().skip(1) {
         if signals.samples(signal) != first_samples {
             let error = RecordingError::DifferentLengths {
                 first: "position".to_owned(),
                 first_file: sources[POSITION].path(data),
                 first_samples,
-                second: name.to_owned(),
+                second: if signal == TORQUE { "torque" } else { "time or reference" }.to_owned(),
                 second_file: source.path(data),
                 second_samples: signals.samples(signal),
             };

@@ -44,6 +44,8 @@ pub struct Reduction {
     pub experiment_description: String,
     /// The text of the robot description.
     pub robot_description: String,
+    /// The base parameters with which the instruments were simulated, where there are instruments.
+    pub instruments: Option<Vec<f64>>,
     /// The recordings, by fingerprint where reductions were merged.
     pub recordings: Vec<ReducedRecording>,
 }
@@ -94,6 +96,13 @@ impl Reduction {
     /// [`ReductionError`] where the two are not of one robot and one way of filtering, or share a recording.
     pub fn merge(mut self, other: Self) -> Result<Self, ReductionError> {
         self.identity.require_like(&other.identity)?;
+        if self.instruments != other.instruments {
+            let of = |r: &Self| match &r.instruments {
+                None => "none".to_owned(),
+                Some(theta) => format!("of parameters {theta:?}"),
+            };
+            return Err(unlike("the instruments", &of(&self), &of(&other)));
+        }
         other.recordings.into_iter().try_for_each(|recording| self.add(recording))?;
         self.recordings.sort_by(|a, b| a.fingerprint.cmp(&b.fingerprint));
         Ok(self)
@@ -136,7 +145,9 @@ impl Identity {
         }
         match self.expressions.iter().zip(&other.expressions).find(|(a, b)| a != b) {
             Some((first, other)) => Err(unlike("a base parameter's formula (the robot's geometry)", first, other)),
-            None if self.acting != other.acting => Err(unlike("which parameters act on which joint", &"one", &"another")),
+            None if self.acting != other.acting => {
+                Err(unlike("which parameters act on which joint", &"one", &"another"))
+            }
             None => Ok(()),
         }
     }

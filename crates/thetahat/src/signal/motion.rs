@@ -42,11 +42,7 @@ pub fn moving_samples(
 ///
 /// # Errors
 /// As [`moving_samples`].
-pub fn moving_thresholds(
-    peaks: &[f64],
-    threshold_fraction: f64,
-    still_velocity: f64,
-) -> Result<Vec<f64>, SignalError> {
+pub fn moving_thresholds(peaks: &[f64], threshold_fraction: f64, still_velocity: f64) -> Result<Vec<f64>, SignalError> {
     if !(f64::MIN_POSITIVE..1.0).contains(&threshold_fraction) {
         return Err(SignalError::InvalidThreshold { threshold_fraction });
     }
