@@ -197,17 +197,11 @@ fn a_folder_is_that_of_one_campaign() {
     Store::open(&folder.0, &campaign).unwrap();
     let other = Campaign { text: campaign.text.replace("seeds = 2", "seeds = 3"), ..campaign.clone() };
     let error = Store::open(&folder.0, &other).unwrap_err();
-    assert!(
-        matches!(&error, CampaignError::OtherCampaign { changed, .. } if changed == "the campaign file"),
-        "{error}"
-    );
+    assert!(matches!(&error, CampaignError::OtherCampaign { changed, .. } if changed == "the campaign file"), "{error}");
     let store = Store::open(&folder.0, &campaign).unwrap();
     fs::write(folder.0.join("parts/01-00001-00001.parquet"), b"PAR1 and no more").unwrap();
     let error = campaign.run(Limits::default(), 1, Some(&store), &mut |_| {}).unwrap_err();
-    assert!(
-        matches!(&error, CampaignError::Damaged { path, .. } if path.ends_with("01-00001-00001.parquet")),
-        "{error}"
-    );
+    assert!(matches!(&error, CampaignError::Damaged { path, .. } if path.ends_with("01-00001-00001.parquet")), "{error}");
 }
 
 #[test]

@@ -138,8 +138,8 @@ fn levels<T>(values: &[Option<T>]) -> Vec<i16> {
 /// Reads rows back.
 pub(super) fn read(path: &Path, facts: &Facts) -> Result<Vec<Row>, CampaignError> {
     let damaged = |problem: String| CampaignError::Damaged { path: path.to_owned(), problem };
-    let file =
-        File::open(path).map_err(|e| CampaignError::Unreadable { path: path.to_owned(), reason: e.to_string() })?;
+    let file = File::open(path)
+        .map_err(|e| CampaignError::Unreadable { path: path.to_owned(), reason: e.to_string() })?;
     let reader = SerializedFileReader::new(file).map_err(|e| damaged(e.to_string()))?;
     let records = reader.get_row_iter(None).map_err(|e| damaged(e.to_string()))?;
     let row = |(number, record): (usize, Result<Record, ParquetError>)| {
@@ -195,8 +195,8 @@ fn row(record: &Record, facts: &Facts) -> Option<Row> {
 /// The times of a file, in the order of its rows.
 pub(super) fn read_seconds(path: &Path) -> Result<Vec<Option<f64>>, CampaignError> {
     let damaged = |e: ParquetError| CampaignError::Damaged { path: path.to_owned(), problem: e.to_string() };
-    let file =
-        File::open(path).map_err(|e| CampaignError::Unreadable { path: path.to_owned(), reason: e.to_string() })?;
+    let file = File::open(path)
+        .map_err(|e| CampaignError::Unreadable { path: path.to_owned(), reason: e.to_string() })?;
     let reader = SerializedFileReader::new(file).map_err(damaged)?;
     let seconds = |record: Result<Record, ParquetError>| {
         let record = record.map_err(damaged)?;

@@ -100,8 +100,9 @@ impl Campaign {
         let starts = limits.starts.unwrap_or(u32::MAX).min(self.file.starts.count);
         let seeds = limits.seeds.unwrap_or(u32::MAX).min(self.file.seeds);
         let levels = 0..u32::try_from(self.file.noise.len()).unwrap_or(u32::MAX);
-        let of_level =
-            |level| (0..starts).flat_map(move |start| (0..seeds).map(move |seed| Key { level, start, seed }));
+        let of_level = |level| {
+            (0..starts).flat_map(move |start| (0..seeds).map(move |seed| Key { level, start, seed }))
+        };
         levels.flat_map(of_level).collect()
     }
 }

@@ -78,7 +78,9 @@ impl Store {
             .map_err(|e| CampaignError::Damaged { path: path.clone(), problem: e.to_string() })?;
         match manifest.change(&found) {
             None => Ok(store),
-            Some(what) => Err(CampaignError::OtherCampaign { folder: folder.to_owned(), changed: what.to_owned() }),
+            Some(what) => {
+                Err(CampaignError::OtherCampaign { folder: folder.to_owned(), changed: what.to_owned() })
+            }
         }
     }
 

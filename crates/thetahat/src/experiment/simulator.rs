@@ -176,7 +176,12 @@ impl RecordedLoop<'_> {
         self.run(theta, inertia, self.filtered.window.start, self.filtered.window.len())
     }
 
-    fn simulate_every(&self, theta: &[f64], inertia: &[f64], step: usize) -> Result<SimulatedMotion, SimulationError> {
+    fn simulate_every(
+        &self,
+        theta: &[f64],
+        inertia: &[f64],
+        step: usize,
+    ) -> Result<SimulatedMotion, SimulationError> {
         let (window, rate) = (&self.filtered.window, self.filtered.record.sample_rate_hz);
         let start_s = window.start as f64 / rate;
         let samples = window.len().div_ceil(step);

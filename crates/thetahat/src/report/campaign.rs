@@ -35,7 +35,11 @@ pub fn campaign_text(campaign: &Campaign, runs: &CampaignRuns) -> String {
 ///
 /// # Errors
 /// [`ReportError`] where the page cannot be rendered or written.
-pub fn write_campaign(campaign: &Campaign, runs: &CampaignRuns, directory: &Path) -> Result<PathBuf, ReportError> {
+pub fn write_campaign(
+    campaign: &Campaign,
+    runs: &CampaignRuns,
+    directory: &Path,
+) -> Result<PathBuf, ReportError> {
     let summaries = summarise(runs);
     let sections = [
         Section {

@@ -72,19 +72,9 @@ pub(super) fn parameters(runs: &CampaignRuns, summaries: &[Summary]) -> Vec<Tabl
     let table = |s: &Summary| Table {
         title: format!("{}, {}, {}", s.case, s.noise, s.method),
         lead: 2,
-        head: [
-            "parameter",
-            "unit",
-            "true",
-            "mean",
-            "error",
-            "sd of estimates",
-            "mean classical sd",
-            "cover %",
-            "classical %",
-        ]
-        .map(str::to_owned)
-        .into(),
+        head: ["parameter", "unit", "true", "mean", "error", "sd of estimates", "mean classical sd", "cover %", "classical %"]
+            .map(str::to_owned)
+            .into(),
         rows: parameter_summaries(runs, &s.case, &s.noise, &s.method).iter().map(parameter).collect(),
         ..Table::default()
     };
