@@ -206,11 +206,15 @@ impl<'a> Simulated<'a> {
 
     /// The inertia that each motor sees, averaged along the record.
     fn mean_inertia(&self, theta: &[f64]) -> Result<Vec<f64>, ReductionError> {
-        let last = self.source.samples - 1;
-        let places = (0..INERTIA_SAMPLES).map(|k| (self.source.samples * k / (INERTIA_SAMPLES - 1)).min(last));
-        let samples =
-            places.map(|k| Ok(self.source.reference(k..k + 1)?.0)).collect::<Result<Vec<_>, ReductionError>>()?;
-        let values = samples.iter().flat_map(|s| s.values()).copied().collect();
+        let mut values = Vec::new();
+        for k in 0..INERTIA_SAMPLES {
+            let last = self.source.samples - 1;
+            let place = (self.source.samples as f64 * k as f64 / (INERTIA_SAMPLES - 1) as f64).min(last as f64);
+            let first = place as usize;
+            let (near, _) = self.source.reference(first..(first + 2).min(last + 1))?;
+            let (from, to) = (near.sample(0), near.sample(near.len() - 1));
+            values.extend(from.iter().zip(to).map(|(a, b)| a + (place - first as f64) * (b - a)));
+        }
         let series = Series::from_values(self.model.joint_count(), values);
         let reference = Reference::Sampled(SampledReference::new(series, 1.0));
         Ok(self.closed_loop(&reference, None).motor_inertia(theta, (INERTIA_SAMPLES - 1) as f64))
