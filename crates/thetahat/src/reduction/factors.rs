@@ -99,7 +99,7 @@ mod tests {
     use crate::linear_algebra::PivotedQr;
 
     const ROWS: usize = 2000;
-    const COLUMNS: usize = 11;
+    const COLUMNS: usize = 12;
     /// Digits are counted up to those of a double.
     const ALL: f64 = 16.0;
 
