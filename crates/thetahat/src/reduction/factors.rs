@@ -4,7 +4,7 @@ use crate::{linear_algebra::Matrix, series::Series};
 pub(super) const MOST_SEGMENTS: usize = 32;
 const SHORTEST: usize = 16;
 
-/// A stretch of time of one recording: for each joint the upper triangular factor of its rows of [X y].
+/// A stretch of time of one recording: for each joint the upper triangular factor of its rows of `[X y]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Segment {
     /// Rows of each joint.
