@@ -19,6 +19,8 @@ use thetahat::{
 const EQUAL: f64 = 1e-9;
 /// The same for IV, whose matrix Z^T X has a larger condition number.
 const EQUAL_IV: f64 = 1e-8;
+/// Simulated in pieces or as a whole, with other steps of the integration, in standard deviations: 0.0096 were found.
+const IV_IN_PIECES: f64 = 0.02;
 /// The same between reductions of one record.
 const EQUAL_PIECES: f64 = 1e-10;
 
@@ -158,7 +160,7 @@ fn recorded_demonstration(folder: &Path) -> Experiment {
     Experiment::from_texts(&folder.join("recorded.toml"), text, demo.robot_text).unwrap()
 }
 
-/// Simulated in pieces, each from 2 s before it, IV is that of a simulation of the whole record to a hundredth of a
+/// Simulated in pieces, each from 2 s before it, IV is that of a simulation of the whole record, to two hundredths of a
 /// standard deviation.
 fn iv_in_pieces() -> Result<(), Failed> {
     let folder = std::env::temp_dir().join(format!("thetahat-iv-{}", std::process::id()));
@@ -178,7 +180,7 @@ fn iv_in_pieces() -> Result<(), Failed> {
         |(f, e): (&ParameterResult, &ParameterResult)| (f.estimate - e.estimate).abs() / e.standard_deviation.unwrap();
     let worst = iv.parameters.iter().zip(&expected.parameters).map(apart).fold(0.0, f64::max);
     println!("pieces against the whole: {worst:.1e} standard deviations at the most");
-    ensure(worst < 0.01, format!("{worst} standard deviations"))
+    ensure(worst < IV_IN_PIECES, format!("{worst} standard deviations"))
 }
 
 fn threads_change_no_byte() -> Result<(), Failed> {
