@@ -38,6 +38,13 @@ pub enum Command {
     /// Identifies with the simulator's gear ratios, drive gains, controller gains, delay, reference and friction wrong by
     /// steps, and compares with the estimates without error.
     Sensitivity(Sensitivity),
+    /// Reduce recordings of any length to a small file from which `solve` estimates.
+    ///
+    /// The file holds triangular factors of the regression; the recordings are read in pieces. Reductions of the same robot
+    /// and the same [signal] can be merged.
+    Reduce(Reduce),
+    /// Identify from reductions, alone or merged: by IDIM-LS, and by IDIM-IV where they have instruments.
+    Solve(Solve),
     /// Record the simulated robot that an experiment describes in [twin].
     Simulate(Simulate),
     /// Show a robot: its structure, its standard parameters, and its base parameters with their formulas.
@@ -158,6 +165,33 @@ pub struct Campaign {
     /// Only the first seeds of the campaign
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..))]
     pub seeds: Option<u32>,
+}
+
+#[derive(Args)]
+pub struct Reduce {
+    #[command(flatten)]
+    pub described: Described,
+    /// The file to write
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// A results.json with whose estimates instruments are simulated, for IDIM-IV: those of its idim-iv, or else idim-ls
+    #[arg(long, value_name = "RESULTS.json")]
+    pub instruments_from: Option<PathBuf>,
+    /// Pieces that are worked on at a time [default: one for each processor]
+    #[arg(long, value_name = "N", value_parser = at_least_one)]
+    pub threads: Option<usize>,
+}
+
+#[derive(Args)]
+pub struct Solve {
+    /// Files of `reduce`
+    #[arg(value_name = "REDUCTION", required = true)]
+    pub reductions: Vec<PathBuf>,
+    #[command(flatten)]
+    pub output: Output,
+    /// File for the reductions merged to one
+    #[arg(long, value_name = "FILE")]
+    pub merged: Option<PathBuf>,
 }
 
 #[derive(Args)]

@@ -20,6 +20,7 @@ use crate::{
     },
     campaign,
     progress::Progress,
+    reduction,
 };
 
 /// What a finished command says of its result.
@@ -38,6 +39,8 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
         Command::Predict(request) => predict_torques(&request),
         Command::Campaign(request) => campaign::run(&request),
         Command::Sensitivity(sensitivity) => sweep_errors(&sensitivity),
+        Command::Reduce(request) => reduction::reduce(&request),
+        Command::Solve(request) => reduction::solve(&request),
         Command::Simulate(simulate) => record_twin(&simulate),
         Command::Model(request) => show_model(&request),
     }
@@ -127,7 +130,7 @@ fn identify_experiment(identify: &Identify) -> Result<Verdict, Box<dyn Error>> {
 }
 
 /// The experiment, and the folder of its data.
-fn read_experiment(described: &Described) -> Result<(Experiment, PathBuf), Box<dyn Error>> {
+pub fn read_experiment(described: &Described) -> Result<(Experiment, PathBuf), Box<dyn Error>> {
     let beside = described.experiment.parent().map_or_else(PathBuf::new, Path::to_owned);
     let data = described.data.clone().unwrap_or(beside);
     let experiment = match &described.robot {

@@ -4,6 +4,7 @@ mod arguments;
 mod campaign;
 mod commands;
 mod progress;
+mod reduction;
 
 use std::process::ExitCode;
 

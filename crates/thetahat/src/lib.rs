@@ -39,4 +39,6 @@ pub mod experiment;
 #[cfg(feature = "parquet")]
 pub mod campaign;
 
+pub mod reduction;
+
 pub mod report;

@@ -2,7 +2,7 @@
 //!
 //! Least squares are solved by QR with column pivoting, never by normal equations.
 
-use faer::{MatRef, linalg::solvers::ColPivQr, prelude::*};
+use faer::{MatRef, Side, linalg::solvers::ColPivQr, prelude::*};
 
 /// A dense matrix, stored column by column.
 #[derive(Debug, Clone, PartialEq)]
@@ -165,6 +165,41 @@ impl Matrix {
         (qr.rank(SINGULAR) == self.columns).then(|| qr.solve_matrix(&Self::identity(self.rows)))
     }
 
+    /// Matrices of equally many columns, one below the other.
+    #[must_use]
+    pub fn stack(parts: &[&Self]) -> Self {
+        let columns = parts.first().map_or(0, |part| part.columns);
+        let values = (0..columns).flat_map(|j| parts.iter().flat_map(move |part| part.column(j))).copied().collect();
+        Self { rows: parts.iter().map(|part| part.rows).sum(), columns, values }
+    }
+
+    /// R of `A = Q R`, without pivoting, with a diagonal that is not negative: as many rows as A has, but no more than
+    /// columns.
+    ///
+    /// Whatever orthonormal columns do to the rows of A, R stays the same: A may be replaced by R in any least squares
+    /// problem in its columns.
+    #[must_use]
+    pub fn triangular_factor(&self) -> Self {
+        let mut r = from_faer(self.view().qr().thin_R());
+        for i in 0..r.rows {
+            if r.at(i, i) < 0.0 {
+                (i..r.columns).for_each(|j| *r.at_mut(i, j) = -r.at(i, j));
+            }
+        }
+        r
+    }
+
+    /// Eigenvalues, rising, and eigenvectors, column by column, of a symmetric matrix; `None` where an entry is not finite.
+    #[must_use]
+    pub fn symmetric_eigen(&self) -> Option<(Vec<f64>, Self)> {
+        if !self.values.iter().all(|v| v.is_finite()) {
+            return None;
+        }
+        let eigen = self.view().self_adjoint_eigen(Side::Lower).ok()?;
+        let values = eigen.S().column_vector();
+        Some(((0..self.rows).map(|i| values[i]).collect(), from_faer(eigen.U())))
+    }
+
     /// Singular values, largest first; `None` where an entry is not finite.
     #[must_use]
     pub fn singular_values(&self) -> Option<Vec<f64>> {
@@ -323,6 +358,31 @@ mod tests {
         for j in 0..3 {
             let dot: f64 = a.column(j).iter().zip(&residual).map(|(a, r)| a * r).sum();
             assert!(dot.abs() < 1e-13, "column {j}: {dot:e}");
+        }
+    }
+
+    #[test]
+    fn triangular_factors_stand_for_their_matrices() {
+        let a = example();
+        let (above, below) = (a.select_rows(&[true, true, false, false, false, false, false]), a.clone());
+        let parts = Matrix::stack(&[&above.triangular_factor(), &below.triangular_factor()]).triangular_factor();
+        let r = Matrix::stack(&[&above, &below]).triangular_factor();
+        assert_eq!((r.rows(), above.triangular_factor().rows()), (3, 2));
+        for i in 0..3 {
+            assert!(r.at(i, i) > 0.0);
+            for j in 0..3 {
+                assert!((r.at(i, j) - parts.at(i, j)).abs() < 1e-13 && (j >= i || r.at(i, j) == 0.0));
+            }
+        }
+    }
+
+    #[test]
+    fn a_symmetric_matrix_is_its_eigenvalues_on_its_eigenvectors() {
+        let a = example().transposed_times(&example());
+        let (values, vectors) = a.symmetric_eigen().unwrap();
+        let back = vectors.scale_columns(&values).times_matrix(&vectors.transpose());
+        for i in 0..3 {
+            (0..3).for_each(|j| assert!((back.at(i, j) - a.at(i, j)).abs() < 1e-12 * a.at(1, 1)));
         }
     }
 

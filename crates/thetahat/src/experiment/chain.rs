@@ -23,12 +23,12 @@ use crate::{
 };
 
 /// Part of its peak velocity above which a joint counts as moving.
-const MOVING: f64 = 0.01;
+pub(crate) const MOVING: f64 = 0.01;
 /// Periods of the position filter's cut-off that are cut at both ends of a record: the reach of its transient, where a
 /// record starts or ends in motion.
 const EDGE_PERIODS: f64 = 5.0;
 /// Peak velocity in rad/s or m/s below which a joint counts as still.
-const STILL: f64 = 1e-3;
+pub(crate) const STILL: f64 = 1e-3;
 /// Fewest periods of the position filter's cut-off in a record: with fewer, the ends are all that is left of it.
 const FEWEST_PERIODS: f64 = 10.0;
 /// Length, in periods of the cut-off, of the record through which bandwidths are measured.
@@ -51,14 +51,18 @@ impl Experiment {
         record: Record,
         description: Option<&RecordingDescription>,
     ) -> Result<FilteredRecord, ExperimentError> {
+        self.filter_and_cut(record, &self.signal_of(description))
+    }
+
+    /// The settings for a recording, which may state a window of its own.
+    pub(crate) fn signal_of(&self, description: Option<&RecordingDescription>) -> SignalDescription {
         let own = description.map(|d| (d.window_start_s, d.window_end_s)).filter(|w| *w != (None, None));
-        let signal = match own {
+        match own {
             Some((window_start_s, window_end_s)) => {
                 SignalDescription { window_start_s, window_end_s, ..self.file.signal }
             }
             None => self.file.signal,
-        };
-        self.filter_and_cut(record, &signal)
+        }
     }
 
     /// Filters and differentiates the whole record, then cuts it to its moving part.
@@ -69,27 +73,38 @@ impl Experiment {
 
     fn filter_and_cut(&self, record: Record, signal: &SignalDescription) -> Result<FilteredRecord, ExperimentError> {
         let refuse = |source| ExperimentError::Signal { path: self.path.clone(), source };
-        let slowest = FEWEST_PERIODS * record.sample_rate_hz / record.position.len() as f64;
-        let expected = format!("at least {slowest:.3}, {FEWEST_PERIODS} periods in the record");
-        self.require(signal.cutoff_hz >= slowest, "[signal] cutoff_hz", &expected, signal.cutoff_hz)?;
+        self.require_periods(record.position.len(), record.sample_rate_hz)?;
         let (q, dq, ddq) = self.band_pass(&record.position, record.sample_rate_hz).map_err(refuse)?;
         let window = self.window(&dq, record.sample_rate_hz, signal)?;
         let cut = |series: &Series| series.window(window.clone());
         Ok(FilteredRecord { q: cut(&q), dq: cut(&dq), ddq: cut(&ddq), record, window })
     }
 
+    /// A record must be long beside the period of the position filter.
+    pub(crate) fn require_periods(&self, samples: usize, sample_rate_hz: f64) -> Result<(), ExperimentError> {
+        let cutoff_hz = self.file.signal.cutoff_hz;
+        let slowest = FEWEST_PERIODS * sample_rate_hz / samples as f64;
+        let expected = format!("at least {slowest:.3}, {FEWEST_PERIODS} periods in the record");
+        self.require(cutoff_hz >= slowest, "[signal] cutoff_hz", &expected, cutoff_hz)
+    }
+
     /// Position, velocity and acceleration by the zero-phase Butterworth filter and central differences (III-A).
-    pub(super) fn band_pass(
+    pub(crate) fn band_pass(
         &self,
         position: &Series,
         sample_rate_hz: f64,
     ) -> Result<(Series, Series, Series), SignalError> {
-        let signal = &self.file.signal;
-        let filter = SecondOrderSections::butterworth_lowpass(signal.filter_order, signal.cutoff_hz, sample_rate_hz)?;
+        let filter = self.position_filter(sample_rate_hz)?;
         let q = zero_phase(&filter, position, Padding::Matlab)?;
         let dq = central_difference(&q, sample_rate_hz);
         let ddq = central_difference(&dq, sample_rate_hz);
         Ok((q, dq, ddq))
+    }
+
+    /// The filter of the positions, one pass.
+    pub(crate) fn position_filter(&self, sample_rate_hz: f64) -> Result<SecondOrderSections, SignalError> {
+        let signal = &self.file.signal;
+        SecondOrderSections::butterworth_lowpass(signal.filter_order, signal.cutoff_hz, sample_rate_hz)
     }
 
     /// The stated window, or the moving part without the edges of the filter. A record without motion is refused in both
@@ -102,17 +117,28 @@ impl Experiment {
     ) -> Result<Range<usize>, ExperimentError> {
         let refuse = |source| ExperimentError::Signal { path: self.path.clone(), source };
         let moving = moving_samples(dq, MOVING, STILL).map_err(refuse)?;
+        self.window_of(moving, dq.len(), sample_rate_hz, signal)
+    }
+
+    /// The window of a record of so many samples that moves in a range of them.
+    pub(crate) fn window_of(
+        &self,
+        moving: Range<usize>,
+        samples: usize,
+        sample_rate_hz: f64,
+        signal: &SignalDescription,
+    ) -> Result<Range<usize>, ExperimentError> {
         let sample = |t: f64| (t * sample_rate_hz).round() as usize;
         let edge = (EDGE_PERIODS * sample_rate_hz / signal.cutoff_hz).ceil() as usize;
         let start = signal.window_start_s.map_or(moving.start.max(edge), sample);
         let end = match (signal.window_start_s, signal.window_end_s) {
             (_, Some(end)) => sample(end),
-            (Some(_), None) => dq.len(),
-            (None, None) => moving.end.min(dq.len().saturating_sub(edge)),
+            (Some(_), None) => samples,
+            (None, None) => moving.end.min(samples.saturating_sub(edge)),
         };
-        if end > dq.len() {
+        if end > samples {
             let found = format!("{} s", signal.window_end_s.unwrap_or_default());
-            let record = format!("at most the record's {:.4} s", dq.len() as f64 / sample_rate_hz);
+            let record = format!("at most the record's {:.4} s", samples as f64 / sample_rate_hz);
             return Err(self.value("[signal] window_end_s", &record, found));
         }
         if start >= end {
@@ -123,7 +149,7 @@ impl Experiment {
     }
 
     /// Sends an impulse through the filters as they are used on the record, and measures where they are 3 dB down.
-    pub(super) fn measure_bandwidth(&self, sample_rate_hz: f64) -> Result<Bandwidth, ExperimentError> {
+    pub(crate) fn measure_bandwidth(&self, sample_rate_hz: f64) -> Result<Bandwidth, ExperimentError> {
         let refuse = |source| ExperimentError::Signal { path: self.path.clone(), source };
         let signal = &self.file.signal;
         let decimation_cutoff_hz = 0.8 * 0.5 * sample_rate_hz / signal.decimation as f64;

@@ -331,7 +331,7 @@ pub struct Case {
 }
 
 /// Name of the case without any difference.
-pub(super) const NOMINAL: &str = "nominal";
+pub(crate) const NOMINAL: &str = "nominal";
 
 const DEMO: &str = include_str!("../../../../experiments/demo.toml");
 const DEMO_ROBOT: &str = include_str!("../../../../robots/tx40.toml");
@@ -400,7 +400,7 @@ impl Experiment {
         Ok(experiment)
     }
 
-    pub(super) fn require(
+    pub(crate) fn require(
         &self,
         holds: bool,
         key: &str,
@@ -410,7 +410,7 @@ impl Experiment {
         if holds { Ok(()) } else { Err(self.value(key, expected, found)) }
     }
 
-    pub(super) fn value(&self, key: &str, expected: &str, found: impl std::fmt::Display) -> ExperimentError {
+    pub(crate) fn value(&self, key: &str, expected: &str, found: impl std::fmt::Display) -> ExperimentError {
         ExperimentError::Value {
             path: self.path.clone(),
             key: key.to_owned(),

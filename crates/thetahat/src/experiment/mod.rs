@@ -27,12 +27,16 @@ mod workers;
 
 #[cfg(feature = "parquet")]
 pub(crate) use chain::{FilteredRecord, Problem};
+pub(crate) use chain::{MOVING, STILL};
 #[cfg(feature = "parquet")]
 pub(crate) use paths::beside;
 #[cfg(feature = "parquet")]
 pub(crate) use run::explain;
 #[cfg(feature = "parquet")]
 pub(crate) use simulator::{RecordReference, Simulator};
+
+pub(crate) use description::NOMINAL;
+pub(crate) use record::Record;
 
 pub use description::{
     Case, EstimationDescription, Experiment, ExperimentFile, Gains, NamedChoice, ParameterChoice, ParameterSelection,

@@ -17,27 +17,27 @@ const TWIN_SAMPLES: std::ops::RangeInclusive<f64> = 100.0..=1e8;
 
 /// Positions and torques of the joints, and what else was recorded with them.
 pub(crate) struct Record {
-    pub(super) name: String,
+    pub(crate) name: String,
     /// Weight of its rows.
-    pub(super) weight: f64,
-    pub(super) sample_rate_hz: f64,
+    pub(crate) weight: f64,
+    pub(crate) sample_rate_hz: f64,
     /// The times as they were recorded, s.
-    pub(super) stamps: Option<Vec<f64>>,
+    pub(crate) stamps: Option<Vec<f64>>,
     /// How the record was brought to equal steps, where it had none.
-    pub(super) resampling: Option<Resampling>,
-    pub(super) position: Series,
+    pub(crate) resampling: Option<Resampling>,
+    pub(crate) position: Series,
     /// Whether positions or torques came through the transmission.
-    pub(super) geared: bool,
-    pub(super) velocity: Option<Series>,
-    pub(super) torque: Series,
+    pub(crate) geared: bool,
+    pub(crate) velocity: Option<Series>,
+    pub(crate) torque: Series,
     /// The recorded reference of the joints.
-    pub(super) reference: Option<Series>,
+    pub(crate) reference: Option<Series>,
     /// The signal added to the drives behind the controller.
-    pub(super) added_signal: Option<Series>,
+    pub(crate) added_signal: Option<Series>,
     /// The planned moves of a twin.
-    pub(super) planned: Option<Moves>,
+    pub(crate) planned: Option<Moves>,
     /// The true standard parameters of a twin.
-    pub(super) truth: Option<Vec<f64>>,
+    pub(crate) truth: Option<Vec<f64>>,
 }
 
 /// What the sensors of a twin saw.
@@ -87,7 +87,7 @@ impl TwinMotion {
 
 impl Experiment {
     /// Reads a recording and brings it to the joint side and to equal time steps. `number` counts from one.
-    pub(super) fn read_record(
+    pub(crate) fn read_record(
         &self,
         description: &RecordingDescription,
         number: usize,
@@ -169,7 +169,7 @@ impl Experiment {
     }
 
     /// Simulates the twin's motion and records it through its sensors.
-    pub(super) fn simulate_twin(&self, twin: &TwinDescription) -> Result<Record, ExperimentError> {
+    pub(crate) fn simulate_twin(&self, twin: &TwinDescription) -> Result<Record, ExperimentError> {
         Ok(self.record_motion(&twin.sensors, twin.sample_rate_hz, &self.twin_motion(twin)?))
     }
 

@@ -12,6 +12,7 @@
 //! | `place`, `limits`, `caught` | where a file may lie, how much memory it may ask for, panics of libraries |
 //! | `format` | the formats, and the reader of each |
 //! | `csv`, `npy`, `npz`, `mat`, `parquet`, `bag` | the readers |
+//! | `parts` | signals of files that are longer than memory, part by part |
 //! | `table`, `select` | what readers give, and the columns asked for out of it |
 //! | `inspect` | what a file holds: columns, their ranges and resolution, rate, jitter and gaps |
 //! | `unit` | units, their factors to SI, and what they measure |
@@ -37,6 +38,7 @@ mod npy;
 mod npz;
 #[cfg(feature = "parquet")]
 mod parquet;
+mod parts;
 mod place;
 mod select;
 mod source;
@@ -53,5 +55,6 @@ pub use csv::{Decimal, Dialect};
 pub use error::RecordingError;
 pub use format::Format;
 pub use inspect::{ChannelSummary, ColumnSummary, Contents, Gap, TableSummary, TimeSummary, inspect};
+pub use parts::SignalParts;
 pub use source::{ChannelSource, Side, read_channels};
 pub use unit::{Quantity, Unit};

@@ -3,12 +3,15 @@
 //! `npyz` reads header and values. Before it sees a header, this file checks what it does not: its parser of the header
 //! calls itself for each bracket, and the product of a forged shape overflows.
 
-use std::path::Path;
+use std::io::{Read, Seek, SeekFrom};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
 
 use npyz::{DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar};
 
 use super::RecordingError;
 use super::limits::Budget;
+use super::place::{open, unreadable};
 use super::table::{Column, Table};
 
 /// Longest header that is read. Those of arrays of numbers have about 100 bytes.
@@ -41,9 +44,82 @@ pub(super) fn column(name: String, bytes: &[u8], path: &Path, budget: &mut Budge
         return Err(damaged(format!("expected {count} values, the file ends after {}", rest.len() / width)));
     }
     let c_order = header.order() == Order::C;
-    let values = values(code, width, NpyFile::with_header(header, rest)).map_err(damaged)?;
+    let values = values(code, width, NpyFile::with_header(header, rest), count).map_err(damaged)?;
     let values = if c_order && channels > 1 { by_channel(&values, channels) } else { values };
     Ok(Column::of_numbers(name, channels, values))
+}
+
+/// An array of which any samples can be read: one that lies in a file as it is.
+pub(super) struct ArrayParts {
+    path: PathBuf,
+    name: String,
+    header: NpyHeader,
+    code: TypeChar,
+    width: usize,
+    samples: usize,
+    channels: usize,
+    /// Where its values begin in the file.
+    start: u64,
+}
+
+impl ArrayParts {
+    /// The array that begins at a byte of a file and takes `length` bytes; none where it is not one of numbers, or too
+    /// short for them: the reader of whole files says what is wrong.
+    pub(super) fn open(path: &Path, name: String, place: u64, length: u64) -> Result<Option<Self>, RecordingError> {
+        let mut beginning = Vec::new();
+        let refuse = |e| unreadable(path, e);
+        let mut file = open(path)?;
+        file.seek(SeekFrom::Start(place)).map_err(refuse)?;
+        file.take(length.min(2 * LONGEST_HEADER as u64)).read_to_end(&mut beginning).map_err(refuse)?;
+        if check_header(&beginning).is_err() {
+            return Ok(None);
+        }
+        let mut rest = &beginning[..];
+        let Ok(header) = NpyHeader::from_reader(&mut rest) else { return Ok(None) };
+        let described = samples_and_channels(header.shape()).zip(number_type(&header.dtype()));
+        let Some(((samples, channels), (code, width))) = described else { return Ok(None) };
+        let before = (beginning.len() - rest.len()) as u64;
+        let needed = samples.checked_mul(channels).and_then(|values| values.checked_mul(width));
+        let fits = needed.is_some_and(|bytes| bytes as u64 <= length - before);
+        let start = place + before;
+        Ok(fits.then(|| Self { path: path.to_owned(), name, header, code, width, samples, channels, start }))
+    }
+
+    pub(super) fn name(&self) -> &str {
+        &self.name
+    }
+
+    pub(super) fn samples(&self) -> usize {
+        self.samples
+    }
+
+    /// These samples as a column.
+    pub(super) fn read(&self, range: Range<usize>) -> Result<Column, RecordingError> {
+        let c_order = self.header.order() == Order::C || self.channels == 1;
+        let values = if c_order {
+            let values = self.values(range.start * self.channels, range.len() * self.channels)?;
+            if self.channels > 1 { by_channel(&values, self.channels) } else { values }
+        } else {
+            let channel = |c: usize| self.values(c * self.samples + range.start, range.len());
+            (0..self.channels).map(channel).collect::<Result<Vec<_>, _>>()?.concat()
+        };
+        Ok(Column::of_numbers(self.name.clone(), self.channels, values))
+    }
+
+    /// Values in the order of the file.
+    fn values(&self, first: usize, count: usize) -> Result<Vec<f64>, RecordingError> {
+        let refuse = |e| unreadable(&self.path, e);
+        let damaged = |reason: String| RecordingError::damaged(&self.path, format!("array {:?}: {reason}", self.name));
+        let mut bytes = Vec::with_capacity(count * self.width);
+        let mut file = open(&self.path)?;
+        file.seek(SeekFrom::Start(self.start + (first * self.width) as u64)).map_err(refuse)?;
+        file.take((count * self.width) as u64).read_to_end(&mut bytes).map_err(refuse)?;
+        if bytes.len() < count * self.width {
+            return Err(damaged("it was changed while it was read".to_owned()));
+        }
+        let file = NpyFile::with_header(self.header.clone(), &bytes[..]);
+        values(self.code, self.width, file, count).map_err(damaged)
+    }
 }
 
 /// Checks length, brackets and numbers of a header, which begins behind the magic word and the version.
@@ -110,24 +186,25 @@ fn number_type(dtype: &DType) -> Option<(TypeChar, usize)> {
     known.then(|| (text.type_char(), width))
 }
 
-fn values(code: TypeChar, width: usize, file: NpyFile<&[u8]>) -> Result<Vec<f64>, String> {
+/// The first `count` values.
+fn values(code: TypeChar, width: usize, file: NpyFile<&[u8]>, count: usize) -> Result<Vec<f64>, String> {
     match (code, width) {
-        (TypeChar::Float, 8) => collected(file, |x: f64| x),
-        (TypeChar::Float, _) => collected(file, |x: f32| x.into()),
-        (TypeChar::Int, 1) => collected(file, |x: i8| x.into()),
-        (TypeChar::Int, 2) => collected(file, |x: i16| x.into()),
-        (TypeChar::Int, 4) => collected(file, |x: i32| x.into()),
-        (TypeChar::Int, _) => collected(file, |x: i64| x as f64),
-        (TypeChar::Uint, 1) => collected(file, |x: u8| x.into()),
-        (TypeChar::Uint, 2) => collected(file, |x: u16| x.into()),
-        (TypeChar::Uint, 4) => collected(file, |x: u32| x.into()),
-        (TypeChar::Uint, _) => collected(file, |x: u64| x as f64),
-        _ => collected(file, |x: bool| x.into()),
+        (TypeChar::Float, 8) => collected(file, count, |x: f64| x),
+        (TypeChar::Float, _) => collected(file, count, |x: f32| x.into()),
+        (TypeChar::Int, 1) => collected(file, count, |x: i8| x.into()),
+        (TypeChar::Int, 2) => collected(file, count, |x: i16| x.into()),
+        (TypeChar::Int, 4) => collected(file, count, |x: i32| x.into()),
+        (TypeChar::Int, _) => collected(file, count, |x: i64| x as f64),
+        (TypeChar::Uint, 1) => collected(file, count, |x: u8| x.into()),
+        (TypeChar::Uint, 2) => collected(file, count, |x: u16| x.into()),
+        (TypeChar::Uint, 4) => collected(file, count, |x: u32| x.into()),
+        (TypeChar::Uint, _) => collected(file, count, |x: u64| x as f64),
+        _ => collected(file, count, |x: bool| x.into()),
     }
 }
 
-fn collected<T: Deserialize>(file: NpyFile<&[u8]>, number: fn(T) -> f64) -> Result<Vec<f64>, String> {
-    let values = file.data::<T>().map_err(|e| e.to_string())?;
+fn collected<T: Deserialize>(file: NpyFile<&[u8]>, count: usize, number: fn(T) -> f64) -> Result<Vec<f64>, String> {
+    let values = file.data::<T>().map_err(|e| e.to_string())?.take(count);
     values.map(|value| value.map(number).map_err(|e| e.to_string())).collect()
 }
 

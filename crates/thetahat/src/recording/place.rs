@@ -41,7 +41,6 @@ pub(super) fn file_bytes(path: &Path) -> Result<Vec<u8>, RecordingError> {
 }
 
 /// A file opened for reading, which must hold something.
-#[cfg_attr(not(feature = "rosbag"), expect(dead_code, reason = "only bags are read piece by piece"))]
 pub(super) fn open(path: &Path) -> Result<File, RecordingError> {
     file_length(path)?;
     File::open(path).map_err(|e| unreadable(path, e))

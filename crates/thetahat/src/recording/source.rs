@@ -95,7 +95,7 @@ impl ChannelSource {
     }
 
     /// The factor of each channel: unit times gain.
-    fn factors(&self, channels: usize) -> Result<Vec<f64>, RecordingError> {
+    pub(super) fn factors(&self, channels: usize) -> Result<Vec<f64>, RecordingError> {
         if self.gain.is_empty() {
             return Ok(vec![self.unit.to_si(); channels]);
         }
@@ -110,7 +110,7 @@ impl ChannelSource {
         Ok(self.gain.iter().map(|g| g * self.unit.to_si()).collect())
     }
 
-    fn refuse_repetition(&self) -> Result<(), RecordingError> {
+    pub(super) fn refuse_repetition(&self) -> Result<(), RecordingError> {
         let repeated = (1..self.columns.len()).find(|&i| self.columns[..i].contains(&self.columns[i]));
         repeated.map_or(Ok(()), |i| {
             Err(RecordingError::RepeatedColumn { file: self.file.clone(), column: self.columns[i].clone() })
@@ -118,7 +118,7 @@ impl ChannelSource {
     }
 
     /// Refuses settings of another format, which would be without effect.
-    fn refuse_useless_settings(&self, format: Format) -> Result<(), RecordingError> {
+    pub(super) fn refuse_useless_settings(&self, format: Format) -> Result<(), RecordingError> {
         let text = !matches!(format, Format::Csv);
         let settings = [
             ("topic", self.topic.is_some() && !format.is_bag()),
@@ -132,12 +132,12 @@ impl ChannelSource {
         }
     }
 
-    fn dialect(&self) -> Dialect {
+    pub(super) fn dialect(&self) -> Dialect {
         Dialect { delimiter: self.delimiter, decimal: self.decimal, header: self.header }
     }
 
     /// The path to read from: inside the folder of the data, unless the file may lie anywhere.
-    fn place(&self, root: &Path) -> Result<PathBuf, RecordingError> {
+    pub(super) fn place(&self, root: &Path) -> Result<PathBuf, RecordingError> {
         if self.anywhere { Ok(self.path(root)) } else { place::inside(root, &self.file) }
     }
 }

@@ -33,7 +33,11 @@ pub(super) fn count(recordings: &[RecordingFindings]) -> String {
         n => Some(format!("{n} {severity}s")),
     };
     let parts: Vec<String> = SEVERITIES.into_iter().filter_map(part).collect();
-    if parts.is_empty() { "nothing found".to_owned() } else { parts.join(", ") }
+    match (recordings, parts.is_empty()) {
+        ([], _) => "none made".to_owned(),
+        (_, true) => "nothing found".to_owned(),
+        _ => parts.join(", "),
+    }
 }
 
 /// A paragraph for each finding, for the page: what was seen, and what to do.

@@ -1,8 +1,11 @@
 //! Decimation: low-pass filtering and keeping every n-th sample.
 
+use std::ops::Range;
+
 use crate::series::Series;
 
 use super::forward_backward::{Kept, Shape};
+use super::parts::{DecimatedPart, Joined, PartPass};
 use super::pole_sums::PoleSums;
 use super::{Padding, SecondOrderSections, SignalError, zero_phase};
 
@@ -100,6 +103,48 @@ impl Decimator {
         Ok(series)
     }
 
+    /// The rows of a record cut into parts of `rows` rows or somewhat more: what may come by itself.
+    #[must_use]
+    pub fn parts(&self, rows: usize) -> Vec<Range<usize>> {
+        let rows = rows.max(Padding::Matlab.samples(ORDER) + 1);
+        let count = (self.rows() / rows).max(1);
+        let end = |part: usize| if part + 1 == count { self.rows() } else { (part + 1) * rows };
+        (0..count).map(|part| part * rows..end(part)).collect()
+    }
+
+    /// The samples that lie in a part: from behind the last one kept before it to its own last one.
+    #[must_use]
+    pub fn samples_of(&self, part: &Range<usize>) -> Range<usize> {
+        let end = |row: usize| if row == 0 { 0 } else { self.kept.first + (row - 1) * self.kept.step + 1 };
+        end(part.start)..end(part.end)
+    }
+
+    /// What is known of a part by itself, one of [`Self::parts`]. `fill` writes samples of the record as in
+    /// [`Self::decimate_computed`], and is asked for those of [`Self::samples_of`] only.
+    ///
+    /// # Errors
+    /// None for a decimator that could be made.
+    pub fn decimate_part(
+        &self,
+        part: Range<usize>,
+        channels: usize,
+        mut fill: impl FnMut(usize, &mut [f64]),
+    ) -> Result<DecimatedPart, SignalError> {
+        if let Some(filter) = &self.filter {
+            let shape = Shape { samples: self.samples, channels, padding: Padding::Matlab.samples(ORDER) };
+            return Ok(PartPass::new(&filter.sums, shape, self.kept, fill).run(part));
+        }
+        let mut rows = Series::zeros(part.len(), channels);
+        part.enumerate().for_each(|(row, k)| fill(k, rows.sample_mut(row)));
+        Ok(DecimatedPart::of_samples(rows))
+    }
+
+    /// Puts parts, given in their order, together to rows equal to those of [`Self::decimate`].
+    #[must_use]
+    pub fn joiner(&self) -> Joiner<'_> {
+        Joiner(self.filter.as_ref().map(|filter| Joined::new(&filter.sums, self.rows())))
+    }
+
     /// The series filtered, with all its samples: what [`Self::decimate`] picks from. The length is free, so that the
     /// filter can be probed.
     ///
@@ -109,6 +154,22 @@ impl Decimator {
         match &self.filter {
             Some(filter) => zero_phase(&filter.sections, series, Padding::Matlab),
             None => Ok(series.clone()),
+        }
+    }
+}
+
+/// The parts of a record on their way to its rows: [`Decimator::joiner`].
+///
+/// The rows of a part are finished when what lies behind it is known as far as the filter looks ahead.
+#[derive(Debug)]
+pub struct Joiner<'a>(Option<Joined<'a>>);
+
+impl Joiner<'_> {
+    /// Takes the next part, and gives the rows of those parts that are finished by it. The last part finishes all.
+    pub fn take(&mut self, part: DecimatedPart) -> Vec<Series> {
+        match &mut self.0 {
+            Some(joined) => joined.take(part),
+            None => vec![part.rows],
         }
     }
 }
@@ -172,6 +233,32 @@ mod tests {
                 for (d, f) in std::iter::zip(decimated.sample(row), filtered.sample(k)) {
                     assert!((d - f).abs() < 1e-10 * f.abs(), "factor {factor}, sample {k} of {samples}: {d} {f}");
                 }
+            }
+        }
+        Ok(())
+    }
+
+    /// Parts are the whole record, however long they are: shorter and longer than the filter looks ahead.
+    #[test]
+    fn parts_put_together_are_the_whole() -> Result<(), SignalError> {
+        for (factor, samples, rows) in [(1, 300, 60), (2, 3001, 25), (10, 9999, 30), (10, 9999, 333), (100, 60_003, 50)]
+        {
+            let value = |k: usize| 50.0 + (k as f64 * 0.37).sin() + ((k * k) % 17) as f64 + k as f64 * 1e-3;
+            let series = Series::from_values(3, (0..3 * samples).map(value).collect());
+            let decimator = Decimator::new(factor, samples)?;
+            let (whole, mut joiner) = (decimator.decimate(&series)?, decimator.joiner());
+            let mut joined: Vec<f64> = Vec::new();
+            for part in decimator.parts(rows) {
+                let own = decimator.samples_of(&part);
+                let part = decimator.decimate_part(part, 3, |k, sample| {
+                    assert!(own.contains(&k), "sample {k} of {own:?}");
+                    sample.copy_from_slice(series.sample(k));
+                })?;
+                joiner.take(part).iter().for_each(|rows| joined.extend(rows.values()));
+            }
+            assert_eq!(joined.len(), whole.values().len());
+            for (j, w) in joined.iter().zip(whole.values()) {
+                assert!((j - w).abs() < 1e-12 * w.abs(), "factor {factor}, parts of {rows}: {j} {w}");
             }
         }
         Ok(())

@@ -93,6 +93,14 @@ impl SecondOrderSections {
             .product()
     }
 
+    /// The number of samples after which the slowest part of a transient has decayed to `remainder` of itself: the powers of
+    /// the poles are below it.
+    #[must_use]
+    pub fn settling_samples(&self, remainder: f64) -> usize {
+        let largest = self.sections.iter().map(|&[.., a1, a2]| largest_pole(a1, a2)).fold(0.0, f64::max);
+        if largest > 0.0 { (remainder.ln() / largest.ln()).ceil() as usize } else { 0 }
+    }
+
     fn from_ellipse(order: usize, cutoff_hz: f64, sample_rate_hz: f64, ellipse: PoleEllipse, dc_gain: f64) -> Self {
         let omega = (PI * cutoff_hz / sample_rate_hz).tan();
         let denominators = ellipse.denominators(order, omega);
@@ -103,6 +111,12 @@ impl SecondOrderSections {
         sections[0][..3].iter_mut().for_each(|b| *b *= gain);
         Self { order, sample_rate_hz, sections }
     }
+}
+
+/// The larger absolute value of the two poles of `1 + a1 z^-1 + a2 z^-2`.
+fn largest_pole(a1: f64, a2: f64) -> f64 {
+    let discriminant = 0.25 * a1 * a1 - a2;
+    if discriminant < 0.0 { a2.sqrt() } else { 0.5 * a1.abs() + discriminant.sqrt() }
 }
 
 /// The half axes of the ellipse on which the analogue poles lie: a circle for Butterworth.

@@ -17,13 +17,15 @@ mod differentiate;
 mod error;
 mod forward_backward;
 mod motion;
+mod parts;
 mod pole_sums;
 mod zero_phase;
 
 pub use bandwidth::minus_3_db_bandwidth_hz;
-pub use decimate::Decimator;
+pub use decimate::{Decimator, Joiner};
 pub use design::SecondOrderSections;
 pub use differentiate::central_difference;
 pub use error::SignalError;
-pub use motion::moving_samples;
+pub use motion::{moving_samples, moving_thresholds};
+pub use parts::DecimatedPart;
 pub use zero_phase::{Padding, zero_phase};

@@ -28,17 +28,30 @@ pub fn moving_samples(
     threshold_fraction: f64,
     still_velocity: f64,
 ) -> Result<Range<usize>, SignalError> {
-    if !(f64::MIN_POSITIVE..1.0).contains(&threshold_fraction) {
-        return Err(SignalError::InvalidThreshold { threshold_fraction });
-    }
     let peaks = peaks(velocity);
-    let threshold = |&peak: &f64| if peak > still_velocity { threshold_fraction * peak } else { f64::INFINITY };
-    let thresholds: Vec<f64> = peaks.iter().map(threshold).collect();
+    let thresholds = moving_thresholds(&peaks, threshold_fraction, still_velocity)?;
     let moves = |&k: &usize| std::iter::zip(velocity.sample(k), &thresholds).any(|(v, limit)| v.abs() >= *limit);
     match ((0..velocity.len()).find(moves), (0..velocity.len()).rfind(moves)) {
         (Some(first), Some(last)) => Ok(first..last + 1),
         _ => Err(SignalError::NoMotion { peak_velocity: peaks.into_iter().fold(0.0, f64::max), still_velocity }),
     }
+}
+
+/// The absolute velocity from which on each channel counts as moving, from its peak over the whole record; infinite for one
+/// that never moves.
+///
+/// # Errors
+/// As [`moving_samples`].
+pub fn moving_thresholds(peaks: &[f64], threshold_fraction: f64, still_velocity: f64) -> Result<Vec<f64>, SignalError> {
+    if !(f64::MIN_POSITIVE..1.0).contains(&threshold_fraction) {
+        return Err(SignalError::InvalidThreshold { threshold_fraction });
+    }
+    if peaks.iter().all(|peak| *peak <= still_velocity) {
+        let peak_velocity = peaks.iter().copied().fold(0.0, f64::max);
+        return Err(SignalError::NoMotion { peak_velocity, still_velocity });
+    }
+    let threshold = |&peak: &f64| if peak > still_velocity { threshold_fraction * peak } else { f64::INFINITY };
+    Ok(peaks.iter().map(threshold).collect())
 }
 
 /// The largest absolute value of each channel.

@@ -18,19 +18,18 @@
 //!
 //! Poles come in conjugate pairs, of which one is kept and the real part of its terms doubled.
 
-use std::ops::Range;
-
 use num_complex::Complex64;
 
 use super::SecondOrderSections;
 use super::forward_backward::{Kept, Shape};
+use super::parts::{Joined, PartPass};
 use crate::series::Series;
 
 /// Channels of one tile: two vectors of four.
-const LANES: usize = 8;
+pub(super) const LANES: usize = 8;
 /// Weights of one block: real and imaginary parts, causal and anticausal, of four pairs of poles.
-const PAIRS: usize = 4;
-const WEIGHTS: usize = 4 * PAIRS;
+pub(super) const PAIRS: usize = 4;
+pub(super) const WEIGHTS: usize = 4 * PAIRS;
 
 /// A low-pass of order eight with complex poles as a sum over its poles.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,7 +43,7 @@ pub(super) struct PoleSums {
     /// `d`
     direct: f64,
     /// `g`
-    at_sample: f64,
+    pub(super) at_sample: f64,
 }
 
 impl PoleSums {
@@ -78,19 +77,40 @@ impl PoleSums {
     /// The kept samples of a record, filtered as [`forward_backward`](super::forward_backward::forward_backward) does
     /// it. `fill` writes the channels of one sample after the other.
     pub(super) fn filter_and_keep(&self, shape: Shape, kept: Kept, fill: impl FnMut(usize, &mut [f64])) -> Series {
-        let mut pass = Pass::new(self, shape, fill);
-        let mut output = Series::zeros(kept.indices(shape.samples).count(), shape.channels);
-        let mut next = 0;
-        for (row, k) in kept.indices(shape.samples).enumerate() {
-            let block = if row == 0 { pass.first_block(k) } else { pass.block(next..k + 1) };
-            pass.take(block);
-            pass.write_causal(output.sample_mut(row));
-            next = k + 1;
-        }
-        let tail = pass.last_block();
-        pass.take(tail);
-        pass.add_anticausal(&mut output);
-        output
+        let rows = kept.indices(shape.samples).count();
+        let mut joined = Joined::new(self, rows);
+        let finished = joined.take(PartPass::new(self, shape, kept, fill).run(0..rows));
+        finished.into_iter().next().unwrap_or_else(|| Series::zeros(0, shape.channels))
+    }
+
+    /// `2 Re sum_j c_j a_j`: what sums contribute to the output at their sample.
+    pub(super) fn output(&self, sums: &Sums) -> f64 {
+        twice_real(&self.two_sided, &sums.0)
+    }
+
+    /// `p_j^samples`.
+    pub(super) fn decay(&self, samples: usize) -> [Complex64; PAIRS] {
+        power(&self.poles, samples)
+    }
+
+    /// The number of samples after which every power of a pole is below `remainder`.
+    pub(super) fn reach(&self, remainder: f64) -> usize {
+        let largest = self.poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
+        (remainder.ln() / largest.ln()).ceil() as usize
+    }
+
+    /// The causal sums of a channel that has always had the value `x`.
+    pub(super) fn steady(&self, x: f64) -> Sums {
+        Sums(self.poles.map(|p| x * (Complex64::ONE - p).inv()))
+    }
+
+    /// `e_j p_j / c_j` from the causal sums at the last sample `x` of the extended record: the steady state in which the
+    /// backward pass starts, as anticausal sums at that sample.
+    pub(super) fn end(&self, last: &Sums, x: f64) -> Sums {
+        let forward = self.direct * x + twice_real(&self.residues, &last.0);
+        let weighted = std::array::from_fn(|i| self.residues[i] * self.poles[i] * last.0[i]);
+        let end = |j: usize| forward / (Complex64::ONE - self.poles[j]) - self.mirrored(&weighted, self.poles[j]);
+        Sums(std::array::from_fn(|j| self.residues[j] * end(j) * self.poles[j] / self.two_sided[j]))
     }
 }
 
@@ -111,155 +131,14 @@ fn twice_real(a: &[Complex64; PAIRS], b: &[Complex64; PAIRS]) -> f64 {
 }
 
 /// Consecutive samples of the extended record, `width` values each.
-struct Block {
-    samples: usize,
-    values: Vec<f64>,
+pub(super) struct Block {
+    pub(super) samples: usize,
+    pub(super) values: Vec<f64>,
 }
 
-/// What a block adds to the sums of one channel, and to the anticausal ones of all samples before it.
-#[derive(Clone, Copy, Default)]
-struct Sums([Complex64; PAIRS]);
-
-/// One record on its way through the sums.
-struct Pass<'a, F> {
-    sums: &'a PoleSums,
-    shape: Shape,
-    fill: F,
-    /// Channels, filled up with zeros to whole tiles.
-    width: usize,
-    /// The first samples, which the extension needs before their turn, and the last ones.
-    head: Vec<f64>,
-    tail: Vec<f64>,
-    /// The last sample taken.
-    sample: Vec<f64>,
-    /// `s_j` of each channel there.
-    causal: Vec<Sums>,
-    /// Of each block: its length, and the anticausal sums over it of each channel.
-    behind: Vec<(usize, Vec<Sums>)>,
-    weights: Vec<[f64; WEIGHTS]>,
-}
-
-impl<'a, F: FnMut(usize, &mut [f64])> Pass<'a, F> {
-    fn new(sums: &'a PoleSums, shape: Shape, mut fill: F) -> Self {
-        let width = shape.channels.next_multiple_of(LANES);
-        let mut head = vec![0.0; (shape.padding + 1) * width];
-        head.chunks_mut(width).enumerate().for_each(|(k, sample)| fill(k, &mut sample[..shape.channels]));
-        Self {
-            sums,
-            shape,
-            fill,
-            width,
-            tail: vec![0.0; head.len()],
-            head,
-            sample: vec![0.0; width],
-            causal: Vec::new(),
-            behind: Vec::new(),
-            weights: Vec::new(),
-        }
-    }
-
-    /// The samples in `range` of the record.
-    fn block(&mut self, range: Range<usize>) -> Block {
-        let mut values = vec![0.0; range.len() * self.width];
-        let Shape { samples, channels, padding } = self.shape;
-        for (k, sample) in range.clone().zip(values.chunks_mut(self.width)) {
-            match self.head.get(k * self.width..(k + 1) * self.width) {
-                Some(known) => sample.copy_from_slice(known),
-                None => (self.fill)(k, &mut sample[..channels]),
-            }
-            if let Some(place) = (k + padding + 1).checked_sub(samples) {
-                self.tail[place * self.width..][..self.width].copy_from_slice(sample);
-            }
-        }
-        Block { samples: range.len(), values }
-    }
-
-    /// The extension before the record and its samples up to the first one kept. The sums before it are those of a
-    /// record that has always had its first value.
-    fn first_block(&mut self, kept: usize) -> Block {
-        let padding = self.shape.padding;
-        let mut values: Vec<f64> = Vec::new();
-        for k in (1..=padding).rev() {
-            values.extend((0..self.width).map(|c| 2.0 * self.head[c] - self.head[k * self.width + c]));
-        }
-        let steady = self.sums.poles.map(|p| (Complex64::ONE - p).inv());
-        self.causal = values[..self.width].iter().map(|x| Sums(steady.map(|s| s * x))).collect();
-        let record = self.block(0..kept + 1);
-        values.extend(record.values);
-        Block { samples: padding + record.samples, values }
-    }
-
-    /// The extension behind the record.
-    fn last_block(&self) -> Block {
-        let (padding, width) = (self.shape.padding, self.width);
-        let last = &self.tail[padding * width..];
-        let reflected = (1..=padding).flat_map(|k| {
-            let sample = &self.tail[(padding - k) * width..][..width];
-            last.iter().zip(sample).map(|(l, x)| 2.0 * l - x)
-        });
-        Block { samples: padding, values: reflected.collect() }
-    }
-
-    /// Adds a block to the sums.
-    fn take(&mut self, block: Block) {
-        self.sample.copy_from_slice(&block.values[(block.samples - 1) * self.width..]);
-        if self.weights.len() != block.samples {
-            self.weights = weights(&self.sums.poles, block.samples);
-        }
-        let decay = power(&self.sums.poles, block.samples);
-        let mut behind = vec![Sums::default(); self.width];
-        for tile in (0..self.width).step_by(LANES) {
-            let columns = TileOfBlock { values: &block.values[tile..], width: self.width, weights: &self.weights };
-            let sums = pulp::Arch::new().dispatch(columns);
-            for lane in 0..LANES {
-                let part = |i: usize| Sums::from_parts(|j| (sums[i + j][lane], sums[i + PAIRS + j][lane]));
-                let causal = &mut self.causal[tile + lane];
-                *causal = Sums(std::array::from_fn(|j| decay[j] * causal.0[j] + part(0).0[j]));
-                behind[tile + lane] = part(2 * PAIRS);
-            }
-        }
-        self.behind.push((block.samples, behind));
-    }
-
-    /// `sum_j c_j s_j + g x` at the last sample taken.
-    fn write_causal(&self, output: &mut [f64]) {
-        let PoleSums { two_sided, at_sample, .. } = self.sums;
-        for ((y, causal), x) in output.iter_mut().zip(&self.causal).zip(&self.sample) {
-            *y = twice_real(two_sided, &causal.0) + at_sample * x;
-        }
-    }
-
-    /// Adds the anticausal sums, and the steady state in which the backward pass starts, from the last row to the first.
-    fn add_anticausal(&self, output: &mut Series) {
-        let PoleSums { poles, two_sided, .. } = self.sums;
-        let mut ends: Vec<Sums> = (0..self.shape.channels).map(|c| self.end(c)).collect();
-        let mut anticausal = vec![Sums::default(); self.shape.channels];
-        // e_j p_j^(n-k), with k = n - 1 before the last block.
-        ends.iter_mut().for_each(|e| e.0.iter_mut().zip(poles).for_each(|(e, p)| *e *= p));
-        for row in (0..output.len()).rev() {
-            let (length, behind) = &self.behind[row + 1];
-            let decay = power(poles, *length);
-            for (c, y) in output.sample_mut(row).iter_mut().enumerate() {
-                for (j, decay) in decay.iter().enumerate() {
-                    anticausal[c].0[j] = decay * anticausal[c].0[j] + behind[c].0[j];
-                    ends[c].0[j] *= decay;
-                }
-                let end: f64 = ends[c].0.iter().map(|e| 2.0 * e.re).sum();
-                *y += twice_real(two_sided, &anticausal[c].0) + end;
-            }
-        }
-    }
-
-    /// `e_j` of a channel.
-    fn end(&self, channel: usize) -> Sums {
-        let PoleSums { poles, residues, direct, .. } = self.sums;
-        let last = &self.causal[channel].0;
-        let forward = direct * self.sample[channel] + twice_real(residues, last);
-        let weighted = std::array::from_fn(|i| residues[i] * poles[i] * last[i]);
-        let end = |j: usize| forward / (Complex64::ONE - poles[j]) - self.sums.mirrored(&weighted, poles[j]);
-        Sums(std::array::from_fn(|j| residues[j] * end(j)))
-    }
-}
+/// One complex number for each pair of poles: sums of a channel.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Sums(pub(super) [Complex64; PAIRS]);
 
 impl Sums {
     fn from_parts(parts: impl Fn(usize) -> (f64, f64)) -> Self {
@@ -268,14 +147,38 @@ impl Sums {
             Complex64::new(re, im)
         }))
     }
+
+    /// `decay_j self_j + added_j`
+    pub(super) fn decayed(&self, decay: &[Complex64; PAIRS], added: &Self) -> Self {
+        Self(std::array::from_fn(|j| decay[j] * self.0[j] + added.0[j]))
+    }
+}
+
+/// The sums over one block, channel by channel: what it adds to the causal sums at its last sample, and to the anticausal
+/// ones at the sample before its first.
+pub(super) fn block_sums(block: &Block, width: usize, weights: &[[f64; WEIGHTS]]) -> Vec<[Sums; 2]> {
+    let mut of_channels = Vec::with_capacity(width);
+    for tile in (0..width).step_by(LANES) {
+        let columns = TileOfBlock { values: &block.values[tile..], width, weights };
+        let sums = pulp::Arch::new().dispatch(columns);
+        let part = |i: usize, lane: usize| Sums::from_parts(|j| (sums[i + j][lane], sums[i + PAIRS + j][lane]));
+        of_channels.extend((0..LANES).map(|lane| [part(0, lane), part(2 * PAIRS, lane)]));
+    }
+    of_channels
 }
 
 fn power(poles: &[Complex64; PAIRS], exponent: usize) -> [Complex64; PAIRS] {
     poles.map(|p| p.powu(exponent as u32))
 }
 
+impl PoleSums {
+    pub(super) fn weights(&self, samples: usize) -> Vec<[f64; WEIGHTS]> {
+        weights_of(&self.poles, samples)
+    }
+}
+
 /// The weights of the samples `m = 1 ... n` of a block: real and imaginary parts of `p_j^(n-m)`, then of `p_j^m`.
-fn weights(poles: &[Complex64; PAIRS], samples: usize) -> Vec<[f64; WEIGHTS]> {
+fn weights_of(poles: &[Complex64; PAIRS], samples: usize) -> Vec<[f64; WEIGHTS]> {
     let powers: Vec<[Complex64; PAIRS]> = (0..=samples).map(|m| power(poles, m)).collect();
     let of_sample = |m: usize| {
         let (causal, anticausal) = (powers[samples - m], powers[m]);

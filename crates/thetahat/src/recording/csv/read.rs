@@ -96,7 +96,7 @@ impl Columns<'_> {
     }
 }
 
-fn flaw(number: Option<f64>, cell: &[u8], line: u64) -> Flaw {
+pub(super) fn flaw(number: Option<f64>, cell: &[u8], line: u64) -> Flaw {
     match number {
         Some(found) => Flaw::NotFinite { line, found },
         None => Flaw::Text { line, found: String::from_utf8_lossy(cell).into_owned() },

@@ -44,6 +44,11 @@ impl<'a> Text<'a> {
         Text { body: cut.map_or(self.body, |newline| &self.body[..=newline]), skipped: self.skipped }
     }
 
+    /// Where the body begins in the bytes that the text was made of: the byte, and the line from 1.
+    pub(super) fn start(&self, bytes: &[u8]) -> (u64, u64) {
+        ((bytes.len() - self.body.len()) as u64, self.skipped + 1)
+    }
+
     /// The text as the reader of rows takes it: with the space as delimiter, runs of spaces become one.
     pub(super) fn prepared(&self, delimiter: u8) -> Cow<'a, [u8]> {
         if delimiter == b' ' { Cow::Owned(single_spaces(self.body)) } else { Cow::Borrowed(self.body) }

@@ -1,0 +1,143 @@
+//! The commands `reduce` and `solve`.
+
+use std::{
+    error::Error,
+    io::IsTerminal,
+    num::NonZero,
+    path::Path,
+    thread::available_parallelism,
+    time::{Duration, Instant},
+};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use thetahat::{
+    experiment::Experiment,
+    reduction::{ReduceOptions, ReduceProgress, ReducedRecording, Reduction, estimates_of_results},
+    report::{self, Published},
+};
+
+use crate::{
+    arguments,
+    commands::{Verdict, print, read_experiment},
+};
+
+/// How often a line is printed where there is no terminal.
+const LINE_EVERY: Duration = Duration::from_secs(10);
+
+pub fn reduce(request: &arguments::Reduce) -> Result<Verdict, Box<dyn Error>> {
+    let (experiment, data) = read_experiment(&request.described)?;
+    check_place(&request.out)?;
+    let threads = request.threads.or_else(|| available_parallelism().ok()).map_or(1, NonZero::get);
+    let options = ReduceOptions { threads, ..Default::default() };
+    let instruments = request.instruments_from.as_ref().map(|path| estimates_of_results(path)).transpose()?;
+    let mut bar = Bar::new();
+    let reduction =
+        experiment.reduce_with_instruments(&data, instruments.as_ref(), options, &mut |progress| bar.tell(progress))?;
+    bar.finish();
+    reduction.write(&request.out)?;
+    let recordings: String = reduction.recordings.iter().map(line).collect();
+    let out = request.out.display();
+    print(&format!("{recordings}written: {out}\nThen: thetahat solve {out}\n"))?;
+    Ok(Verdict::Good)
+}
+
+/// What was reduced of a recording.
+fn line(r: &ReducedRecording) -> String {
+    let [start, end] = r.window_s;
+    format!(
+        "recording {}: {} samples at {:.6} Hz, {start:.4} to {end:.4} s, {} rows of each joint\n",
+        r.name, r.samples, r.sample_rate_hz, r.rows
+    )
+}
+
+/// Refuses, before a long run, a place where no file can be.
+fn check_place(file: &Path) -> Result<(), Box<dyn Error>> {
+    let folder = file.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    match (folder.is_dir(), file.is_dir()) {
+        (true, false) => Ok(()),
+        (false, _) => {
+            Err(format!("{}: there is no such folder; make it, or choose another --out", folder.display()).into())
+        }
+        (true, true) => Err(format!("{}: it is a folder; give the name of a file in it", file.display()).into()),
+    }
+}
+
+pub fn solve(request: &arguments::Solve) -> Result<Verdict, Box<dyn Error>> {
+    if let Some(directory) = &request.output.out {
+        report::check_folder(directory)?;
+    }
+    let all = request.reductions.iter().map(|path| Reduction::read(path)).collect::<Result<Vec<_>, _>>()?;
+    let reduction = Reduction::merge_all(all)?;
+    let solution = reduction.solve()?;
+    let published = published(&reduction);
+    let mut text = report::text::all(&solution.results, published.as_ref());
+    text += &match solution.segments {
+        Some(segments) => {
+            format!("\nIntervals from {segments} stretches of time, cluster-robust (docs/long_records.md).\n")
+        }
+        None => "\nNo intervals: fewer than two stretches of time.\n".to_owned(),
+    };
+    print(&text)?;
+    if let Some(path) = &request.merged {
+        reduction.write(path)?;
+        print(&format!("\nwritten: {}\n", path.display()))?;
+    }
+    match &request.output.out {
+        Some(directory) => {
+            let files = report::write_all(&solution.results, published.as_ref(), directory)?;
+            let names: String = files.iter().map(|f| format!("  {}\n", f.display())).collect();
+            print(&format!("\nwritten:\n{names}"))?;
+        }
+        None => print("\nno files written; with --out DIR: results.json, parameters.csv, report.html\n")?,
+    }
+    Ok(if solution.results.is_trustworthy() { Verdict::Good } else { Verdict::NotTrusted })
+}
+
+/// The published figures that the experiment names, where they are still where it was read.
+fn published(reduction: &Reduction) -> Option<Published> {
+    let (text, robot) = (reduction.experiment_description.clone(), reduction.robot_description.clone());
+    let experiment = Experiment::from_texts(Path::new(&reduction.experiment_name), text, robot).ok()?;
+    Published::read(&experiment.published_path()?).ok()
+}
+
+/// Pieces done, and the time left: a bar on a terminal, lines elsewhere.
+struct Bar {
+    started: Instant,
+    told: Instant,
+    bar: Option<ProgressBar>,
+}
+
+impl Bar {
+    fn new() -> Self {
+        let bar = std::io::stderr().is_terminal().then(|| ProgressBar::new(0));
+        if let Some((bar, style)) = bar.as_ref().zip(ProgressStyle::with_template(TEMPLATE).ok()) {
+            bar.set_style(style);
+            bar.enable_steady_tick(Duration::from_millis(200));
+        }
+        Self { started: Instant::now(), told: Instant::now(), bar }
+    }
+
+    fn tell(&mut self, progress: ReduceProgress) {
+        let ReduceProgress { recording, recordings, done, to_do } = progress;
+        if let Some(bar) = &self.bar {
+            bar.set_length(to_do as u64);
+            bar.set_position(done as u64);
+            bar.set_message(format!("recording {recording} of {recordings}"));
+        } else if self.told.elapsed() >= LINE_EVERY {
+            self.told = Instant::now();
+            let elapsed = self.started.elapsed().as_secs_f64();
+            let left = elapsed / done.max(1) as f64 * to_do.saturating_sub(done) as f64;
+            eprintln!(
+                "{elapsed:5.0} s  recording {recording} of {recordings}, piece {done} of {to_do}, {left:.0} s left"
+            );
+        }
+    }
+
+    fn finish(self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+const TEMPLATE: &str = "{msg} {wide_bar} {pos} of {len} pieces, {elapsed} gone, {eta} left";

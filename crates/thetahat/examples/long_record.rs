@@ -1,0 +1,141 @@
+//! A long record of the TX40 twin: one motion of the demonstration repeated, with fresh noise in every repetition.
+//!
+//! `cargo run --release -p thetahat --example long_record -- FOLDER SAMPLES` writes `record.csv`, `position.npy` and
+//! `torque.npy` of so many samples at 5 kHz, with an experiment for each: `long_csv.toml` and `long_npy.toml`. One hour is
+//! 18 million samples. A third argument, `csv` or `npy`, writes only that one.
+
+use std::{
+    error::Error,
+    fs::File,
+    io::{BufWriter, Write},
+    path::Path,
+};
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use thetahat::{experiment::Experiment, series::Series};
+
+const RATE_HZ: f64 = 5000.0;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let (folder, samples, kinds) = match &arguments[..] {
+        [folder, samples] => (Path::new(folder), samples.parse()?, vec!["csv", "npy"]),
+        [folder, samples, kind] => (Path::new(folder), samples.parse()?, vec![kind.as_str()]),
+        _ => return Err("usage: long_record FOLDER SAMPLES [csv|npy]".into()),
+    };
+    std::fs::create_dir_all(folder)?;
+    let twin = Twin::new()?;
+    for kind in kinds {
+        match kind {
+            "csv" => write_csv(&twin, &folder.join("record.csv"), samples)?,
+            "npy" => write_npy(&twin, folder, samples)?,
+            _ => return Err("usage: long_record FOLDER SAMPLES [csv|npy]".into()),
+        }
+        std::fs::write(folder.join(format!("long_{kind}.toml")), twin.experiment(kind, samples)?)?;
+    }
+    std::fs::write(folder.join("tx40.toml"), &twin.robot)?;
+    Ok(())
+}
+
+/// One motion, and the noise of its torque sensors.
+struct Twin {
+    position: Series,
+    torque: Series,
+    noise: Vec<f64>,
+    text: String,
+    robot: String,
+}
+
+impl Twin {
+    fn new() -> Result<Self, Box<dyn Error>> {
+        let mut experiment = Experiment::demo()?;
+        let (text, robot) = (experiment.text.clone(), experiment.robot_text.clone());
+        let twin = experiment.file.twin.as_mut().ok_or("a twin")?;
+        let noise = std::mem::replace(&mut twin.sensors.torque_noise, vec![0.0; 6]);
+        let record = experiment.record_twin()?;
+        Ok(Self { position: record.position, torque: record.torque, noise, text, robot })
+    }
+
+    /// Positions and torques of all samples, in order. A counter of the encoder is as fine as the twin's.
+    fn each(
+        &self,
+        samples: usize,
+        mut sample: impl FnMut(&[f64], &[f64]) -> Result<(), Box<dyn Error>>,
+    ) -> Result<(), Box<dyn Error>> {
+        let mut random = ChaCha8Rng::seed_from_u64(1);
+        let mut torque = vec![0.0; self.noise.len()];
+        for k in 0..samples {
+            let place = k % self.position.len();
+            for ((tau, clean), noise) in torque.iter_mut().zip(self.torque.sample(place)).zip(&self.noise) {
+                let white: f64 = StandardNormal.sample(&mut random);
+                *tau = clean + noise * white;
+            }
+            sample(self.position.sample(place), &torque)?;
+        }
+        Ok(())
+    }
+
+    /// The demonstration with the record in place of the twin, and a window that leaves the edges of the filter.
+    fn experiment(&self, kind: &str, samples: usize) -> Result<String, Box<dyn Error>> {
+        let (before, rest) = self.text.split_once("[twin]").ok_or("the twin")?;
+        let (_, rest) = rest.split_once("[signal]").ok_or("its end")?;
+        let rest = rest.split_once("[[case]]").map_or(rest, |(rest, _)| rest);
+        let before = before.replace("../robots/tx40.toml", "tx40.toml");
+        let end_s = samples as f64 / RATE_HZ - 0.1;
+        let channels = |name: &str| match kind {
+            "csv" => {
+                let columns: Vec<String> = (1..=6).map(|j| format!("\"{name}_{j}\"")).collect();
+                format!("file = \"record.csv\", columns = [{}]", columns.join(", "))
+            }
+            _ => format!("file = \"{name}.npy\""),
+        };
+        let time = match kind {
+            "csv" => "time = { file = \"record.csv\", columns = [\"time\"], unit = \"s\" }".to_owned(),
+            _ => format!("sample_rate_hz = {RATE_HZ}"),
+        };
+        Ok(format!(
+            "{before}[recording]\n{time}\nposition = {{ {}, unit = \"rad\" }}\ntorque = {{ {}, unit = \"N m\" }}\n\n\
+             [signal]\nwindow_start_s = 0.1\nwindow_end_s = {end_s}{rest}",
+            channels("position"),
+            channels("torque"),
+        ))
+    }
+}
+
+fn write_csv(twin: &Twin, path: &Path, samples: usize) -> Result<(), Box<dyn Error>> {
+    let mut file = BufWriter::with_capacity(1 << 20, File::create(path)?);
+    let names = |name: &str| (1..=6).map(|j| format!(",{name}_{j}")).collect::<String>();
+    writeln!(file, "time{}{}", names("position"), names("torque"))?;
+    let mut k = 0_u64;
+    twin.each(samples, |q, tau| {
+        write!(file, "{:.4}", k as f64 / RATE_HZ)?;
+        q.iter().try_for_each(|q| write!(file, ",{q}"))?;
+        tau.iter().try_for_each(|tau| write!(file, ",{tau}"))?;
+        writeln!(file)?;
+        k += 1;
+        Ok(())
+    })?;
+    Ok(file.flush()?)
+}
+
+fn write_npy(twin: &Twin, folder: &Path, samples: usize) -> Result<(), Box<dyn Error>> {
+    let open = |name: &str| -> Result<BufWriter<File>, Box<dyn Error>> {
+        let mut file = BufWriter::with_capacity(1 << 20, File::create(folder.join(name))?);
+        let text = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({samples}, 6), }}");
+        let header = format!("{text:<117}\n");
+        file.write_all(b"\x93NUMPY\x01\x00")?;
+        file.write_all(&u16::try_from(header.len())?.to_le_bytes())?;
+        file.write_all(header.as_bytes())?;
+        Ok(file)
+    };
+    let (mut position, mut torque) = (open("position.npy")?, open("torque.npy")?);
+    twin.each(samples, |q, tau| {
+        q.iter().try_for_each(|q| position.write_all(&q.to_le_bytes()))?;
+        tau.iter().try_for_each(|tau| torque.write_all(&tau.to_le_bytes()))?;
+        Ok(())
+    })?;
+    position.flush()?;
+    Ok(torque.flush()?)
+}

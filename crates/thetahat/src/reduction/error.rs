@@ -1,0 +1,135 @@
+use std::{io, path::PathBuf};
+
+use crate::{experiment::ExperimentError, identification::EstimationError, simulation::SimulationError};
+
+/// Why there is no reduction, or no estimate from it.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReductionError {
+    /// The experiment or its recordings are not usable.
+    #[error(transparent)]
+    Experiment(#[from] ExperimentError),
+    /// A record has time steps that are not equal.
+    #[error(
+        "recording {recording}: the step to sample {sample} is {found:e} s, expected {expected:e} s within a thousandth; \
+         a long record is not brought to equal steps: export it at equal steps, or use `thetahat identify`"
+    )]
+    UnequalSteps {
+        /// The recording.
+        recording: String,
+        /// The sample at the end of the step.
+        sample: usize,
+        /// The mean step, s.
+        expected: f64,
+        /// The step found, s.
+        found: f64,
+    },
+    /// A recording without torque.
+    #[error("recording {recording}: the torque is zero throughout its window; record it, or name another column")]
+    NoTorque {
+        /// The recording.
+        recording: String,
+    },
+    /// Two reductions are not of one robot and one way of filtering.
+    #[error(
+        "{what} differs: {first} in one reduction, {other} in another; reduce both with the same robot and [signal]"
+    )]
+    Unlike {
+        /// What differs.
+        what: &'static str,
+        /// In the first.
+        first: String,
+        /// In the other.
+        other: String,
+    },
+    /// A recording was reduced twice.
+    #[error("recordings {first} and {other} hold the same samples; a recording counts once: leave one out")]
+    SameRecording {
+        /// Its name.
+        first: String,
+        /// Its other name.
+        other: String,
+    },
+    /// A long record has no reference that can be read in pieces.
+    #[error(
+        "recording {recording}: instruments for a long record follow its recorded reference: name it as `reference`, or \
+         use `thetahat identify`"
+    )]
+    NoReference {
+        /// The recording.
+        recording: String,
+    },
+    /// The simulation of the instruments failed.
+    #[error("recording {recording}, instruments simulated from {from_s:.4} s on: {source}")]
+    Simulation {
+        /// The recording.
+        recording: String,
+        /// Where the piece begins, s.
+        from_s: f64,
+        /// Why.
+        source: SimulationError,
+    },
+    /// Two pieces of a simulation do not meet.
+    #[error(
+        "recording {recording}: simulated pieces are {tolerances:.0} tolerances apart at {time_s:.4} s: the loop remembers \
+         longer than the {warm_up_s} s before each piece; raise the bandwidth of the controller"
+    )]
+    Seam {
+        /// The recording.
+        recording: String,
+        /// Where they meet, s.
+        time_s: f64,
+        /// How far they are apart, in tolerances of the integration.
+        tolerances: f64,
+        /// Time that each is simulated before, s.
+        warm_up_s: f64,
+    },
+    /// The results hold no estimates to simulate with.
+    #[error("{}: no estimates for instruments: {reason}; give the results.json of `thetahat solve` or `identify`", path.display())]
+    NoEstimates {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+    /// No reduction was given.
+    #[error("there is no reduction to solve; give at least one")]
+    Nothing,
+    /// The file is not a reduction, or damaged.
+    #[error("{}: not a reduction, or damaged: {reason}; run `thetahat reduce` again", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The file is of another version of its form.
+    #[error("{}: a reduction of form {found}, this program reads form {expected}; run `thetahat reduce` again", path.display())]
+    Version {
+        /// The file.
+        path: PathBuf,
+        /// The form of the file.
+        found: String,
+        /// The form that is read.
+        expected: u32,
+    },
+    /// The file cannot be read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The file cannot be written.
+    #[error("{}: cannot be written: {source}; choose another file with --out", path.display())]
+    Unwritable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// There is no estimate.
+    #[error(transparent)]
+    Estimation(#[from] EstimationError),
+}

@@ -1,0 +1,164 @@
+use crate::{linear_algebra::Matrix, series::Series};
+
+/// Segments of one recording, of which none is shorter than [`SHORTEST`] rows where there are several.
+pub(super) const MOST_SEGMENTS: usize = 32;
+const SHORTEST: usize = 16;
+
+/// A stretch of time of one recording: for each joint the upper triangular factor of its rows of `[X y]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Segment {
+    /// Rows of each joint.
+    pub rows: usize,
+    /// R of each joint, with a column for each base parameter that acts on the joint and one for y: as many rows as the
+    /// segment has, but no more than columns.
+    pub factors: Vec<Matrix>,
+}
+
+impl Segment {
+    /// Two segments that follow one another, as one.
+    pub(super) fn joined(&self, next: &Self) -> Self {
+        let factor = |(a, b): (&Matrix, &Matrix)| Matrix::stack(&[a, b]).triangular_factor();
+        Self { rows: self.rows + next.rows, factors: self.factors.iter().zip(&next.factors).map(factor).collect() }
+    }
+}
+
+/// Neighbours joined two by two, until there are no more than so many segments.
+pub(super) fn coarsened(mut segments: Vec<Segment>, most: usize) -> Vec<Segment> {
+    while segments.len() > most.max(1) {
+        let pair = |pair: &[Segment]| match pair {
+            [first, second] => first.joined(second),
+            [first, ..] => first.clone(),
+            [] => Segment { rows: 0, factors: Vec::new() },
+        };
+        segments = segments.chunks(2).map(pair).collect();
+    }
+    segments
+}
+
+/// Which channels of the decimated series make up the columns of each joint.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct JointColumns {
+    /// For each joint: the channel of each base parameter that acts on it, and last that of its torque.
+    pub channels: Vec<Vec<usize>>,
+}
+
+/// Takes the rows of a recording as they come and keeps their factors.
+pub(super) struct Accumulator {
+    columns: JointColumns,
+    /// Rows of each segment but the last.
+    rows: usize,
+    current: Segment,
+    finished: Vec<Segment>,
+}
+
+impl Accumulator {
+    /// For a recording of so many rows per joint. The length of the segments follows from it.
+    pub(super) fn new(columns: JointColumns, rows: usize) -> Self {
+        let mut length = SHORTEST;
+        while rows.div_ceil(length) > MOST_SEGMENTS {
+            length *= 2;
+        }
+        let current = Self::empty(&columns);
+        Self { columns, rows: length, current, finished: Vec::new() }
+    }
+
+    fn empty(columns: &JointColumns) -> Segment {
+        let factors = columns.channels.iter().map(|channels| Matrix::zeros(0, channels.len())).collect();
+        Segment { rows: 0, factors }
+    }
+
+    /// Takes rows: for each, all channels.
+    pub(super) fn take(&mut self, rows: &Series) {
+        let mut first = 0;
+        while first < rows.len() {
+            let count = (self.rows - self.current.rows).min(rows.len() - first);
+            for (factor, channels) in self.current.factors.iter_mut().zip(&self.columns.channels) {
+                let block = Matrix::from_fn(count, channels.len(), |i, j| rows.sample(first + i)[channels[j]]);
+                *factor = Matrix::stack(&[factor, &block]).triangular_factor();
+            }
+            self.current.rows += count;
+            first += count;
+            if self.current.rows == self.rows {
+                let empty = Self::empty(&self.columns);
+                self.finished.push(std::mem::replace(&mut self.current, empty));
+            }
+        }
+    }
+
+    pub(super) fn finish(mut self) -> Vec<Segment> {
+        if self.current.rows > 0 {
+            self.finished.push(self.current);
+        }
+        self.finished
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linear_algebra::PivotedQr;
+
+    const ROWS: usize = 2000;
+    const COLUMNS: usize = 12;
+    /// Digits are counted up to those of a double.
+    const ALL: f64 = 16.0;
+
+    /// Powers of t, rounded so that y is exact in double precision: the estimates are known exactly.
+    fn ill_conditioned() -> (Series, Vec<f64>) {
+        let grid = (1_u64 << 30) as f64;
+        let power = |k: usize, j: i32| ((k as f64 / ROWS as f64).powi(j) * grid).round() / grid;
+        let theta: Vec<f64> = (0..COLUMNS).map(|j| (j * j % 7) as f64 - 3.0).collect();
+        let mut values = Vec::new();
+        for k in 0..ROWS {
+            let row: Vec<f64> = (0..COLUMNS as i32).map(|j| power(k, j)).collect();
+            let y: f64 = row.iter().zip(&theta).map(|(x, t)| x * t).sum();
+            values.extend(row);
+            values.push(y);
+        }
+        (Series::from_values(COLUMNS + 1, values), theta)
+    }
+
+    fn digits(found: &[f64], exact: &[f64]) -> f64 {
+        let error = |(f, e): (&f64, &f64)| (f - e).abs() / e.abs().max(1.0);
+        (-found.iter().zip(exact).map(error).fold(0.0, f64::max).log10()).min(ALL)
+    }
+
+    /// At a condition number of 1e8 factors of factors keep as many digits as all rows at once, 8 or more; the product
+    /// `X^T X`, whose condition number is the square, keeps none.
+    #[test]
+    fn factors_keep_the_digits_that_products_lose() {
+        let (rows, exact) = ill_conditioned();
+        let all: Vec<usize> = (0..COLUMNS).collect();
+        let x = Matrix::from_fn(ROWS, COLUMNS, |k, j| rows.sample(k)[j]);
+        let y = rows.channel(COLUMNS);
+        let condition = x.condition_number();
+        let mut accumulator = Accumulator::new(JointColumns { channels: vec![(0..=COLUMNS).collect()] }, ROWS);
+        (0..ROWS).step_by(50).for_each(|k| accumulator.take(&rows.window(k..k + 50)));
+        let merged = coarsened(accumulator.finish(), 1);
+        let r = &merged[0].factors[0];
+        let of_factors = digits(&PivotedQr::new(&r.select_columns(&all)).solve(r.column(COLUMNS)), &exact);
+        let of_rows = digits(&PivotedQr::new(&x).solve(&y), &exact);
+        let products = PivotedQr::new(&x.transposed_times(&x)).solve(&x.transpose().times(&y));
+        let of_products = digits(&products, &exact);
+        println!(
+            "condition {condition:.1e}: digits {of_factors:.1} factors, {of_rows:.1} rows, {of_products:.1} products"
+        );
+        assert!((1e7..1e9).contains(&condition), "{condition:e}");
+        assert!(of_factors > 7.0 && of_factors > of_rows - 1.5, "{of_factors} {of_rows}");
+        assert!(of_products < 2.5, "{of_products}");
+    }
+
+    #[test]
+    fn segments_are_few_and_hold_all_rows() {
+        for rows in [1, 15, 16, 17, 368, 512, 513, 100_000] {
+            let mut accumulator = Accumulator::new(JointColumns { channels: vec![vec![0, 1]] }, rows);
+            let series = Series::from_values(2, (0..2 * rows).map(|k| (k as f64).sin()).collect());
+            for first in (0..rows).step_by(37) {
+                accumulator.take(&series.window(first..(first + 37).min(rows)));
+            }
+            let segments = accumulator.finish();
+            assert_eq!(segments.iter().map(|s| s.rows).sum::<usize>(), rows);
+            assert!(segments.len() <= MOST_SEGMENTS && (rows < 272 || segments.len() > 16), "{rows}");
+        }
+    }
+}

@@ -1,0 +1,222 @@
+//! The simulated motion from which instruments are computed, in pieces where the record comes in pieces.
+
+use std::ops::Range;
+
+use super::{ReductionError, pieces::refuse, source::Source};
+use crate::{
+    base_parameters::BaseParameters,
+    control::ControllerDescription,
+    dynamics::{Model, Sign},
+    experiment::{Experiment, ExperimentError, Gains, Start},
+    series::Series,
+    simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulatorBias, Solver},
+    trajectory::reconstruct,
+};
+
+/// Time that a piece is simulated before its first sample: the loop starts at rest on its reference, and must have forgotten
+/// that.
+const WARM_UP_S: f64 = 2.0;
+/// Times along the record at which the inertia seen by the motors is averaged, as a simulation of the whole record does.
+const INERTIA_SAMPLES: usize = 50;
+/// How far two pieces may be apart where they meet, in tolerances of the integration.
+const SEAM: f64 = 30.0;
+/// The tolerance taken for steps of a fixed size.
+const FIXED_TOLERANCE: f64 = 1e-3;
+
+/// The closed loop with given parameters along one recording.
+pub(super) struct Simulated<'a> {
+    experiment: &'a Experiment,
+    model: &'a Model,
+    controller: &'a ControllerDescription,
+    source: &'a Source<'a>,
+    /// Standard parameters.
+    theta: Vec<f64>,
+    inertia: Vec<f64>,
+    /// Samples that the position filter looks back and ahead.
+    reach: usize,
+    /// The motion in the window, where the record is in memory.
+    whole: Option<(usize, Motion)>,
+}
+
+/// Positions, velocities and accelerations of the joints.
+pub(super) struct Motion {
+    pub q: Series,
+    pub dq: Series,
+    pub ddq: Series,
+    /// Positions at the sample behind the last, where there is one.
+    pub next: Option<Vec<f64>>,
+}
+
+impl<'a> Simulated<'a> {
+    /// The loop of a recording with base parameters `theta`, to be simulated in a window.
+    pub(super) fn new(
+        experiment: &'a Experiment,
+        (model, base): (&'a Model, &BaseParameters),
+        source: &'a Source<'a>,
+        theta: &[f64],
+        (reach, window): (usize, &Range<usize>),
+    ) -> Result<Self, ReductionError> {
+        let why = "instruments are simulated under its control";
+        let controller = experiment.file.controller.as_ref().ok_or_else(|| experiment.missing("[controller]", why))?;
+        let (theta, inertia) = (base.to_standard(theta), Vec::new());
+        let mut simulated = Self { experiment, model, controller, source, theta, inertia, reach, whole: None };
+        let reference = simulated.reference_in_memory()?;
+        let parameters = simulated.parameters_of_gains(base);
+        simulated.inertia = match &reference {
+            Some(reference) => {
+                let duration_s = source.samples as f64 / source.sample_rate_hz;
+                simulated.closed_loop(reference, None).motor_inertia(&parameters, duration_s)
+            }
+            None => simulated.mean_inertia(&parameters)?,
+        };
+        if let Some(reference) = &reference {
+            simulated.whole = Some((window.start, simulated.whole_motion(reference, window)?));
+        }
+        Ok(simulated)
+    }
+
+    /// The regularised sign of the simulated friction.
+    pub(super) fn sign(&self) -> Sign {
+        Sign::Smooth { scale: self.experiment.file.simulation.sign_velocity_scale }
+    }
+
+    /// The motion in a range of samples of the record.
+    pub(super) fn motion(&self, range: &Range<usize>) -> Result<Motion, ReductionError> {
+        if let Some((start, motion)) = &self.whole {
+            let cut = |series: &Series| series.window(range.start - start..range.end - start);
+            return Ok(Motion { q: cut(&motion.q), dq: cut(&motion.dq), ddq: cut(&motion.ddq), next: None });
+        }
+        if !self.experiment.file.simulation.band_pass {
+            return self.simulate_piece(range);
+        }
+        let ahead = self.reach + 2;
+        let extended = range.start.saturating_sub(ahead)..(range.end + ahead).min(self.source.samples);
+        let piece = self.simulate_piece(&extended)?;
+        self.filtered(&piece.q, range.start - extended.start..range.end - extended.start)
+    }
+
+    /// Refuses pieces that do not meet: the loop remembers longer than it was simulated before each.
+    pub(super) fn require_seam(&self, expected: &[f64], found: &[f64], sample: usize) -> Result<(), ReductionError> {
+        let (relative, absolute) = match self.experiment.file.simulation.solver {
+            Solver::Adaptive { relative_tolerance, absolute_tolerance } => (relative_tolerance, absolute_tolerance),
+            Solver::Fixed { .. } => (FIXED_TOLERANCE, FIXED_TOLERANCE),
+        };
+        let apart = |(e, f): (&f64, &f64)| (e - f).abs() / (absolute + relative * e.abs());
+        let worst = expected.iter().zip(found).map(apart).fold(0.0, f64::max);
+        if worst <= SEAM {
+            return Ok(());
+        }
+        let (recording, time_s) = (self.source.name.clone(), sample as f64 / self.source.sample_rate_hz);
+        Err(ReductionError::Seam { recording, time_s, tolerances: worst, warm_up_s: WARM_UP_S })
+    }
+
+    fn closed_loop<'b>(&'b self, reference: &'b Reference, added: Option<&'b Series>) -> ClosedLoop<'b> {
+        ClosedLoop {
+            model: self.model,
+            transmission: &self.experiment.robot.transmission,
+            controller: self.controller,
+            reference,
+            added_signal: added.map(|series| (series, self.source.sample_rate_hz)),
+            bias: SimulatorBias::NONE,
+            solver: self.experiment.file.simulation.solver,
+            sign_velocity_scale: self.experiment.file.simulation.sign_velocity_scale,
+        }
+    }
+
+    /// The parameters for whose inertia the gains of a controller given by its bandwidth are.
+    fn parameters_of_gains(&self, base: &BaseParameters) -> Vec<f64> {
+        let estimation = &self.experiment.file.estimation;
+        if estimation.gains == Gains::Updated {
+            return self.theta.clone();
+        }
+        let table = self.model.parameter_table();
+        let mut theta = self.experiment.robot.a_priori_parameters_for(table);
+        if estimation.start == Start::MotorInertias {
+            let parameters = theta.iter_mut().zip(table.iter());
+            parameters.filter(|(_, p)| !p.quantity.is_motor_inertia()).for_each(|(t, _)| *t = 0.0);
+        }
+        base.to_standard(&base.from_standard(&theta))
+    }
+
+    /// The reference of a record in memory: recorded, planned, or reconstructed.
+    fn reference_in_memory(&self) -> Result<Option<Reference>, ReductionError> {
+        let Some(record) = self.source.record() else { return Ok(None) };
+        let rate = self.source.sample_rate_hz;
+        if let Some(recorded) = &record.reference {
+            return Ok(Some(Reference::Sampled(SampledReference::new(recorded.clone(), rate))));
+        }
+        if let Some(planned) = &record.planned {
+            return Ok(Some(Reference::Moves(planned.clone())));
+        }
+        let (_, velocity, _) =
+            self.experiment.band_pass(&record.position, rate).map_err(|e| refuse(self.experiment, e))?;
+        let path = self.experiment.path.clone();
+        let found = reconstruct(&record.position, &velocity, rate)
+            .map_err(|source| ExperimentError::Trajectory { path, source })?;
+        Ok(Some(Reference::Moves(found.moves)))
+    }
+
+    fn whole_motion(&self, reference: &Reference, window: &Range<usize>) -> Result<Motion, ReductionError> {
+        let added = self.source.record().and_then(|record| record.added_signal.as_ref());
+        let closed_loop = self.closed_loop(reference, added);
+        if self.experiment.file.simulation.band_pass {
+            let whole = self.run(&closed_loop, 0, 0..self.source.samples)?;
+            return self.filtered(&whole.q, window.clone());
+        }
+        let SimulatedMotion { q, dq, ddq, .. } = self.run(&closed_loop, 0, window.clone())?;
+        Ok(Motion { q, dq, ddq, next: None })
+    }
+
+    /// Simulates from the sample `origin` on, and gives a range of samples.
+    fn run(
+        &self,
+        closed_loop: &ClosedLoop<'_>,
+        origin: usize,
+        range: Range<usize>,
+    ) -> Result<SimulatedMotion, ReductionError> {
+        let rate = self.source.sample_rate_hz;
+        let start_s = (range.start - origin) as f64 / rate;
+        let grid = OutputGrid { start_s, sample_rate_hz: rate, samples: range.len() };
+        closed_loop.simulate(&self.theta, &self.inertia, &grid).map_err(|source| ReductionError::Simulation {
+            recording: self.source.name.clone(),
+            from_s: origin as f64 / rate,
+            source,
+        })
+    }
+
+    fn filtered(&self, q: &Series, range: Range<usize>) -> Result<Motion, ReductionError> {
+        let filtered = self.experiment.band_pass(q, self.source.sample_rate_hz);
+        let (q, dq, ddq) = filtered.map_err(|e| refuse(self.experiment, e))?;
+        let next = (range.end < q.len()).then(|| q.sample(range.end).to_vec());
+        let cut = |series: &Series| series.window(range.clone());
+        Ok(Motion { q: cut(&q), dq: cut(&dq), ddq: cut(&ddq), next })
+    }
+
+    fn simulate_piece(&self, range: &Range<usize>) -> Result<Motion, ReductionError> {
+        let warm_up = (WARM_UP_S * self.source.sample_rate_hz).ceil() as usize;
+        let origin = range.start.saturating_sub(warm_up);
+        let end = (range.end + 1).min(self.source.samples);
+        let (reference, added) = self.source.reference(origin..end)?;
+        let reference = Reference::Sampled(SampledReference::new(reference, self.source.sample_rate_hz));
+        let motion = self.run(&self.closed_loop(&reference, added.as_ref()), origin, range.start..end)?;
+        let next = (end > range.end).then(|| motion.q.sample(range.len()).to_vec());
+        let cut = |series: &Series| series.window(0..range.len());
+        Ok(Motion { q: cut(&motion.q), dq: cut(&motion.dq), ddq: cut(&motion.ddq), next })
+    }
+
+    /// The inertia that each motor sees, averaged along the record.
+    fn mean_inertia(&self, theta: &[f64]) -> Result<Vec<f64>, ReductionError> {
+        let mut values = Vec::new();
+        for k in 0..INERTIA_SAMPLES {
+            let last = self.source.samples - 1;
+            let place = (self.source.samples as f64 * k as f64 / (INERTIA_SAMPLES - 1) as f64).min(last as f64);
+            let first = place as usize;
+            let (near, _) = self.source.reference(first..(first + 2).min(last + 1))?;
+            let (from, to) = (near.sample(0), near.sample(near.len() - 1));
+            values.extend(from.iter().zip(to).map(|(a, b)| a + (place - first as f64) * (b - a)));
+        }
+        let series = Series::from_values(self.model.joint_count(), values);
+        let reference = Reference::Sampled(SampledReference::new(series, 1.0));
+        Ok(self.closed_loop(&reference, None).motor_inertia(theta, (INERTIA_SAMPLES - 1) as f64))
+    }
+}

@@ -1,0 +1,50 @@
+//! Recordings of any length reduced to triangular factors, which can be kept, merged and solved later.
+//!
+//! [`Experiment::reduce`](crate::experiment::Experiment::reduce) reads the recordings in pieces, makes the rows of an
+//! identification of them, and keeps for each joint and stretch of time the upper triangular factor of `[X y]`, with
+//! instruments of `[Z X y]`. A [`Reduction`] is a value: written to a file and read, merged with others in any order, solved
+//! ([`Reduction::solve`]). No product `X^T X` or `Z^T X` of rows is formed.
+//!
+//! | letter | word | shape |
+//! | --- | --- | --- |
+//! | `R_j` | factor of joint j: `[X_j y_j] = Q_j R_j`, columns that cannot act on the joint left out | n_j + 1, square |
+//! | `r_x, r_y` | its columns of X and y, which stand for the rows | |
+//! | `W_g` | rows of Q, with `X = Q R`, of the stretch of time g | |
+//!
+//! | file | what it does |
+//! | --- | --- |
+//! | `source` | a recording of which any part can be had, on the joint side |
+//! | `pieces` | the window, and one piece on its way to rows |
+//! | `instruments` | the simulated motion of a piece |
+//! | `pool` | pieces on several threads, taken in order |
+//! | `reduce` | all of it, recording by recording |
+//! | `factors` | rows to factors, stretch by stretch |
+//! | `value`, `file`, `fingerprint` | the reduction, its merging and its file; by what a recording is known again |
+//! | `compressed`, `essential`, `solve` | least squares and IV on the factors, elimination, results |
+//! | `segments` | intervals from the scores of the stretches of time |
+//! | `estimates` | estimates of a `results.json`, for instruments |
+//!
+//! `docs/long_records.md` says how pieces are kept equal to the whole, and what is refused.
+
+mod compressed;
+mod error;
+mod essential;
+mod estimates;
+mod factors;
+mod file;
+mod fingerprint;
+mod instruments;
+mod pieces;
+mod pool;
+mod reduce;
+mod segments;
+mod solve;
+mod source;
+mod value;
+
+pub use error::ReductionError;
+pub use estimates::estimates_of_results;
+pub use factors::Segment;
+pub use reduce::{ReduceOptions, ReduceProgress};
+pub use solve::Solution;
+pub use value::{Identity, ReducedRecording, Reduction};

@@ -1,0 +1,282 @@
+use std::{collections::BTreeMap, ops::Range, path::Path};
+
+use super::{
+    Identity, ReducedRecording, Reduction, ReductionError,
+    factors::{Accumulator, JointColumns},
+    fingerprint::Fingerprint,
+    instruments::Simulated,
+    pieces::{Pieces, Rows, refuse},
+    pool::in_order,
+    source::Source,
+};
+use crate::{
+    base_parameters::BaseParameters,
+    dynamics::Model,
+    experiment::{Experiment, ExperimentError, RecordingDescription, STILL},
+    regressor::Regressor,
+    signal::{Decimator, SignalError},
+};
+
+/// How a recording is reduced. The numbers that come out are the same for any number of threads; another length of the
+/// pieces changes their last digits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ReduceOptions {
+    /// Pieces that are worked on at a time.
+    pub threads: usize,
+    /// Samples of one piece, about.
+    pub piece_samples: usize,
+}
+
+impl Default for ReduceOptions {
+    fn default() -> Self {
+        Self { threads: 1, piece_samples: 1 << 16 }
+    }
+}
+
+/// How far a reduction is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ReduceProgress {
+    /// The recording, from one.
+    pub recording: usize,
+    /// Recordings in all.
+    pub recordings: usize,
+    /// Pieces read, those of the pass that looks for the moving part included.
+    pub done: usize,
+    /// Pieces to read.
+    pub to_do: usize,
+}
+
+impl Experiment {
+    /// Reduces the recordings of the experiment to the factors from which LS estimates; no more than a few pieces of them
+    /// are in memory at a time.
+    ///
+    /// The rows are those of [`Experiment::run`] with the nominal friction. Recordings held back are not read.
+    ///
+    /// # Errors
+    /// [`ReductionError`] for input that cannot be used.
+    pub fn reduce(
+        &self,
+        data: &Path,
+        options: ReduceOptions,
+        progress: &mut dyn FnMut(ReduceProgress),
+    ) -> Result<Reduction, ReductionError> {
+        self.reduce_with_instruments(data, None, options, progress)
+    }
+
+    /// The same with instruments, for IDIM-IV: the observation matrix of the closed loop simulated with base parameters of
+    /// these names; those that are not named are zero.
+    ///
+    /// A record that is read in pieces is simulated in pieces along its recorded reference, each from 2 s before it; one
+    /// that is read whole is simulated as [`Experiment::run`] does.
+    ///
+    /// # Errors
+    /// [`ReductionError`] for input that cannot be used, and a simulation that fails.
+    pub fn reduce_with_instruments(
+        &self,
+        data: &Path,
+        instruments: Option<&BTreeMap<String, f64>>,
+        options: ReduceOptions,
+        progress: &mut dyn FnMut(ReduceProgress),
+    ) -> Result<Reduction, ReductionError> {
+        let (model, base) = self.basis(&self.robot)?;
+        let theta = instruments.map(|named| self.base_values(&model, &base, named)).transpose()?;
+        let mut reducer = Reducer::new(self, &model, &base, options);
+        reducer.theta.clone_from(&theta);
+        let mut reduction = Reduction::empty(self, &base, &reducer.regressor);
+        reduction.instruments = theta;
+        let recordings = self.file.recording.len().max(1);
+        for (i, description) in self.file.recording.iter().enumerate() {
+            let source = Source::open(self, description, (i + 1, data), reducer.theta.is_some())?;
+            let mut tell = |done, to_do| progress(ReduceProgress { recording: i + 1, recordings, done, to_do });
+            reduction.add(reducer.recording(&source, Some(description), &mut tell)?)?;
+        }
+        if let Some(twin) = &self.file.twin {
+            let source = Source::of_record(self, self.simulate_twin(twin)?);
+            let mut tell = |done, to_do| progress(ReduceProgress { recording: 1, recordings, done, to_do });
+            reduction.add(reducer.recording(&source, None, &mut tell)?)?;
+        }
+        Ok(reduction)
+    }
+
+    /// Values of all base parameters from those named.
+    fn base_values(
+        &self,
+        model: &Model,
+        base: &BaseParameters,
+        named: &BTreeMap<String, f64>,
+    ) -> Result<Vec<f64>, ReductionError> {
+        let names: Vec<String> = named.keys().cloned().collect();
+        let refuse = |source| ExperimentError::Parameters { path: self.path.clone(), source };
+        base.select(model.parameter_table(), &names).map_err(refuse)?;
+        Ok(base.parameters().iter().map(|p| named.get(&p.name).copied().unwrap_or(0.0)).collect())
+    }
+}
+
+/// What all recordings share.
+struct Reducer<'a> {
+    experiment: &'a Experiment,
+    model: &'a Model,
+    base: &'a BaseParameters,
+    regressor: Regressor,
+    options: ReduceOptions,
+    /// Base parameters of the simulation of instruments.
+    theta: Option<Vec<f64>>,
+}
+
+impl<'a> Reducer<'a> {
+    fn new(experiment: &'a Experiment, model: &'a Model, base: &'a BaseParameters, options: ReduceOptions) -> Self {
+        Self { experiment, model, base, regressor: Regressor::new(model, &base.columns()), options, theta: None }
+    }
+
+    fn recording(
+        &mut self,
+        source: &Source<'_>,
+        description: Option<&RecordingDescription>,
+        tell: &mut dyn FnMut(usize, usize),
+    ) -> Result<ReducedRecording, ReductionError> {
+        let pieces = Pieces::new(self.experiment, source, self.options.piece_samples)?;
+        let (window, before) = self.window(&pieces, description, tell)?;
+        let decimation = self.experiment.file.signal.decimation;
+        let decimator = Decimator::new(decimation, window.len()).map_err(|e| refuse(self.experiment, e))?;
+        let simulated = |theta: &Vec<f64>| {
+            Simulated::new(self.experiment, (self.model, self.base), source, theta, (pieces.reach, &window))
+        };
+        let simulated = self.theta.as_ref().map(simulated).transpose()?;
+        let rows = Rows {
+            pieces: &pieces,
+            window: window.clone(),
+            decimator: &decimator,
+            model: self.model,
+            regressor: &self.regressor,
+            simulated: simulated.as_ref(),
+        };
+        let parts = pieces.parts(&decimator, decimation, rows.channels());
+        let mut accumulator =
+            Accumulator::new(joint_columns(self.model, &self.regressor, simulated.is_some()), decimator.rows());
+        let mut joiner = decimator.joiner();
+        let mut seam: Option<Vec<f64>> = None;
+        let (mut fingerprint, mut peak, mut has_torque) = (Fingerprint::EMPTY, 0.0_f64, false);
+        let work = |number: usize| rows.piece(parts[number].clone());
+        in_order(parts.len(), self.options.threads, work, |number, piece| {
+            let piece = piece?;
+            fingerprint = fingerprint.followed_by(piece.fingerprint);
+            peak = peak.max(piece.peak);
+            has_torque |= piece.has_torque;
+            if let Some((simulated, (first, next))) = simulated.as_ref().zip(piece.seam) {
+                let start = window.start + decimator.samples_of(&parts[number]).start;
+                seam.iter().try_for_each(|before| simulated.require_seam(before, &first, start))?;
+                seam = next;
+            }
+            joiner.take(piece.part).iter().for_each(|rows| accumulator.take(rows));
+            tell(before + number + 1, before + parts.len());
+            Ok::<(), ReductionError>(())
+        })?;
+        if peak <= STILL {
+            let still = SignalError::NoMotion { peak_velocity: peak, still_velocity: STILL };
+            return Err(refuse(self.experiment, still));
+        }
+        if !has_torque {
+            return Err(ReductionError::NoTorque { recording: source.name.clone() });
+        }
+        let rate = source.sample_rate_hz;
+        Ok(ReducedRecording {
+            name: source.name.clone(),
+            weight: source.weight,
+            fingerprint: fingerprint.to_hex(),
+            samples: rows.window.len(),
+            rows: decimator.rows(),
+            sample_rate_hz: rate,
+            window_s: [rows.window.start as f64 / rate, rows.window.end as f64 / rate],
+            truth: source.truth.as_ref().map(|truth| self.base.from_standard(truth)),
+            segments: accumulator.finish(),
+        })
+    }
+
+    /// The window of a recording, and how many pieces were read to find it.
+    fn window(
+        &self,
+        pieces: &Pieces<'_>,
+        description: Option<&RecordingDescription>,
+        tell: &mut dyn FnMut(usize, usize),
+    ) -> Result<(Range<usize>, usize), ReductionError> {
+        let source = pieces.source;
+        let signal = self.experiment.signal_of(description);
+        let (all, threads) = (pieces.all(), self.options.threads);
+        let of = |moving| self.experiment.window_of(moving, source.samples, source.sample_rate_hz, &signal);
+        if signal.window_start_s.is_none() {
+            let mut peaks = Vec::with_capacity(all.len());
+            in_order(
+                all.len(),
+                threads,
+                |piece| pieces.peaks(&all[piece]),
+                |piece, of_piece| {
+                    peaks.push(of_piece?);
+                    tell(piece + 1, 2 * all.len());
+                    Ok::<(), ReductionError>(())
+                },
+            )?;
+            return Ok((of(pieces.moving(&peaks)?)?, all.len()));
+        }
+        let window = of(0..source.samples)?;
+        if source.has_stamps() {
+            // Where nothing else is read, the stamps are still those of one clock.
+            let outside = [0..window.start + 1, window.end - 1..source.samples];
+            let check = |range: &Range<usize>| {
+                let starts = range.clone().step_by(pieces.samples);
+                starts.into_iter().try_for_each(|s| source.check_stamps(s..(s + pieces.samples + 1).min(range.end)))
+            };
+            outside.iter().try_for_each(check)?;
+        }
+        Ok((window, 0))
+    }
+}
+
+/// The channels of each joint: its entries of phi in the order of the columns, of the simulated motion and of the measured
+/// one, then its torque.
+fn joint_columns(model: &Model, regressor: &Regressor, simulated: bool) -> JointColumns {
+    let entries = regressor.entries();
+    let of_joint = |joint: usize| {
+        let mut own: Vec<usize> = (0..entries.len()).filter(|&e| entries[e].joint == joint).collect();
+        own.sort_by_key(|&e| entries[e].column);
+        let matrices = if simulated { 2 } else { 1 };
+        let mut channels: Vec<usize> =
+            (0..matrices).flat_map(|m| own.iter().map(move |e| e + m * entries.len())).collect();
+        channels.push(matrices * entries.len() + joint);
+        channels
+    };
+    JointColumns { channels: (0..model.joint_count()).map(of_joint).collect() }
+}
+
+/// The columns that act on each joint, in order.
+fn acting(joints: usize, regressor: &Regressor) -> Vec<Vec<usize>> {
+    let of_joint = |joint: usize| {
+        let mut own: Vec<usize> = regressor.entries().iter().filter(|e| e.joint == joint).map(|e| e.column).collect();
+        own.sort_unstable();
+        own
+    };
+    (0..joints).map(of_joint).collect()
+}
+
+impl Reduction {
+    fn empty(experiment: &Experiment, base: &BaseParameters, regressor: &Regressor) -> Self {
+        let signal = experiment.file.signal;
+        let joints: Vec<String> = experiment.robot.coordinates().map(|j| j.name.clone()).collect();
+        Self {
+            identity: Identity {
+                robot: experiment.robot.name.clone(),
+                acting: acting(joints.len(), regressor),
+                joints,
+                parameters: base.parameters().iter().map(|p| p.name.clone()).collect(),
+                expressions: base.parameters().iter().map(|p| p.expression.clone()).collect(),
+                filter_order: signal.filter_order,
+                cutoff_hz: signal.cutoff_hz,
+                decimation: signal.decimation,
+            },
+            experiment_name: experiment.path.display().to_string(),
+            experiment_description: experiment.text.clone(),
+            robot_description: experiment.robot_text.clone(),
+            instruments: None,
+            recordings: Vec::new(),
+        }
+    }
+}

@@ -1,0 +1,291 @@
+//! A recording that is read in parts, on the joint side.
+
+use std::{ops::Range, path::Path};
+
+use super::ReductionError;
+use crate::{
+    experiment::{Experiment, ExperimentError, Record, RecordingDescription},
+    recording::{ChannelSource, RecordingError, STEP_TOLERANCE, Side, SignalParts},
+    series::Series,
+};
+
+/// Places of the first signals in the list that is opened.
+const POSITION: usize = 0;
+const TORQUE: usize = 1;
+
+/// Samples up to which a record is read whole where its steps must be made equal.
+const SHORT: usize = 1 << 20;
+
+/// A recording of which any part can be had.
+pub(super) struct Source<'a> {
+    experiment: &'a Experiment,
+    pub name: String,
+    pub weight: f64,
+    pub samples: usize,
+    pub sample_rate_hz: f64,
+    /// True standard parameters, for a twin.
+    pub truth: Option<Vec<f64>>,
+    values: Values<'a>,
+    places: Places,
+}
+
+/// Places of the signals that not every recording has.
+#[derive(Debug, Clone, Copy, Default)]
+struct Places {
+    time: Option<usize>,
+    reference: Option<usize>,
+    added: Option<usize>,
+}
+
+enum Values<'a> {
+    Parts { signals: Box<SignalParts>, description: &'a RecordingDescription },
+    Whole(Box<Record>),
+}
+
+impl<'a> Source<'a> {
+    /// Looks through a recording; one whose files cannot be read in parts is read whole. `number` counts from one.
+    pub(super) fn open(
+        experiment: &'a Experiment,
+        description: &'a RecordingDescription,
+        (number, data): (usize, &Path),
+        simulated: bool,
+    ) -> Result<Self, ReductionError> {
+        let (sources, places) = sources_of(description, simulated);
+        let Some(signals) = SignalParts::open(&sources, data).map_err(ExperimentError::from)? else {
+            return Self::whole(experiment, description, (number, data));
+        };
+        require_same_length(&signals, &sources, data)?;
+        let mut source = Self {
+            experiment,
+            name: description.name.clone().unwrap_or_else(|| number.to_string()),
+            weight: description.weight,
+            samples: signals.samples(POSITION),
+            sample_rate_hz: description.sample_rate_hz.unwrap_or_default(),
+            truth: None,
+            values: Values::Parts { signals: Box::new(signals), description },
+            places,
+        };
+        source.require_channels(&sources, data)?;
+        if description.time.is_some() {
+            source.sample_rate_hz = source.rate_from_stamps()?;
+            if source.samples <= SHORT && !source.has_equal_steps()? {
+                return Self::whole(experiment, description, (number, data));
+            }
+        }
+        match (simulated, source.places.reference) {
+            (true, None) if source.samples <= SHORT => Self::whole(experiment, description, (number, data)),
+            (true, None) => Err(ReductionError::NoReference { recording: source.name }),
+            _ => Ok(source),
+        }
+    }
+
+    fn whole(
+        experiment: &'a Experiment,
+        description: &'a RecordingDescription,
+        (number, data): (usize, &Path),
+    ) -> Result<Self, ReductionError> {
+        Ok(Self::of_record(experiment, experiment.read_record(description, number, data)?))
+    }
+
+    /// The record, where it is in memory.
+    pub(super) fn record(&self) -> Option<&Record> {
+        match &self.values {
+            Values::Whole(record) => Some(record),
+            Values::Parts { .. } => None,
+        }
+    }
+
+    /// The recorded reference of the joints and the added signal in a range of samples, of a record that is read in parts.
+    pub(super) fn reference(&self, range: Range<usize>) -> Result<(Series, Option<Series>), ReductionError> {
+        let missing = || ReductionError::NoReference { recording: self.name.clone() };
+        let (Values::Parts { description, .. }, Some(place)) = (&self.values, self.places.reference) else {
+            return Err(missing());
+        };
+        let asked: Vec<usize> = [place].into_iter().chain(self.places.added).collect();
+        let mut read = self.read(&asked, range)?.into_iter();
+        let reference = read.next().ok_or_else(missing)?;
+        let is_motor = description.reference.as_ref().is_some_and(|r| r.side == Side::Motor);
+        let transmission = &self.experiment.robot.transmission;
+        let reference = if is_motor { transmission.joint_positions(&reference) } else { reference };
+        Ok((reference, read.next()))
+    }
+
+    /// A record that is in memory.
+    pub(super) fn of_record(experiment: &'a Experiment, record: Record) -> Self {
+        Self {
+            experiment,
+            name: record.name.clone(),
+            weight: record.weight,
+            samples: record.position.len(),
+            sample_rate_hz: record.sample_rate_hz,
+            truth: record.truth.clone(),
+            values: Values::Whole(Box::new(record)),
+            places: Places::default(),
+        }
+    }
+
+    fn has_equal_steps(&self) -> Result<bool, ReductionError> {
+        match self.check_stamps(0..self.samples) {
+            Ok(()) => Ok(true),
+            Err(ReductionError::UnequalSteps { .. }) => Ok(false),
+            Err(other) => Err(other),
+        }
+    }
+
+    /// Whether its time stamps must be looked at.
+    pub(super) fn has_stamps(&self) -> bool {
+        self.places.time.is_some()
+    }
+
+    /// Positions of the joints in a range of samples; the stamps there are checked.
+    pub(super) fn position(&self, range: Range<usize>) -> Result<Series, ReductionError> {
+        match &self.values {
+            Values::Whole(record) => Ok(record.position.window(range)),
+            Values::Parts { .. } => {
+                let mut read = self.read(&[POSITION], range)?;
+                Ok(self.joint_positions(read.remove(0)))
+            }
+        }
+    }
+
+    /// Positions and torques of the joints in a range of samples; the stamps there are checked.
+    pub(super) fn motion(&self, range: Range<usize>) -> Result<(Series, Series), ReductionError> {
+        match &self.values {
+            Values::Whole(record) => Ok((record.position.window(range.clone()), record.torque.window(range))),
+            Values::Parts { .. } => {
+                let mut read = self.read(&[POSITION, TORQUE], range)?;
+                let torque = self.joint_torques(read.remove(1));
+                Ok((self.joint_positions(read.remove(0)), torque))
+            }
+        }
+    }
+
+    /// Checks the stamps in a range of samples.
+    pub(super) fn check_stamps(&self, range: Range<usize>) -> Result<(), ReductionError> {
+        self.read(&[], range).map(|_| ())
+    }
+
+    /// Signals as they were recorded, in SI units.
+    fn read(&self, signals: &[usize], range: Range<usize>) -> Result<Vec<Series>, ReductionError> {
+        let Values::Parts { signals: parts, .. } = &self.values else { return Ok(Vec::new()) };
+        let mut asked = signals.to_vec();
+        asked.extend(self.places.time);
+        let mut read = parts.read(&asked, range.clone()).map_err(ExperimentError::from)?;
+        if self.has_stamps()
+            && let Some(stamps) = read.pop()
+        {
+            self.require_equal_steps(stamps.values(), range.start)?;
+        }
+        Ok(read)
+    }
+
+    fn joint_positions(&self, series: Series) -> Series {
+        match &self.values {
+            Values::Parts { description, .. } if description.position.side == Side::Motor => {
+                self.experiment.robot.transmission.joint_positions(&series)
+            }
+            _ => series,
+        }
+    }
+
+    fn joint_torques(&self, series: Series) -> Series {
+        match &self.values {
+            Values::Parts { description, .. } if description.torque.side == Side::Motor => {
+                self.experiment.robot.transmission.joint_torques(&series)
+            }
+            _ => series,
+        }
+    }
+
+    fn require_equal_steps(&self, stamps: &[f64], first: usize) -> Result<(), ReductionError> {
+        let step = 1.0 / self.sample_rate_hz;
+        let even = |pair: &[f64]| ((pair[1] - pair[0]) / step - 1.0).abs() <= STEP_TOLERANCE;
+        match stamps.windows(2).position(|pair| !even(pair)) {
+            None => Ok(()),
+            Some(k) => Err(ReductionError::UnequalSteps {
+                recording: self.name.clone(),
+                sample: first + k + 1,
+                expected: step,
+                found: stamps[k + 1] - stamps[k],
+            }),
+        }
+    }
+
+    /// The number of steps divided by the time they take.
+    fn rate_from_stamps(&self) -> Result<f64, ReductionError> {
+        let (Values::Parts { signals, description }, Some(place)) = (&self.values, self.places.time) else {
+            return Ok(self.sample_rate_hz);
+        };
+        let source = description.time.as_ref();
+        let (file, column) = source.map_or((Path::new("").to_owned(), "time".to_owned()), |s| {
+            (s.file.clone(), s.columns.first().cloned().unwrap_or_else(|| "time".to_owned()))
+        });
+        let refuse = |error: RecordingError| ReductionError::from(ExperimentError::from(error));
+        let at = |k: usize| -> Result<f64, ReductionError> {
+            Ok(signals.read(&[place], k..k + 1).map_err(refuse)?[0].values()[0])
+        };
+        let last = self.samples - 1;
+        if last == 0 {
+            return Err(refuse(RecordingError::TooFewTimes { file, column, found: 1 }));
+        }
+        let (first_s, last_s) = (at(0)?, at(last)?);
+        if last_s <= first_s {
+            let (previous, found) = (first_s, last_s);
+            return Err(refuse(RecordingError::TimeNotIncreasing { file, column, sample: last, previous, found }));
+        }
+        Ok(last as f64 / (last_s - first_s))
+    }
+
+    /// As many channels as joints, and one time.
+    fn require_channels(&self, sources: &[&ChannelSource], data: &Path) -> Result<(), ReductionError> {
+        let Values::Parts { signals, .. } = &self.values else { return Ok(()) };
+        let (joints, robot) = (self.experiment.robot.joint_count(), &self.experiment.robot.name);
+        for (signal, source) in sources.iter().enumerate() {
+            let found = signals.read(&[signal], 0..1).map_err(ExperimentError::from)?[0].channels();
+            let (expected, what) = match Some(signal) == self.places.time {
+                true => (1, "1, the time".to_owned()),
+                false => (joints, format!("{joints}, one for each joint of {robot}")),
+            };
+            if found != expected {
+                let key = format!("{}: number of channels", source.path(data).display());
+                return Err(self.experiment.value(&key, &what, found).into());
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The signals that are read, and where in their list those are that not every recording has.
+fn sources_of(description: &RecordingDescription, simulated: bool) -> (Vec<&ChannelSource>, Places) {
+    let mut sources = vec![&description.position, &description.torque];
+    let mut places = Places::default();
+    for (source, wanted, place) in [
+        (&description.time, true, &mut places.time),
+        (&description.reference, simulated, &mut places.reference),
+        (&description.added_signal, simulated, &mut places.added),
+    ] {
+        if let Some(source) = source.as_ref().filter(|_| wanted) {
+            *place = Some(sources.len());
+            sources.push(source);
+        }
+    }
+    (sources, places)
+}
+
+fn require_same_length(signals: &SignalParts, sources: &[&ChannelSource], data: &Path) -> Result<(), ReductionError> {
+    let first_samples = signals.samples(POSITION);
+    for (signal, source) in sources.iter().enumerate().skip(1) {
+        if signals.samples(signal) != first_samples {
+            let error = RecordingError::DifferentLengths {
+                first: "position".to_owned(),
+                first_file: sources[POSITION].path(data),
+                first_samples,
+                second: if signal == TORQUE { "torque" } else { "time or reference" }.to_owned(),
+                second_file: source.path(data),
+                second_samples: signals.samples(signal),
+            };
+            return Err(ExperimentError::from(error).into());
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,214 @@
+//! Reducing and solving is identifying: on the demonstration's twin, and on the recorded EMPS and TX40.
+
+mod common;
+
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
+
+use common::ensure;
+use libtest_mimic::Failed;
+use thetahat::{
+    experiment::{Experiment, ParameterResult, RunResult},
+    identification::{Method, Status},
+    reduction::{ReduceOptions, Reduction},
+};
+
+/// Relative to the estimate, and to its standard deviation where that is larger.
+const EQUAL: f64 = 1e-9;
+/// The same for IV, whose matrix Z^T X has a larger condition number.
+const EQUAL_IV: f64 = 1e-8;
+/// Simulated in pieces or as a whole, with other steps of the integration, in standard deviations: 0.0096 were found.
+const IV_IN_PIECES: f64 = 0.02;
+/// The same between reductions of one record.
+const EQUAL_PIECES: f64 = 1e-10;
+
+fn experiment(name: &str) -> Experiment {
+    Experiment::read(&common::root().join("experiments").join(name), &common::data()).unwrap()
+}
+
+fn reduce(experiment: &Experiment, threads: usize, piece_samples: usize) -> Reduction {
+    experiment.reduce(&common::data(), ReduceOptions { threads, piece_samples }, &mut |_| {}).unwrap()
+}
+
+fn close(a: f64, b: f64, size: f64, tolerance: f64, what: &str) -> Result<(), Failed> {
+    ensure((a - b).abs() <= tolerance * size, format!("{what}: {a} against {b}, {:e}", (a - b).abs() / size))
+}
+
+fn same(found: &RunResult, expected: &RunResult, tolerance: f64) -> Result<(), Failed> {
+    ensure(found.parameters.len() == expected.parameters.len(), "as many parameters")?;
+    for (f, e) in found.parameters.iter().zip(&expected.parameters) {
+        let deviation = e.standard_deviation.unwrap();
+        close(f.estimate, e.estimate, e.estimate.abs().max(deviation), tolerance, &e.name)?;
+        close(f.standard_deviation.unwrap(), deviation, deviation, tolerance, &format!("sd of {}", e.name))?;
+    }
+    let error = |run: &RunResult| run.relative_error_percent.unwrap();
+    close(error(found), error(expected), error(expected), tolerance, "relative error")?;
+    let condition = |run: &RunResult| run.condition_number.unwrap();
+    close(condition(found), condition(expected), condition(expected), 1e-6, "condition number")?;
+    let joints = found.joint_relative_error_percent.iter().zip(&expected.joint_relative_error_percent);
+    joints.into_iter().try_for_each(|(f, e)| close(f.unwrap(), e.unwrap(), e.unwrap(), tolerance, "error of a joint"))
+}
+
+fn equals_identify(mut experiment: Experiment) -> Result<(), Failed> {
+    experiment.file.estimation.methods = vec![Method::IdimLs];
+    experiment.file.case.clear();
+    let results = experiment.run(&common::data(), &mut |_| {})?;
+    let expected = results.run("nominal", Method::IdimLs).unwrap();
+    let whole = reduce(&experiment, 1, 1 << 16);
+    let solved = whole.solve()?.results;
+    ensure(solved.samples_used == results.samples_used, "as many samples")?;
+    ensure(solved.decimated_rows == results.decimated_rows, "as many rows")?;
+    same(&solved.runs[0], expected, EQUAL)?;
+    for piece_samples in [100, 3000, 8191] {
+        let pieces = reduce(&experiment, 2, piece_samples).solve()?.results;
+        same(&pieces.runs[0], &solved.runs[0], EQUAL_PIECES)?;
+        for (p, s) in pieces.runs[0].parameters.iter().zip(&solved.runs[0].parameters) {
+            let [a, b] = [p, s].map(|p| p.standard_deviation_robust.unwrap());
+            close(a, b, b, 1e-6, &format!("robust sd of {}", s.name))?;
+        }
+    }
+    Ok(())
+}
+
+fn the_demonstration() -> Result<(), Failed> {
+    equals_identify(Experiment::demo()?)
+}
+
+fn emps() -> Result<(), Failed> {
+    equals_identify(experiment("emps.toml"))
+}
+
+fn tx40() -> Result<(), Failed> {
+    equals_identify(experiment("tx40_paper.toml"))
+}
+
+fn tx40_essential() -> Result<(), Failed> {
+    equals_identify(experiment("tx40_essential.toml"))
+}
+
+/// The window is the moving part, which a first pass finds.
+fn tx40_moving_part() -> Result<(), Failed> {
+    let mut experiment = experiment("tx40_paper.toml");
+    experiment.file.signal.window_start_s = None;
+    experiment.file.signal.window_end_s = None;
+    equals_identify(experiment)
+}
+
+fn kuka() -> Result<(), Failed> {
+    equals_identify(experiment("kuka_lwr4.toml"))
+}
+
+/// Instruments from the last iterate before the end of an identification give its estimate.
+fn equals_last_step(mut experiment: Experiment) -> Result<(), Failed> {
+    experiment.file.estimation.methods = vec![Method::IdimIv];
+    experiment.file.case.clear();
+    let results = experiment.run(&common::data(), &mut |_| {})?;
+    let expected = results.run("nominal", Method::IdimIv).unwrap();
+    let before = &expected.convergence[expected.convergence.len() - 2].estimates;
+    let named: BTreeMap<String, f64> =
+        expected.parameters.iter().zip(before).map(|(p, v)| (p.name.clone(), *v)).collect();
+    let options = ReduceOptions { threads: 2, piece_samples: 3000 };
+    let reduction = experiment.reduce_with_instruments(&common::data(), Some(&named), options, &mut |_| {})?;
+    let solved = reduction.solve()?.results;
+    let iv = solved.run("nominal", Method::IdimIv).unwrap();
+    same(iv, expected, EQUAL_IV)?;
+    ensure(iv.status == Status::Converged, format!("{:?}", iv.reason))?;
+    let ls = reduce(&experiment, 1, 3000).solve()?.results;
+    same(solved.run("nominal", Method::IdimLs).unwrap(), &ls.runs[0], EQUAL_PIECES)
+}
+
+fn iv_of_the_demonstration() -> Result<(), Failed> {
+    equals_last_step(Experiment::demo()?)
+}
+
+fn iv_of_emps() -> Result<(), Failed> {
+    equals_last_step(experiment("emps.toml"))
+}
+
+fn iv_of_tx40() -> Result<(), Failed> {
+    equals_last_step(experiment("tx40_paper.toml"))
+}
+
+/// The demonstration's record with its reference, as a file that is read and simulated in pieces.
+fn recorded_demonstration(folder: &Path) -> Experiment {
+    let demo = Experiment::demo().unwrap();
+    let twin = demo.file.twin.as_ref().unwrap();
+    let (record, moves) = (demo.record_twin().unwrap(), demo.twin_motion(twin).unwrap().moves);
+    let columns = |name: &str| (1..=6).map(|j| format!("{name}{j}")).collect::<Vec<_>>();
+    let mut text = [columns("q"), columns("tau"), columns("r")].concat().join(",") + "\n";
+    let [mut r, mut dr, mut ddr] = [[0.0; 6]; 3];
+    for k in 0..record.position.len() {
+        moves.evaluate(k as f64 / record.sample_rate_hz, &mut r, &mut dr, &mut ddr);
+        let values = record.position.sample(k).iter().chain(record.torque.sample(k)).chain(&r);
+        text += &(values.map(f64::to_string).collect::<Vec<_>>().join(",") + "\n");
+    }
+    std::fs::write(folder.join("record.csv"), text).unwrap();
+    let (_, rest) = demo.text.split_once("[signal]").unwrap();
+    let (rest, _) = rest.split_once("[[case]]").unwrap();
+    let source =
+        |name: &str, unit: &str| format!("{{ file = 'record.csv', columns = {:?}, unit = '{unit}' }}", columns(name));
+    let text = format!(
+        "title = 'recorded'\nrobot = 'tx40.toml'\n[recording]\nsample_rate_hz = {}\nposition = {}\ntorque = {}\n\
+         reference = {}\n[signal]{rest}",
+        record.sample_rate_hz,
+        source("q", "rad"),
+        source("tau", "N m"),
+        source("r", "rad"),
+    );
+    Experiment::from_texts(&folder.join("recorded.toml"), text, demo.robot_text).unwrap()
+}
+
+/// Simulated in pieces, each from 2 s before it, IV is that of a simulation of the whole record, to two hundredths of a
+/// standard deviation.
+fn iv_in_pieces() -> Result<(), Failed> {
+    let folder = std::env::temp_dir().join(format!("thetahat-iv-{}", std::process::id()));
+    std::fs::create_dir_all(&folder)?;
+    let mut experiment = recorded_demonstration(&folder);
+    experiment.file.estimation.methods = vec![Method::IdimIv];
+    let results = experiment.run(&folder, &mut |_| {})?;
+    let expected = results.run("nominal", Method::IdimIv).unwrap();
+    let before = &expected.convergence[expected.convergence.len() - 2].estimates;
+    let named: BTreeMap<String, f64> =
+        expected.parameters.iter().zip(before).map(|(p, v)| (p.name.clone(), *v)).collect();
+    let options = ReduceOptions { threads: 2, piece_samples: 9000 };
+    let solved = experiment.reduce_with_instruments(&folder, Some(&named), options, &mut |_| {})?.solve()?.results;
+    let iv = solved.run("nominal", Method::IdimIv).unwrap();
+    std::fs::remove_dir_all(&folder)?;
+    let apart =
+        |(f, e): (&ParameterResult, &ParameterResult)| (f.estimate - e.estimate).abs() / e.standard_deviation.unwrap();
+    let worst = iv.parameters.iter().zip(&expected.parameters).map(apart).fold(0.0, f64::max);
+    println!("pieces against the whole: {worst:.1e} standard deviations at the most");
+    ensure(worst < IV_IN_PIECES, format!("{worst} standard deviations"))
+}
+
+fn threads_change_no_byte() -> Result<(), Failed> {
+    let experiment = experiment("tx40_paper.toml");
+    let file = |threads: usize| -> Vec<u8> {
+        let path: PathBuf = std::env::temp_dir().join(format!("thetahat-threads-{threads}-{}", std::process::id()));
+        reduce(&experiment, threads, 3000).write(&path).unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        assert_eq!(Reduction::read(&path).unwrap(), reduce(&experiment, 1, 3000));
+        std::fs::remove_file(&path).unwrap();
+        bytes
+    };
+    let one = file(1);
+    ensure(one == file(2) && one == file(5), "the same bytes")
+}
+
+fn main() {
+    common::run_with_shared_data(vec![
+        ("the demonstration", the_demonstration),
+        ("EMPS", emps),
+        ("TX40", tx40),
+        ("TX40, essential parameters", tx40_essential),
+        ("TX40, moving part", tx40_moving_part),
+        ("KUKA", kuka),
+        ("IV of the demonstration", iv_of_the_demonstration),
+        ("IV of EMPS", iv_of_emps),
+        ("IV of TX40", iv_of_tx40),
+        ("IV in pieces", iv_in_pieces),
+        ("threads change no byte", threads_change_no_byte),
+    ])
+}

@@ -1,0 +1,242 @@
+//! Reductions as values: merged in any order, refused where they do not belong together, read from files that may be
+//! damaged. On a joint whose torque is known in closed form: tau = ia ddq + fv dq + fc sign(dq) + off.
+
+use std::{
+    fmt::Write as _,
+    path::{Path, PathBuf},
+};
+
+use thetahat::{
+    experiment::{Experiment, ExperimentError, ParameterResult, Results},
+    reduction::{ReduceOptions, Reduction, ReductionError},
+    signal::SignalError,
+};
+
+const ROBOT: &str = "name = 'joint'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n";
+const SIGNAL: &str = "[signal]\ncutoff_hz = 60\ndecimation = 10\n";
+const METHODS: &str = "[estimation]\nmethods = ['idim-ls']\n";
+const RATE: f64 = 1000.0;
+/// Between ways to one estimate, in the larger of the estimate and its standard deviation.
+const EQUAL: f64 = 1e-9;
+const EQUAL_ORDERS: f64 = 1e-10;
+
+/// A folder of its own for each test, removed at its end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("thetahat-reductions-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    /// Writes a motion of two sines with noise in the torque.
+    fn write(&self, name: &str, samples: usize, slow_hz: f64) {
+        let mut text = "t,q,tau\n".to_owned();
+        for k in 0..samples {
+            let [q, tau] = motion(k, slow_hz);
+            writeln!(text, "{:.6},{q},{tau}", k as f64 / RATE).unwrap();
+        }
+        std::fs::write(self.0.join(name), text).unwrap();
+    }
+
+    fn experiment(&self, recordings: &str, signal: &str) -> Experiment {
+        let text = format!("title = 't'\nrobot = 'joint.toml'\n{recordings}{signal}{METHODS}");
+        Experiment::from_texts(Path::new("merged.toml"), text, ROBOT.to_owned()).unwrap()
+    }
+
+    fn reduce(&self, recordings: &str, signal: &str) -> Result<Reduction, ReductionError> {
+        let options = ReduceOptions { threads: 2, piece_samples: 1500 };
+        self.experiment(recordings, signal).reduce(&self.0, options, &mut |_| {})
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn motion(k: usize, slow_hz: f64) -> [f64; 2] {
+    let t = k as f64 / RATE;
+    let (w, v) = (2.0 * std::f64::consts::PI * slow_hz, 2.0 * std::f64::consts::PI * 1.7);
+    let q = (w * t).sin() + 0.3 * (v * t).cos();
+    let dq = w * (w * t).cos() - 0.3 * v * (v * t).sin();
+    let ddq = -w * w * (w * t).sin() - 0.3 * v * v * (v * t).cos();
+    let noise = 0.3 * (12.9898 * k as f64 * slow_hz).sin() * (0.37 * k as f64).cos();
+    [q, 0.7 * ddq + 3.0 * dq + 1.5 * dq.signum() + 0.2 + noise]
+}
+
+fn recording(file: &str, more: &str) -> String {
+    format!(
+        "[[recording]]\n{more}\ntime = {{ file = '{file}', columns = ['t'], unit = 's' }}\nposition = {{ file = \
+         '{file}', columns = ['q'], unit = 'rad' }}\ntorque = {{ file = '{file}', columns = ['tau'], unit = 'N m' }}\n"
+    )
+}
+
+fn three() -> (Folder, [String; 3]) {
+    let folder = Folder::new(&format!("{:?}", std::thread::current().id()).replace(['(', ')'], ""));
+    folder.write("a.csv", 8000, 0.5);
+    folder.write("b.csv", 6000, 0.7);
+    folder.write("c.csv", 9000, 0.3);
+    (folder, ["a.csv", "b.csv", "c.csv"].map(|file| recording(file, "")))
+}
+
+fn parameters(results: &Results) -> &[ParameterResult] {
+    &results.runs[0].parameters
+}
+
+fn assert_same(found: &Results, expected: &Results, tolerance: f64) {
+    assert_eq!(parameters(found).len(), parameters(expected).len());
+    for (f, e) in parameters(found).iter().zip(parameters(expected)) {
+        let deviation = e.standard_deviation.unwrap();
+        assert!((f.estimate - e.estimate).abs() <= tolerance * e.estimate.abs().max(deviation), "{}", e.name);
+        assert!((f.standard_deviation.unwrap() / deviation - 1.0).abs() <= tolerance, "sd of {}", e.name);
+    }
+    let [f, e] = [found, expected].map(|r| r.runs[0].relative_error_percent.unwrap());
+    assert!((f / e - 1.0).abs() <= tolerance, "{f} {e}");
+}
+
+#[test]
+fn merged_in_any_order_they_are_the_identification_of_all() {
+    let (folder, recordings) = three();
+    let weighted = recording("c.csv", "weight = 0.5");
+    let all = [recordings[0].clone(), recordings[1].clone(), weighted];
+    let expected = folder.experiment(&all.concat(), SIGNAL).run(&folder.0, &mut |_| {}).unwrap();
+    let together = folder.reduce(&all.concat(), SIGNAL).unwrap().solve().unwrap();
+    assert_same(&together.results, &expected, EQUAL);
+    let own: Vec<Reduction> = all.iter().map(|r| folder.reduce(r, SIGNAL).unwrap()).collect();
+    for order in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
+        let merged = Reduction::merge_all(order.map(|i| own[i].clone())).unwrap();
+        let nested = own[order[0]].clone().merge(own[order[1]].clone().merge(own[order[2]].clone()).unwrap()).unwrap();
+        for reduction in [merged, nested] {
+            let solution = reduction.solve().unwrap();
+            assert_same(&solution.results, &together.results, EQUAL_ORDERS);
+            assert_eq!(solution.segments, together.segments);
+            for (m, t) in parameters(&solution.results).iter().zip(parameters(&together.results)) {
+                let [m, t] = [m, t].map(|p| p.standard_deviation_robust.unwrap());
+                assert!((m / t - 1.0).abs() < 1e-8);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_recording_counts_once_whatever_its_file_is_called() {
+    let (folder, recordings) = three();
+    std::fs::copy(folder.0.join("a.csv"), folder.0.join("copy.csv")).unwrap();
+    let copy = recording("copy.csv", "name = 'copy'");
+    let error = folder.reduce(&(recordings[0].clone() + &copy), SIGNAL).unwrap_err();
+    assert!(matches!(error, ReductionError::SameRecording { .. }), "{error}");
+    let [first, copy] = [&recordings[0], &copy].map(|r| folder.reduce(r, SIGNAL).unwrap());
+    assert!(matches!(first.merge(copy), Err(ReductionError::SameRecording { .. })));
+}
+
+#[test]
+fn unlike_reductions_are_refused_with_what_differs() {
+    let (folder, recordings) = three();
+    let first = folder.reduce(&recordings[0], SIGNAL).unwrap();
+    for (signal, expected) in [
+        (SIGNAL.replace("60", "61"), "cut-off"),
+        (SIGNAL.replace("10", "20"), "decimation"),
+        (SIGNAL.replace("cutoff", "filter_order = 5\ncutoff"), "order"),
+        (format!("[parameters]\nexclude = ['off1']\n{SIGNAL}"), "base parameters"),
+    ] {
+        let other = folder.reduce(&recordings[1], &signal).unwrap();
+        match first.clone().merge(other) {
+            Err(ReductionError::Unlike { what, .. }) => assert!(what.contains(expected), "{what}"),
+            other => panic!("{expected}: {other:?}"),
+        }
+    }
+    assert!(matches!(Reduction::merge_all([]), Err(ReductionError::Nothing)));
+}
+
+#[test]
+fn a_file_is_read_as_it_was_written_or_refused() {
+    let (folder, recordings) = three();
+    let reduction = folder.reduce(&recordings[0], SIGNAL).unwrap();
+    let path = folder.0.join("a.reduction");
+    reduction.write(&path).unwrap();
+    assert_eq!(Reduction::read(&path).unwrap(), reduction);
+    let bytes = std::fs::read(&path).unwrap();
+    let refused = |bytes: &[u8]| {
+        std::fs::write(&path, bytes).unwrap();
+        Reduction::read(&path).unwrap_err()
+    };
+    for length in (0..bytes.len()).step_by(97) {
+        assert!(matches!(refused(&bytes[..length]), ReductionError::Damaged { .. }), "{length}");
+    }
+    for place in (0..bytes.len()).step_by(53) {
+        let mut damaged = bytes.clone();
+        damaged[place] ^= 0x10;
+        let error = refused(&damaged);
+        assert!(matches!(error, ReductionError::Damaged { .. } | ReductionError::Version { .. }), "{place}: {error}");
+    }
+    let next = [b"thetahat reduction 2\n", &bytes[21..]].concat();
+    assert!(matches!(refused(&next), ReductionError::Version { expected: 1, .. }));
+    assert!(matches!(refused(b"a,b\n1,2\n"), ReductionError::Damaged { .. }));
+    assert!(matches!(Reduction::read(&folder.0.join("none")), Err(ReductionError::Unreadable { .. })));
+    assert!(matches!(reduction.write(&folder.0), Err(ReductionError::Unwritable { .. })));
+}
+
+#[test]
+fn records_that_say_nothing_are_refused() {
+    let (folder, _) = three();
+    let write = |name: &str, line: &dyn Fn(usize) -> String| {
+        let body: String = (0..8000).map(line).collect();
+        std::fs::write(folder.0.join(name), format!("t,q,tau\n{body}")).unwrap();
+    };
+    write("still.csv", &|k| format!("{:.3},0.5,1.5\n", k as f64 / RATE));
+    write("dead.csv", &|k| format!("{:.3},{},0.0\n", k as f64 / RATE, motion(k, 0.5)[0]));
+    write("bad.csv", &|k| {
+        format!("{:.3},{},{}\n", k as f64 / RATE, motion(k, 0.5)[0], if k == 7000 { "x" } else { "1.5" })
+    });
+    for window in ["", "window_start_s = 1\nwindow_end_s = 7.5\n"] {
+        let of = |file: &str| folder.reduce(&recording(file, ""), &format!("{SIGNAL}{window}")).unwrap_err();
+        let still = of("still.csv");
+        assert!(
+            matches!(
+                still,
+                ReductionError::Experiment(ExperimentError::Signal { source: SignalError::NoMotion { .. }, .. })
+            ),
+            "{still}"
+        );
+        assert!(matches!(of("dead.csv"), ReductionError::NoTorque { .. }));
+        let bad = of("bad.csv").to_string();
+        assert!(bad.contains("7002") && bad.contains("tau"), "{bad}");
+    }
+}
+
+/// A short record with uneven steps is read whole and brought to equal ones; a long one is refused.
+#[test]
+fn uneven_steps() {
+    let (folder, _) = three();
+    let jitter = |k: usize| if k % 7 == 3 { 1e-4 } else { 0.0 };
+    let body: String = (0..8000)
+        .map(|k| format!("{:.6},{},{}\n", k as f64 / RATE + jitter(k), motion(k, 0.5)[0], motion(k, 0.5)[1]))
+        .collect();
+    std::fs::write(folder.0.join("jitter.csv"), format!("t,q,tau\n{body}")).unwrap();
+    let recording = recording("jitter.csv", "");
+    let expected = folder.experiment(&recording, SIGNAL).run(&folder.0, &mut |_| {}).unwrap();
+    let solution = folder.reduce(&recording, SIGNAL).unwrap().solve().unwrap();
+    assert_same(&solution.results, &expected, EQUAL);
+    let samples = (1 << 20) + 10;
+    for (name, value) in [
+        ("t", &(|k: usize| k as f64 / RATE + jitter(k)) as &dyn Fn(usize) -> f64),
+        ("q", &|k| motion(k, 0.5)[0]),
+        ("tau", &|k| motion(k, 0.5)[1]),
+    ] {
+        let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({samples},), }}\n");
+        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+        bytes.extend(u16::try_from(header.len()).unwrap().to_le_bytes());
+        bytes.extend(header.bytes());
+        (0..samples).for_each(|k| bytes.extend(value(k).to_le_bytes()));
+        std::fs::write(folder.0.join(format!("{name}.npy")), bytes).unwrap();
+    }
+    let long = "[recording]\ntime = { file = 't.npy', unit = 's' }\nposition = { file = 'q.npy', unit = 'rad' }\ntorque \
+                = { file = 'tau.npy', unit = 'N m' }\n";
+    for window in ["", "window_start_s = 500\nwindow_end_s = 510\n"] {
+        let error = folder.reduce(long, &format!("{SIGNAL}{window}")).unwrap_err();
+        assert!(matches!(error, ReductionError::UnequalSteps { sample: 3, .. }), "{error}");
+    }
+}
