@@ -27,7 +27,7 @@ const LINE_EVERY: Duration = Duration::from_secs(10);
 pub fn reduce(request: &arguments::Reduce) -> Result<Verdict, Box<dyn Error>> {
     let (experiment, data) = read_experiment(&request.described)?;
     check_place(&request.out)?;
-    let threads = request.threads.or_else(|| available_parallelism().ok()).map_or(1, NonZero::get);
+    let threads = request.threads.or_else(|| available_parallelism().ok().map(NonZero::get)).unwrap_or(1);
     let options = ReduceOptions { threads, ..Default::default() };
     let instruments = request.instruments_from.as_ref().map(|path| estimates_of_results(path)).transpose()?;
     let mut bar = Bar::new();

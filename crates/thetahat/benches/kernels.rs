@@ -1,43 +1,24 @@
 //! The kernels of the TX40, one by one: `cargo bench -p thetahat`. No data needed.
 
+mod tx40;
+
 use std::path::Path;
 
 use divan::{Bencher, black_box};
-use thetahat::{
-    base_parameters::BaseParameters,
-    dynamics::{DynamicParameters, Model, Sign, Workspace},
-    experiment::Experiment,
-    regressor::Regressor,
-    series::Series,
-    signal::Decimator,
-};
-
-const Q: [f64; 6] = [0.3, -1.1, 0.7, 1.9, -0.4, 2.2];
-const DQ: [f64; 6] = [1.3, -2.1, 0.9, 0.2, -3.0, 1.1];
-const DDQ: [f64; 6] = [5.0, 2.0, -8.0, 1.0, 3.0, -4.0];
-const SIGN: Sign = Sign::Smooth { scale: 0.002 };
+use thetahat::{dynamics::Sign, experiment::Experiment, series::Series, signal::Decimator};
+use tx40::{DDQ, DQ, Q, SIGN, Tx40};
 
 fn main() {
     divan::main();
 }
 
-struct Tx40 {
-    model: Model,
-    parameters: DynamicParameters,
-    workspace: Workspace,
-}
-
 fn tx40() -> Tx40 {
-    let robot = Experiment::demo().expect("the built-in experiment").robot;
-    let model = Model::new(&robot);
-    let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters());
-    let workspace = Workspace::new(&model);
-    Tx40 { model, parameters, workspace }
+    Tx40::new().expect("the built-in experiment")
 }
 
 #[divan::bench]
 fn inverse_dynamics(bencher: Bencher) {
-    let Tx40 { model, parameters, mut workspace } = tx40();
+    let Tx40 { model, parameters, mut workspace, .. } = tx40();
     let mut tau = [0.0; 6];
     bencher.bench_local(|| {
         model.inverse_dynamics(&parameters, black_box(&Q), &DQ, &DDQ, SIGN, &mut workspace, &mut tau);
@@ -47,7 +28,7 @@ fn inverse_dynamics(bencher: Bencher) {
 
 #[divan::bench]
 fn mass_matrix(bencher: Bencher) {
-    let Tx40 { model, parameters, mut workspace } = tx40();
+    let Tx40 { model, parameters, mut workspace, .. } = tx40();
     let mut m = [0.0; 36];
     bencher.bench_local(|| {
         model.mass_matrix(&parameters, black_box(&Q), &mut workspace, &mut m);
@@ -57,7 +38,7 @@ fn mass_matrix(bencher: Bencher) {
 
 #[divan::bench]
 fn forward_dynamics(bencher: Bencher) {
-    let Tx40 { model, parameters, mut workspace } = tx40();
+    let Tx40 { model, parameters, mut workspace, .. } = tx40();
     let mut ddq = [0.0; 6];
     bencher.bench_local(|| {
         let tau = black_box(&DDQ);
@@ -68,9 +49,7 @@ fn forward_dynamics(bencher: Bencher) {
 /// The 60 base columns of one sample.
 #[divan::bench]
 fn regressor(bencher: Bencher) {
-    let Tx40 { model, mut workspace, .. } = tx40();
-    let base = BaseParameters::of(&model, &["iam6".to_owned()]).expect("the TX40's base parameters");
-    let regressor = Regressor::new(&model, &base.columns());
+    let Tx40 { model, mut workspace, regressor, .. } = tx40();
     let mut phi = vec![0.0; regressor.entries().len()];
     bencher.bench_local(|| {
         regressor.evaluate(&model, black_box(&Q), &DQ, &DDQ, Sign::Exact, &mut workspace, &mut phi);

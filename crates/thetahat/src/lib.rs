@@ -8,6 +8,8 @@ pub mod series;
 
 pub mod linear_algebra;
 
+mod real;
+
 mod vector;
 
 pub mod robot;

@@ -1,40 +1,49 @@
 //! Vectors and matrices of three, as plain arrays.
 
-pub(crate) type Vec3 = [f64; 3];
-pub(crate) type Mat3 = [[f64; 3]; 3];
+use crate::real::Real;
+
+pub(crate) type Vec3<T = f64> = [T; 3];
+pub(crate) type Mat3<T = f64> = [[T; 3]; 3];
 
 pub(crate) const IDENTITY: Mat3 = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-#[inline]
-pub(crate) fn add(a: Vec3, b: Vec3) -> Vec3 {
+#[inline(always)]
+pub(crate) fn add<T: Real>(a: Vec3<T>, b: Vec3<T>) -> Vec3<T> {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-#[inline]
-pub(crate) fn scale(s: f64, a: Vec3) -> Vec3 {
+#[inline(always)]
+pub(crate) fn scale<T: Real>(s: T, a: Vec3<T>) -> Vec3<T> {
     [s * a[0], s * a[1], s * a[2]]
 }
 
-#[inline]
-pub(crate) fn dot(a: Vec3, b: Vec3) -> f64 {
+#[inline(always)]
+pub(crate) fn dot<T: Real>(a: Vec3<T>, b: Vec3<T>) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-#[inline]
-pub(crate) fn cross(a: Vec3, b: Vec3) -> Vec3 {
+#[inline(always)]
+pub(crate) fn cross<T: Real>(a: Vec3<T>, b: Vec3<T>) -> Vec3<T> {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// `A x`.
-#[inline]
-pub(crate) fn times(a: &Mat3, x: Vec3) -> Vec3 {
+#[inline(always)]
+pub(crate) fn times<T: Real>(a: &Mat3<T>, x: Vec3<T>) -> Vec3<T> {
     [dot(a[0], x), dot(a[1], x), dot(a[2], x)]
 }
 
 /// `A^T x`.
-#[inline]
-pub(crate) fn transpose_times(a: &Mat3, x: Vec3) -> Vec3 {
-    [0, 1, 2].map(|j| a[0][j] * x[0] + a[1][j] * x[1] + a[2][j] * x[2])
+#[inline(always)]
+pub(crate) fn transpose_times<T: Real>(a: &Mat3, x: Vec3<T>) -> Vec3<T> {
+    let column = |j: usize| x[0] * a[0][j] + x[1] * a[1][j] + x[2] * a[2][j];
+    [column(0), column(1), column(2)]
+}
+
+/// A constant vector, in every lane.
+#[inline(always)]
+pub(crate) fn like<T: Real>(kind: T, v: Vec3) -> Vec3<T> {
+    [kind.like(v[0]), kind.like(v[1]), kind.like(v[2])]
 }
 
 /// `A B`.

@@ -1,79 +1,105 @@
 use super::{
     DynamicParameters, DynamicsError, Model, Sign,
     geometry::BASE,
+    one_state::{ForwardDynamics, InverseDynamics, MassMatrix},
     parameters::Inertial,
     rotation::{Rotation, Turn},
+    solve::solve_positive_definite,
     twist::Twist,
 };
-use crate::vector::{Mat3, Vec3, add, cross, dot, scale, times, transpose_times};
+use crate::{
+    real::Real,
+    vector::{Mat3, Vec3, add, cross, dot, like, scale, times, transpose_times},
+};
 
 /// Scratch of the algorithms: one for each thread.
 #[derive(Debug, Clone)]
-pub struct Workspace {
-    pub(crate) links: Vec<LinkMotion>,
-    pub(crate) twists: Vec<Twist>,
-    wrenches: Vec<Wrench>,
-    composite: Vec<Inertial>,
+pub struct Workspace<T = f64> {
+    pub(crate) links: Vec<LinkMotion<T>>,
+    pub(crate) twists: Vec<Twist<T>>,
+    wrenches: Vec<Wrench<T>>,
+    composite: Vec<Inertial<T>>,
     /// Mass matrix of the joints as if none followed another, its lower triangle; used where one does.
-    link_masses: Vec<f64>,
+    link_masses: Vec<T>,
     /// Mass matrix of the coordinates, its lower triangle.
-    mass_matrix: Vec<f64>,
-    rhs: Vec<f64>,
-    zeros: Vec<f64>,
+    mass_matrix: Vec<T>,
+    rhs: Vec<T>,
+    zeros: Vec<T>,
 }
 
 /// Placement of one link in the turned frame before it (see [`Turn`]), and its motion in its own frame.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct LinkMotion {
-    pub(crate) r: Rotation,
-    pub(crate) p: Vec3,
-    pub(crate) w: Vec3,
-    pub(crate) dw: Vec3,
-    pub(crate) dv: Vec3,
+pub(crate) struct LinkMotion<T = f64> {
+    pub(crate) r: Rotation<T>,
+    pub(crate) p: Vec3<T>,
+    pub(crate) w: Vec3<T>,
+    pub(crate) dw: Vec3<T>,
+    pub(crate) dv: Vec3<T>,
 }
 
-impl LinkMotion {
+impl<T: Real> LinkMotion<T> {
+    /// A link at rest with acceleration `dv`, less gravity.
+    #[inline(always)]
+    fn at_rest(kind: T, dv: Vec3) -> Self {
+        let zero = kind.like(0.0);
+        let r = Rotation { sin_alpha: 0.0, cos_alpha: 1.0, sin_theta: zero, cos_theta: kind.like(1.0) };
+        Self { r, p: [zero; 3], w: [zero; 3], dw: [zero; 3], dv: like(kind, dv) }
+    }
+
     /// Acceleration, less gravity, of the point of the link at `p`.
-    #[inline]
-    pub(super) fn acceleration_at(&self, p: Vec3) -> Vec3 {
+    #[inline(always)]
+    pub(super) fn acceleration_at(&self, p: Vec3<T>) -> Vec3<T> {
         let centripetal = cross(self.w, cross(self.w, p));
         add(self.dv, add(cross(self.dw, p), centripetal))
     }
 
     /// The motion in the frame turned by gamma.
-    #[inline]
+    #[inline(always)]
     pub(super) fn turned_back(&self, turn: &Turn) -> Self {
-        let back = |x| turn.transpose_times(x);
-        Self { w: back(self.w), dw: back(self.dw), dv: back(self.dv), ..*self }
+        let [w, dw, dv] = [self.w, self.dw, self.dv];
+        Self { w: turn.transpose_times(w), dw: turn.transpose_times(dw), dv: turn.transpose_times(dv), ..*self }
     }
 
     /// The motion in the link's own axes, `x_here = axes x_link`.
+    #[inline(always)]
     pub(crate) fn in_axes(&self, axes: &Mat3) -> Self {
-        let turn = |x| transpose_times(axes, x);
-        Self { w: turn(self.w), dw: turn(self.dw), dv: turn(self.dv), ..*self }
+        let [w, dw, dv] = [self.w, self.dw, self.dv];
+        Self { w: transpose_times(axes, w), dw: transpose_times(axes, dw), dv: transpose_times(axes, dv), ..*self }
     }
 }
 
 #[derive(Debug, Clone, Copy, Default)]
-struct Wrench {
-    force: Vec3,
-    moment: Vec3,
+struct Wrench<T = f64> {
+    force: Vec3<T>,
+    moment: Vec3<T>,
 }
 
 impl Workspace {
     /// Scratch for a model.
     #[must_use]
     pub fn new(model: &Model) -> Self {
-        let (n, links) = (model.joint_count(), model.link_count());
+        Self::like(model, 0.0)
+    }
+}
+
+impl<T: Copy> Workspace<T> {
+    /// Scratch for numbers of a kind.
+    #[inline(always)]
+    pub(crate) fn like(model: &Model, kind: T) -> Self
+    where
+        T: Real,
+    {
+        let (n, links, zero) = (model.joint_count(), model.link_count(), kind.like(0.0));
+        let none = [zero; 3];
         Self {
-            links: vec![LinkMotion::default(); links],
-            twists: vec![Twist::default(); model.twist_count()],
-            wrenches: vec![Wrench::default(); links],
-            composite: vec![Inertial::default(); links],
-            link_masses: vec![0.0; links * links],
-            mass_matrix: vec![0.0; n * n],
-            rhs: vec![0.0; n],
-            zeros: vec![0.0; n],
+            links: vec![LinkMotion::at_rest(kind, [0.0; 3]); links],
+            twists: vec![Twist { angular: none, linear: none }; model.twist_count()],
+            wrenches: vec![Wrench { force: none, moment: none }; links],
+            composite: vec![Inertial::default().like(kind); links],
+            link_masses: vec![zero; links * links],
+            mass_matrix: vec![zero; n * n],
+            rhs: vec![zero; n],
+            zeros: vec![zero; n],
         }
     }
 }
@@ -91,6 +117,20 @@ impl Model {
         sign: Sign,
         workspace: &mut Workspace,
         tau: &mut [f64],
+    ) {
+        let state = [q, dq, ddq];
+        pulp::Arch::new().dispatch(InverseDynamics { model: self, parameters, state, sign, workspace, tau });
+    }
+
+    /// The same of states side by side.
+    #[inline(always)]
+    pub(super) fn inverse_dynamics_of<T: Real>(
+        &self,
+        parameters: &DynamicParameters,
+        [q, dq, ddq]: [&[T]; 3],
+        sign: Sign,
+        workspace: &mut Workspace<T>,
+        tau: &mut [T],
     ) {
         self.propagate_motion(q, dq, ddq, &mut workspace.links);
         self.rigid_torques(parameters, workspace, tau);
@@ -112,31 +152,52 @@ impl Model {
         workspace: &mut Workspace,
         ddq: &mut [f64],
     ) -> Result<(), DynamicsError> {
+        let state = [q, dq, tau];
+        let kernel = ForwardDynamics { model: self, parameters, state, sign, workspace, ddq };
+        pulp::Arch::new().dispatch(kernel).map_err(|(coordinate, pivot)| DynamicsError::MassMatrixNotPositiveDefinite {
+            joint: self.coordinates[coordinate] + 1,
+            pivot,
+        })
+    }
+
+    /// The same of states side by side. The error is the coordinate and the pivots, of which one is not positive.
+    #[inline(always)]
+    pub(super) fn forward_dynamics_of<T: Real>(
+        &self,
+        parameters: &DynamicParameters,
+        [q, dq, tau]: [&[T]; 3],
+        sign: Sign,
+        workspace: &mut Workspace<T>,
+        ddq: &mut [T],
+    ) -> Result<(), (usize, T)> {
         let mut bias = std::mem::take(&mut workspace.rhs);
         let zeros = std::mem::take(&mut workspace.zeros);
-        self.inverse_dynamics(parameters, q, dq, &zeros, sign, workspace, &mut bias);
+        self.inverse_dynamics_of(parameters, [q, dq, &zeros], sign, workspace, &mut bias);
         self.lower_mass_matrix(parameters, workspace);
         for (a, (t, b)) in ddq.iter_mut().zip(tau.iter().zip(&bias)) {
-            *a = t - b;
+            *a = *t - *b;
         }
         workspace.rhs = bias;
         workspace.zeros = zeros;
-        solve_positive_definite(&mut workspace.mass_matrix, ddq).map_err(|(coordinate, pivot)| {
-            DynamicsError::MassMatrixNotPositiveDefinite { joint: self.coordinates[coordinate] + 1, pivot }
-        })
+        solve_positive_definite(&mut workspace.mass_matrix, ddq)
     }
 
     /// The mass matrix `M(q)`, row by row: `M = d tau / d ddq`, motor inertias and their coupling included.
     pub fn mass_matrix(&self, parameters: &DynamicParameters, q: &[f64], workspace: &mut Workspace, m: &mut [f64]) {
-        for (joint, link) in self.joints.iter().zip(&mut workspace.links) {
-            (link.r, link.p) = joint.placement(q);
-        }
-        self.lower_mass_matrix(parameters, workspace);
+        pulp::Arch::new().dispatch(MassMatrix { model: self, parameters, q, workspace });
         let n = self.joint_count();
         m.copy_from_slice(&workspace.mass_matrix);
         for i in 1..n {
             let (above, row) = m.split_at_mut(i * n);
             above.chunks_exact_mut(n).zip(row).for_each(|(upper, lower)| upper[i] = *lower);
+        }
+    }
+
+    /// The placements of the links alone.
+    #[inline(always)]
+    pub(super) fn place(&self, q: &[f64], links: &mut [LinkMotion]) {
+        for (joint, link) in self.joints.iter().zip(links) {
+            (link.r, link.p) = joint.placement(q);
         }
     }
 
@@ -160,8 +221,10 @@ impl Model {
     }
 
     /// Forward pass of recursive Newton-Euler: placement, velocity and acceleration of every link.
-    pub(crate) fn propagate_motion(&self, q: &[f64], dq: &[f64], ddq: &[f64], links: &mut [LinkMotion]) {
-        let base = LinkMotion { dv: scale(-1.0, self.gravity), ..LinkMotion::default() };
+    #[inline(always)]
+    pub(crate) fn propagate_motion<T: Real>(&self, q: &[T], dq: &[T], ddq: &[T], links: &mut [LinkMotion<T>]) {
+        let Some(&kind) = q.first() else { return };
+        let base = LinkMotion::at_rest(kind, scale(-1.0, self.gravity));
         let mut before = base;
         for (j, joint) in self.joints.iter().enumerate() {
             // A chain hands its motion on without a detour through the memory.
@@ -174,14 +237,17 @@ impl Model {
     }
 
     /// Backward pass of recursive Newton-Euler: the torques of the rigid links alone.
-    fn rigid_torques(&self, parameters: &DynamicParameters, workspace: &mut Workspace, tau: &mut [f64]) {
+    #[inline(always)]
+    fn rigid_torques<T: Real>(&self, parameters: &DynamicParameters, workspace: &mut Workspace<T>, tau: &mut [T]) {
         for ((link, body), wrench) in workspace.links.iter().zip(&parameters.links).zip(&mut workspace.wrenches) {
-            *wrench = body.wrench(link);
+            *wrench = body.like(link.dv[0]).wrench(link);
         }
-        tau.fill(0.0);
+        for torque in tau.iter_mut() {
+            *torque = torque.like(0.0);
+        }
         for (j, joint) in self.joints.iter().enumerate().rev() {
             let wrench = workspace.wrenches[j];
-            tau[joint.coordinate] += joint.ratio * wrench.along(joint.revolute);
+            tau[joint.coordinate] += wrench.along(joint.revolute) * joint.ratio;
             if let Some(of_parent) = workspace.wrenches.get_mut(joint.parent) {
                 of_parent.absorb(&wrench.moved_to_parent(&workspace.links[j], joint.turn.as_ref()));
             }
@@ -189,21 +255,34 @@ impl Model {
     }
 
     /// Motor inertia, friction and offset of the joints, and the cross terms of the coupled motors.
-    fn add_drive_torques(&self, parameters: &DynamicParameters, dq: &[f64], ddq: &[f64], sign: Sign, tau: &mut [f64]) {
+    #[inline(always)]
+    fn add_drive_torques<T: Real>(
+        &self,
+        parameters: &DynamicParameters,
+        dq: &[T],
+        ddq: &[T],
+        sign: Sign,
+        tau: &mut [T],
+    ) {
         for (joint, own) in self.joints.iter().zip(&parameters.friction) {
             let velocity = joint.rate(dq);
-            let torque = own.ia * joint.rate(ddq) + own.friction(velocity, sign.of(velocity));
-            tau[joint.coordinate] += joint.ratio * torque;
+            let torque = joint.rate(ddq) * own.ia + own.friction(velocity, sign.of_each(velocity));
+            tau[joint.coordinate] += torque * joint.ratio;
         }
         for (motor, of_motor) in self.coupled_motors().iter().zip(&parameters.motors) {
-            let coulomb = of_motor.fcm * sign.of(motor.velocity(dq));
-            motor.weights.iter().for_each(|&(j, w)| tau[j] += w * coulomb);
-            motor.cross_terms().for_each(|(j, k, w)| tau[j] += w * (of_motor.iam * ddq[k] + of_motor.fvm * dq[k]));
+            let coulomb = sign.of_each(motor.rate(dq)) * of_motor.fcm;
+            for &(j, w) in &motor.weights {
+                tau[j] += coulomb * w;
+            }
+            for (j, k, w) in motor.cross_terms() {
+                tau[j] += (ddq[k] * of_motor.iam + dq[k] * of_motor.fvm) * w;
+            }
         }
     }
 
     /// The lower triangle of the mass matrix of the coordinates; the placements must be in the workspace.
-    fn lower_mass_matrix(&self, parameters: &DynamicParameters, workspace: &mut Workspace) {
+    #[inline(always)]
+    pub(super) fn lower_mass_matrix<T: Real>(&self, parameters: &DynamicParameters, workspace: &mut Workspace<T>) {
         let n = self.joint_count();
         let Workspace { links, composite, mass_matrix, link_masses, .. } = workspace;
         if n == self.link_count() {
@@ -213,30 +292,37 @@ impl Model {
             self.reduce_to_coordinates(link_masses, mass_matrix);
         }
         for (motor, of_motor) in self.coupled_motors().iter().zip(&parameters.motors) {
-            motor.cross_terms().for_each(|(j, k, w)| mass_matrix[j * n + k] += of_motor.iam * w);
+            for (j, k, w) in motor.cross_terms() {
+                let entry = &mut mass_matrix[j * n + k];
+                *entry += entry.like(of_motor.iam * w);
+            }
         }
     }
 
     /// The lower triangle of the mass matrix of all joints, as if none followed another, by composite rigid bodies from
     /// the tips to the base: the wrench of each joint's unit acceleration is carried to the base and meets the joints on
     /// the way.
-    fn composite_rigid_bodies(
+    #[inline(always)]
+    fn composite_rigid_bodies<T: Real>(
         &self,
         parameters: &DynamicParameters,
-        links: &[LinkMotion],
-        composite: &mut [Inertial],
-        m: &mut [f64],
+        links: &[LinkMotion<T>],
+        composite: &mut [Inertial<T>],
+        m: &mut [T],
     ) {
-        composite.copy_from_slice(&parameters.links);
+        for ((composite, own), link) in composite.iter_mut().zip(&parameters.links).zip(links) {
+            *composite = own.like(link.dv[0]);
+        }
         for (j, joint) in self.joints.iter().enumerate().rev() {
             let row = &mut m[j * links.len()..=j * links.len() + j];
             let mut wrench = composite[j].wrench_of_joint(joint.revolute);
-            row[j] = wrench.along(joint.revolute) + parameters.friction[j].ia;
+            row[j] = wrench.along(joint.revolute);
+            row[j] += row[j].like(parameters.friction[j].ia);
             // All joints before are passed, not only those on the way: on a chain, no index waits for a parent's.
             let (mut outer, mut link) = (joint, &links[j]);
             for (i, (inner, entry)) in self.joints[..j].iter().zip(row).enumerate().rev() {
                 if i != outer.parent {
-                    *entry = 0.0;
+                    *entry = entry.like(0.0);
                     continue;
                 }
                 wrench = wrench.moved_to_parent(link, outer.turn.as_ref());
@@ -251,25 +337,28 @@ impl Model {
     }
 
     /// The lower triangle of `G^T M G`, of that of the joints' mass matrix.
-    fn reduce_to_coordinates(&self, m: &[f64], reduced: &mut [f64]) {
+    #[inline(always)]
+    fn reduce_to_coordinates<T: Real>(&self, m: &[T], reduced: &mut [T]) {
         let (n, links) = (self.joint_count(), self.link_count());
-        reduced.fill(0.0);
+        for entry in reduced.iter_mut() {
+            *entry = entry.like(0.0);
+        }
         for (i, first) in self.joints.iter().enumerate() {
             for (j, second) in self.joints[..=i].iter().enumerate() {
-                let value = first.ratio * second.ratio * m[i * links + j];
+                let value = m[i * links + j] * (first.ratio * second.ratio);
                 let (row, column) = (first.coordinate.max(second.coordinate), first.coordinate.min(second.coordinate));
                 let both = if i != j && row == column { 2.0 } else { 1.0 };
-                reduced[row * n + column] += both * value;
+                reduced[row * n + column] += value * both;
             }
         }
     }
 }
 
-impl Inertial {
+impl<T: Real> Inertial<T> {
     /// Force and moment about the frame's origin that move the link: `F = m dv + dw x ms + w x (w x ms)`,
     /// `N = J dw + w x J w + ms x dv`.
-    #[inline]
-    fn wrench(&self, link: &LinkMotion) -> Wrench {
+    #[inline(always)]
+    fn wrench(&self, link: &LinkMotion<T>) -> Wrench<T> {
         let LinkMotion { w, dw, dv, .. } = *link;
         let force = add(scale(self.m, dv), add(cross(dw, self.ms), cross(w, cross(w, self.ms))));
         let gyroscopic = cross(w, times(&self.inertia, w));
@@ -278,30 +367,31 @@ impl Inertial {
     }
 
     /// The wrench of a unit acceleration about (revolute) or along (prismatic) the z axis.
-    #[inline]
-    fn wrench_of_joint(&self, revolute: bool) -> Wrench {
+    #[inline(always)]
+    fn wrench_of_joint(&self, revolute: bool) -> Wrench<T> {
+        let zero = self.m.like(0.0);
         if revolute {
             let moment = [self.inertia[0][2], self.inertia[1][2], self.inertia[2][2]];
-            Wrench { force: [-self.ms[1], self.ms[0], 0.0], moment }
+            Wrench { force: [-self.ms[1], self.ms[0], zero], moment }
         } else {
-            Wrench { force: [0.0, 0.0, self.m], moment: [self.ms[1], -self.ms[0], 0.0] }
+            Wrench { force: [zero, zero, self.m], moment: [self.ms[1], -self.ms[0], zero] }
         }
     }
 
     /// The same body about the origin of the frame before.
     ///
     /// With the first moments rotated to `s = R ms`: `J' = R J R^T + (2 p.s + m p.p) 1 - (p s^T + s p^T + m p p^T)`.
-    #[inline]
-    fn moved_to_parent(&self, link: &LinkMotion, turn: Option<&Turn>) -> Self {
+    #[inline(always)]
+    fn moved_to_parent(&self, link: &LinkMotion<T>, turn: Option<&Turn>) -> Self {
         let p = link.p;
         let s = link.r.times(self.ms);
         let mut inertia = link.r.rotate_symmetric(&self.inertia);
-        let spherical = 2.0 * dot(p, s) + self.m * dot(p, p);
-        for (i, row) in inertia.iter_mut().enumerate() {
-            for (j, entry) in row.iter_mut().enumerate() {
-                *entry -= p[i] * s[j] + s[i] * p[j] + self.m * p[i] * p[j];
+        let spherical = dot(p, s) * 2.0 + self.m * dot(p, p);
+        for i in 0..3 {
+            for j in 0..3 {
+                inertia[i][j] -= p[i] * s[j] + s[i] * p[j] + self.m * p[i] * p[j];
             }
-            row[i] += spherical;
+            inertia[i][i] += spherical;
         }
         let ms = add(s, scale(self.m, p));
         match turn {
@@ -310,7 +400,7 @@ impl Inertial {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn absorb(&mut self, other: &Self) {
         for (mine, theirs) in self.inertia.iter_mut().zip(&other.inertia) {
             *mine = add(*mine, *theirs);
@@ -320,15 +410,15 @@ impl Inertial {
     }
 }
 
-impl Wrench {
+impl<T: Real> Wrench<T> {
     /// The component that the joint's drive carries.
-    #[inline]
-    fn along(&self, revolute: bool) -> f64 {
+    #[inline(always)]
+    fn along(&self, revolute: bool) -> T {
         if revolute { self.moment[2] } else { self.force[2] }
     }
 
-    #[inline]
-    fn moved_to_parent(&self, link: &LinkMotion, turn: Option<&Turn>) -> Self {
+    #[inline(always)]
+    fn moved_to_parent(&self, link: &LinkMotion<T>, turn: Option<&Turn>) -> Self {
         let force = link.r.times(self.force);
         let moment = add(link.r.times(self.moment), cross(link.p, force));
         match turn {
@@ -337,42 +427,9 @@ impl Wrench {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn absorb(&mut self, other: &Self) {
         self.force = add(self.force, other.force);
         self.moment = add(self.moment, other.moment);
     }
-}
-
-/// Solves `M x = b` in place by `M = L D L^T`; M is row by row, its lower triangle alone is used, and it is overwritten by L with `1/D` on its diagonal.
-///
-/// The error is the index and value of a pivot that is not positive. Written out because it runs in every right-hand side of the simulation, where nothing may allocate.
-fn solve_positive_definite(m: &mut [f64], b: &mut [f64]) -> Result<(), (usize, f64)> {
-    let n = b.len();
-    for j in 0..n {
-        let (above, row) = m.split_at_mut(j * n);
-        // Entry i of the row becomes (L D)_ji, then L_ji; the pivot takes away the squares of L weighted by D.
-        for i in 0..j {
-            let before = &above[i * n..i * n + i];
-            row[i] -= before.iter().zip(&row[..i]).map(|(l, ld)| l * ld).sum::<f64>();
-        }
-        let mut pivot = row[j];
-        for i in 0..j {
-            let l = row[i] * above[i * n + i];
-            pivot -= l * row[i];
-            row[i] = l;
-        }
-        if pivot.is_nan() || pivot <= 0.0 {
-            return Err((j, pivot));
-        }
-        row[j] = 1.0 / pivot;
-    }
-    for i in 0..n {
-        b[i] -= (0..i).map(|k| m[i * n + k] * b[k]).sum::<f64>();
-    }
-    for i in (0..n).rev() {
-        let sum: f64 = (i + 1..n).map(|k| m[k * n + i] * b[k]).sum();
-        b[i] = b[i] * m[i * n + i] - sum;
-    }
-    Ok(())
 }

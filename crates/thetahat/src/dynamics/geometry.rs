@@ -4,8 +4,9 @@ use super::{
     twist::Twist,
 };
 use crate::{
+    real::Real,
     robot::{JointKind, Robot},
-    vector::{Vec3, add},
+    vector::{Vec3, add, like},
 };
 
 /// The parent of joints on the base: beyond any joint, so that `get` finds none.
@@ -54,40 +55,45 @@ impl JointGeometry {
     }
 
     /// Rotation from the joint's frame to the turned one before, and its origin there, at the coordinates `q`.
-    #[inline]
-    pub(super) fn placement(&self, q: &[f64]) -> (Rotation, Vec3) {
-        let q = self.ratio * q[self.coordinate] + self.offset;
+    #[inline(always)]
+    pub(super) fn placement<T: Real>(&self, q: &[T]) -> (Rotation<T>, Vec3<T>) {
+        let q = q[self.coordinate];
+        let q = q * self.ratio + q.like(self.offset);
+        let origin = like(q, self.origin);
         let (theta, p) = if self.revolute {
-            (self.theta + q, self.origin)
+            (q + q.like(self.theta), origin)
         } else {
-            (self.theta, add(self.origin, [0.0, -q * self.sin_alpha, q * self.cos_alpha]))
+            (q.like(self.theta), add(origin, [q.like(0.0), -q * self.sin_alpha, q * self.cos_alpha]))
         };
         let (sin_theta, cos_theta) = theta.sin_cos();
         (Rotation { sin_alpha: self.sin_alpha, cos_alpha: self.cos_alpha, sin_theta, cos_theta }, p)
     }
 
     /// A vector of the frame before, in the turned one.
-    #[inline]
-    pub(super) fn turned_back(&self, x: Vec3) -> Vec3 {
-        self.turn.as_ref().map_or(x, |turn| turn.transpose_times(x))
+    #[inline(always)]
+    pub(super) fn turned_back<T: Real>(&self, x: Vec3<T>) -> Vec3<T> {
+        match &self.turn {
+            None => x,
+            Some(turn) => turn.transpose_times(x),
+        }
     }
 
     /// The joint's own velocity or acceleration, of those of the coordinates.
-    #[inline]
-    pub(super) fn rate(&self, rates: &[f64]) -> f64 {
-        self.ratio * rates[self.coordinate]
+    #[inline(always)]
+    pub(super) fn rate<T: Real>(&self, rates: &[T]) -> T {
+        rates[self.coordinate] * self.ratio
     }
 
     /// The twist, at the joint's own frame, of a unit velocity of its coordinate.
-    #[inline]
-    pub(super) fn twist(&self) -> Twist {
-        let (z, zero) = ([0.0, 0.0, self.ratio], [0.0; 3]);
+    #[inline(always)]
+    pub(super) fn twist<T: Real>(&self, kind: T) -> Twist<T> {
+        let (z, zero) = (like(kind, [0.0, 0.0, self.ratio]), [kind.like(0.0); 3]);
         if self.revolute { Twist { angular: z, linear: zero } } else { Twist { angular: zero, linear: z } }
     }
 
     /// The motion of the link behind the joint, of that of the link before.
-    #[inline]
-    pub(super) fn propagate(&self, mut before: LinkMotion, q: &[f64], dq: &[f64], ddq: &[f64]) -> LinkMotion {
+    #[inline(always)]
+    pub(super) fn propagate<T: Real>(&self, mut before: LinkMotion<T>, q: &[T], dq: &[T], ddq: &[T]) -> LinkMotion<T> {
         if let Some(turn) = &self.turn {
             before = before.turned_back(turn);
         }
@@ -101,7 +107,7 @@ impl JointGeometry {
             let dw = [dw[0] + w[1] * dq, dw[1] - w[0] * dq, dw[2] + ddq];
             LinkMotion { r, p, w: [w[0], w[1], w[2] + dq], dw, dv }
         } else {
-            let dv = [dv[0] + 2.0 * w[1] * dq, dv[1] - 2.0 * w[0] * dq, dv[2] + ddq];
+            let dv = [dv[0] + w[1] * 2.0 * dq, dv[1] - w[0] * 2.0 * dq, dv[2] + ddq];
             LinkMotion { r, p, w, dw, dv }
         }
     }

@@ -22,8 +22,11 @@
 mod algorithms;
 mod geometry;
 mod model;
+mod one_state;
 mod parameters;
 mod rotation;
+mod series;
+mod solve;
 mod twist;
 
 pub use algorithms::Workspace;
@@ -31,4 +34,5 @@ pub use model::{CoupledMotor, DynamicsError, Model};
 pub use parameters::{DynamicParameters, Sign};
 
 pub(crate) use algorithms::LinkMotion;
+pub(crate) use series::gather;
 pub(crate) use twist::Twist;

@@ -1,5 +1,6 @@
 use super::geometry::JointGeometry;
 use crate::{
+    real::Real,
     robot::{ParameterTable, Robot, Transmission},
     vector::{Mat3, Vec3},
 };
@@ -147,10 +148,19 @@ fn coupled_motors(transmission: &Transmission, coordinates: &[usize]) -> Vec<Cou
 
 impl CoupledMotor {
     /// The motor's velocity in joint units, `n_i dq`.
-    #[inline]
     #[must_use]
     pub fn velocity(&self, dq: &[f64]) -> f64 {
         self.weights.iter().map(|&(j, w)| w * dq[j]).sum()
+    }
+
+    /// The same, or the acceleration, in each lane.
+    #[inline(always)]
+    pub(crate) fn rate<T: Real>(&self, rates: &[T]) -> T {
+        let mut sum = rates[0].like(0.0);
+        for &(j, w) in &self.weights {
+            sum += rates[j] * w;
+        }
+        sum
     }
 
     /// The cross terms of `n_i^T n_i`: every ordered pair of different coordinates with its weight.

@@ -1,7 +1,8 @@
 use super::Model;
 use crate::{
+    real::Real,
     robot::{INERTIAL, Quantity},
-    vector::{Mat3, Vec3, times, turned},
+    vector::{Mat3, Vec3, like, times, turned},
 };
 
 /// How the sign function of Coulomb friction is evaluated.
@@ -18,13 +19,18 @@ pub enum Sign {
 
 impl Sign {
     /// The sign of `v`.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn of(self, v: f64) -> f64 {
+        self.of_each(v)
+    }
+
+    /// The sign in each lane; that of zero or NaN is itself.
+    #[inline(always)]
+    pub(crate) fn of_each<T: Real>(self, v: T) -> T {
         match self {
-            Self::Exact if v == 0.0 => 0.0,
-            Self::Exact => v.signum(),
-            Self::Smooth { scale } => smooth_sign(v / scale),
+            Self::Exact => sign_or(v, v),
+            Self::Smooth { scale } => smooth_sign(v / v.like(scale)),
         }
     }
 }
@@ -32,8 +38,19 @@ impl Sign {
 /// Beyond this argument tanh is one to the last bit.
 const SATURATED: f64 = 19.1;
 
-fn smooth_sign(x: f64) -> f64 {
-    if x.abs() > SATURATED { x.signum() } else { x.tanh() }
+#[inline(always)]
+fn smooth_sign<T: Real>(x: T) -> T {
+    let between = |x: f64| if x.abs() > SATURATED { x.signum() } else { x.tanh() };
+    let square = x * x;
+    // Mostly, every lane is beyond.
+    if (square - x.like(SATURATED * SATURATED)).is_positive() { sign_or(x, x) } else { x.map(between) }
+}
+
+/// -1 or 1, and `at_zero` where x is neither below nor above.
+#[inline(always)]
+fn sign_or<T: Real>(x: T, at_zero: T) -> T {
+    let zero = x.like(0.0);
+    x.select_less(zero, x.like(-1.0), zero.select_less(x, x.like(1.0), at_zero))
 }
 
 /// A vector of standard parameters, sorted for the kernels.
@@ -46,10 +63,10 @@ pub struct DynamicParameters {
 
 /// Inertial parameters of one link about the origin of its frame.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Inertial {
-    pub(super) inertia: Mat3,
-    pub(super) ms: Vec3,
-    pub(super) m: f64,
+pub(super) struct Inertial<T = f64> {
+    pub(super) inertia: Mat3<T>,
+    pub(super) ms: Vec3<T>,
+    pub(super) m: T,
 }
 
 /// Motor inertia, friction and offset of one joint; symmetric friction is held as equal sides.
@@ -71,10 +88,12 @@ pub(super) struct MotorParameters {
 
 impl JointParameters {
     /// Friction and offset at velocity `dq`, whose sign is `s`.
-    #[inline]
-    pub(super) fn friction(&self, dq: f64, s: f64) -> f64 {
-        let (positive, negative) = (0.5 * (1.0 + s), 0.5 * (1.0 - s));
-        (self.fv[0] * dq + self.fc[0]) * positive + (self.fv[1] * dq - self.fc[1]) * negative + self.off
+    #[inline(always)]
+    pub(super) fn friction<T: Real>(&self, dq: T, s: T) -> T {
+        let one = s.like(1.0);
+        let (positive, negative) = ((one + s) * 0.5, (one - s) * 0.5);
+        let (forwards, backwards) = (dq * self.fv[0] + s.like(self.fc[0]), dq * self.fv[1] - s.like(self.fc[1]));
+        forwards * positive + backwards * negative + s.like(self.off)
     }
 }
 
@@ -122,6 +141,17 @@ impl Inertial {
     /// From the order of [`INERTIAL`].
     fn from_vector([xx, xy, xz, yy, yz, zz, mx, my, mz, m]: [f64; 10]) -> Self {
         Self { inertia: [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], ms: [mx, my, mz], m }
+    }
+
+    /// The same in every lane.
+    #[inline(always)]
+    pub(super) fn like<T: Real>(&self, kind: T) -> Inertial<T> {
+        let [x, y, z] = self.inertia;
+        Inertial {
+            inertia: [like(kind, x), like(kind, y), like(kind, z)],
+            ms: like(kind, self.ms),
+            m: kind.like(self.m),
+        }
     }
 
     fn in_joint_axes(self, link_axes: Option<&Mat3>) -> Self {

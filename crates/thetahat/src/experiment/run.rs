@@ -19,10 +19,10 @@ use crate::{
         EstimationError, Fit, Method, Outcome, Reason, Uncertainty, idim_ls, iterate, joint_weights,
         relative_error_percent, uncertainty,
     },
-    linear_algebra::norm,
+    linear_algebra::{Matrix, norm},
     robot::{Friction, Robot},
     series::Series,
-    simulation::{Reference, SimulatorBias},
+    simulation::{Reference, SimulationError, SimulatorBias},
     statistics::{FTest, f_test},
 };
 
@@ -53,9 +53,10 @@ impl Experiment {
         for case in self.cases() {
             let problem = &problems[session.friction_index(&case)];
             let mut estimated = Vec::new();
+            let mut known = None;
             for &method in case.methods.as_ref().unwrap_or(&self.file.estimation.methods) {
                 progress(&format!("{}: {}", case.name, method.name()));
-                let (run, estimate) = session.run(problem, &case, method)?;
+                let (run, estimate) = session.run(problem, &case, method, &mut known)?;
                 runs.push(run);
                 estimated.push(estimate);
             }
@@ -160,12 +161,13 @@ impl Session<'_> {
         case_problem: &CaseProblem,
         case: &Case,
         method: Method,
+        known: &mut Option<(Vec<f64>, Matrix)>,
     ) -> Result<(RunResult, Estimated), ExperimentError> {
         let started = Instant::now();
         let problem = &case_problem.problem;
         let weights = self.weights(case_problem, method);
         let simulator = self.simulator(&self.main, problem, case);
-        let outcome = self.estimate(problem, method, weights.as_deref(), simulator.as_ref());
+        let outcome = self.estimate(problem, method, weights.as_deref(), simulator.as_ref(), known);
         let seconds = started.elapsed().as_secs_f64();
         let mut run = self.summarise(problem, case, method, &outcome, weights.as_deref());
         run.seconds = seconds;
@@ -244,6 +246,7 @@ impl Session<'_> {
         method: Method,
         weights: Option<&[f64]>,
         simulator: Option<&Simulator<'_>>,
+        known: &mut Option<(Vec<f64>, Matrix)>,
     ) -> Outcome {
         let estimation = &self.experiment.file.estimation;
         match (method, simulator) {
@@ -253,7 +256,7 @@ impl Session<'_> {
                 weights,
                 (estimation.variance, estimation.convergence),
                 &simulator.start(),
-                &mut |theta| simulator.instruments(theta),
+                &mut |theta| instruments(simulator, theta, known),
             ),
             _ => Outcome::direct(idim_ls(&problem.x, &problem.y, weights, estimation.variance)),
         }
@@ -427,6 +430,20 @@ impl Session<'_> {
             },
         })
     }
+}
+
+/// Z of the loop simulated with base parameters `theta`. The first one of a case is kept: its methods start from the same.
+fn instruments(
+    simulator: &Simulator<'_>,
+    theta: &[f64],
+    known: &mut Option<(Vec<f64>, Matrix)>,
+) -> Result<Matrix, SimulationError> {
+    if let Some((_, z)) = known.as_ref().filter(|(of, _)| of == theta) {
+        return Ok(z.clone());
+    }
+    let z = simulator.instruments(theta)?;
+    known.get_or_insert_with(|| (theta.to_vec(), z.clone()));
+    Ok(z)
 }
 
 /// The largest change of an estimate, in its standard deviations with correlated errors, without one of the folds.

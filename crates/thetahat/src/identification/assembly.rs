@@ -1,7 +1,7 @@
 use crate::{
-    dynamics::{Model, Sign, Workspace},
+    dynamics::{Model, Sign},
     linear_algebra::Matrix,
-    regressor::Regressor,
+    regressor::{BufferedRegressor, Regressor},
     series::Series,
     signal::{Decimator, SignalError},
 };
@@ -48,10 +48,9 @@ impl<'a> Assembly<'a> {
     /// # Errors
     /// [`SignalError`] where the record is too short for the filter.
     pub fn observation_matrix(&self, q: &Series, dq: &Series, ddq: &Series, sign: Sign) -> Result<Matrix, SignalError> {
-        let mut workspace = Workspace::new(self.model);
-        let decimated = self.decimator.decimate_computed(self.regressor.entries().len(), |k, phi| {
-            self.regressor.evaluate(self.model, q.sample(k), dq.sample(k), ddq.sample(k), sign, &mut workspace, phi);
-        })?;
+        let mut samples = BufferedRegressor::new(&self.regressor, self.model, [q, dq, ddq], sign);
+        let decimated =
+            self.decimator.decimate_computed(self.regressor.entries().len(), |k, phi| samples.write(k, phi))?;
         let rows = self.rows_per_joint();
         let mut x = Matrix::zeros(rows * self.model.joint_count(), self.regressor.columns());
         for (e, entry) in self.regressor.entries().iter().enumerate() {

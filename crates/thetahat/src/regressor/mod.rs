@@ -4,6 +4,8 @@
 //! link, one of joint j on its own coordinate (or that of the joint it follows), one of a coupled motor on the coordinates
 //! that move it.
 
+mod batch;
 mod observation;
 
+pub use batch::BufferedRegressor;
 pub use observation::{Entry, Regressor};

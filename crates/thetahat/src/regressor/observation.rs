@@ -1,7 +1,7 @@
 use crate::{
     dynamics::{LinkMotion, Model, Sign, Twist, Workspace},
+    real::Real,
     robot::{INERTIAL, Parameter, Quantity},
-    series::Series,
     vector::{add, cross, dot},
 };
 
@@ -103,6 +103,20 @@ impl Regressor {
         workspace: &mut Workspace,
         phi: &mut [f64],
     ) {
+        let kernel = OneSample { regressor: self, model, motion: [q, dq, ddq], sign, workspace, phi };
+        pulp::Arch::new().dispatch(kernel);
+    }
+
+    /// The same of samples side by side.
+    #[inline(always)]
+    pub(super) fn evaluate_of<T: Real>(
+        &self,
+        model: &Model,
+        [q, dq, ddq]: [&[T]; 3],
+        sign: Sign,
+        workspace: &mut Workspace<T>,
+        phi: &mut [T],
+    ) {
         model.propagate_motion(q, dq, ddq, &mut workspace.links);
         let (inertial, others) = phi.split_at_mut(self.components.len());
         self.evaluate_inertial(model, workspace, inertial);
@@ -110,45 +124,65 @@ impl Regressor {
             *value = match term {
                 Term::Motor { quantity, motor } => motor_entry(model, (quantity, motor), joint, (dq, ddq), sign),
                 Term::Joint { quantity, ratio } => {
-                    ratio * joint_entry(quantity, ratio * dq[joint], ratio * ddq[joint], sign)
+                    joint_entry(quantity, dq[joint] * ratio, ddq[joint] * ratio, sign) * ratio
                 }
-                Term::Inertial { .. } => 0.0,
+                Term::Inertial { .. } => value.like(0.0),
             };
         }
     }
 
     /// Walks outwards over the links, as the blocks are ordered, and carries the unit twists of the coordinates along.
-    fn evaluate_inertial(&self, model: &Model, workspace: &mut Workspace, mut phi: &mut [f64]) {
+    #[inline(always)]
+    fn evaluate_inertial<T: Real>(&self, model: &Model, workspace: &mut Workspace<T>, mut phi: &mut [T]) {
         let (links, twists) = (&workspace.links, &mut workspace.twists);
         let (mut reached, mut start, mut axes) = (0, 0, None);
-        let mut motion = LinkMotion::default();
+        let Some(&(mut motion)) = links.first() else { return };
         let mut components = &self.components[..];
         for &Block { link, place, length } in &self.blocks {
             if reached <= link {
-                (reached..=link).for_each(|k| model.propagate_twists(k, links, twists));
+                for k in reached..=link {
+                    model.propagate_twists(k, links, twists);
+                }
                 reached = link + 1;
                 start = model.support(link).start;
                 axes = model.link_axes(link);
-                motion = axes.map_or(links[link], |axes| links[link].in_axes(axes));
+                motion = match axes {
+                    None => links[link],
+                    Some(axes) => links[link].in_axes(axes),
+                };
             }
             let twist = twists[start + place];
-            let entries = inertial_entries(axes.map_or(twist, |axes| twist.in_axes(axes)), &motion);
+            let twist = match axes {
+                None => twist,
+                Some(axes) => twist.in_axes(axes),
+            };
+            let entries = inertial_entries(twist, &motion);
             let (values, rest) = phi.split_at_mut(length);
             let (chosen, others) = components.split_at(length);
-            values.iter_mut().zip(chosen).for_each(|(value, &c)| *value = entries[c]);
+            for (value, &c) in values.iter_mut().zip(chosen) {
+                *value = entries[c];
+            }
             (phi, components) = (rest, others);
         }
     }
+}
 
-    /// The entries of `phi` over a motion: one channel for each entry.
-    #[must_use]
-    pub fn evaluate_series(&self, model: &Model, q: &Series, dq: &Series, ddq: &Series, sign: Sign) -> Series {
-        let mut workspace = Workspace::new(model);
-        let mut phi = Series::zeros(q.len(), self.entries.len());
-        for k in 0..q.len() {
-            self.evaluate(model, q.sample(k), dq.sample(k), ddq.sample(k), sign, &mut workspace, phi.sample_mut(k));
-        }
-        phi
+/// One sample, compiled for the machine's instructions.
+struct OneSample<'a> {
+    regressor: &'a Regressor,
+    model: &'a Model,
+    motion: [&'a [f64]; 3],
+    sign: Sign,
+    workspace: &'a mut Workspace,
+    phi: &'a mut [f64],
+}
+
+impl pulp::WithSimd for OneSample<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        self.regressor.evaluate_of(self.model, self.motion, self.sign, self.workspace, self.phi);
     }
 }
 
@@ -180,41 +214,43 @@ fn block_of(term: &Term, coordinate: usize) -> (usize, usize) {
     }
 }
 
-fn motor_entry(
+#[inline(always)]
+fn motor_entry<T: Real>(
     model: &Model,
     (quantity, motor): (Quantity, usize),
     joint: usize,
-    (dq, ddq): (&[f64], &[f64]),
+    (dq, ddq): (&[T], &[T]),
     sign: Sign,
-) -> f64 {
+) -> T {
     let motor = &model.coupled_motors()[motor];
     let own = motor.weights.iter().find(|(j, _)| *j == joint).map_or(0.0, |(_, w)| *w);
     match quantity {
-        Quantity::Iam => own * (motor.velocity(ddq) - own * ddq[joint]),
-        Quantity::Fvm => own * (motor.velocity(dq) - own * dq[joint]),
-        _ => own * sign.of(motor.velocity(dq)),
+        Quantity::Iam => (motor.rate(ddq) - ddq[joint] * own) * own,
+        Quantity::Fvm => (motor.rate(dq) - dq[joint] * own) * own,
+        _ => sign.of_each(motor.rate(dq)) * own,
     }
 }
 
-fn joint_entry(quantity: Quantity, dq: f64, ddq: f64, sign: Sign) -> f64 {
-    let s = sign.of(dq);
+#[inline(always)]
+fn joint_entry<T: Real>(quantity: Quantity, dq: T, ddq: T, sign: Sign) -> T {
+    let (s, one) = (sign.of_each(dq), dq.like(1.0));
     match quantity {
         Quantity::Ia => ddq,
         Quantity::Fv => dq,
         Quantity::Fc => s,
-        Quantity::Fvp => 0.5 * (1.0 + s) * dq,
-        Quantity::Fcp => 0.5 * (1.0 + s),
-        Quantity::Fvn => 0.5 * (1.0 - s) * dq,
-        Quantity::Fcn => -0.5 * (1.0 - s),
-        _ => 1.0,
+        Quantity::Fvp => (one + s) * 0.5 * dq,
+        Quantity::Fcp => (one + s) * 0.5,
+        Quantity::Fvn => (one - s) * 0.5 * dq,
+        Quantity::Fcn => (one - s) * -0.5,
+        _ => one,
     }
 }
 
 /// The torque for a unit of each inertial parameter of a link, where the joint's unit twist, seen at the link's origin in
 /// the link's frame, is `(z, v)`: it is `z . N + v . F`, where `F = m dv + dw x ms + w x (w x ms)` and
 /// `N = J dw + w x (J w) + ms x dv`.
-#[inline]
-fn inertial_entries(twist: Twist, link: &LinkMotion) -> [f64; 10] {
+#[inline(always)]
+fn inertial_entries<T: Real>(twist: Twist<T>, link: &LinkMotion<T>) -> [T; 10] {
     let Twist { angular: z, linear: v } = twist;
     let LinkMotion { w, dw, dv, .. } = *link;
     let u = cross(z, w);

@@ -5,6 +5,8 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
+use num_complex::Complex64;
+
 use crate::series::Series;
 
 use super::SignalError;
@@ -99,14 +101,11 @@ impl ImpulseResponse {
         self.taps.iter().enumerate().map(move |(k, &h)| (start + k as f64, h))
     }
 
-    /// `|H(f)| / (2 pi f)^n`.
+    /// `|H(f)| / (2 pi f)^n`, by Horner's rule; the magnitude does not depend on where time starts.
     fn gain(&self, frequency_hz: f64) -> f64 {
-        let w = 2.0 * PI * frequency_hz / self.sample_rate_hz;
-        let (re, im) = self.timed().fold((0.0, 0.0), |(re, im), (k, h)| {
-            let (sin, cos) = (w * k).sin_cos();
-            (re + h * cos, im - h * sin)
-        });
-        f64::hypot(re, im) / (2.0 * PI * frequency_hz).powi(self.derivatives as i32)
+        let turn = Complex64::cis(2.0 * PI * frequency_hz / self.sample_rate_hz);
+        let sum = self.taps.iter().fold(Complex64::ZERO, |sum, h| sum * turn + h);
+        sum.norm() / (2.0 * PI * frequency_hz).powi(self.derivatives as i32)
     }
 
     /// The limit of the gain at 0 Hz: `|sum_k h[k] (k T)^n| / n!`, the n-th derivative of `H` with respect to `w`.

@@ -5,6 +5,7 @@ use crate::{
     dynamics::{DynamicParameters, DynamicsError, Model, Sign, Workspace},
     linear_algebra::Matrix,
     robot::Transmission,
+    series::Series,
 };
 
 /// The entries of a coupling matrix that are not zero: of the joints, most move one motor only.
@@ -92,12 +93,23 @@ impl<'a> Plant<'a> {
         self.coupling.to_motors(dq, &mut self.v);
     }
 
+    /// Leaves the joint torques of drive signals `u` in `tau`.
+    #[inline]
+    pub(super) fn drive(&mut self, u: &[f64]) {
+        self.scratch.iter_mut().zip(u.iter().zip(&self.drive)).for_each(|(s, (u, d))| *s = d * u);
+        self.coupling.transpose_to_joints(&self.scratch, &mut self.tau);
+    }
+
+    /// The joint accelerations over a motion; the error is that of the first sample, from zero, that has none.
+    pub(super) fn accelerations_of(&self, motion: [&Series; 3]) -> Result<Series, (usize, DynamicsError)> {
+        self.model.forward_dynamics_series(&self.parameters, motion, self.sign)
+    }
+
     /// The joint accelerations that drive signals `u` give in a state; leaves the joint torques in `tau`.
     #[inline]
     pub(super) fn accelerations(&mut self, x: &[f64], u: &[f64], ddq: &mut [f64]) -> Result<(), DynamicsError> {
         let (q, dq) = x.split_at(self.p.len());
-        self.scratch.iter_mut().zip(u.iter().zip(&self.drive)).for_each(|(s, (u, d))| *s = d * u);
-        self.coupling.transpose_to_joints(&self.scratch, &mut self.tau);
+        self.drive(u);
         self.model.forward_dynamics(&self.parameters, q, dq, &self.tau, self.sign, &mut self.workspace, ddq)
     }
 }
@@ -116,6 +128,8 @@ pub(super) struct MotorReference<'a> {
     offset: &'a [f64],
     joint: [Vec<f64>; 3],
     bias: ReferenceBias,
+    /// The time last evaluated: the last stages of a step, and the first of the next, share one.
+    time_s: f64,
     /// Position of each motor in joint units at the time last evaluated.
     pub(super) p: Vec<f64>,
     /// Its velocity.
@@ -135,6 +149,7 @@ impl<'a> MotorReference<'a> {
         let zeros = || vec![0.0; transmission.joints()];
         Self {
             bias: ReferenceBias::new(reference, bias, delay_s),
+            time_s: f64::NAN,
             reference,
             coupling: Coupling::new(&transmission.motor_in_joint_units(), 1.0),
             offset: transmission.offset(),
@@ -147,6 +162,10 @@ impl<'a> MotorReference<'a> {
 
     #[inline]
     pub(super) fn evaluate(&mut self, t: f64) {
+        if t == self.time_s {
+            return;
+        }
+        self.time_s = t;
         let [q, dq, ddq] = &mut self.joint;
         self.reference.evaluate(t - self.bias.delay_s, q, dq, ddq);
         self.bias.apply(q, dq, ddq);

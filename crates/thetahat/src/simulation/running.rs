@@ -38,6 +38,7 @@ pub(super) fn simulate(
         let end = running.end();
         running.advance(&mut integrator, 0.0, end, &mut state)?;
     }
+    running.add_accelerations()?;
     Ok(SimulatedMotion { counts: integrator.counts(), ..running.motion })
 }
 
@@ -148,7 +149,7 @@ impl<'a> Running<'a> {
         state: &mut [f64],
     ) -> Result<(), SimulationError> {
         if self.is_due(t0) {
-            self.record(t0, state)?;
+            self.record(t0, state);
         }
         integrator.integrate(t0, t1, state, self).map_err(|e| match e {
             IntegrationError::Stopped(error) => error,
@@ -167,17 +168,23 @@ impl<'a> Running<'a> {
         self.is_due(t - 2.0 * SAME_TIME / self.grid.sample_rate_hz)
     }
 
-    fn record(&mut self, t: f64, x: &[f64]) -> Result<(), SimulationError> {
+    /// Records all but the accelerations, which are computed together at the end.
+    fn record(&mut self, t: f64, x: &[f64]) {
         let n = self.u.len();
         self.drive_continuously(t, x);
+        self.plant.drive(&self.u);
         let k = self.next_output;
-        self.plant
-            .accelerations(x, &self.u, self.motion.ddq.sample_mut(k))
-            .map_err(|source| SimulationError::Dynamics { time_s: t, source })?;
         self.motion.q.sample_mut(k).copy_from_slice(&x[..n]);
         self.motion.dq.sample_mut(k).copy_from_slice(&x[n..]);
         self.motion.tau.sample_mut(k).copy_from_slice(&self.plant.tau);
         self.next_output += 1;
+    }
+
+    /// The accelerations of all outputs.
+    fn add_accelerations(&mut self) -> Result<(), SimulationError> {
+        let SimulatedMotion { q, dq, tau, .. } = &self.motion;
+        let error = |(k, source)| SimulationError::Dynamics { time_s: self.grid.time(k), source };
+        self.motion.ddq = self.plant.accelerations_of([q, dq, tau]).map_err(error)?;
         Ok(())
     }
 
@@ -238,7 +245,7 @@ impl System for Running<'_> {
     fn accept(&mut self, step: &mut StepView<'_>) -> Result<(), SimulationError> {
         while self.is_due_before(step.end_s) {
             let t = self.grid.time(self.next_output);
-            self.record(t, step.at(t))?;
+            self.record(t, step.at(t));
         }
         let end = step.end_s;
         self.check_stiffness(end)?;

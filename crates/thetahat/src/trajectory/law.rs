@@ -50,9 +50,11 @@ impl TimeLaw {
         let (mut s, mut ds, mut dds) = (0.0, 0.0, 0.0);
         for corner in CORNERS {
             let (sign, x) = self.term(u, corner);
-            s += sign * x * x * x / 6.0;
-            ds += sign * x * x / 2.0;
-            dds += sign * x;
+            if x > 0.0 {
+                s += sign * x * x * x / 6.0;
+                ds += sign * x * x / 2.0;
+                dds += sign * x;
+            }
         }
         let volume = self.volume();
         (s / volume, ds / volume, dds / volume)

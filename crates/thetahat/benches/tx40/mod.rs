@@ -1,0 +1,53 @@
+//! The TX40 for benchmarks and instruction counts: one state, and a motion of many samples.
+
+use std::error::Error;
+
+use thetahat::{
+    base_parameters::BaseParameters,
+    dynamics::{DynamicParameters, Model, Sign, Workspace},
+    experiment::Experiment,
+    regressor::Regressor,
+    series::Series,
+};
+
+/// Joint positions of one state, rad.
+pub const Q: [f64; 6] = [0.3, -1.1, 0.7, 1.9, -0.4, 2.2];
+/// Its joint velocities, rad/s.
+pub const DQ: [f64; 6] = [1.3, -2.1, 0.9, 0.2, -3.0, 1.1];
+/// Its joint accelerations, rad/s^2, or torques.
+pub const DDQ: [f64; 6] = [5.0, 2.0, -8.0, 1.0, 3.0, -4.0];
+/// The sign of a simulation.
+pub const SIGN: Sign = Sign::Smooth { scale: 0.002 };
+
+/// The robot, its parameters and scratch.
+pub struct Tx40 {
+    pub model: Model,
+    pub parameters: DynamicParameters,
+    pub workspace: Workspace,
+    /// The paper's 60 base columns.
+    pub regressor: Regressor,
+}
+
+impl Tx40 {
+    /// The built-in experiment's robot.
+    pub fn new() -> Result<Self, Box<dyn Error>> {
+        let robot = Experiment::demo()?.robot;
+        let model = Model::new(&robot);
+        let base = BaseParameters::of(&model, &["iam6".to_owned()])?;
+        Ok(Self {
+            parameters: DynamicParameters::new(&model, &robot.a_priori_parameters()),
+            workspace: Workspace::new(&model),
+            regressor: Regressor::new(&model, &base.columns()),
+            model,
+        })
+    }
+}
+
+/// Positions, velocities and accelerations of a motion through the state.
+#[allow(dead_code)]
+pub fn motion(samples: usize) -> [Series; 3] {
+    [Q, DQ, DDQ].map(|state| {
+        let sample = |k: usize| state.map(|x| x + (0.37 * k as f64).sin());
+        Series::from_values(6, (0..samples).flat_map(sample).collect())
+    })
+}

@@ -1,0 +1,72 @@
+//! Every figure of `docs/speed.md`, with the peers in the same run:
+//!
+//! ```text
+//! pip install pin==4.1.0 numpy scipy pandas
+//! taskset -c 0 cargo run --release -p thetahat --example benchmark -- DATA [PYTHON BASELINE.py]
+//! ```
+//!
+//! DATA is the folder that holds `tx40/`. Without Python, ours alone.
+
+mod growth;
+mod kernels;
+mod peers;
+mod stages;
+mod table;
+#[path = "../../benches/tx40/mod.rs"]
+mod tx40;
+
+use std::{error::Error, hint::black_box, path::Path, time::Instant};
+
+use peers::Peers;
+use table::Row;
+use thetahat::{
+    experiment::Experiment,
+    report::{self, Published},
+};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let (data, peers) = match &arguments[..] {
+        [data] => (Path::new(data), Peers::none()),
+        [data, python, baseline] => (Path::new(data), Peers::run(python, Path::new(baseline), Path::new(data))?),
+        _ => return Err("usage: benchmark DATA [PYTHON BASELINE.py]".into()),
+    };
+    let mut rows = kernels::rows(&peers)?;
+    rows.extend(stages::rows(data, &peers)?);
+    rows.push(whole_paper(data)?);
+    rows.extend(streaming());
+    table::print(&rows);
+    growth::print()
+}
+
+/// The paper's three methods and two cases, from the files to the report.
+fn whole_paper(data: &Path) -> Result<Row, Box<dyn Error>> {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../experiments/tx40_paper.toml");
+    let directory = std::env::temp_dir().join(format!("thetahat_benchmark_{}", std::process::id()));
+    let (seconds, _) = fastest(3, || {
+        let experiment = Experiment::read(&file, data)?;
+        let published = experiment.published_path().map(|path| Published::read(&path)).transpose()?;
+        let results = experiment.run(data, &mut |_| {})?;
+        black_box(report::text::all(&results, published.as_ref()));
+        Ok(report::write_all(&results, published.as_ref(), &directory)?)
+    })?;
+    std::fs::remove_dir_all(&directory)?;
+    Ok(Row::limit("whole paper: 3 methods, 2 cases, report", seconds, 2.0))
+}
+
+/// The rows of one hour at 5 kHz belong here.
+fn streaming() -> Vec<Row> {
+    Vec::new()
+}
+
+/// The seconds of the fastest of several runs, and the result of the last.
+fn fastest<T>(runs: usize, mut stage: impl FnMut() -> Result<T, Box<dyn Error>>) -> Result<(f64, T), Box<dyn Error>> {
+    let mut best = f64::INFINITY;
+    let mut result = None;
+    for _ in 0..runs {
+        let started = Instant::now();
+        result = Some(stage()?);
+        best = best.min(started.elapsed().as_secs_f64());
+    }
+    result.map(|r| (best, r)).ok_or_else(|| "no run".into())
+}

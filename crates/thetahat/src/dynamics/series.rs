@@ -1,0 +1,86 @@
+//! Forward dynamics over a motion, samples side by side.
+
+use std::ops::Range;
+
+use pulp::{Simd, WithSimd};
+
+use super::{DynamicParameters, DynamicsError, Model, Sign, Workspace};
+use crate::{real::Lanes, series::Series};
+
+impl Model {
+    /// Forward dynamics (5) of every sample: the accelerations that the torques `tau` give. All series have as many
+    /// samples and a channel for each coordinate.
+    ///
+    /// # Errors
+    /// The first sample, from zero, at which these parameters have no positive definite mass matrix.
+    pub fn forward_dynamics_series(
+        &self,
+        parameters: &DynamicParameters,
+        [q, dq, tau]: [&Series; 3],
+        sign: Sign,
+    ) -> Result<Series, (usize, DynamicsError)> {
+        let mut ddq = Series::zeros(q.len(), q.channels());
+        let done =
+            pulp::Arch::new().dispatch(Batches { model: self, parameters, inputs: [q, dq, tau], sign, ddq: &mut ddq });
+        // What is left starts with a sample that has none, or is too short for a batch.
+        let mut workspace = Workspace::new(self);
+        for k in done..q.len() {
+            let ddq = ddq.sample_mut(k);
+            self.forward_dynamics(parameters, q.sample(k), dq.sample(k), tau.sample(k), sign, &mut workspace, ddq)
+                .map_err(|error| (k, error))?;
+        }
+        Ok(ddq)
+    }
+}
+
+/// One channel of consecutive samples in each number.
+#[inline(always)]
+pub(crate) fn gather<S: Simd>(simd: S, series: &Series, samples: Range<usize>, channels: &mut [Lanes<S>]) {
+    let count = series.channels();
+    let values = &series.values()[samples.start * count..samples.end * count];
+    for (c, channel) in channels.iter_mut().enumerate() {
+        *channel = Lanes::from_fn(simd, |lane| values[lane * count + c]);
+    }
+}
+
+struct Batches<'a> {
+    model: &'a Model,
+    parameters: &'a DynamicParameters,
+    inputs: [&'a Series; 3],
+    sign: Sign,
+    ddq: &'a mut Series,
+}
+
+impl WithSimd for Batches<'_> {
+    /// Samples done.
+    type Output = usize;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> usize {
+        if Lanes::<S>::COUNT == 1 {
+            // Nothing is side by side: leave all to the kernel for one state.
+            return 0;
+        }
+        let zero = Lanes::splat(simd, 0.0);
+        let n = self.model.joint_count();
+        let mut workspace = Workspace::like(self.model, zero);
+        let [mut q, mut dq, mut tau, mut ddq] = [(); 4].map(|()| vec![zero; n]);
+        let mut done = 0;
+        while done + Lanes::<S>::COUNT <= self.ddq.len() {
+            let samples = done..done + Lanes::<S>::COUNT;
+            for (series, channels) in self.inputs.into_iter().zip([&mut q, &mut dq, &mut tau]) {
+                gather(simd, series, samples.clone(), channels);
+            }
+            let state = [&q[..], &dq, &tau];
+            if self.model.forward_dynamics_of(self.parameters, state, self.sign, &mut workspace, &mut ddq).is_err() {
+                break;
+            }
+            for (c, accelerations) in ddq.iter().enumerate() {
+                let of_lanes = accelerations.to_array();
+                samples.clone().zip(of_lanes).for_each(|(k, value)| self.ddq.sample_mut(k)[c] = value);
+            }
+            done = samples.end;
+        }
+        done
+    }
+}

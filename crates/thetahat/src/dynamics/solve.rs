@@ -1,0 +1,49 @@
+use crate::real::Real;
+
+/// Solves `M x = b` in place by `M = L D L^T`; M is row by row, its lower triangle alone is used, and it is overwritten by L
+/// with `1/D` on its diagonal.
+///
+/// The error is the index and value of a pivot that is not positive. Written out because it runs in every right-hand side of
+/// the simulation, where nothing may allocate.
+#[inline(always)]
+pub(super) fn solve_positive_definite<T: Real>(m: &mut [T], b: &mut [T]) -> Result<(), (usize, T)> {
+    let n = b.len();
+    for j in 0..n {
+        let (above, row) = m.split_at_mut(j * n);
+        // Entry i of the row becomes (L D)_ji, then L_ji; the pivot takes away the squares of L weighted by D.
+        for i in 0..j {
+            row[i] -= products(row[i], &above[i * n..], &row[..i]);
+        }
+        let mut pivot = row[j];
+        for i in 0..j {
+            let l = row[i] * above[i * n + i];
+            pivot -= l * row[i];
+            row[i] = l;
+        }
+        if !pivot.is_positive() {
+            return Err((j, pivot));
+        }
+        row[j] = pivot.like(1.0) / pivot;
+    }
+    for i in 0..n {
+        b[i] -= products(b[i], &m[i * n..], &b[..i]);
+    }
+    for i in (0..n).rev() {
+        let mut sum = b[i].like(0.0);
+        for k in i + 1..n {
+            sum += m[k * n + i] * b[k];
+        }
+        b[i] = b[i] * m[i * n + i] - sum;
+    }
+    Ok(())
+}
+
+/// `sum_i a_i b_i` over the entries of b.
+#[inline(always)]
+fn products<T: Real>(kind: T, a: &[T], b: &[T]) -> T {
+    let mut sum = kind.like(0.0);
+    for (a, b) in a.iter().zip(b) {
+        sum += *a * *b;
+    }
+    sum
+}
