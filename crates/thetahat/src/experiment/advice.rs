@@ -56,8 +56,9 @@ impl Adviser<'_> {
     fn advice(&self) -> Advice {
         let distrust: Vec<Method> = self.runs.iter().map(|r| r.method).filter(|m| self.distrusts(*m)).collect();
         let take = self.take();
-        let text = [self.estimates(take), self.simulator()].join(" ").trim().to_owned();
-        Advice { case: self.diagnosis.case.clone(), take, distrust, text }
+        let sentences = [self.estimates(take), self.simulator()];
+        let said: Vec<&str> = sentences.iter().map(|s| s.trim()).filter(|s| !s.is_empty()).collect();
+        Advice { case: self.diagnosis.case.clone(), take, distrust, text: said.join(" ") }
     }
 
     fn ran(&self, method: Method) -> Option<&Ran> {
