@@ -7,7 +7,7 @@ use super::{
     workers::in_parallel,
 };
 use crate::{
-    identification::{Convergence, Method, iterate},
+    identification::{Convergence, Method, Outcome, Status, iterate},
     simulation::{BiasKind, SimulatorBias},
 };
 
@@ -89,6 +89,8 @@ impl Experiment {
                 &simulator.start(),
                 &mut |theta| simulator.instruments(theta),
             );
+            // It was stopped on purpose.
+            let outcome = Outcome { status: Status::Converged, ..outcome };
             let estimated = [Estimated { method: Method::Didim, weights: weights.clone(), outcome }];
             let test = diagnose(problem, &case, &estimated, &|_, _| None).biased_simulator?;
             Some(Seen { verdict: test.verdict, average_difference: test.average_difference })
