@@ -109,7 +109,7 @@ impl PowerPoint {
             value,
             records: all.len(),
             failures: all.len() - good.len(),
-            rejections: count(|v| matches!(v, Verdict::SmallDifference | Verdict::Alarm)),
+            rejections: count(|v| matches!(v, Verdict::SmallDifference | Verdict::Alarm | Verdict::Undecided)),
             distrusted: count(Verdict::distrusts),
             average_difference: good.iter().map(|s| s.average_difference).sum::<f64>() / good.len().max(1) as f64,
         }
