@@ -177,13 +177,17 @@ fn predict_torques(request: &Predict) -> Result<Verdict, Box<dyn Error>> {
     Ok(Verdict::Good)
 }
 
+/// The threads asked for, or one for each core.
+pub fn threads(asked: Option<usize>) -> usize {
+    asked.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, NonZero::get))
+}
+
 fn sweep_errors(sensitivity: &Sensitivity) -> Result<Verdict, Box<dyn Error>> {
     let (experiment, data) = read_experiment(&sensitivity.described)?;
     if let Some(directory) = &sensitivity.out {
         report::check_folder(directory)?;
     }
-    let cores = || std::thread::available_parallelism().map_or(1, NonZero::get);
-    let threads = sensitivity.threads.unwrap_or_else(cores);
+    let threads = threads(sensitivity.threads);
     let progress = Mutex::new(Progress::new());
     let tell = |done: usize, of: usize| {
         let mut progress = progress.lock().unwrap_or_else(PoisonError::into_inner);

@@ -10,6 +10,9 @@ use indicatif::{ProgressBar, ProgressStyle};
 /// How long to be silent.
 const PATIENCE: Duration = Duration::from_secs(1);
 
+/// How often a line is printed for counted work where there is no terminal.
+const LINE_EVERY: Duration = Duration::from_secs(10);
+
 /// A spinner on a terminal, lines elsewhere; neither before a second has passed.
 pub struct Progress {
     started: Instant,
@@ -49,4 +52,48 @@ fn spinner() -> ProgressBar {
     }
     bar.enable_steady_tick(Duration::from_millis(100));
     bar
+}
+
+/// Counted work done, and the time left: a bar on a terminal, lines elsewhere. Gone when it is dropped.
+pub struct Counter {
+    unit: &'static str,
+    started: Instant,
+    told: Option<Instant>,
+    bar: Option<ProgressBar>,
+}
+
+impl Counter {
+    /// A counter of so-called pieces of work.
+    pub fn new(unit: &'static str) -> Self {
+        let bar = std::io::stderr().is_terminal().then(|| ProgressBar::new(0));
+        let template = format!("{{msg}} {{wide_bar}} {{pos}} of {{len}} {unit}, {{elapsed}} gone, {{eta}} left");
+        if let Some((bar, style)) = bar.as_ref().zip(ProgressStyle::with_template(&template).ok()) {
+            bar.set_style(style);
+            bar.enable_steady_tick(Duration::from_millis(200));
+        }
+        Self { unit, started: Instant::now(), told: None, bar }
+    }
+
+    /// Says how far the work is; `message` is what else there is to say.
+    pub fn tell(&mut self, done: usize, to_do: usize, message: String) {
+        if let Some(bar) = &self.bar {
+            bar.set_length(to_do as u64);
+            bar.set_position(done as u64);
+            bar.set_message(message);
+        } else if self.told.is_none_or(|told| told.elapsed() >= LINE_EVERY) {
+            self.told = Some(Instant::now());
+            let elapsed = self.started.elapsed().as_secs_f64();
+            let left = elapsed / done.max(1) as f64 * to_do.saturating_sub(done) as f64;
+            let left = if done > 0 { format!(", {left:.0} s left") } else { String::new() };
+            eprintln!("{elapsed:5.0} s  {message}{done} of {to_do} {}{left}", self.unit);
+        }
+    }
+}
+
+impl Drop for Counter {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
 }

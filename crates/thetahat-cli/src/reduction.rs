@@ -1,15 +1,7 @@
 //! The commands `reduce` and `solve`.
 
-use std::{
-    error::Error,
-    io::IsTerminal,
-    num::NonZero,
-    path::Path,
-    thread::available_parallelism,
-    time::{Duration, Instant},
-};
+use std::{error::Error, path::Path};
 
-use indicatif::{ProgressBar, ProgressStyle};
 use thetahat::{
     experiment::Experiment,
     reduction::{ReduceOptions, ReduceProgress, ReducedRecording, Reduction, estimates_of_results},
@@ -18,22 +10,21 @@ use thetahat::{
 
 use crate::{
     arguments,
-    commands::{Verdict, print, read_experiment},
+    commands::{Verdict, print, read_experiment, threads},
+    progress::Counter,
 };
-
-/// How often a line is printed where there is no terminal.
-const LINE_EVERY: Duration = Duration::from_secs(10);
 
 pub fn reduce(request: &arguments::Reduce) -> Result<Verdict, Box<dyn Error>> {
     let (experiment, data) = read_experiment(&request.described)?;
     check_place(&request.out)?;
-    let threads = request.threads.or_else(|| available_parallelism().ok().map(NonZero::get)).unwrap_or(1);
-    let options = ReduceOptions { threads, ..Default::default() };
+    let options = ReduceOptions { threads: threads(request.threads), ..Default::default() };
     let instruments = request.instruments_from.as_ref().map(|path| estimates_of_results(path)).transpose()?;
-    let mut bar = Bar::new();
-    let reduction =
-        experiment.reduce_with_instruments(&data, instruments.as_ref(), options, &mut |progress| bar.tell(progress))?;
-    bar.finish();
+    let mut counter = Counter::new("pieces");
+    let mut tell = |ReduceProgress { recording, recordings, done, to_do }| {
+        counter.tell(done, to_do, format!("recording {recording} of {recordings}, "));
+    };
+    let reduction = experiment.reduce_with_instruments(&data, instruments.as_ref(), options, &mut tell)?;
+    drop(counter);
     reduction.write(&request.out)?;
     let recordings: String = reduction.recordings.iter().map(line).collect();
     let out = request.out.display();
@@ -99,45 +90,3 @@ fn published(reduction: &Reduction) -> Option<Published> {
     let experiment = Experiment::from_texts(Path::new(&reduction.experiment_name), text, robot).ok()?;
     Published::read(&experiment.published_path()?).ok()
 }
-
-/// Pieces done, and the time left: a bar on a terminal, lines elsewhere.
-struct Bar {
-    started: Instant,
-    told: Instant,
-    bar: Option<ProgressBar>,
-}
-
-impl Bar {
-    fn new() -> Self {
-        let bar = std::io::stderr().is_terminal().then(|| ProgressBar::new(0));
-        if let Some((bar, style)) = bar.as_ref().zip(ProgressStyle::with_template(TEMPLATE).ok()) {
-            bar.set_style(style);
-            bar.enable_steady_tick(Duration::from_millis(200));
-        }
-        Self { started: Instant::now(), told: Instant::now(), bar }
-    }
-
-    fn tell(&mut self, progress: ReduceProgress) {
-        let ReduceProgress { recording, recordings, done, to_do } = progress;
-        if let Some(bar) = &self.bar {
-            bar.set_length(to_do as u64);
-            bar.set_position(done as u64);
-            bar.set_message(format!("recording {recording} of {recordings}"));
-        } else if self.told.elapsed() >= LINE_EVERY {
-            self.told = Instant::now();
-            let elapsed = self.started.elapsed().as_secs_f64();
-            let left = elapsed / done.max(1) as f64 * to_do.saturating_sub(done) as f64;
-            eprintln!(
-                "{elapsed:5.0} s  recording {recording} of {recordings}, piece {done} of {to_do}, {left:.0} s left"
-            );
-        }
-    }
-
-    fn finish(self) {
-        if let Some(bar) = &self.bar {
-            bar.finish_and_clear();
-        }
-    }
-}
-
-const TEMPLATE: &str = "{msg} {wide_bar} {pos} of {len} pieces, {elapsed} gone, {eta} left";
