@@ -2,7 +2,20 @@
 //!
 //! Least squares are solved by QR with column pivoting, never by normal equations.
 
-use faer::{MatRef, Side, linalg::solvers::ColPivQr, prelude::*};
+use faer::{
+    Conj, Mat, MatMut, MatRef, Par, Side,
+    dyn_stack::{MemBuffer, MemStack},
+    linalg::{
+        householder::{
+            apply_block_householder_sequence_on_the_left_in_place_scratch as scratch_of_q,
+            apply_block_householder_sequence_on_the_left_in_place_with_conj as apply_q,
+            apply_block_householder_sequence_transpose_on_the_left_in_place_scratch as scratch_of_q_transposed,
+            apply_block_householder_sequence_transpose_on_the_left_in_place_with_conj as apply_q_transposed,
+        },
+        solvers::{ColPivQr, Qr},
+    },
+    prelude::*,
+};
 
 /// A dense matrix, stored column by column.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,7 +41,8 @@ impl Matrix {
     /// A matrix from a function of row and column.
     #[must_use]
     pub fn from_fn(rows: usize, columns: usize, f: impl Fn(usize, usize) -> f64) -> Self {
-        let values = (0..columns).flat_map(|j| (0..rows).map(move |i| (i, j))).map(|(i, j)| f(i, j)).collect();
+        let mut values = Vec::with_capacity(rows * columns);
+        (0..columns).for_each(|j| values.extend((0..rows).map(|i| f(i, j))));
         Self { rows, columns, values }
     }
 
@@ -69,46 +83,47 @@ impl Matrix {
     /// A copy of the columns named by `indices`, in that order.
     #[must_use]
     pub fn select_columns(&self, indices: &[usize]) -> Self {
-        let values = indices.iter().flat_map(|&j| self.column(j).iter().copied()).collect();
+        let mut values = Vec::with_capacity(self.rows * indices.len());
+        indices.iter().for_each(|&j| values.extend_from_slice(self.column(j)));
         Self { rows: self.rows, columns: indices.len(), values }
     }
 
     /// A copy of the rows for which `keep` holds.
     #[must_use]
     pub fn select_rows(&self, keep: &[bool]) -> Self {
-        let kept = keep.iter().filter(|&&k| k).count();
-        let values = (0..self.columns)
-            .flat_map(|j| self.column(j).iter().zip(keep).filter(|(_, k)| **k).map(|(v, _)| *v))
-            .collect();
-        Self { rows: kept, columns: self.columns, values }
+        let rows = keep.iter().filter(|&&k| k).count();
+        let mut values = Vec::with_capacity(rows * self.columns);
+        let kept = |j| self.column(j).iter().zip(keep).filter(|(_, k)| **k).map(|(v, _)| *v);
+        (0..self.columns).for_each(|j| values.extend(kept(j)));
+        Self { rows, columns: self.columns, values }
     }
 
     /// The matrix with each row multiplied by its weight.
     #[must_use]
     pub fn scale_rows(&self, weights: &[f64]) -> Self {
-        Self::from_fn(self.rows, self.columns, |i, j| weights[i] * self.at(i, j))
+        let mut values = Vec::with_capacity(self.values.len());
+        (0..self.columns).for_each(|j| values.extend(self.column(j).iter().zip(weights).map(|(v, w)| w * v)));
+        Self { values, ..*self }
     }
 
     /// The matrix with each column multiplied by its factor.
     #[must_use]
     pub fn scale_columns(&self, factors: &[f64]) -> Self {
-        Self::from_fn(self.rows, self.columns, |i, j| factors[j] * self.at(i, j))
+        let mut values = Vec::with_capacity(self.values.len());
+        factors.iter().enumerate().for_each(|(j, factor)| values.extend(self.column(j).iter().map(|v| factor * v)));
+        Self { values, ..*self }
     }
 
     /// `A x`.
     #[must_use]
     pub fn times(&self, x: &[f64]) -> Vec<f64> {
-        let mut y = vec![0.0; self.rows];
-        for (j, &xj) in x.iter().enumerate() {
-            y.iter_mut().zip(self.column(j)).for_each(|(y, a)| *y += a * xj);
-        }
-        y
+        from_faer((self.view() * MatRef::from_column_major_slice(x, self.columns, 1)).as_ref()).values
     }
 
     /// `A^T x`.
     #[must_use]
     pub fn transpose_times(&self, x: &[f64]) -> Vec<f64> {
-        (0..self.columns).map(|j| self.column(j).iter().zip(x).map(|(a, x)| a * x).sum()).collect()
+        from_faer((self.view().transpose() * MatRef::from_column_major_slice(x, self.rows, 1)).as_ref()).values
     }
 
     /// `A + factor B`.
@@ -121,7 +136,8 @@ impl Matrix {
     /// A copy of a range of rows.
     #[must_use]
     pub fn row_range(&self, range: std::ops::Range<usize>) -> Self {
-        let values = (0..self.columns).flat_map(|j| self.column(j)[range.clone()].iter().copied()).collect();
+        let mut values = Vec::with_capacity(range.len() * self.columns);
+        (0..self.columns).for_each(|j| values.extend_from_slice(&self.column(j)[range.clone()]));
         Self { rows: range.len(), columns: self.columns, values }
     }
 
@@ -231,14 +247,20 @@ const SINGULAR: f64 = 1e-13;
 const ROUNDING: f64 = 1e-14;
 
 fn from_faer(a: MatRef<'_, f64>) -> Matrix {
-    Matrix::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)])
+    let mut values = Vec::with_capacity(a.nrows() * a.ncols());
+    a.col_iter().for_each(|column| values.extend(column.iter()));
+    Matrix { rows: a.nrows(), columns: a.ncols(), values }
 }
 
 /// `A P = Q R` with column pivoting, for a matrix with at least as many rows as columns.
 ///
+/// In two steps, `A = Q_1 R_1` without pivoting and `R_1 P = Q_2 R`: columns of `A` and `R_1` have the same norms and
+/// angles, so that the pivots are those of `A`, and the first step, which has all the rows, can work on blocks of columns.
+///
 /// The factorisation may be of a matrix with scaled columns, `A D P = Q R_D`; what is solved and returned is that of `A`.
 pub struct PivotedQr {
-    qr: ColPivQr<f64>,
+    first: Qr<f64>,
+    pivoted: ColPivQr<f64>,
     rows: usize,
     columns: usize,
     /// D, by which each column of `A` was multiplied.
@@ -249,7 +271,9 @@ impl PivotedQr {
     /// Factorises `a` as it is.
     #[must_use]
     pub fn new(a: &Matrix) -> Self {
-        Self { qr: a.view().col_piv_qr(), rows: a.rows, columns: a.columns, scale: vec![1.0; a.columns] }
+        let first = a.view().qr();
+        let pivoted = first.thin_R().col_piv_qr();
+        Self { first, pivoted, rows: a.rows, columns: a.columns, scale: vec![1.0; a.columns] }
     }
 
     /// Factorises `a` with its columns brought to norms between 1 and 2.
@@ -271,7 +295,7 @@ impl PivotedQr {
     /// Entries that are not finite do not count, so the rank of a matrix with a NaN is not full.
     #[must_use]
     pub fn rank(&self, tolerance: f64) -> usize {
-        let r = self.qr.thin_R();
+        let r = self.pivoted.thin_R();
         let diagonal = (0..self.columns.min(self.rows)).map(|i| r[(i, i)].abs());
         let largest = diagonal.clone().fold(0.0, f64::max);
         diagonal.filter(|d| *d > tolerance * largest).count()
@@ -280,39 +304,58 @@ impl PivotedQr {
     /// The least-squares solution of `A x = y`.
     #[must_use]
     pub fn solve(&self, y: &[f64]) -> Vec<f64> {
-        let rhs = MatRef::from_column_major_slice(y, self.rows, 1);
-        from_faer(self.qr.solve_lstsq(rhs).as_ref()).scale_rows(&self.scale).values
+        self.solve_view(MatRef::from_column_major_slice(y, self.rows, 1)).values
     }
 
     /// The least-squares solution of `A X = B`.
     #[must_use]
     pub fn solve_matrix(&self, b: &Matrix) -> Matrix {
-        from_faer(self.qr.solve_lstsq(b.view()).as_ref()).scale_rows(&self.scale)
+        self.solve_view(b.view())
+    }
+
+    fn solve_view(&self, b: MatRef<'_, f64>) -> Matrix {
+        let mut rotated = b.to_owned();
+        self.rotate(rotated.as_mut());
+        let solution = self.pivoted.solve_lstsq(rotated.get(..self.columns, ..));
+        from_faer(solution.as_ref()).scale_rows(&self.scale)
+    }
+
+    /// `Q_1^T B`, in place.
+    fn rotate(&self, b: MatMut<'_, f64>) {
+        let (basis, factor) = (self.first.Q_basis(), self.first.Q_coeff());
+        let scratch = scratch_of_q_transposed::<f64>(self.rows, factor.nrows(), b.ncols());
+        apply_q_transposed(basis, factor, Conj::No, b, Par::Seq, MemStack::new(&mut MemBuffer::new(scratch)));
     }
 
     /// The columns in pivoted order: those that the first ones span come last.
     #[must_use]
     pub fn pivots(&self) -> &[usize] {
-        self.qr.P().arrays().0
+        self.pivoted.P().arrays().0
     }
 
     /// The orthonormal factor, rows by columns.
     #[must_use]
     pub fn thin_q(&self) -> Matrix {
-        from_faer(self.qr.compute_thin_Q().as_ref())
+        let inner = self.pivoted.compute_thin_Q();
+        let mut q = Mat::zeros(self.rows, inner.ncols());
+        q.get_mut(..inner.nrows(), ..).copy_from(&inner);
+        let (basis, factor) = (self.first.Q_basis(), self.first.Q_coeff());
+        let scratch = scratch_of_q::<f64>(self.rows, factor.nrows(), q.ncols());
+        apply_q(basis, factor, Conj::No, q.as_mut(), Par::Seq, MemStack::new(&mut MemBuffer::new(scratch)));
+        from_faer(q.as_ref())
     }
 
     /// The triangular factor in pivoted column order, columns by columns.
     #[must_use]
     pub fn thin_r(&self) -> Matrix {
         let unscaled: Vec<f64> = self.pivots().iter().map(|&p| 1.0 / self.scale[p]).collect();
-        from_faer(self.qr.thin_R()).scale_columns(&unscaled)
+        from_faer(self.pivoted.thin_R()).scale_columns(&unscaled)
     }
 
     /// `(A^T A)^-1` from the triangular factor, without forming the product `A^T A`.
     #[must_use]
     pub fn inverse_gram(&self) -> Matrix {
-        let r = from_faer(self.qr.thin_R());
+        let r = from_faer(self.pivoted.thin_R());
         let mut inverse = Matrix::identity(self.columns).view().to_owned();
         r.view().solve_upper_triangular_in_place(inverse.as_mut());
         let gram = &inverse * inverse.transpose();

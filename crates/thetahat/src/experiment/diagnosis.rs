@@ -153,7 +153,7 @@ fn instruments(problem: &Problem, iv: &Whitened) -> InstrumentResult {
     let weakest = f_statistics.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
     let scale: Vec<f64> = (0..iv.x.columns()).map(|c| norm(iv.x.column(c))).collect();
     let unit = Matrix::from_fn(iv.x.rows(), iv.x.columns(), |i, j| iv.x.at(i, j) / scale[j]);
-    let projected = PivotedQr::new(&iv.z).thin_q().transpose().times_matrix(&unit);
+    let projected = PivotedQr::new(&iv.z).thin_q().transposed_times(&unit);
     InstrumentResult {
         smallest_f: weakest.map_or(0.0, |(_, f)| *f),
         weakest: weakest.map(|(i, _)| problem.estimated.parameters()[i].name.clone()).unwrap_or_default(),

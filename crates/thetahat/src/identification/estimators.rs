@@ -118,10 +118,10 @@ pub fn idim_iv(
     divisor: Divisor,
 ) -> Result<Fit, EstimationError> {
     let (zw, xw, yw) = (whiten_matrix(z, weights), whiten_matrix(x, weights), whiten(y, weights));
-    let q_transposed = full_rank(&zw)?.thin_q().transpose();
-    let projected = q_transposed.times_matrix(&xw);
+    let q = full_rank(&zw)?.thin_q();
+    let projected = q.transposed_times(&xw);
     let qr = full_rank(&projected)?;
-    let theta = qr.solve(&q_transposed.times(&yw));
+    let theta = qr.solve(&q.transpose_times(&yw));
     let inverse = qr.solve_matrix(&Matrix::identity(projected.rows()));
     let variance = variance(&yw, &xw.times(&theta), theta.len(), divisor);
     let columns = theta.len();

@@ -67,7 +67,7 @@ impl SimulatorComparison {
         let iv = IvEstimate::with_basis(&q, x, y, blocks)?;
         let s = x.plus(z, -1.0).times(&iv.theta);
         let delta = q.transpose_times(&s);
-        let projected = q.transpose().times_matrix(z);
+        let projected = q.transposed_times(z);
         let difference = PivotedQr::new(&projected).solve(&delta);
         let u = without(&q, &s);
         let noise = RowNoise::of(&u, blocks);

@@ -108,7 +108,7 @@ fn covariance_of_rows(q: &Matrix, range: &Range<usize>, autocovariance: &[f64]) 
     for c in 0..rows.columns() {
         convolve(rows.column(c), autocovariance, filtered.column_mut(c));
     }
-    rows.transpose().times_matrix(&filtered)
+    rows.transposed_times(&filtered)
 }
 
 /// `out = S x`.

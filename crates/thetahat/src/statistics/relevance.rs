@@ -19,7 +19,7 @@ pub fn instrument_strength(z: &Matrix, x: &Matrix) -> Option<Vec<InstrumentStren
     let (rows, columns) = (x.rows(), x.columns());
     let instruments = PivotedQr::new(z);
     let q = instruments.thin_q();
-    let projected = q.transpose().times_matrix(x);
+    let projected = q.transposed_times(x);
     let factor = PivotedQr::new(&projected);
     if rows <= columns || instruments.rank(SINGULAR).min(factor.rank(SINGULAR)) < columns {
         return None;

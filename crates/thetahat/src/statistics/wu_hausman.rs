@@ -72,7 +72,7 @@ pub(super) fn without(q: &Matrix, y: &[f64]) -> Vec<f64> {
 }
 
 fn without_columns(q: &Matrix, a: &Matrix) -> Matrix {
-    let explained = q.times_matrix(&q.transpose().times_matrix(a));
+    let explained = q.times_matrix(&q.transposed_times(a));
     a.plus(&explained, -1.0)
 }
 
@@ -99,7 +99,7 @@ impl IvEstimate {
     }
 
     pub(super) fn with_basis(q: &Matrix, x: &Matrix, y: &[f64], blocks: &JointRows) -> Option<Self> {
-        let projected = q.transpose().times_matrix(x);
+        let projected = q.transposed_times(x);
         let qr = PivotedQr::new(&projected);
         let theta = qr.solve(&q.transpose_times(y));
         let residual: Vec<f64> = x.times(&theta).iter().zip(y).map(|(p, y)| y - p).collect();

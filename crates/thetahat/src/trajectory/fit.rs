@@ -158,8 +158,8 @@ impl Fit {
     fn linearise(&self, samples: &Samples, weights: &[f64]) -> Linear {
         let sensitivity = sensitivity(&samples.time, &self.laws);
         let g = less(&sensitivity, &self.basis.times_matrix(&self.qr.solve_matrix(&sensitivity)));
-        let q_transposed = PivotedQr::new(&g).thin_q().transpose();
-        self.stack(&q_transposed.times_matrix(&g), &q_transposed.times_matrix(&self.residual), weights)
+        let q = PivotedQr::new(&g).thin_q();
+        self.stack(&q.transposed_times(&g), &q.transposed_times(&self.residual), weights)
     }
 
     /// The equations of all joints, one below the other, from the ones they share.
