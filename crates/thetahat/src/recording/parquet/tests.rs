@@ -247,8 +247,10 @@ fn parts_of_a_damaged_file_never_panic() {
         for damage in [0x00, 0x01, 0x80, 0xff] {
             let mut bytes = whole.clone();
             bytes[place] = damage;
-            let _ = read(&bytes);
             fuzz_parts(&bytes);
+            if place % 7 == 0 {
+                let _ = read(&bytes);
+            }
         }
     }
 }
