@@ -18,7 +18,8 @@ pub fn reduce(request: &arguments::Reduce) -> Result<Verdict, Box<dyn Error>> {
     let (experiment, data) = read_experiment(&request.described)?;
     check_place(&request.out)?;
     let options = ReduceOptions { threads: threads(request.threads), ..Default::default() };
-    let instruments = request.instruments_from.as_ref().map(|path| estimates_of_results(path)).transpose()?;
+    let instruments =
+        request.instruments_from.as_ref().map(|path| estimates_of_results(path, &experiment)).transpose()?;
     let mut counter = Counter::new("pieces");
     let mut tell = |ReduceProgress { recording, recordings, done, to_do }| {
         counter.tell(done, to_do, format!("recording {recording} of {recordings}, "));
@@ -47,7 +48,7 @@ fn check_place(file: &Path) -> Result<(), Box<dyn Error>> {
     match (folder.is_dir(), file.is_dir()) {
         (true, false) => Ok(()),
         (false, _) => {
-            Err(format!("{}: there is no such folder; make it, or choose another --out", folder.display()).into())
+            Err(format!("{}: there is no such folder; make it, or choose another file", folder.display()).into())
         }
         (true, true) => Err(format!("{}: it is a folder; give the name of a file in it", file.display()).into()),
     }
@@ -57,8 +58,8 @@ pub fn solve(request: &arguments::Solve) -> Result<Verdict, Box<dyn Error>> {
     if let Some(directory) = &request.output.out {
         report::check_folder(directory)?;
     }
-    let all = request.reductions.iter().map(|path| Reduction::read(path)).collect::<Result<Vec<_>, _>>()?;
-    let reduction = Reduction::merge_all(all)?;
+    request.merged.iter().try_for_each(|file| check_place(file))?;
+    let reduction = Reduction::read_all(&request.reductions)?;
     let solution = reduction.solve()?;
     let published = published(&reduction);
     let mut text = report::text::all(&solution.results, published.as_ref());

@@ -12,6 +12,8 @@ mod real;
 
 mod vector;
 
+mod pool;
+
 pub mod robot;
 
 pub mod dynamics;

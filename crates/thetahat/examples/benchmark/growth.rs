@@ -13,38 +13,69 @@ use thetahat::{
 
 use crate::{
     fastest,
+    long_record::{Kind, Twin},
+    streaming::Record,
     tx40::{SIGN, Tx40, motion},
 };
 
 const JOINTS: [usize; 5] = [6, 12, 18, 24, 30];
 const SAMPLES: [usize; 4] = [10_000, 20_000, 40_000, 80_000];
+const STREAMED: [usize; 4] = [225_000, 450_000, 900_000, 1_800_000];
 const CALLS: usize = 500;
 
-/// Seconds by size, and the exponents of the best fits `seconds = c size^exponent`.
+/// Figures by size, and the exponents of the best fits `figure = c size^exponent`.
 pub fn print() -> Result<(), Box<dyn Error>> {
+    joints()?;
+    head("samples", &SAMPLES);
+    let seconds = SAMPLES.map(observation_matrix).into_iter().collect::<Result<Vec<_>, _>>()?;
+    line("observation matrix, decimated, us", &SAMPLES, &seconds, 1e6);
+    streamed()
+}
+
+fn joints() -> Result<(), Box<dyn Error>> {
     let chains = JOINTS.map(|n| Chain::new(n).and_then(|chain| chain.seconds()));
     let chains = chains.into_iter().collect::<Result<Vec<_>, _>>()?;
-    println!("\n{:<34}{}{:>10}", "joints", JOINTS.map(|n| format!("{n:>10}")).concat(), "exponent");
-    let names = ["inverse dynamics, us", "forward dynamics, us", "regressor, all columns, us", "base parameters, us"];
-    for (i, name) in names.into_iter().enumerate() {
-        line(name, &JOINTS, &chains.iter().map(|chain| chain[i]).collect::<Vec<_>>());
+    head("joints", &JOINTS);
+    let names = [
+        ("inverse dynamics, us", 1e6),
+        ("forward dynamics, us", 1e6),
+        ("regressor, all columns, us", 1e6),
+        ("base parameters, ms", 1e3),
+    ];
+    for (i, (name, per)) in names.into_iter().enumerate() {
+        line(name, &JOINTS, &chains.iter().map(|chain| chain[i]).collect::<Vec<_>>(), per);
     }
-    println!("\n{:<34}{}{:>10}", "samples", SAMPLES.map(|n| format!("{n:>10}")).concat(), "exponent");
-    let seconds = SAMPLES.map(observation_matrix).into_iter().collect::<Result<Vec<_>, _>>()?;
-    line("observation matrix, decimated, us", &SAMPLES, &seconds);
     Ok(())
 }
 
-fn line(name: &str, sizes: &[usize], seconds: &[f64]) {
-    let figures: String = seconds.iter().map(|s| format!("{:>10.3}", s * 1e6)).collect();
-    println!("{name:<34}{figures}{:>10.2}", exponent(sizes, seconds));
+/// From NumPy arrays to the estimate, on one thread.
+fn streamed() -> Result<(), Box<dyn Error>> {
+    let twin = Twin::new()?;
+    let of = |samples: usize| Record::new(&twin, Kind::Npy, samples)?.measure(1);
+    let measured = STREAMED.map(of).into_iter().collect::<Result<Vec<_>, _>>()?;
+    head("samples", &STREAMED);
+    line("reduce and solve, s", &STREAMED, &measured.iter().map(|m| m.wall_s).collect::<Vec<_>>(), 1.0);
+    line("of which processor, s", &STREAMED, &measured.iter().map(|m| m.processor_s).collect::<Vec<_>>(), 1.0);
+    line("most memory, MB", &STREAMED, &measured.iter().map(|m| m.memory_mb).collect::<Vec<_>>(), 1.0);
+    Ok(())
 }
 
-/// The slope of the regression of `log seconds` on `log size`.
-fn exponent(sizes: &[usize], seconds: &[f64]) -> f64 {
+fn head(name: &str, sizes: &[usize]) {
+    let sizes: String = sizes.iter().map(|n| format!("{n:>10}")).collect();
+    println!("\n{name:<34}{sizes}{:>10}", "exponent");
+}
+
+fn line(name: &str, sizes: &[usize], figures: &[f64], per: f64) {
+    let exponent = exponent(sizes, figures);
+    let figures: String = figures.iter().map(|s| format!("{:>10.3}", s * per)).collect();
+    println!("{name:<34}{figures}{exponent:>10.2}");
+}
+
+/// The slope of the regression of the logarithm of a figure on that of the size.
+fn exponent(sizes: &[usize], figures: &[f64]) -> f64 {
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let x: Vec<f64> = sizes.iter().map(|n| (*n as f64).ln()).collect();
-    let y: Vec<f64> = seconds.iter().map(|s| s.ln()).collect();
+    let y: Vec<f64> = figures.iter().map(|s| s.ln()).collect();
     let (mx, my) = (mean(&x), mean(&y));
     let products: f64 = x.iter().zip(&y).map(|(x, y)| (x - mx) * (y - my)).sum();
     products / x.iter().map(|x| (x - mx).powi(2)).sum::<f64>()

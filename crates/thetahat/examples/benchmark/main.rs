@@ -2,15 +2,19 @@
 //!
 //! ```text
 //! pip install pin==4.1.0 numpy scipy pandas
-//! taskset -c 0 cargo run --release -p thetahat --example benchmark -- DATA [PYTHON BASELINE.py]
+//! taskset -c 0 cargo run --release -p thetahat --example benchmark -- DATA [PYTHON BASELINE.py] [--hour]
 //! ```
 //!
-//! DATA is the folder that holds `tx40/`. Without Python, ours alone.
+//! DATA is the folder that holds `tx40/`. Without Python, ours alone. With `--hour` the streaming rows are those of a whole
+//! hour, without taskset to have two cores; it needs 4.4 GB in the folder of temporary files.
 
 mod growth;
 mod kernels;
+#[path = "../long_record/twin.rs"]
+mod long_record;
 mod peers;
 mod stages;
+mod streaming;
 mod table;
 #[path = "../../benches/tx40/mod.rs"]
 mod tx40;
@@ -25,17 +29,23 @@ use thetahat::{
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let mut arguments: Vec<String> = std::env::args().skip(1).collect();
+    if let [flag, experiment, threads] = &arguments[..]
+        && flag == streaming::CHILD
+    {
+        return streaming::child(Path::new(experiment), threads.parse()?);
+    }
+    let hour = arguments.pop_if(|last| last == "--hour").is_some();
     let (data, peers) = match &arguments[..] {
         [data] => (Path::new(data), Peers::none()),
         [data, python, baseline] => (Path::new(data), Peers::run(python, Path::new(baseline), Path::new(data))?),
-        _ => return Err("usage: benchmark DATA [PYTHON BASELINE.py]".into()),
+        _ => return Err("usage: benchmark DATA [PYTHON BASELINE.py] [--hour]".into()),
     };
     let mut rows = kernels::rows(&peers)?;
     rows.extend(stages::rows(data, &peers)?);
     rows.push(whole_paper(data)?);
-    rows.extend(streaming());
     table::print(&rows);
+    streaming::print(hour)?;
     growth::print()
 }
 
@@ -52,11 +62,6 @@ fn whole_paper(data: &Path) -> Result<Row, Box<dyn Error>> {
     })?;
     std::fs::remove_dir_all(&directory)?;
     Ok(Row::limit("whole paper: 3 methods, 2 cases, report", seconds, 2.0))
-}
-
-/// The rows of one hour at 5 kHz belong here.
-fn streaming() -> Vec<Row> {
-    Vec::new()
 }
 
 /// The seconds of the fastest of several runs, and the result of the last.

@@ -38,7 +38,8 @@ impl Row {
     }
 }
 
-fn verdict(met: bool) -> &'static str {
+/// Whether a target is met.
+pub fn verdict(met: bool) -> &'static str {
     if met { "met" } else { "MISSED" }
 }
 

@@ -1,16 +1,9 @@
 //! The runs of a campaign, by several threads.
 
-use std::{
-    collections::BTreeMap,
-    path::PathBuf,
-    sync::{
-        atomic::{AtomicUsize, Ordering},
-        mpsc,
-    },
-    thread,
-};
+use std::{collections::BTreeMap, path::PathBuf};
 
 use super::{Campaign, CampaignError, Key, Limits, Row, Store, record::Bench};
+use crate::pool::as_finished;
 
 /// A parameter that a campaign estimates.
 #[derive(Debug, Clone, PartialEq)]
@@ -108,7 +101,7 @@ impl Campaign {
 
 type Records = BTreeMap<Key, Vec<Row>>;
 
-/// Runs the records by a queue of their places: each thread takes the next one, keeps its rows, and reports.
+/// Runs the records, so many at a time; whoever ran one keeps its rows. The first error stops all.
 fn run_all(
     bench: &Bench<'_>,
     keys: &[Key],
@@ -116,40 +109,15 @@ fn run_all(
     store: Option<&Store>,
     progress: &mut dyn FnMut(usize),
 ) -> Result<Records, CampaignError> {
-    let next = AtomicUsize::new(0);
-    let (sender, receiver) = mpsc::channel();
-    let next = &next;
-    thread::scope(|scope| {
-        for _ in 0..threads.clamp(1, keys.len().max(1)) {
-            let sender = sender.clone();
-            scope.spawn(move || work(bench, keys, next, store, &sender));
-        }
-        drop(sender);
-        let mut records = Records::new();
-        for result in receiver {
-            // An error ends the loop and drops the receiver, so that no thread begins another record.
-            let (key, rows) = result?;
-            records.insert(key, rows);
-            progress(records.len());
-        }
-        Ok(records)
-    })
-}
-
-fn work(
-    bench: &Bench<'_>,
-    keys: &[Key],
-    next: &AtomicUsize,
-    store: Option<&Store>,
-    sender: &mpsc::Sender<Result<(Key, Vec<Row>), CampaignError>>,
-) {
-    while let Some(&key) = keys.get(next.fetch_add(1, Ordering::Relaxed)) {
-        let result = bench.run(key).and_then(|rows| {
-            store.map_or(Ok(()), |s| s.keep(key, &rows, &bench.facts))?;
-            Ok((key, rows))
-        });
-        if sender.send(result).is_err() {
-            return;
-        }
-    }
+    let work = |place: usize| {
+        let rows = bench.run(keys[place])?;
+        store.map_or(Ok(()), |s| s.keep(keys[place], &rows, &bench.facts)).map(|()| rows)
+    };
+    let mut records = Records::new();
+    as_finished(keys.len(), threads, work, |place, rows| {
+        records.insert(keys[place], rows?);
+        progress(records.len());
+        Ok::<(), CampaignError>(())
+    })?;
+    Ok(records)
 }

@@ -2,11 +2,12 @@
 
 use super::{
     BiasExplanation, BiasedSimulatorResult, Case, CaseDiagnosis, EndogeneityResult, InstrumentResult, JointResidual,
-    ParameterDifference, ResidualResult, Verdict, chain::Problem, workers::in_parallel,
+    ParameterDifference, ResidualResult, Verdict, chain::Problem,
 };
 use crate::{
     identification::{Method, Outcome, Status},
     linear_algebra::{Matrix, PivotedQr, norm},
+    pool::in_parallel,
     simulation::{BiasKind, SimulatorBias},
     statistics::{
         JointRows, SimulatorComparison, autocorrelation, instrument_strength, jarque_bera, levene, ljung_box,
@@ -218,7 +219,7 @@ fn explain(
     let steps = EXPLAINED_BY.map(|(kind, step)| (kind, if kind.is_factor() { 1.0 + step } else { step }));
     let biases: Vec<SimulatorBias> =
         std::iter::once(case.simulator).chain(steps.map(|(kind, by)| case.simulator.with(kind, by))).collect();
-    let mut estimates = in_parallel(biases.len(), biases.len(), &|k| step(biases[k])).into_iter();
+    let mut estimates = in_parallel(biases.len(), biases.len(), |k| step(biases[k])).into_iter();
     // The step without a bias takes what the iteration has left to do out of the derivatives.
     let Some(unbiased) = estimates.next().flatten() else { return Vec::new() };
     let explained = |((kind, step), theta): (&(BiasKind, f64), Option<Vec<f64>>)| {

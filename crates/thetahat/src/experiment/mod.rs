@@ -23,7 +23,6 @@ mod rows;
 mod run;
 mod sensitivity;
 mod simulator;
-mod workers;
 
 #[cfg(feature = "parquet")]
 pub(crate) use chain::{FilteredRecord, Problem};

@@ -4,10 +4,10 @@ use super::{
     Case, Experiment, ExperimentError, Verdict,
     diagnosis::{Estimated, diagnose},
     record::TwinMotion,
-    workers::in_parallel,
 };
 use crate::{
     identification::{Convergence, Method, Outcome, Status, iterate},
+    pool::in_parallel,
     simulation::{BiasKind, SimulatorBias},
 };
 
@@ -58,7 +58,7 @@ impl Experiment {
         let twin = self.file.twin.as_ref().ok_or_else(|| self.missing("[twin]", why))?;
         let motion = self.twin_motion(twin)?;
         let of_seed = |k: usize| self.seen(&motion, errors, k as u64 + 1);
-        let seen = in_parallel(records, threads, &of_seed).into_iter().collect::<Result<Vec<_>, _>>()?;
+        let seen = in_parallel(records, threads, of_seed).into_iter().collect::<Result<Vec<_>, _>>()?;
         let point = |(i, &(kind, value)): (usize, &(BiasKind, f64))| {
             PowerPoint::of(kind, value, seen.iter().map(|of_seed| of_seed[i]))
         };

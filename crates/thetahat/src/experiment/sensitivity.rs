@@ -8,10 +8,10 @@ use std::{
 use super::{
     Case, Experiment, ExperimentError,
     run::{CaseProblem, Session},
-    workers::in_parallel,
 };
 use crate::{
     identification::{Method, Outcome, Status, iterate},
+    pool::in_parallel,
     simulation::{BiasKind, SimulatorBias},
 };
 
@@ -101,7 +101,7 @@ impl Experiment {
             progress(done.fetch_add(1, Ordering::Relaxed) + 1, jobs.len());
             point
         };
-        let points = in_parallel(jobs.len(), threads, &work).into_iter().flatten().collect();
+        let points = in_parallel(jobs.len(), threads, work).into_iter().flatten().collect();
         Ok(sweep.finish(&nominal, points))
     }
 }

@@ -8,13 +8,15 @@ use zip::{CompressionMethod, ZipArchive};
 
 use super::csv::TextParts;
 use super::npy::ArrayParts;
+#[cfg(feature = "parquet")]
+use super::parquet::GroupParts;
 use super::place::{file_length, open};
 use super::source::ChannelSource;
 use super::table::{Column, Table, Wanted};
 use super::{Format, RecordingError, select};
 use crate::series::Series;
 
-/// Signals whose files can be read from any sample on: text, and NumPy arrays that are not compressed.
+/// Signals whose files can be read from any sample on: text, NumPy arrays that are not compressed, and Parquet.
 ///
 /// What is read is what [`read_channels`](super::read_channels) gives, part by part; several parts may be read at a time.
 pub struct SignalParts {
@@ -34,6 +36,8 @@ struct Signal {
 enum FileParts {
     Text(TextParts),
     Arrays(Vec<ArrayParts>),
+    #[cfg(feature = "parquet")]
+    Groups(Box<GroupParts>),
 }
 
 impl SignalParts {
@@ -149,6 +153,8 @@ impl FileParts {
                 Ok(array.map(|array| Self::Arrays(vec![array])))
             }
             Format::Npz => archive(path, wanted(columns)),
+            #[cfg(feature = "parquet")]
+            Format::Parquet => Ok(GroupParts::open(path, wanted(columns))?.map(|parts| Self::Groups(Box::new(parts)))),
             _ => Ok(None),
         }
     }
@@ -157,6 +163,8 @@ impl FileParts {
     fn samples(&self, wanted: Wanted<'_>) -> Option<usize> {
         match self {
             Self::Text(text) => Some(text.rows()),
+            #[cfg(feature = "parquet")]
+            Self::Groups(groups) => Some(groups.samples()),
             Self::Arrays(arrays) => {
                 let mut samples = arrays.iter().filter(|a| wanted.includes(a.name())).map(ArrayParts::samples);
                 let first = samples.next()?;
@@ -168,6 +176,8 @@ impl FileParts {
     fn read(&self, range: Range<usize>, wanted: Wanted<'_>) -> Result<Table, RecordingError> {
         match self {
             Self::Text(text) => text.read(range, wanted),
+            #[cfg(feature = "parquet")]
+            Self::Groups(groups) => groups.read(range, wanted),
             Self::Arrays(arrays) => {
                 let column = |array: &ArrayParts| match wanted.includes(array.name()) {
                     true => array.read(range.clone()),

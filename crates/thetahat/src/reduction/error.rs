@@ -32,7 +32,8 @@ pub enum ReductionError {
     },
     /// Two reductions are not of one robot and one way of filtering.
     #[error(
-        "{what} differs: {first} in one reduction, {other} in another; reduce both with the same robot and [signal]"
+        "{what} differs: {first} in the first, {other} in the other; reduce both with the same robot, parameters, [signal] and \
+         instruments"
     )]
     Unlike {
         /// What differs.
@@ -49,6 +50,16 @@ pub enum ReductionError {
         first: String,
         /// Its other name.
         other: String,
+    },
+    /// Two files do not go together.
+    #[error("{}, {}: {source}", first.display(), other.display())]
+    Apart {
+        /// The first.
+        first: PathBuf,
+        /// The other.
+        other: PathBuf,
+        /// Why.
+        source: Box<ReductionError>,
     },
     /// A long record has no reference that can be read in pieces.
     #[error(
@@ -85,7 +96,11 @@ pub enum ReductionError {
         warm_up_s: f64,
     },
     /// The results hold no estimates to simulate with.
-    #[error("{}: no estimates for instruments: {reason}; give the results.json of `thetahat solve` or `identify`", path.display())]
+    #[error(
+        "{}: no estimates for instruments: {reason}; give the results.json that `thetahat solve` or `identify` wrote for \
+         this robot",
+        path.display()
+    )]
     NoEstimates {
         /// The file.
         path: PathBuf,

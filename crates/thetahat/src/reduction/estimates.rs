@@ -2,15 +2,16 @@ use std::{collections::BTreeMap, path::Path};
 
 use super::ReductionError;
 use crate::{
-    experiment::{NOMINAL, Results},
+    experiment::{Experiment, NOMINAL, Results},
     identification::Method,
 };
 
 /// The nominal estimates of a `results.json` by name: those of IDIM-IV, or else of IDIM-LS.
 ///
 /// # Errors
-/// [`ReductionError`] for a file that cannot be read or holds no estimates.
-pub fn estimates_of_results(path: &Path) -> Result<BTreeMap<String, f64>, ReductionError> {
+/// [`ReductionError`] for a file that cannot be read or holds no estimates, and for estimates of parameters that the
+/// experiment's robot does not have.
+pub fn estimates_of_results(path: &Path, experiment: &Experiment) -> Result<BTreeMap<String, f64>, ReductionError> {
     let refuse = |reason: String| ReductionError::NoEstimates { path: path.to_owned(), reason };
     let text = std::fs::read(path).map_err(|source| ReductionError::Unreadable { path: path.to_owned(), source })?;
     let results: Results = serde_json::from_slice(&text).map_err(|e| refuse(e.to_string()))?;
@@ -18,5 +19,8 @@ pub fn estimates_of_results(path: &Path) -> Result<BTreeMap<String, f64>, Reduct
     let parameters = run.map(|run| &run.parameters).find(|parameters| !parameters.is_empty());
     let parameters =
         parameters.ok_or_else(|| refuse("it holds no nominal estimate of idim-iv or idim-ls".to_owned()))?;
+    let (model, base) = experiment.basis(&experiment.robot)?;
+    let names: Vec<String> = parameters.iter().map(|p| p.name.clone()).collect();
+    base.select(model.parameter_table(), &names).map_err(|e| refuse(e.to_string()))?;
     Ok(parameters.iter().map(|p| (p.name.clone(), p.estimate)).collect())
 }

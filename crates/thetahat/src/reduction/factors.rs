@@ -123,8 +123,8 @@ mod tests {
         (-found.iter().zip(exact).map(error).fold(0.0, f64::max).log10()).min(ALL)
     }
 
-    /// At a condition number of 1e8 factors of factors keep as many digits as all rows at once, 8 or more; the product
-    /// `X^T X`, whose condition number is the square, keeps none.
+    /// At a condition number of 1e8 factors of factors keep as many digits as all rows at once, 7 or more; the product
+    /// `X^T X`, whose condition number is the square, keeps two at the most.
     #[test]
     fn factors_keep_the_digits_that_products_lose() {
         let (rows, exact) = ill_conditioned();

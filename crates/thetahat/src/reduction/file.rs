@@ -1,7 +1,11 @@
 //! The file of a reduction: a line that names its form, a line of JSON, the upper triangles of the factors as doubles in
 //! little-endian order, and a checksum.
 
-use std::{fs, path::Path};
+use std::{
+    fs::{self, File},
+    io::{self, Read},
+    path::Path,
+};
 
 use serde::{Deserialize, Serialize};
 
@@ -61,7 +65,7 @@ impl Reduction {
     /// # Errors
     /// [`ReductionError`] for a file that is damaged or of another form.
     pub fn read(path: &Path) -> Result<Self, ReductionError> {
-        let bytes = fs::read(path).map_err(|source| ReductionError::Unreadable { path: path.to_owned(), source })?;
+        let bytes = content(path).map_err(|source| ReductionError::Unreadable { path: path.to_owned(), source })?;
         Self::from_bytes(&bytes, path)
     }
 
@@ -135,9 +139,10 @@ impl Header {
         }
         let matrices = if self.instruments.is_some() { 2 } else { 1 };
         let sizes: Vec<usize> = self.identity.acting.iter().map(|acting| matrices * acting.len() + 1).collect();
-        let of_segment = |rows: &usize| sizes.iter().map(|&n| upper_count((*rows).min(n), n)).sum::<usize>();
-        let needed = self.recordings.iter().flat_map(|r| &r.segment_rows).map(of_segment).sum::<usize>();
-        if bytes.len() != needed.checked_mul(8)? {
+        let of_segment = |rows: &usize| total(sizes.iter().map(|&n| upper_count((*rows).min(n), n)));
+        let segments = self.recordings.iter().flat_map(|r| &r.segment_rows);
+        let needed = segments.map(of_segment).try_fold(0_usize, |sum, count| sum.checked_add(count?))?;
+        if bytes.len() != needed.checked_mul(8)? || self.recordings.iter().any(|r| total_rows(r).is_none()) {
             return None;
         }
         let mut values = bytes.as_chunks::<8>().0.iter().map(|bytes| f64::from_le_bytes(*bytes));
@@ -149,7 +154,7 @@ impl Header {
         let mut segment =
             |rows: usize| Segment { rows, factors: sizes.iter().map(|columns| factor(rows, *columns)).collect() };
         let recordings = self.recordings.into_iter().map(|r| ReducedRecording {
-            rows: r.segment_rows.iter().sum(),
+            rows: total_rows(&r).unwrap_or_default(),
             segments: r.segment_rows.iter().map(|rows| segment(*rows)).collect(),
             name: r.name,
             weight: r.weight,
@@ -170,6 +175,19 @@ impl Header {
     }
 }
 
+/// The bytes of a file, of one that is not a reduction the first ones; folders and devices are refused.
+fn content(path: &Path) -> io::Result<Vec<u8>> {
+    if !fs::metadata(path)?.is_file() {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is a folder or a device"));
+    }
+    let (mut file, mut bytes) = (File::open(path)?, Vec::new());
+    file.by_ref().take(MAGIC.len() as u64).read_to_end(&mut bytes)?;
+    if bytes == MAGIC {
+        file.read_to_end(&mut bytes)?;
+    }
+    Ok(bytes)
+}
+
 /// The bytes up to a line's end, and those behind it.
 fn line(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     let end = memchr::memchr(b'\n', bytes)?;
@@ -179,6 +197,14 @@ fn line(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
 /// The places of the upper triangle, row by row.
 fn upper(rows: usize, columns: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..rows).flat_map(move |i| (i..columns).map(move |j| (i, j)))
+}
+
+fn total_rows(recording: &RecordingHeader) -> Option<usize> {
+    total(recording.segment_rows.iter().copied())
+}
+
+fn total(counts: impl IntoIterator<Item = usize>) -> Option<usize> {
+    counts.into_iter().try_fold(0_usize, usize::checked_add)
 }
 
 fn upper_count(rows: usize, columns: usize) -> usize {

@@ -16,7 +16,6 @@
 //! | `source` | a recording of which any part can be had, on the joint side |
 //! | `pieces` | the window, and one piece on its way to rows |
 //! | `instruments` | the simulated motion of a piece |
-//! | `pool` | pieces on several threads, taken in order |
 //! | `reduce` | all of it, recording by recording |
 //! | `factors` | rows to factors, stretch by stretch |
 //! | `value`, `file`, `fingerprint` | the reduction, its merging and its file; by what a recording is known again |
@@ -35,7 +34,6 @@ mod file;
 mod fingerprint;
 mod instruments;
 mod pieces;
-mod pool;
 mod reduce;
 mod segments;
 mod solve;

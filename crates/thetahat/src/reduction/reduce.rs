@@ -6,13 +6,13 @@ use super::{
     fingerprint::Fingerprint,
     instruments::Simulated,
     pieces::{Pieces, Rows, refuse},
-    pool::in_order,
     source::Source,
 };
 use crate::{
     base_parameters::BaseParameters,
     dynamics::Model,
     experiment::{Experiment, ExperimentError, RecordingDescription, STILL},
+    pool::in_order,
     regressor::Regressor,
     signal::{Decimator, SignalError},
 };

@@ -16,6 +16,9 @@ const TORQUE: usize = 1;
 /// Samples up to which a record is read whole where its steps must be made equal.
 const SHORT: usize = 1 << 20;
 
+/// Stamps that are looked at at a time.
+const STAMPS: usize = 1 << 16;
+
 /// A recording of which any part can be had.
 pub(super) struct Source<'a> {
     experiment: &'a Experiment,
@@ -125,7 +128,8 @@ impl<'a> Source<'a> {
     }
 
     fn has_equal_steps(&self) -> Result<bool, ReductionError> {
-        match self.check_stamps(0..self.samples) {
+        let mut starts = (0..self.samples).step_by(STAMPS);
+        match starts.try_for_each(|start| self.check_stamps(start..(start + STAMPS + 1).min(self.samples))) {
             Ok(()) => Ok(true),
             Err(ReductionError::UnequalSteps { .. }) => Ok(false),
             Err(other) => Err(other),

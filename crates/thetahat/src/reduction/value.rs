@@ -1,3 +1,5 @@
+use std::path::PathBuf;
+
 use serde::{Deserialize, Serialize};
 
 use super::{
@@ -76,8 +78,16 @@ pub struct ReducedRecording {
 impl Reduction {
     /// Adds a recording.
     pub(super) fn add(&mut self, recording: ReducedRecording) -> Result<(), ReductionError> {
+        self.require_another(&recording)?;
+        self.recordings.push(recording);
+        self.coarsen();
+        Ok(())
+    }
+
+    /// Refuses a recording that is there already, or has another sample rate.
+    fn require_another(&self, recording: &ReducedRecording) -> Result<(), ReductionError> {
         if let Some(same) = self.recordings.iter().find(|r| r.fingerprint == recording.fingerprint) {
-            let (first, other) = (same.name.clone(), recording.name);
+            let (first, other) = (same.name.clone(), recording.name.clone());
             return Err(ReductionError::SameRecording { first, other });
         }
         if let Some(first) = self.recordings.first()
@@ -85,9 +95,20 @@ impl Reduction {
         {
             return Err(unlike("the sample rate in Hz", &first.sample_rate_hz, &recording.sample_rate_hz));
         }
-        self.recordings.push(recording);
-        self.coarsen();
         Ok(())
+    }
+
+    /// Refuses another reduction that cannot be merged with this one.
+    fn require_like(&self, other: &Self) -> Result<(), ReductionError> {
+        self.identity.require_like(&other.identity)?;
+        if self.instruments != other.instruments {
+            let of = |r: &Self| match &r.instruments {
+                None => "none".to_owned(),
+                Some(theta) => format!("of parameters {theta:?}"),
+            };
+            return Err(unlike("the instruments", &of(self), &of(other)));
+        }
+        other.recordings.iter().try_for_each(|recording| self.require_another(recording))
     }
 
     /// Adds the recordings of another reduction. In whatever order reductions are merged, estimates agree to 1e-10.
@@ -95,14 +116,7 @@ impl Reduction {
     /// # Errors
     /// [`ReductionError`] where the two are not of one robot and one way of filtering, or share a recording.
     pub fn merge(mut self, other: Self) -> Result<Self, ReductionError> {
-        self.identity.require_like(&other.identity)?;
-        if self.instruments != other.instruments {
-            let of = |r: &Self| match &r.instruments {
-                None => "none".to_owned(),
-                Some(theta) => format!("of parameters {theta:?}"),
-            };
-            return Err(unlike("the instruments", &of(&self), &of(&other)));
-        }
+        self.require_like(&other)?;
         other.recordings.into_iter().try_for_each(|recording| self.add(recording))?;
         self.recordings.sort_by(|a, b| a.fingerprint.cmp(&b.fingerprint));
         Ok(self)
@@ -116,6 +130,25 @@ impl Reduction {
         let mut reductions = reductions.into_iter();
         let first = reductions.next().ok_or(ReductionError::Nothing)?;
         reductions.try_fold(first, Self::merge)
+    }
+
+    /// Reads files and merges what they hold.
+    ///
+    /// # Errors
+    /// As [`Reduction::read`] and [`Reduction::merge`]; where two files do not go together, both are named.
+    pub fn read_all(paths: &[PathBuf]) -> Result<Self, ReductionError> {
+        let all = paths.iter().map(|path| Self::read(path)).collect::<Result<Vec<_>, _>>()?;
+        for (k, other) in all.iter().enumerate() {
+            for (first, path) in all.iter().zip(paths).take(k) {
+                let (first_path, other_path) = (path.clone(), paths[k].clone());
+                first.require_like(other).map_err(|source| ReductionError::Apart {
+                    first: first_path,
+                    other: other_path,
+                    source: Box::new(source),
+                })?;
+            }
+        }
+        Self::merge_all(all)
     }
 
     /// Keeps the segments of many recordings few: how few follows from the number of recordings alone.

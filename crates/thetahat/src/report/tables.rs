@@ -113,10 +113,11 @@ pub(super) fn parameters(results: &Results, case: &str) -> Table {
 
 /// How far the classical deviations are from those of the intervals.
 fn widening(runs: &[&RunResult]) -> Option<String> {
-    let of_run = |r: &&RunResult| Some(format!("{} for {}", significant(r.widening()?, 2), r.method.name()));
+    let of_run =
+        |r: &&RunResult| Some(format!("{} times these for {}", significant(r.widening()?, 2), r.method.name()));
     let times: Vec<String> = runs.iter().filter_map(of_run).collect();
-    let note = "Classical deviations. Errors are correlated from row to row: the 95 % intervals (interval_95) use deviations \
-                that are larger, in the median by a factor of";
+    let note = "Classical deviations. The 95 % intervals (interval_95) allow for errors that are correlated from row to row: \
+                their deviations are, in the median,";
     (!times.is_empty()).then(|| format!("{note} {}.", times.join(", ")))
 }
 

@@ -1,8 +1,12 @@
 //! What stands between the library and the bytes of a file.
 //!
 //! The library reserves memory for what a page or a dictionary is said to hold before it reads it. Here these sizes are
-//! checked first: those of the file in [`check_footer`], of a page where the library asks for its header, of a dictionary
-//! where it asks for its page.
+//! checked first: those of the file in [`description`], of a page where the library reads its header, of a dictionary where it
+//! asks for its page.
+
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom};
+use std::sync::Arc;
 
 use bytes::buf::Reader;
 use bytes::{Buf, Bytes};
@@ -15,17 +19,30 @@ use parquet::file::serialized_reader::SerializedPageReader;
 use super::records::{FILE, PAGE, PAGE_HEADER, SCHEMA_ELEMENT};
 use super::thrift::Thrift;
 
+/// What a file begins and ends with.
+const MAGIC: &[u8] = b"PAR1";
 /// Columns and groups of columns of one file.
 const MOST_COLUMNS: usize = 1 << 14;
 /// Groups within groups.
 const DEEPEST_GROUP: usize = 32;
+/// Bytes in which the header of a page is looked for: those of columns of numbers have less than a hundred.
+const HEADER_SIZES: [u64; 2] = [1 << 10, 1 << 20];
 
-/// Checks the description at the end of a file: counts of columns, and how deep they are nested.
-pub(super) fn check_footer(bytes: &[u8]) -> std::result::Result<(), &'static str> {
-    let ending = bytes.len().checked_sub(8).filter(|_| bytes.starts_with(b"PAR1") && bytes.ends_with(b"PAR1"));
-    let ending = ending.ok_or("it does not begin and end as a Parquet file does")?;
-    let length = bytes[ending..].first_chunk().map_or(0, |chunk| u32::from_le_bytes(*chunk) as usize);
-    let start = ending.checked_sub(length).ok_or("its description is longer than the file")?;
+/// The description at the end of a file, with its counts of columns and how deep they are nested checked.
+pub(super) fn description(source: &Source) -> Result<Bytes> {
+    let ending = source.length().checked_sub(8).ok_or_else(|| wrong("it is too short for a Parquet file"))?;
+    let last = source.bytes(ending, 8)?;
+    if !last.ends_with(MAGIC) || source.bytes(0, MAGIC.len())? != MAGIC {
+        return Err(wrong("it does not begin and end as a Parquet file does"));
+    }
+    let length = last.first_chunk().map_or(0, |chunk| u32::from_le_bytes(*chunk));
+    let start = ending.checked_sub(length.into()).ok_or_else(|| wrong("its description is longer than the file"))?;
+    let bytes = source.bytes(start, length as usize)?;
+    check_description(&bytes).ok_or_else(|| wrong("its description is damaged"))?;
+    Ok(bytes)
+}
+
+fn check_description(bytes: &[u8]) -> Option<()> {
     let (mut children, mut own) = (Vec::new(), 0_usize);
     let mut tell = |record, field, value| {
         match (record, field) {
@@ -35,8 +52,8 @@ pub(super) fn check_footer(bytes: &[u8]) -> std::result::Result<(), &'static str
         }
         (children.len() <= MOST_COLUMNS).then_some(())
     };
-    let walked = Thrift::new(&bytes[start..ending]).record(&FILE, &mut tell);
-    walked.filter(|()| is_tree(&children)).ok_or("its description is damaged")
+    let walked = Thrift::new(bytes).record(&FILE, &mut tell);
+    walked.filter(|()| is_tree(&children))
 }
 
 /// Whether elements in the order of a walk, each with its number of children, are one tree that is not too deep.
@@ -56,15 +73,61 @@ fn is_tree(children: &[usize]) -> bool {
     open.is_empty()
 }
 
+/// Where the bytes of a file are.
+#[derive(Clone)]
+pub(super) enum Source {
+    Memory(Bytes),
+    /// On the disk, with its length. The place in the file is shared: for one thread.
+    File(Arc<File>, u64),
+}
+
+impl Source {
+    pub(super) fn length(&self) -> u64 {
+        match self {
+            Self::Memory(bytes) => bytes.len() as u64,
+            Self::File(_, length) => *length,
+        }
+    }
+
+    /// Bytes, all of which must be there before memory is reserved for them.
+    fn bytes(&self, start: u64, length: usize) -> Result<Bytes> {
+        let end = start.checked_add(length as u64).filter(|end| *end <= self.length());
+        let end = end.ok_or_else(|| wrong("a page ends behind the end of the file"))?;
+        match self {
+            Self::Memory(bytes) => Ok(bytes.slice(start as usize..end as usize)),
+            Self::File(file, _) => {
+                let (mut file, mut bytes) = (&**file, vec![0; length]);
+                file.seek(SeekFrom::Start(start))?;
+                file.read_exact(&mut bytes)?;
+                Ok(bytes.into())
+            }
+        }
+    }
+}
+
 /// The bytes of a file for the reader of pages.
+#[derive(Clone)]
 pub(super) struct Guarded {
-    pub(super) bytes: Bytes,
+    pub(super) source: Source,
     /// Most bytes that a page may hold when it is decompressed.
     pub(super) limit: usize,
 }
 
 impl Guarded {
-    /// Checks the header of a page, and its size when it is decompressed.
+    /// Bytes that begin with the header of a page, and hold it whole. Its fields are checked, and its size when it is
+    /// decompressed.
+    fn header(&self, start: u64) -> Result<Bytes> {
+        let left = self.source.length().checked_sub(start);
+        let left = left.ok_or_else(|| wrong("a page begins behind the end of the file"))?;
+        for size in HEADER_SIZES {
+            let bytes = self.source.bytes(start, size.min(left) as usize)?;
+            if self.check_page(&bytes).is_some() {
+                return Ok(bytes);
+            }
+        }
+        Err(wrong("the header of a page is damaged, or the page too large"))
+    }
+
     fn check_page(&self, header: &[u8]) -> Option<()> {
         let limit = i64::try_from(self.limit).unwrap_or(i64::MAX);
         let mut tell = |record, field, value| match (record, field) {
@@ -77,27 +140,39 @@ impl Guarded {
 
 impl Length for Guarded {
     fn len(&self) -> u64 {
-        self.bytes.len() as u64
+        self.source.length()
     }
 }
 
 impl ChunkReader for Guarded {
-    type T = Reader<Bytes>;
+    type T = Header;
 
     fn get_read(&self, start: u64) -> Result<Self::T> {
-        let start = usize::try_from(start).unwrap_or(usize::MAX);
-        let header = self.bytes.get(start..).ok_or_else(|| wrong("a page begins behind the end of the file"))?;
-        self.check_page(header).ok_or_else(|| wrong("the header of a page is damaged, or the page too large"))?;
-        Ok(self.bytes.slice(start..).reader())
+        Ok(Header { guarded: self.clone(), start, bytes: None })
     }
 
     fn get_bytes(&self, start: u64, length: usize) -> Result<Bytes> {
-        let start = usize::try_from(start).unwrap_or(usize::MAX);
-        let range = start..start.saturating_add(length);
-        if self.bytes.get(range.clone()).is_none() {
-            return Err(wrong("a page ends behind the end of the file"));
+        if matches!(self.source, Source::File(..)) && length > self.limit.saturating_mul(2) {
+            return Err(wrong("a page is too large"));
         }
-        Ok(self.bytes.slice(range))
+        self.source.bytes(start, length)
+    }
+}
+
+/// The header of a page, which is looked at when it is read: the library also asks where it then reads nothing.
+pub(super) struct Header {
+    guarded: Guarded,
+    start: u64,
+    bytes: Option<Reader<Bytes>>,
+}
+
+impl Read for Header {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let bytes = match self.bytes.take() {
+            Some(bytes) => bytes,
+            None => self.guarded.header(self.start).map_err(io::Error::other)?.reader(),
+        };
+        self.bytes.insert(bytes).read(buffer)
     }
 }
 

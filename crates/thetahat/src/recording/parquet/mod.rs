@@ -4,13 +4,18 @@
 //! | --- | --- |
 //! | `thrift`, `records` | walk over the records that describe a file, to check them before the library believes them |
 //! | `guard` | what stands between the library and the bytes of a file: sizes of pages and dictionaries |
-//! | `read` | columns to numbers |
+//! | `read` | what a file describes, and any rows of its columns |
+//! | `numbers` | values to numbers |
+//! | `parts` | a file that is read in parts |
 
 mod guard;
+mod numbers;
+mod parts;
 mod read;
 mod records;
 mod thrift;
 
+pub(super) use parts::{GroupParts, fuzz_parts};
 pub(super) use read::read;
 
 #[cfg(test)]

@@ -1,12 +1,12 @@
-//! Columns of a Parquet file to numbers.
+//! Columns of a Parquet file, and any rows of them.
 
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
 use bytes::Bytes;
 use parquet::basic::{Compression, ConvertedType, LogicalType, Type};
-use parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
-use parquet::data_type::DataType;
+use parquet::column::reader::{ColumnReader, get_column_reader};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
 use parquet::file::serialized_reader::SerializedPageReader;
@@ -16,60 +16,124 @@ use super::super::RecordingError;
 use super::super::caught::caught;
 use super::super::limits::Budget;
 use super::super::table::{Column, Table, Wanted};
-use super::guard::{Guarded, Pages, check_footer};
+use super::guard::{Guarded, Pages, Source, description};
+use super::numbers::{Number, Values};
 
 /// The columns of a file; missing values are NaN. Those not wanted are there by name, without values.
 pub(in super::super) fn read(bytes: Vec<u8>, path: &Path, wanted: Wanted<'_>) -> Result<Table, RecordingError> {
-    caught(path, "Parquet", || read_columns(bytes, path, wanted))
+    caught(path, "Parquet", || {
+        let source = Source::Memory(Bytes::from(bytes));
+        let described = Described::new(path, &source)?;
+        described.require_room(path, source.length(), wanted)?;
+        described.table(path, &source, 0..described.samples, wanted, |_| None)
+    })
 }
 
-fn read_columns(bytes: Vec<u8>, path: &Path, wanted: Wanted<'_>) -> Result<Table, RecordingError> {
-    check_footer(&bytes).map_err(|reason| RecordingError::damaged(path, reason.to_owned()))?;
-    let bytes = Bytes::from(bytes);
-    let metadata =
-        ParquetMetaDataReader::new().parse_and_finish(&bytes).map_err(|e| damaged(path, "description", &e))?;
-    let budget = Budget::of(path, bytes.len() as u64);
-    let mut reader = Reader { path, bytes, metadata, budget };
-    let columns = (0..reader.metadata.file_metadata().schema_descr().num_columns())
-        .map(|index| reader.column(index, wanted))
-        .collect::<Result<_, _>>()?;
-    Ok(Table { name: String::new(), columns })
-}
-
-fn damaged(path: &Path, what: &str, error: &ParquetError) -> RecordingError {
-    RecordingError::damaged(path, format!("{what}: {error}"))
-}
-
-struct Reader<'a> {
-    path: &'a Path,
-    bytes: Bytes,
+/// What a file says of its content.
+pub(super) struct Described {
     metadata: ParquetMetaData,
-    budget: Budget,
+    /// Rows of each group.
+    rows: Vec<usize>,
+    /// Rows of all.
+    pub(super) samples: usize,
 }
 
-impl Reader<'_> {
-    fn column(&mut self, index: usize, wanted: Wanted<'_>) -> Result<Column, RecordingError> {
+impl Described {
+    pub(super) fn new(path: &Path, source: &Source) -> Result<Self, RecordingError> {
+        let refuse = |e: ParquetError| damaged(path, "description", &e);
+        let metadata = description(source).and_then(|bytes| ParquetMetaDataReader::decode_metadata(&bytes));
+        let metadata = metadata.map_err(refuse)?;
+        let rows = metadata.row_groups().iter().map(|group| usize::try_from(group.num_rows()).unwrap_or(usize::MAX));
+        let rows: Vec<usize> = rows.collect();
+        let samples = rows.iter().fold(0_usize, |sum, rows| sum.saturating_add(*rows));
+        Ok(Self { metadata, rows, samples })
+    }
+
+    /// Rows of the largest group.
+    pub(super) fn largest_group(&self) -> usize {
+        self.rows.iter().copied().max().unwrap_or_default()
+    }
+
+    /// Refuses more values than a file of so many bytes may hold.
+    pub(super) fn require_room(&self, path: &Path, bytes: u64, wanted: Wanted<'_>) -> Result<(), RecordingError> {
+        let mut budget = Budget::of(path, bytes);
+        for index in self.indices().filter(|&index| self.is_read(index, wanted)) {
+            budget.take(&format!("column {:?}", self.name(index)), &[self.samples])?;
+        }
+        Ok(())
+    }
+
+    /// These rows of all columns. `first` says from where the stamps of a column count, which is else the first that is read.
+    pub(super) fn table(
+        &self,
+        path: &Path,
+        source: &Source,
+        rows: Range<usize>,
+        wanted: Wanted<'_>,
+        first: impl Fn(usize) -> Option<i64>,
+    ) -> Result<Table, RecordingError> {
+        let column = |index: usize| {
+            let name = self.name(index);
+            if let Some(kind) = self.kind_not_read(index) {
+                return Ok(Column::of_kind(name, kind));
+            }
+            if !wanted.includes(&name) {
+                return Ok(Column::of_numbers(name, 0, Vec::new()));
+            }
+            let refuse = |e: ParquetError| damaged(path, &format!("column {name:?}"), &e);
+            let values = self.values(index, source, rows.clone(), first(index)).map_err(refuse)?;
+            Ok(Column::of_numbers(name, 1, values.values))
+        };
+        let columns = self.indices().map(column).collect::<Result<_, _>>()?;
+        Ok(Table { name: String::new(), columns })
+    }
+
+    /// These rows of a column of numbers.
+    pub(super) fn values(
+        &self,
+        index: usize,
+        source: &Source,
+        rows: Range<usize>,
+        first: Option<i64>,
+    ) -> Result<Values, ParquetError> {
         let described = self.metadata.file_metadata().schema_descr().column(index);
-        let name = described.path().parts().join(".");
-        if let Some(kind) = kind_not_read(&described) {
-            return Ok(Column::of_kind(name, kind));
+        let mut values = Values::of(&described, first);
+        let mut start = 0;
+        for (group, &of_group) in self.rows.iter().enumerate() {
+            let range = rows.start.max(start)..rows.end.min(start + of_group);
+            if !range.is_empty() {
+                self.add_group((index, group), source, range.start - start..range.end - start, &mut values)?;
+            }
+            start += of_group;
         }
-        if let Some(compression) = self.compression_not_read(index) {
-            let compression = compression.to_string();
-            let word = compression.split('(').next().unwrap_or_default();
-            return Ok(Column::of_kind(name, format!("a column compressed by {word}")));
+        Ok(values)
+    }
+
+    pub(super) fn indices(&self) -> Range<usize> {
+        0..self.metadata.file_metadata().schema_descr().num_columns()
+    }
+
+    pub(super) fn name(&self, index: usize) -> String {
+        self.metadata.file_metadata().schema_descr().column(index).path().parts().join(".")
+    }
+
+    /// Whether a column is wanted and one of numbers.
+    pub(super) fn is_read(&self, index: usize, wanted: Wanted<'_>) -> bool {
+        wanted.includes(&self.name(index)) && self.kind_not_read(index).is_none()
+    }
+
+    /// Whether a column is one of stamps.
+    pub(super) fn is_stamps(&self, index: usize) -> bool {
+        Number::of(&self.metadata.file_metadata().schema_descr().column(index)).stamps
+    }
+
+    /// What a column is, if it is not one of numbers that can be read.
+    fn kind_not_read(&self, index: usize) -> Option<String> {
+        if let Some(kind) = kind_not_read(&self.metadata.file_metadata().schema_descr().column(index)) {
+            return Some(kind.to_owned());
         }
-        if !wanted.includes(&name) {
-            return Ok(Column::of_numbers(name, 0, Vec::new()));
-        }
-        let mut values =
-            Values { number: Number::of(&described), present: described.max_def_level(), values: Vec::new() };
-        for group in 0..self.metadata.num_row_groups() {
-            let rows = self.rows(&name, group)?;
-            self.add_group(index, group, rows, &mut values)
-                .map_err(|e| damaged(self.path, &format!("column {name:?}"), &e))?;
-        }
-        Ok(Column::of_numbers(name, 1, values.values))
+        let compression = self.compression_not_read(index)?.to_string();
+        Some(format!("a column compressed by {}", compression.split('(').next().unwrap_or_default()))
     }
 
     /// A compression that is not read. The library decompresses some of them without a bound.
@@ -80,22 +144,23 @@ impl Reader<'_> {
         compressions.into_iter().find(|compression| !is_read(compression))
     }
 
-    /// Number of rows of a group, for which there must be room.
-    fn rows(&mut self, name: &str, group: usize) -> Result<usize, RecordingError> {
-        let rows = usize::try_from(self.metadata.row_group(group).num_rows()).unwrap_or(usize::MAX);
-        self.budget.take(&format!("column {name:?}"), &[rows])
-    }
-
-    fn add_group(&self, index: usize, group: usize, rows: usize, values: &mut Values) -> Result<(), ParquetError> {
+    /// Adds rows of a group, counted in it; pages before them are passed over.
+    fn add_group(
+        &self,
+        (index, group): (usize, usize),
+        source: &Source,
+        rows: Range<usize>,
+        values: &mut Values,
+    ) -> Result<(), ParquetError> {
         let chunk = self.metadata.row_group(group).column(index);
         let offsets = [Some(chunk.data_page_offset()), chunk.dictionary_page_offset(), Some(chunk.compressed_size())];
         if offsets.into_iter().flatten().any(|offset| offset < 0) {
             return Err(ParquetError::General("its place in the file is negative".to_owned()));
         }
-        let limit = 16 * (rows + 1024);
-        let guarded = Arc::new(Guarded { bytes: self.bytes.clone(), limit });
-        let pages = SerializedPageReader::new(guarded, chunk, rows, None)?;
-        let pages = Pages { pages, limit: rows, has_dictionary: false };
+        let of_group = self.rows[group];
+        let guarded = Arc::new(Guarded { source: source.clone(), limit: 16 * (of_group + 1024) });
+        let pages = SerializedPageReader::new(guarded, chunk, of_group, None)?;
+        let pages = Pages { pages, limit: of_group, has_dictionary: false };
         match get_column_reader(chunk.column_descr_ptr(), Box::new(pages)) {
             ColumnReader::BoolColumnReader(reader) => values.add(reader, rows, |x, _| f64::from(u8::from(x))),
             ColumnReader::Int32ColumnReader(reader) => values.add(reader, rows, |x, number| number.of_i32(x)),
@@ -107,64 +172,8 @@ impl Reader<'_> {
     }
 }
 
-/// The values of a column while its groups of rows are read.
-struct Values {
-    number: Number,
-    /// The definition level of a value that is present; lower ones are missing.
-    present: i16,
-    values: Vec<f64>,
-}
-
-impl Values {
-    fn add<T: DataType>(
-        &mut self,
-        mut reader: ColumnReaderImpl<T>,
-        rows: usize,
-        to_number: fn(T::T, &mut Number) -> f64,
-    ) -> Result<(), ParquetError> {
-        let (mut levels, mut present) = (Vec::new(), Vec::new());
-        let (read, ..) = reader.read_records(rows, Some(&mut levels), None, &mut present)?;
-        if read != rows {
-            return Err(ParquetError::General(format!("expected {rows} rows, found {read}")));
-        }
-        let mut present = present.into_iter();
-        for row in 0..rows {
-            let is_present = self.present == 0 || levels.get(row) == Some(&self.present);
-            let value = if is_present { present.next() } else { None };
-            self.values.push(value.map_or(f64::NAN, |value| to_number(value, &mut self.number)));
-        }
-        Ok(())
-    }
-}
-
-/// How whole numbers are meant.
-struct Number {
-    unsigned: bool,
-    /// Stamps count from a date long ago, and the first is subtracted, before double precision would round them.
-    stamps: bool,
-    first: Option<i64>,
-}
-
-impl Number {
-    fn of(column: &ColumnDescriptor) -> Self {
-        let logical = column.logical_type_ref();
-        let unsigned = matches!(logical, Some(LogicalType::Integer(int)) if !int.is_signed)
-            || matches!(column.converted_type(), ConvertedType::UINT_32 | ConvertedType::UINT_64);
-        let stamps = matches!(logical, Some(LogicalType::Timestamp(_)))
-            || matches!(column.converted_type(), ConvertedType::TIMESTAMP_MILLIS | ConvertedType::TIMESTAMP_MICROS);
-        Self { unsigned, stamps, first: None }
-    }
-
-    fn of_i32(&mut self, number: i32) -> f64 {
-        if self.unsigned { number.cast_unsigned().into() } else { number.into() }
-    }
-
-    fn of_i64(&mut self, number: i64) -> f64 {
-        if self.stamps {
-            return number.wrapping_sub(*self.first.get_or_insert(number)) as f64;
-        }
-        if self.unsigned { number.cast_unsigned() as f64 } else { number as f64 }
-    }
+fn damaged(path: &Path, what: &str, error: &ParquetError) -> RecordingError {
+    RecordingError::damaged(path, format!("{what}: {error}"))
 }
 
 /// What a column is, if it is not one of numbers.

@@ -2,12 +2,13 @@ use std::path::Path;
 use std::sync::Arc;
 
 use parquet::basic::{Compression, ZstdLevel};
-use parquet::data_type::{ByteArrayType, DoubleType, Int32Type, Int64Type};
+use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DoubleType, Int32Type, Int64Type};
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 
 use super::super::table::{Table, Wanted};
+use super::super::test_files::Folder;
 use super::super::{Format, RecordingError, select};
 use super::*;
 
@@ -44,6 +45,71 @@ fn written(compression: Compression) -> Vec<u8> {
             one.close().unwrap();
             column += 1;
         }
+        rows.close().unwrap();
+    }
+    writer.into_inner().unwrap()
+}
+
+/// A file of so many rows with stamps, missing values, repeated values and text, with small pages.
+fn rows(count: usize, of_group: usize, compression: Compression) -> Vec<u8> {
+    let properties = WriterProperties::builder()
+        .set_compression(compression)
+        .set_write_batch_size(16)
+        .set_data_page_row_count_limit(50)
+        .set_column_dictionary_enabled("q".into(), false)
+        .build();
+    let schema = "message record {
+        REQUIRED INT64 stamp (TIMESTAMP(NANOS, true));
+        REQUIRED DOUBLE q;
+        OPTIONAL DOUBLE gap;
+        REQUIRED INT32 counts (INTEGER(32, false));
+        REQUIRED BOOLEAN flag;
+        REQUIRED BYTE_ARRAY note (UTF8);
+    }";
+    let mut writer =
+        SerializedFileWriter::new(Vec::new(), Arc::new(parse_message_type(schema).unwrap()), Arc::new(properties))
+            .unwrap();
+    let all: Vec<i64> = (0..count as i64).collect();
+    for group in all.chunks(of_group) {
+        let mut rows = writer.next_row_group().unwrap();
+        let stamps: Vec<i64> = group.iter().map(|k| 1_700_000_000_000_000_001 + k * 200_003).collect();
+        let q: Vec<f64> = group.iter().map(|k| (*k as f64).sin()).collect();
+        let levels: Vec<i16> = group.iter().map(|k| i16::from(k % 5 != 3)).collect();
+        let present: Vec<f64> = group.iter().filter(|k| *k % 5 != 3).map(|k| *k as f64 / 3.0).collect();
+        let counts: Vec<i32> = group.iter().map(|k| (*k % 7) as i32 - 3).collect();
+        let flags: Vec<bool> = group.iter().map(|k| k % 3 == 0).collect();
+        let notes: Vec<ByteArray> = group.iter().map(|k| format!("{k}").as_str().into()).collect();
+        for column in 0..6 {
+            let mut one = rows.next_column().unwrap().unwrap();
+            match column {
+                0 => one.typed::<Int64Type>().write_batch(&stamps, None, None).unwrap(),
+                1 => one.typed::<DoubleType>().write_batch(&q, None, None).unwrap(),
+                2 => one.typed::<DoubleType>().write_batch(&present, Some(&levels), None).unwrap(),
+                3 => one.typed::<Int32Type>().write_batch(&counts, None, None).unwrap(),
+                4 => one.typed::<BoolType>().write_batch(&flags, None, None).unwrap(),
+                _ => one.typed::<ByteArrayType>().write_batch(&notes, None, None).unwrap(),
+            };
+            one.close().unwrap();
+        }
+        rows.close().unwrap();
+    }
+    writer.into_inner().unwrap()
+}
+
+fn bits(values: &[f64]) -> Vec<u64> {
+    values.iter().map(|value| value.to_bits()).collect()
+}
+
+/// A file of one column without information, of so many rows in each group.
+fn zeros(groups: usize, of_group: usize) -> Vec<u8> {
+    let schema = Arc::new(parse_message_type("message record { REQUIRED INT32 q; }").unwrap());
+    let mut writer = SerializedFileWriter::new(Vec::new(), schema, Arc::new(WriterProperties::default())).unwrap();
+    let zeros = vec![0; of_group];
+    for _ in 0..groups {
+        let mut rows = writer.next_row_group().unwrap();
+        let mut column = rows.next_column().unwrap().unwrap();
+        column.typed::<Int32Type>().write_batch(&zeros, None, None).unwrap();
+        column.close().unwrap();
         rows.close().unwrap();
     }
     writer.into_inner().unwrap()
@@ -111,4 +177,90 @@ fn damaged_bytes_never_panic() {
             let _ = loaded(&bytes);
         }
     }
+}
+
+/// Parts of every size, that begin and end anywhere in groups and pages.
+#[test]
+fn parts_are_those_of_the_whole_bit_by_bit() {
+    const ROWS: usize = 1200;
+    for of_group in [1, 37, 100, 500, ROWS, 2 * ROWS] {
+        for compression in [Compression::UNCOMPRESSED, Compression::SNAPPY, Compression::ZSTD(ZstdLevel::default())] {
+            let bytes = rows(ROWS, of_group, compression);
+            let whole = loaded(&bytes).unwrap();
+            let folder = Folder::with(FILE, &bytes);
+            let parts = GroupParts::open(&folder.path().join(FILE), Wanted::All).unwrap().unwrap();
+            assert_eq!(parts.samples(), ROWS);
+            for size in [1, 49, 50, 333, 1199, ROWS].into_iter().filter(|size| *size > 1 || of_group == 100) {
+                for start in (0..ROWS).step_by(size) {
+                    let range = start..(start + size).min(ROWS);
+                    let table = parts.read(range.clone(), Wanted::All).unwrap();
+                    for (part, whole) in table.columns.iter().zip(&whole.columns) {
+                        let expected = whole.values.get(range.clone()).unwrap_or_default();
+                        assert_eq!(bits(&part.values), bits(expected), "{of_group} {range:?} {}", part.name);
+                        assert_eq!((&part.flaw, part.channels), (&whole.flaw, whole.channels));
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn parts_of_columns_that_are_not_wanted_are_not_read() {
+    let folder = Folder::with(FILE, &rows(300, 100, Compression::SNAPPY));
+    let asked = ["q".to_owned()];
+    let parts = GroupParts::open(&folder.path().join(FILE), Wanted::Named(&asked)).unwrap().unwrap();
+    let table = parts.read(150..250, Wanted::Named(&asked)).unwrap();
+    let read: Vec<usize> = table.columns.iter().map(|column| column.values.len()).collect();
+    assert_eq!(read, [0, 100, 0, 0, 0, 0]);
+}
+
+#[test]
+fn large_groups_are_left_to_the_reader_of_whole_files() {
+    let opened = |bytes: &[u8]| {
+        let folder = Folder::with(FILE, bytes);
+        GroupParts::open(&folder.path().join(FILE), Wanted::All)
+    };
+    assert!(opened(&zeros(1, 1 << 22)).unwrap().is_some());
+    assert!(opened(&zeros(1, (1 << 22) + 1)).unwrap().is_none());
+    assert!(opened(&zeros(0, 0)).unwrap().is_none());
+    // More rows than the bytes of the file could mean.
+    let many = zeros(5, 1 << 22);
+    assert!(matches!(opened(&many), Err(RecordingError::TooLarge { .. })));
+    assert!(matches!(loaded(&many), Err(RecordingError::TooLarge { .. })));
+}
+
+#[test]
+fn parts_of_a_damaged_file_never_panic() {
+    let whole = rows(120, 40, Compression::SNAPPY);
+    let folder = Folder::with(FILE, &whole);
+    let path = folder.path().join(FILE);
+    let read = |bytes: &[u8]| {
+        std::fs::write(&path, bytes).unwrap();
+        GroupParts::open(&path, Wanted::All)?.map(|parts| parts.read(70..90, Wanted::All)).transpose()
+    };
+    assert!(read(&whole).unwrap().is_some());
+    for length in 1..whole.len() {
+        assert!(matches!(read(&whole[..length]), Err(RecordingError::Damaged { .. })), "{length}");
+    }
+    for place in 0..whole.len() {
+        for damage in [0x00, 0x01, 0x80, 0xff] {
+            let mut bytes = whole.clone();
+            bytes[place] = damage;
+            fuzz_parts(&bytes);
+            if place % 7 == 0 {
+                let _ = read(&bytes);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_file_that_changes_while_it_is_read() {
+    let whole = rows(120, 40, Compression::SNAPPY);
+    let folder = Folder::with(FILE, &whole);
+    let path = folder.path().join(FILE);
+    let parts = GroupParts::open(&path, Wanted::All).unwrap().unwrap();
+    std::fs::write(&path, &whole[..whole.len() / 3]).unwrap();
+    assert!(matches!(parts.read(70..120, Wanted::All), Err(RecordingError::Damaged { .. })));
 }

@@ -1,14 +1,11 @@
-//! A long record of the TX40 twin: one motion of the demonstration repeated, with fresh noise in every repetition.
-//!
-//! `cargo run --release -p thetahat --example long_record -- FOLDER SAMPLES` writes `record.csv`, `position.npy` and
-//! `torque.npy` of so many samples at 5 kHz, with an experiment for each: `long_csv.toml` and `long_npy.toml`. One hour is
-//! 18 million samples. A third argument, `csv` or `npy`, writes only that one.
+//! The record and its experiment.
 
 use std::{
     error::Error,
+    fmt,
     fs::File,
     io::{BufWriter, Write},
-    path::Path,
+    path::{Path, PathBuf},
 };
 
 use rand::SeedableRng;
@@ -18,29 +15,26 @@ use thetahat::{experiment::Experiment, series::Series};
 
 const RATE_HZ: f64 = 5000.0;
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let (folder, samples, kinds) = match &arguments[..] {
-        [folder, samples] => (Path::new(folder), samples.parse()?, vec!["csv", "npy"]),
-        [folder, samples, kind] => (Path::new(folder), samples.parse()?, vec![kind.as_str()]),
-        _ => return Err("usage: long_record FOLDER SAMPLES [csv|npy]".into()),
-    };
-    std::fs::create_dir_all(folder)?;
-    let twin = Twin::new()?;
-    for kind in kinds {
-        match kind {
-            "csv" => write_csv(&twin, &folder.join("record.csv"), samples)?,
-            "npy" => write_npy(&twin, folder, samples)?,
-            _ => return Err("usage: long_record FOLDER SAMPLES [csv|npy]".into()),
-        }
-        std::fs::write(folder.join(format!("long_{kind}.toml")), twin.experiment(kind, samples)?)?;
+/// The files of a record.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// `record.csv`.
+    Csv,
+    /// `position.npy` and `torque.npy`.
+    Npy,
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Csv => "csv",
+            Self::Npy => "npy",
+        })
     }
-    std::fs::write(folder.join("tx40.toml"), &twin.robot)?;
-    Ok(())
 }
 
 /// One motion, and the noise of its torque sensors.
-struct Twin {
+pub struct Twin {
     position: Series,
     torque: Series,
     noise: Vec<f64>,
@@ -49,13 +43,27 @@ struct Twin {
 }
 
 impl Twin {
-    fn new() -> Result<Self, Box<dyn Error>> {
+    /// The twin of the demonstration.
+    pub fn new() -> Result<Self, Box<dyn Error>> {
         let mut experiment = Experiment::demo()?;
         let (text, robot) = (experiment.text.clone(), experiment.robot_text.clone());
         let twin = experiment.file.twin.as_mut().ok_or("a twin")?;
         let noise = std::mem::replace(&mut twin.sensors.torque_noise, vec![0.0; 6]);
         let record = experiment.record_twin()?;
         Ok(Self { position: record.position, torque: record.torque, noise, text, robot })
+    }
+
+    /// Writes so many samples with their experiment into a folder; the path of the experiment.
+    pub fn write(&self, kind: Kind, folder: &Path, samples: usize) -> Result<PathBuf, Box<dyn Error>> {
+        std::fs::create_dir_all(folder)?;
+        match kind {
+            Kind::Csv => write_csv(self, &folder.join("record.csv"), samples)?,
+            Kind::Npy => write_npy(self, folder, samples)?,
+        }
+        std::fs::write(folder.join("tx40.toml"), &self.robot)?;
+        let experiment = folder.join(format!("long_{kind}.toml"));
+        std::fs::write(&experiment, self.experiment(kind, samples)?)?;
+        Ok(experiment)
     }
 
     /// Positions and torques of all samples, in order. A counter of the encoder is as fine as the twin's.
@@ -78,22 +86,22 @@ impl Twin {
     }
 
     /// The demonstration with the record in place of the twin, and a window that leaves the edges of the filter.
-    fn experiment(&self, kind: &str, samples: usize) -> Result<String, Box<dyn Error>> {
+    fn experiment(&self, kind: Kind, samples: usize) -> Result<String, Box<dyn Error>> {
         let (before, rest) = self.text.split_once("[twin]").ok_or("the twin")?;
         let (_, rest) = rest.split_once("[signal]").ok_or("its end")?;
         let rest = rest.split_once("[[case]]").map_or(rest, |(rest, _)| rest);
         let before = before.replace("../robots/tx40.toml", "tx40.toml");
         let end_s = samples as f64 / RATE_HZ - 0.1;
         let channels = |name: &str| match kind {
-            "csv" => {
+            Kind::Csv => {
                 let columns: Vec<String> = (1..=6).map(|j| format!("\"{name}_{j}\"")).collect();
                 format!("file = \"record.csv\", columns = [{}]", columns.join(", "))
             }
-            _ => format!("file = \"{name}.npy\""),
+            Kind::Npy => format!("file = \"{name}.npy\""),
         };
         let time = match kind {
-            "csv" => "time = { file = \"record.csv\", columns = [\"time\"], unit = \"s\" }".to_owned(),
-            _ => format!("sample_rate_hz = {RATE_HZ}"),
+            Kind::Csv => "time = { file = \"record.csv\", columns = [\"time\"], unit = \"s\" }".to_owned(),
+            Kind::Npy => format!("sample_rate_hz = {RATE_HZ}"),
         };
         Ok(format!(
             "{before}[recording]\n{time}\nposition = {{ {}, unit = \"rad\" }}\ntorque = {{ {}, unit = \"N m\" }}\n\n\

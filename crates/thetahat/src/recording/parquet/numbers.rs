@@ -1,0 +1,84 @@
+//! The numbers of a column, whatever their type in the file.
+
+use std::ops::Range;
+
+use parquet::basic::{ConvertedType, LogicalType};
+use parquet::column::reader::ColumnReaderImpl;
+use parquet::data_type::DataType;
+use parquet::errors::ParquetError;
+use parquet::schema::types::ColumnDescriptor;
+
+/// The values of a column while its groups of rows are read.
+pub(super) struct Values {
+    number: Number,
+    /// The definition level of a value that is present; lower ones are missing.
+    present: i16,
+    pub(super) values: Vec<f64>,
+}
+
+impl Values {
+    /// For a column whose stamps count from `first`, or else from the first that is read.
+    pub(super) fn of(column: &ColumnDescriptor, first: Option<i64>) -> Self {
+        let number = Number { first, ..Number::of(column) };
+        Self { number, present: column.max_def_level(), values: Vec::new() }
+    }
+
+    /// Adds rows of a group, counted in it; pages before them are passed over.
+    pub(super) fn add<T: DataType>(
+        &mut self,
+        mut reader: ColumnReaderImpl<T>,
+        rows: Range<usize>,
+        to_number: fn(T::T, &mut Number) -> f64,
+    ) -> Result<(), ParquetError> {
+        let (mut levels, mut present) = (Vec::new(), Vec::new());
+        let passed = reader.skip_records(rows.start)?;
+        let (read, ..) = reader.read_records(rows.len(), Some(&mut levels), None, &mut present)?;
+        if (passed, read) != (rows.start, rows.len()) {
+            return Err(ParquetError::General(format!("expected {} rows, found {}", rows.end, passed + read)));
+        }
+        let mut present = present.into_iter();
+        for row in 0..rows.len() {
+            let is_present = self.present == 0 || levels.get(row) == Some(&self.present);
+            let value = if is_present { present.next() } else { None };
+            self.values.push(value.map_or(f64::NAN, |value| to_number(value, &mut self.number)));
+        }
+        Ok(())
+    }
+}
+
+impl Values {
+    /// The first stamp that was read, from which the others count.
+    pub(super) fn first_stamp(&self) -> Option<i64> {
+        self.number.first
+    }
+}
+
+/// How whole numbers are meant.
+pub(super) struct Number {
+    unsigned: bool,
+    /// Stamps count from a date long ago, and the first is subtracted, before double precision would round them.
+    pub(super) stamps: bool,
+    first: Option<i64>,
+}
+
+impl Number {
+    pub(super) fn of(column: &ColumnDescriptor) -> Self {
+        let logical = column.logical_type_ref();
+        let unsigned = matches!(logical, Some(LogicalType::Integer(int)) if !int.is_signed)
+            || matches!(column.converted_type(), ConvertedType::UINT_32 | ConvertedType::UINT_64);
+        let stamps = matches!(logical, Some(LogicalType::Timestamp(_)))
+            || matches!(column.converted_type(), ConvertedType::TIMESTAMP_MILLIS | ConvertedType::TIMESTAMP_MICROS);
+        Self { unsigned, stamps, first: None }
+    }
+
+    pub(super) fn of_i32(&mut self, number: i32) -> f64 {
+        if self.unsigned { number.cast_unsigned().into() } else { number.into() }
+    }
+
+    pub(super) fn of_i64(&mut self, number: i64) -> f64 {
+        if self.stamps {
+            return number.wrapping_sub(*self.first.get_or_insert(number)) as f64;
+        }
+        if self.unsigned { number.cast_unsigned() as f64 } else { number as f64 }
+    }
+}
