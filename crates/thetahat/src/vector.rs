@@ -1,6 +1,6 @@
 //! Vectors and matrices of three, as plain arrays.
 
-use crate::real::Real;
+use crate::real::{Parameter, Real};
 
 pub(crate) type Vec3<T = f64> = [T; 3];
 pub(crate) type Mat3<T = f64> = [[T; 3]; 3];
@@ -40,10 +40,10 @@ pub(crate) fn transpose_times<T: Real>(a: &Mat3, x: Vec3<T>) -> Vec3<T> {
     [column(0), column(1), column(2)]
 }
 
-/// A constant vector, in every lane.
+/// A constant vector, in every lane; or one for each.
 #[inline(always)]
-pub(crate) fn like<T: Real>(kind: T, v: Vec3) -> Vec3<T> {
-    [kind.like(v[0]), kind.like(v[1]), kind.like(v[2])]
+pub(crate) fn in_lanes<T: Real, P: Parameter<T>>(kind: T, v: Vec3<P>) -> Vec3<T> {
+    [v[0].in_lanes(kind), v[1].in_lanes(kind), v[2].in_lanes(kind)]
 }
 
 /// `A B`.

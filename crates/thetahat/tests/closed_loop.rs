@@ -8,7 +8,8 @@ use thetahat::{
     robot::Robot,
     series::Series,
     simulation::{
-        ClosedLoop, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulationError, SimulatorBias, Solver,
+        ClosedLoop, Job, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulationError, SimulatorBias, Solver,
+        simulate_all,
     },
     trajectory::{Limits, Moves, plan},
 };
@@ -43,8 +44,8 @@ impl Bench {
         Self { robot, model, controller, reference, bias: SimulatorBias::NONE, solver: TIGHT }
     }
 
-    fn try_run(&self, samples: usize) -> Result<SimulatedMotion, SimulationError> {
-        let closed_loop = ClosedLoop {
+    fn closed_loop(&self) -> ClosedLoop<'_> {
+        ClosedLoop {
             model: &self.model,
             transmission: &self.robot.transmission,
             controller: &self.controller,
@@ -53,7 +54,11 @@ impl Bench {
             bias: self.bias,
             solver: self.solver,
             sign_velocity_scale: 0.01,
-        };
+        }
+    }
+
+    fn try_run(&self, samples: usize) -> Result<SimulatedMotion, SimulationError> {
+        let closed_loop = self.closed_loop();
         let theta = self.robot.a_priori_parameters();
         let inertia = closed_loop.motor_inertia(&theta, 1.0);
         closed_loop.simulate(&theta, &inertia, &OutputGrid { start_s: 0.0, sample_rate_hz: RATE, samples })
@@ -192,5 +197,44 @@ fn a_loop_that_runs_away_is_named_with_joint_and_time() {
     match bench.try_run(20_000) {
         Err(SimulationError::Diverged { joint: 1, time_s, .. }) => assert!(time_s > 0.05),
         other => panic!("{:?}", other.map(|m| m.counts)),
+    }
+}
+
+/// More simulations than lanes, of different lengths, parameters and biases, some of which fail, with a continuous and with
+/// a sampled controller.
+#[test]
+fn simulations_side_by_side_have_the_bits_that_they_have_alone() {
+    let continuous = "law = \"pd\"\nbandwidth_hz = [4]\ndamping = 0.7";
+    let sampled = format!("{continuous}\nsample_time_s = 0.002\ndelay_s = 0.001");
+    for controller in [continuous, &sampled] {
+        let reference = Reference::Moves(one_move(vec![0.3, -0.2], vec![1.0, 0.4]));
+        let bench = Bench { solver: Solver::ODE45, ..Bench::new(COUPLED, controller, reference) };
+        let theta = bench.robot.a_priori_parameters();
+        let inertia = bench.closed_loop().motor_inertia(&theta, 1.0);
+        // The third has no mass matrix, the sixth runs away.
+        let scaled: Vec<Vec<f64>> =
+            [1.0, 1.1, -1.0, 0.7, 1.3, 1.0, 0.9].map(|s| theta.iter().map(|t| s * t).collect()).to_vec();
+        let biases = (0..7).map(|k| SimulatorBias {
+            gear_ratio: 1.0 - 0.01 * f64::from(k),
+            controller_gain: if k == 5 { -1.0 } else { 1.0 },
+            ..SimulatorBias::NONE
+        });
+        let jobs: Vec<Job<'_>> = biases
+            .zip(&scaled)
+            .enumerate()
+            .map(|(k, (bias, theta))| Job {
+                closed_loop: ClosedLoop { bias, ..bench.closed_loop() },
+                theta,
+                motor_inertia: &inertia,
+                grid: OutputGrid { start_s: 0.0, sample_rate_hz: RATE, samples: 900 - 100 * k },
+            })
+            .collect();
+        let together = simulate_all(&jobs);
+        assert_eq!(together.len(), jobs.len());
+        for (k, (job, result)) in jobs.iter().zip(&together).enumerate() {
+            let alone = job.closed_loop.simulate(job.theta, job.motor_inertia, &job.grid);
+            assert_eq!(result, &alone, "simulation {k}");
+            assert_eq!(result.is_err(), k == 2 || k == 5, "simulation {k}: {:?}", result.as_ref().err());
+        }
     }
 }

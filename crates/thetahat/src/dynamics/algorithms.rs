@@ -8,8 +8,8 @@ use super::{
     twist::Twist,
 };
 use crate::{
-    real::Real,
-    vector::{Mat3, Vec3, add, cross, dot, like, scale, times, transpose_times},
+    real::{Parameter, Real},
+    vector::{Mat3, Vec3, add, cross, dot, in_lanes, scale, times, transpose_times},
 };
 
 /// Scratch of the algorithms: one for each thread.
@@ -43,7 +43,7 @@ impl<T: Real> LinkMotion<T> {
     fn at_rest(kind: T, dv: Vec3) -> Self {
         let zero = kind.like(0.0);
         let r = Rotation { sin_alpha: 0.0, cos_alpha: 1.0, sin_theta: zero, cos_theta: kind.like(1.0) };
-        Self { r, p: [zero; 3], w: [zero; 3], dw: [zero; 3], dv: like(kind, dv) }
+        Self { r, p: [zero; 3], w: [zero; 3], dw: [zero; 3], dv: in_lanes(kind, dv) }
     }
 
     /// Acceleration, less gravity, of the point of the link at `p`.
@@ -95,7 +95,7 @@ impl<T: Copy> Workspace<T> {
             links: vec![LinkMotion::at_rest(kind, [0.0; 3]); links],
             twists: vec![Twist { angular: none, linear: none }; model.twist_count()],
             wrenches: vec![Wrench { force: none, moment: none }; links],
-            composite: vec![Inertial::default().like(kind); links],
+            composite: vec![Inertial::<f64>::default().in_lanes(kind); links],
             link_masses: vec![zero; links * links],
             mass_matrix: vec![zero; n * n],
             rhs: vec![zero; n],
@@ -124,9 +124,9 @@ impl Model {
 
     /// The same of states side by side.
     #[inline(always)]
-    pub(super) fn inverse_dynamics_of<T: Real>(
+    pub(super) fn inverse_dynamics_of<T: Real, P: Parameter<T>>(
         &self,
-        parameters: &DynamicParameters,
+        parameters: &DynamicParameters<P>,
         [q, dq, ddq]: [&[T]; 3],
         sign: Sign,
         workspace: &mut Workspace<T>,
@@ -162,9 +162,9 @@ impl Model {
 
     /// The same of states side by side. The error is the coordinate and the pivots, of which one is not positive.
     #[inline(always)]
-    pub(super) fn forward_dynamics_of<T: Real>(
+    pub(crate) fn forward_dynamics_of<T: Real, P: Parameter<T>>(
         &self,
-        parameters: &DynamicParameters,
+        parameters: &DynamicParameters<P>,
         [q, dq, tau]: [&[T]; 3],
         sign: Sign,
         workspace: &mut Workspace<T>,
@@ -238,9 +238,9 @@ impl Model {
 
     /// Backward pass of recursive Newton-Euler: the torques of the rigid links alone.
     #[inline(always)]
-    fn rigid_torques<T: Real>(&self, parameters: &DynamicParameters, workspace: &mut Workspace<T>, tau: &mut [T]) {
+    fn rigid_torques<T: Real, P: Parameter<T>>(&self, parameters: &DynamicParameters<P>, workspace: &mut Workspace<T>, tau: &mut [T]) {
         for ((link, body), wrench) in workspace.links.iter().zip(&parameters.links).zip(&mut workspace.wrenches) {
-            *wrench = body.like(link.dv[0]).wrench(link);
+            *wrench = body.in_lanes(link.dv[0]).wrench(link);
         }
         for torque in tau.iter_mut() {
             *torque = torque.like(0.0);
@@ -256,9 +256,9 @@ impl Model {
 
     /// Motor inertia, friction and offset of the joints, and the cross terms of the coupled motors.
     #[inline(always)]
-    fn add_drive_torques<T: Real>(
+    fn add_drive_torques<T: Real, P: Parameter<T>>(
         &self,
-        parameters: &DynamicParameters,
+        parameters: &DynamicParameters<P>,
         dq: &[T],
         ddq: &[T],
         sign: Sign,
@@ -266,23 +266,26 @@ impl Model {
     ) {
         for (joint, own) in self.joints.iter().zip(&parameters.friction) {
             let velocity = joint.rate(dq);
-            let torque = joint.rate(ddq) * own.ia + own.friction(velocity, sign.of_each(velocity));
+            let inertia = own.ia.in_lanes(velocity);
+            let torque = joint.rate(ddq) * inertia + own.friction(velocity, sign.of_each(velocity));
             tau[joint.coordinate] += torque * joint.ratio;
         }
         for (motor, of_motor) in self.coupled_motors().iter().zip(&parameters.motors) {
-            let coulomb = sign.of_each(motor.rate(dq)) * of_motor.fcm;
+            let rate = motor.rate(dq);
+            let (iam, fvm) = (of_motor.iam.in_lanes(rate), of_motor.fvm.in_lanes(rate));
+            let coulomb = sign.of_each(rate) * of_motor.fcm.in_lanes(rate);
             for &(j, w) in &motor.weights {
                 tau[j] += coulomb * w;
             }
             for (j, k, w) in motor.cross_terms() {
-                tau[j] += (ddq[k] * of_motor.iam + dq[k] * of_motor.fvm) * w;
+                tau[j] += (ddq[k] * iam + dq[k] * fvm) * w;
             }
         }
     }
 
     /// The lower triangle of the mass matrix of the coordinates; the placements must be in the workspace.
     #[inline(always)]
-    pub(super) fn lower_mass_matrix<T: Real>(&self, parameters: &DynamicParameters, workspace: &mut Workspace<T>) {
+    pub(super) fn lower_mass_matrix<T: Real, P: Parameter<T>>(&self, parameters: &DynamicParameters<P>, workspace: &mut Workspace<T>) {
         let n = self.joint_count();
         let Workspace { links, composite, mass_matrix, link_masses, .. } = workspace;
         if n == self.link_count() {
@@ -294,7 +297,7 @@ impl Model {
         for (motor, of_motor) in self.coupled_motors().iter().zip(&parameters.motors) {
             for (j, k, w) in motor.cross_terms() {
                 let entry = &mut mass_matrix[j * n + k];
-                *entry += entry.like(of_motor.iam * w);
+                *entry += of_motor.iam.in_lanes(*entry) * w;
             }
         }
     }
@@ -303,21 +306,21 @@ impl Model {
     /// the tips to the base: the wrench of each joint's unit acceleration is carried to the base and meets the joints on
     /// the way.
     #[inline(always)]
-    fn composite_rigid_bodies<T: Real>(
+    fn composite_rigid_bodies<T: Real, P: Parameter<T>>(
         &self,
-        parameters: &DynamicParameters,
+        parameters: &DynamicParameters<P>,
         links: &[LinkMotion<T>],
         composite: &mut [Inertial<T>],
         m: &mut [T],
     ) {
         for ((composite, own), link) in composite.iter_mut().zip(&parameters.links).zip(links) {
-            *composite = own.like(link.dv[0]);
+            *composite = own.in_lanes(link.dv[0]);
         }
         for (j, joint) in self.joints.iter().enumerate().rev() {
             let row = &mut m[j * links.len()..=j * links.len() + j];
             let mut wrench = composite[j].wrench_of_joint(joint.revolute);
             row[j] = wrench.along(joint.revolute);
-            row[j] += row[j].like(parameters.friction[j].ia);
+            row[j] += parameters.friction[j].ia.in_lanes(row[j]);
             // All joints before are passed, not only those on the way: on a chain, no index waits for a parent's.
             let (mut outer, mut link) = (joint, &links[j]);
             for (i, (inner, entry)) in self.joints[..j].iter().zip(row).enumerate().rev() {

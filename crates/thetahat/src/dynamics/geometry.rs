@@ -6,7 +6,7 @@ use super::{
 use crate::{
     real::Real,
     robot::{JointKind, Robot},
-    vector::{Vec3, add, like},
+    vector::{Vec3, add, in_lanes},
 };
 
 /// The parent of joints on the base: beyond any joint, so that `get` finds none.
@@ -59,7 +59,7 @@ impl JointGeometry {
     pub(super) fn placement<T: Real>(&self, q: &[T]) -> (Rotation<T>, Vec3<T>) {
         let q = q[self.coordinate];
         let q = q * self.ratio + q.like(self.offset);
-        let origin = like(q, self.origin);
+        let origin = in_lanes(q, self.origin);
         let (theta, p) = if self.revolute {
             (q + q.like(self.theta), origin)
         } else {
@@ -87,7 +87,7 @@ impl JointGeometry {
     /// The twist, at the joint's own frame, of a unit velocity of its coordinate.
     #[inline(always)]
     pub(super) fn twist<T: Real>(&self, kind: T) -> Twist<T> {
-        let (z, zero) = (like(kind, [0.0, 0.0, self.ratio]), [kind.like(0.0); 3]);
+        let (z, zero) = (in_lanes(kind, [0.0, 0.0, self.ratio]), [kind.like(0.0); 3]);
         if self.revolute { Twist { angular: z, linear: zero } } else { Twist { angular: zero, linear: z } }
     }
 

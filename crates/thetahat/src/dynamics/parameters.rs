@@ -1,8 +1,10 @@
 use super::Model;
+use pulp::Simd;
+
 use crate::{
-    real::Real,
+    real::{Lanes, Parameter, Real},
     robot::{INERTIAL, Quantity},
-    vector::{Mat3, Vec3, like, times, turned},
+    vector::{Mat3, Vec3, in_lanes, times, turned},
 };
 
 /// How the sign function of Coulomb friction is evaluated.
@@ -53,12 +55,12 @@ fn sign_or<T: Real>(x: T, at_zero: T) -> T {
     x.select_less(zero, x.like(-1.0), zero.select_less(x, x.like(1.0), at_zero))
 }
 
-/// A vector of standard parameters, sorted for the kernels.
+/// A vector of standard parameters, sorted for the kernels; or several side by side.
 #[derive(Debug, Clone)]
-pub struct DynamicParameters {
-    pub(super) links: Vec<Inertial>,
-    pub(super) friction: Vec<JointParameters>,
-    pub(super) motors: Vec<MotorParameters>,
+pub struct DynamicParameters<P = f64> {
+    pub(super) links: Vec<Inertial<P>>,
+    pub(super) friction: Vec<JointParameters<P>>,
+    pub(super) motors: Vec<MotorParameters<P>>,
 }
 
 /// Inertial parameters of one link about the origin of its frame.
@@ -71,29 +73,33 @@ pub(super) struct Inertial<T = f64> {
 
 /// Motor inertia, friction and offset of one joint; symmetric friction is held as equal sides.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct JointParameters {
-    pub(super) ia: f64,
-    pub(super) fv: [f64; 2],
-    pub(super) fc: [f64; 2],
-    pub(super) off: f64,
+pub(super) struct JointParameters<P = f64> {
+    pub(super) ia: P,
+    pub(super) fv: [P; 2],
+    pub(super) fc: [P; 2],
+    pub(super) off: P,
 }
 
 /// Cross inertia, cross viscous friction and Coulomb friction of one coupled motor.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct MotorParameters {
-    pub(super) iam: f64,
-    pub(super) fvm: f64,
-    pub(super) fcm: f64,
+pub(super) struct MotorParameters<P = f64> {
+    pub(super) iam: P,
+    pub(super) fvm: P,
+    pub(super) fcm: P,
 }
 
-impl JointParameters {
+impl<P: Copy> JointParameters<P> {
     /// Friction and offset at velocity `dq`, whose sign is `s`.
     #[inline(always)]
-    pub(super) fn friction<T: Real>(&self, dq: T, s: T) -> T {
+    pub(super) fn friction<T: Real>(&self, dq: T, s: T) -> T
+    where
+        P: Parameter<T>,
+    {
         let one = s.like(1.0);
         let (positive, negative) = ((one + s) * 0.5, (one - s) * 0.5);
-        let (forwards, backwards) = (dq * self.fv[0] + s.like(self.fc[0]), dq * self.fv[1] - s.like(self.fc[1]));
-        forwards * positive + backwards * negative + s.like(self.off)
+        let forwards = dq * self.fv[0].in_lanes(s) + self.fc[0].in_lanes(s);
+        let backwards = dq * self.fv[1].in_lanes(s) - self.fc[1].in_lanes(s);
+        forwards * positive + backwards * negative + self.off.in_lanes(s)
     }
 }
 
@@ -137,21 +143,56 @@ fn joint_parameters(value: &dyn Fn(Quantity) -> f64) -> JointParameters {
     }
 }
 
+impl<P: Copy> Inertial<P> {
+    /// As numbers of the kernels.
+    #[inline(always)]
+    pub(super) fn in_lanes<T: Real>(&self, kind: T) -> Inertial<T>
+    where
+        P: Parameter<T>,
+    {
+        let [x, y, z] = self.inertia;
+        Inertial {
+            inertia: [in_lanes(kind, x), in_lanes(kind, y), in_lanes(kind, z)],
+            ms: in_lanes(kind, self.ms),
+            m: self.m.in_lanes(kind),
+        }
+    }
+}
+
+impl<S: Simd> DynamicParameters<Lanes<S>> {
+    /// Those of each lane, which must be of the same model.
+    #[inline(always)]
+    pub(crate) fn side_by_side<'a>(simd: S, of_lane: impl Fn(usize) -> &'a DynamicParameters) -> Self {
+        let lanes = |value: &dyn Fn(&DynamicParameters) -> f64| Lanes::from_fn(simd, |lane| value(of_lane(lane)));
+        let link = |k: usize| Inertial {
+            inertia: [0, 1, 2].map(|i| [0, 1, 2].map(|j| lanes(&|p| p.links[k].inertia[i][j]))),
+            ms: [0, 1, 2].map(|i| lanes(&|p| p.links[k].ms[i])),
+            m: lanes(&|p| p.links[k].m),
+        };
+        let joint = |k: usize| JointParameters {
+            ia: lanes(&|p| p.friction[k].ia),
+            fv: [0, 1].map(|side| lanes(&|p| p.friction[k].fv[side])),
+            fc: [0, 1].map(|side| lanes(&|p| p.friction[k].fc[side])),
+            off: lanes(&|p| p.friction[k].off),
+        };
+        let motor = |k: usize| MotorParameters {
+            iam: lanes(&|p| p.motors[k].iam),
+            fvm: lanes(&|p| p.motors[k].fvm),
+            fcm: lanes(&|p| p.motors[k].fcm),
+        };
+        let first = of_lane(0);
+        Self {
+            links: (0..first.links.len()).map(link).collect(),
+            friction: (0..first.friction.len()).map(joint).collect(),
+            motors: (0..first.motors.len()).map(motor).collect(),
+        }
+    }
+}
+
 impl Inertial {
     /// From the order of [`INERTIAL`].
     fn from_vector([xx, xy, xz, yy, yz, zz, mx, my, mz, m]: [f64; 10]) -> Self {
         Self { inertia: [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], ms: [mx, my, mz], m }
-    }
-
-    /// The same in every lane.
-    #[inline(always)]
-    pub(super) fn like<T: Real>(&self, kind: T) -> Inertial<T> {
-        let [x, y, z] = self.inertia;
-        Inertial {
-            inertia: [like(kind, x), like(kind, y), like(kind, z)],
-            ms: like(kind, self.ms),
-            m: kind.like(self.m),
-        }
     }
 
     fn in_joint_axes(self, link_axes: Option<&Mat3>) -> Self {

@@ -2,7 +2,7 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 use pulp::Simd;
 
-use super::{Real, sin_cos::sin_cos};
+use super::{Parameter, Real, sin_cos::sin_cos};
 
 /// Numbers of several states side by side, as many as a vector of this machine holds. Everything that works on them must be
 /// inlined into the function that `pulp` compiles for the machine's instructions.
@@ -13,7 +13,7 @@ pub(crate) struct Lanes<S: Simd> {
 }
 
 /// At least the lanes of any machine.
-const MOST: usize = 8;
+pub(crate) const MOST_LANES: usize = 8;
 
 impl<S: Simd> Lanes<S> {
     /// States side by side.
@@ -28,7 +28,7 @@ impl<S: Simd> Lanes<S> {
     /// The value of each lane.
     #[inline(always)]
     pub(crate) fn from_fn(simd: S, mut value: impl FnMut(usize) -> f64) -> Self {
-        let mut array = [0.0; MOST];
+        let mut array = [0.0; MOST_LANES];
         for (lane, v) in array.iter_mut().take(Self::COUNT).enumerate() {
             *v = value(lane);
         }
@@ -48,8 +48,8 @@ impl<S: Simd> Lanes<S> {
 
     /// The lanes, and zeros behind them.
     #[inline(always)]
-    pub(crate) fn to_array(self) -> [f64; MOST] {
-        let mut array = [0.0; MOST];
+    pub(crate) fn to_array(self) -> [f64; MOST_LANES] {
+        let mut array = [0.0; MOST_LANES];
         self.store(&mut array[..Self::COUNT]);
         array
     }
@@ -92,6 +92,13 @@ impl<S: Simd> Real for Lanes<S> {
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         sin_cos(self)
+    }
+}
+
+impl<S: Simd> Parameter<Self> for Lanes<S> {
+    #[inline(always)]
+    fn in_lanes(self, _: Self) -> Self {
+        self
     }
 }
 

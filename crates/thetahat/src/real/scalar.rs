@@ -3,6 +3,8 @@ use std::{
     ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign},
 };
 
+use super::sin_cos::sin_cos;
+
 /// A number of the kernels.
 pub(crate) trait Real:
     Copy
@@ -61,9 +63,21 @@ impl Real for f64 {
         f(self)
     }
 
-    /// That of std: an adaptive integration follows other steps after any change in the last place.
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        f64::sin_cos(self)
+        sin_cos(self)
+    }
+}
+
+/// A parameter of the kernels: one for the states of all lanes, or one for each.
+pub(crate) trait Parameter<T>: Copy + Debug {
+    /// It in every lane, of the kind of `kind`.
+    fn in_lanes(self, kind: T) -> T;
+}
+
+impl<T: Real> Parameter<T> for f64 {
+    #[inline(always)]
+    fn in_lanes(self, kind: T) -> T {
+        kind.like(self)
     }
 }

@@ -1,4 +1,4 @@
-use super::{Reference, SimulatorBias, Solver, WorkCounts, running};
+use super::{Job, Reference, SimulatorBias, Solver, WorkCounts, running::Running};
 use crate::{
     control::ControllerDescription,
     dynamics::{DynamicParameters, DynamicsError, Model, Workspace},
@@ -156,6 +156,11 @@ impl ClosedLoop<'_> {
         motor_inertia: &[f64],
         grid: &OutputGrid,
     ) -> Result<SimulatedMotion, SimulationError> {
-        running::simulate(self, theta, motor_inertia, grid)
+        let job = Job { closed_loop: *self, theta, motor_inertia, grid: *grid };
+        let mut running = Running::new(&job)?;
+        if running.advance()? {
+            running.run()?;
+        }
+        running.finish()
     }
 }

@@ -40,31 +40,19 @@ pub struct WorkCounts {
     pub rejected: usize,
 }
 
-/// Why an integration stops early.
-#[derive(Debug, Clone, PartialEq)]
-pub enum IntegrationError<E> {
-    /// The system has no slope or refuses a step.
-    Stopped(E),
-    /// The step that the tolerance asks for is below the spacing of numbers at this time, in s.
-    StepTooSmall(f64),
-}
+/// The step that the tolerance asks for is below the spacing of numbers at this time, in s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepTooSmall(pub f64);
 
-/// What is integrated: `dy/dt = f(t, y)`, and what becomes of each accepted step.
-pub trait System {
-    /// Why it can stop.
-    type Error;
-
-    /// Writes the slope `f(t, y)` to `dy`.
-    ///
-    /// # Errors
-    /// Where there is none.
-    fn slope(&mut self, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Self::Error>;
-
-    /// Takes note of an accepted step.
-    ///
-    /// # Errors
-    /// To stop the integration.
-    fn accept(&mut self, step: &mut StepView<'_>) -> Result<(), Self::Error>;
+/// What an integration comes to next.
+#[derive(Debug)]
+pub enum Next<'a> {
+    /// The slope of [`Integrator::wanted`] is to be written.
+    Slope,
+    /// A step is accepted.
+    Step(StepView<'a>),
+    /// The end of the interval is reached: [`Integrator::begin`] another one, or leave it.
+    End,
 }
 
 const C: [f64; 7] = [0.0, 1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0];
@@ -93,28 +81,85 @@ const P: [[f64; 4]; 7] = [
 /// Largest step as a part of the interval, as `ode45` has it.
 const LARGEST_STEP: f64 = 0.1;
 
-/// The integrator with its scratch: nothing is allocated while it runs.
+/// The integration of `dy/dt = f(t, y)` from interval to interval, with its scratch: nothing is allocated while it runs.
+///
+/// It does not call f, it asks for it, so that several can take turns:
+///
+/// ```
+/// use thetahat::simulation::{Integrator, Next, Solver};
+///
+/// let mut integrator = Integrator::new(Solver::ODE45, vec![1.0]);
+/// integrator.begin(0.0, 1.0);
+/// loop {
+///     match integrator.proceed()? {
+///         Next::Slope => {
+///             let (_, y, slope) = integrator.wanted();
+///             slope[0] = -y[0];
+///         }
+///         Next::Step(_) => {}
+///         Next::End => break,
+///     }
+/// }
+/// assert!((integrator.state()[0] - (-1.0_f64).exp()).abs() < 1e-3);
+/// # Ok::<(), thetahat::simulation::StepTooSmall>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Integrator {
     solver: Solver,
     stages: [Vec<f64>; 7],
+    state: Vec<f64>,
     trial: Vec<f64>,
     dense: Vec<f64>,
     next_step: Option<f64>,
     counts: WorkCounts,
+    phase: Phase,
+    time: f64,
+    end: f64,
+    trying: Trying,
+}
+
+/// Where an integration is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Phase {
+    /// Between two intervals.
+    Idle,
+    /// An interval is begun.
+    Begun,
+    /// The slope of this stage is wanted.
+    Stage(usize),
+    /// A step is accepted and not yet taken; the size to try next.
+    Accepted(f64),
+}
+
+/// The step that is tried.
+#[derive(Debug, Clone, Copy, Default)]
+struct Trying {
+    step: f64,
+    /// Its size if the interval had no end.
+    planned: f64,
+    /// Whether it is to reach the end of the interval.
+    last: bool,
+    /// Whether its error was too large and it was cut.
+    failed: bool,
 }
 
 impl Integrator {
-    /// An integrator for `states` states.
+    /// An integrator at an initial state.
     #[must_use]
-    pub fn new(solver: Solver, states: usize) -> Self {
+    pub fn new(solver: Solver, state: Vec<f64>) -> Self {
+        let zeros = || vec![0.0; state.len()];
         Self {
             solver,
-            stages: std::array::from_fn(|_| vec![0.0; states]),
-            trial: vec![0.0; states],
-            dense: vec![0.0; states],
+            stages: std::array::from_fn(|_| zeros()),
+            trial: zeros(),
+            dense: zeros(),
             next_step: None,
             counts: WorkCounts::default(),
+            phase: Phase::Idle,
+            time: 0.0,
+            end: 0.0,
+            trying: Trying::default(),
+            state,
         }
     }
 
@@ -124,86 +169,124 @@ impl Integrator {
         self.counts
     }
 
-    /// Integrates a system from `t0` to `t1`, leaving the state at `t1` in `y`.
+    /// The state at the last accepted step.
+    #[must_use]
+    pub fn state(&self) -> &[f64] {
+        &self.state
+    }
+
+    /// Begins the interval from `t0` to `t1`, at the state reached.
+    pub fn begin(&mut self, t0: f64, t1: f64) {
+        (self.time, self.end, self.phase) = (t0, t1, Phase::Begun);
+        self.trial.copy_from_slice(&self.state);
+    }
+
+    /// The time and the state of the slope that is wanted, and where to write it.
+    pub fn wanted(&mut self) -> (f64, &[f64], &mut [f64]) {
+        let stage = if let Phase::Stage(s) = self.phase { s } else { 0 };
+        let time = if stage == 0 { self.time } else { self.time + C[stage] * self.trying.step };
+        (time, &self.trial, &mut self.stages[stage])
+    }
+
+    /// Goes on to the next slope that is wanted, accepted step, or the end of the interval.
     ///
     /// # Errors
-    /// [`IntegrationError`], with the time where the step vanishes.
-    pub fn integrate<S: System>(
-        &mut self,
-        t0: f64,
-        t1: f64,
-        y: &mut [f64],
-        system: &mut S,
-    ) -> Result<(), IntegrationError<S::Error>> {
-        let mut t = t0;
-        system.slope(t, y, &mut self.stages[0]).map_err(IntegrationError::Stopped)?;
-        self.counts.evaluations += 1;
-        let mut h = self.first_step(t1 - t0, y);
-        while t < t1 {
-            let last = t + 1.000_001 * h >= t1;
-            let asked = if last { t1 - t } else { h };
-            let (taken, next) = self.step(t, asked, y, system)?;
-            let reached = last && taken == asked;
-            let end = if reached { t1 } else { t + taken };
-            let mut view =
-                StepView { start_s: t, end_s: end, step: taken, from: y, stages: &self.stages, out: &mut self.dense };
-            system.accept(&mut view).map_err(IntegrationError::Stopped)?;
-            y.copy_from_slice(&self.trial);
-            self.stages.swap(0, 6);
-            t = end;
-            // A step cut short by the end of the interval does not hold back the next one.
-            h = if reached { next.max(h) } else { next };
-        }
-        self.next_step = Some(h);
-        Ok(())
-    }
-
-    /// Takes a step of at most `h` that meets the tolerance: its size and the size to try next. The new state is left in
-    /// `trial`, the slope there in the last stage.
-    fn step<S: System>(
-        &mut self,
-        t: f64,
-        mut h: f64,
-        y: &[f64],
-        system: &mut S,
-    ) -> Result<(f64, f64), IntegrationError<S::Error>> {
-        let mut failed = false;
-        loop {
-            self.evaluate_stages(t, h, y, system).map_err(IntegrationError::Stopped)?;
-            let Solver::Adaptive { relative_tolerance, absolute_tolerance } = self.solver else {
-                self.counts.steps += 1;
-                return Ok((h, h));
-            };
-            let error = self.error(h, y, absolute_tolerance / relative_tolerance) / relative_tolerance;
-            if error <= 1.0 {
-                self.counts.steps += 1;
-                let factor = if failed { 1.0 } else { 1.0 / (1.25 * error.powf(0.2)).max(0.2) };
-                return Ok((h, h * factor));
+    /// [`StepTooSmall`] with the time where the step vanishes.
+    pub fn proceed(&mut self) -> Result<Next<'_>, StepTooSmall> {
+        match self.phase {
+            Phase::Idle => Ok(Next::End),
+            Phase::Begun => {
+                self.phase = Phase::Stage(0);
+                Ok(Next::Slope)
             }
-            self.counts.rejected += 1;
-            h *= if failed || !error.is_finite() { 0.5 } else { (0.8 * error.powf(-0.2)).max(0.1) };
-            failed = true;
-            if h < 16.0 * f64::EPSILON * t.abs().max(1e-6) {
-                return Err(IntegrationError::StepTooSmall(t));
+            Phase::Stage(0) => {
+                self.counts.evaluations += 1;
+                let step = self.first_step(self.end - self.time);
+                Ok(self.try_step(step))
+            }
+            Phase::Stage(6) => {
+                self.counts.evaluations += 6;
+                self.judge()
+            }
+            Phase::Stage(s) => Ok(self.place_stage(s + 1)),
+            Phase::Accepted(next) => {
+                let reached = self.reaches_end();
+                self.time = self.step_end();
+                self.state.copy_from_slice(&self.trial);
+                self.stages.swap(0, 6);
+                // A step cut short by the end of the interval does not hold back the next one.
+                Ok(self.try_step(if reached { next.max(self.trying.planned) } else { next }))
             }
         }
     }
 
-    fn evaluate_stages<S: System>(&mut self, t: f64, h: f64, y: &[f64], system: &mut S) -> Result<(), S::Error> {
-        for s in 1..7 {
-            let (done, rest) = self.stages.split_at_mut(s);
-            self.trial.copy_from_slice(y);
-            for (slope, a) in done.iter().zip(A[s]) {
-                self.trial.iter_mut().zip(slope).for_each(|(y, k)| *y += h * a * k);
-            }
-            system.slope(t + C[s] * h, &self.trial, &mut rest[0])?;
+    /// Tries a step of at most this size, or ends the interval.
+    fn try_step(&mut self, planned: f64) -> Next<'_> {
+        if self.time >= self.end {
+            (self.next_step, self.phase) = (Some(planned), Phase::Idle);
+            return Next::End;
         }
-        self.counts.evaluations += 6;
-        Ok(())
+        let last = self.time + 1.000_001 * planned >= self.end;
+        let step = if last { self.end - self.time } else { planned };
+        self.trying = Trying { step, planned, last, failed: false };
+        self.place_stage(1)
+    }
+
+    /// Leaves the state of a stage in `trial`.
+    fn place_stage(&mut self, stage: usize) -> Next<'_> {
+        self.trial.copy_from_slice(&self.state);
+        for (slope, a) in self.stages.iter().zip(A[stage]) {
+            let step = self.trying.step;
+            self.trial.iter_mut().zip(slope).for_each(|(y, k)| *y += step * a * k);
+        }
+        self.phase = Phase::Stage(stage);
+        Next::Slope
+    }
+
+    /// Accepts the step of which all stages are known, or tries a shorter one.
+    fn judge(&mut self) -> Result<Next<'_>, StepTooSmall> {
+        let step = self.trying.step;
+        let Solver::Adaptive { relative_tolerance, absolute_tolerance } = self.solver else {
+            return Ok(self.accept(step));
+        };
+        let error = self.error(step, absolute_tolerance / relative_tolerance) / relative_tolerance;
+        if error <= 1.0 {
+            let factor = if self.trying.failed { 1.0 } else { 1.0 / (1.25 * error.powf(0.2)).max(0.2) };
+            return Ok(self.accept(step * factor));
+        }
+        self.counts.rejected += 1;
+        let cut = if self.trying.failed || !error.is_finite() { 0.5 } else { (0.8 * error.powf(-0.2)).max(0.1) };
+        (self.trying.step, self.trying.failed) = (step * cut, true);
+        if self.trying.step < 16.0 * f64::EPSILON * self.time.abs().max(1e-6) {
+            return Err(StepTooSmall(self.time));
+        }
+        Ok(self.place_stage(1))
+    }
+
+    fn accept(&mut self, next: f64) -> Next<'_> {
+        self.counts.steps += 1;
+        self.phase = Phase::Accepted(next);
+        Next::Step(StepView {
+            start_s: self.time,
+            end_s: self.step_end(),
+            step: self.trying.step,
+            from: &self.state,
+            stages: &self.stages,
+            out: &mut self.dense,
+        })
+    }
+
+    fn reaches_end(&self) -> bool {
+        self.trying.last && !self.trying.failed
+    }
+
+    fn step_end(&self) -> f64 {
+        if self.reaches_end() { self.end } else { self.time + self.trying.step }
     }
 
     /// Largest error of a component against its own size, or `threshold` where that is smaller.
-    fn error(&self, h: f64, y: &[f64], threshold: f64) -> f64 {
+    fn error(&self, h: f64, threshold: f64) -> f64 {
+        let y = &self.state;
         (0..y.len())
             .map(|i| {
                 let difference: f64 = E.iter().zip(&self.stages).map(|(e, k)| e * k[i]).sum();
@@ -212,13 +295,13 @@ impl Integrator {
             .fold(0.0, |a, b| if a.is_nan() || b.is_nan() { f64::NAN } else { f64::max(a, b) })
     }
 
-    fn first_step(&self, interval: f64, y: &[f64]) -> f64 {
+    fn first_step(&self, interval: f64) -> f64 {
         match (self.solver, self.next_step) {
             (Solver::Fixed { step_s }, _) => step_s,
             (_, Some(step)) => step,
             (Solver::Adaptive { relative_tolerance, absolute_tolerance }, None) => {
                 let threshold = absolute_tolerance / relative_tolerance;
-                let rate = y.iter().zip(&self.stages[0]).map(|(y, k)| k.abs() / y.abs().max(threshold));
+                let rate = self.state.iter().zip(&self.stages[0]).map(|(y, k)| k.abs() / y.abs().max(threshold));
                 let limit = rate.fold(0.0, f64::max) / (0.8 * relative_tolerance.powf(0.2));
                 let largest = LARGEST_STEP * interval;
                 if largest * limit > 1.0 { 1.0 / limit } else { largest }
@@ -257,34 +340,40 @@ impl StepView<'_> {
 mod tests {
     use super::*;
 
-    struct Oscillator {
-        largest_dense_error: f64,
-    }
-
-    impl System for Oscillator {
-        type Error = std::convert::Infallible;
-
-        fn slope(&mut self, _: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Self::Error> {
-            (dy[0], dy[1]) = (y[1], -y[0]);
-            Ok(())
-        }
-
-        fn accept(&mut self, step: &mut StepView<'_>) -> Result<(), Self::Error> {
-            for part in [0.25, 0.5, 0.75, 1.0] {
-                let t = step.start_s + part * (step.end_s - step.start_s);
-                self.largest_dense_error = self.largest_dense_error.max((step.at(t)[0] - t.cos()).abs());
+    /// Integrates to `end`; `accept` sees every step.
+    fn integrate(
+        solver: Solver,
+        start: &[f64],
+        end: f64,
+        slope: impl Fn(&[f64], &mut [f64]),
+        mut accept: impl FnMut(StepView<'_>),
+    ) -> Result<Vec<f64>, StepTooSmall> {
+        let mut integrator = Integrator::new(solver, start.to_vec());
+        integrator.begin(0.0, end);
+        loop {
+            match integrator.proceed()? {
+                Next::Slope => {
+                    let (_, y, dy) = integrator.wanted();
+                    slope(y, dy);
+                }
+                Next::Step(step) => accept(step),
+                Next::End => return Ok(integrator.state().to_vec()),
             }
-            Ok(())
         }
     }
 
     /// Harmonic oscillator over two periods: the error at the end and the largest error between.
     fn oscillate(solver: Solver) -> (f64, f64) {
-        let mut y = [1.0, 0.0];
-        let mut system = Oscillator { largest_dense_error: 0.0 };
-        let end = 4.0 * std::f64::consts::PI;
-        Integrator::new(solver, 2).integrate(0.0, end, &mut y, &mut system).unwrap();
-        ((y[0] - 1.0).abs().max(y[1].abs()), system.largest_dense_error)
+        let mut largest = 0.0_f64;
+        let slope = |y: &[f64], dy: &mut [f64]| (dy[0], dy[1]) = (y[1], -y[0]);
+        let accept = |mut step: StepView<'_>| {
+            for part in [0.25, 0.5, 0.75, 1.0] {
+                let t = step.start_s + part * (step.end_s - step.start_s);
+                largest = largest.max((step.at(t)[0] - t.cos()).abs());
+            }
+        };
+        let y = integrate(solver, &[1.0, 0.0], 4.0 * std::f64::consts::PI, slope, accept).unwrap();
+        ((y[0] - 1.0).abs().max(y[1].abs()), largest)
     }
 
     #[test]
@@ -306,24 +395,9 @@ mod tests {
         }
     }
 
-    struct Explosion;
-
-    impl System for Explosion {
-        type Error = std::convert::Infallible;
-
-        fn slope(&mut self, _: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Self::Error> {
-            dy[0] = y[0] * y[0];
-            Ok(())
-        }
-
-        fn accept(&mut self, _: &mut StepView<'_>) -> Result<(), Self::Error> {
-            Ok(())
-        }
-    }
-
     #[test]
     fn a_step_that_vanishes_is_reported_with_its_time() {
-        let result = Integrator::new(Solver::ODE45, 1).integrate(0.0, 2.0, &mut [1.0], &mut Explosion);
-        assert!(matches!(result, Err(IntegrationError::StepTooSmall(t)) if (t - 1.0).abs() < 0.01), "{result:?}");
+        let result = integrate(Solver::ODE45, &[1.0], 2.0, |y, dy| dy[0] = y[0] * y[0], |_| {});
+        assert!(matches!(result, Err(StepTooSmall(t)) if (t - 1.0).abs() < 0.01), "{result:?}");
     }
 }

@@ -14,9 +14,11 @@ mod plant;
 mod reference;
 mod running;
 mod sensors;
+mod side_by_side;
 
 pub use bias::{BiasKind, SimulatorBias};
 pub use closed_loop::{ClosedLoop, OutputGrid, SimulatedMotion, SimulationError};
-pub use dormand_prince::{IntegrationError, Integrator, Solver, StepView, System, WorkCounts};
+pub use dormand_prince::{Integrator, Next, Solver, StepTooSmall, StepView, WorkCounts};
 pub use reference::{Reference, SampledReference};
 pub use sensors::Sensors;
+pub use side_by_side::{Job, simulate_all};

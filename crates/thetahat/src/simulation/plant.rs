@@ -38,8 +38,8 @@ impl Coupling {
 /// The simulated robot: `p = n_s (q - offset)`, `tau = n_s^T (d_s u)`.
 pub(super) struct Plant<'a> {
     model: &'a Model,
-    parameters: DynamicParameters,
-    sign: Sign,
+    pub(super) parameters: DynamicParameters,
+    pub(super) sign: Sign,
     workspace: Workspace,
     /// `n_s`: motors per joints, in the true joint units.
     coupling: Coupling,
@@ -105,11 +105,10 @@ impl<'a> Plant<'a> {
         self.model.forward_dynamics_series(&self.parameters, motion, self.sign)
     }
 
-    /// The joint accelerations that drive signals `u` give in a state; leaves the joint torques in `tau`.
+    /// The joint accelerations that the torques last applied give in a state.
     #[inline]
-    pub(super) fn accelerations(&mut self, x: &[f64], u: &[f64], ddq: &mut [f64]) -> Result<(), DynamicsError> {
+    pub(super) fn accelerations(&mut self, x: &[f64], ddq: &mut [f64]) -> Result<(), DynamicsError> {
         let (q, dq) = x.split_at(self.p.len());
-        self.drive(u);
         self.model.forward_dynamics(&self.parameters, q, dq, &self.tau, self.sign, &mut self.workspace, ddq)
     }
 }

@@ -1,14 +1,14 @@
-//! A simulation under way: the loop as a system of first order, and what is recorded of it.
+//! A simulation under way.
 
 use std::collections::VecDeque;
 
 use super::{
-    ClosedLoop, IntegrationError, Integrator, OutputGrid, SimulatedMotion, SimulationError, Solver, WorkCounts,
-    dormand_prince::{StepView, System},
+    ClosedLoop, Integrator, Job, Next, OutputGrid, SimulatedMotion, SimulationError, Solver, StepTooSmall, StepView, WorkCounts,
     plant::{MotorReference, Plant},
 };
 use crate::{
     control::{Controller, VelocityEstimate},
+    dynamics::DynamicParameters,
     series::Series,
 };
 
@@ -22,27 +22,102 @@ const ADAPTIVE_STEPS_PER_S: f64 = 2e5;
 /// Times closer than this part of a period are the same: `k T` is not exact.
 const SAME_TIME: f64 = 1e-6;
 
-pub(super) fn simulate(
-    setup: &ClosedLoop<'_>,
-    theta: &[f64],
-    motor_inertia: &[f64],
-    grid: &OutputGrid,
-) -> Result<SimulatedMotion, SimulationError> {
-    let mut running = Running::new(setup, theta, motor_inertia, grid);
-    running.check_work()?;
-    let mut integrator = Integrator::new(setup.solver, 2 * setup.model.joint_count());
-    let mut state = running.start();
-    if running.controller.is_sampled() {
-        running.run_sampled(&mut integrator, &mut state)?;
-    } else {
-        let end = running.end();
-        running.advance(&mut integrator, 0.0, end, &mut state)?;
-    }
-    running.add_accelerations()?;
-    Ok(SimulatedMotion { counts: integrator.counts(), ..running.motion })
+/// A simulation that can be left and taken up again: it goes on until an acceleration is wanted.
+pub(super) struct Running<'a> {
+    integrator: Integrator,
+    system: Loop<'a>,
+    /// None for a continuous controller.
+    sampling: Option<Sampling>,
+    /// Up to where the intervals of the integrator reach.
+    time: f64,
 }
 
-struct Running<'a> {
+impl<'a> Running<'a> {
+    pub(super) fn new(job: &'a Job<'a>) -> Result<Self, SimulationError> {
+        let mut system = Loop::new(job);
+        system.check_work()?;
+        let start = system.start();
+        let sampling = system.controller.is_sampled().then(|| Sampling::new(&mut system, &start));
+        Ok(Self { integrator: Integrator::new(job.closed_loop.solver, start), system, sampling, time: 0.0 })
+    }
+
+    /// Goes on until an acceleration is wanted; false at the end.
+    pub(super) fn advance(&mut self) -> Result<bool, SimulationError> {
+        loop {
+            let next = self.integrator.proceed();
+            match next.map_err(|StepTooSmall(time_s)| SimulationError::StepTooSmall { time_s })? {
+                Next::Slope => {
+                    let (t, x, dx) = self.integrator.wanted();
+                    if self.system.prepare(t, x, dx) {
+                        return Ok(true);
+                    }
+                }
+                Next::Step(mut step) => self.system.accept(&mut step)?,
+                Next::End => {
+                    if !self.begin_interval() {
+                        return Ok(false);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Begins the next interval in which the drive signals are continuous; false at the end.
+    fn begin_interval(&mut self) -> bool {
+        let (t, end) = (self.time, self.system.end());
+        if t >= end {
+            return false;
+        }
+        let state = self.integrator.state();
+        self.time = self.sampling.as_mut().map_or(end, |s| s.hold(&mut self.system, t, state).min(end));
+        if self.system.is_due(t) {
+            self.system.record(t, state);
+        }
+        self.integrator.begin(t, self.time);
+        true
+    }
+
+    /// Positions, velocities and torques of the joints of which the accelerations are wanted.
+    pub(super) fn wanted(&mut self) -> [&[f64]; 3] {
+        let (_, x, _) = self.integrator.wanted();
+        let (q, dq) = x.split_at(x.len() / 2);
+        [q, dq, &self.system.plant.tau]
+    }
+
+    /// Where the accelerations go.
+    pub(super) fn accelerations_mut(&mut self) -> &mut [f64] {
+        let (_, x, dx) = self.integrator.wanted();
+        &mut dx[x.len() / 2..]
+    }
+
+    /// Computes the accelerations that are wanted.
+    pub(super) fn accelerate(&mut self) -> Result<(), SimulationError> {
+        let (time_s, x, dx) = self.integrator.wanted();
+        let accelerations = &mut dx[x.len() / 2..];
+        self.system.plant.accelerations(x, accelerations).map_err(|source| SimulationError::Dynamics { time_s, source })
+    }
+
+    /// From an acceleration that is wanted to the end.
+    pub(super) fn run(&mut self) -> Result<(), SimulationError> {
+        self.accelerate()?;
+        while self.advance()? {
+            self.accelerate()?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn parameters(&self) -> &DynamicParameters {
+        &self.system.plant.parameters
+    }
+
+    pub(super) fn finish(mut self) -> Result<SimulatedMotion, SimulationError> {
+        self.system.add_accelerations()?;
+        Ok(SimulatedMotion { counts: self.integrator.counts(), ..self.system.motion })
+    }
+}
+
+/// The loop as a system of first order, and what is recorded of it.
+struct Loop<'a> {
     setup: &'a ClosedLoop<'a>,
     controller: Controller,
     plant: Plant<'a>,
@@ -56,8 +131,9 @@ struct Running<'a> {
     steps: f64,
 }
 
-impl<'a> Running<'a> {
-    fn new(setup: &'a ClosedLoop<'a>, theta: &[f64], motor_inertia: &[f64], grid: &OutputGrid) -> Self {
+impl<'a> Loop<'a> {
+    fn new(job: &'a Job<'a>) -> Self {
+        let Job { closed_loop: setup, theta, motor_inertia, grid } = job;
         let n = setup.model.joint_count();
         let mut controller = setup.controller.resolve(motor_inertia, setup.bias.controller_gain);
         let reference_delay_s = if controller.is_sampled() { 0.0 } else { setup.bias.delay_s };
@@ -101,60 +177,30 @@ impl<'a> Running<'a> {
         self.grid.time(self.grid.samples) - 0.5 / self.grid.sample_rate_hz
     }
 
-    /// Samples the controller, lets each drive signal act after the delay, and integrates between.
-    fn run_sampled(&mut self, integrator: &mut Integrator, state: &mut [f64]) -> Result<(), SimulationError> {
-        let period = self.controller.sample_time_s;
-        let end = self.end();
-        self.plant.observe(state);
-        let mut positions = PositionHistory { one_before: self.plant.p.clone(), two_before: self.plant.p.clone() };
-        let mut waiting: VecDeque<(f64, Vec<f64>)> = VecDeque::new();
-        let mut commanded = vec![0.0; self.u.len()];
-        let (mut t, mut sample) = (0.0, 0_usize);
-        while t < end {
-            if t >= (sample as f64 - SAME_TIME) * period {
-                waiting.push_back((t + self.controller.delay_s, self.sample_controller(t, state, &mut positions)));
-                sample += 1;
-            }
-            while waiting.front().is_some_and(|(due, _)| t >= due - SAME_TIME * period) {
-                commanded = waiting.pop_front().map_or(commanded, |(_, u)| u);
-            }
-            self.u.copy_from_slice(&commanded);
-            self.add_recorded_signal(t);
-            let due = waiting.front().map_or(f64::INFINITY, |(due, _)| *due);
-            let until = (sample as f64 * period).min(due).min(end);
-            self.advance(integrator, t, until, state)?;
-            t = until;
+    /// Writes the velocities to the slope of a state and finds the torques there; false where the slope is known
+    /// without accelerations.
+    fn prepare(&mut self, t: f64, x: &[f64], dx: &mut [f64]) -> bool {
+        if !x.iter().all(|v| v.is_finite()) {
+            // A trial step that is far too long: without a slope it has no error estimate, and is halved.
+            dx.fill(f64::NAN);
+            return false;
         }
-        Ok(())
+        self.drive_continuously(t, x);
+        self.plant.drive(&self.u);
+        let n = self.u.len();
+        dx[..n].copy_from_slice(&x[n..]);
+        true
     }
 
-    fn sample_controller(&mut self, t: f64, state: &[f64], positions: &mut PositionHistory) -> Vec<f64> {
-        self.reference.evaluate(t);
-        self.plant.observe(state);
-        if self.controller.velocity == VelocityEstimate::AveragedDifference {
-            positions.averaged_velocity(self.controller.sample_time_s, &self.plant.p, &mut self.plant.v);
+    /// Takes note of an accepted step.
+    fn accept(&mut self, step: &mut StepView<'_>) -> Result<(), SimulationError> {
+        while self.is_due_before(step.end_s) {
+            let t = self.grid.time(self.next_output);
+            self.record(t, step.at(t));
         }
-        positions.push(&self.plant.p);
-        let mut u = vec![0.0; self.u.len()];
-        command(&self.controller, &self.reference, &self.plant, &mut u);
-        u
-    }
-
-    /// Integrates from `t0` to `t1` and records the outputs in `[t0, t1)`.
-    fn advance(
-        &mut self,
-        integrator: &mut Integrator,
-        t0: f64,
-        t1: f64,
-        state: &mut [f64],
-    ) -> Result<(), SimulationError> {
-        if self.is_due(t0) {
-            self.record(t0, state);
-        }
-        integrator.integrate(t0, t1, state, self).map_err(|e| match e {
-            IntegrationError::Stopped(error) => error,
-            IntegrationError::StepTooSmall(time_s) => SimulationError::StepTooSmall { time_s },
-        })
+        let end = step.end_s;
+        self.check_stiffness(end)?;
+        self.check_runaway(end, step.at(end))
     }
 
     /// Whether an output is due at a time up to and including `t`.
@@ -224,38 +270,61 @@ impl<'a> Running<'a> {
     }
 }
 
-impl System for Running<'_> {
-    type Error = SimulationError;
-
-    fn slope(&mut self, t: f64, x: &[f64], dx: &mut [f64]) -> Result<(), SimulationError> {
-        let n = self.u.len();
-        if !x.iter().all(|v| v.is_finite()) {
-            // A trial step that is far too long: without a slope it has no error estimate, and is halved.
-            dx.fill(f64::NAN);
-            return Ok(());
-        }
-        self.drive_continuously(t, x);
-        let (velocities, accelerations) = dx.split_at_mut(n);
-        velocities.copy_from_slice(&x[n..]);
-        self.plant
-            .accelerations(x, &self.u, accelerations)
-            .map_err(|source| SimulationError::Dynamics { time_s: t, source })
-    }
-
-    fn accept(&mut self, step: &mut StepView<'_>) -> Result<(), SimulationError> {
-        while self.is_due_before(step.end_s) {
-            let t = self.grid.time(self.next_output);
-            self.record(t, step.at(t));
-        }
-        let end = step.end_s;
-        self.check_stiffness(end)?;
-        self.check_runaway(end, step.at(end))
-    }
-}
-
 fn command(controller: &Controller, reference: &MotorReference<'_>, plant: &Plant<'_>, u: &mut [f64]) {
     for (i, u) in u.iter_mut().enumerate() {
         *u = controller.command(i, reference.p[i] - plant.p[i], plant.v[i], reference.dp[i], reference.ddp[i]);
+    }
+}
+
+/// A sampled controller: each drive signal acts after the delay, and is held until the next.
+struct Sampling {
+    positions: PositionHistory,
+    /// Signals on their way, and when they act.
+    waiting: VecDeque<(f64, Vec<f64>)>,
+    commanded: Vec<f64>,
+    samples: usize,
+}
+
+impl Sampling {
+    fn new(system: &mut Loop<'_>, start: &[f64]) -> Self {
+        system.plant.observe(start);
+        let p = &system.plant.p;
+        Self {
+            positions: PositionHistory { one_before: p.clone(), two_before: p.clone() },
+            waiting: VecDeque::new(),
+            commanded: vec![0.0; p.len()],
+            samples: 0,
+        }
+    }
+
+    /// Leaves the drive signals from `t` on in the system; until when they hold.
+    fn hold(&mut self, system: &mut Loop<'_>, t: f64, state: &[f64]) -> f64 {
+        let period = system.controller.sample_time_s;
+        if t >= (self.samples as f64 - SAME_TIME) * period {
+            let u = self.sample(system, t, state);
+            self.waiting.push_back((t + system.controller.delay_s, u));
+            self.samples += 1;
+        }
+        while self.waiting.front().is_some_and(|(due, _)| t >= due - SAME_TIME * period) {
+            self.commanded = self.waiting.pop_front().map_or_else(Vec::new, |(_, u)| u);
+        }
+        system.u.copy_from_slice(&self.commanded);
+        system.add_recorded_signal(t);
+        let due = self.waiting.front().map_or(f64::INFINITY, |(due, _)| *due);
+        (self.samples as f64 * period).min(due)
+    }
+
+    fn sample(&mut self, system: &mut Loop<'_>, t: f64, state: &[f64]) -> Vec<f64> {
+        let Loop { reference, plant, controller, .. } = system;
+        reference.evaluate(t);
+        plant.observe(state);
+        if controller.velocity == VelocityEstimate::AveragedDifference {
+            self.positions.averaged_velocity(controller.sample_time_s, &plant.p, &mut plant.v);
+        }
+        self.positions.push(&plant.p);
+        let mut u = vec![0.0; self.commanded.len()];
+        command(controller, reference, plant, &mut u);
+        u
     }
 }
 
