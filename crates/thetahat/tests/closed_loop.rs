@@ -8,8 +8,8 @@ use thetahat::{
     robot::Robot,
     series::Series,
     simulation::{
-        ClosedLoop, Job, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulationError, SimulatorBias, Solver,
-        simulate_all,
+        ClosedLoop, Job, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulationError, SimulatorBias,
+        Solver, simulate_all,
     },
     trajectory::{Limits, Moves, plan},
 };

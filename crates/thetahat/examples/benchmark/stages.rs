@@ -9,7 +9,7 @@ use thetahat::{
     identification::{Assembly, Divisor, idim_ls},
     recording::read_channels,
     signal::{Decimator, Padding, SecondOrderSections, central_difference, zero_phase},
-    simulation::{ClosedLoop, OutputGrid, Reference, SimulatorBias},
+    simulation::{ClosedLoop, Job, OutputGrid, Reference, SimulatorBias, simulate_all},
     trajectory::reconstruct,
 };
 
@@ -30,6 +30,7 @@ pub fn rows(data: &Path, peers: &Peers) -> Result<Vec<Row>, Box<dyn Error>> {
         Row::ratio("LS identification after loading", ours.identification, identification, 40.0),
         Row::ratio("closed-loop simulation, per right-hand side", ours.simulation / ours.slopes, per_slope, 40.0),
         Row::ratio("closed-loop simulation, as it is", ours.simulation, simulation, 1.0),
+        Row::ratio("four of them side by side, each", ours.of_four, simulation, 1.0),
     ])
 }
 
@@ -37,6 +38,8 @@ struct Stages {
     loading: f64,
     identification: f64,
     simulation: f64,
+    /// Each of four simulations side by side.
+    of_four: f64,
     /// Right-hand sides of the simulation.
     slopes: f64,
 }
@@ -80,6 +83,11 @@ fn our_stages(data: &Path) -> Result<Stages, Box<dyn Error>> {
     let inertia = closed_loop.motor_inertia(&theta, 7.42);
     let grid = OutputGrid { start_s: 0.06, sample_rate_hz: rate, samples: window.len() };
     let (simulation, motion) = fastest(RUNS, || Ok(closed_loop.simulate(&theta, &inertia, &grid)?))?;
+    let biases = [1.0, 0.99, 0.98, 0.97].map(|gear_ratio| SimulatorBias { gear_ratio, ..SimulatorBias::NONE });
+    let job =
+        |bias| Job { closed_loop: ClosedLoop { bias, ..closed_loop }, theta: &theta, motor_inertia: &inertia, grid };
+    let (four, motions) = fastest(RUNS, || Ok(simulate_all(&biases.map(job))))?;
+    motions.into_iter().collect::<Result<Vec<_>, _>>()?;
     eprintln!("LS relative error {:.4} %; simulation {:?}", fit.relative_error_percent, motion.counts);
-    Ok(Stages { loading, identification, simulation, slopes: motion.counts.evaluations as f64 })
+    Ok(Stages { loading, identification, simulation, of_four: four / 4.0, slopes: motion.counts.evaluations as f64 })
 }

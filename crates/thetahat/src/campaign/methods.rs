@@ -2,56 +2,27 @@
 
 use super::CampaignMethod;
 use crate::{
-    experiment::{Experiment, Problem, Simulator, Weighting},
-    identification::{Fit, Method, Outcome, Uncertainty, idim_ls, iterate, joint_weights, uncertainty},
-    linear_algebra::Matrix,
+    experiment::{Attempt, Experiment, Problem, Simulator, Weighting},
+    identification::{Fit, Outcome, Uncertainty, idim_ls, joint_weights, uncertainty},
 };
 
-/// What a method works on.
-pub(super) struct Attempt<'a> {
-    /// The experiment with the start values.
-    pub(super) experiment: &'a Experiment,
-    pub(super) problem: &'a Problem,
-    pub(super) simulator: Option<&'a Simulator<'a>>,
-    pub(super) method: CampaignMethod,
-    /// The weight of each row, where the method has any.
-    pub(super) weights: Option<Vec<f64>>,
+/// A method with its weights and start values, which are those of the experiment.
+pub(super) fn attempt<'a>(
+    experiment: &Experiment,
+    problem: &'a Problem,
+    simulator: Option<Simulator<'a>>,
+    method: CampaignMethod,
+) -> Attempt<'a> {
+    let start = simulator.as_ref().map(Simulator::start).unwrap_or_default();
+    let weights = weights(experiment, problem, method);
+    Attempt { problem, method: method.estimator(), weights, simulator, start }
 }
 
-pub(super) fn estimate(attempt: &Attempt<'_>) -> Outcome {
-    let Attempt { experiment, problem, method, .. } = attempt;
-    let estimation = &experiment.file.estimation;
-    let weights = &attempt.weights;
-    match (method.estimator(), attempt.simulator) {
-        (method @ (Method::IdimIv | Method::Didim), Some(simulator)) => iterate(
-            method,
-            (&problem.x, &problem.y),
-            weights.as_deref(),
-            (estimation.variance, estimation.convergence),
-            &simulator.start(),
-            &mut |theta| simulator.instruments(theta),
-        ),
-        _ => Outcome::direct(idim_ls(&problem.x, &problem.y, weights.as_deref(), estimation.variance)),
-    }
-}
-
-impl<'a> Attempt<'a> {
-    /// A method with its weights.
-    pub(super) fn new(
-        experiment: &'a Experiment,
-        problem: &'a Problem,
-        simulator: Option<&'a Simulator<'a>>,
-        method: CampaignMethod,
-    ) -> Self {
-        Self { experiment, problem, simulator, method, weights: weights(experiment, problem, method) }
-    }
-
-    /// How far an estimate may be off; none where that has no finite answer.
-    pub(super) fn uncertainty(&self, fit: &Fit, instruments: Option<&Matrix>) -> Option<Uncertainty> {
-        let Problem { x, y, .. } = self.problem;
-        let weights = self.weights.as_deref();
-        uncertainty(self.method.estimator(), (x, instruments, y), weights, fit, &self.problem.rows.blocks()).ok()
-    }
+/// How far an estimate may be off; none where that has no finite answer.
+pub(super) fn uncertainty_of(attempt: &Attempt<'_>, fit: &Fit, outcome: &Outcome) -> Option<Uncertainty> {
+    let Problem { x, y, rows, .. } = attempt.problem;
+    let matrices = (x, outcome.instruments.as_ref(), &y[..]);
+    uncertainty(attempt.method, matrices, attempt.weights.as_deref(), fit, &rows.blocks()).ok()
 }
 
 /// The weight of each row, where the method has any and LS has an estimate to take them from.

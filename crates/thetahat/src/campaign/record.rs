@@ -4,14 +4,17 @@ use std::time::Instant;
 
 use super::{
     Campaign, CampaignError, CampaignMethod, Key, Row,
-    methods::{Attempt, estimate},
+    methods::{attempt, uncertainty_of},
     noise::{measure, random, record_stream},
     run::Facts,
 };
 use crate::{
     base_parameters::BaseParameters,
     dynamics::Model,
-    experiment::{Case, Experiment, FilteredRecord, Problem, RecordReference, Simulator, TwinMotion, explain},
+    experiment::{
+        Attempt, Case, Experiment, FilteredRecord, Finished, Problem, RecordReference, Simulator, Terms, TwinMotion,
+        explain, make,
+    },
     identification::{Fit, Outcome},
     linear_algebra::norm,
     robot::Friction,
@@ -71,12 +74,34 @@ impl<'a> Bench<'a> {
         Ok(Self { campaign, twin, sample_rate_hz, cases, bases, starts, facts })
     }
 
-    /// Runs every case and method on the record at `key`.
-    pub(super) fn run(&self, key: Key) -> Result<Vec<Row>, CampaignError> {
-        let prepared = self.prepare(key)?;
+    /// Runs every case and method on the records at `keys`: their rows, record by record.
+    pub(super) fn run(&self, keys: &[Key]) -> Result<Vec<Vec<Row>>, CampaignError> {
+        let prepared = keys.iter().map(|key| self.prepare(*key)).collect::<Result<Vec<_>, _>>()?;
         let methods = &self.campaign.file.methods;
-        let pairs = self.cases.iter().flat_map(|case| methods.iter().map(move |method| (case, *method)));
-        Ok(pairs.map(|(case, method)| self.run_method(key, &prepared, case, method)).collect())
+        let pairs = || self.cases.iter().flat_map(|case| methods.iter().map(move |method| (case, *method)));
+        let all: Vec<(usize, &Case, CampaignMethod)> =
+            (0..keys.len()).flat_map(|r| pairs().map(move |(case, method)| (r, case, method))).collect();
+        let attempts: Vec<Attempt<'_>> =
+            all.iter().map(|&(r, case, method)| self.attempt(keys[r], &prepared[r], case, method)).collect();
+        let mut rows: Vec<Option<Row>> = vec![None; all.len()];
+        let Ok(()) = make(&attempts, self.terms(), &mut |_| {}, &mut |k, finished| {
+            let (r, case, method) = all[k];
+            rows[k] = Some(self.fill(keys[r], &prepared[r], (case, method), &attempts[k], &finished));
+            Ok::<(), std::convert::Infallible>(())
+        });
+        let mut of_records: Vec<Vec<Row>> = vec![Vec::new(); keys.len()];
+        all.iter().zip(rows).for_each(|((r, ..), row)| of_records[*r].extend(row));
+        Ok(of_records)
+    }
+
+    fn terms(&self) -> Terms {
+        let file = &self.campaign.experiment.file;
+        Terms {
+            divisor: file.estimation.variance,
+            convergence: file.estimation.convergence,
+            motion_step: Some(file.signal.decimation),
+            threads: 1,
+        }
     }
 
     fn prepare(&self, key: Key) -> Result<Prepared, CampaignError> {
@@ -93,32 +118,38 @@ impl<'a> Bench<'a> {
         Ok(Prepared { filtered, reference, problems, seconds: started.elapsed().as_secs_f64() })
     }
 
-    fn run_method(&self, key: Key, prepared: &Prepared, case: &Case, method: CampaignMethod) -> Row {
-        let friction = case.friction.unwrap_or(self.campaign.experiment.robot.friction);
-        let index = self.bases.iter().position(|b| b.friction == friction).unwrap_or_default();
-        let (basis, problem) = (&self.bases[index], &prepared.problems[index]);
+    fn attempt<'r>(&'r self, key: Key, prepared: &'r Prepared, case: &Case, method: CampaignMethod) -> Attempt<'r> {
+        let problem = &prepared.problems[self.basis_of(case)];
         let experiment = &self.starts[key.start as usize];
         let recordings = [(&prepared.filtered, &prepared.reference)];
-        let simulator = experiment
-            .file
-            .controller
-            .as_ref()
-            .map(|controller| Simulator::new(experiment, problem, &recordings, controller, case.simulator));
-        let started = Instant::now();
-        let attempt = Attempt::new(experiment, problem, simulator.as_ref(), method);
-        let outcome = estimate(&attempt);
-        let seconds = prepared.seconds + started.elapsed().as_secs_f64();
-        let step = experiment.file.signal.decimation;
-        let simulate = |(fit, simulator): (&Fit, &Simulator<'_>)| simulator.simulate_every(&fit.theta, step).ok();
-        let motion = outcome.fit.as_ref().zip(simulator.as_ref()).and_then(simulate);
-        let mut row = self.row(key, (case, method), problem, &outcome);
-        row.seconds = Some(seconds);
+        let controller = experiment.file.controller.as_ref();
+        let simulator = controller.map(|c| Simulator::new(experiment, problem, &recordings, c, case.simulator));
+        attempt(experiment, problem, simulator, method)
+    }
+
+    /// Place of the base parameters of a case.
+    fn basis_of(&self, case: &Case) -> usize {
+        let friction = case.friction.unwrap_or(self.campaign.experiment.robot.friction);
+        self.bases.iter().position(|b| b.friction == friction).unwrap_or_default()
+    }
+
+    fn fill(
+        &self,
+        key: Key,
+        prepared: &Prepared,
+        (case, method): (&Case, CampaignMethod),
+        attempt: &Attempt<'_>,
+        Finished { outcome, motions, seconds }: &Finished,
+    ) -> Row {
+        let basis = &self.bases[self.basis_of(case)];
+        let mut row = self.row(key, (case, method), attempt.problem, outcome);
+        row.seconds = Some(prepared.seconds + seconds);
         if let Some(fit) = &outcome.fit {
             basis.fill(&mut row, fit);
-            let intervals = attempt.uncertainty(fit, outcome.instruments.as_ref()).map(|u| u.interval_95);
+            let intervals = uncertainty_of(attempt, fit, outcome).map(|u| u.interval_95);
             basis.places.iter().zip(intervals.into_iter().flatten()).for_each(|(&p, i)| row.intervals[p] = Some(i));
         }
-        if let Some(motion) = motion.as_ref().and_then(|m| m.first()) {
+        if let Some(motion) = motions.as_ref().and_then(|m| m.first()) {
             self.fill_motion(&mut row, prepared, motion);
         }
         row

@@ -101,7 +101,11 @@ impl Campaign {
 
 type Records = BTreeMap<Key, Vec<Row>>;
 
-/// Runs the records, so many at a time; whoever ran one keeps its rows. The first error stops all.
+/// Records whose simulations run side by side.
+const TOGETHER: usize = 4;
+
+/// Runs the records in small groups, so many of these at a time; whoever ran them keeps their rows. The first error stops
+/// all.
 fn run_all(
     bench: &Bench<'_>,
     keys: &[Key],
@@ -109,13 +113,16 @@ fn run_all(
     store: Option<&Store>,
     progress: &mut dyn FnMut(usize),
 ) -> Result<Records, CampaignError> {
+    let groups: Vec<&[Key]> = keys.chunks(TOGETHER).collect();
     let work = |place: usize| {
-        let rows = bench.run(keys[place])?;
-        store.map_or(Ok(()), |s| s.keep(keys[place], &rows, &bench.facts)).map(|()| rows)
+        let of_records = bench.run(groups[place])?;
+        let mut each = groups[place].iter().zip(&of_records);
+        each.try_for_each(|(key, rows)| store.map_or(Ok(()), |s| s.keep(*key, rows, &bench.facts)))?;
+        Ok::<_, CampaignError>(of_records)
     };
     let mut records = Records::new();
-    as_finished(keys.len(), threads, work, |place, rows| {
-        records.insert(keys[place], rows?);
+    as_finished(groups.len(), threads, work, |place, of_records| {
+        records.extend(groups[place].iter().copied().zip(of_records?));
         progress(records.len());
         Ok::<(), CampaignError>(())
     })?;

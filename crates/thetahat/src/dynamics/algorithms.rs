@@ -238,7 +238,12 @@ impl Model {
 
     /// Backward pass of recursive Newton-Euler: the torques of the rigid links alone.
     #[inline(always)]
-    fn rigid_torques<T: Real, P: Parameter<T>>(&self, parameters: &DynamicParameters<P>, workspace: &mut Workspace<T>, tau: &mut [T]) {
+    fn rigid_torques<T: Real, P: Parameter<T>>(
+        &self,
+        parameters: &DynamicParameters<P>,
+        workspace: &mut Workspace<T>,
+        tau: &mut [T],
+    ) {
         for ((link, body), wrench) in workspace.links.iter().zip(&parameters.links).zip(&mut workspace.wrenches) {
             *wrench = body.in_lanes(link.dv[0]).wrench(link);
         }
@@ -285,7 +290,11 @@ impl Model {
 
     /// The lower triangle of the mass matrix of the coordinates; the placements must be in the workspace.
     #[inline(always)]
-    pub(super) fn lower_mass_matrix<T: Real, P: Parameter<T>>(&self, parameters: &DynamicParameters<P>, workspace: &mut Workspace<T>) {
+    pub(super) fn lower_mass_matrix<T: Real, P: Parameter<T>>(
+        &self,
+        parameters: &DynamicParameters<P>,
+        workspace: &mut Workspace<T>,
+    ) {
         let n = self.joint_count();
         let Workspace { links, composite, mass_matrix, link_masses, .. } = workspace;
         if n == self.link_count() {

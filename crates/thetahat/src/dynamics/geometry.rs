@@ -13,7 +13,7 @@ use crate::{
 pub(super) const BASE: usize = usize::MAX;
 
 /// A joint as the kernels need it: its placement with the sines taken, and the coordinate that moves it.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct JointGeometry {
     pub(super) revolute: bool,
     /// The joint whose link carries it, or [`BASE`].

@@ -23,7 +23,7 @@ pub enum DynamicsError {
 }
 
 /// The constant part of a robot's dynamics: geometry, gravity and coupling.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Model {
     pub(super) joints: Vec<JointGeometry>,
     pub(super) gravity: Vec3,
@@ -36,7 +36,7 @@ pub struct Model {
 }
 
 /// The coordinates that move a link, those nearer to the base before, and where their twists stand in the workspace.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Support {
     pub(crate) coordinates: Vec<usize>,
     /// Place of the first twist.

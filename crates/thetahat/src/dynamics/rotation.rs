@@ -17,7 +17,7 @@ pub(crate) struct Rotation<T = f64> {
 }
 
 /// `Rot(z, gamma)` by its sine and cosine.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Turn {
     pub(crate) sin: f64,
     pub(crate) cos: f64,

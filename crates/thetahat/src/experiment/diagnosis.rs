@@ -7,7 +7,6 @@ use super::{
 use crate::{
     identification::{Method, Outcome, Status},
     linear_algebra::{Matrix, PivotedQr, norm},
-    pool::in_parallel,
     simulation::{BiasKind, SimulatorBias},
     statistics::{
         JointRows, SimulatorComparison, autocorrelation, instrument_strength, jarque_bera, levene, ljung_box,
@@ -40,8 +39,8 @@ pub(super) struct Estimated {
     pub(super) outcome: Outcome,
 }
 
-/// Z of the loop simulated with a bias and base parameters, where the simulation succeeds.
-pub(super) type Simulate<'a> = dyn Fn(SimulatorBias, &[f64]) -> Option<Matrix> + Sync + 'a;
+/// Z of the loop simulated with each of some biases and base parameters, where the simulation succeeds.
+pub(super) type Simulate<'a> = dyn Fn(&[SimulatorBias], &[f64]) -> Vec<Option<Matrix>> + 'a;
 
 /// Compares the methods of a case.
 pub(super) fn diagnose(
@@ -211,15 +210,15 @@ fn explain(
     simulate: &Simulate<'_>,
 ) -> Vec<BiasExplanation> {
     let Some(fit) = &didim.outcome.fit else { return Vec::new() };
-    let step = |bias: SimulatorBias| {
-        let z = simulate(bias, &fit.theta)?;
+    let estimate = |z: Option<Matrix>| {
+        let z = z?;
         let z = didim.weights.as_ref().map_or_else(|| z.clone(), |w| z.scale_rows(w));
         Some(PivotedQr::new(&z).solve(&whitened.y))
     };
     let steps = EXPLAINED_BY.map(|(kind, step)| (kind, if kind.is_factor() { 1.0 + step } else { step }));
     let biases: Vec<SimulatorBias> =
         std::iter::once(case.simulator).chain(steps.map(|(kind, by)| case.simulator.with(kind, by))).collect();
-    let mut estimates = in_parallel(biases.len(), biases.len(), |k| step(biases[k])).into_iter();
+    let mut estimates = simulate(&biases, &fit.theta).into_iter().map(estimate);
     // The step without a bias takes what the iteration has left to do out of the derivatives.
     let Some(unbiased) = estimates.next().flatten() else { return Vec::new() };
     let explained = |((kind, step), theta): (&(BiasKind, f64), Option<Vec<f64>>)| {

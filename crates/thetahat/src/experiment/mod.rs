@@ -23,6 +23,7 @@ mod rows;
 mod run;
 mod sensitivity;
 mod simulator;
+mod turns;
 
 #[cfg(feature = "parquet")]
 pub(crate) use chain::{FilteredRecord, Problem};
@@ -33,6 +34,8 @@ pub(crate) use paths::beside;
 pub(crate) use run::explain;
 #[cfg(feature = "parquet")]
 pub(crate) use simulator::{RecordReference, Simulator};
+#[cfg(feature = "parquet")]
+pub(crate) use turns::{Attempt, Finished, Terms, make};
 
 pub(crate) use description::NOMINAL;
 pub(crate) use record::Record;

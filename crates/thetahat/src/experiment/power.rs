@@ -4,9 +4,10 @@ use super::{
     Case, Experiment, ExperimentError, Verdict,
     diagnosis::{Estimated, diagnose},
     record::TwinMotion,
+    turns::{self, Attempt, Terms},
 };
 use crate::{
-    identification::{Convergence, Method, Outcome, Status, iterate},
+    identification::{Convergence, Method, Outcome, Status},
     pool::in_parallel,
     simulation::{BiasKind, SimulatorBias},
 };
@@ -78,24 +79,25 @@ impl Experiment {
         let problems = session.problems(&mut |_| {})?;
         let (problem, weights) = (&problems[0].problem, session.weights(&problems[0], Method::Didim));
         let convergence = Convergence { iterations: ITERATIONS, ..self.file.estimation.convergence };
-        let of_error = |&(kind, value): &(BiasKind, f64)| {
-            let case = Case { simulator: SimulatorBias::NONE.with(kind, value), ..self.cases().swap_remove(0) };
-            let simulator = session.main_simulator(problem, &case)?;
-            let outcome = iterate(
-                Method::Didim,
-                (&problem.x, &problem.y),
-                weights.as_deref(),
-                (self.file.estimation.variance, convergence),
-                &simulator.start(),
-                &mut |theta| simulator.instruments(theta),
-            );
-            // It was stopped on purpose.
-            let outcome = Outcome { status: Status::Converged, ..outcome };
-            let estimated = [Estimated { method: Method::Didim, weights: weights.clone(), outcome }];
-            let test = diagnose(problem, &case, &estimated, &|_, _| None).biased_simulator?;
-            Some(Seen { verdict: test.verdict, average_difference: test.average_difference })
+        let nominal = self.cases().swap_remove(0);
+        let case = |&(kind, value): &(BiasKind, f64)| Case {
+            simulator: SimulatorBias::NONE.with(kind, value),
+            ..nominal.clone()
         };
-        Ok(errors.iter().map(of_error).collect())
+        let cases: Vec<Case> = errors.iter().map(case).collect();
+        let attempts: Vec<Attempt<'_>> =
+            cases.iter().map(|case| session.attempt(&problems[0], case, Method::Didim)).collect();
+        let terms = Terms { divisor: self.file.estimation.variance, convergence, motion_step: None, threads: 1 };
+        let mut seen = vec![None; errors.len()];
+        let Ok(()) = turns::make(&attempts, terms, &mut |_| {}, &mut |k, finished| {
+            // It was stopped on purpose.
+            let outcome = Outcome { status: Status::Converged, ..finished.outcome };
+            let estimated = [Estimated { method: Method::Didim, weights: weights.clone(), outcome }];
+            let test = diagnose(problem, &cases[k], &estimated, &|_, _| Vec::new()).biased_simulator;
+            seen[k] = test.map(|t| Seen { verdict: t.verdict, average_difference: t.average_difference });
+            Ok::<(), std::convert::Infallible>(())
+        });
+        Ok(seen)
     }
 }
 

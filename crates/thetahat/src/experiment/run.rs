@@ -1,6 +1,6 @@
 //! The run of an experiment: every case, every method.
 
-use std::{path::Path, time::Instant};
+use std::path::Path;
 
 use super::{
     Case, CaseDiagnosis, EliminationResult, Experiment, ExperimentError, Influence, IterationResult, ParameterResult,
@@ -11,18 +11,20 @@ use super::{
     cross_validation::{CrossValidation, Folds, folds_by_move, folds_by_part, folds_by_recording, leave_folds_out},
     diagnosis::{Estimated, diagnose, residual},
     record::Record,
-    simulator::{RecordReference, Simulator},
+    simulator::{RecordReference, Simulator, instruments_side_by_side},
+    turns::{self, Attempt, Finished, Terms},
 };
 use crate::{
     base_parameters::BaseParameters,
     identification::{
-        EstimationError, Fit, Method, Outcome, Reason, Uncertainty, idim_ls, iterate, joint_weights,
-        relative_error_percent, uncertainty,
+        EstimationError, Fit, Method, Outcome, Reason, Uncertainty, idim_ls, joint_weights, relative_error_percent,
+        uncertainty,
     },
-    linear_algebra::{Matrix, norm},
+    linear_algebra::norm,
+    pool::available_threads,
     robot::{Friction, Robot},
     series::Series,
-    simulation::{Reference, SimulationError, SimulatorBias},
+    simulation::{Reference, SimulatorBias},
     statistics::{FTest, f_test},
 };
 
@@ -49,19 +51,15 @@ impl Experiment {
         let problems = session.problems(progress)?;
         progress("checking the recordings");
         let findings = session.findings(&problems[0].problem);
+        let cases = self.cases();
+        let made = session.runs(&problems, &cases, progress)?;
         let (mut runs, mut diagnostics) = (Vec::new(), Vec::new());
-        for case in self.cases() {
-            let problem = &problems[session.friction_index(&case)];
-            let mut estimated = Vec::new();
-            let mut known = None;
-            for &method in case.methods.as_ref().unwrap_or(&self.file.estimation.methods) {
-                progress(&format!("{}: {}", case.name, method.name()));
-                let (run, estimate) = session.run(problem, &case, method, &mut known)?;
-                runs.push(run);
-                estimated.push(estimate);
-            }
+        for (case, made) in cases.iter().zip(made) {
             progress(&format!("{}: diagnosis", case.name));
-            diagnostics.push(session.diagnose(&problem.problem, &case, &estimated));
+            let (results, estimated): (Vec<_>, Vec<_>) = made.into_iter().unzip();
+            runs.extend(results);
+            let problem = &problems[session.friction_index(case)].problem;
+            diagnostics.push(session.diagnose(problem, case, &estimated));
         }
         session.results(&problems[0], findings, runs, diagnostics)
     }
@@ -156,41 +154,76 @@ impl Session<'_> {
         usize::from(case.friction.is_some_and(|f| f != self.experiment.robot.friction))
     }
 
-    fn run(
+    /// Every method of every case.
+    fn runs(
         &self,
-        case_problem: &CaseProblem,
-        case: &Case,
-        method: Method,
-        known: &mut Option<(Vec<f64>, Matrix)>,
-    ) -> Result<(RunResult, Estimated), ExperimentError> {
-        let started = Instant::now();
+        problems: &[CaseProblem],
+        cases: &[Case],
+        progress: &mut dyn FnMut(&str),
+    ) -> Result<Vec<Vec<(RunResult, Estimated)>>, ExperimentError> {
+        let estimation = &self.experiment.file.estimation;
+        let methods = |case: &Case| case.methods.clone().unwrap_or_else(|| estimation.methods.clone());
+        let all: Vec<(usize, Method)> =
+            cases.iter().enumerate().flat_map(|(c, case)| methods(case).into_iter().map(move |m| (c, m))).collect();
+        let attempt =
+            |&(c, method): &(usize, Method)| self.attempt(&problems[self.friction_index(&cases[c])], &cases[c], method);
+        let attempts: Vec<Attempt<'_>> = all.iter().map(attempt).collect();
+        let terms = Terms {
+            divisor: estimation.variance,
+            convergence: estimation.convergence,
+            motion_step: Some(1),
+            threads: available_threads(),
+        };
+        let mut made: Vec<Option<(RunResult, Estimated)>> = all.iter().map(|_| None).collect();
+        let mut tell =
+            |simulations| progress(&format!("simulating and estimating: {simulations} simulations side by side"));
+        turns::make(&attempts, terms, &mut tell, &mut |k, finished| {
+            made[k] = Some(self.assess(&cases[all[k].0], &attempts[k], finished)?);
+            Ok::<(), ExperimentError>(())
+        })?;
+        let mut by_case: Vec<Vec<_>> = cases.iter().map(|_| Vec::new()).collect();
+        all.iter().zip(made).for_each(|((c, _), run)| by_case[*c].extend(run));
+        Ok(by_case)
+    }
+
+    /// A method of a case.
+    pub(super) fn attempt<'s>(&'s self, case_problem: &'s CaseProblem, case: &Case, method: Method) -> Attempt<'s> {
         let problem = &case_problem.problem;
-        let weights = self.weights(case_problem, method);
         let simulator = self.simulator(&self.main, problem, case);
-        let outcome = self.estimate(problem, method, weights.as_deref(), simulator.as_ref(), known);
-        let seconds = started.elapsed().as_secs_f64();
-        let mut run = self.summarise(problem, case, method, &outcome, weights.as_deref());
-        run.seconds = seconds;
-        if outcome.fit.is_some() {
-            self.assess(problem, case, simulator.as_ref(), (&outcome, weights.as_deref()), &mut run)?;
-        }
-        Ok((run, Estimated { method, weights, outcome }))
+        let start = simulator.as_ref().map(Simulator::start).unwrap_or_default();
+        Attempt { problem, method, weights: self.weights(case_problem, method), simulator, start }
     }
 
     /// What is computed of an estimate: its simulation, its curves, its residual, and how it predicts.
     fn assess(
         &self,
+        case: &Case,
+        attempt: &Attempt<'_>,
+        finished: Finished,
+    ) -> Result<(RunResult, Estimated), ExperimentError> {
+        let Attempt { problem, method, weights, simulator, .. } = attempt;
+        let Finished { outcome, motions, seconds } = finished;
+        let mut run = self.summarise(problem, case, *method, &outcome, weights.as_deref());
+        run.seconds = seconds;
+        if let Some(fit) = &outcome.fit {
+            run.simulation_relative_error_percent =
+                simulator.as_ref().zip(motions.as_ref()).map(|(s, motions)| s.errors(motions));
+            run.plots = problem.plots(&fit.prediction, motions.as_deref().unwrap_or_default());
+            run.residual = Some(residual(problem, &fit.prediction, weights.as_deref()));
+            self.validate(problem, case, (&outcome, weights.as_deref()), &mut run)?;
+        }
+        Ok((run, Estimated { method: *method, weights: weights.clone(), outcome }))
+    }
+
+    /// How an estimate predicts what it was not made from.
+    fn validate(
+        &self,
         problem: &Problem,
         case: &Case,
-        simulator: Option<&Simulator<'_>>,
         (outcome, weights): (&Outcome, Option<&[f64]>),
         run: &mut RunResult,
     ) -> Result<(), ExperimentError> {
         let Some(fit) = &outcome.fit else { return Ok(()) };
-        let motions = simulator.and_then(|s| s.simulate(&fit.theta).ok());
-        run.simulation_relative_error_percent = simulator.zip(motions.as_ref()).map(|(s, m)| s.errors(m));
-        run.plots = problem.plots(&fit.prediction, motions.as_deref().unwrap_or_default());
-        run.residual = Some(residual(problem, &fit.prediction, weights));
         if let Some(folds) = self.folds(problem) {
             let instruments = outcome.instruments.as_ref();
             let left_out = leave_folds_out(problem, run.method, instruments, weights, &folds);
@@ -207,9 +240,10 @@ impl Session<'_> {
 
     /// Compares the methods of a case; what needs a simulator with another bias makes one.
     fn diagnose(&self, problem: &Problem, case: &Case, estimated: &[Estimated]) -> CaseDiagnosis {
-        let simulate = |bias: SimulatorBias, theta: &[f64]| {
-            let case = Case { simulator: bias, ..case.clone() };
-            self.simulator(&self.main, problem, &case)?.instruments(theta).ok()
+        let simulate = |biases: &[SimulatorBias], theta: &[f64]| {
+            let with_bias = |&bias| self.simulator(&self.main, problem, &Case { simulator: bias, ..case.clone() });
+            let Some(simulators) = biases.iter().map(with_bias).collect::<Option<Vec<_>>>() else { return Vec::new() };
+            instruments_side_by_side(&simulators, theta, available_threads())
         };
         diagnose(problem, case, estimated, &simulate)
     }
@@ -238,28 +272,6 @@ impl Session<'_> {
     /// The simulator of the main recordings for one case.
     pub(super) fn main_simulator<'s>(&'s self, problem: &'s Problem, case: &Case) -> Option<Simulator<'s>> {
         self.simulator(&self.main, problem, case)
-    }
-
-    fn estimate(
-        &self,
-        problem: &Problem,
-        method: Method,
-        weights: Option<&[f64]>,
-        simulator: Option<&Simulator<'_>>,
-        known: &mut Option<(Vec<f64>, Matrix)>,
-    ) -> Outcome {
-        let estimation = &self.experiment.file.estimation;
-        match (method, simulator) {
-            (Method::IdimIv | Method::Didim, Some(simulator)) => iterate(
-                method,
-                (&problem.x, &problem.y),
-                weights,
-                (estimation.variance, estimation.convergence),
-                &simulator.start(),
-                &mut |theta| instruments(simulator, theta, known),
-            ),
-            _ => Outcome::direct(idim_ls(&problem.x, &problem.y, weights, estimation.variance)),
-        }
     }
 
     fn summarise(
@@ -430,20 +442,6 @@ impl Session<'_> {
             },
         })
     }
-}
-
-/// Z of the loop simulated with base parameters `theta`. The first one of a case is kept: its methods start from the same.
-fn instruments(
-    simulator: &Simulator<'_>,
-    theta: &[f64],
-    known: &mut Option<(Vec<f64>, Matrix)>,
-) -> Result<Matrix, SimulationError> {
-    if let Some((_, z)) = known.as_ref().filter(|(of, _)| of == theta) {
-        return Ok(z.clone());
-    }
-    let z = simulator.instruments(theta)?;
-    known.get_or_insert_with(|| (theta.to_vec(), z.clone()));
-    Ok(z)
 }
 
 /// The largest change of an estimate, in its standard deviations with correlated errors, without one of the folds.

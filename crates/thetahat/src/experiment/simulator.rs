@@ -11,9 +11,11 @@ use crate::{
     dynamics::Sign,
     identification::Assembly,
     linear_algebra::{Matrix, norm},
+    pool::in_parallel,
     series::Series,
     simulation::{
-        ClosedLoop, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulationError, SimulatorBias,
+        ClosedLoop, Job, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulationError, SimulatorBias,
+        simulate_all,
     },
     trajectory::reconstruct,
 };
@@ -50,6 +52,90 @@ pub(crate) struct Simulator<'a> {
     problem: &'a Problem,
     loops: Vec<RecordedLoop<'a>>,
     kept_inertia: Option<Vec<f64>>,
+}
+
+/// What is wanted of a simulation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Output {
+    /// Z.
+    Instruments,
+    /// The motion of each recording at every so many samples of its window, the first included.
+    Motion { step: usize },
+}
+
+impl Output {
+    fn step(self) -> usize {
+        if let Self::Motion { step } = self { step.max(1) } else { 1 }
+    }
+}
+
+/// What a simulation gave.
+#[derive(Debug, Clone)]
+pub(crate) enum Simulated {
+    Instruments(Matrix),
+    Motions(Vec<SimulatedMotion>),
+}
+
+/// A simulation with base parameters.
+pub(crate) struct Wish<'a> {
+    pub(crate) simulator: &'a Simulator<'a>,
+    pub(crate) theta: Vec<f64>,
+    pub(crate) output: Output,
+}
+
+impl Wish<'_> {
+    fn is_like(&self, other: &Self) -> bool {
+        self.simulator.is_like(other.simulator) && self.theta == other.theta && self.output == other.output
+    }
+}
+
+/// Fulfils wishes side by side, equal ones once; each as by itself.
+pub(crate) fn simulate_side_by_side(wishes: &[Wish<'_>], threads: usize) -> Vec<Result<Simulated, SimulationError>> {
+    let first_like = |wish: &Wish<'_>| wishes.iter().position(|other| wish.is_like(other)).unwrap_or_default();
+    let first: Vec<usize> = wishes.iter().map(first_like).collect();
+    let mut simulated: Vec<_> = (0..wishes.len()).map(|_| None).collect();
+    let (places, different): (Vec<usize>, Vec<&Wish<'_>>) =
+        wishes.iter().enumerate().filter(|(k, _)| first[*k] == *k).unzip();
+    let results = simulate_different(&different, threads);
+    places.into_iter().zip(results).for_each(|(k, result)| simulated[k] = Some(result));
+    for k in 0..wishes.len() {
+        if first[k] != k {
+            simulated[k] = simulated[first[k]].clone();
+        }
+    }
+    simulated.into_iter().flatten().collect()
+}
+
+/// Z with base parameters `theta` by each of some simulators of one problem, where the simulation succeeds.
+pub(crate) fn instruments_side_by_side(
+    simulators: &[Simulator<'_>],
+    theta: &[f64],
+    threads: usize,
+) -> Vec<Option<Matrix>> {
+    let wish = |simulator| Wish { simulator, theta: theta.to_vec(), output: Output::Instruments };
+    let simulated = simulate_side_by_side(&simulators.iter().map(wish).collect::<Vec<_>>(), threads);
+    simulated.into_iter().map(|s| if let Ok(Simulated::Instruments(z)) = s { Some(z) } else { None }).collect()
+}
+
+fn simulate_different(wishes: &[&Wish<'_>], threads: usize) -> Vec<Result<Simulated, SimulationError>> {
+    let resolved: Vec<_> = wishes.iter().map(|w| w.simulator.resolve(&w.theta)).collect();
+    let jobs: Vec<Job<'_>> =
+        wishes.iter().zip(&resolved).flat_map(|(w, resolved)| w.simulator.jobs(resolved, w.output)).collect();
+    let groups: Vec<&[Job<'_>]> = jobs.chunks(jobs.len().div_ceil(threads.max(1)).max(1)).collect();
+    let mut all = in_parallel(groups.len(), threads, |g| simulate_all(groups[g])).into_iter().flatten();
+    let of_wish = |w: &&Wish<'_>| all.by_ref().take(w.simulator.loops.len()).collect::<Vec<_>>().into_iter().collect();
+    let motions: Vec<Result<Vec<SimulatedMotion>, SimulationError>> = wishes.iter().map(of_wish).collect();
+    let instruments = |k: usize| match &motions[k] {
+        Ok(motions) if wishes[k].output == Output::Instruments => Some(wishes[k].simulator.instruments_of(motions)),
+        _ => None,
+    };
+    let instruments = in_parallel(wishes.len(), threads, instruments);
+    let results = motions.into_iter().zip(instruments);
+    let result = |(motions, z)| match z {
+        Some(z) => Result::map(z, Simulated::Instruments),
+        None => Result::map(motions, Simulated::Motions),
+    };
+    results.map(result).collect()
 }
 
 /// The loop of one recording.
@@ -102,22 +188,43 @@ impl<'a> Simulator<'a> {
 
     /// Z of the loops simulated with base parameters `theta`.
     pub(crate) fn instruments(&self, theta: &[f64]) -> Result<Matrix, SimulationError> {
-        let (theta, inertia) = self.resolve(theta);
-        let of_loop = |l: &RecordedLoop<'_>| l.instruments(self.experiment, &theta, &inertia);
-        let matrices = self.loops.iter().map(of_loop).collect::<Result<Vec<_>, _>>()?;
-        Ok(self.problem.rows.stack_matrices(matrices))
+        self.instruments_of(&self.run(theta, Output::Instruments)?)
     }
 
     /// The simulated motion of each recording in its window.
     pub(super) fn simulate(&self, theta: &[f64]) -> Result<Vec<SimulatedMotion>, SimulationError> {
-        let (theta, inertia) = self.resolve(theta);
-        self.loops.iter().map(|l| l.simulate(&theta, &inertia)).collect()
+        self.run(theta, Output::Motion { step: 1 })
     }
 
-    /// The same at every so many samples of the window, the first included.
-    pub(crate) fn simulate_every(&self, theta: &[f64], step: usize) -> Result<Vec<SimulatedMotion>, SimulationError> {
-        let (theta, inertia) = self.resolve(theta);
-        self.loops.iter().map(|l| l.simulate_every(&theta, &inertia, step.max(1))).collect()
+    fn run(&self, theta: &[f64], output: Output) -> Result<Vec<SimulatedMotion>, SimulationError> {
+        simulate_all(&self.jobs(&self.resolve(theta), output)).into_iter().collect()
+    }
+
+    /// The simulations of all recordings.
+    fn jobs<'j>(&'j self, (theta, inertia): &'j (Vec<f64>, Vec<f64>), output: Output) -> Vec<Job<'j>> {
+        let whole = output == Output::Instruments && self.experiment.file.simulation.band_pass;
+        let job = |l: &RecordedLoop<'a>| Job {
+            closed_loop: l.closed_loop,
+            theta,
+            motor_inertia: inertia,
+            grid: if whole { l.grid_of_record() } else { l.grid_of_window(output.step()) },
+        };
+        self.loops.iter().map(job).collect()
+    }
+
+    /// Z of the motions simulated for it.
+    fn instruments_of(&self, motions: &[SimulatedMotion]) -> Result<Matrix, SimulationError> {
+        let of_loop = |(l, motion): (&RecordedLoop<'_>, &SimulatedMotion)| l.instruments(self.experiment, motion);
+        let matrices = self.loops.iter().zip(motions).map(of_loop).collect::<Result<Vec<_>, _>>()?;
+        Ok(self.problem.rows.stack_matrices(matrices))
+    }
+
+    /// Whether both give the same motion for the same parameters.
+    fn is_like(&self, other: &Self) -> bool {
+        let bias = |s: &Self| s.loops.first().map(|l| l.closed_loop.bias);
+        std::ptr::eq(self.experiment, other.experiment)
+            && std::ptr::eq(self.problem, other.problem)
+            && bias(self) == bias(other)
     }
 
     /// Standard parameters of base parameters, and the inertia that each motor sees for the gains of its controller.
@@ -156,43 +263,32 @@ impl<'a> Simulator<'a> {
 }
 
 impl RecordedLoop<'_> {
-    fn instruments(&self, experiment: &Experiment, theta: &[f64], inertia: &[f64]) -> Result<Matrix, SimulationError> {
+    fn instruments(&self, experiment: &Experiment, motion: &SimulatedMotion) -> Result<Matrix, SimulationError> {
         let sign = Sign::Smooth { scale: self.closed_loop.sign_velocity_scale };
         let unfiltered = |_| SimulationError::TooShortToFilter;
         if !experiment.file.simulation.band_pass {
-            let motion = self.simulate(theta, inertia)?;
             return self.assembly.observation_matrix(&motion.q, &motion.dq, &motion.ddq, sign).map_err(unfiltered);
         }
         // Filtered as the record is: the whole of it, then cut to the window.
-        let whole = self.run(theta, inertia, 0, self.filtered.record.position.len())?;
         let rate = self.filtered.record.sample_rate_hz;
-        let (q, dq, ddq) = experiment.band_pass(&whole.q, rate).map_err(unfiltered)?;
+        let (q, dq, ddq) = experiment.band_pass(&motion.q, rate).map_err(unfiltered)?;
         let cut = |series: &Series| series.window(self.filtered.window.clone());
         self.assembly.observation_matrix(&cut(&q), &cut(&dq), &cut(&ddq), sign).map_err(unfiltered)
     }
 
-    /// The simulated motion in the window.
-    fn simulate(&self, theta: &[f64], inertia: &[f64]) -> Result<SimulatedMotion, SimulationError> {
-        self.run(theta, inertia, self.filtered.window.start, self.filtered.window.len())
+    fn grid_of_record(&self) -> OutputGrid {
+        let record = &self.filtered.record;
+        OutputGrid { start_s: 0.0, sample_rate_hz: record.sample_rate_hz, samples: record.position.len() }
     }
 
-    fn simulate_every(&self, theta: &[f64], inertia: &[f64], step: usize) -> Result<SimulatedMotion, SimulationError> {
+    /// Every so many samples of the window, the first included.
+    fn grid_of_window(&self, step: usize) -> OutputGrid {
         let (window, rate) = (&self.filtered.window, self.filtered.record.sample_rate_hz);
-        let start_s = window.start as f64 / rate;
-        let samples = window.len().div_ceil(step);
-        self.closed_loop.simulate(theta, inertia, &OutputGrid { start_s, sample_rate_hz: rate / step as f64, samples })
-    }
-
-    fn run(
-        &self,
-        theta: &[f64],
-        inertia: &[f64],
-        first: usize,
-        samples: usize,
-    ) -> Result<SimulatedMotion, SimulationError> {
-        let rate = self.filtered.record.sample_rate_hz;
-        let grid = OutputGrid { start_s: first as f64 / rate, sample_rate_hz: rate, samples };
-        self.closed_loop.simulate(theta, inertia, &grid)
+        OutputGrid {
+            start_s: window.start as f64 / rate,
+            sample_rate_hz: rate / step as f64,
+            samples: window.len().div_ceil(step),
+        }
     }
 
     fn inertia(&self, standard: &[f64]) -> Vec<f64> {

@@ -96,10 +96,6 @@ impl Outcome {
         };
         Self { status, reason, fit, iterations: Vec::new(), simulations: 0, instruments: None }
     }
-
-    fn failed(status: Status, reason: Reason, iterations: Vec<Iteration>, simulations: usize) -> Self {
-        Self { status, reason: Some(reason), fit: None, iterations, simulations, instruments: None }
-    }
 }
 
 /// Halvings of a step of the parameters whose simulation fails.
@@ -117,62 +113,102 @@ pub fn iterate(
     start: &[f64],
     instruments: &mut dyn FnMut(&[f64]) -> Result<Matrix, SimulationError>,
 ) -> Outcome {
-    let mut iterations: Vec<Iteration> = Vec::new();
-    let mut simulations = 0;
-    let mut last: Option<(Fit, f64)> = None;
-    let mut theta = start.to_vec();
-    let mut before = start.to_vec();
-    for _ in 0..convergence.iterations {
-        let z = match simulate_with_halving(&before, &mut theta, instruments, &mut simulations) {
-            Ok(z) => z,
-            Err(e) => return Outcome::failed(Status::Diverged, Reason::Simulation(e), iterations, simulations),
+    let mut estimation = Estimation::new(method, (divisor, convergence), start.to_vec());
+    while let Some(theta) = estimation.wanted() {
+        let z = instruments(theta);
+        estimation.take(z, (x, y), weights);
+    }
+    estimation.into_outcome()
+}
+
+/// An estimation by IV or DIDIM under way. It asks for its simulations, so that those of several can run side by side.
+#[derive(Debug, Clone)]
+pub struct Estimation {
+    method: Method,
+    divisor: Divisor,
+    convergence: Convergence,
+    /// The parameters to simulate next, and those simulated before.
+    theta: Vec<f64>,
+    before: Vec<f64>,
+    /// How often the step to the next was halved.
+    halvings: usize,
+    last: Option<(Fit, f64)>,
+    outcome: Outcome,
+    is_done: bool,
+}
+
+impl Estimation {
+    /// An estimation from its start values.
+    #[must_use]
+    pub fn new(method: Method, (divisor, convergence): (Divisor, Convergence), start: Vec<f64>) -> Self {
+        let reason = Reason::IterationLimit { iterations: convergence.iterations };
+        let outcome = Outcome {
+            status: Status::IterationLimit,
+            reason: Some(reason),
+            fit: None,
+            iterations: Vec::new(),
+            simulations: 0,
+            instruments: None,
         };
-        let fit = match estimate(method, &z, x, y, weights, divisor) {
-            Ok(fit) => fit,
-            Err(e) => return Outcome::failed(Status::NotIdentifiable, Reason::Estimation(e), iterations, simulations),
-        };
+        let is_done = convergence.iterations == 0;
+        let before = start.clone();
+        Self { method, divisor, convergence, theta: start, before, halvings: 0, last: None, outcome, is_done }
+    }
+
+    /// The parameters with which the loop is to be simulated; none at the end.
+    #[must_use]
+    pub fn wanted(&self) -> Option<&[f64]> {
+        (!self.is_done).then_some(&self.theta)
+    }
+
+    /// How it ended, or how far it is.
+    #[must_use]
+    pub fn into_outcome(self) -> Outcome {
+        self.outcome
+    }
+
+    /// Takes Z of the loop that was simulated with the parameters wanted, and estimates; where the simulation failed, half
+    /// the step is wanted.
+    pub fn take(&mut self, z: Result<Matrix, SimulationError>, (x, y): (&Matrix, &[f64]), weights: Option<&[f64]>) {
+        self.outcome.simulations += 1;
+        match z {
+            Ok(z) => match estimate(self.method, &z, x, y, weights, self.divisor) {
+                Ok(fit) => self.accept(fit, z, y, weights),
+                Err(e) => self.fail(Status::NotIdentifiable, Reason::Estimation(e)),
+            },
+            Err(_) if self.halvings < HALVINGS && self.before != self.theta => {
+                self.halvings += 1;
+                self.theta.iter_mut().zip(&self.before).for_each(|(t, b)| *t = 0.5 * (*t + b));
+            }
+            Err(e) => self.fail(Status::Diverged, Reason::Simulation(e)),
+        }
+    }
+
+    fn fail(&mut self, status: Status, reason: Reason) {
+        (self.outcome.status, self.outcome.reason, self.is_done) = (status, Some(reason), true);
+    }
+
+    fn accept(&mut self, fit: Fit, z: Matrix, y: &[f64], weights: Option<&[f64]>) {
         let error = whitened_error(y, &fit.prediction, weights);
-        let parameter_change = last.as_ref().map(|(previous, _)| largest_change(previous, &fit));
-        let error_change = last.as_ref().map(|(_, previous)| relative_change(*previous, error));
-        iterations.push(Iteration {
+        let parameter_change = self.last.as_ref().map(|(before, _)| largest_change(before, &fit));
+        let error_change = self.last.as_ref().map(|(_, before)| relative_change(*before, error));
+        self.outcome.iterations.push(Iteration {
             theta: fit.theta.clone(),
             relative_error_percent: fit.relative_error_percent,
             parameter_change,
             error_change,
         });
         let small = |change: Option<f64>, limit: f64| change.is_some_and(|c| c <= limit);
-        if small(parameter_change, convergence.parameter_change) && small(error_change, convergence.error_change) {
-            let (status, fit, instruments) = (Status::Converged, Some(fit), Some(z));
-            return Outcome { status, reason: None, fit, iterations, simulations, instruments };
+        let limits = &self.convergence;
+        if small(parameter_change, limits.parameter_change) && small(error_change, limits.error_change) {
+            (self.outcome.status, self.outcome.reason) = (Status::Converged, None);
+        } else if self.outcome.iterations.len() < limits.iterations {
+            self.before = std::mem::replace(&mut self.theta, fit.theta.clone());
+            self.halvings = 0;
+            self.last = Some((fit, error));
+            return;
         }
-        before = std::mem::replace(&mut theta, fit.theta.clone());
-        last = Some((fit, error));
-        if iterations.len() == convergence.iterations {
-            let reason = Reason::IterationLimit { iterations: convergence.iterations };
-            let (status, fit) = (Status::IterationLimit, last.map(|(fit, _)| fit));
-            return Outcome { status, reason: Some(reason), fit, iterations, simulations, instruments: Some(z) };
-        }
-    }
-    Outcome::failed(Status::IterationLimit, Reason::IterationLimit { iterations: 0 }, iterations, simulations)
-}
-
-/// Moves `theta` back towards `before`, halving the step, until its simulation succeeds.
-fn simulate_with_halving(
-    before: &[f64],
-    theta: &mut [f64],
-    instruments: &mut dyn FnMut(&[f64]) -> Result<Matrix, SimulationError>,
-    simulations: &mut usize,
-) -> Result<Matrix, SimulationError> {
-    let mut halvings = 0;
-    loop {
-        *simulations += 1;
-        match instruments(theta) {
-            Err(_) if halvings < HALVINGS && before != theta => {
-                halvings += 1;
-                theta.iter_mut().zip(before).for_each(|(t, b)| *t = 0.5 * (*t + b));
-            }
-            result => return result,
-        }
+        (self.outcome.fit, self.outcome.instruments, self.is_done) = (Some(fit), Some(z), true);
     }
 }
 

@@ -23,5 +23,5 @@ pub use essential::{Elimination, EliminationRule, eliminate};
 pub use estimators::{
     Divisor, EstimationError, Fit, Method, didim, idim_iv, idim_ls, joint_weights, relative_error_percent,
 };
-pub use iteration::{Convergence, Iteration, Outcome, Reason, Status, iterate};
+pub use iteration::{Convergence, Estimation, Iteration, Outcome, Reason, Status, iterate};
 pub use uncertainty::{Uncertainty, influence, uncertainty};

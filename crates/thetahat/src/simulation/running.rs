@@ -3,7 +3,8 @@
 use std::collections::VecDeque;
 
 use super::{
-    ClosedLoop, Integrator, Job, Next, OutputGrid, SimulatedMotion, SimulationError, Solver, StepTooSmall, StepView, WorkCounts,
+    ClosedLoop, Integrator, Job, Next, OutputGrid, SimulatedMotion, SimulationError, Solver, StepTooSmall, StepView,
+    WorkCounts,
     plant::{MotorReference, Plant},
 };
 use crate::{

@@ -27,7 +27,8 @@ pub struct Job<'a> {
 pub fn simulate_all(jobs: &[Job<'_>]) -> Vec<Result<SimulatedMotion, SimulationError>> {
     let alike = |a: &Job<'_>, b: &Job<'_>| {
         let (a, b) = (&a.closed_loop, &b.closed_loop);
-        std::ptr::eq(a.model, b.model) && a.sign_velocity_scale == b.sign_velocity_scale
+        let same_model = std::ptr::eq(a.model, b.model) || a.model == b.model;
+        same_model && a.sign_velocity_scale == b.sign_velocity_scale
     };
     jobs.chunk_by(alike).flat_map(|jobs| pulp::Arch::new().dispatch(SideBySide { jobs })).collect()
 }
