@@ -189,6 +189,14 @@ impl Matrix {
         Self { rows: parts.iter().map(|part| part.rows).sum(), columns, values }
     }
 
+    /// Matrices of equally many rows, one beside the other.
+    #[must_use]
+    pub fn beside(parts: &[&Self]) -> Self {
+        let values = parts.iter().flat_map(|part| &part.values).copied().collect();
+        let columns = parts.iter().map(|part| part.columns).sum();
+        Self { rows: parts.first().map_or(0, |part| part.rows), columns, values }
+    }
+
     /// R of `A = Q R`, without pivoting, with a diagonal that is not negative: as many rows as A has, but no more than
     /// columns.
     ///

@@ -4,7 +4,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::chain::Problem;
 use crate::{
-    identification::{Divisor, EstimationError, Method, didim, idim_iv, idim_ls, relative_error_percent},
+    identification::{Divisor, EstimationError, Method, idim_iv, idim_ls, relative_error_percent},
     linear_algebra::Matrix,
     trajectory::Moves,
 };
@@ -77,14 +77,14 @@ pub(super) fn leave_folds_out(
 ) -> Option<CrossValidation> {
     let rows = problem.y.len();
     let of_row: Vec<usize> = (0..rows).map(|k| folds.of_row[k % folds.of_row.len()]).collect();
+    let left = WithoutEach::new(&equations(problem, method, instruments, weights), &of_row, folds.names.len());
     let mut prediction = vec![0.0; rows];
     let mut estimates = Vec::with_capacity(folds.names.len());
     for fold in 0..folds.names.len() {
-        let keep: Vec<bool> = of_row.iter().map(|f| *f != fold).collect();
-        let theta = estimate_rows(problem, method, instruments, weights, &keep).ok()?;
+        let theta = estimate(method, &left.triangle(fold), problem.x.columns()).ok()?;
         let predicting = if method == Method::Didim { instruments? } else { &problem.x };
         let all = predicting.times(&theta);
-        (0..rows).filter(|&k| !keep[k]).for_each(|k| prediction[k] = all[k]);
+        (0..rows).filter(|&k| of_row[k] == fold).for_each(|k| prediction[k] = all[k]);
         estimates.push(theta);
     }
     Some(CrossValidation {
@@ -113,22 +113,60 @@ fn interval(y: &[f64], prediction: &[f64], of_row: &[usize], folds: usize) -> Op
     of_percent.is_finite().then(|| [(centre - of_percent).max(0.0), centre + of_percent])
 }
 
-fn estimate_rows(
-    problem: &Problem,
-    method: Method,
-    instruments: Option<&Matrix>,
-    weights: Option<&[f64]>,
-    keep: &[bool],
-) -> Result<Vec<f64>, EstimationError> {
-    let select = |v: &[f64]| v.iter().zip(keep).filter(|(_, k)| **k).map(|(v, _)| *v).collect::<Vec<f64>>();
-    let (x, y) = (problem.x.select_rows(keep), select(&problem.y));
-    let z = instruments.map(|z| z.select_rows(keep));
-    let weights = weights.map(select);
-    let (weights, divisor) = (weights.as_deref(), Divisor::default());
-    let fit = match (method, &z) {
-        (Method::IdimIv, Some(z)) => idim_iv(z, &x, &y, weights, divisor),
-        (Method::Didim, Some(z)) => didim(z, &y, weights, divisor),
-        _ => idim_ls(&x, &y, weights, divisor),
+/// The weighted rows `[Z X y]` of IV, or `[X y]` of LS, where X is Z for DIDIM.
+fn equations(problem: &Problem, method: Method, instruments: Option<&Matrix>, weights: Option<&[f64]>) -> Matrix {
+    let y = Matrix::from_fn(problem.y.len(), 1, |k, _| problem.y[k]);
+    let all = match (method, instruments) {
+        (Method::IdimIv, Some(z)) => Matrix::beside(&[z, &problem.x, &y]),
+        (Method::Didim, Some(z)) => Matrix::beside(&[z, &y]),
+        _ => Matrix::beside(&[&problem.x, &y]),
+    };
+    weights.map_or_else(|| all.clone(), |w| all.scale_rows(w))
+}
+
+/// Triangles that stand for all rows but those of one fold, as the rows themselves in any least squares problem.
+struct WithoutEach {
+    /// Those of the folds before each, and behind it.
+    before: Vec<Matrix>,
+    behind: Vec<Matrix>,
+}
+
+impl WithoutEach {
+    fn new(rows: &Matrix, of_row: &[usize], folds: usize) -> Self {
+        let of_fold = |fold: usize| {
+            let keep: Vec<bool> = of_row.iter().map(|f| *f == fold).collect();
+            rows.select_rows(&keep).triangular_factor()
+        };
+        let each: Vec<Matrix> = (0..folds).map(of_fold).collect();
+        let before = sums(each.iter(), rows.columns());
+        let mut behind = sums(each.iter().rev(), rows.columns());
+        behind.reverse();
+        Self { before, behind }
+    }
+
+    fn triangle(&self, fold: usize) -> Matrix {
+        Matrix::stack(&[&self.before[fold], &self.behind[fold]]).triangular_factor()
+    }
+}
+
+/// For each triangle, the one of those ahead of it.
+fn sums<'a>(each: impl Iterator<Item = &'a Matrix>, columns: usize) -> Vec<Matrix> {
+    let mut sum = Matrix::zeros(0, columns);
+    let add = |triangle: &Matrix| {
+        let next = Matrix::stack(&[&sum, triangle]).triangular_factor();
+        std::mem::replace(&mut sum, next)
+    };
+    each.map(add).collect()
+}
+
+/// An estimate from rows, or a triangle, of [`equations`].
+fn estimate(method: Method, equations: &Matrix, parameters: usize) -> Result<Vec<f64>, EstimationError> {
+    let part = |first: usize| equations.select_columns(&(first..first + parameters).collect::<Vec<_>>());
+    let y = equations.column(equations.columns() - 1);
+    let fit = if method == Method::IdimIv && equations.columns() > parameters + 1 {
+        idim_iv(&part(0), &part(parameters), y, None, Divisor::default())
+    } else {
+        idim_ls(&part(0), y, None, Divisor::default())
     };
     fit.map(|f| f.theta)
 }

@@ -120,13 +120,11 @@ fn with_friction(setup: &ClosedLoop<'_>, theta: &[f64]) -> Vec<f64> {
     theta.iter().zip(table).map(|(t, p)| t * factor(p.quantity.is_friction())).collect()
 }
 
-/// The reference in the motors' coordinates, `p_ref = n (q_ref - offset)`, with the true transmission.
-pub(super) struct MotorReference<'a> {
-    reference: &'a Reference,
-    coupling: Coupling,
-    offset: &'a [f64],
-    joint: [Vec<f64>; 3],
-    bias: ReferenceBias,
+/// The reference in the motors' coordinates, `p_ref = n (q_ref - offset)`, with the true transmission and the biases of a
+/// simulator: `q_0 + scale (q - q_0) + offset`, later by a delay.
+pub(super) struct MotorReference {
+    reference: Reference,
+    delay_s: f64,
     /// The time last evaluated: the last stages of a step, and the first of the next, share one.
     time_s: f64,
     /// Position of each motor in joint units at the time last evaluated.
@@ -137,41 +135,35 @@ pub(super) struct MotorReference<'a> {
     pub(super) ddp: Vec<f64>,
 }
 
-impl<'a> MotorReference<'a> {
+impl MotorReference {
     /// The reference with its own biases; `delay_s` moves it in time.
-    pub(super) fn new(
-        reference: &'a Reference,
-        transmission: &'a Transmission,
-        bias: &SimulatorBias,
-        delay_s: f64,
-    ) -> Self {
+    pub(super) fn new(reference: &Reference, transmission: &Transmission, bias: &SimulatorBias, delay_s: f64) -> Self {
+        let coupling = Coupling::new(&transmission.motor_in_joint_units(), 1.0);
+        let to_motors = |joints: &[f64]| {
+            let mut motors = vec![0.0; joints.len()];
+            coupling.to_motors(joints, &mut motors);
+            motors
+        };
         let zeros = || vec![0.0; transmission.joints()];
-        Self {
-            bias: ReferenceBias::new(reference, bias, delay_s),
-            time_s: f64::NAN,
-            reference,
-            coupling: Coupling::new(&transmission.motor_in_joint_units(), 1.0),
-            offset: transmission.offset(),
-            joint: [zeros(), zeros(), zeros()],
-            p: zeros(),
-            dp: zeros(),
-            ddp: zeros(),
-        }
+        let [mut start, mut dq, mut ddq] = [zeros(), zeros(), zeros()];
+        reference.evaluate(0.0, &mut start, &mut dq, &mut ddq);
+        let (scale, offset) = (bias.reference_scale, bias.reference_offset);
+        let biased = |q: f64, start: f64| if scale == 1.0 { q + offset } else { start + scale * (q - start) + offset };
+        let position = |q: &[f64]| {
+            let each = q.iter().zip(start.iter().zip(transmission.offset()));
+            to_motors(&each.map(|(q, (start, zero))| biased(*q, *start) - zero).collect::<Vec<_>>())
+        };
+        let rate = |dq: &[f64]| to_motors(&dq.iter().map(|v| scale * v).collect::<Vec<_>>());
+        let reference = reference.mapped(&position, &rate);
+        Self { reference, delay_s, time_s: f64::NAN, p: zeros(), dp: zeros(), ddp: zeros() }
     }
 
     #[inline]
     pub(super) fn evaluate(&mut self, t: f64) {
-        if t == self.time_s {
-            return;
+        if t != self.time_s {
+            self.time_s = t;
+            self.reference.evaluate(t - self.delay_s, &mut self.p, &mut self.dp, &mut self.ddp);
         }
-        self.time_s = t;
-        let [q, dq, ddq] = &mut self.joint;
-        self.reference.evaluate(t - self.bias.delay_s, q, dq, ddq);
-        self.bias.apply(q, dq, ddq);
-        q.iter_mut().zip(self.offset).for_each(|(q, o)| *q -= o);
-        self.coupling.to_motors(q, &mut self.p);
-        self.coupling.to_motors(dq, &mut self.dp);
-        self.coupling.to_motors(ddq, &mut self.ddp);
     }
 
     /// The largest motor velocity in joint units up to `end` s, at a thousand times.
@@ -182,30 +174,5 @@ impl<'a> MotorReference<'a> {
             fastest = self.dp.iter().fold(fastest, |a, v| a.max(v.abs()));
         }
         fastest
-    }
-}
-
-/// How a biased simulator's reference differs: `q_0 + scale (q - q_0) + offset`, later by a delay.
-struct ReferenceBias {
-    start: Vec<f64>,
-    scale: f64,
-    offset: f64,
-    delay_s: f64,
-}
-
-impl ReferenceBias {
-    fn new(reference: &Reference, bias: &SimulatorBias, delay_s: f64) -> Self {
-        let [mut start, mut dq, mut ddq] = [(); 3].map(|()| vec![0.0; reference.joints()]);
-        reference.evaluate(0.0, &mut start, &mut dq, &mut ddq);
-        Self { start, scale: bias.reference_scale, offset: bias.reference_offset, delay_s }
-    }
-
-    #[inline]
-    fn apply(&self, q: &mut [f64], dq: &mut [f64], ddq: &mut [f64]) {
-        if self.scale == 1.0 && self.offset == 0.0 {
-            return;
-        }
-        q.iter_mut().zip(&self.start).for_each(|(q, q0)| *q = q0 + self.scale * (*q - q0) + self.offset);
-        dq.iter_mut().chain(ddq).for_each(|v| *v *= self.scale);
     }
 }

@@ -53,6 +53,19 @@ impl Reference {
         }
     }
 
+    /// The reference in other coordinates: `position` maps points, and its linear part `rate` the derivatives.
+    pub(super) fn mapped(&self, position: &dyn Fn(&[f64]) -> Vec<f64>, rate: &dyn Fn(&[f64]) -> Vec<f64>) -> Self {
+        match self {
+            Self::Moves(moves) => Self::Moves(moves.mapped(position)),
+            Self::Sampled(SampledReference { sample_rate_hz, q, dq, ddq }) => Self::Sampled(SampledReference {
+                sample_rate_hz: *sample_rate_hz,
+                q: mapped(q, position),
+                dq: mapped(dq, rate),
+                ddq: mapped(ddq, rate),
+            }),
+        }
+    }
+
     /// Number of joints.
     #[must_use]
     pub fn joints(&self) -> usize {
@@ -61,4 +74,8 @@ impl Reference {
             Self::Moves(moves) => moves.joints(),
         }
     }
+}
+
+fn mapped(series: &Series, map: &dyn Fn(&[f64]) -> Vec<f64>) -> Series {
+    Series::from_values(series.channels(), (0..series.len()).flat_map(|k| map(series.sample(k))).collect())
 }

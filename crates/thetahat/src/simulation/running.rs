@@ -122,7 +122,7 @@ struct Loop<'a> {
     setup: &'a ClosedLoop<'a>,
     controller: Controller,
     plant: Plant<'a>,
-    reference: MotorReference<'a>,
+    reference: MotorReference,
     /// Drive signals: held between samples, or those of the last evaluation.
     u: Vec<f64>,
     grid: OutputGrid,
@@ -271,7 +271,7 @@ impl<'a> Loop<'a> {
     }
 }
 
-fn command(controller: &Controller, reference: &MotorReference<'_>, plant: &Plant<'_>, u: &mut [f64]) {
+fn command(controller: &Controller, reference: &MotorReference, plant: &Plant<'_>, u: &mut [f64]) {
     for (i, u) in u.iter_mut().enumerate() {
         *u = controller.command(i, reference.p[i] - plant.p[i], plant.v[i], reference.dp[i], reference.ddp[i]);
     }

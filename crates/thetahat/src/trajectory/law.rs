@@ -50,14 +50,13 @@ impl TimeLaw {
         let (mut s, mut ds, mut dds) = (0.0, 0.0, 0.0);
         for corner in CORNERS {
             let (sign, x) = self.term(u, corner);
-            if x > 0.0 {
-                s += sign * x * x * x / 6.0;
-                ds += sign * x * x / 2.0;
-                dds += sign * x;
-            }
+            let (first, second) = (sign * x, sign * x * x);
+            dds += first;
+            ds += second;
+            s += second * x;
         }
-        let volume = self.volume();
-        (s / volume, ds / volume, dds / volume)
+        let density = 1.0 / self.volume();
+        (s * density / 6.0, ds * density / 2.0, dds * density)
     }
 
     /// The derivatives of `s` at time `t` by the start and by the logarithms of T1, T2 and T3.

@@ -118,6 +118,12 @@ impl Moves {
         (q, dq, ddq)
     }
 
+    /// The trajectory with each point mapped; a map that is affine gives the same motion in other coordinates.
+    pub(crate) fn mapped(&self, point: &dyn Fn(&[f64]) -> Vec<f64>) -> Self {
+        let moves = self.moves.iter().map(|m| Move { law: m.law, end: point(&m.end) }).collect();
+        Self { start: point(&self.start), moves }
+    }
+
     /// Where move `k`, from zero, starts.
     fn start_of(&self, k: usize) -> &[f64] {
         if k == 0 { &self.start } else { &self.moves[k - 1].end }
