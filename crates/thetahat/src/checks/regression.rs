@@ -108,11 +108,13 @@ pub(super) fn squared_residual(x: &Matrix, y: &[f64], joints: usize) -> f64 {
     let weights = weights(y, y.len() / joints);
     let xw = x.scale_rows(&weights);
     let yw: Vec<f64> = y.iter().zip(&weights).map(|(y, w)| y * w).collect();
-    let qr = PivotedQr::new(&xw);
-    if qr.rank(RANK_TOLERANCE) < x.columns() {
+    let columns = x.columns();
+    let triangle = Matrix::beside(&[&xw, &Matrix::from_fn(yw.len(), 1, |i, _| yw[i])]).triangular_factor();
+    let of_x = triangle.select_columns(&(0..columns).collect::<Vec<_>>());
+    if triangle.rows() <= columns || PivotedQr::new(&of_x).rank(RANK_TOLERANCE) < columns {
         return Regression::new(x, y, joints).squares;
     }
-    xw.times(&qr.solve(&yw)).iter().zip(&yw).map(|(p, y)| (y - p).powi(2)).sum()
+    triangle.at(columns, columns).powi(2)
 }
 
 /// A vector less its part in the span of orthonormal columns.

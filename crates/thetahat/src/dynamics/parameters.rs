@@ -2,7 +2,7 @@ use super::Model;
 use pulp::Simd;
 
 use crate::{
-    real::{Lanes, Parameter, Real},
+    real::{Lanes, Parameter, Real, sign_or, tanh},
     robot::{INERTIAL, Quantity},
     vector::{Mat3, Vec3, in_lanes, times, turned},
 };
@@ -32,27 +32,9 @@ impl Sign {
     pub(crate) fn of_each<T: Real>(self, v: T) -> T {
         match self {
             Self::Exact => sign_or(v, v),
-            Self::Smooth { scale } => smooth_sign(v / v.like(scale)),
+            Self::Smooth { scale } => tanh(v / v.like(scale)),
         }
     }
-}
-
-/// Beyond this argument tanh is one to the last bit.
-const SATURATED: f64 = 19.1;
-
-#[inline(always)]
-fn smooth_sign<T: Real>(x: T) -> T {
-    let between = |x: f64| if x.abs() > SATURATED { x.signum() } else { x.tanh() };
-    let square = x * x;
-    // Mostly, every lane is beyond.
-    if (square - x.like(SATURATED * SATURATED)).is_positive() { sign_or(x, x) } else { x.map(between) }
-}
-
-/// -1 or 1, and `at_zero` where x is neither below nor above.
-#[inline(always)]
-fn sign_or<T: Real>(x: T, at_zero: T) -> T {
-    let zero = x.like(0.0);
-    x.select_less(zero, x.like(-1.0), zero.select_less(x, x.like(1.0), at_zero))
 }
 
 /// A vector of standard parameters, sorted for the kernels; or several side by side.

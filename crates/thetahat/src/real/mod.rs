@@ -4,6 +4,8 @@
 mod lanes;
 mod scalar;
 mod sin_cos;
+mod tanh;
 
 pub(crate) use lanes::{Lanes, MOST_LANES};
 pub(crate) use scalar::{Parameter, Real};
+pub(crate) use tanh::{sign_or, tanh};

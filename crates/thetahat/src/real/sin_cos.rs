@@ -1,6 +1,6 @@
 use std::f64::consts::FRAC_2_PI;
 
-use super::Real;
+use super::{Real, tanh::polynomial};
 
 /// `pi / 2` as a sum: the first two parts have 33 bits, so that their products with numbers below 2^20 are exact.
 const HALF_PI: [f64; 3] = [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2.022_266_248_795_950_6e-21];
@@ -101,16 +101,6 @@ fn cosine<T: Real>(r: T, e: T) -> T {
     let main = one - half;
     let lost = (one - main) - half;
     main + (lost + (z * z * polynomial(z, &COSINE) - r * e))
-}
-
-/// By Horner's rule.
-#[inline(always)]
-fn polynomial<T: Real, const N: usize>(z: T, coefficients: &[f64; N]) -> T {
-    let mut sum = z.like(coefficients[N - 1]);
-    for i in (0..N - 1).rev() {
-        sum = sum * z + z.like(coefficients[i]);
-    }
-    sum
 }
 
 #[cfg(test)]

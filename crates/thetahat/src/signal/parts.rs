@@ -59,13 +59,15 @@ pub(super) struct PartPass<'a, F> {
     head: Vec<f64>,
     tail: Vec<f64>,
     weights: Vec<[f64; WEIGHTS]>,
+    /// The values of the last block, whose place the next one takes: what fills up the width stays zero.
+    spare: Vec<f64>,
 }
 
 impl<'a, F: FnMut(usize, &mut [f64])> PartPass<'a, F> {
     pub(super) fn new(sums: &'a PoleSums, shape: Shape, kept: Kept, fill: F) -> Self {
         let width = shape.channels.next_multiple_of(LANES);
         let tail = vec![0.0; (shape.padding + 1) * width];
-        Self { sums, shape, kept, fill, width, head: Vec::new(), tail, weights: Vec::new() }
+        Self { sums, shape, kept, fill, width, head: Vec::new(), tail, weights: Vec::new(), spare: Vec::new() }
     }
 
     /// The part with these kept samples.
@@ -82,6 +84,7 @@ impl<'a, F: FnMut(usize, &mut [f64])> PartPass<'a, F> {
             self.write_causal(&block, &causal, output.sample_mut(place));
             lengths.push(block.samples);
             behind.push(sums);
+            self.spare = block.values;
         }
         let anticausal = self.add_anticausal(&lengths, &behind, &mut output);
         let is_last = self.kept.first + self.kept.step * (rows.end - 1) + 1 == self.shape.samples;
@@ -104,7 +107,8 @@ impl<'a, F: FnMut(usize, &mut [f64])> PartPass<'a, F> {
 
     /// The samples in `range` of the record.
     fn block(&mut self, range: Range<usize>) -> Block {
-        let mut values = vec![0.0; range.len() * self.width];
+        let mut values = std::mem::take(&mut self.spare);
+        values.resize(range.len() * self.width, 0.0);
         let Shape { samples, channels, padding } = self.shape;
         for (k, sample) in range.clone().zip(values.chunks_mut(self.width)) {
             match self.head.get(k * self.width..(k + 1) * self.width) {

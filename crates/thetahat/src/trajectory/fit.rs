@@ -12,7 +12,8 @@
 //! | `g` | derivatives of s_k by its four unknowns, less what the basis can express | samples x 4 K |
 //!
 //! The derivative of joint j by the unknowns of move k is `D_kj g_k`: all joints share `g`. With `g = Q (Q^T g)` the
-//! least squares of joints times samples shrink to those of joints times 4 K rows, and stay least squares.
+//! least squares of joints times samples shrink to those of joints times 4 K rows, and stay least squares; `Q^T g` and
+//! `Q^T residual` are parts of a triangle, and Q is not needed.
 
 use std::ops::Range;
 
@@ -78,9 +79,7 @@ pub(super) struct Fit {
     /// The start point P_0, known or fitted.
     pub start: Vec<f64>,
     basis: Matrix,
-    qr: PivotedQr,
     coefficients: Matrix,
-    residual: Matrix,
     cost: f64,
 }
 
@@ -130,13 +129,12 @@ fn moved(laws: &[TimeLaw], step: &[f64], shortest: f64) -> Vec<TimeLaw> {
 impl Fit {
     fn new(samples: &Samples, weights: &[f64], laws: Vec<TimeLaw>) -> Self {
         let basis = basis(samples, &laws);
-        let qr = PivotedQr::new(&basis);
-        let coefficients = qr.solve_matrix(&samples.position);
+        let coefficients = PivotedQr::new(&basis).solve_matrix(&samples.position);
         let first_row = || (0..coefficients.columns()).map(|j| coefficients.at(0, j)).collect();
         let start = samples.known_start.clone().unwrap_or_else(first_row);
         let residual = less(&samples.position, &basis.times_matrix(&coefficients));
         let cost = weights.iter().enumerate().map(|(j, w)| w * w * sum_of_squares(residual.column(j))).sum();
-        Self { laws, start, basis, qr, coefficients, residual, cost }
+        Self { laws, start, basis, coefficients, cost }
     }
 
     /// The end points P_1 .. P_K.
@@ -155,11 +153,16 @@ impl Fit {
         self.coefficients.at(self.coefficients.rows() - self.laws.len() + k, j)
     }
 
+    /// The triangle of basis, sensitivities and positions side by side holds, behind the rows of the basis, that of what the
+    /// basis leaves of the others: `g` as a triangle, and the residual in its coordinates.
     fn linearise(&self, samples: &Samples, weights: &[f64]) -> Linear {
         let sensitivity = sensitivity(&samples.time, &self.laws);
-        let g = less(&sensitivity, &self.basis.times_matrix(&self.qr.solve_matrix(&sensitivity)));
-        let q = PivotedQr::new(&g).thin_q();
-        self.stack(&q.transposed_times(&g), &q.transposed_times(&self.residual), weights)
+        let unknowns = sensitivity.columns();
+        let r = Matrix::beside(&[&self.basis, &sensitivity, &samples.position]).triangular_factor();
+        let first = self.basis.columns();
+        let left = r.row_range(first..r.rows().min(first + unknowns));
+        let columns = |from: usize, count: usize| left.select_columns(&(from..from + count).collect::<Vec<_>>());
+        self.stack(&columns(first, unknowns), &columns(first + unknowns, samples.position.columns()), weights)
     }
 
     /// The equations of all joints, one below the other, from the ones they share.
