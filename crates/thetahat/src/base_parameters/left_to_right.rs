@@ -3,7 +3,7 @@ use crate::linear_algebra::norm;
 /// Part of a column of norm about 1 below which it is spanned by those before it: rounding leaves less than 1e-13.
 const SPANNED: f64 = 1e-11;
 /// The part above which it is independent. What lies between is left to whoever looks at all rows.
-const INDEPENDENT: f64 = 1e-5;
+const INDEPENDENT: f64 = 1e-6;
 
 /// Gram-Schmidt with one repetition, column by column: `K = Q R` of the columns kept.
 #[derive(Default)]
@@ -56,8 +56,8 @@ impl LeftToRight {
     }
 }
 
-/// In four sums side by side.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+/// The scalar product, in four sums side by side.
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (a, rest_a) = a.as_chunks::<4>();
     let (b, rest_b) = b.as_chunks::<4>();
     let mut sums = [0.0; 4];

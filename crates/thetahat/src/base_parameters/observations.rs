@@ -14,8 +14,10 @@ use crate::{
 const SEED: u64 = 20_170_703;
 /// States beside the others, to check by.
 const CHECKS: usize = 8;
-/// Columns that are smaller than this beside the largest have no effect.
-const NO_EFFECT: f64 = 1e-9;
+/// Columns that are smaller than this beside the largest have no effect: they are rounding.
+const NO_EFFECT: f64 = 1e-12;
+/// Columns that are larger have one.
+const EFFECT: f64 = 1e-8;
 
 /// Positions, velocities and accelerations, the same at each call.
 pub(super) fn random_states(coordinates: usize, count: usize) -> [Series; 3] {
@@ -49,20 +51,20 @@ struct Observed {
 }
 
 impl Observations {
-    /// Those of the standard parameters at `indices`, in so many states.
-    pub(super) fn new(model: &Model, indices: &[usize], states: usize) -> Self {
+    /// Those of the standard parameters at `indices`, in so many states; `None` where it is not clear which have an effect.
+    pub(super) fn new(model: &Model, indices: &[usize], states: usize) -> Option<Self> {
         let regressor = Regressor::new(model, indices);
         let (entries, all) = (regressor.entries().len(), states + CHECKS);
         let [q, dq, ddq] = random_states(model.joint_count(), all);
         let mut phi = vec![0.0; entries * all];
         regressor.evaluate_samples(model, [&q, &dq, &ddq], 0..all, Sign::Exact, &mut phi);
         let mut observations = Self { states, entries, phi, columns: Observed::of(&regressor, all) };
-        observations.combine(&regressor, &random_weights(model.joint_count(), all));
-        observations
+        observations.combine(&regressor, &random_weights(model.joint_count(), all))?;
+        Some(observations)
     }
 
     /// Norms, and sums over the coordinates.
-    fn combine(&mut self, regressor: &Regressor, weights: &Series) {
+    fn combine(&mut self, regressor: &Regressor, weights: &Series) -> Option<()> {
         let mut squares = vec![0.0; self.columns.len()];
         for (k, phi) in self.phi.chunks_exact(self.entries.max(1)).enumerate() {
             let weights = weights.sample(k);
@@ -72,9 +74,7 @@ impl Observations {
             }
         }
         let largest = squares.iter().copied().fold(0.0, f64::max).sqrt();
-        for (column, square) in self.columns.iter_mut().zip(squares) {
-            column.set_scale(square.sqrt(), largest);
-        }
+        self.columns.iter_mut().zip(squares).try_for_each(|(column, square)| column.set_scale(square.sqrt(), largest))
     }
 
     /// Number of columns.
@@ -144,10 +144,11 @@ impl Observed {
         columns
     }
 
-    fn set_scale(&mut self, norm: f64, largest: f64) {
+    fn set_scale(&mut self, norm: f64, largest: f64) -> Option<()> {
         if norm > NO_EFFECT * largest {
             self.scale = 1.0 / norm;
             self.combined.iter_mut().for_each(|v| *v *= self.scale);
         }
+        (self.scale == 0.0 || norm > EFFECT * largest).then_some(())
     }
 }

@@ -81,7 +81,7 @@ impl BaseParameters {
         Ok(Self::from_dependencies(model.parameter_table(), &considered, &dependencies))
     }
 
-    pub(super) fn from_dependencies(table: &ParameterTable, considered: &[usize], dependencies: &Dependencies) -> Self {
+    fn from_dependencies(table: &ParameterTable, considered: &[usize], dependencies: &Dependencies) -> Self {
         let Dependencies { kept, spanned, coefficients } = dependencies;
         let parameters = kept.iter().enumerate().map(|(row, &column)| {
             let of = |(k, &other): (usize, &usize)| (considered[other], coefficients.at(row, k));

@@ -1,9 +1,7 @@
 //! Dependencies of all columns at once: by the third power of the number of joints, for robots that are nearly special.
 
 use super::{
-    dependencies::Dependencies,
-    observations::random_states,
-    regrouping::BaseParametersError,
+    dependencies::Dependencies, left_to_right::dot, observations::random_states, regrouping::BaseParametersError,
 };
 use crate::{
     dynamics::{Model, Sign, Workspace},
@@ -63,7 +61,7 @@ fn independent_columns(x: &Matrix, candidates: &[usize]) -> Vec<usize> {
         let mut rest = x.column(j).to_vec();
         for _ in 0..2 {
             for b in &basis {
-                let along: f64 = b.iter().zip(&rest).map(|(b, r)| b * r).sum();
+                let along = dot(b, &rest);
                 rest.iter_mut().zip(b).for_each(|(r, b)| *r -= along * b);
             }
         }
