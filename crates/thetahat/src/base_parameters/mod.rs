@@ -1,10 +1,24 @@
 //! Base parameters: the independent combinations of standard parameters that torques can show.
 //!
 //! The observation matrix of random states (fixed seed) is examined column by column, in the order of the standard
-//! parameters: a column that the kept ones do not span is kept, the others are regrouped into them. The number of base
-//! parameters is the rank by QR with column pivoting, and the two must agree (M. Gautier, "Numerical calculation of the
-//! base inertial parameters of robots", 1990).
+//! parameters: a column that the kept ones do not span is kept, the others are regrouped into them (M. Gautier, "Numerical
+//! calculation of the base inertial parameters of robots", 1990).
+//!
+//! The work is done joint by joint, from the last to the first, on as many columns at a time as a link and the one before
+//! it have. Where a joint is free and drives nothing else, what its own torque does not show of its link is what a mass on
+//! the link before would do just as well, as in the recursion of P. Wensing, G. Niemeyer and J.-J. Slotine, "Observability
+//! in inertial parameter identification", 2017; whatever is left over, as by followers and coupled motors, is carried on to
+//! the next joint. Where a decision is not clear by orders of magnitude, the whole matrix is examined at once, and its
+//! rank by QR with column pivoting must agree.
 
+mod dependencies;
+mod joint_by_joint;
+mod left_to_right;
+mod null_space;
+mod observations;
 mod regrouping;
+#[cfg(test)]
+mod tests;
+mod whole;
 
 pub use regrouping::{BaseParameter, BaseParameters, BaseParametersError};

@@ -1,10 +1,8 @@
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use std::collections::BTreeSet;
 
+use super::{dependencies::Dependencies, joint_by_joint, whole};
 use crate::{
-    dynamics::{Model, Sign, Workspace},
-    linear_algebra::{Matrix, PivotedQr, norm},
-    regressor::Regressor,
+    dynamics::Model,
     robot::{Parameter, ParameterTable},
 };
 
@@ -66,13 +64,8 @@ pub struct BaseParameters {
     standard_count: usize,
 }
 
-/// Random states whose rows are examined: several times as many rows as there can be parameters.
-const STATES: usize = 100;
-/// Seed of the random states.
-const SEED: u64 = 20_170_703;
-/// Part of a column, relative to its norm, below which it counts as spanned by those before it; also the relative
-/// tolerance of the rank. Spanned columns leave about 1e-14, independent ones more than 1e-4 for real geometries.
-const TOLERANCE: f64 = 1e-9;
+/// Random states to begin with, and once more where they are not enough or a decision is not clear.
+pub(super) const STATES: [usize; 2] = [48, 192];
 /// Coefficients of the formulas are exact to about 1e-12; smaller ones are rounding.
 const NEGLIGIBLE: f64 = 1e-9;
 
@@ -82,36 +75,20 @@ impl BaseParameters {
     /// # Errors
     /// [`BaseParametersError`] for an unknown name or a rank that is not clear.
     pub fn of(model: &Model, excluded: &[String]) -> Result<Self, BaseParametersError> {
-        let table = model.parameter_table();
-        if let Some(name) = excluded.iter().find(|name| table.index_of(name).is_none()) {
-            return Err(BaseParametersError::UnknownStandardParameter { name: name.clone() });
-        }
-        let considered: Vec<usize> = (0..table.len()).filter(|&i| !excluded.contains(&table.get(i).name())).collect();
-        let x = random_observations(model, &considered);
-        let size: Vec<f64> = (0..x.columns()).map(|j| norm(x.column(j))).collect();
-        let largest = size.iter().copied().fold(0.0, f64::max);
-        let effective: Vec<usize> = (0..x.columns()).filter(|&j| size[j] > TOLERANCE * largest).collect();
-        if effective.is_empty() {
-            return Err(BaseParametersError::NoneLeft);
-        }
-        let kept = independent_columns(&x, &effective);
-        let rank = PivotedQr::new(&x.select_columns(&effective)).rank(TOLERANCE);
-        if rank != kept.len() {
-            return Err(BaseParametersError::AmbiguousRank { kept: kept.len(), rank });
-        }
-        let spanned: Vec<usize> = effective.iter().copied().filter(|j| !kept.contains(j)).collect();
-        let qr = PivotedQr::new(&x.select_columns(&kept));
-        let coefficients = qr.solve_matrix(&x.select_columns(&spanned));
+        let considered = considered(model.parameter_table(), excluded)?;
+        let found = STATES.iter().find_map(|&states| joint_by_joint::dependencies(model, &considered, states));
+        let dependencies = found.map_or_else(|| whole::dependencies(model, &considered), Ok)?;
+        Ok(Self::from_dependencies(model.parameter_table(), &considered, &dependencies))
+    }
+
+    fn from_dependencies(table: &ParameterTable, considered: &[usize], dependencies: &Dependencies) -> Self {
+        let Dependencies { kept, spanned, coefficients } = dependencies;
         let parameters = kept.iter().enumerate().map(|(row, &column)| {
-            let regrouped = spanned
-                .iter()
-                .enumerate()
-                .map(|(k, &other)| (considered[other], coefficients.at(row, k)))
-                .filter(|(_, c)| c.abs() > NEGLIGIBLE)
-                .collect();
+            let of = |(k, &other): (usize, &usize)| (considered[other], coefficients.at(row, k));
+            let regrouped = spanned.iter().enumerate().map(of).filter(|(_, c)| c.abs() > NEGLIGIBLE).collect();
             BaseParameter::new(table, considered[column], regrouped)
         });
-        Ok(Self { parameters: parameters.collect(), standard_count: table.len() })
+        Self { parameters: parameters.collect(), standard_count: table.len() }
     }
 
     /// The base parameters in order.
@@ -210,45 +187,15 @@ fn readable(value: f64) -> String {
     format!("{value:.9}").trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// `phi` of random states, all joints' rows.
-fn random_observations(model: &Model, indices: &[usize]) -> Matrix {
-    let n = model.joint_count();
-    let regressor = Regressor::new(model, indices);
-    let mut rng = ChaCha8Rng::seed_from_u64(SEED);
-    let mut workspace = Workspace::new(model);
-    let mut phi = vec![0.0; regressor.entries().len()];
-    let mut x = Matrix::zeros(STATES * n, indices.len());
-    for k in 0..STATES {
-        let mut random = |range: f64| (0..n).map(|_| rng.random_range(-range..range)).collect::<Vec<f64>>();
-        let (q, dq, ddq) = (random(3.0), random(2.0), random(5.0));
-        regressor.evaluate(model, &q, &dq, &ddq, Sign::Exact, &mut workspace, &mut phi);
-        for (entry, value) in regressor.entries().iter().zip(&phi) {
-            *x.at_mut(k * n + entry.joint, entry.column) = *value;
-        }
+/// The indices of the parameters that are not excluded.
+pub(super) fn considered(table: &ParameterTable, excluded: &[String]) -> Result<Vec<usize>, BaseParametersError> {
+    let names: Vec<String> = table.iter().map(Parameter::name).collect();
+    let known: BTreeSet<&String> = names.iter().collect();
+    if let Some(name) = excluded.iter().find(|name| !known.contains(name)) {
+        return Err(BaseParametersError::UnknownStandardParameter { name: name.clone() });
     }
-    x
-}
-
-/// The first independent columns from left to right, by Gram-Schmidt with one repetition.
-fn independent_columns(x: &Matrix, candidates: &[usize]) -> Vec<usize> {
-    let mut basis: Vec<Vec<f64>> = Vec::new();
-    let mut kept = Vec::new();
-    for &j in candidates {
-        let mut rest = x.column(j).to_vec();
-        for _ in 0..2 {
-            for b in &basis {
-                let along: f64 = b.iter().zip(&rest).map(|(b, r)| b * r).sum();
-                rest.iter_mut().zip(b).for_each(|(r, b)| *r -= along * b);
-            }
-        }
-        let size = norm(&rest);
-        if size > TOLERANCE * norm(x.column(j)) {
-            rest.iter_mut().for_each(|r| *r /= size);
-            basis.push(rest);
-            kept.push(j);
-        }
-    }
-    kept
+    let excluded: BTreeSet<&String> = excluded.iter().collect();
+    Ok((0..names.len()).filter(|&i| !excluded.contains(&names[i])).collect())
 }
 
 #[cfg(test)]
@@ -256,7 +203,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::robot::Robot;
+    use crate::{base_parameters::whole::random_observations, linear_algebra::norm, robot::Robot};
 
     const TX40: &str = include_str!("../../../../robots/tx40.toml");
 
