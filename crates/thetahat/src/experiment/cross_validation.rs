@@ -77,11 +77,13 @@ pub(super) fn leave_folds_out(
 ) -> Option<CrossValidation> {
     let rows = problem.y.len();
     let of_row: Vec<usize> = (0..rows).map(|k| folds.of_row[k % folds.of_row.len()]).collect();
-    let left = WithoutEach::new(&equations(problem, method, instruments, weights), &of_row, folds.names.len());
+    let parameters = problem.x.columns();
+    let equations = equations(problem, method, instruments, weights);
+    let left = WithoutEach::new(&equations, &of_row, (folds.names.len(), parameters));
     let mut prediction = vec![0.0; rows];
     let mut estimates = Vec::with_capacity(folds.names.len());
     for fold in 0..folds.names.len() {
-        let theta = estimate(method, &left.triangle(fold), problem.x.columns()).ok()?;
+        let theta = estimate(method, &left.triangle(fold), parameters).ok()?;
         let predicting = if method == Method::Didim { instruments? } else { &problem.x };
         let all = predicting.times(&theta);
         (0..rows).filter(|&k| of_row[k] == fold).for_each(|k| prediction[k] = all[k]);
@@ -124,36 +126,45 @@ fn equations(problem: &Problem, method: Method, instruments: Option<&Matrix>, we
     weights.map_or_else(|| all.clone(), |w| all.scale_rows(w))
 }
 
-/// Triangles that stand for all rows but those of one fold, as the rows themselves in any least squares problem.
+/// For each fold a triangle that stands for the rows of all others: as many rows as parameters, along the columns of Z, or
+/// of X where there is none. What is across them has no part in an estimate.
 struct WithoutEach {
     /// Those of the folds before each, and behind it.
     before: Vec<Matrix>,
     behind: Vec<Matrix>,
+    parameters: usize,
 }
 
 impl WithoutEach {
-    fn new(rows: &Matrix, of_row: &[usize], folds: usize) -> Self {
+    fn new(rows: &Matrix, of_row: &[usize], (folds, parameters): (usize, usize)) -> Self {
         let of_fold = |fold: usize| {
             let keep: Vec<bool> = of_row.iter().map(|f| *f == fold).collect();
-            rows.select_rows(&keep).triangular_factor()
+            triangle(&[&rows.select_rows(&keep)], parameters)
         };
         let each: Vec<Matrix> = (0..folds).map(of_fold).collect();
-        let before = sums(each.iter(), rows.columns());
-        let mut behind = sums(each.iter().rev(), rows.columns());
+        let nothing = Matrix::zeros(0, rows.columns());
+        let before = sums(each.iter(), &nothing, parameters);
+        let mut behind = sums(each.iter().rev(), &nothing, parameters);
         behind.reverse();
-        Self { before, behind }
+        Self { before, behind, parameters }
     }
 
     fn triangle(&self, fold: usize) -> Matrix {
-        Matrix::stack(&[&self.before[fold], &self.behind[fold]]).triangular_factor()
+        triangle(&[&self.before[fold], &self.behind[fold]], self.parameters)
     }
 }
 
+/// The first rows of the triangle of parts one below the other.
+fn triangle(parts: &[&Matrix], rows: usize) -> Matrix {
+    let r = Matrix::stack(parts).triangular_factor();
+    r.row_range(0..rows.min(r.rows()))
+}
+
 /// For each triangle, the one of those ahead of it.
-fn sums<'a>(each: impl Iterator<Item = &'a Matrix>, columns: usize) -> Vec<Matrix> {
-    let mut sum = Matrix::zeros(0, columns);
-    let add = |triangle: &Matrix| {
-        let next = Matrix::stack(&[&sum, triangle]).triangular_factor();
+fn sums<'a>(each: impl Iterator<Item = &'a Matrix>, nothing: &Matrix, parameters: usize) -> Vec<Matrix> {
+    let mut sum = nothing.clone();
+    let add = |part: &Matrix| {
+        let next = triangle(&[&sum, part], parameters);
         std::mem::replace(&mut sum, next)
     };
     each.map(add).collect()
