@@ -24,6 +24,7 @@ mod run;
 mod sensitivity;
 mod simulator;
 mod turns;
+mod wishes;
 
 #[cfg(feature = "parquet")]
 pub(crate) use chain::{FilteredRecord, Problem};

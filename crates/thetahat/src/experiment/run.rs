@@ -11,8 +11,9 @@ use super::{
     cross_validation::{CrossValidation, Folds, folds_by_move, folds_by_part, folds_by_recording, leave_folds_out},
     diagnosis::{Estimated, diagnose, residual},
     record::Record,
-    simulator::{RecordReference, Simulator, instruments_side_by_side},
+    simulator::{RecordReference, Simulator},
     turns::{self, Attempt, Finished, Terms},
+    wishes::instruments_side_by_side,
 };
 use crate::{
     base_parameters::BaseParameters,
@@ -267,11 +268,6 @@ impl Session<'_> {
         let recordings =
             prepared.iter().map(|p| Some((&p.filtered, p.reference.as_ref()?))).collect::<Option<Vec<_>>>()?;
         Some(Simulator::new(self.experiment, problem, &recordings, controller, case.simulator))
-    }
-
-    /// The simulator of the main recordings for one case.
-    pub(super) fn main_simulator<'s>(&'s self, problem: &'s Problem, case: &Case) -> Option<Simulator<'s>> {
-        self.simulator(&self.main, problem, case)
     }
 
     fn summarise(

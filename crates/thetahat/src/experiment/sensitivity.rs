@@ -1,6 +1,7 @@
 //! What errors of the simulator do to the estimates of IV and DIDIM: section V-C of the paper for any error.
 
 use std::{
+    convert::Infallible,
     path::Path,
     sync::atomic::{AtomicUsize, Ordering},
 };
@@ -8,9 +9,10 @@ use std::{
 use super::{
     Case, Experiment, ExperimentError,
     run::{CaseProblem, Session},
+    turns::{self, Attempt, Terms},
 };
 use crate::{
-    identification::{Method, Outcome, Status, iterate},
+    identification::{Method, Outcome, Status},
     pool::in_parallel,
     simulation::{BiasKind, SimulatorBias},
 };
@@ -25,6 +27,8 @@ const SWEEP: [(BiasKind, &[f64]); 7] = [
     (BiasKind::ReferenceOffset, &[-0.02, -0.01, -0.005, 0.005, 0.01, 0.02]),
     (BiasKind::Friction, &[0.0, 0.5, 0.8, 1.2, 1.5, 2.0]),
 ];
+/// Estimations whose simulations run side by side.
+const TOGETHER: usize = 4;
 const METHODS: [Method; 2] = [Method::IdimIv, Method::Didim];
 
 /// A sweep over errors of the simulator.
@@ -84,24 +88,20 @@ impl Experiment {
         let session = self.session(data, &mut |_| {})?;
         let problems = session.problems(&mut |_| {})?;
         let sweep = Sweep { experiment: self, session: &session, problem: &problems[0] };
-        let nominal: Vec<Outcome> = METHODS
-            .iter()
-            .map(|&m| sweep.estimate(m, SimulatorBias::NONE, None))
-            .collect::<Option<_>>()
-            .unwrap_or_default();
+        let nominal = sweep.estimate(&METHODS.map(|method| (method, SimulatorBias::NONE, None)), threads);
         let jobs: Vec<(BiasKind, f64, usize)> = SWEEP
             .iter()
             .flat_map(|(kind, values)| values.iter().map(move |v| (*kind, *v)))
             .flat_map(|(kind, value)| (0..nominal.len()).map(move |m| (kind, value, m)))
             .collect();
+        let groups: Vec<&[(BiasKind, f64, usize)]> = jobs.chunks(TOGETHER).collect();
         let done = AtomicUsize::new(0);
-        let work = |k: usize| {
-            let (kind, value, m) = jobs[k];
-            let point = sweep.point(kind, value, METHODS[m], &nominal[m]);
-            progress(done.fetch_add(1, Ordering::Relaxed) + 1, jobs.len());
-            point
+        let work = |g: usize| {
+            let points = sweep.points(groups[g], &nominal);
+            progress(done.fetch_add(points.len(), Ordering::Relaxed) + points.len(), jobs.len());
+            points
         };
-        let points = in_parallel(jobs.len(), threads, work).into_iter().flatten().collect();
+        let points = in_parallel(groups.len(), threads, work).into_iter().flatten().collect();
         Ok(sweep.finish(&nominal, points))
     }
 }
@@ -113,27 +113,37 @@ struct Sweep<'a> {
 }
 
 impl Sweep<'_> {
-    fn estimate(&self, method: Method, bias: SimulatorBias, start: Option<&[f64]>) -> Option<Outcome> {
-        let problem = &self.problem.problem;
-        let case = Case { simulator: bias, ..self.experiment.cases().swap_remove(0) };
-        let simulator = self.session.main_simulator(problem, &case)?;
-        let weights = self.session.weights(self.problem, method);
+    /// Estimates by some methods with an error of the simulator each, from start values or those of the experiment.
+    fn estimate(&self, wanted: &[(Method, SimulatorBias, Option<&[f64]>)], threads: usize) -> Vec<Outcome> {
+        let nominal = self.experiment.cases().swap_remove(0);
+        let attempt = |&(method, simulator, start): &(Method, SimulatorBias, Option<&[f64]>)| {
+            let attempt = self.session.attempt(self.problem, &Case { simulator, ..nominal.clone() }, method);
+            Attempt { start: start.map_or(attempt.start, <[f64]>::to_vec), ..attempt }
+        };
+        let attempts: Vec<Attempt<'_>> = wanted.iter().map(attempt).collect();
         let estimation = &self.experiment.file.estimation;
-        Some(iterate(
-            method,
-            (&problem.x, &problem.y),
-            weights.as_deref(),
-            (estimation.variance, estimation.convergence),
-            &start.map_or_else(|| simulator.start(), <[f64]>::to_vec),
-            &mut |theta| simulator.instruments(theta),
-        ))
+        let (divisor, convergence) = (estimation.variance, estimation.convergence);
+        let terms = Terms { divisor, convergence, motion_step: None, threads };
+        let mut outcomes = vec![None; attempts.len()];
+        let Ok(()) = turns::make(&attempts, terms, &mut |_| {}, &mut |k, finished| {
+            outcomes[k] = Some(finished.outcome);
+            Ok::<(), Infallible>(())
+        });
+        outcomes.into_iter().flatten().collect()
     }
 
     /// Starts from the nominal estimates, where there are any.
-    fn point(&self, kind: BiasKind, value: f64, method: Method, nominal: &Outcome) -> Option<SensitivityPoint> {
-        let start = nominal.fit.as_ref().map(|f| f.theta.as_slice());
-        let outcome = self.estimate(method, SimulatorBias::NONE.with(kind, value), start)?;
-        Some(self.describe((kind, value), method, &outcome, nominal))
+    fn points(&self, jobs: &[(BiasKind, f64, usize)], nominal: &[Outcome]) -> Vec<SensitivityPoint> {
+        let start = |m: usize| nominal[m].fit.as_ref().map(|f| f.theta.as_slice());
+        let wanted: Vec<_> = jobs
+            .iter()
+            .map(|&(kind, value, m)| (METHODS[m], SimulatorBias::NONE.with(kind, value), start(m)))
+            .collect();
+        let outcomes = self.estimate(&wanted, 1);
+        let describe = |(&(kind, value, m), outcome): (&(BiasKind, f64, usize), &Outcome)| {
+            self.describe((kind, value), METHODS[m], outcome, &nominal[m])
+        };
+        jobs.iter().zip(&outcomes).map(describe).collect()
     }
 
     fn describe(

@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use super::{
     Experiment, ExperimentError, Gains, Start,
     chain::{FilteredRecord, Problem},
+    wishes::Output,
 };
 use crate::{
     control::ControllerDescription,
     dynamics::Sign,
     identification::Assembly,
     linear_algebra::{Matrix, norm},
-    pool::in_parallel,
     series::Series,
     simulation::{
         ClosedLoop, Job, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulationError, SimulatorBias,
@@ -52,90 +52,6 @@ pub(crate) struct Simulator<'a> {
     problem: &'a Problem,
     loops: Vec<RecordedLoop<'a>>,
     kept_inertia: Option<Vec<f64>>,
-}
-
-/// What is wanted of a simulation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Output {
-    /// Z.
-    Instruments,
-    /// The motion of each recording at every so many samples of its window, the first included.
-    Motion { step: usize },
-}
-
-impl Output {
-    fn step(self) -> usize {
-        if let Self::Motion { step } = self { step.max(1) } else { 1 }
-    }
-}
-
-/// What a simulation gave.
-#[derive(Debug, Clone)]
-pub(crate) enum Simulated {
-    Instruments(Matrix),
-    Motions(Vec<SimulatedMotion>),
-}
-
-/// A simulation with base parameters.
-pub(crate) struct Wish<'a> {
-    pub(crate) simulator: &'a Simulator<'a>,
-    pub(crate) theta: Vec<f64>,
-    pub(crate) output: Output,
-}
-
-impl Wish<'_> {
-    fn is_like(&self, other: &Self) -> bool {
-        self.simulator.is_like(other.simulator) && self.theta == other.theta && self.output == other.output
-    }
-}
-
-/// Fulfils wishes side by side, equal ones once; each as by itself.
-pub(crate) fn simulate_side_by_side(wishes: &[Wish<'_>], threads: usize) -> Vec<Result<Simulated, SimulationError>> {
-    let first_like = |wish: &Wish<'_>| wishes.iter().position(|other| wish.is_like(other)).unwrap_or_default();
-    let first: Vec<usize> = wishes.iter().map(first_like).collect();
-    let mut simulated: Vec<_> = (0..wishes.len()).map(|_| None).collect();
-    let (places, different): (Vec<usize>, Vec<&Wish<'_>>) =
-        wishes.iter().enumerate().filter(|(k, _)| first[*k] == *k).unzip();
-    let results = simulate_different(&different, threads);
-    places.into_iter().zip(results).for_each(|(k, result)| simulated[k] = Some(result));
-    for k in 0..wishes.len() {
-        if first[k] != k {
-            simulated[k] = simulated[first[k]].clone();
-        }
-    }
-    simulated.into_iter().flatten().collect()
-}
-
-/// Z with base parameters `theta` by each of some simulators of one problem, where the simulation succeeds.
-pub(crate) fn instruments_side_by_side(
-    simulators: &[Simulator<'_>],
-    theta: &[f64],
-    threads: usize,
-) -> Vec<Option<Matrix>> {
-    let wish = |simulator| Wish { simulator, theta: theta.to_vec(), output: Output::Instruments };
-    let simulated = simulate_side_by_side(&simulators.iter().map(wish).collect::<Vec<_>>(), threads);
-    simulated.into_iter().map(|s| if let Ok(Simulated::Instruments(z)) = s { Some(z) } else { None }).collect()
-}
-
-fn simulate_different(wishes: &[&Wish<'_>], threads: usize) -> Vec<Result<Simulated, SimulationError>> {
-    let resolved: Vec<_> = wishes.iter().map(|w| w.simulator.resolve(&w.theta)).collect();
-    let jobs: Vec<Job<'_>> =
-        wishes.iter().zip(&resolved).flat_map(|(w, resolved)| w.simulator.jobs(resolved, w.output)).collect();
-    let groups: Vec<&[Job<'_>]> = jobs.chunks(jobs.len().div_ceil(threads.max(1)).max(1)).collect();
-    let mut all = in_parallel(groups.len(), threads, |g| simulate_all(groups[g])).into_iter().flatten();
-    let of_wish = |w: &&Wish<'_>| all.by_ref().take(w.simulator.loops.len()).collect::<Vec<_>>().into_iter().collect();
-    let motions: Vec<Result<Vec<SimulatedMotion>, SimulationError>> = wishes.iter().map(of_wish).collect();
-    let instruments = |k: usize| match &motions[k] {
-        Ok(motions) if wishes[k].output == Output::Instruments => Some(wishes[k].simulator.instruments_of(motions)),
-        _ => None,
-    };
-    let instruments = in_parallel(wishes.len(), threads, instruments);
-    let results = motions.into_iter().zip(instruments);
-    let result = |(motions, z)| match z {
-        Some(z) => Result::map(z, Simulated::Instruments),
-        None => Result::map(motions, Simulated::Motions),
-    };
-    results.map(result).collect()
 }
 
 /// The loop of one recording.
@@ -186,22 +102,13 @@ impl<'a> Simulator<'a> {
         self.problem.estimated.from_standard(&theta)
     }
 
-    /// Z of the loops simulated with base parameters `theta`.
-    pub(crate) fn instruments(&self, theta: &[f64]) -> Result<Matrix, SimulationError> {
-        self.instruments_of(&self.run(theta, Output::Instruments)?)
-    }
-
     /// The simulated motion of each recording in its window.
     pub(super) fn simulate(&self, theta: &[f64]) -> Result<Vec<SimulatedMotion>, SimulationError> {
-        self.run(theta, Output::Motion { step: 1 })
-    }
-
-    fn run(&self, theta: &[f64], output: Output) -> Result<Vec<SimulatedMotion>, SimulationError> {
-        simulate_all(&self.jobs(&self.resolve(theta), output)).into_iter().collect()
+        simulate_all(&self.jobs(&self.resolve(theta), Output::Motion { step: 1 })).into_iter().collect()
     }
 
     /// The simulations of all recordings.
-    fn jobs<'j>(&'j self, (theta, inertia): &'j (Vec<f64>, Vec<f64>), output: Output) -> Vec<Job<'j>> {
+    pub(super) fn jobs<'j>(&'j self, (theta, inertia): &'j (Vec<f64>, Vec<f64>), output: Output) -> Vec<Job<'j>> {
         let whole = output == Output::Instruments && self.experiment.file.simulation.band_pass;
         let job = |l: &RecordedLoop<'a>| Job {
             closed_loop: l.closed_loop,
@@ -213,14 +120,19 @@ impl<'a> Simulator<'a> {
     }
 
     /// Z of the motions simulated for it.
-    fn instruments_of(&self, motions: &[SimulatedMotion]) -> Result<Matrix, SimulationError> {
+    pub(super) fn instruments_of(&self, motions: &[SimulatedMotion]) -> Result<Matrix, SimulationError> {
         let of_loop = |(l, motion): (&RecordedLoop<'_>, &SimulatedMotion)| l.instruments(self.experiment, motion);
         let matrices = self.loops.iter().zip(motions).map(of_loop).collect::<Result<Vec<_>, _>>()?;
         Ok(self.problem.rows.stack_matrices(matrices))
     }
 
+    /// Number of recordings.
+    pub(super) fn recordings(&self) -> usize {
+        self.loops.len()
+    }
+
     /// Whether both give the same motion for the same parameters.
-    fn is_like(&self, other: &Self) -> bool {
+    pub(super) fn is_like(&self, other: &Self) -> bool {
         let bias = |s: &Self| s.loops.first().map(|l| l.closed_loop.bias);
         std::ptr::eq(self.experiment, other.experiment)
             && std::ptr::eq(self.problem, other.problem)
@@ -228,7 +140,7 @@ impl<'a> Simulator<'a> {
     }
 
     /// Standard parameters of base parameters, and the inertia that each motor sees for the gains of its controller.
-    fn resolve(&self, theta: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    pub(super) fn resolve(&self, theta: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let standard = self.problem.estimated.to_standard(theta);
         let inertia = self.kept_inertia.clone().unwrap_or_else(|| self.inertia(&standard));
         (standard, inertia)

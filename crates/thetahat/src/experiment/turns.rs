@@ -4,7 +4,8 @@ use std::time::Instant;
 
 use super::{
     chain::Problem,
-    simulator::{Output, Simulated, Simulator, Wish, simulate_side_by_side},
+    simulator::Simulator,
+    wishes::{Output, Simulated, Wish, simulate_side_by_side},
 };
 use crate::{
     identification::{Convergence, Divisor, Estimation, Method, Outcome, idim_ls},
