@@ -156,7 +156,7 @@ pub struct Campaign {
     /// Folder for runs.parquet, timing.parquet and campaign.html [default: tables in the terminal only]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Records that are worked on at a time [default: one for each processor]
+    /// Threads, each of which works on four records at a time [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = at_least_one)]
     pub threads: Option<usize>,
     /// Only the first starts of the campaign

@@ -3,6 +3,7 @@
 use std::{collections::BTreeMap, path::PathBuf};
 
 use super::{Campaign, CampaignError, Key, Limits, Row, Store, record::Bench};
+use crate::experiment::SIDE_BY_SIDE;
 use crate::pool::as_finished;
 
 /// A parameter that a campaign estimates.
@@ -59,7 +60,7 @@ pub struct Progress {
 }
 
 impl Campaign {
-    /// Runs what is not in the store yet and returns all rows; `threads` records at a time. Rows are the same for any
+    /// Runs what is not in the store yet and returns all rows; each of `threads` takes four records at a time. Rows are the same for any
     /// number of threads, and with or without a store.
     ///
     /// A run that fails is a row with its status and reason.
@@ -101,9 +102,6 @@ impl Campaign {
 
 type Records = BTreeMap<Key, Vec<Row>>;
 
-/// Records whose simulations run side by side.
-const TOGETHER: usize = 4;
-
 /// Runs the records in small groups, so many of these at a time; whoever ran them keeps their rows. The first error stops
 /// all.
 fn run_all(
@@ -113,7 +111,7 @@ fn run_all(
     store: Option<&Store>,
     progress: &mut dyn FnMut(usize),
 ) -> Result<Records, CampaignError> {
-    let groups: Vec<&[Key]> = keys.chunks(TOGETHER).collect();
+    let groups: Vec<&[Key]> = keys.chunks(SIDE_BY_SIDE).collect();
     let work = |place: usize| {
         let of_records = bench.run(groups[place])?;
         let mut each = groups[place].iter().zip(&of_records);

@@ -36,7 +36,7 @@ pub(crate) use run::explain;
 #[cfg(feature = "parquet")]
 pub(crate) use simulator::{RecordReference, Simulator};
 #[cfg(feature = "parquet")]
-pub(crate) use turns::{Attempt, Finished, Terms, make};
+pub(crate) use turns::{Attempt, Finished, SIDE_BY_SIDE, Terms, make};
 
 pub(crate) use description::NOMINAL;
 pub(crate) use record::Record;

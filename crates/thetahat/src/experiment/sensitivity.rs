@@ -27,8 +27,6 @@ const SWEEP: [(BiasKind, &[f64]); 7] = [
     (BiasKind::ReferenceOffset, &[-0.02, -0.01, -0.005, 0.005, 0.01, 0.02]),
     (BiasKind::Friction, &[0.0, 0.5, 0.8, 1.2, 1.5, 2.0]),
 ];
-/// Estimations whose simulations run side by side.
-const TOGETHER: usize = 4;
 const METHODS: [Method; 2] = [Method::IdimIv, Method::Didim];
 
 /// A sweep over errors of the simulator.
@@ -94,7 +92,7 @@ impl Experiment {
             .flat_map(|(kind, values)| values.iter().map(move |v| (*kind, *v)))
             .flat_map(|(kind, value)| (0..nominal.len()).map(move |m| (kind, value, m)))
             .collect();
-        let groups: Vec<&[(BiasKind, f64, usize)]> = jobs.chunks(TOGETHER).collect();
+        let groups: Vec<&[(BiasKind, f64, usize)]> = jobs.chunks(turns::SIDE_BY_SIDE).collect();
         let done = AtomicUsize::new(0);
         let work = |g: usize| {
             let points = sweep.points(groups[g], &nominal);

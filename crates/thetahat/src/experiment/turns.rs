@@ -42,6 +42,10 @@ pub(crate) struct Terms {
     pub(crate) threads: usize,
 }
 
+/// Simulations for each thread that run at a time: as many as a vector of most machines has lanes. More would wait, with
+/// their motions in memory.
+pub(crate) const SIDE_BY_SIDE: usize = 4;
+
 enum Stage {
     Estimating(Estimation),
     Estimated(Outcome),
@@ -64,8 +68,7 @@ pub(crate) fn make<E>(
         for (k, turn) in turns.iter_mut().enumerate().filter(|(_, t)| t.wish().is_none()) {
             turn.end().map_or(Ok(()), |finished| take(k, finished))?;
         }
-        let (waiting, wishes): (Vec<usize>, Vec<Wish<'_>>) =
-            turns.iter().enumerate().filter_map(|(k, turn)| Some((k, turn.wish()?))).unzip();
+        let (waiting, wishes) = next_wishes(&turns, SIDE_BY_SIDE * terms.threads.max(1));
         if wishes.is_empty() {
             return Ok(());
         }
@@ -79,6 +82,21 @@ pub(crate) fn make<E>(
             }
         }
     }
+}
+
+/// The first attempts that wait, and what they wish: no more different simulations than `most`, or those of one wish.
+fn next_wishes<'a>(turns: &[Turn<'a>], most: usize) -> (Vec<usize>, Vec<Wish<'a>>) {
+    let (mut waiting, mut wishes, mut simulations) = (Vec::new(), Vec::<Wish<'_>>::new(), 0);
+    for (k, wish) in turns.iter().enumerate().filter_map(|(k, turn)| Some((k, turn.wish()?))) {
+        let is_new = !wishes.iter().any(|other| wish.is_like(other));
+        let with_it = simulations + if is_new { wish.simulator.recordings() } else { 0 };
+        if wishes.is_empty() || with_it <= most {
+            simulations = with_it;
+            waiting.push(k);
+            wishes.push(wish);
+        }
+    }
+    (waiting, wishes)
 }
 
 /// An attempt under way.

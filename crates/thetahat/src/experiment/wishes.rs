@@ -37,7 +37,7 @@ pub(crate) struct Wish<'a> {
 }
 
 impl Wish<'_> {
-    fn is_like(&self, other: &Self) -> bool {
+    pub(super) fn is_like(&self, other: &Self) -> bool {
         self.simulator.is_like(other.simulator) && self.theta == other.theta && self.output == other.output
     }
 }
