@@ -384,6 +384,21 @@ fn to_unit_magnitude(size: f64) -> f64 {
     if factor.is_normal() { factor } else { 1.0 }
 }
 
+/// The scalar product, in four sums side by side.
+///
+/// Entries of the longer vector behind the end of the shorter one are left out.
+#[must_use]
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let length = a.len().min(b.len());
+    let (a, rest_a) = a[..length].as_chunks::<4>();
+    let (b, rest_b) = b[..length].as_chunks::<4>();
+    let mut sums = [0.0; 4];
+    for (a, b) in a.iter().zip(b) {
+        (0..4).for_each(|i| sums[i] += a[i] * b[i]);
+    }
+    sums.iter().sum::<f64>() + rest_a.iter().zip(rest_b).map(|(a, b)| a * b).sum::<f64>()
+}
+
 /// The Euclidean norm.
 #[must_use]
 pub fn norm(x: &[f64]) -> f64 {

@@ -1,4 +1,4 @@
-use crate::linear_algebra::norm;
+use crate::linear_algebra::{dot, norm};
 
 /// Part of a column of norm about 1 below which it is spanned by those before it: rounding leaves less than 1e-13.
 const SPANNED: f64 = 1e-11;
@@ -54,15 +54,4 @@ impl LeftToRight {
         }
         along
     }
-}
-
-/// The scalar product, in four sums side by side.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let (a, rest_a) = a.as_chunks::<4>();
-    let (b, rest_b) = b.as_chunks::<4>();
-    let mut sums = [0.0; 4];
-    for (a, b) in a.iter().zip(b) {
-        (0..4).for_each(|i| sums[i] += a[i] * b[i]);
-    }
-    sums.iter().sum::<f64>() + rest_a.iter().zip(rest_b).map(|(a, b)| a * b).sum::<f64>()
 }

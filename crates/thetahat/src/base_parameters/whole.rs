@@ -1,11 +1,9 @@
 //! Dependencies of all columns at once: by the third power of the number of joints, for robots that are nearly special.
 
-use super::{
-    dependencies::Dependencies, left_to_right::dot, observations::random_states, regrouping::BaseParametersError,
-};
+use super::{dependencies::Dependencies, observations::random_states, regrouping::BaseParametersError};
 use crate::{
     dynamics::{Model, Sign, Workspace},
-    linear_algebra::{Matrix, PivotedQr, norm},
+    linear_algebra::{Matrix, PivotedQr, dot, norm},
     regressor::Regressor,
 };
 

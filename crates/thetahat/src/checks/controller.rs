@@ -3,12 +3,12 @@
 use super::{
     Code, Severity, Subject,
     examination::{Evidence, Examination},
-    numbers::{delay, deviation, dot, rms},
+    numbers::{delay, deviation, rms},
     signals::Signals,
 };
 use crate::{
     control::{Controller, ControllerDescription, VelocityEstimate},
-    linear_algebra::Matrix,
+    linear_algebra::{Matrix, dot},
     series::Series,
     signal::{Decimator, central_difference},
 };

@@ -5,10 +5,9 @@ use super::{
     affine::Affine,
     chain::Chain,
     examination::{Evidence, Examination},
-    numbers::dot,
     regression::Regression,
 };
-use crate::linear_algebra::PivotedQr;
+use crate::linear_algebra::{PivotedQr, dot};
 
 /// Standard deviations by which the power of a joint's friction must be negative.
 pub(super) const NEGATIVE_LIMIT: f64 = 10.0;

@@ -9,9 +9,9 @@ use super::{
     affine::Affine,
     chain::{Chain, Motion, at},
     examination::{Evidence, Examination},
-    numbers::dot,
     regression::Regression,
 };
+use crate::linear_algebra::dot;
 
 /// Standard deviations by which a scale must differ from one.
 const SURE: f64 = 6.0;

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use super::{chain::Chain, numbers::dot, regression::Regression};
+use super::{chain::Chain, regression::Regression};
 use crate::{
-    linear_algebra::{Matrix, PivotedQr},
+    linear_algebra::{Matrix, PivotedQr, dot},
     series::Series,
     signal::central_difference,
 };

@@ -35,18 +35,6 @@ pub(super) fn quantile_abs(x: impl Iterator<Item = f64>, part: f64) -> f64 {
 /// Normal standard deviation per median of absolute values.
 pub(super) const NORMAL_PER_MEDIAN: f64 = 1.4826;
 
-/// Inner product.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    // Sums side by side, which the processor adds at a time.
-    let mut sums = [0.0; 8];
-    let (a, b) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest: f64 = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b).sum();
-    for (a, b) in a.zip(b) {
-        sums.iter_mut().zip(a.iter().zip(b)).for_each(|(s, (a, b))| *s += a * b);
-    }
-    sums.iter().sum::<f64>() + rest
-}
-
 /// Correlation coefficient about the means; zero where one of the two is constant.
 pub(super) fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let (ma, mb) = (mean(a), mean(b));

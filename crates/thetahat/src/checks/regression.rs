@@ -1,7 +1,7 @@
 //! Least squares on rows that weigh as much for every joint.
 
-use super::numbers::{deviation, dot, rms};
-use crate::linear_algebra::{Matrix, PivotedQr};
+use super::numbers::{deviation, rms};
+use crate::linear_algebra::{Matrix, PivotedQr, dot};
 
 /// Relative size of the last diagonal entries of R below which a column counts as dependent, as for the estimate.
 const RANK_TOLERANCE: f64 = 1e-10;

@@ -3,9 +3,10 @@
 use super::{
     Code, Severity,
     examination::{Evidence, Examination},
-    numbers::{correlation, delay, dot, rms},
+    numbers::{correlation, delay, rms},
     signals::Signals,
 };
+use crate::linear_algebra::dot;
 use crate::signal::{Padding, SecondOrderSections, zero_phase};
 
 /// Rms difference, percent of the rms velocity. The recorded KUKA has 2.7 and the UR10 0.4 (clean).
