@@ -129,7 +129,7 @@ impl Chain {
             regressor.evaluate_samples(model, [q, dq, ddq], 0..16, Sign::Exact, &mut phi);
             Ok(())
         })?;
-        let (base, _) = fastest(1, || Ok(BaseParameters::of(model, &[])?))?;
+        let (base, _) = fastest(5, || Ok(BaseParameters::of(model, &[])?))?;
         Ok([inverse, forward, batch / 16.0, base])
     }
 }

@@ -4,6 +4,7 @@
 //! ([`Experiment::demo`]) goes the same way from a simulated record.
 
 mod advice;
+mod assess;
 mod chain;
 mod checks;
 mod column_names;

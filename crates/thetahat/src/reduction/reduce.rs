@@ -5,7 +5,7 @@ use super::{
     factors::{Accumulator, JointColumns},
     fingerprint::Fingerprint,
     instruments::Simulated,
-    pieces::{Pieces, Rows, refuse},
+    pieces::{Piece, Pieces, Rows, refuse},
     source::Source,
 };
 use crate::{
@@ -14,7 +14,7 @@ use crate::{
     experiment::{Experiment, ExperimentError, RecordingDescription, STILL},
     pool::in_order,
     regressor::Regressor,
-    signal::{Decimator, SignalError},
+    signal::{Decimator, Joiner, SignalError},
 };
 
 /// How a recording is reduced. The numbers that come out are the same for any number of threads; another length of the
@@ -112,6 +112,49 @@ impl Experiment {
     }
 }
 
+/// What the pieces taken so far have given.
+struct Taken<'a> {
+    joiner: Joiner<'a>,
+    accumulator: Accumulator,
+    fingerprint: Fingerprint,
+    /// Largest velocity.
+    peak: f64,
+    has_torque: bool,
+    /// Simulated positions behind the last sample.
+    seam: Option<Vec<f64>>,
+}
+
+impl<'a> Taken<'a> {
+    fn new(decimator: &'a Decimator, accumulator: Accumulator) -> Self {
+        let (joiner, fingerprint) = (decimator.joiner(), Fingerprint::EMPTY);
+        Self { joiner, accumulator, fingerprint, peak: 0.0, has_torque: false, seam: None }
+    }
+
+    /// Takes the next piece, which starts at sample `start` of the recording.
+    fn take(&mut self, piece: Piece, simulated: Option<&Simulated<'_>>, start: usize) -> Result<(), ReductionError> {
+        self.fingerprint = self.fingerprint.followed_by(piece.fingerprint);
+        self.peak = self.peak.max(piece.peak);
+        self.has_torque |= piece.has_torque;
+        if let Some((simulated, (first, next))) = simulated.zip(piece.seam) {
+            self.seam.iter().try_for_each(|before| simulated.require_seam(before, &first, start))?;
+            self.seam = next;
+        }
+        self.joiner.take(piece.part).iter().for_each(|rows| self.accumulator.take(rows));
+        Ok(())
+    }
+
+    fn require_motion_and_torque(&self, experiment: &Experiment, recording: &str) -> Result<(), ReductionError> {
+        if self.peak <= STILL {
+            let still = SignalError::NoMotion { peak_velocity: self.peak, still_velocity: STILL };
+            return Err(refuse(experiment, still));
+        }
+        if !self.has_torque {
+            return Err(ReductionError::NoTorque { recording: recording.to_owned() });
+        }
+        Ok(())
+    }
+}
+
 /// What all recordings share.
 struct Reducer<'a> {
     experiment: &'a Experiment,
@@ -151,44 +194,27 @@ impl<'a> Reducer<'a> {
             simulated: simulated.as_ref(),
         };
         let parts = pieces.parts(&decimator, decimation, rows.channels());
-        let mut accumulator =
-            Accumulator::new(joint_columns(self.model, &self.regressor, simulated.is_some()), decimator.rows());
-        let mut joiner = decimator.joiner();
-        let mut seam: Option<Vec<f64>> = None;
-        let (mut fingerprint, mut peak, mut has_torque) = (Fingerprint::EMPTY, 0.0_f64, false);
+        let joints = joint_columns(self.model, &self.regressor, simulated.is_some());
+        let mut taken = Taken::new(&decimator, Accumulator::new(joints, decimator.rows()));
         let work = |number: usize| rows.piece(parts[number].clone());
         in_order(parts.len(), self.options.threads, work, |number, piece| {
-            let piece = piece?;
-            fingerprint = fingerprint.followed_by(piece.fingerprint);
-            peak = peak.max(piece.peak);
-            has_torque |= piece.has_torque;
-            if let Some((simulated, (first, next))) = simulated.as_ref().zip(piece.seam) {
-                let start = window.start + decimator.samples_of(&parts[number]).start;
-                seam.iter().try_for_each(|before| simulated.require_seam(before, &first, start))?;
-                seam = next;
-            }
-            joiner.take(piece.part).iter().for_each(|rows| accumulator.take(rows));
+            let start = window.start + decimator.samples_of(&parts[number]).start;
+            taken.take(piece?, simulated.as_ref(), start)?;
             tell(before + number + 1, before + parts.len());
             Ok::<(), ReductionError>(())
         })?;
-        if peak <= STILL {
-            let still = SignalError::NoMotion { peak_velocity: peak, still_velocity: STILL };
-            return Err(refuse(self.experiment, still));
-        }
-        if !has_torque {
-            return Err(ReductionError::NoTorque { recording: source.name.clone() });
-        }
+        taken.require_motion_and_torque(self.experiment, &source.name)?;
         let rate = source.sample_rate_hz;
         Ok(ReducedRecording {
             name: source.name.clone(),
             weight: source.weight,
-            fingerprint: fingerprint.to_hex(),
-            samples: rows.window.len(),
+            fingerprint: taken.fingerprint.to_hex(),
+            samples: window.len(),
             rows: decimator.rows(),
             sample_rate_hz: rate,
-            window_s: [rows.window.start as f64 / rate, rows.window.end as f64 / rate],
+            window_s: [window.start as f64 / rate, window.end as f64 / rate],
             truth: source.truth.as_ref().map(|truth| self.base.from_standard(truth)),
-            segments: accumulator.finish(),
+            segments: taken.accumulator.finish(),
         })
     }
 
