@@ -39,7 +39,7 @@ impl Bench {
     fn new(robot: &str, controller: &str, reference: Reference) -> Self {
         let robot = Robot::parse(robot, Path::new("robot.toml")).unwrap();
         let controller: ControllerDescription = toml::from_str(controller).unwrap();
-        controller.validate(robot.joint_count()).unwrap();
+        controller.validate(robot.coordinate_count()).unwrap();
         let model = Model::new(&robot);
         Self { robot, model, controller, reference, bias: SimulatorBias::NONE, solver: TIGHT }
     }

@@ -148,7 +148,7 @@ impl Case {
 impl Case {
     fn new(robot: Robot, rng: &mut ChaCha8Rng) -> Self {
         let theta = physical_parameters(&robot, rng);
-        Self { model: Model::new(&robot), n: robot.joint_count(), robot, theta }
+        Self { model: Model::new(&robot), n: robot.coordinate_count(), robot, theta }
     }
 }
 
@@ -254,7 +254,8 @@ fn followers_are_a_constraint_on_the_free_tree() {
         free.joints.iter_mut().for_each(|joint| joint.mimic = None);
         free.transmission = thetahat::robot::Transmission::direct(free.link_count());
         let (case, free) = (Case::new(robot, &mut rng), free);
-        let free = Case { model: Model::new(&free), n: free.joint_count(), theta: case.theta.clone(), robot: free };
+        let free =
+            Case { model: Model::new(&free), n: free.coordinate_count(), theta: case.theta.clone(), robot: free };
         assert_eq!((case.n + 1, free.n), (free.n, case.robot.link_count()));
         // Row of G and offset of each joint.
         let coordinates = case.robot.coordinate_joints();

@@ -81,7 +81,7 @@ impl Case {
         let number = |theirs: usize| places.iter().position(|&p| p == theirs).map_or(0, |ours| ours + 1);
         let name = |k: usize| format!("{}{}", ORDER[k % 10], number(k / 10));
         let indices: Vec<usize> = (0..reference.phi.len()).filter_map(|k| table.index_of(&name(k))).collect();
-        common::ensure(indices.len() == 10 * robot.joint_count(), "a parameter of another name")?;
+        common::ensure(indices.len() == 10 * robot.coordinate_count(), "a parameter of another name")?;
         let mut theta = vec![0.0; table.len()];
         indices.iter().zip(&reference.phi).for_each(|(&i, &v)| theta[i] = v);
         Ok(Self { robot, model, theta, indices, places, reference })

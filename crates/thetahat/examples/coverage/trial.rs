@@ -123,7 +123,7 @@ pub struct Trials<'a> {
 
 impl<'a> Trials<'a> {
     pub fn new(twin: &'a Twin, noise: Noise, scope: Scope) -> Result<Self, Box<dyn Error>> {
-        let per_joint = twin.y_true.len() / twin.model.joint_count();
+        let per_joint = twin.y_true.len() / twin.model.coordinate_count();
         let deviations = noise.torque_deviation(twin);
         let weights: Vec<f64> = deviations.iter().flat_map(|sd| vec![1.0 / sd; per_joint]).collect();
         Ok(Self {

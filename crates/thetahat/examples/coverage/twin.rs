@@ -102,7 +102,7 @@ impl Twin {
     }
 
     pub fn rows(&self) -> RowBlocks {
-        RowBlocks::new(self.model.joint_count(), vec![self.decimator.rows()])
+        RowBlocks::new(self.model.coordinate_count(), vec![self.decimator.rows()])
     }
 
     /// Whether the tables show a parameter.

@@ -23,8 +23,8 @@ const MARGIN: usize = 16;
 pub(super) fn dependencies(model: &Model, considered: &[usize], states: usize) -> Option<Dependencies> {
     let observations = Observations::new(model, considered, states)?;
     let inertial = considered.iter().map(|&i| model.parameter_table().get(i).quantity.is_inertial()).collect();
-    let mut search = Search::new(&observations, inertial, model.joint_count());
-    (0..model.joint_count()).rev().try_for_each(|coordinate| search.pass(coordinate))?;
+    let mut search = Search::new(&observations, inertial, model.coordinate_count());
+    (0..model.coordinate_count()).rev().try_for_each(|coordinate| search.pass(coordinate))?;
     if !search.carried.is_empty() {
         // On each coordinate they act by less than rounding, on all together by more.
         return None;

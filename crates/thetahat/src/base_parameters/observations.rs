@@ -55,11 +55,11 @@ impl Observations {
     pub(super) fn new(model: &Model, indices: &[usize], states: usize) -> Option<Self> {
         let regressor = Regressor::new(model, indices);
         let (entries, all) = (regressor.entries().len(), states + CHECKS);
-        let [q, dq, ddq] = random_states(model.joint_count(), all);
+        let [q, dq, ddq] = random_states(model.coordinate_count(), all);
         let mut phi = vec![0.0; entries * all];
         regressor.evaluate_samples(model, [&q, &dq, &ddq], 0..all, Sign::Exact, &mut phi);
         let mut observations = Self { states, entries, phi, columns: Observed::of(&regressor, all) };
-        observations.combine(&regressor, &random_weights(model.joint_count(), all))?;
+        observations.combine(&regressor, &random_weights(model.coordinate_count(), all))?;
         Some(observations)
     }
 

@@ -35,7 +35,7 @@ pub(super) fn dependencies(model: &Model, considered: &[usize]) -> Result<Depend
 
 /// `phi` of random states, all joints' rows.
 pub(super) fn random_observations(model: &Model, indices: &[usize]) -> Matrix {
-    let n = model.joint_count();
+    let n = model.coordinate_count();
     let regressor = Regressor::new(model, indices);
     let [q, dq, ddq] = random_states(n, STATES);
     let mut workspace = Workspace::new(model);

@@ -32,7 +32,7 @@ impl Campaign {
     }
 
     fn validate_level(&self, level: &NoiseLevel) -> Result<(), CampaignError> {
-        let joints = self.experiment.robot.joint_count();
+        let joints = self.experiment.robot.coordinate_count();
         for (key, levels) in [("position_noise", &level.position_noise), ("torque_noise", &level.torque_noise)] {
             let key = format!("[[noise]] {}: {key}", level.name);
             if let Levels::Each(values) = levels {

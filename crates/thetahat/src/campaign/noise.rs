@@ -36,7 +36,7 @@ pub(super) fn measure(
     level: &NoiseLevel,
     rng: &mut ChaCha8Rng,
 ) -> (Series, Series) {
-    let joints = experiment.robot.joint_count();
+    let joints = experiment.robot.coordinate_count();
     let (mut position, mut torque) = match sensors(experiment).filter(|_| level.sensors) {
         Some(sensors) => {
             let transmission = &experiment.robot.transmission;
@@ -58,7 +58,7 @@ fn sensors(experiment: &Experiment) -> Option<Sensors> {
 
 /// Standard deviations of the positions, rad or m.
 fn position_deviations(experiment: &Experiment, level: &NoiseLevel) -> Vec<f64> {
-    let given = level.position_noise.of_joints(experiment.robot.joint_count());
+    let given = level.position_noise.of_joints(experiment.robot.coordinate_count());
     let convert = |(value, kind): (f64, JointKind)| match kind {
         JointKind::Revolute => value.to_radians(),
         JointKind::Prismatic => 1e-3 * value,

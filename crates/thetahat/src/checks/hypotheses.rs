@@ -69,7 +69,7 @@ fn units(robot: &Robot) -> Vec<Hypothesis> {
     };
     let scale = |joints: &[usize], up: bool| {
         let of = |j: usize| if up { 1.0 / factor(j) } else { factor(j) };
-        Affine::scaled_positions(&select(robot, joints, &of), &vec![0.0; robot.joint_count()])
+        Affine::scaled_positions(&select(robot, joints, &of), &vec![0.0; robot.coordinate_count()])
     };
     each_and_all(robot)
         .into_iter()
@@ -123,31 +123,32 @@ fn sides_of_torques(robot: &Robot, joint: Option<usize>, joints: &[usize]) -> Ve
 /// `q_j' = q_j / N_jj + o_j`.
 fn one_to_joint(robot: &Robot, j: usize) -> Affine {
     let ratio = robot.transmission.matrix().at(j, j);
-    let shift = (0..robot.joint_count()).map(|i| if i == j { robot.transmission.offset()[j] } else { 0.0 }).collect();
+    let shift =
+        (0..robot.coordinate_count()).map(|i| if i == j { robot.transmission.offset()[j] } else { 0.0 }).collect();
     let position = diagonal(&select(robot, &[j], &|_| 1.0 / ratio));
-    Affine { position, shift, torque: Matrix::identity(robot.joint_count()) }
+    Affine { position, shift, torque: Matrix::identity(robot.coordinate_count()) }
 }
 
 /// `q_j' = N_jj (q_j - o_j)`.
 fn one_to_motor(robot: &Robot, j: usize) -> Affine {
     let (ratio, offset) = (robot.transmission.matrix().at(j, j), robot.transmission.offset()[j]);
-    let shift = (0..robot.joint_count()).map(|i| if i == j { -ratio * offset } else { 0.0 }).collect();
+    let shift = (0..robot.coordinate_count()).map(|i| if i == j { -ratio * offset } else { 0.0 }).collect();
     let position = diagonal(&select(robot, &[j], &|_| ratio));
-    Affine { position, shift, torque: Matrix::identity(robot.joint_count()) }
+    Affine { position, shift, torque: Matrix::identity(robot.coordinate_count()) }
 }
 
 /// `q' = N^-1 q + o`.
 fn motor_to_joint(robot: &Robot) -> Option<Affine> {
     let position = robot.transmission.matrix().inverse()?;
     let shift = robot.transmission.offset().to_vec();
-    Some(Affine { position, shift, ..Affine::identity(robot.joint_count()) })
+    Some(Affine { position, shift, ..Affine::identity(robot.coordinate_count()) })
 }
 
 /// `q' = N (q - o)`.
 fn joint_to_motor(robot: &Robot) -> Affine {
     let position = robot.transmission.matrix().clone();
     let shift = position.times(robot.transmission.offset()).iter().map(|v| -v).collect();
-    Affine { position, shift, ..Affine::identity(robot.joint_count()) }
+    Affine { position, shift, ..Affine::identity(robot.coordinate_count()) }
 }
 
 /// The offsets of the transmission left out or added twice.
@@ -194,12 +195,12 @@ fn signs(robot: &Robot) -> Vec<Hypothesis> {
             Hypothesis::new(Code::PositionSign, Some(j), both, both_words, SIGN).with_limit(MANY_LIMIT),
         ]
     };
-    (0..robot.joint_count()).flat_map(sign).collect()
+    (0..robot.coordinate_count()).flat_map(sign).collect()
 }
 
 /// Positions, torques or both of each pair exchanged.
 fn exchanges(robot: &Robot) -> Vec<Hypothesis> {
-    let n = robot.joint_count();
+    let n = robot.coordinate_count();
     let pairs = (0..n).flat_map(|a| (a + 1..n).map(move |b| (a, b)));
     let exchange = |(a, b): (usize, usize)| {
         [(true, false, "the positions"), (false, true, "the torques"), (true, true, "positions and torques")].map(
@@ -215,14 +216,14 @@ fn exchanges(robot: &Robot) -> Vec<Hypothesis> {
 
 /// All joints together, and each by itself where there are several.
 fn each_and_all(robot: &Robot) -> Vec<(Option<usize>, Vec<usize>)> {
-    let n = robot.joint_count();
+    let n = robot.coordinate_count();
     let each = (0..n).filter(|_| n > 1).map(|j| (Some(j), vec![j]));
     std::iter::once((None, (0..n).collect())).chain(each).collect()
 }
 
 /// A value for each of `joints`, one for the others.
 fn select(robot: &Robot, joints: &[usize], value: &dyn Fn(usize) -> f64) -> Vec<f64> {
-    (0..robot.joint_count()).map(|j| if joints.contains(&j) { value(j) } else { 1.0 }).collect()
+    (0..robot.coordinate_count()).map(|j| if joints.contains(&j) { value(j) } else { 1.0 }).collect()
 }
 
 fn whose(joint: Option<usize>) -> String {

@@ -89,7 +89,7 @@ impl<T: Copy> Workspace<T> {
     where
         T: Real,
     {
-        let (n, links, zero) = (model.joint_count(), model.link_count(), kind.like(0.0));
+        let (n, links, zero) = (model.coordinate_count(), model.link_count(), kind.like(0.0));
         let none = [zero; 3];
         Self {
             links: vec![LinkMotion::at_rest(kind, [0.0; 3]); links],
@@ -185,7 +185,7 @@ impl Model {
     /// The mass matrix `M(q)`, row by row: `M = d tau / d ddq`, motor inertias and their coupling included.
     pub fn mass_matrix(&self, parameters: &DynamicParameters, q: &[f64], workspace: &mut Workspace, m: &mut [f64]) {
         pulp::Arch::new().dispatch(MassMatrix { model: self, parameters, q, workspace });
-        let n = self.joint_count();
+        let n = self.coordinate_count();
         m.copy_from_slice(&workspace.mass_matrix);
         for i in 1..n {
             let (above, row) = m.split_at_mut(i * n);
@@ -203,7 +203,7 @@ impl Model {
 
     /// Kinetic and potential energy in J, motor inertias included. The potential is zero at the base's origin.
     pub fn energy(&self, parameters: &DynamicParameters, q: &[f64], dq: &[f64], workspace: &mut Workspace) -> f64 {
-        let n = self.joint_count();
+        let n = self.coordinate_count();
         let mut m = vec![0.0; n * n];
         self.mass_matrix(parameters, q, workspace, &mut m);
         let kinetic: f64 = (0..n).map(|i| (0..n).map(|j| 0.5 * dq[i] * m[i * n + j] * dq[j]).sum::<f64>()).sum();
@@ -295,7 +295,7 @@ impl Model {
         parameters: &DynamicParameters<P>,
         workspace: &mut Workspace<T>,
     ) {
-        let n = self.joint_count();
+        let n = self.coordinate_count();
         let Workspace { links, composite, mass_matrix, link_masses, .. } = workspace;
         if n == self.link_count() {
             self.composite_rigid_bodies(parameters, links, composite, mass_matrix);
@@ -351,7 +351,7 @@ impl Model {
     /// The lower triangle of `G^T M G`, of that of the joints' mass matrix.
     #[inline(always)]
     fn reduce_to_coordinates<T: Real>(&self, m: &[T], reduced: &mut [T]) {
-        let (n, links) = (self.joint_count(), self.link_count());
+        let (n, links) = (self.coordinate_count(), self.link_count());
         for entry in reduced.iter_mut() {
             *entry = entry.like(0.0);
         }

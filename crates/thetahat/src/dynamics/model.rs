@@ -74,7 +74,7 @@ impl Model {
 
     /// Number of coordinates: the length of `q` and `tau`.
     #[must_use]
-    pub fn joint_count(&self) -> usize {
+    pub fn coordinate_count(&self) -> usize {
         self.coordinates.len()
     }
 

@@ -62,7 +62,7 @@ impl WithSimd for Batches<'_> {
             return 0;
         }
         let zero = Lanes::splat(simd, 0.0);
-        let n = self.model.joint_count();
+        let n = self.model.coordinate_count();
         let mut workspace = Workspace::like(self.model, zero);
         let [mut q, mut dq, mut tau, mut ddq] = [(); 4].map(|()| vec![zero; n]);
         let mut done = 0;

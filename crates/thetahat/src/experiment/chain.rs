@@ -235,7 +235,7 @@ impl Experiment {
         self.require_rows(recordings, choice, base.len())?;
         let decimator = |r: &&FilteredRecord| Decimator::new(self.file.signal.decimation, r.window.len());
         let decimators = recordings.iter().map(decimator).collect::<Result<Vec<_>, _>>().map_err(refuse_signal)?;
-        let rows = Rows::new(model.joint_count(), decimators.iter().map(Decimator::rows).collect());
+        let rows = Rows::new(model.coordinate_count(), decimators.iter().map(Decimator::rows).collect());
         let (mut matrices, mut vectors) = (Vec::new(), Vec::new());
         for (recording, decimator) in recordings.iter().zip(&decimators) {
             let assembly = Assembly::new(&model, &base.columns(), decimator.clone());
@@ -311,7 +311,7 @@ impl Problem {
     }
 
     pub(crate) fn joints(&self) -> usize {
-        self.model.joint_count()
+        self.model.coordinate_count()
     }
 
     /// A vector with the rows of y, joint by joint.

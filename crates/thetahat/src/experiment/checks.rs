@@ -37,7 +37,7 @@ impl Experiment {
         self.validate_methods()?;
         self.validate_convergence()?;
         if let Some(controller) = &self.file.controller {
-            let motors = self.robot.joint_count();
+            let motors = self.robot.coordinate_count();
             let refuse = |source| ExperimentError::Controller { path: self.path.clone(), source };
             controller.validate(motors).map_err(refuse)?;
         }
@@ -89,7 +89,7 @@ impl Experiment {
     }
 
     fn validate_twin(&self, twin: &TwinDescription) -> Result<(), ExperimentError> {
-        let n = self.robot.joint_count();
+        let n = self.robot.coordinate_count();
         let sensors = &twin.sensors;
         let lists =
             [("sensors.torque_noise", &sensors.torque_noise), ("sensors.torque_ripple", &sensors.torque_ripple)];

@@ -166,7 +166,7 @@ impl<'a> Finder<'a> {
             file: self.request.recording_file.clone(),
             signal: word,
             problem,
-            joints: self.robot.joint_count(),
+            joints: self.robot.coordinate_count(),
             columns: self.names(),
         })
     }
@@ -191,7 +191,7 @@ impl<'a> Finder<'a> {
 
     /// The columns whose names say that they hold a signal, one channel for each joint, in the order of the joints.
     fn by_name(&self, signal: Signal) -> Result<Vec<&'a ColumnSummary>, String> {
-        let joints = self.robot.joint_count();
+        let joints = self.robot.coordinate_count();
         let reading = |c: &'a ColumnSummary| column_names::read(&c.name).filter(|r| r.signal == signal).map(|r| (c, r));
         let mut found: Vec<(&ColumnSummary, Reading)> = self.columns().filter_map(reading).collect();
         let channels: usize = found.iter().map(|(c, _)| c.channels).sum();

@@ -160,7 +160,7 @@ impl Experiment {
 
     fn read_channels(&self, source: &ChannelSource, data: &Path) -> Result<Series, ExperimentError> {
         let series = recording::read_channels(source, data)?;
-        let joints = self.robot.joint_count();
+        let joints = self.robot.coordinate_count();
         if series.channels() == joints {
             return Ok(series);
         }

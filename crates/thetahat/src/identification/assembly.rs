@@ -52,7 +52,7 @@ impl<'a> Assembly<'a> {
         let decimated =
             self.decimator.decimate_computed(self.regressor.entries().len(), |k, phi| samples.write(k, phi))?;
         let rows = self.rows_per_joint();
-        let mut x = Matrix::zeros(rows * self.model.joint_count(), self.regressor.columns());
+        let mut x = Matrix::zeros(rows * self.model.coordinate_count(), self.regressor.columns());
         for (e, entry) in self.regressor.entries().iter().enumerate() {
             let column = &mut x.column_mut(entry.column)[entry.joint * rows..][..rows];
             for (k, value) in column.iter_mut().enumerate() {

@@ -130,7 +130,7 @@ pub(super) struct Rows<'a> {
 impl Rows<'_> {
     pub(super) fn channels(&self) -> usize {
         let matrices = if self.simulated.is_some() { 2 } else { 1 };
-        matrices * self.regressor.entries().len() + self.model.joint_count()
+        matrices * self.regressor.entries().len() + self.model.coordinate_count()
     }
 
     /// The piece with these rows: the entries of phi of the simulated motion, where there is one, those of the measured

@@ -270,7 +270,7 @@ fn joint_columns(model: &Model, regressor: &Regressor, simulated: bool) -> Joint
         channels.push(matrices * entries.len() + joint);
         channels
     };
-    JointColumns { channels: (0..model.joint_count()).map(of_joint).collect() }
+    JointColumns { channels: (0..model.coordinate_count()).map(of_joint).collect() }
 }
 
 /// The columns that act on each joint, in order.

@@ -243,7 +243,7 @@ impl<'a> Source<'a> {
     /// As many channels as joints, and one time.
     fn require_channels(&self, sources: &[&ChannelSource], data: &Path) -> Result<(), ReductionError> {
         let Values::Parts { signals, .. } = &self.values else { return Ok(()) };
-        let (joints, robot) = (self.experiment.robot.joint_count(), &self.experiment.robot.name);
+        let (joints, robot) = (self.experiment.robot.coordinate_count(), &self.experiment.robot.name);
         for (signal, source) in sources.iter().enumerate() {
             let found = signals.read(&[signal], 0..1).map_err(ExperimentError::from)?[0].channels();
             let (expected, what) = match Some(signal) == self.places.time {

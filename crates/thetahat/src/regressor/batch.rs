@@ -61,7 +61,7 @@ impl WithSimd for Batches<'_> {
         }
         let (zero, entries) = (Lanes::splat(simd, 0.0), self.regressor.entries().len());
         let mut workspace = Workspace::like(self.model, zero);
-        let n = self.model.joint_count();
+        let n = self.model.coordinate_count();
         let [mut q, mut dq, mut ddq] = [(); 3].map(|()| vec![zero; n]);
         let mut values = vec![zero; entries];
         let mut scratch = vec![0.0; entries * Lanes::<S>::COUNT];

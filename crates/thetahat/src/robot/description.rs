@@ -42,7 +42,7 @@ impl Robot {
 
     /// Number of coordinates: of joints that follow no other.
     #[must_use]
-    pub fn joint_count(&self) -> usize {
+    pub fn coordinate_count(&self) -> usize {
         self.coordinates().count()
     }
 

@@ -59,7 +59,7 @@ pub(super) struct Plant<'a> {
 
 impl<'a> Plant<'a> {
     pub(super) fn new(setup: &ClosedLoop<'a>, theta: &[f64]) -> Self {
-        let n = setup.model.joint_count();
+        let n = setup.model.coordinate_count();
         let ratio = setup.bias.gear_ratio;
         let joints_per_motor = setup.transmission.joints_per_motor();
         let drive = setup.transmission.drive_to_joint_units();

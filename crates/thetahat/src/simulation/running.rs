@@ -135,7 +135,7 @@ struct Loop<'a> {
 impl<'a> Loop<'a> {
     fn new(job: &'a Job<'a>) -> Self {
         let Job { closed_loop: setup, theta, motor_inertia, grid } = job;
-        let n = setup.model.joint_count();
+        let n = setup.model.coordinate_count();
         let mut controller = setup.controller.resolve(motor_inertia, setup.bias.controller_gain);
         let reference_delay_s = if controller.is_sampled() { 0.0 } else { setup.bias.delay_s };
         controller.delay_s += setup.bias.delay_s;

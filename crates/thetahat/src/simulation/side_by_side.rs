@@ -44,7 +44,7 @@ impl WithSimd for SideBySide<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let mut work = Work::new(self.jobs, Lanes::<S>::COUNT);
         let ClosedLoop { model, sign_velocity_scale, .. } = self.jobs[0].closed_loop;
-        let (n, zero) = (model.joint_count(), Lanes::splat(simd, 0.0));
+        let (n, zero) = (model.coordinate_count(), Lanes::splat(simd, 0.0));
         let sign = Sign::Smooth { scale: sign_velocity_scale };
         let mut workspace = Workspace::like(model, zero);
         let [mut q, mut dq, mut tau, mut ddq] = [(); 4].map(|()| vec![zero; n]);

@@ -29,7 +29,7 @@ fn parse(text: &str) -> Result<Robot, RobotError> {
 #[test]
 fn a_valid_description_is_read() {
     let robot = parse(TWO_JOINTS).unwrap();
-    assert_eq!(robot.joint_count(), 2);
+    assert_eq!(robot.coordinate_count(), 2);
     assert_eq!(robot.joints[1].kind, JointKind::Prismatic);
     assert_eq!(robot.gravity, [0.0, 0.0, -9.81]);
     assert_eq!(robot.transmission.coupled_motors(), vec![1]);
@@ -116,7 +116,7 @@ fn a_follower_in_degrees_or_metres_has_no_coordinate() {
         parse(&text.replace("[[10, 0], [5, 5]]", "[[10]]").replace("[90, 0]", "[90]"))
     };
     let robot = mimic("offset_m = 0.5").unwrap();
-    assert_eq!((robot.joint_count(), robot.link_count()), (1, 2));
+    assert_eq!((robot.coordinate_count(), robot.link_count()), (1, 2));
     assert_eq!(robot.joints[1].mimic.unwrap().offset, 0.5);
     assert!(matches!(mimic("offset_deg = 1").unwrap_err(), RobotError::Joint { line: 6, .. }));
 }

@@ -84,7 +84,7 @@ fn close(a: f64, b: f64) {
 #[test]
 fn the_valid_file_is_read() {
     let robot = read(ARM).unwrap();
-    assert_eq!((robot.name.as_str(), robot.joint_count(), robot.link_count()), ("arm", 2, 2));
+    assert_eq!((robot.name.as_str(), robot.coordinate_count(), robot.link_count()), ("arm", 2, 2));
     let [shoulder, elbow] = &robot.joints[..] else { panic!() };
     assert_eq!((shoulder.kind, shoulder.parent), (JointKind::Revolute, None));
     assert_eq!((elbow.kind, elbow.parent), (JointKind::Prismatic, Some(0)));
@@ -133,7 +133,7 @@ fn a_continuous_joint_has_no_bounds() {
 fn a_follower_has_no_coordinate() {
     let robot =
         changed("<origin rpy=\"0 1.5708 0\" xyz=\"0.1 0.2 0.3\"/>", "<mimic joint=\"shoulder\" multiplier=\"2\"/>");
-    assert_eq!((robot.joint_count(), robot.link_count(), robot.transmission.joints()), (1, 2, 1));
+    assert_eq!((robot.coordinate_count(), robot.link_count(), robot.transmission.joints()), (1, 2, 1));
     assert_eq!(robot.joints[1].mimic.unwrap().ratio, 2.0);
 }
 
