@@ -14,6 +14,8 @@ mod vector;
 
 mod pool;
 
+mod clock;
+
 pub mod robot;
 
 pub mod dynamics;
