@@ -38,6 +38,8 @@ pub mod identification;
 
 pub mod checks;
 
+pub mod results;
+
 pub mod experiment;
 
 #[cfg(feature = "parquet")]
