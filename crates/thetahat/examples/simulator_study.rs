@@ -5,8 +5,9 @@
 use std::{error::Error, path::Path};
 
 use thetahat::{
-    experiment::{Experiment, Results, RunResult},
+    experiment::Experiment,
     identification::Method,
+    results::{Results, RunResult},
     simulation::Solver,
 };
 

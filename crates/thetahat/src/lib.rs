@@ -42,6 +42,8 @@ pub mod identification;
 
 pub mod checks;
 
+pub mod results;
+
 pub mod experiment;
 
 #[cfg(feature = "parquet")]

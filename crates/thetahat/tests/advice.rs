@@ -2,10 +2,7 @@
 
 use std::path::Path;
 
-use thetahat::{
-    experiment::{Experiment, Verdict},
-    identification::Method,
-};
+use thetahat::{experiment::Experiment, identification::Method, results::Verdict};
 
 /// The band-pass and the sign of small velocities move IV by several standard deviations, and DIDIM by none: the simulator
 /// is not to be blamed.

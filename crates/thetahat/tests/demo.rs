@@ -3,8 +3,9 @@
 use std::{path::Path, sync::OnceLock};
 
 use thetahat::{
-    experiment::{Advice, BiasedSimulatorResult, Experiment, Results, Verdict},
+    experiment::Experiment,
     identification::{Method, Status},
+    results::{Advice, BiasedSimulatorResult, Results, Verdict},
     simulation::BiasKind,
 };
 

@@ -8,8 +8,9 @@ use std::{collections::BTreeMap, sync::OnceLock};
 use common::{ensure, ensure_printed};
 use libtest_mimic::Failed;
 use thetahat::{
-    experiment::{Experiment, Results, RunResult},
+    experiment::Experiment,
     identification::{Method, Status},
+    results::{Results, RunResult},
 };
 
 fn results() -> &'static Results {

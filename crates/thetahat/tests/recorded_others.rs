@@ -5,10 +5,7 @@ mod common;
 
 use common::ensure;
 use libtest_mimic::Failed;
-use thetahat::{
-    experiment::{Experiment, Results},
-    robot::INERTIAL,
-};
+use thetahat::{experiment::Experiment, results::Results, robot::INERTIAL};
 
 /// The estimates of others from these records differ by their filters: 15 % of each.
 const FRICTION: f64 = 0.15;

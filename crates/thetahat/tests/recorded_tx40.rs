@@ -10,8 +10,9 @@ use std::{collections::HashMap, sync::OnceLock};
 use common::ensure;
 use libtest_mimic::Failed;
 use thetahat::{
-    experiment::{BiasedSimulatorResult, Experiment, ParameterResult, Results, RunResult, Verdict},
+    experiment::Experiment,
     identification::{Method, Status},
+    results::{BiasedSimulatorResult, ParameterResult, Results, RunResult, Verdict},
     simulation::BiasKind,
 };
 

@@ -10,9 +10,10 @@ use std::{
 use common::ensure;
 use libtest_mimic::Failed;
 use thetahat::{
-    experiment::{Experiment, ParameterResult, RunResult},
+    experiment::Experiment,
     identification::{Method, Status},
     reduction::{ReduceOptions, Reduction},
+    results::{ParameterResult, RunResult},
 };
 
 /// Relative to the estimate, and to its standard deviation where that is larger.

@@ -7,8 +7,9 @@ use std::{
 };
 
 use thetahat::{
-    experiment::{Experiment, ExperimentError, ParameterResult, Results},
+    experiment::{Experiment, ExperimentError},
     reduction::{ReduceOptions, Reduction, ReductionError},
+    results::{ParameterResult, Results},
     signal::SignalError,
 };
 

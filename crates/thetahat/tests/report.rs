@@ -8,13 +8,13 @@ use std::{
 
 use thetahat::{
     checks::{Code, Finding, Severity},
-    experiment::{
+    identification::{Method, Status},
+    report::{self, Agreement, Published, ReportError, TEXT_WIDTH, text, write_all},
+    results::{
         Advice, Bandwidth, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis, EliminationResult, EndogeneityResult,
         Influence, IterationResult, JointResidual, ParameterDifference, ParameterResult, Plots, RecordingFindings,
         RecordingResult, ReferenceResult, ResidualResult, Results, RunPlots, RunResult, Verdict,
     },
-    identification::{Method, Status},
-    report::{self, Agreement, Published, ReportError, TEXT_WIDTH, text, write_all},
     simulation::BiasKind,
     statistics::{FTest, chi_squared_test},
 };

@@ -6,7 +6,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use thetahat::experiment::{Experiment, ExperimentError, Results};
+use thetahat::experiment::{Experiment, ExperimentError};
+use thetahat::results::Results;
 
 const ROBOT: &str = "name = 'joint'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n";
 const SIGNAL: &str = "[signal]\ncutoff_hz = 60\ndecimation = 10\n[estimation]\nmethods = ['idim-ls']\n";

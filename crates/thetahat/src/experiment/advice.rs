@@ -1,11 +1,11 @@
 //! Which method's numbers to take, and why: the rules of `docs/diagnostics.md`.
 
-use super::{
-    Advice, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis, EndogeneityResult, InstrumentResult, RunResult,
-    Verdict,
-};
 use crate::{
     identification::{Method, Status},
+    results::{
+        Advice, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis, EndogeneityResult, InstrumentResult, RunResult,
+        Verdict,
+    },
     simulation::BiasKind,
 };
 
@@ -280,7 +280,7 @@ fn p_value(p: f64) -> String {
 mod tests {
     use super::*;
     use crate::{
-        experiment::ParameterDifference,
+        results::ParameterDifference,
         statistics::{ChiSquaredTest, FTest},
     };
 

@@ -2,7 +2,7 @@
 //! what it was not made from.
 
 use super::{
-    Case, ExperimentError, Influence, IterationResult, ParameterResult, RunPlots, RunResult,
+    Case, ExperimentError,
     chain::Problem,
     cross_validation::{CrossValidation, Folds, folds_by_move, folds_by_part, folds_by_recording, leave_folds_out},
     diagnosis::{Estimated, residual},
@@ -13,6 +13,7 @@ use crate::{
     base_parameters::BaseParameters,
     identification::{Fit, Method, Outcome, Uncertainty, idim_ls, relative_error_percent, uncertainty},
     linear_algebra::norm,
+    results::{Influence, IterationResult, ParameterResult, RunPlots, RunResult},
     simulation::Reference,
     statistics::{FTest, f_test},
 };

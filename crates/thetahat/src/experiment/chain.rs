@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::{
-    Bandwidth, Experiment, ExperimentError, ParameterChoice, RecordingDescription, RunPlots,
+    Experiment, ExperimentError, ParameterChoice, RecordingDescription,
     description::{NamedChoice, SignalDescription},
     record::Record,
     rows::Rows,
@@ -13,6 +13,7 @@ use crate::{
     dynamics::{Model, Sign},
     identification::{Assembly, Elimination, eliminate, relative_error_percent},
     linear_algebra::Matrix,
+    results::{Bandwidth, RunPlots},
     robot::Robot,
     series::Series,
     signal::{

@@ -17,6 +17,7 @@ use crate::{
     control::ControllerDescription,
     identification::{Convergence, Divisor, EliminationRule, Method},
     recording::ChannelSource,
+    results::NOMINAL,
     robot::{Friction, Robot, RobotSource},
     simulation::{Sensors, SimulatorBias, Solver},
 };
@@ -329,9 +330,6 @@ pub struct Case {
     /// Other methods than the experiment's.
     pub methods: Option<Vec<Method>>,
 }
-
-/// Name of the case without any difference.
-pub(crate) const NOMINAL: &str = "nominal";
 
 const DEMO: &str = include_str!("../../../../experiments/demo.toml");
 const DEMO_ROBOT: &str = include_str!("../../../../robots/tx40.toml");

@@ -1,12 +1,13 @@
 //! Diagnosis after the runs of a case: residuals, LS against IV, instruments, and DIDIM against IV.
 
-use super::{
-    BiasExplanation, BiasedSimulatorResult, Case, CaseDiagnosis, EndogeneityResult, InstrumentResult, JointResidual,
-    ParameterDifference, ResidualResult, Verdict, chain::Problem,
-};
+use super::{Case, chain::Problem};
 use crate::{
     identification::{Method, Outcome, Status},
     linear_algebra::{Matrix, PivotedQr, norm},
+    results::{
+        BiasExplanation, BiasedSimulatorResult, CaseDiagnosis, EndogeneityResult, InstrumentResult, JointResidual,
+        ParameterDifference, ResidualResult, Verdict,
+    },
     simulation::{BiasKind, SimulatorBias},
     statistics::{
         JointRows, SimulatorComparison, autocorrelation, instrument_strength, jarque_bera, levene, ljung_box,

@@ -2,36 +2,16 @@
 
 use std::path::Path;
 
-use serde::{Deserialize, Serialize};
-
 use super::{
     Experiment, ExperimentError,
     chain::{FilteredRecord, Problem},
     simulator::RecordReference,
 };
 use crate::{
-    checks::{self, Finding, Severity, SignalSettings, Subject},
+    checks::{self, SignalSettings, Subject},
+    results::RecordingFindings,
     simulation::Reference,
 };
-
-/// What was found in one recording.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct RecordingFindings {
-    /// The name of the recording, or its number.
-    pub recording: String,
-    /// Whether the recording is held back.
-    pub held_back: bool,
-    /// The findings, the gravest first.
-    pub findings: Vec<Finding>,
-}
-
-impl RecordingFindings {
-    /// Whether an estimate from it is not to be trusted.
-    #[must_use]
-    pub fn has_problem(&self) -> bool {
-        self.findings.iter().any(|f| f.severity == Severity::Problem)
-    }
-}
 
 impl Experiment {
     /// Checks every recording; nothing is estimated.

@@ -1,6 +1,6 @@
 //! An experiment: one TOML file that describes a run, and the run.
 //!
-//! [`Experiment::read`] checks the file, [`Experiment::run`] goes the way of the data and returns [`Results`]; the twin
+//! [`Experiment::read`] checks the file, [`Experiment::run`] goes the way of the data and returns [`Results`](crate::results::Results); the twin
 //! ([`Experiment::demo`]) goes the same way from a simulated record.
 
 mod advice;
@@ -11,7 +11,6 @@ mod column_names;
 mod cross_validation;
 mod description;
 mod diagnosis;
-mod diagnosis_results;
 mod error;
 mod examination;
 mod paths;
@@ -19,7 +18,6 @@ mod power;
 mod predict;
 mod proposal;
 mod record;
-mod results;
 mod rows;
 mod run;
 mod sensitivity;
@@ -39,25 +37,14 @@ pub(crate) use simulator::{RecordReference, Simulator};
 #[cfg(feature = "parquet")]
 pub(crate) use turns::{Attempt, Finished, SIDE_BY_SIDE, Terms, make};
 
-pub(crate) use description::NOMINAL;
 pub(crate) use record::Record;
 
 pub use description::{
     Case, EstimationDescription, Experiment, ExperimentFile, Gains, NamedChoice, ParameterChoice, ParameterSelection,
     RecordingDescription, SignalDescription, SimulationDescription, Start, TwinDescription, Unlisted, Weighting,
 };
-pub use diagnosis_results::{
-    Advice, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis, EndogeneityResult, Influence, InstrumentResult,
-    JointResidual, ParameterDifference, ResidualResult, Verdict,
-};
 pub use error::ExperimentError;
-pub use examination::RecordingFindings;
 pub use power::PowerPoint;
-pub use predict::{Prediction, PredictionRequest, predict};
+pub use predict::{PredictionRequest, predict};
 pub use proposal::{ProposalError, ProposalRequest, propose};
-pub use record::{TwinMotion, TwinRecord};
-pub use results::{
-    Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, RecordingResult, ReferenceResult, Results,
-    RunPlots, RunResult,
-};
-pub use sensitivity::{Sensitivity, SensitivityPoint};
+pub use record::TwinMotion;

@@ -1,7 +1,7 @@
 //! Size and power of the biased simulator test by Monte Carlo on a twin.
 
 use super::{
-    Case, Experiment, ExperimentError, Verdict,
+    Case, Experiment, ExperimentError,
     diagnosis::{Estimated, diagnose},
     record::TwinMotion,
     turns::{self, Attempt, Terms},
@@ -9,6 +9,7 @@ use super::{
 use crate::{
     identification::{Convergence, Method, Outcome, Status},
     pool::in_parallel,
+    results::Verdict,
     simulation::{BiasKind, SimulatorBias},
 };
 

@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Experiment, ExperimentError, RecordingDescription, Results, chain::FilteredRecord};
+use super::{Experiment, ExperimentError, RecordingDescription, chain::FilteredRecord};
 use crate::{
     dynamics::{Model, Sign},
     identification::{Assembly, Method, relative_error_percent},
     regressor::Regressor,
+    results::{Prediction, Results, RunResult},
     robot::Robot,
     series::Series,
     signal::Decimator,
@@ -25,31 +26,6 @@ pub struct PredictionRequest {
     pub case: String,
     /// The method; none takes the first converged run of the case.
     pub method: Option<Method>,
-}
-
-/// Predicted torques over the whole record, and how they compare with the measured ones.
-#[derive(Debug, Clone)]
-pub struct Prediction {
-    /// The method that gave the parameters.
-    pub method: Method,
-    /// The case.
-    pub case: String,
-    /// Samples per second.
-    pub sample_rate_hz: f64,
-    /// Predicted joint torques, N m or N.
-    pub torque: Series,
-    /// Measured joint torques, where there are any.
-    pub measured: Option<Series>,
-    /// Relative error in the decimated rows of the moving part, of all joints.
-    pub relative_error_percent: Option<f64>,
-    /// The same of each joint; none where its torque is zero.
-    pub joint_relative_error_percent: Vec<Option<f64>>,
-    /// Rms of the prediction of each joint in the moving part.
-    pub rms: Vec<f64>,
-    /// Moving part, s.
-    pub window_s: [f64; 2],
-    /// Names of the joints.
-    pub joints: Vec<String>,
 }
 
 /// Predicts the torques of a motion with the parameters of an earlier identification.
@@ -93,12 +69,12 @@ fn chosen_run(
     request: &PredictionRequest,
     results: &Results,
 ) -> Result<(String, Method, NamedParameters), ExperimentError> {
-    let fits = |r: &&super::RunResult| {
+    let fits = |r: &&RunResult| {
         r.case == request.case && request.method.is_none_or(|m| m == r.method) && !r.parameters.is_empty()
     };
     let Some(run) = results.runs.iter().find(fits) else {
-        let with = |r: &&super::RunResult| !r.parameters.is_empty();
-        let name = |r: &super::RunResult| format!("{} {}", r.case, r.method.name());
+        let with = |r: &&RunResult| !r.parameters.is_empty();
+        let name = |r: &RunResult| format!("{} {}", r.case, r.method.name());
         let found: Vec<String> = results.runs.iter().filter(with).map(name).collect();
         let found = if found.is_empty() { "none".to_owned() } else { found.join(", ") };
         let method = request.method.map_or("any method", Method::name);

@@ -7,6 +7,7 @@ use crate::{
     base_parameters::BaseParameters,
     dynamics::Model,
     recording::{self, ChannelSource, Clock, Resampling, Side},
+    results::TwinRecord,
     series::Series,
     simulation::{ClosedLoop, OutputGrid, Reference, Sensors, SimulatedMotion, SimulatorBias},
     trajectory::{self, Limits, Moves},
@@ -38,19 +39,6 @@ pub(crate) struct Record {
     pub(crate) planned: Option<Moves>,
     /// The true standard parameters of a twin.
     pub(crate) truth: Option<Vec<f64>>,
-}
-
-/// What the sensors of a twin saw.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TwinRecord {
-    /// Names of the joints.
-    pub joints: Vec<String>,
-    /// Samples per second.
-    pub sample_rate_hz: f64,
-    /// Joint positions, rad or m.
-    pub position: Series,
-    /// Joint torques, N m or N.
-    pub torque: Series,
 }
 
 /// The true motion of a twin.

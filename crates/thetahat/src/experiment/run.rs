@@ -3,8 +3,7 @@
 use std::path::Path;
 
 use super::{
-    Case, CaseDiagnosis, EliminationResult, Experiment, ExperimentError, Plots, RecordingDescription,
-    RecordingFindings, RecordingResult, ReferenceResult, Results, RunResult, Weighting,
+    Case, Experiment, ExperimentError, RecordingDescription, Weighting,
     advice::advise,
     chain::{FilteredRecord, Problem},
     diagnosis::{Estimated, diagnose},
@@ -16,6 +15,10 @@ use super::{
 use crate::{
     identification::{EstimationError, Method, Reason, idim_ls, joint_weights},
     pool::available_threads,
+    results::{
+        CaseDiagnosis, EliminationResult, Plots, RecordingFindings, RecordingResult, ReferenceResult, Results,
+        RunResult,
+    },
     robot::{Friction, Robot},
     series::Series,
     simulation::{Reference, SimulatorBias},

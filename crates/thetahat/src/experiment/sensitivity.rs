@@ -12,8 +12,9 @@ use super::{
     turns::{self, Attempt, Terms},
 };
 use crate::{
-    identification::{Method, Outcome, Status},
+    identification::{Method, Outcome},
     pool::in_parallel,
+    results::{Sensitivity, SensitivityPoint},
     simulation::{BiasKind, SimulatorBias},
 };
 
@@ -28,44 +29,6 @@ const SWEEP: [(BiasKind, &[f64]); 7] = [
     (BiasKind::Friction, &[0.0, 0.5, 0.8, 1.2, 1.5, 2.0]),
 ];
 const METHODS: [Method; 2] = [Method::IdimIv, Method::Didim];
-
-/// A sweep over errors of the simulator.
-#[derive(Debug, Clone)]
-pub struct Sensitivity {
-    /// Title of the experiment.
-    pub title: String,
-    /// Name of the robot.
-    pub robot: String,
-    /// Names of the parameters, in the order of the estimates.
-    pub parameters: Vec<String>,
-    /// Which of them the tables show, and the changes consider.
-    pub shown: Vec<bool>,
-    /// The estimates with the simulator as it is, method by method.
-    pub nominal: Vec<SensitivityPoint>,
-    /// Those with each error.
-    pub points: Vec<SensitivityPoint>,
-}
-
-/// The estimates of one method with one error of the simulator.
-#[derive(Debug, Clone)]
-pub struct SensitivityPoint {
-    /// What is wrong.
-    pub kind: BiasKind,
-    /// Factor, or the value that is added: s for a delay, rad or m for an offset.
-    pub value: f64,
-    /// The method.
-    pub method: Method,
-    /// How its iteration ended.
-    pub status: Status,
-    /// `100 |y - y_hat| / |y|`; none where there is no estimate.
-    pub relative_error_percent: Option<f64>,
-    /// Root mean square change of the shown estimates from those of the simulator as it is, in their standard deviations.
-    pub rms_change: Option<f64>,
-    /// The largest change, with its sign, and its parameter.
-    pub largest_change: Option<(String, f64)>,
-    /// The estimates; empty where there are none.
-    pub estimates: Vec<f64>,
-}
 
 impl Experiment {
     /// Estimates by IV and DIDIM with each error of the simulator, on top of none. `progress` is told how many of how many

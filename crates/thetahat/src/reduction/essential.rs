@@ -1,8 +1,9 @@
 use super::compressed::Compressed;
 use crate::{
     base_parameters::BaseParameters,
-    experiment::{EliminationResult, Experiment, NamedChoice, ParameterChoice},
+    experiment::{Experiment, NamedChoice, ParameterChoice},
     identification::{EliminationRule, EstimationError, Fit},
+    results::EliminationResult,
     statistics::{FTest, f_test},
 };
 

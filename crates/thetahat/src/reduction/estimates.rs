@@ -2,8 +2,9 @@ use std::{collections::BTreeMap, path::Path};
 
 use super::ReductionError;
 use crate::{
-    experiment::{Experiment, NOMINAL, Results},
+    experiment::Experiment,
     identification::Method,
+    results::{NOMINAL, Results},
 };
 
 /// The nominal estimates of a `results.json` by name: those of IDIM-IV, or else of IDIM-LS.

@@ -3,12 +3,10 @@ use std::path::Path;
 use super::{Reduction, ReductionError, compressed::Compressed, essential::choose, segments::cluster_variances};
 use crate::{
     base_parameters::{BaseParameter, BaseParameters},
-    experiment::{
-        EliminationResult, Experiment, ExperimentError, NOMINAL, ParameterResult, Plots, RecordingResult, Results,
-        RunPlots, RunResult, Weighting,
-    },
+    experiment::{Experiment, ExperimentError, Weighting},
     identification::{EstimationError, Fit, Method, Status, Uncertainty},
     linear_algebra::Matrix,
+    results::{EliminationResult, NOMINAL, ParameterResult, Plots, RecordingResult, Results, RunPlots, RunResult},
     statistics::{FTest, f_test},
 };
 

@@ -7,8 +7,8 @@ use super::{
     tables::runs_of,
 };
 use crate::{
-    experiment::{IterationResult, ParameterResult, Results, RunResult},
     identification::Method,
+    results::{IterationResult, ParameterResult, Results, RunResult},
 };
 
 /// Class of the measured curve.

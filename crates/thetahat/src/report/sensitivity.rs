@@ -11,8 +11,8 @@ use super::{
     sections::Section,
 };
 use crate::{
-    experiment::{Sensitivity, SensitivityPoint},
     identification::{Method, Status},
+    results::{Sensitivity, SensitivityPoint},
     simulation::BiasKind,
 };
 
