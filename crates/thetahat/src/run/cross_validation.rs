@@ -2,10 +2,10 @@
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use super::chain::Problem;
 use crate::{
-    identification::{Divisor, EstimationError, Method, idim_iv, idim_ls, relative_error_percent},
+    identification::{Design, Divisor, EstimationError, Method, Needs},
     linear_algebra::Matrix,
+    regression::{Regression, relative_error_percent},
     trajectory::Moves,
 };
 
@@ -69,29 +69,31 @@ pub(super) struct CrossValidation {
 
 /// Leaves each fold out in turn, estimates from the others with the instruments at hand, and predicts the one left out.
 pub(super) fn leave_folds_out(
-    problem: &Problem,
+    regression: &Regression,
     method: Method,
     instruments: Option<&Matrix>,
-    weights: Option<&[f64]>,
     folds: &Folds,
 ) -> Option<CrossValidation> {
-    let rows = problem.y.len();
+    let rows = regression.y.len();
     let of_row: Vec<usize> = (0..rows).map(|k| folds.of_row[k % folds.of_row.len()]).collect();
-    let parameters = problem.x.columns();
-    let equations = equations(problem, method, instruments, weights);
-    let left = WithoutEach::new(&equations, &of_row, (folds.names.len(), parameters));
+    let parameters = regression.parameters();
+    let equations = Equations::new(regression, method, instruments);
+    let left = WithoutEach::new(&equations.rows, &of_row, (folds.names.len(), parameters));
+    let predicting = match method.design() {
+        Design::Measured => regression.x.as_ref(),
+        Design::Simulated => instruments?,
+    };
     let mut prediction = vec![0.0; rows];
     let mut estimates = Vec::with_capacity(folds.names.len());
     for fold in 0..folds.names.len() {
-        let theta = estimate(method, &left.triangle(fold), parameters).ok()?;
-        let predicting = if method == Method::Didim { instruments? } else { &problem.x };
+        let theta = equations.estimate(method, &left.triangle(fold)).ok()?;
         let all = predicting.times(&theta);
         (0..rows).filter(|&k| of_row[k] == fold).for_each(|k| prediction[k] = all[k]);
         estimates.push(theta);
     }
     Some(CrossValidation {
-        relative_error_percent: relative_error_percent(&problem.y, &prediction),
-        interval_95_percent: interval(&problem.y, &prediction, &of_row, folds.names.len()),
+        relative_error_percent: relative_error_percent(&regression.y, &prediction),
+        interval_95_percent: interval(&regression.y, &prediction, &of_row, folds.names.len()),
         theta: estimates,
     })
 }
@@ -115,15 +117,39 @@ fn interval(y: &[f64], prediction: &[f64], of_row: &[usize], folds: usize) -> Op
     of_percent.is_finite().then(|| [(centre - of_percent).max(0.0), centre + of_percent])
 }
 
-/// The weighted rows `[Z X y]` of IV, or `[X y]` of LS, where X is Z for DIDIM.
-fn equations(problem: &Problem, method: Method, instruments: Option<&Matrix>, weights: Option<&[f64]>) -> Matrix {
-    let y = Matrix::from_fn(problem.y.len(), 1, |k, _| problem.y[k]);
-    let all = match (method, instruments) {
-        (Method::IdimIv, Some(z)) => Matrix::beside(&[z, &problem.x, &y]),
-        (Method::Didim, Some(z)) => Matrix::beside(&[z, &y]),
-        _ => Matrix::beside(&[&problem.x, &y]),
-    };
-    weights.map_or_else(|| all.clone(), |w| all.scale_rows(w))
+/// The weighted rows from which a method estimates: Z where it needs instruments, X where its prediction is of the measured
+/// motion, and y.
+struct Equations {
+    rows: Matrix,
+    parameters: usize,
+    /// Whether they begin with Z.
+    has_instruments: bool,
+    /// Whether X is among them.
+    has_measured: bool,
+}
+
+impl Equations {
+    fn new(regression: &Regression, method: Method, instruments: Option<&Matrix>) -> Self {
+        let y = Matrix::from_fn(regression.y.len(), 1, |k, _| regression.y[k]);
+        let z = match method.needs() {
+            Needs::Measurement => None,
+            Needs::Instruments => instruments,
+        };
+        let has_measured = method.design() == Design::Measured || z.is_none();
+        let x = has_measured.then_some(regression.x.as_ref());
+        let parts: Vec<&Matrix> = z.into_iter().chain(x).chain([&y]).collect();
+        let rows = regression.whiten_matrix(&Matrix::beside(&parts)).into_owned();
+        Self { rows, parameters: regression.parameters(), has_instruments: z.is_some(), has_measured }
+    }
+
+    /// An estimate from these rows, or a triangle that stands for some of them.
+    fn estimate(&self, method: Method, rows: &Matrix) -> Result<Vec<f64>, EstimationError> {
+        let part = |first: usize| rows.select_columns(&(first..first + self.parameters).collect::<Vec<_>>());
+        let z = self.has_instruments.then(|| part(0));
+        let x = if self.has_measured && self.has_instruments { part(self.parameters) } else { part(0) };
+        let regression = Regression::of_one_series(x, rows.column(rows.columns() - 1).to_vec());
+        method.estimate(&regression, z.as_ref(), Divisor::default()).map(|fit| fit.theta)
+    }
 }
 
 /// For each fold a triangle that stands for the rows of all others: as many rows as parameters, along the columns of Z, or
@@ -168,18 +194,6 @@ fn sums<'a>(each: impl Iterator<Item = &'a Matrix>, nothing: &Matrix, parameters
         std::mem::replace(&mut sum, next)
     };
     each.map(add).collect()
-}
-
-/// An estimate from rows, or a triangle, of [`equations`].
-fn estimate(method: Method, equations: &Matrix, parameters: usize) -> Result<Vec<f64>, EstimationError> {
-    let part = |first: usize| equations.select_columns(&(first..first + parameters).collect::<Vec<_>>());
-    let y = equations.column(equations.columns() - 1);
-    let fit = if method == Method::IdimIv && equations.columns() > parameters + 1 {
-        idim_iv(&part(0), &part(parameters), y, None, Divisor::default())
-    } else {
-        idim_ls(&part(0), y, None, Divisor::default())
-    };
-    fit.map(|f| f.theta)
 }
 
 #[cfg(test)]

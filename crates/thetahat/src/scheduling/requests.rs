@@ -1,4 +1,4 @@
-//! Simulations that are wanted, fulfilled side by side.
+//! Simulations that are asked for, run side by side.
 
 use super::simulator::Simulator;
 use crate::{
@@ -7,7 +7,7 @@ use crate::{
     simulation::{Job, SimulatedMotion, SimulationError, simulate_all},
 };
 
-/// What is wanted of a simulation.
+/// What is asked of a simulation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Output {
     /// Z.
@@ -29,29 +29,29 @@ pub(crate) enum Simulated {
     Motions(Vec<SimulatedMotion>),
 }
 
-/// A simulation with base parameters.
-pub(crate) struct Wish<'a> {
+/// A simulation with base parameters that is asked for.
+pub(crate) struct Request<'a> {
     pub(crate) simulator: &'a Simulator<'a>,
     pub(crate) theta: Vec<f64>,
     pub(crate) output: Output,
 }
 
-impl Wish<'_> {
+impl Request<'_> {
     pub(super) fn is_like(&self, other: &Self) -> bool {
         self.simulator.is_like(other.simulator) && self.theta == other.theta && self.output == other.output
     }
 }
 
-/// Fulfils wishes side by side, equal ones once; each as by itself.
-pub(crate) fn simulate_side_by_side(wishes: &[Wish<'_>], threads: usize) -> Vec<Result<Simulated, SimulationError>> {
-    let first_like = |wish: &Wish<'_>| wishes.iter().position(|other| wish.is_like(other)).unwrap_or_default();
-    let first: Vec<usize> = wishes.iter().map(first_like).collect();
-    let mut simulated: Vec<_> = (0..wishes.len()).map(|_| None).collect();
-    let (places, different): (Vec<usize>, Vec<&Wish<'_>>) =
-        wishes.iter().enumerate().filter(|(k, _)| first[*k] == *k).unzip();
+/// Runs the simulations of requests side by side, equal ones once. Results are bit-identical alone or batched.
+pub(crate) fn simulate_side_by_side(requests: &[Request<'_>], threads: usize) -> Vec<Result<Simulated, SimulationError>> {
+    let first_like = |request: &Request<'_>| requests.iter().position(|other| request.is_like(other)).unwrap_or_default();
+    let first: Vec<usize> = requests.iter().map(first_like).collect();
+    let mut simulated: Vec<_> = (0..requests.len()).map(|_| None).collect();
+    let (places, different): (Vec<usize>, Vec<&Request<'_>>) =
+        requests.iter().enumerate().filter(|(k, _)| first[*k] == *k).unzip();
     let results = simulate_different(&different, threads);
     places.into_iter().zip(results).for_each(|(k, result)| simulated[k] = Some(result));
-    for k in 0..wishes.len() {
+    for k in 0..requests.len() {
         if first[k] != k {
             simulated[k] = simulated[first[k]].clone();
         }
@@ -65,24 +65,24 @@ pub(crate) fn instruments_side_by_side(
     theta: &[f64],
     threads: usize,
 ) -> Vec<Option<Matrix>> {
-    let wish = |simulator| Wish { simulator, theta: theta.to_vec(), output: Output::Instruments };
-    let simulated = simulate_side_by_side(&simulators.iter().map(wish).collect::<Vec<_>>(), threads);
+    let request = |simulator| Request { simulator, theta: theta.to_vec(), output: Output::Instruments };
+    let simulated = simulate_side_by_side(&simulators.iter().map(request).collect::<Vec<_>>(), threads);
     simulated.into_iter().map(|s| if let Ok(Simulated::Instruments(z)) = s { Some(z) } else { None }).collect()
 }
 
-fn simulate_different(wishes: &[&Wish<'_>], threads: usize) -> Vec<Result<Simulated, SimulationError>> {
-    let resolved: Vec<_> = wishes.iter().map(|w| w.simulator.resolve(&w.theta)).collect();
+fn simulate_different(requests: &[&Request<'_>], threads: usize) -> Vec<Result<Simulated, SimulationError>> {
+    let resolved: Vec<_> = requests.iter().map(|w| w.simulator.resolve(&w.theta)).collect();
     let jobs: Vec<Job<'_>> =
-        wishes.iter().zip(&resolved).flat_map(|(w, resolved)| w.simulator.jobs(resolved, w.output)).collect();
+        requests.iter().zip(&resolved).flat_map(|(w, resolved)| w.simulator.jobs(resolved, w.output)).collect();
     let groups: Vec<&[Job<'_>]> = jobs.chunks(jobs.len().div_ceil(threads.max(1)).max(1)).collect();
     let mut all = in_parallel(groups.len(), threads, |g| simulate_all(groups[g])).into_iter().flatten();
-    let of_wish = |w: &&Wish<'_>| all.by_ref().take(w.simulator.recordings()).collect::<Vec<_>>().into_iter().collect();
-    let motions: Vec<Result<Vec<SimulatedMotion>, SimulationError>> = wishes.iter().map(of_wish).collect();
+    let of_request = |w: &&Request<'_>| all.by_ref().take(w.simulator.recordings()).collect::<Vec<_>>().into_iter().collect();
+    let motions: Vec<Result<Vec<SimulatedMotion>, SimulationError>> = requests.iter().map(of_request).collect();
     let instruments = |k: usize| match &motions[k] {
-        Ok(motions) if wishes[k].output == Output::Instruments => Some(wishes[k].simulator.instruments_of(motions)),
+        Ok(motions) if requests[k].output == Output::Instruments => Some(requests[k].simulator.instruments_of(motions)),
         _ => None,
     };
-    let instruments = in_parallel(wishes.len(), threads, instruments);
+    let instruments = in_parallel(requests.len(), threads, instruments);
     let results = motions.into_iter().zip(instruments);
     let result = |(motions, z)| match z {
         Some(z) => Result::map(z, Simulated::Instruments),

@@ -1,54 +1,45 @@
-//! The closed loop of an experiment as a function of the parameters: instruments Z, and errors against the record.
+//! The closed loops of all recordings as a function of the parameters: instruments Z, and errors against the record.
 
 use std::collections::BTreeMap;
 
-use super::{
-    Experiment, ExperimentError, Gains, Start,
-    chain::{FilteredRecord, Problem},
-    wishes::Output,
-};
+use super::requests::Output;
 use crate::{
     control::ControllerDescription,
-    dynamics::Sign,
+    dynamics::{Model, Sign},
     identification::Assembly,
     linear_algebra::{Matrix, norm},
+    preparation::{FilteredRecording, Gains, Problem, RecordedReference, Setup},
     series::Series,
+    signal::Motion,
     simulation::{
-        ClosedLoop, Job, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulationError, SimulatorBias,
-        simulate_all,
+        ClosedLoop, Job, OutputGrid, Reference, SimulatedMotion, SimulationError, SimulatorBias, simulate_all,
     },
-    trajectory::reconstruct,
 };
 
-/// The reference that a record's simulations follow, and where it comes from.
-pub(crate) struct RecordReference {
-    pub(super) reference: Reference,
-    pub(super) origin: &'static str,
-}
-
-impl Experiment {
-    /// The recorded or planned reference; without one, it is reconstructed from the motion.
-    pub(crate) fn reference(&self, filtered: &FilteredRecord) -> Result<RecordReference, ExperimentError> {
-        let record = &filtered.record;
-        let rate = record.sample_rate_hz;
-        if let Some(recorded) = &record.reference {
-            let reference = Reference::Sampled(SampledReference::new(recorded.clone(), rate));
-            return Ok(RecordReference { reference, origin: "recorded" });
-        }
-        if let Some(planned) = &record.planned {
-            return Ok(RecordReference { reference: Reference::Moves(planned.clone()), origin: "planned" });
-        }
-        let refuse = |source| ExperimentError::Signal { path: self.path.clone(), source };
-        let (_, velocity, _) = self.band_pass(&record.position, rate).map_err(refuse)?;
-        let found = reconstruct(&record.position, &velocity, rate)
-            .map_err(|source| ExperimentError::Trajectory { path: self.path.clone(), source })?;
-        Ok(RecordReference { reference: Reference::Moves(found.moves), origin: "reconstructed" })
+/// The closed loop of a robot under the simulator's options along a reference.
+pub(crate) fn closed_loop<'a>(
+    setup: Setup<'a>,
+    model: &'a Model,
+    controller: &'a ControllerDescription,
+    reference: &'a Reference,
+    added_signal: Option<(&'a Series, f64)>,
+    bias: SimulatorBias,
+) -> ClosedLoop<'a> {
+    ClosedLoop {
+        model,
+        transmission: &setup.robot.transmission,
+        controller,
+        reference,
+        added_signal,
+        bias,
+        solver: setup.settings.simulation.solver,
+        sign_velocity_scale: setup.settings.simulation.sign_velocity_scale,
     }
 }
 
 /// Simulates the loops of all recordings for one case.
 pub(crate) struct Simulator<'a> {
-    experiment: &'a Experiment,
+    setup: Setup<'a>,
     problem: &'a Problem,
     loops: Vec<RecordedLoop<'a>>,
     kept_inertia: Option<Vec<f64>>,
@@ -56,7 +47,7 @@ pub(crate) struct Simulator<'a> {
 
 /// The loop of one recording.
 struct RecordedLoop<'a> {
-    filtered: &'a FilteredRecord,
+    filtered: &'a FilteredRecording,
     assembly: Assembly<'a>,
     closed_loop: ClosedLoop<'a>,
 }
@@ -64,52 +55,42 @@ struct RecordedLoop<'a> {
 impl<'a> Simulator<'a> {
     /// The simulator of the recordings from which `problem` was made, each with its reference.
     pub(crate) fn new(
-        experiment: &'a Experiment,
+        setup: Setup<'a>,
         problem: &'a Problem,
-        recordings: &[(&'a FilteredRecord, &'a RecordReference)],
+        recordings: &[(&'a FilteredRecording, &'a RecordedReference)],
         controller: &'a ControllerDescription,
         bias: SimulatorBias,
     ) -> Self {
-        let loop_of = |(number, (filtered, reference)): (usize, &(&'a FilteredRecord, &'a RecordReference))| {
-            let closed_loop = ClosedLoop {
-                model: &problem.model,
-                transmission: &experiment.robot.transmission,
-                controller,
-                reference: &reference.reference,
-                added_signal: filtered.record.added_signal.as_ref().map(|s| (s, filtered.record.sample_rate_hz)),
-                bias,
-                solver: experiment.file.simulation.solver,
-                sign_velocity_scale: experiment.file.simulation.sign_velocity_scale,
-            };
+        let loop_of = |(number, (filtered, reference)): (usize, &(&'a FilteredRecording, &'a RecordedReference))| {
+            let recording = &filtered.recording;
+            let added = recording.added_signal.as_ref().map(|s| (s, recording.sample_rate_hz));
+            let closed_loop = closed_loop(setup, &problem.model, controller, &reference.reference, added, bias);
             RecordedLoop { filtered, assembly: problem.assembly(number), closed_loop }
         };
         let loops = recordings.iter().enumerate().map(loop_of).collect();
-        let mut simulator = Self { experiment, problem, loops, kept_inertia: None };
-        if experiment.file.estimation.gains == Gains::Kept {
-            let start = simulator.problem.estimated.to_standard(&simulator.start());
-            simulator.kept_inertia = Some(simulator.inertia(&start));
+        let simulator = Self { setup, problem, loops, kept_inertia: None };
+        match setup.settings.estimation.gains {
+            Gains::Updated => simulator,
+            Gains::Kept => {
+                let start = problem.estimated.to_standard(&simulator.start());
+                Self { kept_inertia: Some(simulator.inertia(&start)), ..simulator }
+            }
         }
-        simulator
     }
 
     /// The start values of an iteration.
     pub(crate) fn start(&self) -> Vec<f64> {
-        let mut theta = self.experiment.robot.a_priori_parameters_for(self.problem.model.parameter_table());
-        if self.experiment.file.estimation.start == Start::MotorInertias {
-            let table = self.problem.model.parameter_table().iter();
-            theta.iter_mut().zip(table).filter(|(_, p)| !p.quantity.is_motor_inertia()).for_each(|(t, _)| *t = 0.0);
-        }
-        self.problem.estimated.from_standard(&theta)
+        self.problem.estimated.from_standard(&self.setup.start(self.problem.model.parameter_table()))
     }
 
     /// The simulated motion of each recording in its window.
-    pub(super) fn simulate(&self, theta: &[f64]) -> Result<Vec<SimulatedMotion>, SimulationError> {
+    pub(crate) fn simulate(&self, theta: &[f64]) -> Result<Vec<SimulatedMotion>, SimulationError> {
         simulate_all(&self.jobs(&self.resolve(theta), Output::Motion { step: 1 })).into_iter().collect()
     }
 
     /// The simulations of all recordings.
     pub(super) fn jobs<'j>(&'j self, (theta, inertia): &'j (Vec<f64>, Vec<f64>), output: Output) -> Vec<Job<'j>> {
-        let whole = output == Output::Instruments && self.experiment.file.simulation.band_pass;
+        let whole = output == Output::Instruments && self.setup.settings.simulation.band_pass;
         let job = |l: &RecordedLoop<'a>| Job {
             closed_loop: l.closed_loop,
             theta,
@@ -121,9 +102,9 @@ impl<'a> Simulator<'a> {
 
     /// Z of the motions simulated for it.
     pub(super) fn instruments_of(&self, motions: &[SimulatedMotion]) -> Result<Matrix, SimulationError> {
-        let of_loop = |(l, motion): (&RecordedLoop<'_>, &SimulatedMotion)| l.instruments(self.experiment, motion);
+        let of_loop = |(l, motion): (&RecordedLoop<'_>, &SimulatedMotion)| l.instruments(self.setup, motion);
         let matrices = self.loops.iter().zip(motions).map(of_loop).collect::<Result<Vec<_>, _>>()?;
-        Ok(self.problem.rows.stack_matrices(matrices))
+        Ok(self.problem.regression.layout.stack_matrices(matrices))
     }
 
     /// Number of recordings.
@@ -134,7 +115,8 @@ impl<'a> Simulator<'a> {
     /// Whether both give the same motion for the same parameters.
     pub(super) fn is_like(&self, other: &Self) -> bool {
         let bias = |s: &Self| s.loops.first().map(|l| l.closed_loop.bias);
-        std::ptr::eq(self.experiment, other.experiment)
+        std::ptr::eq(self.setup.robot, other.setup.robot)
+            && std::ptr::eq(self.setup.settings, other.setup.settings)
             && std::ptr::eq(self.problem, other.problem)
             && bias(self) == bias(other)
     }
@@ -150,19 +132,20 @@ impl<'a> Simulator<'a> {
     fn inertia(&self, standard: &[f64]) -> Vec<f64> {
         let of_loops: Vec<Vec<f64>> = self.loops.iter().map(|l| l.inertia(standard)).collect();
         let mean = |motor: usize| of_loops.iter().map(|i| i[motor]).sum::<f64>() / of_loops.len() as f64;
-        (0..self.problem.joints()).map(mean).collect()
+        (0..self.problem.model.coordinate_count()).map(mean).collect()
     }
 
     /// `100 |measured - simulated| / |measured|` in the windows: band-passed position, velocity and acceleration and raw
     /// torque of the records, against the simulations as they are.
-    pub(super) fn errors(&self, motions: &[SimulatedMotion]) -> BTreeMap<String, f64> {
+    pub(crate) fn errors(&self, motions: &[SimulatedMotion]) -> BTreeMap<String, f64> {
         let mut squares: BTreeMap<&str, [f64; 2]> = BTreeMap::new();
         for (l, motion) in self.loops.iter().zip(motions) {
-            let torque = l.filtered.record.torque.window(l.filtered.window.clone());
+            let torque = l.filtered.torque();
+            let measured = &l.filtered.motion;
             for (name, measured, simulated) in [
-                ("position", &l.filtered.q, &motion.q),
-                ("velocity", &l.filtered.dq, &motion.dq),
-                ("acceleration", &l.filtered.ddq, &motion.ddq),
+                ("position", &measured.q, &motion.q),
+                ("velocity", &measured.dq, &motion.dq),
+                ("acceleration", &measured.ddq, &motion.ddq),
                 ("torque", &torque, &motion.tau),
             ] {
                 let [difference, size] = squares.entry(name).or_default();
@@ -175,27 +158,27 @@ impl<'a> Simulator<'a> {
 }
 
 impl RecordedLoop<'_> {
-    fn instruments(&self, experiment: &Experiment, motion: &SimulatedMotion) -> Result<Matrix, SimulationError> {
+    fn instruments(&self, setup: Setup<'_>, motion: &SimulatedMotion) -> Result<Matrix, SimulationError> {
         let sign = Sign::Smooth { scale: self.closed_loop.sign_velocity_scale };
         let unfiltered = |_| SimulationError::TooShortToFilter;
-        if !experiment.file.simulation.band_pass {
+        if !setup.settings.simulation.band_pass {
             return self.assembly.observation_matrix(&motion.q, &motion.dq, &motion.ddq, sign).map_err(unfiltered);
         }
         // Filtered as the record is: the whole of it, then cut to the window.
-        let rate = self.filtered.record.sample_rate_hz;
-        let (q, dq, ddq) = experiment.band_pass(&motion.q, rate).map_err(unfiltered)?;
+        let rate = self.filtered.recording.sample_rate_hz;
+        let Motion { q, dq, ddq } = setup.band_pass(&motion.q, rate).map_err(unfiltered)?;
         let cut = |series: &Series| series.window(self.filtered.window.clone());
         self.assembly.observation_matrix(&cut(&q), &cut(&dq), &cut(&ddq), sign).map_err(unfiltered)
     }
 
     fn grid_of_record(&self) -> OutputGrid {
-        let record = &self.filtered.record;
-        OutputGrid { start_s: 0.0, sample_rate_hz: record.sample_rate_hz, samples: record.position.len() }
+        let recording = &self.filtered.recording;
+        OutputGrid { start_s: 0.0, sample_rate_hz: recording.sample_rate_hz, samples: recording.position.len() }
     }
 
     /// Every so many samples of the window, the first included.
     fn grid_of_window(&self, step: usize) -> OutputGrid {
-        let (window, rate) = (&self.filtered.window, self.filtered.record.sample_rate_hz);
+        let (window, rate) = (&self.filtered.window, self.filtered.recording.sample_rate_hz);
         OutputGrid {
             start_s: window.start as f64 / rate,
             sample_rate_hz: rate / step as f64,
@@ -204,7 +187,7 @@ impl RecordedLoop<'_> {
     }
 
     fn inertia(&self, standard: &[f64]) -> Vec<f64> {
-        let duration_s = self.filtered.record.position.len() as f64 / self.filtered.record.sample_rate_hz;
+        let duration_s = self.filtered.recording.position.len() as f64 / self.filtered.recording.sample_rate_hz;
         self.closed_loop.motor_inertia(standard, duration_s)
     }
 }

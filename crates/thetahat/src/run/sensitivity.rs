@@ -2,19 +2,16 @@
 
 use std::{
     convert::Infallible,
-    path::Path,
     sync::atomic::{AtomicUsize, Ordering},
 };
 
-use super::{
-    Case, Experiment, ExperimentError,
-    run::{CaseProblem, Session},
-    turns::{self, Attempt, Terms},
-};
+use super::identification::{CaseProblem, Identification};
 use crate::{
     identification::{Method, Outcome},
     pool::in_parallel,
+    preparation::{Case, PreparationError},
     results::{Sensitivity, SensitivityPoint},
+    scheduling::{EstimationJob, RunOptions, SIDE_BY_SIDE, run_all},
     simulation::{BiasKind, SimulatorBias},
 };
 
@@ -28,34 +25,34 @@ const SWEEP: [(BiasKind, &[f64]); 7] = [
     (BiasKind::ReferenceOffset, &[-0.02, -0.01, -0.005, 0.005, 0.01, 0.02]),
     (BiasKind::Friction, &[0.0, 0.5, 0.8, 1.2, 1.5, 2.0]),
 ];
-const METHODS: [Method; 2] = [Method::IdimIv, Method::Didim];
+const METHODS: [Method; 2] = [Method::IDIM_IV, Method::DIDIM];
 
-impl Experiment {
+impl Identification {
     /// Estimates by IV and DIDIM with each error of the simulator, on top of none. `progress` is told how many of how many
     /// estimations are done; the result does not depend on the number of `threads`.
     ///
     /// An estimation that does not converge says so in its status.
     ///
     /// # Errors
-    /// [`ExperimentError`] for input that cannot be used, or without a `[controller]`.
+    /// [`PreparationError`] for input that cannot be used, or without a controller.
     pub fn sensitivity(
         &self,
-        data: &Path,
         threads: usize,
         progress: &(dyn Fn(usize, usize) + Sync),
-    ) -> Result<Sensitivity, ExperimentError> {
-        let why = "idim-iv and didim simulate the closed loop";
-        self.file.controller.as_ref().ok_or_else(|| self.missing("[controller]", why))?;
-        let session = self.session(data, &mut |_| {})?;
-        let problems = session.problems(&mut |_| {})?;
-        let sweep = Sweep { experiment: self, session: &session, problem: &problems[0] };
+    ) -> Result<Sensitivity, PreparationError> {
+        if self.setup().settings.controller.is_none() {
+            let why = "idim-iv and didim simulate the closed loop";
+            return Err(PreparationError::Missing { missing: "[controller]", why });
+        }
+        let problems = self.problems(&mut |_| {})?;
+        let sweep = Sweep { identification: self, problem: &problems[0] };
         let nominal = sweep.estimate(&METHODS.map(|method| (method, SimulatorBias::NONE, None)), threads);
         let jobs: Vec<(BiasKind, f64, usize)> = SWEEP
             .iter()
             .flat_map(|(kind, values)| values.iter().map(move |v| (*kind, *v)))
             .flat_map(|(kind, value)| (0..nominal.len()).map(move |m| (kind, value, m)))
             .collect();
-        let groups: Vec<&[(BiasKind, f64, usize)]> = jobs.chunks(turns::SIDE_BY_SIDE).collect();
+        let groups: Vec<&[(BiasKind, f64, usize)]> = jobs.chunks(SIDE_BY_SIDE).collect();
         let done = AtomicUsize::new(0);
         let work = |g: usize| {
             let points = sweep.points(groups[g], &nominal);
@@ -67,26 +64,25 @@ impl Experiment {
     }
 }
 
+/// A method with an error of the simulator, from start values or those of the settings.
+type Wanted<'a> = (Method, SimulatorBias, Option<&'a [f64]>);
+
 struct Sweep<'a> {
-    experiment: &'a Experiment,
-    session: &'a Session<'a>,
+    identification: &'a Identification,
     problem: &'a CaseProblem,
 }
 
 impl Sweep<'_> {
-    /// Estimates by some methods with an error of the simulator each, from start values or those of the experiment.
-    fn estimate(&self, wanted: &[(Method, SimulatorBias, Option<&[f64]>)], threads: usize) -> Vec<Outcome> {
-        let nominal = self.experiment.cases().swap_remove(0);
-        let attempt = |&(method, simulator, start): &(Method, SimulatorBias, Option<&[f64]>)| {
-            let attempt = self.session.attempt(self.problem, &Case { simulator, ..nominal.clone() }, method);
-            Attempt { start: start.map_or(attempt.start, <[f64]>::to_vec), ..attempt }
+    fn estimate(&self, wanted: &[Wanted<'_>], threads: usize) -> Vec<Outcome> {
+        let job = |&(method, simulator, start): &Wanted<'_>| {
+            let job = self.identification.job(self.problem, &Case::nominal().with_simulator(simulator), method);
+            EstimationJob { start: start.map_or(job.start, <[f64]>::to_vec), ..job }
         };
-        let attempts: Vec<Attempt<'_>> = wanted.iter().map(attempt).collect();
-        let estimation = &self.experiment.file.estimation;
-        let (divisor, convergence) = (estimation.variance, estimation.convergence);
-        let terms = Terms { divisor, convergence, motion_step: None, threads };
-        let mut outcomes = vec![None; attempts.len()];
-        let Ok(()) = turns::make(&attempts, terms, &mut |_| {}, &mut |k, finished| {
+        let jobs: Vec<EstimationJob<'_>> = wanted.iter().map(job).collect();
+        let iteration = self.identification.setup().settings.estimation.iteration();
+        let options = RunOptions { iteration, motion_step: None, threads };
+        let mut outcomes = vec![None; jobs.len()];
+        let Ok(()) = run_all(&jobs, options, &mut |_| {}, &mut |k, finished| {
             outcomes[k] = Some(finished.outcome);
             Ok::<(), Infallible>(())
         });
@@ -139,17 +135,16 @@ impl Sweep<'_> {
     }
 
     fn shown(&self) -> Vec<bool> {
-        let show = &self.experiment.file.parameters.show;
-        let parameters = self.problem.problem.estimated.parameters().iter();
-        parameters.map(|p| show.is_empty() || show.contains(&p.name)).collect()
+        let settings = self.identification.setup().settings;
+        self.problem.problem.estimated.parameters().iter().map(|p| settings.shows(&p.name)).collect()
     }
 
     fn finish(&self, nominal: &[Outcome], points: Vec<SensitivityPoint>) -> Sensitivity {
         let of_method =
             |(m, outcome): (&Method, &Outcome)| self.describe((BiasKind::GearRatio, 1.0), *m, outcome, outcome);
         Sensitivity {
-            title: self.experiment.file.title.clone(),
-            robot: self.experiment.robot.name.clone(),
+            title: String::new(),
+            robot: self.identification.setup().robot.name.clone(),
             parameters: self.problem.problem.estimated.parameters().iter().map(|p| p.name.clone()).collect(),
             shown: self.shown(),
             nominal: METHODS.iter().zip(nominal).map(of_method).collect(),
