@@ -57,16 +57,16 @@ fn bandwidths(experiment: &Experiment, data: &Path) -> Result<(), Box<dyn Error>
             controller.bandwidth_hz = vec![hz];
         }
         let results = run(&experiment, data)?;
-        let didim = find(&results, "nominal", Method::Didim)?;
-        let biased = find(&results, "gear_ratio_0.9", Method::Didim)?;
-        let (max, rms) = difference(didim, find(&results, "nominal", Method::IdimLs)?);
+        let didim = find(&results, "nominal", Method::DIDIM)?;
+        let biased = find(&results, "gear_ratio_0.9", Method::DIDIM)?;
+        let (max, rms) = difference(didim, find(&results, "nominal", Method::IDIM_LS)?);
         let change = |name: &str| {
             let of = |r: &RunResult| r.parameter(name).map(|p| p.estimate);
             of(biased).zip(of(didim)).map(|(b, n)| 100.0 * (b / n - 1.0))
         };
         println!(
             "| {hz} | {} | {} | {max:.1} | {rms:.2} | {} | {} | {} |",
-            percent(find(&results, "nominal", Method::IdimIv)?.relative_error_percent),
+            percent(find(&results, "nominal", Method::IDIM_IV)?.relative_error_percent),
             percent(didim.relative_error_percent),
             percent(biased.relative_error_percent),
             percent(change("zz1r")),
@@ -85,7 +85,7 @@ fn compare(rows: Vec<(String, Results)>) -> Result<(), Box<dyn Error>> {
             let (max, rms) = difference(run, find(reference, "nominal", method)?);
             Ok((percent(run.relative_error_percent), max, rms, run.seconds / run.simulations.max(1) as f64))
         };
-        let (iv, didim) = (of(Method::IdimIv)?, of(Method::Didim)?);
+        let (iv, didim) = (of(Method::IDIM_IV)?, of(Method::DIDIM)?);
         println!(
             "| {name} | {} | {:.3} | {:.3} | {} | {:.3} | {:.3} | {:.2} |",
             iv.0, iv.1, iv.2, didim.0, didim.1, didim.2, didim.3

@@ -53,10 +53,10 @@ fn same(found: &RunResult, expected: &RunResult, tolerance: f64) -> Result<(), F
 }
 
 fn equals_identify(mut experiment: Experiment) -> Result<(), Failed> {
-    experiment.file.estimation.methods = vec![Method::IdimLs];
+    experiment.file.estimation.methods = vec![Method::IDIM_LS];
     experiment.file.case.clear();
     let results = experiment.run(&common::data(), &mut |_| {})?;
-    let expected = results.run("nominal", Method::IdimLs).unwrap();
+    let expected = results.run("nominal", Method::IDIM_LS).unwrap();
     let whole = reduce(&experiment, 1, 1 << 16);
     let solved = whole.solve()?.results;
     ensure(solved.samples_used == results.samples_used, "as many samples")?;
@@ -103,21 +103,21 @@ fn kuka() -> Result<(), Failed> {
 
 /// Instruments from the last iterate before the end of an identification give its estimate.
 fn equals_last_step(mut experiment: Experiment) -> Result<(), Failed> {
-    experiment.file.estimation.methods = vec![Method::IdimIv];
+    experiment.file.estimation.methods = vec![Method::IDIM_IV];
     experiment.file.case.clear();
     let results = experiment.run(&common::data(), &mut |_| {})?;
-    let expected = results.run("nominal", Method::IdimIv).unwrap();
+    let expected = results.run("nominal", Method::IDIM_IV).unwrap();
     let before = &expected.convergence[expected.convergence.len() - 2].estimates;
     let named: BTreeMap<String, f64> =
         expected.parameters.iter().zip(before).map(|(p, v)| (p.name.clone(), *v)).collect();
     let options = ReduceOptions { threads: 2, piece_samples: 3000 };
     let reduction = experiment.reduce_with_instruments(&common::data(), Some(&named), options, &mut |_| {})?;
     let solved = reduction.solve()?.results;
-    let iv = solved.run("nominal", Method::IdimIv).unwrap();
+    let iv = solved.run("nominal", Method::IDIM_IV).unwrap();
     same(iv, expected, EQUAL_IV)?;
     ensure(iv.status == Status::Converged, format!("{:?}", iv.reason))?;
     let ls = reduce(&experiment, 1, 3000).solve()?.results;
-    same(solved.run("nominal", Method::IdimLs).unwrap(), &ls.runs[0], EQUAL_PIECES)
+    same(solved.run("nominal", Method::IDIM_LS).unwrap(), &ls.runs[0], EQUAL_PIECES)
 }
 
 fn iv_of_the_demonstration() -> Result<(), Failed> {
@@ -167,15 +167,15 @@ fn iv_in_pieces() -> Result<(), Failed> {
     let folder = std::env::temp_dir().join(format!("thetahat-iv-{}", std::process::id()));
     std::fs::create_dir_all(&folder)?;
     let mut experiment = recorded_demonstration(&folder);
-    experiment.file.estimation.methods = vec![Method::IdimIv];
+    experiment.file.estimation.methods = vec![Method::IDIM_IV];
     let results = experiment.run(&folder, &mut |_| {})?;
-    let expected = results.run("nominal", Method::IdimIv).unwrap();
+    let expected = results.run("nominal", Method::IDIM_IV).unwrap();
     let before = &expected.convergence[expected.convergence.len() - 2].estimates;
     let named: BTreeMap<String, f64> =
         expected.parameters.iter().zip(before).map(|(p, v)| (p.name.clone(), *v)).collect();
     let options = ReduceOptions { threads: 2, piece_samples: 9000 };
     let solved = experiment.reduce_with_instruments(&folder, Some(&named), options, &mut |_| {})?.solve()?.results;
-    let iv = solved.run("nominal", Method::IdimIv).unwrap();
+    let iv = solved.run("nominal", Method::IDIM_IV).unwrap();
     std::fs::remove_dir_all(&folder)?;
     let apart =
         |(f, e): (&ParameterResult, &ParameterResult)| (f.estimate - e.estimate).abs() / e.standard_deviation.unwrap();

@@ -38,7 +38,7 @@ pub struct Exact<'a> {
 impl<'a> Exact<'a> {
     /// Least squares on X of the true motion: IDIM-LS, and without weights DIDIM too.
     pub fn new(twin: &'a Twin, weights: Option<Vec<f64>>) -> Result<Self, Box<dyn Error>> {
-        let influence = influence(Method::IdimLs, &twin.x_true, None, weights.as_deref())?;
+        let influence = influence(Method::IDIM_LS, &twin.x_true, None, weights.as_deref())?;
         let weight = |k: usize| weights.as_ref().map_or(1.0, |w| w[k]);
         let norm = |i| influence.column(i).iter().enumerate().map(|(k, a)| (a / weight(k)).powi(2)).sum();
         let inverse_gram = (0..influence.columns()).map(norm).collect();
@@ -88,7 +88,7 @@ pub fn as_the_program(
     let interval = uncertainty(method, (x, z, y), weights, fit, &rows)?;
     let influence = influence(method, x, z, weights)?;
     let residual: Vec<f64> = y.iter().zip(&fit.prediction).map(|(y, p)| y - p).collect();
-    let design = z.filter(|_| method == Method::Didim).unwrap_or(x);
+    let design = z.filter(|_| method == Method::DIDIM).unwrap_or(x);
     let sandwich = Sandwich { design, influence: &influence, residual: &residual, rows: &rows };
     let error = fit.theta.iter().zip(&twin.theta).map(|(found, exact)| found - exact).collect();
     Ok(Estimate { error, half_width: half_widths(fit.standard_deviation.clone(), &sandwich, &interval) })
@@ -159,13 +159,13 @@ impl<'a> Trials<'a> {
 
     fn ls(&self, x: &Matrix, y: &[f64]) -> Result<Estimate, Box<dyn Error>> {
         let fit = idim_ls(x, y, None, Divisor::default())?;
-        as_the_program(self.twin, Method::IdimLs, (x, None, y), None, &fit)
+        as_the_program(self.twin, Method::IDIM_LS, (x, None, y), None, &fit)
     }
 
     fn iv(&self, x: &Matrix, y: &[f64]) -> Result<Estimate, Box<dyn Error>> {
         let z = &self.twin.x_true;
         let fit = idim_iv(z, x, y, None, Divisor::default())?;
-        as_the_program(self.twin, Method::IdimIv, (x, Some(z), y), None, &fit)
+        as_the_program(self.twin, Method::IDIM_IV, (x, Some(z), y), None, &fit)
     }
 
     /// None where the iteration does not converge.
@@ -173,7 +173,7 @@ impl<'a> Trials<'a> {
         let outcome = self.twin.iterate_didim(y, &self.weights);
         let (Some(fit), Some(z)) = (outcome.fit, outcome.instruments) else { return Ok(None) };
         let data = (&self.twin.x_true, Some(&z), y);
-        as_the_program(self.twin, Method::Didim, data, Some(&self.weights), &fit).map(Some)
+        as_the_program(self.twin, Method::DIDIM, data, Some(&self.weights), &fit).map(Some)
     }
 
     /// What noise-free positions give less the truth, with LS and with IV: first by the filters alone, then with the sign

@@ -142,7 +142,7 @@ impl Twin {
     /// DIDIM, iterated from the true parameters with an exact simulator.
     pub fn iterate_didim(&self, y: &[f64], weights: &[f64]) -> Outcome {
         iterate(
-            Method::Didim,
+            Method::DIDIM,
             (&self.x_true, y),
             Some(weights),
             (Divisor::default(), Convergence::default()),

@@ -1,7 +1,7 @@
 //! Which method's numbers to take, and why: the rules of `docs/diagnostics.md`.
 
 use crate::{
-    identification::{Method, Status},
+    identification::{Design, Method, Needs, Status},
     results::{
         Advice, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis, EndogeneityResult, InstrumentResult, RunResult,
         Verdict,
@@ -17,7 +17,7 @@ const EXPLAINS: f64 = 80.0;
 const LEAD: f64 = 20.0;
 
 /// The advice for one case, from its runs and its diagnosis.
-pub(super) fn advise(diagnosis: &CaseDiagnosis, runs: &[RunResult]) -> Advice {
+pub(crate) fn advise(diagnosis: &CaseDiagnosis, runs: &[RunResult]) -> Advice {
     let of_case = runs.iter().filter(|r| r.case == diagnosis.case).map(Ran::of).collect();
     Adviser { diagnosis, runs: of_case }.advice()
 }
@@ -83,12 +83,12 @@ impl Adviser<'_> {
 
     /// Whether a method that was run is not to be trusted.
     fn distrusts(&self, method: Method) -> bool {
-        let by_tests = match method {
-            Method::IdimLs => self.ls_differs().is_some(),
-            Method::IdimIv => self.weak().is_some(),
-            Method::Didim => self.weak().is_some() || self.verdict().is_some_and(Verdict::distrusts),
-        };
-        by_tests || !self.has_estimate(method)
+        let is_ls = method.needs() == Needs::Measurement;
+        let is_didim = method.needs() == Needs::Instruments && method.design() == Design::Simulated;
+        let by_ls = is_ls && self.ls_differs().is_some();
+        let by_instruments = !is_ls && self.weak().is_some();
+        let by_simulator = is_didim && self.verdict().is_some_and(Verdict::distrusts);
+        by_ls || by_instruments || by_simulator || !self.has_estimate(method)
     }
 
     /// IV wherever its instruments are strong, since it needs no exact simulator; then LS, then DIDIM. None of them where
@@ -97,7 +97,7 @@ impl Adviser<'_> {
         if self.verdict() == Some(Verdict::Undecided) {
             return None;
         }
-        [Method::IdimIv, Method::IdimLs, Method::Didim]
+        [Method::IDIM_IV, Method::IDIM_LS, Method::DIDIM]
             .into_iter()
             .find(|m| self.ran(*m).is_some() && !self.distrusts(*m))
     }
@@ -105,10 +105,10 @@ impl Adviser<'_> {
     /// The sentence on what to take.
     fn estimates(&self, take: Option<Method>) -> String {
         match take {
-            Some(Method::IdimIv) => self.take_iv(),
-            Some(Method::IdimLs) => self.take_ls(),
-            Some(Method::Didim) => {
-                "Take didim with care: no other method has an estimate that can be trusted.".to_owned()
+            Some(method) if method == Method::IDIM_IV => self.take_iv(),
+            Some(method) if method == Method::IDIM_LS => self.take_ls(),
+            Some(method) => {
+                format!("Take {method} with care: no other method has an estimate that can be trusted.")
             }
             None if self.verdict() == Some(Verdict::Undecided) => {
                 "Take no method's numbers as they are: the measured motion or the simulator is wrong.".to_owned()
@@ -125,7 +125,7 @@ impl Adviser<'_> {
         let strong = instruments
             .map(|i| format!("its weakest instrument, {}, has F = {}", i.weakest, short(i.smallest_f)))
             .unwrap_or_else(|| "it needs no exact simulator".to_owned());
-        let ls = self.has_estimate(Method::IdimLs);
+        let ls = self.has_estimate(Method::IDIM_LS);
         match (&self.diagnosis.endogeneity, ls) {
             (Some(e), true) if e.verdict == Verdict::Alarm => format!(
                 "Take idim-iv, distrust idim-ls: they differ by {} standard deviations on average, most in {} \
@@ -147,18 +147,18 @@ impl Adviser<'_> {
     }
 
     fn take_ls(&self) -> String {
-        let why = match (self.weak(), self.ran(Method::IdimIv)) {
+        let why = match (self.weak(), self.ran(Method::IDIM_IV)) {
             (Some(weak), _) => weak_text(weak),
             (None, Some(_)) => "idim-iv has no converged estimate to test it.".to_owned(),
             (None, None) => "Nothing tests it: idim-iv, which needs [controller], was not run.".to_owned(),
         };
-        let numbers = self.ran(Method::IdimLs).map(ls_numbers).unwrap_or_default();
+        let numbers = self.ran(Method::IDIM_LS).map(ls_numbers).unwrap_or_default();
         format!("Take idim-ls{numbers}. {why}")
     }
 
     /// The sentence on DIDIM; empty where it was not run.
     fn simulator(&self) -> String {
-        match (&self.diagnosis.biased_simulator, self.ran(Method::Didim)) {
+        match (&self.diagnosis.biased_simulator, self.ran(Method::DIDIM)) {
             (_, None) => String::new(),
             (_, Some(run)) if run.status != Status::Converged => "didim has no converged estimate.".to_owned(),
             (None, Some(_)) => "didim could not be compared with idim-iv.".to_owned(),
@@ -284,7 +284,7 @@ mod tests {
         statistics::{ChiSquaredTest, FTest},
     };
 
-    const METHODS: [Method; 3] = [Method::IdimLs, Method::IdimIv, Method::Didim];
+    const METHODS: [Method; 3] = [Method::IDIM_LS, Method::IDIM_IV, Method::DIDIM];
     const VERDICTS: [Verdict; 5] =
         [Verdict::Agree, Verdict::SmallDifference, Verdict::Alarm, Verdict::Unclear, Verdict::Undecided];
 
@@ -346,9 +346,9 @@ mod tests {
             {
                 let diagnosis = CaseDiagnosis {
                     case: "nominal".to_owned(),
-                    endogeneity: converged(Method::IdimIv).then(|| endogeneity(ls)),
-                    instruments: converged(Method::IdimIv).then(|| instruments(f)),
-                    biased_simulator: converged(Method::Didim).then(|| simulator(verdict)),
+                    endogeneity: converged(Method::IDIM_IV).then(|| endogeneity(ls)),
+                    instruments: converged(Method::IDIM_IV).then(|| instruments(f)),
+                    biased_simulator: converged(Method::DIDIM).then(|| simulator(verdict)),
                 };
                 let adviser = Adviser { diagnosis: &diagnosis, runs: runs.clone() };
                 each(&adviser, &adviser.advice());
@@ -378,7 +378,7 @@ mod tests {
                 assert!(!said || advice.distrust.contains(&method), "{:?}: {advice:?}", adviser.runs);
             }
             let passes = advice.text.contains("the simulator passes");
-            assert!(!passes || !advice.distrust.contains(&Method::Didim), "{advice:?}");
+            assert!(!passes || !advice.distrust.contains(&Method::DIDIM), "{advice:?}");
         });
     }
 

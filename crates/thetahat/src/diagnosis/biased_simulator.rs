@@ -44,7 +44,8 @@ pub(super) fn biased_simulator(
             Verdict::Unclear
         }
         Verdict::Alarm if compared.residual_ratio < EXPLAINS_BETTER => Verdict::Undecided,
-        other @ (Verdict::Agree | Verdict::SmallDifference | Verdict::Alarm | Verdict::Unclear | Verdict::Undecided) => other,
+        other
+        @ (Verdict::Agree | Verdict::SmallDifference | Verdict::Alarm | Verdict::Unclear | Verdict::Undecided) => other,
     };
     let alarm = verdict == Verdict::Alarm;
     let all: f64 = compared.joint_squares.iter().sum();
@@ -74,9 +75,7 @@ fn explain(
     simulate: &Simulate<'_>,
 ) -> Vec<BiasExplanation> {
     let Some(fit) = &didim.outcome.fit else { return Vec::new() };
-    let estimate = |z: Option<Matrix>| {
-        Some(PivotedQr::new(&didim.regression.whiten_matrix(&z?)).solve(&whitened.y))
-    };
+    let estimate = |z: Option<Matrix>| Some(PivotedQr::new(&didim.regression.whiten_matrix(&z?)).solve(&whitened.y));
     let steps = EXPLAINED_BY.map(|(kind, step)| (kind, if kind.is_factor() { 1.0 + step } else { step }));
     let biases: Vec<SimulatorBias> =
         std::iter::once(case.simulator).chain(steps.map(|(kind, by)| case.simulator.with(kind, by))).collect();

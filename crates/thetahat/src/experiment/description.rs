@@ -12,13 +12,16 @@ use serde::{
     },
 };
 
-use super::{ExperimentError, paths};
+use super::{error::ExperimentError, paths};
 use crate::{
     control::ControllerDescription,
-    identification::{Convergence, Divisor, EliminationRule, Method},
+    preparation::{
+        Case, EstimationOptions, ParameterSelection, PreparationError, Settings, Setup, SignalOptions,
+        SimulationOptions,
+    },
     recording::ChannelSource,
-    robot::{Friction, Robot, RobotSource},
-    simulation::{Sensors, SimulatorBias, Solver},
+    robot::{Robot, RobotSource},
+    simulation::Sensors,
 };
 
 /// An experiment with its robot, ready to run.

@@ -77,9 +77,8 @@ impl Experiment {
         let recording = self.record_motion(&sensors, twin.sample_rate_hz, motion);
         let identification = self.identification_of(vec![recording])?;
         let problems = identification.problems(&mut |_| {}).map_err(|e| self.refuse(e))?;
-        let case = |&(kind, value): &(BiasKind, f64)| {
-            Case::nominal().with_simulator(SimulatorBias::NONE.with(kind, value))
-        };
+        let case =
+            |&(kind, value): &(BiasKind, f64)| Case::nominal().with_simulator(SimulatorBias::NONE.with(kind, value));
         let cases: Vec<Case> = errors.iter().map(case).collect();
         let jobs: Vec<EstimationJob<'_>> =
             cases.iter().map(|case| identification.job(&problems[0], case, Method::DIDIM)).collect();

@@ -107,4 +107,3 @@ fn described(experiment: &Experiment, request: &PredictionRequest) -> Result<Rec
 fn same_file(experiment: &Experiment) -> bool {
     experiment.file.recording.first().is_some_and(|r| r.position.file == r.torque.file)
 }
-

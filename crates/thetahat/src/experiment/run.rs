@@ -78,11 +78,7 @@ impl Experiment {
         }
     }
 
-    fn read_all(
-        &self,
-        descriptions: &[RecordingDescription],
-        data: &Path,
-    ) -> Result<Vec<Recording>, ExperimentError> {
+    fn read_all(&self, descriptions: &[RecordingDescription], data: &Path) -> Result<Vec<Recording>, ExperimentError> {
         descriptions.iter().enumerate().map(|(i, d)| self.read_recording(d, i + 1, data)).collect()
     }
 

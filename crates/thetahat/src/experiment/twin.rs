@@ -77,8 +77,7 @@ impl Experiment {
         let reference = Reference::Moves(moves.clone());
         let closed_loop = closed_loop(self.setup(), &model, controller, &reference, None, SimulatorBias::NONE);
         let inertia = closed_loop.motor_inertia(&parameters, moves.end_s());
-        let grid =
-            OutputGrid { start_s: 0.0, sample_rate_hz: twin.sample_rate_hz, samples: samples.ceil() as usize };
+        let grid = OutputGrid { start_s: 0.0, sample_rate_hz: twin.sample_rate_hz, samples: samples.ceil() as usize };
         let motion = closed_loop
             .simulate(&parameters, &inertia, &grid)
             .map_err(|source| ExperimentError::Twin { path: self.path.clone(), source })?;

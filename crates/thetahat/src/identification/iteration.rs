@@ -265,8 +265,7 @@ mod tests {
         let regression = Regression::of_one_series(x.as_ref().clone(), y);
         let limits = Convergence { parameter_change: 1e-3, error_change: 1e-6, iterations: 50 };
         for method in [Method::IDIM_IV, Method::DIDIM] {
-            let outcome =
-                iterate(method, &regression, options(limits), &[1.0], &mut |theta| Ok(z_of(theta[0])));
+            let outcome = iterate(method, &regression, options(limits), &[1.0], &mut |theta| Ok(z_of(theta[0])));
             assert_eq!(outcome.status, Status::Converged);
             assert!((outcome.fit.unwrap().theta[0] - 2.0).abs() < 1e-8, "{method:?}");
         }
@@ -275,8 +274,7 @@ mod tests {
     #[test]
     fn the_limit_of_iterations_is_a_status() {
         let limits = Convergence { iterations: 2, parameter_change: 0.0, error_change: 0.0 };
-        let outcome =
-            iterate(Method::DIDIM, &measured(), options(limits), &[0.0], &mut |theta| Ok(z_of(theta[0])));
+        let outcome = iterate(Method::DIDIM, &measured(), options(limits), &[0.0], &mut |theta| Ok(z_of(theta[0])));
         assert_eq!((outcome.status, outcome.iterations.len(), outcome.simulations), (Status::IterationLimit, 2, 2));
     }
 

@@ -122,9 +122,7 @@ impl Setup<'_> {
         let elimination = match choice {
             ParameterChoice::Base | ParameterChoice::List(_) | ParameterChoice::Named(NamedChoice::Base) => None,
             // A set that cannot be estimated as a whole has nothing to start an elimination from; its runs say why.
-            ParameterChoice::Named(NamedChoice::Essential) => {
-                eliminate(all, self.settings.parameters.elimination).ok()
-            }
+            ParameterChoice::Named(NamedChoice::Essential) => eliminate(all, self.settings.parameters.elimination).ok(),
         };
         let name = |i: usize| base.parameters()[i].name.clone();
         let names: Vec<String> = match (choice, &elimination) {

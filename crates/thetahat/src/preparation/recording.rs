@@ -123,7 +123,12 @@ impl Recording {
             let Some(series) = series else { continue };
             let (channels, length) = (series.channels(), series.len());
             let expected = format!("{coordinates}, one for each coordinate of the robot");
-            PreparationError::require(channels == coordinates, &named(&format!("channels of {what}")), &expected, channels)?;
+            PreparationError::require(
+                channels == coordinates,
+                &named(&format!("channels of {what}")),
+                &expected,
+                channels,
+            )?;
             let expected = format!("{samples}, as of position");
             PreparationError::require(length == samples, &named(&format!("samples of {what}")), &expected, length)?;
             if let Some(k) = series.values().iter().position(|v| !v.is_finite()) {

@@ -94,10 +94,7 @@ impl Settings {
 
     fn validate_convergence(&self) -> Checked {
         let convergence = self.estimation.convergence;
-        PreparationError::require_positive(
-            "[estimation] convergence.parameter_change",
-            convergence.parameter_change,
-        )?;
+        PreparationError::require_positive("[estimation] convergence.parameter_change", convergence.parameter_change)?;
         PreparationError::require_positive("[estimation] convergence.error_change", convergence.error_change)?;
         let (key, iterations) = ("[estimation] convergence.iterations", convergence.iterations);
         PreparationError::require(iterations > 0, key, "at least 1", iterations)

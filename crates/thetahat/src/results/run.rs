@@ -77,6 +77,33 @@ pub struct IterationResult {
 }
 
 impl RunResult {
+    /// A run of which nothing is known but how it ended.
+    pub(crate) fn new(case: &str, method: Method, status: Status) -> Self {
+        Self {
+            case: case.to_owned(),
+            method,
+            status,
+            reason: None,
+            iterations: 0,
+            simulations: 0,
+            relative_error_percent: None,
+            joint_relative_error_percent: Vec::new(),
+            cross_validation_relative_error_percent: None,
+            cross_validation_interval_95_percent: None,
+            influence: None,
+            residual: None,
+            validation_condition_number: None,
+            condition_number: None,
+            seconds: 0.0,
+            simulation_relative_error_percent: None,
+            validation_simulation_relative_error_percent: None,
+            f_test: None,
+            convergence: Vec::new(),
+            parameters: Vec::new(),
+            plots: RunPlots::default(),
+        }
+    }
+
     /// Median over the parameters of the standard deviation with correlated errors over the classical one: how far the
     /// classical ones are too small.
     #[must_use]

@@ -62,8 +62,7 @@ impl Identification {
     /// [`PreparationError`] for settings or recordings that cannot be used.
     pub fn new(robot: &Robot, recordings: Vec<Recording>, settings: Settings) -> Result<Self, PreparationError> {
         settings.validate(robot)?;
-        let mut identification =
-            Self { robot: robot.clone(), settings, main: Vec::new(), validation: Vec::new() };
+        let mut identification = Self { robot: robot.clone(), settings, main: Vec::new(), validation: Vec::new() };
         if recordings.is_empty() {
             let why = "a robot is identified from its motion and torques";
             return Err(PreparationError::Missing { missing: "a recording", why });

@@ -43,8 +43,12 @@ impl Request<'_> {
 }
 
 /// Runs the simulations of requests side by side, equal ones once. Results are bit-identical alone or batched.
-pub(crate) fn simulate_side_by_side(requests: &[Request<'_>], threads: usize) -> Vec<Result<Simulated, SimulationError>> {
-    let first_like = |request: &Request<'_>| requests.iter().position(|other| request.is_like(other)).unwrap_or_default();
+pub(crate) fn simulate_side_by_side(
+    requests: &[Request<'_>],
+    threads: usize,
+) -> Vec<Result<Simulated, SimulationError>> {
+    let first_like =
+        |request: &Request<'_>| requests.iter().position(|other| request.is_like(other)).unwrap_or_default();
     let first: Vec<usize> = requests.iter().map(first_like).collect();
     let mut simulated: Vec<_> = (0..requests.len()).map(|_| None).collect();
     let (places, different): (Vec<usize>, Vec<&Request<'_>>) =
@@ -76,7 +80,8 @@ fn simulate_different(requests: &[&Request<'_>], threads: usize) -> Vec<Result<S
         requests.iter().zip(&resolved).flat_map(|(w, resolved)| w.simulator.jobs(resolved, w.output)).collect();
     let groups: Vec<&[Job<'_>]> = jobs.chunks(jobs.len().div_ceil(threads.max(1)).max(1)).collect();
     let mut all = in_parallel(groups.len(), threads, |g| simulate_all(groups[g])).into_iter().flatten();
-    let of_request = |w: &&Request<'_>| all.by_ref().take(w.simulator.recordings()).collect::<Vec<_>>().into_iter().collect();
+    let of_request =
+        |w: &&Request<'_>| all.by_ref().take(w.simulator.recordings()).collect::<Vec<_>>().into_iter().collect();
     let motions: Vec<Result<Vec<SimulatedMotion>, SimulationError>> = requests.iter().map(of_request).collect();
     let instruments = |k: usize| match &motions[k] {
         Ok(motions) if requests[k].output == Output::Instruments => Some(requests[k].simulator.instruments_of(motions)),

@@ -70,7 +70,8 @@ impl Sandwich<'_> {
     #[must_use]
     pub fn stationary(&self) -> Vec<EstimatedVariance> {
         let leverage = self.leverage();
-        let mut blocks: Vec<Block> = self.rows.blocks().iter().map(|b| Block::new(self, b.rows.clone(), &leverage)).collect();
+        let mut blocks: Vec<Block> =
+            self.rows.blocks().iter().map(|b| Block::new(self, b.rows.clone(), &leverage)).collect();
         let correlations: Vec<Matrix> = blocks.iter().map(|b| b.influence_correlation(self.influence)).collect();
         let uncorrected = variances(&blocks, &correlations);
         for _ in 0..PASSES {

@@ -58,7 +58,8 @@ fn whitening_acts_on_all_three_alike() {
     let (regression, z) = example();
     let weights: Vec<f64> = (0..ROWS).map(|k| if k % 2 == 0 { 1.0 } else { 0.0 }).collect();
     let keep: Vec<bool> = (0..ROWS).map(|k| k % 2 == 0).collect();
-    let half = Regression::of_one_series(regression.x.select_rows(&keep), regression.y.iter().step_by(2).copied().collect());
+    let half =
+        Regression::of_one_series(regression.x.select_rows(&keep), regression.y.iter().step_by(2).copied().collect());
     let weighted = idim_iv(&regression.with_weights(Some(weights)), &z, Divisor::default()).unwrap();
     let cut = idim_iv(&half, &z.select_rows(&keep), Divisor::default()).unwrap();
     assert!((weighted.theta[0] - cut.theta[0]).abs() < 1e-12);
@@ -117,5 +118,8 @@ fn names_are_told_apart_and_come_back() {
         assert_eq!(method.name().parse::<Method>(), Ok(method));
     }
     let error = serde_json::from_str::<Method>("\"idim-lss\"").unwrap_err().to_string();
-    assert!(error.starts_with("unknown variant `idim-lss`, expected one of `idim-ls`, `idim-wls`, `idim-iv`"), "{error}");
+    assert!(
+        error.starts_with("unknown variant `idim-lss`, expected one of `idim-ls`, `idim-wls`, `idim-iv`"),
+        "{error}"
+    );
 }

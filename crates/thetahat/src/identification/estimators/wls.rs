@@ -2,5 +2,4 @@
 
 use super::{Estimator, Weighting, ls::IDIM_LS};
 
-pub(super) static IDIM_WLS: Estimator =
-    Estimator { name: "idim-wls", weighting: Some(Weighting::PerJoint), ..IDIM_LS };
+pub(super) static IDIM_WLS: Estimator = Estimator { name: "idim-wls", weighting: Some(Weighting::PerJoint), ..IDIM_LS };
