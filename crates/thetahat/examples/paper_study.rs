@@ -39,11 +39,11 @@ fn windows_and_cutoffs(experiment: &Experiment, data: &Path) -> Result<(), Box<d
     ];
     for (start, end, cutoff_hz) in settings {
         let mut experiment = experiment.clone();
-        experiment.file.case.clear();
-        experiment.file.estimation.methods = vec![Method::IDIM_LS, Method::IDIM_IV];
-        experiment.file.signal.window_start_s = Some(start);
-        experiment.file.signal.window_end_s = Some(end);
-        experiment.file.signal.cutoff_hz = cutoff_hz;
+        experiment.settings.cases.clear();
+        experiment.settings.estimation.methods = vec![Method::IDIM_LS, Method::IDIM_IV];
+        experiment.settings.signal.window_start_s = Some(start);
+        experiment.settings.signal.window_end_s = Some(end);
+        experiment.settings.signal.cutoff_hz = cutoff_hz;
         let results = experiment.run(data, &mut |_| {})?;
         let (ls, iv) = (find(&results, "nominal", Method::IDIM_LS)?, find(&results, "nominal", Method::IDIM_IV)?);
         let error = |run: &RunResult| run.relative_error_percent.unwrap_or(f64::NAN);
@@ -63,7 +63,7 @@ fn windows_and_cutoffs(experiment: &Experiment, data: &Path) -> Result<(), Box<d
 /// converged to nearly the same.
 fn deviations_of_iv(experiment: &Experiment, data: &Path) -> Result<(), Box<dyn Error>> {
     let mut experiment = experiment.clone();
-    experiment.file.estimation.weighting.clear();
+    experiment.settings.estimation.weighting.clear();
     let results = experiment.run(data, &mut |_| {})?;
     println!(
         "\n| parameter | IV nominal % | biased % | by Z^T Z, nominal % | biased % |\n| --- | --- | --- | --- | --- |"

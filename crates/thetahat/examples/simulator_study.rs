@@ -53,7 +53,7 @@ fn bandwidths(experiment: &Experiment, data: &Path) -> Result<(), Box<dyn Error>
     println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
     for hz in [20.0, 30.0, 40.0, 50.0, 60.0, 80.0, 100.0, 120.0] {
         let mut experiment = experiment.clone();
-        if let Some(controller) = &mut experiment.file.controller {
+        if let Some(controller) = &mut experiment.settings.controller {
             controller.bandwidth_hz = vec![hz];
         }
         let results = run(&experiment, data)?;
@@ -102,9 +102,9 @@ fn sign_scales(experiment: &Experiment, data: &Path) -> Result<(), Box<dyn Error
     let mut rows = Vec::new();
     for scale in [0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001] {
         let mut experiment = experiment.clone();
-        experiment.file.case.clear();
-        experiment.file.simulation.sign_velocity_scale = scale;
-        experiment.file.simulation.solver = Solver::Adaptive { relative_tolerance: 1e-6, absolute_tolerance: 1e-9 };
+        experiment.settings.cases.clear();
+        experiment.settings.simulation.sign_velocity_scale = scale;
+        experiment.settings.simulation.solver = Solver::Adaptive { relative_tolerance: 1e-6, absolute_tolerance: 1e-9 };
         rows.push((scale.to_string(), run(&experiment, data)?));
     }
     compare(rows)
@@ -124,8 +124,8 @@ fn solvers(experiment: &Experiment, data: &Path) -> Result<(), Box<dyn Error>> {
     let mut rows = Vec::new();
     for (name, solver) in solvers {
         let mut experiment = experiment.clone();
-        experiment.file.case.clear();
-        experiment.file.simulation.solver = solver;
+        experiment.settings.cases.clear();
+        experiment.settings.simulation.solver = solver;
         rows.push((name.to_owned(), run(&experiment, data)?));
     }
     compare(rows)

@@ -76,7 +76,7 @@ fn the_biased_simulator_is_found_and_measured() {
 #[test]
 fn the_same_run_gives_the_same_numbers() {
     let mut experiment = Experiment::demo().unwrap();
-    experiment.file.case.clear();
+    experiment.settings.cases.clear();
     let again = experiment.run(Path::new(""), &mut |_| {}).unwrap();
     for method in [Method::IDIM_LS, Method::IDIM_IV, Method::DIDIM] {
         let estimates = |r: &Results| -> Vec<u64> {

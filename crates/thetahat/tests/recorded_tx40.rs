@@ -158,8 +158,8 @@ fn twenty_eight_alone() -> Result<(), Failed> {
 fn inertias_are_enough_to_start() -> Result<(), Failed> {
     let mut experiment =
         Experiment::read(&common::root().join("experiments/tx40_paper.toml"), &common::data()).unwrap();
-    experiment.file.estimation.start = thetahat::experiment::Start::MotorInertias;
-    experiment.file.case.clear();
+    experiment.settings.estimation.start = thetahat::preparation::Start::MotorInertias;
+    experiment.settings.cases.clear();
     let from_inertias = experiment.run(&common::data(), &mut |_| {}).unwrap();
     for method in [Method::IDIM_IV, Method::DIDIM] {
         let found = from_inertias.run("nominal", method).unwrap();

@@ -53,8 +53,8 @@ fn same(found: &RunResult, expected: &RunResult, tolerance: f64) -> Result<(), F
 }
 
 fn equals_identify(mut experiment: Experiment) -> Result<(), Failed> {
-    experiment.file.estimation.methods = vec![Method::IDIM_LS];
-    experiment.file.case.clear();
+    experiment.settings.estimation.methods = vec![Method::IDIM_LS];
+    experiment.settings.cases.clear();
     let results = experiment.run(&common::data(), &mut |_| {})?;
     let expected = results.run("nominal", Method::IDIM_LS).unwrap();
     let whole = reduce(&experiment, 1, 1 << 16);
@@ -92,8 +92,8 @@ fn tx40_essential() -> Result<(), Failed> {
 /// The window is the moving part, which a first pass finds.
 fn tx40_moving_part() -> Result<(), Failed> {
     let mut experiment = experiment("tx40_paper.toml");
-    experiment.file.signal.window_start_s = None;
-    experiment.file.signal.window_end_s = None;
+    experiment.settings.signal.window_start_s = None;
+    experiment.settings.signal.window_end_s = None;
     equals_identify(experiment)
 }
 
@@ -103,8 +103,8 @@ fn kuka() -> Result<(), Failed> {
 
 /// Instruments from the last iterate before the end of an identification give its estimate.
 fn equals_last_step(mut experiment: Experiment) -> Result<(), Failed> {
-    experiment.file.estimation.methods = vec![Method::IDIM_IV];
-    experiment.file.case.clear();
+    experiment.settings.estimation.methods = vec![Method::IDIM_IV];
+    experiment.settings.cases.clear();
     let results = experiment.run(&common::data(), &mut |_| {})?;
     let expected = results.run("nominal", Method::IDIM_IV).unwrap();
     let before = &expected.convergence[expected.convergence.len() - 2].estimates;
@@ -167,7 +167,7 @@ fn iv_in_pieces() -> Result<(), Failed> {
     let folder = std::env::temp_dir().join(format!("thetahat-iv-{}", std::process::id()));
     std::fs::create_dir_all(&folder)?;
     let mut experiment = recorded_demonstration(&folder);
-    experiment.file.estimation.methods = vec![Method::IDIM_IV];
+    experiment.settings.estimation.methods = vec![Method::IDIM_IV];
     let results = experiment.run(&folder, &mut |_| {})?;
     let expected = results.run("nominal", Method::IDIM_IV).unwrap();
     let before = &expected.convergence[expected.convergence.len() - 2].estimates;

@@ -8,6 +8,7 @@ use std::{
 
 use thetahat::{
     experiment::{Experiment, ExperimentError},
+    preparation::PreparationError,
     reduction::{ReduceOptions, Reduction, ReductionError},
     results::{ParameterResult, Results},
     signal::SignalError,
@@ -198,7 +199,10 @@ fn records_that_say_nothing_are_refused() {
         assert!(
             matches!(
                 still,
-                ReductionError::Experiment(ExperimentError::Signal { source: SignalError::NoMotion { .. }, .. })
+                ReductionError::Experiment(ExperimentError::Preparation {
+                    source: PreparationError::Signal { source: SignalError::NoMotion { .. } },
+                    ..
+                })
             ),
             "{still}"
         );

@@ -216,7 +216,8 @@ mod tests {
         let residual = vec![1.0; 2 * ROWS];
         let sandwich = Sandwich { design: &x, influence: &a, residual: &residual, rows: &rows };
         let leverage = sandwich.leverage();
-        let mut blocks: Vec<Block> = rows.blocks().map(|rows| Block::new(&sandwich, rows, &leverage)).collect();
+        let mut blocks: Vec<Block> =
+            rows.blocks().iter().map(|b| Block::new(&sandwich, b.rows.clone(), &leverage)).collect();
         for block in &mut blocks {
             block.observed = expected_products(&x, &a, block.rows.clone());
             block.window = vec![1.0; 3];
