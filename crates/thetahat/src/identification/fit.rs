@@ -95,12 +95,17 @@ impl Fit {
         let Solved { theta, unit_covariance, condition_number } = solved;
         let whitened = regression.whiten_matrix(design).times(&theta);
         let squares: f64 = regression.whiten(&regression.y).iter().zip(&whitened).map(|(y, p)| (y - p).powi(2)).sum();
-        let variance = squares / divisor.freedom(regression.rows_represented, theta.len());
         let size = theta.len();
+        let rows = regression.y.len();
+        let variance = squares / divisor.freedom(rows, size);
+        // One, but for triangular factors: the same squares over the freedom of all rows that they stand for.
+        let represented = divisor.freedom(rows, size) / divisor.freedom(regression.rows_represented, size);
         let prediction = design.times(&theta);
         let fit = Self {
-            standard_deviation: (0..size).map(|i| (variance * unit_covariance.at(i, i)).sqrt()).collect(),
-            covariance: Matrix::from_fn(size, size, |i, j| variance * unit_covariance.at(i, j)),
+            standard_deviation: (0..size)
+                .map(|i| (variance * unit_covariance.at(i, i)).sqrt() * represented.sqrt())
+                .collect(),
+            covariance: Matrix::from_fn(size, size, |i, j| represented * variance * unit_covariance.at(i, j)),
             relative_error_percent: relative_error_percent(&regression.y, &prediction),
             theta,
             prediction,
