@@ -11,7 +11,9 @@
 //! the next joint. Where a decision is not clear by orders of magnitude, the whole matrix is examined at once, and its
 //! rank by QR with column pivoting must agree.
 
+mod combination;
 mod dependencies;
+mod error;
 mod joint_by_joint;
 mod left_to_right;
 mod null_space;
@@ -21,4 +23,5 @@ mod regrouping;
 mod tests;
 mod whole;
 
-pub use regrouping::{BaseParameter, BaseParameters, BaseParametersError};
+pub use error::BaseParametersError;
+pub use regrouping::{BaseParameter, BaseParameters};

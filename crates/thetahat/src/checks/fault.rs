@@ -97,7 +97,7 @@ fn is_plausible(hypothesis: &Hypothesis, chain: &Chain<'_>, spans: &[f64]) -> bo
         |i: usize| spans.iter().enumerate().map(move |(j, s)| (hypothesis.correction.position.at(i, j) * s).abs());
     let plausible = |i: usize| match chain.subject.robot.joints[i].kind {
         JointKind::Revolute => SPANS_RAD.contains(&sizes(i).sum::<f64>()),
-        _ => SPANS_M.contains(&sizes(i).sum::<f64>()),
+        JointKind::Prismatic => SPANS_M.contains(&sizes(i).sum::<f64>()),
     };
     hypothesis.joint.map_or_else(|| (0..spans.len()).all(plausible), plausible)
 }

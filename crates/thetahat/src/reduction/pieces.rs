@@ -9,7 +9,7 @@ use super::{
     source::Source,
 };
 use crate::{
-    dynamics::{Model, Sign, Workspace},
+    dynamics::{Model, Sign, State, Workspace},
     experiment::Experiment,
     preparation::{MOVING, PreparationError, STILL},
     regressor::Regressor,
@@ -155,12 +155,13 @@ impl Rows<'_> {
             let i = place(k);
             let (z, values) = values.split_at_mut(before);
             if let Some((sign, SimulatedPiece { motion: Motion { q, dq, ddq }, .. })) = &simulated {
-                let state = (q.sample(k - own.start), dq.sample(k - own.start), ddq.sample(k - own.start));
-                self.regressor.evaluate(self.model, state.0, state.1, state.2, *sign, &mut workspace, z);
+                let k = k - own.start;
+                let state = State { q: q.sample(k), dq: dq.sample(k) };
+                self.regressor.evaluate(self.model, state, ddq.sample(k), *sign, &mut workspace, z);
             }
             let (phi, tau) = values.split_at_mut(entries);
-            let state = (q.sample(i), dq.sample(i), ddq.sample(i));
-            self.regressor.evaluate(self.model, state.0, state.1, state.2, Sign::Exact, &mut workspace, phi);
+            let state = State { q: q.sample(i), dq: dq.sample(i) };
+            self.regressor.evaluate(self.model, state, ddq.sample(i), Sign::Exact, &mut workspace, phi);
             tau.copy_from_slice(torque.sample(i));
         });
         let joints = q.channels();

@@ -5,6 +5,7 @@
 //! that move it.
 
 mod batch;
+mod inertial;
 mod observation;
 
 pub use batch::BufferedRegressor;
