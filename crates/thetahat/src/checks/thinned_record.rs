@@ -1,4 +1,4 @@
-//! The regression as the checks see it: the band of the estimate at a fraction of its cost.
+//! The record and its regression as the checks see them: the band of the estimate at a fraction of its cost.
 //!
 //! Motion is band-passed as for the estimate, but evaluated at only ten samples per period of the cut-off; torque and
 //! observation matrix then pass the same second decimation. On the TX40 that takes 10 ms instead of 110 and the relative
@@ -6,7 +6,7 @@
 
 use std::{cell::OnceCell, rc::Rc};
 
-use super::{Subject, affine::Affine, regression::Regression, signals::band_pass};
+use super::{affine::Affine, orthogonal_fit::OrthogonalFit, subject::Subject};
 use crate::{
     dynamics::Sign,
     identification::Assembly,
@@ -14,29 +14,21 @@ use crate::{
     regressor::Regressor,
     robot::Quantity,
     series::Series,
-    signal::{Decimator, SignalError},
+    signal::{Decimator, Motion, SignalError, band_pass},
 };
 
 /// Samples per period of the cut-off at which the motion is evaluated.
 const SAMPLES_PER_PERIOD: f64 = 10.0;
 /// Most samples at which the motion is evaluated: the time of a check is bounded.
 const MOST_SAMPLES: usize = 20_000;
-/// Rows of a joint of which more would add nothing.
+/// Rows of a coordinate beyond which more add nothing.
 const ENOUGH_ROWS: usize = 2_000;
 /// Most work of one factorisation, rows times squared columns: of more rows, every n-th is taken.
 const MOST_WORK: f64 = 2e7;
 
-/// Positions and their derivatives.
-#[derive(Debug, Clone)]
-pub(super) struct Motion {
-    pub(super) q: Series,
-    pub(super) dq: Series,
-    pub(super) ddq: Series,
-}
-
-/// Motion and torque between the two decimations.
+/// Motion and torque between the two decimations, corrected as faults are found, with their fit.
 #[derive(Clone)]
-pub(super) struct Chain<'a> {
+pub(super) struct ThinnedRecord<'a> {
     pub(super) subject: &'a Subject<'a>,
     pub(super) motion: Motion,
     /// Low-passed as the rows are.
@@ -48,47 +40,35 @@ pub(super) struct Chain<'a> {
     pub(super) kept: Vec<usize>,
     every: usize,
     regressor: Regressor,
-    fit: OnceCell<Rc<Regression>>,
+    fit: OnceCell<Rc<OrthogonalFit>>,
     corrected: bool,
 }
 
-impl<'a> Chain<'a> {
+impl<'a> ThinnedRecord<'a> {
     pub(super) fn new(subject: &'a Subject<'a>, cutoff_hz: f64) -> Result<Self, SignalError> {
         let (window, rate) = (subject.signal.window.clone(), subject.sample_rate_hz);
         let factor = subject.signal.decimation.max(bounded_factor(window.len(), rate, cutoff_hz));
         let stride = ((rate / (SAMPLES_PER_PERIOD * cutoff_hz)) as usize).max(window.len().div_ceil(MOST_SAMPLES));
         let stride = stride.clamp(1, factor);
-        let (q, dq, ddq) = band_pass(subject, subject.position, cutoff_hz)?;
+        let motion = band_pass(subject.position, rate, subject.signal.filter_order, cutoff_hz)?;
         let first = Decimator::new(stride, window.len())?;
         let samples: Vec<usize> = first.kept().map(|k| k + window.start).collect();
-        let [q, dq, ddq] = [q, dq, ddq].map(|series| at(&series, &samples));
+        let motion = motion_at(&motion, &samples);
         let decimator = Decimator::new((factor as f64 / stride as f64).round() as usize, samples.len())?;
         let torque = decimator.filter(&first.decimate(&subject.torque.window(window))?)?;
-        let every = (work(subject, decimator.rows()) / MOST_WORK).ceil() as usize;
-        let kept = decimator.kept().step_by(every.max(1)).collect();
+        let every = ((work(subject, decimator.rows()) / MOST_WORK).ceil() as usize).max(1);
+        let kept = decimator.kept().step_by(every).collect();
         let regressor = Regressor::new(subject.model, &subject.base.columns());
-        let motion = Motion { q, dq, ddq };
         let rate_hz = rate / stride as f64;
         let fit = OnceCell::new();
-        Ok(Self {
-            subject,
-            motion,
-            torque,
-            decimator,
-            rate_hz,
-            kept,
-            every: every.max(1),
-            regressor,
-            fit,
-            corrected: false,
-        })
+        Ok(Self { subject, motion, torque, decimator, rate_hz, kept, every, regressor, fit, corrected: false })
     }
 
-    pub(super) fn joints(&self) -> usize {
+    pub(super) fn coordinates(&self) -> usize {
         self.torque.channels()
     }
 
-    /// Rows of a joint.
+    /// Rows of a coordinate.
     pub(super) fn rows(&self) -> usize {
         self.kept.len()
     }
@@ -113,15 +93,15 @@ impl<'a> Chain<'a> {
         self.corrected
     }
 
-    /// The record put right, beside the one as it is.
+    /// A copy with the record put right.
     pub(super) fn corrected(&self, correction: &Affine) -> Self {
         let mut other = self.clone();
         other.correct(correction);
         other
     }
 
-    /// The regression with every joint's rows divided by the standard deviation of its torque.
-    pub(super) fn regression(&self) -> Result<Rc<Regression>, SignalError> {
+    /// The fit of the record as corrected so far, made once.
+    pub(super) fn fit(&self) -> Result<Rc<OrthogonalFit>, SignalError> {
         if let Some(fit) = self.fit.get() {
             return Ok(Rc::clone(fit));
         }
@@ -131,16 +111,16 @@ impl<'a> Chain<'a> {
         let all = self.decimator.rows();
         let taken: Vec<bool> = (0..x.rows()).map(|i| (i % all).is_multiple_of(self.every)).collect();
         let x = if self.every == 1 { x } else { x.select_rows(&taken) };
-        let fit = Rc::new(Regression::new(&x, &self.stack(&self.torque), self.joints()));
+        let fit = Rc::new(OrthogonalFit::new(&x, &self.stack(&self.torque), self.coordinates()));
         Ok(Rc::clone(self.fit.get_or_init(|| fit)))
     }
 
     /// Whether the motion separates all parameters.
     pub(super) fn has_full_rank(&self) -> bool {
-        self.regression().is_ok_and(|r| r.rank == r.x.columns())
+        self.fit().is_ok_and(|r| r.rank == r.x.columns())
     }
 
-    /// The rows of a series that is already low-passed, joint by joint.
+    /// The rows of a series that is already low-passed, coordinate by coordinate.
     pub(super) fn stack(&self, series: &Series) -> Vec<f64> {
         (0..series.channels()).flat_map(|j| self.kept.iter().map(move |&k| series.sample(k)[j])).collect()
     }
@@ -148,7 +128,7 @@ impl<'a> Chain<'a> {
     /// The torques of a motion with parameters `theta`, not filtered.
     pub(super) fn predict(&self, motion: &Motion, theta: &[f64]) -> Series {
         let phi = self.regressor.evaluate_series(self.subject.model, &motion.q, &motion.dq, &motion.ddq, Sign::Exact);
-        let mut tau = Series::zeros(phi.len(), self.joints());
+        let mut tau = Series::zeros(phi.len(), self.coordinates());
         for k in 0..phi.len() {
             let torque = tau.sample_mut(k);
             for (entry, value) in self.regressor.entries().iter().zip(phi.sample(k)) {
@@ -173,11 +153,11 @@ impl<'a> Chain<'a> {
         self.subject.model.parameter_table().get(kept).quantity
     }
 
-    /// X at chosen samples without a filter: for hypotheses that change much.
+    /// X of a motion, not filtered: for hypotheses that change much.
     pub(super) fn raw_matrix(&self, motion: &Motion) -> Matrix {
         let phi = self.regressor.evaluate_series(self.subject.model, &motion.q, &motion.dq, &motion.ddq, Sign::Exact);
         let rows = phi.len();
-        let mut x = Matrix::zeros(rows * self.joints(), self.regressor.columns());
+        let mut x = Matrix::zeros(rows * self.coordinates(), self.regressor.columns());
         for (e, entry) in self.regressor.entries().iter().enumerate() {
             for k in 0..rows {
                 *x.at_mut(entry.joint * rows + k, entry.column) = phi.sample(k)[e];
@@ -196,6 +176,12 @@ fn bounded_factor(samples: usize, rate: f64, cutoff_hz: f64) -> usize {
 /// Rows times squared columns.
 fn work(subject: &Subject<'_>, rows: usize) -> f64 {
     (rows * subject.torque.channels()) as f64 * (subject.base.len() as f64).powi(2)
+}
+
+/// The samples of a motion at given places.
+pub(super) fn motion_at(motion: &Motion, samples: &[usize]) -> Motion {
+    let Motion { q, dq, ddq } = motion;
+    Motion { q: at(q, samples), dq: at(dq, samples), ddq: at(ddq, samples) }
 }
 
 /// The samples of a series at given places.

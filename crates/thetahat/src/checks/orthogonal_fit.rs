@@ -1,4 +1,7 @@
-//! Least squares on rows that weigh as much for every joint.
+//! Weighted least squares with an orthonormal basis of X, on which changes of y are tried without another
+//! factorisation.
+
+use std::ops::Range;
 
 use super::numbers::{deviation, rms};
 use crate::linear_algebra::{Matrix, PivotedQr, dot};
@@ -6,8 +9,13 @@ use crate::linear_algebra::{Matrix, PivotedQr, dot};
 /// Relative size of the last diagonal entries of R below which a column counts as dependent, as for the estimate.
 const RANK_TOLERANCE: f64 = 1e-10;
 
-/// Least squares on weighted rows, also where columns depend on one another.
-pub(super) struct Regression {
+/// Least squares with every coordinate's rows divided by the standard deviation of its torque. Columns may depend on one
+/// another.
+///
+/// What the parameters leave of any other vector of rows is one projection ([`Self::unexplained`]), and of one in which a
+/// single coordinate differs a projection of that coordinate's rows ([`Self::squares_with`]).
+pub(super) struct OrthogonalFit {
+    /// Weighted.
     pub(super) x: Matrix,
     /// Factor of each row.
     weights: Vec<f64>,
@@ -15,17 +23,20 @@ pub(super) struct Regression {
     basis: Matrix,
     pub(super) qr: PivotedQr,
     pub(super) rank: usize,
+    /// Weighted.
     pub(super) y: Vec<f64>,
     /// y along the basis.
     projection: Vec<f64>,
     pub(super) residual: Vec<f64>,
+    /// Squared length of the residual.
     pub(super) squares: f64,
+    coordinates: usize,
 }
 
-impl Regression {
-    pub(super) fn new(x: &Matrix, y: &[f64], joints: usize) -> Self {
-        let rows = y.len() / joints;
-        let weights = weights(y, rows);
+impl OrthogonalFit {
+    /// The fit of unweighted rows, as many for each of `coordinates` coordinates, one after the other.
+    pub(super) fn new(x: &Matrix, y: &[f64], coordinates: usize) -> Self {
+        let weights = weights(y, coordinates);
         let x = x.scale_rows(&weights);
         let y: Vec<f64> = y.iter().zip(&weights).map(|(y, w)| y * w).collect();
         let qr = PivotedQr::new(&x);
@@ -34,10 +45,10 @@ impl Regression {
         let residual = project_out(&basis, &y);
         let squares = dot(&residual, &residual);
         let projection = (0..rank).map(|c| dot(basis.column(c), &y)).collect();
-        Self { x, weights, basis, qr, rank, y, projection, residual, squares }
+        Self { x, weights, basis, qr, rank, y, projection, residual, squares, coordinates }
     }
 
-    /// What is left of a vector of unweighted rows that the parameters do not take up, weighted.
+    /// The part of a vector of unweighted rows that no parameters explain, weighted.
     pub(super) fn unexplained(&self, rows: &[f64]) -> Vec<f64> {
         project_out(&self.basis, &self.weighted(rows))
     }
@@ -68,10 +79,9 @@ impl Regression {
         theta
     }
 
-    /// The squared residual with the rows of joint `j` taken from another vector of unweighted rows.
-    pub(super) fn squares_with(&self, rows: &[f64], j: usize, joints: usize) -> f64 {
-        let count = self.y.len() / joints;
-        let own = j * count..(j + 1) * count;
+    /// The squared residual with the rows of coordinate `j` taken from another vector of unweighted rows.
+    pub(super) fn squares_with(&self, rows: &[f64], j: usize) -> f64 {
+        let own = self.rows_of(j);
         let change: Vec<f64> = own.clone().map(|i| rows[i] * self.weights[i] - self.y[i]).collect();
         let norm = |y: &[f64]| dot(y, y);
         let total = norm(&self.y) + own.clone().zip(&change).map(|(i, c)| c * (c + 2.0 * self.y[i])).sum::<f64>();
@@ -90,29 +100,34 @@ impl Regression {
         (unweighted(&self.residual) / unweighted(&self.y)).sqrt()
     }
 
-    /// Rms residual of joint `j`, relative to the standard deviation of its torque.
-    pub(super) fn joint_error(&self, j: usize, joints: usize) -> f64 {
-        let rows = self.y.len() / joints;
-        rms(&self.residual[j * rows..(j + 1) * rows])
+    /// Rms residual of coordinate `j`, relative to the standard deviation of its torque.
+    pub(super) fn joint_error(&self, j: usize) -> f64 {
+        rms(&self.residual[self.rows_of(j)])
+    }
+
+    fn rows_of(&self, j: usize) -> Range<usize> {
+        let rows = self.y.len() / self.coordinates;
+        j * rows..(j + 1) * rows
     }
 }
 
-/// One over the standard deviation of each joint's torque, for each row; one where that is zero.
-fn weights(y: &[f64], rows: usize) -> Vec<f64> {
+/// For each row one over the standard deviation of its coordinate's torque; one where that is zero.
+fn weights(y: &[f64], coordinates: usize) -> Vec<f64> {
+    let rows = y.len() / coordinates;
     let weight = |y: &[f64]| Some(deviation(y)).filter(|s| *s > 0.0).map_or(1.0, f64::recip);
     y.chunks(rows).flat_map(|y| std::iter::repeat_n(weight(y), y.len())).collect()
 }
 
-/// The squared residual of [`Regression`] alone, for less.
-pub(super) fn squared_residual(x: &Matrix, y: &[f64], joints: usize) -> f64 {
-    let weights = weights(y, y.len() / joints);
+/// The squared residual of [`OrthogonalFit`], from the triangle of `[X y]` alone.
+pub(super) fn squared_residual(x: &Matrix, y: &[f64], coordinates: usize) -> f64 {
+    let weights = weights(y, coordinates);
     let xw = x.scale_rows(&weights);
     let yw: Vec<f64> = y.iter().zip(&weights).map(|(y, w)| y * w).collect();
     let columns = x.columns();
     let triangle = Matrix::beside(&[&xw, &Matrix::from_fn(yw.len(), 1, |i, _| yw[i])]).triangular_factor();
     let of_x = triangle.select_columns(&(0..columns).collect::<Vec<_>>());
     if triangle.rows() <= columns || PivotedQr::new(&of_x).rank(RANK_TOLERANCE) < columns {
-        return Regression::new(x, y, joints).squares;
+        return OrthogonalFit::new(x, y, coordinates).squares;
     }
     triangle.at(columns, columns).powi(2)
 }
