@@ -9,21 +9,20 @@
 //! | file | what it does |
 //! | --- | --- |
 //! | `source` | the description of a signal and its reading |
-//! | `place`, `limits`, `caught` | where a file may lie, how much memory it may ask for, panics of libraries |
-//! | `format` | the formats, and the reader of each |
+//! | `place`, `budget`, `panic_guard` | where a file may lie, how much memory it may ask for, panics of libraries |
+//! | `format`, `reader` | the formats, and the reader of each |
 //! | `csv`, `npy`, `npz`, `mat`, `parquet`, `bag` | the readers |
-//! | `parts` | signals of files that are longer than memory, part by part |
+//! | `pieces` | signals of files that are longer than memory, piece by piece |
 //! | `table`, `select` | what readers give, and the columns asked for out of it |
 //! | `inspect` | what a file holds: columns, their ranges and resolution, rate, jitter and gaps |
-//! | `unit` | units, their factors to SI, and what they measure |
+//! | `unit` | units, their factors to SI, and the dimensions they measure |
 //! | `checks` | the sample rate from a time column; signals of the same length |
 //! | `clock` | the sampling instants, and equal steps where they jitter |
 //! | `error` | what can be wrong with a recording |
 //! | `fuzzing` | every reader on bytes, for fuzz tests |
 
 mod bag;
-#[cfg(any(feature = "hdf5", feature = "parquet", feature = "rosbag"))]
-mod caught;
+mod budget;
 mod checks;
 mod clock;
 mod csv;
@@ -32,14 +31,16 @@ mod format;
 #[doc(hidden)]
 pub mod fuzzing;
 mod inspect;
-mod limits;
 mod mat;
 mod npy;
 mod npz;
+#[cfg(any(feature = "hdf5", feature = "parquet", feature = "rosbag"))]
+mod panic_guard;
 #[cfg(feature = "parquet")]
 mod parquet;
-mod parts;
+mod pieces;
 mod place;
+mod reader;
 mod select;
 mod source;
 mod table;
@@ -55,6 +56,6 @@ pub use csv::{Decimal, Dialect};
 pub use error::RecordingError;
 pub use format::Format;
 pub use inspect::{ChannelSummary, ColumnSummary, Contents, Gap, TableSummary, TimeSummary, inspect};
-pub use parts::SignalParts;
+pub use pieces::SignalPieces;
 pub use source::{ChannelSource, Side, read_channels};
-pub use unit::{Quantity, Unit};
+pub use unit::{Dimension, Unit, UnknownUnit};

@@ -4,7 +4,7 @@ use std::fs::{self, File, Metadata};
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
-use super::RecordingError;
+use super::error::RecordingError;
 
 /// The path of `file` inside `root`.
 ///
@@ -66,9 +66,10 @@ fn metadata(path: &Path) -> Result<Metadata, RecordingError> {
 
 pub(super) fn unreadable(path: &Path, source: io::Error) -> RecordingError {
     let file = path.to_owned();
-    match source.kind() {
-        io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => RecordingError::FileNotFound { file },
-        _ => RecordingError::Unreadable { file, source },
+    if matches!(source.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) {
+        RecordingError::FileNotFound { file }
+    } else {
+        RecordingError::Unreadable { file, source }
     }
 }
 

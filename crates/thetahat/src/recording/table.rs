@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use super::RecordingError;
+use super::error::RecordingError;
 
 /// Columns that stand together in a file: a CSV file, the variables of a MAT file, a topic.
 #[derive(Debug, Clone, Default)]

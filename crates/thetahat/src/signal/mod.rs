@@ -16,8 +16,9 @@ mod design;
 mod differentiate;
 mod error;
 mod forward_backward;
+mod join;
 mod motion;
-mod parts;
+mod pieces;
 mod pole_sums;
 mod zero_phase;
 
@@ -27,5 +28,5 @@ pub use design::SecondOrderSections;
 pub use differentiate::central_difference;
 pub use error::SignalError;
 pub use motion::{moving_samples, moving_thresholds};
-pub use parts::DecimatedPart;
+pub use pieces::DecimatedPiece;
 pub use zero_phase::{Padding, zero_phase};

@@ -26,5 +26,5 @@ mod reconstruct;
 pub use error::TrajectoryError;
 pub use law::TimeLaw;
 pub use moves::{Move, Moves};
-pub use plan::{Limits, plan};
+pub use plan::{MotionLimits, plan};
 pub use reconstruct::{Reconstruction, reconstruct};

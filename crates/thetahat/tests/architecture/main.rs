@@ -18,8 +18,6 @@ const NOT_YET_CLEAN: &[&str] = &[
     "dynamics",
     "regressor",
     "base_parameters",
-    "recording",
-    "signal",
     "simulation",
     "checks",
     "experiment",

@@ -186,19 +186,15 @@ pub(super) struct Pages {
 
 impl Pages {
     fn check(&mut self, page: &Page) -> Result<()> {
-        match page {
-            Page::DictionaryPage { num_values, .. } if *num_values as usize > self.limit => {
-                Err(wrong("a dictionary is too large"))
+        if let Page::DictionaryPage { num_values, .. } = page {
+            if *num_values as usize > self.limit {
+                return Err(wrong("a dictionary is too large"));
             }
-            Page::DictionaryPage { .. } => {
-                self.has_dictionary = true;
-                Ok(())
-            }
-            page if uses_dictionary(page.encoding()) && !self.has_dictionary => {
-                Err(wrong("a page uses a dictionary that is not there"))
-            }
-            _ => Ok(()),
+            self.has_dictionary = true;
+        } else if uses_dictionary(page.encoding()) && !self.has_dictionary {
+            return Err(wrong("a page uses a dictionary that is not there"));
         }
+        Ok(())
     }
 }
 

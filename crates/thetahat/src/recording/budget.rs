@@ -3,7 +3,7 @@
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use super::RecordingError;
+use super::error::RecordingError;
 
 /// Values that any file may hold, 128 MiB in double precision. A reader holds them up to five times: decompressed, decoded,
 /// as columns, as a series, and once more while a vector grows.
