@@ -1,7 +1,5 @@
 //! The reference of the TX40's record, `shared/datasets/tx40`: 13 moves and ten numbers for each.
 
-mod common;
-
 use libtest_mimic::Failed;
 use thetahat::{
     robot::Robot,
@@ -16,7 +14,7 @@ const WINDOW_S: (f64, f64) = (0.06, 7.42);
 const LARGEST_RMS_RAD: f64 = 1.5e-3;
 
 fn read_motor_positions() -> Result<Series, Failed> {
-    let mut reader = csv::Reader::from_path(common::shared().join("datasets/tx40/pos_read_data.csv"))?;
+    let mut reader = csv::Reader::from_path(thetahat_testing::shared().join("datasets/tx40/pos_read_data.csv"))?;
     let mut values = Vec::new();
     for row in reader.records() {
         for cell in &row? {
@@ -27,7 +25,7 @@ fn read_motor_positions() -> Result<Series, Failed> {
 }
 
 fn joint_positions() -> Result<Series, Failed> {
-    let robot = Robot::read(&common::root().join("robots/tx40.toml"))?;
+    let robot = Robot::read(&thetahat_testing::root().join("robots/tx40.toml"))?;
     Ok(robot.transmission.joint_positions(&read_motor_positions()?))
 }
 
@@ -70,5 +68,8 @@ fn numbers(motion: &Move) -> usize {
 }
 
 fn main() {
-    common::run_with_shared_data(vec![("thirteen_moves_follow_the_record", thirteen_moves_follow_the_record)]);
+    thetahat_testing::run_with_shared_data(vec![(
+        "thirteen_moves_follow_the_record",
+        thirteen_moves_follow_the_record,
+    )]);
 }

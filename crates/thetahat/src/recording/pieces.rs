@@ -216,7 +216,9 @@ fn archive(path: &Path, wanted: Wanted<'_>) -> Result<Option<FilePieces>, Record
 
 #[cfg(test)]
 mod tests {
-    use super::super::test_files::{Folder, npy};
+    use thetahat_testing::Folder;
+
+    use super::super::test_files::npy;
     use super::*;
     use crate::recording::read_channels;
 

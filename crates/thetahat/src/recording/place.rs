@@ -75,7 +75,8 @@ pub(super) fn unreadable(path: &Path, source: io::Error) -> RecordingError {
 
 #[cfg(test)]
 mod tests {
-    use super::super::test_files::Folder;
+    use thetahat_testing::Folder;
+
     use super::*;
 
     fn folder() -> Folder {

@@ -177,7 +177,8 @@ fn read(source: &ChannelSource, format: Format, path: &Path) -> Result<Series, R
 
 #[cfg(test)]
 mod tests {
-    use super::super::test_files::Folder;
+    use thetahat_testing::Folder;
+
     use super::*;
 
     const TWO_JOINTS: &str = "a,b\n1,2\n3,4\n";

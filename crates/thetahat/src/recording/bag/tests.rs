@@ -7,11 +7,11 @@ use ::mcap::records::MessageHeader;
 use ::mcap::{Compression, WriteOptions};
 use rusqlite::Connection;
 
-use super::super::test_files::Folder;
 use super::super::{Format, RecordingError};
 use super::cdr::joint_state;
 use super::*;
 use crate::series::Series;
+use thetahat_testing::Folder;
 
 const START_S: i32 = 1_700_000_000;
 

@@ -8,9 +8,9 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 
 use super::super::table::{Table, Wanted};
-use super::super::test_files::Folder;
 use super::super::{Format, RecordingError, select};
 use super::*;
+use thetahat_testing::Folder;
 
 const FILE: &str = "q.parquet";
 
