@@ -5,6 +5,16 @@
 //! robot's model, which shows units, sides of the gears, signs, exchanged joints, ratios, lags, and what the motion does not
 //! excite. Each [`Finding`] has a stable [`Code`], a [`Severity`], its evidence as a number, and what to do. Limits,
 //! their margins on clean records, and what is not detected are in `docs/checks.md`.
+//!
+//! ```
+//! use thetahat::checks::{Code, Severity};
+//! // Codes and severities have names that stay, for scripts that look for them.
+//! assert_eq!((Code::DroppedSamples.name(), Severity::Problem.name()), ("dropped-samples", "problem"));
+//! let mut names = Code::ALL.map(Code::name).to_vec();
+//! names.sort_unstable();
+//! names.dedup();
+//! assert_eq!(names.len(), Code::ALL.len());
+//! ```
 
 mod affine;
 mod chain;

@@ -155,7 +155,7 @@ fn deepest_bracket(header: &[u8]) -> usize {
     deepest
 }
 
-/// Whether the product of all numbers in the header fits into an `i64`, and with them that of the shape.
+/// Whether the product of all numbers in the header fits into an `i64`; then so does the product of the shape.
 fn shape_is_countable(header: &[u8]) -> bool {
     let numbers = header.split(|b| !b.is_ascii_digit()).filter(|digits| !digits.is_empty());
     let number = |digits| str::from_utf8(digits).ok()?.parse::<i64>().ok();

@@ -1,4 +1,4 @@
-//! Panics of libraries on damaged files, told as damage.
+//! Panics of libraries on damaged files, turned into errors.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -6,10 +6,10 @@ use std::path::Path;
 
 use super::error::RecordingError;
 
-/// What `read` gives; should the library of a format stop at damaged bytes by a panic, an error that says so.
+/// The result of `read`; a panic of the library inside becomes [`RecordingError::Damaged`].
 ///
-/// This is the last line: sizes and counts are checked before. Nothing outlives the panic but the error, so that no value
-/// is left half made.
+/// Sizes and counts are checked before, so this is the last guard. Only the error outlives the panic; no value stays
+/// half built.
 pub(super) fn panics_as_damage<T>(
     path: &Path,
     library: &str,

@@ -46,7 +46,7 @@ impl SignalPieces {
     /// Looks through the files of some signals; none where one of them cannot be read in pieces.
     ///
     /// # Errors
-    /// [`RecordingError`] as [`read_channels`](super::read_channels), for what the beginnings of the files tell.
+    /// [`RecordingError`] as [`read_channels`](super::read_channels), as far as the beginnings of the files show it.
     pub fn open(sources: &[&ChannelSource], root: &Path) -> Result<Option<Self>, RecordingError> {
         let mut pieces = Self { files: Vec::new(), signals: Vec::new() };
         for &source in sources {

@@ -54,7 +54,7 @@ pub(super) fn file_length(path: &Path) -> Result<u64, RecordingError> {
     }
 }
 
-/// What the system says of an ordinary file. Folders, pipes and devices are refused: reading one may never end.
+/// The metadata of an ordinary file. Folders, pipes and devices are refused: reading one may never end.
 fn metadata(path: &Path) -> Result<Metadata, RecordingError> {
     let metadata = fs::metadata(path).map_err(|e| unreadable(path, e))?;
     if metadata.is_file() {

@@ -76,7 +76,7 @@ impl Decimator {
         self.samples.div_ceil(self.kept.step)
     }
 
-    /// The series filtered, and of it the samples [`Self::kept`].
+    /// The samples [`Self::kept`] of the filtered series.
     ///
     /// # Errors
     /// If the series has not the number of samples announced.
@@ -87,8 +87,8 @@ impl Decimator {
         self.decimate_computed(series.channels(), |k, sample| sample.copy_from_slice(series.sample(k)))
     }
 
-    /// The same of a series of so many channels that is computed and not stored: `fill` is called for one sample after
-    /// the other and writes its channels.
+    /// [`Self::decimate`] of a series that is computed and not stored: `fill` is called for one sample after the other
+    /// and writes its channels.
     ///
     /// # Errors
     /// None for a decimator that could be made.
@@ -106,7 +106,7 @@ impl Decimator {
         Ok(series)
     }
 
-    /// The rows of a record cut into pieces of `rows` rows or somewhat more: what may come by itself.
+    /// The rows of a record cut into pieces of at least `rows` rows, which can be decimated one by one.
     #[must_use]
     pub fn pieces(&self, rows: usize) -> Vec<Range<usize>> {
         let rows = rows.max(Padding::Matlab.samples(ORDER) + 1);
@@ -115,15 +115,15 @@ impl Decimator {
         (0..count).map(|piece| piece * rows..end(piece)).collect()
     }
 
-    /// The samples that lie in a piece: from behind the last one kept before it to its own last one.
+    /// The samples of a piece: from behind the last kept sample before it to its own last one.
     #[must_use]
     pub fn samples_of(&self, piece: &Range<usize>) -> Range<usize> {
         let end = |row: usize| if row == 0 { 0 } else { self.kept.first + (row - 1) * self.kept.step + 1 };
         end(piece.start)..end(piece.end)
     }
 
-    /// What is known of a piece by itself, one of [`Self::pieces`]. `fill` writes samples of the record as in
-    /// [`Self::decimate_computed`], and is asked for those of [`Self::samples_of`] only.
+    /// One of [`Self::pieces`], decimated without its neighbours. `fill` writes samples of the record as in
+    /// [`Self::decimate_computed`], and is asked only for [`Self::samples_of`] the piece.
     ///
     /// # Errors
     /// None for a decimator that could be made.
@@ -142,13 +142,13 @@ impl Decimator {
         Ok(DecimatedPiece::of_samples(rows))
     }
 
-    /// Puts pieces, given in their order, together to rows equal to those of [`Self::decimate`].
+    /// Joins pieces, given in their order, to the rows of [`Self::decimate`].
     #[must_use]
     pub fn joiner(&self) -> Joiner<'_> {
         Joiner(self.filter.as_ref().map(|filter| Joined::new(&filter.sums, self.rows())))
     }
 
-    /// The series filtered, with all its samples: what [`Self::decimate`] picks from. The length is free, so that the
+    /// All samples of the filtered series, from which [`Self::decimate`] keeps some. The length is free, so that the
     /// filter can be probed.
     ///
     /// # Errors
@@ -163,12 +163,12 @@ impl Decimator {
 
 /// The pieces of a record on their way to its rows: [`Decimator::joiner`].
 ///
-/// The rows of a piece are finished when what lies behind it is known as far as the filter looks ahead.
+/// The rows of a piece are complete once the samples behind it are known as far as the filter looks ahead.
 #[derive(Debug)]
 pub struct Joiner<'a>(Option<Joined<'a>>);
 
 impl Joiner<'_> {
-    /// Takes the next piece, and gives the rows of those pieces that are finished by it. The last piece finishes all.
+    /// Takes the next piece, and returns the rows of the pieces that it completes. The last piece completes all.
     pub fn take(&mut self, piece: DecimatedPiece) -> Vec<Series> {
         match &mut self.0 {
             Some(joined) => joined.take(piece),

@@ -1,7 +1,7 @@
 //! Pieces joined in their order to the rows of the whole record.
 //!
 //! The samples before and behind a piece add `c_j p_j^m` times the sums at its ends, m samples away, to its kept samples.
-//! All samples before it count, those behind it as far as `p_j^m` can be told from zero.
+//! All samples before it count; samples behind it count as far as `p_j^m` is not negligible.
 
 use std::collections::VecDeque;
 
@@ -10,7 +10,7 @@ use super::pieces::{DecimatedPiece, PiecePass, Tail};
 use super::pole_sums::{PoleSums, Sums};
 use crate::series::Series;
 
-/// A power of a pole below which it cannot be told from zero: what it adds is below the rounding of a sum.
+/// Powers of a pole below this count as zero: their contribution is below the rounding of a sum.
 const NEGLIGIBLE: f64 = 1e-20;
 
 /// The kept samples of a record, filtered as [`forward_backward`](super::forward_backward::forward_backward) does
@@ -45,7 +45,7 @@ impl<'a> Joined<'a> {
         Self { sums, missing: rows, ahead: sums.reach(NEGLIGIBLE), before: None, waiting: VecDeque::new() }
     }
 
-    /// Takes the next piece, and gives the rows of those that are finished by it.
+    /// Takes the next piece, and returns the rows of the pieces that it completes.
     pub(super) fn take(&mut self, piece: DecimatedPiece) -> Vec<Series> {
         self.missing -= piece.rows.len().min(self.missing);
         self.waiting.push_back(piece);
@@ -75,7 +75,7 @@ impl<'a> Joined<'a> {
         rows
     }
 
-    /// Adds what lies before a piece to its rows.
+    /// Adds the contribution of the samples before a piece to its rows.
     fn add_before(&self, mut before: Vec<Sums>, lengths: &[usize], rows: &mut Series) {
         let mut samples = 0;
         for (row, length) in lengths.iter().enumerate() {
@@ -91,7 +91,7 @@ impl<'a> Joined<'a> {
         }
     }
 
-    /// Adds what lies behind a piece to its rows.
+    /// Adds the contribution of the samples behind a piece to its rows.
     fn add_behind(&self, mut behind: Vec<Sums>, lengths: &[usize], rows: &mut Series) {
         let mut samples = 0;
         for (row, length) in lengths.iter().enumerate().rev() {
@@ -107,7 +107,7 @@ impl<'a> Joined<'a> {
         }
     }
 
-    /// Anticausal sums, behind a piece with these causal ones at its end, of the pieces that wait.
+    /// Anticausal sums of the waiting pieces, behind a piece that ends with these causal sums.
     fn behind(&self, causal: &[Sums]) -> Vec<Sums> {
         let through = |sums: &[Sums], piece: &DecimatedPiece, own: &[Sums]| -> Vec<Sums> {
             let decay = self.sums.decay(piece.samples());
@@ -119,7 +119,7 @@ impl<'a> Joined<'a> {
         self.waiting.iter().rev().fold(behind, |behind, piece| through(&behind, piece, &piece.anticausal))
     }
 
-    /// Those of the extension behind the record, and of the steady state in which the backward pass starts.
+    /// Anticausal sums of the extension behind the record and of the steady state in which the backward pass starts.
     fn behind_record(&self, tail: &Tail, causal: &[Sums]) -> Vec<Sums> {
         let decay = self.sums.decay(tail.samples);
         let of_channel = |((causal, [added, behind]), x): ((&Sums, &[Sums; 2]), &f64)| {

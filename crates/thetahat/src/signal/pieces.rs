@@ -118,8 +118,8 @@ impl<'a, F: FnMut(usize, &mut [f64])> PiecePass<'a, F> {
         Interval { samples: range.len(), values }
     }
 
-    /// The extension before the record and its samples up to the first one kept. The sums before it are those of a
-    /// record that has always had its first value.
+    /// The extension before the record and its samples up to the first one kept. The sums before it assume that the record
+    /// has always had its first value.
     fn first_interval(&mut self, causal: &mut [Sums]) -> Interval {
         let (padding, width) = (self.shape.padding, self.width);
         let mut head = vec![0.0; (padding + 1) * width];

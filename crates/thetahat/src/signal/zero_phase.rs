@@ -81,7 +81,7 @@ mod tests {
         Ok(())
     }
 
-    /// Only away from the ends: there, the steady state of a constant is not that of a ramp.
+    /// Only away from the ends, where the passes start in the steady state of a constant.
     #[test]
     fn a_ramp_passes_unchanged_inside() -> Result<(), SignalError> {
         let ramp = Series::from_values(1, (0..2000).map(|k| 3.0 + 0.01 * f64::from(k)).collect());

@@ -33,7 +33,7 @@ pub struct Reconstruction {
 ///
 /// The moves are the stretches between which the robot (nearly) stands still. Each is fitted by itself; then all time
 /// laws and end points are refined together, once with equal weights and once with each joint weighted by one over its
-/// deviation. What is found is the reference as the joints followed it: a constant lag of the control is in the starts.
+/// deviation. The result is the reference as the joints followed it: a constant lag of the control is in the starts.
 ///
 /// # Errors
 /// Where the two series do not belong together, a sample is not finite, no move is found, or one is too short to fit.
@@ -176,7 +176,7 @@ mod tests {
 
     const RATE_HZ: f64 = 5000.0;
     const NOISE_RAD: f64 = 1e-4;
-    /// What noise of that size leaves uncertain in starts, T1 and T2, with some room; T3 shows less in the position.
+    /// Uncertainty of starts, T1 and T2 under noise of that size, with some room; T3 shows less in the position.
     const TIME_S: f64 = 0.3e-3;
     const SMOOTHING_TIME_S: f64 = 1e-3;
     const POINT_RAD: f64 = 5e-5;

@@ -146,7 +146,7 @@ impl Bag {
         read
     }
 
-    /// Runs a query and a closure on each of its rows. The closure's own errors end it, as those of SQLite do.
+    /// Runs a query and a closure on each of its rows. An error of the closure ends it, as an error of SQLite does.
     fn each(
         &self,
         sql: &str,

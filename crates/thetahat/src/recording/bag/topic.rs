@@ -42,7 +42,7 @@ pub(super) struct Message {
     present: [bool; 3],
 }
 
-/// What a message says of a joint.
+/// A quantity that a message holds for a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Field {
     Position,

@@ -5,7 +5,7 @@
 //! | `text` | drops byte order mark, comments and runs of spaces; splits lines into cells |
 //! | `dialect` | what may be set, and what is detected where it is not: delimiter and header |
 //! | `number` | cells to numbers, with a decimal point or comma |
-//! | `read` | all of it into a table |
+//! | `read` | a whole file into a table |
 //! | `pieces` | any rows of a long file into a table |
 
 mod dialect;

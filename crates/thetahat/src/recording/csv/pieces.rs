@@ -20,7 +20,7 @@ use super::text::Text;
 
 /// Rows from one place that is remembered to the next.
 const ROWS_PER_MARK: usize = 1024;
-/// Bytes of the beginning, which decide what nobody set, and of one step of the first pass.
+/// Bytes of the beginning, from which unset parts of the dialect are detected, and of one step of the first pass.
 const BUFFER: usize = 1 << 20;
 
 /// A text file of which any rows can be read.
@@ -184,7 +184,7 @@ impl<'a> Iterator for Lines<'a> {
 /// The first pass.
 struct Scan {
     delimiter: u8,
-    /// Whether the next line is that of the names.
+    /// Whether the next line holds the names.
     header: bool,
     marks: Vec<Mark>,
     rows: usize,

@@ -23,7 +23,7 @@ pub struct Contents {
     pub format: Format,
     /// How a text file is written, as detected.
     pub dialect: Option<Dialect>,
-    /// Columns that stand together: those of a text or Parquet file, variables of equally many samples, or the messages
+    /// Columns that stand together: a text or Parquet file, variables of equally many samples, or the messages
     /// of a topic that hold the same joints.
     pub tables: Vec<TableSummary>,
     /// Topics of a bag that are not read.

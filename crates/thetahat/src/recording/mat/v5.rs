@@ -68,7 +68,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The inside of the one variable that compressed bytes hold.
+    /// The content of the only variable in compressed bytes.
     fn inside(&self, bytes: &[u8]) -> Option<Vec<u8>> {
         match elements(bytes, self.order).ok()?.as_slice() {
             [only] if only.kind == MATRIX => Some(only.data.to_vec()),

@@ -3,7 +3,7 @@
 //! | file | what it does |
 //! | --- | --- |
 //! | `thrift`, `records` | walk over the records that describe a file, to check them before the library believes them |
-//! | `guard` | what stands between the library and the bytes of a file: sizes of pages and dictionaries |
+//! | `guard` | checks between the library and the file: sizes of pages and dictionaries |
 //! | `read` | what a file describes, and any rows of its columns |
 //! | `numbers` | values to numbers |
 //! | `pieces` | a file that is read in pieces |

@@ -29,7 +29,7 @@ pub(in super::super) fn read(bytes: Vec<u8>, path: &Path, wanted: Wanted<'_>) ->
     })
 }
 
-/// What a file says of its content.
+/// The content of a file as its metadata describe it.
 pub(super) struct Described {
     metadata: ParquetMetaData,
     /// Rows of each group.
