@@ -110,12 +110,12 @@ fn the_built_in_robots_are_shown() {
 fn what_cannot_be_used_is_refused_with_its_place() {
     let gripper = Gripper::new();
     has(&gripper.error(&["absent.urdf"]), &["absent.urdf", "cannot be read"]);
-    gripper.0.write("bad.urdf", &GRIPPER.replace("<child link=\"left\"/>", "<child link=\"lef\"/>"));
+    gripper.0.write("bad.urdf", GRIPPER.replace("<child link=\"left\"/>", "<child link=\"lef\"/>"));
     has(
         &gripper.error(&["bad.urdf"]),
         &["bad.urdf, line 9", "<child> of <joint name=\"finger_left\">", "is `left` meant"],
     );
-    gripper.0.write("arm.xacro", &GRIPPER.replace("\"gripper\"", "\"${name}\""));
+    gripper.0.write("arm.xacro", GRIPPER.replace("\"gripper\"", "\"${name}\""));
     has(&gripper.error(&["arm.xacro"]), &["xacro arm.xacro > robot.urdf"]);
     gripper.0.write("bad.toml", "urdf = \"gripper.urdf\"\n[parameters]\nzz9 = 1\n");
     has(&gripper.error(&["bad.toml", "--json"]), &["bad.toml", "zz9"]);

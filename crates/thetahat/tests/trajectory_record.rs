@@ -45,7 +45,7 @@ fn velocity(position: &Series) -> Series {
 }
 
 fn rms_in_window(q: &Series, moves: &Moves) -> Vec<f64> {
-    let (reference, _, _) = moves.sample(RATE_HZ, q.len());
+    let reference = moves.sample(RATE_HZ, q.len()).q;
     let (first, last) = ((WINDOW_S.0 * RATE_HZ) as usize, (WINDOW_S.1 * RATE_HZ) as usize);
     let square = |k: usize, j: usize| (q.sample(k)[j] - reference.sample(k)[j]).powi(2);
     let mean_square = |j: usize| (first..=last).map(|k| square(k, j)).sum::<f64>() / (last - first + 1) as f64;

@@ -88,7 +88,7 @@ mod tests {
     #[test]
     fn velocities_stay_at_or_below_their_limits() {
         let moves = plan(vec![0.0, 0.0], &points(), &limits(), 0.2).unwrap();
-        let (_, dq, _) = moves.sample(10_000.0, 30_000);
+        let dq = moves.sample(10_000.0, 30_000).dq;
         let peak = |j: usize| dq.channel(j).into_iter().fold(0.0, |a: f64, v| a.max(v.abs()));
         assert!((peak(0) - 2.0).abs() < 1e-9 && (peak(1) - 5.0).abs() < 1e-9);
     }

@@ -207,7 +207,7 @@ fn parts_are_those_of_the_whole_bit_by_bit() {
 
 #[test]
 fn parts_of_columns_that_are_not_wanted_are_not_read() {
-    let folder = Folder::with(FILE, &rows(300, 100, Compression::SNAPPY));
+    let folder = Folder::with(FILE, rows(300, 100, Compression::SNAPPY));
     let asked = ["q".to_owned()];
     let pieces = GroupPieces::open(&folder.path().join(FILE), Wanted::Named(&asked)).unwrap().unwrap();
     let table = pieces.read(150..250, Wanted::Named(&asked)).unwrap();
