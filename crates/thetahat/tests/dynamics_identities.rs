@@ -1,8 +1,5 @@
 //! Identities of mechanics on seeded random robots, and closed forms: no data needed.
 
-mod common;
-
-use common::assert_close;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::{fmt::Write, path::Path};
@@ -11,6 +8,7 @@ use thetahat::{
     regressor::Regressor,
     robot::{Friction, Robot},
 };
+use thetahat_testing::assert_close;
 
 const SMOOTH: Sign = Sign::Smooth { scale: 0.3 };
 

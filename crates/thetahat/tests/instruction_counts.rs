@@ -15,7 +15,7 @@ use thetahat::{
     identification::Assembly,
     series::Series,
     signal::Decimator,
-    trajectory::{Limits, plan},
+    trajectory::{MotionLimits, plan},
 };
 use tx40::{DDQ, DQ, Q, SIGN, Tx40, motion, state};
 
@@ -190,7 +190,7 @@ fn observation_matrix(calls: usize) -> Result<(), Box<dyn Error>> {
 
 fn reference(calls: usize) -> Result<(), Box<dyn Error>> {
     let max_velocity = vec![2.0; 6];
-    let limits = Limits { max_velocity, acceleration_time_s: 0.1, smoothing_time_s: 0.03, dwell_s: 0.0 };
+    let limits = MotionLimits { max_velocity, acceleration_time_s: 0.1, smoothing_time_s: 0.03, dwell_s: 0.0 };
     let moves = plan(Q.to_vec(), &[DQ.to_vec()], &limits, 0.0)?;
     let [mut q, mut dq, mut ddq] = [[0.0; 6]; 3];
     for k in 0..calls {

@@ -1,23 +1,23 @@
 //! EMPS against the figures that its authors print (A. Janot, M. Gautier, M. Brunot, "Data Set and Reference Models of
 //! EMPS", 2019), digit by digit.
 
-mod common;
-
 use std::{collections::BTreeMap, sync::OnceLock};
 
-use common::{ensure, ensure_printed};
 use libtest_mimic::Failed;
 use thetahat::{
     experiment::Experiment,
     identification::{Method, Status},
     results::{Results, RunResult},
 };
+use thetahat_testing::{ensure, ensure_printed};
 
 fn results() -> &'static Results {
     static RESULTS: OnceLock<Results> = OnceLock::new();
     RESULTS.get_or_init(|| {
-        let experiment = Experiment::read(&common::root().join("experiments/emps.toml"), &common::data()).unwrap();
-        experiment.run(&common::data(), &mut |_| {}).unwrap()
+        let experiment =
+            Experiment::read(&thetahat_testing::root().join("experiments/emps.toml"), &thetahat_testing::data())
+                .unwrap();
+        experiment.run(&thetahat_testing::data(), &mut |_| {}).unwrap()
     })
 }
 
@@ -89,7 +89,7 @@ fn iv_and_didim() -> Result<(), Failed> {
 }
 
 fn main() {
-    common::run_with_shared_data(vec![
+    thetahat_testing::run_with_shared_data(vec![
         ("least_squares_meets_every_printed_digit", least_squares),
         ("cross_validation_on_the_pulses_meets_every_printed_digit", cross_validation),
         ("asymmetric_friction_meets_every_printed_digit", asymmetric_friction),

@@ -3,11 +3,8 @@
 //!
 //! The printed values are read from `shared/paper/tables.csv`, not from the tables that this project ships.
 
-mod common;
-
 use std::{collections::HashMap, sync::OnceLock};
 
-use common::ensure;
 use libtest_mimic::Failed;
 use thetahat::{
     experiment::Experiment,
@@ -15,10 +12,12 @@ use thetahat::{
     results::{BiasedSimulatorResult, ParameterResult, Results, RunResult, Verdict},
     simulation::BiasKind,
 };
+use thetahat_testing::ensure;
 
 fn identify(name: &str) -> Results {
-    let experiment = Experiment::read(&common::root().join("experiments").join(name), &common::data()).unwrap();
-    experiment.run(&common::data(), &mut |_| {}).unwrap()
+    let experiment =
+        Experiment::read(&thetahat_testing::root().join("experiments").join(name), &thetahat_testing::data()).unwrap();
+    experiment.run(&thetahat_testing::data(), &mut |_| {}).unwrap()
 }
 
 fn results() -> &'static Results {
@@ -36,7 +35,7 @@ fn error(case: &str, method: Method) -> f64 {
 
 /// The paper's column for a case and method: parameter, printed estimate, printed relative standard deviation.
 fn published(column: &str) -> Vec<(String, String, f64)> {
-    let mut reader = csv::Reader::from_path(common::shared().join("paper/tables.csv")).unwrap();
+    let mut reader = csv::Reader::from_path(thetahat_testing::shared().join("paper/tables.csv")).unwrap();
     let rows: Vec<HashMap<String, String>> = reader.deserialize().collect::<Result<_, _>>().unwrap();
     let row = |r: HashMap<String, String>| {
         let deviation = r[&format!("{column}_sd_percent")].parse().unwrap();
@@ -157,10 +156,11 @@ fn twenty_eight_alone() -> Result<(), Failed> {
 
 fn inertias_are_enough_to_start() -> Result<(), Failed> {
     let mut experiment =
-        Experiment::read(&common::root().join("experiments/tx40_paper.toml"), &common::data()).unwrap();
+        Experiment::read(&thetahat_testing::root().join("experiments/tx40_paper.toml"), &thetahat_testing::data())
+            .unwrap();
     experiment.settings.estimation.start = thetahat::preparation::Start::MotorInertias;
     experiment.settings.cases.clear();
-    let from_inertias = experiment.run(&common::data(), &mut |_| {}).unwrap();
+    let from_inertias = experiment.run(&thetahat_testing::data(), &mut |_| {}).unwrap();
     for method in [Method::IDIM_IV, Method::DIDIM] {
         let found = from_inertias.run("nominal", method).unwrap();
         ensure(found.status == Status::Converged, format!("{method:?}: {:?}", found.reason))?;
@@ -173,7 +173,7 @@ fn inertias_are_enough_to_start() -> Result<(), Failed> {
 }
 
 fn main() {
-    common::run_with_shared_data(vec![
+    thetahat_testing::run_with_shared_data(vec![
         ("nominal_errors_are_those_of_the_paper_or_less", nominal_errors),
         ("every_run_converges", every_run_converges),
         ("estimates_agree_with_tables_one_and_three", tables_one_and_three),

@@ -18,6 +18,19 @@
 //!
 //! A joint that follows another (a mimic) moves by `ratio q + offset` of the other's coordinate, and its torque acts on that
 //! coordinate times the ratio: with the ratios in a matrix `G`, `tau = G^T tau_joints` and `M = G^T M_joints G`.
+//!
+//! ```
+//! use std::path::Path;
+//! use thetahat::{dynamics::{DynamicParameters, Model, Workspace}, robot::Robot};
+//! let text = "name = 'pendulum'\n[[joint]]\nname = 'pivot'\nkind = 'revolute'\n[parameters]\nzz1 = 0.5\nia1 = 0.3";
+//! let robot = Robot::parse(text, Path::new("pendulum.toml"))?;
+//! let model = Model::new(&robot);
+//! let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters());
+//! let mut mass = [0.0];
+//! model.mass_matrix(&parameters, &[0.1], &mut Workspace::new(&model), &mut mass);
+//! assert!((mass[0] - (0.5 + 0.3)).abs() < 1e-15);
+//! # Ok::<(), thetahat::robot::RobotError>(())
+//! ```
 
 mod coupled_motor;
 mod energy;

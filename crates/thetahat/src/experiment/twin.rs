@@ -13,7 +13,7 @@ use crate::{
     scheduling::closed_loop,
     series::Series,
     simulation::{OutputGrid, Reference, Sensors, SimulatedMotion, SimulatorBias},
-    trajectory::{self, Limits, Moves},
+    trajectory::{self, MotionLimits, Moves},
 };
 
 /// Fewer samples of a twin cannot be filtered; more are not needed for any use of it: an hour at 25 kHz.
@@ -103,7 +103,7 @@ impl Experiment {
             values.iter().zip(model).map(convert).collect()
         };
         let points: Vec<Vec<f64>> = twin.points.iter().map(si).collect();
-        let limits = Limits {
+        let limits = MotionLimits {
             max_velocity: si(&twin.max_velocity),
             acceleration_time_s: twin.acceleration_time_s,
             smoothing_time_s: twin.smoothing_time_s,

@@ -6,16 +6,16 @@ use super::{
 };
 use crate::{
     preparation::{PreparationError, validate_window},
-    recording::{ChannelSource, Quantity, Side},
+    recording::{ChannelSource, Dimension, Side},
     robot::JointKind,
 };
 
 /// Longest rest of a twin, s.
 const LONGEST_REST_S: f64 = 3600.0;
 
-const POSITION: [Quantity; 2] = [Quantity::Angle, Quantity::Length];
-const DRIVE: [Quantity; 5] =
-    [Quantity::Torque, Quantity::Force, Quantity::Voltage, Quantity::Current, Quantity::Dimensionless];
+const POSITION: [Dimension; 2] = [Dimension::Angle, Dimension::Length];
+const DRIVE: [Dimension; 5] =
+    [Dimension::Torque, Dimension::Force, Dimension::Voltage, Dimension::Current, Dimension::Dimensionless];
 
 impl Experiment {
     pub(super) fn validate(&self) -> Result<(), ExperimentError> {
@@ -34,21 +34,21 @@ impl Experiment {
     }
 
     fn validate_recording(&self, recording: &RecordingDescription) -> Result<(), ExperimentError> {
-        self.validate_unit(&recording.position, "position", &POSITION, [Quantity::Angle, Quantity::Length])?;
-        self.validate_unit(&recording.torque, "torque", &DRIVE, [Quantity::Torque, Quantity::Force])?;
+        self.validate_unit(&recording.position, "position", &POSITION, [Dimension::Angle, Dimension::Length])?;
+        self.validate_unit(&recording.torque, "torque", &DRIVE, [Dimension::Torque, Dimension::Force])?;
         self.require_positive("[recording] weight", recording.weight)?;
         let jitter = recording.largest_jitter;
         self.require((0.0..=1.0).contains(&jitter), "[recording] largest_jitter", "from 0 to 1 steps", jitter)?;
         let window = [recording.window_start_s, recording.window_end_s];
         validate_window("[recording]", window).map_err(|e| self.refuse(e))?;
         if let Some(reference) = &recording.reference {
-            self.validate_unit(reference, "reference", &POSITION, [Quantity::Angle, Quantity::Length])?;
+            self.validate_unit(reference, "reference", &POSITION, [Dimension::Angle, Dimension::Length])?;
         }
         if let Some(signal) = &recording.added_signal {
-            signal.require_quantity("added signal", &DRIVE)?;
+            signal.require_dimension("added signal", &DRIVE)?;
         }
         if let Some(time) = &recording.time {
-            time.require_quantity("time", &[Quantity::Time])?;
+            time.require_dimension("time", &[Dimension::Time])?;
         }
         match (recording.sample_rate_hz, &recording.time) {
             (Some(rate), None) => self.require_positive("[recording] sample_rate_hz", rate),
@@ -65,16 +65,16 @@ impl Experiment {
         &self,
         source: &ChannelSource,
         signal: &str,
-        any: &[Quantity],
-        joints: [Quantity; 2],
+        any: &[Dimension],
+        joints: [Dimension; 2],
     ) -> Result<(), ExperimentError> {
         if source.side == Side::Motor || !source.gain.is_empty() {
-            return Ok(source.require_quantity(signal, any)?);
+            return Ok(source.require_dimension(signal, any)?);
         }
         let has = |kind| self.robot.coordinates().any(|j| j.kind == kind);
         let kinds = joints.into_iter().zip([JointKind::Revolute, JointKind::Prismatic]);
-        let expected: Vec<Quantity> = kinds.filter(|(_, kind)| has(*kind)).map(|(quantity, _)| quantity).collect();
-        Ok(source.require_quantity(signal, &expected)?)
+        let expected: Vec<Dimension> = kinds.filter(|(_, kind)| has(*kind)).map(|(quantity, _)| quantity).collect();
+        Ok(source.require_dimension(signal, &expected)?)
     }
 
     fn validate_twin(&self, twin: &TwinDescription) -> Result<(), ExperimentError> {

@@ -24,6 +24,16 @@
 //! | `estimates` | estimates of a `results.json`, for instruments |
 //!
 //! `docs/long_records.md` says how pieces are kept equal to the whole, and what is refused.
+//!
+//! ```
+//! use std::path::PathBuf;
+//! use thetahat::reduction::{Reduction, ReductionError};
+//! /// The estimates from recordings that were reduced one by one.
+//! fn solve_all(files: &[PathBuf]) -> Result<usize, ReductionError> {
+//!     Ok(Reduction::read_all(files)?.solve()?.results.runs.len())
+//! }
+//! assert!(matches!(solve_all(&[]), Err(ReductionError::Nothing)));
+//! ```
 
 mod compressed;
 mod error;

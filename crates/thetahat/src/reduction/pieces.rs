@@ -14,7 +14,7 @@ use crate::{
     preparation::{MOVING, PreparationError, STILL},
     regressor::Regressor,
     series::Series,
-    signal::{DecimatedPart, Decimator, Motion, SecondOrderSections, SignalError, moving_thresholds},
+    signal::{DecimatedPiece, Decimator, Motion, SecondOrderSections, SignalError, moving_thresholds},
 };
 
 /// What a transient of the position filter decays to between the end of what is read and what is used of it: far below
@@ -36,7 +36,7 @@ pub(super) struct Pieces<'a> {
 
 /// What one piece gives.
 pub(super) struct Piece {
-    pub part: DecimatedPart,
+    pub decimated: DecimatedPiece,
     pub fingerprint: Fingerprint,
     /// Largest velocity.
     pub peak: f64,
@@ -64,7 +64,7 @@ impl<'a> Pieces<'a> {
     /// The rows of each piece of a decimated window.
     pub(super) fn parts(&self, decimator: &Decimator, decimation: usize, channels: usize) -> Vec<Range<usize>> {
         let fitting = MOST_VALUES / (VALUES_PER_CHANNEL * channels.max(1));
-        decimator.parts((self.samples / decimation).min(fitting).max(1))
+        decimator.pieces((self.samples / decimation).min(fitting).max(1))
     }
 
     /// What is read for a range of samples, so that two differences of its filtered positions are those of the whole record.
@@ -151,7 +151,7 @@ impl Rows<'_> {
         let simulated = self.simulated.map(|s| s.motion(&range).map(|motion| (s.sign(), motion))).transpose()?;
         let before = if simulated.is_some() { entries } else { 0 };
         let mut workspace = Workspace::new(self.model);
-        let part = self.decimator.decimate_part(rows, self.channels(), |k, values| {
+        let decimated = self.decimator.decimate_piece(rows, self.channels(), |k, values| {
             let i = place(k);
             let (z, values) = values.split_at_mut(before);
             if let Some((sign, SimulatedPiece { motion: Motion { q, dq, ddq }, .. })) = &simulated {
@@ -174,7 +174,7 @@ impl Rows<'_> {
             fingerprint.add(tau);
         }
         Ok(Piece {
-            part: part.map_err(|e| refuse(self.pieces.experiment, e))?,
+            decimated: decimated.map_err(|e| refuse(self.pieces.experiment, e))?,
             fingerprint,
             peak: dq.values()[of_range.clone()].iter().fold(0.0, |peak, v| peak.max(v.abs())),
             has_torque: torque.values()[of_range].iter().any(|v| *v != 0.0),

@@ -140,7 +140,7 @@ impl<'a> Taken<'a> {
             self.seam.iter().try_for_each(|before| simulated.require_seam(before, &first, start))?;
             self.seam = next;
         }
-        self.joiner.take(piece.part).iter().for_each(|rows| self.accumulator.take(rows));
+        self.joiner.take(piece.decimated).iter().for_each(|rows| self.accumulator.take(rows));
         Ok(())
     }
 

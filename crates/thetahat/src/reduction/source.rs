@@ -6,7 +6,7 @@ use super::error::ReductionError;
 use crate::{
     experiment::{Experiment, ExperimentError, RecordingDescription},
     preparation::{PreparationError, Recording},
-    recording::{ChannelSource, RecordingError, STEP_TOLERANCE, Side, SignalParts},
+    recording::{ChannelSource, RecordingError, STEP_TOLERANCE, Side, SignalPieces},
     series::Series,
 };
 
@@ -42,7 +42,7 @@ struct Places {
 }
 
 enum Values<'a> {
-    Parts { signals: Box<SignalParts>, description: &'a RecordingDescription },
+    Parts { signals: Box<SignalPieces>, description: &'a RecordingDescription },
     Whole(Box<Recording>),
 }
 
@@ -55,7 +55,7 @@ impl<'a> Source<'a> {
         simulated: bool,
     ) -> Result<Self, ReductionError> {
         let (sources, places) = sources_of(description, simulated);
-        let Some(signals) = SignalParts::open(&sources, data).map_err(ExperimentError::from)? else {
+        let Some(signals) = SignalPieces::open(&sources, data).map_err(ExperimentError::from)? else {
             return Self::whole(experiment, description, (number, data));
         };
         require_same_length(&signals, &sources, data)?;
@@ -277,7 +277,7 @@ fn sources_of(description: &RecordingDescription, simulated: bool) -> (Vec<&Chan
     (sources, places)
 }
 
-fn require_same_length(signals: &SignalParts, sources: &[&ChannelSource], data: &Path) -> Result<(), ReductionError> {
+fn require_same_length(signals: &SignalPieces, sources: &[&ChannelSource], data: &Path) -> Result<(), ReductionError> {
     let first_samples = signals.samples(POSITION);
     for (signal, source) in sources.iter().enumerate().skip(1) {
         if signals.samples(signal) != first_samples {

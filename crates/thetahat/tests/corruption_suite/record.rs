@@ -15,7 +15,7 @@ use thetahat::{
     series::Series,
     signal::{Padding, SecondOrderSections, central_difference, moving_samples, zero_phase},
     simulation::{ClosedLoop, OutputGrid, Reference, SimulatorBias},
-    trajectory::{self, Limits, Moves},
+    trajectory::{self, MotionLimits, Moves},
 };
 
 /// A record with everything that the checks look at, to be changed at will.
@@ -91,7 +91,7 @@ pub fn twin(change: impl FnOnce(&mut TwinDescription)) -> Record {
         values.iter().zip(&robot.joints).map(convert).collect()
     };
     let points: Vec<Vec<f64>> = twin.points.iter().map(si).collect();
-    let limits = Limits {
+    let limits = MotionLimits {
         max_velocity: si(&twin.max_velocity),
         acceleration_time_s: twin.acceleration_time_s,
         smoothing_time_s: twin.smoothing_time_s,

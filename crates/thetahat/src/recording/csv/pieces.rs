@@ -1,6 +1,6 @@
 //! A text file read from any row on.
 //!
-//! A first pass finds where lines begin; a part is then read and parsed by itself. What makes rows differ from lines
+//! A first pass finds where lines begin; a piece is then read and parsed by itself. What makes rows differ from lines
 //! (quotes, single carriage returns) is left to the reader of whole files.
 
 use std::fs::File;
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use memchr::{memchr, memchr_iter};
 
-use super::super::RecordingError;
+use super::super::error::RecordingError;
 use super::super::place::{open, unreadable};
 use super::super::table::{Column, Table, Wanted};
 use super::dialect::Dialect;
@@ -20,11 +20,11 @@ use super::text::Text;
 
 /// Rows from one place that is remembered to the next.
 const ROWS_PER_MARK: usize = 1024;
-/// Bytes of the beginning, which decide what nobody set, and of one step of the first pass.
+/// Bytes of the beginning, from which unset parts of the dialect are detected, and of one step of the first pass.
 const BUFFER: usize = 1 << 20;
 
 /// A text file of which any rows can be read.
-pub(in super::super) struct TextParts {
+pub(in super::super) struct TextPieces {
     path: PathBuf,
     delimiter: u8,
     numbers: Numbers,
@@ -42,7 +42,7 @@ struct Mark {
     line: u64,
 }
 
-impl TextParts {
+impl TextPieces {
     /// Looks through a file; none where it must be read whole.
     pub(in super::super) fn open(
         path: &Path,
@@ -184,7 +184,7 @@ impl<'a> Iterator for Lines<'a> {
 /// The first pass.
 struct Scan {
     delimiter: u8,
-    /// Whether the next line is that of the names.
+    /// Whether the next line holds the names.
     header: bool,
     marks: Vec<Mark>,
     rows: usize,

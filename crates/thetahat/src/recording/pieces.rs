@@ -1,4 +1,4 @@
-//! Signals read in parts, so that a recording may be longer than memory.
+//! Signals read in pieces, so that a recording may be longer than memory.
 
 use std::fs::File;
 use std::ops::Range;
@@ -6,21 +6,23 @@ use std::path::{Path, PathBuf};
 
 use zip::{CompressionMethod, ZipArchive};
 
-use super::csv::TextParts;
-use super::npy::ArrayParts;
+use super::csv::TextPieces;
+use super::error::RecordingError;
+use super::format::Format;
+use super::npy::ArrayPieces;
 #[cfg(feature = "parquet")]
-use super::parquet::GroupParts;
+use super::parquet::GroupPieces;
 use super::place::{file_length, open};
+use super::select;
 use super::source::ChannelSource;
 use super::table::{Column, Table, Wanted};
-use super::{Format, RecordingError, select};
 use crate::series::Series;
 
 /// Signals whose files can be read from any sample on: text, NumPy arrays that are not compressed, and Parquet.
 ///
-/// What is read is what [`read_channels`](super::read_channels) gives, part by part; several parts may be read at a time.
-pub struct SignalParts {
-    files: Vec<FileParts>,
+/// What is read is what [`read_channels`](super::read_channels) gives, piece by piece; several pieces may be read at a time.
+pub struct SignalPieces {
+    files: Vec<FilePieces>,
     signals: Vec<Signal>,
 }
 
@@ -33,44 +35,44 @@ struct Signal {
     factors: Vec<f64>,
 }
 
-enum FileParts {
-    Text(TextParts),
-    Arrays(Vec<ArrayParts>),
+enum FilePieces {
+    Text(TextPieces),
+    Arrays(Vec<ArrayPieces>),
     #[cfg(feature = "parquet")]
-    Groups(Box<GroupParts>),
+    Groups(Box<GroupPieces>),
 }
 
-impl SignalParts {
-    /// Looks through the files of some signals; none where one of them cannot be read in parts.
+impl SignalPieces {
+    /// Looks through the files of some signals; none where one of them cannot be read in pieces.
     ///
     /// # Errors
-    /// [`RecordingError`] as [`read_channels`](super::read_channels), for what the beginnings of the files tell.
+    /// [`RecordingError`] as [`read_channels`](super::read_channels), as far as the beginnings of the files show it.
     pub fn open(sources: &[&ChannelSource], root: &Path) -> Result<Option<Self>, RecordingError> {
-        let mut parts = Self { files: Vec::new(), signals: Vec::new() };
+        let mut pieces = Self { files: Vec::new(), signals: Vec::new() };
         for &source in sources {
             source.refuse_repetition()?;
             let format = Format::of(&source.file)?;
             source.refuse_useless_settings(format)?;
             let path = source.place(root)?;
-            let shared = parts.signals.iter().find(|s| s.path == path && s.source.dialect() == source.dialect());
-            let file = shared.map_or(parts.files.len(), |s| s.file);
-            if file == parts.files.len() {
+            let shared = pieces.signals.iter().find(|s| s.path == path && s.source.dialect() == source.dialect());
+            let file = shared.map_or(pieces.files.len(), |s| s.file);
+            if file == pieces.files.len() {
                 let of_file = |s: &&&ChannelSource| s.file == source.file && s.dialect() == source.dialect();
                 let wanted = columns(sources.iter().filter(of_file).copied());
-                let Some(opened) = FileParts::open(source, format, &path, wanted.as_deref())? else { return Ok(None) };
-                parts.files.push(opened);
+                let Some(opened) = FilePieces::open(source, format, &path, wanted.as_deref())? else { return Ok(None) };
+                pieces.files.push(opened);
             }
             let signal = Signal { source: source.clone(), path, format, file, factors: Vec::new() };
             let asked = columns([source].into_iter());
-            if parts.files[file].samples(wanted(asked.as_deref())).is_none_or(|samples| samples == 0) {
+            if pieces.files[file].samples(wanted(asked.as_deref())).is_none_or(|samples| samples == 0) {
                 return Ok(None);
             }
-            parts.signals.push(signal);
-            let number = parts.signals.len() - 1;
-            let channels = parts.read(&[number], 0..1)?.first().map_or(0, Series::channels);
-            parts.signals[number].factors = source.factors(channels)?;
+            pieces.signals.push(signal);
+            let number = pieces.signals.len() - 1;
+            let channels = pieces.read(&[number], 0..1)?.first().map_or(0, Series::channels);
+            pieces.signals[number].factors = source.factors(channels)?;
         }
-        Ok(Some(parts))
+        Ok(Some(pieces))
     }
 
     /// Number of samples of a signal, by its place in the list that was opened.
@@ -106,11 +108,11 @@ impl SignalParts {
 
 impl Signal {
     fn series(&self, table: &Table, first: usize) -> Result<Series, RecordingError> {
-        let in_file = |error| match error {
-            RecordingError::NotFiniteSample { file, column, sample, found } => {
-                RecordingError::NotFiniteSample { file, column, sample: sample + first, found }
+        let in_file = |mut error| {
+            if let RecordingError::NotFiniteSample { sample, .. } = &mut error {
+                *sample += first;
             }
-            other => other,
+            error
         };
         let mut series = select::series(table, self.format, &self.source.columns, &self.path).map_err(in_file)?;
         if !self.factors.is_empty() {
@@ -138,7 +140,7 @@ fn wanted(columns: Option<&[String]>) -> Wanted<'_> {
     columns.map_or(Wanted::All, Wanted::Named)
 }
 
-impl FileParts {
+impl FilePieces {
     fn open(
         source: &ChannelSource,
         format: Format,
@@ -146,15 +148,17 @@ impl FileParts {
         columns: Option<&[String]>,
     ) -> Result<Option<Self>, RecordingError> {
         match format {
-            Format::Csv => Ok(TextParts::open(path, &source.dialect(), wanted(columns))?.map(Self::Text)),
+            Format::Csv => Ok(TextPieces::open(path, &source.dialect(), wanted(columns))?.map(Self::Text)),
             Format::Npy => {
                 let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-                let array = ArrayParts::open(path, name, 0, file_length(path)?)?;
+                let array = ArrayPieces::open(path, name, 0, file_length(path)?)?;
                 Ok(array.map(|array| Self::Arrays(vec![array])))
             }
             Format::Npz => archive(path, wanted(columns)),
             #[cfg(feature = "parquet")]
-            Format::Parquet => Ok(GroupParts::open(path, wanted(columns))?.map(|parts| Self::Groups(Box::new(parts)))),
+            Format::Parquet => {
+                Ok(GroupPieces::open(path, wanted(columns))?.map(|pieces| Self::Groups(Box::new(pieces))))
+            }
             _ => Ok(None),
         }
     }
@@ -166,7 +170,7 @@ impl FileParts {
             #[cfg(feature = "parquet")]
             Self::Groups(groups) => Some(groups.samples()),
             Self::Arrays(arrays) => {
-                let mut samples = arrays.iter().filter(|a| wanted.includes(a.name())).map(ArrayParts::samples);
+                let mut samples = arrays.iter().filter(|a| wanted.includes(a.name())).map(ArrayPieces::samples);
                 let first = samples.next()?;
                 samples.all(|other| other == first).then_some(first)
             }
@@ -179,7 +183,7 @@ impl FileParts {
             #[cfg(feature = "parquet")]
             Self::Groups(groups) => groups.read(range, wanted),
             Self::Arrays(arrays) => {
-                let column = |array: &ArrayParts| match wanted.includes(array.name()) {
+                let column = |array: &ArrayPieces| match wanted.includes(array.name()) {
                     true => array.read(range.clone()),
                     false => Ok(Column::of_numbers(array.name().to_owned(), 0, Vec::new())),
                 };
@@ -191,7 +195,7 @@ impl FileParts {
 }
 
 /// The arrays of an archive that are wanted and lie in it as they are; none where one does not.
-fn archive(path: &Path, wanted: Wanted<'_>) -> Result<Option<FileParts>, RecordingError> {
+fn archive(path: &Path, wanted: Wanted<'_>) -> Result<Option<FilePieces>, RecordingError> {
     let file: File = open(path)?;
     let Ok(mut archive) = ZipArchive::new(file) else { return Ok(None) };
     let mut arrays = Vec::new();
@@ -201,18 +205,20 @@ fn archive(path: &Path, wanted: Wanted<'_>) -> Result<Option<FileParts>, Recordi
         let Some(key) = name.strip_suffix(".npy").filter(|key| wanted.includes(key)) else { continue };
         let start = entry.data_start().filter(|_| entry.compression() == CompressionMethod::Stored);
         let array = match start {
-            Some(start) => ArrayParts::open(path, key.to_owned(), start, entry.size())?,
+            Some(start) => ArrayPieces::open(path, key.to_owned(), start, entry.size())?,
             None => None,
         };
         let Some(array) = array else { return Ok(None) };
         arrays.push(array);
     }
-    Ok(Some(FileParts::Arrays(arrays)))
+    Ok(Some(FilePieces::Arrays(arrays)))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::test_files::{Folder, npy};
+    use thetahat_testing::Folder;
+
+    use super::super::test_files::npy;
     use super::*;
     use crate::recording::read_channels;
 
@@ -220,22 +226,22 @@ mod tests {
         toml::from_str(text).unwrap()
     }
 
-    /// Every part of a file equals that part of the whole.
+    /// Every piece of a file equals that piece of the whole.
     fn assert_same(file: &str, bytes: &[u8], sources: &[&str]) {
         let folder = Folder::with(file, bytes);
         let sources: Vec<ChannelSource> =
             sources.iter().map(|s| source(&format!("file = '{file}'\nunit = 'mm'\n{s}"))).collect();
-        let parts = SignalParts::open(&sources.iter().collect::<Vec<_>>(), folder.path()).unwrap().unwrap();
+        let pieces = SignalPieces::open(&sources.iter().collect::<Vec<_>>(), folder.path()).unwrap().unwrap();
         let all: Vec<usize> = (0..sources.len()).collect();
         let whole: Vec<Series> = sources.iter().map(|s| read_channels(s, folder.path()).unwrap()).collect();
         let samples = whole[0].len();
-        assert_eq!(parts.samples(0), samples);
+        assert_eq!(pieces.samples(0), samples);
         for range in [0..samples, 0..1, samples - 1..samples, samples / 3..samples / 2 + 1, 1023..1025, 1024..2048] {
             if range.end > samples {
                 continue;
             }
-            for (part, whole) in parts.read(&all, range.clone()).unwrap().iter().zip(&whole) {
-                assert_eq!(*part, whole.window(range.clone()), "{file} {range:?}");
+            for (piece, whole) in pieces.read(&all, range.clone()).unwrap().iter().zip(&whole) {
+                assert_eq!(*piece, whole.window(range.clone()), "{file} {range:?}");
             }
         }
     }
@@ -281,7 +287,7 @@ mod tests {
         for (name, text) in [("q.csv", "a,b\n\"1.5\",2\n"), ("q.csv", "a,b\r1.5,2\r"), ("q.mat", "MATLAB")] {
             let folder = Folder::with(name, text.as_bytes());
             let source = source(&format!("file = '{name}'\nunit = 'mm'"));
-            assert!(SignalParts::open(&[&source], folder.path()).unwrap().is_none(), "{text:?}");
+            assert!(SignalPieces::open(&[&source], folder.path()).unwrap().is_none(), "{text:?}");
         }
     }
 
@@ -292,8 +298,8 @@ mod tests {
         let of = |bad: &str| {
             let folder = Folder::with("q.csv", format!("{good}{bad}\n{good}").as_bytes());
             let source = source("file = 'q.csv'\nunit = 'mm'");
-            let parts = SignalParts::open(&[&source], folder.path()).unwrap().unwrap();
-            parts.read(&[0], 4990..5010).unwrap_err()
+            let pieces = SignalPieces::open(&[&source], folder.path()).unwrap().unwrap();
+            pieces.read(&[0], 4990..5010).unwrap_err()
         };
         assert!(matches!(of("x,1"), RecordingError::NotANumber { line: 5001, .. }));
         assert!(matches!(of("nan,1"), RecordingError::NotFinite { line: 5001, .. }));

@@ -7,25 +7,25 @@ use std::sync::Arc;
 
 use bytes::Bytes;
 
-use super::super::RecordingError;
-use super::super::caught::caught;
+use super::super::error::RecordingError;
+use super::super::panic_guard::panics_as_damage;
 use super::super::place::{file_length, open};
 use super::super::table::{Table, Wanted};
 use super::guard::Source;
 use super::read::Described;
 
-/// Rows of a group in which parts are looked for. A page may be as large as its group.
+/// Rows of a group in which pieces are looked for. A page may be as large as its group.
 const MOST_ROWS: usize = 1 << 22;
 
-/// The description of a file, which is opened for each part.
-pub(in super::super) struct GroupParts {
+/// The description of a file, which is opened for each piece.
+pub(in super::super) struct GroupPieces {
     path: PathBuf,
     described: Described,
     /// From where the stamps of columns count.
     first_stamps: BTreeMap<usize, i64>,
 }
 
-impl GroupParts {
+impl GroupPieces {
     /// Looks through the description; none where a group is too large, or begins without a stamp: the reader of whole files
     /// says what is wrong.
     pub(in super::super) fn open(path: &Path, wanted: Wanted<'_>) -> Result<Option<Self>, RecordingError> {
@@ -34,7 +34,7 @@ impl GroupParts {
 
     /// The same of bytes anywhere.
     pub(super) fn of_source(path: &Path, source: &Source, wanted: Wanted<'_>) -> Result<Option<Self>, RecordingError> {
-        caught(path, "Parquet", || {
+        panics_as_damage(path, "Parquet", || {
             let described = Described::new(path, source)?;
             if described.samples == 0 || described.largest_group() > MOST_ROWS {
                 return Ok(None);
@@ -62,7 +62,7 @@ impl GroupParts {
         wanted: Wanted<'_>,
     ) -> Result<Table, RecordingError> {
         let first = |index: usize| self.first_stamps.get(&index).copied();
-        caught(&self.path, "Parquet", || self.described.table(&self.path, source, rows, wanted, first))
+        panics_as_damage(&self.path, "Parquet", || self.described.table(&self.path, source, rows, wanted, first))
     }
 }
 
@@ -81,9 +81,9 @@ fn source(path: &Path) -> Result<Source, RecordingError> {
 }
 
 /// Reads the second half of a file in memory.
-pub(in super::super) fn fuzz_parts(bytes: &[u8]) {
+pub(in super::super) fn fuzz_pieces(bytes: &[u8]) {
     let source = Source::Memory(Bytes::copy_from_slice(bytes));
-    if let Ok(Some(parts)) = GroupParts::of_source(Path::new("fuzz.parquet"), &source, Wanted::All) {
-        let _ = parts.read_source(&source, parts.samples() / 2..parts.samples(), Wanted::All);
+    if let Ok(Some(pieces)) = GroupPieces::of_source(Path::new("fuzz.parquet"), &source, Wanted::All) {
+        let _ = pieces.read_source(&source, pieces.samples() / 2..pieces.samples(), Wanted::All);
     }
 }

@@ -1,8 +1,8 @@
-//! The parts of a MAT file of version 5, which the format calls data elements: a tag of kind and size, the data, padding.
+//! The data elements of a MAT file of version 5: each has a tag with kind and size, the data, and padding.
 
-/// The number by which a file marks a part as a matrix.
+/// The number by which a file marks an element as a matrix.
 pub(super) const MATRIX: u32 = 14;
-/// The number by which a file marks a part as compressed.
+/// The number by which a file marks an element as compressed.
 pub(super) const COMPRESSED: u32 = 15;
 
 /// How the file orders the bytes of a number.
@@ -30,8 +30,8 @@ impl ByteOrder {
     }
 }
 
-/// A part of a file.
-pub(super) struct Part<'a> {
+/// An element of a file.
+pub(super) struct Element<'a> {
     pub(super) kind: u32,
     pub(super) offset: usize,
     pub(super) data: &'a [u8],
@@ -39,8 +39,8 @@ pub(super) struct Part<'a> {
     length: usize,
 }
 
-impl Part<'_> {
-    /// The size in bytes of the numbers of a part, if it holds numbers.
+impl Element<'_> {
+    /// The size in bytes of the numbers of an element, if it holds numbers.
     fn width(&self) -> Option<usize> {
         match self.kind {
             1 | 2 => Some(1),
@@ -51,12 +51,12 @@ impl Part<'_> {
         }
     }
 
-    /// How many numbers the part holds, if it holds numbers.
+    /// How many numbers the element holds, if it holds numbers.
     pub(super) fn count(&self) -> Option<usize> {
         Some(self.data.len() / self.width()?)
     }
 
-    /// The numbers of the part in double precision.
+    /// The numbers of the element in double precision.
     pub(super) fn numbers(&self, order: ByteOrder) -> Option<Vec<f64>> {
         Some(match self.kind {
             1 => self.read(order, |b| i8::from_le_bytes(b).into()),
@@ -78,19 +78,19 @@ impl Part<'_> {
     }
 }
 
-/// The parts that follow one another in `bytes`; the offset of the first that does not fit, if there is one.
-pub(super) fn parts(bytes: &[u8], order: ByteOrder) -> Result<Vec<Part<'_>>, usize> {
-    let mut parts = Vec::new();
+/// The elements that follow one another in `bytes`; the offset of the first that does not fit, if there is one.
+pub(super) fn elements(bytes: &[u8], order: ByteOrder) -> Result<Vec<Element<'_>>, usize> {
+    let mut elements = Vec::new();
     let mut offset = 0;
     while offset < bytes.len() {
-        let part = part_at(bytes, offset, order).ok_or(offset)?;
-        offset += part.length;
-        parts.push(part);
+        let element = element_at(bytes, offset, order).ok_or(offset)?;
+        offset += element.length;
+        elements.push(element);
     }
-    Ok(parts)
+    Ok(elements)
 }
 
-fn part_at(bytes: &[u8], offset: usize, order: ByteOrder) -> Option<Part<'_>> {
+fn element_at(bytes: &[u8], offset: usize, order: ByteOrder) -> Option<Element<'_>> {
     let rest = &bytes[offset..];
     let tag = order.word(rest, 0)?;
     let (kind, tag_length, size) = match tag >> 16 {
@@ -101,5 +101,5 @@ fn part_at(bytes: &[u8], offset: usize, order: ByteOrder) -> Option<Part<'_>> {
     let data = rest.get(tag_length..)?.get(..size)?;
     let end = tag_length + size;
     let length = if kind == COMPRESSED { end } else { end.next_multiple_of(8).min(rest.len()) };
-    Some(Part { kind, offset, data, length })
+    Some(Element { kind, offset, data, length })
 }

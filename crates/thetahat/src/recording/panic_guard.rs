@@ -1,16 +1,16 @@
-//! Panics of libraries on damaged files, told as damage.
+//! Panics of libraries on damaged files, turned into errors.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
-use super::RecordingError;
+use super::error::RecordingError;
 
-/// What `read` gives; should the library of a format stop at damaged bytes by a panic, an error that says so.
+/// The result of `read`; a panic of the library inside becomes [`RecordingError::Damaged`].
 ///
-/// This is the last line: sizes and counts are checked before. Nothing outlives the panic but the error, so that no value
-/// is left half made.
-pub(super) fn caught<T>(
+/// Sizes and counts are checked before, so this is the last guard. Only the error outlives the panic; no value stays
+/// half built.
+pub(super) fn panics_as_damage<T>(
     path: &Path,
     library: &str,
     read: impl FnOnce() -> Result<T, RecordingError>,
@@ -32,7 +32,7 @@ mod tests {
 
     #[test]
     fn panic_is_told_as_damage() {
-        let result = caught::<()>(Path::new("q.mat"), "HDF5", || panic!("index out of bounds"));
+        let result = panics_as_damage::<()>(Path::new("q.mat"), "HDF5", || panic!("index out of bounds"));
         assert!(
             matches!(result, Err(RecordingError::Damaged { reason, .. }) if reason.contains("index out of bounds"))
         );

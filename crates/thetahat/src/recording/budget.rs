@@ -3,13 +3,13 @@
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use super::RecordingError;
+use super::error::RecordingError;
 
 /// Values that any file may hold, 128 MiB in double precision. A reader holds them up to five times: decompressed, decoded,
 /// as columns, as a series, and once more while a vector grows.
 const ANY_FILE: usize = 1 << 24;
 
-/// What is left to read of a file: 16 million values, or one for each byte of a larger file.
+/// The values that may still be read from a file: 16 million at first, or one for each byte of a larger file.
 ///
 /// A file that is not compressed always fits. Recorded motion compresses by less than ten; a file that expands by more is
 /// damaged or made to do harm.
