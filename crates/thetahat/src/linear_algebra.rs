@@ -276,6 +276,7 @@ fn from_faer(a: MatRef<'_, f64>) -> Matrix {
 /// angles, so that the pivots are those of `A`, and the first step, which has all the rows, can work on blocks of columns.
 ///
 /// The factorisation may be of a matrix with scaled columns, `A D P = Q R_D`; solutions and factors are returned for `A`.
+#[derive(Debug, Clone)]
 pub struct PivotedQr {
     first: Qr<f64>,
     pivoted: ColPivQr<f64>,

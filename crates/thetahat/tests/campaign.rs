@@ -4,7 +4,7 @@
 use std::{fs, path::Path};
 
 use thetahat::{
-    campaign::{Campaign, CampaignError, CampaignRuns, Limits, Store, parameter_summaries, quantiles, summarise},
+    campaign::{Campaign, CampaignError, CampaignRuns, Store, Subset, parameter_summaries, quantiles, summarise},
     experiment::Experiment,
     identification::Status,
     report,
@@ -29,7 +29,7 @@ fn changed(campaign: (&str, &str), experiment: (&str, &str)) -> Result<Campaign,
     Campaign::from_text(Path::new("campaign.toml"), text, experiment)
 }
 
-fn run(campaign: &Campaign, limits: Limits, threads: usize, store: Option<&Store>) -> CampaignRuns {
+fn run(campaign: &Campaign, limits: Subset, threads: usize, store: Option<&Store>) -> CampaignRuns {
     campaign.run(limits, threads, store, &mut |_| {}).unwrap()
 }
 
@@ -37,7 +37,7 @@ fn run(campaign: &Campaign, limits: Limits, threads: usize, store: Option<&Store
 fn bytes_depend_neither_on_threads_nor_on_the_order_of_commands() {
     let folder = Folder::new();
     let campaign = small();
-    let all = Limits::default();
+    let all = Subset::default();
     let store = |name: &str| Store::open(&folder.at(name), &campaign).unwrap();
     let one = run(&campaign, all, 1, Some(&store("one")));
     let two = run(&campaign, all, 2, Some(&store("two")));
@@ -46,7 +46,7 @@ fn bytes_depend_neither_on_threads_nor_on_the_order_of_commands() {
     assert_eq!(folder.bytes("one/runs.parquet"), folder.bytes("two/runs.parquet"));
     assert_eq!(one.facts, two.facts);
     // First a part of it, then the rest.
-    let part = run(&campaign, Limits { starts: Some(1), seeds: Some(1) }, 2, Some(&store("part")));
+    let part = run(&campaign, Subset { starts: Some(1), seeds: Some(1) }, 2, Some(&store("part")));
     assert_eq!(part.rows.len(), 16);
     let mut told = Vec::new();
     campaign.run(all, 2, Some(&store("part")), &mut |p| told.push(p)).unwrap();
@@ -56,12 +56,12 @@ fn bytes_depend_neither_on_threads_nor_on_the_order_of_commands() {
     let again = run(&campaign, all, 1, Some(&store("one")));
     assert_eq!(again.rows, one.rows);
     assert_eq!(fs::read_dir(folder.at("one/parts")).unwrap().count(), 0);
-    assert_eq!(run(&campaign, Limits { starts: Some(1), seeds: Some(1) }, 1, None).rows.len(), 16);
+    assert_eq!(run(&campaign, Subset { starts: Some(1), seeds: Some(1) }, 1, None).rows.len(), 16);
 }
 
 #[test]
 fn methods_find_the_truth_and_a_wrong_simulator_leads_didim_astray() {
-    let runs = run(&small(), Limits::default(), 2, None);
+    let runs = run(&small(), Subset::default(), 2, None);
     // The wrong simulator may keep DIDIM from converging; where nothing is wrong, all do.
     let failed = |r: &&thetahat::campaign::Row| r.case == "nominal" && !r.has_converged();
     assert_eq!(runs.rows.iter().find(failed), None);
@@ -87,7 +87,7 @@ fn methods_find_the_truth_and_a_wrong_simulator_leads_didim_astray() {
 fn failures_are_counted_and_in_no_figure() {
     let limit = ("[simulation]", "[estimation.convergence]\niterations = 1\n[simulation]");
     let campaign = changed(("", ""), limit).unwrap();
-    let runs = run(&campaign, Limits::default(), 2, None);
+    let runs = run(&campaign, Subset::default(), 2, None);
     for summary in summarise(&runs) {
         let iterates = ["idim-iv", "didim"].contains(&summary.method.as_str());
         assert_eq!(summary.runs, 4);
@@ -108,7 +108,7 @@ fn the_report_fits_the_terminal_and_the_page_needs_nothing_else() {
     let folder = Folder::new();
     let claim = ("[[noise]]", "[[claim]]\nsource = 'A <b>book</b>'\nsays = 'IV wins.'\n[[noise]]");
     let campaign = changed(claim, ("", "")).unwrap();
-    let runs = run(&campaign, Limits::default(), 2, None);
+    let runs = run(&campaign, Subset::default(), 2, None);
     let text = report::campaign_text(&campaign, &runs);
     assert!(text.lines().all(|line| line.chars().count() <= report::TEXT_WIDTH), "{text}");
     assert!(text.contains("IV wins. (A <b>book</b>)"));
@@ -158,7 +158,7 @@ fn defects_of_a_campaign_name_the_place() {
 #[test]
 fn starts_that_cannot_be_physical_are_an_error_that_names_the_link() {
     let campaign = changed(("[starts]", "[a_priori]\nxx2 = 1\n[starts]"), ("", "")).unwrap();
-    let error = campaign.run(Limits::default(), 1, None, &mut |_| {}).unwrap_err();
+    let error = campaign.run(Subset::default(), 1, None, &mut |_| {}).unwrap_err();
     assert!(matches!(error, CampaignError::NoPhysicalStart { .. }));
     assert!(error.to_string().contains("They are not physical themselves: link 2"), "{error}");
 }
@@ -177,7 +177,7 @@ fn a_folder_is_that_of_one_campaign() {
     );
     let store = Store::open(folder.path(), &campaign).unwrap();
     fs::write(folder.at("parts/01-00001-00001.parquet"), b"PAR1 and no more").unwrap();
-    let error = campaign.run(Limits::default(), 1, Some(&store), &mut |_| {}).unwrap_err();
+    let error = campaign.run(Subset::default(), 1, Some(&store), &mut |_| {}).unwrap_err();
     assert!(
         matches!(&error, CampaignError::Damaged { path, .. } if path.ends_with("01-00001-00001.parquet")),
         "{error}"

@@ -138,7 +138,7 @@ fn a_long_record_takes_less_memory_than_its_channels() {
 fn child(file: &Path) {
     let folder = file.parent().unwrap();
     let mut experiment = experiment(folder, "record.parquet");
-    experiment.file.signal.window_end_s = Some(LONG as f64 / 5000.0 - 0.1);
+    experiment.settings.signal.window_end_s = Some(LONG as f64 / 5000.0 - 0.1);
     let reduction = reduce(&experiment, folder, 1 << 16);
     assert_eq!(reduction.recordings[0].samples, LONG - 1000);
     if let Ok(status) = fs::read_to_string("/proc/self/status")

@@ -5,8 +5,9 @@ use std::{collections::BTreeMap, sync::OnceLock};
 
 use libtest_mimic::Failed;
 use thetahat::{
-    experiment::{Experiment, Results, RunResult},
+    experiment::Experiment,
     identification::{Method, Status},
+    results::{Results, RunResult},
 };
 use thetahat_testing::{ensure, ensure_printed};
 
@@ -29,7 +30,7 @@ fn estimate(run: &RunResult, name: &str) -> f64 {
 }
 
 fn least_squares() -> Result<(), Failed> {
-    let run = run("nominal", Method::IdimLs);
+    let run = run("nominal", Method::IDIM_LS);
     let printed = [
         ("m1r", "95.1089", "0.1085"),
         ("fv1", "203.5034", "1.1460"),
@@ -45,13 +46,13 @@ fn least_squares() -> Result<(), Failed> {
 }
 
 fn cross_validation() -> Result<(), Failed> {
-    let run = run("nominal", Method::IdimLs);
+    let run = run("nominal", Method::IDIM_LS);
     ensure_printed(run.cross_validation_relative_error_percent.unwrap(), "5.9824", "relative error on the pulses")?;
     ensure_printed(run.validation_condition_number.unwrap(), "26.0217", "condition number on the pulses")
 }
 
 fn asymmetric_friction() -> Result<(), Failed> {
-    let run = run("asymmetric", Method::IdimLs);
+    let run = run("asymmetric", Method::IDIM_LS);
     let printed =
         [("m1r", "95.1540"), ("fvp1", "166.7061"), ("fcp1r", "20.1440"), ("fvn1", "240.4236"), ("fcn1r", "20.6277")];
     for (name, value) in printed {
@@ -70,15 +71,15 @@ fn assert_simulation(errors: &BTreeMap<String, f64>, published: [f64; 3]) -> Res
 }
 
 fn closed_loop() -> Result<(), Failed> {
-    let run = run("nominal", Method::IdimLs);
+    let run = run("nominal", Method::IDIM_LS);
     assert_simulation(run.simulation_relative_error_percent.as_ref().unwrap(), [0.22911, 8.6036, 5.848])?;
     let pulses = run.validation_simulation_relative_error_percent.as_ref().unwrap();
     assert_simulation(pulses, [0.47888, 19.8152, 8.9409])
 }
 
 fn iv_and_didim() -> Result<(), Failed> {
-    let ls = run("nominal", Method::IdimLs).parameter("m1r").unwrap();
-    for method in [Method::IdimIv, Method::Didim] {
+    let ls = run("nominal", Method::IDIM_LS).parameter("m1r").unwrap();
+    for method in [Method::IDIM_IV, Method::DIDIM] {
         let run = run("nominal", method);
         ensure(run.status == Status::Converged, format!("{method:?}: {:?}", run.status))?;
         let distance = (estimate(run, "m1r") - ls.estimate).abs() / ls.standard_deviation.unwrap();

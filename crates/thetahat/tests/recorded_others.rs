@@ -2,10 +2,7 @@
 //! and friction, from their experiment files.
 
 use libtest_mimic::Failed;
-use thetahat::{
-    experiment::{Experiment, Results},
-    robot::INERTIAL,
-};
+use thetahat::{experiment::Experiment, results::Results, robot::INERTIAL};
 use thetahat_testing::ensure;
 
 /// The estimates of others from these records differ by their filters: 15 % of each.

@@ -4,9 +4,10 @@ use std::{collections::BTreeMap, path::Path};
 
 use libtest_mimic::Failed;
 use thetahat::{
-    experiment::{Experiment, ParameterResult, RunResult},
+    experiment::Experiment,
     identification::{Method, Status},
     reduction::{ReduceOptions, Reduction},
+    results::{ParameterResult, RunResult},
 };
 use thetahat_testing::{Folder, ensure};
 
@@ -47,10 +48,10 @@ fn same(found: &RunResult, expected: &RunResult, tolerance: f64) -> Result<(), F
 }
 
 fn equals_identify(mut experiment: Experiment) -> Result<(), Failed> {
-    experiment.file.estimation.methods = vec![Method::IdimLs];
-    experiment.file.case.clear();
+    experiment.settings.estimation.methods = vec![Method::IDIM_LS];
+    experiment.settings.cases.clear();
     let results = experiment.run(&thetahat_testing::data(), &mut |_| {})?;
-    let expected = results.run("nominal", Method::IdimLs).unwrap();
+    let expected = results.run("nominal", Method::IDIM_LS).unwrap();
     let whole = reduce(&experiment, 1, 1 << 16);
     let solved = whole.solve()?.results;
     ensure(solved.samples_used == results.samples_used, "as many samples")?;
@@ -86,8 +87,8 @@ fn tx40_essential() -> Result<(), Failed> {
 /// The window is the moving part, which a first pass finds.
 fn tx40_moving_part() -> Result<(), Failed> {
     let mut experiment = experiment("tx40_paper.toml");
-    experiment.file.signal.window_start_s = None;
-    experiment.file.signal.window_end_s = None;
+    experiment.settings.signal.window_start_s = None;
+    experiment.settings.signal.window_end_s = None;
     equals_identify(experiment)
 }
 
@@ -97,10 +98,10 @@ fn kuka() -> Result<(), Failed> {
 
 /// Instruments from the last iterate before the end of an identification give its estimate.
 fn equals_last_step(mut experiment: Experiment) -> Result<(), Failed> {
-    experiment.file.estimation.methods = vec![Method::IdimIv];
-    experiment.file.case.clear();
+    experiment.settings.estimation.methods = vec![Method::IDIM_IV];
+    experiment.settings.cases.clear();
     let results = experiment.run(&thetahat_testing::data(), &mut |_| {})?;
-    let expected = results.run("nominal", Method::IdimIv).unwrap();
+    let expected = results.run("nominal", Method::IDIM_IV).unwrap();
     let before = &expected.convergence[expected.convergence.len() - 2].estimates;
     let named: BTreeMap<String, f64> =
         expected.parameters.iter().zip(before).map(|(p, v)| (p.name.clone(), *v)).collect();
@@ -108,11 +109,11 @@ fn equals_last_step(mut experiment: Experiment) -> Result<(), Failed> {
     let reduction =
         experiment.reduce_with_instruments(&thetahat_testing::data(), Some(&named), options, &mut |_| {})?;
     let solved = reduction.solve()?.results;
-    let iv = solved.run("nominal", Method::IdimIv).unwrap();
+    let iv = solved.run("nominal", Method::IDIM_IV).unwrap();
     same(iv, expected, EQUAL_IV)?;
     ensure(iv.status == Status::Converged, format!("{:?}", iv.reason))?;
     let ls = reduce(&experiment, 1, 3000).solve()?.results;
-    same(solved.run("nominal", Method::IdimLs).unwrap(), &ls.runs[0], EQUAL_PIECES)
+    same(solved.run("nominal", Method::IDIM_LS).unwrap(), &ls.runs[0], EQUAL_PIECES)
 }
 
 fn iv_of_the_demonstration() -> Result<(), Failed> {
@@ -161,16 +162,16 @@ fn recorded_demonstration(folder: &Path) -> Experiment {
 fn iv_in_pieces() -> Result<(), Failed> {
     let folder = Folder::new();
     let mut experiment = recorded_demonstration(folder.path());
-    experiment.file.estimation.methods = vec![Method::IdimIv];
+    experiment.settings.estimation.methods = vec![Method::IDIM_IV];
     let results = experiment.run(folder.path(), &mut |_| {})?;
-    let expected = results.run("nominal", Method::IdimIv).unwrap();
+    let expected = results.run("nominal", Method::IDIM_IV).unwrap();
     let before = &expected.convergence[expected.convergence.len() - 2].estimates;
     let named: BTreeMap<String, f64> =
         expected.parameters.iter().zip(before).map(|(p, v)| (p.name.clone(), *v)).collect();
     let options = ReduceOptions { threads: 2, piece_samples: 9000 };
     let solved =
         experiment.reduce_with_instruments(folder.path(), Some(&named), options, &mut |_| {})?.solve()?.results;
-    let iv = solved.run("nominal", Method::IdimIv).unwrap();
+    let iv = solved.run("nominal", Method::IDIM_IV).unwrap();
     let apart =
         |(f, e): (&ParameterResult, &ParameterResult)| (f.estimate - e.estimate).abs() / e.standard_deviation.unwrap();
     let worst = iv.parameters.iter().zip(&expected.parameters).map(apart).fold(0.0, f64::max);

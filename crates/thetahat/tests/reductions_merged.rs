@@ -4,8 +4,10 @@
 use std::{fmt::Write as _, path::Path};
 
 use thetahat::{
-    experiment::{Experiment, ExperimentError, ParameterResult, Results},
+    experiment::{Experiment, ExperimentError},
+    preparation::PreparationError,
     reduction::{ReduceOptions, Reduction, ReductionError},
+    results::{ParameterResult, Results},
     signal::SignalError,
 };
 use thetahat_testing::Folder;
@@ -187,7 +189,10 @@ fn records_that_say_nothing_are_refused() {
         assert!(
             matches!(
                 still,
-                ReductionError::Experiment(ExperimentError::Signal { source: SignalError::NoMotion { .. }, .. })
+                ReductionError::Experiment(ExperimentError::Preparation {
+                    source: PreparationError::Signal { source: SignalError::NoMotion { .. } },
+                    ..
+                })
             ),
             "{still}"
         );

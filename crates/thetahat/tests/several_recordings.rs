@@ -3,7 +3,8 @@
 
 use std::{fmt::Write as _, path::Path};
 
-use thetahat::experiment::{Experiment, ExperimentError, Results};
+use thetahat::experiment::{Experiment, ExperimentError};
+use thetahat::results::Results;
 use thetahat_testing::Folder;
 
 const ROBOT: &str = "name = 'joint'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n";

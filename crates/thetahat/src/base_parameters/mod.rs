@@ -23,7 +23,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod combination;
 mod dependencies;
+mod error;
 mod joint_by_joint;
 mod left_to_right;
 mod null_space;
@@ -33,4 +35,5 @@ mod regrouping;
 mod tests;
 mod whole;
 
-pub use regrouping::{BaseParameter, BaseParameters, BaseParametersError};
+pub use error::BaseParametersError;
+pub use regrouping::{BaseParameter, BaseParameters};

@@ -32,20 +32,34 @@
 //! # Ok::<(), thetahat::robot::RobotError>(())
 //! ```
 
-mod algorithms;
+mod coupled_motor;
+mod energy;
+mod forward_dynamics;
 mod geometry;
+mod inertial;
+mod inverse_dynamics;
+mod mass_matrix;
 mod model;
+mod motion;
 mod one_state;
 mod parameters;
+mod propagation;
 mod rotation;
 mod series;
+mod sign;
 mod solve;
+mod state;
+mod terms;
 mod twist;
+mod workspace;
 
-pub use algorithms::Workspace;
-pub use model::{CoupledMotor, DynamicsError, Model};
-pub use parameters::{DynamicParameters, Sign};
+pub use coupled_motor::CoupledMotor;
+pub use model::{DynamicsError, Model};
+pub use parameters::DynamicParameters;
+pub use sign::Sign;
+pub use state::{JointCoordinate, State};
+pub use workspace::Workspace;
 
-pub(crate) use algorithms::LinkMotion;
+pub(crate) use motion::LinkMotion;
 pub(crate) use series::gather;
 pub(crate) use twist::Twist;

@@ -376,7 +376,7 @@ mod tests {
         assert_eq!(recording.position.columns, ["q1", "q2"]);
         assert_eq!(recording.torque.columns, ["tau1", "tau2"]);
         assert_eq!(recording.time.as_ref().unwrap().columns, ["t"]);
-        assert_eq!(experiment.file.signal.decimation, 20);
+        assert_eq!(experiment.settings.signal.decimation, 20);
     }
 
     #[test]

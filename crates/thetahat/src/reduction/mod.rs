@@ -19,7 +19,7 @@
 //! | `reduce` | all of it, recording by recording |
 //! | `factors` | rows to factors, stretch by stretch |
 //! | `value`, `file`, `fingerprint` | the reduction, its merging and its file; by what a recording is known again |
-//! | `compressed`, `essential`, `solve` | least squares and IV on the factors, elimination, results |
+//! | `compressed`, `solve` | the factors as a regression, its estimates and results |
 //! | `segments` | intervals from the scores of the stretches of time |
 //! | `estimates` | estimates of a `results.json`, for instruments |
 //!
@@ -37,7 +37,6 @@
 
 mod compressed;
 mod error;
-mod essential;
 mod estimates;
 mod factors;
 mod file;

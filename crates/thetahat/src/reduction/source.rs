@@ -2,9 +2,10 @@
 
 use std::{ops::Range, path::Path};
 
-use super::ReductionError;
+use super::error::ReductionError;
 use crate::{
-    experiment::{Experiment, ExperimentError, Record, RecordingDescription},
+    experiment::{Experiment, ExperimentError, RecordingDescription},
+    preparation::{PreparationError, Recording},
     recording::{ChannelSource, RecordingError, STEP_TOLERANCE, Side, SignalPieces},
     series::Series,
 };
@@ -42,7 +43,7 @@ struct Places {
 
 enum Values<'a> {
     Parts { signals: Box<SignalPieces>, description: &'a RecordingDescription },
-    Whole(Box<Record>),
+    Whole(Box<Recording>),
 }
 
 impl<'a> Source<'a> {
@@ -87,11 +88,11 @@ impl<'a> Source<'a> {
         description: &'a RecordingDescription,
         (number, data): (usize, &Path),
     ) -> Result<Self, ReductionError> {
-        Ok(Self::of_record(experiment, experiment.read_record(description, number, data)?))
+        Ok(Self::of_recording(experiment, experiment.read_recording(description, number, data)?))
     }
 
     /// The record, where it is in memory.
-    pub(super) fn record(&self) -> Option<&Record> {
+    pub(super) fn recording(&self) -> Option<&Recording> {
         match &self.values {
             Values::Whole(record) => Some(record),
             Values::Parts { .. } => None,
@@ -114,15 +115,15 @@ impl<'a> Source<'a> {
     }
 
     /// A record that is in memory.
-    pub(super) fn of_record(experiment: &'a Experiment, record: Record) -> Self {
+    pub(super) fn of_recording(experiment: &'a Experiment, recording: Recording) -> Self {
         Self {
             experiment,
-            name: record.name.clone(),
-            weight: record.weight,
-            samples: record.position.len(),
-            sample_rate_hz: record.sample_rate_hz,
-            truth: record.truth.clone(),
-            values: Values::Whole(Box::new(record)),
+            name: recording.name.clone(),
+            weight: recording.weight,
+            samples: recording.position.len(),
+            sample_rate_hz: recording.sample_rate_hz,
+            truth: recording.truth.clone(),
+            values: Values::Whole(Box::new(recording)),
             places: Places::default(),
         }
     }
@@ -252,7 +253,7 @@ impl<'a> Source<'a> {
             };
             if found != expected {
                 let key = format!("{}: number of channels", source.path(data).display());
-                return Err(self.experiment.value(&key, &what, found).into());
+                return Err(self.experiment.refuse(PreparationError::value(&key, &what, found)).into());
             }
         }
         Ok(())

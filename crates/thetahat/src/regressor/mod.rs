@@ -19,6 +19,7 @@
 //! ```
 
 mod batch;
+mod inertial;
 mod observation;
 
 pub use batch::BufferedRegressor;
