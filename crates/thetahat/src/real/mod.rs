@@ -2,10 +2,11 @@
 //! vector ([`Lanes`]), with the same operations in the same order: both give the same bits.
 
 mod lanes;
+mod number;
 mod scalar;
 mod sin_cos;
 mod tanh;
 
 pub(crate) use lanes::{Lanes, MOST_LANES};
-pub(crate) use scalar::{Parameter, Real};
+pub(crate) use number::{Parameter, Real};
 pub(crate) use tanh::{sign_or, tanh};
