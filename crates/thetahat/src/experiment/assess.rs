@@ -85,6 +85,7 @@ impl Session<'_> {
         RunResult {
             case: case.name.clone(),
             method,
+            weighting: Some(self.experiment.file.estimation.weighting_of(method).name().to_owned()),
             status: outcome.status,
             reason: outcome.reason.as_ref().map(|r| explain(problem, r)),
             iterations: outcome.iterations.len(),

@@ -261,6 +261,14 @@ impl Default for EstimationDescription {
     }
 }
 
+impl EstimationDescription {
+    /// The weighting of a method.
+    #[must_use]
+    pub fn weighting_of(&self, method: Method) -> Weighting {
+        self.weighting.get(&method).copied().unwrap_or_default()
+    }
+}
+
 /// Weighting of the rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -270,6 +278,17 @@ pub enum Weighting {
     None,
     /// One over the standard deviation of each joint's residual of LS.
     PerJoint,
+}
+
+impl Weighting {
+    /// Its name, lower case with hyphens.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::PerJoint => "per-joint",
+        }
+    }
 }
 
 /// Start values of the iterations.

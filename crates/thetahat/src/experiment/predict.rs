@@ -33,7 +33,7 @@ pub struct PredictionRequest {
 /// # Errors
 /// [`ExperimentError`] for files that cannot be used.
 pub fn predict(request: &PredictionRequest) -> Result<Prediction, ExperimentError> {
-    let results = read_results(&request.results)?;
+    let results = Results::read(&request.results)?;
     let experiment = Experiment::from_texts(
         &request.results,
         results.experiment_description.clone(),
@@ -52,15 +52,6 @@ pub fn predict(request: &PredictionRequest) -> Result<Prediction, ExperimentErro
     let robot = Robot { friction: friction.unwrap_or(experiment.robot.friction), ..experiment.robot.clone() };
     let predictor = Predictor::new(&experiment, Model::new(&robot), &theta_by_name, &request.results)?;
     predictor.predict(&filtered, has_torque, (case, method))
-}
-
-fn read_results(path: &Path) -> Result<Results, ExperimentError> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|e| ExperimentError::Unreadable { path: path.to_owned(), reason: e.to_string() })?;
-    serde_json::from_str(&text).map_err(|e| ExperimentError::ResultsFile {
-        path: path.to_owned(),
-        problem: format!("is not the results.json of an identification: {e}"),
-    })
 }
 
 type NamedParameters = Vec<(String, f64)>;

@@ -16,8 +16,8 @@ use crate::{
     identification::{EstimationError, Method, Reason, idim_ls, joint_weights},
     pool::available_threads,
     results::{
-        CaseDiagnosis, EliminationResult, Plots, RecordingFindings, RecordingResult, ReferenceResult, Results,
-        RunResult,
+        CaseDiagnosis, EliminationResult, JointResult, Plots, RecordingFindings, RecordingResult, ReferenceResult,
+        Results, RunResult, SCHEMA,
     },
     robot::{Friction, Robot},
     series::Series,
@@ -252,9 +252,11 @@ impl Session<'_> {
         let positions: Vec<&Series> = self.main.iter().map(|p| &p.filtered.q).collect();
         let rate = self.main.first().map_or(0.0, |p| p.filtered.record.sample_rate_hz);
         Ok(Results {
+            schema: SCHEMA,
             thetahat: env!("CARGO_PKG_VERSION").to_owned(),
             robot: self.experiment.robot.name.clone(),
             title: self.experiment.file.title.clone(),
+            joints: JointResult::of_coordinates(&self.experiment.robot),
             samples_used: self.main.iter().map(|p| p.filtered.window.len()).sum(),
             decimated_rows: problem.y.len(),
             recordings: self.main.iter().map(Prepared::describe).collect(),

@@ -6,7 +6,10 @@ use crate::{
     experiment::{Experiment, ExperimentError, Weighting},
     identification::{EstimationError, Fit, Method, Status, Uncertainty},
     linear_algebra::Matrix,
-    results::{EliminationResult, NOMINAL, ParameterResult, Plots, RecordingResult, Results, RunPlots, RunResult},
+    results::{
+        EliminationResult, JointResult, NOMINAL, ParameterResult, Plots, RecordingResult, Results, RunPlots, RunResult,
+        SCHEMA,
+    },
     statistics::{FTest, f_test},
 };
 
@@ -233,10 +236,13 @@ impl Solver<'_> {
             reference: None,
         };
         let rate = recordings.first().map_or(0.0, |r| r.sample_rate_hz);
+        let weighting = |method| Some(self.experiment.file.estimation.weighting_of(method).name().to_owned());
         Ok(Results {
+            schema: SCHEMA,
             thetahat: env!("CARGO_PKG_VERSION").to_owned(),
             robot: self.experiment.robot.name.clone(),
             title: self.experiment.file.title.clone(),
+            joints: JointResult::of_coordinates(&self.experiment.robot),
             samples_used: recordings.iter().map(|r| r.samples).sum(),
             decimated_rows: self.problem.rows,
             recordings: recordings.iter().map(describe).collect(),
@@ -247,7 +253,7 @@ impl Solver<'_> {
             elimination,
             advice: Vec::new(),
             diagnostics: Vec::new(),
-            runs,
+            runs: runs.into_iter().map(|run| RunResult { weighting: weighting(run.method), ..run }).collect(),
             experiment_description: self.reduction.experiment_description.clone(),
             robot_description: self.reduction.robot_description.clone(),
             plots: Plots::default(),
@@ -260,6 +266,7 @@ fn empty_run(method: Method) -> RunResult {
     RunResult {
         case: NOMINAL.to_owned(),
         method,
+        weighting: None,
         status: Status::Converged,
         reason: None,
         iterations: 0,

@@ -3,6 +3,8 @@
 mod content;
 mod curves;
 mod diagnosis;
+mod file;
+mod joints;
 mod parameters;
 mod prediction;
 mod recordings;
@@ -10,12 +12,14 @@ mod run;
 mod sensitivity;
 mod twin;
 
-pub use content::{NOMINAL, Results};
+pub use content::{NOMINAL, Results, SCHEMA};
 pub use curves::{Plots, RunPlots};
 pub use diagnosis::{
     Advice, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis, EndogeneityResult, Influence, InstrumentResult,
     JointResidual, ParameterDifference, ResidualResult, Verdict,
 };
+pub use file::ResultsError;
+pub use joints::JointResult;
 pub use parameters::{EliminationResult, ParameterResult};
 pub use prediction::Prediction;
 pub use recordings::{Bandwidth, RecordingFindings, RecordingResult, ReferenceResult};

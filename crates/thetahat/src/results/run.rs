@@ -19,6 +19,10 @@ pub struct RunResult {
     pub case: String,
     /// The method.
     pub method: Method,
+    /// Weighting of the rows, as the experiment file names it: `none` or `per-joint`. None where it was read from a file
+    /// of schema 0.
+    #[serde(default)]
+    pub weighting: Option<String>,
     /// How it ended.
     pub status: Status,
     /// Why, where it is not converged.
