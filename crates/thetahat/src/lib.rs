@@ -24,6 +24,8 @@ pub mod regressor;
 
 pub mod base_parameters;
 
+pub mod robot_summary;
+
 pub mod recording;
 
 pub mod signal;

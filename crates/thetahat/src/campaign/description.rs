@@ -90,10 +90,6 @@ impl CampaignMethod {
             Self::Didim => Method::Didim,
         }
     }
-
-    pub(crate) fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|m| m.name() == name)
-    }
 }
 
 /// Standard deviations of the white noise on the measured joints.

@@ -256,7 +256,7 @@ impl Session<'_> {
             thetahat: env!("CARGO_PKG_VERSION").to_owned(),
             robot: self.experiment.robot.name.clone(),
             title: self.experiment.file.title.clone(),
-            joints: JointResult::of_coordinates(&self.experiment.robot),
+            robot_joints: JointResult::of_coordinates(&self.experiment.robot),
             samples_used: self.main.iter().map(|p| p.filtered.window.len()).sum(),
             decimated_rows: problem.y.len(),
             recordings: self.main.iter().map(Prepared::describe).collect(),

@@ -242,7 +242,7 @@ impl Solver<'_> {
             thetahat: env!("CARGO_PKG_VERSION").to_owned(),
             robot: self.experiment.robot.name.clone(),
             title: self.experiment.file.title.clone(),
-            joints: JointResult::of_coordinates(&self.experiment.robot),
+            robot_joints: JointResult::of_coordinates(&self.experiment.robot),
             samples_used: recordings.iter().map(|r| r.samples).sum(),
             decimated_rows: self.problem.rows,
             recordings: recordings.iter().map(describe).collect(),

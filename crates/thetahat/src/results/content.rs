@@ -31,7 +31,7 @@ pub struct Results {
     /// The joints, one for each coordinate: the order of all numbers that are given joint by joint. Empty where it was
     /// read from a file of schema 0.
     #[serde(default)]
-    pub joints: Vec<JointResult>,
+    pub robot_joints: Vec<JointResult>,
     /// Samples in the windows of the recordings that were identified from.
     pub samples_used: usize,
     /// Rows of y.
