@@ -46,6 +46,14 @@ pub mod checks;
 
 pub mod results;
 
+pub mod preparation;
+
+mod scheduling;
+
+mod diagnosis;
+
+pub mod run;
+
 pub mod experiment;
 
 #[cfg(feature = "parquet")]

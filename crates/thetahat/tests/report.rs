@@ -12,12 +12,12 @@ use thetahat::{
         Advice, Bandwidth, BiasExplanation, BiasKind, BiasedSimulatorResult, CaseDiagnosis, Code, EliminationResult,
         EndogeneityResult, FTest, Finding, Influence, IterationResult, JointKind, JointResidual, JointResult, Method,
         ParameterDifference, ParameterResult, Plots, RecordingFindings, RecordingResult, ReferenceResult,
-        ResidualResult, Results, ResultsError, RunPlots, RunResult, SCHEMA, Severity, Status, Verdict,
+        ResidualResult, Results, ResultsError, RunPlots, RunResult, SCHEMA, Severity, Status, Verdict, Weighting,
     },
     statistics::chi_squared_test,
 };
 
-const METHODS: [Method; 3] = [Method::IdimLs, Method::IdimIv, Method::Didim];
+const METHODS: [Method; 3] = [Method::IDIM_LS, Method::IDIM_IV, Method::DIDIM];
 const LONG_CASE: &str = "controller_bandwidth_of_the_second_motor_0.5";
 const TITLE: &str = "<b>& of a title that goes on and on until it is longer than a line of a terminal of 80 columns";
 
@@ -69,7 +69,7 @@ fn run(case: &str, method: Method) -> RunResult {
     RunResult {
         case: case.to_owned(),
         method,
-        weighting: Some(if method == Method::Didim { "per-joint" } else { "none" }.to_owned()),
+        weighting: Some(if method == Method::DIDIM { Weighting::PerJoint } else { Weighting::None }),
         status: Status::Converged,
         reason: None,
         iterations: 2,
@@ -146,8 +146,8 @@ fn diagnosis(case: &str) -> CaseDiagnosis {
 fn advice(case: &str) -> Advice {
     Advice {
         case: case.to_owned(),
-        take: Some(Method::IdimIv),
-        distrust: vec![Method::Didim],
+        take: Some(Method::IDIM_IV),
+        distrust: vec![Method::DIDIM],
         text: "Take idim-iv. Distrust didim: it differs by 3.76 standard deviations on average.".to_owned(),
     }
 }
@@ -166,7 +166,7 @@ fn diverged(case: &str) -> RunResult {
         convergence: Vec::new(),
         parameters: Vec::new(),
         plots: RunPlots::default(),
-        ..run(case, Method::Didim)
+        ..run(case, Method::DIDIM)
     }
 }
 
@@ -350,7 +350,7 @@ fn results_without_a_schema_are_read_and_reported() {
         assert!(run.as_object_mut().unwrap().remove("weighting").is_some());
     }
     let old = Results::from_json(Path::new("old.json"), &json.to_string()).unwrap();
-    assert_eq!((old.schema, old.robot_joints.len(), &old.runs[0].weighting), (0, 0, &None));
+    assert_eq!((old.schema, old.robot_joints.len(), old.runs[0].weighting), (0, 0, None));
     let page = &written("old", &old)["report.html"];
     assert!(page.contains("worst rms deviation 1.24 mrad, joint 2") && !page.contains("<dt>weights</dt>"));
 }
@@ -546,7 +546,7 @@ fn agreement_is_counted() {
 fn the_last_digit_is_that_of_the_text() {
     let decimals = |text: &str| {
         let content = FIGURES.replace("6.9,", &format!("{text},"));
-        published("digits", &content).unwrap().value("nominal", Method::IdimLs, "fc1").unwrap().decimals()
+        published("digits", &content).unwrap().value("nominal", Method::IDIM_LS, "fc1").unwrap().decimals()
     };
     assert_eq!(["7", "6.90", "6.90e-3", "1.2E2"].map(decimals), [0, 2, 5, -1]);
 }
@@ -580,9 +580,9 @@ fn the_published_tables_of_the_project_can_be_read() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../experiments/published");
     let paper = Published::read(&folder.join("tx40.csv")).unwrap();
     assert_eq!(paper.values.len(), 6 * 29);
-    assert_eq!(paper.value("gear_ratio_0.9", Method::Didim, "zz1r").unwrap().text, "1.08");
+    assert_eq!(paper.value("gear_ratio_0.9", Method::DIDIM, "zz1r").unwrap().text, "1.08");
     let emps = Published::read(&folder.join("emps.csv")).unwrap();
-    assert_eq!(emps.value("nominal", Method::IdimLs, "m1r").unwrap().decimals(), 4);
+    assert_eq!(emps.value("nominal", Method::IDIM_LS, "m1r").unwrap().decimals(), 4);
 }
 
 #[test]

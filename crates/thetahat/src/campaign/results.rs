@@ -1,4 +1,4 @@
-use super::{Campaign, CampaignMethod, CampaignRuns, Row, summary::summarise};
+use super::{Campaign, CampaignRuns, Row, summary::summarise};
 use crate::results::{CampaignResults, Extent, PublishedStatement};
 
 impl Campaign {
@@ -17,7 +17,6 @@ impl Campaign {
             start_deviation: file.starts.relative_deviation,
             seeds: Extent { run: largest(|r| r.seed), described: file.seeds },
             runs: runs.rows.len(),
-            methods: CampaignMethod::ALL.map(CampaignMethod::name).into(),
             summaries: summarise(runs),
             statements: file.claim.iter().map(statement).collect(),
             campaign_description: self.text.clone(),

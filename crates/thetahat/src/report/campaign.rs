@@ -14,7 +14,7 @@ use super::{
     table::Table,
     wrap::wrap,
 };
-use crate::results::{CampaignResults, Extent, MethodSummary, Quantiles};
+use crate::results::{CampaignResults, Extent, Method, MethodSummary, Quantiles};
 
 /// The tables for the terminal.
 #[must_use]
@@ -113,7 +113,7 @@ fn figures(results: &CampaignResults) -> Vec<Figure> {
         let chart = |(title, metric): &(&str, Metric)| box_chart((*title).to_owned(), &groups(&of_case, *metric));
         Figure {
             caption: format!("{case}: converged runs; whiskers to the extremes, boxes over the middle half"),
-            legend: legend_of(&results.methods, &of_case),
+            legend: legend_of(&of_case),
             charts: metrics.iter().map(chart).collect(),
         }
     };
@@ -121,9 +121,9 @@ fn figures(results: &CampaignResults) -> Vec<Figure> {
 }
 
 /// The methods that some summaries are of.
-fn legend_of(methods: &[&'static str], summaries: &[&MethodSummary]) -> Vec<(&'static str, &'static str)> {
-    let shown = methods.iter().filter(|m| summaries.iter().any(|s| s.method == **m));
-    shown.map(|m| (*m, *m)).collect()
+fn legend_of(summaries: &[&MethodSummary]) -> Vec<(&'static str, &'static str)> {
+    let shown = Method::all().map(Method::name).filter(|name| summaries.iter().any(|s| s.method == *name));
+    shown.map(|name| (name, name)).collect()
 }
 
 /// A group for each noise level, a box for each method.

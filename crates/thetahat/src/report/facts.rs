@@ -81,7 +81,7 @@ fn reference(results: &Results, reference: &ReferenceResult) -> String {
 pub(super) fn weights(results: &Results) -> Option<String> {
     let mut weights: Vec<String> = Vec::new();
     for run in &results.runs {
-        let weight = format!("{} {}", run.method.name(), run.weighting.as_ref()?);
+        let weight = format!("{} {}", run.method.name(), run.weighting?.name());
         if !weights.contains(&weight) {
             weights.push(weight);
         }

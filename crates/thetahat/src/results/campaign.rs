@@ -17,8 +17,6 @@ pub struct CampaignResults {
     pub seeds: Extent,
     /// Number of runs.
     pub runs: usize,
-    /// The methods that a campaign may have, in the order of the figures.
-    pub methods: Vec<&'static str>,
     /// One summary for each case, noise level and method.
     pub summaries: Vec<MethodSummary>,
     /// Statements of publications that the figures can be held against.

@@ -61,7 +61,7 @@ pub use twin::TwinRecord;
 #[doc(no_inline)]
 pub use crate::{
     checks::{Code, Finding, Severity},
-    identification::{Method, Status},
+    identification::{Method, Status, Weighting},
     recording::{ChannelSummary, ColumnSummary, Contents, Resampling, TableSummary, TimeSummary},
     robot::{JointKind, Parameter, Quantity},
     robot_summary::{BaseParameterSummary, JointSummary, ParameterCount, RobotSummary, StandardParameterSummary},

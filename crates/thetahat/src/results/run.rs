@@ -8,7 +8,7 @@ use super::{
     parameters::ParameterResult,
 };
 use crate::{
-    identification::{Method, Status},
+    identification::{Method, Status, Weighting},
     statistics::FTest,
 };
 
@@ -22,7 +22,7 @@ pub struct RunResult {
     /// Weighting of the rows, as the experiment file names it: `none` or `per-joint`. None where it was read from a file
     /// of schema 0.
     #[serde(default)]
-    pub weighting: Option<String>,
+    pub weighting: Option<Weighting>,
     /// How it ended.
     pub status: Status,
     /// Why, where it is not converged.
@@ -81,6 +81,34 @@ pub struct IterationResult {
 }
 
 impl RunResult {
+    /// A run of which nothing is known but how it ended.
+    pub(crate) fn new(case: &str, method: Method, status: Status) -> Self {
+        Self {
+            case: case.to_owned(),
+            method,
+            weighting: None,
+            status,
+            reason: None,
+            iterations: 0,
+            simulations: 0,
+            relative_error_percent: None,
+            joint_relative_error_percent: Vec::new(),
+            cross_validation_relative_error_percent: None,
+            cross_validation_interval_95_percent: None,
+            influence: None,
+            residual: None,
+            validation_condition_number: None,
+            condition_number: None,
+            seconds: 0.0,
+            simulation_relative_error_percent: None,
+            validation_simulation_relative_error_percent: None,
+            f_test: None,
+            convergence: Vec::new(),
+            parameters: Vec::new(),
+            plots: RunPlots::default(),
+        }
+    }
+
     /// Median over the parameters of the standard deviation with correlated errors over the classical one: how far the
     /// classical ones are too small.
     #[must_use]

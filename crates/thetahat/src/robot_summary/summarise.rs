@@ -5,7 +5,7 @@ use super::values::{
 use crate::{
     base_parameters::{BaseParameter, BaseParameters},
     dynamics::Model,
-    robot::{Friction, Joint, Parameter, Placement, Robot, RobotSource},
+    robot::{Joint, Parameter, Placement, Robot, RobotSource, Role},
 };
 
 impl RobotSummary {
@@ -25,10 +25,7 @@ impl RobotSummary {
             source: source.path().display().to_string(),
             format: source.format(),
             gravity: robot.gravity,
-            friction: match robot.friction {
-                Friction::Symmetric => "symmetric",
-                Friction::Asymmetric => "asymmetric",
-            },
+            friction: robot.friction.name(),
             joints: joints(robot),
             transmission: transmission(robot),
             counts: counts(&model, &standard, base.as_ref()),
@@ -120,17 +117,14 @@ fn counts(model: &Model, standard: &[StandardParameterSummary], base: Option<&Ba
 
 fn count<'p>(parameters: impl Iterator<Item = &'p Parameter>) -> ParameterCount {
     let mut count = ParameterCount::default();
-    for Parameter { quantity, .. } in parameters {
-        let of_kind = if quantity.is_inertial() {
-            &mut count.inertial
-        } else if quantity.is_motor_inertia() {
-            &mut count.motor_inertia
-        } else if quantity.is_friction() {
-            &mut count.friction
-        } else {
-            &mut count.offset
+    for parameter in parameters {
+        let of_role = match parameter.quantity.role() {
+            Role::Inertial => &mut count.inertial,
+            Role::MotorInertia => &mut count.motor_inertia,
+            Role::ViscousFriction | Role::CoulombFriction => &mut count.friction,
+            Role::Load => &mut count.offset,
         };
-        *of_kind += 1;
+        *of_role += 1;
     }
     count
 }
