@@ -1,4 +1,9 @@
-use super::{Campaign, CampaignRuns, Row, summary::summarise};
+use super::{
+    description::{Campaign, Claim},
+    row::Row,
+    run::CampaignRuns,
+    summary::summarise,
+};
 use crate::results::{CampaignResults, Extent, PublishedStatement};
 
 impl Campaign {
@@ -7,7 +12,7 @@ impl Campaign {
     pub fn results(&self, runs: &CampaignRuns) -> CampaignResults {
         let largest = |number: fn(&Row) -> u32| runs.rows.iter().map(number).max().unwrap_or_default();
         let (file, experiment) = (&self.file, &self.experiment);
-        let statement = |c: &super::Claim| PublishedStatement { source: c.source.clone(), says: c.says.clone() };
+        let statement = |c: &Claim| PublishedStatement { source: c.source.clone(), says: c.says.clone() };
         CampaignResults {
             title: file.title.clone(),
             robot: experiment.robot.name.clone(),
