@@ -53,35 +53,63 @@
 //! The rooms follow the way of the data, from the robot and the recording to the report; a room uses only rooms listed
 //! above it. A file that describes a run is read by [`experiment`], and lowers to the same.
 
-pub mod base_parameters;
-pub mod checks;
-mod clock;
-pub mod control;
-mod diagnosis;
-pub mod dynamics;
-pub mod experiment;
-pub mod identification;
-pub mod linear_algebra;
-mod pool;
-pub mod preparation;
-mod real;
-pub mod recording;
-pub mod regression;
-pub mod regressor;
-pub mod results;
-pub mod robot;
-pub mod run;
-mod scheduling;
 pub mod series;
-pub mod signal;
-pub mod simulation;
-pub mod statistics;
-pub mod trajectory;
+
+pub mod linear_algebra;
+
+mod real;
+
 mod vector;
+
+mod pool;
+
+mod clock;
+
+pub mod robot;
+
+pub mod dynamics;
+
+pub mod regressor;
+
+pub mod base_parameters;
+
+pub mod robot_summary;
+
+pub mod recording;
+
+pub mod signal;
+
+pub mod trajectory;
+
+pub mod control;
+
+pub mod simulation;
+
+pub mod regression;
+
+pub mod statistics;
+
+pub mod identification;
+
+pub mod checks;
+
+pub mod results;
+
+pub mod preparation;
+
+mod scheduling;
+
+mod diagnosis;
+
+pub mod run;
+
+pub mod experiment;
 
 #[cfg(feature = "parquet")]
 pub mod campaign;
+
 pub mod reduction;
+
 pub mod report;
 
 pub use control::ControllerDescription;
