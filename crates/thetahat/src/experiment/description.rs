@@ -333,8 +333,9 @@ pub struct Case {
 /// Name of the case without any difference.
 pub(crate) const NOMINAL: &str = "nominal";
 
-const DEMO: &str = include_str!("../../../../experiments/demo.toml");
-const DEMO_ROBOT: &str = include_str!("../../../../robots/tx40.toml");
+/// Copies of `experiments/demo.toml` and `robots/tx40.toml`, which lie outside the package.
+const DEMO: &str = include_str!("../../demo/demo.toml");
+const DEMO_ROBOT: &str = include_str!("../../demo/tx40.toml");
 
 impl Experiment {
     /// Reads an experiment and its robot, which is looked for beside the experiment and then in the folder `data`.

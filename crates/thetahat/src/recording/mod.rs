@@ -11,7 +11,7 @@
 //! | `source` | the description of a signal and its reading |
 //! | `place`, `limits`, `caught` | where a file may lie, how much memory it may ask for, panics of libraries |
 //! | `format` | the formats, and the reader of each |
-//! | `csv`, `npy`, `npz`, `mat`, `parquet`, `bag` | the readers |
+//! | `csv`, `npy` with `npy_header`, `npz`, `mat`, `parquet`, `bag` | the readers |
 //! | `parts` | signals of files that are longer than memory, part by part |
 //! | `table`, `select` | what readers give, and the columns asked for out of it |
 //! | `inspect` | what a file holds: columns, their ranges and resolution, rate, jitter and gaps |
@@ -35,6 +35,7 @@ mod inspect;
 mod limits;
 mod mat;
 mod npy;
+mod npy_header;
 mod npz;
 #[cfg(feature = "parquet")]
 mod parquet;
