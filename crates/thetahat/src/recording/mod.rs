@@ -36,6 +36,7 @@ mod limits;
 mod mat;
 mod npy;
 mod npy_header;
+#[cfg(feature = "npz")]
 mod npz;
 #[cfg(feature = "parquet")]
 mod parquet;
