@@ -34,6 +34,8 @@ pub mod control;
 
 pub mod simulation;
 
+pub mod regression;
+
 pub mod statistics;
 
 pub mod identification;
