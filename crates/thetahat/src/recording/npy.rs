@@ -4,8 +4,8 @@ use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use super::RecordingError;
-use super::limits::Budget;
+use super::budget::Budget;
+use super::error::RecordingError;
 use super::npy_header::{Header, LONGEST_HEADER, unquoted};
 use super::place::{open, unreadable};
 use super::table::{Column, Table};
@@ -40,7 +40,7 @@ pub(super) fn column(name: String, bytes: &[u8], path: &Path, budget: &mut Budge
 }
 
 /// An array of which any samples can be read: one that lies in a file as it is.
-pub(super) struct ArrayParts {
+pub(super) struct ArrayPieces {
     path: PathBuf,
     name: String,
     fortran_order: bool,
@@ -51,7 +51,7 @@ pub(super) struct ArrayParts {
     start: u64,
 }
 
-impl ArrayParts {
+impl ArrayPieces {
     /// The array that begins at a byte of a file and takes `length` bytes; none where it is not one of numbers, or too
     /// short for them: the reader of whole files says what is wrong.
     pub(super) fn open(path: &Path, name: String, place: u64, length: u64) -> Result<Option<Self>, RecordingError> {

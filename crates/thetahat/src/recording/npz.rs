@@ -6,9 +6,9 @@ use std::path::Path;
 use zip::read::ZipFile;
 use zip::{CompressionMethod, ZipArchive};
 
-use super::RecordingError;
-use super::limits::Budget;
-use super::npy::{self, ArrayParts};
+use super::budget::Budget;
+use super::error::RecordingError;
+use super::npy::{self, ArrayPieces};
 use super::place::open;
 use super::table::{Column, Table, Wanted};
 
@@ -44,7 +44,7 @@ fn array(
 }
 
 /// The arrays of an archive that are wanted and lie in it as they are; none where one does not.
-pub(super) fn stored_arrays(path: &Path, wanted: Wanted<'_>) -> Result<Option<Vec<ArrayParts>>, RecordingError> {
+pub(super) fn stored_arrays(path: &Path, wanted: Wanted<'_>) -> Result<Option<Vec<ArrayPieces>>, RecordingError> {
     let Ok(mut archive) = ZipArchive::new(open(path)?) else { return Ok(None) };
     let mut arrays = Vec::new();
     for index in 0..archive.len() {
@@ -53,7 +53,7 @@ pub(super) fn stored_arrays(path: &Path, wanted: Wanted<'_>) -> Result<Option<Ve
         let Some(key) = name.strip_suffix(".npy").filter(|key| wanted.includes(key)) else { continue };
         let start = entry.data_start().filter(|_| entry.compression() == CompressionMethod::Stored);
         let array = match start {
-            Some(start) => ArrayParts::open(path, key.to_owned(), start, entry.size())?,
+            Some(start) => ArrayPieces::open(path, key.to_owned(), start, entry.size())?,
             None => None,
         };
         let Some(array) = array else { return Ok(None) };
