@@ -21,7 +21,7 @@ use crate::{
     },
     campaign,
     progress::Progress,
-    reduction,
+    reduction, shell,
 };
 
 /// What a finished command says of its result.
@@ -44,6 +44,8 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
         Command::Solve(request) => reduction::solve(&request),
         Command::Simulate(simulate) => record_twin(&simulate),
         Command::Model(request) => show_model(&request),
+        Command::Completions(request) => shell::print_completions(request.shell),
+        Command::Man(request) => shell::write_manual(&request),
     }
 }
 
