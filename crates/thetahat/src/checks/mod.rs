@@ -7,6 +7,16 @@
 //! their margins on clean records, and what is not detected are in `docs/checks.md`.
 //!
 //! A check is a file with a function `check`, a [`Code`], and a line in the order of the checks, which stands here.
+//!
+//! ```
+//! use thetahat::checks::{Code, Severity};
+//! // Codes and severities have names that stay, for scripts that look for them.
+//! assert_eq!((Code::DroppedSamples.name(), Severity::Problem.name()), ("dropped-samples", "problem"));
+//! let mut names = Code::ALL.map(Code::name).to_vec();
+//! names.sort_unstable();
+//! names.dedup();
+//! assert_eq!(names.len(), Code::ALL.len());
+//! ```
 
 mod affine;
 mod controller;

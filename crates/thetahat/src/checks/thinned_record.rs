@@ -143,13 +143,12 @@ impl<'a> ThinnedRecord<'a> {
 
     /// Whether a column is Coulomb friction.
     pub(super) fn is_coulomb_friction(&self, column: usize) -> bool {
-        matches!(self.quantity(column), Quantity::Fc | Quantity::Fcp | Quantity::Fcn | Quantity::Fcm)
+        self.quantity(column).is_coulomb_friction()
     }
 
     /// Whether a column is friction.
     pub(super) fn is_friction(&self, column: usize) -> bool {
-        let viscous = matches!(self.quantity(column), Quantity::Fv | Quantity::Fvp | Quantity::Fvn | Quantity::Fvm);
-        viscous || self.is_coulomb_friction(column)
+        self.quantity(column).is_friction()
     }
 
     fn quantity(&self, column: usize) -> Quantity {
