@@ -19,7 +19,6 @@ const NOT_YET_CLEAN: &[&str] = &[
     "regressor",
     "base_parameters",
     "simulation",
-    "checks",
     "experiment",
     "campaign",
     "reduction",
