@@ -128,10 +128,8 @@ impl Screening {
 
     /// Squared residual, relative to the torques as corrected; none where it is not finite.
     fn squares(&self, record: &ThinnedRecord<'_>, correction: &Affine) -> Option<f64> {
-        let x = record.raw_matrix(&correction.motion(&self.motion));
-        let torque = correction.torque(&self.torque);
-        let y: Vec<f64> = (0..torque.channels()).flat_map(|j| torque.channel(j)).collect();
-        let squares = squared_residual(&x, &y, record.coordinates());
+        let (motion, torque) = (correction.motion(&self.motion), correction.torque(&self.torque));
+        let squares = squared_residual(&record.unfiltered_regression(&motion, &torque));
         squares.is_finite().then_some(squares)
     }
 }

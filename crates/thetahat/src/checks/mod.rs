@@ -44,6 +44,9 @@ mod thinned_record;
 mod torque;
 mod velocity;
 
+#[cfg(test)]
+mod tests;
+
 pub use finding::{Code, Finding, Measure, Severity};
 pub use subject::{SignalSettings, Subject};
 
@@ -53,8 +56,8 @@ use thinned_record::ThinnedRecord;
 
 /// What the checks find in a recording: most severe first, then by code and joint.
 ///
-/// Every check stands by itself; those of the fit look at the record as it is after the faults that were found are
-/// corrected, so that a fault is named once. A record too short for the filters has no findings of the fit.
+/// Every check stands by itself. The checks of the fit look at the record with the faults found so far corrected, so that
+/// a fault is named once. A record too short for the filters has no findings of the fit.
 ///
 /// # Panics
 /// If the series differ in length or channels, or the window is not in them.

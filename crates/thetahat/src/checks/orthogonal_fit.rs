@@ -4,7 +4,10 @@
 use std::ops::Range;
 
 use super::numbers::{deviation, rms};
-use crate::linear_algebra::{Matrix, PivotedQr, dot};
+use crate::{
+    linear_algebra::{Matrix, PivotedQr, dot},
+    regression::Regression,
+};
 
 /// Relative size of the last diagonal entries of R below which a column counts as dependent, as for the estimate.
 const RANK_TOLERANCE: f64 = 1e-10;
@@ -12,13 +15,13 @@ const RANK_TOLERANCE: f64 = 1e-10;
 /// Least squares with every coordinate's rows divided by the standard deviation of its torque. Columns may depend on one
 /// another.
 ///
-/// What the parameters leave of any other vector of rows is one projection ([`Self::unexplained`]), and of one in which a
-/// single coordinate differs a projection of that coordinate's rows ([`Self::squares_with`]).
+/// Another y costs one projection ([`Self::unexplained`]); a y that differs in one coordinate costs the projection of its
+/// rows ([`Self::squares_with`]).
 pub(super) struct OrthogonalFit {
+    /// The rows, with their weights.
+    regression: Regression,
     /// Weighted.
     pub(super) x: Matrix,
-    /// Factor of each row.
-    weights: Vec<f64>,
     /// Orthonormal basis of the columns of x.
     basis: Matrix,
     pub(super) qr: PivotedQr,
@@ -30,32 +33,26 @@ pub(super) struct OrthogonalFit {
     pub(super) residual: Vec<f64>,
     /// Squared length of the residual.
     pub(super) squares: f64,
-    coordinates: usize,
 }
 
 impl OrthogonalFit {
-    /// The fit of unweighted rows, as many for each of `coordinates` coordinates, one after the other.
-    pub(super) fn new(x: &Matrix, y: &[f64], coordinates: usize) -> Self {
-        let weights = weights(y, coordinates);
-        let x = x.scale_rows(&weights);
-        let y: Vec<f64> = y.iter().zip(&weights).map(|(y, w)| y * w).collect();
+    /// The fit of the rows of one recording, whatever their weights.
+    pub(super) fn new(regression: &Regression) -> Self {
+        let regression = weighted(regression);
+        let x = regression.whiten_matrix(&regression.x).into_owned();
+        let y = regression.whiten(&regression.y).into_owned();
         let qr = PivotedQr::new(&x);
         let rank = qr.rank(RANK_TOLERANCE);
         let basis = qr.thin_q().select_columns(&(0..rank).collect::<Vec<_>>());
         let residual = project_out(&basis, &y);
         let squares = dot(&residual, &residual);
         let projection = (0..rank).map(|c| dot(basis.column(c), &y)).collect();
-        Self { x, weights, basis, qr, rank, y, projection, residual, squares, coordinates }
+        Self { regression, x, basis, qr, rank, y, projection, residual, squares }
     }
 
     /// The part of a vector of unweighted rows that no parameters explain, weighted.
     pub(super) fn unexplained(&self, rows: &[f64]) -> Vec<f64> {
-        project_out(&self.basis, &self.weighted(rows))
-    }
-
-    /// A vector of unweighted rows, weighted.
-    pub(super) fn weighted(&self, rows: &[f64]) -> Vec<f64> {
-        rows.iter().zip(&self.weights).map(|(r, w)| r * w).collect()
+        project_out(&self.basis, &self.regression.whiten(rows))
     }
 
     /// Parameters; those that depend on others are zero.
@@ -65,7 +62,7 @@ impl OrthogonalFit {
 
     /// The same for another vector of unweighted rows.
     pub(super) fn theta_of(&self, rows: &[f64]) -> Vec<f64> {
-        self.theta_of_weighted(&self.weighted(rows))
+        self.theta_of_weighted(&self.regression.whiten(rows))
     }
 
     fn theta_of_weighted(&self, y: &[f64]) -> Vec<f64> {
@@ -82,7 +79,8 @@ impl OrthogonalFit {
     /// The squared residual with the rows of coordinate `j` taken from another vector of unweighted rows.
     pub(super) fn squares_with(&self, rows: &[f64], j: usize) -> f64 {
         let own = self.rows_of(j);
-        let change: Vec<f64> = own.clone().map(|i| rows[i] * self.weights[i] - self.y[i]).collect();
+        let other = self.regression.whiten(rows);
+        let change: Vec<f64> = own.clone().map(|i| other[i] - self.y[i]).collect();
         let norm = |y: &[f64]| dot(y, y);
         let total = norm(&self.y) + own.clone().zip(&change).map(|(i, c)| c * (c + 2.0 * self.y[i])).sum::<f64>();
         let along = |c: usize| self.projection[c] + dot(&self.basis.column(c)[own.clone()], &change);
@@ -96,8 +94,13 @@ impl OrthogonalFit {
 
     /// Rms residual relative to the rms torque, without weights.
     pub(super) fn relative_error(&self) -> f64 {
-        let unweighted = |rows: &[f64]| rows.iter().zip(&self.weights).map(|(r, w)| (r / w).powi(2)).sum::<f64>();
-        (unweighted(&self.residual) / unweighted(&self.y)).sqrt()
+        let squares = |rows: &[f64]| self.unweighted(rows).map(|v| v.powi(2)).sum::<f64>();
+        (squares(&self.residual) / squares(&self.y)).sqrt()
+    }
+
+    fn unweighted(&self, rows: &[f64]) -> impl Iterator<Item = f64> {
+        let weights = self.regression.weights().into_iter().flatten();
+        rows.iter().zip(weights).map(|(r, w)| r / w)
     }
 
     /// Rms residual of coordinate `j`, relative to the standard deviation of its torque.
@@ -106,28 +109,27 @@ impl OrthogonalFit {
     }
 
     fn rows_of(&self, j: usize) -> Range<usize> {
-        let rows = self.y.len() / self.coordinates;
-        j * rows..(j + 1) * rows
+        self.regression.layout.block(j, 0)
     }
 }
 
-/// For each row one over the standard deviation of its coordinate's torque; one where that is zero.
-fn weights(y: &[f64], coordinates: usize) -> Vec<f64> {
-    let rows = y.len() / coordinates;
-    let weight = |y: &[f64]| Some(deviation(y)).filter(|s| *s > 0.0).map_or(1.0, f64::recip);
-    y.chunks(rows).flat_map(|y| std::iter::repeat_n(weight(y), y.len())).collect()
+/// The rows with one over the standard deviation of its coordinate's torque as each one's weight, or one where that is
+/// zero.
+fn weighted(regression: &Regression) -> Regression {
+    let weight = |y: &Vec<f64>| Some(deviation(y)).filter(|s| *s > 0.0).map_or(1.0, f64::recip);
+    let of_coordinates: Vec<f64> = regression.layout.by_joint(&regression.y).iter().map(weight).collect();
+    regression.with_weights(Some(regression.layout.spread(|block| of_coordinates[block.joint])))
 }
 
 /// The squared residual of [`OrthogonalFit`], from the triangle of `[X y]` alone.
-pub(super) fn squared_residual(x: &Matrix, y: &[f64], coordinates: usize) -> f64 {
-    let weights = weights(y, coordinates);
-    let xw = x.scale_rows(&weights);
-    let yw: Vec<f64> = y.iter().zip(&weights).map(|(y, w)| y * w).collect();
+pub(super) fn squared_residual(regression: &Regression) -> f64 {
+    let rows = weighted(regression);
+    let (x, y) = (rows.whiten_matrix(&rows.x), rows.whiten(&rows.y));
     let columns = x.columns();
-    let triangle = Matrix::beside(&[&xw, &Matrix::from_fn(yw.len(), 1, |i, _| yw[i])]).triangular_factor();
+    let triangle = Matrix::beside(&[&x, &Matrix::from_fn(y.len(), 1, |i, _| y[i])]).triangular_factor();
     let of_x = triangle.select_columns(&(0..columns).collect::<Vec<_>>());
     if triangle.rows() <= columns || PivotedQr::new(&of_x).rank(RANK_TOLERANCE) < columns {
-        return OrthogonalFit::new(x, y, coordinates).squares;
+        return OrthogonalFit::new(regression).squares;
     }
     triangle.at(columns, columns).powi(2)
 }

@@ -11,6 +11,7 @@ use crate::{
     dynamics::Sign,
     identification::Assembly,
     linear_algebra::Matrix,
+    regression::{Regression, RowLayout},
     regressor::Regressor,
     robot::Quantity,
     series::Series,
@@ -111,7 +112,9 @@ impl<'a> ThinnedRecord<'a> {
         let all = self.decimator.rows();
         let taken: Vec<bool> = (0..x.rows()).map(|i| (i % all).is_multiple_of(self.every)).collect();
         let x = if self.every == 1 { x } else { x.select_rows(&taken) };
-        let fit = Rc::new(OrthogonalFit::new(&x, &self.stack(&self.torque), self.coordinates()));
+        let layout = RowLayout::new(self.coordinates(), &[self.rows()]);
+        let regression = Regression::new(x, self.stack(&self.torque), layout);
+        let fit = Rc::new(OrthogonalFit::new(&regression));
         Ok(Rc::clone(self.fit.get_or_init(|| fit)))
     }
 
@@ -153,8 +156,8 @@ impl<'a> ThinnedRecord<'a> {
         self.subject.model.parameter_table().get(kept).quantity
     }
 
-    /// X of a motion, not filtered: for hypotheses that change much.
-    pub(super) fn raw_matrix(&self, motion: &Motion) -> Matrix {
+    /// The regression of a motion and its torques, not filtered: for hypotheses that change much.
+    pub(super) fn unfiltered_regression(&self, motion: &Motion, torque: &Series) -> Regression {
         let phi = self.regressor.evaluate_series(self.subject.model, &motion.q, &motion.dq, &motion.ddq, Sign::Exact);
         let rows = phi.len();
         let mut x = Matrix::zeros(rows * self.coordinates(), self.regressor.columns());
@@ -163,7 +166,8 @@ impl<'a> ThinnedRecord<'a> {
                 *x.at_mut(entry.joint * rows + k, entry.column) = phi.sample(k)[e];
             }
         }
-        x
+        let y = (0..torque.channels()).flat_map(|j| torque.channel(j)).collect();
+        Regression::new(x, y, RowLayout::new(self.coordinates(), &[rows]))
     }
 }
 

@@ -13,7 +13,7 @@ use thetahat::{
     recording::read_channels,
     robot::{JointKind, Robot},
     series::Series,
-    signal::{Padding, SecondOrderSections, central_difference, moving_samples, zero_phase},
+    signal::{band_pass, moving_samples},
     simulation::{ClosedLoop, OutputGrid, Reference, SimulatorBias},
     trajectory::{self, MotionLimits, Moves},
 };
@@ -62,10 +62,8 @@ impl Record {
 
     /// The band-passed velocity of the record's own positions: what a robot that records velocities would give.
     pub fn own_velocity(&self) -> Series {
-        let filter =
-            SecondOrderSections::butterworth_lowpass(self.signal.filter_order, self.signal.cutoff_hz, self.rate_hz);
-        let q = zero_phase(&filter.unwrap(), &self.position, Padding::Matlab).unwrap();
-        central_difference(&q, self.rate_hz)
+        let SignalSettings { filter_order, cutoff_hz, .. } = self.signal;
+        band_pass(&self.position, self.rate_hz, filter_order, cutoff_hz).unwrap().dq
     }
 }
 
@@ -86,9 +84,9 @@ pub fn twin(change: impl FnOnce(&mut TwinDescription)) -> Record {
     let si = |values: &Vec<f64>| -> Vec<f64> {
         let convert = |(v, j): (&f64, &thetahat::robot::Joint)| match j.kind {
             JointKind::Prismatic => 1e-3 * v,
-            _ => v.to_radians(),
+            JointKind::Revolute => v.to_radians(),
         };
-        values.iter().zip(&robot.joints).map(convert).collect()
+        values.iter().zip(robot.coordinates()).map(convert).collect()
     };
     let points: Vec<Vec<f64>> = twin.points.iter().map(si).collect();
     let limits = MotionLimits {
