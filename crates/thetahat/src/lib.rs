@@ -22,6 +22,8 @@ pub mod regressor;
 
 pub mod base_parameters;
 
+pub mod consistency;
+
 pub mod recording;
 
 pub mod signal;
