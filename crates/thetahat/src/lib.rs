@@ -14,6 +14,8 @@ mod vector;
 
 mod pool;
 
+mod clock;
+
 pub mod robot;
 
 pub mod dynamics;
@@ -34,11 +36,23 @@ pub mod control;
 
 pub mod simulation;
 
+pub mod regression;
+
 pub mod statistics;
 
 pub mod identification;
 
 pub mod checks;
+
+pub mod results;
+
+pub mod preparation;
+
+mod scheduling;
+
+mod diagnosis;
+
+pub mod run;
 
 pub mod experiment;
 

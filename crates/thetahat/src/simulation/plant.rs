@@ -2,7 +2,7 @@
 
 use super::{ClosedLoop, Reference, SimulatorBias};
 use crate::{
-    dynamics::{DynamicParameters, DynamicsError, Model, Sign, Workspace},
+    dynamics::{DynamicParameters, DynamicsError, Model, Sign, State, Workspace},
     linear_algebra::Matrix,
     robot::Transmission,
     series::Series,
@@ -109,7 +109,7 @@ impl<'a> Plant<'a> {
     #[inline]
     pub(super) fn accelerations(&mut self, x: &[f64], ddq: &mut [f64]) -> Result<(), DynamicsError> {
         let (q, dq) = x.split_at(self.p.len());
-        self.model.forward_dynamics(&self.parameters, q, dq, &self.tau, self.sign, &mut self.workspace, ddq)
+        self.model.forward_dynamics(&self.parameters, State { q, dq }, &self.tau, self.sign, &mut self.workspace, ddq)
     }
 }
 
