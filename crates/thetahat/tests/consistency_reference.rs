@@ -1,11 +1,8 @@
 //! Physically consistent parameters against cvxpy with Clarabel: `shared/reference/consistency`, made by the script there.
 //! The regression is that of a KUKA LWR4+ in all its standard parameters.
 
-mod common;
-
 use std::{path::PathBuf, time::Instant};
 
-use common::{Named, ensure, run_with_shared_data, shared};
 use libtest_mimic::Failed;
 use serde::Deserialize;
 use thetahat::{
@@ -17,6 +14,7 @@ use thetahat::{
     linear_algebra::{Matrix, PivotedQr, norm},
     robot::{Parameter, Robot},
 };
+use thetahat_testing::{Named, data, ensure, run_with_shared_data, shared};
 
 /// Clarabel was asked for gaps of 1e-11.
 const TOLERANCE: f64 = 1e-6;
@@ -66,7 +64,7 @@ fn numbers(name: &str) -> Result<Vec<Vec<f64>>, Failed> {
 impl Case {
     fn read() -> Result<Self, Failed> {
         let golden: Golden = serde_json::from_str(&std::fs::read_to_string(folder().join("kuka_consistency.json"))?)?;
-        let robot = Robot::read(&common::data().join("kuka_lwr4/kuka_lwr4.urdf"))?;
+        let robot = Robot::read(&data().join("kuka_lwr4/kuka_lwr4.urdf"))?;
         let table = robot.parameter_table();
         let names: Vec<String> = table.iter().map(Parameter::name).collect();
         let inertial = (1..=7).flat_map(|k| ORDER.iter().map(move |q| format!("{q}{k}")));
@@ -93,7 +91,7 @@ impl Case {
         let fit = fit(&self.set, &self.data, prior, None)?;
         let elapsed = start.elapsed().as_secs_f64() * 1e3;
         let relative = |values: Vec<f64>| values[0] / values[3];
-        let smallest = self.set.pseudo_inertias(&fit.standard).iter().map(|p| relative(p.eigenvalues()));
+        let smallest = self.set.pseudo_inertias(&fit.standard).into_iter().map(|p| relative(p.eigenvalues()));
         let smallest = smallest.fold(f64::INFINITY, f64::min);
         let ConsistentFit { squared_residual, objective, gap, iterations, .. } = &fit;
         eprintln!(
@@ -145,7 +143,7 @@ struct InBase {
 
 impl InBase {
     fn of(case: &Case) -> Result<Self, Failed> {
-        let model = Model::new(&Robot::read(&common::data().join("kuka_lwr4/kuka_lwr4.urdf"))?);
+        let model = Model::new(&Robot::read(&data().join("kuka_lwr4/kuka_lwr4.urdf"))?);
         let without: Vec<String> = (1..=7).map(|k| format!("ia{k}")).collect();
         let base = BaseParameters::of(&model, &without)?;
         let unit = |place: usize| (0..case.set.a_priori().len()).map(|i| if i == place { 1.0 } else { 0.0 }).collect();

@@ -10,6 +10,7 @@ use super::{
 use crate::{
     base_parameters::BaseParameters,
     linear_algebra::{Matrix, dot},
+    robot::Bound,
 };
 
 /// `|A theta - b|^2 + rest` over standard parameters theta.
@@ -194,10 +195,7 @@ fn result(
 
 /// The a-priori parameters, with usual values where motor inertias and friction have none.
 pub(super) fn starting_point(set: &ConsistentSet) -> Vec<f64> {
-    let positive = |i: usize| {
-        let quantity = set.parameter_table().get(i).quantity;
-        quantity.is_motor_inertia() || quantity.is_friction()
-    };
+    let positive = |i: usize| set.parameter_table().get(i).quantity.bound() == Bound::NotNegative;
     let value = |(i, (a, scale)): (usize, (&f64, &f64))| if positive(i) && *a <= 0.0 { *scale } else { *a };
     set.a_priori().iter().zip(set.scale()).enumerate().map(value).collect()
 }

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     linear_algebra::dot,
-    robot::{INERTIAL, Joint, ParameterTable, Robot},
+    robot::{INERTIAL, Joint, ParameterTable, Quantity, Robot},
     vector::{Vec3, norm, transpose_times},
 };
 
@@ -40,7 +40,7 @@ pub fn completed_a_priori(robot: &Robot, total_mass: Option<f64>) -> Vec<f64> {
     let table = robot.parameter_table();
     let mut theta = robot.a_priori_parameters_for(&table);
     for (k, guess) in guessed_links(robot, total_mass).iter().enumerate() {
-        let indices = INERTIAL.map(|quantity| table.index(quantity, k).unwrap_or(usize::MAX));
+        let indices = INERTIAL.map(|quantity| table.index(Quantity::Link(quantity), k).unwrap_or(usize::MAX));
         let given = indices.map(|i| theta.get(i).copied().unwrap_or(0.0));
         let completed = inertial_parameters(&completed(&pseudo_inertia(given), guess));
         for (i, value) in indices.into_iter().zip(if has_volume(&pseudo_inertia(given)) { given } else { completed }) {

@@ -1,5 +1,5 @@
 use super::{elimination::Equality, error::ConsistencyError};
-use crate::robot::{ParameterTable, Quantity};
+use crate::robot::{LinkQuantity, ParameterTable, Quantity};
 
 /// Something known of the standard parameters, as from a data sheet.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,7 +70,8 @@ pub(super) struct LinearConditions {
 
 type Terms = Vec<(usize, f64)>;
 
-const MOMENTS: [Quantity; 3] = [Quantity::Mx, Quantity::My, Quantity::Mz];
+const MOMENTS: [LinkQuantity; 3] = [LinkQuantity::Mx, LinkQuantity::My, LinkQuantity::Mz];
+const MASS: Quantity = Quantity::Link(LinkQuantity::M);
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl LinearConditions {
@@ -86,7 +87,7 @@ impl LinearConditions {
                 self.between(parameter, &terms, *lower, *upper)
             }
             Known::TotalMass { lower, upper } => {
-                let masses = (0..table.len()).filter(|&i| table.get(i).quantity == Quantity::M);
+                let masses = (0..table.len()).filter(|&i| table.get(i).quantity == MASS);
                 self.between("the total mass", &masses.map(|i| (i, 1.0)).collect::<Terms>(), *lower, *upper)
             }
             Known::CentreOfMass { link, lower, upper } => self.centre_of_mass(table, *link, lower, upper),
@@ -114,7 +115,7 @@ impl LinearConditions {
         lower: &[f64; 3],
         upper: &[f64; 3],
     ) -> Result<(), ConsistencyError> {
-        let mass = index_in_link(table, Quantity::M, link)?;
+        let mass = index_in_link(table, LinkQuantity::M, link)?;
         for axis in 0..3 {
             let moment = index_in_link(table, MOMENTS[axis], link)?;
             let name = format!("centre of mass {} of link {link}", AXES[axis]);
@@ -131,9 +132,9 @@ impl LinearConditions {
 
     fn mirror(&mut self, table: &ParameterTable, link: usize, normal: usize) -> Result<(), ConsistencyError> {
         let odd = match normal {
-            0 => [Quantity::Mx, Quantity::Xy, Quantity::Xz],
-            1 => [Quantity::My, Quantity::Xy, Quantity::Yz],
-            2 => [Quantity::Mz, Quantity::Xz, Quantity::Yz],
+            0 => [LinkQuantity::Mx, LinkQuantity::Xy, LinkQuantity::Xz],
+            1 => [LinkQuantity::My, LinkQuantity::Xy, LinkQuantity::Yz],
+            2 => [LinkQuantity::Mz, LinkQuantity::Xz, LinkQuantity::Yz],
             _ => {
                 let what = format!("mirror plane of link {link}");
                 return Err(ConsistencyError::BadValue { what, reason: "the axis is 0, 1 or 2".to_owned() });
@@ -172,9 +173,9 @@ fn index_of(table: &ParameterTable, name: &str) -> Result<usize, ConsistencyErro
     table.index_of(name).ok_or_else(|| ConsistencyError::UnknownParameter { name: name.to_owned() })
 }
 
-fn index_in_link(table: &ParameterTable, quantity: Quantity, link: usize) -> Result<usize, ConsistencyError> {
-    let found = link.checked_sub(1).and_then(|k| table.index(quantity, k));
-    let links = table.iter().filter(|p| p.quantity == Quantity::M).count();
+fn index_in_link(table: &ParameterTable, quantity: LinkQuantity, link: usize) -> Result<usize, ConsistencyError> {
+    let found = link.checked_sub(1).and_then(|k| table.index(Quantity::Link(quantity), k));
+    let links = table.iter().filter(|p| p.quantity == MASS).count();
     found.ok_or(ConsistencyError::UnknownLink { number: link, links })
 }
 

@@ -1,35 +1,24 @@
 //! The pseudo-inertia matrix of a link, and back.
 
 use super::symmetric::Symmetric;
-use crate::robot::{INERTIAL, Quantity};
+use crate::robot::{INERTIAL, LinkQuantity};
 
 /// The place of each inertial parameter in the pseudo-inertia matrix, by entries on and below the diagonal.
 ///
 /// `P = [[Sigma, h], [h^T, m]]` with the second moments `Sigma = tr(I)/2 1 - I`, the inertia tensor I about the origin of
 /// the link's frame and the first moments `h = (mx, my, mz)` (Wensing, Kim and Slotine 2018, equation (12)).
-pub(super) fn entries(quantity: Quantity) -> &'static [(usize, usize, f64)] {
+pub(super) fn entries(quantity: LinkQuantity) -> &'static [(usize, usize, f64)] {
     match quantity {
-        Quantity::Xx => &[(0, 0, -0.5), (1, 1, 0.5), (2, 2, 0.5)],
-        Quantity::Yy => &[(0, 0, 0.5), (1, 1, -0.5), (2, 2, 0.5)],
-        Quantity::Zz => &[(0, 0, 0.5), (1, 1, 0.5), (2, 2, -0.5)],
-        Quantity::Xy => &[(1, 0, -1.0)],
-        Quantity::Xz => &[(2, 0, -1.0)],
-        Quantity::Yz => &[(2, 1, -1.0)],
-        Quantity::Mx => &[(3, 0, 1.0)],
-        Quantity::My => &[(3, 1, 1.0)],
-        Quantity::Mz => &[(3, 2, 1.0)],
-        Quantity::M => &[(3, 3, 1.0)],
-        Quantity::Ia
-        | Quantity::Fv
-        | Quantity::Fc
-        | Quantity::Fvp
-        | Quantity::Fcp
-        | Quantity::Fvn
-        | Quantity::Fcn
-        | Quantity::Off
-        | Quantity::Iam
-        | Quantity::Fvm
-        | Quantity::Fcm => &[],
+        LinkQuantity::Xx => &[(0, 0, -0.5), (1, 1, 0.5), (2, 2, 0.5)],
+        LinkQuantity::Yy => &[(0, 0, 0.5), (1, 1, -0.5), (2, 2, 0.5)],
+        LinkQuantity::Zz => &[(0, 0, 0.5), (1, 1, 0.5), (2, 2, -0.5)],
+        LinkQuantity::Xy => &[(1, 0, -1.0)],
+        LinkQuantity::Xz => &[(2, 0, -1.0)],
+        LinkQuantity::Yz => &[(2, 1, -1.0)],
+        LinkQuantity::Mx => &[(3, 0, 1.0)],
+        LinkQuantity::My => &[(3, 1, 1.0)],
+        LinkQuantity::Mz => &[(3, 2, 1.0)],
+        LinkQuantity::M => &[(3, 3, 1.0)],
     }
 }
 

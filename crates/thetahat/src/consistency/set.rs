@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     dynamics::{CoupledMotor, Model},
-    robot::{INERTIAL, ParameterTable, Quantity, Robot},
+    robot::{Bound, INERTIAL, JointQuantity, MotorQuantity, ParameterTable, Quantity, Robot, Role},
 };
 
 /// The standard parameters that a robot can have: the physically consistent set, with what is known beside.
@@ -195,39 +195,38 @@ impl ConsistentSet {
     }
 
     fn pseudo_inertia_of(&self, k: usize, standard: &[f64]) -> Symmetric {
-        pseudo_inertia(INERTIAL.map(|quantity| self.table.index(quantity, k).map_or(0.0, |i| standard[i])))
+        pseudo_inertia(
+            INERTIAL.map(|quantity| self.table.index(Quantity::Link(quantity), k).map_or(0.0, |i| standard[i])),
+        )
     }
 
     /// The a-priori value, or for want of one the link's own inertia or mass, or a usual friction.
     fn usual_size(&self, i: usize) -> f64 {
         let parameter = self.table.get(i);
-        let of_link = |quantity| self.table.index(quantity, parameter.number - 1).map_or(0.0, |i| self.a_priori[i]);
-        let inertia = if parameter.unit == "kg" { of_link(Quantity::M) } else { of_link(Quantity::Zz) };
-        let size = self.a_priori[i].abs();
-        if parameter.quantity.is_inertial() {
-            let (m, trace) = (of_link(Quantity::M), of_link(Quantity::Xx) + of_link(Quantity::Yy) + inertia);
-            return match parameter.quantity {
-                Quantity::M => m,
-                Quantity::Mx | Quantity::My | Quantity::Mz => (m * trace).sqrt(),
-                _ => trace,
-            };
-        }
+        let p = self.pseudo_inertia_of(parameter.number - 1, &self.a_priori);
+        let (m, moments) = (p.at(3, 3), p.at(0, 0) + p.at(1, 1) + p.at(2, 2));
+        let inertia = if parameter.unit == "kg" { m } else { p.at(0, 0) + p.at(1, 1) };
         let part = if parameter.quantity.is_coupled_motor() { COUPLED_PART } else { 1.0 };
-        match (size > 0.0, parameter.quantity.is_motor_inertia()) {
-            (true, _) => size,
-            (false, true) => part * inertia,
-            (false, false) => part * USUAL_FRICTION,
+        let given = self.a_priori[i].abs();
+        let or_given = |usual: f64| if given > 0.0 { given } else { usual };
+        match parameter.quantity.role() {
+            Role::Inertial => match parameter.unit {
+                "kg" => m,
+                "kg m" => (m * moments).sqrt(),
+                _ => 2.0 * moments,
+            },
+            Role::MotorInertia => or_given(part * inertia),
+            Role::ViscousFriction | Role::CoulombFriction | Role::Load => or_given(part * USUAL_FRICTION),
         }
     }
 
     fn is_positive(&self, i: usize) -> bool {
-        let quantity = self.table.get(i).quantity;
-        quantity.is_motor_inertia() || quantity.is_friction()
+        self.table.get(i).quantity.bound() == Bound::NotNegative
     }
 
     fn link_terms(&self, k: usize) -> Vec<Term> {
         let term = |quantity| {
-            let unknown = self.table.index(quantity, k)?;
+            let unknown = self.table.index(Quantity::Link(quantity), k)?;
             Some(Term { unknown, entries: entries(quantity).to_vec() })
         };
         INERTIAL.into_iter().filter_map(term).collect()
@@ -281,8 +280,11 @@ impl ConditionBlock {
 
 fn motor_matrices(robot: &Robot, table: &ParameterTable) -> Vec<MotorMatrix> {
     let model = Model::new(robot);
-    let pairs = [(Quantity::Ia, Quantity::Iam), (Quantity::Fv, Quantity::Fvm)];
-    pairs.iter().filter_map(|&(own, cross)| motor_matrix(robot, table, model.coupled_motors(), own, cross)).collect()
+    let pairs = [(JointQuantity::Ia, MotorQuantity::Iam), (JointQuantity::Fv, MotorQuantity::Fvm)];
+    pairs
+        .into_iter()
+        .filter_map(|(own, cross)| motor_matrix(robot, table, model.coupled_motors(), own, cross))
+        .collect()
 }
 
 /// None where no motor is coupled, or friction depends on the direction, so that there is no one coefficient of a joint.
@@ -290,8 +292,8 @@ fn motor_matrix(
     robot: &Robot,
     table: &ParameterTable,
     motors: &[CoupledMotor],
-    own: Quantity,
-    cross: Quantity,
+    own: JointQuantity,
+    cross: MotorQuantity,
 ) -> Option<MotorMatrix> {
     let joints = robot.coordinate_joints();
     let coupled = |c: &usize| motors.iter().any(|motor| motor.weights.iter().any(|(k, _)| k == c));
@@ -299,12 +301,16 @@ fn motor_matrix(
     let place = |c: usize| coordinates.iter().position(|&k| k == c);
     let mut terms = Vec::new();
     for (i, &c) in coordinates.iter().enumerate() {
-        terms.push(Term { unknown: table.index(own, joints[c])?, entries: vec![(i, i, 1.0)] });
+        terms.push(Term { unknown: table.index(Quantity::Joint(own), joints[c])?, entries: vec![(i, i, 1.0)] });
     }
     for motor in motors {
         let below =
             motor.cross_terms().filter_map(|(j, k, w)| Some((place(j)?, place(k)?, w))).filter(|(i, j, _)| i > j);
-        terms.push(Term { unknown: table.index(cross, motor.motor)?, entries: below.collect() });
+        terms.push(Term { unknown: table.index(Quantity::Motor(cross), motor.motor)?, entries: below.collect() });
     }
-    (!coordinates.is_empty()).then_some(MotorMatrix { quantity: cross, size: coordinates.len(), terms })
+    (!coordinates.is_empty()).then_some(MotorMatrix {
+        quantity: Quantity::Motor(cross),
+        size: coordinates.len(),
+        terms,
+    })
 }
