@@ -102,6 +102,7 @@ pub(super) fn minimise(program: &Program, start: Vec<f64>, stop: &Stop) -> Optio
         let gap = iterate.weight * rows + decrement.max(0.0);
         let at_end = iterate.weight <= last * (1.0 + 1e-9) && decrement <= AT_END * iterate.weight * rows;
         if objective <= stop.objective || at_end || iterations == MOST_ITERATIONS {
+            iterate.settle_duals(&directions);
             return Some(iterate.finish(objective, gap, iterations, objective <= stop.objective || at_end));
         }
         iterations += 1;
@@ -157,6 +158,16 @@ impl<'a> Iterate<'a> {
     fn renew_duals(&mut self) {
         for (block, slack) in self.program.blocks.iter().zip(&mut self.slacks) {
             slack.dual = slack.inverse.times(block.barrier.weight_at(self.weight));
+        }
+    }
+
+    /// The multipliers of the full Newton step, which balance the slope of the smooth part at its end.
+    fn settle_duals(&mut self, directions: &Directions) {
+        let step = self.towards(directions.at(self.weight), None);
+        let settled = self.slacks.iter().zip(&step.dual_changes).map(|(slack, dz)| slack.dual.plus(dz, 1.0));
+        let settled: Vec<Symmetric> = settled.collect();
+        if settled.iter().all(|dual| dual.cholesky().is_some()) {
+            self.slacks.iter_mut().zip(settled).for_each(|(slack, dual)| slack.dual = dual);
         }
     }
 

@@ -125,11 +125,6 @@ impl Block {
 }
 
 impl Program {
-    /// Number of unknowns.
-    pub(super) fn unknowns(&self) -> usize {
-        self.linear.len()
-    }
-
     /// `A x - b`.
     fn residual(&self, x: &[f64]) -> Vec<f64> {
         self.matrix.times(x).iter().zip(&self.right_side).map(|(a, b)| a - b).collect()

@@ -140,10 +140,6 @@ impl ConsistentSet {
         (0..self.links).map(|k| self.pseudo_inertia_of(k, standard)).collect()
     }
 
-    pub(super) fn interior(&self) -> f64 {
-        self.interior
-    }
-
     pub(super) fn scale(&self) -> &[f64] {
         &self.scale
     }
