@@ -213,7 +213,7 @@ pub(super) fn reduced_conditions(
             continue;
         }
         let margin = reference.cholesky().map_or(f64::NAN, |factor| factor.smallest_ratio(&block.constant));
-        if !(margin >= -ROUNDING) {
+        if margin.is_nan() || margin < -ROUNDING {
             return Err(ConsistencyError::NoInterior { margin, conflicting: vec![condition.to_string()] });
         }
     }

@@ -89,7 +89,7 @@ fn has_volume(p: &Symmetric) -> bool {
 /// A link's pseudo-inertia matrix with guessed second moments added, or the guess where there is no mass.
 fn completed(given: &Symmetric, guess: &Symmetric) -> Symmetric {
     let (m, guessed) = (given.at(3, 3), guess.at(3, 3));
-    if !(m > 0.0) {
+    if m.is_nan() || m <= 0.0 {
         return guess.clone();
     }
     let mut moments = guess.times(m / guessed);

@@ -139,8 +139,8 @@ impl Cholesky {
         let n = self.size;
         let half: Vec<Vec<f64>> = (0..n).map(|j| self.forward(|i| b.at(i, j))).collect();
         let mut whitened = Symmetric::zeros(n);
-        for i in 0..n {
-            let row = self.forward(|k| half[k][i]);
+        let rows: Vec<Vec<f64>> = (0..n).map(|i| self.forward(|k| half[k][i])).collect();
+        for (i, row) in rows.iter().enumerate() {
             (0..=i).for_each(|j| whitened.add(i, j, row[j]));
         }
         whitened.smallest_eigenvalue()
