@@ -75,6 +75,8 @@ pub mod base_parameters;
 
 pub mod robot_summary;
 
+pub mod consistency;
+
 pub mod recording;
 
 pub mod signal;

@@ -159,6 +159,13 @@ impl Matrix {
         Some(from_faer(factor.solve(rhs).as_ref()).values)
     }
 
+    /// `A^-1 B` of a symmetric matrix; `None` where it is not positive definite.
+    #[must_use]
+    pub fn inverse_times_matrix(&self, b: &Self) -> Option<Self> {
+        let factor = self.view().llt(faer::Side::Lower).ok()?;
+        Some(from_faer(factor.solve(b.view()).as_ref()))
+    }
+
     /// `x^T A^-1 x` of a symmetric matrix; `None` where it is not positive definite.
     #[must_use]
     pub fn inverse_quadratic_form(&self, x: &[f64]) -> Option<f64> {

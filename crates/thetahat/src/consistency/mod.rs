@@ -1,0 +1,35 @@
+//! Physically consistent parameters: standard parameters that a robot made of bodies can have.
+//!
+//! [`ConsistentSet`] is the set: the pseudo-inertia matrix of each link positive semidefinite, motor inertias and friction
+//! not below zero, and what is [`Known`] beside. Base parameters are consistent if some standard parameters of the set have
+//! them. [`fit`] finds the parameters of the set with the least squares, or nearest to an estimate, with a [`Prior`] or
+//! without; [`examine`] says whether and where an estimate is outside; [`nearest_to_simulate`] gives parameters for
+//! instruments, in the interior; [`completed_a_priori`] makes a-priori values where there are none.
+//!
+//! Every problem is a small convex program, solved by a primal-dual interior-point method. Formulas, sources and the choice of the method: `docs/physical_consistency.md`.
+
+mod elimination;
+mod error;
+mod examination;
+mod fit;
+mod guess;
+mod interior;
+mod interior_point;
+mod known;
+mod program;
+mod pseudo_inertia;
+mod set;
+mod simulation;
+mod symmetric;
+#[cfg(test)]
+mod tests;
+
+pub use error::ConsistencyError;
+pub use examination::{Examination, examine};
+pub use fit::{ConsistentFit, LeastSquares, Prior, fit};
+pub use guess::{completed_a_priori, mass_factor};
+pub use known::Known;
+pub use pseudo_inertia::{inertial_parameters, pseudo_inertia};
+pub use set::{Condition, ConsistentSet};
+pub use simulation::{SimulationOptions, nearest_to_simulate};
+pub use symmetric::Symmetric;
