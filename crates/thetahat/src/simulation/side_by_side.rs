@@ -2,24 +2,16 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::{ClosedLoop, OutputGrid, SimulatedMotion, SimulationError, running::Running};
+use super::{
+    closed_loop::{ClosedLoop, Job},
+    error::SimulationError,
+    motion::SimulatedMotion,
+    running::Running,
+};
 use crate::{
     dynamics::{DynamicParameters, Sign, Workspace},
     real::{Lanes, MOST_LANES},
 };
-
-/// A simulation to be run: a loop with its parameters and outputs.
-#[derive(Debug, Clone, Copy)]
-pub struct Job<'a> {
-    /// The loop.
-    pub closed_loop: ClosedLoop<'a>,
-    /// Standard parameters.
-    pub theta: &'a [f64],
-    /// The inertia for the gains of a controller that is given by its bandwidth.
-    pub motor_inertia: &'a [f64],
-    /// When its motion is wanted.
-    pub grid: OutputGrid,
-}
 
 /// Runs simulations as [`ClosedLoop::simulate`] does, those of one model and one friction scale side by side: right-hand
 /// sides of several cost little more than those of one.
