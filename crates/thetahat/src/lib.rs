@@ -14,6 +14,8 @@ mod vector;
 
 mod pool;
 
+mod clock;
+
 pub mod robot;
 
 pub mod dynamics;
@@ -31,6 +33,8 @@ pub mod trajectory;
 pub mod control;
 
 pub mod simulation;
+
+pub mod regression;
 
 pub mod statistics;
 

@@ -63,6 +63,15 @@ impl Robot {
         (0..self.joints.len()).filter(|&j| self.joints[j].mimic.is_none()).collect()
     }
 
+    /// Index in `joints` of the joint of one coordinate, from zero.
+    ///
+    /// # Panics
+    /// If the robot has no such coordinate.
+    #[must_use]
+    pub fn joint_of(&self, coordinate: usize) -> usize {
+        self.coordinate_joints()[coordinate]
+    }
+
     /// The table of standard parameters.
     #[must_use]
     pub fn parameter_table(&self) -> ParameterTable {

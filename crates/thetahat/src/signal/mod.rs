@@ -1,8 +1,8 @@
 //! Filtering, differentiation and decimation of recorded signals, all without delay.
 //!
-//! The way of a recording (Brunot and others, section III, see [`Decimator`]): the positions are band-passed, that is
-//! filtered by a zero-phase Butterworth low-pass ([`zero_phase`]) and differentiated by central differences
-//! ([`central_difference`]); the still periods at both ends are found ([`moving_samples`]) and cut; the torques and
+//! The way of a recording (Brunot and others, section III, see [`Decimator`]): the positions are band-passed
+//! ([`band_pass`]), that is filtered by a zero-phase Butterworth low-pass ([`zero_phase`]) and differentiated by central
+//! differences ([`central_difference`]); the still periods at both ends are found ([`moving_samples`]) and cut; the torques and
 //! every column of the observation matrix are passed through one and the same parallel filter and down-sampled
 //! ([`Decimator`]). What bandwidth remains is measured on the result ([`minus_3_db_bandwidth_hz`]).
 //!
@@ -10,6 +10,7 @@
 //! and each is processed by itself. Values that are not numbers spread over the whole channel; check a recording
 //! before.
 
+mod band_pass;
 mod bandwidth;
 mod decimate;
 mod design;
@@ -21,6 +22,7 @@ mod parts;
 mod pole_sums;
 mod zero_phase;
 
+pub use band_pass::{Motion, band_pass};
 pub use bandwidth::minus_3_db_bandwidth_hz;
 pub use decimate::{Decimator, Joiner};
 pub use design::SecondOrderSections;
