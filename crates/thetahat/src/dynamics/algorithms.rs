@@ -104,6 +104,13 @@ impl<T: Copy> Workspace<T> {
     }
 }
 
+impl<T> Workspace<T> {
+    /// The mass matrix of the last forward dynamics, as `L` with `1/D` on its diagonal.
+    pub(crate) fn factored_mass_matrix(&self) -> &[T] {
+        &self.mass_matrix
+    }
+}
+
 impl Model {
     /// Inverse dynamics (1): the joint torques `tau` of a motion, by recursive Newton-Euler, with motor inertia,
     /// friction, offsets and coupled motors. `tau = phi(q, dq, ddq) theta` (3).
@@ -261,7 +268,7 @@ impl Model {
 
     /// Motor inertia, friction and offset of the joints, and the cross terms of the coupled motors.
     #[inline(always)]
-    fn add_drive_torques<T: Real, P: Parameter<T>>(
+    pub(super) fn add_drive_torques<T: Real, P: Parameter<T>>(
         &self,
         parameters: &DynamicParameters<P>,
         dq: &[T],

@@ -20,6 +20,7 @@
 //! coordinate times the ratio: with the ratios in a matrix `G`, `tau = G^T tau_joints` and `M = G^T M_joints G`.
 
 mod algorithms;
+mod damping;
 mod geometry;
 mod model;
 mod one_state;
@@ -34,5 +35,7 @@ pub use model::{CoupledMotor, DynamicsError, Model};
 pub use parameters::{DynamicParameters, Sign};
 
 pub(crate) use algorithms::LinkMotion;
+pub(crate) use damping::DampingWorkspace;
 pub(crate) use series::gather;
+pub(crate) use solve::{factorise, multiply_factors, solve_factorised};
 pub(crate) use twist::Twist;

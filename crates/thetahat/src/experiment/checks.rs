@@ -190,9 +190,17 @@ impl Experiment {
         let simulation = &self.file.simulation;
         self.require_positive("[simulation] sign_velocity_scale", simulation.sign_velocity_scale)?;
         match simulation.solver {
+            Solver::Automatic { relative_tolerance, absolute_tolerance } => {
+                self.require_positive("[simulation] solver.automatic.relative_tolerance", relative_tolerance)?;
+                self.require_positive("[simulation] solver.automatic.absolute_tolerance", absolute_tolerance)
+            }
             Solver::Adaptive { relative_tolerance, absolute_tolerance } => {
                 self.require_positive("[simulation] solver.adaptive.relative_tolerance", relative_tolerance)?;
                 self.require_positive("[simulation] solver.adaptive.absolute_tolerance", absolute_tolerance)
+            }
+            Solver::Implicit { relative_tolerance, absolute_tolerance } => {
+                self.require_positive("[simulation] solver.implicit.relative_tolerance", relative_tolerance)?;
+                self.require_positive("[simulation] solver.implicit.absolute_tolerance", absolute_tolerance)
             }
             Solver::Fixed { step_s } => self.require_positive("[simulation] solver.fixed.step_s", step_s),
         }

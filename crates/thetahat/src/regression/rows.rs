@@ -107,8 +107,7 @@ impl Regression {
         let rows = self.rows_represented / joints.max(1);
         let acts = |c: usize, joint: usize| self.layout.rows_of_joint(joint).any(|k| self.x.at(k, c) != 0.0);
         let deviation = |joint: usize| {
-            let residual: f64 =
-                self.layout.rows_of_joint(joint).map(|k| (self.y[k] - prediction[k]).powi(2)).sum();
+            let residual: f64 = self.layout.rows_of_joint(joint).map(|k| (self.y[k] - prediction[k]).powi(2)).sum();
             let acting = (0..self.x.columns()).filter(|&c| acts(c, joint)).count();
             (residual / rows.saturating_sub(acting).max(1) as f64).sqrt()
         };

@@ -25,4 +25,14 @@ impl Coupling {
         joints.fill(0.0);
         self.entries.iter().for_each(|&(i, j, w)| joints[j] += w * motors[i]);
     }
+
+    /// Adds `n^T diag(of_motor) n` to a matrix of the joints, row by row.
+    pub(super) fn add_quadratic(&self, of_motor: impl Fn(usize) -> f64, joints: usize, matrix: &mut [f64]) {
+        for &(i, j, w) in &self.entries {
+            let weighted = w * of_motor(i);
+            for &(_, k, w) in self.entries.iter().filter(|(other, ..)| *other == i) {
+                matrix[j * joints + k] += weighted * w;
+            }
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::{closed_loop::ClosedLoop, coupling::Coupling};
 use crate::{
-    dynamics::{DynamicParameters, DynamicsError, Model, Sign, Workspace},
+    dynamics::{DampingWorkspace, DynamicParameters, DynamicsError, Model, Sign, Workspace},
     linear_algebra::Matrix,
     series::Series,
 };
@@ -13,6 +13,7 @@ pub(super) struct Plant<'a> {
     pub(super) parameters: DynamicParameters,
     pub(super) sign: Sign,
     workspace: Workspace,
+    damping: DampingWorkspace,
     /// `n_s`: motors per joints, in the true joint units.
     coupling: Coupling,
     joints_per_motor: Matrix,
@@ -39,6 +40,7 @@ impl<'a> Plant<'a> {
             parameters: DynamicParameters::new(setup.model, &with_friction(setup, theta)),
             sign: Sign::Smooth { scale: setup.sign_velocity_scale },
             workspace: Workspace::new(setup.model),
+            damping: DampingWorkspace::default(),
             coupling: Coupling::new(&setup.transmission.motor_in_joint_units(), ratio),
             joints_per_motor: Matrix::from_fn(n, n, |i, j| joints_per_motor.at(i, j) / ratio),
             offset: setup.transmission.offset(),
@@ -75,6 +77,22 @@ impl<'a> Plant<'a> {
     /// The joint accelerations over a motion; the error is that of the first sample, from zero, that has none.
     pub(super) fn accelerations_of(&self, motion: [&Series; 3]) -> Result<Series, (usize, DynamicsError)> {
         self.model.forward_dynamics_series(&self.parameters, motion, self.sign)
+    }
+
+    /// The friction's part of the damping in a state.
+    pub(super) fn friction_damping(&mut self, x: &[f64], d: &mut [f64]) {
+        let dq = &x[self.p.len()..];
+        self.model.damping_into(&self.parameters, dq, self.sign, &mut self.damping, d);
+    }
+
+    /// Adds what drive signals that fall by `slopes` per motor position or velocity give the joints: a stiffness or a damping.
+    pub(super) fn add_drive_slopes(&self, slopes: &[f64], matrix: &mut [f64]) {
+        self.coupling.add_quadratic(|i| self.drive[i] * slopes[i], self.p.len(), matrix);
+    }
+
+    /// The mass matrix of the last accelerations, as `L` with `1/D` on its diagonal.
+    pub(super) fn factored_mass_matrix(&self) -> &[f64] {
+        self.workspace.factored_mass_matrix()
     }
 
     /// The joint accelerations that the torques last applied give in a state.

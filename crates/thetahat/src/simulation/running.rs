@@ -4,7 +4,9 @@ use super::{
     closed_loop::{ClosedLoop, Job},
     dormand_prince::DormandPrince,
     error::SimulationError,
+    integrator::Integrator,
     motion::{OutputGrid, SimulatedMotion},
+    rosenbrock_w::RosenbrockW,
     sampling::Sampling,
     solver::Solver,
     step_control::{Next, StepTooSmall},
@@ -14,10 +16,12 @@ use crate::dynamics::DynamicParameters;
 
 /// A simulation that can be left and taken up again: it goes on until an acceleration is wanted.
 pub(super) struct Running<'a> {
-    integrator: DormandPrince,
+    integrator: Integrator,
     system: Loop<'a>,
     /// None for a continuous controller.
     sampling: Option<Sampling>,
+    /// The factors of the mass matrix where the step starts, for a linearly implicit method.
+    mass: Vec<f64>,
     /// Up to where the intervals of the integrator reach.
     time: f64,
 }
@@ -28,7 +32,9 @@ impl<'a> Running<'a> {
         system.check_work()?;
         let start = system.start();
         let sampling = system.controller.is_sampled().then(|| Sampling::new(&mut system, &start));
-        Ok(Self { integrator: integrator(job.closed_loop.solver, start), system, sampling, time: 0.0 })
+        let joints = start.len() / 2;
+        let integrator = integrator(job, start);
+        Ok(Self { integrator, system, sampling, mass: vec![0.0; joints * joints], time: 0.0 })
     }
 
     /// Goes on until an acceleration is wanted; false at the end.
@@ -42,7 +48,11 @@ impl<'a> Running<'a> {
                         return Ok(true);
                     }
                 }
-                Next::Linearisation => {}
+                Next::Linearisation => {
+                    if let Some((t, x, step, out)) = self.integrator.wanted_linearisation() {
+                        self.system.linearise(t, x, step, &self.mass, out);
+                    }
+                }
                 Next::Step(mut step) => self.system.accept(&mut step)?,
                 Next::End => {
                     if !self.begin_interval() {
@@ -85,7 +95,17 @@ impl<'a> Running<'a> {
     pub(super) fn accelerate(&mut self) -> Result<(), SimulationError> {
         let (time_s, x, dx) = self.integrator.wanted();
         let accelerations = &mut dx[x.len() / 2..];
-        self.system.plant.accelerations(x, accelerations).map_err(|source| SimulationError::Dynamics { time_s, source })
+        let found = self.system.plant.accelerations(x, accelerations);
+        found.map_err(|source| SimulationError::Dynamics { time_s, source })?;
+        if self.integrator.needs_mass_matrix() {
+            self.mass.copy_from_slice(self.system.plant.factored_mass_matrix());
+        }
+        Ok(())
+    }
+
+    /// Where the factors of the mass matrix at the wanted acceleration go, if they are wanted too.
+    pub(super) fn mass_mut(&mut self) -> Option<&mut [f64]> {
+        self.integrator.needs_mass_matrix().then_some(&mut self.mass)
     }
 
     /// From an acceleration that is wanted to the end.
@@ -107,12 +127,18 @@ impl<'a> Running<'a> {
     }
 }
 
-fn integrator(solver: Solver, start: Vec<f64>) -> DormandPrince {
-    match solver {
-        Solver::Adaptive { relative_tolerance, absolute_tolerance } => {
-            DormandPrince::adaptive(relative_tolerance, absolute_tolerance, start)
+fn integrator(job: &Job<'_>, start: Vec<f64>) -> Integrator {
+    let duration_s = job.grid.time(job.grid.samples);
+    match job.closed_loop.chosen_solver(job.theta, duration_s) {
+        Solver::Adaptive { relative_tolerance, absolute_tolerance }
+        // The choice is made above.
+        | Solver::Automatic { relative_tolerance, absolute_tolerance } => {
+            Integrator::Explicit(DormandPrince::adaptive(relative_tolerance, absolute_tolerance, start))
         }
-        Solver::Fixed { step_s } => DormandPrince::fixed(step_s, start),
+        Solver::Implicit { relative_tolerance, absolute_tolerance } => {
+            Integrator::Implicit(RosenbrockW::new(relative_tolerance, absolute_tolerance, start))
+        }
+        Solver::Fixed { step_s } => Integrator::Explicit(DormandPrince::fixed(step_s, start)),
     }
 }
 

@@ -49,6 +49,7 @@ impl WithSimd for SideBySide<'_> {
                 all_go_on = match model.forward_dynamics_of(&parameters, state, sign, &mut workspace, &mut ddq) {
                     Ok(()) => {
                         work.scatter(&ddq);
+                        work.scatter_mass(workspace.factored_mass_matrix());
                         true
                     }
                     // One of them has no acceleration: each by itself.
@@ -135,6 +136,16 @@ impl<'a> Work<'a> {
             let values = lanes.to_array();
             for ((_, running), value) in self.running.iter_mut().zip(values) {
                 running.accelerations_mut()[c] = value;
+            }
+        }
+    }
+
+    /// The factors of the mass matrices, to those who want them.
+    #[inline(always)]
+    fn scatter_mass<S: Simd>(&mut self, mass: &[Lanes<S>]) {
+        for (lane, (_, running)) in self.running.iter_mut().enumerate() {
+            if let Some(to) = running.mass_mut() {
+                to.iter_mut().zip(mass).for_each(|(to, from)| *to = from.to_array()[lane]);
             }
         }
     }

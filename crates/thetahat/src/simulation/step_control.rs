@@ -106,6 +106,12 @@ impl StepControl {
         if reached { next.max(self.planned) } else { next }
     }
 
+    /// Goes to the end of the accepted step, and plans the next for when its slope is known; false at the end of the interval.
+    pub(super) fn pass_and_plan(&mut self, next: f64) -> bool {
+        self.next_step = Some(self.pass(next));
+        self.time < self.end
+    }
+
     /// Accepts the step by its error in each component and the component's size, or sets a shorter one.
     pub(super) fn judge(&mut self, errors: impl Iterator<Item = [f64; 2]>) -> Result<Verdict, StepTooSmall> {
         let Sizes::Adaptive { relative, absolute } = self.sizes else {
@@ -114,7 +120,8 @@ impl StepControl {
         };
         let threshold = absolute / relative;
         let each = errors.map(|[error, size]| error / size.max(threshold));
-        let error = each.fold(0.0, |a, b| if a.is_nan() || b.is_nan() { f64::NAN } else { f64::max(a, b) }) / relative;
+        let error =
+            each.fold(0.0_f64, |a, b| if a.is_nan() || b.is_nan() { f64::NAN } else { f64::max(a, b) }) / relative;
         if error <= 1.0 {
             let factor = if self.failed { 1.0 } else { 1.0 / (1.25 * error.powf(self.exponent)).max(0.2) };
             self.counts.steps += 1;

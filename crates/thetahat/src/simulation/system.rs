@@ -6,10 +6,11 @@ use super::{
     motion::{OutputGrid, SimulatedMotion},
     motor_reference::MotorReference,
     plant::Plant,
+    rosenbrock_w::Linearisation,
     solver::{Solver, WorkCounts},
     step_control::StepView,
 };
-use crate::{control::Controller, series::Series};
+use crate::{control::Controller, dynamics::multiply_factors, series::Series};
 
 /// A joint faster than this many times the fastest reference (or 1 rad/s, whichever is more) has run away.
 const RUNAWAY: f64 = 100.0;
@@ -29,6 +30,8 @@ pub(super) struct Loop<'a> {
     pub(super) reference: MotorReference,
     /// Drive signals: held between samples, or those of the last evaluation.
     pub(super) u: Vec<f64>,
+    /// Scratch: what a motor's position and velocity take away from its drive signal.
+    slopes: [Vec<f64>; 2],
     grid: OutputGrid,
     next_output: usize,
     pub(super) motion: SimulatedMotion,
@@ -50,6 +53,7 @@ impl<'a> Loop<'a> {
             plant: Plant::new(setup, theta),
             motion: SimulatedMotion { q, dq, ddq, tau, counts: WorkCounts::default() },
             u: vec![0.0; n],
+            slopes: [vec![0.0; n], vec![0.0; n]],
             grid: *grid,
             next_output: 0,
             steps: 0.0,
@@ -63,7 +67,7 @@ impl<'a> Loop<'a> {
         let sample_time = if self.controller.is_sampled() { self.controller.sample_time_s } else { f64::INFINITY };
         let step_s = match self.setup.solver {
             Solver::Fixed { step_s } => step_s.min(sample_time),
-            Solver::Adaptive { .. } => sample_time,
+            Solver::Automatic { .. } | Solver::Adaptive { .. } | Solver::Implicit { .. } => sample_time,
         };
         let steps = self.end() / step_s;
         if steps > STEP_LIMIT { Err(SimulationError::TooManySteps { steps, step_s }) } else { Ok(()) }
@@ -95,6 +99,35 @@ impl<'a> Loop<'a> {
         let n = self.u.len();
         dx[..n].copy_from_slice(&x[n..]);
         true
+    }
+
+    /// Linearises controller, drive and friction in a state: exactly in the state, and in time by the difference over the
+    /// step. Of the rigid bodies there is the mass matrix, whose factors are `mass`.
+    pub(super) fn linearise(&mut self, t: f64, x: &[f64], step: f64, mass: &[f64], out: &mut Linearisation) {
+        let n = self.u.len();
+        multiply_factors(mass, n, &mut out.mass);
+        self.plant.friction_damping(x, &mut out.damping);
+        out.stiffness.fill(0.0);
+        out.rate.fill(0.0);
+        if self.controller.is_sampled() {
+            return;
+        }
+        self.plant.observe(x);
+        self.torques_at(t + step);
+        out.rate.copy_from_slice(&self.plant.tau);
+        self.torques_at(t);
+        out.rate.iter_mut().zip(&self.plant.tau).for_each(|(rate, now)| *rate = (*rate - now) / step);
+        let [position, velocity] = &mut self.slopes;
+        slopes(&self.controller, &self.reference, &self.plant, [position, velocity]);
+        self.plant.add_drive_slopes(position, &mut out.stiffness);
+        self.plant.add_drive_slopes(velocity, &mut out.damping);
+    }
+
+    /// Leaves the torques of a continuous controller in the plant, at a time and the state last observed.
+    fn torques_at(&mut self, t: f64) {
+        self.reference.evaluate(t);
+        command(&self.controller, &self.reference, &self.plant, &mut self.u);
+        self.plant.drive(&self.u);
     }
 
     /// Takes note of an accepted step.
@@ -159,7 +192,10 @@ impl<'a> Loop<'a> {
     /// Counts an adaptive step; a loop that takes too many would take hours.
     fn check_stiffness(&mut self, t: f64) -> Result<(), SimulationError> {
         self.steps += 1.0;
-        let adaptive = matches!(self.setup.solver, Solver::Adaptive { .. });
+        let adaptive = match self.setup.solver {
+            Solver::Automatic { .. } | Solver::Adaptive { .. } | Solver::Implicit { .. } => true,
+            Solver::Fixed { .. } => false,
+        };
         if adaptive && self.steps > ADAPTIVE_STEPS_PER_S * self.end().max(1.0) {
             return Err(SimulationError::TooStiff { steps: self.steps, time_s: t });
         }
@@ -178,5 +214,17 @@ impl<'a> Loop<'a> {
 pub(super) fn command(controller: &Controller, reference: &MotorReference, plant: &Plant<'_>, u: &mut [f64]) {
     for (i, u) in u.iter_mut().enumerate() {
         *u = controller.command(i, reference.p[i] - plant.p[i], plant.v[i], reference.dp[i], reference.ddp[i]);
+    }
+}
+
+fn slopes(
+    controller: &Controller,
+    reference: &MotorReference,
+    plant: &Plant<'_>,
+    [of_position, of_velocity]: [&mut [f64]; 2],
+) {
+    for (i, (position, velocity)) in of_position.iter_mut().zip(of_velocity).enumerate() {
+        let error = reference.p[i] - plant.p[i];
+        [*position, *velocity] = controller.slopes(i, error, plant.v[i], reference.dp[i], reference.ddp[i]);
     }
 }

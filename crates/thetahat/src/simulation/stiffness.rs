@@ -1,0 +1,66 @@
+//! Which method a simulation asks for: how fast friction stops a joint, and what that costs an explicit method.
+
+use super::{closed_loop::ClosedLoop, solver::Solver};
+use crate::dynamics::{DampingWorkspace, DynamicParameters, Sign, Workspace, factorise, solve_factorised};
+
+/// Points of the reference at which the stiffness is looked at.
+const POINTS: usize = 25;
+/// The stiffness times the duration beyond which [`Solver::Automatic`] integrates implicitly. An explicit method is stable up
+/// to steps of 3.3 over the stiffness: while a joint rests for so long, it takes more than 300 000 of them, about a second's
+/// work.
+const COSTLY: f64 = 1e6;
+/// The implicit method gets tighter tolerances than asked for. Stability keeps the explicit method's steps below those that
+/// the tolerance allows, and its result is that much better; so both come as close to the true motion.
+const TIGHTER: f64 = 0.1;
+
+impl ClosedLoop<'_> {
+    /// The rate in 1/s at which friction stops a joint: the largest, over the joints and along the reference up to
+    /// `duration_s`, of the slope of the smooth friction at rest over the inertia that the joint has while the others are
+    /// free, `D_jj (M^-1)_jj`. Points without a positive definite mass matrix are left out.
+    #[must_use]
+    pub fn stiffness(&self, theta: &[f64], duration_s: f64) -> f64 {
+        let n = self.model.coordinate_count();
+        let parameters = DynamicParameters::new(self.model, theta);
+        let mut workspace = Workspace::new(self.model);
+        let [mut q, mut dq, mut ddq] = [(); 3].map(|()| vec![0.0; n]);
+        let [mut mass, mut damping] = [(); 2].map(|()| vec![0.0; n * n]);
+        let sign = Sign::Smooth { scale: self.sign_velocity_scale };
+        self.model.damping_into(&parameters, &dq, sign, &mut DampingWorkspace::default(), &mut damping);
+        let mut fastest: f64 = 0.0;
+        for point in 0..POINTS {
+            let t = duration_s * point as f64 / (POINTS - 1) as f64;
+            self.reference.evaluate(t, &mut q, &mut dq, &mut ddq);
+            self.model.mass_matrix(&parameters, &q, &mut workspace, &mut mass);
+            if factorise(&mut mass, n).is_ok() {
+                let rates = (0..n).map(|j| damping[j * n + j] * diagonal_of_inverse(&mass, j, n));
+                fastest = rates.fold(fastest, f64::max);
+            }
+        }
+        self.bias.friction * fastest
+    }
+
+    /// The method that integrates this loop, where the choice is left to the simulation.
+    pub(super) fn chosen_solver(&self, theta: &[f64], duration_s: f64) -> Solver {
+        match self.solver {
+            Solver::Automatic { relative_tolerance, absolute_tolerance } => {
+                if self.stiffness(theta, duration_s) * duration_s > COSTLY {
+                    Solver::Implicit {
+                        relative_tolerance: TIGHTER * relative_tolerance,
+                        absolute_tolerance: TIGHTER * absolute_tolerance,
+                    }
+                } else {
+                    Solver::Adaptive { relative_tolerance, absolute_tolerance }
+                }
+            }
+            stated @ (Solver::Adaptive { .. } | Solver::Implicit { .. } | Solver::Fixed { .. }) => stated,
+        }
+    }
+}
+
+/// `(M^-1)_jj` of the factors of M.
+fn diagonal_of_inverse(factors: &[f64], j: usize, n: usize) -> f64 {
+    let mut column = vec![0.0; n];
+    column[j] = 1.0;
+    solve_factorised(factors, &mut column);
+    column[j]
+}
