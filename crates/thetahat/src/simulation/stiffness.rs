@@ -9,9 +9,9 @@ const POINTS: usize = 25;
 /// to steps of 3.3 over the stiffness: while a joint rests for so long, it takes more than 300 000 of them, about a second's
 /// work.
 const COSTLY: f64 = 1e6;
-/// The implicit method gets tighter tolerances than asked for. Stability keeps the explicit method's steps below those that
+/// The implicit method gets tolerances this many times tighter than asked for. Stability keeps the explicit method's steps below those that
 /// the tolerance allows, and its result is that much better; so both come as close to the true motion.
-const TIGHTER: f64 = 0.1;
+const TIGHTER: f64 = 10.0;
 
 impl ClosedLoop<'_> {
     /// The rate in 1/s at which friction stops a joint: the largest, over the joints and along the reference up to
@@ -45,8 +45,8 @@ impl ClosedLoop<'_> {
             Solver::Automatic { relative_tolerance, absolute_tolerance } => {
                 if self.stiffness(theta, duration_s) * duration_s > COSTLY {
                     Solver::Implicit {
-                        relative_tolerance: TIGHTER * relative_tolerance,
-                        absolute_tolerance: TIGHTER * absolute_tolerance,
+                        relative_tolerance: relative_tolerance / TIGHTER,
+                        absolute_tolerance: absolute_tolerance / TIGHTER,
                     }
                 } else {
                     Solver::Adaptive { relative_tolerance, absolute_tolerance }
