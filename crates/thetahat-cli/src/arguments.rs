@@ -1,6 +1,10 @@
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
+use clap::{
+    Args, Parser, Subcommand,
+    builder::{PossibleValuesParser, TypedValueParser},
+    value_parser,
+};
 use thetahat::{identification::Method, recording::Unit};
 
 /// Identifies the dynamic parameters of a robot from its recorded motion and torques.
@@ -232,26 +236,14 @@ pub struct Predict {
     #[arg(long, default_value = "nominal")]
     pub case: String,
     /// The method whose parameters are taken [default: the first of the case with an estimate]
-    #[arg(long)]
-    pub method: Option<MethodName>,
+    #[arg(long, value_parser = method())]
+    pub method: Option<Method>,
     /// CSV file for the torques, sample by sample
     #[arg(long, value_name = "FILE.csv")]
     pub out: Option<PathBuf>,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-pub enum MethodName {
-    IdimLs,
-    IdimIv,
-    Didim,
-}
-
-impl From<MethodName> for Method {
-    fn from(name: MethodName) -> Self {
-        match name {
-            MethodName::IdimLs => Self::IdimLs,
-            MethodName::IdimIv => Self::IdimIv,
-            MethodName::Didim => Self::Didim,
-        }
-    }
+/// The methods by their names, which the help and the completions list.
+fn method() -> impl TypedValueParser<Value = Method> {
+    PossibleValuesParser::new(Method::all().map(Method::name)).try_map(|name| name.parse::<Method>())
 }

@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use thetahat::{
-    campaign::{Campaign, CampaignRuns, Limits, Progress, Row, Store},
+    campaign::{Campaign, CampaignRuns, Progress, Row, Store, Subset},
     report,
 };
 
@@ -19,7 +19,7 @@ pub fn run(request: &arguments::Campaign) -> Result<Verdict, Box<dyn Error>> {
     }
     let campaign = Campaign::read(&request.campaign)?;
     let store = request.out.as_ref().map(|directory| Store::open(directory, &campaign)).transpose()?;
-    let limits = Limits { starts: request.starts, seeds: request.seeds };
+    let limits = Subset { starts: request.starts, seeds: request.seeds };
     let mut counter = Counter::new("records");
     let mut tell = |Progress { before, done, to_do }| {
         counter.tell(done, to_do, if before > 0 { format!("{before} there before, ") } else { String::new() });

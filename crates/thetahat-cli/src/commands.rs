@@ -167,7 +167,7 @@ fn predict_torques(request: &Predict) -> Result<Verdict, Box<dyn Error>> {
         recording: request.recording.clone(),
         torque: request.torque.clone(),
         case: request.case.clone(),
-        method: request.method.map(Into::into),
+        method: request.method,
     })?;
     print(&report::prediction_text(&prediction))?;
     if let Some(path) = &request.out {

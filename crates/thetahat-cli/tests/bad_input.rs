@@ -9,6 +9,10 @@ use std::{
     process::{Command, Output},
 };
 
+use thetahat_testing::{Folder, run, succeeded};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_thetahat");
+
 const ROBOT: &str = r#"
 name = "slider"
 
@@ -78,17 +82,15 @@ fn record() -> String {
     format!("t,q1,tau1\n{}", (0..SAMPLES).map(row).collect::<String>())
 }
 
-/// A folder with a case, removed with it.
+/// A folder with a case.
 struct Case {
-    folder: PathBuf,
+    folder: Folder,
 }
 
 impl Case {
-    /// The valid case. `name` is that of the test, so that tests do not meet in one folder.
-    fn valid(name: &str) -> Self {
-        let folder = std::env::temp_dir().join(format!("thetahat-bad-input-{}-{name}", std::process::id()));
-        fs::create_dir_all(&folder).unwrap();
-        let case = Self { folder };
+    /// The valid case.
+    fn valid() -> Self {
+        let case = Self { folder: Folder::new() };
         case.write("robot.toml", ROBOT);
         case.write("experiment.toml", EXPERIMENT);
         case.write("record.csv", &record());
@@ -96,22 +98,20 @@ impl Case {
     }
 
     fn path(&self, file: &str) -> PathBuf {
-        self.folder.join(file)
+        self.folder.at(file)
     }
 
     fn write(&self, file: &str, text: &str) {
-        fs::write(self.path(file), text).unwrap();
+        self.folder.write(file, text);
     }
 
     fn read(&self, file: &str) -> String {
-        fs::read_to_string(self.path(file)).unwrap()
+        self.folder.text(file)
     }
 
     /// Puts a defect into a file.
     fn with(self, file: &str, from: &str, to: &str) -> Self {
-        let text = self.read(file);
-        assert!(text.contains(from), "{file} holds no {from:?}");
-        self.write(file, &text.replacen(from, to, 1));
+        self.folder.replace(file, from, to, file);
         self
     }
 
@@ -130,7 +130,7 @@ impl Case {
     }
 
     fn run(&self, arguments: &[&str]) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_thetahat")).current_dir(&self.folder).args(arguments).output().unwrap()
+        run(PROGRAM, self.folder.path(), arguments.iter().copied())
     }
 
     fn identify(&self) -> Output {
@@ -151,15 +151,8 @@ impl Case {
     }
 }
 
-impl Drop for Case {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.folder);
-    }
-}
-
 fn refused(output: &Output, words: &[&str]) {
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{message}");
+    let message = thetahat_testing::refused(output);
     for word in words {
         assert!(message.contains(word), "no {word:?} in: {message}");
     }
@@ -173,8 +166,7 @@ fn is_missing_or_empty(folder: &Path) -> bool {
 }
 
 fn is_identified(case: &Case) {
-    let output = case.identify();
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    succeeded(&case.identify());
     for file in ["results.json", "parameters.csv", "report.html"] {
         assert!(case.path("out").join(file).is_file(), "{file}");
     }
@@ -184,7 +176,7 @@ fn is_identified(case: &Case) {
 
 #[test]
 fn the_valid_case_is_identified() {
-    let case = Case::valid("valid");
+    let case = Case::valid();
     is_identified(&case);
     let parameters = case.read("out/parameters.csv");
     let mass = parameters.lines().find(|l| l.contains(",m1r,")).unwrap();
@@ -194,17 +186,16 @@ fn the_valid_case_is_identified() {
 
 #[test]
 fn a_byte_order_mark_and_carriage_returns_do_no_harm() {
-    let case = Case::valid("bom");
+    let case = Case::valid();
     case.write("record.csv", &format!("\u{feff}{}", record().replace('\n', "\r\n")));
     is_identified(&case);
 }
 
 #[test]
 fn a_reader_that_has_gone_away_does_not_stop_the_files() {
-    let case = Case::valid("pipe");
-    let program = env!("CARGO_BIN_EXE_thetahat");
-    let mut child = Command::new(program)
-        .current_dir(&case.folder)
+    let case = Case::valid();
+    let mut child = Command::new(PROGRAM)
+        .current_dir(case.folder.path())
         .args(["identify", "experiment.toml", "--out", "out"])
         .stdout(std::process::Stdio::piped())
         .spawn()
@@ -218,18 +209,18 @@ fn a_reader_that_has_gone_away_does_not_stop_the_files() {
 
 #[test]
 fn missing_data_file() {
-    Case::valid("missing-data").experiment("record.csv", "absent.csv").is_refused(&["absent.csv", "no such file"]);
+    Case::valid().experiment("record.csv", "absent.csv").is_refused(&["absent.csv", "no such file"]);
 }
 
 #[test]
 fn missing_data_folder() {
-    let case = Case::valid("missing-folder");
+    let case = Case::valid();
     refused(&case.run(&["identify", "experiment.toml", "--data", "absent"]), &["absent", "record.csv", "no such file"]);
 }
 
 #[test]
 fn missing_column() {
-    Case::valid("missing-column").experiment("\"tau1\"", "\"tau7\"").is_refused(&[
+    Case::valid().experiment("\"tau1\"", "\"tau7\"").is_refused(&[
         "record.csv",
         "\"tau7\"",
         "the columns are \"t\", \"q1\", \"tau1\"",
@@ -238,15 +229,17 @@ fn missing_column() {
 
 #[test]
 fn doubled_column() {
-    Case::valid("doubled-column")
-        .with("record.csv", "t,q1,tau1", "t,q1,q1")
-        .experiment("\"tau1\"", "\"q1\"")
-        .is_refused(&["record.csv", "\"q1\"", "2 times", "line 1"]);
+    Case::valid().with("record.csv", "t,q1,tau1", "t,q1,q1").experiment("\"tau1\"", "\"q1\"").is_refused(&[
+        "record.csv",
+        "\"q1\"",
+        "2 times",
+        "line 1",
+    ]);
 }
 
 #[test]
 fn nan_in_the_data() {
-    Case::valid("nan").record_line(40, |l| l.rsplit_once(',').unwrap().0.to_owned() + ",NaN").is_refused(&[
+    Case::valid().record_line(40, |l| l.rsplit_once(',').unwrap().0.to_owned() + ",NaN").is_refused(&[
         "record.csv",
         "line 40",
         "\"tau1\"",
@@ -257,7 +250,7 @@ fn nan_in_the_data() {
 
 #[test]
 fn text_instead_of_a_number() {
-    Case::valid("text").record_line(41, |l| l.rsplit_once(',').unwrap().0.to_owned() + ",fault").is_refused(&[
+    Case::valid().record_line(41, |l| l.rsplit_once(',').unwrap().0.to_owned() + ",fault").is_refused(&[
         "record.csv",
         "line 41",
         "\"tau1\"",
@@ -268,7 +261,7 @@ fn text_instead_of_a_number() {
 
 #[test]
 fn decimal_commas() {
-    Case::valid("comma").record_line(2, |_| "0,0,0,0,0,0".to_owned()).is_refused(&[
+    Case::valid().record_line(2, |_| "0,0,0,0,0,0".to_owned()).is_refused(&[
         "record.csv",
         "line 2",
         "expected 3 values",
@@ -278,7 +271,7 @@ fn decimal_commas() {
 
 #[test]
 fn positions_and_torques_of_different_length() {
-    let case = Case::valid("rows").experiment("torque = { file = \"record.csv\"", "torque = { file = \"torque.csv\"");
+    let case = Case::valid().experiment("torque = { file = \"record.csv\"", "torque = { file = \"torque.csv\"");
     let lines: Vec<String> = record().lines().take(SAMPLES - 4).map(str::to_owned).collect();
     case.write("torque.csv", &(lines.join("\n") + "\n"));
     case.is_refused(&["record.csv", "torque.csv", "3400 samples", "3395"]);
@@ -286,21 +279,21 @@ fn positions_and_torques_of_different_length() {
 
 #[test]
 fn one_row() {
-    let case = Case::valid("one-row");
+    let case = Case::valid();
     case.write("record.csv", "t,q1,tau1\n0,0,1\n");
     case.is_refused(&["experiment.toml", "[signal]", "cutoff_hz", "periods in the record"]);
 }
 
 #[test]
 fn no_rows() {
-    let case = Case::valid("no-rows");
+    let case = Case::valid();
     case.write("record.csv", "t,q1,tau1\n");
     case.is_refused(&["record.csv", "at least one sample"]);
 }
 
 #[test]
 fn a_recording_without_motion() {
-    let case = Case::valid("still");
+    let case = Case::valid();
     let rows: String = (0..SAMPLES).map(|k| format!("{:.3},0.1,2\n", k as f64 * STEP_S)).collect();
     case.write("record.csv", &format!("t,q1,tau1\n{rows}"));
     case.is_refused(&["experiment.toml", "nothing moves", "peak velocity"]);
@@ -308,7 +301,7 @@ fn a_recording_without_motion() {
 
 #[test]
 fn torques_that_were_not_recorded() {
-    let case = Case::valid("zero-torque");
+    let case = Case::valid();
     let rows: String = (0..SAMPLES).map(|k| format!("0,{},0\n", motion(k as f64 * STEP_S)[0])).collect();
     case.write("record.csv", &format!("t,q1,tau1\n{rows}"));
     case.is_refused(&["record.csv", "torque is zero at every sample"]);
@@ -316,12 +309,12 @@ fn torques_that_were_not_recorded() {
 
 #[test]
 fn a_file_of_another_format() {
-    Case::valid("format").experiment("record.csv", "record.xlsx").is_refused(&["record.xlsx", ".csv or .mat", "xlsx"]);
+    Case::valid().experiment("record.csv", "record.xlsx").is_refused(&["record.xlsx", ".csv or .mat", "xlsx"]);
 }
 
 #[test]
 fn a_mat_file_that_is_none() {
-    let case = Case::valid("mat").experiment("record.csv", "record.mat");
+    let case = Case::valid().experiment("record.csv", "record.mat");
     case.write("record.mat", &record());
     case.is_refused(&["record.mat", "MAT file of version 5", "save -v7"]);
 }
@@ -332,12 +325,12 @@ const TIME: &str = "time = { file = \"record.csv\", columns = [\"t\"], unit = \"
 
 #[test]
 fn a_time_column_gives_the_rate() {
-    is_identified(&Case::valid("time").experiment("sample_rate_hz = 1000", TIME));
+    is_identified(&Case::valid().experiment("sample_rate_hz = 1000", TIME));
 }
 
 #[test]
 fn time_that_goes_back() {
-    Case::valid("time-back")
+    Case::valid()
         .experiment("sample_rate_hz = 1000", TIME)
         .record_line(100, |l| format!("0.01,{}", l.split_once(',').unwrap().1))
         .is_refused(&["record.csv", "\"t\"", "sample 98", "later than 0.097 s", "found 0.01 s"]);
@@ -345,14 +338,17 @@ fn time_that_goes_back() {
 
 #[test]
 fn sample_rate_and_time() {
-    Case::valid("rate-and-time")
-        .experiment("sample_rate_hz = 1000", &format!("sample_rate_hz = 1000\n{TIME}"))
-        .is_refused(&["experiment.toml", "sample_rate_hz", "time", "either"]);
+    Case::valid().experiment("sample_rate_hz = 1000", &format!("sample_rate_hz = 1000\n{TIME}")).is_refused(&[
+        "experiment.toml",
+        "sample_rate_hz",
+        "time",
+        "either",
+    ]);
 }
 
 #[test]
 fn neither_sample_rate_nor_time() {
-    Case::valid("no-rate").experiment("sample_rate_hz = 1000", "").is_refused(&[
+    Case::valid().experiment("sample_rate_hz = 1000", "").is_refused(&[
         "experiment.toml",
         "sample_rate_hz",
         "time",
@@ -362,14 +358,14 @@ fn neither_sample_rate_nor_time() {
 
 #[test]
 fn time_of_another_record() {
-    let case = Case::valid("other-time").experiment("sample_rate_hz = 1000", &TIME.replace("record", "time"));
+    let case = Case::valid().experiment("sample_rate_hz = 1000", &TIME.replace("record", "time"));
     case.write("time.csv", "t\n0\n0.001\n0.002\n");
     case.is_refused(&["record.csv", "time.csv", "3400 samples", "has 3"]);
 }
 
 #[test]
 fn several_columns_of_time() {
-    Case::valid("times").experiment("sample_rate_hz = 1000", &TIME.replace("[\"t\"]", "[]")).is_refused(&[
+    Case::valid().experiment("sample_rate_hz = 1000", &TIME.replace("[\"t\"]", "[]")).is_refused(&[
         "record.csv",
         "one channel of time",
         "found 3",
@@ -380,7 +376,7 @@ fn several_columns_of_time() {
 
 #[test]
 fn unknown_unit() {
-    Case::valid("unit").experiment("unit = \"N\"", "unit = \"Nm\"").is_refused(&[
+    Case::valid().experiment("unit = \"N\"", "unit = \"Nm\"").is_refused(&[
         "experiment.toml",
         "line 8",
         "Nm",
@@ -390,7 +386,7 @@ fn unknown_unit() {
 
 #[test]
 fn position_of_a_slide_as_an_angle() {
-    Case::valid("angle").experiment("unit = \"m\"", "unit = \"rad\"").is_refused(&[
+    Case::valid().experiment("unit = \"m\"", "unit = \"rad\"").is_refused(&[
         "record.csv",
         "position is a length",
         "\"rad\"",
@@ -400,7 +396,7 @@ fn position_of_a_slide_as_an_angle() {
 
 #[test]
 fn more_columns_than_joints() {
-    Case::valid("columns").experiment("[\"q1\"]", "[\"q1\", \"t\"]").is_refused(&[
+    Case::valid().experiment("[\"q1\"]", "[\"q1\", \"t\"]").is_refused(&[
         "record.csv",
         "number of channels is 2",
         "expected 1",
@@ -410,7 +406,7 @@ fn more_columns_than_joints() {
 
 #[test]
 fn more_joints_than_columns() {
-    Case::valid("joints")
+    Case::valid()
         .with("robot.toml", "[transmission]", "[[joint]]\nname = \"second\"\nkind = \"prismatic\"\n[transmission]")
         .with("robot.toml", "[[1]]", "[[1, 0], [0, 1]]")
         .is_refused(&["record.csv", "number of channels is 1", "expected 2"]);
@@ -420,12 +416,12 @@ fn more_joints_than_columns() {
 
 #[test]
 fn missing_robot_file() {
-    Case::valid("robot").experiment("robot.toml", "absent.toml").is_refused(&["absent.toml", "cannot be read"]);
+    Case::valid().experiment("robot.toml", "absent.toml").is_refused(&["absent.toml", "cannot be read"]);
 }
 
 #[test]
 fn a_singular_coupling_matrix() {
-    Case::valid("singular").with("robot.toml", "[[1]]", "[[0]]").is_refused(&[
+    Case::valid().with("robot.toml", "[[1]]", "[[0]]").is_refused(&[
         "robot.toml",
         "line 10",
         "matrix is singular",
@@ -435,12 +431,12 @@ fn a_singular_coupling_matrix() {
 
 #[test]
 fn a_coupling_matrix_that_is_not_finite() {
-    Case::valid("matrix").with("robot.toml", "[[1]]", "[[inf]]").is_refused(&["robot.toml", "[transmission]", "inf"]);
+    Case::valid().with("robot.toml", "[[1]]", "[[inf]]").is_refused(&["robot.toml", "[transmission]", "inf"]);
 }
 
 #[test]
 fn an_offset_in_degrees_of_a_slide() {
-    Case::valid("offset").with("robot.toml", "[[1]]", "[[1]]\noffset_deg = [90]").is_refused(&[
+    Case::valid().with("robot.toml", "[[1]]", "[[1]]\noffset_deg = [90]").is_refused(&[
         "robot.toml",
         "offset_deg",
         "offset_m",
@@ -449,7 +445,7 @@ fn an_offset_in_degrees_of_a_slide() {
 
 #[test]
 fn parents_in_a_cycle() {
-    Case::valid("cycle").with("robot.toml", "alpha_deg = 90", "parent = \"slide\"").is_refused(&[
+    Case::valid().with("robot.toml", "alpha_deg = 90", "parent = \"slide\"").is_refused(&[
         "robot.toml",
         "line 4",
         "cycle",
@@ -459,14 +455,14 @@ fn parents_in_a_cycle() {
 
 #[test]
 fn two_joints_of_one_name() {
-    Case::valid("names")
+    Case::valid()
         .with("robot.toml", "[transmission]", "[[joint]]\nname = \"slide\"\nkind = \"prismatic\"\n[transmission]")
         .is_refused(&["robot.toml", "line 9", "`slide`", "name of another joint"]);
 }
 
 #[test]
 fn an_unknown_a_priori_parameter() {
-    Case::valid("a-priori").with("robot.toml", "m1 = 10", "mass = 10").is_refused(&[
+    Case::valid().with("robot.toml", "m1 = 10", "mass = 10").is_refused(&[
         "robot.toml",
         "[parameters] mass",
         "joint 1 has",
@@ -478,14 +474,14 @@ fn an_unknown_a_priori_parameter() {
 
 #[test]
 fn missing_experiment_file() {
-    let case = Case::valid("experiment");
+    let case = Case::valid();
     refused(&case.run(&["identify", "absent.toml", "--out", "out"]), &["absent.toml", "cannot be read"]);
     assert!(is_missing_or_empty(&case.path("out")));
 }
 
 #[test]
 fn an_unknown_key() {
-    Case::valid("key").experiment("cutoff_hz", "cutof_hz").is_refused(&[
+    Case::valid().experiment("cutoff_hz", "cutof_hz").is_refused(&[
         "experiment.toml",
         "line 11",
         "cutof_hz",
@@ -495,7 +491,7 @@ fn an_unknown_key() {
 
 #[test]
 fn an_unknown_method() {
-    Case::valid("method").experiment("idim-ls", "idim-wls").is_refused(&[
+    Case::valid().experiment("idim-ls", "idim-wls").is_refused(&[
         "experiment.toml",
         "line 18",
         "idim-wls",
@@ -506,7 +502,7 @@ fn an_unknown_method() {
 
 #[test]
 fn a_method_listed_twice() {
-    Case::valid("methods").experiment("[\"idim-ls\"]", "[\"idim-ls\", \"idim-ls\"]").is_refused(&[
+    Case::valid().experiment("[\"idim-ls\"]", "[\"idim-ls\", \"idim-ls\"]").is_refused(&[
         "experiment.toml",
         "methods",
         "idim-ls twice",
@@ -515,12 +511,12 @@ fn a_method_listed_twice() {
 
 #[test]
 fn no_method() {
-    Case::valid("no-method").experiment("[\"idim-ls\"]", "[]").is_refused(&["experiment.toml", "methods", "empty"]);
+    Case::valid().experiment("[\"idim-ls\"]", "[]").is_refused(&["experiment.toml", "methods", "empty"]);
 }
 
 #[test]
 fn no_controller_for_instrumental_variables() {
-    Case::valid("controller").experiment("idim-ls", "idim-iv").is_refused(&[
+    Case::valid().experiment("idim-ls", "idim-iv").is_refused(&[
         "experiment.toml",
         "[controller] is missing",
         "idim-iv",
@@ -529,7 +525,7 @@ fn no_controller_for_instrumental_variables() {
 
 #[test]
 fn a_cut_off_above_nyquist() {
-    Case::valid("nyquist").experiment("cutoff_hz = 50", "cutoff_hz = 600").is_refused(&[
+    Case::valid().experiment("cutoff_hz = 50", "cutoff_hz = 600").is_refused(&[
         "experiment.toml",
         "[signal]",
         "600 Hz",
@@ -541,15 +537,18 @@ fn a_cut_off_above_nyquist() {
 #[test]
 fn a_cut_off_that_is_no_number() {
     for (found, word) in [("nan", "NaN"), ("inf", "inf"), ("0", "0"), ("-5", "-5")] {
-        Case::valid(&format!("cutoff{found}"))
-            .experiment("cutoff_hz = 50", &format!("cutoff_hz = {found}"))
-            .is_refused(&["experiment.toml", "[signal] cutoff_hz", word, "above zero"]);
+        Case::valid().experiment("cutoff_hz = 50", &format!("cutoff_hz = {found}")).is_refused(&[
+            "experiment.toml",
+            "[signal] cutoff_hz",
+            word,
+            "above zero",
+        ]);
     }
 }
 
 #[test]
 fn a_cut_off_slower_than_the_record() {
-    Case::valid("slow").experiment("cutoff_hz = 50", "cutoff_hz = 1e-9").is_refused(&[
+    Case::valid().experiment("cutoff_hz = 50", "cutoff_hz = 1e-9").is_refused(&[
         "experiment.toml",
         "[signal] cutoff_hz",
         "at least",
@@ -560,24 +559,30 @@ fn a_cut_off_slower_than_the_record() {
 #[test]
 fn a_filter_of_no_or_absurd_order() {
     for order in ["0", "50", "1000000000"] {
-        Case::valid(&format!("order{order}"))
-            .experiment("cutoff_hz", &format!("filter_order = {order}\ncutoff_hz"))
-            .is_refused(&["experiment.toml", "[signal] filter_order", order, "from 1 to 20"]);
+        Case::valid().experiment("cutoff_hz", &format!("filter_order = {order}\ncutoff_hz")).is_refused(&[
+            "experiment.toml",
+            "[signal] filter_order",
+            order,
+            "from 1 to 20",
+        ]);
     }
 }
 
 #[test]
 fn a_decimation_that_leaves_too_few_rows() {
     for factor in ["1000", "1000000000000000000"] {
-        Case::valid(&format!("decimation{factor}"))
-            .experiment("decimation = 10", &format!("decimation = {factor}"))
-            .is_refused(&["experiment.toml", "[signal] decimation", factor, "rows are left for 4 parameters"]);
+        Case::valid().experiment("decimation = 10", &format!("decimation = {factor}")).is_refused(&[
+            "experiment.toml",
+            "[signal] decimation",
+            factor,
+            "rows are left for 4 parameters",
+        ]);
     }
 }
 
 #[test]
 fn a_window_beyond_the_record() {
-    Case::valid("window").experiment("[parameters]", "window_end_s = 9\n[parameters]").is_refused(&[
+    Case::valid().experiment("[parameters]", "window_end_s = 9\n[parameters]").is_refused(&[
         "experiment.toml",
         "window_end_s",
         "9 s",
@@ -587,14 +592,16 @@ fn a_window_beyond_the_record() {
 
 #[test]
 fn a_window_that_ends_before_it_starts() {
-    Case::valid("window-order")
-        .experiment("[parameters]", "window_start_s = 2\nwindow_end_s = 1\n[parameters]")
-        .is_refused(&["experiment.toml", "window_end_s", "later than window_start_s"]);
+    Case::valid().experiment("[parameters]", "window_start_s = 2\nwindow_end_s = 1\n[parameters]").is_refused(&[
+        "experiment.toml",
+        "window_end_s",
+        "later than window_start_s",
+    ]);
 }
 
 #[test]
 fn an_unknown_parameter_to_estimate() {
-    Case::valid("estimate").experiment("\"base\"", "[\"m1r\", \"fv7\"]").is_refused(&[
+    Case::valid().experiment("\"base\"", "[\"m1r\", \"fv7\"]").is_refused(&[
         "experiment.toml",
         "[parameters]",
         "`fv7`",
@@ -604,7 +611,7 @@ fn an_unknown_parameter_to_estimate() {
 
 #[test]
 fn a_choice_of_parameters_that_is_none() {
-    Case::valid("choice").experiment("\"base\"", "\"basic\"").is_refused(&[
+    Case::valid().experiment("\"base\"", "\"basic\"").is_refused(&[
         "experiment.toml",
         "line 15",
         "\"base\"",
@@ -615,12 +622,12 @@ fn a_choice_of_parameters_that_is_none() {
 
 #[test]
 fn no_parameter_to_estimate() {
-    Case::valid("empty").experiment("\"base\"", "[]").is_refused(&["experiment.toml", "estimate", "empty"]);
+    Case::valid().experiment("\"base\"", "[]").is_refused(&["experiment.toml", "estimate", "empty"]);
 }
 
 #[test]
 fn an_unknown_parameter_to_show() {
-    Case::valid("show").experiment("estimate = \"base\"", "show = [\"fv7\"]").is_refused(&[
+    Case::valid().experiment("estimate = \"base\"", "show = [\"fv7\"]").is_refused(&[
         "experiment.toml",
         "[parameters]",
         "`fv7`",
@@ -630,7 +637,7 @@ fn an_unknown_parameter_to_show() {
 
 #[test]
 fn an_unknown_parameter_to_exclude() {
-    Case::valid("exclude").experiment("estimate = \"base\"", "exclude = [\"fv7\"]").is_refused(&[
+    Case::valid().experiment("estimate = \"base\"", "exclude = [\"fv7\"]").is_refused(&[
         "experiment.toml",
         "[parameters]",
         "`fv7`",
@@ -640,7 +647,7 @@ fn an_unknown_parameter_to_exclude() {
 
 #[test]
 fn every_parameter_excluded() {
-    Case::valid("all")
+    Case::valid()
         .experiment("estimate = \"base\"", "exclude = [\"m1\", \"ia1\", \"fv1\", \"fc1\", \"off1\"]")
         .is_refused(&["experiment.toml", "[parameters]", "exclude", "leaves no parameter"]);
 }
@@ -648,7 +655,7 @@ fn every_parameter_excluded() {
 #[test]
 fn two_cases_of_one_name() {
     let case = "[[case]]\nname = \"other\"\n";
-    Case::valid("cases").experiment("[parameters]", &format!("{case}{case}[parameters]")).is_refused(&[
+    Case::valid().experiment("[parameters]", &format!("{case}{case}[parameters]")).is_refused(&[
         "experiment.toml",
         "[[case]] name",
         "other",
@@ -671,8 +678,8 @@ bandwidth_hz = [20]
 
 [signal]"#;
 
-fn twin(name: &str) -> Case {
-    let case = Case::valid(name);
+fn twin() -> Case {
+    let case = Case::valid();
     let (before, recording) = EXPERIMENT.split_once("[recording]").unwrap();
     let after = recording.split_once("[signal]").unwrap().1;
     case.write("experiment.toml", &format!("{before}{TWIN}{after}"));
@@ -681,12 +688,12 @@ fn twin(name: &str) -> Case {
 
 #[test]
 fn a_twin_is_identified() {
-    is_identified(&twin("twin"));
+    is_identified(&twin());
 }
 
 #[test]
 fn a_twin_without_a_controller() {
-    twin("twin-controller").experiment("[controller]\nlaw = \"pd\"\nbandwidth_hz = [20]", "").is_refused(&[
+    twin().experiment("[controller]\nlaw = \"pd\"\nbandwidth_hz = [20]", "").is_refused(&[
         "experiment.toml",
         "[controller] is missing",
         "twin",
@@ -705,18 +712,18 @@ fn a_twin_with_numbers_that_are_none() {
         ("sample_rate_hz = 1000", "sample_rate_hz = 1e-9", "[twin] duration of the moves times sample_rate_hz"),
         ("[200]", "[1e15]", "[twin] duration of the moves times sample_rate_hz"),
     ] {
-        twin("twin-numbers").experiment(from, to).is_refused(&["experiment.toml", key, "expected"]);
+        twin().experiment(from, to).is_refused(&["experiment.toml", key, "expected"]);
     }
 }
 
 #[test]
 fn a_twin_that_cannot_be_simulated() {
-    twin("twin-stiff").experiment("[20]", "[1e9]").is_refused(&["experiment.toml", "[twin]", "too stiff", "bandwidth"]);
+    twin().experiment("[20]", "[1e9]").is_refused(&["experiment.toml", "[twin]", "too stiff", "bandwidth"]);
 }
 
 #[test]
 fn recording_and_twin() {
-    let case = twin("both");
+    let case = twin();
     let recording = EXPERIMENT.split_once("[recording]").unwrap().1.split_once("[signal]").unwrap().0;
     case.experiment("[signal]", &format!("[recording]{recording}[signal]")).is_refused(&[
         "experiment.toml",
@@ -727,14 +734,14 @@ fn recording_and_twin() {
 
 #[test]
 fn a_missing_table_of_published_figures() {
-    Case::valid("published")
+    Case::valid()
         .experiment("[recording]", "published = \"absent.csv\"\n[recording]")
         .is_refused(&["absent.csv", "cannot be read"]);
 }
 
 #[test]
 fn a_malformed_table_of_published_figures() {
-    let case = Case::valid("table").experiment("[recording]", "published = \"table.csv\"\n[recording]");
+    let case = Case::valid().experiment("[recording]", "published = \"table.csv\"\n[recording]");
     let header = "case,method,parameter,estimate,relative_standard_deviation_percent";
     case.write("table.csv", &format!("{header}\nnominal,idim-ls,m1r,twenty,\n"));
     case.is_refused(&["table.csv", "line 2", "expected a number", "twenty"]);
@@ -744,7 +751,7 @@ fn a_malformed_table_of_published_figures() {
 
 #[test]
 fn a_joint_that_does_not_move_is_named() {
-    let case = Case::valid("constant")
+    let case = Case::valid()
         .with("robot.toml", "[transmission]", "[[joint]]\nname = \"second\"\nkind = \"prismatic\"\n[transmission]")
         .with("robot.toml", "[[1]]", "[[1, 0], [0, 1]]")
         .experiment("[\"q1\"]", "[\"q1\", \"q2\"]")
@@ -765,7 +772,7 @@ fn a_joint_that_does_not_move_is_named() {
 fn essential_parameters_are_validated_on_another_recording() {
     let recording = EXPERIMENT.split_once("[recording]").unwrap().1.split_once("[signal]").unwrap().0;
     let validation = format!("[validation]{}[signal]", recording.replace("record.csv", "other.csv"));
-    let case = Case::valid("essential").experiment("\"base\"", "\"essential\"").experiment("[signal]", &validation);
+    let case = Case::valid().experiment("\"base\"", "\"essential\"").experiment("[signal]", &validation);
     let row = |k: usize| {
         let [q, _, a] = motion(k as f64 * STEP_S);
         format!("0,{q},{}\n", TRUTH[0] * a + 9.0 * (78.233 * k as f64).sin())
@@ -778,7 +785,7 @@ fn essential_parameters_are_validated_on_another_recording() {
 /// A locked joint without torque has no relative error, and its results can still be read.
 #[test]
 fn results_with_a_locked_joint_are_predicted_from() {
-    let case = Case::valid("locked")
+    let case = Case::valid()
         .with("robot.toml", "[transmission]", "[[joint]]\nname = \"second\"\nkind = \"prismatic\"\n[transmission]")
         .with("robot.toml", "[[1]]", "[[1, 0], [0, 1]]")
         .experiment("\"base\"", "[\"fv1\", \"fc1\", \"off1\"]")
@@ -796,7 +803,7 @@ fn results_with_a_locked_joint_are_predicted_from() {
 
 #[test]
 fn an_output_folder_that_is_a_file() {
-    let case = Case::valid("out-file");
+    let case = Case::valid();
     case.write("out", "kept");
     refused(&case.identify(), &["out", "expected a folder, found a file"]);
     assert_eq!(case.read("out"), "kept");
@@ -804,7 +811,7 @@ fn an_output_folder_that_is_a_file() {
 
 #[test]
 fn an_output_folder_below_a_file() {
-    let case = Case::valid("out-below");
+    let case = Case::valid();
     let output = case.run(&["identify", "experiment.toml", "--out", "robot.toml/out"]);
     refused(&output, &["robot.toml", "expected a folder, found a file"]);
 }
@@ -813,7 +820,7 @@ fn an_output_folder_below_a_file() {
 
 #[test]
 fn results_are_predicted_from() {
-    let case = Case::valid("predict");
+    let case = Case::valid();
     is_identified(&case);
     let output = case.run(&["predict", "out/results.json", "--recording", "record.csv", "--out", "prediction.csv"]);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
@@ -822,7 +829,7 @@ fn results_are_predicted_from() {
 
 #[test]
 fn results_that_are_none() {
-    let case = Case::valid("results");
+    let case = Case::valid();
     fs::create_dir(case.path("out")).unwrap();
     for text in ["{}", "t,q1\n", ""] {
         case.write("out/results.json", text);
@@ -832,13 +839,13 @@ fn results_that_are_none() {
 
 #[test]
 fn missing_results() {
-    let case = Case::valid("no-results");
+    let case = Case::valid();
     case.prediction_is_refused(&["--recording", "record.csv"], &["out/results.json", "cannot be read"]);
 }
 
 #[test]
 fn a_case_and_a_method_without_results() {
-    let case = Case::valid("no-case");
+    let case = Case::valid();
     is_identified(&case);
     let recording = ["--recording", "record.csv"];
     case.prediction_is_refused(&[&recording[..], &["--case", "absent"]].concat(), &["absent", "nominal idim-ls"]);
@@ -848,14 +855,14 @@ fn a_case_and_a_method_without_results() {
 
 #[test]
 fn a_recording_to_predict_for_that_is_missing() {
-    let case = Case::valid("no-recording");
+    let case = Case::valid();
     is_identified(&case);
     case.prediction_is_refused(&["--recording", "absent.csv"], &["absent.csv", "no such file"]);
 }
 
 #[test]
 fn a_prediction_from_a_twin() {
-    let case = twin("twin-predict");
+    let case = twin();
     is_identified(&case);
     case.prediction_is_refused(&["--recording", "record.csv"], &["out/results.json", "[recording] is missing"]);
 }

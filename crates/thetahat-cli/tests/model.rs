@@ -1,10 +1,10 @@
 //! `thetahat model` on a small URDF: a turntable with a gripper whose second finger follows the first.
 
-use std::{
-    fs,
-    path::PathBuf,
-    process::{Command, Output},
-};
+use std::{fs, process::Output};
+
+use thetahat_testing::{Folder, project, refused, run, succeeded};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_thetahat");
 
 const GRIPPER: &str = r#"<robot name="gripper">
   <link name="base"/>
@@ -22,45 +22,32 @@ const GRIPPER: &str = r#"<robot name="gripper">
 </robot>
 "#;
 
-/// A folder with the robot, removed with it.
-struct Folder(PathBuf);
+/// A folder with the robot.
+struct Gripper(Folder);
 
-impl Folder {
-    fn new(test: &str) -> Self {
-        let folder = std::env::temp_dir().join(format!("thetahat-model-{}-{test}", std::process::id()));
-        fs::create_dir_all(&folder).unwrap();
-        fs::write(folder.join("gripper.urdf"), GRIPPER).unwrap();
+impl Gripper {
+    fn new() -> Self {
+        let folder = Folder::new();
+        folder.write("gripper.urdf", GRIPPER);
         Self(folder)
     }
 
-    fn write(&self, file: &str, text: &str) -> &Self {
-        fs::write(self.0.join(file), text).unwrap();
-        self
-    }
-
     fn run(&self, arguments: &[&str]) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_thetahat")).current_dir(&self.0).arg("model").args(arguments).output().unwrap()
+        run(PROGRAM, self.0.path(), [&["model"], arguments].concat())
     }
 
     /// What a run that ends well prints.
     fn text(&self, arguments: &[&str]) -> String {
         let output = self.run(arguments);
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        succeeded(&output);
         String::from_utf8(output.stdout).unwrap()
     }
 
     /// What a run says that ends with an error.
     fn error(&self, arguments: &[&str]) -> String {
         let output = self.run(arguments);
-        assert_eq!(output.status.code(), Some(2));
         assert!(output.stdout.is_empty());
-        String::from_utf8(output.stderr).unwrap()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
+        refused(&output)
     }
 }
 
@@ -70,7 +57,7 @@ fn has(text: &str, words: &[&str]) {
 
 #[test]
 fn the_text_shows_structure_parameters_and_formulas() {
-    let text = Folder::new("text").text(&["gripper.urdf"]);
+    let text = Gripper::new().text(&["gripper.urdf"]);
     has(&text, &["gripper.urdf (URDF)", "2, 1 of 3 joints following others", "0 0 -9.81 m/s^2"]);
     has(&text, &["-85.94..85.94 deg", "114.6 deg/s", "30 N m", "-1 q2 + 0.05 m"]);
     has(&text, &["motor positions per joint positions: 80 1", "Standard parameters: 42"]);
@@ -83,7 +70,7 @@ fn the_text_shows_structure_parameters_and_formulas() {
 
 #[test]
 fn the_json_says_the_same() {
-    let text = Folder::new("json").text(&["--json", "gripper.urdf"]);
+    let text = Gripper::new().text(&["--json", "gripper.urdf"]);
     let report: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert_eq!((&report["name"], &report["format"]), (&"gripper".into(), &"URDF".into()));
     let follower = &report["joints"][2];
@@ -103,18 +90,17 @@ fn the_json_says_the_same() {
 
 #[test]
 fn a_description_on_the_urdf_and_a_folder() {
-    let folder = Folder::new("folder");
-    folder.write("mine.toml", "name = \"my gripper\"\nurdf = \"gripper.urdf\"\n[parameters]\nia1 = 0.25\n");
-    let text = folder.text(&["mine.toml", "--data", folder.0.to_str().unwrap()]);
+    let gripper = Gripper::new();
+    gripper.0.write("mine.toml", "name = \"my gripper\"\nurdf = \"gripper.urdf\"\n[parameters]\nia1 = 0.25\n");
+    let text = gripper.text(&["mine.toml", "--data", gripper.0.path().to_str().unwrap()]);
     has(&text, &["my gripper", "(TOML on URDF)", "0.25"]);
 }
 
 #[test]
 fn the_built_in_robots_are_shown() {
-    let folder = Folder::new("robots");
-    let robots = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots");
-    for robot in fs::read_dir(robots).unwrap() {
-        let text = folder.text(&[robot.unwrap().path().to_str().unwrap()]);
+    let gripper = Gripper::new();
+    for robot in fs::read_dir(project("robots")).unwrap() {
+        let text = gripper.text(&[robot.unwrap().path().to_str().unwrap()]);
         has(&text, &["Structure\n", "revolute"][..1]);
         assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
     }
@@ -122,15 +108,15 @@ fn the_built_in_robots_are_shown() {
 
 #[test]
 fn what_cannot_be_used_is_refused_with_its_place() {
-    let folder = Folder::new("refused");
-    has(&folder.error(&["absent.urdf"]), &["absent.urdf", "cannot be read"]);
-    folder.write("bad.urdf", &GRIPPER.replace("<child link=\"left\"/>", "<child link=\"lef\"/>"));
+    let gripper = Gripper::new();
+    has(&gripper.error(&["absent.urdf"]), &["absent.urdf", "cannot be read"]);
+    gripper.0.write("bad.urdf", GRIPPER.replace("<child link=\"left\"/>", "<child link=\"lef\"/>"));
     has(
-        &folder.error(&["bad.urdf"]),
+        &gripper.error(&["bad.urdf"]),
         &["bad.urdf, line 9", "<child> of <joint name=\"finger_left\">", "is `left` meant"],
     );
-    folder.write("arm.xacro", &GRIPPER.replace("\"gripper\"", "\"${name}\""));
-    has(&folder.error(&["arm.xacro"]), &["xacro arm.xacro > robot.urdf"]);
-    folder.write("bad.toml", "urdf = \"gripper.urdf\"\n[parameters]\nzz9 = 1\n");
-    has(&folder.error(&["bad.toml", "--json"]), &["bad.toml", "zz9"]);
+    gripper.0.write("arm.xacro", GRIPPER.replace("\"gripper\"", "\"${name}\""));
+    has(&gripper.error(&["arm.xacro"]), &["xacro arm.xacro > robot.urdf"]);
+    gripper.0.write("bad.toml", "urdf = \"gripper.urdf\"\n[parameters]\nzz9 = 1\n");
+    has(&gripper.error(&["bad.toml", "--json"]), &["bad.toml", "zz9"]);
 }

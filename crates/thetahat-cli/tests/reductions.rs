@@ -1,13 +1,11 @@
 //! The commands `reduce` and `solve` on records of the two-joint arm.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-    process::{Command, Output},
-    sync::OnceLock,
-};
+use std::{fs, path::PathBuf, process::Output, sync::OnceLock};
 
 use serde_json::Value;
+use thetahat_testing::{Folder, run, shown};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_thetahat");
 
 /// Between ways to one estimate, in the larger of the estimate and its standard deviation.
 const EQUAL: f64 = 1e-9;
@@ -18,14 +16,12 @@ const EQUAL_STEPS: f64 = 1e-3;
 /// Times that a record is repeated to one of several pieces.
 const REPETITIONS: usize = 90;
 
-/// A folder of its own for each test, removed at its end.
-struct Folder(PathBuf);
+/// A folder with two records of the arm, an experiment for each, and one for both.
+struct Records(Folder);
 
-impl Folder {
-    /// With two records of the arm, an experiment for each, and one for both.
-    fn new(name: &str) -> Self {
-        let folder = Self(std::env::temp_dir().join(format!("thetahat-reductions-{name}-{}", std::process::id())));
-        fs::create_dir_all(&folder.0).unwrap();
+impl Records {
+    fn new() -> Self {
+        let folder = Self(Folder::new());
         folder.write("robot.toml", &project("robots/two_joint.toml"));
         let [a, b] = records();
         folder.write("a.csv", a);
@@ -37,33 +33,31 @@ impl Folder {
     }
 
     fn path(&self, file: &str) -> PathBuf {
-        self.0.join(file)
+        self.0.at(file)
     }
 
     fn write(&self, file: &str, text: &str) {
-        fs::write(self.path(file), text).unwrap();
+        self.0.write(file, text);
     }
 
     fn bytes(&self, file: &str) -> Vec<u8> {
-        fs::read(self.path(file)).unwrap()
+        self.0.bytes(file)
     }
 
     /// Writes a file with something changed.
     fn with(&self, file: &str, from: &str, to: &str, out: &str) {
-        let text = fs::read_to_string(self.path(file)).unwrap();
-        assert!(text.contains(from), "{file} holds no {from:?}");
-        self.write(out, &text.replacen(from, to, 1));
+        self.0.replace(file, from, to, out);
     }
 
     fn run(&self, arguments: &str) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_thetahat")).current_dir(&self.0).args(arguments.split(' ')).output().unwrap()
+        run(PROGRAM, self.0.path(), arguments.split(' '))
     }
 
     /// Runs a command that ends well, and says what it printed.
     fn succeeds(&self, arguments: &str) -> String {
         let output = self.run(arguments);
-        assert_eq!(output.status.code(), Some(0), "{arguments}: {}", text(&output));
-        text(&output)
+        assert_eq!(output.status.code(), Some(0), "{arguments}: {}", shown(&output));
+        shown(&output)
     }
 
     /// Runs a command that is refused with these words and leaves the folder as it was.
@@ -71,7 +65,7 @@ impl Folder {
         let before = self.files();
         let output = self.run(arguments);
         let message = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{arguments}: {}", text(&output));
+        assert_eq!(output.status.code(), Some(2), "{arguments}: {}", shown(&output));
         words.iter().for_each(|word| assert!(message.contains(word), "no {word:?} in: {message}"));
         ["panicked", "Some(", "Err("].iter().for_each(|w| assert!(!message.contains(w), "{w:?} in: {message}"));
         assert_eq!(self.files(), before, "{arguments}: something was written");
@@ -80,7 +74,7 @@ impl Folder {
     /// The names of all files, and those in folders.
     fn files(&self) -> Vec<PathBuf> {
         let mut found = Vec::new();
-        let mut folders = vec![self.0.clone()];
+        let mut folders = vec![self.0.path().to_owned()];
         while let Some(folder) = folders.pop() {
             for path in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
                 if path.is_dir() { folders.push(path) } else { found.push(path) }
@@ -92,7 +86,7 @@ impl Folder {
 
     /// The estimates in the results of a command.
     fn estimates(&self, out: &str, method: &str) -> Vec<Estimate> {
-        let results: Value = serde_json::from_slice(&self.bytes(&format!("{out}/results.json"))).unwrap();
+        let results = self.0.json(format!("{out}/results.json"));
         let runs = results["runs"].as_array().unwrap();
         let run = runs.iter().find(|r| r["method"] == method && r["case"] == "nominal").unwrap();
         assert_eq!(run["status"], "converged", "{run}");
@@ -100,28 +94,21 @@ impl Folder {
     }
 }
 
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
 fn project(file: &str) -> String {
-    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(file)).unwrap()
+    fs::read_to_string(thetahat_testing::project(file)).unwrap()
 }
 
 /// Two records of the twin with noise of their own, simulated once.
 fn records() -> &'static [String; 2] {
     static RECORDS: OnceLock<[String; 2]> = OnceLock::new();
     RECORDS.get_or_init(|| {
-        let folder = Folder(std::env::temp_dir().join(format!("thetahat-reductions-twin-{}", std::process::id())));
-        fs::create_dir_all(&folder.0).unwrap();
+        let folder = Records(Folder::new());
         folder.write("robot.toml", &project("robots/two_joint.toml"));
         let twin = project("experiments/two_joint.toml").replace("../robots/two_joint.toml", "robot.toml");
         [1, 2].map(|seed| {
             folder.write("twin.toml", &twin.replace("seed = 1", &format!("seed = {seed}")));
             folder.succeeds("simulate twin.toml --out record.csv");
-            fs::read_to_string(folder.path("record.csv")).unwrap()
+            folder.0.text("record.csv")
         })
     })
 }
@@ -174,13 +161,9 @@ fn assert_same(found: &[Estimate], expected: &[Estimate], tolerance: f64) {
     }
 }
 
-fn text(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
-}
-
 #[test]
 fn a_reduction_solved_is_the_identification() {
-    let folder = Folder::new("solved");
+    let folder = Records::new();
     folder.succeeds("identify a.toml --out identified");
     let told = folder.succeeds("reduce a.toml --out a.reduction");
     assert!(told.contains("1536 samples at 500") && told.contains("thetahat solve a.reduction"), "{told}");
@@ -194,7 +177,7 @@ fn a_reduction_solved_is_the_identification() {
 
 #[test]
 fn two_reductions_are_merged_in_any_order() {
-    let folder = Folder::new("merged");
+    let folder = Records::new();
     folder.succeeds("identify both.toml --out identified");
     folder.succeeds("reduce a.toml --out a.reduction");
     folder.succeeds("reduce b.toml --out b.reduction");
@@ -216,7 +199,7 @@ fn two_reductions_are_merged_in_any_order() {
 
 #[test]
 fn threads_change_no_byte() {
-    let folder = Folder::new("threads");
+    let folder = Records::new();
     // The arm ends where it began.
     let mut lines = records()[0].lines();
     let names = lines.next().unwrap().strip_prefix("time_s,").unwrap();
@@ -234,7 +217,7 @@ fn threads_change_no_byte() {
 /// Steps of `reduce` and `solve` until the estimates are those of their instruments.
 #[test]
 fn instruments_from_results_are_steps_of_iv() {
-    let folder = Folder::new("instruments");
+    let folder = Records::new();
     folder.succeeds("identify a.toml --out identified");
     folder.succeeds("reduce a.toml --out 0.reduction");
     folder.succeeds("solve 0.reduction --out 0");
@@ -246,10 +229,10 @@ fn instruments_from_results_are_steps_of_iv() {
         steps = next;
         match output.status.code() {
             Some(0) => break,
-            Some(1) => assert!(text(&output).contains("reduce again"), "{}", text(&output)),
-            _ => panic!("{}", text(&output)),
+            Some(1) => assert!(shown(&output).contains("reduce again"), "{}", shown(&output)),
+            _ => panic!("{}", shown(&output)),
         }
-        assert!(steps < 10, "{}", text(&output));
+        assert!(steps < 10, "{}", shown(&output));
     }
     let found = folder.estimates(&steps.to_string(), "idim-iv");
     let apart = found.iter().zip(folder.estimates("identified", "idim-iv")).map(|(f, e)| f.from(&e));
@@ -264,7 +247,7 @@ fn instruments_from_results_are_steps_of_iv() {
 
 #[test]
 fn a_file_that_is_no_reduction() {
-    let folder = Folder::new("none");
+    let folder = Records::new();
     folder.refuses("solve a.csv --out out", &["a.csv", "not a reduction", "run `thetahat reduce` again"]);
     folder.refuses("solve missing.reduction --out out", &["missing.reduction", "cannot be read"]);
     fs::create_dir(folder.path("folder")).unwrap();
@@ -273,7 +256,7 @@ fn a_file_that_is_no_reduction() {
 
 #[test]
 fn a_damaged_reduction() {
-    let folder = Folder::new("damaged");
+    let folder = Records::new();
     folder.succeeds("reduce a.toml --out a.reduction");
     let whole = folder.bytes("a.reduction");
     let again = "run `thetahat reduce` again";
@@ -292,7 +275,7 @@ fn a_damaged_reduction() {
 
 #[test]
 fn the_same_recording_twice() {
-    let folder = Folder::new("twice");
+    let folder = Records::new();
     folder.succeeds("reduce a.toml --out a.reduction");
     folder.succeeds("reduce b.toml --out b.reduction");
     fs::copy(folder.path("a.csv"), folder.path("copy.csv")).unwrap();
@@ -307,7 +290,7 @@ fn the_same_recording_twice() {
 
 #[test]
 fn reductions_of_other_robots_and_filters() {
-    let folder = Folder::new("unlike");
+    let folder = Records::new();
     folder.succeeds("reduce a.toml --out a.reduction");
     folder.with("robot.toml", "a_m = 0.4", "a_m = 0.5", "longer.toml");
     folder.with("robot.toml", "name = \"elbow\"", "name = \"wrist\"", "renamed.toml");
@@ -329,7 +312,7 @@ fn reductions_of_other_robots_and_filters() {
 
 #[test]
 fn reductions_with_and_without_instruments() {
-    let folder = Folder::new("with");
+    let folder = Records::new();
     folder.succeeds("reduce a.toml --out a.reduction");
     folder.succeeds("solve a.reduction --out first");
     folder.succeeds("reduce b.toml --instruments-from first/results.json --out b.reduction");
@@ -339,7 +322,7 @@ fn reductions_with_and_without_instruments() {
 
 #[test]
 fn places_where_no_file_can_be() {
-    let folder = Folder::new("places");
+    let folder = Records::new();
     folder.refuses("reduce a.toml --out none/a.reduction", &["none", "make it"]);
     folder.refuses("reduce a.toml --out .", &["folder", "the name of a file"]);
     folder.succeeds("reduce a.toml --out a.reduction");
@@ -351,7 +334,7 @@ fn places_where_no_file_can_be() {
 
 #[test]
 fn instruments_from_files_without_estimates() {
-    let folder = Folder::new("estimates");
+    let folder = Records::new();
     let of = |file: &str| format!("reduce a.toml --instruments-from {file} --out out");
     folder.refuses(&of("missing.json"), &["missing.json", "cannot be read"]);
     folder.write("text.json", "{}");
@@ -367,7 +350,7 @@ fn instruments_from_files_without_estimates() {
 
 #[test]
 fn a_bad_record_names_its_place() {
-    let folder = Folder::new("record");
+    let folder = Records::new();
     let line = records()[0].lines().nth(1000).unwrap().to_owned();
     folder.with("a.csv", &line, &line.replacen(',', ",x", 1), "a.csv");
     folder.refuses("reduce a.toml --out out", &["a.csv", "1001", "position_1"]);

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use divan::{Bencher, black_box};
 use thetahat::{dynamics::Sign, experiment::Experiment, series::Series, signal::Decimator};
-use tx40::{DDQ, DQ, Q, SIGN, Tx40};
+use tx40::{DDQ, Q, SIGN, Tx40, state};
 
 fn main() {
     divan::main();
@@ -21,7 +21,7 @@ fn inverse_dynamics(bencher: Bencher) {
     let Tx40 { model, parameters, mut workspace, .. } = tx40();
     let mut tau = [0.0; 6];
     bencher.bench_local(|| {
-        model.inverse_dynamics(&parameters, black_box(&Q), &DQ, &DDQ, SIGN, &mut workspace, &mut tau);
+        model.inverse_dynamics(&parameters, state(), &DDQ, SIGN, &mut workspace, &mut tau);
         tau
     });
 }
@@ -42,7 +42,7 @@ fn forward_dynamics(bencher: Bencher) {
     let mut ddq = [0.0; 6];
     bencher.bench_local(|| {
         let tau = black_box(&DDQ);
-        model.forward_dynamics(&parameters, &Q, &DQ, tau, SIGN, &mut workspace, &mut ddq).map(|()| ddq)
+        model.forward_dynamics(&parameters, state(), tau, SIGN, &mut workspace, &mut ddq).map(|()| ddq)
     });
 }
 
@@ -52,7 +52,7 @@ fn regressor(bencher: Bencher) {
     let Tx40 { model, mut workspace, regressor, .. } = tx40();
     let mut phi = vec![0.0; regressor.entries().len()];
     bencher.bench_local(|| {
-        regressor.evaluate(&model, black_box(&Q), &DQ, &DDQ, Sign::Exact, &mut workspace, &mut phi);
+        regressor.evaluate(&model, state(), &DDQ, Sign::Exact, &mut workspace, &mut phi);
         phi[0]
     });
 }

@@ -5,8 +5,9 @@
 use std::{error::Error, path::Path};
 
 use thetahat::{
-    experiment::{Experiment, Results, RunResult},
+    experiment::Experiment,
     identification::Method,
+    results::{Results, RunResult},
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -38,13 +39,13 @@ fn windows_and_cutoffs(experiment: &Experiment, data: &Path) -> Result<(), Box<d
     ];
     for (start, end, cutoff_hz) in settings {
         let mut experiment = experiment.clone();
-        experiment.file.case.clear();
-        experiment.file.estimation.methods = vec![Method::IdimLs, Method::IdimIv];
-        experiment.file.signal.window_start_s = Some(start);
-        experiment.file.signal.window_end_s = Some(end);
-        experiment.file.signal.cutoff_hz = cutoff_hz;
+        experiment.settings.cases.clear();
+        experiment.settings.estimation.methods = vec![Method::IDIM_LS, Method::IDIM_IV];
+        experiment.settings.signal.window_start_s = Some(start);
+        experiment.settings.signal.window_end_s = Some(end);
+        experiment.settings.signal.cutoff_hz = cutoff_hz;
         let results = experiment.run(data, &mut |_| {})?;
-        let (ls, iv) = (find(&results, "nominal", Method::IdimLs)?, find(&results, "nominal", Method::IdimIv)?);
+        let (ls, iv) = (find(&results, "nominal", Method::IDIM_LS)?, find(&results, "nominal", Method::IDIM_IV)?);
         let error = |run: &RunResult| run.relative_error_percent.unwrap_or(f64::NAN);
         let estimate = |name: &str| ls.parameter(name).map_or(f64::NAN, |p| p.estimate);
         println!(
@@ -62,7 +63,7 @@ fn windows_and_cutoffs(experiment: &Experiment, data: &Path) -> Result<(), Box<d
 /// converged to nearly the same.
 fn deviations_of_iv(experiment: &Experiment, data: &Path) -> Result<(), Box<dyn Error>> {
     let mut experiment = experiment.clone();
-    experiment.file.estimation.weighting.clear();
+    experiment.settings.estimation.weighting.clear();
     let results = experiment.run(data, &mut |_| {})?;
     println!(
         "\n| parameter | IV nominal % | biased % | by Z^T Z, nominal % | biased % |\n| --- | --- | --- | --- | --- |"
@@ -70,7 +71,7 @@ fn deviations_of_iv(experiment: &Experiment, data: &Path) -> Result<(), Box<dyn 
     for name in ["zz1r", "fc1", "fv1", "xx2r", "mx2r", "fv2", "my3r", "ia3", "fv5", "ia6", "fcm6", "fvm6"] {
         let mut cells = Vec::new();
         for case in ["nominal", "gear_ratio_0.9"] {
-            let (iv, didim) = (find(&results, case, Method::IdimIv)?, find(&results, case, Method::Didim)?);
+            let (iv, didim) = (find(&results, case, Method::IDIM_IV)?, find(&results, case, Method::DIDIM)?);
             let residuals = iv.relative_error_percent.zip(didim.relative_error_percent).map(|(i, d)| i / d);
             let of_iv = iv.parameter(name).ok_or("no such parameter")?;
             let by_z = didim.parameter(name).and_then(|p| p.standard_deviation).zip(residuals);
@@ -79,7 +80,7 @@ fn deviations_of_iv(experiment: &Experiment, data: &Path) -> Result<(), Box<dyn 
         }
         println!("| {name} | {:.2} | {:.2} | {:.2} | {:.2} |", cells[0].0, cells[1].0, cells[0].1, cells[1].1);
     }
-    let unweighted = find(&results, "nominal", Method::Didim)?;
+    let unweighted = find(&results, "nominal", Method::DIDIM)?;
     let error = unweighted.relative_error_percent.unwrap_or(f64::NAN);
     let fv6 = unweighted.parameter("fv6").and_then(|p| p.relative_standard_deviation_percent);
     println!("\nunweighted DIDIM: {error:.3} %, fv6 {:.2} %", fv6.unwrap_or(f64::NAN));

@@ -5,8 +5,9 @@
 use std::{error::Error, path::Path};
 
 use thetahat::{
-    experiment::{Experiment, Results, RunResult},
+    experiment::Experiment,
     identification::Method,
+    results::{Results, RunResult},
     simulation::Solver,
 };
 
@@ -52,20 +53,20 @@ fn bandwidths(experiment: &Experiment, data: &Path) -> Result<(), Box<dyn Error>
     println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
     for hz in [20.0, 30.0, 40.0, 50.0, 60.0, 80.0, 100.0, 120.0] {
         let mut experiment = experiment.clone();
-        if let Some(controller) = &mut experiment.file.controller {
+        if let Some(controller) = &mut experiment.settings.controller {
             controller.bandwidth_hz = vec![hz];
         }
         let results = run(&experiment, data)?;
-        let didim = find(&results, "nominal", Method::Didim)?;
-        let biased = find(&results, "gear_ratio_0.9", Method::Didim)?;
-        let (max, rms) = difference(didim, find(&results, "nominal", Method::IdimLs)?);
+        let didim = find(&results, "nominal", Method::DIDIM)?;
+        let biased = find(&results, "gear_ratio_0.9", Method::DIDIM)?;
+        let (max, rms) = difference(didim, find(&results, "nominal", Method::IDIM_LS)?);
         let change = |name: &str| {
             let of = |r: &RunResult| r.parameter(name).map(|p| p.estimate);
             of(biased).zip(of(didim)).map(|(b, n)| 100.0 * (b / n - 1.0))
         };
         println!(
             "| {hz} | {} | {} | {max:.1} | {rms:.2} | {} | {} | {} |",
-            percent(find(&results, "nominal", Method::IdimIv)?.relative_error_percent),
+            percent(find(&results, "nominal", Method::IDIM_IV)?.relative_error_percent),
             percent(didim.relative_error_percent),
             percent(biased.relative_error_percent),
             percent(change("zz1r")),
@@ -84,7 +85,7 @@ fn compare(rows: Vec<(String, Results)>) -> Result<(), Box<dyn Error>> {
             let (max, rms) = difference(run, find(reference, "nominal", method)?);
             Ok((percent(run.relative_error_percent), max, rms, run.seconds / run.simulations.max(1) as f64))
         };
-        let (iv, didim) = (of(Method::IdimIv)?, of(Method::Didim)?);
+        let (iv, didim) = (of(Method::IDIM_IV)?, of(Method::DIDIM)?);
         println!(
             "| {name} | {} | {:.3} | {:.3} | {} | {:.3} | {:.3} | {:.2} |",
             iv.0, iv.1, iv.2, didim.0, didim.1, didim.2, didim.3
@@ -101,9 +102,9 @@ fn sign_scales(experiment: &Experiment, data: &Path) -> Result<(), Box<dyn Error
     let mut rows = Vec::new();
     for scale in [0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001] {
         let mut experiment = experiment.clone();
-        experiment.file.case.clear();
-        experiment.file.simulation.sign_velocity_scale = scale;
-        experiment.file.simulation.solver = Solver::Adaptive { relative_tolerance: 1e-6, absolute_tolerance: 1e-9 };
+        experiment.settings.cases.clear();
+        experiment.settings.simulation.sign_velocity_scale = scale;
+        experiment.settings.simulation.solver = Solver::Adaptive { relative_tolerance: 1e-6, absolute_tolerance: 1e-9 };
         rows.push((scale.to_string(), run(&experiment, data)?));
     }
     compare(rows)
@@ -123,8 +124,8 @@ fn solvers(experiment: &Experiment, data: &Path) -> Result<(), Box<dyn Error>> {
     let mut rows = Vec::new();
     for (name, solver) in solvers {
         let mut experiment = experiment.clone();
-        experiment.file.case.clear();
-        experiment.file.simulation.solver = solver;
+        experiment.settings.cases.clear();
+        experiment.settings.simulation.solver = solver;
         rows.push((name.to_owned(), run(&experiment, data)?));
     }
     compare(rows)

@@ -42,6 +42,16 @@ pub mod identification;
 
 pub mod checks;
 
+pub mod results;
+
+pub mod preparation;
+
+mod scheduling;
+
+mod diagnosis;
+
+pub mod run;
+
 pub mod experiment;
 
 #[cfg(feature = "parquet")]

@@ -1,6 +1,16 @@
 //! Dense linear algebra: the one place that knows the library behind it.
 //!
 //! Least squares are solved by QR with column pivoting, never by normal equations.
+//!
+//! ```
+//! use thetahat::linear_algebra::{Matrix, PivotedQr};
+//! // The line 1 + 2 t through four points.
+//! let x = Matrix::from_fn(4, 2, |i, j| if j == 0 { 1.0 } else { i as f64 });
+//! let qr = PivotedQr::new(&x);
+//! let theta = qr.solve(&[1.0, 3.0, 5.0, 7.0]);
+//! assert!((theta[0] - 1.0).abs() < 1e-12 && (theta[1] - 2.0).abs() < 1e-12);
+//! assert_eq!(qr.rank(1e-9), 2);
+//! ```
 
 use faer::{
     Conj, Mat, MatMut, MatRef, Par, Side,
@@ -200,8 +210,8 @@ impl Matrix {
     /// R of `A = Q R`, without pivoting, with a diagonal that is not negative: as many rows as A has, but no more than
     /// columns.
     ///
-    /// Whatever orthonormal columns do to the rows of A, R stays the same: A may be replaced by R in any least squares
-    /// problem in its columns.
+    /// Orthonormal transformations of the rows of A leave R unchanged, so that R replaces A in any least-squares problem
+    /// in its columns.
     #[must_use]
     pub fn triangular_factor(&self) -> Self {
         let mut r = from_faer(self.view().qr().thin_R());
@@ -265,7 +275,8 @@ fn from_faer(a: MatRef<'_, f64>) -> Matrix {
 /// In two steps, `A = Q_1 R_1` without pivoting and `R_1 P = Q_2 R`: columns of `A` and `R_1` have the same norms and
 /// angles, so that the pivots are those of `A`, and the first step, which has all the rows, can work on blocks of columns.
 ///
-/// The factorisation may be of a matrix with scaled columns, `A D P = Q R_D`; what is solved and returned is that of `A`.
+/// The factorisation may be of a matrix with scaled columns, `A D P = Q R_D`; solutions and factors are returned for `A`.
+#[derive(Debug, Clone)]
 pub struct PivotedQr {
     first: Qr<f64>,
     pivoted: ColPivQr<f64>,
@@ -287,8 +298,8 @@ impl PivotedQr {
     /// Factorises `a` with its columns brought to norms between 1 and 2.
     ///
     /// Pivots and rank then do not depend on the units of the columns, and a matrix whose columns differ by orders of
-    /// magnitude keeps its digits. The factors are powers of two, so that scaling itself rounds nothing. A column that is
-    /// but rounding beside the largest is scaled as that one, and stays rounding.
+    /// magnitude keeps its digits. The factors are powers of two, so that scaling itself rounds nothing. A column at the
+    /// rounding level of the largest takes its factor, and stays at that level.
     #[must_use]
     pub fn with_equal_columns(a: &Matrix) -> Self {
         let sizes: Vec<f64> = (0..a.columns).map(|j| norm(a.column(j))).collect();
@@ -378,7 +389,7 @@ impl PivotedQr {
     }
 }
 
-/// The power of two that brings a size to between 1 and 2; 1 for a size that has none.
+/// The power of two that brings a size to between 1 and 2; 1 for zero and for sizes that are not finite.
 fn to_unit_magnitude(size: f64) -> f64 {
     let factor = (-size.log2().floor()).exp2();
     if factor.is_normal() { factor } else { 1.0 }

@@ -2,10 +2,7 @@
 
 use std::path::Path;
 
-use thetahat::{
-    experiment::{Experiment, Verdict},
-    identification::Method,
-};
+use thetahat::{experiment::Experiment, identification::Method, results::Verdict};
 
 /// The band-pass and the sign of small velocities move IV by several standard deviations, and DIDIM by none: the simulator
 /// is not to be blamed.
@@ -18,10 +15,10 @@ fn an_exact_simulator_beside_a_wrong_measured_motion_is_not_blamed() {
     assert_eq!(test.verdict, Verdict::Undecided, "{test:?}");
     let advice = &results.advice[0];
     assert_eq!(advice.take, None, "{advice:?}");
-    assert!(!advice.distrust.contains(&Method::Didim) && !advice.text.contains("later"), "{advice:?}");
+    assert!(!advice.distrust.contains(&Method::DIDIM) && !advice.text.contains("later"), "{advice:?}");
     let away = |method: Method, name: &str| {
         let found = results.run("nominal", method).unwrap().parameter(name).unwrap();
         (found.estimate - found.true_value.unwrap()) / found.standard_deviation_robust.unwrap()
     };
-    assert!(away(Method::Didim, "fv1").abs() < 2.0 && away(Method::IdimIv, "fv1").abs() > 2.5);
+    assert!(away(Method::DIDIM, "fv1").abs() < 2.0 && away(Method::IDIM_IV, "fv1").abs() > 2.5);
 }

@@ -1,43 +1,15 @@
 //! Campaigns: the same bytes for any number of threads and any order of commands, failures counted, bad files refused.
 #![cfg(feature = "parquet")]
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::{fs, path::Path};
 
 use thetahat::{
-    campaign::{Campaign, CampaignError, CampaignRuns, Limits, Store, parameter_summaries, quantiles, summarise},
+    campaign::{Campaign, CampaignError, CampaignRuns, Store, Subset, parameter_summaries, quantiles, summarise},
     experiment::Experiment,
     identification::Status,
     report,
 };
-
-/// A folder of its own for each test, removed at its end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("thetahat-campaign-{name}-{}", std::process::id()));
-        let _ = fs::remove_dir_all(&path);
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn bytes(&self, sub: &str, file: &str) -> Vec<u8> {
-        fs::read(self.0.join(sub).join(file)).unwrap()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
-fn project(file: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(file)
-}
+use thetahat_testing::{Folder, project};
 
 fn small() -> Campaign {
     Campaign::read(&project("campaigns/two_joint.toml")).unwrap()
@@ -57,39 +29,39 @@ fn changed(campaign: (&str, &str), experiment: (&str, &str)) -> Result<Campaign,
     Campaign::from_text(Path::new("campaign.toml"), text, experiment)
 }
 
-fn run(campaign: &Campaign, limits: Limits, threads: usize, store: Option<&Store>) -> CampaignRuns {
+fn run(campaign: &Campaign, limits: Subset, threads: usize, store: Option<&Store>) -> CampaignRuns {
     campaign.run(limits, threads, store, &mut |_| {}).unwrap()
 }
 
 #[test]
 fn bytes_depend_neither_on_threads_nor_on_the_order_of_commands() {
-    let folder = Folder::new("bytes");
+    let folder = Folder::new();
     let campaign = small();
-    let all = Limits::default();
-    let store = |name: &str| Store::open(&folder.0.join(name), &campaign).unwrap();
+    let all = Subset::default();
+    let store = |name: &str| Store::open(&folder.at(name), &campaign).unwrap();
     let one = run(&campaign, all, 1, Some(&store("one")));
     let two = run(&campaign, all, 2, Some(&store("two")));
     // 2 cases, 4 methods, 2 levels, 2 starts, 2 seeds.
     assert_eq!(one.rows.len(), 64);
-    assert_eq!(folder.bytes("one", "runs.parquet"), folder.bytes("two", "runs.parquet"));
+    assert_eq!(folder.bytes("one/runs.parquet"), folder.bytes("two/runs.parquet"));
     assert_eq!(one.facts, two.facts);
     // First a part of it, then the rest.
-    let part = run(&campaign, Limits { starts: Some(1), seeds: Some(1) }, 2, Some(&store("part")));
+    let part = run(&campaign, Subset { starts: Some(1), seeds: Some(1) }, 2, Some(&store("part")));
     assert_eq!(part.rows.len(), 16);
     let mut told = Vec::new();
     campaign.run(all, 2, Some(&store("part")), &mut |p| told.push(p)).unwrap();
     assert_eq!((told[0].before, told[0].to_do, told[told.len() - 1].done), (2, 6, 6));
-    assert_eq!(folder.bytes("one", "runs.parquet"), folder.bytes("part", "runs.parquet"));
+    assert_eq!(folder.bytes("one/runs.parquet"), folder.bytes("part/runs.parquet"));
     // Nothing is left to do: the same rows are read back, times included.
     let again = run(&campaign, all, 1, Some(&store("one")));
     assert_eq!(again.rows, one.rows);
-    assert_eq!(fs::read_dir(folder.0.join("one/parts")).unwrap().count(), 0);
-    assert_eq!(run(&campaign, Limits { starts: Some(1), seeds: Some(1) }, 1, None).rows.len(), 16);
+    assert_eq!(fs::read_dir(folder.at("one/parts")).unwrap().count(), 0);
+    assert_eq!(run(&campaign, Subset { starts: Some(1), seeds: Some(1) }, 1, None).rows.len(), 16);
 }
 
 #[test]
 fn methods_find_the_truth_and_a_wrong_simulator_leads_didim_astray() {
-    let runs = run(&small(), Limits::default(), 2, None);
+    let runs = run(&small(), Subset::default(), 2, None);
     // The wrong simulator may keep DIDIM from converging; where nothing is wrong, all do.
     let failed = |r: &&thetahat::campaign::Row| r.case == "nominal" && !r.has_converged();
     assert_eq!(runs.rows.iter().find(failed), None);
@@ -115,7 +87,7 @@ fn methods_find_the_truth_and_a_wrong_simulator_leads_didim_astray() {
 fn failures_are_counted_and_in_no_figure() {
     let limit = ("[simulation]", "[estimation.convergence]\niterations = 1\n[simulation]");
     let campaign = changed(("", ""), limit).unwrap();
-    let runs = run(&campaign, Limits::default(), 2, None);
+    let runs = run(&campaign, Subset::default(), 2, None);
     for summary in summarise(&runs) {
         let iterates = ["idim-iv", "didim"].contains(&summary.method.as_str());
         assert_eq!(summary.runs, 4);
@@ -133,14 +105,14 @@ fn failures_are_counted_and_in_no_figure() {
 
 #[test]
 fn the_report_fits_the_terminal_and_the_page_needs_nothing_else() {
-    let folder = Folder::new("report");
+    let folder = Folder::new();
     let claim = ("[[noise]]", "[[claim]]\nsource = 'A <b>book</b>'\nsays = 'IV wins.'\n[[noise]]");
     let campaign = changed(claim, ("", "")).unwrap();
-    let runs = run(&campaign, Limits::default(), 2, None);
+    let runs = run(&campaign, Subset::default(), 2, None);
     let text = report::campaign_text(&campaign, &runs);
     assert!(text.lines().all(|line| line.chars().count() <= report::TEXT_WIDTH), "{text}");
     assert!(text.contains("IV wins. (A <b>book</b>)"));
-    let page = fs::read_to_string(report::write_campaign(&campaign, &runs, &folder.0).unwrap()).unwrap();
+    let page = fs::read_to_string(report::write_campaign(&campaign, &runs, folder.path()).unwrap()).unwrap();
     assert!(page.contains("class=\"box didim\"") && page.contains("&lt;b&gt;book"), "no boxes or not escaped");
     assert!(!page.contains("src=") && !page.contains("href=\"http"), "refers to something else");
 }
@@ -186,26 +158,26 @@ fn defects_of_a_campaign_name_the_place() {
 #[test]
 fn starts_that_cannot_be_physical_are_an_error_that_names_the_link() {
     let campaign = changed(("[starts]", "[a_priori]\nxx2 = 1\n[starts]"), ("", "")).unwrap();
-    let error = campaign.run(Limits::default(), 1, None, &mut |_| {}).unwrap_err();
+    let error = campaign.run(Subset::default(), 1, None, &mut |_| {}).unwrap_err();
     assert!(matches!(error, CampaignError::NoPhysicalStart { .. }));
     assert!(error.to_string().contains("They are not physical themselves: link 2"), "{error}");
 }
 
 #[test]
 fn a_folder_is_that_of_one_campaign() {
-    let folder = Folder::new("other");
+    let folder = Folder::new();
     let campaign = small();
-    Store::open(&folder.0, &campaign).unwrap();
-    Store::open(&folder.0, &campaign).unwrap();
+    Store::open(folder.path(), &campaign).unwrap();
+    Store::open(folder.path(), &campaign).unwrap();
     let other = Campaign { text: campaign.text.replace("seeds = 2", "seeds = 3"), ..campaign.clone() };
-    let error = Store::open(&folder.0, &other).unwrap_err();
+    let error = Store::open(folder.path(), &other).unwrap_err();
     assert!(
         matches!(&error, CampaignError::OtherCampaign { changed, .. } if changed == "the campaign file"),
         "{error}"
     );
-    let store = Store::open(&folder.0, &campaign).unwrap();
-    fs::write(folder.0.join("parts/01-00001-00001.parquet"), b"PAR1 and no more").unwrap();
-    let error = campaign.run(Limits::default(), 1, Some(&store), &mut |_| {}).unwrap_err();
+    let store = Store::open(folder.path(), &campaign).unwrap();
+    fs::write(folder.at("parts/01-00001-00001.parquet"), b"PAR1 and no more").unwrap();
+    let error = campaign.run(Subset::default(), 1, Some(&store), &mut |_| {}).unwrap_err();
     assert!(
         matches!(&error, CampaignError::Damaged { path, .. } if path.ends_with("01-00001-00001.parquet")),
         "{error}"

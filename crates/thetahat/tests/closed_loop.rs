@@ -11,7 +11,7 @@ use thetahat::{
         ClosedLoop, Job, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulationError, SimulatorBias,
         Solver, simulate_all,
     },
-    trajectory::{Limits, Moves, plan},
+    trajectory::{MotionLimits, Moves, plan},
 };
 
 const TIGHT: Solver = Solver::Adaptive { relative_tolerance: 1e-10, absolute_tolerance: 1e-12 };
@@ -70,8 +70,12 @@ impl Bench {
 }
 
 fn one_move(start: Vec<f64>, end: Vec<f64>) -> Moves {
-    let limits =
-        Limits { max_velocity: vec![2.0; start.len()], acceleration_time_s: 0.1, smoothing_time_s: 0.03, dwell_s: 0.0 };
+    let limits = MotionLimits {
+        max_velocity: vec![2.0; start.len()],
+        acceleration_time_s: 0.1,
+        smoothing_time_s: 0.03,
+        dwell_s: 0.0,
+    };
     plan(start, &[end], &limits, 0.05).unwrap()
 }
 

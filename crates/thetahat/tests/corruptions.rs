@@ -3,12 +3,10 @@
 //! `docs/checks.md` holds the outcomes as a table, which is compared with what is found here. It is written by
 //! `cargo run --release -p thetahat --example corruption_table -- DATA`.
 
-mod common;
 mod corruption_suite;
 
 use std::sync::OnceLock;
 
-use common::ensure;
 use corruption_suite::{
     corruptions::{Beside, Corruption, LATE, Unseen, all, late, of_controllers, unseen},
     record::{Record, from_experiment, other_twin, quiet_twin, twin, tx40_with_reference},
@@ -16,6 +14,7 @@ use corruption_suite::{
 };
 use libtest_mimic::{Arguments, Failed, Trial};
 use thetahat::checks::{Code, Finding, Severity, examine, measure};
+use thetahat_testing::ensure;
 
 /// Twins with other seeds, noise and trajectories.
 const OTHER_TWINS: u64 = 20;
@@ -27,11 +26,11 @@ fn the_twin() -> &'static Clean {
 
 fn the_tx40() -> &'static Clean {
     static TX40: OnceLock<Clean> = OnceLock::new();
-    TX40.get_or_init(|| Clean::new(tx40_with_reference(&common::root(), &common::data())))
+    TX40.get_or_init(|| Clean::new(tx40_with_reference(&thetahat_testing::root(), &thetahat_testing::data())))
 }
 
 fn emps(validation: bool) -> Record {
-    from_experiment(&common::root().join("experiments/emps.toml"), &common::data(), validation)
+    from_experiment(&thetahat_testing::root().join("experiments/emps.toml"), &thetahat_testing::data(), validation)
 }
 
 fn the_emps() -> &'static Clean {
@@ -45,7 +44,7 @@ fn raises(record: fn() -> &'static Clean, corruption: &Corruption) -> Result<(),
 
 /// What the documentation says is not seen raises nothing: the day it does, the documentation is to be changed.
 fn raises_nothing(record: &Clean, unseen: &Unseen) -> Result<(), Failed> {
-    let text = std::fs::read_to_string(common::root().join("docs/checks.md"))?;
+    let text = std::fs::read_to_string(thetahat_testing::root().join("docs/checks.md"))?;
     ensure(text.contains(unseen.name) && text.contains(unseen.why), "not in docs/checks.md")?;
     is_clean(&record.changed(unseen.apply))
 }
@@ -124,7 +123,7 @@ fn nothing_panics() -> Result<(), Failed> {
 
 /// Every row of the table in the documentation is what is found.
 fn table_is_that_of_the_documentation(with_real: bool) -> Result<(), Failed> {
-    let text = std::fs::read_to_string(common::root().join("docs/checks.md"))?;
+    let text = std::fs::read_to_string(thetahat_testing::root().join("docs/checks.md"))?;
     let printed = cells(&text, "## The corruption suite");
     let corruptions = all();
     ensure(printed.len() == corruptions.len(), format!("{} rows, {} corruptions", printed.len(), corruptions.len()))?;
@@ -139,9 +138,12 @@ fn table_is_that_of_the_documentation(with_real: bool) -> Result<(), Failed> {
 }
 
 fn main() {
-    let absent = !common::shared().is_dir();
+    let absent = !thetahat_testing::shared().is_dir();
     if absent {
-        eprintln!("\n*** SKIPPED: the tests on recorded data; it is not at {} ***\n", common::shared().display());
+        eprintln!(
+            "\n*** SKIPPED: the tests on recorded data; it is not at {} ***\n",
+            thetahat_testing::shared().display()
+        );
     }
     let mut trials = Vec::new();
     let mut always =

@@ -3,8 +3,9 @@
 use std::{path::Path, sync::OnceLock};
 
 use thetahat::{
-    experiment::{Advice, BiasedSimulatorResult, Experiment, Results, Verdict},
+    experiment::Experiment,
     identification::{Method, Status},
+    results::{Advice, BiasedSimulatorResult, Results, Verdict},
     simulation::BiasKind,
 };
 
@@ -25,7 +26,7 @@ fn within_three(case: &str, method: Method) -> usize {
 
 #[test]
 fn nominal_all_three_methods_find_the_truth() {
-    for method in [Method::IdimLs, Method::IdimIv, Method::Didim] {
+    for method in [Method::IDIM_LS, Method::IDIM_IV, Method::DIDIM] {
         let found = within_three("nominal", method);
         assert!(found >= 26, "{}: {found} of 28", method.name());
         let error = results().run("nominal", method).unwrap().relative_error_percent.unwrap();
@@ -35,8 +36,8 @@ fn nominal_all_three_methods_find_the_truth() {
 
 #[test]
 fn with_a_biased_simulator_iv_still_does_and_didim_does_not() {
-    let iv = within_three("gear_ratio_0.9", Method::IdimIv);
-    let didim = within_three("gear_ratio_0.9", Method::Didim);
+    let iv = within_three("gear_ratio_0.9", Method::IDIM_IV);
+    let didim = within_three("gear_ratio_0.9", Method::DIDIM);
     assert!(iv >= 26, "idim-iv: {iv} of 28");
     assert!(didim < 26, "didim: {didim} of 28");
 }
@@ -56,7 +57,7 @@ fn the_exact_simulator_passes() {
     assert_eq!(test.verdict, Verdict::Agree, "{test:?}");
     assert!(test.explanations.is_empty());
     let advice = advice("nominal");
-    assert_eq!((advice.take, advice.distrust.as_slice()), (Some(Method::IdimIv), &[][..]), "{advice:?}");
+    assert_eq!((advice.take, advice.distrust.as_slice()), (Some(Method::IDIM_IV), &[][..]), "{advice:?}");
 }
 
 #[test]
@@ -69,15 +70,15 @@ fn the_biased_simulator_is_found_and_measured() {
     assert!((value - 0.9).abs() < 3.0 * deviation, "{best:?}");
     assert!(deviation < 0.003 && best.explained_percent > 98.0, "{best:?}");
     let advice = advice("gear_ratio_0.9");
-    assert_eq!((advice.take, advice.distrust.as_slice()), (Some(Method::IdimIv), &[Method::Didim][..]), "{advice:?}");
+    assert_eq!((advice.take, advice.distrust.as_slice()), (Some(Method::IDIM_IV), &[Method::DIDIM][..]), "{advice:?}");
 }
 
 #[test]
 fn the_same_run_gives_the_same_numbers() {
     let mut experiment = Experiment::demo().unwrap();
-    experiment.file.case.clear();
+    experiment.settings.cases.clear();
     let again = experiment.run(Path::new(""), &mut |_| {}).unwrap();
-    for method in [Method::IdimLs, Method::IdimIv, Method::Didim] {
+    for method in [Method::IDIM_LS, Method::IDIM_IV, Method::DIDIM] {
         let estimates = |r: &Results| -> Vec<u64> {
             r.run("nominal", method).unwrap().parameters.iter().map(|p| p.estimate.to_bits()).collect()
         };

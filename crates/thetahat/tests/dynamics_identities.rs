@@ -1,16 +1,14 @@
 //! Identities of mechanics on seeded random robots, and closed forms: no data needed.
 
-mod common;
-
-use common::assert_close;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::{fmt::Write, path::Path};
 use thetahat::{
-    dynamics::{DynamicParameters, DynamicsError, Model, Sign, Workspace},
+    dynamics::{DynamicParameters, DynamicsError, Model, Sign, State, Workspace},
     regressor::Regressor,
-    robot::Robot,
+    robot::{Friction, Robot},
 };
+use thetahat_testing::assert_close;
 
 const SMOOTH: Sign = Sign::Smooth { scale: 0.3 };
 
@@ -140,7 +138,7 @@ impl Case {
     fn torques(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Vec<f64> {
         let mut tau = vec![0.0; self.n];
         let mut workspace = Workspace::new(&self.model);
-        self.model.inverse_dynamics(&self.parameters(), q, dq, ddq, SMOOTH, &mut workspace, &mut tau);
+        self.model.inverse_dynamics(&self.parameters(), State { q, dq }, ddq, SMOOTH, &mut workspace, &mut tau);
         tau
     }
 }
@@ -156,7 +154,7 @@ fn for_random_robots(check: impl Fn(&Case, &mut ChaCha8Rng)) {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     for k in 0..20 {
         let n = 1 + k % 7;
-        let friction = if k % 2 == 0 { "symmetric" } else { "asymmetric" };
+        let friction = Friction::ALL[k % Friction::ALL.len()].name();
         let robots =
             [random_chain(n, friction, &mut rng), random_tree(n + 2, friction, &mut rng), random_urdf(n + 1, &mut rng)];
         for robot in robots {
@@ -173,7 +171,14 @@ fn phi_theta_is_inverse_dynamics() {
         let all: Vec<usize> = (0..case.theta.len()).collect();
         let regressor = Regressor::new(&case.model, &all);
         let mut phi = vec![0.0; regressor.entries().len()];
-        regressor.evaluate(&case.model, &q, &dq, &ddq, SMOOTH, &mut Workspace::new(&case.model), &mut phi);
+        regressor.evaluate(
+            &case.model,
+            State { q: &q, dq: &dq },
+            &ddq,
+            SMOOTH,
+            &mut Workspace::new(&case.model),
+            &mut phi,
+        );
         let mut tau = vec![0.0; case.n];
         for (entry, value) in regressor.entries().iter().zip(&phi) {
             tau[entry.joint] += value * case.theta[entry.column];
@@ -208,7 +213,9 @@ fn forward_dynamics_undoes_inverse_dynamics() {
         let tau = case.torques(&q, &dq, &ddq);
         let mut found = vec![0.0; case.n];
         let mut workspace = Workspace::new(&case.model);
-        case.model.forward_dynamics(&case.parameters(), &q, &dq, &tau, SMOOTH, &mut workspace, &mut found).unwrap();
+        case.model
+            .forward_dynamics(&case.parameters(), State { q: &q, dq: &dq }, &tau, SMOOTH, &mut workspace, &mut found)
+            .unwrap();
         for (a, b) in found.iter().zip(&ddq) {
             assert_close(*a, *b, 1e-9, "acceleration");
         }
@@ -231,12 +238,12 @@ fn energy_balances() {
         let parameters = DynamicParameters::new(&case.model, &without_losses);
         let mut workspace = Workspace::new(&case.model);
         let mut tau = vec![0.0; case.n];
-        case.model.inverse_dynamics(&parameters, &q, &dq, &ddq, SMOOTH, &mut workspace, &mut tau);
+        case.model.inverse_dynamics(&parameters, State { q: &q, dq: &dq }, &ddq, SMOOTH, &mut workspace, &mut tau);
         let power: f64 = tau.iter().zip(&dq).map(|(t, v)| t * v).sum();
         let mut energy_at = |h: f64| {
             let q: Vec<f64> = (0..case.n).map(|i| q[i] + h * dq[i] + 0.5 * h * h * ddq[i]).collect();
             let dq: Vec<f64> = (0..case.n).map(|i| dq[i] + h * ddq[i]).collect();
-            case.model.energy(&parameters, &q, &dq, &mut workspace)
+            case.model.energy(&parameters, State { q: &q, dq: &dq }, &mut workspace)
         };
         let h = 1e-4;
         assert_close((energy_at(h) - energy_at(-h)) / (2.0 * h), power, 1e-5, "power");
@@ -336,6 +343,7 @@ fn a_mass_matrix_that_is_not_positive_definite_is_named() {
     let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters());
     let mut ddq = [0.0];
     let mut workspace = Workspace::new(&model);
-    let result = model.forward_dynamics(&parameters, &[0.0], &[0.0], &[1.0], SMOOTH, &mut workspace, &mut ddq);
+    let result =
+        model.forward_dynamics(&parameters, State { q: &[0.0], dq: &[0.0] }, &[1.0], SMOOTH, &mut workspace, &mut ddq);
     assert!(matches!(result, Err(DynamicsError::MassMatrixNotPositiveDefinite { joint: 1, .. })));
 }

@@ -1,14 +1,12 @@
 //! Dynamics and regressor against Pinocchio 4.1.0: `shared/reference/dynamics_*.json`, made by the script beside them. The
 //! TX40 through our description and through its URDF, the KUKA LWR4+ and a tree with skew axes through theirs.
 
-mod common;
-
 use std::path::PathBuf;
 
 use libtest_mimic::Failed;
 use serde::Deserialize;
 use thetahat::{
-    dynamics::{DynamicParameters, Model, Sign, Workspace},
+    dynamics::{self, DynamicParameters, Model, Sign, Workspace},
     regressor::Regressor,
     robot::Robot,
 };
@@ -53,25 +51,25 @@ struct Case {
 type Source = (PathBuf, &'static str);
 
 fn tx40_toml() -> Source {
-    (common::root().join("robots/tx40.toml"), "tx40")
+    (thetahat_testing::root().join("robots/tx40.toml"), "tx40")
 }
 
 fn tx40_urdf() -> Source {
-    (common::data().join("tx40/tx40_mdh_modified.urdf"), "tx40")
+    (thetahat_testing::data().join("tx40/tx40_mdh_modified.urdf"), "tx40")
 }
 
 fn kuka_lwr4() -> Source {
-    (common::data().join("kuka_lwr4/kuka_lwr4.urdf"), "kuka_lwr4")
+    (thetahat_testing::data().join("kuka_lwr4/kuka_lwr4.urdf"), "kuka_lwr4")
 }
 
 fn tree8() -> Source {
-    (common::shared().join("reference/tree8.urdf"), "tree8")
+    (thetahat_testing::shared().join("reference/tree8.urdf"), "tree8")
 }
 
 impl Case {
     fn read((path, name): Source) -> Result<Self, Failed> {
         let robot = Robot::read(&path)?;
-        let file = common::shared().join(format!("reference/dynamics_{name}.json"));
+        let file = thetahat_testing::shared().join(format!("reference/dynamics_{name}.json"));
         let reference: Reference = serde_json::from_str(&std::fs::read_to_string(file)?)?;
         let model = Model::new(&robot);
         let table = model.parameter_table();
@@ -81,7 +79,7 @@ impl Case {
         let number = |theirs: usize| places.iter().position(|&p| p == theirs).map_or(0, |ours| ours + 1);
         let name = |k: usize| format!("{}{}", ORDER[k % 10], number(k / 10));
         let indices: Vec<usize> = (0..reference.phi.len()).filter_map(|k| table.index_of(&name(k))).collect();
-        common::ensure(indices.len() == 10 * robot.coordinate_count(), "a parameter of another name")?;
+        thetahat_testing::ensure(indices.len() == 10 * robot.coordinate_count(), "a parameter of another name")?;
         let mut theta = vec![0.0; table.len()];
         indices.iter().zip(&reference.phi).for_each(|(&i, &v)| theta[i] = v);
         Ok(Self { robot, model, theta, indices, places, reference })
@@ -95,7 +93,7 @@ impl Case {
     fn inverse_dynamics(&self, [q, dq, ddq]: [&[f64]; 3], workspace: &mut Workspace) -> Vec<f64> {
         let parameters = DynamicParameters::new(&self.model, &self.theta);
         let mut tau = vec![0.0; q.len()];
-        self.model.inverse_dynamics(&parameters, q, dq, ddq, Sign::Exact, workspace, &mut tau);
+        self.model.inverse_dynamics(&parameters, dynamics::State { q, dq }, ddq, Sign::Exact, workspace, &mut tau);
         tau
     }
 
@@ -127,7 +125,7 @@ impl Case {
         let regressor = Regressor::new(&self.model, &self.indices);
         let [q, dq, ddq] = [&s.q, &s.dq, &s.ddq].map(|x| self.ours(x));
         let mut phi = vec![0.0; regressor.entries().len()];
-        regressor.evaluate(&self.model, &q, &dq, &ddq, Sign::Exact, workspace, &mut phi);
+        regressor.evaluate(&self.model, dynamics::State { q: &q, dq: &dq }, &ddq, Sign::Exact, workspace, &mut phi);
         let mut dense = vec![0.0; q.len() * columns];
         for (entry, value) in regressor.entries().iter().zip(&phi) {
             dense[entry.joint * columns + entry.column] = *value;
@@ -156,9 +154,9 @@ fn worst(found: &[f64], expected: &[f64]) -> f64 {
 fn check(source: Source) -> Result<(), Failed> {
     let case = Case::read(source)?;
     let mut workspace = Workspace::new(&case.model);
-    let near = |what: String, error: f64| common::ensure(error <= TOLERANCE, format!("{what}: {error:e}"));
+    let near = |what: String, error: f64| thetahat_testing::ensure(error <= TOLERANCE, format!("{what}: {error:e}"));
     near("a-priori values".to_owned(), case.a_priori())?;
-    common::ensure(case.reference.states.len() == 25, "25 states")?;
+    thetahat_testing::ensure(case.reference.states.len() == 25, "25 states")?;
     for (k, state) in case.reference.states.iter().enumerate() {
         near(format!("torques of state {k}"), case.torques(state, &mut workspace))?;
         near(format!("nonlinear effects of state {k}"), case.nonlinear_effects(state, &mut workspace))?;
@@ -195,13 +193,13 @@ fn limits() -> Result<(), Failed> {
         let found: Vec<[Option<f64>; 4]> =
             robot.joints.iter().map(|j| [j.limits.lower, j.limits.upper, j.limits.velocity, j.limits.effort]).collect();
         let expected: Vec<[Option<f64>; 4]> = expected.iter().map(|four| four.map(Some)).collect();
-        common::ensure(found == expected, format!("{}: {found:?}", source.1))?;
+        thetahat_testing::ensure(found == expected, format!("{}: {found:?}", source.1))?;
     }
     Ok(())
 }
 
 fn main() {
-    common::run_with_shared_data(vec![
+    thetahat_testing::run_with_shared_data(vec![
         ("tx40_from_toml", || check(tx40_toml())),
         ("tx40_from_urdf", || check(tx40_urdf())),
         ("kuka_lwr4_from_urdf", || check(kuka_lwr4())),

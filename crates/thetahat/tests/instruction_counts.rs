@@ -15,9 +15,9 @@ use thetahat::{
     identification::Assembly,
     series::Series,
     signal::Decimator,
-    trajectory::{Limits, plan},
+    trajectory::{MotionLimits, plan},
 };
-use tx40::{DDQ, DQ, Q, SIGN, Tx40, motion};
+use tx40::{DDQ, DQ, Q, SIGN, Tx40, motion, state};
 
 /// Part of a count by which it may grow.
 const TOLERANCE: f64 = 0.05;
@@ -123,7 +123,7 @@ fn inverse_dynamics(calls: usize) -> Result<(), Box<dyn Error>> {
     let Tx40 { model, parameters, mut workspace, .. } = Tx40::new()?;
     let mut tau = [0.0; 6];
     for _ in 0..calls {
-        model.inverse_dynamics(&parameters, black_box(&Q), &DQ, &DDQ, SIGN, &mut workspace, black_box(&mut tau));
+        model.inverse_dynamics(&parameters, state(), &DDQ, SIGN, &mut workspace, black_box(&mut tau));
     }
     Ok(())
 }
@@ -142,7 +142,7 @@ fn forward_dynamics(calls: usize) -> Result<(), Box<dyn Error>> {
     let mut ddq = [0.0; 6];
     for _ in 0..calls {
         let ddq = black_box(&mut ddq);
-        model.forward_dynamics(&parameters, black_box(&Q), &DQ, &DDQ, SIGN, &mut workspace, ddq)?;
+        model.forward_dynamics(&parameters, state(), &DDQ, SIGN, &mut workspace, ddq)?;
     }
     Ok(())
 }
@@ -151,7 +151,7 @@ fn regressor(calls: usize) -> Result<(), Box<dyn Error>> {
     let Tx40 { model, mut workspace, regressor, .. } = Tx40::new()?;
     let mut phi = vec![0.0; regressor.entries().len()];
     for _ in 0..calls {
-        regressor.evaluate(&model, black_box(&Q), &DQ, &DDQ, Sign::Exact, &mut workspace, black_box(&mut phi));
+        regressor.evaluate(&model, state(), &DDQ, Sign::Exact, &mut workspace, black_box(&mut phi));
     }
     Ok(())
 }
@@ -190,7 +190,7 @@ fn observation_matrix(calls: usize) -> Result<(), Box<dyn Error>> {
 
 fn reference(calls: usize) -> Result<(), Box<dyn Error>> {
     let max_velocity = vec![2.0; 6];
-    let limits = Limits { max_velocity, acceleration_time_s: 0.1, smoothing_time_s: 0.03, dwell_s: 0.0 };
+    let limits = MotionLimits { max_velocity, acceleration_time_s: 0.1, smoothing_time_s: 0.03, dwell_s: 0.0 };
     let moves = plan(Q.to_vec(), &[DQ.to_vec()], &limits, 0.0)?;
     let [mut q, mut dq, mut ddq] = [[0.0; 6]; 3];
     for k in 0..calls {

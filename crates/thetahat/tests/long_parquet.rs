@@ -5,7 +5,7 @@
 use std::{
     fs::{self, File},
     io::{BufWriter, Write},
-    path::{Path, PathBuf},
+    path::Path,
     process::Command,
     sync::Arc,
     time::Instant,
@@ -21,29 +21,13 @@ use thetahat::{
     experiment::Experiment,
     reduction::{ReduceOptions, Reduction},
 };
+use thetahat_testing::Folder;
 
 /// Samples whose twelve channels take 192 MB decoded.
 const LONG: usize = 2_000_000;
 const DECODED_BYTES: usize = LONG * 12 * 8;
 /// Names the experiment to the process whose memory is measured.
 const CHILD: &str = "THETAHAT_TEST_LONG_PARQUET";
-
-/// A folder of its own for each test, removed at its end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("thetahat-parquet-{name}-{}", std::process::id()));
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
 
 /// One motion of the demonstration, repeated for longer records: for each channel its samples.
 fn channels(samples: usize) -> Vec<Vec<f64>> {
@@ -87,7 +71,7 @@ fn write_csv(path: &Path, channels: &[Vec<f64>]) {
 }
 
 /// The demonstration with a file in place of the twin.
-fn experiment(folder: &Folder, file: &str) -> Experiment {
+fn experiment(folder: &Path, file: &str) -> Experiment {
     let demo = Experiment::demo().unwrap();
     let (_, rest) = demo.text.split_once("[signal]").unwrap();
     let (rest, _) = rest.split_once("[[case]]").unwrap();
@@ -98,7 +82,7 @@ fn experiment(folder: &Folder, file: &str) -> Experiment {
         "title = 'recorded'\nrobot = 'tx40.toml'\n[recording]\nsample_rate_hz = 5000\nposition = {position}\n\
          torque = {torque}\n[signal]\nwindow_start_s = 0.1\nwindow_end_s = 7.3{rest}"
     );
-    Experiment::from_texts(&folder.0.join("recorded.toml"), text, demo.robot_text).unwrap()
+    Experiment::from_texts(&folder.join("recorded.toml"), text, demo.robot_text).unwrap()
 }
 
 fn reduce(experiment: &Experiment, folder: &Path, piece_samples: usize) -> Reduction {
@@ -108,17 +92,17 @@ fn reduce(experiment: &Experiment, folder: &Path, piece_samples: usize) -> Reduc
 /// Bit by bit, whatever the groups and pieces.
 #[test]
 fn a_reduction_from_parquet_is_that_from_text() {
-    let folder = Folder::new("equal");
+    let folder = Folder::new();
     let samples = Experiment::demo().unwrap().record_twin().unwrap().position.len();
     let channels = channels(samples);
-    write_csv(&folder.0.join("record.csv"), &channels);
-    let text = experiment(&folder, "record.csv");
-    let expected: Vec<_> = [3000, 1 << 16].map(|piece| reduce(&text, &folder.0, piece).recordings).into();
+    write_csv(&folder.at("record.csv"), &channels);
+    let text = experiment(folder.path(), "record.csv");
+    let expected: Vec<_> = [3000, 1 << 16].map(|piece| reduce(&text, folder.path(), piece).recordings).into();
     for of_group in [1000, 9999, samples] {
-        write_parquet(&folder.0.join("record.parquet"), &channels, of_group);
-        let parquet = experiment(&folder, "record.parquet");
+        write_parquet(&folder.at("record.parquet"), &channels, of_group);
+        let parquet = experiment(folder.path(), "record.parquet");
         for (piece, expected) in [3000, 1 << 16].into_iter().zip(&expected) {
-            assert_eq!(reduce(&parquet, &folder.0, piece).recordings, *expected, "{of_group} {piece}");
+            assert_eq!(reduce(&parquet, folder.path(), piece).recordings, *expected, "{of_group} {piece}");
         }
     }
 }
@@ -129,10 +113,10 @@ fn a_long_record_takes_less_memory_than_its_channels() {
     if let Some(file) = std::env::var_os(CHILD) {
         return child(Path::new(&file));
     }
-    let folder = Folder::new("memory");
+    let folder = Folder::new();
     let channels = channels(LONG);
     for of_group in [100_000, 1 << 20] {
-        let file = folder.0.join("record.parquet");
+        let file = folder.at("record.parquet");
         write_parquet(&file, &channels, of_group);
         let started = Instant::now();
         let name = "a_long_record_takes_less_memory_than_its_channels";
@@ -152,13 +136,11 @@ fn a_long_record_takes_less_memory_than_its_channels() {
 }
 
 fn child(file: &Path) {
-    let folder = Folder(file.parent().unwrap().to_owned());
-    let mut experiment = experiment(&folder, "record.parquet");
-    experiment.file.signal.window_end_s = Some(LONG as f64 / 5000.0 - 0.1);
-    let reduction = reduce(&experiment, &folder.0, 1 << 16);
+    let folder = file.parent().unwrap();
+    let mut experiment = experiment(folder, "record.parquet");
+    experiment.settings.signal.window_end_s = Some(LONG as f64 / 5000.0 - 0.1);
+    let reduction = reduce(&experiment, folder, 1 << 16);
     assert_eq!(reduction.recordings[0].samples, LONG - 1000);
-    // The folder belongs to the process that waits.
-    std::mem::forget(folder);
     if let Ok(status) = fs::read_to_string("/proc/self/status")
         && let Some(peak) = status.lines().find_map(|line| line.strip_prefix("VmHWM:")?.trim().strip_suffix("kB"))
     {

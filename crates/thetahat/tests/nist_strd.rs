@@ -9,6 +9,7 @@ use data::{Columns, DataSet, SETS};
 use thetahat::{
     identification::{Divisor, Fit, idim_ls},
     linear_algebra::Matrix,
+    regression::Regression,
 };
 
 /// Certified values have 15 digits.
@@ -51,8 +52,12 @@ fn fewest(values: &[f64], certified: &[f64]) -> Option<f64> {
     values.iter().zip(certified).filter_map(|(v, c)| digits(*v, *c)).reduce(f64::min)
 }
 
+fn regression(set: &DataSet) -> Regression {
+    Regression::of_one_series(matrix(set), set.y.to_vec())
+}
+
 fn residual_deviation(set: &DataSet, fit: &Fit) -> f64 {
-    (fit.residual_sum_of_squares(set.y) / (set.y.len() - fit.theta.len()) as f64).sqrt()
+    (regression(set).residual_sum_of_squares(&fit.prediction) / (set.y.len() - fit.theta.len()) as f64).sqrt()
 }
 
 fn shown(digits: Option<f64>) -> String {
@@ -66,7 +71,7 @@ fn certified_values_are_met_to_the_digits_stated() {
     );
     for (set, (name, estimates, deviations, residual)) in SETS.iter().zip(FLOORS) {
         assert_eq!(set.name, name);
-        let fit = idim_ls(&matrix(set), set.y, None, Divisor::default()).unwrap();
+        let fit = idim_ls(&regression(set), Divisor::default()).unwrap();
         let found = [
             fewest(&fit.theta, set.estimates),
             fewest(&fit.standard_deviation, set.standard_deviations),
@@ -84,7 +89,7 @@ fn certified_values_are_met_to_the_digits_stated() {
 #[test]
 fn exact_fits_leave_nothing_but_rounding() {
     for set in SETS.iter().filter(|s| s.residual_standard_deviation == 0.0) {
-        let fit = idim_ls(&matrix(set), set.y, None, Divisor::default()).unwrap();
+        let fit = idim_ls(&regression(set), Divisor::default()).unwrap();
         let largest = set.y.iter().copied().fold(0.0, f64::max);
         let deviation = residual_deviation(set, &fit);
         assert!(deviation < 1e-13 * largest, "{}: {deviation:e}", set.name);

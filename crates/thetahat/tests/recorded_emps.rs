@@ -1,22 +1,23 @@
 //! EMPS against the figures that its authors print (A. Janot, M. Gautier, M. Brunot, "Data Set and Reference Models of
 //! EMPS", 2019), digit by digit.
 
-mod common;
-
 use std::{collections::BTreeMap, sync::OnceLock};
 
-use common::{ensure, ensure_printed};
 use libtest_mimic::Failed;
 use thetahat::{
-    experiment::{Experiment, Results, RunResult},
+    experiment::Experiment,
     identification::{Method, Status},
+    results::{Results, RunResult},
 };
+use thetahat_testing::{ensure, ensure_printed};
 
 fn results() -> &'static Results {
     static RESULTS: OnceLock<Results> = OnceLock::new();
     RESULTS.get_or_init(|| {
-        let experiment = Experiment::read(&common::root().join("experiments/emps.toml"), &common::data()).unwrap();
-        experiment.run(&common::data(), &mut |_| {}).unwrap()
+        let experiment =
+            Experiment::read(&thetahat_testing::root().join("experiments/emps.toml"), &thetahat_testing::data())
+                .unwrap();
+        experiment.run(&thetahat_testing::data(), &mut |_| {}).unwrap()
     })
 }
 
@@ -29,7 +30,7 @@ fn estimate(run: &RunResult, name: &str) -> f64 {
 }
 
 fn least_squares() -> Result<(), Failed> {
-    let run = run("nominal", Method::IdimLs);
+    let run = run("nominal", Method::IDIM_LS);
     let printed = [
         ("m1r", "95.1089", "0.1085"),
         ("fv1", "203.5034", "1.1460"),
@@ -45,13 +46,13 @@ fn least_squares() -> Result<(), Failed> {
 }
 
 fn cross_validation() -> Result<(), Failed> {
-    let run = run("nominal", Method::IdimLs);
+    let run = run("nominal", Method::IDIM_LS);
     ensure_printed(run.cross_validation_relative_error_percent.unwrap(), "5.9824", "relative error on the pulses")?;
     ensure_printed(run.validation_condition_number.unwrap(), "26.0217", "condition number on the pulses")
 }
 
 fn asymmetric_friction() -> Result<(), Failed> {
-    let run = run("asymmetric", Method::IdimLs);
+    let run = run("asymmetric", Method::IDIM_LS);
     let printed =
         [("m1r", "95.1540"), ("fvp1", "166.7061"), ("fcp1r", "20.1440"), ("fvn1", "240.4236"), ("fcn1r", "20.6277")];
     for (name, value) in printed {
@@ -70,15 +71,15 @@ fn assert_simulation(errors: &BTreeMap<String, f64>, published: [f64; 3]) -> Res
 }
 
 fn closed_loop() -> Result<(), Failed> {
-    let run = run("nominal", Method::IdimLs);
+    let run = run("nominal", Method::IDIM_LS);
     assert_simulation(run.simulation_relative_error_percent.as_ref().unwrap(), [0.22911, 8.6036, 5.848])?;
     let pulses = run.validation_simulation_relative_error_percent.as_ref().unwrap();
     assert_simulation(pulses, [0.47888, 19.8152, 8.9409])
 }
 
 fn iv_and_didim() -> Result<(), Failed> {
-    let ls = run("nominal", Method::IdimLs).parameter("m1r").unwrap();
-    for method in [Method::IdimIv, Method::Didim] {
+    let ls = run("nominal", Method::IDIM_LS).parameter("m1r").unwrap();
+    for method in [Method::IDIM_IV, Method::DIDIM] {
         let run = run("nominal", method);
         ensure(run.status == Status::Converged, format!("{method:?}: {:?}", run.status))?;
         let distance = (estimate(run, "m1r") - ls.estimate).abs() / ls.standard_deviation.unwrap();
@@ -88,7 +89,7 @@ fn iv_and_didim() -> Result<(), Failed> {
 }
 
 fn main() {
-    common::run_with_shared_data(vec![
+    thetahat_testing::run_with_shared_data(vec![
         ("least_squares_meets_every_printed_digit", least_squares),
         ("cross_validation_on_the_pulses_meets_every_printed_digit", cross_validation),
         ("asymmetric_friction_meets_every_printed_digit", asymmetric_friction),

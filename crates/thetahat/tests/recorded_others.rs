@@ -1,21 +1,17 @@
 //! KUKA LWR4+ (URDF, NumPy archives, two recordings) and UR10 (standard Denavit-Hartenberg, a ROS 2 bag): relative errors
 //! and friction, from their experiment files.
 
-mod common;
-
-use common::ensure;
 use libtest_mimic::Failed;
-use thetahat::{
-    experiment::{Experiment, Results},
-    robot::INERTIAL,
-};
+use thetahat::{experiment::Experiment, results::Results, robot::INERTIAL};
+use thetahat_testing::ensure;
 
 /// The estimates of others from these records differ by their filters: 15 % of each.
 const FRICTION: f64 = 0.15;
 
 fn identify(name: &str) -> Results {
-    let experiment = Experiment::read(&common::root().join("experiments").join(name), &common::data()).unwrap();
-    experiment.run(&common::data(), &mut |_| {}).unwrap()
+    let experiment =
+        Experiment::read(&thetahat_testing::root().join("experiments").join(name), &thetahat_testing::data()).unwrap();
+    experiment.run(&thetahat_testing::data(), &mut |_| {}).unwrap()
 }
 
 fn ensure_error(results: &Results, limit: f64) -> Result<(), Failed> {
@@ -62,7 +58,7 @@ fn ur10_friction() -> Result<(), Failed> {
 }
 
 fn main() {
-    common::run_with_shared_data(vec![
+    thetahat_testing::run_with_shared_data(vec![
         ("kuka_is_fitted_to_two_percent", kuka_error),
         ("kuka_has_43_inertial_parameters", kuka_parameters),
         ("ur10_is_fitted_to_seven_percent", ur10_error),

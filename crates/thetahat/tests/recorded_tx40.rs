@@ -3,21 +3,21 @@
 //!
 //! The printed values are read from `shared/paper/tables.csv`, not from the tables that this project ships.
 
-mod common;
-
 use std::{collections::HashMap, sync::OnceLock};
 
-use common::ensure;
 use libtest_mimic::Failed;
 use thetahat::{
-    experiment::{BiasedSimulatorResult, Experiment, ParameterResult, Results, RunResult, Verdict},
+    experiment::Experiment,
     identification::{Method, Status},
+    results::{BiasedSimulatorResult, ParameterResult, Results, RunResult, Verdict},
     simulation::BiasKind,
 };
+use thetahat_testing::ensure;
 
 fn identify(name: &str) -> Results {
-    let experiment = Experiment::read(&common::root().join("experiments").join(name), &common::data()).unwrap();
-    experiment.run(&common::data(), &mut |_| {}).unwrap()
+    let experiment =
+        Experiment::read(&thetahat_testing::root().join("experiments").join(name), &thetahat_testing::data()).unwrap();
+    experiment.run(&thetahat_testing::data(), &mut |_| {}).unwrap()
 }
 
 fn results() -> &'static Results {
@@ -35,7 +35,7 @@ fn error(case: &str, method: Method) -> f64 {
 
 /// The paper's column for a case and method: parameter, printed estimate, printed relative standard deviation.
 fn published(column: &str) -> Vec<(String, String, f64)> {
-    let mut reader = csv::Reader::from_path(common::shared().join("paper/tables.csv")).unwrap();
+    let mut reader = csv::Reader::from_path(thetahat_testing::shared().join("paper/tables.csv")).unwrap();
     let rows: Vec<HashMap<String, String>> = reader.deserialize().collect::<Result<_, _>>().unwrap();
     let row = |r: HashMap<String, String>| {
         let deviation = r[&format!("{column}_sd_percent")].parse().unwrap();
@@ -56,8 +56,8 @@ fn agreeing(run: &RunResult, column: &str) -> usize {
 }
 
 fn nominal_errors() -> Result<(), Failed> {
-    let [ls, iv, didim] = [Method::IdimLs, Method::IdimIv, Method::Didim].map(|m| error("nominal", m));
-    ensure(run("nominal", Method::IdimLs).parameters.len() == 60, "60 base parameters")?;
+    let [ls, iv, didim] = [Method::IDIM_LS, Method::IDIM_IV, Method::DIDIM].map(|m| error("nominal", m));
+    ensure(run("nominal", Method::IDIM_LS).parameters.len() == 60, "60 base parameters")?;
     ensure(ls <= 5.75, format!("LS {ls} %"))?;
     ensure((iv - ls).abs() <= 0.1, format!("IV {iv} %, LS {ls} %"))?;
     ensure(didim <= 6.3, format!("DIDIM {didim} %"))
@@ -70,11 +70,11 @@ fn every_run_converges() -> Result<(), Failed> {
 
 fn tables_one_and_three() -> Result<(), Failed> {
     let expected = [
-        ("nominal", Method::IdimLs, "idim_ls", 27),
-        ("nominal", Method::IdimIv, "idim_iv", 27),
-        ("nominal", Method::Didim, "didim", 24),
-        ("gear_ratio_0.9", Method::IdimIv, "biased_idim_iv", 27),
-        ("gear_ratio_0.9", Method::Didim, "biased_didim", 20),
+        ("nominal", Method::IDIM_LS, "idim_ls", 27),
+        ("nominal", Method::IDIM_IV, "idim_iv", 27),
+        ("nominal", Method::DIDIM, "didim", 24),
+        ("gear_ratio_0.9", Method::IDIM_IV, "biased_idim_iv", 27),
+        ("gear_ratio_0.9", Method::DIDIM, "biased_didim", 20),
     ];
     for (case, method, column, fewest) in expected {
         let found = agreeing(run(case, method), column);
@@ -84,7 +84,7 @@ fn tables_one_and_three() -> Result<(), Failed> {
 }
 
 fn standard_deviations_of_ls() -> Result<(), Failed> {
-    let run = run("nominal", Method::IdimLs);
+    let run = run("nominal", Method::IDIM_LS);
     let close = |(name, _, printed): &(String, String, f64)| {
         let ours = run.parameter(name).unwrap().relative_standard_deviation_percent.unwrap();
         (ours / printed - 1.0).abs() <= 0.25
@@ -94,9 +94,9 @@ fn standard_deviations_of_ls() -> Result<(), Failed> {
 }
 
 fn biased_simulator_leaves_iv() -> Result<(), Failed> {
-    let biased = run("gear_ratio_0.9", Method::IdimIv);
+    let biased = run("gear_ratio_0.9", Method::IDIM_IV);
     let well_known = |p: &&ParameterResult| p.relative_standard_deviation_percent.is_some_and(|r| r < 10.0);
-    for nominal in run("nominal", Method::IdimIv).parameters.iter().filter(well_known) {
+    for nominal in run("nominal", Method::IDIM_IV).parameters.iter().filter(well_known) {
         let moved = (biased.parameter(&nominal.name).unwrap().estimate - nominal.estimate).abs();
         let allowed = (0.05 * nominal.estimate.abs()).max(nominal.standard_deviation.unwrap());
         ensure(moved < allowed, format!("{}: moved by {moved}, allowed {allowed}", nominal.name))?;
@@ -105,13 +105,13 @@ fn biased_simulator_leaves_iv() -> Result<(), Failed> {
 }
 
 fn biased_simulator_moves_didim() -> Result<(), Failed> {
-    let (nominal, biased) = (run("nominal", Method::Didim), run("gear_ratio_0.9", Method::Didim));
+    let (nominal, biased) = (run("nominal", Method::DIDIM), run("gear_ratio_0.9", Method::DIDIM));
     for name in ["zz1r", "xx2r", "fv1", "fv2", "ia3"] {
         let of = |r: &RunResult| r.parameter(name).unwrap().estimate;
         let down = 100.0 * (1.0 - of(biased) / of(nominal));
         ensure((8.0..=35.0).contains(&down), format!("{name}: down by {down} %"))?;
     }
-    ensure(error("gear_ratio_0.9", Method::Didim) > error("nominal", Method::Didim), "the error grows")
+    ensure(error("gear_ratio_0.9", Method::DIDIM) > error("nominal", Method::DIDIM), "the error grows")
 }
 
 fn simulator_test(case: &str) -> Result<&'static BiasedSimulatorResult, Failed> {
@@ -123,7 +123,7 @@ fn advice_is_quiet_nominally() -> Result<(), Failed> {
     let test = simulator_test("nominal")?;
     ensure(test.verdict != Verdict::Alarm, format!("{test:?}"))?;
     let advice = &results().advice[0];
-    ensure(advice.take == Some(Method::IdimIv) && advice.distrust.is_empty(), format!("{advice:?}"))
+    ensure(advice.take == Some(Method::IDIM_IV) && advice.distrust.is_empty(), format!("{advice:?}"))
 }
 
 /// The alarm of the 90 % case, and gear ratios near 0.9 as its cause.
@@ -134,7 +134,7 @@ fn advice_distrusts_didim_with_wrong_gear_ratios() -> Result<(), Failed> {
     ensure(best.kind == BiasKind::GearRatio && best.explained_percent > 95.0, format!("{best:?}"))?;
     ensure(best.simulator_to_true.is_some_and(|v| (v - 0.9).abs() < 0.005), format!("{best:?}"))?;
     let advice = &results().advice[1];
-    ensure(advice.take == Some(Method::IdimIv) && advice.distrust == [Method::Didim], format!("{advice:?}"))
+    ensure(advice.take == Some(Method::IDIM_IV) && advice.distrust == [Method::DIDIM], format!("{advice:?}"))
 }
 
 fn reference_is_moves() -> Result<(), Failed> {
@@ -146,7 +146,7 @@ fn reference_is_moves() -> Result<(), Failed> {
 
 fn twenty_eight_alone() -> Result<(), Failed> {
     let results = identify("tx40_28.toml");
-    let run = results.run("nominal", Method::IdimLs).unwrap();
+    let run = results.run("nominal", Method::IDIM_LS).unwrap();
     ensure(run.parameters.len() == 28, "28 parameters")?;
     let error = run.relative_error_percent.unwrap();
     ensure(error <= 5.90, format!("{error} %"))?;
@@ -156,11 +156,12 @@ fn twenty_eight_alone() -> Result<(), Failed> {
 
 fn inertias_are_enough_to_start() -> Result<(), Failed> {
     let mut experiment =
-        Experiment::read(&common::root().join("experiments/tx40_paper.toml"), &common::data()).unwrap();
-    experiment.file.estimation.start = thetahat::experiment::Start::MotorInertias;
-    experiment.file.case.clear();
-    let from_inertias = experiment.run(&common::data(), &mut |_| {}).unwrap();
-    for method in [Method::IdimIv, Method::Didim] {
+        Experiment::read(&thetahat_testing::root().join("experiments/tx40_paper.toml"), &thetahat_testing::data())
+            .unwrap();
+    experiment.settings.estimation.start = thetahat::preparation::Start::MotorInertias;
+    experiment.settings.cases.clear();
+    let from_inertias = experiment.run(&thetahat_testing::data(), &mut |_| {}).unwrap();
+    for method in [Method::IDIM_IV, Method::DIDIM] {
         let found = from_inertias.run("nominal", method).unwrap();
         ensure(found.status == Status::Converged, format!("{method:?}: {:?}", found.reason))?;
         for (a, b) in found.parameters.iter().zip(&run("nominal", method).parameters) {
@@ -172,7 +173,7 @@ fn inertias_are_enough_to_start() -> Result<(), Failed> {
 }
 
 fn main() {
-    common::run_with_shared_data(vec![
+    thetahat_testing::run_with_shared_data(vec![
         ("nominal_errors_are_those_of_the_paper_or_less", nominal_errors),
         ("every_run_converges", every_run_converges),
         ("estimates_agree_with_tables_one_and_three", tables_one_and_three),

@@ -1,21 +1,19 @@
 //! Recordings of real robots in three formats: how much is in them, a few of their values as other software reads them, and
 //! what their inspection says.
 
-mod common;
-
-use common::ensure;
 use libtest_mimic::Failed;
 use thetahat::{
     recording::{ChannelSource, Format, TableSummary, Unit, inspect, read_channels},
     series::Series,
 };
+use thetahat_testing::ensure;
 
 /// Sums of columns are compared to this share of the sum, since they are added in another order.
 const ROUNDING: f64 = 1e-9;
 
 fn channels(description: &str) -> Result<Series, Failed> {
     let source: ChannelSource = toml::from_str(description)?;
-    Ok(read_channels(&source, &common::data())?)
+    Ok(read_channels(&source, &thetahat_testing::data())?)
 }
 
 fn largest(tables: &[TableSummary]) -> Result<&TableSummary, Failed> {
@@ -38,7 +36,7 @@ fn kuka_archive() -> Result<(), Failed> {
 }
 
 fn kuka_inspection() -> Result<(), Failed> {
-    let contents = inspect(&common::data().join("kuka_lwr4/measurements_2.npz"))?;
+    let contents = inspect(&thetahat_testing::data().join("kuka_lwr4/measurements_2.npz"))?;
     let table = largest(&contents.tables)?;
     ensure((contents.format, table.samples, table.columns.len()) == (Format::Npz, 5027, 8), format!("{contents:?}"))?;
     let Some(time) = table.times.first() else { return Err("no time".into()) };
@@ -69,7 +67,7 @@ fn ur10_bag() -> Result<(), Failed> {
 }
 
 fn ur10_inspection() -> Result<(), Failed> {
-    let contents = inspect(&common::data().join("ur10/ur10_exciting_trajectory.db3"))?;
+    let contents = inspect(&thetahat_testing::data().join("ur10/ur10_exciting_trajectory.db3"))?;
     let [table] = contents.tables.as_slice() else { return Err(format!("{} tables", contents.tables.len()).into()) };
     ensure(
         (table.name.as_str(), table.samples, table.columns.len()) == ("/joint_states", 3441, 20),
@@ -81,7 +79,7 @@ fn ur10_inspection() -> Result<(), Failed> {
 }
 
 fn emps_matlab() -> Result<(), Failed> {
-    let contents = inspect(&common::data().join("emps/DATA_EMPS.mat"))?;
+    let contents = inspect(&thetahat_testing::data().join("emps/DATA_EMPS.mat"))?;
     let table = largest(&contents.tables)?;
     let names: Vec<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();
     ensure(table.samples == 24841 && ["t", "qm", "qg", "vir"].iter().all(|n| names.contains(n)), format!("{names:?}"))?;
@@ -92,7 +90,7 @@ fn emps_matlab() -> Result<(), Failed> {
 }
 
 fn main() {
-    common::run_with_shared_data(vec![
+    thetahat_testing::run_with_shared_data(vec![
         ("kuka_archive_has_the_values_that_numpy_reads", kuka_archive),
         ("kuka_archive_is_inspected", kuka_inspection),
         ("ur10_bag_has_the_values_that_its_bytes_say", ur10_bag),

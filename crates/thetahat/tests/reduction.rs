@@ -1,19 +1,15 @@
 //! Reducing and solving is identifying: on the demonstration's twin, and on the recorded EMPS and TX40.
 
-mod common;
+use std::{collections::BTreeMap, path::Path};
 
-use std::{
-    collections::BTreeMap,
-    path::{Path, PathBuf},
-};
-
-use common::ensure;
 use libtest_mimic::Failed;
 use thetahat::{
-    experiment::{Experiment, ParameterResult, RunResult},
+    experiment::Experiment,
     identification::{Method, Status},
     reduction::{ReduceOptions, Reduction},
+    results::{ParameterResult, RunResult},
 };
+use thetahat_testing::{Folder, ensure};
 
 /// Relative to the estimate, and to its standard deviation where that is larger.
 const EQUAL: f64 = 1e-9;
@@ -25,11 +21,11 @@ const IV_IN_PIECES: f64 = 0.02;
 const EQUAL_PIECES: f64 = 1e-10;
 
 fn experiment(name: &str) -> Experiment {
-    Experiment::read(&common::root().join("experiments").join(name), &common::data()).unwrap()
+    Experiment::read(&thetahat_testing::root().join("experiments").join(name), &thetahat_testing::data()).unwrap()
 }
 
 fn reduce(experiment: &Experiment, threads: usize, piece_samples: usize) -> Reduction {
-    experiment.reduce(&common::data(), ReduceOptions { threads, piece_samples }, &mut |_| {}).unwrap()
+    experiment.reduce(&thetahat_testing::data(), ReduceOptions { threads, piece_samples }, &mut |_| {}).unwrap()
 }
 
 fn close(a: f64, b: f64, size: f64, tolerance: f64, what: &str) -> Result<(), Failed> {
@@ -52,10 +48,10 @@ fn same(found: &RunResult, expected: &RunResult, tolerance: f64) -> Result<(), F
 }
 
 fn equals_identify(mut experiment: Experiment) -> Result<(), Failed> {
-    experiment.file.estimation.methods = vec![Method::IdimLs];
-    experiment.file.case.clear();
-    let results = experiment.run(&common::data(), &mut |_| {})?;
-    let expected = results.run("nominal", Method::IdimLs).unwrap();
+    experiment.settings.estimation.methods = vec![Method::IDIM_LS];
+    experiment.settings.cases.clear();
+    let results = experiment.run(&thetahat_testing::data(), &mut |_| {})?;
+    let expected = results.run("nominal", Method::IDIM_LS).unwrap();
     let whole = reduce(&experiment, 1, 1 << 16);
     let solved = whole.solve()?.results;
     ensure(solved.samples_used == results.samples_used, "as many samples")?;
@@ -91,8 +87,8 @@ fn tx40_essential() -> Result<(), Failed> {
 /// The window is the moving part, which a first pass finds.
 fn tx40_moving_part() -> Result<(), Failed> {
     let mut experiment = experiment("tx40_paper.toml");
-    experiment.file.signal.window_start_s = None;
-    experiment.file.signal.window_end_s = None;
+    experiment.settings.signal.window_start_s = None;
+    experiment.settings.signal.window_end_s = None;
     equals_identify(experiment)
 }
 
@@ -102,21 +98,22 @@ fn kuka() -> Result<(), Failed> {
 
 /// Instruments from the last iterate before the end of an identification give its estimate.
 fn equals_last_step(mut experiment: Experiment) -> Result<(), Failed> {
-    experiment.file.estimation.methods = vec![Method::IdimIv];
-    experiment.file.case.clear();
-    let results = experiment.run(&common::data(), &mut |_| {})?;
-    let expected = results.run("nominal", Method::IdimIv).unwrap();
+    experiment.settings.estimation.methods = vec![Method::IDIM_IV];
+    experiment.settings.cases.clear();
+    let results = experiment.run(&thetahat_testing::data(), &mut |_| {})?;
+    let expected = results.run("nominal", Method::IDIM_IV).unwrap();
     let before = &expected.convergence[expected.convergence.len() - 2].estimates;
     let named: BTreeMap<String, f64> =
         expected.parameters.iter().zip(before).map(|(p, v)| (p.name.clone(), *v)).collect();
     let options = ReduceOptions { threads: 2, piece_samples: 3000 };
-    let reduction = experiment.reduce_with_instruments(&common::data(), Some(&named), options, &mut |_| {})?;
+    let reduction =
+        experiment.reduce_with_instruments(&thetahat_testing::data(), Some(&named), options, &mut |_| {})?;
     let solved = reduction.solve()?.results;
-    let iv = solved.run("nominal", Method::IdimIv).unwrap();
+    let iv = solved.run("nominal", Method::IDIM_IV).unwrap();
     same(iv, expected, EQUAL_IV)?;
     ensure(iv.status == Status::Converged, format!("{:?}", iv.reason))?;
     let ls = reduce(&experiment, 1, 3000).solve()?.results;
-    same(solved.run("nominal", Method::IdimLs).unwrap(), &ls.runs[0], EQUAL_PIECES)
+    same(solved.run("nominal", Method::IDIM_LS).unwrap(), &ls.runs[0], EQUAL_PIECES)
 }
 
 fn iv_of_the_demonstration() -> Result<(), Failed> {
@@ -163,19 +160,18 @@ fn recorded_demonstration(folder: &Path) -> Experiment {
 /// Simulated in pieces, each from 2 s before it, IV is that of a simulation of the whole record, to two hundredths of a
 /// standard deviation.
 fn iv_in_pieces() -> Result<(), Failed> {
-    let folder = std::env::temp_dir().join(format!("thetahat-iv-{}", std::process::id()));
-    std::fs::create_dir_all(&folder)?;
-    let mut experiment = recorded_demonstration(&folder);
-    experiment.file.estimation.methods = vec![Method::IdimIv];
-    let results = experiment.run(&folder, &mut |_| {})?;
-    let expected = results.run("nominal", Method::IdimIv).unwrap();
+    let folder = Folder::new();
+    let mut experiment = recorded_demonstration(folder.path());
+    experiment.settings.estimation.methods = vec![Method::IDIM_IV];
+    let results = experiment.run(folder.path(), &mut |_| {})?;
+    let expected = results.run("nominal", Method::IDIM_IV).unwrap();
     let before = &expected.convergence[expected.convergence.len() - 2].estimates;
     let named: BTreeMap<String, f64> =
         expected.parameters.iter().zip(before).map(|(p, v)| (p.name.clone(), *v)).collect();
     let options = ReduceOptions { threads: 2, piece_samples: 9000 };
-    let solved = experiment.reduce_with_instruments(&folder, Some(&named), options, &mut |_| {})?.solve()?.results;
-    let iv = solved.run("nominal", Method::IdimIv).unwrap();
-    std::fs::remove_dir_all(&folder)?;
+    let solved =
+        experiment.reduce_with_instruments(folder.path(), Some(&named), options, &mut |_| {})?.solve()?.results;
+    let iv = solved.run("nominal", Method::IDIM_IV).unwrap();
     let apart =
         |(f, e): (&ParameterResult, &ParameterResult)| (f.estimate - e.estimate).abs() / e.standard_deviation.unwrap();
     let worst = iv.parameters.iter().zip(&expected.parameters).map(apart).fold(0.0, f64::max);
@@ -186,19 +182,17 @@ fn iv_in_pieces() -> Result<(), Failed> {
 fn threads_change_no_byte() -> Result<(), Failed> {
     let experiment = experiment("tx40_paper.toml");
     let file = |threads: usize| -> Vec<u8> {
-        let path: PathBuf = std::env::temp_dir().join(format!("thetahat-threads-{threads}-{}", std::process::id()));
-        reduce(&experiment, threads, 3000).write(&path).unwrap();
-        let bytes = std::fs::read(&path).unwrap();
-        assert_eq!(Reduction::read(&path).unwrap(), reduce(&experiment, 1, 3000));
-        std::fs::remove_file(&path).unwrap();
-        bytes
+        let folder = Folder::new();
+        reduce(&experiment, threads, 3000).write(&folder.at("reduction")).unwrap();
+        assert_eq!(Reduction::read(&folder.at("reduction")).unwrap(), reduce(&experiment, 1, 3000));
+        folder.bytes("reduction")
     };
     let one = file(1);
     ensure(one == file(2) && one == file(5), "the same bytes")
 }
 
 fn main() {
-    common::run_with_shared_data(vec![
+    thetahat_testing::run_with_shared_data(vec![
         ("the demonstration", the_demonstration),
         ("EMPS", emps),
         ("TX40", tx40),

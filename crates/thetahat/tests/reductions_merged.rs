@@ -1,16 +1,16 @@
 //! Reductions as values: merged in any order, refused where they do not belong together, read from files that may be
 //! damaged. On a joint whose torque is known in closed form: tau = ia ddq + fv dq + fc sign(dq) + off.
 
-use std::{
-    fmt::Write as _,
-    path::{Path, PathBuf},
-};
+use std::{fmt::Write as _, path::Path};
 
 use thetahat::{
-    experiment::{Experiment, ExperimentError, ParameterResult, Results},
+    experiment::{Experiment, ExperimentError},
+    preparation::PreparationError,
     reduction::{ReduceOptions, Reduction, ReductionError},
+    results::{ParameterResult, Results},
     signal::SignalError,
 };
+use thetahat_testing::Folder;
 
 const ROBOT: &str = "name = 'joint'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n";
 const SIGNAL: &str = "[signal]\ncutoff_hz = 60\ndecimation = 10\n";
@@ -20,14 +20,12 @@ const RATE: f64 = 1000.0;
 const EQUAL: f64 = 1e-9;
 const EQUAL_ORDERS: f64 = 1e-10;
 
-/// A folder of its own for each test, removed at its end.
-struct Folder(PathBuf);
+/// A folder of recordings.
+struct Recordings(Folder);
 
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("thetahat-reductions-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&path).unwrap();
-        Self(path)
+impl Recordings {
+    fn new() -> Self {
+        Self(Folder::new())
     }
 
     /// Writes a motion of two sines with noise in the torque.
@@ -37,7 +35,7 @@ impl Folder {
             let [q, tau] = motion(k, slow_hz);
             writeln!(text, "{:.6},{q},{tau}", k as f64 / RATE).unwrap();
         }
-        std::fs::write(self.0.join(name), text).unwrap();
+        self.0.write(name, text);
     }
 
     fn experiment(&self, recordings: &str, signal: &str) -> Experiment {
@@ -47,13 +45,7 @@ impl Folder {
 
     fn reduce(&self, recordings: &str, signal: &str) -> Result<Reduction, ReductionError> {
         let options = ReduceOptions { threads: 2, piece_samples: 1500 };
-        self.experiment(recordings, signal).reduce(&self.0, options, &mut |_| {})
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
+        self.experiment(recordings, signal).reduce(self.0.path(), options, &mut |_| {})
     }
 }
 
@@ -74,8 +66,8 @@ fn recording(file: &str, more: &str) -> String {
     )
 }
 
-fn three() -> (Folder, [String; 3]) {
-    let folder = Folder::new(&format!("{:?}", std::thread::current().id()).replace(['(', ')'], ""));
+fn three() -> (Recordings, [String; 3]) {
+    let folder = Recordings::new();
     folder.write("a.csv", 8000, 0.5);
     folder.write("b.csv", 6000, 0.7);
     folder.write("c.csv", 9000, 0.3);
@@ -102,7 +94,7 @@ fn merged_in_any_order_they_are_the_identification_of_all() {
     let (folder, recordings) = three();
     let weighted = recording("c.csv", "weight = 0.5");
     let all = [recordings[0].clone(), recordings[1].clone(), weighted];
-    let expected = folder.experiment(&all.concat(), SIGNAL).run(&folder.0, &mut |_| {}).unwrap();
+    let expected = folder.experiment(&all.concat(), SIGNAL).run(folder.0.path(), &mut |_| {}).unwrap();
     let together = folder.reduce(&all.concat(), SIGNAL).unwrap().solve().unwrap();
     assert_same(&together.results, &expected, EQUAL);
     let own: Vec<Reduction> = all.iter().map(|r| folder.reduce(r, SIGNAL).unwrap()).collect();
@@ -124,7 +116,7 @@ fn merged_in_any_order_they_are_the_identification_of_all() {
 #[test]
 fn a_recording_counts_once_whatever_its_file_is_called() {
     let (folder, recordings) = three();
-    std::fs::copy(folder.0.join("a.csv"), folder.0.join("copy.csv")).unwrap();
+    folder.0.write("copy.csv", folder.0.bytes("a.csv"));
     let copy = recording("copy.csv", "name = 'copy'");
     let error = folder.reduce(&(recordings[0].clone() + &copy), SIGNAL).unwrap_err();
     assert!(matches!(error, ReductionError::SameRecording { .. }), "{error}");
@@ -155,7 +147,7 @@ fn unlike_reductions_are_refused_with_what_differs() {
 fn a_file_is_read_as_it_was_written_or_refused() {
     let (folder, recordings) = three();
     let reduction = folder.reduce(&recordings[0], SIGNAL).unwrap();
-    let path = folder.0.join("a.reduction");
+    let path = folder.0.at("a.reduction");
     reduction.write(&path).unwrap();
     assert_eq!(Reduction::read(&path).unwrap(), reduction);
     let bytes = std::fs::read(&path).unwrap();
@@ -175,8 +167,8 @@ fn a_file_is_read_as_it_was_written_or_refused() {
     let next = [b"thetahat reduction 2\n", &bytes[21..]].concat();
     assert!(matches!(refused(&next), ReductionError::Version { expected: 1, .. }));
     assert!(matches!(refused(b"a,b\n1,2\n"), ReductionError::Damaged { .. }));
-    assert!(matches!(Reduction::read(&folder.0.join("none")), Err(ReductionError::Unreadable { .. })));
-    assert!(matches!(reduction.write(&folder.0), Err(ReductionError::Unwritable { .. })));
+    assert!(matches!(Reduction::read(&folder.0.at("none")), Err(ReductionError::Unreadable { .. })));
+    assert!(matches!(reduction.write(folder.0.path()), Err(ReductionError::Unwritable { .. })));
 }
 
 #[test]
@@ -184,7 +176,7 @@ fn records_that_say_nothing_are_refused() {
     let (folder, _) = three();
     let write = |name: &str, line: &dyn Fn(usize) -> String| {
         let body: String = (0..8000).map(line).collect();
-        std::fs::write(folder.0.join(name), format!("t,q,tau\n{body}")).unwrap();
+        folder.0.write(name, format!("t,q,tau\n{body}"));
     };
     write("still.csv", &|k| format!("{:.3},0.5,1.5\n", k as f64 / RATE));
     write("dead.csv", &|k| format!("{:.3},{},0.0\n", k as f64 / RATE, motion(k, 0.5)[0]));
@@ -197,7 +189,10 @@ fn records_that_say_nothing_are_refused() {
         assert!(
             matches!(
                 still,
-                ReductionError::Experiment(ExperimentError::Signal { source: SignalError::NoMotion { .. }, .. })
+                ReductionError::Experiment(ExperimentError::Preparation {
+                    source: PreparationError::Signal { source: SignalError::NoMotion { .. } },
+                    ..
+                })
             ),
             "{still}"
         );
@@ -215,9 +210,9 @@ fn uneven_steps() {
     let body: String = (0..8000)
         .map(|k| format!("{:.6},{},{}\n", k as f64 / RATE + jitter(k), motion(k, 0.5)[0], motion(k, 0.5)[1]))
         .collect();
-    std::fs::write(folder.0.join("jitter.csv"), format!("t,q,tau\n{body}")).unwrap();
+    folder.0.write("jitter.csv", format!("t,q,tau\n{body}"));
     let recording = recording("jitter.csv", "");
-    let expected = folder.experiment(&recording, SIGNAL).run(&folder.0, &mut |_| {}).unwrap();
+    let expected = folder.experiment(&recording, SIGNAL).run(folder.0.path(), &mut |_| {}).unwrap();
     let solution = folder.reduce(&recording, SIGNAL).unwrap().solve().unwrap();
     assert_same(&solution.results, &expected, EQUAL);
     let samples = (1 << 20) + 10;
@@ -231,7 +226,7 @@ fn uneven_steps() {
         bytes.extend(u16::try_from(header.len()).unwrap().to_le_bytes());
         bytes.extend(header.bytes());
         (0..samples).for_each(|k| bytes.extend(value(k).to_le_bytes()));
-        std::fs::write(folder.0.join(format!("{name}.npy")), bytes).unwrap();
+        folder.0.write(format!("{name}.npy"), bytes);
     }
     let long = "[recording]\ntime = { file = 't.npy', unit = 's' }\nposition = { file = 'q.npy', unit = 'rad' }\ntorque \
                 = { file = 'tau.npy', unit = 'N m' }\n";

@@ -8,18 +8,18 @@ use std::{
 
 use thetahat::{
     checks::{Code, Finding, Severity},
-    experiment::{
+    identification::{Method, Status},
+    report::{self, Agreement, Published, ReportError, TEXT_WIDTH, text, write_all},
+    results::{
         Advice, Bandwidth, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis, EliminationResult, EndogeneityResult,
         Influence, IterationResult, JointResidual, ParameterDifference, ParameterResult, Plots, RecordingFindings,
         RecordingResult, ReferenceResult, ResidualResult, Results, RunPlots, RunResult, Verdict,
     },
-    identification::{Method, Status},
-    report::{self, Agreement, Published, ReportError, TEXT_WIDTH, text, write_all},
     simulation::BiasKind,
     statistics::{FTest, chi_squared_test},
 };
 
-const METHODS: [Method; 3] = [Method::IdimLs, Method::IdimIv, Method::Didim];
+const METHODS: [Method; 3] = [Method::IDIM_LS, Method::IDIM_IV, Method::DIDIM];
 const LONG_CASE: &str = "controller_bandwidth_of_the_second_motor_0.5";
 const TITLE: &str = "<b>& of a title that goes on and on until it is longer than a line of a terminal of 80 columns";
 
@@ -147,8 +147,8 @@ fn diagnosis(case: &str) -> CaseDiagnosis {
 fn advice(case: &str) -> Advice {
     Advice {
         case: case.to_owned(),
-        take: Some(Method::IdimIv),
-        distrust: vec![Method::Didim],
+        take: Some(Method::IDIM_IV),
+        distrust: vec![Method::DIDIM],
         text: "Take idim-iv. Distrust didim: it differs by 3.76 standard deviations on average.".to_owned(),
     }
 }
@@ -167,7 +167,7 @@ fn diverged(case: &str) -> RunResult {
         convergence: Vec::new(),
         parameters: Vec::new(),
         plots: RunPlots::default(),
-        ..run(case, Method::Didim)
+        ..run(case, Method::DIDIM)
     }
 }
 
@@ -442,7 +442,7 @@ fn agreement_is_counted() {
 fn the_last_digit_is_that_of_the_text() {
     let decimals = |text: &str| {
         let content = FIGURES.replace("6.9,", &format!("{text},"));
-        published("digits", &content).unwrap().value("nominal", Method::IdimLs, "fc1").unwrap().decimals()
+        published("digits", &content).unwrap().value("nominal", Method::IDIM_LS, "fc1").unwrap().decimals()
     };
     assert_eq!(["7", "6.90", "6.90e-3", "1.2E2"].map(decimals), [0, 2, 5, -1]);
 }
@@ -476,9 +476,9 @@ fn the_published_tables_of_the_project_can_be_read() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../experiments/published");
     let paper = Published::read(&folder.join("tx40.csv")).unwrap();
     assert_eq!(paper.values.len(), 6 * 29);
-    assert_eq!(paper.value("gear_ratio_0.9", Method::Didim, "zz1r").unwrap().text, "1.08");
+    assert_eq!(paper.value("gear_ratio_0.9", Method::DIDIM, "zz1r").unwrap().text, "1.08");
     let emps = Published::read(&folder.join("emps.csv")).unwrap();
-    assert_eq!(emps.value("nominal", Method::IdimLs, "m1r").unwrap().decimals(), 4);
+    assert_eq!(emps.value("nominal", Method::IDIM_LS, "m1r").unwrap().decimals(), 4);
 }
 
 #[test]

@@ -1,12 +1,11 @@
 //! Several recordings in one identification, on a joint whose torque is known in closed form:
 //! tau = ia ddq + fv dq + fc sign(dq) + off.
 
-use std::{
-    fmt::Write as _,
-    path::{Path, PathBuf},
-};
+use std::{fmt::Write as _, path::Path};
 
-use thetahat::experiment::{Experiment, ExperimentError, Results};
+use thetahat::experiment::{Experiment, ExperimentError};
+use thetahat::results::Results;
+use thetahat_testing::Folder;
 
 const ROBOT: &str = "name = 'joint'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n";
 const SIGNAL: &str = "[signal]\ncutoff_hz = 60\ndecimation = 10\n[estimation]\nmethods = ['idim-ls']\n";
@@ -16,14 +15,12 @@ const TRUTH: [f64; 4] = [0.7, 3.0, 1.5, 0.2];
 /// What band-pass and central differences leave of a noise-free motion, relative.
 const FILTER: f64 = 2e-3;
 
-/// A folder of its own for each test, removed at its end.
-struct Folder(PathBuf);
+/// A folder of recordings.
+struct Recordings(Folder);
 
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("thetahat-several-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&path).unwrap();
-        Self(path)
+impl Recordings {
+    fn new() -> Self {
+        Self(Folder::new())
     }
 
     /// Writes 8 s of a motion of two sines, with the offset of the torque and the times as given.
@@ -38,19 +35,13 @@ impl Folder {
             let tau = TRUTH[0] * ddq + TRUTH[1] * dq + TRUTH[2] * dq.signum() + off;
             writeln!(text, "{t:.12},{q:.15},{tau:.15}").unwrap();
         }
-        std::fs::write(self.0.join(name), text).unwrap();
+        self.0.write(name, text);
     }
 
     fn identify(&self, recordings: &str) -> Result<Results, ExperimentError> {
         let text = format!("title = 't'\nrobot = 'joint.toml'\n{recordings}{SIGNAL}");
         let experiment = Experiment::from_texts(Path::new("several.toml"), text, ROBOT.to_owned())?;
-        experiment.run(&self.0, &mut |_| {})
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
+        experiment.run(self.0.path(), &mut |_| {})
     }
 }
 
@@ -83,7 +74,7 @@ fn assert_truth(results: &Results, off: f64, tolerance: f64) {
 
 #[test]
 fn one_table_and_an_array_of_one_are_the_same() {
-    let folder = Folder::new("one");
+    let folder = Recordings::new();
     folder.write("a.csv", 0.4, TRUTH[3], even);
     let table = folder.identify(&recording("[recording]", "a.csv", "")).unwrap();
     let array = folder.identify(&recording("[[recording]]", "a.csv", "")).unwrap();
@@ -93,7 +84,7 @@ fn one_table_and_an_array_of_one_are_the_same() {
 
 #[test]
 fn the_same_recording_twice_gives_the_same_estimates_and_smaller_deviations() {
-    let folder = Folder::new("twice");
+    let folder = Recordings::new();
     folder.write("a.csv", 0.4, TRUTH[3], even);
     let one = folder.identify(&recording("[[recording]]", "a.csv", "")).unwrap();
     let twice = [recording("[[recording]]", "a.csv", ""), recording("[[recording]]", "a.csv", "")].concat();
@@ -113,7 +104,7 @@ fn the_same_recording_twice_gives_the_same_estimates_and_smaller_deviations() {
 /// Two recordings with different offsets: the estimate of the offset is their weighted mean, with squared weights.
 #[test]
 fn weights_draw_the_estimate_to_their_recording() {
-    let folder = Folder::new("weights");
+    let folder = Recordings::new();
     folder.write("a.csv", 0.4, 0.0, even);
     folder.write("b.csv", 0.4, 1.0, even);
     for weight in [1.0_f64, 3.0] {
@@ -126,7 +117,7 @@ fn weights_draw_the_estimate_to_their_recording() {
 
 #[test]
 fn a_recording_is_left_out_in_turn() {
-    let folder = Folder::new("folds");
+    let folder = Recordings::new();
     folder.write("a.csv", 0.4, TRUTH[3], even);
     folder.write("b.csv", 0.55, TRUTH[3], even);
     let both = [recording("[[recording]]", "a.csv", ""), recording("[[recording]]", "b.csv", "")].concat();
@@ -137,7 +128,7 @@ fn a_recording_is_left_out_in_turn() {
 
 #[test]
 fn several_recordings_are_held_back() {
-    let folder = Folder::new("held-back");
+    let folder = Recordings::new();
     for (name, hz) in [("a.csv", 0.4), ("b.csv", 0.5), ("c.csv", 0.6)] {
         folder.write(name, hz, TRUTH[3], even);
     }
@@ -151,7 +142,7 @@ fn several_recordings_are_held_back() {
 
 #[test]
 fn a_recording_has_its_own_window() {
-    let folder = Folder::new("window");
+    let folder = Recordings::new();
     folder.write("a.csv", 0.4, TRUTH[3], even);
     let own = recording("[recording]", "a.csv", "window_start_s = 1.0\nwindow_end_s = 3.0");
     let results = folder.identify(&own).unwrap();
@@ -161,7 +152,7 @@ fn a_recording_has_its_own_window() {
 /// Stamps that jitter by up to 30 % of a step.
 #[test]
 fn jittering_stamps_are_resampled() {
-    let folder = Folder::new("jitter");
+    let folder = Recordings::new();
     folder.write("a.csv", 0.4, TRUTH[3], |k| (k as f64 + 0.15 * (2.3 * k as f64).sin()) / RATE);
     let with_time = recording("[recording]", "a.csv", "")
         .replace(&format!("sample_rate_hz = {RATE}"), "time = { file = 'a.csv', columns = ['t'], unit = 's' }");
@@ -175,7 +166,7 @@ fn jittering_stamps_are_resampled() {
 
 #[test]
 fn recordings_of_different_rates_are_refused() {
-    let folder = Folder::new("rates");
+    let folder = Recordings::new();
     folder.write("a.csv", 0.4, TRUTH[3], even);
     let slow = recording("[[recording]]", "a.csv", "").replace("1000", "500");
     let message = folder.identify(&(recording("[[recording]]", "a.csv", "") + &slow)).unwrap_err().to_string();
@@ -184,7 +175,7 @@ fn recordings_of_different_rates_are_refused() {
 
 #[test]
 fn what_is_wrong_inside_an_array_is_named_with_its_line() {
-    let folder = Folder::new("line");
+    let folder = Recordings::new();
     let wrong = recording("[[recording]]", "a.csv", "").replace("position", "positions");
     let message = folder.identify(&wrong).unwrap_err().to_string();
     assert!(message.contains("line 5") && message.contains("`positions`"), "{message}");

@@ -3,7 +3,7 @@
 //! The reference, `reference/signal.json` with the script that made it, lies in the folder `shared` beside the
 //! checkout or where the environment variable `THETAHAT_SHARED` says. Without it every test is reported as ignored.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use serde::Deserialize;
@@ -78,11 +78,6 @@ fn compare(what: &str, ours: &[f64], theirs: &[f64]) -> Result<(), Failed> {
     if difference <= TOLERANCE { Ok(()) } else { Err(format!("{what} differs by {difference:e}").into()) }
 }
 
-fn shared() -> PathBuf {
-    let beside_the_checkout = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
-    std::env::var_os("THETAHAT_SHARED").map_or_else(beside_the_checkout, PathBuf::from)
-}
-
 fn trials(path: &Path) -> Result<Vec<Trial>, Box<dyn std::error::Error>> {
     if !path.exists() {
         println!("\n!!! NOT COMPARED WITH SCIPY: {} is absent; set THETAHAT_SHARED !!!\n", path.display());
@@ -100,6 +95,6 @@ fn trial(case: Case, fs_hz: f64, x: Series) -> Trial {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments = Arguments::from_args();
-    let trials = trials(&shared().join("reference/signal.json"))?;
+    let trials = trials(&thetahat_testing::shared().join("reference/signal.json"))?;
     libtest_mimic::run(&arguments, trials).exit()
 }

@@ -1,7 +1,5 @@
 //! The reference of the TX40's record, `shared/datasets/tx40`: 13 moves and ten numbers for each.
 
-mod common;
-
 use libtest_mimic::Failed;
 use thetahat::{
     robot::Robot,
@@ -16,7 +14,7 @@ const WINDOW_S: (f64, f64) = (0.06, 7.42);
 const LARGEST_RMS_RAD: f64 = 1.5e-3;
 
 fn read_motor_positions() -> Result<Series, Failed> {
-    let mut reader = csv::Reader::from_path(common::shared().join("datasets/tx40/pos_read_data.csv"))?;
+    let mut reader = csv::Reader::from_path(thetahat_testing::shared().join("datasets/tx40/pos_read_data.csv"))?;
     let mut values = Vec::new();
     for row in reader.records() {
         for cell in &row? {
@@ -27,7 +25,7 @@ fn read_motor_positions() -> Result<Series, Failed> {
 }
 
 fn joint_positions() -> Result<Series, Failed> {
-    let robot = Robot::read(&common::root().join("robots/tx40.toml"))?;
+    let robot = Robot::read(&thetahat_testing::root().join("robots/tx40.toml"))?;
     Ok(robot.transmission.joint_positions(&read_motor_positions()?))
 }
 
@@ -47,7 +45,7 @@ fn velocity(position: &Series) -> Series {
 }
 
 fn rms_in_window(q: &Series, moves: &Moves) -> Vec<f64> {
-    let (reference, _, _) = moves.sample(RATE_HZ, q.len());
+    let reference = moves.sample(RATE_HZ, q.len()).q;
     let (first, last) = ((WINDOW_S.0 * RATE_HZ) as usize, (WINDOW_S.1 * RATE_HZ) as usize);
     let square = |k: usize, j: usize| (q.sample(k)[j] - reference.sample(k)[j]).powi(2);
     let mean_square = |j: usize| (first..=last).map(|k| square(k, j)).sum::<f64>() / (last - first + 1) as f64;
@@ -70,5 +68,8 @@ fn numbers(motion: &Move) -> usize {
 }
 
 fn main() {
-    common::run_with_shared_data(vec![("thirteen_moves_follow_the_record", thirteen_moves_follow_the_record)]);
+    thetahat_testing::run_with_shared_data(vec![(
+        "thirteen_moves_follow_the_record",
+        thirteen_moves_follow_the_record,
+    )]);
 }

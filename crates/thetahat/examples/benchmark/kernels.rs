@@ -6,7 +6,7 @@ use crate::{
     fastest,
     peers::Peers,
     table::Row,
-    tx40::{DDQ, DQ, Q, SIGN, Tx40, motion},
+    tx40::{DDQ, Q, SIGN, Tx40, motion, state},
 };
 use thetahat::dynamics::Sign;
 
@@ -38,7 +38,7 @@ fn regressor() -> Result<f64, Box<dyn Error>> {
     let Tx40 { model, mut workspace, regressor, .. } = Tx40::new()?;
     let mut phi = vec![0.0; regressor.entries().len()];
     per_call(|| {
-        regressor.evaluate(&model, black_box(&Q), &DQ, &DDQ, Sign::Exact, &mut workspace, &mut phi);
+        regressor.evaluate(&model, state(), &DDQ, Sign::Exact, &mut workspace, &mut phi);
         phi[0]
     })
 }
@@ -60,7 +60,7 @@ fn inverse_dynamics() -> Result<f64, Box<dyn Error>> {
     let Tx40 { model, parameters, mut workspace, .. } = Tx40::new()?;
     let mut tau = [0.0; 6];
     per_call(|| {
-        model.inverse_dynamics(&parameters, black_box(&Q), &DQ, &DDQ, SIGN, &mut workspace, &mut tau);
+        model.inverse_dynamics(&parameters, state(), &DDQ, SIGN, &mut workspace, &mut tau);
         tau[0]
     })
 }
@@ -79,7 +79,7 @@ fn forward_dynamics() -> Result<f64, Box<dyn Error>> {
     let mut ddq = [0.0; 6];
     per_call(|| {
         let tau = black_box(&DDQ);
-        match model.forward_dynamics(&parameters, &Q, &DQ, tau, SIGN, &mut workspace, &mut ddq) {
+        match model.forward_dynamics(&parameters, state(), tau, SIGN, &mut workspace, &mut ddq) {
             Ok(()) => ddq[0],
             Err(_) => f64::NAN,
         }

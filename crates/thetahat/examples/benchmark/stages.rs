@@ -8,6 +8,7 @@ use thetahat::{
     experiment::Experiment,
     identification::{Assembly, Divisor, idim_ls},
     recording::read_channels,
+    regression::{Regression, RowLayout},
     signal::{Decimator, Padding, SecondOrderSections, central_difference, zero_phase},
     simulation::{ClosedLoop, Job, OutputGrid, Reference, SimulatorBias, simulate_all},
     trajectory::reconstruct,
@@ -56,7 +57,7 @@ fn our_stages(data: &Path) -> Result<Stages, Box<dyn Error>> {
     let rate = 5000.0;
     let window = 300..37_100;
     let model = Model::new(&experiment.robot);
-    let base = BaseParameters::of(&model, &experiment.file.parameters.exclude)?;
+    let base = BaseParameters::of(&model, &experiment.settings.parameters.exclude)?;
     let assembly = Assembly::new(&model, &base.columns(), Decimator::new(100, window.len())?);
     let filter = SecondOrderSections::butterworth_lowpass(4, 50.0, rate)?;
     let (identification, (dq, fit)) = fastest(RUNS, || {
@@ -66,18 +67,19 @@ fn our_stages(data: &Path) -> Result<Stages, Box<dyn Error>> {
         let cut = |s: &thetahat::series::Series| s.window(window.clone());
         let x = assembly.observation_matrix(&cut(&qf), &cut(&dq), &cut(&ddq), Sign::Exact)?;
         let y = assembly.measurement_vector(&cut(&tau))?;
-        Ok((dq, idim_ls(&x, &y, None, Divisor::default())?))
+        let regression = Regression::new(x, y, RowLayout::new(model.coordinate_count(), &[assembly.rows_per_joint()]));
+        Ok((dq, idim_ls(&regression, Divisor::default())?))
     })?;
     let reference = Reference::Moves(reconstruct(&q, &dq, rate)?.moves);
     let closed_loop = ClosedLoop {
         model: &model,
         transmission,
-        controller: experiment.file.controller.as_ref().ok_or("no controller")?,
+        controller: experiment.settings.controller.as_ref().ok_or("no controller")?,
         reference: &reference,
         added_signal: None,
         bias: SimulatorBias::NONE,
-        solver: experiment.file.simulation.solver,
-        sign_velocity_scale: experiment.file.simulation.sign_velocity_scale,
+        solver: experiment.settings.simulation.solver,
+        sign_velocity_scale: experiment.settings.simulation.sign_velocity_scale,
     };
     let theta = base.to_standard(&fit.theta);
     let inertia = closed_loop.motor_inertia(&theta, 7.42);

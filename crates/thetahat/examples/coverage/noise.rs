@@ -124,7 +124,7 @@ fn fill_white(noise: &mut Series, deviation: &[f64], generator: &mut ChaCha8Rng)
 /// Stationary from the first sample on.
 fn fill_coloured(noise: &mut Series, deviation: &[f64], twin: &Twin, generator: &mut ChaCha8Rng) {
     let pole = (-1.0 / (twin.sample_rate_hz * TIME_CONSTANT_S)).exp();
-    let decimated = (PASS_BAND / twin.experiment.file.signal.decimation as f64).sqrt();
+    let decimated = (PASS_BAND / twin.experiment.settings.signal.decimation as f64).sqrt();
     let size: Vec<f64> = deviation.iter().map(|sd| sd * decimated).collect();
     let mut state: Vec<f64> = size.iter().map(|sd| sd * normal(generator)).collect();
     for k in 0..noise.len() {

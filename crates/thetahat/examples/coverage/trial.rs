@@ -3,9 +3,10 @@
 use std::error::Error;
 
 use thetahat::{
-    identification::{Divisor, Fit, Method, Uncertainty, idim_iv, idim_ls, influence, uncertainty},
+    identification::{Design, Divisor, Fit, Method, Uncertainty, idim_iv, idim_ls, uncertainty},
     linear_algebra::Matrix,
-    statistics::{RowBlocks, Sandwich},
+    regression::Regression,
+    statistics::Sandwich,
 };
 
 use super::{noise::Noise, twin::Twin};
@@ -28,8 +29,7 @@ pub struct Estimate {
 /// A method with what stays the same from seed to seed: an exact design.
 pub struct Exact<'a> {
     twin: &'a Twin,
-    rows: RowBlocks,
-    weights: Option<Vec<f64>>,
+    regression: Regression,
     influence: Matrix,
     /// Diagonal of `(X_w^T X_w)^-1`.
     inverse_gram: Vec<f64>,
@@ -38,11 +38,12 @@ pub struct Exact<'a> {
 impl<'a> Exact<'a> {
     /// Least squares on X of the true motion: IDIM-LS, and without weights DIDIM too.
     pub fn new(twin: &'a Twin, weights: Option<Vec<f64>>) -> Result<Self, Box<dyn Error>> {
-        let influence = influence(Method::IdimLs, &twin.x_true, None, weights.as_deref())?;
-        let weight = |k: usize| weights.as_ref().map_or(1.0, |w| w[k]);
+        let regression = twin.regression(&twin.x_true, &twin.y_true).with_weights(weights);
+        let influence = Method::IDIM_LS.influence(&regression, None)?;
+        let weight = |k: usize| regression.weights().map_or(1.0, |w| w[k]);
         let norm = |i| influence.column(i).iter().enumerate().map(|(k, a)| (a / weight(k)).powi(2)).sum();
         let inverse_gram = (0..influence.columns()).map(norm).collect();
-        Ok(Self { twin, rows: twin.rows(), weights, influence, inverse_gram })
+        Ok(Self { twin, regression, influence, inverse_gram })
     }
 
     /// The estimate for errors e of the rows: `A^T e` off.
@@ -50,8 +51,7 @@ impl<'a> Exact<'a> {
         let error = self.influence.transposed_times(&Matrix::from_fn(e.len(), 1, |k, _| e[k])).column(0).to_vec();
         let fitted = self.twin.x_true.times(&error);
         let residual: Vec<f64> = e.iter().zip(fitted).map(|(e, f)| e - f).collect();
-        let weight = |k: usize| self.weights.as_ref().map_or(1.0, |w| w[k]);
-        let squares: f64 = residual.iter().enumerate().map(|(k, r)| (weight(k) * r).powi(2)).sum();
+        let squares: f64 = self.regression.whiten(&residual).iter().map(|r| r.powi(2)).sum();
         let variance = squares / (e.len() - error.len()) as f64;
         let classical = self.inverse_gram.iter().map(|g| (variance * g).sqrt()).collect();
         let sandwich = self.sandwich(&residual);
@@ -60,7 +60,7 @@ impl<'a> Exact<'a> {
     }
 
     fn sandwich<'s>(&'s self, residual: &'s [f64]) -> Sandwich<'s> {
-        Sandwich { design: &self.twin.x_true, influence: &self.influence, residual, rows: &self.rows }
+        Sandwich { design: &self.twin.x_true, influence: &self.influence, residual, rows: &self.regression.layout }
     }
 }
 
@@ -80,16 +80,18 @@ fn half_widths(classical: Vec<f64>, sandwich: &Sandwich<'_>, interval: &Uncertai
 pub fn as_the_program(
     twin: &Twin,
     method: Method,
-    (x, z, y): (&Matrix, Option<&Matrix>, &[f64]),
-    weights: Option<&[f64]>,
+    regression: &Regression,
+    z: Option<&Matrix>,
     fit: &Fit,
 ) -> Result<Estimate, Box<dyn Error>> {
-    let rows = twin.rows();
-    let interval = uncertainty(method, (x, z, y), weights, fit, &rows)?;
-    let influence = influence(method, x, z, weights)?;
-    let residual: Vec<f64> = y.iter().zip(&fit.prediction).map(|(y, p)| y - p).collect();
-    let design = z.filter(|_| method == Method::Didim).unwrap_or(x);
-    let sandwich = Sandwich { design, influence: &influence, residual: &residual, rows: &rows };
+    let interval = uncertainty(method, regression, z, fit)?;
+    let influence = method.influence(regression, z)?;
+    let residual = regression.residual(&fit.prediction);
+    let design = match method.design() {
+        Design::Measured => &regression.x,
+        Design::Simulated => z.ok_or("no instruments")?,
+    };
+    let sandwich = Sandwich { design, influence: &influence, residual: &residual, rows: &regression.layout };
     let error = fit.theta.iter().zip(&twin.theta).map(|(found, exact)| found - exact).collect();
     Ok(Estimate { error, half_width: half_widths(fit.standard_deviation.clone(), &sandwich, &interval) })
 }
@@ -158,22 +160,23 @@ impl<'a> Trials<'a> {
     }
 
     fn ls(&self, x: &Matrix, y: &[f64]) -> Result<Estimate, Box<dyn Error>> {
-        let fit = idim_ls(x, y, None, Divisor::default())?;
-        as_the_program(self.twin, Method::IdimLs, (x, None, y), None, &fit)
+        let regression = self.twin.regression(x, y);
+        let fit = idim_ls(&regression, Divisor::default())?;
+        as_the_program(self.twin, Method::IDIM_LS, &regression, None, &fit)
     }
 
     fn iv(&self, x: &Matrix, y: &[f64]) -> Result<Estimate, Box<dyn Error>> {
-        let z = &self.twin.x_true;
-        let fit = idim_iv(z, x, y, None, Divisor::default())?;
-        as_the_program(self.twin, Method::IdimIv, (x, Some(z), y), None, &fit)
+        let (regression, z) = (self.twin.regression(x, y), &self.twin.x_true);
+        let fit = idim_iv(&regression, z, Divisor::default())?;
+        as_the_program(self.twin, Method::IDIM_IV, &regression, Some(z), &fit)
     }
 
     /// None where the iteration does not converge.
     fn didim(&self, y: &[f64]) -> Result<Option<Estimate>, Box<dyn Error>> {
-        let outcome = self.twin.iterate_didim(y, &self.weights);
+        let regression = self.twin.regression(&self.twin.x_true, y).with_weights(Some(self.weights.clone()));
+        let outcome = self.twin.iterate_didim(&regression);
         let (Some(fit), Some(z)) = (outcome.fit, outcome.instruments) else { return Ok(None) };
-        let data = (&self.twin.x_true, Some(&z), y);
-        as_the_program(self.twin, Method::Didim, data, Some(&self.weights), &fit).map(Some)
+        as_the_program(self.twin, Method::DIDIM, &regression, Some(&z), &fit).map(Some)
     }
 
     /// What noise-free positions give less the truth, with LS and with IV: first by the filters alone, then with the sign
@@ -181,8 +184,9 @@ impl<'a> Trials<'a> {
     pub fn noise_free(&self) -> Result<[[Vec<f64>; 2]; 2], Box<dyn Error>> {
         let twin = self.twin;
         let of = |x: &Matrix| -> Result<_, Box<dyn Error>> {
-            let ls = idim_ls(x, &twin.y_true, None, Divisor::default())?;
-            let iv = idim_iv(&twin.x_true, x, &twin.y_true, None, Divisor::default())?;
+            let regression = twin.regression(x, &twin.y_true);
+            let ls = idim_ls(&regression, Divisor::default())?;
+            let iv = idim_iv(&regression, &twin.x_true, Divisor::default())?;
             Ok([ls, iv].map(|fit| fit.theta.iter().zip(&twin.theta).map(|(found, exact)| found - exact).collect()))
         };
         Ok([of(&twin.x_smooth)?, of(&twin.x_filtered)?])

@@ -6,12 +6,12 @@ use thetahat::{
     base_parameters::BaseParameters,
     dynamics::{Model, Sign},
     experiment::{Experiment, TwinMotion},
-    identification::{Assembly, Convergence, Divisor, Method, Outcome, iterate},
+    identification::{Assembly, IterationOptions, Method, Outcome, iterate},
     linear_algebra::Matrix,
+    regression::{Regression, RowLayout},
     series::Series,
     signal::{Decimator, Padding, SecondOrderSections, SignalError, central_difference, moving_samples, zero_phase},
     simulation::{ClosedLoop, OutputGrid, Reference, Sensors, SimulatedMotion, SimulationError, SimulatorBias},
-    statistics::RowBlocks,
     trajectory::Moves,
 };
 
@@ -63,10 +63,10 @@ impl Twin {
         let description = experiment.file.twin.clone().ok_or("no twin")?;
         let TwinMotion { motion, moves, parameters } = experiment.twin_motion(&description)?;
         let model = Model::new(&experiment.robot);
-        let base = BaseParameters::of(&model, &experiment.file.parameters.exclude)?;
+        let base = BaseParameters::of(&model, &experiment.settings.parameters.exclude)?;
         let rate = description.sample_rate_hz;
         let window = moving_samples(&motion.dq, MOVING.0, MOVING.1)?;
-        let signal = experiment.file.signal;
+        let signal = experiment.settings.signal;
         let mut twin = Self {
             name,
             theta: base.from_standard(&parameters),
@@ -101,13 +101,15 @@ impl Twin {
         }
     }
 
-    pub fn rows(&self) -> RowBlocks {
-        RowBlocks::new(self.model.coordinate_count(), vec![self.decimator.rows()])
+    /// The regression of y on a matrix with its rows.
+    pub fn regression(&self, x: &Matrix, y: &[f64]) -> Regression {
+        let layout = RowLayout::new(self.model.coordinate_count(), &[self.decimator.rows()]);
+        Regression::new(x.clone(), y.to_vec(), layout)
     }
 
     /// Whether the tables show a parameter.
     pub fn shown(&self, name: &str) -> bool {
-        let show = &self.experiment.file.parameters.show;
+        let show = &self.experiment.settings.parameters.show;
         show.is_empty() || show.iter().any(|s| s == name)
     }
 
@@ -140,15 +142,9 @@ impl Twin {
     }
 
     /// DIDIM, iterated from the true parameters with an exact simulator.
-    pub fn iterate_didim(&self, y: &[f64], weights: &[f64]) -> Outcome {
-        iterate(
-            Method::Didim,
-            (&self.x_true, y),
-            Some(weights),
-            (Divisor::default(), Convergence::default()),
-            &self.theta,
-            &mut |theta| self.instruments(theta),
-        )
+    pub fn iterate_didim(&self, regression: &Regression) -> Outcome {
+        let options = IterationOptions::default();
+        iterate(Method::DIDIM, regression, options, &self.theta, &mut |theta| self.instruments(theta))
     }
 
     fn instruments(&self, theta: &[f64]) -> Result<Matrix, SimulationError> {
@@ -162,7 +158,7 @@ impl Twin {
     }
 
     fn smooth_sign(&self) -> Sign {
-        Sign::Smooth { scale: self.experiment.file.simulation.sign_velocity_scale }
+        Sign::Smooth { scale: self.experiment.settings.simulation.sign_velocity_scale }
     }
 
     fn cut_motion(&self) -> [Series; 3] {
@@ -182,12 +178,12 @@ fn closed_loop<'a>(experiment: &'a Experiment, model: &'a Model, reference: &'a 
     Some(ClosedLoop {
         model,
         transmission: &experiment.robot.transmission,
-        controller: experiment.file.controller.as_ref()?,
+        controller: experiment.settings.controller.as_ref()?,
         reference,
         added_signal: None,
         bias: SimulatorBias::NONE,
-        solver: experiment.file.simulation.solver,
-        sign_velocity_scale: experiment.file.simulation.sign_velocity_scale,
+        solver: experiment.settings.simulation.solver,
+        sign_velocity_scale: experiment.settings.simulation.sign_velocity_scale,
     })
 }
 

@@ -8,9 +8,10 @@
 use std::collections::BTreeSet;
 
 use super::{
+    combination::Combination,
     dependencies::Dependencies,
     left_to_right::{Column, LeftToRight},
-    null_space::{Combination, NullSpace},
+    null_space::NullSpace,
     observations::Observations,
 };
 use crate::dynamics::Model;

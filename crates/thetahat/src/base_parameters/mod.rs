@@ -10,8 +10,22 @@
 //! in inertial parameter identification", 2017; whatever is left over, as by followers and coupled motors, is carried on to
 //! the next joint. Where a decision is not clear by orders of magnitude, the whole matrix is examined at once, and its
 //! rank by QR with column pivoting must agree.
+//!
+//! ```
+//! use std::path::Path;
+//! use thetahat::{base_parameters::BaseParameters, dynamics::Model, robot::Robot};
+//! let text = "name = 'pendulum'\n[[joint]]\nname = 'pivot'\nkind = 'revolute'\n[parameters]\nzz1 = 0.5\nia1 = 0.3";
+//! let robot = Robot::parse(text, Path::new("pendulum.toml"))?;
+//! // About a vertical axis only the inertia about it acts, and with it that of the motor.
+//! let base = BaseParameters::of(&Model::new(&robot), &[])?;
+//! assert_eq!(base.parameters()[0].expression, "zz1 + ia1");
+//! assert!((base.from_standard(&robot.a_priori_parameters())[0] - (0.5 + 0.3)).abs() < 1e-9);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
+mod combination;
 mod dependencies;
+mod error;
 mod joint_by_joint;
 mod left_to_right;
 mod null_space;
@@ -21,4 +35,5 @@ mod regrouping;
 mod tests;
 mod whole;
 
-pub use regrouping::{BaseParameter, BaseParameters, BaseParametersError};
+pub use error::BaseParametersError;
+pub use regrouping::{BaseParameter, BaseParameters};

@@ -1,10 +1,5 @@
-use std::collections::BTreeMap;
-
-use super::{dependencies::Dependencies, observations::Observations};
+use super::{combination::Combination, dependencies::Dependencies, observations::Observations};
 use crate::linear_algebra::{Matrix, norm};
-
-/// Columns with their factors.
-pub(super) type Combination = BTreeMap<usize, f64>;
 
 /// Size of a factor, beside a norm of 1, below which it is rounding.
 const ROUNDING: f64 = 1e-11;

@@ -3,7 +3,7 @@ use std::ops::Range;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::null_space::Combination;
+use super::combination::Combination;
 use crate::{
     dynamics::{Model, Sign},
     regressor::Regressor,

@@ -1,8 +1,8 @@
 //! Dependencies of all columns at once: by the third power of the number of joints, for robots that are nearly special.
 
-use super::{dependencies::Dependencies, observations::random_states, regrouping::BaseParametersError};
+use super::{dependencies::Dependencies, error::BaseParametersError, observations::random_states};
 use crate::{
-    dynamics::{Model, Sign, Workspace},
+    dynamics::{Model, Sign, State, Workspace},
     linear_algebra::{Matrix, PivotedQr, dot, norm},
     regressor::Regressor,
 };
@@ -43,7 +43,7 @@ pub(super) fn random_observations(model: &Model, indices: &[usize]) -> Matrix {
     let mut x = Matrix::zeros(STATES * n, indices.len());
     for k in 0..STATES {
         let [q, dq, ddq] = [&q, &dq, &ddq].map(|x| x.sample(k));
-        regressor.evaluate(model, q, dq, ddq, Sign::Exact, &mut workspace, &mut phi);
+        regressor.evaluate(model, State { q, dq }, ddq, Sign::Exact, &mut workspace, &mut phi);
         for (entry, value) in regressor.entries().iter().zip(&phi) {
             *x.at_mut(k * n + entry.joint, entry.column) = *value;
         }

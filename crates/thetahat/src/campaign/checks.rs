@@ -3,7 +3,7 @@
 use std::{collections::BTreeSet, fmt::Display};
 
 use super::{Campaign, CampaignError, Levels, NoiseLevel};
-use crate::experiment::{NamedChoice, ParameterChoice};
+use crate::preparation::{NamedChoice, ParameterChoice};
 
 /// Most runs along one axis: beyond it, places no longer fit into the numbers of the random streams.
 const MOST: u32 = 1 << 20;
@@ -26,7 +26,7 @@ impl Campaign {
         let key = "seeds times starts times noise levels";
         self.require(records <= MOST_RECORDS, key, "at most 10000000", records)?;
         self.validate_starts()?;
-        let essential = self.experiment.file.parameters.estimate == ParameterChoice::Named(NamedChoice::Essential);
+        let essential = self.experiment.settings.parameters.estimate == ParameterChoice::Named(NamedChoice::Essential);
         let expected = "\"base\" or a list of base parameters: every run of a campaign estimates the same ones";
         self.require(!essential, "the experiment's [parameters] estimate", expected, "\"essential\"")
     }

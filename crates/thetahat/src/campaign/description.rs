@@ -35,7 +35,7 @@ pub struct CampaignFile {
     #[serde(default)]
     pub seed: u64,
     /// The methods.
-    pub methods: Vec<CampaignMethod>,
+    pub methods: Vec<Method>,
     /// Cases of the experiment by name; none means all.
     pub cases: Option<Vec<String>>,
     /// Noise levels.
@@ -50,50 +50,6 @@ pub struct CampaignFile {
     /// What others claim, to stand beside the figures.
     #[serde(default)]
     pub claim: Vec<Claim>,
-}
-
-/// A method as a campaign names it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum CampaignMethod {
-    /// Least squares, all rows alike.
-    IdimLs,
-    /// Least squares, each joint's rows divided by the deviation of its residual.
-    IdimWls,
-    /// Instrumental variables, weighted as the experiment says.
-    IdimIv,
-    /// DIDIM, weighted as the experiment says.
-    Didim,
-}
-
-impl CampaignMethod {
-    /// Every method.
-    pub const ALL: [Self; 4] = [Self::IdimLs, Self::IdimWls, Self::IdimIv, Self::Didim];
-
-    /// Its name, lower case with hyphens.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::IdimLs => "idim-ls",
-            Self::IdimWls => "idim-wls",
-            Self::IdimIv => "idim-iv",
-            Self::Didim => "didim",
-        }
-    }
-
-    /// The estimator behind it.
-    #[must_use]
-    pub fn estimator(self) -> Method {
-        match self {
-            Self::IdimLs | Self::IdimWls => Method::IdimLs,
-            Self::IdimIv => Method::IdimIv,
-            Self::Didim => Method::Didim,
-        }
-    }
-
-    pub(crate) fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|m| m.name() == name)
-    }
 }
 
 /// Standard deviations of the white noise on the measured joints.
@@ -161,7 +117,7 @@ pub struct Claim {
 
 /// How much of a campaign is run now. The runs are the same as in the whole campaign, and go into the same folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Limits {
+pub struct Subset {
     /// Only the first starts.
     pub starts: Option<u32>,
     /// Only the first seeds.

@@ -8,7 +8,6 @@
 mod checks;
 mod description;
 mod error;
-mod methods;
 mod noise;
 mod parquet_file;
 mod record;
@@ -18,7 +17,7 @@ mod starts;
 mod store;
 mod summary;
 
-pub use description::{Campaign, CampaignFile, CampaignMethod, Claim, Levels, Limits, NoiseLevel, Starts};
+pub use description::{Campaign, CampaignFile, Claim, Levels, NoiseLevel, Starts, Subset};
 pub use error::CampaignError;
 pub use row::{Key, Row};
 pub use run::{CampaignParameter, CampaignRuns, Facts, Progress};

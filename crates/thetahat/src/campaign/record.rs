@@ -1,23 +1,20 @@
 //! One record and its runs: measurements, filters, every case and method.
 
-use std::time::Instant;
-
 use super::{
-    Campaign, CampaignError, CampaignMethod, Key, Row,
-    methods::{attempt, uncertainty_of},
+    Campaign, CampaignError, Key, Row,
     noise::{measure, random, record_stream},
     run::Facts,
 };
 use crate::{
-    base_parameters::BaseParameters,
-    dynamics::Model,
-    experiment::{
-        Attempt, Case, Experiment, FilteredRecord, Finished, Problem, RecordReference, Simulator, Terms, TwinMotion,
-        explain, make,
-    },
-    identification::{Fit, Outcome},
+    base_parameters::{BaseParameter, BaseParameters},
+    clock::Stopwatch,
+    experiment::{Experiment, ExperimentError, TwinMotion},
+    identification::{Fit, Method, Outcome, uncertainty},
     linear_algebra::norm,
+    preparation::{Basis, Case, FilteredRecording, PreparationError, RecordedReference, Setup},
     robot::Friction,
+    run::{CaseProblem, explain},
+    scheduling::{EstimationJob, Finished, RunOptions, Simulator, run_all},
     series::Series,
     simulation::SimulatedMotion,
 };
@@ -28,16 +25,15 @@ pub(super) struct Bench<'a> {
     twin: TwinMotion,
     sample_rate_hz: f64,
     cases: Vec<Case>,
-    bases: Vec<Basis>,
+    bases: Vec<CaseBasis>,
     starts: Vec<Experiment>,
     pub(super) facts: Facts,
 }
 
 /// The base parameters of one friction model, and those estimated, with their true values where they have any.
-struct Basis {
+struct CaseBasis {
     friction: Friction,
-    model: Model,
-    base: BaseParameters,
+    basis: Basis,
     truth: Option<Vec<f64>>,
     /// Place of each estimated parameter among those of the campaign.
     places: Vec<usize>,
@@ -45,9 +41,9 @@ struct Basis {
 
 /// A record that is filtered, with the problem of each friction model.
 struct Prepared {
-    filtered: FilteredRecord,
-    reference: RecordReference,
-    problems: Vec<Problem>,
+    filtered: FilteredRecording,
+    reference: RecordedReference,
+    problems: Vec<CaseProblem>,
     seconds: f64,
 }
 
@@ -63,11 +59,11 @@ impl<'a> Bench<'a> {
         let cases: Vec<Case> =
             experiment.cases().into_iter().filter(|c| chosen.is_none_or(|names| names.contains(&c.name))).collect();
         let mut facts = Facts::default();
-        let mut bases: Vec<Basis> = Vec::new();
+        let mut bases: Vec<CaseBasis> = Vec::new();
         for case in &cases {
             let friction = case.friction.unwrap_or(experiment.robot.friction);
             if bases.iter().all(|b| b.friction != friction) {
-                bases.push(Basis::new(experiment, case, friction, &twin, &mut facts)?);
+                bases.push(CaseBasis::new(experiment, case, friction, &twin, &mut facts)?);
             }
         }
         let starts = (0..starts).map(|s| campaign.start(s)).collect::<Result<_, _>>()?;
@@ -79,14 +75,14 @@ impl<'a> Bench<'a> {
         let prepared = keys.iter().map(|key| self.prepare(*key)).collect::<Result<Vec<_>, _>>()?;
         let methods = &self.campaign.file.methods;
         let pairs = || self.cases.iter().flat_map(|case| methods.iter().map(move |method| (case, *method)));
-        let all: Vec<(usize, &Case, CampaignMethod)> =
+        let all: Vec<(usize, &Case, Method)> =
             (0..keys.len()).flat_map(|r| pairs().map(move |(case, method)| (r, case, method))).collect();
-        let attempts: Vec<Attempt<'_>> =
-            all.iter().map(|&(r, case, method)| self.attempt(keys[r], &prepared[r], case, method)).collect();
+        let jobs: Vec<EstimationJob<'_>> =
+            all.iter().map(|&(r, case, method)| self.job(keys[r], &prepared[r], case, method)).collect();
         let mut rows: Vec<Option<Row>> = vec![None; all.len()];
-        let Ok(()) = make(&attempts, self.terms(), &mut |_| {}, &mut |k, finished| {
-            let (r, case, method) = all[k];
-            rows[k] = Some(self.fill(keys[r], &prepared[r], (case, method), &attempts[k], &finished));
+        let Ok(()) = run_all(&jobs, self.options(), &mut |_| {}, &mut |k, finished| {
+            let (r, case, _) = all[k];
+            rows[k] = Some(self.fill(keys[r], &prepared[r], case, &jobs[k], &finished));
             Ok::<(), std::convert::Infallible>(())
         });
         let mut of_records: Vec<Vec<Row>> = vec![Vec::new(); keys.len()];
@@ -94,37 +90,49 @@ impl<'a> Bench<'a> {
         Ok(of_records)
     }
 
-    fn terms(&self) -> Terms {
-        let file = &self.campaign.experiment.file;
-        Terms {
-            divisor: file.estimation.variance,
-            convergence: file.estimation.convergence,
-            motion_step: Some(file.signal.decimation),
+    fn setup(&self) -> Setup<'_> {
+        self.campaign.experiment.setup()
+    }
+
+    fn options(&self) -> RunOptions {
+        let settings = self.setup().settings;
+        RunOptions {
+            iteration: settings.estimation.iteration(),
+            motion_step: Some(settings.signal.decimation),
             threads: 1,
         }
     }
 
     fn prepare(&self, key: Key) -> Result<Prepared, CampaignError> {
-        let experiment = &self.campaign.experiment;
         let mut rng = random(self.campaign.file.seed, record_stream(key));
         let level = &self.campaign.file.noise[key.level as usize];
-        let (position, torque) = measure(experiment, &self.twin, level, &mut rng);
-        let started = Instant::now();
-        let filtered = experiment.filter(self.twin.record(self.sample_rate_hz, position, torque), None)?;
-        let reference = experiment.reference(&filtered)?;
-        let choice = &experiment.file.parameters.estimate;
-        let problem = |b: &Basis| experiment.problem_on((b.model.clone(), b.base.clone()), &[&filtered], choice);
-        let problems = self.bases.iter().map(problem).collect::<Result<_, _>>()?;
-        Ok(Prepared { filtered, reference, problems, seconds: started.elapsed().as_secs_f64() })
+        let (position, torque) = measure(&self.campaign.experiment, &self.twin, level, &mut rng);
+        let prepared = self.filter(position, torque);
+        prepared.map_err(|e| self.campaign.experiment.refuse(e).into())
     }
 
-    fn attempt<'r>(&'r self, key: Key, prepared: &'r Prepared, case: &Case, method: CampaignMethod) -> Attempt<'r> {
+    fn filter(&self, position: Series, torque: Series) -> Result<Prepared, PreparationError> {
+        let setup = self.setup();
+        let stopwatch = Stopwatch::start();
+        let filtered = setup.filter(self.twin.recording(self.sample_rate_hz, position, torque))?;
+        let reference = setup.reference(&filtered.recording)?;
+        let choice = &setup.settings.parameters.estimate;
+        let problem = |b: &CaseBasis| {
+            let problem = setup.problem_on(b.basis.clone(), &[&filtered], choice)?;
+            Ok(CaseProblem::new(b.friction, problem, setup.settings))
+        };
+        let problems = self.bases.iter().map(problem).collect::<Result<_, PreparationError>>()?;
+        Ok(Prepared { filtered, reference, problems, seconds: stopwatch.seconds() })
+    }
+
+    fn job<'r>(&'r self, key: Key, prepared: &'r Prepared, case: &Case, method: Method) -> EstimationJob<'r> {
         let problem = &prepared.problems[self.basis_of(case)];
-        let experiment = &self.starts[key.start as usize];
+        let setup = self.starts[key.start as usize].setup();
         let recordings = [(&prepared.filtered, &prepared.reference)];
-        let controller = experiment.file.controller.as_ref();
-        let simulator = controller.map(|c| Simulator::new(experiment, problem, &recordings, c, case.simulator));
-        attempt(experiment, problem, simulator, method)
+        let controller = setup.settings.controller.as_ref();
+        let simulator = controller.map(|c| Simulator::new(setup, &problem.problem, &recordings, c, case.simulator));
+        let weights = problem.weights(setup.settings, method, &[1.0]);
+        EstimationJob::new(&problem.problem, method, weights, simulator)
     }
 
     /// Place of the base parameters of a case.
@@ -137,17 +145,18 @@ impl<'a> Bench<'a> {
         &self,
         key: Key,
         prepared: &Prepared,
-        (case, method): (&Case, CampaignMethod),
-        attempt: &Attempt<'_>,
+        case: &Case,
+        job: &EstimationJob<'_>,
         Finished { outcome, motions, seconds }: &Finished,
     ) -> Row {
         let basis = &self.bases[self.basis_of(case)];
-        let mut row = self.row(key, (case, method), attempt.problem, outcome);
+        let mut row = self.row(key, case, job, outcome);
         row.seconds = Some(prepared.seconds + seconds);
         if let Some(fit) = &outcome.fit {
             basis.fill(&mut row, fit);
-            let intervals = uncertainty_of(attempt, fit, outcome).map(|u| u.interval_95);
-            basis.places.iter().zip(intervals.into_iter().flatten()).for_each(|(&p, i)| row.intervals[p] = Some(i));
+            let found = uncertainty(job.method, &job.regression, outcome.instruments.as_ref(), fit).ok();
+            let intervals = found.into_iter().flat_map(|u| u.interval_95);
+            basis.places.iter().zip(intervals).for_each(|(&p, i)| row.intervals[p] = Some(i));
         }
         if let Some(motion) = motions.as_ref().and_then(|m| m.first()) {
             self.fill_motion(&mut row, prepared, motion);
@@ -155,16 +164,16 @@ impl<'a> Bench<'a> {
         row
     }
 
-    fn row(&self, key: Key, (case, method): (&Case, CampaignMethod), problem: &Problem, outcome: &Outcome) -> Row {
+    fn row(&self, key: Key, case: &Case, job: &EstimationJob<'_>, outcome: &Outcome) -> Row {
         let absent = vec![None; self.facts.parameters.len()];
         Row {
             case: case.name.clone(),
             noise: self.campaign.file.noise[key.level as usize].name.clone(),
             start: key.start + 1,
             seed: key.seed + 1,
-            method: method.name().to_owned(),
+            method: job.method.name().to_owned(),
             status: outcome.status,
-            reason: outcome.reason.as_ref().map(|r| explain(problem, r)),
+            reason: outcome.reason.as_ref().map(|r| explain(&job.problem.estimated, r)),
             iterations: outcome.iterations.len(),
             simulations: outcome.simulations,
             seconds: None,
@@ -180,7 +189,7 @@ impl<'a> Bench<'a> {
 
     /// The errors of the simulated motion against the true one, in the window, at as many instants as y has.
     fn fill_motion(&self, row: &mut Row, prepared: &Prepared, motion: &SimulatedMotion) {
-        let step = self.campaign.experiment.file.signal.decimation.max(1);
+        let step = self.setup().settings.signal.decimation.max(1);
         let instants = || prepared.filtered.window.clone().step_by(step);
         let error = |truth: &Series, simulated: &Series| {
             let truth: Vec<f64> = instants().flat_map(|k| truth.sample(k).iter().copied()).collect();
@@ -191,7 +200,7 @@ impl<'a> Bench<'a> {
     }
 }
 
-impl Basis {
+impl CaseBasis {
     fn new(
         experiment: &Experiment,
         case: &Case,
@@ -199,13 +208,12 @@ impl Basis {
         twin: &TwinMotion,
         facts: &mut Facts,
     ) -> Result<Self, CampaignError> {
-        let (model, base) = experiment.basis(&experiment.robot_for(case))?;
-        let estimated = experiment.estimated(&model, &base)?;
+        let (basis, estimated) = basis_and_estimated(experiment, case)?;
         let truth = (friction == experiment.robot.friction).then(|| estimated.from_standard(&twin.parameters));
         let value = |i: usize| truth.as_ref().map(|t| t[i]);
-        let add = |(i, p): (usize, &crate::base_parameters::BaseParameter)| facts.place(&p.name, p.unit, value(i));
+        let add = |(i, p): (usize, &BaseParameter)| facts.place(&p.name, p.unit, value(i));
         let places = estimated.parameters().iter().enumerate().map(add).collect();
-        Ok(Self { friction, model, base, truth, places })
+        Ok(Self { friction, basis, truth, places })
     }
 
     fn fill(&self, row: &mut Row, fit: &Fit) {
@@ -216,6 +224,13 @@ impl Basis {
             row.deviations[place] = Some(fit.standard_deviation[i]);
         }
     }
+}
+
+fn basis_and_estimated(experiment: &Experiment, case: &Case) -> Result<(Basis, BaseParameters), ExperimentError> {
+    let setup = experiment.setup();
+    let basis = setup.basis(case).map_err(|e| experiment.refuse(e))?;
+    let estimated = setup.estimated(&basis).map_err(|e| experiment.refuse(e))?;
+    Ok((basis, estimated))
 }
 
 fn distance(a: &[f64], b: &[f64]) -> f64 {

@@ -2,9 +2,8 @@
 
 use std::{collections::BTreeMap, path::PathBuf};
 
-use super::{Campaign, CampaignError, Key, Limits, Row, Store, record::Bench};
-use crate::experiment::SIDE_BY_SIDE;
-use crate::pool::as_finished;
+use super::{Campaign, CampaignError, Key, Row, Store, Subset, record::Bench};
+use crate::{pool::as_finished, scheduling::SIDE_BY_SIDE};
 
 /// A parameter that a campaign estimates.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,7 +68,7 @@ impl Campaign {
     /// [`CampaignError`] for input that cannot be used, and for a store that cannot be read or written.
     pub fn run(
         &self,
-        limits: Limits,
+        limits: Subset,
         threads: usize,
         store: Option<&Store>,
         progress: &mut dyn FnMut(Progress),
@@ -90,7 +89,7 @@ impl Campaign {
     }
 
     /// Every record within the limits, in the order of the rows.
-    fn keys(&self, limits: Limits) -> Vec<Key> {
+    fn keys(&self, limits: Subset) -> Vec<Key> {
         let starts = limits.starts.unwrap_or(u32::MAX).min(self.file.starts.count);
         let seeds = limits.seeds.unwrap_or(u32::MAX).min(self.file.seeds);
         let levels = 0..u32::try_from(self.file.noise.len()).unwrap_or(u32::MAX);

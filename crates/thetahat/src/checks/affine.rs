@@ -1,5 +1,6 @@
-use super::chain::Motion;
-use crate::{linear_algebra::Matrix, robot::Robot, series::Series};
+//! Corrections of a record that are affine in its positions and linear in its torques.
+
+use crate::{linear_algebra::Matrix, robot::Robot, series::Series, signal::Motion};
 
 /// How a record is put right: `q' = A q + b`, with `A` for its derivatives as well, and `tau' = T tau`.
 #[derive(Debug, Clone, PartialEq)]
@@ -10,32 +11,35 @@ pub(super) struct Affine {
 }
 
 impl Affine {
-    pub(super) fn identity(joints: usize) -> Self {
-        Self { position: Matrix::identity(joints), shift: vec![0.0; joints], torque: Matrix::identity(joints) }
+    pub(super) fn identity(n: usize) -> Self {
+        Self { position: Matrix::identity(n), shift: vec![0.0; n], torque: Matrix::identity(n) }
     }
 
-    /// Positions times a factor for each joint, about `center`.
+    /// Positions times a factor for each coordinate, about `center`.
     pub(super) fn scaled_positions(factor: &[f64], center: &[f64]) -> Self {
         let shift = factor.iter().zip(center).map(|(f, c)| c * (1.0 - f)).collect();
         Self { position: diagonal(factor), shift, ..Self::identity(factor.len()) }
     }
 
-    /// Torques times a factor for each joint.
+    /// Torques times a factor for each coordinate.
     pub(super) fn scaled_torques(factor: &[f64]) -> Self {
         Self { torque: diagonal(factor), ..Self::identity(factor.len()) }
     }
 
     /// Positions moved by so much.
     pub(super) fn shifted(shift: Vec<f64>) -> Self {
-        let joints = shift.len();
-        Self { shift, ..Self::identity(joints) }
+        let n = shift.len();
+        Self { shift, ..Self::identity(n) }
     }
 
-    /// Positions, torques or both of two joints exchanged.
-    pub(super) fn exchanged(joints: usize, pair: (usize, usize), positions: bool, torques: bool) -> Self {
-        let permutation = permutation(joints, pair);
-        let choose = |yes: bool| if yes { permutation.clone() } else { Matrix::identity(joints) };
-        Self { position: choose(positions), shift: vec![0.0; joints], torque: choose(torques) }
+    /// Positions of coordinates `a` and `b` exchanged.
+    pub(super) fn exchanged_positions(n: usize, a: usize, b: usize) -> Self {
+        Self { position: permutation(n, a, b), ..Self::identity(n) }
+    }
+
+    /// Torques of coordinates `a` and `b` exchanged.
+    pub(super) fn exchanged_torques(n: usize, a: usize, b: usize) -> Self {
+        Self { torque: permutation(n, a, b), ..Self::identity(n) }
     }
 
     /// The same motors behind gears whose ratios are `factor` times as large: `q' = N^-1 D^-1 N (q - o) + o` and
@@ -69,7 +73,7 @@ pub(super) fn diagonal(entries: &[f64]) -> Matrix {
     Matrix::from_fn(entries.len(), entries.len(), |i, j| if i == j { entries[i] } else { 0.0 })
 }
 
-fn permutation(joints: usize, (a, b): (usize, usize)) -> Matrix {
+fn permutation(n: usize, a: usize, b: usize) -> Matrix {
     let image = |i: usize| {
         if i == a {
             b
@@ -79,7 +83,7 @@ fn permutation(joints: usize, (a, b): (usize, usize)) -> Matrix {
             i
         }
     };
-    Matrix::from_fn(joints, joints, |i, j| if image(i) == j { 1.0 } else { 0.0 })
+    Matrix::from_fn(n, n, |i, j| if image(i) == j { 1.0 } else { 0.0 })
 }
 
 fn map(matrix: &Matrix, shift: &[f64], series: &Series) -> Series {

@@ -1,10 +1,11 @@
 //! Whether the described controller gives the recorded drive signals from the recorded reference and motion.
 
 use super::{
-    Code, Severity, Subject,
-    examination::{Evidence, Examination},
+    examination::{Evidence, Examination, Words},
+    finding::{Code, Severity},
     numbers::{delay, deviation, rms},
     signals::Signals,
+    subject::Subject,
 };
 use crate::{
     control::{Controller, ControllerDescription, VelocityEstimate},
@@ -23,7 +24,7 @@ const LONGEST_S: f64 = 0.05;
 pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
     let subject = exam.subject;
     let (Some(reference), Some(description)) = (subject.reference, subject.controller) else { return };
-    if subject.added_signal || description.validate(signals.joints()).is_err() {
+    if subject.added_signal || description.validate(signals.coordinates()).is_err() {
         return;
     }
     let law = LawInputs::new(subject, signals, reference, description);
@@ -31,11 +32,11 @@ pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
     let direction: Vec<f64> = subject.robot.transmission.drive_to_joint_units().iter().map(|d| d.signum()).collect();
     let inertia = law.inertia(description, &drive, &direction);
     let controller = description.resolve(&inertia, 1.0);
-    let commands: Vec<Vec<f64>> = (0..signals.joints()).map(|i| law.command(&controller, i)).collect();
+    let commands: Vec<Vec<f64>> = (0..signals.coordinates()).map(|i| law.command(&controller, i)).collect();
     let smooth =
         |series: &Series| Decimator::new(subject.signal.decimation, series.len()).and_then(|d| d.filter(series));
     let (Ok(command), Ok(drive)) = (smooth(&Series::from_channels(&commands)), smooth(&drive)) else { return };
-    (0..signals.joints()).for_each(|i| compare(exam, &command.channel(i), &drive.channel(i), i));
+    (0..signals.coordinates()).for_each(|i| compare(exam, &command.channel(i), &drive.channel(i), i));
 }
 
 fn compare(exam: &mut Examination<'_>, command: &[f64], drive: &[f64], i: usize) {
@@ -44,7 +45,7 @@ fn compare(exam: &mut Examination<'_>, command: &[f64], drive: &[f64], i: usize)
     let rate = exam.subject.sample_rate_hz;
     let evidence = Evidence {
         code: Code::ControllerMismatch,
-        joint: Some(i),
+        coordinate: Some(i),
         value,
         unit: "% of the drive signal",
         limit: LIMIT_PERCENT,
@@ -53,13 +54,13 @@ fn compare(exam: &mut Examination<'_>, command: &[f64], drive: &[f64], i: usize)
         let late = delay(drive, command, (LONGEST_S * rate).ceil() as usize);
         let size = dot(command, command);
         let scale = if size > 0.0 { dot(command, drive) / size } else { 0.0 };
-        (
+        Words::new(
             format!(
                 "motor {}: {value:.0} % of the drive signal is not what the controller gives for this reference and \
                  motion; the best scale is {scale:.3}, the drive is {late:.1} samples late",
                 i + 1
             ),
-            "check [controller]'s law, gains and delay; IDIM-IV and DIDIM simulate the loop with it".to_owned(),
+            "check [controller]'s law, gains and delay; IDIM-IV and DIDIM simulate the loop with it",
         )
     });
 }

@@ -1,38 +1,38 @@
 //! Parameters that the motion does not excite, and what they are confounded with.
 
 use super::{
-    Code, Severity,
-    chain::Chain,
-    examination::{Evidence, Examination},
-    regression::Regression,
+    examination::{Evidence, Examination, Words},
+    finding::{Code, Severity},
+    orthogonal_fit::OrthogonalFit,
+    thinned_record::ThinnedRecord,
 };
-use crate::linear_algebra::{Matrix, PivotedQr};
+use crate::linear_algebra::{Matrix, PivotedQr, norm};
 
 /// Variance inflation above which a parameter counts as confounded with others: 99.99 % of its column is spanned by them.
 /// The recorded KUKA, whose motion is one of few frequencies, has 7900 (clean).
 const INFLATION_LIMIT: f64 = 1e4;
 /// Relative standard deviation in percent above which a parameter is named in a note.
 const DEVIATION_LIMIT_PERCENT: f64 = 30.0;
-/// Parameters that a confounded one is named with.
+/// Most partners that a confounded parameter is named with.
 const PARTNERS: usize = 3;
-/// Part of the strongest partner's share that others must have to be named.
+/// Smallest share of a partner that is named, relative to the strongest partner's.
 const WEAKEST_PARTNER: f64 = 0.2;
 
-pub(super) fn check(exam: &mut Examination<'_>, chain: &Chain<'_>) {
-    let Ok(regression) = chain.regression() else { return };
-    let columns = unit_columns(&regression.x);
+pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) {
+    let Ok(fit) = record.fit() else { return };
+    let columns = unit_columns(&fit.x);
     let names: Vec<&str> = exam.subject.base.parameters().iter().map(|p| p.name.as_str()).collect();
-    let independent = &regression.qr.pivots()[..regression.rank];
-    dependent(exam, &regression, &columns, &names);
+    let independent = &fit.qr.pivots()[..fit.rank];
+    dependent(exam, &fit, &columns, &names);
     confounded(exam, &columns.select_columns(independent), &pick(&names, independent));
-    uncertain(exam, &regression, &names);
+    uncertain(exam, &fit, &names);
 }
 
 /// The matrix with columns of unit length; zero columns stay.
 fn unit_columns(x: &Matrix) -> Matrix {
     let mut unit = x.clone();
     for j in 0..x.columns() {
-        let size = crate::linear_algebra::norm(x.column(j));
+        let size = norm(x.column(j));
         if size > 0.0 {
             unit.column_mut(j).iter_mut().for_each(|v| *v /= size);
         }
@@ -44,14 +44,18 @@ fn pick<'n>(names: &[&'n str], columns: &[usize]) -> Vec<&'n str> {
     columns.iter().map(|&c| names[c]).collect()
 }
 
+fn owned(names: &[&str], columns: &[usize]) -> Vec<String> {
+    columns.iter().map(|&c| names[c].to_owned()).collect()
+}
+
 /// Columns that others span.
-fn dependent(exam: &mut Examination<'_>, regression: &Regression, columns: &Matrix, names: &[&str]) {
-    let (kept, lost) = regression.qr.pivots().split_at(regression.rank);
+fn dependent(exam: &mut Examination<'_>, fit: &OrthogonalFit, columns: &Matrix, names: &[&str]) {
+    let (kept, lost) = fit.qr.pivots().split_at(fit.rank);
     let value = lost.len() as f64;
-    let evidence = Evidence { code: Code::NotExcited, joint: None, value, unit: "parameters", limit: 0.5 };
+    let evidence = Evidence { code: Code::NotExcited, coordinate: None, value, unit: "parameters", limit: 0.5 };
     let mut lost = lost.to_vec();
     lost.sort_unstable();
-    exam.judge_with(evidence, Severity::Problem, || {
+    exam.judge(evidence, Severity::Problem, || {
         let qr = PivotedQr::new(&columns.select_columns(kept));
         let phrase = |&c: &usize| {
             let on = qr.solve(columns.column(c));
@@ -66,7 +70,7 @@ fn dependent(exam: &mut Examination<'_>, regression: &Regression, columns: &Matr
         let message =
             format!("the motion does not separate {} parameters from the others: {}", lost.len(), list.join(", "));
         let remedy = "move the joints concerned, faster and in other configurations, or exclude these parameters";
-        ((message, remedy.to_owned()), pick(names, &lost).into_iter().map(str::to_owned).collect())
+        Words::new(message, remedy).about(owned(names, &lost))
     });
 }
 
@@ -76,9 +80,14 @@ fn confounded(exam: &mut Examination<'_>, columns: &Matrix, names: &[&str]) {
     let inflation = |c: usize| inverse.at(c, c);
     let worst: Vec<usize> = (0..names.len()).filter(|&c| inflation(c) > INFLATION_LIMIT).collect();
     let value = (0..names.len()).map(inflation).fold(0.0, f64::max);
-    let evidence =
-        Evidence { code: Code::NotExcited, joint: None, value, unit: "variance inflation", limit: INFLATION_LIMIT };
-    exam.judge_with(evidence, Severity::Warning, || {
+    let evidence = Evidence {
+        code: Code::NotExcited,
+        coordinate: None,
+        value,
+        unit: "variance inflation",
+        limit: INFLATION_LIMIT,
+    };
+    exam.judge(evidence, Severity::Warning, || {
         let partners = |c: usize| {
             let share = (0..names.len()).filter(move |&i| i != c).map(|i| (inverse.at(c, i).abs(), names[i]));
             strongest(share)
@@ -87,7 +96,7 @@ fn confounded(exam: &mut Examination<'_>, columns: &Matrix, names: &[&str]) {
         let message =
             format!("the motion hardly separates {} parameters from others: {}", worst.len(), list.join(", "));
         let remedy = "move the joints concerned in other configurations and speeds, or exclude these parameters";
-        ((message, remedy.to_owned()), pick(names, &worst).into_iter().map(str::to_owned).collect())
+        Words::new(message, remedy).about(owned(names, &worst))
     });
 }
 
@@ -100,21 +109,26 @@ fn strongest<'n>(shares: impl Iterator<Item = (f64, &'n str)>) -> String {
     shares.iter().take(PARTNERS).map(|s| s.1).collect::<Vec<_>>().join(" ")
 }
 
-/// Parameters that are known badly.
-fn uncertain(exam: &mut Examination<'_>, regression: &Regression, names: &[&str]) {
-    if regression.rank < names.len() {
+/// Parameters with a large relative standard deviation.
+fn uncertain(exam: &mut Examination<'_>, fit: &OrthogonalFit, names: &[&str]) {
+    if fit.rank < names.len() {
         return;
     }
-    let theta = regression.theta();
-    let inverse = regression.qr.inverse_gram();
-    let relative = |c: usize| 100.0 * (regression.variance() * inverse.at(c, c)).sqrt() / theta[c].abs();
+    let theta = fit.theta();
+    let inverse = fit.qr.inverse_gram();
+    let relative = |c: usize| 100.0 * (fit.variance() * inverse.at(c, c)).sqrt() / theta[c].abs();
     let bad: Vec<usize> = (0..names.len()).filter(|&c| relative(c) > DEVIATION_LIMIT_PERCENT).collect();
     if bad.is_empty() {
         return;
     }
-    let evidence =
-        Evidence { code: Code::NotExcited, joint: None, value: bad.len() as f64, unit: "parameters", limit: f64::NAN };
-    let parameters: Vec<String> = pick(names, &bad).into_iter().map(str::to_owned).collect();
+    let evidence = Evidence {
+        code: Code::NotExcited,
+        coordinate: None,
+        value: bad.len() as f64,
+        unit: "parameters",
+        limit: f64::NAN,
+    };
+    let parameters = owned(names, &bad);
     let message = format!(
         "{} of {} parameters have a relative standard deviation above {DEVIATION_LIMIT_PERCENT} %: {}",
         bad.len(),
@@ -122,5 +136,5 @@ fn uncertain(exam: &mut Examination<'_>, regression: &Regression, names: &[&str]
         parameters.join(" ")
     );
     let remedy = "estimate = \"essential\" leaves out those that do not matter; a more exciting motion finds them";
-    exam.raise(evidence, Severity::Note, (message, remedy.to_owned()), parameters);
+    exam.raise(evidence, Severity::Note, Words::new(message, remedy).about(parameters));
 }

@@ -1,17 +1,17 @@
-//! Gross faults of the record, by the scale of the fit: the record is put right in every way that is known to go wrong,
-//! and the correction that makes the fit much better is what was wrong.
+//! Gross faults of the record: every correction of a known fault is tried, and the one that makes the fit much better
+//! names the fault.
 
 use super::{
-    Code, Severity,
     affine::Affine,
-    chain::{Chain, Motion, at},
-    examination::{Evidence, Examination},
+    examination::{Evidence, Examination, Words},
+    finding::{Code, Severity},
     friction,
     hypotheses::{Hypothesis, hypotheses},
     numbers::span,
-    regression::squared_residual,
+    orthogonal_fit::squared_residual,
+    thinned_record::{ThinnedRecord, at, motion_at},
 };
-use crate::{robot::JointKind, series::Series};
+use crate::{robot::JointKind, series::Series, signal::Motion};
 
 /// Spans that a joint's motion has, rad: other corrections are not considered.
 const SPANS_RAD: std::ops::RangeInclusive<f64> = 0.1..=25.0;
@@ -24,118 +24,114 @@ const ROWS_PER_PARAMETER: usize = 8;
 /// Faults that are looked for one after the other.
 const MOST_FAULTS: usize = 4;
 
-/// Corrects the chain by every fault that is found.
-pub(super) fn check(exam: &mut Examination<'_>, chain: &mut Chain<'_>) {
+/// Corrects the record by every fault that is found.
+pub(super) fn check(exam: &mut Examination<'_>, record: &mut ThinnedRecord<'_>) {
     let all = hypotheses(exam.subject.robot);
     for round in 0..MOST_FAULTS {
-        let Some(gains) = gains(chain, &all) else { return };
+        let Some(gains) = gains(record, &all) else { return };
         if round == 0 {
             note_measures(exam, &all, &gains);
         }
-        let Some((best, gain)) = best(&all, &gains) else { return };
-        raise(exam, &all[best], gain);
-        chain.correct(&all[best].correction);
+        let Some(best) = best(&all, &gains) else { return };
+        raise(exam, &all[best], gains[best]);
+        record.correct(&all[best].correction);
     }
 }
 
 /// The strongest evidence of each code and limit.
 fn note_measures(exam: &mut Examination<'_>, all: &[Hypothesis], gains: &[f64]) {
-    let mut strongest: Vec<(&Hypothesis, f64)> = Vec::new();
+    let mut strongest: Vec<Evidence> = Vec::new();
     for (hypothesis, &gain) in all.iter().zip(gains).filter(|(_, g)| g.is_finite()) {
-        let same = |s: &&mut (&Hypothesis, f64)| s.0.code == hypothesis.code && s.0.limit == hypothesis.limit;
-        match strongest.iter_mut().find(same) {
-            Some(entry) if entry.1 < gain => *entry = (hypothesis, gain),
+        let evidence = evidence(hypothesis, gain);
+        match strongest.iter_mut().find(|s| s.code == evidence.code && s.limit == evidence.limit) {
+            Some(entry) if entry.value < gain => *entry = evidence,
             Some(_) => {}
-            None => strongest.push((hypothesis, gain)),
+            None => strongest.push(evidence),
         }
     }
-    strongest.into_iter().for_each(|(h, gain)| exam.note_measure(evidence(h, gain)));
+    strongest.into_iter().for_each(|evidence| exam.note_measure(evidence));
 }
 
 fn raise(exam: &mut Examination<'_>, hypothesis: &Hypothesis, gain: f64) {
     let message = format!("the torques fit {:.1} times better if {}", gain.sqrt(), hypothesis.words);
-    let words = (message, hypothesis.remedy.to_owned());
-    exam.raise(evidence(hypothesis, gain), Severity::Problem, words, Vec::new());
+    exam.raise(evidence(hypothesis, gain), Severity::Problem, Words::new(message, hypothesis.remedy));
 }
 
 fn evidence(hypothesis: &Hypothesis, gain: f64) -> Evidence {
-    let Hypothesis { code, joint, limit, .. } = *hypothesis;
-    Evidence { code, joint, value: gain, unit: "times the squared residual", limit }
+    let Hypothesis { code, coordinate, limit, .. } = *hypothesis;
+    Evidence { code, coordinate, value: gain, unit: "times the squared residual", limit }
 }
 
 /// How many times smaller each correction makes the squared residual; NaN for those that are not considered.
-fn gains(chain: &Chain<'_>, hypotheses: &[Hypothesis]) -> Option<Vec<f64>> {
-    let screening = Screening::new(chain);
-    let as_it_is = screening.squares(chain, &Affine::identity(chain.joints()))?;
-    let power = friction::power(chain, &*chain.regression().ok()?);
+fn gains(record: &ThinnedRecord<'_>, hypotheses: &[Hypothesis]) -> Option<Vec<f64>> {
+    let screening = Screening::new(record);
+    let as_it_is = screening.squares(record, &Affine::identity(record.coordinates()))?;
+    let power = friction::power(record, &*record.fit().ok()?);
     let gain = |h: &Hypothesis| {
-        if !is_plausible(h, chain, &screening.spans) || !agrees_with_friction(h, chain, &power) {
+        if !is_plausible(h, record, &screening.spans) || !agrees_with_friction(h, record, &power) {
             return f64::NAN;
         }
-        screening.squares(chain, &h.correction).map_or(f64::NAN, |squares| as_it_is / squares)
+        screening.squares(record, &h.correction).map_or(f64::NAN, |squares| as_it_is / squares)
     };
     Some(hypotheses.iter().map(gain).collect())
 }
 
-/// The hypothesis with the largest gain of those above their limits. Of nearly equal ones the first.
-fn best(hypotheses: &[Hypothesis], gains: &[f64]) -> Option<(usize, f64)> {
-    let mut best: Option<(usize, f64)> = None;
+/// The hypothesis, by its index, with the largest gain of those above their limits. Of nearly equal ones the first.
+fn best(hypotheses: &[Hypothesis], gains: &[f64]) -> Option<usize> {
+    let mut best: Option<usize> = None;
     for (h, &gain) in gains.iter().enumerate().filter(|(h, g)| **g > hypotheses[*h].limit) {
-        if best.is_none_or(|(_, largest)| BETTER * gain > largest) {
-            best = Some((h, gain));
+        if best.is_none_or(|best| BETTER * gain > gains[best]) {
+            best = Some(h);
         }
     }
     best
 }
 
-/// Whether the corrected joints would span what joints do.
-fn is_plausible(hypothesis: &Hypothesis, chain: &Chain<'_>, spans: &[f64]) -> bool {
+/// Whether the corrected positions would span what joints do.
+fn is_plausible(hypothesis: &Hypothesis, record: &ThinnedRecord<'_>, spans: &[f64]) -> bool {
     if hypothesis.code != Code::PositionScale {
         return true;
     }
     let sizes =
         |i: usize| spans.iter().enumerate().map(move |(j, s)| (hypothesis.correction.position.at(i, j) * s).abs());
-    let plausible = |i: usize| match chain.subject.robot.joints[i].kind {
+    let plausible = |i: usize| match record.subject.joint(i).kind {
         JointKind::Revolute => SPANS_RAD.contains(&sizes(i).sum::<f64>()),
-        _ => SPANS_M.contains(&sizes(i).sum::<f64>()),
+        JointKind::Prismatic => SPANS_M.contains(&sizes(i).sum::<f64>()),
     };
-    hypothesis.joint.map_or_else(|| (0..spans.len()).all(plausible), plausible)
+    hypothesis.coordinate.map_or_else(|| (0..spans.len()).all(plausible), plausible)
 }
 
 /// A single sign that is wrong makes friction negative.
-fn agrees_with_friction(hypothesis: &Hypothesis, chain: &Chain<'_>, power: &[f64]) -> bool {
-    let has_friction = (0..chain.subject.base.len()).any(|c| chain.is_friction(c));
-    match (hypothesis.joint, hypothesis.flips_power) {
-        (Some(j), true) => !has_friction || power[j] < -friction::NEGATIVE_LIMIT,
-        _ => true,
-    }
+fn agrees_with_friction(hypothesis: &Hypothesis, record: &ThinnedRecord<'_>, power: &[f64]) -> bool {
+    let has_friction = (0..record.subject.base.len()).any(|c| record.is_friction(c));
+    let flipped = hypothesis.coordinate.filter(|_| hypothesis.flips_power && has_friction);
+    flipped.is_none_or(|j| power[j] < -friction::NEGATIVE_LIMIT)
 }
 
 /// A few rows of the record, unfiltered.
 struct Screening {
-    /// What each joint's position spans.
+    /// What each coordinate spans, rad or m.
     spans: Vec<f64>,
     motion: Motion,
     torque: Series,
 }
 
 impl Screening {
-    fn new(chain: &Chain<'_>) -> Self {
-        let wanted = ROWS_PER_PARAMETER * chain.subject.base.len() / chain.joints() + 1;
-        let step = (chain.rows() / wanted).max(1);
-        let samples: Vec<usize> = chain.kept.iter().step_by(step).copied().collect();
-        let Motion { q, dq, ddq } = &chain.motion;
-        let motion = Motion { q: at(q, &samples), dq: at(dq, &samples), ddq: at(ddq, &samples) };
-        let spans = (0..chain.joints()).map(|j| span(&chain.motion.q.channel(j))).collect();
-        Self { spans, motion, torque: at(&chain.torque, &samples) }
+    fn new(record: &ThinnedRecord<'_>) -> Self {
+        let wanted = ROWS_PER_PARAMETER * record.subject.base.len() / record.coordinates() + 1;
+        let step = (record.rows() / wanted).max(1);
+        let samples: Vec<usize> = record.kept.iter().step_by(step).copied().collect();
+        let motion = motion_at(&record.motion, &samples);
+        let spans = (0..record.coordinates()).map(|j| span(&record.motion.q.channel(j))).collect();
+        Self { spans, motion, torque: at(&record.torque, &samples) }
     }
 
     /// Squared residual, relative to the torques as corrected; none where it is not finite.
-    fn squares(&self, chain: &Chain<'_>, correction: &Affine) -> Option<f64> {
-        let x = chain.raw_matrix(&correction.motion(&self.motion));
+    fn squares(&self, record: &ThinnedRecord<'_>, correction: &Affine) -> Option<f64> {
+        let x = record.raw_matrix(&correction.motion(&self.motion));
         let torque = correction.torque(&self.torque);
         let y: Vec<f64> = (0..torque.channels()).flat_map(|j| torque.channel(j)).collect();
-        let squares = squared_residual(&x, &y, chain.joints());
+        let squares = squared_residual(&x, &y, record.coordinates());
         squares.is_finite().then_some(squares)
     }
 }

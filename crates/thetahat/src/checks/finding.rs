@@ -32,7 +32,7 @@ impl fmt::Display for Severity {
     }
 }
 
-/// What was found; the order is that of the findings of one severity.
+/// What was found. Findings of one severity are sorted in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
@@ -71,7 +71,7 @@ pub enum Code {
     PositionQuantised,
     /// The position has outliers.
     PositionSpikes,
-    /// The recorded velocity is not that of the position.
+    /// The recorded velocity differs from the derivative of the position.
     VelocityMismatch,
     /// A joint does not move.
     JointStill,
@@ -173,7 +173,8 @@ pub struct Finding {
     pub code: Code,
     /// How much it matters.
     pub severity: Severity,
-    /// The joint, from one; none where it is about all of them.
+    /// The joint's number, from one, as in the names of its parameters; none where it is about all joints. With mimic
+    /// joints in front it is larger than the number of its channel.
     pub joint: Option<usize>,
     /// The joint's name.
     pub joint_name: Option<String>,
@@ -196,7 +197,7 @@ pub struct Finding {
 pub struct Measure {
     /// What it is evidence for.
     pub code: Code,
-    /// The joint, from one; none where it is about all of them.
+    /// The joint's number, as in [`Finding`].
     pub joint: Option<usize>,
     /// The evidence.
     pub value: f64,

@@ -1,11 +1,11 @@
 //! What friction must be, and what the model must explain.
 
 use super::{
-    Code, Severity,
     affine::Affine,
-    chain::Chain,
-    examination::{Evidence, Examination},
-    regression::Regression,
+    examination::{Evidence, Examination, Words},
+    finding::{Code, Severity},
+    orthogonal_fit::OrthogonalFit,
+    thinned_record::ThinnedRecord,
 };
 use crate::linear_algebra::{PivotedQr, dot};
 
@@ -20,8 +20,8 @@ const WHOLE_LIMIT_PERCENT: f64 = 20.0;
 const JOINT_LIMIT_PERCENT: f64 = 90.0;
 
 /// Corrects signs that friction shows to be wrong.
-pub(super) fn check(exam: &mut Examination<'_>, chain: &mut Chain<'_>) {
-    let Ok(regression) = chain.regression() else { return };
+pub(super) fn check(exam: &mut Examination<'_>, chain: &mut ThinnedRecord<'_>) {
+    let Ok(regression) = chain.fit() else { return };
     let power = power(chain, &regression);
     let negative: Vec<usize> = (0..power.len()).filter(|&j| power[j] < -NEGATIVE_LIMIT).collect();
     let everywhere = negative.len() > 1 && power.iter().all(|p| *p < 0.0);
@@ -29,7 +29,7 @@ pub(super) fn check(exam: &mut Examination<'_>, chain: &mut Chain<'_>) {
         let value = -p;
         let mut evidence = Evidence {
             code: Code::NegativeFriction,
-            joint: Some(j),
+            coordinate: Some(j),
             value,
             unit: "standard deviations",
             limit: NEGATIVE_LIMIT,
@@ -38,22 +38,28 @@ pub(super) fn check(exam: &mut Examination<'_>, chain: &mut Chain<'_>) {
         if value <= NEGATIVE_LIMIT {
             continue;
         }
-        let (code, correction, words) = cause(chain, &regression, j, everywhere);
+        let (code, correction, cause) = cause(chain, &regression, j, everywhere);
         evidence.code = code;
         let message = format!(
-            "joint {}: friction would drive the joint, by {value:.0} standard deviations of its power; {words}",
-            j + 1
+            "joint {}: friction would drive the joint, by {value:.0} standard deviations of its power; {cause}",
+            exam.subject.joint_number(j)
         );
         let remedy = "turn the sign of the channel by its gain, or the row of the motor in [transmission] matrix";
-        exam.raise(evidence, Severity::Problem, (message, remedy.to_owned()), friction_parameters(chain, j));
+        let words = Words::new(message, remedy).about(friction_parameters(chain, j));
+        exam.raise(evidence, Severity::Problem, words);
         correction.iter().for_each(|correction| chain.correct(correction));
     }
     poor_fit(exam, chain);
 }
 
 /// What makes a joint's friction negative: its torque's sign, its position's sign, or neither.
-fn cause(chain: &Chain<'_>, regression: &Regression, j: usize, everywhere: bool) -> (Code, Option<Affine>, String) {
-    let flip: Vec<f64> = (0..chain.joints()).map(|i| if i == j { -1.0 } else { 1.0 }).collect();
+fn cause(
+    chain: &ThinnedRecord<'_>,
+    regression: &OrthogonalFit,
+    j: usize,
+    everywhere: bool,
+) -> (Code, Option<Affine>, String) {
+    let flip: Vec<f64> = (0..chain.coordinates()).map(|i| if i == j { -1.0 } else { 1.0 }).collect();
     let torque = Affine::scaled_torques(&flip);
     if everywhere {
         return (Code::TorqueSign, Some(torque), "so it is in all joints: the torques have the other sign".to_owned());
@@ -70,12 +76,12 @@ fn cause(chain: &Chain<'_>, regression: &Regression, j: usize, everywhere: bool)
     (Code::TorqueSign, Some(torque), "the torque, or the position, has the other sign".to_owned())
 }
 
-fn corrected_squares(chain: &Chain<'_>, correction: &Affine) -> f64 {
-    chain.corrected(correction).regression().map_or(f64::INFINITY, |r| r.squares)
+fn corrected_squares(chain: &ThinnedRecord<'_>, correction: &Affine) -> f64 {
+    chain.corrected(correction).fit().map_or(f64::INFINITY, |r| r.squares)
 }
 
 /// Mean power that friction takes from each joint, in standard deviations of its estimate.
-pub(super) fn power(chain: &Chain<'_>, regression: &Regression) -> Vec<f64> {
+pub(super) fn power(chain: &ThinnedRecord<'_>, regression: &OrthogonalFit) -> Vec<f64> {
     let theta = regression.theta();
     let independent = &regression.qr.pivots()[..regression.rank];
     let covariance = PivotedQr::new(&regression.x.select_columns(independent)).inverse_gram();
@@ -86,49 +92,45 @@ pub(super) fn power(chain: &Chain<'_>, regression: &Regression) -> Vec<f64> {
         let variance = regression.variance() * dot(&part, &covariance.times(&part));
         if variance > 0.0 { mean / variance.sqrt() } else { 0.0 }
     };
-    (0..chain.joints()).map(of_joint).collect()
+    (0..chain.coordinates()).map(of_joint).collect()
 }
 
 /// Mean power of joint `j`, times its weight, for a unit of each friction parameter.
-fn power_per_parameter(chain: &Chain<'_>, regression: &Regression, j: usize) -> Vec<f64> {
+fn power_per_parameter(chain: &ThinnedRecord<'_>, regression: &OrthogonalFit, j: usize) -> Vec<f64> {
     let rows = chain.rows();
     let velocity: Vec<f64> = chain.kept.iter().map(|&k| chain.motion.dq.sample(k)[j]).collect();
     let of = |c: usize| dot(&velocity, &regression.x.column(c)[j * rows..(j + 1) * rows]) / rows as f64;
     (0..regression.x.columns()).map(|c| if chain.is_friction(c) { of(c) } else { 0.0 }).collect()
 }
 
-fn friction_parameters(chain: &Chain<'_>, j: usize) -> Vec<String> {
-    let table = chain.subject.model.parameter_table();
-    let parameters = chain.subject.base.parameters().iter().enumerate();
-    let own = parameters.filter(|(c, p)| chain.is_friction(*c) && table.get(p.kept).number == j + 1);
+fn friction_parameters(chain: &ThinnedRecord<'_>, j: usize) -> Vec<String> {
+    let own = chain.subject.parameters_of(j).filter(|(c, _)| chain.is_friction(*c));
     own.map(|(_, p)| p.name.clone()).collect()
 }
 
-fn poor_fit(exam: &mut Examination<'_>, chain: &Chain<'_>) {
-    let Ok(regression) = chain.regression() else { return };
+fn poor_fit(exam: &mut Examination<'_>, chain: &ThinnedRecord<'_>) {
+    let Ok(regression) = chain.fit() else { return };
     let value = 100.0 * regression.relative_error();
     let evidence =
-        Evidence { code: Code::PoorFit, joint: None, value, unit: "% of the torques", limit: WHOLE_LIMIT_PERCENT };
+        Evidence { code: Code::PoorFit, coordinate: None, value, unit: "% of the torques", limit: WHOLE_LIMIT_PERCENT };
     let remedy = "look at the other findings; else at the robot's geometry, the order of the joints, and loads that are \
                   not in the model";
     exam.judge(evidence, Severity::Warning, || {
-        (
-            format!("the model with its best parameters leaves {value:.0} % of the torques unexplained"),
-            remedy.to_owned(),
-        )
+        Words::new(format!("the model with its best parameters leaves {value:.0} % of the torques unexplained"), remedy)
     });
-    for j in 0..chain.joints() {
-        let value = 100.0 * regression.joint_error(j, chain.joints());
+    for j in 0..chain.coordinates() {
+        let value = 100.0 * regression.joint_error(j);
         let evidence = Evidence {
             code: Code::PoorFit,
-            joint: Some(j),
+            coordinate: Some(j),
             value,
             unit: "% of the torque's deviation",
             limit: JOINT_LIMIT_PERCENT,
         };
+        let number = exam.subject.joint_number(j);
         exam.judge(evidence, Severity::Warning, || {
-            let message = format!("joint {}: the model explains nothing of its torque ({value:.0} % is left)", j + 1);
-            (message, remedy.to_owned())
+            let message = format!("joint {number}: the model explains nothing of its torque ({value:.0} % is left)");
+            Words::new(message, remedy)
         });
     }
 }

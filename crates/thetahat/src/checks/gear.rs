@@ -5,11 +5,11 @@
 //! for: errors of the model move such scales as much as errors of the record do.
 
 use super::{
-    Code, Severity,
     affine::Affine,
-    chain::{Chain, Motion, at},
-    examination::{Evidence, Examination},
-    regression::Regression,
+    examination::{Evidence, Examination, Words},
+    finding::{Code, Severity},
+    orthogonal_fit::OrthogonalFit,
+    thinned_record::{ThinnedRecord, motion_at},
 };
 use crate::linear_algebra::dot;
 
@@ -40,10 +40,10 @@ enum Kind {
     Torque,
 }
 
-/// A scale of one motor or joint.
+/// A scale of one motor or coordinate.
 #[derive(Debug, Clone, Copy)]
 struct Scale {
-    joint: usize,
+    coordinate: usize,
     kind: Kind,
 }
 
@@ -54,7 +54,7 @@ struct Estimate {
     sure_in_blocks: f64,
 }
 
-/// A scale with what it leaves of the squared residual.
+/// A scale and the squared residual with it.
 struct Found {
     scale: Scale,
     factor: f64,
@@ -63,83 +63,85 @@ struct Found {
     effect: f64,
 }
 
-pub(super) fn check(exam: &mut Examination<'_>, chain: &mut Chain<'_>) {
-    let geared: Vec<usize> = (0..chain.joints()).filter(|&j| ratio(chain, j).abs() != 1.0).collect();
-    if chain.joints() == 1 || !exam.subject.geared {
+pub(super) fn check(exam: &mut Examination<'_>, record: &mut ThinnedRecord<'_>) {
+    let geared: Vec<usize> = (0..record.coordinates()).filter(|&j| ratio(record, j).abs() != 1.0).collect();
+    if record.coordinates() == 1 || !exam.subject.geared {
         return;
     }
     for round in 0..MOST_FAULTS {
-        let Ok(regression) = chain.regression() else { return };
-        let theta = regression.theta();
-        let found: Vec<Found> =
-            geared.iter().filter_map(|&joint| best_of_joint(chain, &regression, &theta, joint)).collect();
+        let Ok(fit) = record.fit() else { return };
+        let theta = fit.theta();
+        let found: Vec<Found> = geared.iter().filter_map(|&j| best_of_coordinate(record, &fit, &theta, j)).collect();
         if round == 0 {
             note_measures(exam, &geared, &found);
         }
         let best = found.into_iter().min_by(|a, b| a.squares.total_cmp(&b.squares));
         let Some(best) = best.filter(|b| b.effect > EFFECT_LIMIT_PERCENT) else { return };
-        raise(exam, chain, &best, best.squares / regression.squares);
-        let Some(correction) = best.scale.correction(chain, best.factor) else { return };
-        chain.correct(&correction);
+        raise(exam, record, &best, best.squares / fit.squares);
+        let Some(correction) = best.scale.correction(record, best.factor) else { return };
+        record.correct(&correction);
     }
 }
 
 fn note_measures(exam: &mut Examination<'_>, geared: &[usize], found: &[Found]) {
-    for &joint in geared {
-        let own = found.iter().find(|f| f.scale.joint == joint);
-        exam.note_measure(evidence(joint, own.map_or(0.0, |f| f.effect)));
+    for &j in geared {
+        let own = found.iter().find(|f| f.scale.coordinate == j);
+        exam.note_measure(evidence(j, own.map_or(0.0, |f| f.effect)));
     }
 }
 
-/// The scale of a joint or its motor that explains most, of those that are certain and large enough to matter.
-fn best_of_joint(chain: &Chain<'_>, regression: &Regression, theta: &[f64], joint: usize) -> Option<Found> {
+/// The scale of a coordinate or its motor that explains most, of those that are certain and large enough to matter.
+fn best_of_coordinate(
+    record: &ThinnedRecord<'_>,
+    fit: &OrthogonalFit,
+    theta: &[f64],
+    coordinate: usize,
+) -> Option<Found> {
     let kinds = [Kind::Ratio, Kind::Position, Kind::Torque].into_iter();
     let found = kinds.filter_map(|kind| {
-        let scale = Scale { joint, kind };
-        let estimate = estimate(chain, regression, theta, scale).filter(Estimate::is_certain)?;
-        let (factor, squares) = refined(chain, scale, 1.0 + estimate.change);
-        let effect = 100.0 * ((regression.squares - squares).max(0.0) / regression.y.len() as f64).sqrt();
+        let scale = Scale { coordinate, kind };
+        let estimate = estimate(record, fit, theta, scale).filter(Estimate::is_certain)?;
+        let (factor, squares) = refined(record, scale, 1.0 + estimate.change);
+        let effect = 100.0 * ((fit.squares - squares).max(0.0) / fit.y.len() as f64).sqrt();
         ((factor - 1.0).abs() > SMALLEST).then_some(Found { scale, factor, squares, effect })
     });
     found.min_by(|a, b| a.squares.total_cmp(&b.squares))
 }
 
-fn ratio(chain: &Chain<'_>, j: usize) -> f64 {
-    chain.subject.robot.transmission.matrix().at(j, j)
+fn ratio(record: &ThinnedRecord<'_>, j: usize) -> f64 {
+    record.subject.robot.transmission.matrix().at(j, j)
 }
 
-fn evidence(joint: usize, value: f64) -> Evidence {
+fn evidence(coordinate: usize, value: f64) -> Evidence {
     let (unit, limit) = ("% of the torques", EFFECT_LIMIT_PERCENT);
-    Evidence { code: Code::GearRatio, joint: Some(joint), value, unit, limit }
+    Evidence { code: Code::GearRatio, coordinate: Some(coordinate), value, unit, limit }
 }
 
-fn raise(exam: &mut Examination<'_>, chain: &Chain<'_>, found: &Found, left: f64) {
-    let Found { scale: Scale { joint, kind }, factor, .. } = *found;
-    let number = joint + 1;
+fn raise(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>, found: &Found, left: f64) {
+    let Found { scale: Scale { coordinate, kind }, factor, .. } = *found;
+    let (motor, joint) = (coordinate + 1, exam.subject.joint_number(coordinate));
     let what = match kind {
         Kind::Ratio => {
-            format!(
-                "the gear ratio of motor {number} is {:.4}, not {:.4}",
-                factor * ratio(chain, joint),
-                ratio(chain, joint)
-            )
+            let ratio = ratio(record, coordinate);
+            format!("the gear ratio of motor {motor} is {:.4}, not {ratio:.4}", factor * ratio)
         }
-        Kind::Position => format!("the position of joint {number} is {factor:.4} times what was recorded"),
-        Kind::Torque => format!("the torque of joint {number} is {factor:.4} times what was recorded"),
+        Kind::Position => format!("the position of joint {joint} is {factor:.4} times what was recorded"),
+        Kind::Torque => format!("the torque of joint {joint} is {factor:.4} times what was recorded"),
     };
-    let words = (
+    let words = Words::new(
         format!("the squared residual is {:.0} % smaller if {what}", 100.0 * (1.0 - left)),
-        "check the motor's row of [transmission] matrix, its drive gain, and the gains of the channels".to_owned(),
+        "check the motor's row of [transmission] matrix, its drive gain, and the gains of the channels",
     );
     let value = 100.0 * (factor - 1.0);
-    let evidence = Evidence { value, unit: "% of the scale", limit: f64::NAN, ..evidence(joint, value) };
-    exam.raise(evidence, Severity::Problem, words, Vec::new());
+    let evidence = Evidence { value, unit: "% of the scale", limit: f64::NAN, ..evidence(coordinate, value) };
+    exam.raise(evidence, Severity::Problem, words);
 }
 
 impl Scale {
-    fn correction(self, chain: &Chain<'_>, factor: f64) -> Option<Affine> {
-        let robot = chain.subject.robot;
-        let factors: Vec<f64> = (0..chain.joints()).map(|j| if j == self.joint { factor } else { 1.0 }).collect();
+    fn correction(self, record: &ThinnedRecord<'_>, factor: f64) -> Option<Affine> {
+        let robot = record.subject.robot;
+        let factors: Vec<f64> =
+            (0..record.coordinates()).map(|j| if j == self.coordinate { factor } else { 1.0 }).collect();
         match self.kind {
             Kind::Ratio => Affine::geared(robot, &factors),
             Kind::Position => Some(Affine::scaled_positions(&factors, robot.transmission.offset())),
@@ -154,30 +156,29 @@ impl Estimate {
     }
 }
 
-/// One step of Gauss-Newton for a scale; none where it changes nothing that the parameters do not take up.
-fn estimate(chain: &Chain<'_>, regression: &Regression, theta: &[f64], scale: Scale) -> Option<Estimate> {
-    let direction = regression.unexplained(&direction(chain, theta, scale)?);
+/// One step of Gauss-Newton for a scale; none where the parameters make up for every change of it.
+fn estimate(record: &ThinnedRecord<'_>, fit: &OrthogonalFit, theta: &[f64], scale: Scale) -> Option<Estimate> {
+    let direction = fit.unexplained(&direction(record, theta, scale)?);
     let information = dot(&direction, &direction);
-    if information <= f64::EPSILON * dot(&regression.y, &regression.y) {
+    if information <= f64::EPSILON * dot(&fit.y, &fit.y) {
         return None;
     }
-    let change = -dot(&direction, &regression.residual) / information;
-    let deviation = (regression.variance() / information).sqrt();
-    let rest: Vec<f64> = regression.residual.iter().zip(&direction).map(|(r, d)| r + change * d).collect();
-    let in_blocks = block_deviation(&direction, &rest, chain.rows()) / information;
+    let change = -dot(&direction, &fit.residual) / information;
+    let deviation = (fit.variance() / information).sqrt();
+    let rest: Vec<f64> = fit.residual.iter().zip(&direction).map(|(r, d)| r + change * d).collect();
+    let in_blocks = block_deviation(&direction, &rest, record.rows()) / information;
     Some(Estimate { change, sure: change / deviation, sure_in_blocks: change / in_blocks })
 }
 
 /// The derivative of `tau' - X' theta` by the scale, with the predicted torque in the place of the measured one.
-fn direction(chain: &Chain<'_>, theta: &[f64], scale: Scale) -> Option<Vec<f64>> {
-    let Motion { q, dq, ddq } = &chain.motion;
-    let motion = Motion { q: at(q, &chain.kept), dq: at(dq, &chain.kept), ddq: at(ddq, &chain.kept) };
-    let torque = chain.predict(&motion, theta);
+fn direction(record: &ThinnedRecord<'_>, theta: &[f64], scale: Scale) -> Option<Vec<f64>> {
+    let motion = motion_at(&record.motion, &record.kept);
+    let torque = record.predict(&motion, theta);
     let error = |factor: f64| {
-        let correction = scale.correction(chain, factor)?;
-        let predicted = chain.predict(&correction.motion(&motion), theta);
+        let correction = scale.correction(record, factor)?;
+        let predicted = record.predict(&correction.motion(&motion), theta);
         let torque = correction.torque(&torque);
-        let rows = (0..chain.joints()).flat_map(|j| torque.channel(j).into_iter().zip(predicted.channel(j)));
+        let rows = (0..record.coordinates()).flat_map(|j| torque.channel(j).into_iter().zip(predicted.channel(j)));
         Some(rows.map(|(t, p)| t - p).collect::<Vec<f64>>())
     };
     let (more, less) = (error(1.0 + STEP)?, error(1.0 - STEP)?);
@@ -194,20 +195,20 @@ fn block_deviation(direction: &[f64], rest: &[f64], rows: usize) -> f64 {
 }
 
 /// The scale by further steps of Gauss-Newton, and the squared residual that it leaves.
-fn refined(chain: &Chain<'_>, scale: Scale, first: f64) -> (f64, f64) {
+fn refined(record: &ThinnedRecord<'_>, scale: Scale, first: f64) -> (f64, f64) {
     let mut best = (1.0, f64::INFINITY);
     let mut factor = first;
     for _ in 0..ITERATIONS {
         if !RANGE.contains(&factor) {
             break;
         }
-        let Some(correction) = scale.correction(chain, factor) else { break };
-        let corrected = chain.corrected(&correction);
-        let Ok(regression) = corrected.regression() else { break };
-        if regression.squares < best.1 {
-            best = (factor, regression.squares);
+        let Some(correction) = scale.correction(record, factor) else { break };
+        let corrected = record.corrected(&correction);
+        let Ok(fit) = corrected.fit() else { break };
+        if fit.squares < best.1 {
+            best = (factor, fit.squares);
         }
-        let Some(next) = estimate(&corrected, &regression, &regression.theta(), scale) else { break };
+        let Some(next) = estimate(&corrected, &fit, &fit.theta(), scale) else { break };
         factor *= 1.0 + next.change;
     }
     best

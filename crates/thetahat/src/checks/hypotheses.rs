@@ -1,13 +1,10 @@
 //! The ways in which a record is known to go wrong, and how each is put right.
 
 use super::{
-    Code,
     affine::{Affine, diagonal},
+    finding::Code,
 };
-use crate::{
-    linear_algebra::Matrix,
-    robot::{JointKind, Robot},
-};
+use crate::robot::{JointKind, Robot};
 
 /// How many times smaller a correction of all joints must make the squared residual; also one of a zero. Such
 /// corrections are few; on the clean records the best makes it no smaller (1.00).
@@ -16,11 +13,12 @@ const COMMON_LIMIT: f64 = 1.15;
 const SINGLE_LIMIT: f64 = 1.5;
 /// The same for exchanges and for two signs at once, of which there are many: at most 1.50 on the clean records.
 const MANY_LIMIT: f64 = 2.0;
+
 /// A way in which a record goes wrong, and its correction.
 pub(super) struct Hypothesis {
     pub(super) code: Code,
-    /// From zero.
-    pub(super) joint: Option<usize>,
+    /// From zero; none for all of them.
+    pub(super) coordinate: Option<usize>,
     pub(super) correction: Affine,
     /// How many times smaller it must make the squared residual.
     pub(super) limit: f64,
@@ -31,10 +29,54 @@ pub(super) struct Hypothesis {
     pub(super) remedy: &'static str,
 }
 
+/// Which coordinates a correction is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Scope {
+    All,
+    One(usize),
+}
+
+impl Scope {
+    /// All coordinates together, and each by itself where there are several.
+    fn of(robot: &Robot) -> impl Iterator<Item = Self> {
+        let n = robot.coordinate_count();
+        std::iter::once(Self::All).chain((0..n).filter(move |_| n > 1).map(Self::One))
+    }
+
+    fn holds(self, coordinate: usize) -> bool {
+        match self {
+            Self::All => true,
+            Self::One(own) => own == coordinate,
+        }
+    }
+
+    fn coordinate(self) -> Option<usize> {
+        match self {
+            Self::All => None,
+            Self::One(coordinate) => Some(coordinate),
+        }
+    }
+
+    /// A value for each coordinate in the scope, one for the others.
+    fn select(self, robot: &Robot, value: &dyn Fn(usize) -> f64) -> Vec<f64> {
+        (0..robot.coordinate_count()).map(|j| if self.holds(j) { value(j) } else { 1.0 }).collect()
+    }
+
+    fn whose(self, robot: &Robot) -> String {
+        match self {
+            Self::All => "every joint's".to_owned(),
+            Self::One(coordinate) => format!("joint {}'s", robot.joint_of(coordinate) + 1),
+        }
+    }
+}
+
 impl Hypothesis {
-    fn new(code: Code, joint: Option<usize>, correction: Affine, words: String, remedy: &'static str) -> Self {
-        let limit = if joint.is_some() { SINGLE_LIMIT } else { COMMON_LIMIT };
-        Self { code, joint, correction, limit, flips_power: false, words, remedy }
+    fn new(code: Code, scope: Scope, correction: Affine, words: String, remedy: &'static str) -> Self {
+        let limit = match scope {
+            Scope::All => COMMON_LIMIT,
+            Scope::One(_) => SINGLE_LIMIT,
+        };
+        Self { code, coordinate: scope.coordinate(), correction, limit, flips_power: false, words, remedy }
     }
 
     fn with_limit(self, limit: f64) -> Self {
@@ -63,78 +105,77 @@ const SIDE: &str = "set side = \"motor\" or \"joint\" of the channel in [recordi
 
 /// Degrees and radians, millimetres and metres, of all joints and of each.
 fn units(robot: &Robot) -> Vec<Hypothesis> {
-    let factor = |j: usize| match robot.joints[j].kind {
+    let factor = |j: usize| match robot.joints[robot.joint_of(j)].kind {
         JointKind::Revolute => 1.0_f64.to_radians(),
-        _ => 1e-3,
+        JointKind::Prismatic => 1e-3,
     };
-    let scale = |joints: &[usize], up: bool| {
-        let of = |j: usize| if up { 1.0 / factor(j) } else { factor(j) };
-        Affine::scaled_positions(&select(robot, joints, &of), &vec![0.0; robot.coordinate_count()])
+    let scaled = |factor: Vec<f64>| Affine::scaled_positions(&factor, &vec![0.0; factor.len()]);
+    let both = |scope: Scope| {
+        let whose = scope.whose(robot);
+        let down = format!("{whose} position is taken from degrees (or mm), not from rad (or m)");
+        let up = format!("{whose} position is taken as rad (or m): it was converted from degrees (or mm) twice");
+        let by_down = scaled(scope.select(robot, &factor));
+        let by_up = scaled(scope.select(robot, &|j| 1.0 / factor(j)));
+        [(by_down, down), (by_up, up)].map(|(c, words)| Hypothesis::new(Code::PositionScale, scope, c, words, UNIT))
     };
-    each_and_all(robot)
-        .into_iter()
-        .flat_map(|(joint, joints)| {
-            let whose = whose(joint);
-            let down = format!("{whose} position is taken from degrees (or mm), not from rad (or m)");
-            let up = format!("{whose} position is taken as rad (or m): it was converted from degrees (or mm) twice");
-            [
-                Hypothesis::new(Code::PositionScale, joint, scale(&joints, false), down, UNIT),
-                Hypothesis::new(Code::PositionScale, joint, scale(&joints, true), up, UNIT),
-            ]
-        })
-        .collect()
+    Scope::of(robot).flat_map(both).collect()
 }
 
 /// Motor side and joint side, where they differ.
 fn sides(robot: &Robot) -> Vec<Hypothesis> {
-    let ratio = |j: usize| robot.transmission.matrix().at(j, j);
-    let geared = |joints: &[usize]| joints.iter().any(|&j| ratio(j) != 1.0 && ratio(j) != 0.0);
-    let sides = |(joint, joints): (Option<usize>, Vec<usize>)| {
-        let mut both = sides_of_positions(robot, joint);
-        both.extend(sides_of_torques(robot, joint, &joints));
+    let is_geared = |j: usize| ratio(robot, j) != 1.0 && ratio(robot, j) != 0.0;
+    let geared = |scope: &Scope| (0..robot.coordinate_count()).any(|j| scope.holds(j) && is_geared(j));
+    let sides = |scope: Scope| {
+        let mut both = sides_of_positions(robot, scope);
+        both.extend(sides_of_torques(robot, scope));
         both
     };
-    each_and_all(robot).into_iter().filter(|(_, joints)| geared(joints)).flat_map(sides).collect()
+    Scope::of(robot).filter(geared).flat_map(sides).collect()
 }
 
-fn sides_of_positions(robot: &Robot, joint: Option<usize>) -> Vec<Hypothesis> {
-    let whose = whose(joint);
-    let (to_joint, to_motor) = match joint {
-        None => (motor_to_joint(robot), joint_to_motor(robot)),
-        Some(j) => (Some(one_to_joint(robot, j)), one_to_motor(robot, j)),
+/// Motor positions per joint position of a coordinate, without the coupling.
+fn ratio(robot: &Robot, j: usize) -> f64 {
+    robot.transmission.matrix().at(j, j)
+}
+
+fn sides_of_positions(robot: &Robot, scope: Scope) -> Vec<Hypothesis> {
+    let whose = scope.whose(robot);
+    let (to_joint, to_motor) = match scope {
+        Scope::All => (motor_to_joint(robot), joint_to_motor(robot)),
+        Scope::One(j) => (Some(one_to_joint(robot, j)), one_to_motor(robot, j)),
     };
     let motor = to_joint.map(|c| (c, format!("{whose} position is taken from the motor side")));
     let twice = format!("{whose} position is taken as it is on the joint side: it went through the gear twice");
     let corrections = motor.into_iter().chain([(to_motor, twice)]);
-    corrections.map(|(c, words)| Hypothesis::new(Code::PositionScale, joint, c, words, SIDE)).collect()
+    corrections.map(|(c, words)| Hypothesis::new(Code::PositionScale, scope, c, words, SIDE)).collect()
 }
 
-fn sides_of_torques(robot: &Robot, joint: Option<usize>, joints: &[usize]) -> Vec<Hypothesis> {
-    let whose = whose(joint);
-    let ratio = |j: usize| robot.transmission.matrix().at(j, j);
-    let up = Affine::scaled_torques(&select(robot, joints, &ratio));
-    let down = Affine::scaled_torques(&select(robot, joints, &|j| 1.0 / ratio(j)));
+fn sides_of_torques(robot: &Robot, scope: Scope) -> [Hypothesis; 2] {
+    let whose = scope.whose(robot);
+    let up = Affine::scaled_torques(&scope.select(robot, &|j| ratio(robot, j)));
+    let down = Affine::scaled_torques(&scope.select(robot, &|j| 1.0 / ratio(robot, j)));
     let motor = format!("{whose} torque is taken from the motor side");
     let twice = format!("{whose} torque is taken as it is on the joint side: it went through the gear twice");
-    let hypothesis = |(c, words)| Hypothesis::new(Code::TorqueScale, joint, c, words, SIDE);
-    [(up, motor), (down, twice)].map(hypothesis).into()
+    [(up, motor), (down, twice)].map(|(c, words)| Hypothesis::new(Code::TorqueScale, scope, c, words, SIDE))
 }
 
 /// `q_j' = q_j / N_jj + o_j`.
 fn one_to_joint(robot: &Robot, j: usize) -> Affine {
-    let ratio = robot.transmission.matrix().at(j, j);
-    let shift =
-        (0..robot.coordinate_count()).map(|i| if i == j { robot.transmission.offset()[j] } else { 0.0 }).collect();
-    let position = diagonal(&select(robot, &[j], &|_| 1.0 / ratio));
-    Affine { position, shift, torque: Matrix::identity(robot.coordinate_count()) }
+    let position = diagonal(&Scope::One(j).select(robot, &|_| 1.0 / ratio(robot, j)));
+    let shift = only(robot, j, robot.transmission.offset()[j]);
+    Affine { position, shift, ..Affine::identity(robot.coordinate_count()) }
 }
 
 /// `q_j' = N_jj (q_j - o_j)`.
 fn one_to_motor(robot: &Robot, j: usize) -> Affine {
-    let (ratio, offset) = (robot.transmission.matrix().at(j, j), robot.transmission.offset()[j]);
-    let shift = (0..robot.coordinate_count()).map(|i| if i == j { -ratio * offset } else { 0.0 }).collect();
-    let position = diagonal(&select(robot, &[j], &|_| ratio));
-    Affine { position, shift, torque: Matrix::identity(robot.coordinate_count()) }
+    let position = diagonal(&Scope::One(j).select(robot, &|_| ratio(robot, j)));
+    let shift = only(robot, j, -ratio(robot, j) * robot.transmission.offset()[j]);
+    Affine { position, shift, ..Affine::identity(robot.coordinate_count()) }
+}
+
+/// A value for coordinate `j`, zero for the others.
+fn only(robot: &Robot, j: usize, value: f64) -> Vec<f64> {
+    (0..robot.coordinate_count()).map(|i| if i == j { value } else { 0.0 }).collect()
 }
 
 /// `q' = N^-1 q + o`.
@@ -157,42 +198,39 @@ fn zeros(robot: &Robot) -> Vec<Hypothesis> {
     if offset.iter().all(|o| *o == 0.0) {
         return Vec::new();
     }
-    let of = |sign: f64, j: Option<usize>| {
-        let entry = |(i, o): (usize, &f64)| if j.is_none_or(|j| j == i) { sign * o } else { 0.0 };
+    let shifted = |scope: Scope, sign: f64| {
+        let entry = |(j, o): (usize, &f64)| if scope.holds(j) { sign * o } else { 0.0 };
         Affine::shifted(offset.iter().enumerate().map(entry).collect())
     };
     let remedy = "check offset_deg in [transmission], and whether the positions already hold it";
-    let with_offset = (0..offset.len()).filter(|&j| offset[j] != 0.0).map(Some);
-    std::iter::once(None)
-        .chain(with_offset)
-        .flat_map(|joint| {
-            let whose = whose(joint);
-            [(1.0, "is added to"), (-1.0, "is taken from")].map(|(sign, verb)| {
-                let words = format!("the transmission's offset {verb} {whose} position");
-                Hypothesis::new(Code::PositionZero, joint, of(sign, joint), words, remedy).with_limit(COMMON_LIMIT)
-            })
+    let both = |scope: Scope| {
+        [(1.0, "is added to"), (-1.0, "is taken from")].map(|(sign, verb)| {
+            let words = format!("the transmission's offset {verb} {} position", scope.whose(robot));
+            let correction = shifted(scope, sign);
+            Hypothesis::new(Code::PositionZero, scope, correction, words, remedy).with_limit(COMMON_LIMIT)
         })
-        .collect()
+    };
+    let with_offset = (0..offset.len()).filter(|&j| offset[j] != 0.0).map(Scope::One);
+    std::iter::once(Scope::All).chain(with_offset).flat_map(both).collect()
 }
 
 /// Each joint's position or torque with the other sign.
 fn signs(robot: &Robot) -> Vec<Hypothesis> {
     let offset = robot.transmission.offset();
-    let flip = |j: usize| select(robot, &[j], &|_| -1.0);
     let sign = |j: usize| {
-        let torque = Affine::scaled_torques(&flip(j));
-        let position = Affine::scaled_positions(&flip(j), offset);
+        let scope = Scope::One(j);
+        let flip = scope.select(robot, &|_| -1.0);
+        let torque = Affine::scaled_torques(&flip);
+        let position = Affine::scaled_positions(&flip, offset);
         let both = Affine { torque: torque.torque.clone(), ..position.clone() };
-        let number = j + 1;
-        let (torque_words, position_words) = (
-            format!("the torque of joint {number} has the other sign"),
-            format!("the position of joint {number} has the other sign"),
-        );
+        let number = robot.joint_of(j) + 1;
+        let torque_words = format!("the torque of joint {number} has the other sign");
+        let position_words = format!("the position of joint {number} has the other sign");
         let both_words = format!("position and torque of joint {number} have the other sign");
         [
-            Hypothesis::new(Code::TorqueSign, Some(j), torque, torque_words, SIGN).flipping(),
-            Hypothesis::new(Code::PositionSign, Some(j), position, position_words, SIGN).flipping(),
-            Hypothesis::new(Code::PositionSign, Some(j), both, both_words, SIGN).with_limit(MANY_LIMIT),
+            Hypothesis::new(Code::TorqueSign, scope, torque, torque_words, SIGN).flipping(),
+            Hypothesis::new(Code::PositionSign, scope, position, position_words, SIGN).flipping(),
+            Hypothesis::new(Code::PositionSign, scope, both, both_words, SIGN).with_limit(MANY_LIMIT),
         ]
     };
     (0..robot.coordinate_count()).flat_map(sign).collect()
@@ -201,31 +239,16 @@ fn signs(robot: &Robot) -> Vec<Hypothesis> {
 /// Positions, torques or both of each pair exchanged.
 fn exchanges(robot: &Robot) -> Vec<Hypothesis> {
     let n = robot.coordinate_count();
-    let pairs = (0..n).flat_map(|a| (a + 1..n).map(move |b| (a, b)));
-    let exchange = |(a, b): (usize, usize)| {
-        [(true, false, "the positions"), (false, true, "the torques"), (true, true, "positions and torques")].map(
-            |(positions, torques, what)| {
-                let correction = Affine::exchanged(n, (a, b), positions, torques);
-                let words = format!("{what} of joints {} and {} are exchanged", a + 1, b + 1);
-                Hypothesis::new(Code::JointsSwapped, Some(a), correction, words, ORDER).with_limit(MANY_LIMIT)
-            },
-        )
+    let of_pair = move |a: usize, b: usize| {
+        let positions = Affine::exchanged_positions(n, a, b);
+        let torques = Affine::exchanged_torques(n, a, b);
+        let both = Affine { torque: torques.torque.clone(), ..positions.clone() };
+        let kinds = [(positions, "the positions"), (torques, "the torques"), (both, "positions and torques")];
+        let (first, second) = (robot.joint_of(a) + 1, robot.joint_of(b) + 1);
+        kinds.map(|(correction, what)| {
+            let words = format!("{what} of joints {first} and {second} are exchanged");
+            Hypothesis::new(Code::JointsSwapped, Scope::One(a), correction, words, ORDER).with_limit(MANY_LIMIT)
+        })
     };
-    pairs.flat_map(exchange).collect()
-}
-
-/// All joints together, and each by itself where there are several.
-fn each_and_all(robot: &Robot) -> Vec<(Option<usize>, Vec<usize>)> {
-    let n = robot.coordinate_count();
-    let each = (0..n).filter(|_| n > 1).map(|j| (Some(j), vec![j]));
-    std::iter::once((None, (0..n).collect())).chain(each).collect()
-}
-
-/// A value for each of `joints`, one for the others.
-fn select(robot: &Robot, joints: &[usize], value: &dyn Fn(usize) -> f64) -> Vec<f64> {
-    (0..robot.coordinate_count()).map(|j| if joints.contains(&j) { value(j) } else { 1.0 }).collect()
-}
-
-fn whose(joint: Option<usize>) -> String {
-    joint.map_or_else(|| "every joint's".to_owned(), |j| format!("joint {}'s", j + 1))
+    (0..n).flat_map(|a| (a + 1..n).flat_map(move |b| of_pair(a, b))).collect()
 }

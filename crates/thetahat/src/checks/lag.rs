@@ -7,10 +7,10 @@
 use std::ops::Range;
 
 use super::{
-    Code, Severity,
-    chain::Chain,
-    examination::{Evidence, Examination},
-    lag_search::{LONGEST_S, Lags, Search, shifted},
+    examination::{Evidence, Examination, Words},
+    finding::{Code, Severity},
+    lag_search::{FrictionLag, LONGEST_S, Lags, Search, shifted},
+    thinned_record::ThinnedRecord,
 };
 
 /// Part of the squared residual that a lag must explain, percent. The clean recordings stay below 18.
@@ -25,35 +25,35 @@ const SURE: f64 = 6.0;
 const SAME: f64 = 0.35;
 /// Lag in samples below which it is noted only.
 const ONE_SAMPLE: f64 = 1.0;
-/// Common lag instead of one for each joint, where it leaves no more than this times the squared residual.
+/// One lag for all joints is taken where it leaves no more than this times the squared residual of one lag per joint.
 const AS_GOOD: f64 = 1.05;
 
-/// Corrects the chain by the lags that are found.
-pub(super) fn check(exam: &mut Examination<'_>, chain: &mut Chain<'_>) {
-    let Ok(regression) = chain.regression() else { return };
-    let search = Search { chain, regression: &regression };
+/// Corrects the record by the lags that are found.
+pub(super) fn check(exam: &mut Examination<'_>, record: &mut ThinnedRecord<'_>) {
+    let Ok(fit) = record.fit() else { return };
+    let search = Search { record, fit: &fit };
     let Some(each) = search.refined(search.coarse(), false) else { return };
     let Some(common) = search.refined(search.coarse_common(), true) else { return };
     let together = common.squares.iter().sum::<f64>() <= AS_GOOD * each.squares.iter().sum::<f64>();
     let lags = if together { common } else { each };
-    let before = search.joint_squares(&regression.residual);
-    let size = if together { chain.joints() } else { 1 };
-    let mut correction = vec![0.0; chain.joints()];
-    for first in (0..chain.joints()).step_by(size) {
+    let before = search.joint_squares(&fit.residual);
+    let size = if together { record.coordinates() } else { 1 };
+    let mut correction = vec![0.0; record.coordinates()];
+    for first in (0..record.coordinates()).step_by(size) {
         let group = first..first + size;
-        let lag = Lag::new(&search, &lags, group.clone(), (&before, exam.subject.sample_rate_hz));
+        let lag = Lag::new(&search, &lags, group.clone(), &before);
         if lag.judge(exam, together) {
             group.for_each(|j| correction[j] = lags.steps[j]);
         }
     }
     if correction.iter().any(|s| *s != 0.0) {
-        chain.replace_torque(shifted(&chain.torque, &correction));
+        record.replace_torque(shifted(&record.torque, &correction));
     }
 }
 
 /// The lag of one joint, or of all.
 struct Lag {
-    joint: usize,
+    coordinate: usize,
     /// Samples by which the torque is later, and the standard deviation.
     samples: f64,
     deviation: f64,
@@ -61,30 +61,31 @@ struct Lag {
     explained: f64,
     /// Rms torque that it explains, percent of the torque's deviation.
     effect: f64,
-    /// Lag of friction alone that is left, in samples; zero where friction says nothing.
+    /// Further lag of friction alone, in samples; zero where friction says nothing.
     friction: f64,
     longest: f64,
     rate: f64,
 }
 
 impl Lag {
-    fn new(search: &Search<'_, '_>, lags: &Lags, group: Range<usize>, (before, rate): (&[f64], f64)) -> Self {
-        let per_step = rate / search.chain.rate_hz;
+    fn new(search: &Search<'_, '_>, lags: &Lags, group: Range<usize>, before: &[f64]) -> Self {
+        let rate = search.record.subject.sample_rate_hz;
+        let per_step = rate / search.record.rate_hz;
         let (was, is) = (before[group.clone()].iter().sum::<f64>(), lags.squares[group.clone()].iter().sum::<f64>());
         let mut lag = Self {
-            joint: group.start,
+            coordinate: group.start,
             samples: per_step * lags.steps[group.start],
             deviation: per_step * lags.deviation[group.start],
             explained: 100.0 * (1.0 - is / was),
-            effect: 100.0 * ((was - is).max(0.0) / (group.len() * search.chain.rows()) as f64).sqrt(),
+            effect: 100.0 * ((was - is).max(0.0) / (group.len() * search.record.rows()) as f64).sqrt(),
             friction: 0.0,
             longest: LONGEST_S * rate,
             rate,
         };
         if lag.is_certain() {
-            let certain = |friction: &(f64, f64)| per_step * friction.1 < 0.5 * SAME * lag.samples.abs();
+            let certain = |friction: &FrictionLag| per_step * friction.deviation < 0.5 * SAME * lag.samples.abs();
             let friction = search.friction_lag(&lags.steps, group).filter(certain);
-            lag.friction = per_step * friction.map_or(0.0, |f| f.0);
+            lag.friction = per_step * friction.map_or(0.0, |f| f.steps);
         }
         lag
     }
@@ -100,10 +101,10 @@ impl Lag {
 
     /// Raises it where it is one; whether the record is to be put right.
     fn judge(&self, exam: &mut Examination<'_>, together: bool) -> bool {
-        let joint = (!together).then_some(self.joint);
+        let coordinate = (!together).then_some(self.coordinate);
         let strength = (self.explained / EXPLAINED_LIMIT_PERCENT).min(self.effect / EFFECT_LIMIT_PERCENT);
         let value = if self.is_one() { strength } else { 0.0 };
-        let evidence = Evidence { code: Code::Lag, joint, value, unit: "times the limits", limit: 1.0 };
+        let evidence = Evidence { code: Code::Lag, coordinate, value, unit: "times the limits", limit: 1.0 };
         exam.note_measure(evidence);
         if !self.is_one() {
             return false;
@@ -111,14 +112,16 @@ impl Lag {
         let matters = strength > 1.0 && self.samples.abs() >= ONE_SAMPLE;
         let severity = if matters { Severity::Warning } else { Severity::Note };
         let evidence = Evidence { value: self.samples, unit: "samples", limit: f64::NAN, ..evidence };
-        exam.raise(evidence, severity, self.words(joint), Vec::new());
+        let words = self.words(coordinate.map(|c| exam.subject.joint_number(c)));
+        exam.raise(evidence, severity, words);
         matters
     }
 
-    fn words(&self, joint: Option<usize>) -> (String, String) {
+    fn words(&self, joint_number: Option<usize>) -> Words {
         let ms = |samples: f64| 1e3 * samples / self.rate;
         let (size, order) = (self.samples.abs(), if self.samples > 0.0 { "later" } else { "earlier" });
-        let whose = joint.map_or_else(|| "the torques are".to_owned(), |j| format!("joint {}: the torque is", j + 1));
+        let whose = joint_number
+            .map_or_else(|| "the torques are".to_owned(), |number| format!("joint {number}: the torque is"));
         let message = format!(
             "{whose} {size:.1} samples ({:.2} ms, +- {:.2}) {order} than the position; without that the squared \
              residual is {:.0} % smaller",
@@ -127,6 +130,6 @@ impl Lag {
             self.explained
         );
         let remedy = "shift the torque against the position before the estimate, and state the delay of [controller]";
-        (message, remedy.to_owned())
+        Words::new(message, remedy)
     }
 }

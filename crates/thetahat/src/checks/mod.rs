@@ -5,9 +5,20 @@
 //! robot's model, which shows units, sides of the gears, signs, exchanged joints, ratios, lags, and what the motion does not
 //! excite. Each [`Finding`] has a stable [`Code`], a [`Severity`], its evidence as a number, and what to do. Limits,
 //! their margins on clean records, and what is not detected are in `docs/checks.md`.
+//!
+//! A check is a file with a function `check`, a [`Code`], and a line in the order of the checks, which stands here.
+//!
+//! ```
+//! use thetahat::checks::{Code, Severity};
+//! // Codes and severities have names that stay, for scripts that look for them.
+//! assert_eq!((Code::DroppedSamples.name(), Severity::Problem.name()), ("dropped-samples", "problem"));
+//! let mut names = Code::ALL.map(Code::name).to_vec();
+//! names.sort_unstable();
+//! names.dedup();
+//! assert_eq!(names.len(), Code::ALL.len());
+//! ```
 
 mod affine;
-mod chain;
 mod controller;
 mod cutoff;
 mod examination;
@@ -21,17 +32,91 @@ mod lag;
 mod lag_search;
 mod motion;
 mod numbers;
+mod orthogonal_fit;
 mod reference;
-mod regression;
 mod repeats;
 mod resolution;
 mod signals;
 mod spikes;
 mod stamps;
 mod subject;
+mod thinned_record;
 mod torque;
 mod velocity;
 
-pub use examination::{examine, measure};
 pub use finding::{Code, Finding, Measure, Severity};
 pub use subject::{SignalSettings, Subject};
+
+use examination::Examination;
+use signals::Signals;
+use thinned_record::ThinnedRecord;
+
+/// What the checks find in a recording: most severe first, then by code and joint.
+///
+/// Every check stands by itself; those of the fit look at the record as it is after the faults that were found are
+/// corrected, so that a fault is named once. A record too short for the filters has no findings of the fit.
+///
+/// # Panics
+/// If the series differ in length or channels, or the window is not in them.
+#[must_use]
+pub fn examine(subject: &Subject<'_>) -> Vec<Finding> {
+    examination(subject).into_findings()
+}
+
+/// The numbers behind the findings, and those that were below their limits, by code and joint.
+///
+/// # Panics
+/// As [`examine`].
+#[must_use]
+pub fn measure(subject: &Subject<'_>) -> Vec<Measure> {
+    examination(subject).into_measures()
+}
+
+/// All checks in their order.
+fn examination<'a>(subject: &'a Subject<'a>) -> Examination<'a> {
+    let mut exam = Examination::new(subject);
+    check_samples(&mut exam);
+    if let Ok(signals) = Signals::new(subject, subject.signal.cutoff_hz) {
+        check_motion(&mut exam, &signals);
+        if let Ok(mut record) = ThinnedRecord::new(subject, subject.signal.cutoff_hz) {
+            check_fit(&mut exam, &mut record);
+        }
+    }
+    exam
+}
+
+/// The samples as recorded.
+fn check_samples(exam: &mut Examination<'_>) {
+    stamps::check(exam);
+    torque::check(exam);
+    spikes::check(exam);
+}
+
+/// The band-passed motion, and what was recorded beside it.
+fn check_motion(exam: &mut Examination<'_>, signals: &Signals) {
+    motion::check(exam, signals);
+    if !exam.has(&[Code::PositionSpikes]) {
+        repeats::check(exam, signals);
+    }
+    resolution::check(exam, signals);
+    velocity::check(exam, signals);
+    reference::check(exam);
+    if !exam.has(&[Code::ReferenceMismatch]) {
+        controller::check(exam, signals);
+    }
+}
+
+/// The fit. What a defect that was found makes meaningless is left out.
+fn check_fit(exam: &mut Examination<'_>, record: &mut ThinnedRecord<'_>) {
+    let blind = exam.has(&[Code::TorqueConstant, Code::JointStill]);
+    if !blind {
+        fault::check(exam, record);
+        friction::check(exam, record);
+        cutoff::check(exam, record);
+    }
+    excitation::check(exam, record);
+    if !blind && !exam.has(&[Code::PoorFit, Code::CutoffLow]) && record.has_full_rank() {
+        lag::check(exam, record);
+        gear::check(exam, record);
+    }
+}

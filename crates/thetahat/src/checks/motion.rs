@@ -1,8 +1,8 @@
 //! Joints that do not move, and times at which nothing moves.
 
 use super::{
-    Code, Severity,
-    examination::{Evidence, Examination},
+    examination::{Evidence, Examination, Words},
+    finding::{Code, Severity},
     numbers::span,
     signals::{STILL, Signals},
 };
@@ -17,29 +17,28 @@ const REST_PERIODS: f64 = 10.0;
 const REST_LIMIT_PERCENT: f64 = 6.0;
 
 pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
-    (0..signals.joints()).for_each(|j| still_joint(exam, signals, j));
+    (0..signals.coordinates()).for_each(|j| still_joint(exam, signals, j));
     still_periods(exam, signals);
 }
 
 /// Slower than the velocity at which a joint counts as still: the evidence is how many times slower.
 fn still_joint(exam: &mut Examination<'_>, signals: &Signals, j: usize) {
     let value = (STILL / signals.peak[j]).min(SLOWEST);
-    let evidence = Evidence { code: Code::JointStill, joint: Some(j), value, unit: "times too slow", limit: 1.0 };
-    let parameters = exam.own_parameters(j);
+    let evidence = Evidence { code: Code::JointStill, coordinate: Some(j), value, unit: "times too slow", limit: 1.0 };
+    let parameters = exam.subject.parameter_names_of(j);
+    let number = exam.subject.joint_number(j);
     // A joint that is held on purpose, with nothing estimated of it, harms nothing.
     let severity = if parameters.is_empty() { Severity::Note } else { Severity::Problem };
-    exam.judge_with(evidence, severity, || {
-        let words = (
+    exam.judge(evidence, severity, || {
+        let words = Words::new(
             format!(
-                "joint {} does not move: it spans {:.2e} rad or m, and its velocity stays below {:.1e}",
-                j + 1,
+                "joint {number} does not move: it spans {:.2e} rad or m, and its velocity stays below {:.1e}",
                 span(&signals.raw.channel(j)),
                 signals.peak[j]
             ),
-            "move it, or take its parameters out of the estimate; if it did move, check the position channel"
-                .to_owned(),
+            "move it, or take its parameters out of the estimate; if it did move, check the position channel",
         );
-        (words, parameters)
+        words.about(parameters)
     });
 }
 
@@ -48,21 +47,25 @@ fn still_periods(exam: &mut Examination<'_>, signals: &Signals) {
     let rests = rests(signals, shortest);
     let still: usize = rests.iter().map(|r| r.len()).sum();
     let value = 100.0 * still as f64 / signals.raw.len() as f64;
-    let evidence =
-        Evidence { code: Code::StillPeriod, joint: None, value, unit: "% of the window", limit: REST_LIMIT_PERCENT };
+    let evidence = Evidence {
+        code: Code::StillPeriod,
+        coordinate: None,
+        value,
+        unit: "% of the window",
+        limit: REST_LIMIT_PERCENT,
+    };
     let (rate, start) = (exam.subject.sample_rate_hz, exam.subject.signal.window.start);
     exam.judge(evidence, Severity::Warning, || {
         let at = |k: usize| (start + k) as f64 / rate;
         let longest = rests.iter().max_by_key(|r| r.len()).cloned().unwrap_or(0..0);
-        (
+        Words::new(
             format!(
                 "no joint moves for {value:.0} % of the window, the longest time from {:.3} s to {:.3} s; the sign of \
                  the velocity is noise there",
                 at(longest.start),
                 at(longest.end)
             ),
-            "set [signal] window_start_s and window_end_s to the moving part, or cut the rests out of the record"
-                .to_owned(),
+            "set [signal] window_start_s and window_end_s to the moving part, or cut the rests out of the record",
         )
     });
 }

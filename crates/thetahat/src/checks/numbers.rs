@@ -66,6 +66,23 @@ pub(super) fn delay(a: &[f64], b: &[f64], reach: usize) -> f64 {
     best as f64 + if bend > 0.0 { 0.5 * (before - after) / bend } else { 0.0 }
 }
 
+/// Differences smaller than this part of the span are rounding.
+const ROUNDING: f64 = 1e-12;
+/// Deviation of a difference from a whole number of steps, in steps.
+const OFF_GRID: f64 = 0.02;
+/// Part of the differences that must be whole numbers of steps.
+const ON_GRID: f64 = 0.9;
+
+/// The step of a signal that is a whole number of steps throughout; none where it is not.
+pub(super) fn step_of(x: &[f64]) -> Option<f64> {
+    let smallest = ROUNDING * span(x);
+    let differences = || x.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > smallest);
+    let step = differences().fold(f64::INFINITY, f64::min);
+    let off = |d: &f64| (d / step - (d / step).round()).abs() < OFF_GRID;
+    let (all, on) = (differences().count(), differences().filter(off).count());
+    (all > 0 && on as f64 >= ON_GRID * all as f64).then_some(step)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -86,5 +103,14 @@ mod tests {
         assert_eq!(quantile_abs(x.into_iter(), 0.5), 3.0);
         assert_eq!(quantile_abs(x.into_iter(), 1.0), 5.0);
         assert_eq!(quantile_abs([].into_iter(), 0.5), 0.0);
+    }
+
+    #[test]
+    fn the_step_of_a_rounded_signal_is_found_and_a_smooth_one_has_none() {
+        let wave: Vec<f64> = (0..2000).map(|k| (0.01 * f64::from(k)).sin()).collect();
+        let rounded: Vec<f64> = wave.iter().map(|v| (v / 0.003).round() * 0.003).collect();
+        assert!((step_of(&rounded).unwrap() - 0.003).abs() < 1e-12);
+        assert_eq!(step_of(&wave), None);
+        assert_eq!(step_of(&[1.0; 10]), None);
     }
 }

@@ -1,9 +1,10 @@
 //! Whether the motion follows the reference.
 
 use super::{
-    Code, Severity,
-    examination::{Evidence, Examination},
+    examination::{Evidence, Examination, Words},
+    finding::{Code, Severity},
     numbers::{correlation, delay, deviation, rms},
+    subject::Subject,
 };
 use crate::series::Series;
 
@@ -33,28 +34,36 @@ pub(super) fn check(exam: &mut Examination<'_>) {
 }
 
 fn evidence(j: usize, value: f64) -> Evidence {
-    Evidence { code: Code::ReferenceMismatch, joint: Some(j), value, unit: "% of the motion", limit: LIMIT_PERCENT }
+    Evidence {
+        code: Code::ReferenceMismatch,
+        coordinate: Some(j),
+        value,
+        unit: "% of the motion",
+        limit: LIMIT_PERCENT,
+    }
 }
 
 fn recorded(exam: &mut Examination<'_>, position: &Series, reference: &Series, j: usize) {
     let (q, r) = (position.channel(j), reference.channel(j));
     let difference: Vec<f64> = q.iter().zip(&r).map(|(q, r)| q - r).collect();
-    let rate = exam.subject.sample_rate_hz;
+    let subject = exam.subject;
+    let number = subject.joint_number(j);
     exam.judge(evidence(j, 100.0 * rms(&difference) / deviation(&q)), Severity::Warning, || {
-        let cause = cause(&q, position.channels(), reference, j, rate);
-        (
-            format!("joint {}: the motion is {:.3e} rad or m rms off its reference: {cause}", j + 1, rms(&difference)),
-            "check the reference's column, unit and side; IDIM-IV and DIDIM simulate the loop with it".to_owned(),
+        let cause = cause(subject, &q, reference, j);
+        Words::new(
+            format!("joint {number}: the motion is {:.3e} rad or m rms off its reference: {cause}", rms(&difference)),
+            "check the reference's column, unit and side; IDIM-IV and DIDIM simulate the loop with it",
         )
     });
 }
 
 /// The most likely cause in words.
-fn cause(q: &[f64], joints: usize, reference: &Series, j: usize, rate: f64) -> String {
+fn cause(subject: &Subject<'_>, q: &[f64], reference: &Series, j: usize) -> String {
+    let rate = subject.sample_rate_hz;
     let own = correlation(q, &reference.channel(j));
-    let others = (0..joints).filter(|&i| i != j).map(|i| (i, correlation(q, &reference.channel(i))));
+    let others = (0..reference.channels()).filter(|&i| i != j).map(|i| (i, correlation(q, &reference.channel(i))));
     if let Some((i, r)) = others.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|o| o.1 > OTHER && own < OTHER) {
-        return format!("it follows that of joint {} (correlation {r:.3})", i + 1);
+        return format!("it follows that of joint {} (correlation {r:.3})", subject.joint_number(i));
     }
     let r = reference.channel(j);
     let scale = correlation(q, &r) * deviation(q) / deviation(&r);
@@ -63,10 +72,11 @@ fn cause(q: &[f64], joints: usize, reference: &Series, j: usize, rate: f64) -> S
 }
 
 fn reconstructed(exam: &mut Examination<'_>, q: &[f64], rms_deviation: f64, j: usize) {
+    let number = exam.subject.joint_number(j);
     exam.judge(evidence(j, 100.0 * rms_deviation / deviation(q)), Severity::Warning, || {
-        (
-            format!("joint {}: the motion is {rms_deviation:.3e} rad or m rms off the reconstructed moves", j + 1),
-            "the motion is not made of synchronised moves: record the reference and name it in [recording]".to_owned(),
+        Words::new(
+            format!("joint {number}: the motion is {rms_deviation:.3e} rad or m rms off the reconstructed moves"),
+            "the motion is not made of synchronised moves: record the reference and name it in [recording]",
         )
     });
 }

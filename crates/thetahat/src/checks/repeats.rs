@@ -1,10 +1,9 @@
 //! Samples that are missing or repeated, seen in the motion itself.
 
 use super::{
-    Code, Severity,
-    examination::{Evidence, Examination},
-    numbers::{NORMAL_PER_MEDIAN, quantile_abs},
-    resolution::step_of,
+    examination::{Evidence, Examination, Words},
+    finding::{Code, Severity},
+    numbers::{NORMAL_PER_MEDIAN, quantile_abs, step_of},
     signals::Signals,
 };
 use crate::series::Series;
@@ -45,7 +44,7 @@ fn repeated(exam: &mut Examination<'_>, signals: &Signals, series: &Series, what
     let value = 100.0 * repeated.len() as f64 / moving.len().max(1) as f64;
     let evidence = Evidence {
         code: Code::RepeatedSamples,
-        joint: None,
+        coordinate: None,
         value,
         unit: "% of the moving samples",
         limit: REPEATED_LIMIT_PERCENT,
@@ -53,21 +52,20 @@ fn repeated(exam: &mut Examination<'_>, signals: &Signals, series: &Series, what
     let start = exam.subject.signal.window.start;
     exam.judge(evidence, Severity::Warning, || {
         let first = repeated.first().map_or(0, |k| k + start);
-        (
+        Words::new(
             format!(
                 "{} samples ({value:.2} %) repeat the {what} of the one before, the first is sample {first}",
                 repeated.len()
             ),
-            "the logger holds old values: record at the rate at which they are new, or drop the repeats and resample"
-                .to_owned(),
+            "the logger holds old values: record at the rate at which they are new, or drop the repeats and resample",
         )
     });
 }
 
 /// Samples at which some joint is expected to be several steps of its position further than one sample before.
 fn moving_fast(rate: f64, signals: &Signals) -> Vec<usize> {
-    let joints = 0..signals.joints();
-    let steps: Vec<f64> = joints.map(|j| step_of(&signals.raw.channel(j)).unwrap_or(0.0)).collect();
+    let coordinates = 0..signals.coordinates();
+    let steps: Vec<f64> = coordinates.map(|j| step_of(&signals.raw.channel(j)).unwrap_or(0.0)).collect();
     let fast = |&k: &usize| {
         let v = signals.dq.sample(k);
         (0..v.len()).any(|j| v[j].abs() > 0.1 * signals.peak[j] && v[j].abs() / rate > EXPECTED_STEPS * steps[j])
@@ -79,34 +77,44 @@ fn moving_fast(rate: f64, signals: &Signals) -> Vec<usize> {
 fn dropped(exam: &mut Examination<'_>, signals: &Signals) {
     let ahead = Ahead::new(exam.subject.sample_rate_hz, signals);
     let jumps = ahead.jumps();
-    let missing = 0.0 + jumps.iter().map(|&k| ahead.steps[k].0.round().max(1.0)).sum::<f64>();
-    let evidence = Evidence { code: Code::DroppedSamples, joint: None, value: missing, unit: "samples", limit: 0.5 };
+    let missing = 0.0 + jumps.iter().map(|&k| ahead.steps[k].samples.round().max(1.0)).sum::<f64>();
+    let evidence =
+        Evidence { code: Code::DroppedSamples, coordinate: None, value: missing, unit: "samples", limit: 0.5 };
     let (start, rate) = (exam.subject.signal.window.start, exam.subject.sample_rate_hz);
     exam.judge(evidence, Severity::Warning, || {
         let first = jumps.first().map_or(0, |k| k + start);
-        (
+        Words::new(
             format!(
                 "the joints jump ahead at {} places, as if {missing:.0} samples were missing, the first at sample \
                  {first} ({:.4} s)",
                 jumps.len(),
                 first as f64 / rate
             ),
-            "cut the record at the jumps or record again; a filter takes them for accelerations".to_owned(),
+            "cut the record at the jumps or record again; a filter takes them for accelerations",
         )
     });
 }
 
-/// By how many samples the motion is ahead of its velocity at each step, with the standard deviation, and the part of
-/// the unexpected motion that this explains.
+/// The motion against its velocity, step by step.
 struct Ahead {
-    steps: Vec<(f64, f64, f64)>,
-    /// Steps behind a repeated sample: there, the motion catches up.
+    steps: Vec<Step>,
+    /// Whether a step follows a repeated sample: there, the motion catches up.
     behind_repeats: Vec<bool>,
+}
+
+/// The unexpected motion from one sample to the next.
+struct Step {
+    /// Samples by which the motion is ahead of its velocity.
+    samples: f64,
+    /// Their standard deviation.
+    deviation: f64,
+    /// Part of the unexpected motion that being ahead explains.
+    explained: f64,
 }
 
 impl Ahead {
     fn new(rate: f64, signals: &Signals) -> Self {
-        let joints: Vec<usize> = (0..signals.joints()).filter(|&j| signals.moves(j)).collect();
+        let joints: Vec<usize> = (0..signals.coordinates()).filter(|&j| signals.moves(j)).collect();
         let step = |k: usize, j: usize| {
             let expected = 0.5 * (signals.dq.sample(k)[j] + signals.dq.sample(k + 1)[j]) / rate;
             (expected, signals.raw.sample(k + 1)[j] - signals.raw.sample(k)[j] - expected)
@@ -125,7 +133,11 @@ impl Ahead {
                 score += w * expected * unexpected;
                 total += w * unexpected * unexpected;
             }
-            (score / information, 1.0 / information.sqrt(), score * score / information / total)
+            Step {
+                samples: score / information,
+                deviation: 1.0 / information.sqrt(),
+                explained: score * score / information / total,
+            }
         };
         let repeat = |k: usize| k > 0 && signals.raw.sample(k) == signals.raw.sample(k - 1);
         Self { steps: (0..samples).map(ahead).collect(), behind_repeats: (0..samples).map(repeat).collect() }
@@ -135,12 +147,12 @@ impl Ahead {
     fn jumps(&self) -> Vec<usize> {
         let lasting = |k: usize| {
             let around = k.saturating_sub(AROUND)..(k + AROUND + 1).min(self.steps.len());
-            self.steps[around].iter().map(|s| s.0).sum::<f64>()
+            self.steps[around].iter().map(|s| s.samples).sum::<f64>()
         };
         let jump = |&k: &usize| {
-            let (ahead, deviation, explained) = self.steps[k];
-            ahead > JUMP
-                && ahead > SURE * deviation
+            let Step { samples, deviation, explained } = self.steps[k];
+            samples > JUMP
+                && samples > SURE * deviation
                 && !self.behind_repeats[k]
                 && explained > EXPLAINED
                 && lasting(k) > JUMP

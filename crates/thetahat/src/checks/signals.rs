@@ -1,10 +1,15 @@
-use super::{Subject, numbers::NORMAL_PER_MEDIAN, numbers::quantile_abs};
+//! The band-passed motion of the window, at the full rate.
+
+use super::{
+    numbers::{NORMAL_PER_MEDIAN, quantile_abs},
+    subject::Subject,
+};
 use crate::{
     series::Series,
-    signal::{Padding, SecondOrderSections, SignalError, central_difference, zero_phase},
+    signal::{SignalError, band_pass},
 };
 
-/// Peak velocity in rad/s or m/s below which a joint counts as still, as in the choice of the window.
+/// Peak velocity in rad/s or m/s below which a coordinate counts as still, as in the choice of the window.
 pub(super) const STILL: f64 = 1e-3;
 
 /// The motion of the window at the full rate, band-passed as for the estimate.
@@ -14,7 +19,7 @@ pub(super) struct Signals {
     /// Velocities and accelerations, band-passed.
     pub(super) dq: Series,
     pub(super) ddq: Series,
-    /// Largest velocity of each joint.
+    /// Largest velocity of each coordinate.
     pub(super) peak: Vec<f64>,
     /// Standard deviation of the white part of each position's noise.
     pub(super) noise: Vec<f64>,
@@ -24,40 +29,27 @@ impl Signals {
     pub(super) fn new(subject: &Subject<'_>, cutoff_hz: f64) -> Result<Self, SignalError> {
         let window = subject.signal.window.clone();
         let raw = subject.position.window(window.clone());
-        let (_, dq, ddq) = band_pass(subject, subject.position, cutoff_hz)?;
-        let [dq, ddq] = [dq, ddq].map(|s| s.window(window.clone()));
-        let joints = 0..raw.channels();
-        let peak = joints.clone().map(|j| quantile_abs(dq.channel(j).into_iter(), 1.0)).collect();
-        let noise = joints.map(|j| white_noise(&raw.channel(j))).collect();
+        let order = subject.signal.filter_order;
+        let motion = band_pass(subject.position, subject.sample_rate_hz, order, cutoff_hz)?;
+        let [dq, ddq] = [motion.dq, motion.ddq].map(|s| s.window(window.clone()));
+        let coordinates = 0..raw.channels();
+        let peak = coordinates.clone().map(|j| quantile_abs(dq.channel(j).into_iter(), 1.0)).collect();
+        let noise = coordinates.map(|j| white_noise(&raw.channel(j))).collect();
         Ok(Self { raw, dq, ddq, peak, noise })
     }
 
-    pub(super) fn joints(&self) -> usize {
+    pub(super) fn coordinates(&self) -> usize {
         self.raw.channels()
     }
 
-    /// Whether joint `j` moves at all.
+    /// Whether coordinate `j` moves at all.
     pub(super) fn moves(&self, j: usize) -> bool {
         self.peak[j] > STILL
     }
 }
 
-/// Position, velocity and acceleration of a whole record, as the estimate has them.
-pub(super) fn band_pass(
-    subject: &Subject<'_>,
-    position: &Series,
-    cutoff_hz: f64,
-) -> Result<(Series, Series, Series), SignalError> {
-    let rate = subject.sample_rate_hz;
-    let filter = SecondOrderSections::butterworth_lowpass(subject.signal.filter_order, cutoff_hz, rate)?;
-    let q = zero_phase(&filter, position, Padding::Matlab)?;
-    let dq = central_difference(&q, rate);
-    let ddq = central_difference(&dq, rate);
-    Ok((q, dq, ddq))
-}
-
-/// The standard deviation of white noise on a smooth signal: the median size of its sixth differences, whose noise is
-/// `sqrt(924)` times as large and in which the motion is gone.
+/// The standard deviation of white noise on a smooth signal, from the median size of its sixth differences: they hold
+/// `sqrt(924)` times the noise and none of the motion.
 fn white_noise(x: &[f64]) -> f64 {
     const BINOMIAL: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
     let sixth = x.windows(7).map(|w| w.iter().zip(BINOMIAL).map(|(x, b)| b * x).sum::<f64>());

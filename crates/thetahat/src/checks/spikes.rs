@@ -1,8 +1,8 @@
 //! Outliers of single samples.
 
 use super::{
-    Code, Severity,
-    examination::{Evidence, Examination},
+    examination::{Evidence, Examination, Words},
+    finding::{Code, Severity},
     numbers::{NORMAL_PER_MEDIAN, quantile_abs},
 };
 use crate::series::Series;
@@ -17,26 +17,27 @@ const NEIGHBOURS: usize = 5;
 pub(super) fn check(exam: &mut Examination<'_>) {
     let window = exam.subject.signal.window.clone();
     let (position, torque) = (exam.subject.position.window(window.clone()), exam.subject.torque.window(window));
-    (0..position.channels()).for_each(|j| spikes(exam, Code::PositionSpikes, &position, (j, "position")));
+    (0..position.channels()).for_each(|j| spikes(exam, Code::PositionSpikes, &position, j));
     // A signal added to the drives jumps on purpose.
     if !exam.subject.added_signal {
-        (0..torque.channels()).for_each(|j| spikes(exam, Code::TorqueSpikes, &torque, (j, "torque")));
+        (0..torque.channels()).for_each(|j| spikes(exam, Code::TorqueSpikes, &torque, j));
     }
 }
 
-fn spikes(exam: &mut Examination<'_>, code: Code, series: &Series, (j, what): (usize, &str)) {
+fn spikes(exam: &mut Examination<'_>, code: Code, series: &Series, j: usize) {
+    let what = if code == Code::PositionSpikes { "position" } else { "torque" };
+    let number = exam.subject.joint_number(j);
     let x = series.channel(j);
     let found = outliers(&x);
     let (count, start) = (found.len(), exam.subject.signal.window.start);
-    let evidence = Evidence { code, joint: Some(j), value: count as f64, unit: "samples", limit: 0.5 };
+    let evidence = Evidence { code, coordinate: Some(j), value: count as f64, unit: "samples", limit: 0.5 };
     exam.judge(evidence, Severity::Warning, || {
         let first = found.first().map_or(0, |k| k + start);
-        (
+        Words::new(
             format!(
-                "joint {}: {count} samples of the {what} lie far off their neighbours, the first is sample {first}",
-                j + 1
+                "joint {number}: {count} samples of the {what} lie far off their neighbours, the first is sample {first}"
             ),
-            "replace them by their neighbours' mean, or find the loose contact or transmission error".to_owned(),
+            "replace them by their neighbours' mean, or find the loose contact or transmission error",
         )
     });
 }

@@ -1,8 +1,8 @@
 //! Time stamps: gaps and jitter.
 
 use super::{
-    Code, Severity,
-    examination::{Evidence, Examination},
+    examination::{Evidence, Examination, Words},
+    finding::{Code, Severity},
     numbers::{quantile_abs, rms},
 };
 
@@ -26,26 +26,27 @@ pub(super) fn check(exam: &mut Examination<'_>) {
     let late: Vec<f64> = steps.iter().map(|s| s / median - 1.0).collect();
     let gaps = gaps(&late);
     let missing = 0.0 + gaps.iter().map(|&k| late[k].round().max(1.0)).sum::<f64>();
-    let evidence = Evidence { code: Code::DroppedSamples, joint: None, value: missing, unit: "samples", limit: 0.5 };
+    let evidence =
+        Evidence { code: Code::DroppedSamples, coordinate: None, value: missing, unit: "samples", limit: 0.5 };
     exam.judge(evidence, Severity::Warning, || {
         let first = gaps.first().map_or(0.0, |&k| time[k]);
-        (
+        Words::new(
             format!(
                 "the time stamps have {} gaps, the first after {first:.4} s, where {missing:.0} samples are missing",
                 gaps.len()
             ),
-            "cut the record at the gaps, or record again; a filter takes a gap for a jump".to_owned(),
+            "cut the record at the gaps, or record again; a filter takes a gap for a jump",
         )
     });
     let regular: Vec<f64> = late.iter().enumerate().filter(|(k, _)| !gaps.contains(k)).map(|(_, l)| *l).collect();
     let value = 100.0 * rms(&regular);
     let evidence =
-        Evidence { code: Code::ClockJitter, joint: None, value, unit: "% of a step", limit: JITTER_LIMIT_PERCENT };
+        Evidence { code: Code::ClockJitter, coordinate: None, value, unit: "% of a step", limit: JITTER_LIMIT_PERCENT };
     exam.judge(evidence, Severity::Warning, || {
         let largest = 100.0 * quantile_abs(regular.iter().copied(), 1.0);
-        (
+        Words::new(
             format!("the time between samples varies by {value:.1} % rms (at most {largest:.0} %) about {median:.6} s"),
-            "resample the record on equal steps by its stamps, or log by the controller's clock".to_owned(),
+            "resample the record on equal steps by its stamps, or log by the controller's clock",
         )
     });
 }

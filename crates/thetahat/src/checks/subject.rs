@@ -1,7 +1,11 @@
 use std::ops::Range;
 
 use crate::{
-    base_parameters::BaseParameters, control::ControllerDescription, dynamics::Model, robot::Robot, series::Series,
+    base_parameters::{BaseParameter, BaseParameters},
+    control::ControllerDescription,
+    dynamics::Model,
+    robot::{Joint, Robot},
+    series::Series,
 };
 
 /// How the record is filtered, decimated and cut for the estimate.
@@ -19,7 +23,7 @@ pub struct SignalSettings {
 
 /// One recording on the joint side, and what it is to be explained by.
 ///
-/// All series have one channel for each joint, the same number of samples, and finite values.
+/// All series have one channel for each coordinate, the same number of samples, and finite values.
 #[derive(Debug, Clone)]
 pub struct Subject<'a> {
     /// The robot.
@@ -42,7 +46,8 @@ pub struct Subject<'a> {
     pub torque: &'a Series,
     /// The recorded reference, if any, rad or m.
     pub reference: Option<&'a Series>,
-    /// Rms deviation of the motion from the reconstructed reference, if there is one, per joint, rad or m.
+    /// Rms deviation of the motion from the reconstructed reference, if there is one, per coordinate, rad
+    /// or m.
     pub reconstructed_deviation: Option<&'a [f64]>,
     /// Whether a signal was added to the drives behind the controller.
     pub added_signal: bool,
@@ -50,4 +55,31 @@ pub struct Subject<'a> {
     pub signal: SignalSettings,
     /// The controller that is simulated, if any.
     pub controller: Option<&'a ControllerDescription>,
+}
+
+impl Subject<'_> {
+    /// The joint of a coordinate, both from zero.
+    pub(super) fn joint(&self, coordinate: usize) -> &Joint {
+        &self.robot.joints[self.robot.joint_of(coordinate)]
+    }
+
+    /// The number, from one, of a coordinate's joint: its place among all joints, as in the names of parameters.
+    pub(super) fn joint_number(&self, coordinate: usize) -> usize {
+        self.robot.joint_of(coordinate) + 1
+    }
+
+    /// The estimated parameters, with their columns, of the joint of a coordinate, its link and its motor, and of the
+    /// joints that follow it.
+    pub(super) fn parameters_of(&self, coordinate: usize) -> impl Iterator<Item = (usize, &BaseParameter)> {
+        let (joints, leader) = (&self.robot.joints, self.robot.joint_of(coordinate));
+        let is_own = move |joint: usize| joints[joint].mimic.map_or(joint, |mimic| mimic.of) == leader;
+        let table = self.model.parameter_table();
+        let columns = self.base.parameters().iter().enumerate();
+        columns.filter(move |(_, parameter)| is_own(table.get(parameter.kept).number - 1))
+    }
+
+    /// Their names.
+    pub(super) fn parameter_names_of(&self, coordinate: usize) -> Vec<String> {
+        self.parameters_of(coordinate).map(|(_, parameter)| parameter.name.clone()).collect()
+    }
 }

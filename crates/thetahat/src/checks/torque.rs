@@ -1,10 +1,9 @@
 //! The torque's own defects: constant, at its limit, in coarse steps.
 
 use super::{
-    Code, Severity,
-    examination::{Evidence, Examination},
-    numbers::{deviation, quantile_abs, span},
-    resolution::step_of,
+    examination::{Evidence, Examination, Words},
+    finding::{Code, Severity},
+    numbers::{deviation, quantile_abs, span, step_of},
 };
 
 /// Span of a torque, relative to the largest size of any, below which it counts as constant.
@@ -15,7 +14,7 @@ const SATURATED_LIMIT_PERCENT: f64 = 0.05;
 const PILE: usize = 5;
 /// Fewest samples of a limit.
 const FEWEST_AT_LIMIT: usize = 10;
-/// Values this close, relative to the span, are the same: rounding of the way to the motor side.
+/// Values this close, relative to the span, are the same: the conversion to the motor side rounds.
 const SAME: f64 = 1e-7;
 /// Effect of the torque's steps, percent of its standard deviation; the clean records have less than 0.001.
 const STEP_LIMIT_PERCENT: f64 = 3.0;
@@ -36,13 +35,14 @@ pub(super) fn check(exam: &mut Examination<'_>) {
 }
 
 fn constant(exam: &mut Examination<'_>, j: usize, value: f64) {
-    let evidence = Evidence { code: Code::TorqueConstant, joint: Some(j), value, unit: "N m or N", limit: f64::NAN };
-    let words = (
-        format!("joint {}: the torque is {value} throughout", j + 1),
-        "check the channel's column: the drive was not recorded, or the file names another one".to_owned(),
+    let evidence =
+        Evidence { code: Code::TorqueConstant, coordinate: Some(j), value, unit: "N m or N", limit: f64::NAN };
+    let words = Words::new(
+        format!("joint {}: the torque is {value} throughout", exam.subject.joint_number(j)),
+        "check the channel's column: the drive was not recorded, or the file names another one",
     );
-    let severity = if exam.own_parameters(j).is_empty() { Severity::Note } else { Severity::Problem };
-    exam.raise(evidence, severity, words, Vec::new());
+    let severity = if exam.subject.parameter_names_of(j).is_empty() { Severity::Note } else { Severity::Problem };
+    exam.raise(evidence, severity, words);
 }
 
 fn saturation(exam: &mut Examination<'_>, j: usize, drive: &[f64]) {
@@ -50,16 +50,16 @@ fn saturation(exam: &mut Examination<'_>, j: usize, drive: &[f64]) {
     let value = 100.0 * count as f64 / drive.len() as f64;
     let evidence = Evidence {
         code: Code::TorqueSaturated,
-        joint: Some(j),
+        coordinate: Some(j),
         value,
         unit: "% of the window",
         limit: SATURATED_LIMIT_PERCENT,
     };
+    let number = exam.subject.joint_number(j);
     exam.judge(evidence, Severity::Warning, || {
-        (
-            format!("joint {}: the drive stays at its extreme value for {count} samples ({value:.2} %)", j + 1),
-            "the recorded torque is cut off there: move more slowly or widen the drive's or recorder's range"
-                .to_owned(),
+        Words::new(
+            format!("joint {number}: the drive stays at its extreme value for {count} samples ({value:.2} %)"),
+            "the recorded torque is cut off there: move more slowly or widen the drive's or recorder's range",
         )
     });
 }
@@ -88,18 +88,18 @@ fn quantisation(exam: &mut Examination<'_>, j: usize, tau: &[f64]) {
     let value = 100.0 * step / 12.0_f64.sqrt() / deviation(tau);
     let evidence = Evidence {
         code: Code::TorqueQuantised,
-        joint: Some(j),
+        coordinate: Some(j),
         value,
         unit: "% of the torque",
         limit: STEP_LIMIT_PERCENT,
     };
+    let number = exam.subject.joint_number(j);
     exam.judge(evidence, Severity::Warning, || {
-        (
+        Words::new(
             format!(
-                "joint {}: the torque comes in steps of {step:.3e}, an error of {value:.1} % of its deviation",
-                j + 1
+                "joint {number}: the torque comes in steps of {step:.3e}, an error of {value:.1} % of its deviation"
             ),
-            "record more digits, or a finer current range".to_owned(),
+            "record more digits, or a finer current range",
         )
     });
 }

@@ -9,6 +9,17 @@
 //! | `dr ddr` | velocity and acceleration of the reference | rad/s, rad/s^2 |
 //! | `v` | velocity that the controller sees | rad/s |
 //! | `u` | drive signal | N m at the motor, or V |
+//!
+//! ```
+//! use thetahat::control::ControllerDescription;
+//! let text = "law = 'pd'\nposition_gain = [100]\nvelocity_gain = [20]\nsaturation = [50]";
+//! let description: ControllerDescription = toml::from_str(text)?;
+//! let controller = description.resolve(&[1.0], 1.0);
+//! // 100 N m/rad times 0.1 rad less 20 N m s/rad times 0.25 rad/s; then the limit.
+//! assert_eq!(controller.command(0, 0.1, 0.25, 0.0, 0.0), 5.0);
+//! assert_eq!(controller.command(0, 1.0, 0.0, 0.0, 0.0), 50.0);
+//! # Ok::<(), toml::de::Error>(())
+//! ```
 
 mod controller;
 

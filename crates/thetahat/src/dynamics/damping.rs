@@ -1,41 +1,44 @@
 //! How the torques of the drives change with the velocities: exactly, from the kernel that gives them.
 
-use super::{DynamicParameters, Model, Sign};
+use super::{model::Model, parameters::DynamicParameters, sign::Sign, state::State};
 use crate::real::Dual;
 
 /// Scratch of [`Model::damping_into`].
 #[derive(Debug, Clone, Default)]
 pub(crate) struct DampingWorkspace {
+    q: Vec<Dual>,
     dq: Vec<Dual>,
     zeros: Vec<Dual>,
     tau: Vec<Dual>,
 }
 
 impl Model {
-    /// `D = d tau / d dq` of friction, n by n, row by row, at velocities `dq`: by dual numbers, so that every term of the
+    /// `D = d tau / d dq` of friction, n by n, row by row, in a state: by dual numbers, so that every term of the
     /// drives is in it.
     ///
     /// Without coupled motors each coordinate's friction depends on its own velocity alone, and one pass gives the diagonal.
     pub(crate) fn damping_into(
         &self,
         parameters: &DynamicParameters,
-        dq: &[f64],
+        state: State<'_>,
         sign: Sign,
         workspace: &mut DampingWorkspace,
         d: &mut [f64],
     ) {
-        let n = dq.len();
-        let DampingWorkspace { dq: rates, zeros, tau } = workspace;
+        let n = state.dq.len();
+        let DampingWorkspace { q, dq, zeros, tau } = workspace;
+        q.clear();
+        q.extend(state.q.iter().map(|&value| Dual::constant(value)));
         zeros.resize(n, Dual::default());
         let separable = self.coupled_motors().is_empty();
         d.fill(0.0);
         for k in 0..if separable { 1 } else { n } {
             let direction = |j: usize| if separable || j == k { 1.0 } else { 0.0 };
-            rates.clear();
-            rates.extend(dq.iter().enumerate().map(|(j, &value)| Dual { value, derivative: direction(j) }));
+            dq.clear();
+            dq.extend(state.dq.iter().enumerate().map(|(j, &value)| Dual { value, derivative: direction(j) }));
             tau.clear();
             tau.resize(n, Dual::default());
-            self.add_drive_torques(parameters, rates, zeros, sign, tau);
+            self.add_drive_torques(parameters, State { q, dq }, zeros, sign, tau);
             for (j, torque) in tau.iter().enumerate() {
                 d[j * n + if separable { j } else { k }] = torque.derivative;
             }
@@ -65,12 +68,25 @@ mod tests {
         let mut workspace = Workspace::new(&model);
         let mut torques = |dq: &[f64]| {
             let mut tau = [0.0; 2];
-            model.inverse_dynamics(&parameters, &[0.3, 0.2], dq, &[0.0; 2], sign, &mut workspace, &mut tau);
+            model.inverse_dynamics(
+                &parameters,
+                State { q: &[0.3, 0.2], dq },
+                &[0.0; 2],
+                sign,
+                &mut workspace,
+                &mut tau,
+            );
             tau
         };
         for dq in [[0.0, 0.0], [0.03, -0.02], [0.5, -0.9]] {
             let mut d = [0.0; 4];
-            model.damping_into(&parameters, &dq, sign, &mut DampingWorkspace::default(), &mut d);
+            model.damping_into(
+                &parameters,
+                State { q: &[0.3, 0.2], dq: &dq },
+                sign,
+                &mut DampingWorkspace::default(),
+                &mut d,
+            );
             for k in 0..2 {
                 let moved =
                     |by: f64| [dq[0] + by * f64::from(u8::from(k == 0)), dq[1] + by * f64::from(u8::from(k == 1))];

@@ -1,6 +1,7 @@
 use super::{
-    algorithms::LinkMotion,
+    motion::LinkMotion,
     rotation::{Rotation, Turn},
+    state::{JointCoordinate, State},
     twist::Twist,
 };
 use crate::{
@@ -26,21 +27,23 @@ pub(super) struct JointGeometry {
     cos_alpha: f64,
     theta: f64,
     origin: Vec3,
-    pub(super) coordinate: usize,
-    /// Velocity per velocity of the coordinate: one but for joints that follow others.
-    pub(super) ratio: f64,
-    offset: f64,
+    /// The coordinate that moves it.
+    pub(super) moved_by: JointCoordinate,
 }
 
 impl JointGeometry {
     pub(super) fn new(robot: &Robot, j: usize, coordinates: &[usize]) -> Self {
         let joint = &robot.joints[j];
         let (leader, ratio, offset) = joint.mimic.map_or((j, 1.0, 0.0), |m| (m.of, m.ratio, m.offset));
+        let coordinate = coordinates.iter().position(|&c| c == leader).unwrap_or(0);
         let (sin_gamma, cos_gamma) = joint.placement.gamma.sin_cos();
         let (sin_alpha, cos_alpha) = joint.placement.alpha.sin_cos();
         let turn = (joint.placement.gamma != 0.0).then_some(Turn { sin: sin_gamma, cos: cos_gamma });
         Self {
-            revolute: joint.kind == JointKind::Revolute,
+            revolute: match joint.kind {
+                JointKind::Revolute => true,
+                JointKind::Prismatic => false,
+            },
             parent: joint.parent.unwrap_or(BASE),
             continues_chain: j > 0 && joint.parent == Some(j - 1),
             turn,
@@ -48,17 +51,14 @@ impl JointGeometry {
             cos_alpha,
             theta: joint.placement.theta,
             origin: turn.map_or(joint.placement.origin, |turn| turn.transpose_times(joint.placement.origin)),
-            coordinate: coordinates.iter().position(|&c| c == leader).unwrap_or(0),
-            ratio,
-            offset,
+            moved_by: JointCoordinate { coordinate, ratio, offset },
         }
     }
 
     /// Rotation from the joint's frame to the turned one before, and its origin there, at the coordinates `q`.
     #[inline(always)]
     pub(super) fn placement<T: Real>(&self, q: &[T]) -> (Rotation<T>, Vec3<T>) {
-        let q = q[self.coordinate];
-        let q = q * self.ratio + q.like(self.offset);
+        let q = self.moved_by.position(q);
         let origin = in_lanes(q, self.origin);
         let (theta, p) = if self.revolute {
             (q + q.like(self.theta), origin)
@@ -78,27 +78,26 @@ impl JointGeometry {
         }
     }
 
-    /// The joint's own velocity or acceleration, of those of the coordinates.
-    #[inline(always)]
-    pub(super) fn rate<T: Real>(&self, rates: &[T]) -> T {
-        rates[self.coordinate] * self.ratio
-    }
-
     /// The twist, at the joint's own frame, of a unit velocity of its coordinate.
     #[inline(always)]
     pub(super) fn twist<T: Real>(&self, kind: T) -> Twist<T> {
-        let (z, zero) = (in_lanes(kind, [0.0, 0.0, self.ratio]), [kind.like(0.0); 3]);
+        let (z, zero) = (in_lanes(kind, [0.0, 0.0, self.moved_by.ratio]), [kind.like(0.0); 3]);
         if self.revolute { Twist { angular: z, linear: zero } } else { Twist { angular: zero, linear: z } }
     }
 
-    /// The motion of the link behind the joint, of that of the link before.
+    /// Propagates motion from the parent link to the link behind the joint.
     #[inline(always)]
-    pub(super) fn propagate<T: Real>(&self, mut before: LinkMotion<T>, q: &[T], dq: &[T], ddq: &[T]) -> LinkMotion<T> {
+    pub(super) fn propagate<T: Real>(
+        &self,
+        mut before: LinkMotion<T>,
+        state: State<'_, T>,
+        ddq: &[T],
+    ) -> LinkMotion<T> {
         if let Some(turn) = &self.turn {
             before = before.turned_back(turn);
         }
-        let (r, p) = self.placement(q);
-        let (dq, ddq) = (self.rate(dq), self.rate(ddq));
+        let (r, p) = self.placement(state.q);
+        let (dq, ddq) = (self.moved_by.rate(state.dq), self.moved_by.rate(ddq));
         let w = r.transpose_times(before.w);
         let dw = r.transpose_times(before.dw);
         let dv = r.transpose_times(before.acceleration_at(p));

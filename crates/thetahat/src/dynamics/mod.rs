@@ -18,24 +18,51 @@
 //!
 //! A joint that follows another (a mimic) moves by `ratio q + offset` of the other's coordinate, and its torque acts on that
 //! coordinate times the ratio: with the ratios in a matrix `G`, `tau = G^T tau_joints` and `M = G^T M_joints G`.
+//!
+//! ```
+//! use std::path::Path;
+//! use thetahat::{dynamics::{DynamicParameters, Model, Workspace}, robot::Robot};
+//! let text = "name = 'pendulum'\n[[joint]]\nname = 'pivot'\nkind = 'revolute'\n[parameters]\nzz1 = 0.5\nia1 = 0.3";
+//! let robot = Robot::parse(text, Path::new("pendulum.toml"))?;
+//! let model = Model::new(&robot);
+//! let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters());
+//! let mut mass = [0.0];
+//! model.mass_matrix(&parameters, &[0.1], &mut Workspace::new(&model), &mut mass);
+//! assert!((mass[0] - (0.5 + 0.3)).abs() < 1e-15);
+//! # Ok::<(), thetahat::robot::RobotError>(())
+//! ```
 
-mod algorithms;
+mod coupled_motor;
 mod damping;
+mod energy;
+mod forward_dynamics;
 mod geometry;
+mod inertial;
+mod inverse_dynamics;
+mod mass_matrix;
 mod model;
+mod motion;
 mod one_state;
 mod parameters;
+mod propagation;
 mod rotation;
 mod series;
+mod sign;
 mod solve;
+mod state;
+mod terms;
 mod twist;
+mod workspace;
 
-pub use algorithms::Workspace;
-pub use model::{CoupledMotor, DynamicsError, Model};
-pub use parameters::{DynamicParameters, Sign};
+pub use coupled_motor::CoupledMotor;
+pub use model::{DynamicsError, Model};
+pub use parameters::DynamicParameters;
+pub use sign::Sign;
+pub use state::{JointCoordinate, State};
+pub use workspace::Workspace;
 
-pub(crate) use algorithms::LinkMotion;
 pub(crate) use damping::DampingWorkspace;
+pub(crate) use motion::LinkMotion;
 pub(crate) use series::gather;
 pub(crate) use solve::{factorise, multiply_factors, solve_factorised};
 pub(crate) use twist::Twist;

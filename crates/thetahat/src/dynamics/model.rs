@@ -1,7 +1,10 @@
-use super::geometry::JointGeometry;
+use super::{
+    coupled_motor::{CoupledMotor, coupled_motors},
+    geometry::JointGeometry,
+    state::JointCoordinate,
+};
 use crate::{
-    real::Real,
-    robot::{ParameterTable, Robot, Transmission},
+    robot::{ParameterTable, Robot},
     vector::{Mat3, Vec3},
 };
 
@@ -43,15 +46,6 @@ pub(crate) struct Support {
     pub(crate) start: usize,
     /// Which of the coordinates is the joint's own, or that of the joint that it follows.
     pub(crate) own: usize,
-}
-
-/// A motor that turns with more than one coordinate, as row i of `n` (design: motor velocity `n dq`).
-#[derive(Debug, Clone, PartialEq)]
-pub struct CoupledMotor {
-    /// Its number from zero, which is the number of its own joint.
-    pub motor: usize,
-    /// The coordinates that move it, with their weights in `n`.
-    pub weights: Vec<(usize, f64)>,
 }
 
 impl Model {
@@ -96,10 +90,10 @@ impl Model {
         &self.motors
     }
 
-    /// The coordinate of joint `j`, or of the joint that it follows, and the joint's velocity per velocity of it.
+    /// The coordinate that moves joint `j`: its own, or that of the joint that it follows.
     #[must_use]
-    pub fn coordinate_of(&self, j: usize) -> (usize, f64) {
-        (self.joints[j].coordinate, self.joints[j].ratio)
+    pub fn coordinate_of(&self, j: usize) -> JointCoordinate {
+        self.joints[j].moved_by
     }
 
     /// The coordinates that move link `k`.
@@ -127,46 +121,14 @@ fn support(joints: &[JointGeometry]) -> Vec<Support> {
     let mut start = 0;
     for joint in joints {
         let mut coordinates = all.get(joint.parent).map_or_else(Vec::new, |p| p.coordinates.clone());
-        let known = coordinates.iter().position(|&c| c == joint.coordinate);
+        let known = coordinates.iter().position(|&c| c == joint.moved_by.coordinate);
         let own = known.unwrap_or(coordinates.len());
         if known.is_none() {
-            coordinates.push(joint.coordinate);
+            coordinates.push(joint.moved_by.coordinate);
         }
         let count = coordinates.len();
         all.push(Support { coordinates, start, own });
         start += count;
     }
     all
-}
-
-fn coupled_motors(transmission: &Transmission, coordinates: &[usize]) -> Vec<CoupledMotor> {
-    let n = transmission.motor_in_joint_units();
-    let weights = |i: usize| (0..n.columns()).map(|j| (j, n.at(i, j))).filter(|(_, w)| *w != 0.0).collect();
-    let motor = |i: usize| CoupledMotor { motor: coordinates[i], weights: weights(i) };
-    transmission.coupled_motors().into_iter().map(motor).collect()
-}
-
-impl CoupledMotor {
-    /// The motor's velocity in joint units, `n_i dq`.
-    #[must_use]
-    pub fn velocity(&self, dq: &[f64]) -> f64 {
-        self.weights.iter().map(|&(j, w)| w * dq[j]).sum()
-    }
-
-    /// The same, or the acceleration, in each lane.
-    #[inline(always)]
-    pub(crate) fn rate<T: Real>(&self, rates: &[T]) -> T {
-        let mut sum = rates[0].like(0.0);
-        for &(j, w) in &self.weights {
-            sum += rates[j] * w;
-        }
-        sum
-    }
-
-    /// The cross terms of `n_i^T n_i`: every ordered pair of different coordinates with its weight.
-    pub fn cross_terms(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
-        self.weights.iter().flat_map(move |&(j, wj)| {
-            self.weights.iter().filter(move |&&(k, _)| k != j).map(move |&(k, wk)| (j, k, wj * wk))
-        })
-    }
 }

@@ -3,16 +3,69 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::{DynamicParameters, Model, Sign, Workspace};
+use super::{
+    model::{DynamicsError, Model},
+    parameters::DynamicParameters,
+    sign::Sign,
+    state::State,
+    workspace::Workspace,
+};
 
-/// Inverse dynamics of `q, dq, ddq`.
-pub(super) struct InverseDynamics<'a> {
-    pub(super) model: &'a Model,
-    pub(super) parameters: &'a DynamicParameters,
-    pub(super) state: [&'a [f64]; 3],
-    pub(super) sign: Sign,
-    pub(super) workspace: &'a mut Workspace,
-    pub(super) tau: &'a mut [f64],
+impl Model {
+    /// Inverse dynamics (1): the joint torques `tau` of a motion, by recursive Newton-Euler, with motor inertia,
+    /// friction, offsets and coupled motors. `tau = phi(q, dq, ddq) theta` (3).
+    pub fn inverse_dynamics(
+        &self,
+        parameters: &DynamicParameters,
+        state: State<'_>,
+        ddq: &[f64],
+        sign: Sign,
+        workspace: &mut Workspace,
+        tau: &mut [f64],
+    ) {
+        pulp::Arch::new().dispatch(InverseDynamics { model: self, parameters, state, ddq, sign, workspace, tau });
+    }
+
+    /// Forward dynamics (5): the accelerations `ddq` that torques `tau` give.
+    ///
+    /// # Errors
+    /// [`DynamicsError::MassMatrixNotPositiveDefinite`] where these parameters have no such mass matrix.
+    pub fn forward_dynamics(
+        &self,
+        parameters: &DynamicParameters,
+        state: State<'_>,
+        tau: &[f64],
+        sign: Sign,
+        workspace: &mut Workspace,
+        ddq: &mut [f64],
+    ) -> Result<(), DynamicsError> {
+        let kernel = ForwardDynamics { model: self, parameters, state, tau, sign, workspace, ddq };
+        pulp::Arch::new().dispatch(kernel).map_err(|(coordinate, pivot)| DynamicsError::MassMatrixNotPositiveDefinite {
+            joint: self.coordinates[coordinate] + 1,
+            pivot,
+        })
+    }
+
+    /// The mass matrix `M(q)`, row by row: `M = d tau / d ddq`, motor inertias and their coupling included.
+    pub fn mass_matrix(&self, parameters: &DynamicParameters, q: &[f64], workspace: &mut Workspace, m: &mut [f64]) {
+        pulp::Arch::new().dispatch(MassMatrix { model: self, parameters, q, workspace });
+        let n = self.coordinate_count();
+        m.copy_from_slice(&workspace.mass_matrix);
+        for i in 1..n {
+            let (above, row) = m.split_at_mut(i * n);
+            above.chunks_exact_mut(n).zip(row).for_each(|(upper, lower)| upper[i] = *lower);
+        }
+    }
+}
+
+struct InverseDynamics<'a> {
+    model: &'a Model,
+    parameters: &'a DynamicParameters,
+    state: State<'a>,
+    ddq: &'a [f64],
+    sign: Sign,
+    workspace: &'a mut Workspace,
+    tau: &'a mut [f64],
 }
 
 impl WithSimd for InverseDynamics<'_> {
@@ -20,18 +73,18 @@ impl WithSimd for InverseDynamics<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        self.model.inverse_dynamics_of(self.parameters, self.state, self.sign, self.workspace, self.tau);
+        self.model.inverse_dynamics_of(self.parameters, self.state, self.ddq, self.sign, self.workspace, self.tau);
     }
 }
 
-/// Forward dynamics of `q, dq, tau`.
-pub(super) struct ForwardDynamics<'a> {
-    pub(super) model: &'a Model,
-    pub(super) parameters: &'a DynamicParameters,
-    pub(super) state: [&'a [f64]; 3],
-    pub(super) sign: Sign,
-    pub(super) workspace: &'a mut Workspace,
-    pub(super) ddq: &'a mut [f64],
+struct ForwardDynamics<'a> {
+    model: &'a Model,
+    parameters: &'a DynamicParameters,
+    state: State<'a>,
+    tau: &'a [f64],
+    sign: Sign,
+    workspace: &'a mut Workspace,
+    ddq: &'a mut [f64],
 }
 
 impl WithSimd for ForwardDynamics<'_> {
@@ -39,16 +92,16 @@ impl WithSimd for ForwardDynamics<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
-        self.model.forward_dynamics_of(self.parameters, self.state, self.sign, self.workspace, self.ddq)
+        self.model.forward_dynamics_of(self.parameters, self.state, self.tau, self.sign, self.workspace, self.ddq)
     }
 }
 
 /// The lower triangle of the mass matrix at `q`, left in the workspace.
-pub(super) struct MassMatrix<'a> {
-    pub(super) model: &'a Model,
-    pub(super) parameters: &'a DynamicParameters,
-    pub(super) q: &'a [f64],
-    pub(super) workspace: &'a mut Workspace,
+struct MassMatrix<'a> {
+    model: &'a Model,
+    parameters: &'a DynamicParameters,
+    q: &'a [f64],
+    workspace: &'a mut Workspace,
 }
 
 impl WithSimd for MassMatrix<'_> {

@@ -1,88 +1,20 @@
-use super::Model;
 use pulp::Simd;
 
-use crate::{
-    real::{Lanes, Parameter, Real, sign_or, tanh},
-    robot::{INERTIAL, Quantity},
-    vector::{Mat3, Vec3, in_lanes, times, turned},
+use super::{
+    inertial::Inertial,
+    model::Model,
+    terms::{JointTerms, MotorTerms, OtherTerm},
 };
-
-/// How the sign function of Coulomb friction is evaluated.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Sign {
-    /// -1, 0 or 1: for measured velocities.
-    Exact,
-    /// `tanh(v / scale)`: for simulated velocities, with the scale in rad/s or m/s.
-    Smooth {
-        /// The velocity at which friction reaches 76 % of its Coulomb value.
-        scale: f64,
-    },
-}
-
-impl Sign {
-    /// The sign of `v`.
-    #[inline(always)]
-    #[must_use]
-    pub fn of(self, v: f64) -> f64 {
-        self.of_each(v)
-    }
-
-    /// The sign in each lane; that of zero or NaN is itself.
-    #[inline(always)]
-    pub(crate) fn of_each<T: Real>(self, v: T) -> T {
-        match self {
-            Self::Exact => sign_or(v, v),
-            Self::Smooth { scale } => tanh(v / v.like(scale)),
-        }
-    }
-}
+use crate::{real::Lanes, robot::Quantity};
 
 /// A vector of standard parameters, sorted for the kernels; or several side by side.
 #[derive(Debug, Clone)]
 pub struct DynamicParameters<P = f64> {
     pub(super) links: Vec<Inertial<P>>,
-    pub(super) friction: Vec<JointParameters<P>>,
-    pub(super) motors: Vec<MotorParameters<P>>,
-}
-
-/// Inertial parameters of one link about the origin of its frame.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Inertial<T = f64> {
-    pub(super) inertia: Mat3<T>,
-    pub(super) ms: Vec3<T>,
-    pub(super) m: T,
-}
-
-/// Motor inertia, friction and offset of one joint; symmetric friction is held as equal sides.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct JointParameters<P = f64> {
-    pub(super) ia: P,
-    pub(super) fv: [P; 2],
-    pub(super) fc: [P; 2],
-    pub(super) off: P,
-}
-
-/// Cross inertia, cross viscous friction and Coulomb friction of one coupled motor.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct MotorParameters<P = f64> {
-    pub(super) iam: P,
-    pub(super) fvm: P,
-    pub(super) fcm: P,
-}
-
-impl<P: Copy> JointParameters<P> {
-    /// Friction and offset at velocity `dq`, whose sign is `s`.
-    #[inline(always)]
-    pub(super) fn friction<T: Real>(&self, dq: T, s: T) -> T
-    where
-        P: Parameter<T>,
-    {
-        let one = s.like(1.0);
-        let (positive, negative) = ((one + s) * 0.5, (one - s) * 0.5);
-        let forwards = dq * self.fv[0].in_lanes(s) + self.fc[0].in_lanes(s);
-        let backwards = dq * self.fv[1].in_lanes(s) - self.fc[1].in_lanes(s);
-        forwards * positive + backwards * negative + self.off.in_lanes(s)
-    }
+    pub(super) joints: Vec<JointTerms<P>>,
+    /// Terms of the joints beside those, joint by joint.
+    pub(super) others: Vec<OtherTerm<P>>,
+    pub(super) motors: Vec<MotorTerms<P>>,
 }
 
 impl DynamicParameters {
@@ -93,51 +25,28 @@ impl DynamicParameters {
     /// If there is not one value for each standard parameter.
     #[must_use]
     pub fn new(model: &Model, theta: &[f64]) -> Self {
-        let (table, links) = (model.parameter_table(), 0..model.link_count());
+        let (table, links) = (model.parameter_table(), model.link_count());
         assert_eq!(table.len(), theta.len(), "one value for each standard parameter");
-        let value = |quantity, j| table.index(quantity, j).map_or(0.0, |i| theta[i]);
-        let link =
-            |k| Inertial::from_vector(INERTIAL.map(|quantity| value(quantity, k))).in_joint_axes(model.link_axes(k));
-        Self {
-            links: links.clone().map(link).collect(),
-            friction: links.map(|j| joint_parameters(&|quantity| value(quantity, j))).collect(),
-            motors: model
-                .coupled_motors()
-                .iter()
-                .map(|m| motor_parameters(&|quantity| value(quantity, m.motor)))
-                .collect(),
+        let mut inertial = vec![[0.0; 10]; links];
+        let mut joints = vec![JointTerms::default(); links];
+        let mut motors = vec![MotorTerms::default(); model.coupled_motors().len()];
+        let mut others = Vec::new();
+        for (parameter, &value) in table.iter().zip(theta) {
+            let own = parameter.number - 1;
+            match parameter.quantity {
+                Quantity::Link(quantity) => inertial[own][quantity as usize] = value,
+                Quantity::Joint(quantity) => {
+                    let other = joints[own].insert(quantity, value);
+                    others.extend(other.map(|quantity| OtherTerm { joint: own, quantity, value }));
+                }
+                Quantity::Motor(quantity) => {
+                    let of_number = model.coupled_motors().iter().zip(&mut motors).filter(|(m, _)| m.motor == own);
+                    of_number.for_each(|(_, terms)| terms.insert(quantity, value));
+                }
+            }
         }
-    }
-}
-
-fn motor_parameters(value: &dyn Fn(Quantity) -> f64) -> MotorParameters {
-    MotorParameters { iam: value(Quantity::Iam), fvm: value(Quantity::Fvm), fcm: value(Quantity::Fcm) }
-}
-
-/// Symmetric coefficients stand for both signs of the velocity.
-fn joint_parameters(value: &dyn Fn(Quantity) -> f64) -> JointParameters {
-    let (fv, fc) = (value(Quantity::Fv), value(Quantity::Fc));
-    JointParameters {
-        ia: value(Quantity::Ia),
-        fv: [fv + value(Quantity::Fvp), fv + value(Quantity::Fvn)],
-        fc: [fc + value(Quantity::Fcp), fc + value(Quantity::Fcn)],
-        off: value(Quantity::Off),
-    }
-}
-
-impl<P: Copy> Inertial<P> {
-    /// As numbers of the kernels.
-    #[inline(always)]
-    pub(super) fn in_lanes<T: Real>(&self, kind: T) -> Inertial<T>
-    where
-        P: Parameter<T>,
-    {
-        let [x, y, z] = self.inertia;
-        Inertial {
-            inertia: [in_lanes(kind, x), in_lanes(kind, y), in_lanes(kind, z)],
-            ms: in_lanes(kind, self.ms),
-            m: self.m.in_lanes(kind),
-        }
+        let link = |(k, inertial)| Inertial::from_vector(inertial).in_joint_axes(model.link_axes(k));
+        Self { links: inertial.into_iter().enumerate().map(link).collect(), joints, others, motors }
     }
 }
 
@@ -146,39 +55,72 @@ impl<S: Simd> DynamicParameters<Lanes<S>> {
     #[inline(always)]
     pub(crate) fn side_by_side<'a>(simd: S, of_lane: impl Fn(usize) -> &'a DynamicParameters) -> Self {
         let lanes = |value: &dyn Fn(&DynamicParameters) -> f64| Lanes::from_fn(simd, |lane| value(of_lane(lane)));
-        let link = |k: usize| Inertial {
-            inertia: [0, 1, 2].map(|i| [0, 1, 2].map(|j| lanes(&|p| p.links[k].inertia[i][j]))),
-            ms: [0, 1, 2].map(|i| lanes(&|p| p.links[k].ms[i])),
-            m: lanes(&|p| p.links[k].m),
-        };
-        let joint = |k: usize| JointParameters {
-            ia: lanes(&|p| p.friction[k].ia),
-            fv: [0, 1].map(|side| lanes(&|p| p.friction[k].fv[side])),
-            fc: [0, 1].map(|side| lanes(&|p| p.friction[k].fc[side])),
-            off: lanes(&|p| p.friction[k].off),
-        };
-        let motor = |k: usize| MotorParameters {
-            iam: lanes(&|p| p.motors[k].iam),
-            fvm: lanes(&|p| p.motors[k].fvm),
-            fcm: lanes(&|p| p.motors[k].fcm),
-        };
+        let link = |k: usize| Inertial::from_numbers(|number| lanes(&|p| number(&p.links[k])));
+        let joint = |k: usize| JointTerms::from_numbers(|number| lanes(&|p| number(&p.joints[k])));
+        let motor = |k: usize| MotorTerms::from_numbers(|number| lanes(&|p| number(&p.motors[k])));
         let first = of_lane(0);
+        let other = |(k, &OtherTerm { joint, quantity, .. }): (usize, &OtherTerm)| {
+            let value = lanes(&|p| p.others[k].value);
+            OtherTerm { joint, quantity, value }
+        };
         Self {
             links: (0..first.links.len()).map(link).collect(),
-            friction: (0..first.friction.len()).map(joint).collect(),
+            joints: (0..first.joints.len()).map(joint).collect(),
+            others: first.others.iter().enumerate().map(other).collect(),
             motors: (0..first.motors.len()).map(motor).collect(),
         }
     }
 }
 
-impl Inertial {
-    /// From the order of [`INERTIAL`].
-    fn from_vector([xx, xy, xz, yy, yz, zz, mx, my, mz, m]: [f64; 10]) -> Self {
-        Self { inertia: [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], ms: [mx, my, mz], m }
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::{super::Sign, *};
+    use crate::{
+        dynamics::{State, Workspace},
+        robot::{Friction, Robot, Role},
+    };
+
+    const FOLLOWER: &str = "name = \"follower\"\n\
+        [[joint]]\nname = \"a\"\nkind = \"revolute\"\n\
+        [[joint]]\nname = \"b\"\nkind = \"prismatic\"\na_m = 0.5\nalpha_deg = 90\nmimic = { joint = \"a\", ratio = -1.5 }\n\
+        [[joint]]\nname = \"c\"\nkind = \"revolute\"\na_m = 0.4\n";
+
+    fn torques(model: &Model, parameters: &DynamicParameters) -> [f64; 2] {
+        let state = State { q: &[0.3, -0.7], dq: &[1.1, -0.4] };
+        let mut tau = [0.0; 2];
+        let sign = Sign::Smooth { scale: 0.5 };
+        model.inverse_dynamics(parameters, state, &[2.0, 3.0], sign, &mut Workspace::new(model), &mut tau);
+        tau
     }
 
-    fn in_joint_axes(self, link_axes: Option<&Mat3>) -> Self {
-        let Some(axes) = link_axes else { return self };
-        Self { inertia: turned(axes, &self.inertia), ms: times(axes, self.ms), m: self.m }
+    /// Friction taken together and friction summed by its columns are the same torques.
+    #[test]
+    fn a_term_may_be_summed_by_its_column() {
+        for friction in Friction::ALL {
+            let mut robot = Robot::parse(FOLLOWER, Path::new("follower.toml")).unwrap();
+            robot.friction = friction;
+            let model = Model::new(&robot);
+            let mut theta: Vec<f64> = (0..model.parameter_table().len()).map(|i| (1.7 * i as f64).sin()).collect();
+            let together = torques(&model, &DynamicParameters::new(&model, &theta));
+            let mut others = Vec::new();
+            for (parameter, value) in model.parameter_table().iter().zip(&mut theta) {
+                let Quantity::Joint(quantity) = parameter.quantity else { continue };
+                if parameter.quantity.role() != Role::MotorInertia {
+                    let value = std::mem::take(value);
+                    others.push(OtherTerm { joint: parameter.number - 1, quantity, value });
+                }
+            }
+            let mut parameters = DynamicParameters::new(&model, &theta);
+            parameters.others = others;
+            for (found, expected) in torques(&model, &parameters).iter().zip(together) {
+                assert!((found - expected).abs() < 1e-13, "{friction:?}: {found} {expected}");
+            }
+            let lanes = DynamicParameters::side_by_side(pulp::Scalar::new(), |_| &parameters);
+            for (lane, own) in lanes.others.iter().zip(&parameters.others) {
+                assert_eq!((lane.joint, lane.quantity, lane.value.to_array()[0]), (own.joint, own.quantity, own.value));
+            }
+        }
     }
 }

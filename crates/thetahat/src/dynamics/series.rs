@@ -4,7 +4,13 @@ use std::ops::Range;
 
 use pulp::{Simd, WithSimd};
 
-use super::{DynamicParameters, DynamicsError, Model, Sign, Workspace};
+use super::{
+    model::{DynamicsError, Model},
+    parameters::DynamicParameters,
+    sign::Sign,
+    state::State,
+    workspace::Workspace,
+};
 use crate::{real::Lanes, series::Series};
 
 impl Model {
@@ -26,7 +32,8 @@ impl Model {
         let mut workspace = Workspace::new(self);
         for k in done..q.len() {
             let ddq = ddq.sample_mut(k);
-            self.forward_dynamics(parameters, q.sample(k), dq.sample(k), tau.sample(k), sign, &mut workspace, ddq)
+            let state = State { q: q.sample(k), dq: dq.sample(k) };
+            self.forward_dynamics(parameters, state, tau.sample(k), sign, &mut workspace, ddq)
                 .map_err(|error| (k, error))?;
         }
         Ok(ddq)
@@ -71,8 +78,12 @@ impl WithSimd for Batches<'_> {
             for (series, channels) in self.inputs.into_iter().zip([&mut q, &mut dq, &mut tau]) {
                 gather(simd, series, samples.clone(), channels);
             }
-            let state = [&q[..], &dq, &tau];
-            if self.model.forward_dynamics_of(self.parameters, state, self.sign, &mut workspace, &mut ddq).is_err() {
+            let state = State { q: &q, dq: &dq };
+            if self
+                .model
+                .forward_dynamics_of(self.parameters, state, &tau, self.sign, &mut workspace, &mut ddq)
+                .is_err()
+            {
                 break;
             }
             for (c, accelerations) in ddq.iter().enumerate() {

@@ -1,4 +1,4 @@
-use super::{Model, algorithms::LinkMotion, rotation::Turn};
+use super::{motion::LinkMotion, rotation::Turn};
 use crate::{
     real::Real,
     vector::{Mat3, Vec3, add, cross, transpose_times},
@@ -14,7 +14,7 @@ pub(crate) struct Twist<T = f64> {
 impl<T: Real> Twist<T> {
     /// The same twist, seen from the next frame.
     #[inline(always)]
-    fn seen_from(&self, next: &LinkMotion<T>) -> Self {
+    pub(super) fn seen_from(&self, next: &LinkMotion<T>) -> Self {
         let linear = add(self.linear, cross(self.angular, next.p));
         Self { angular: next.r.transpose_times(self.angular), linear: next.r.transpose_times(linear) }
     }
@@ -25,39 +25,15 @@ impl<T: Real> Twist<T> {
         Self { angular: transpose_times(axes, self.angular), linear: transpose_times(axes, self.linear) }
     }
 
+    /// The same twist in the frame turned by gamma.
     #[inline(always)]
-    fn turned_back(&self, turn: &Turn) -> Self {
+    pub(super) fn turned_back(&self, turn: &Turn) -> Self {
         Self { angular: turn.transpose_times(self.angular), linear: turn.transpose_times(self.linear) }
     }
 
+    /// The sum of two twists of one frame.
     #[inline(always)]
-    fn plus(&self, other: &Self) -> Self {
+    pub(super) fn plus(&self, other: &Self) -> Self {
         Self { angular: add(self.angular, other.angular), linear: add(self.linear, other.linear) }
-    }
-}
-
-impl Model {
-    /// The unit twists of link `k`, one for each coordinate of its support, from those of its parent.
-    #[inline(always)]
-    pub(crate) fn propagate_twists<T: Real>(&self, k: usize, links: &[LinkMotion<T>], twists: &mut [Twist<T>]) {
-        let joint = &self.joints[k];
-        let support = self.support(k);
-        let (before, here) = twists.split_at_mut(support.start);
-        let here = &mut here[..support.coordinates.len()];
-        let mut carried = 0;
-        if let Some(parent) = self.supports().get(joint.parent) {
-            carried = parent.coordinates.len();
-            let of_parent = &before[parent.start..parent.start + carried];
-            let link = &links[k];
-            for (twist, before) in here.iter_mut().zip(of_parent) {
-                let turned = match &joint.turn {
-                    None => *before,
-                    Some(turn) => before.turned_back(turn),
-                };
-                *twist = turned.seen_from(link);
-            }
-        }
-        let own = joint.twist(links[k].dv[0]);
-        here[support.own] = if support.own < carried { here[support.own].plus(&own) } else { own };
     }
 }

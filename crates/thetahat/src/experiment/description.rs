@@ -12,13 +12,16 @@ use serde::{
     },
 };
 
-use super::{ExperimentError, paths};
+use super::{error::ExperimentError, paths};
 use crate::{
     control::ControllerDescription,
-    identification::{Convergence, Divisor, EliminationRule, Method},
+    preparation::{
+        Case, EstimationOptions, ParameterSelection, PreparationError, Settings, Setup, SignalOptions,
+        SimulationOptions,
+    },
     recording::ChannelSource,
-    robot::{Friction, Robot, RobotSource},
-    simulation::{Sensors, SimulatorBias, Solver},
+    robot::{Robot, RobotSource},
+    simulation::Sensors,
 };
 
 /// An experiment with its robot, ready to run.
@@ -26,8 +29,10 @@ use crate::{
 pub struct Experiment {
     /// Where the file is; its name in messages.
     pub path: PathBuf,
-    /// What it says.
+    /// What it says of the recordings.
     pub file: ExperimentFile,
+    /// How the robot is identified.
+    pub settings: Settings,
     /// Its text, kept for the results.
     pub text: String,
     /// The robot.
@@ -36,40 +41,54 @@ pub struct Experiment {
     pub robot_text: String,
 }
 
-/// An experiment file.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+/// What an experiment file says beside its [`Settings`].
+#[derive(Debug, Clone, PartialEq)]
 pub struct ExperimentFile {
     /// A line that says what it is.
     pub title: String,
     /// The robot description, relative to the experiment file, or else to the folder of the data.
     pub robot: PathBuf,
     /// The recordings to identify from: one `[recording]` or several `[[recording]]`.
-    #[serde(default, deserialize_with = "one_or_several")]
     pub recording: Vec<RecordingDescription>,
     /// Recordings held back to validate on: one `[validation]` or several `[[validation]]`.
-    #[serde(default, deserialize_with = "one_or_several")]
     pub validation: Vec<RecordingDescription>,
     /// A simulated recording instead.
     pub twin: Option<TwinDescription>,
-    /// Filters, decimation and window.
-    pub signal: SignalDescription,
-    /// Which parameters are estimated and shown.
-    #[serde(default)]
-    pub parameters: ParameterSelection,
-    /// Methods and their options.
-    #[serde(default)]
-    pub estimation: EstimationDescription,
-    /// The simulated controller.
-    pub controller: Option<ControllerDescription>,
-    /// The simulator's options.
-    #[serde(default)]
-    pub simulation: SimulationDescription,
-    /// Cases beside the nominal one.
-    #[serde(default)]
-    pub case: Vec<Case>,
     /// A table of published figures to show beside ours, relative to the experiment file.
     pub published: Option<PathBuf>,
+}
+
+/// The tables and keys of an experiment file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Tables {
+    title: String,
+    robot: PathBuf,
+    #[serde(default, deserialize_with = "one_or_several")]
+    recording: Vec<RecordingDescription>,
+    #[serde(default, deserialize_with = "one_or_several")]
+    validation: Vec<RecordingDescription>,
+    twin: Option<TwinDescription>,
+    signal: SignalOptions,
+    #[serde(default)]
+    parameters: ParameterSelection,
+    #[serde(default)]
+    estimation: EstimationOptions,
+    controller: Option<ControllerDescription>,
+    #[serde(default)]
+    simulation: SimulationOptions,
+    #[serde(default)]
+    case: Vec<Case>,
+    published: Option<PathBuf>,
+}
+
+impl Tables {
+    fn split(self) -> (ExperimentFile, Settings) {
+        let Self { title, robot, recording, validation, twin, signal, parameters, estimation, controller, .. } = self;
+        let file = ExperimentFile { title, robot, recording, validation, twin, published: self.published };
+        let (simulation, cases) = (self.simulation, self.case);
+        (file, Settings { signal, parameters, estimation, controller, simulation, cases })
+    }
 }
 
 /// Files and channels of a recording.
@@ -170,165 +189,6 @@ pub enum Unlisted {
     APriori,
 }
 
-/// Filters, decimation and window.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SignalDescription {
-    /// Order of the Butterworth filter of the positions, which runs forward and backward.
-    #[serde(default = "fourth_order")]
-    pub filter_order: usize,
-    /// Its cut-off.
-    pub cutoff_hz: f64,
-    /// Every how many samples one is kept, behind the parallel filter.
-    pub decimation: usize,
-    /// Start of the window, s. Without start and end, the window is the moving part less the edges of the filter.
-    pub window_start_s: Option<f64>,
-    /// End of the window, s; with a start alone, the end of the record.
-    pub window_end_s: Option<f64>,
-}
-
-fn fourth_order() -> usize {
-    4
-}
-
-/// Which parameters are estimated and shown.
-#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct ParameterSelection {
-    /// `"base"`, `"essential"`, or a list of base parameters.
-    pub estimate: ParameterChoice,
-    /// Standard parameters taken as zero.
-    pub exclude: Vec<String>,
-    /// Parameters that the tables show; none means all.
-    pub show: Vec<String>,
-    /// The rule of the elimination, for `"essential"`.
-    pub elimination: EliminationRule,
-}
-
-/// The parameters of a run.
-#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
-#[serde(untagged, expecting = "expected \"base\", \"essential\" or a list of base parameters")]
-pub enum ParameterChoice {
-    /// All base parameters.
-    #[default]
-    #[serde(skip)]
-    Base,
-    /// `"base"` or `"essential"`.
-    Named(NamedChoice),
-    /// Base parameters by name.
-    List(Vec<String>),
-}
-
-/// A choice by name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum NamedChoice {
-    /// All base parameters.
-    Base,
-    /// Those that an elimination leaves.
-    Essential,
-}
-
-/// Methods and their options.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct EstimationDescription {
-    /// The methods, in the order of the tables.
-    pub methods: Vec<Method>,
-    /// Weighting by method; none where a method is not listed.
-    pub weighting: BTreeMap<Method, Weighting>,
-    /// Start values of the iterations.
-    pub start: Start,
-    /// Gains of a controller that is given by its bandwidth.
-    pub gains: Gains,
-    /// When the iterations stop.
-    pub convergence: Convergence,
-    /// What the squared residual is divided by.
-    pub variance: Divisor,
-}
-
-impl Default for EstimationDescription {
-    fn default() -> Self {
-        Self {
-            methods: vec![Method::IdimLs, Method::IdimIv, Method::Didim],
-            weighting: BTreeMap::new(),
-            start: Start::default(),
-            gains: Gains::default(),
-            convergence: Convergence::default(),
-            variance: Divisor::default(),
-        }
-    }
-}
-
-/// Weighting of the rows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Weighting {
-    /// Equal weights.
-    #[default]
-    None,
-    /// One over the standard deviation of each joint's residual of LS.
-    PerJoint,
-}
-
-/// Start values of the iterations.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Start {
-    /// The robot's a-priori parameters.
-    #[default]
-    Cad,
-    /// The a-priori motor inertias and nothing else.
-    MotorInertias,
-}
-
-/// Gains of a controller that is given by its bandwidth.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Gains {
-    /// Follow the estimated inertia, so that the bandwidth stays.
-    #[default]
-    Updated,
-    /// Stay those of the start values.
-    Kept,
-}
-
-/// The simulator's options.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct SimulationDescription {
-    /// How to integrate.
-    pub solver: Solver,
-    /// Velocity scale of the regularised sign of Coulomb friction, rad/s or m/s.
-    pub sign_velocity_scale: f64,
-    /// Whether simulated positions are filtered and differentiated as the measured ones are.
-    pub band_pass: bool,
-}
-
-impl Default for SimulationDescription {
-    fn default() -> Self {
-        Self { solver: Solver::default(), sign_velocity_scale: 0.01, band_pass: false }
-    }
-}
-
-/// A case beside the nominal one.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Case {
-    /// Its name, such as `gear_ratio_0.9`.
-    pub name: String,
-    /// How the simulator differs from the true loop.
-    #[serde(default)]
-    pub simulator: SimulatorBias,
-    /// Another friction model than the robot's.
-    pub friction: Option<Friction>,
-    /// Other methods than the experiment's.
-    pub methods: Option<Vec<Method>>,
-}
-
-/// Name of the case without any difference.
-pub(crate) const NOMINAL: &str = "nominal";
-
 const DEMO: &str = include_str!("../../../../experiments/demo.toml");
 const DEMO_ROBOT: &str = include_str!("../../../../robots/tx40.toml");
 
@@ -339,12 +199,12 @@ impl Experiment {
     /// [`ExperimentError`], with the file and the line or key.
     pub fn read(path: &Path, data: &Path) -> Result<Self, ExperimentError> {
         let text = read_text(path)?;
-        let file: ExperimentFile = parse(&text, path)?;
+        let (file, settings) = parse(&text, path)?;
         let robot = RobotSource::read(&paths::robot(path, &file.robot, data)?)?;
         if let Some(published) = &file.published {
             paths::beside(path, "published", published)?;
         }
-        Self::assemble(path, file, text, robot)
+        Self::assemble(path, (file, settings), text, robot)
     }
 
     /// The same with another robot description than the one that the experiment names.
@@ -353,8 +213,8 @@ impl Experiment {
     /// As [`Experiment::read`].
     pub fn read_with_robot(path: &Path, robot: &Path) -> Result<Self, ExperimentError> {
         let text = read_text(path)?;
-        let file: ExperimentFile = parse(&text, path)?;
-        Self::assemble(path, file, text, RobotSource::read(robot)?)
+        let parsed = parse(&text, path)?;
+        Self::assemble(path, parsed, text, RobotSource::read(robot)?)
     }
 
     /// An experiment from the texts of its two files; `path` is its name in messages.
@@ -362,9 +222,9 @@ impl Experiment {
     /// # Errors
     /// As [`Experiment::read`].
     pub fn from_texts(path: &Path, text: String, robot_text: String) -> Result<Self, ExperimentError> {
-        let file: ExperimentFile = parse(&text, path)?;
+        let (file, settings) = parse(&text, path)?;
         let source = RobotSource::from_text(robot_text, &file.robot)?;
-        Self::assemble(path, file, text, source)
+        Self::assemble(path, (file, settings), text, source)
     }
 
     /// The built-in demonstration: a TX40 twin.
@@ -382,41 +242,29 @@ impl Experiment {
         self.file.published.as_ref().map(|published| folder.join(published))
     }
 
-    /// The nominal case and the others.
-    #[must_use]
-    pub fn cases(&self) -> Vec<Case> {
-        let nominal = Case { name: NOMINAL.to_owned(), simulator: SimulatorBias::NONE, friction: None, methods: None };
-        std::iter::once(nominal).chain(self.file.case.iter().cloned()).collect()
+    pub(crate) fn setup(&self) -> Setup<'_> {
+        Setup { robot: &self.robot, settings: &self.settings }
     }
 
-    fn assemble(path: &Path, file: ExperimentFile, text: String, source: RobotSource) -> Result<Self, ExperimentError> {
+    fn assemble(
+        path: &Path,
+        (file, settings): (ExperimentFile, Settings),
+        text: String,
+        source: RobotSource,
+    ) -> Result<Self, ExperimentError> {
         let (robot, robot_text) = (source.robot()?, source.to_text());
-        let experiment = Self { path: path.to_owned(), file, text, robot, robot_text };
+        let experiment = Self { path: path.to_owned(), file, settings, text, robot, robot_text };
         experiment.validate()?;
         Ok(experiment)
     }
 
-    pub(crate) fn require(
-        &self,
-        holds: bool,
-        key: &str,
-        expected: &str,
-        found: impl std::fmt::Display,
-    ) -> Result<(), ExperimentError> {
-        if holds { Ok(()) } else { Err(self.value(key, expected, found)) }
-    }
-
-    pub(crate) fn value(&self, key: &str, expected: &str, found: impl std::fmt::Display) -> ExperimentError {
-        ExperimentError::Value {
-            path: self.path.clone(),
-            key: key.to_owned(),
-            expected: expected.to_owned(),
-            found: found.to_string(),
-        }
+    /// What is refused of the settings, with the file in which they stand.
+    pub(crate) fn refuse(&self, source: impl Into<PreparationError>) -> ExperimentError {
+        ExperimentError::Preparation { path: self.path.clone(), source: source.into() }
     }
 
     pub(crate) fn missing(&self, missing: &'static str, why: &'static str) -> ExperimentError {
-        ExperimentError::Missing { path: self.path.clone(), missing, why }
+        self.refuse(PreparationError::Missing { missing, why })
     }
 }
 
@@ -425,7 +273,8 @@ fn read_text(path: &Path) -> Result<String, ExperimentError> {
         .map_err(|e| ExperimentError::Unreadable { path: path.to_owned(), reason: e.to_string() })
 }
 
-fn parse(text: &str, path: &Path) -> Result<ExperimentFile, ExperimentError> {
+fn parse(text: &str, path: &Path) -> Result<(ExperimentFile, Settings), ExperimentError> {
     toml::from_str(text)
+        .map(Tables::split)
         .map_err(|e| ExperimentError::Syntax { path: path.to_owned(), message: e.to_string().trim_end().to_owned() })
 }

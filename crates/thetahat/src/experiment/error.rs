@@ -1,8 +1,8 @@
 use std::path::PathBuf;
 
 use crate::{
-    base_parameters::BaseParametersError, control::ControllerError, recording::RecordingError, robot::RobotError,
-    signal::SignalError, simulation::SimulationError, trajectory::TrajectoryError,
+    preparation::PreparationError, recording::RecordingError, robot::RobotError, simulation::SimulationError,
+    trajectory::TrajectoryError,
 };
 
 /// Why an experiment cannot be read or run.
@@ -25,51 +25,13 @@ pub enum ExperimentError {
         /// The parser's message, with line, column and the expected keys.
         message: String,
     },
-    /// A value of the experiment is not usable.
-    #[error("{}: {key} is {found}, expected {expected}", path.display())]
-    Value {
-        /// The experiment file.
-        path: PathBuf,
-        /// The key.
-        key: String,
-        /// What is allowed.
-        expected: String,
-        /// What was found.
-        found: String,
-    },
-    /// Something that a method needs is not described.
-    #[error("{}: {missing} is missing: {why}", path.display())]
-    Missing {
-        /// The experiment file.
-        path: PathBuf,
-        /// The table or key.
-        missing: &'static str,
-        /// What needs it.
-        why: &'static str,
-    },
-    /// The position filter asks for more than the record holds.
-    #[error("{}: [signal] {source}", path.display())]
-    Signal {
-        /// The experiment file.
-        path: PathBuf,
-        /// Why.
-        source: SignalError,
-    },
-    /// The controller is not usable.
+    /// What the experiment says cannot be used for its robot or recordings.
     #[error("{}: {source}", path.display())]
-    Controller {
+    Preparation {
         /// The experiment file.
         path: PathBuf,
         /// Why.
-        source: ControllerError,
-    },
-    /// The parameters are not those of the robot.
-    #[error("{}: [parameters] {source}", path.display())]
-    Parameters {
-        /// The experiment file.
-        path: PathBuf,
-        /// Why.
-        source: BaseParametersError,
+        source: PreparationError,
     },
     /// The robot description is not usable.
     #[error(transparent)]
@@ -77,14 +39,6 @@ pub enum ExperimentError {
     /// The recording is not usable.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// No reference can be made of the recording.
-    #[error("{}: the reference made of the recorded motion: {source}", path.display())]
-    Trajectory {
-        /// The experiment file.
-        path: PathBuf,
-        /// Why.
-        source: TrajectoryError,
-    },
     /// The twin's moves cannot be planned.
     #[error("{}: [twin] {source}", path.display())]
     Plan {

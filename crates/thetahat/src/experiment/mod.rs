@@ -1,63 +1,26 @@
-//! An experiment: one TOML file that describes a run, and the run.
+//! An experiment: one TOML file that describes a run, and what it proposes for a recording.
 //!
-//! [`Experiment::read`] checks the file, [`Experiment::run`] goes the way of the data and returns [`Results`]; the twin
-//! ([`Experiment::demo`]) goes the same way from a simulated record.
+//! [`Experiment::read`] checks the file; [`Experiment::run`] reads its recordings and identifies the robot with its settings
+//! ([`crate::run::Identification`]). The twin ([`Experiment::demo`]) goes the same way from a simulated record.
 
-mod advice;
-mod assess;
-mod chain;
-mod checks;
 mod column_names;
-mod cross_validation;
 mod description;
-mod diagnosis;
-mod diagnosis_results;
 mod error;
-mod examination;
 mod paths;
 mod power;
 mod predict;
 mod proposal;
-mod record;
-mod results;
-mod rows;
+mod reading;
 mod run;
-mod sensitivity;
-mod simulator;
-mod turns;
-mod wishes;
+mod twin;
+mod validation;
 
-#[cfg(feature = "parquet")]
-pub(crate) use chain::{FilteredRecord, Problem};
-pub(crate) use chain::{MOVING, STILL};
 #[cfg(feature = "parquet")]
 pub(crate) use paths::beside;
-#[cfg(feature = "parquet")]
-pub(crate) use run::explain;
-#[cfg(feature = "parquet")]
-pub(crate) use simulator::{RecordReference, Simulator};
-#[cfg(feature = "parquet")]
-pub(crate) use turns::{Attempt, Finished, SIDE_BY_SIDE, Terms, make};
 
-pub(crate) use description::NOMINAL;
-pub(crate) use record::Record;
-
-pub use description::{
-    Case, EstimationDescription, Experiment, ExperimentFile, Gains, NamedChoice, ParameterChoice, ParameterSelection,
-    RecordingDescription, SignalDescription, SimulationDescription, Start, TwinDescription, Unlisted, Weighting,
-};
-pub use diagnosis_results::{
-    Advice, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis, EndogeneityResult, Influence, InstrumentResult,
-    JointResidual, ParameterDifference, ResidualResult, Verdict,
-};
+pub use description::{Experiment, ExperimentFile, RecordingDescription, TwinDescription, Unlisted};
 pub use error::ExperimentError;
-pub use examination::RecordingFindings;
 pub use power::PowerPoint;
-pub use predict::{Prediction, PredictionRequest, predict};
+pub use predict::{PredictionRequest, predict};
 pub use proposal::{ProposalError, ProposalRequest, propose};
-pub use record::{TwinMotion, TwinRecord};
-pub use results::{
-    Bandwidth, EliminationResult, IterationResult, ParameterResult, Plots, RecordingResult, ReferenceResult, Results,
-    RunPlots, RunResult,
-};
-pub use sensitivity::{Sensitivity, SensitivityPoint};
+pub use twin::TwinMotion;

@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::ExperimentError;
+use super::error::ExperimentError;
+use crate::preparation::PreparationError;
 
 /// The robot description: beside the experiment, or else in the folder of the data.
 pub(super) fn robot(experiment: &Path, named: &Path, data: &Path) -> Result<PathBuf, ExperimentError> {
@@ -38,13 +39,8 @@ fn is_inside(file: &Path, folder: &Path) -> bool {
 }
 
 fn outside(experiment: &Path, key: &str, named: &Path) -> ExperimentError {
-    ExperimentError::Value {
-        path: experiment.to_owned(),
-        key: key.to_owned(),
-        expected:
-            "a file in the folder of the experiment or the one above (a robot also in the folder of the data, or \
-                   anywhere by --robot)"
-                .to_owned(),
-        found: named.display().to_string(),
-    }
+    let expected = "a file in the folder of the experiment or the one above (a robot also in the folder of the data, or \
+                    anywhere by --robot)";
+    let source = PreparationError::value(key, expected, named.display());
+    ExperimentError::Preparation { path: experiment.to_owned(), source }
 }

@@ -1,14 +1,13 @@
 //! Size and power of the biased simulator test by Monte Carlo on a twin.
 
-use super::{
-    Case, Experiment, ExperimentError, Verdict,
-    diagnosis::{Estimated, diagnose},
-    record::TwinMotion,
-    turns::{self, Attempt, Terms},
-};
+use super::{description::Experiment, error::ExperimentError, twin::TwinMotion};
 use crate::{
-    identification::{Convergence, Method, Outcome, Status},
+    diagnosis::{Estimated, diagnose},
+    identification::{Convergence, IterationOptions, Method, Outcome, Status},
     pool::in_parallel,
+    preparation::Case,
+    results::Verdict,
+    scheduling::{EstimationJob, RunOptions, run_all},
     simulation::{BiasKind, SimulatorBias},
 };
 
@@ -75,25 +74,25 @@ impl Experiment {
     ) -> Result<Vec<Option<Seen>>, ExperimentError> {
         let Some(twin) = &self.file.twin else { return Ok(Vec::new()) };
         let sensors = crate::simulation::Sensors { seed, ..twin.sensors.clone() };
-        let session = self.session_of(self.record_motion(&sensors, twin.sample_rate_hz, motion))?;
-        let problems = session.problems(&mut |_| {})?;
-        let (problem, weights) = (&problems[0].problem, session.weights(&problems[0], Method::Didim));
-        let convergence = Convergence { iterations: ITERATIONS, ..self.file.estimation.convergence };
-        let nominal = self.cases().swap_remove(0);
-        let case = |&(kind, value): &(BiasKind, f64)| Case {
-            simulator: SimulatorBias::NONE.with(kind, value),
-            ..nominal.clone()
-        };
+        let recording = self.record_motion(&sensors, twin.sample_rate_hz, motion);
+        let identification = self.identification_of(vec![recording])?;
+        let problems = identification.problems(&mut |_| {}).map_err(|e| self.refuse(e))?;
+        let case =
+            |&(kind, value): &(BiasKind, f64)| Case::nominal().with_simulator(SimulatorBias::NONE.with(kind, value));
         let cases: Vec<Case> = errors.iter().map(case).collect();
-        let attempts: Vec<Attempt<'_>> =
-            cases.iter().map(|case| session.attempt(&problems[0], case, Method::Didim)).collect();
-        let terms = Terms { divisor: self.file.estimation.variance, convergence, motion_step: None, threads: 1 };
+        let jobs: Vec<EstimationJob<'_>> =
+            cases.iter().map(|case| identification.job(&problems[0], case, Method::DIDIM)).collect();
+        let estimation = &self.settings.estimation;
+        let convergence = Convergence { iterations: ITERATIONS, ..estimation.convergence };
+        let iteration = IterationOptions { divisor: estimation.variance, convergence };
+        let options = RunOptions { iteration, motion_step: None, threads: 1 };
         let mut seen = vec![None; errors.len()];
-        let Ok(()) = turns::make(&attempts, terms, &mut |_| {}, &mut |k, finished| {
+        let Ok(()) = run_all(&jobs, options, &mut |_| {}, &mut |k, finished| {
             // It was stopped on purpose.
             let outcome = Outcome { status: Status::Converged, ..finished.outcome };
-            let estimated = [Estimated { method: Method::Didim, weights: weights.clone(), outcome }];
-            let test = diagnose(problem, &cases[k], &estimated, &|_, _| Vec::new()).biased_simulator;
+            let regression = jobs[k].regression.clone();
+            let estimated = [Estimated { method: Method::DIDIM, regression, outcome }];
+            let test = diagnose(&problems[0].problem, &cases[k], &estimated, &|_, _| Vec::new()).biased_simulator;
             seen[k] = test.map(|t| Seen { verdict: t.verdict, average_difference: t.average_difference });
             Ok::<(), std::convert::Infallible>(())
         });

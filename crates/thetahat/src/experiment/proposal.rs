@@ -348,17 +348,14 @@ mod tests {
 
     /// A proposal for a log with this first line, or why there is none.
     fn proposed(header: &str, request: ProposalRequest) -> Result<String, ProposalError> {
-        let thread = std::thread::current();
-        let name = thread.name().unwrap_or("log").replace(':', "-");
-        let path = std::env::temp_dir().join(format!("thetahat-{}-{name}.csv", std::process::id()));
         let columns = header.split(',').count();
         let row = |k: usize| {
             let value = |c: usize| if c == 0 { k as f64 * 1e-3 } else { (0.1 * k as f64 + c as f64).sin() };
             (0..columns).map(|c| value(c).to_string()).collect::<Vec<_>>().join(",") + "\n"
         };
-        std::fs::write(&path, format!("{header}\n{}", (0..300).map(row).collect::<String>())).unwrap();
-        let contents = inspect(&path).unwrap();
-        let _ = std::fs::remove_file(&path);
+        let folder = thetahat_testing::Folder::new();
+        folder.write("log.csv", format!("{header}\n{}", (0..300).map(row).collect::<String>()));
+        let contents = inspect(&folder.at("log.csv")).unwrap();
         let robot = Robot::parse(ARM, Path::new("arm.toml")).unwrap();
         propose(&request, &robot, &contents)
     }
@@ -379,7 +376,7 @@ mod tests {
         assert_eq!(recording.position.columns, ["q1", "q2"]);
         assert_eq!(recording.torque.columns, ["tau1", "tau2"]);
         assert_eq!(recording.time.as_ref().unwrap().columns, ["t"]);
-        assert_eq!(experiment.file.signal.decimation, 20);
+        assert_eq!(experiment.settings.signal.decimation, 20);
     }
 
     #[test]

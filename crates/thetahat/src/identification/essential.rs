@@ -1,8 +1,11 @@
 use serde::Deserialize;
 
-use super::{Divisor, EstimationError, Fit, idim_ls};
+use super::{
+    estimators::idim_ls,
+    fit::{Divisor, EstimationError, Fit},
+};
 use crate::{
-    linear_algebra::Matrix,
+    regression::Regression,
     statistics::{FTest, f_test},
 };
 
@@ -29,8 +32,6 @@ pub struct Elimination {
     pub kept: Vec<usize>,
     /// Columns taken out, in the order in which they went.
     pub eliminated: Vec<usize>,
-    /// The fit of those kept.
-    pub fit: Fit,
     /// The F-test of those kept against all.
     pub f_test: Option<FTest>,
 }
@@ -41,25 +42,33 @@ pub struct Elimination {
 ///
 /// # Errors
 /// [`EstimationError`] where the full set cannot be estimated.
-pub fn eliminate(x: &Matrix, y: &[f64], rule: EliminationRule) -> Result<Elimination, EstimationError> {
-    let full = idim_ls(x, y, None, Divisor::default())?;
-    let full_squares = full.residual_sum_of_squares(y);
-    let mut kept: Vec<usize> = (0..x.columns()).collect();
-    let mut state = Elimination { kept: kept.clone(), eliminated: Vec::new(), fit: full, f_test: None };
-    while let Some(worst) = worst_parameter(&state.fit, rule.relative_standard_deviation_percent) {
-        if kept.len() == 1 {
+pub fn eliminate(regression: &Regression, rule: EliminationRule) -> Result<Elimination, EstimationError> {
+    let full = idim_ls(regression, Divisor::default())?;
+    let mut state = Elimination { kept: (0..full.theta.len()).collect(), eliminated: Vec::new(), f_test: None };
+    let mut fit = full.clone();
+    while let Some(worst) = worst_parameter(&fit, rule.relative_standard_deviation_percent) {
+        if state.kept.len() == 1 {
             break;
         }
+        let mut kept = state.kept.clone();
         let removed = kept.remove(worst);
-        let fit = idim_ls(&x.select_columns(&kept), y, None, Divisor::default())?;
-        let test = f_test(fit.residual_sum_of_squares(y), kept.len(), full_squares, x.columns(), y.len());
+        fit = idim_ls(&regression.with_columns(&kept), Divisor::default())?;
+        let test = nested_f_test(regression, &fit, &full);
         if test.is_none_or(|t| t.p_value < rule.significance) {
             break;
         }
         state.eliminated.push(removed);
-        state = Elimination { kept: kept.clone(), fit, f_test: test, ..state };
+        (state.kept, state.f_test) = (kept, test);
     }
     Ok(state)
+}
+
+/// The F-test of a fit with some of the columns against that with all of them.
+#[must_use]
+pub fn nested_f_test(regression: &Regression, reduced: &Fit, full: &Fit) -> Option<FTest> {
+    let squares = |fit: &Fit| regression.residual_sum_of_squares(&fit.prediction);
+    let (reduced_count, full_count) = (reduced.theta.len(), full.theta.len());
+    f_test(squares(reduced), reduced_count, squares(full), full_count, regression.rows_represented)
 }
 
 fn worst_parameter(fit: &Fit, limit_percent: f64) -> Option<usize> {
@@ -70,13 +79,14 @@ fn worst_parameter(fit: &Fit, limit_percent: f64) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::linear_algebra::Matrix;
 
     #[test]
     fn parameters_without_effect_go_and_the_others_stay() {
         let noise = |k: usize| ((78.233 * k as f64).sin() * 43758.5453).fract();
         let x = Matrix::from_fn(300, 5, |k, j| (0.037 * (k * (j + 1)) as f64).sin());
         let y: Vec<f64> = (0..300).map(|k| 2.0 * x.at(k, 0) - x.at(k, 3) + 0.1 * noise(k)).collect();
-        let result = eliminate(&x, &y, EliminationRule::default()).unwrap();
+        let result = eliminate(&Regression::of_one_series(x, y), EliminationRule::default()).unwrap();
         assert_eq!(result.kept, vec![0, 3]);
         assert!(result.f_test.unwrap().p_value > 0.05);
     }

@@ -1,10 +1,14 @@
 use serde::{Deserialize, Serialize};
 
 use super::{
-    EstimationError, Fit, Method,
-    estimators::{Divisor, didim, idim_iv, idim_ls},
+    estimators::Method,
+    fit::{Divisor, EstimationError, Fit},
 };
-use crate::{linear_algebra::Matrix, linear_algebra::norm, simulation::SimulationError};
+use crate::{
+    linear_algebra::{Matrix, norm},
+    regression::Regression,
+    simulation::SimulationError,
+};
 
 /// When the iteration stops.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -107,26 +111,33 @@ const HALVINGS: usize = 4;
 /// step towards them is halved a few times before the iteration counts as diverged.
 pub fn iterate(
     method: Method,
-    (x, y): (&Matrix, &[f64]),
-    weights: Option<&[f64]>,
-    (divisor, convergence): (Divisor, Convergence),
+    regression: &Regression,
+    options: IterationOptions,
     start: &[f64],
     instruments: &mut dyn FnMut(&[f64]) -> Result<Matrix, SimulationError>,
 ) -> Outcome {
-    let mut estimation = Estimation::new(method, (divisor, convergence), start.to_vec());
+    let mut estimation = Estimation::new(method, options, start.to_vec());
     while let Some(theta) = estimation.wanted() {
         let z = instruments(theta);
-        estimation.take(z, (x, y), weights);
+        estimation.take(z, regression);
     }
     estimation.into_outcome()
+}
+
+/// How an estimation is made.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct IterationOptions {
+    /// What the squared residual is divided by.
+    pub divisor: Divisor,
+    /// When it stops.
+    pub convergence: Convergence,
 }
 
 /// An estimation by IV or DIDIM under way. It asks for its simulations, so that those of several can run side by side.
 #[derive(Debug, Clone)]
 pub struct Estimation {
     method: Method,
-    divisor: Divisor,
-    convergence: Convergence,
+    options: IterationOptions,
     /// The parameters to simulate next, and those simulated before.
     theta: Vec<f64>,
     before: Vec<f64>,
@@ -140,8 +151,9 @@ pub struct Estimation {
 impl Estimation {
     /// An estimation from its start values.
     #[must_use]
-    pub fn new(method: Method, (divisor, convergence): (Divisor, Convergence), start: Vec<f64>) -> Self {
-        let reason = Reason::IterationLimit { iterations: convergence.iterations };
+    pub fn new(method: Method, options: IterationOptions, start: Vec<f64>) -> Self {
+        let iterations = options.convergence.iterations;
+        let reason = Reason::IterationLimit { iterations };
         let outcome = Outcome {
             status: Status::IterationLimit,
             reason: Some(reason),
@@ -150,9 +162,9 @@ impl Estimation {
             simulations: 0,
             instruments: None,
         };
-        let is_done = convergence.iterations == 0;
+        let is_done = iterations == 0;
         let before = start.clone();
-        Self { method, divisor, convergence, theta: start, before, halvings: 0, last: None, outcome, is_done }
+        Self { method, options, theta: start, before, halvings: 0, last: None, outcome, is_done }
     }
 
     /// The parameters with which the loop is to be simulated; none at the end.
@@ -169,11 +181,11 @@ impl Estimation {
 
     /// Takes Z of the loop that was simulated with the parameters wanted, and estimates; where the simulation failed, half
     /// the step is wanted.
-    pub fn take(&mut self, z: Result<Matrix, SimulationError>, (x, y): (&Matrix, &[f64]), weights: Option<&[f64]>) {
+    pub fn take(&mut self, z: Result<Matrix, SimulationError>, regression: &Regression) {
         self.outcome.simulations += 1;
         match z {
-            Ok(z) => match estimate(self.method, &z, x, y, weights, self.divisor) {
-                Ok(fit) => self.accept(fit, z, y, weights),
+            Ok(z) => match self.method.estimate(regression, Some(&z), self.options.divisor) {
+                Ok(fit) => self.accept(fit, z, regression),
                 Err(e) => self.fail(Status::NotIdentifiable, Reason::Estimation(e)),
             },
             Err(_) if self.halvings < HALVINGS && self.before != self.theta => {
@@ -188,8 +200,8 @@ impl Estimation {
         (self.outcome.status, self.outcome.reason, self.is_done) = (status, Some(reason), true);
     }
 
-    fn accept(&mut self, fit: Fit, z: Matrix, y: &[f64], weights: Option<&[f64]>) {
-        let error = whitened_error(y, &fit.prediction, weights);
+    fn accept(&mut self, fit: Fit, z: Matrix, regression: &Regression) {
+        let error = norm(&regression.whiten(&regression.residual(&fit.prediction)));
         let parameter_change = self.last.as_ref().map(|(before, _)| largest_change(before, &fit));
         let error_change = self.last.as_ref().map(|(_, before)| relative_change(*before, error));
         self.outcome.iterations.push(Iteration {
@@ -199,7 +211,7 @@ impl Estimation {
             error_change,
         });
         let small = |change: Option<f64>, limit: f64| change.is_some_and(|c| c <= limit);
-        let limits = &self.convergence;
+        let limits = &self.options.convergence;
         if small(parameter_change, limits.parameter_change) && small(error_change, limits.error_change) {
             (self.outcome.status, self.outcome.reason) = (Status::Converged, None);
         } else if self.outcome.iterations.len() < limits.iterations {
@@ -209,21 +221,6 @@ impl Estimation {
             return;
         }
         (self.outcome.fit, self.outcome.instruments, self.is_done) = (Some(fit), Some(z), true);
-    }
-}
-
-fn estimate(
-    method: Method,
-    z: &Matrix,
-    x: &Matrix,
-    y: &[f64],
-    weights: Option<&[f64]>,
-    divisor: Divisor,
-) -> Result<Fit, EstimationError> {
-    match method {
-        Method::IdimLs => idim_ls(x, y, weights, divisor),
-        Method::IdimIv => idim_iv(z, x, y, weights, divisor),
-        Method::Didim => didim(z, y, weights, divisor),
     }
 }
 
@@ -241,11 +238,6 @@ fn relative_change(before: f64, now: f64) -> f64 {
     if now == before { 0.0 } else { (now - before).abs() / before }
 }
 
-fn whitened_error(y: &[f64], prediction: &[f64], weights: Option<&[f64]>) -> f64 {
-    let weight = |k: usize| weights.map_or(1.0, |w| w[k]);
-    norm(&y.iter().zip(prediction).enumerate().map(|(k, (y, p))| weight(k) * (y - p)).collect::<Vec<_>>())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -255,21 +247,25 @@ mod tests {
         Matrix::from_fn(50, 1, |k, _| (0.3 * k as f64).sin() + 0.1 * theta * (0.7 * k as f64).cos())
     }
 
-    fn measured() -> (Matrix, Vec<f64>) {
+    fn measured() -> Regression {
         let x = z_of(2.0);
         let y = x.times(&[2.0]);
-        (x, y)
+        Regression::of_one_series(x, y)
+    }
+
+    fn options(convergence: Convergence) -> IterationOptions {
+        IterationOptions { convergence, ..IterationOptions::default() }
     }
 
     #[test]
     fn both_methods_find_the_fixed_point() {
         // Some noise, so that the deviations to which changes are compared are no rounding.
-        let (x, mut y) = measured();
-        y.iter_mut().enumerate().for_each(|(k, y)| *y += 1e-8 * (7.7 * k as f64).sin());
+        let Regression { x, y, .. } = measured();
+        let y = y.iter().enumerate().map(|(k, y)| y + 1e-8 * (7.7 * k as f64).sin()).collect();
+        let regression = Regression::of_one_series(x.as_ref().clone(), y);
         let limits = Convergence { parameter_change: 1e-3, error_change: 1e-6, iterations: 50 };
-        for method in [Method::IdimIv, Method::Didim] {
-            let outcome =
-                iterate(method, (&x, &y), None, (Divisor::default(), limits), &[1.0], &mut |theta| Ok(z_of(theta[0])));
+        for method in [Method::IDIM_IV, Method::DIDIM] {
+            let outcome = iterate(method, &regression, options(limits), &[1.0], &mut |theta| Ok(z_of(theta[0])));
             assert_eq!(outcome.status, Status::Converged);
             assert!((outcome.fit.unwrap().theta[0] - 2.0).abs() < 1e-8, "{method:?}");
         }
@@ -277,19 +273,15 @@ mod tests {
 
     #[test]
     fn the_limit_of_iterations_is_a_status() {
-        let (x, y) = measured();
-        let convergence = Convergence { iterations: 2, parameter_change: 0.0, error_change: 0.0 };
-        let outcome =
-            iterate(Method::Didim, (&x, &y), None, (Divisor::default(), convergence), &[0.0], &mut |t| Ok(z_of(t[0])));
+        let limits = Convergence { iterations: 2, parameter_change: 0.0, error_change: 0.0 };
+        let outcome = iterate(Method::DIDIM, &measured(), options(limits), &[0.0], &mut |theta| Ok(z_of(theta[0])));
         assert_eq!((outcome.status, outcome.iterations.len(), outcome.simulations), (Status::IterationLimit, 2, 2));
     }
 
     #[test]
     fn steps_to_a_failing_simulation_are_halved_and_then_it_is_a_status() {
-        let (x, y) = measured();
         let fail = SimulationError::StepTooSmall { time_s: 0.0 };
-        let options = (Divisor::default(), Convergence::default());
-        let outcome = iterate(Method::Didim, (&x, &y), None, options, &[1.0], &mut |theta| {
+        let outcome = iterate(Method::DIDIM, &measured(), IterationOptions::default(), &[1.0], &mut |theta| {
             if theta[0] > 1.2 { Err(fail.clone()) } else { Ok(z_of(theta[0])) }
         });
         // Halving comes close to 1.2 and no further; the fixed point is 2.

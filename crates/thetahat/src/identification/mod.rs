@@ -1,5 +1,5 @@
-//! The estimators over `(X, y, Z)`: IDIM-LS (8), IDIM-IV (9) and (10), DIDIM (12) to (19), and the iteration of the
-//! last two over a simulator.
+//! The estimators over a [`Regression`](crate::regression::Regression) and instruments: IDIM-LS (8), IDIM-IV (9) and (10),
+//! DIDIM (12) to (19), and the iteration of the last two over a simulator.
 //!
 //! | letter | word | shape |
 //! | --- | --- | --- |
@@ -15,13 +15,13 @@
 mod assembly;
 mod essential;
 mod estimators;
+mod fit;
 mod iteration;
 mod uncertainty;
 
 pub use assembly::Assembly;
-pub use essential::{Elimination, EliminationRule, eliminate};
-pub use estimators::{
-    Divisor, EstimationError, Fit, Method, didim, idim_iv, idim_ls, joint_weights, relative_error_percent,
-};
-pub use iteration::{Convergence, Estimation, Iteration, Outcome, Reason, Status, iterate};
-pub use uncertainty::{Uncertainty, influence, uncertainty};
+pub use essential::{Elimination, EliminationRule, eliminate, nested_f_test};
+pub use estimators::{Design, Method, Needs, UnknownMethod, Weighting, didim, idim_iv, idim_ls};
+pub use fit::{Divisor, EstimationError, Fit};
+pub use iteration::{Convergence, Estimation, Iteration, IterationOptions, Outcome, Reason, Status, iterate};
+pub use uncertainty::{Uncertainty, uncertainty};

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::RecordingError;
+use super::error::RecordingError;
 use crate::series::Series;
 
 /// Largest deviation of a time step from the mean step, relative to the mean step.

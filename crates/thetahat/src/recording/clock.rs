@@ -20,7 +20,7 @@ pub struct Clock {
 
 /// How far the recorded time steps deviate from the mean one, in steps, where a record is brought to equal steps.
 ///
-/// The value at each new instant is that of the cubic through the four nearest stamps, two on each side.
+/// The value at each new instant comes from the cubic through the four nearest stamps, two on each side.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Resampling {
     /// Largest deviation of a step.

@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::{BagError, Format, Quantity, Unit};
+use super::bag::BagError;
+use super::format::Format;
+use super::unit::{Dimension, Unit};
 
 /// Why a recording is not accepted: where the defect is, what was expected, what was found.
 ///
@@ -296,25 +298,16 @@ pub enum RecordingError {
         found: String,
     },
 
-    /// The text names no known unit.
-    #[error("unknown unit {found:?}; the known units are {}", .expected.join(", "))]
-    UnknownUnit {
-        /// The text.
-        found: String,
-        /// The known units, in quotation marks.
-        expected: Vec<String>,
-    },
-
     /// The unit does not measure what the signal is.
     #[error("{file}: the {signal} is {}, but its unit {:?} measures {}; correct the unit, the side (motor or joint) or the columns",
-        alternatives(.expected), .found.symbol(), .found.quantity())]
-    WrongQuantity {
+        alternatives(.expected), .found.symbol(), .found.dimension())]
+    WrongDimension {
         /// The file.
         file: PathBuf,
         /// The signal, such as `position`.
         signal: String,
-        /// The quantities that the signal may be.
-        expected: Vec<Quantity>,
+        /// The dimensions that the signal may have.
+        expected: Vec<Dimension>,
         /// The unit given.
         found: Unit,
     },
@@ -467,6 +460,6 @@ fn quoted(names: &[String]) -> String {
     names.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ")
 }
 
-fn alternatives(quantities: &[Quantity]) -> String {
-    quantities.iter().map(Quantity::to_string).collect::<Vec<_>>().join(" or ")
+fn alternatives(dimensions: &[Dimension]) -> String {
+    dimensions.iter().map(Dimension::to_string).collect::<Vec<_>>().join(" or ")
 }

@@ -1,14 +1,8 @@
-//! The formats of recordings, told apart by the extension, and the reader of each.
+//! The formats of recordings, told apart by the extension.
 
 use std::fmt;
-use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-
-use super::csv::{self, Dialect};
-use super::place::file_bytes;
-use super::table::{Table, Wanted};
-use super::{RecordingError, mat, npy, npz};
 
 /// A kind of file that holds recordings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -32,21 +26,17 @@ pub enum Format {
 }
 
 impl Format {
-    /// The format that the extension of a path names.
-    ///
-    /// # Errors
-    /// [`RecordingError::UnknownFormat`] if it names none.
-    pub fn of(path: &Path) -> Result<Self, RecordingError> {
-        let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-        match extension.as_str() {
-            "csv" | "tsv" | "txt" | "dat" => Ok(Self::Csv),
-            "npy" => Ok(Self::Npy),
-            "npz" => Ok(Self::Npz),
-            "mat" => Ok(Self::Mat),
-            "parquet" => Ok(Self::Parquet),
-            "db3" => Ok(Self::Db3),
-            "mcap" => Ok(Self::Mcap),
-            _ => Err(RecordingError::UnknownFormat { file: path.to_owned(), found: extension }),
+    /// The format that an extension in lower case names; none if it names none.
+    pub(super) fn of_extension(extension: &str) -> Option<Self> {
+        match extension {
+            "csv" | "tsv" | "txt" | "dat" => Some(Self::Csv),
+            "npy" => Some(Self::Npy),
+            "npz" => Some(Self::Npz),
+            "mat" => Some(Self::Mat),
+            "parquet" => Some(Self::Parquet),
+            "db3" => Some(Self::Db3),
+            "mcap" => Some(Self::Mcap),
+            _ => None,
         }
     }
 
@@ -73,32 +63,4 @@ impl fmt::Display for Format {
             Self::Mcap => "a ROS 2 bag in MCAP",
         })
     }
-}
-
-/// The table that a file holds. For bags see `bag`.
-pub(super) fn table(
-    path: &Path,
-    format: Format,
-    dialect: &Dialect,
-    wanted: Wanted<'_>,
-) -> Result<Table, RecordingError> {
-    let bytes = file_bytes(path)?;
-    match format {
-        Format::Csv => csv::read(&bytes, path, dialect, wanted),
-        Format::Npy => npy::read(&bytes, path),
-        Format::Npz => npz::read(&bytes, path, wanted),
-        Format::Mat => mat::read(bytes, path, wanted),
-        Format::Parquet => parquet(bytes, path, wanted),
-        Format::Db3 | Format::Mcap => Ok(Table::default()),
-    }
-}
-
-#[cfg(feature = "parquet")]
-fn parquet(bytes: Vec<u8>, path: &Path, wanted: Wanted<'_>) -> Result<Table, RecordingError> {
-    super::parquet::read(bytes, path, wanted)
-}
-
-#[cfg(not(feature = "parquet"))]
-fn parquet(_: Vec<u8>, path: &Path, _: Wanted<'_>) -> Result<Table, RecordingError> {
-    Err(RecordingError::FeatureMissing { file: path.to_owned(), format: "Parquet files", feature: "parquet" })
 }

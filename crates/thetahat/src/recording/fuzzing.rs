@@ -35,11 +35,11 @@ pub fn mat73(bytes: &[u8]) {
     let _ = mat::read_v73(bytes.to_vec(), Path::new("fuzz.mat"), Wanted::All);
 }
 
-/// A Parquet file, whole and a part of it.
+/// A Parquet file, whole and a piece of it.
 #[cfg(feature = "parquet")]
 pub fn parquet(bytes: &[u8]) {
     let _ = super::parquet::read(bytes.to_vec(), Path::new("fuzz.parquet"), Wanted::All);
-    super::parquet::fuzz_parts(bytes);
+    super::parquet::fuzz_pieces(bytes);
 }
 
 /// A bag in SQLite.

@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 
 use npyz::{DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar};
 
-use super::RecordingError;
-use super::limits::Budget;
+use super::budget::Budget;
+use super::error::RecordingError;
 use super::place::{open, unreadable};
 use super::table::{Column, Table};
 
@@ -50,7 +50,7 @@ pub(super) fn column(name: String, bytes: &[u8], path: &Path, budget: &mut Budge
 }
 
 /// An array of which any samples can be read: one that lies in a file as it is.
-pub(super) struct ArrayParts {
+pub(super) struct ArrayPieces {
     path: PathBuf,
     name: String,
     header: NpyHeader,
@@ -62,7 +62,7 @@ pub(super) struct ArrayParts {
     start: u64,
 }
 
-impl ArrayParts {
+impl ArrayPieces {
     /// The array that begins at a byte of a file and takes `length` bytes; none where it is not one of numbers, or too
     /// short for them: the reader of whole files says what is wrong.
     pub(super) fn open(path: &Path, name: String, place: u64, length: u64) -> Result<Option<Self>, RecordingError> {
@@ -155,7 +155,7 @@ fn deepest_bracket(header: &[u8]) -> usize {
     deepest
 }
 
-/// Whether the product of all numbers in the header fits into an `i64`, and with them that of the shape.
+/// Whether the product of all numbers in the header fits into an `i64`; then so does the product of the shape.
 fn shape_is_countable(header: &[u8]) -> bool {
     let numbers = header.split(|b| !b.is_ascii_digit()).filter(|digits| !digits.is_empty());
     let number = |digits| str::from_utf8(digits).ok()?.parse::<i64>().ok();
@@ -177,12 +177,10 @@ fn samples_and_channels(shape: &[u64]) -> Option<(usize, usize)> {
 fn number_type(dtype: &DType) -> Option<(TypeChar, usize)> {
     let DType::Plain(text) = dtype else { return None };
     let width = usize::try_from(text.size_field()).ok()?;
-    let known = match text.type_char() {
-        TypeChar::Float => matches!(width, 4 | 8),
-        TypeChar::Int | TypeChar::Uint => matches!(width, 1 | 2 | 4 | 8),
-        TypeChar::Bool => width == 1,
-        _ => false,
-    };
+    let known = matches!(
+        (text.type_char(), width),
+        (TypeChar::Float, 4 | 8) | (TypeChar::Int | TypeChar::Uint, 1 | 2 | 4 | 8) | (TypeChar::Bool, 1)
+    );
     known.then(|| (text.type_char(), width))
 }
 

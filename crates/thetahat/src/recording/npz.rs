@@ -6,8 +6,8 @@ use std::path::Path;
 use zip::ZipArchive;
 use zip::read::ZipFile;
 
-use super::RecordingError;
-use super::limits::Budget;
+use super::budget::Budget;
+use super::error::RecordingError;
 use super::npy;
 use super::table::{Column, Table, Wanted};
 

@@ -4,7 +4,7 @@ use std::fs::{self, File, Metadata};
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
-use super::RecordingError;
+use super::error::RecordingError;
 
 /// The path of `file` inside `root`.
 ///
@@ -54,7 +54,7 @@ pub(super) fn file_length(path: &Path) -> Result<u64, RecordingError> {
     }
 }
 
-/// What the system says of an ordinary file. Folders, pipes and devices are refused: reading one may never end.
+/// The metadata of an ordinary file. Folders, pipes and devices are refused: reading one may never end.
 fn metadata(path: &Path) -> Result<Metadata, RecordingError> {
     let metadata = fs::metadata(path).map_err(|e| unreadable(path, e))?;
     if metadata.is_file() {
@@ -66,15 +66,17 @@ fn metadata(path: &Path) -> Result<Metadata, RecordingError> {
 
 pub(super) fn unreadable(path: &Path, source: io::Error) -> RecordingError {
     let file = path.to_owned();
-    match source.kind() {
-        io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => RecordingError::FileNotFound { file },
-        _ => RecordingError::Unreadable { file, source },
+    if matches!(source.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) {
+        RecordingError::FileNotFound { file }
+    } else {
+        RecordingError::Unreadable { file, source }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::test_files::Folder;
+    use thetahat_testing::Folder;
+
     use super::*;
 
     fn folder() -> Folder {

@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use super::checks::require_finite;
+use super::error::RecordingError;
+use super::format::Format;
 use super::table::{Column, Table, indexed};
-use super::{Format, RecordingError};
 use crate::series::Series;
 
 /// The named columns of a table side by side.

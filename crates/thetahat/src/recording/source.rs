@@ -5,9 +5,12 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::csv::{Decimal, Dialect};
-use super::format::table;
+use super::error::RecordingError;
+use super::format::Format;
+use super::reader::table;
 use super::table::Wanted;
-use super::{Format, Quantity, RecordingError, Unit, bag, place, select};
+use super::unit::{Dimension, Unit};
+use super::{bag, place, select};
 use crate::series::Series;
 
 /// Where the channels of one signal are, and what they are.
@@ -81,12 +84,12 @@ impl ChannelSource {
     /// Checks that the unit measures what the `signal` (a word for the error's text) is.
     ///
     /// # Errors
-    /// [`RecordingError::WrongQuantity`] if the unit's quantity is not among the `expected` ones.
-    pub fn require_quantity(&self, signal: &str, expected: &[Quantity]) -> Result<(), RecordingError> {
-        if expected.contains(&self.unit.quantity()) {
+    /// [`RecordingError::WrongDimension`] if the dimension of the unit is not among the `expected` ones.
+    pub fn require_dimension(&self, signal: &str, expected: &[Dimension]) -> Result<(), RecordingError> {
+        if expected.contains(&self.unit.dimension()) {
             return Ok(());
         }
-        Err(RecordingError::WrongQuantity {
+        Err(RecordingError::WrongDimension {
             file: self.file.clone(),
             signal: signal.to_owned(),
             expected: expected.to_vec(),
@@ -174,7 +177,8 @@ fn read(source: &ChannelSource, format: Format, path: &Path) -> Result<Series, R
 
 #[cfg(test)]
 mod tests {
-    use super::super::test_files::Folder;
+    use thetahat_testing::Folder;
+
     use super::*;
 
     const TWO_JOINTS: &str = "a,b\n1,2\n3,4\n";
@@ -225,10 +229,10 @@ mod tests {
     #[test]
     fn position_in_a_unit_of_torque_is_refused() {
         let mut source = source("q.csv", &[]);
-        source.require_quantity("position", &[Quantity::Angle, Quantity::Length]).unwrap();
+        source.require_dimension("position", &[Dimension::Angle, Dimension::Length]).unwrap();
         source.unit = Unit::NewtonMetre;
-        let error = source.require_quantity("position", &[Quantity::Angle, Quantity::Length]).unwrap_err();
-        assert!(matches!(error, RecordingError::WrongQuantity { found: Unit::NewtonMetre, .. }));
+        let error = source.require_dimension("position", &[Dimension::Angle, Dimension::Length]).unwrap_err();
+        assert!(matches!(error, RecordingError::WrongDimension { found: Unit::NewtonMetre, .. }));
     }
 
     #[test]

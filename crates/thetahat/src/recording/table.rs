@@ -1,9 +1,9 @@
-//! What a file holds, as its reader gives it: columns of numbers by name, with what is wrong with each, and nothing
-//! refused yet. Reading a signal refuses flawed columns, inspecting a file reports them.
+//! The columns of a file as its reader returns them: numbers by name, with the flaw of each column, nothing refused
+//! yet. Reading a signal refuses flawed columns, inspecting a file reports them.
 
 use std::path::Path;
 
-use super::RecordingError;
+use super::error::RecordingError;
 
 /// Columns that stand together in a file: a CSV file, the variables of a MAT file, a topic.
 #[derive(Debug, Clone, Default)]
@@ -19,7 +19,7 @@ pub(super) struct Column {
     pub(super) name: String,
     /// Number of channels, one for each column of a matrix.
     pub(super) channels: usize,
-    /// The samples of the first channel, then those of the second, and so on.
+    /// Channel by channel: all samples of the first, then all of the second, and so on.
     pub(super) values: Vec<f64>,
     pub(super) flaw: Option<Flaw>,
 }

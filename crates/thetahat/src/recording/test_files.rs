@@ -1,39 +1,9 @@
-//! Files for the tests of this room: a folder that vanishes with the test, and NumPy and MAT files written by hand.
+//! Files for the tests of this room: NumPy and MAT files written by hand.
 
-use std::fs;
 use std::io::Write;
-use std::path::{Path, PathBuf};
-use std::process;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
-
-static FOLDERS: AtomicUsize = AtomicUsize::new(0);
-
-/// A folder of its own for one test, removed at its end.
-pub(super) struct Folder(PathBuf);
-
-impl Folder {
-    /// A new folder with one file.
-    pub(super) fn with(name: &str, bytes: &[u8]) -> Self {
-        let number = FOLDERS.fetch_add(1, Ordering::Relaxed);
-        let folder = std::env::temp_dir().join(format!("thetahat-recording-{}-{number}", process::id()));
-        fs::create_dir_all(&folder).unwrap();
-        fs::write(folder.join(name), bytes).unwrap();
-        Self(folder)
-    }
-
-    pub(super) fn path(&self) -> &Path {
-        &self.0
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
 
 /// The bytes of a NumPy array.
 pub(super) fn npy(descr: &str, fortran: bool, shape: &str, data: &[u8]) -> Vec<u8> {

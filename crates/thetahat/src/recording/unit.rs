@@ -1,16 +1,25 @@
-//! Units: their names in files, their factors to SI, and the quantities they measure.
+//! Units: their names in files, their factors to SI, and the dimensions they measure.
 
 use std::f64::consts::PI;
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
-use super::RecordingError;
+/// A text that names no known unit.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("unknown unit {found:?}; the known units are {}", .expected.join(", "))]
+pub struct UnknownUnit {
+    /// The text.
+    pub found: String,
+    /// The known units, in quotation marks.
+    pub expected: Vec<String>,
+}
 
 /// What a unit measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Quantity {
+pub enum Dimension {
     /// Position of a revolute joint or of a motor.
     Angle,
     /// Position of a prismatic joint.
@@ -37,7 +46,7 @@ pub enum Quantity {
     Dimensionless,
 }
 
-impl fmt::Display for Quantity {
+impl fmt::Display for Dimension {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Angle => "an angle",
@@ -182,45 +191,45 @@ impl Unit {
 
     /// What the unit measures.
     #[must_use]
-    pub fn quantity(self) -> Quantity {
+    pub fn dimension(self) -> Dimension {
         self.definition().2
     }
 
-    /// The one table of units: symbol, factor to SI, quantity.
-    fn definition(self) -> (&'static str, f64, Quantity) {
+    /// The one table of units: symbol, factor to SI, dimension.
+    fn definition(self) -> (&'static str, f64, Dimension) {
         match self {
-            Self::Radian => ("rad", 1.0, Quantity::Angle),
-            Self::Milliradian => ("mrad", 1e-3, Quantity::Angle),
-            Self::Degree => ("deg", PI / 180.0, Quantity::Angle),
-            Self::Revolution => ("rev", 2.0 * PI, Quantity::Angle),
-            Self::Metre => ("m", 1.0, Quantity::Length),
-            Self::Millimetre => ("mm", 1e-3, Quantity::Length),
-            Self::Micrometre => ("um", 1e-6, Quantity::Length),
-            Self::RadianPerSecond => ("rad/s", 1.0, Quantity::AngularVelocity),
-            Self::DegreePerSecond => ("deg/s", PI / 180.0, Quantity::AngularVelocity),
-            Self::RevolutionPerSecond => ("rev/s", 2.0 * PI, Quantity::AngularVelocity),
-            Self::RevolutionPerMinute => ("rpm", PI / 30.0, Quantity::AngularVelocity),
-            Self::MetrePerSecond => ("m/s", 1.0, Quantity::LinearVelocity),
-            Self::MillimetrePerSecond => ("mm/s", 1e-3, Quantity::LinearVelocity),
-            Self::RadianPerSecondSquared => ("rad/s^2", 1.0, Quantity::AngularAcceleration),
-            Self::DegreePerSecondSquared => ("deg/s^2", PI / 180.0, Quantity::AngularAcceleration),
-            Self::MetrePerSecondSquared => ("m/s^2", 1.0, Quantity::LinearAcceleration),
-            Self::MillimetrePerSecondSquared => ("mm/s^2", 1e-3, Quantity::LinearAcceleration),
-            Self::NewtonMetre => ("N m", 1.0, Quantity::Torque),
-            Self::MillinewtonMetre => ("mN m", 1e-3, Quantity::Torque),
-            Self::KilonewtonMetre => ("kN m", 1e3, Quantity::Torque),
-            Self::Newton => ("N", 1.0, Quantity::Force),
-            Self::Kilonewton => ("kN", 1e3, Quantity::Force),
-            Self::Ampere => ("A", 1.0, Quantity::Current),
-            Self::Milliampere => ("mA", 1e-3, Quantity::Current),
-            Self::Volt => ("V", 1.0, Quantity::Voltage),
-            Self::Millivolt => ("mV", 1e-3, Quantity::Voltage),
-            Self::Second => ("s", 1.0, Quantity::Time),
-            Self::Millisecond => ("ms", 1e-3, Quantity::Time),
-            Self::Microsecond => ("us", 1e-6, Quantity::Time),
-            Self::Nanosecond => ("ns", 1e-9, Quantity::Time),
-            Self::One => ("1", 1.0, Quantity::Dimensionless),
-            Self::Percent => ("%", 1e-2, Quantity::Dimensionless),
+            Self::Radian => ("rad", 1.0, Dimension::Angle),
+            Self::Milliradian => ("mrad", 1e-3, Dimension::Angle),
+            Self::Degree => ("deg", PI / 180.0, Dimension::Angle),
+            Self::Revolution => ("rev", 2.0 * PI, Dimension::Angle),
+            Self::Metre => ("m", 1.0, Dimension::Length),
+            Self::Millimetre => ("mm", 1e-3, Dimension::Length),
+            Self::Micrometre => ("um", 1e-6, Dimension::Length),
+            Self::RadianPerSecond => ("rad/s", 1.0, Dimension::AngularVelocity),
+            Self::DegreePerSecond => ("deg/s", PI / 180.0, Dimension::AngularVelocity),
+            Self::RevolutionPerSecond => ("rev/s", 2.0 * PI, Dimension::AngularVelocity),
+            Self::RevolutionPerMinute => ("rpm", PI / 30.0, Dimension::AngularVelocity),
+            Self::MetrePerSecond => ("m/s", 1.0, Dimension::LinearVelocity),
+            Self::MillimetrePerSecond => ("mm/s", 1e-3, Dimension::LinearVelocity),
+            Self::RadianPerSecondSquared => ("rad/s^2", 1.0, Dimension::AngularAcceleration),
+            Self::DegreePerSecondSquared => ("deg/s^2", PI / 180.0, Dimension::AngularAcceleration),
+            Self::MetrePerSecondSquared => ("m/s^2", 1.0, Dimension::LinearAcceleration),
+            Self::MillimetrePerSecondSquared => ("mm/s^2", 1e-3, Dimension::LinearAcceleration),
+            Self::NewtonMetre => ("N m", 1.0, Dimension::Torque),
+            Self::MillinewtonMetre => ("mN m", 1e-3, Dimension::Torque),
+            Self::KilonewtonMetre => ("kN m", 1e3, Dimension::Torque),
+            Self::Newton => ("N", 1.0, Dimension::Force),
+            Self::Kilonewton => ("kN", 1e3, Dimension::Force),
+            Self::Ampere => ("A", 1.0, Dimension::Current),
+            Self::Milliampere => ("mA", 1e-3, Dimension::Current),
+            Self::Volt => ("V", 1.0, Dimension::Voltage),
+            Self::Millivolt => ("mV", 1e-3, Dimension::Voltage),
+            Self::Second => ("s", 1.0, Dimension::Time),
+            Self::Millisecond => ("ms", 1e-3, Dimension::Time),
+            Self::Microsecond => ("us", 1e-6, Dimension::Time),
+            Self::Nanosecond => ("ns", 1e-9, Dimension::Time),
+            Self::One => ("1", 1.0, Dimension::Dimensionless),
+            Self::Percent => ("%", 1e-2, Dimension::Dimensionless),
         }
     }
 }
@@ -232,11 +241,11 @@ impl fmt::Display for Unit {
 }
 
 impl FromStr for Unit {
-    type Err = RecordingError;
+    type Err = UnknownUnit;
 
-    fn from_str(symbol: &str) -> Result<Self, RecordingError> {
+    fn from_str(symbol: &str) -> Result<Self, UnknownUnit> {
         let known = Self::ALL.into_iter().find(|unit| unit.symbol() == symbol);
-        known.ok_or_else(|| RecordingError::UnknownUnit {
+        known.ok_or_else(|| UnknownUnit {
             found: symbol.to_owned(),
             expected: Self::ALL.map(|unit| format!("\"{unit}\"")).to_vec(),
         })
@@ -250,9 +259,9 @@ impl From<Unit> for &'static str {
 }
 
 impl TryFrom<String> for Unit {
-    type Error = RecordingError;
+    type Error = UnknownUnit;
 
-    fn try_from(symbol: String) -> Result<Self, RecordingError> {
+    fn try_from(symbol: String) -> Result<Self, UnknownUnit> {
         symbol.parse()
     }
 }
@@ -272,15 +281,14 @@ mod tests {
     fn factors_lead_to_si() {
         assert_eq!(Unit::Revolution.to_si(), 2.0 * PI);
         assert_eq!(Unit::Millimetre.to_si(), 1e-3);
-        assert_eq!(Unit::MillinewtonMetre.quantity(), Quantity::Torque);
+        assert_eq!(Unit::MillinewtonMetre.dimension(), Dimension::Torque);
         assert_eq!(30.0 * Unit::RevolutionPerMinute.to_si(), PI);
         assert_eq!(50.0 * Unit::Percent.to_si(), 0.5);
     }
 
     #[test]
     fn unknown_symbol_is_refused_with_the_known_ones() {
-        let error = "Nm".parse::<Unit>().unwrap_err();
-        let RecordingError::UnknownUnit { found, expected } = error else { panic!("{error}") };
+        let UnknownUnit { found, expected } = "Nm".parse::<Unit>().unwrap_err();
         assert_eq!(found, "Nm");
         assert!(expected.contains(&"\"N m\"".to_owned()));
     }

@@ -1,9 +1,11 @@
 use std::{collections::BTreeMap, path::Path};
 
-use super::ReductionError;
+use super::error::ReductionError;
 use crate::{
-    experiment::{Experiment, NOMINAL, Results},
+    experiment::Experiment,
     identification::Method,
+    preparation::{Basis, Case},
+    results::{NOMINAL, Results},
 };
 
 /// The nominal estimates of a `results.json` by name: those of IDIM-IV, or else of IDIM-LS.
@@ -15,11 +17,11 @@ pub fn estimates_of_results(path: &Path, experiment: &Experiment) -> Result<BTre
     let refuse = |reason: String| ReductionError::NoEstimates { path: path.to_owned(), reason };
     let text = std::fs::read(path).map_err(|source| ReductionError::Unreadable { path: path.to_owned(), source })?;
     let results: Results = serde_json::from_slice(&text).map_err(|e| refuse(e.to_string()))?;
-    let run = [Method::IdimIv, Method::IdimLs].into_iter().filter_map(|method| results.run(NOMINAL, method));
+    let run = [Method::IDIM_IV, Method::IDIM_LS].into_iter().filter_map(|method| results.run(NOMINAL, method));
     let parameters = run.map(|run| &run.parameters).find(|parameters| !parameters.is_empty());
     let parameters =
         parameters.ok_or_else(|| refuse("it holds no nominal estimate of idim-iv or idim-ls".to_owned()))?;
-    let (model, base) = experiment.basis(&experiment.robot)?;
+    let Basis { model, base } = experiment.setup().basis(&Case::nominal()).map_err(|e| experiment.refuse(e))?;
     let names: Vec<String> = parameters.iter().map(|p| p.name.clone()).collect();
     base.select(model.parameter_table(), &names).map_err(|e| refuse(e.to_string()))?;
     Ok(parameters.iter().map(|p| (p.name.clone(), p.estimate)).collect())

@@ -2,15 +2,17 @@
 
 use std::ops::Range;
 
-use super::{ReductionError, pieces::refuse, source::Source};
+use super::{error::ReductionError, pieces::refuse, source::Source};
 use crate::{
     base_parameters::BaseParameters,
     control::ControllerDescription,
     dynamics::{Model, Sign},
-    experiment::{Experiment, ExperimentError, Gains, Start},
+    experiment::Experiment,
+    preparation::Gains,
+    scheduling::closed_loop,
     series::Series,
+    signal::Motion,
     simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulatorBias, Solver},
-    trajectory::reconstruct,
 };
 
 /// Time that a piece is simulated before its first sample: the loop starts at rest on its reference, and must have forgotten
@@ -35,14 +37,12 @@ pub(super) struct Simulated<'a> {
     /// Samples that the position filter looks back and ahead.
     reach: usize,
     /// The motion in the window, where the record is in memory.
-    whole: Option<(usize, Motion)>,
+    whole: Option<(usize, SimulatedPiece)>,
 }
 
-/// Positions, velocities and accelerations of the joints.
-pub(super) struct Motion {
-    pub q: Series,
-    pub dq: Series,
-    pub ddq: Series,
+/// The simulated motion of a piece.
+pub(super) struct SimulatedPiece {
+    pub motion: Motion,
     /// Positions at the sample behind the last, where there is one.
     pub next: Option<Vec<f64>>,
 }
@@ -57,7 +57,8 @@ impl<'a> Simulated<'a> {
         (reach, window): (usize, &Range<usize>),
     ) -> Result<Self, ReductionError> {
         let why = "instruments are simulated under its control";
-        let controller = experiment.file.controller.as_ref().ok_or_else(|| experiment.missing("[controller]", why))?;
+        let controller =
+            experiment.settings.controller.as_ref().ok_or_else(|| experiment.missing("[controller]", why))?;
         let (theta, inertia) = (base.to_standard(theta), Vec::new());
         let mut simulated = Self { experiment, model, controller, source, theta, inertia, reach, whole: None };
         let reference = simulated.reference_in_memory()?;
@@ -77,27 +78,27 @@ impl<'a> Simulated<'a> {
 
     /// The regularised sign of the simulated friction.
     pub(super) fn sign(&self) -> Sign {
-        Sign::Smooth { scale: self.experiment.file.simulation.sign_velocity_scale }
+        Sign::Smooth { scale: self.experiment.settings.simulation.sign_velocity_scale }
     }
 
     /// The motion in a range of samples of the record.
-    pub(super) fn motion(&self, range: &Range<usize>) -> Result<Motion, ReductionError> {
-        if let Some((start, motion)) = &self.whole {
-            let cut = |series: &Series| series.window(range.start - start..range.end - start);
-            return Ok(Motion { q: cut(&motion.q), dq: cut(&motion.dq), ddq: cut(&motion.ddq), next: None });
+    pub(super) fn motion(&self, range: &Range<usize>) -> Result<SimulatedPiece, ReductionError> {
+        if let Some((start, whole)) = &self.whole {
+            let motion = cut(&whole.motion, range.start - start..range.end - start);
+            return Ok(SimulatedPiece { motion, next: None });
         }
-        if !self.experiment.file.simulation.band_pass {
+        if !self.experiment.settings.simulation.band_pass {
             return self.simulate_piece(range);
         }
         let ahead = self.reach + 2;
         let extended = range.start.saturating_sub(ahead)..(range.end + ahead).min(self.source.samples);
         let piece = self.simulate_piece(&extended)?;
-        self.filtered(&piece.q, range.start - extended.start..range.end - extended.start)
+        self.filtered(&piece.motion.q, range.start - extended.start..range.end - extended.start)
     }
 
     /// Refuses pieces that do not meet: the loop remembers longer than it was simulated before each.
     pub(super) fn require_seam(&self, expected: &[f64], found: &[f64], sample: usize) -> Result<(), ReductionError> {
-        let (relative, absolute) = match self.experiment.file.simulation.solver {
+        let (relative, absolute) = match self.experiment.settings.simulation.solver {
             Solver::Automatic { relative_tolerance, absolute_tolerance }
             | Solver::Adaptive { relative_tolerance, absolute_tolerance }
             | Solver::Implicit { relative_tolerance, absolute_tolerance } => (relative_tolerance, absolute_tolerance),
@@ -113,60 +114,38 @@ impl<'a> Simulated<'a> {
     }
 
     fn closed_loop<'b>(&'b self, reference: &'b Reference, added: Option<&'b Series>) -> ClosedLoop<'b> {
-        ClosedLoop {
-            model: self.model,
-            transmission: &self.experiment.robot.transmission,
-            controller: self.controller,
-            reference,
-            added_signal: added.map(|series| (series, self.source.sample_rate_hz)),
-            bias: SimulatorBias::NONE,
-            solver: self.experiment.file.simulation.solver,
-            sign_velocity_scale: self.experiment.file.simulation.sign_velocity_scale,
-        }
+        let added = added.map(|series| (series, self.source.sample_rate_hz));
+        let setup = self.experiment.setup();
+        closed_loop(setup, self.model, self.controller, reference, added, SimulatorBias::NONE)
     }
 
     /// The parameters for whose inertia the gains of a controller given by its bandwidth are.
     fn parameters_of_gains(&self, base: &BaseParameters) -> Vec<f64> {
-        let estimation = &self.experiment.file.estimation;
-        if estimation.gains == Gains::Updated {
-            return self.theta.clone();
+        match self.experiment.settings.estimation.gains {
+            Gains::Updated => self.theta.clone(),
+            Gains::Kept => {
+                let start = self.experiment.setup().start(self.model.parameter_table());
+                base.to_standard(&base.from_standard(&start))
+            }
         }
-        let table = self.model.parameter_table();
-        let mut theta = self.experiment.robot.a_priori_parameters_for(table);
-        if estimation.start == Start::MotorInertias {
-            let parameters = theta.iter_mut().zip(table.iter());
-            parameters.filter(|(_, p)| !p.quantity.is_motor_inertia()).for_each(|(t, _)| *t = 0.0);
-        }
-        base.to_standard(&base.from_standard(&theta))
     }
 
     /// The reference of a record in memory: recorded, planned, or reconstructed.
     fn reference_in_memory(&self) -> Result<Option<Reference>, ReductionError> {
-        let Some(record) = self.source.record() else { return Ok(None) };
-        let rate = self.source.sample_rate_hz;
-        if let Some(recorded) = &record.reference {
-            return Ok(Some(Reference::Sampled(SampledReference::new(recorded.clone(), rate))));
-        }
-        if let Some(planned) = &record.planned {
-            return Ok(Some(Reference::Moves(planned.clone())));
-        }
-        let (_, velocity, _) =
-            self.experiment.band_pass(&record.position, rate).map_err(|e| refuse(self.experiment, e))?;
-        let path = self.experiment.path.clone();
-        let found = reconstruct(&record.position, &velocity, rate)
-            .map_err(|source| ExperimentError::Trajectory { path, source })?;
-        Ok(Some(Reference::Moves(found.moves)))
+        let Some(recording) = self.source.recording() else { return Ok(None) };
+        let reference = self.experiment.setup().reference(recording);
+        Ok(Some(reference.map_err(|e| self.experiment.refuse(e))?.reference))
     }
 
-    fn whole_motion(&self, reference: &Reference, window: &Range<usize>) -> Result<Motion, ReductionError> {
-        let added = self.source.record().and_then(|record| record.added_signal.as_ref());
+    fn whole_motion(&self, reference: &Reference, window: &Range<usize>) -> Result<SimulatedPiece, ReductionError> {
+        let added = self.source.recording().and_then(|recording| recording.added_signal.as_ref());
         let closed_loop = self.closed_loop(reference, added);
-        if self.experiment.file.simulation.band_pass {
+        if self.experiment.settings.simulation.band_pass {
             let whole = self.run(&closed_loop, 0, 0..self.source.samples)?;
             return self.filtered(&whole.q, window.clone());
         }
         let SimulatedMotion { q, dq, ddq, .. } = self.run(&closed_loop, 0, window.clone())?;
-        Ok(Motion { q, dq, ddq, next: None })
+        Ok(SimulatedPiece { motion: Motion { q, dq, ddq }, next: None })
     }
 
     /// Simulates from the sample `origin` on, and gives a range of samples.
@@ -186,24 +165,23 @@ impl<'a> Simulated<'a> {
         })
     }
 
-    fn filtered(&self, q: &Series, range: Range<usize>) -> Result<Motion, ReductionError> {
-        let filtered = self.experiment.band_pass(q, self.source.sample_rate_hz);
-        let (q, dq, ddq) = filtered.map_err(|e| refuse(self.experiment, e))?;
-        let next = (range.end < q.len()).then(|| q.sample(range.end).to_vec());
-        let cut = |series: &Series| series.window(range.clone());
-        Ok(Motion { q: cut(&q), dq: cut(&dq), ddq: cut(&ddq), next })
+    fn filtered(&self, q: &Series, range: Range<usize>) -> Result<SimulatedPiece, ReductionError> {
+        let filtered = self.experiment.setup().band_pass(q, self.source.sample_rate_hz);
+        let motion = filtered.map_err(|e| refuse(self.experiment, e))?;
+        let next = (range.end < motion.q.len()).then(|| motion.q.sample(range.end).to_vec());
+        Ok(SimulatedPiece { motion: cut(&motion, range), next })
     }
 
-    fn simulate_piece(&self, range: &Range<usize>) -> Result<Motion, ReductionError> {
+    fn simulate_piece(&self, range: &Range<usize>) -> Result<SimulatedPiece, ReductionError> {
         let warm_up = (WARM_UP_S * self.source.sample_rate_hz).ceil() as usize;
         let origin = range.start.saturating_sub(warm_up);
         let end = (range.end + 1).min(self.source.samples);
         let (reference, added) = self.source.reference(origin..end)?;
         let reference = Reference::Sampled(SampledReference::new(reference, self.source.sample_rate_hz));
-        let motion = self.run(&self.closed_loop(&reference, added.as_ref()), origin, range.start..end)?;
-        let next = (end > range.end).then(|| motion.q.sample(range.len()).to_vec());
-        let cut = |series: &Series| series.window(0..range.len());
-        Ok(Motion { q: cut(&motion.q), dq: cut(&motion.dq), ddq: cut(&motion.ddq), next })
+        let SimulatedMotion { q, dq, ddq, .. } =
+            self.run(&self.closed_loop(&reference, added.as_ref()), origin, range.start..end)?;
+        let next = (end > range.end).then(|| q.sample(range.len()).to_vec());
+        Ok(SimulatedPiece { motion: cut(&Motion { q, dq, ddq }, 0..range.len()), next })
     }
 
     /// The inertia that each motor sees, averaged along the record.
@@ -221,4 +199,9 @@ impl<'a> Simulated<'a> {
         let reference = Reference::Sampled(SampledReference::new(series, 1.0));
         Ok(self.closed_loop(&reference, None).motor_inertia(theta, (INERTIA_SAMPLES - 1) as f64))
     }
+}
+
+fn cut(motion: &Motion, range: Range<usize>) -> Motion {
+    let cut = |series: &Series| series.window(range.clone());
+    Motion { q: cut(&motion.q), dq: cut(&motion.dq), ddq: cut(&motion.ddq) }
 }

@@ -19,15 +19,24 @@
 //! | `reduce` | all of it, recording by recording |
 //! | `factors` | rows to factors, stretch by stretch |
 //! | `value`, `file`, `fingerprint` | the reduction, its merging and its file; by what a recording is known again |
-//! | `compressed`, `essential`, `solve` | least squares and IV on the factors, elimination, results |
+//! | `compressed`, `solve` | the factors as a regression, its estimates and results |
 //! | `segments` | intervals from the scores of the stretches of time |
 //! | `estimates` | estimates of a `results.json`, for instruments |
 //!
 //! `docs/long_records.md` says how pieces are kept equal to the whole, and what is refused.
+//!
+//! ```
+//! use std::path::PathBuf;
+//! use thetahat::reduction::{Reduction, ReductionError};
+//! /// The estimates from recordings that were reduced one by one.
+//! fn solve_all(files: &[PathBuf]) -> Result<usize, ReductionError> {
+//!     Ok(Reduction::read_all(files)?.solve()?.results.runs.len())
+//! }
+//! assert!(matches!(solve_all(&[]), Err(ReductionError::Nothing)));
+//! ```
 
 mod compressed;
 mod error;
-mod essential;
 mod estimates;
 mod factors;
 mod file;

@@ -3,17 +3,18 @@
 use std::ops::Range;
 
 use super::{
-    ReductionError,
+    error::ReductionError,
     fingerprint::Fingerprint,
-    instruments::{Motion, Simulated},
+    instruments::{Simulated, SimulatedPiece},
     source::Source,
 };
 use crate::{
-    dynamics::{Model, Sign, Workspace},
-    experiment::{Experiment, ExperimentError, MOVING, STILL},
+    dynamics::{Model, Sign, State, Workspace},
+    experiment::Experiment,
+    preparation::{MOVING, PreparationError, STILL},
     regressor::Regressor,
     series::Series,
-    signal::{DecimatedPart, Decimator, SignalError, moving_thresholds},
+    signal::{DecimatedPiece, Decimator, Motion, SecondOrderSections, SignalError, moving_thresholds},
 };
 
 /// What a transient of the position filter decays to between the end of what is read and what is used of it: far below
@@ -35,7 +36,7 @@ pub(super) struct Pieces<'a> {
 
 /// What one piece gives.
 pub(super) struct Piece {
-    pub part: DecimatedPart,
+    pub decimated: DecimatedPiece,
     pub fingerprint: Fingerprint,
     /// Largest velocity.
     pub peak: f64,
@@ -50,8 +51,12 @@ impl<'a> Pieces<'a> {
         source: &'a Source<'a>,
         samples: usize,
     ) -> Result<Self, ReductionError> {
-        experiment.require_periods(source.samples, source.sample_rate_hz)?;
-        let filter = experiment.position_filter(source.sample_rate_hz).map_err(|e| refuse(experiment, e))?;
+        let refuse = |e: PreparationError| ReductionError::from(experiment.refuse(e));
+        experiment.setup().require_periods(source.samples, source.sample_rate_hz).map_err(refuse)?;
+        let options = &experiment.settings.signal;
+        let filter =
+            SecondOrderSections::butterworth_lowpass(options.filter_order, options.cutoff_hz, source.sample_rate_hz);
+        let filter = filter.map_err(|e| refuse(e.into()))?;
         let reach = filter.settling_samples(REMAINDER);
         Ok(Self { experiment, source, reach, samples: samples.max(reach).max(1) })
     }
@@ -59,7 +64,7 @@ impl<'a> Pieces<'a> {
     /// The rows of each piece of a decimated window.
     pub(super) fn parts(&self, decimator: &Decimator, decimation: usize, channels: usize) -> Vec<Range<usize>> {
         let fitting = MOST_VALUES / (VALUES_PER_CHANNEL * channels.max(1));
-        decimator.parts((self.samples / decimation).min(fitting).max(1))
+        decimator.pieces((self.samples / decimation).min(fitting).max(1))
     }
 
     /// What is read for a range of samples, so that two differences of its filtered positions are those of the whole record.
@@ -68,15 +73,15 @@ impl<'a> Pieces<'a> {
         range.start.saturating_sub(ahead)..(range.end + ahead).min(self.source.samples)
     }
 
-    fn band_pass(&self, position: &Series) -> Result<(Series, Series, Series), ReductionError> {
-        let filtered = self.experiment.band_pass(position, self.source.sample_rate_hz);
+    fn band_pass(&self, position: &Series) -> Result<Motion, ReductionError> {
+        let filtered = self.experiment.setup().band_pass(position, self.source.sample_rate_hz);
         filtered.map_err(|e| refuse(self.experiment, e))
     }
 
     /// Filtered velocities in a range of samples.
     fn velocity(&self, range: &Range<usize>) -> Result<Series, ReductionError> {
         let extended = self.extended(range);
-        let (_, dq, _) = self.band_pass(&self.source.position(extended.clone())?)?;
+        let Motion { dq, .. } = self.band_pass(&self.source.position(extended.clone())?)?;
         Ok(dq.window(range.start - extended.start..range.end - extended.start))
     }
 
@@ -113,7 +118,7 @@ impl<'a> Pieces<'a> {
 }
 
 pub(super) fn refuse(experiment: &Experiment, source: SignalError) -> ReductionError {
-    ExperimentError::Signal { path: experiment.path.clone(), source }.into()
+    experiment.refuse(source).into()
 }
 
 /// What makes rows of the pieces of a window.
@@ -140,22 +145,23 @@ impl Rows<'_> {
         let range = own.start + self.window.start..own.end + self.window.start;
         let extended = self.pieces.extended(&range);
         let (position, torque) = self.pieces.source.motion(extended.clone())?;
-        let (q, dq, ddq) = self.pieces.band_pass(&position)?;
+        let Motion { q, dq, ddq } = self.pieces.band_pass(&position)?;
         let place = |k: usize| k + self.window.start - extended.start;
         let entries = self.regressor.entries().len();
         let simulated = self.simulated.map(|s| s.motion(&range).map(|motion| (s.sign(), motion))).transpose()?;
         let before = if simulated.is_some() { entries } else { 0 };
         let mut workspace = Workspace::new(self.model);
-        let part = self.decimator.decimate_part(rows, self.channels(), |k, values| {
+        let decimated = self.decimator.decimate_piece(rows, self.channels(), |k, values| {
             let i = place(k);
             let (z, values) = values.split_at_mut(before);
-            if let Some((sign, Motion { q, dq, ddq, .. })) = &simulated {
-                let state = (q.sample(k - own.start), dq.sample(k - own.start), ddq.sample(k - own.start));
-                self.regressor.evaluate(self.model, state.0, state.1, state.2, *sign, &mut workspace, z);
+            if let Some((sign, SimulatedPiece { motion: Motion { q, dq, ddq }, .. })) = &simulated {
+                let k = k - own.start;
+                let state = State { q: q.sample(k), dq: dq.sample(k) };
+                self.regressor.evaluate(self.model, state, ddq.sample(k), *sign, &mut workspace, z);
             }
             let (phi, tau) = values.split_at_mut(entries);
-            let state = (q.sample(i), dq.sample(i), ddq.sample(i));
-            self.regressor.evaluate(self.model, state.0, state.1, state.2, Sign::Exact, &mut workspace, phi);
+            let state = State { q: q.sample(i), dq: dq.sample(i) };
+            self.regressor.evaluate(self.model, state, ddq.sample(i), Sign::Exact, &mut workspace, phi);
             tau.copy_from_slice(torque.sample(i));
         });
         let joints = q.channels();
@@ -168,11 +174,11 @@ impl Rows<'_> {
             fingerprint.add(tau);
         }
         Ok(Piece {
-            part: part.map_err(|e| refuse(self.pieces.experiment, e))?,
+            decimated: decimated.map_err(|e| refuse(self.pieces.experiment, e))?,
             fingerprint,
             peak: dq.values()[of_range.clone()].iter().fold(0.0, |peak, v| peak.max(v.abs())),
             has_torque: torque.values()[of_range].iter().any(|v| *v != 0.0),
-            seam: simulated.map(|(_, motion)| (motion.q.sample(0).to_vec(), motion.next)),
+            seam: simulated.map(|(_, piece)| (piece.motion.q.sample(0).to_vec(), piece.next)),
         })
     }
 }

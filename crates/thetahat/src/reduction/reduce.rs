@@ -1,18 +1,20 @@
 use std::{collections::BTreeMap, ops::Range, path::Path};
 
 use super::{
-    Identity, ReducedRecording, Reduction, ReductionError,
+    error::ReductionError,
     factors::{Accumulator, JointColumns},
     fingerprint::Fingerprint,
     instruments::Simulated,
     pieces::{Piece, Pieces, Rows, refuse},
     source::Source,
+    value::{Identity, ReducedRecording, Reduction},
 };
 use crate::{
     base_parameters::BaseParameters,
     dynamics::Model,
-    experiment::{Experiment, ExperimentError, RecordingDescription, STILL},
+    experiment::{Experiment, RecordingDescription},
     pool::in_order,
+    preparation::{Basis, Case, STILL, window_of},
     regressor::Regressor,
     signal::{Decimator, Joiner, SignalError},
 };
@@ -78,7 +80,7 @@ impl Experiment {
         options: ReduceOptions,
         progress: &mut dyn FnMut(ReduceProgress),
     ) -> Result<Reduction, ReductionError> {
-        let (model, base) = self.basis(&self.robot)?;
+        let Basis { model, base } = self.setup().basis(&Case::nominal()).map_err(|e| self.refuse(e))?;
         let theta = instruments.map(|named| self.base_values(&model, &base, named)).transpose()?;
         let mut reducer = Reducer::new(self, &model, &base, options);
         reducer.theta.clone_from(&theta);
@@ -91,7 +93,7 @@ impl Experiment {
             reduction.add(reducer.recording(&source, Some(description), &mut tell)?)?;
         }
         if let Some(twin) = &self.file.twin {
-            let source = Source::of_record(self, self.simulate_twin(twin)?);
+            let source = Source::of_recording(self, self.simulate_twin(twin)?);
             let mut tell = |done, to_do| progress(ReduceProgress { recording: 1, recordings, done, to_do });
             reduction.add(reducer.recording(&source, None, &mut tell)?)?;
         }
@@ -106,8 +108,7 @@ impl Experiment {
         named: &BTreeMap<String, f64>,
     ) -> Result<Vec<f64>, ReductionError> {
         let names: Vec<String> = named.keys().cloned().collect();
-        let refuse = |source| ExperimentError::Parameters { path: self.path.clone(), source };
-        base.select(model.parameter_table(), &names).map_err(refuse)?;
+        base.select(model.parameter_table(), &names).map_err(|e| self.refuse(e))?;
         Ok(base.parameters().iter().map(|p| named.get(&p.name).copied().unwrap_or(0.0)).collect())
     }
 }
@@ -139,7 +140,7 @@ impl<'a> Taken<'a> {
             self.seam.iter().try_for_each(|before| simulated.require_seam(before, &first, start))?;
             self.seam = next;
         }
-        self.joiner.take(piece.part).iter().for_each(|rows| self.accumulator.take(rows));
+        self.joiner.take(piece.decimated).iter().for_each(|rows| self.accumulator.take(rows));
         Ok(())
     }
 
@@ -179,7 +180,7 @@ impl<'a> Reducer<'a> {
     ) -> Result<ReducedRecording, ReductionError> {
         let pieces = Pieces::new(self.experiment, source, self.options.piece_samples)?;
         let (window, before) = self.window(&pieces, description, tell)?;
-        let decimation = self.experiment.file.signal.decimation;
+        let decimation = self.experiment.settings.signal.decimation;
         let decimator = Decimator::new(decimation, window.len()).map_err(|e| refuse(self.experiment, e))?;
         let simulated = |theta: &Vec<f64>| {
             Simulated::new(self.experiment, (self.model, self.base), source, theta, (pieces.reach, &window))
@@ -226,9 +227,13 @@ impl<'a> Reducer<'a> {
         tell: &mut dyn FnMut(usize, usize),
     ) -> Result<(Range<usize>, usize), ReductionError> {
         let source = pieces.source;
-        let signal = self.experiment.signal_of(description);
+        let own = description.map_or([None, None], |d| [d.window_start_s, d.window_end_s]);
+        let signal = self.experiment.settings.signal.in_window(own);
         let (all, threads) = (pieces.all(), self.options.threads);
-        let of = |moving| self.experiment.window_of(moving, source.samples, source.sample_rate_hz, &signal);
+        let of = |moving| {
+            let window = window_of(moving, source.samples, source.sample_rate_hz, &signal);
+            window.map_err(|e| ReductionError::from(self.experiment.refuse(e)))
+        };
         if signal.window_start_s.is_none() {
             let mut peaks = Vec::with_capacity(all.len());
             in_order(
@@ -285,7 +290,7 @@ fn acting(joints: usize, regressor: &Regressor) -> Vec<Vec<usize>> {
 
 impl Reduction {
     fn empty(experiment: &Experiment, base: &BaseParameters, regressor: &Regressor) -> Self {
-        let signal = experiment.file.signal;
+        let signal = experiment.settings.signal;
         let joints: Vec<String> = experiment.robot.coordinates().map(|j| j.name.clone()).collect();
         Self {
             identity: Identity {

@@ -4,13 +4,14 @@
 use crate::{
     identification::EstimationError,
     linear_algebra::{Matrix, PivotedQr},
+    regression::{InstrumentalVariables, Regression},
     statistics::EstimatedVariance,
 };
 
 /// Least part of its own errors that a stretch is taken to leave in its residual.
 const LEAST_LEFT: f64 = 0.01;
 
-/// The variance of each parameter of an IV fit with instruments z, with its degrees of freedom; with `z = x` of a least
+/// The variance of each parameter of an IV fit with instruments z, with its degrees of freedom; without any of a least
 /// squares fit.
 ///
 /// With `X = Q R` and `W_g` the rows of Q of stretch g, `G_g = W_g^T W_g`, the score is `b_g = (I - G_g)^(-1/2) W_g^T e_g`
@@ -19,24 +20,28 @@ const LEAST_LEFT: f64 = 0.01;
 /// samples", Survey Methodology 28, 2002, written for matrices of the size of the parameters. Any rows that have the factors
 /// of the stretches give the same. For IV, Q and R are those of Z, and `Q^T X` stands in place of R in the covariance.
 ///
-/// `segment` names the stretch of each row, from zero.
+/// The stretch of each row is that of the layout.
 ///
 /// # Errors
 /// [`EstimationError::TooFewRows`] for fewer than two stretches.
 pub(super) fn cluster_variances(
-    (z, x): (&Matrix, &Matrix),
+    regression: &Regression,
+    z: Option<&Matrix>,
     residual: &[f64],
-    segment: &[usize],
 ) -> Result<Vec<EstimatedVariance>, EstimationError> {
-    let (columns, count) = (x.columns(), segment.iter().max().map_or(0, |last| last + 1));
+    let stretch_of_row = regression.layout.spread(|b| b.stretch);
+    let (columns, count) = (regression.parameters(), stretch_of_row.iter().max().map_or(0, |last| last + 1));
     if count < 2 {
         return Err(EstimationError::TooFewRows { rows: count, columns: 2 });
     }
+    let z = regression.whiten_matrix(z.unwrap_or(&regression.x));
     let inverse = PivotedQr::with_equal_columns(&z.triangular_factor()).solve_matrix(&Matrix::identity(columns));
-    let q = z.times_matrix(&inverse);
-    let projected = PivotedQr::with_equal_columns(&q.transposed_times(x));
-    let to_parameters = projected.solve_matrix(&Matrix::identity(columns));
-    let stretch = |g: usize| Stretch::new(&q, residual, segment, g);
+    let basis = z.times_matrix(&inverse);
+    let x = regression.whiten_matrix(&regression.x);
+    let iv = InstrumentalVariables::new(basis, &x, PivotedQr::with_equal_columns);
+    let to_parameters = iv.inverse();
+    let residual = regression.whiten(residual);
+    let stretch = |g: usize| Stretch::new(&iv.basis, &residual, &stretch_of_row, g);
     let stretches: Vec<Stretch> = (0..count).map(stretch).collect::<Option<_>>().ok_or(EstimationError::NotFinite)?;
     let row = |i: usize| (0..columns).map(|c| to_parameters.at(i, c)).collect::<Vec<_>>();
     Ok((0..columns).map(|i| variance(&stretches, &row(i))).collect())
@@ -91,7 +96,7 @@ mod tests {
 
     use super::super::factors::{Accumulator, JointColumns};
     use super::*;
-    use crate::{identification::idim_ls, series::Series};
+    use crate::{identification::idim_ls, regression::RowLayout, series::Series};
 
     /// Intervals of 95 % that hold the truth, per cent, with errors that are autoregressive of the first order; each trial
     /// has its own errors.
@@ -112,17 +117,18 @@ mod tests {
             let channels = JointColumns { channels: vec![(0..=columns).collect()] };
             let mut accumulator = Accumulator::new(channels, rows);
             accumulator.take(&Series::from_values(columns + 1, values));
-            let (mut parts, mut y, mut segment) = (Vec::new(), Vec::new(), Vec::new());
+            let (mut parts, mut y, mut layout) = (Vec::new(), Vec::new(), RowLayout::empty(1, 1));
             for (g, stretch) in accumulator.finish().iter().enumerate() {
                 let factor = &stretch.factors[0];
                 parts.push(factor.select_columns(&(0..columns).collect::<Vec<_>>()));
                 y.extend_from_slice(factor.column(columns));
-                segment.extend(vec![g; factor.rows()]);
+                layout.push(0, (0, g), factor.rows());
             }
             let x = Matrix::stack(&parts.iter().collect::<Vec<_>>());
-            let fit = idim_ls(&x, &y, None, Default::default()).unwrap();
-            let residual: Vec<f64> = y.iter().zip(&fit.prediction).map(|(y, p)| y - p).collect();
-            let variances = cluster_variances((&x, &x), &residual, &segment).unwrap();
+            let regression = Regression::new(x, y, layout);
+            let fit = idim_ls(&regression, Default::default()).unwrap();
+            let residual = regression.residual(&fit.prediction);
+            let variances = cluster_variances(&regression, None, &residual).unwrap();
             let holds = |(theta, v): (&f64, &EstimatedVariance)| theta.abs() <= v.half_width_95().unwrap();
             held += fit.theta.iter().zip(&variances).filter(|pair| holds(*pair)).count();
         }
@@ -143,8 +149,8 @@ mod tests {
 
     #[test]
     fn one_stretch_has_no_variance() {
-        let x = Matrix::from_fn(10, 1, |i, _| i as f64);
-        assert!(cluster_variances((&x, &x), &[1.0; 10], &[0; 10]).is_err());
+        let regression = Regression::of_one_series(Matrix::from_fn(10, 1, |i, _| i as f64), vec![1.0; 10]);
+        assert!(cluster_variances(&regression, None, &[1.0; 10]).is_err());
     }
 
     /// Of a mean over stretches of equal length, the variance is that of the means of the stretches, and has one degree of
@@ -153,10 +159,12 @@ mod tests {
     fn of_a_mean_it_is_the_variance_of_the_means() {
         let y = [1.0, 3.0, -2.0, 0.0, 4.0, 6.0, -5.0, -7.0];
         let x = Matrix::from_fn(8, 1, |_, _| 1.0);
-        let segment = [0, 0, 1, 1, 2, 2, 3, 3];
+        let mut layout = RowLayout::empty(1, 1);
+        (0..4).for_each(|stretch| layout.push(0, (0, stretch), 2));
         let means = [2.0, -1.0, 5.0, -6.0];
         let expected = means.iter().map(|m| m * m).sum::<f64>() / 3.0 / 4.0;
-        let found = cluster_variances((&x, &x), &y, &segment).unwrap()[0];
+        let regression = Regression::new(x, y.to_vec(), layout);
+        let found = cluster_variances(&regression, None, &y).unwrap()[0];
         assert!((found.variance - expected).abs() < 1e-13 && (found.freedom - 3.0).abs() < 1e-12, "{found:?}");
     }
 }

@@ -1,15 +1,19 @@
 use std::path::Path;
 
-use super::{Reduction, ReductionError, compressed::Compressed, essential::choose, segments::cluster_variances};
+use super::{
+    compressed::Compressed,
+    error::ReductionError,
+    segments::cluster_variances,
+    value::{ReducedRecording, Reduction},
+};
 use crate::{
-    base_parameters::{BaseParameter, BaseParameters},
-    experiment::{
-        EliminationResult, Experiment, ExperimentError, NOMINAL, ParameterResult, Plots, RecordingResult, Results,
-        RunPlots, RunResult, Weighting,
-    },
-    identification::{EstimationError, Fit, Method, Status, Uncertainty},
+    experiment::Experiment,
+    identification::{EstimationError, Fit, Method, Needs, Outcome, Status, Uncertainty, Weighting, idim_ls},
     linear_algebra::Matrix,
-    statistics::{FTest, f_test},
+    preparation::{Case, Chosen, Settings, full_model_test, named_elimination},
+    regression::Regression,
+    results::{EliminationResult, NOMINAL, Plots, RecordingResult, Results, RunResult},
+    run::{explain, parameter_results},
 };
 
 /// The estimate from a reduction.
@@ -35,154 +39,177 @@ impl Reduction {
     pub fn solve(&self) -> Result<Solution, ReductionError> {
         let (text, robot) = (self.experiment_description.clone(), self.robot_description.clone());
         let experiment = Experiment::from_texts(Path::new(&self.experiment_name), text, robot)?;
-        let (model, base) = experiment.basis(&experiment.robot)?;
-        if base.parameters().iter().map(|p| &p.name).ne(&self.identity.parameters) {
+        let setup = experiment.setup();
+        let basis = setup.basis(&Case::nominal()).map_err(|e| experiment.refuse(e))?;
+        if basis.base.parameters().iter().map(|p| &p.name).ne(&self.identity.parameters) {
             let reason = "its base parameters are not those that this program finds for its robot".to_owned();
             return Err(ReductionError::Damaged { path: (&self.experiment_name).into(), reason });
         }
         if self.recordings.is_empty() {
             return Err(ReductionError::Nothing);
         }
-        let problem = Compressed::whole(self);
-        let (columns, elimination) = choose(&experiment, &base, &problem);
-        let names: Vec<String> = columns.iter().map(|&c| base.parameters()[c].name.clone()).collect();
-        let refuse = |source| ExperimentError::Parameters { path: experiment.path.clone(), source };
-        let estimated = base.select(model.parameter_table(), &names).map_err(refuse)?;
-        let column = |p: &BaseParameter| base.columns().iter().position(|&c| c == p.kept);
-        let columns = estimated.parameters().iter().filter_map(column).collect();
-        let solver = Solver { reduction: self, experiment: &experiment, problem, columns, estimated };
-        let (run, segments) = solver.run(Method::IdimLs);
+        let all = Compressed::whole(self);
+        let choice = &setup.settings.parameters.estimate;
+        let chosen = setup.choose(choice, (&basis.model, &basis.base), &all.regression);
+        let chosen = chosen.map_err(|e| experiment.refuse(e))?;
+        let elimination = chosen.elimination.as_ref().map(|e| named_elimination(e, &basis.base));
+        let solver = Solver { reduction: self, settings: setup.settings, all, chosen };
+        let (run, segments) = solver.run(Method::IDIM_LS);
         let mut runs = vec![run];
-        if solver.problem.z.is_some() {
-            runs.push(solver.run(Method::IdimIv).0);
+        if solver.all.z.is_some() {
+            runs.push(solver.run(Method::IDIM_IV).0);
         }
-        let results = solver.results(runs, elimination.map(|e| e.named(&base)))?;
+        let results = self.results(&experiment, &solver.all, runs, elimination)?;
         Ok(Solution { results, segments })
+    }
+
+    fn results(
+        &self,
+        experiment: &Experiment,
+        all: &Compressed,
+        runs: Vec<RunResult>,
+        elimination: Option<EliminationResult>,
+    ) -> Result<Results, ReductionError> {
+        let recordings = &self.recordings;
+        let rate = recordings.first().map_or(0.0, |r| r.sample_rate_hz);
+        Ok(Results {
+            thetahat: env!("CARGO_PKG_VERSION").to_owned(),
+            robot: experiment.robot.name.clone(),
+            title: experiment.file.title.clone(),
+            samples_used: recordings.iter().map(|r| r.samples).sum(),
+            decimated_rows: all.regression.rows_represented,
+            recordings: recordings.iter().map(ReducedRecording::describe).collect(),
+            validation_recordings: Vec::new(),
+            bandwidth: experiment.setup().measure_bandwidth(rate).map_err(|e| experiment.refuse(e))?,
+            seed: experiment.file.twin.as_ref().map(|t| t.sensors.seed),
+            findings: Vec::new(),
+            elimination,
+            advice: Vec::new(),
+            diagnostics: Vec::new(),
+            runs,
+            experiment_description: self.experiment_description.clone(),
+            robot_description: self.robot_description.clone(),
+            plots: Plots::default(),
+        })
+    }
+}
+
+impl ReducedRecording {
+    fn describe(&self) -> RecordingResult {
+        RecordingResult {
+            name: self.name.clone(),
+            weight: self.weight,
+            samples_used: self.samples,
+            sample_rate_hz: self.sample_rate_hz,
+            window_s: self.window_s,
+            resampling: None,
+            reference: None,
+        }
     }
 }
 
 struct Solver<'a> {
     reduction: &'a Reduction,
-    experiment: &'a Experiment,
-    problem: Compressed,
-    columns: Vec<usize>,
-    estimated: BaseParameters,
+    settings: &'a Settings,
+    /// The factors with all base columns.
+    all: Compressed,
+    chosen: Chosen,
 }
 
 impl Solver<'_> {
-    fn x(&self, problem: &Compressed) -> Matrix {
-        problem.x.select_columns(&self.columns)
-    }
-
-    /// The matrix that is correlated with the rows: Z for IV, else X.
-    fn z(&self, problem: &Compressed, method: Method) -> Matrix {
-        let z = problem.z.as_ref().filter(|_| method == Method::IdimIv);
-        z.unwrap_or(&problem.x).select_columns(&self.columns)
-    }
-
-    fn joints(&self) -> usize {
-        self.reduction.identity.joints.len()
-    }
-
     /// The run, and the stretches behind its intervals.
     fn run(&self, method: Method) -> (RunResult, Option<usize>) {
-        match self.fit(method) {
-            Err(e) => (self.failed(method, &e), None),
-            Ok((fit, of_joints)) => {
-                let robust = self.uncertainty(method, &fit, of_joints.as_deref()).ok();
-                let segments = self.reduction.recordings.iter().map(|r| r.segments.len()).sum();
-                (self.summarise(method, &fit, robust.as_ref()), robust.map(|_| segments))
+        let joint_weights = self.joint_weights(method);
+        let regression = self.regression(&self.all, joint_weights.as_deref());
+        let z = self.z(&self.all, method);
+        let outcome = Outcome::direct(method.estimate(&regression, z.as_ref(), self.settings.estimation.variance));
+        let Some(fit) = &outcome.fit else { return (self.failed(method, &outcome), None) };
+        let uncertainty = self.uncertainty(method, fit, joint_weights.as_deref()).ok();
+        let segments = self.reduction.recordings.iter().map(|r| r.segments.len()).sum();
+        let run = self.summarise(method, &regression, fit, uncertainty.as_ref());
+        (run, uncertainty.map(|_| segments))
+    }
+
+    /// The columns that are estimated, weighted.
+    fn regression(&self, all: &Compressed, joint_weights: Option<&[f64]>) -> Regression {
+        let of_recordings: Vec<f64> = self.reduction.recordings.iter().map(|r| r.weight).collect();
+        let weights = all.regression.row_weights(&of_recordings, joint_weights);
+        all.regression.with_columns(&self.chosen.columns).with_weights(weights)
+    }
+
+    /// The columns of Z, where the method needs any.
+    fn z(&self, all: &Compressed, method: Method) -> Option<Matrix> {
+        match method.needs() {
+            Needs::Measurement => None,
+            Needs::Instruments => all.z.as_ref().map(|z| z.select_columns(&self.chosen.columns)),
+        }
+    }
+
+    /// The weight of each joint, where the experiment asks for one and LS has an estimate.
+    fn joint_weights(&self, method: Method) -> Option<Vec<f64>> {
+        match self.settings.weighting(method) {
+            Weighting::None => None,
+            Weighting::PerJoint => {
+                let regression = self.all.regression.with_columns(&self.chosen.columns);
+                let fit = idim_ls(&regression, self.settings.estimation.variance).ok()?;
+                Some(regression.joint_weights(&fit.prediction))
             }
         }
-    }
-
-    /// The fit, and the weight of each joint where the experiment asks for one.
-    fn fit(&self, method: Method) -> Result<(Fit, Option<Vec<f64>>), EstimationError> {
-        let (x, divisor) = (self.x(&self.problem), self.experiment.file.estimation.variance);
-        let of_joints = self.joint_weights(method, &x)?;
-        let weights = self.weights(&self.problem, of_joints.as_deref());
-        let fit = match method {
-            Method::IdimIv => self.problem.fit_iv((&self.z(&self.problem, method), &x), weights.as_deref(), divisor)?,
-            _ => self.problem.fit(&x, weights.as_deref(), divisor)?,
-        };
-        Ok((fit, of_joints))
-    }
-
-    /// The weight of each joint, where the experiment asks for one.
-    fn joint_weights(&self, method: Method, x: &Matrix) -> Result<Option<Vec<f64>>, EstimationError> {
-        let estimation = &self.experiment.file.estimation;
-        let weighting = estimation.weighting.get(&method).copied().unwrap_or_default();
-        if weighting == Weighting::None {
-            return Ok(None);
-        }
-        let fit = self.problem.fit(x, None, estimation.variance)?;
-        Ok(Some(self.problem.joint_weights(x, &fit, self.joints(), &self.reduction.identity.acting)))
-    }
-
-    /// The weight of each row; none where all are one.
-    fn weights(&self, problem: &Compressed, of_joints: Option<&[f64]>) -> Option<Vec<f64>> {
-        let of_recordings: Vec<f64> = self.reduction.recordings.iter().map(|r| r.weight).collect();
-        if of_joints.is_none() && of_recordings.iter().all(|w| *w == 1.0) {
-            return None;
-        }
-        let weight = |place: &super::compressed::Place| {
-            of_recordings[place.recording] * of_joints.map_or(1.0, |joints| joints[place.joint])
-        };
-        Some(problem.place.iter().map(weight).collect())
     }
 
     fn uncertainty(
         &self,
         method: Method,
         fit: &Fit,
-        of_joints: Option<&[f64]>,
+        joint_weights: Option<&[f64]>,
     ) -> Result<Uncertainty, EstimationError> {
-        let problem = Compressed::in_segments(self.reduction);
-        let weights = self.weights(&problem, of_joints).unwrap_or_else(|| vec![1.0; problem.y.len()]);
-        let x = self.x(&problem);
-        let residual: Vec<f64> = x.times(&fit.theta).iter().zip(&problem.y).map(|(p, y)| y - p).collect();
-        let residual: Vec<f64> = residual.iter().zip(&weights).map(|(e, w)| w * e).collect();
-        let segment: Vec<usize> = problem.place.iter().map(|place| place.segment).collect();
-        let (z, x) = (self.z(&problem, method).scale_rows(&weights), x.scale_rows(&weights));
-        Uncertainty::new(&fit.theta, &cluster_variances((&z, &x), &residual, &segment)?)
+        let all = Compressed::in_segments(self.reduction);
+        let regression = self.regression(&all, joint_weights);
+        let z = self.z(&all, method);
+        let residual = regression.residual(&regression.x.times(&fit.theta));
+        Uncertainty::new(&fit.theta, &cluster_variances(&regression, z.as_ref(), &residual)?)
     }
 
-    fn failed(&self, method: Method, error: &EstimationError) -> RunResult {
-        let name = |c: &usize| self.estimated.parameters()[*c].name.as_str();
-        let reason = match error {
-            EstimationError::NotIdentifiable { rank, columns, dependent } => format!(
-                "the motion separates only {rank} of {columns} parameters; not separated from the others by this \
-                 motion: {}",
-                dependent.iter().map(name).collect::<Vec<_>>().join(" ")
-            ),
-            other => other.to_string(),
-        };
-        RunResult { status: Status::NotIdentifiable, reason: Some(reason), ..empty_run(method) }
+    fn failed(&self, method: Method, outcome: &Outcome) -> RunResult {
+        let reason = outcome.reason.as_ref().map(|r| explain(&self.chosen.estimated, r));
+        RunResult { reason, ..RunResult::new(NOMINAL, method, outcome.status) }
     }
 
-    fn summarise(&self, method: Method, fit: &Fit, robust: Option<&Uncertainty>) -> RunResult {
+    fn summarise(
+        &self,
+        method: Method,
+        regression: &Regression,
+        fit: &Fit,
+        uncertainty: Option<&Uncertainty>,
+    ) -> RunResult {
         let (status, reason) = self.convergence(method, fit);
+        let is_reduced = self.chosen.columns.len() < self.all.regression.parameters();
+        let truth = self.reduction.recordings.first().and_then(|r| r.truth.as_ref());
+        let truth: Option<Vec<f64>> = truth.map(|t| self.chosen.columns.iter().map(|&c| t[c]).collect());
         RunResult {
-            status,
             reason,
-            iterations: usize::from(method == Method::IdimIv),
+            iterations: usize::from(method.needs() == Needs::Instruments),
             relative_error_percent: Some(fit.relative_error_percent),
-            joint_relative_error_percent: self.problem.joint_errors(&fit.prediction, self.joints()),
+            joint_relative_error_percent: regression.joint_relative_errors_percent(&fit.prediction),
             condition_number: Some(fit.condition_number),
-            f_test: (method == Method::IdimLs).then(|| self.full_model_test(fit)).flatten(),
-            parameters: self.parameters(fit, robust),
-            ..empty_run(method)
+            f_test: (is_reduced && method == Method::IDIM_LS)
+                .then(|| full_model_test(&self.all.regression, fit))
+                .flatten(),
+            parameters: parameter_results(self.settings, &self.chosen.estimated, fit, uncertainty, truth.as_deref()),
+            ..RunResult::new(NOMINAL, method, status)
         }
     }
 
     /// Whether IV is where its instruments were simulated.
     fn convergence(&self, method: Method, fit: &Fit) -> (Status, Option<String>) {
-        let Some(simulated) = self.reduction.instruments.as_ref().filter(|_| method == Method::IdimIv) else {
-            return (Status::Converged, None);
+        let simulated = match method.needs() {
+            Needs::Measurement => None,
+            Needs::Instruments => self.reduction.instruments.as_ref(),
         };
+        let Some(simulated) = simulated else { return (Status::Converged, None) };
         let change = |(i, &c): (usize, &usize)| (fit.theta[i] - simulated[c]).abs() / fit.standard_deviation[i];
-        let largest = self.columns.iter().enumerate().map(change).fold(0.0, f64::max);
-        if largest <= self.experiment.file.estimation.convergence.parameter_change {
+        let largest = self.chosen.columns.iter().enumerate().map(change).fold(0.0, f64::max);
+        if largest <= self.settings.estimation.convergence.parameter_change {
             return (Status::Converged, None);
         }
         let reason = format!(
@@ -190,96 +217,5 @@ impl Solver<'_> {
              --instruments-from these results"
         );
         (Status::IterationLimit, Some(reason))
-    }
-
-    /// The F-test of the estimated parameters against all base parameters, where they are fewer.
-    fn full_model_test(&self, fit: &Fit) -> Option<FTest> {
-        let all = self.problem.x.columns();
-        if self.columns.len() == all {
-            return None;
-        }
-        let full = self.problem.fit(&self.problem.x, None, Default::default()).ok()?;
-        let (squares, full) =
-            (fit.residual_sum_of_squares(&self.problem.y), full.residual_sum_of_squares(&self.problem.y));
-        f_test(squares, self.columns.len(), full, all, self.problem.rows)
-    }
-
-    fn parameters(&self, fit: &Fit, robust: Option<&Uncertainty>) -> Vec<ParameterResult> {
-        let truth = self.reduction.recordings.first().and_then(|r| r.truth.as_ref());
-        let show = &self.experiment.file.parameters.show;
-        let relative = |sd: f64, value: f64| (value != 0.0).then(|| 100.0 * sd / value.abs());
-        let result = |(i, p): (usize, &BaseParameter)| ParameterResult {
-            name: p.name.clone(),
-            estimate: fit.theta[i],
-            standard_deviation: Some(fit.standard_deviation[i]),
-            relative_standard_deviation_percent: relative(fit.standard_deviation[i], fit.theta[i]),
-            true_value: truth.and_then(|t| t.get(self.columns[i]).copied()),
-            unit: p.unit.to_owned(),
-            expression: p.expression.clone(),
-            shown: show.is_empty() || show.contains(&p.name),
-            standard_deviation_robust: robust.map(|u| u.standard_deviation[i]),
-            interval_95: robust.map(|u| u.interval_95[i]),
-        };
-        self.estimated.parameters().iter().enumerate().map(result).collect()
-    }
-
-    fn results(&self, runs: Vec<RunResult>, elimination: Option<EliminationResult>) -> Result<Results, ReductionError> {
-        let recordings = &self.reduction.recordings;
-        let describe = |r: &super::ReducedRecording| RecordingResult {
-            name: r.name.clone(),
-            weight: r.weight,
-            samples_used: r.samples,
-            sample_rate_hz: r.sample_rate_hz,
-            window_s: r.window_s,
-            resampling: None,
-            reference: None,
-        };
-        let rate = recordings.first().map_or(0.0, |r| r.sample_rate_hz);
-        Ok(Results {
-            thetahat: env!("CARGO_PKG_VERSION").to_owned(),
-            robot: self.experiment.robot.name.clone(),
-            title: self.experiment.file.title.clone(),
-            samples_used: recordings.iter().map(|r| r.samples).sum(),
-            decimated_rows: self.problem.rows,
-            recordings: recordings.iter().map(describe).collect(),
-            validation_recordings: Vec::new(),
-            bandwidth: self.experiment.measure_bandwidth(rate)?,
-            seed: self.experiment.file.twin.as_ref().map(|t| t.sensors.seed),
-            findings: Vec::new(),
-            elimination,
-            advice: Vec::new(),
-            diagnostics: Vec::new(),
-            runs,
-            experiment_description: self.reduction.experiment_description.clone(),
-            robot_description: self.reduction.robot_description.clone(),
-            plots: Plots::default(),
-        })
-    }
-}
-
-/// A run that has converged and says nothing else.
-fn empty_run(method: Method) -> RunResult {
-    RunResult {
-        case: NOMINAL.to_owned(),
-        method,
-        status: Status::Converged,
-        reason: None,
-        iterations: 0,
-        simulations: 0,
-        relative_error_percent: None,
-        joint_relative_error_percent: Vec::new(),
-        cross_validation_relative_error_percent: None,
-        cross_validation_interval_95_percent: None,
-        influence: None,
-        residual: None,
-        validation_condition_number: None,
-        condition_number: None,
-        seconds: 0.0,
-        simulation_relative_error_percent: None,
-        validation_simulation_relative_error_percent: None,
-        f_test: None,
-        convergence: Vec::new(),
-        parameters: Vec::new(),
-        plots: RunPlots::default(),
     }
 }

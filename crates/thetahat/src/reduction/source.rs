@@ -2,10 +2,11 @@
 
 use std::{ops::Range, path::Path};
 
-use super::ReductionError;
+use super::error::ReductionError;
 use crate::{
-    experiment::{Experiment, ExperimentError, Record, RecordingDescription},
-    recording::{ChannelSource, RecordingError, STEP_TOLERANCE, Side, SignalParts},
+    experiment::{Experiment, ExperimentError, RecordingDescription},
+    preparation::{PreparationError, Recording},
+    recording::{ChannelSource, RecordingError, STEP_TOLERANCE, Side, SignalPieces},
     series::Series,
 };
 
@@ -41,8 +42,8 @@ struct Places {
 }
 
 enum Values<'a> {
-    Parts { signals: Box<SignalParts>, description: &'a RecordingDescription },
-    Whole(Box<Record>),
+    Parts { signals: Box<SignalPieces>, description: &'a RecordingDescription },
+    Whole(Box<Recording>),
 }
 
 impl<'a> Source<'a> {
@@ -54,7 +55,7 @@ impl<'a> Source<'a> {
         simulated: bool,
     ) -> Result<Self, ReductionError> {
         let (sources, places) = sources_of(description, simulated);
-        let Some(signals) = SignalParts::open(&sources, data).map_err(ExperimentError::from)? else {
+        let Some(signals) = SignalPieces::open(&sources, data).map_err(ExperimentError::from)? else {
             return Self::whole(experiment, description, (number, data));
         };
         require_same_length(&signals, &sources, data)?;
@@ -87,11 +88,11 @@ impl<'a> Source<'a> {
         description: &'a RecordingDescription,
         (number, data): (usize, &Path),
     ) -> Result<Self, ReductionError> {
-        Ok(Self::of_record(experiment, experiment.read_record(description, number, data)?))
+        Ok(Self::of_recording(experiment, experiment.read_recording(description, number, data)?))
     }
 
     /// The record, where it is in memory.
-    pub(super) fn record(&self) -> Option<&Record> {
+    pub(super) fn recording(&self) -> Option<&Recording> {
         match &self.values {
             Values::Whole(record) => Some(record),
             Values::Parts { .. } => None,
@@ -114,15 +115,15 @@ impl<'a> Source<'a> {
     }
 
     /// A record that is in memory.
-    pub(super) fn of_record(experiment: &'a Experiment, record: Record) -> Self {
+    pub(super) fn of_recording(experiment: &'a Experiment, recording: Recording) -> Self {
         Self {
             experiment,
-            name: record.name.clone(),
-            weight: record.weight,
-            samples: record.position.len(),
-            sample_rate_hz: record.sample_rate_hz,
-            truth: record.truth.clone(),
-            values: Values::Whole(Box::new(record)),
+            name: recording.name.clone(),
+            weight: recording.weight,
+            samples: recording.position.len(),
+            sample_rate_hz: recording.sample_rate_hz,
+            truth: recording.truth.clone(),
+            values: Values::Whole(Box::new(recording)),
             places: Places::default(),
         }
     }
@@ -252,7 +253,7 @@ impl<'a> Source<'a> {
             };
             if found != expected {
                 let key = format!("{}: number of channels", source.path(data).display());
-                return Err(self.experiment.value(&key, &what, found).into());
+                return Err(self.experiment.refuse(PreparationError::value(&key, &what, found)).into());
             }
         }
         Ok(())
@@ -276,7 +277,7 @@ fn sources_of(description: &RecordingDescription, simulated: bool) -> (Vec<&Chan
     (sources, places)
 }
 
-fn require_same_length(signals: &SignalParts, sources: &[&ChannelSource], data: &Path) -> Result<(), ReductionError> {
+fn require_same_length(signals: &SignalPieces, sources: &[&ChannelSource], data: &Path) -> Result<(), ReductionError> {
     let first_samples = signals.samples(POSITION);
     for (signal, source) in sources.iter().enumerate().skip(1) {
         if signals.samples(signal) != first_samples {

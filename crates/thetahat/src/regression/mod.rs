@@ -20,8 +20,10 @@
 //! assert!((errors[1].unwrap() - 100.0 * 0.2 / 2.2).abs() < 1e-12);
 //! ```
 
+mod instruments;
 mod layout;
 mod rows;
 
+pub use instruments::InstrumentalVariables;
 pub use layout::{RowBlock, RowLayout};
 pub use rows::{Regression, relative_error_percent};

@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use pulp::{Simd, WithSimd};
 
-use super::Regressor;
+use super::observation::Regressor;
 use crate::{
-    dynamics::{Model, Sign, Workspace, gather},
+    dynamics::{Model, Sign, State, Workspace, gather},
     real::Lanes,
     series::Series,
 };
@@ -35,7 +35,8 @@ impl Regressor {
         let mut workspace = Workspace::new(model);
         let rest = phi.chunks_exact_mut(self.entries().len().max(1)).skip(done);
         for (k, phi) in (range.start + done..range.end).zip(rest) {
-            self.evaluate(model, q.sample(k), dq.sample(k), ddq.sample(k), sign, &mut workspace, phi);
+            let state = State { q: q.sample(k), dq: dq.sample(k) };
+            self.evaluate(model, state, ddq.sample(k), sign, &mut workspace, phi);
         }
     }
 }
@@ -72,7 +73,8 @@ impl WithSimd for Batches<'_> {
             for (series, channels) in self.motion.into_iter().zip([&mut q, &mut dq, &mut ddq]) {
                 gather(simd, series, start..start + Lanes::<S>::COUNT, channels);
             }
-            self.regressor.evaluate_of(self.model, [&q, &dq, &ddq], self.sign, &mut workspace, &mut values);
+            let state = State { q: &q, dq: &dq };
+            self.regressor.evaluate_of(self.model, state, &ddq, self.sign, &mut workspace, &mut values);
             scatter(&values, &mut scratch, phi);
         }
         count * Lanes::<S>::COUNT

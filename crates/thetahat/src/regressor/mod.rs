@@ -3,8 +3,23 @@
 //! Only the entries that can differ from zero are computed: a parameter of link k acts on the coordinates that move the
 //! link, one of joint j on its own coordinate (or that of the joint it follows), one of a coupled motor on the coordinates
 //! that move it.
+//!
+//! ```
+//! use std::path::Path;
+//! use thetahat::{dynamics::{Model, Sign}, regressor::Regressor, series::Series, robot::Robot};
+//! let text = "name = 'pendulum'\n[[joint]]\nname = 'pivot'\nkind = 'revolute'\n";
+//! let robot = Robot::parse(text, Path::new("pendulum.toml"))?;
+//! let model = Model::new(&robot);
+//! // Viscous friction: its entry of phi is the velocity.
+//! let column = model.parameter_table().index_of("fv1").into_iter().collect::<Vec<_>>();
+//! let [q, dq, ddq] = [0.1, 0.2, 0.3].map(|value| Series::from_values(1, vec![value]));
+//! let phi = Regressor::new(&model, &column).evaluate_series(&model, &q, &dq, &ddq, Sign::Exact);
+//! assert_eq!(phi.values(), [0.2]);
+//! # Ok::<(), thetahat::robot::RobotError>(())
+//! ```
 
 mod batch;
+mod inertial;
 mod observation;
 
 pub use batch::BufferedRegressor;

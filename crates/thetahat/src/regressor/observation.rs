@@ -1,8 +1,8 @@
+use super::inertial::{InertialEntries, InertialEntry};
 use crate::{
-    dynamics::{LinkMotion, Model, Sign, Twist, Workspace},
+    dynamics::{JointCoordinate, Model, Sign, State, Workspace},
     real::Real,
-    robot::{INERTIAL, Parameter, Quantity},
-    vector::{add, cross, dot},
+    robot::{JointQuantity, MotorQuantity, Parameter, Quantity},
 };
 
 /// One entry of `phi` that is not zero by structure.
@@ -18,32 +18,27 @@ pub struct Entry {
 #[derive(Debug, Clone)]
 pub struct Regressor {
     entries: Vec<Entry>,
-    /// Inertial entries, block by block, then the others, one by one: together in the order of `entries`.
-    blocks: Vec<Block>,
-    components: Vec<usize>,
-    others: Vec<(usize, Term)>,
+    /// The first entries.
+    inertial: InertialEntries,
+    /// The entries behind them.
+    drives: Vec<DriveEntry>,
     columns: usize,
-}
-
-/// The entries of one coordinate for the inertial parameters of one link: as many of `components` as it is long.
-#[derive(Debug, Clone, Copy)]
-struct Block {
-    link: usize,
-    /// Which of the coordinates that move the link.
-    place: usize,
-    length: usize,
 }
 
 /// What an entry is computed from.
 #[derive(Debug, Clone, Copy)]
-enum Term {
-    /// Inertial parameter `component` (in the order of [`INERTIAL`]) of `link`, for the coordinate at `place` among those
-    /// that move it.
-    Inertial { link: usize, place: usize, component: usize },
-    /// Motor inertia, friction or offset of a joint that moves by `ratio` with the row's coordinate.
-    Joint { quantity: Quantity, ratio: f64 },
-    /// Cross term of a coupled motor: the row's coordinate and another, with weights.
-    Motor { quantity: Quantity, motor: usize },
+enum Source {
+    Inertial(InertialEntry),
+    Drive(DriveEntry),
+}
+
+/// An entry that a drive gives.
+#[derive(Debug, Clone, Copy)]
+enum DriveEntry {
+    /// A parameter of a joint, on the coordinate that moves it.
+    Joint { quantity: JointQuantity, moved_by: JointCoordinate },
+    /// A parameter of the coupled motor at this place among the model's, on one of the coordinates that move it.
+    Motor { quantity: MotorQuantity, motor: usize, coordinate: usize },
 }
 
 impl Regressor {
@@ -52,31 +47,20 @@ impl Regressor {
     pub fn new(model: &Model, indices: &[usize]) -> Self {
         let mut placed = Vec::new();
         for (column, &index) in indices.iter().enumerate() {
-            let parameter = model.parameter_table().get(index);
-            placed.extend(terms_of(model, parameter).map(|(joint, term)| (Entry { joint, column }, term)));
+            let sources = sources_of(model, model.parameter_table().get(index));
+            placed.extend(sources.into_iter().map(|(joint, source)| (Entry { joint, column }, source)));
         }
         // Entries of one coordinate and link together, so that the kernel computes a coordinate's view of a link once.
-        placed.sort_by_key(|(entry, term)| block_of(term, entry.joint));
-        let mut regressor = Self {
-            entries: placed.iter().map(|(entry, _)| *entry).collect(),
-            blocks: Vec::new(),
-            components: Vec::new(),
-            others: Vec::new(),
-            columns: indices.len(),
-        };
-        placed.iter().for_each(|(entry, term)| regressor.add(entry.joint, *term));
-        regressor
-    }
-
-    fn add(&mut self, joint: usize, term: Term) {
-        let Term::Inertial { link, place, component } = term else {
-            return self.others.push((joint, term));
-        };
-        self.components.push(component);
-        match self.blocks.last_mut() {
-            Some(block) if (block.link, block.place) == (link, place) => block.length += 1,
-            _ => self.blocks.push(Block { link, place, length: 1 }),
+        placed.sort_by_key(|(entry, source)| block_of(source, entry.joint));
+        let entries = placed.iter().map(|(entry, _)| *entry).collect();
+        let (mut inertial, mut drives) = (InertialEntries::default(), Vec::new());
+        for (_, source) in placed {
+            match source {
+                Source::Inertial(entry) => inertial.push(entry),
+                Source::Drive(entry) => drives.push(entry),
+            }
         }
+        Self { entries, inertial, drives, columns: indices.len() }
     }
 
     /// The entries, in the order in which [`Regressor::evaluate`] writes them.
@@ -92,77 +76,42 @@ impl Regressor {
     }
 
     /// The entries of `phi` for one sample.
-    #[allow(clippy::too_many_arguments)]
     pub fn evaluate(
         &self,
         model: &Model,
-        q: &[f64],
-        dq: &[f64],
+        state: State<'_>,
         ddq: &[f64],
         sign: Sign,
         workspace: &mut Workspace,
         phi: &mut [f64],
     ) {
-        let kernel = OneSample { regressor: self, model, motion: [q, dq, ddq], sign, workspace, phi };
+        let kernel = OneSample { regressor: self, model, state, ddq, sign, workspace, phi };
         pulp::Arch::new().dispatch(kernel);
     }
 
-    /// The same of samples side by side.
+    /// The entries of one sample or of samples side by side.
     #[inline(always)]
     pub(super) fn evaluate_of<T: Real>(
         &self,
         model: &Model,
-        [q, dq, ddq]: [&[T]; 3],
+        state: State<'_, T>,
+        ddq: &[T],
         sign: Sign,
         workspace: &mut Workspace<T>,
         phi: &mut [T],
     ) {
-        model.propagate_motion(q, dq, ddq, &mut workspace.links);
-        let (inertial, others) = phi.split_at_mut(self.components.len());
-        self.evaluate_inertial(model, workspace, inertial);
-        for (value, &(joint, term)) in others.iter_mut().zip(&self.others) {
-            *value = match term {
-                Term::Motor { quantity, motor } => motor_entry(model, (quantity, motor), joint, (dq, ddq), sign),
-                Term::Joint { quantity, ratio } => {
-                    joint_entry(quantity, dq[joint] * ratio, ddq[joint] * ratio, sign) * ratio
+        model.propagate_motion(state, ddq, &mut workspace.links);
+        let (inertial, drives) = phi.split_at_mut(self.inertial.len());
+        self.inertial.evaluate(model, workspace, inertial);
+        for (value, &entry) in drives.iter_mut().zip(&self.drives) {
+            *value = match entry {
+                DriveEntry::Motor { quantity, motor, coordinate } => {
+                    quantity.torque(&model.coupled_motors()[motor], coordinate, state.dq, ddq, sign)
                 }
-                Term::Inertial { .. } => value.like(0.0),
-            };
-        }
-    }
-
-    /// Walks outwards over the links, as the blocks are ordered, and carries the unit twists of the coordinates along.
-    #[inline(always)]
-    fn evaluate_inertial<T: Real>(&self, model: &Model, workspace: &mut Workspace<T>, mut phi: &mut [T]) {
-        let (links, twists) = (&workspace.links, &mut workspace.twists);
-        let (mut reached, mut start, mut axes) = (0, 0, None);
-        let Some(&(mut motion)) = links.first() else { return };
-        let mut components = &self.components[..];
-        for &Block { link, place, length } in &self.blocks {
-            if reached <= link {
-                for k in reached..=link {
-                    model.propagate_twists(k, links, twists);
+                DriveEntry::Joint { quantity, moved_by } => {
+                    quantity.torque(&moved_by.state(state, ddq, sign)) * moved_by.ratio
                 }
-                reached = link + 1;
-                start = model.support(link).start;
-                axes = model.link_axes(link);
-                motion = match axes {
-                    None => links[link],
-                    Some(axes) => links[link].in_axes(axes),
-                };
-            }
-            let twist = twists[start + place];
-            let twist = match axes {
-                None => twist,
-                Some(axes) => twist.in_axes(axes),
             };
-            let entries = inertial_entries(twist, &motion);
-            let (values, rest) = phi.split_at_mut(length);
-            let (chosen, others) = components.split_at(length);
-            for (value, &c) in values.iter_mut().zip(chosen) {
-                *value = entries[c];
-            }
-            (phi, components) = (rest, others);
         }
     }
 }
@@ -171,7 +120,8 @@ impl Regressor {
 struct OneSample<'a> {
     regressor: &'a Regressor,
     model: &'a Model,
-    motion: [&'a [f64]; 3],
+    state: State<'a>,
+    ddq: &'a [f64],
     sign: Sign,
     workspace: &'a mut Workspace,
     phi: &'a mut [f64],
@@ -182,81 +132,37 @@ impl pulp::WithSimd for OneSample<'_> {
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
-        self.regressor.evaluate_of(self.model, self.motion, self.sign, self.workspace, self.phi);
+        self.regressor.evaluate_of(self.model, self.state, self.ddq, self.sign, self.workspace, self.phi);
     }
 }
 
-fn terms_of(model: &Model, parameter: &Parameter) -> impl Iterator<Item = (usize, Term)> + use<> {
+/// The coordinates on which a parameter acts, each with what its entry is computed from.
+fn sources_of(model: &Model, parameter: &Parameter) -> Vec<(usize, Source)> {
     let own = parameter.number - 1;
-    let quantity = parameter.quantity;
-    let terms: Vec<(usize, Term)> = if let Some(component) = INERTIAL.iter().position(|&i| i == quantity) {
-        let coordinates = model.support(own).coordinates.iter().enumerate();
-        coordinates.map(|(place, &c)| (c, Term::Inertial { link: own, place, component })).collect()
-    } else if quantity.is_coupled_motor() {
-        let place = model.coupled_motors().iter().position(|m| m.motor == own);
-        let motor = place.map(|motor| (motor, &model.coupled_motors()[motor].weights));
-        motor
-            .into_iter()
-            .flat_map(|(motor, weights)| weights.iter().map(move |&(j, _)| (j, Term::Motor { quantity, motor })))
-            .collect()
-    } else {
-        let (coordinate, ratio) = model.coordinate_of(own);
-        vec![(coordinate, Term::Joint { quantity, ratio })]
-    };
-    terms.into_iter()
+    match parameter.quantity {
+        Quantity::Link(quantity) => {
+            let coordinates = model.support(own).coordinates.iter().enumerate();
+            let entry = |place| InertialEntry { link: own, place, component: quantity as usize };
+            coordinates.map(|(place, &c)| (c, Source::Inertial(entry(place)))).collect()
+        }
+        Quantity::Joint(quantity) => {
+            let moved_by = model.coordinate_of(own);
+            vec![(moved_by.coordinate, Source::Drive(DriveEntry::Joint { quantity, moved_by }))]
+        }
+        Quantity::Motor(quantity) => {
+            let motors = model.coupled_motors().iter().enumerate().filter(|(_, m)| m.motor == own);
+            let weights =
+                motors.flat_map(|(motor, m)| m.weights.iter().map(move |&(coordinate, _)| (motor, coordinate)));
+            let entry = |(motor, coordinate)| DriveEntry::Motor { quantity, motor, coordinate };
+            weights.map(|place| (place.1, Source::Drive(entry(place)))).collect()
+        }
+    }
 }
 
 /// Link and place of an inertial entry; the others come behind, by coordinate.
-fn block_of(term: &Term, coordinate: usize) -> (usize, usize) {
-    match term {
-        Term::Inertial { link, place, .. } => (*link, *place),
-        Term::Joint { .. } | Term::Motor { .. } => (usize::MAX, coordinate),
+fn block_of(source: &Source, coordinate: usize) -> (usize, usize) {
+    match source {
+        Source::Inertial(entry) => (entry.link, entry.place),
+        Source::Drive(_) => (usize::MAX, coordinate),
     }
-}
-
-#[inline(always)]
-fn motor_entry<T: Real>(
-    model: &Model,
-    (quantity, motor): (Quantity, usize),
-    joint: usize,
-    (dq, ddq): (&[T], &[T]),
-    sign: Sign,
-) -> T {
-    let motor = &model.coupled_motors()[motor];
-    let own = motor.weights.iter().find(|(j, _)| *j == joint).map_or(0.0, |(_, w)| *w);
-    match quantity {
-        Quantity::Iam => (motor.rate(ddq) - ddq[joint] * own) * own,
-        Quantity::Fvm => (motor.rate(dq) - dq[joint] * own) * own,
-        _ => sign.of_each(motor.rate(dq)) * own,
-    }
-}
-
-#[inline(always)]
-fn joint_entry<T: Real>(quantity: Quantity, dq: T, ddq: T, sign: Sign) -> T {
-    let (s, one) = (sign.of_each(dq), dq.like(1.0));
-    match quantity {
-        Quantity::Ia => ddq,
-        Quantity::Fv => dq,
-        Quantity::Fc => s,
-        Quantity::Fvp => (one + s) * 0.5 * dq,
-        Quantity::Fcp => (one + s) * 0.5,
-        Quantity::Fvn => (one - s) * 0.5 * dq,
-        Quantity::Fcn => (one - s) * -0.5,
-        _ => one,
-    }
-}
-
-/// The torque for a unit of each inertial parameter of a link, where the joint's unit twist, seen at the link's origin in
-/// the link's frame, is `(z, v)`: it is `z . N + v . F`, where `F = m dv + dw x ms + w x (w x ms)` and
-/// `N = J dw + w x (J w) + ms x dv`.
-#[inline(always)]
-fn inertial_entries<T: Real>(twist: Twist<T>, link: &LinkMotion<T>) -> [T; 10] {
-    let Twist { angular: z, linear: v } = twist;
-    let LinkMotion { w, dw, dv, .. } = *link;
-    let u = cross(z, w);
-    let square = |i: usize| z[i] * dw[i] + u[i] * w[i];
-    let mixed = |i: usize, j: usize| z[i] * dw[j] + z[j] * dw[i] + u[i] * w[j] + u[j] * w[i];
-    // v . (dw x e + w x (w x e)) = e . (v x dw + (v x w) x w), and z . (e x dv) = e . (dv x z)
-    let first = add(add(cross(v, dw), cross(cross(v, w), w)), cross(dv, z));
-    [square(0), mixed(0, 1), mixed(0, 2), square(1), mixed(1, 2), square(2), first[0], first[1], first[2], dot(v, dv)]
 }

@@ -13,7 +13,10 @@ use super::{
     sections::Section,
     text::wrap,
 };
-use crate::campaign::{Campaign, CampaignMethod, CampaignRuns, Quantiles, Summary, summarise};
+use crate::{
+    campaign::{Campaign, CampaignRuns, Quantiles, Summary, summarise},
+    identification::Method,
+};
 
 /// The tables for the terminal.
 #[must_use]
@@ -110,8 +113,7 @@ fn figures(summaries: &[Summary]) -> Vec<Figure> {
         let chart = |(title, metric): &(&str, Metric)| box_chart((*title).to_owned(), &groups(&of_case, *metric));
         Figure {
             caption: format!("{case}: converged runs; whiskers to the extremes, boxes over the middle half"),
-            legend: CampaignMethod::ALL
-                .into_iter()
+            legend: Method::all()
                 .filter(|m| of_case.iter().any(|s| s.method == m.name()))
                 .map(|m| (m.name(), m.name()))
                 .collect(),
@@ -134,11 +136,15 @@ fn groups(summaries: &[&Summary], metric: Metric) -> Vec<BoxGroup> {
     groups
 }
 
+/// Class of the boxes of each method.
+const BOX_CLASSES: [(Method, &str); 4] = [
+    (Method::IDIM_LS, "box idim-ls"),
+    (Method::IDIM_WLS, "box idim-wls"),
+    (Method::IDIM_IV, "box idim-iv"),
+    (Method::DIDIM, "box didim"),
+];
+
 fn box_class(method: &str) -> &'static str {
-    match CampaignMethod::named(method) {
-        Some(CampaignMethod::IdimLs) | None => "box idim-ls",
-        Some(CampaignMethod::IdimWls) => "box idim-wls",
-        Some(CampaignMethod::IdimIv) => "box idim-iv",
-        Some(CampaignMethod::Didim) => "box didim",
-    }
+    let method = method.parse().unwrap_or(Method::IDIM_LS);
+    BOX_CLASSES.iter().find(|(of, _)| *of == method).map_or("box", |(_, class)| class)
 }

@@ -6,7 +6,7 @@ use super::{
     sections::Section,
 };
 use crate::{
-    experiment::{
+    results::{
         BiasExplanation, BiasedSimulatorResult, CaseDiagnosis, EndogeneityResult, InstrumentResult, JointResidual,
         ParameterDifference, ResidualResult, Results, RunResult, Verdict,
     },

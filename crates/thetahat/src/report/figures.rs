@@ -7,8 +7,8 @@ use super::{
     tables::runs_of,
 };
 use crate::{
-    experiment::{IterationResult, ParameterResult, Results, RunResult},
     identification::Method,
+    results::{IterationResult, ParameterResult, Results, RunResult},
 };
 
 /// Class of the measured curve.
@@ -198,7 +198,7 @@ const FARTHEST: f64 = 20.0;
 /// method) in its standard deviations.
 pub(super) fn coefficients(results: &Results, case: &str) -> Option<Figure> {
     let runs: Vec<&RunResult> = runs_of(results, case).into_iter().filter(|r| !r.parameters.is_empty()).collect();
-    let centre = runs.iter().find(|r| r.method == Method::IdimIv).or(runs.first())?;
+    let centre = runs.iter().find(|r| r.method == Method::IDIM_IV).or(runs.first())?;
     let deviation = |p: &ParameterResult| p.standard_deviation.filter(|sd| *sd > 0.0);
     let shown: Vec<&ParameterResult> = centre.parameters.iter().filter(|p| p.shown && deviation(p).is_some()).collect();
     let bar = |run: &RunResult, from: &ParameterResult| {

@@ -6,7 +6,7 @@ use std::{
 };
 
 use super::{ModelReport, Published, ReportError, html};
-use crate::experiment::{ParameterResult, Results, RunResult};
+use crate::results::{ParameterResult, Results, RunResult};
 
 const PARAMETER_COLUMNS: [&str; 12] = [
     "case",

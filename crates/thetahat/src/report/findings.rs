@@ -3,7 +3,7 @@
 use super::text::wrap;
 use crate::{
     checks::{Finding, Severity},
-    experiment::RecordingFindings,
+    results::RecordingFindings,
 };
 
 const SEVERITIES: [Severity; 3] = [Severity::Problem, Severity::Warning, Severity::Note];

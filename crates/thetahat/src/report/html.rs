@@ -7,7 +7,7 @@ use super::{
     Published, ReportError,
     sections::{self, Section},
 };
-use crate::experiment::Results;
+use crate::results::Results;
 
 const TEMPLATE: &str = include_str!("template.html");
 

@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::{
     base_parameters::BaseParameters,
     dynamics::Model,
-    robot::{Friction, Joint, JointKind, Parameter, Placement, Quantity, Robot, RobotSource},
+    robot::{Joint, JointKind, Parameter, Placement, Robot, RobotSource, Role},
 };
 
 /// A robot as data for people and programs. Lengths in m, angles in rad, and so on in SI; joints, links and motors are
@@ -152,12 +152,11 @@ impl Count {
     fn of<'p>(parameters: impl Iterator<Item = &'p Parameter>) -> Self {
         let mut count = Self::default();
         for parameter in parameters {
-            let quantity = parameter.quantity;
-            *match quantity {
-                _ if quantity.is_inertial() => &mut count.inertial,
-                _ if quantity.is_motor_inertia() => &mut count.motor_inertia,
-                Quantity::Off => &mut count.offset,
-                _ => &mut count.friction,
+            *match parameter.quantity.role() {
+                Role::Inertial => &mut count.inertial,
+                Role::MotorInertia => &mut count.motor_inertia,
+                Role::ViscousFriction | Role::CoulombFriction => &mut count.friction,
+                Role::Load => &mut count.offset,
             } += 1;
         }
         count
@@ -187,10 +186,7 @@ impl ModelReport {
             source: source.path().display().to_string(),
             format: source.format(),
             gravity: robot.gravity,
-            friction: match robot.friction {
-                Friction::Symmetric => "symmetric",
-                Friction::Asymmetric => "asymmetric",
-            },
+            friction: robot.friction.name(),
             joints: joints(robot),
             transmission: transmission(robot),
             counts: counts(&model, &standard, base.as_ref()),

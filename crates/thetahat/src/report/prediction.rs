@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::{ReportError, series::write_series};
-use crate::experiment::Prediction;
+use crate::results::Prediction;
 
 /// Rms of each joint's prediction and, where torques were measured, its relative error.
 #[must_use]

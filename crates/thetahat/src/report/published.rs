@@ -9,8 +9,8 @@ use serde::{
 
 use super::ReportError;
 use crate::{
-    experiment::{ParameterResult, RunResult},
     identification::Method,
+    results::{ParameterResult, RunResult},
 };
 
 const HEADER: [&str; 5] = ["case", "method", "parameter", "estimate", "relative_standard_deviation_percent"];

@@ -10,7 +10,7 @@ use super::{
     tables::{self, Detail},
 };
 use crate::{
-    experiment::{RecordingResult, Results, RunResult},
+    results::{RecordingResult, Results, RunResult},
     statistics::FTest,
 };
 
@@ -193,7 +193,7 @@ fn filters(results: &Results) -> [(&'static str, String); 2] {
     [("position filter", position), ("parallel filter", decimation)]
 }
 
-fn reference(results: &Results, reference: &crate::experiment::ReferenceResult) -> String {
+fn reference(results: &Results, reference: &crate::results::ReferenceResult) -> String {
     let moves = reference.moves.map(|m| format!(", {m} moves")).unwrap_or_default();
     let worst = reference.rms_deviation.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
     let deviation = worst.map(|(joint, rms)| {

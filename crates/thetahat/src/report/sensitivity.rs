@@ -11,13 +11,13 @@ use super::{
     sections::Section,
 };
 use crate::{
-    experiment::{Sensitivity, SensitivityPoint},
     identification::{Method, Status},
+    results::{Sensitivity, SensitivityPoint},
     simulation::BiasKind,
 };
 
 /// The methods of a sweep, in the order of the table's groups.
-const METHODS: [Method; 2] = [Method::IdimIv, Method::Didim];
+const METHODS: [Method; 2] = [Method::IDIM_IV, Method::DIDIM];
 
 /// The table of a sweep for the terminal.
 #[must_use]

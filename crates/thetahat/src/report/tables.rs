@@ -5,8 +5,8 @@ use super::{
     number::{NONE, estimate, fixed, given, optional, signed, significant, with_deviation, with_percent},
 };
 use crate::{
-    experiment::{ParameterResult, Results, RunResult},
     identification::Status,
+    results::{ParameterResult, Results, RunResult},
 };
 
 /// Errors in standard deviations that count as within.
@@ -354,7 +354,7 @@ fn run_figure(run: &RunResult, name: &str) -> Option<f64> {
 /// Every iteration of every run that iterates.
 pub(super) fn convergence(results: &Results) -> Option<Table> {
     let rows_of = |run: &RunResult| -> Vec<Vec<String>> {
-        let row = |(k, i): (usize, &crate::experiment::IterationResult)| {
+        let row = |(k, i): (usize, &crate::results::IterationResult)| {
             vec![
                 run.case.clone(),
                 run.method.name().to_owned(),

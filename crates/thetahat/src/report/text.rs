@@ -4,7 +4,7 @@ use super::{
     Published, TEXT_WIDTH, diagnosis, sections,
     tables::{self, Detail},
 };
-use crate::experiment::Results;
+use crate::results::Results;
 
 /// Widest label of the head.
 const LABEL: usize = 17;

@@ -1,6 +1,11 @@
-use std::{collections::BTreeMap, path::Path};
+use std::collections::BTreeMap;
 
-use super::{Friction, Joint, JointKind, ParameterTable, RobotError, RobotSource, Transmission};
+use super::{
+    joint::{Joint, JointKind},
+    parameters::ParameterTable,
+    quantity::{Friction, JointQuantity},
+    transmission::Transmission,
+};
 
 /// A robot, serial or a tree, with its transmission, friction model and a-priori parameters.
 ///
@@ -23,23 +28,6 @@ pub struct Robot {
 }
 
 impl Robot {
-    /// Reads a robot description: URDF where its text starts with `<`, else TOML, which may stand on a URDF.
-    ///
-    /// # Errors
-    /// [`RobotError`], with the file and the line or key.
-    pub fn read(path: &Path) -> Result<Self, RobotError> {
-        RobotSource::read(path)?.robot()
-    }
-
-    /// Reads a robot description from its text, as of [`Robot::read`] or [`RobotSource::to_text`]; `path` is its name in
-    /// messages, and the key `urdf` of a TOML is relative to its folder.
-    ///
-    /// # Errors
-    /// As [`Robot::read`].
-    pub fn parse(text: &str, path: &Path) -> Result<Self, RobotError> {
-        RobotSource::from_text(text.to_owned(), path)?.robot()
-    }
-
     /// Number of coordinates: of joints that follow no other.
     #[must_use]
     pub fn coordinate_count(&self) -> usize {
@@ -97,13 +85,17 @@ impl Robot {
     /// Takes another friction model; a-priori friction that holds for both signs of the velocity goes along.
     pub(super) fn set_friction(&mut self, friction: Friction) {
         self.friction = friction;
-        if friction == Friction::Symmetric {
-            return;
-        }
-        for number in 1..=self.joints.len() {
-            for (symmetric, sides) in [("fv", ["fvp", "fvn"]), ("fc", ["fcp", "fcn"])] {
-                if let Some(value) = self.a_priori.remove(&format!("{symmetric}{number}")) {
-                    sides.iter().for_each(|side| _ = self.a_priori.insert(format!("{side}{number}"), value));
+        let own = friction.quantities();
+        let others =
+            Friction::ALL.iter().flat_map(|other| other.quantities()).filter(|quantity| !own.contains(quantity));
+        for quantity in others {
+            let sides: Vec<&JointQuantity> = quantity.sides().iter().filter(|side| own.contains(side)).collect();
+            if sides.is_empty() {
+                continue;
+            }
+            for number in 1..=self.joints.len() {
+                if let Some(value) = self.a_priori.remove(&format!("{}{number}", quantity.name())) {
+                    sides.iter().for_each(|side| _ = self.a_priori.insert(format!("{}{number}", side.name()), value));
                 }
             }
         }

@@ -1,6 +1,6 @@
 use std::path::{Path, PathBuf};
 
-use super::UrdfError;
+use super::urdf::UrdfError;
 
 /// Why a robot description cannot be used.
 #[derive(Debug, thiserror::Error)]

@@ -3,11 +3,24 @@
 //! A robot is a tree of revolute and prismatic joints, read from our TOML in Denavit-Hartenberg form (modified, with
 //! Khalil's gamma and b for trees, or standard), from a URDF, or from a TOML that stands on a URDF. Its dynamic
 //! parameters are named once, in [`ParameterTable`].
+//!
+//! ```
+//! use std::path::Path;
+//! use thetahat::robot::Robot;
+//! let text = "name = 'pendulum'\n[[joint]]\nname = 'pivot'\nkind = 'revolute'\n[parameters]\nzz1 = 0.5\nia1 = 0.3";
+//! let robot = Robot::parse(text, Path::new("pendulum.toml"))?;
+//! let table = robot.parameter_table();
+//! assert_eq!(table.index_of("zz1").map(|index| robot.a_priori_parameters()[index]), Some(0.5));
+//! assert_eq!(robot.coordinate_count(), 1);
+//! # Ok::<(), thetahat::robot::RobotError>(())
+//! ```
 
 mod description;
 mod error;
 mod joint;
 mod parameters;
+mod physical;
+mod quantity;
 mod source;
 mod toml_file;
 mod transmission;
@@ -17,7 +30,9 @@ mod urdf;
 pub use description::Robot;
 pub use error::RobotError;
 pub use joint::{DenavitHartenberg, Joint, JointKind, Limits, Mimic, Placement};
-pub use parameters::{Friction, INERTIAL, Parameter, ParameterTable, Quantity};
+pub use parameters::{Parameter, ParameterTable};
+pub use physical::NotPhysical;
+pub use quantity::{Bound, Friction, INERTIAL, JointQuantity, LinkQuantity, MotorQuantity, Quantity, Role};
 pub use source::RobotSource;
 pub use transmission::Transmission;
 pub use urdf::{Place, UrdfError};

@@ -4,7 +4,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{Robot, RobotError, toml_file, urdf};
+use super::{description::Robot, error::RobotError, toml_file, urdf};
 
 /// Longest robot description, bytes.
 const LONGEST: u64 = 16 << 20;
@@ -82,6 +82,25 @@ impl RobotSource {
             }
             _ => self.text.clone(),
         }
+    }
+}
+
+impl Robot {
+    /// Reads a robot description: URDF where its text starts with `<`, else TOML, which may stand on a URDF.
+    ///
+    /// # Errors
+    /// [`RobotError`], with the file and the line or key.
+    pub fn read(path: &Path) -> Result<Self, RobotError> {
+        RobotSource::read(path)?.robot()
+    }
+
+    /// Reads a robot description from its text, as of [`Robot::read`] or [`RobotSource::to_text`]; `path` is its name in
+    /// messages, and the key `urdf` of a TOML is relative to its folder.
+    ///
+    /// # Errors
+    /// As [`Robot::read`].
+    pub fn parse(text: &str, path: &Path) -> Result<Self, RobotError> {
+        RobotSource::from_text(text.to_owned(), path)?.robot()
     }
 }
 

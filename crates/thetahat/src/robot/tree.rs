@@ -1,6 +1,6 @@
 //! Orders and cycles of trees that are given by the parent of each node; nothing here recurses.
 
-use super::{LARGEST, Mimic};
+use super::joint::{LARGEST, Mimic};
 
 /// Parents before children, depth first, children of one parent in the order given.
 ///

@@ -9,7 +9,7 @@ use num_complex::Complex64;
 
 use crate::series::Series;
 
-use super::SignalError;
+use super::error::SignalError;
 
 /// Steps of the search per octave: a gain that falls and rises again within a fraction of an octave may be missed.
 const STEPS_PER_OCTAVE: f64 = 8.0;

@@ -4,10 +4,13 @@ use std::ops::Range;
 
 use crate::series::Series;
 
+use super::design::SecondOrderSections;
+use super::error::SignalError;
 use super::forward_backward::{Kept, Shape};
-use super::parts::{DecimatedPart, Joined, PartPass};
+use super::join::{Joined, filter_and_keep};
+use super::pieces::{DecimatedPiece, PiecePass};
 use super::pole_sums::PoleSums;
-use super::{Padding, SecondOrderSections, SignalError, zero_phase};
+use super::zero_phase::{Padding, zero_phase};
 
 const ORDER: usize = 8;
 const RIPPLE_DB: f64 = 0.05;
@@ -73,7 +76,7 @@ impl Decimator {
         self.samples.div_ceil(self.kept.step)
     }
 
-    /// The series filtered, and of it the samples [`Self::kept`].
+    /// The samples [`Self::kept`] of the filtered series.
     ///
     /// # Errors
     /// If the series has not the number of samples announced.
@@ -84,8 +87,8 @@ impl Decimator {
         self.decimate_computed(series.channels(), |k, sample| sample.copy_from_slice(series.sample(k)))
     }
 
-    /// The same of a series of so many channels that is computed and not stored: `fill` is called for one sample after
-    /// the other and writes its channels.
+    /// [`Self::decimate`] of a series that is computed and not stored: `fill` is called for one sample after the other
+    /// and writes its channels.
     ///
     /// # Errors
     /// None for a decimator that could be made.
@@ -96,56 +99,56 @@ impl Decimator {
     ) -> Result<Series, SignalError> {
         if let Some(filter) = &self.filter {
             let shape = Shape { samples: self.samples, channels, padding: Padding::Matlab.samples(ORDER) };
-            return Ok(filter.sums.filter_and_keep(shape, self.kept, fill));
+            return Ok(filter_and_keep(&filter.sums, shape, self.kept, fill));
         }
         let mut series = Series::zeros(self.samples, channels);
         (0..self.samples).for_each(|k| fill(k, series.sample_mut(k)));
         Ok(series)
     }
 
-    /// The rows of a record cut into parts of `rows` rows or somewhat more: what may come by itself.
+    /// The rows of a record cut into pieces of at least `rows` rows, which can be decimated one by one.
     #[must_use]
-    pub fn parts(&self, rows: usize) -> Vec<Range<usize>> {
+    pub fn pieces(&self, rows: usize) -> Vec<Range<usize>> {
         let rows = rows.max(Padding::Matlab.samples(ORDER) + 1);
         let count = (self.rows() / rows).max(1);
-        let end = |part: usize| if part + 1 == count { self.rows() } else { (part + 1) * rows };
-        (0..count).map(|part| part * rows..end(part)).collect()
+        let end = |piece: usize| if piece + 1 == count { self.rows() } else { (piece + 1) * rows };
+        (0..count).map(|piece| piece * rows..end(piece)).collect()
     }
 
-    /// The samples that lie in a part: from behind the last one kept before it to its own last one.
+    /// The samples of a piece: from behind the last kept sample before it to its own last one.
     #[must_use]
-    pub fn samples_of(&self, part: &Range<usize>) -> Range<usize> {
+    pub fn samples_of(&self, piece: &Range<usize>) -> Range<usize> {
         let end = |row: usize| if row == 0 { 0 } else { self.kept.first + (row - 1) * self.kept.step + 1 };
-        end(part.start)..end(part.end)
+        end(piece.start)..end(piece.end)
     }
 
-    /// What is known of a part by itself, one of [`Self::parts`]. `fill` writes samples of the record as in
-    /// [`Self::decimate_computed`], and is asked for those of [`Self::samples_of`] only.
+    /// One of [`Self::pieces`], decimated without its neighbours. `fill` writes samples of the record as in
+    /// [`Self::decimate_computed`], and is asked only for [`Self::samples_of`] the piece.
     ///
     /// # Errors
     /// None for a decimator that could be made.
-    pub fn decimate_part(
+    pub fn decimate_piece(
         &self,
-        part: Range<usize>,
+        piece: Range<usize>,
         channels: usize,
         mut fill: impl FnMut(usize, &mut [f64]),
-    ) -> Result<DecimatedPart, SignalError> {
+    ) -> Result<DecimatedPiece, SignalError> {
         if let Some(filter) = &self.filter {
             let shape = Shape { samples: self.samples, channels, padding: Padding::Matlab.samples(ORDER) };
-            return Ok(PartPass::new(&filter.sums, shape, self.kept, fill).run(part));
+            return Ok(PiecePass::new(&filter.sums, shape, self.kept, fill).run(piece));
         }
-        let mut rows = Series::zeros(part.len(), channels);
-        part.enumerate().for_each(|(row, k)| fill(k, rows.sample_mut(row)));
-        Ok(DecimatedPart::of_samples(rows))
+        let mut rows = Series::zeros(piece.len(), channels);
+        piece.enumerate().for_each(|(row, k)| fill(k, rows.sample_mut(row)));
+        Ok(DecimatedPiece::of_samples(rows))
     }
 
-    /// Puts parts, given in their order, together to rows equal to those of [`Self::decimate`].
+    /// Joins pieces, given in their order, to the rows of [`Self::decimate`].
     #[must_use]
     pub fn joiner(&self) -> Joiner<'_> {
         Joiner(self.filter.as_ref().map(|filter| Joined::new(&filter.sums, self.rows())))
     }
 
-    /// The series filtered, with all its samples: what [`Self::decimate`] picks from. The length is free, so that the
+    /// All samples of the filtered series, from which [`Self::decimate`] keeps some. The length is free, so that the
     /// filter can be probed.
     ///
     /// # Errors
@@ -158,18 +161,18 @@ impl Decimator {
     }
 }
 
-/// The parts of a record on their way to its rows: [`Decimator::joiner`].
+/// The pieces of a record on their way to its rows: [`Decimator::joiner`].
 ///
-/// The rows of a part are finished when what lies behind it is known as far as the filter looks ahead.
+/// The rows of a piece are complete once the samples behind it are known as far as the filter looks ahead.
 #[derive(Debug)]
 pub struct Joiner<'a>(Option<Joined<'a>>);
 
 impl Joiner<'_> {
-    /// Takes the next part, and gives the rows of those parts that are finished by it. The last part finishes all.
-    pub fn take(&mut self, part: DecimatedPart) -> Vec<Series> {
+    /// Takes the next piece, and returns the rows of the pieces that it completes. The last piece completes all.
+    pub fn take(&mut self, piece: DecimatedPiece) -> Vec<Series> {
         match &mut self.0 {
-            Some(joined) => joined.take(part),
-            None => vec![part.rows],
+            Some(joined) => joined.take(piece),
+            None => vec![piece.rows],
         }
     }
 }
@@ -238,9 +241,9 @@ mod tests {
         Ok(())
     }
 
-    /// Parts are the whole record, however long they are: shorter and longer than the filter looks ahead.
+    /// Pieces are the whole record, however long they are: shorter and longer than the filter looks ahead.
     #[test]
-    fn parts_put_together_are_the_whole() -> Result<(), SignalError> {
+    fn pieces_put_together_are_the_whole() -> Result<(), SignalError> {
         for (factor, samples, rows) in [(1, 300, 60), (2, 3001, 25), (10, 9999, 30), (10, 9999, 333), (100, 60_003, 50)]
         {
             let value = |k: usize| 50.0 + (k as f64 * 0.37).sin() + ((k * k) % 17) as f64 + k as f64 * 1e-3;
@@ -248,17 +251,17 @@ mod tests {
             let decimator = Decimator::new(factor, samples)?;
             let (whole, mut joiner) = (decimator.decimate(&series)?, decimator.joiner());
             let mut joined: Vec<f64> = Vec::new();
-            for part in decimator.parts(rows) {
-                let own = decimator.samples_of(&part);
-                let part = decimator.decimate_part(part, 3, |k, sample| {
+            for piece in decimator.pieces(rows) {
+                let own = decimator.samples_of(&piece);
+                let piece = decimator.decimate_piece(piece, 3, |k, sample| {
                     assert!(own.contains(&k), "sample {k} of {own:?}");
                     sample.copy_from_slice(series.sample(k));
                 })?;
-                joiner.take(part).iter().for_each(|rows| joined.extend(rows.values()));
+                joiner.take(piece).iter().for_each(|rows| joined.extend(rows.values()));
             }
             assert_eq!(joined.len(), whole.values().len());
             for (j, w) in joined.iter().zip(whole.values()) {
-                assert!((j - w).abs() < 1e-12 * w.abs(), "factor {factor}, parts of {rows}: {j} {w}");
+                assert!((j - w).abs() < 1e-12 * w.abs(), "factor {factor}, pieces of {rows}: {j} {w}");
             }
         }
         Ok(())

@@ -5,7 +5,7 @@
 
 use std::f64::consts::PI;
 
-use super::SignalError;
+use super::error::SignalError;
 
 /// The numerator of a section with both zeros at `z = -1`.
 const TWO_ZEROS: [f64; 3] = [1.0, 2.0, 1.0];

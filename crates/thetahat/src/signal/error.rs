@@ -80,7 +80,7 @@ pub enum SignalError {
          state how many times the processing differentiates"
     )]
     NoDcGain {
-        /// The gain at 0 Hz, over that of the ideal derivative.
+        /// The gain at 0 Hz over the gain of the ideal derivative.
         dc_gain: f64,
     },
     /// The fraction of the peak velocity is not between 0 and 1.

@@ -13,7 +13,7 @@ use std::iter::zip;
 
 use crate::series::Series;
 
-use super::SecondOrderSections;
+use super::design::SecondOrderSections;
 
 /// Channels filtered together.
 const LANES: usize = 8;

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::series::Series;
 
-use super::SignalError;
+use super::error::SignalError;
 
 /// The samples from the first to the last at which something moves: what remains when the still periods at both ends
 /// are cut.

@@ -1,4 +1,4 @@
-//! Forward-backward filtering where few samples are kept: sums over blocks instead of two recursions over all samples.
+//! Forward-backward filtering where few samples are kept: sums over intervals instead of two recursions over all samples.
 //!
 //! The poles of the low-pass are simple, so that one pass is `H(z) = d + sum_j r_j / (1 - p_j z^-1)`. With the causal sums
 //! `s_j[k] = sum_(l <= k) p_j^(k-l) x[l]` and the anticausal ones `t_j[k] = sum_(l > k) p_j^(l-k) x[l]` the output of both
@@ -20,14 +20,11 @@
 
 use num_complex::Complex64;
 
-use super::SecondOrderSections;
-use super::forward_backward::{Kept, Shape};
-use super::parts::{Joined, PartPass};
-use crate::series::Series;
+use super::design::SecondOrderSections;
 
 /// Channels of one tile: two vectors of four.
 pub(super) const LANES: usize = 8;
-/// Weights of one block: real and imaginary parts, causal and anticausal, of four pairs of poles.
+/// Weights of one interval: real and imaginary parts, causal and anticausal, of four pairs of poles.
 pub(super) const PAIRS: usize = 4;
 pub(super) const WEIGHTS: usize = 4 * PAIRS;
 
@@ -72,15 +69,6 @@ impl PoleSums {
             a[i] / (Complex64::ONE - self.poles[i] * p) + a[i].conj() / (Complex64::ONE - self.poles[i].conj() * p)
         };
         (0..PAIRS).map(term).sum()
-    }
-
-    /// The kept samples of a record, filtered as [`forward_backward`](super::forward_backward::forward_backward) does
-    /// it. `fill` writes the channels of one sample after the other.
-    pub(super) fn filter_and_keep(&self, shape: Shape, kept: Kept, fill: impl FnMut(usize, &mut [f64])) -> Series {
-        let rows = kept.indices(shape.samples).count();
-        let mut joined = Joined::new(self, rows);
-        let finished = joined.take(PartPass::new(self, shape, kept, fill).run(0..rows));
-        finished.into_iter().next().unwrap_or_else(|| Series::zeros(0, shape.channels))
     }
 
     /// `2 Re sum_j c_j a_j`: what sums contribute to the output at their sample.
@@ -131,7 +119,7 @@ fn twice_real(a: &[Complex64; PAIRS], b: &[Complex64; PAIRS]) -> f64 {
 }
 
 /// Consecutive samples of the extended record, `width` values each.
-pub(super) struct Block {
+pub(super) struct Interval {
     pub(super) samples: usize,
     pub(super) values: Vec<f64>,
 }
@@ -154,15 +142,15 @@ impl Sums {
     }
 }
 
-/// The sums over one block, channel by channel: what it adds to the causal sums at its last sample, and to the anticausal
+/// The sums over one interval, channel by channel: what it adds to the causal sums at its last sample, and to the anticausal
 /// ones at the sample before its first.
-pub(super) fn block_sums(block: &Block, width: usize, weights: &[[f64; WEIGHTS]]) -> Vec<[Sums; 2]> {
+pub(super) fn interval_sums(interval: &Interval, width: usize, weights: &[[f64; WEIGHTS]]) -> Vec<[Sums; 2]> {
     let mut of_channels = Vec::with_capacity(width);
     for tile in (0..width).step_by(LANES) {
-        let columns = TileOfBlock { values: &block.values[tile..], width, weights };
+        let columns = TileOfInterval { values: &interval.values[tile..], width, weights };
         let sums = pulp::Arch::new().dispatch(columns);
-        let part = |i: usize, lane: usize| Sums::from_parts(|j| (sums[i + j][lane], sums[i + PAIRS + j][lane]));
-        of_channels.extend((0..LANES).map(|lane| [part(0, lane), part(2 * PAIRS, lane)]));
+        let of_lane = |i: usize, lane: usize| Sums::from_parts(|j| (sums[i + j][lane], sums[i + PAIRS + j][lane]));
+        of_channels.extend((0..LANES).map(|lane| [of_lane(0, lane), of_lane(2 * PAIRS, lane)]));
     }
     of_channels
 }
@@ -177,7 +165,7 @@ impl PoleSums {
     }
 }
 
-/// The weights of the samples `m = 1 ... n` of a block: real and imaginary parts of `p_j^(n-m)`, then of `p_j^m`.
+/// The weights of the samples `m = 1 ... n` of an interval: real and imaginary parts of `p_j^(n-m)`, then of `p_j^m`.
 fn weights_of(poles: &[Complex64; PAIRS], samples: usize) -> Vec<[f64; WEIGHTS]> {
     let powers: Vec<[Complex64; PAIRS]> = (0..=samples).map(|m| power(poles, m)).collect();
     let of_sample = |m: usize| {
@@ -192,15 +180,15 @@ fn weights_of(poles: &[Complex64; PAIRS], samples: usize) -> Vec<[f64; WEIGHTS]>
     (1..=samples).map(of_sample).collect()
 }
 
-/// Eight channels of a block: all that is done for every sample. Compiled once for each kind of vector instructions; what is
+/// Eight channels of an interval: all that is done for every sample. Compiled once for each kind of vector instructions; what is
 /// called from here must be inlined.
-struct TileOfBlock<'a> {
+struct TileOfInterval<'a> {
     values: &'a [f64],
     width: usize,
     weights: &'a [[f64; WEIGHTS]],
 }
 
-impl pulp::WithSimd for TileOfBlock<'_> {
+impl pulp::WithSimd for TileOfInterval<'_> {
     type Output = [[f64; LANES]; WEIGHTS];
 
     #[inline(always)]

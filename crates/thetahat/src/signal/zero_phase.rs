@@ -2,8 +2,9 @@
 
 use crate::series::Series;
 
+use super::design::SecondOrderSections;
+use super::error::SignalError;
 use super::forward_backward::{Kept, Shape, forward_backward};
-use super::{SecondOrderSections, SignalError};
 
 /// How many samples a record is extended by at both ends before it is filtered forward and backward.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,22 +46,12 @@ impl Padding {
 /// ```
 pub fn zero_phase(filter: &SecondOrderSections, series: &Series, padding: Padding) -> Result<Series, SignalError> {
     let fill = |k: usize, sample: &mut [f64]| sample.copy_from_slice(series.sample(k));
-    filter_and_keep(filter, (series.len(), series.channels()), padding, Kept::ALL, fill)
-}
-
-/// The kept samples of [`zero_phase`] of a record of so many samples and channels, which `fill` writes sample by sample.
-pub(super) fn filter_and_keep(
-    filter: &SecondOrderSections,
-    (samples, channels): (usize, usize),
-    padding: Padding,
-    kept: Kept,
-    fill: impl FnMut(usize, &mut [f64]),
-) -> Result<Series, SignalError> {
-    let padding = padding.samples(filter.order());
+    let (samples, padding) = (series.len(), padding.samples(filter.order()));
     if samples <= padding {
         return Err(SignalError::RecordTooShort { needed: padding + 1, found: samples });
     }
-    Ok(forward_backward(filter, Shape { samples, channels, padding }, kept, fill))
+    let shape = Shape { samples, channels: series.channels(), padding };
+    Ok(forward_backward(filter, shape, Kept::ALL, fill))
 }
 
 #[cfg(test)]
@@ -90,7 +81,7 @@ mod tests {
         Ok(())
     }
 
-    /// Only away from the ends: there, the steady state of a constant is not that of a ramp.
+    /// Only away from the ends, where the passes start in the steady state of a constant.
     #[test]
     fn a_ramp_passes_unchanged_inside() -> Result<(), SignalError> {
         let ramp = Series::from_values(1, (0..2000).map(|k| 3.0 + 0.01 * f64::from(k)).collect());

@@ -2,7 +2,7 @@
 
 use super::{closed_loop::ClosedLoop, coupling::Coupling};
 use crate::{
-    dynamics::{DampingWorkspace, DynamicParameters, DynamicsError, Model, Sign, Workspace},
+    dynamics::{DampingWorkspace, DynamicParameters, DynamicsError, Model, Sign, State, Workspace},
     linear_algebra::Matrix,
     series::Series,
 };
@@ -81,8 +81,8 @@ impl<'a> Plant<'a> {
 
     /// The friction's part of the damping in a state.
     pub(super) fn friction_damping(&mut self, x: &[f64], d: &mut [f64]) {
-        let dq = &x[self.p.len()..];
-        self.model.damping_into(&self.parameters, dq, self.sign, &mut self.damping, d);
+        let (q, dq) = x.split_at(self.p.len());
+        self.model.damping_into(&self.parameters, State { q, dq }, self.sign, &mut self.damping, d);
     }
 
     /// Adds what drive signals that fall by `slopes` per motor position or velocity give the joints: a stiffness or a damping.
@@ -99,7 +99,7 @@ impl<'a> Plant<'a> {
     #[inline]
     pub(super) fn accelerations(&mut self, x: &[f64], ddq: &mut [f64]) -> Result<(), DynamicsError> {
         let (q, dq) = x.split_at(self.p.len());
-        self.model.forward_dynamics(&self.parameters, q, dq, &self.tau, self.sign, &mut self.workspace, ddq)
+        self.model.forward_dynamics(&self.parameters, State { q, dq }, &self.tau, self.sign, &mut self.workspace, ddq)
     }
 }
 

@@ -9,7 +9,7 @@ use super::{
     running::Running,
 };
 use crate::{
-    dynamics::{DynamicParameters, Sign, Workspace},
+    dynamics::{DynamicParameters, Sign, State, Workspace},
     real::{Lanes, MOST_LANES},
 };
 
@@ -45,8 +45,8 @@ impl WithSimd for SideBySide<'_> {
             let mut all_go_on = true;
             while all_go_on {
                 work.gather(simd, [&mut q, &mut dq, &mut tau]);
-                let state = [&q[..], &dq, &tau];
-                all_go_on = match model.forward_dynamics_of(&parameters, state, sign, &mut workspace, &mut ddq) {
+                let state = State { q: &q, dq: &dq };
+                all_go_on = match model.forward_dynamics_of(&parameters, state, &tau, sign, &mut workspace, &mut ddq) {
                     Ok(()) => {
                         work.scatter(&ddq);
                         work.scatter_mass(workspace.factored_mass_matrix());

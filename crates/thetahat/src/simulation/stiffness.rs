@@ -1,7 +1,7 @@
 //! Which method a simulation asks for: how fast friction stops a joint, and what that costs an explicit method.
 
 use super::{closed_loop::ClosedLoop, solver::Solver};
-use crate::dynamics::{DampingWorkspace, DynamicParameters, Sign, Workspace, factorise, solve_factorised};
+use crate::dynamics::{DampingWorkspace, DynamicParameters, Sign, State, Workspace, factorise, solve_factorised};
 
 /// Points of the reference at which the stiffness is looked at.
 const POINTS: usize = 25;
@@ -25,11 +25,14 @@ impl ClosedLoop<'_> {
         let [mut q, mut dq, mut ddq] = [(); 3].map(|()| vec![0.0; n]);
         let [mut mass, mut damping] = [(); 2].map(|()| vec![0.0; n * n]);
         let sign = Sign::Smooth { scale: self.sign_velocity_scale };
-        self.model.damping_into(&parameters, &dq, sign, &mut DampingWorkspace::default(), &mut damping);
+        let mut damping_workspace = DampingWorkspace::default();
         let mut fastest: f64 = 0.0;
         for point in 0..POINTS {
             let t = duration_s * point as f64 / (POINTS - 1) as f64;
             self.reference.evaluate(t, &mut q, &mut dq, &mut ddq);
+            dq.fill(0.0);
+            let rest = State { q: &q, dq: &dq };
+            self.model.damping_into(&parameters, rest, sign, &mut damping_workspace, &mut damping);
             self.model.mass_matrix(&parameters, &q, &mut workspace, &mut mass);
             if factorise(&mut mass, n).is_ok() {
                 let rates = (0..n).map(|j| damping[j * n + j] * diagonal_of_inverse(&mass, j, n));

@@ -16,10 +16,13 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::{
-    JointRows, RowNoise,
+    RowNoise,
     wu_hausman::{IvEstimate, without},
 };
-use crate::linear_algebra::{Matrix, PivotedQr, norm};
+use crate::{
+    linear_algebra::{Matrix, PivotedQr, norm},
+    regression::RowLayout,
+};
 
 /// DIDIM against IV.
 #[derive(Debug, Clone)]
@@ -62,15 +65,15 @@ pub struct BiasFit {
 impl SimulatorComparison {
     /// Compares the two estimates of instruments Z. `None` where one of them does not exist, or X is Z.
     #[must_use]
-    pub fn new(z: &Matrix, x: &Matrix, y: &[f64], blocks: &JointRows) -> Option<Self> {
+    pub fn new(z: &Matrix, x: &Matrix, y: &[f64], layout: &RowLayout) -> Option<Self> {
         let q = PivotedQr::new(z).thin_q();
-        let iv = IvEstimate::with_basis(&q, x, y, blocks)?;
+        let iv = IvEstimate::with_basis(&q, x, y, layout)?;
         let s = x.plus(z, -1.0).times(&iv.theta);
         let delta = q.transpose_times(&s);
         let projected = q.transposed_times(z);
         let difference = PivotedQr::new(&projected).solve(&delta);
         let u = without(&q, &s);
-        let noise = RowNoise::of(&u, blocks);
+        let noise = RowNoise::of(&u, layout);
         let covariances = noise.covariances(&q);
         let covariance = sum(&covariances, &vec![1.0; covariances.len()]);
         Some(Self {
@@ -78,7 +81,7 @@ impl SimulatorComparison {
             average_difference: iv.average(&difference)?,
             iv_deviation: iv.deviations(),
             residual_ratio: norm(&sum_of(&iv.residual, &u)) / norm(&iv.residual),
-            joint_squares: blocks.squares(&z.times(&difference)),
+            joint_squares: layout.squares(&z.times(&difference)),
             q,
             projected,
             delta,
@@ -155,8 +158,8 @@ mod tests {
     const ROWS: usize = 300;
     const THETA: [f64; 3] = [2.0, -1.0, 0.5];
 
-    fn blocks() -> JointRows {
-        JointRows { joints: vec![vec![0..150], vec![150..300]] }
+    fn layout() -> RowLayout {
+        RowLayout::new(2, &[150])
     }
 
     fn motion(scale: f64) -> Matrix {
@@ -184,7 +187,7 @@ mod tests {
         }
         let noise = coloured(&mut rng, 0.2);
         let y: Vec<f64> = motion(1.0).times(&THETA).iter().zip(noise).map(|(t, e)| t + e).collect();
-        SimulatorComparison::new(&motion(factor), &x, &y, &blocks()).unwrap()
+        SimulatorComparison::new(&motion(factor), &x, &y, &layout()).unwrap()
     }
 
     #[test]
@@ -192,9 +195,9 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(5);
         let y: Vec<f64> = motion(1.0).times(&THETA).iter().zip(coloured(&mut rng, 0.2)).map(|(t, e)| t + e).collect();
         let (z, x) = (motion(1.1), motion(1.0));
-        let compared = SimulatorComparison::new(&z, &x.plus(&z, 0.01), &y, &blocks()).unwrap();
+        let compared = SimulatorComparison::new(&z, &x.plus(&z, 0.01), &y, &layout()).unwrap();
         let didim = PivotedQr::new(&z).solve(&y);
-        let iv = IvEstimate::new(&z, &x.plus(&z, 0.01), &y, &blocks()).unwrap().theta;
+        let iv = IvEstimate::new(&z, &x.plus(&z, 0.01), &y, &layout()).unwrap().theta;
         let residual =
             |a: &Matrix, theta: &[f64]| norm(&a.times(theta).iter().zip(&y).map(|(p, y)| y - p).collect::<Vec<_>>());
         let ratio = residual(&z, &didim) / residual(&x.plus(&z, 0.01), &iv);

@@ -2,46 +2,16 @@ use std::ops::Range;
 
 use rand::Rng;
 
-use super::{Autoregressive, RowBlocks};
-use crate::linear_algebra::Matrix;
+use super::autoregressive::Autoregressive;
+use crate::{linear_algebra::Matrix, regression::RowLayout};
 
 /// Highest order of a joint's process that is tried.
 const HIGHEST_ORDER: usize = 8;
 
-/// Where the rows of each joint stand: one range for each of its recordings.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct JointRows {
-    /// The ranges of each joint.
-    pub joints: Vec<Vec<Range<usize>>>,
-}
-
-impl JointRows {
-    /// The rows of a layout.
-    #[must_use]
-    pub fn new(rows: &RowBlocks) -> Self {
-        let of_joint = |j: usize| (0..rows.recordings()).map(|r| rows.block(j, r)).collect();
-        Self { joints: (0..rows.joints()).map(of_joint).collect() }
-    }
-
-    /// The segments of each joint's rows.
-    #[must_use]
-    pub fn segments<'a>(&self, rows: &'a [f64]) -> Vec<Vec<&'a [f64]>> {
-        let of_joint = |ranges: &Vec<Range<usize>>| ranges.iter().map(|r| &rows[r.clone()]).collect();
-        self.joints.iter().map(of_joint).collect()
-    }
-
-    /// The sum of the squares of each joint's rows.
-    #[must_use]
-    pub fn squares(&self, rows: &[f64]) -> Vec<f64> {
-        let squares = |s: &&[f64]| s.iter().map(|v| v * v).sum::<f64>();
-        self.segments(rows).iter().map(|joint| joint.iter().map(squares).sum()).collect()
-    }
-}
-
 /// Noise in the rows: one autoregressive process for each joint, independent of the others and between recordings.
 #[derive(Debug, Clone)]
 pub struct RowNoise {
-    blocks: JointRows,
+    layout: RowLayout,
     /// The process of each joint.
     pub joints: Vec<Autoregressive>,
 }
@@ -49,22 +19,22 @@ pub struct RowNoise {
 impl RowNoise {
     /// The noise of a residual.
     #[must_use]
-    pub fn of(residual: &[f64], blocks: &JointRows) -> Self {
-        let segments = blocks.segments(residual);
+    pub fn of(residual: &[f64], layout: &RowLayout) -> Self {
+        let segments = layout.split(residual);
         let joints = segments.iter().map(|s| Autoregressive::fit(s, HIGHEST_ORDER)).collect();
-        Self { blocks: blocks.clone(), joints }
+        Self { layout: layout.clone(), joints }
     }
 
     /// `Q_j^T S_j Q_j` of each joint j with the covariance S of its rows: the sum over the joints is the covariance of
     /// `Q^T e`.
     #[must_use]
     pub fn covariances(&self, q: &Matrix) -> Vec<Matrix> {
-        let of_joint = |(process, ranges): (&Autoregressive, &Vec<Range<usize>>)| {
+        let of_joint = |(joint, process): (usize, &Autoregressive)| {
             let autocovariance = process.autocovariance();
-            let parts = ranges.iter().map(|r| covariance_of_rows(q, r, &autocovariance));
-            parts.fold(Matrix::zeros(q.columns(), q.columns()), |sum, part| sum.plus(&part, 1.0))
+            let of_blocks = self.layout.of_joint(joint).map(|rows| covariance_of_rows(q, &rows, &autocovariance));
+            of_blocks.fold(Matrix::zeros(q.columns(), q.columns()), |sum, block| sum.plus(&block, 1.0))
         };
-        self.joints.iter().zip(&self.blocks.joints).map(of_joint).collect()
+        self.joints.iter().enumerate().map(of_joint).collect()
     }
 
     /// The covariance of `Q^T e`.
@@ -76,8 +46,8 @@ impl RowNoise {
 
     /// Draws one realisation; `memory` is that of [`RowNoise::memory`].
     pub fn draw(&self, memory: &[usize], rng: &mut impl Rng, out: &mut [f64]) {
-        for ((process, ranges), memory) in self.joints.iter().zip(&self.blocks.joints).zip(memory) {
-            ranges.iter().for_each(|r| process.draw(*memory, rng, &mut out[r.clone()]));
+        for ((joint, process), memory) in self.joints.iter().enumerate().zip(memory) {
+            self.layout.of_joint(joint).for_each(|rows| process.draw(*memory, rng, &mut out[rows]));
         }
     }
 
@@ -91,7 +61,7 @@ impl RowNoise {
     /// where this one has none.
     #[must_use]
     pub fn relative_long_run_variances(&self, residual: &[f64]) -> Vec<f64> {
-        let segments = self.blocks.segments(residual);
+        let segments = self.layout.split(residual);
         let ratio = |(process, segments): (&Autoregressive, &Vec<&[f64]>)| {
             let other = Autoregressive::fit_order(segments, process.coefficients.len());
             let own = process.long_run_variance();
@@ -130,9 +100,9 @@ mod tests {
     /// The covariance is that of many realisations.
     #[test]
     fn drawn_noise_has_the_covariance() {
-        let blocks = JointRows { joints: vec![vec![0..40, 40..60], vec![60..100, 100..120]] };
+        let layout = RowLayout::new(2, &[40, 20]);
         let process = |a: f64, v: f64| Autoregressive { coefficients: vec![a], innovation_variance: v };
-        let noise = RowNoise { blocks, joints: vec![process(0.7, 1.0), process(-0.4, 2.0)] };
+        let noise = RowNoise { layout, joints: vec![process(0.7, 1.0), process(-0.4, 2.0)] };
         let q = Matrix::from_fn(120, 2, |k, c| (0.05 * (k * (c + 1)) as f64 + 0.3).sin());
         let covariance = noise.covariance(&q);
         let mut sum = Matrix::zeros(2, 2);

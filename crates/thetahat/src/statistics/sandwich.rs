@@ -1,5 +1,5 @@
-use super::{RowBlocks, lagged::add_lagged_products};
-use crate::linear_algebra::Matrix;
+use super::lagged::add_lagged_products;
+use crate::{linear_algebra::Matrix, regression::RowLayout};
 
 /// An estimate that is linear in its errors, as all of LS, IV and DIDIM are where their assumptions hold.
 ///
@@ -21,7 +21,7 @@ pub struct Sandwich<'a> {
     /// rho, unweighted.
     pub residual: &'a [f64],
     /// Which rows belong together.
-    pub rows: &'a RowBlocks,
+    pub rows: &'a RowLayout,
 }
 
 impl Sandwich<'_> {
@@ -32,7 +32,7 @@ impl Sandwich<'_> {
     pub fn per_joint(&self) -> Vec<f64> {
         let leverage = self.leverage();
         let mut variances = vec![0.0; self.influence.columns()];
-        for block in self.rows.blocks() {
+        for block in self.rows.blocks().iter().map(|b| b.rows.clone()) {
             let freedom = (block.len() as f64 - leverage[block.clone()].iter().sum::<f64>()).max(1.0);
             let error = squares(&self.residual[block.clone()]) / freedom;
             self.each(&mut variances, |a| error * squares(&a[block.clone()]));
@@ -120,7 +120,7 @@ mod tests {
     use super::*;
 
     /// The mean of ten values: `X = 1`, `A = 1/10`.
-    fn mean(residual: &[f64], rows: &RowBlocks, check: impl Fn(Sandwich<'_>)) {
+    fn mean(residual: &[f64], rows: &RowLayout, check: impl Fn(Sandwich<'_>)) {
         let n = residual.len();
         let (design, influence) = (Matrix::from_fn(n, 1, |_, _| 1.0), Matrix::from_fn(n, 1, |_, _| 1.0 / n as f64));
         check(Sandwich { design: &design, influence: &influence, residual, rows });
@@ -130,7 +130,7 @@ mod tests {
 
     #[test]
     fn of_a_mean_they_are_the_formulas_of_the_textbook() {
-        mean(&RESIDUAL, &RowBlocks::new(1, vec![10]), |s| {
+        mean(&RESIDUAL, &RowLayout::new(1, &[10]), |s| {
             let sum: f64 = RESIDUAL.iter().map(|r| r * r).sum();
             assert!((s.per_joint()[0] - sum / 9.0 / 10.0).abs() < 1e-15);
             assert!((s.heteroscedastic()[0] - sum / 0.81 / 100.0).abs() < 1e-15);
@@ -143,14 +143,14 @@ mod tests {
         // 4 (5/100)^(2/9) = 2.06 lags in each half.
         let half = |r: &[f64]| lagged(r, 0) + 2.0 * (2.0 / 3.0 * lagged(r, 1) + 1.0 / 3.0 * lagged(r, 2));
         let expected = (half(&RESIDUAL[..5]) + half(&RESIDUAL[5..])) / 0.9 / 100.0;
-        mean(&RESIDUAL, &RowBlocks::new(1, vec![5, 5]), |s| assert!((s.newey_west()[0] - expected).abs() < 1e-15));
+        mean(&RESIDUAL, &RowLayout::new(1, &[5, 5]), |s| assert!((s.newey_west()[0] - expected).abs() < 1e-15));
     }
 
     #[test]
     fn newey_west_takes_the_joints_of_an_instant_together() {
         // The second joint's errors undo those of the first.
         let residual: Vec<f64> = RESIDUAL.iter().copied().chain(RESIDUAL.iter().map(|r| -r)).collect();
-        mean(&residual, &RowBlocks::new(2, vec![10]), |s| {
+        mean(&residual, &RowLayout::new(2, &[10]), |s| {
             assert!(s.newey_west()[0].abs() < 1e-15);
             assert!(s.per_joint()[0] > 0.05);
         });

@@ -70,7 +70,8 @@ impl Sandwich<'_> {
     #[must_use]
     pub fn stationary(&self) -> Vec<EstimatedVariance> {
         let leverage = self.leverage();
-        let mut blocks: Vec<Block> = self.rows.blocks().map(|rows| Block::new(self, rows, &leverage)).collect();
+        let mut blocks: Vec<Block> =
+            self.rows.blocks().iter().map(|b| Block::new(self, b.rows.clone(), &leverage)).collect();
         let correlations: Vec<Matrix> = blocks.iter().map(|b| b.influence_correlation(self.influence)).collect();
         let uncorrected = variances(&blocks, &correlations);
         for _ in 0..PASSES {
@@ -182,7 +183,7 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
 
     use super::*;
-    use crate::{linear_algebra::PivotedQr, statistics::RowBlocks};
+    use crate::{linear_algebra::PivotedQr, regression::RowLayout};
 
     const ROWS: usize = 60;
     /// Autocovariance of each joint, a moving average of the second order.
@@ -211,11 +212,12 @@ mod tests {
     fn the_correction_recovers_the_autocovariance_from_what_the_residual_shows_on_average() {
         let x = design();
         let a = x.times_matrix(&PivotedQr::new(&x).inverse_gram());
-        let rows = RowBlocks::new(2, vec![ROWS]);
+        let rows = RowLayout::new(2, &[ROWS]);
         let residual = vec![1.0; 2 * ROWS];
         let sandwich = Sandwich { design: &x, influence: &a, residual: &residual, rows: &rows };
         let leverage = sandwich.leverage();
-        let mut blocks: Vec<Block> = rows.blocks().map(|rows| Block::new(&sandwich, rows, &leverage)).collect();
+        let mut blocks: Vec<Block> =
+            rows.blocks().iter().map(|b| Block::new(&sandwich, b.rows.clone(), &leverage)).collect();
         for block in &mut blocks {
             block.observed = expected_products(&x, &a, block.rows.clone());
             block.window = vec![1.0; 3];
@@ -256,7 +258,7 @@ mod tests {
     }
 
     /// The variance of the mean of all rows, from the residual that the mean leaves.
-    fn of_mean(errors: &[f64], rows: &RowBlocks) -> EstimatedVariance {
+    fn of_mean(errors: &[f64], rows: &RowLayout) -> EstimatedVariance {
         let n = errors.len();
         let (design, influence) = (Matrix::from_fn(n, 1, |_, _| 1.0), Matrix::from_fn(n, 1, |_, _| 1.0 / n as f64));
         Sandwich { design: &design, influence: &influence, residual: &less_mean(errors), rows }.stationary()[0]
@@ -265,7 +267,7 @@ mod tests {
     /// Mean of the variances found for many series, how unsure each says that it is, and how much they really differ, both
     /// as degrees of freedom.
     fn of_many(coefficient: f64) -> (f64, f64, f64) {
-        let rows = RowBlocks::new(1, vec![LENGTH]);
+        let rows = RowLayout::new(1, &[LENGTH]);
         let found: Vec<_> = (0..600).map(|seed| of_mean(&autoregression(coefficient, seed), &rows)).collect();
         let mean = |f: &dyn Fn(&EstimatedVariance) -> f64| found.iter().map(f).sum::<f64>() / found.len() as f64;
         let variance = mean(&|v| v.variance);
@@ -302,8 +304,8 @@ mod tests {
         let first = less_mean(&autoregression(0.0, 1));
         let together = [first.clone(), first.clone()].concat();
         let apart: Vec<f64> = first.iter().copied().chain(first.iter().map(|e| -e)).collect();
-        let rows = RowBlocks::new(2, vec![LENGTH]);
-        let alone = of_mean(&first, &RowBlocks::new(1, vec![LENGTH])).variance;
+        let rows = RowLayout::new(2, &[LENGTH]);
+        let alone = of_mean(&first, &RowLayout::new(1, &[LENGTH])).variance;
         let [together, apart] = [together, apart].map(|e| of_mean(&e, &rows).variance / alone);
         let bandwidth = (LENGTH as f64).sqrt();
         let c = 0.75 * bandwidth / LENGTH as f64;
@@ -315,7 +317,7 @@ mod tests {
 
     #[test]
     fn an_exact_fit_has_no_variance() {
-        let found = of_mean(&[0.0; 40], &RowBlocks::new(1, vec![40]));
+        let found = of_mean(&[0.0; 40], &RowLayout::new(1, &[40]));
         assert_eq!((found.variance, found.freedom), (0.0, 40.0));
     }
 }

@@ -1,5 +1,8 @@
-use super::{ChiSquaredTest, FTest, JointRows, RowNoise, chi_squared_test, f_test};
-use crate::linear_algebra::{Matrix, PivotedQr, norm};
+use super::{ChiSquaredTest, FTest, RowNoise, chi_squared_test, f_test};
+use crate::{
+    linear_algebra::{Matrix, PivotedQr, norm},
+    regression::RowLayout,
+};
 
 /// Part of a column below which what its instruments leave of it is rounding.
 const EXOGENOUS: f64 = 1e-8;
@@ -29,7 +32,7 @@ pub struct WuHausman {
 ///
 /// `None` where LS or IV has no estimate, or nothing is left of X.
 #[must_use]
-pub fn wu_hausman(z: &Matrix, x: &Matrix, y: &[f64], blocks: &JointRows) -> Option<WuHausman> {
+pub fn wu_hausman(z: &Matrix, x: &Matrix, y: &[f64], layout: &RowLayout) -> Option<WuHausman> {
     let (rows, columns) = (x.rows(), x.columns());
     let q_x = PivotedQr::new(x).thin_q();
     let residual = without(&q_x, y);
@@ -38,9 +41,9 @@ pub fn wu_hausman(z: &Matrix, x: &Matrix, y: &[f64], blocks: &JointRows) -> Opti
     let delta = added.transpose_times(&residual);
     let (all, explained) = (norm(&residual).powi(2), norm(&delta).powi(2));
     let classical = f_test(all, columns, all - explained, columns + added.columns(), rows)?;
-    let noise = RowNoise::of(&residual, blocks);
+    let noise = RowNoise::of(&residual, layout);
     let robust = noise.covariance(&added).inverse_quadratic_form(&delta)?;
-    let iv = IvEstimate::new(z, x, y, blocks)?;
+    let iv = IvEstimate::new(z, x, y, layout)?;
     let theta_ls = PivotedQr::new(x).solve(y);
     let difference: Vec<f64> = iv.theta.iter().zip(&theta_ls).map(|(a, b)| a - b).collect();
     Some(WuHausman {
@@ -94,16 +97,16 @@ pub(super) struct IvEstimate {
 }
 
 impl IvEstimate {
-    pub(super) fn new(z: &Matrix, x: &Matrix, y: &[f64], blocks: &JointRows) -> Option<Self> {
-        Self::with_basis(&PivotedQr::new(z).thin_q(), x, y, blocks)
+    pub(super) fn new(z: &Matrix, x: &Matrix, y: &[f64], layout: &RowLayout) -> Option<Self> {
+        Self::with_basis(&PivotedQr::new(z).thin_q(), x, y, layout)
     }
 
-    pub(super) fn with_basis(q: &Matrix, x: &Matrix, y: &[f64], blocks: &JointRows) -> Option<Self> {
+    pub(super) fn with_basis(q: &Matrix, x: &Matrix, y: &[f64], layout: &RowLayout) -> Option<Self> {
         let projected = q.transposed_times(x);
         let qr = PivotedQr::new(&projected);
         let theta = qr.solve(&q.transpose_times(y));
         let residual: Vec<f64> = x.times(&theta).iter().zip(y).map(|(p, y)| y - p).collect();
-        let covariance = RowNoise::of(&residual, blocks).covariance(q);
+        let covariance = RowNoise::of(&residual, layout).covariance(q);
         let usable = qr.rank(DEPENDENT * DEPENDENT) == x.columns() && theta.iter().all(|t| t.is_finite());
         usable.then_some(Self { theta, residual, projected, covariance })
     }
@@ -139,8 +142,8 @@ pub(super) mod tests {
         (z, x, y)
     }
 
-    fn one_block() -> JointRows {
-        JointRows { joints: vec![vec![0..200]] }
+    fn one_block() -> RowLayout {
+        RowLayout::new(1, &[200])
     }
 
     /// statsmodels 0.15.0: OLS of y on X and V against OLS on X, `compare_f_test`.

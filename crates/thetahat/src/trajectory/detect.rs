@@ -24,7 +24,7 @@ pub(super) struct Detection {
     pub joint_weights: Vec<f64>,
 }
 
-/// Finds the moves as the stretches of speed, where speed is that of the joints in units of their range.
+/// Finds the moves where the joints have speed, counted in units of the range of each.
 pub(super) fn detect(position: &Series, velocity: &Series, rate: f64) -> Result<Detection, TrajectoryError> {
     let joint_weights = joint_weights(position);
     let speed: Vec<f64> = (0..velocity.len()).map(|k| weighted_norm(velocity.sample(k), &joint_weights)).collect();
@@ -81,7 +81,7 @@ fn stretches_above(values: &[f64], threshold: f64) -> Vec<Range<usize>> {
     stretches
 }
 
-/// Moves part where the speed between them is least; before the first and after the last some rest is kept.
+/// Moves are separated where the speed between them is least; some rest is kept before the first and after the last.
 fn boundaries(speed: &[f64], runs: &[Range<usize>], rate: f64) -> Vec<usize> {
     let rest = |run: &Range<usize>| (run.len() / 4).max((SHORTEST_S * rate) as usize);
     let slowest = |from: usize, to: usize| (from..=to).min_by(|&a, &b| speed[a].total_cmp(&speed[b])).unwrap_or(from);

@@ -1,7 +1,7 @@
 //! Time laws and end points by least squares: variable projection with Levenberg-Marquardt steps.
 //!
 //! For given time laws the positions are linear in P_0 and the displacements D_k, and those are eliminated (Golub and
-//! Pereyra, 1973, in Kaufman's approximation): what is left are four unknowns a move, its start and the logarithms of
+//! Pereyra, 1973, in Kaufman's approximation). Four unknowns remain for each move, its start and the logarithms of
 //! T1, T2, T3. One move and many are the same problem.
 //!
 //! | letter | word | shape |
@@ -12,8 +12,8 @@
 //! | `g` | derivatives of s_k by its four unknowns, less what the basis can express | samples x 4 K |
 //!
 //! The derivative of joint j by the unknowns of move k is `D_kj g_k`: all joints share `g`. With `g = Q (Q^T g)` the
-//! least squares of joints times samples shrink to those of joints times 4 K rows, and stay least squares; `Q^T g` and
-//! `Q^T residual` are parts of a triangle, and Q is not needed.
+//! least squares shrink from joints times samples to joints times 4 K rows; `Q^T g` and `Q^T residual` stand in one
+//! triangular factor, and Q is not needed.
 
 use std::ops::Range;
 
@@ -153,8 +153,8 @@ impl Fit {
         self.coefficients.at(self.coefficients.rows() - self.laws.len() + k, j)
     }
 
-    /// The triangle of basis, sensitivities and positions side by side holds, behind the rows of the basis, that of what the
-    /// basis leaves of the others: `g` as a triangle, and the residual in its coordinates.
+    /// `g` as a triangle, and the residual in its coordinates: the rows behind the basis in the triangular factor of
+    /// `[basis sensitivities positions]`.
     fn linearise(&self, samples: &Samples, weights: &[f64]) -> Linear {
         let sensitivity = sensitivity(&samples.time, &self.laws);
         let unknowns = sensitivity.columns();
@@ -165,7 +165,7 @@ impl Fit {
         self.stack(&columns(first, unknowns), &columns(first + unknowns, samples.position.columns()), weights)
     }
 
-    /// The equations of all joints, one below the other, from the ones they share.
+    /// The equations of all joints, one below the other, from the `g` that they share.
     fn stack(&self, g: &Matrix, residual: &Matrix, weights: &[f64]) -> Linear {
         let (rows, joints) = (g.rows(), residual.columns());
         let entry = |i: usize, c: usize| {

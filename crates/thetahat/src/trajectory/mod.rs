@@ -14,6 +14,16 @@
 //! | `D_kj` | displacement of joint j in move k, `P_kj - P_(k-1)j` | 1 | rad |
 //! | `q dq ddq` | joint positions and their derivatives | n | rad, rad/s, rad/s^2 |
 //! | `w_j` | weight of joint j in a fit | 1 | 1/rad |
+//!
+//! ```
+//! use thetahat::trajectory::{MotionLimits, plan};
+//! let limits = MotionLimits { max_velocity: vec![2.0], acceleration_time_s: 0.1, smoothing_time_s: 0.02, dwell_s: 0.1 };
+//! let moves = plan(vec![0.0], &[vec![1.0]], &limits, 0.0)?;
+//! let motion = moves.sample(1000.0, 1000);
+//! assert!((motion.q.sample(999)[0] - 1.0).abs() < 1e-12);
+//! assert!((motion.dq.values().iter().copied().fold(0.0, f64::max) - 2.0).abs() < 1e-12);
+//! # Ok::<(), thetahat::trajectory::TrajectoryError>(())
+//! ```
 
 mod detect;
 mod error;
@@ -26,5 +36,5 @@ mod reconstruct;
 pub use error::TrajectoryError;
 pub use law::TimeLaw;
 pub use moves::{Move, Moves};
-pub use plan::{Limits, plan};
+pub use plan::{MotionLimits, plan};
 pub use reconstruct::{Reconstruction, reconstruct};

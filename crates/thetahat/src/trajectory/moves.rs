@@ -2,6 +2,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{TimeLaw, TrajectoryError};
 use crate::series::Series;
+use crate::signal::Motion;
 
 /// One move: a time law that all joints share, and where they arrive.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -109,13 +110,13 @@ impl Moves {
     /// # Panics
     /// If the trajectory has no joint.
     #[must_use]
-    pub fn sample(&self, sample_rate_hz: f64, samples: usize) -> (Series, Series, Series) {
+    pub fn sample(&self, sample_rate_hz: f64, samples: usize) -> Motion {
         let zeros = || Series::zeros(samples, self.joints());
         let (mut q, mut dq, mut ddq) = (zeros(), zeros(), zeros());
         for k in 0..samples {
             self.evaluate(k as f64 / sample_rate_hz, q.sample_mut(k), dq.sample_mut(k), ddq.sample_mut(k));
         }
-        (q, dq, ddq)
+        Motion { q, dq, ddq }
     }
 
     /// The trajectory with each point mapped; a map that is affine gives the same motion in other coordinates.
@@ -237,7 +238,7 @@ mod tests {
     #[test]
     fn samples_are_those_of_evaluate() {
         let m = example();
-        let (q, dq, ddq) = m.sample(100.0, 60);
+        let Motion { q, dq, ddq } = m.sample(100.0, 60);
         assert_eq!([q.sample(42).to_vec(), dq.sample(42).to_vec(), ddq.sample(42).to_vec()], at(&m, 0.42));
     }
 

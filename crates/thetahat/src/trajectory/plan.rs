@@ -2,7 +2,7 @@ use super::{Move, Moves, TimeLaw, TrajectoryError};
 
 /// Limits of a planned trajectory.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Limits {
+pub struct MotionLimits {
     /// Largest velocity of each joint, in rad/s (m/s for prismatic joints).
     pub max_velocity: Vec<f64>,
     /// T2, the time in which the velocity rises and falls, in s.
@@ -18,8 +18,8 @@ pub struct Limits {
 /// `T1 = max_j |D_j| / max_velocity_j`, at least T2: the slowest joint runs at its limit and no joint above.
 ///
 /// ```
-/// use thetahat::trajectory::{Limits, plan};
-/// let limits = Limits { max_velocity: vec![2.0], acceleration_time_s: 0.1, smoothing_time_s: 0.02, dwell_s: 0.1 };
+/// use thetahat::trajectory::{MotionLimits, plan};
+/// let limits = MotionLimits { max_velocity: vec![2.0], acceleration_time_s: 0.1, smoothing_time_s: 0.02, dwell_s: 0.1 };
 /// let moves = plan(vec![0.0], &[vec![1.0], vec![0.4]], &limits, 0.5)?;
 /// let (mut q, mut dq, mut ddq) = ([0.0], [0.0], [0.0]);
 /// moves.evaluate(0.5 + 0.31, &mut q, &mut dq, &mut ddq);
@@ -29,7 +29,12 @@ pub struct Limits {
 ///
 /// # Errors
 /// Where a point or the limits have another number of joints than `start`, or a limit is not in its range.
-pub fn plan(start: Vec<f64>, end_points: &[Vec<f64>], limits: &Limits, start_s: f64) -> Result<Moves, TrajectoryError> {
+pub fn plan(
+    start: Vec<f64>,
+    end_points: &[Vec<f64>],
+    limits: &MotionLimits,
+    start_s: f64,
+) -> Result<Moves, TrajectoryError> {
     check(limits, start.len())?;
     let (mut from, mut time_s) = (start.clone(), start_s);
     let mut moves = Vec::with_capacity(end_points.len());
@@ -42,7 +47,7 @@ pub fn plan(start: Vec<f64>, end_points: &[Vec<f64>], limits: &Limits, start_s: 
     Moves::new(start, moves)
 }
 
-impl Limits {
+impl MotionLimits {
     fn law(&self, from: &[f64], to: &[f64], start_s: f64) -> TimeLaw {
         let times = from.iter().zip(to).zip(&self.max_velocity).map(|((from, to), v)| (to - from).abs() / v);
         let t1_s = times.fold(self.acceleration_time_s, f64::max);
@@ -50,7 +55,7 @@ impl Limits {
     }
 }
 
-fn check(limits: &Limits, joints: usize) -> Result<(), TrajectoryError> {
+fn check(limits: &MotionLimits, joints: usize) -> Result<(), TrajectoryError> {
     if limits.max_velocity.len() != joints {
         let found = limits.max_velocity.len();
         return Err(TrajectoryError::JointCount { what: "max_velocity".to_owned(), expected: joints, found });
@@ -72,8 +77,8 @@ fn require(holds: bool, what: &str, expected: &'static str, found: f64) -> Resul
 mod tests {
     use super::*;
 
-    fn limits() -> Limits {
-        Limits { max_velocity: vec![2.0, 5.0], acceleration_time_s: 0.15, smoothing_time_s: 0.03, dwell_s: 0.05 }
+    fn limits() -> MotionLimits {
+        MotionLimits { max_velocity: vec![2.0, 5.0], acceleration_time_s: 0.15, smoothing_time_s: 0.03, dwell_s: 0.05 }
     }
 
     fn points() -> Vec<Vec<f64>> {
@@ -83,7 +88,7 @@ mod tests {
     #[test]
     fn velocities_stay_at_or_below_their_limits() {
         let moves = plan(vec![0.0, 0.0], &points(), &limits(), 0.2).unwrap();
-        let (_, dq, _) = moves.sample(10_000.0, 30_000);
+        let dq = moves.sample(10_000.0, 30_000).dq;
         let peak = |j: usize| dq.channel(j).into_iter().fold(0.0, |a: f64, v| a.max(v.abs()));
         assert!((peak(0) - 2.0).abs() < 1e-9 && (peak(1) - 5.0).abs() < 1e-9);
     }
@@ -98,17 +103,17 @@ mod tests {
         assert!(moves.moves().iter().map(|m| &m.end).eq(points().iter()));
     }
 
-    fn error_of(limits: &Limits) -> TrajectoryError {
+    fn error_of(limits: &MotionLimits) -> TrajectoryError {
         plan(vec![0.0, 0.0], &points(), limits, 0.0).unwrap_err()
     }
 
     #[test]
     fn each_defect_is_refused() {
         use TrajectoryError::{JointCount, Value};
-        assert!(matches!(error_of(&Limits { max_velocity: vec![1.0], ..limits() }), JointCount { found: 1, .. }));
-        assert!(matches!(error_of(&Limits { max_velocity: vec![1.0, 0.0], ..limits() }), Value { .. }));
-        assert!(matches!(error_of(&Limits { smoothing_time_s: 0.2, ..limits() }), Value { .. }));
-        assert!(matches!(error_of(&Limits { dwell_s: -0.1, ..limits() }), Value { .. }));
+        assert!(matches!(error_of(&MotionLimits { max_velocity: vec![1.0], ..limits() }), JointCount { found: 1, .. }));
+        assert!(matches!(error_of(&MotionLimits { max_velocity: vec![1.0, 0.0], ..limits() }), Value { .. }));
+        assert!(matches!(error_of(&MotionLimits { smoothing_time_s: 0.2, ..limits() }), Value { .. }));
+        assert!(matches!(error_of(&MotionLimits { dwell_s: -0.1, ..limits() }), Value { .. }));
         let short = plan(vec![0.0, 0.0], &[vec![1.0]], &limits(), 0.0);
         assert!(matches!(short, Err(JointCount { found: 1, .. })));
     }

@@ -33,7 +33,7 @@ pub struct Reconstruction {
 ///
 /// The moves are the stretches between which the robot (nearly) stands still. Each is fitted by itself; then all time
 /// laws and end points are refined together, once with equal weights and once with each joint weighted by one over its
-/// deviation. What is found is the reference as the joints followed it: a constant lag of the control is in the starts.
+/// deviation. The result is the reference as the joints followed it: a constant lag of the control is in the starts.
 ///
 /// # Errors
 /// Where the two series do not belong together, a sample is not finite, no move is found, or one is too short to fit.
@@ -173,10 +173,11 @@ mod tests {
     use rand_distr::{Distribution, Normal};
 
     use super::*;
+    use crate::signal::Motion;
 
     const RATE_HZ: f64 = 5000.0;
     const NOISE_RAD: f64 = 1e-4;
-    /// What noise of that size leaves uncertain in starts, T1 and T2, with some room; T3 shows less in the position.
+    /// Uncertainty of starts, T1 and T2 under noise of that size, with some room; T3 shows less in the position.
     const TIME_S: f64 = 0.3e-3;
     const SMOOTHING_TIME_S: f64 = 1e-3;
     const POINT_RAD: f64 = 5e-5;
@@ -198,7 +199,7 @@ mod tests {
     }
 
     fn noisy(moves: &Moves, samples: usize) -> Series {
-        let (mut q, _, _) = moves.sample(RATE_HZ, samples);
+        let mut q = moves.sample(RATE_HZ, samples).q;
         let mut rng = ChaCha8Rng::seed_from_u64(7);
         let noise = Normal::new(0.0, NOISE_RAD).unwrap();
         q.values_mut().iter_mut().for_each(|q| *q += noise.sample(&mut rng));
@@ -266,7 +267,7 @@ mod tests {
     #[test]
     fn each_defect_is_refused() {
         use TrajectoryError::{JointCount, NotFinite, SampleCount, TooFewSamples, Value};
-        let (q, dq, _) = truth().sample(RATE_HZ, 18_000);
+        let Motion { q, dq, .. } = truth().sample(RATE_HZ, 18_000);
         let error = |q: &Series, dq: &Series, rate: f64| reconstruct(q, dq, rate).unwrap_err();
         let two = Series::zeros(18_000, 2);
         assert!(matches!(error(&q, &two, RATE_HZ), JointCount { expected: 3, found: 2, .. }));
@@ -281,7 +282,7 @@ mod tests {
     #[test]
     fn a_robot_at_rest_has_no_moves() {
         let still = Moves::new(vec![0.1, 0.2], Vec::new()).unwrap();
-        let (q, dq, _) = still.sample(RATE_HZ, 9_000);
+        let Motion { q, dq, .. } = still.sample(RATE_HZ, 9_000);
         assert!(matches!(reconstruct(&q, &dq, RATE_HZ), Err(TrajectoryError::NoMotion { .. })));
         let q = noisy(&still, 9_000);
         assert!(matches!(reconstruct(&q, &velocity(&q), RATE_HZ), Err(TrajectoryError::NoMotion { .. })));
@@ -289,7 +290,7 @@ mod tests {
 
     #[test]
     fn a_record_too_coarse_for_its_moves_is_refused() {
-        let (q, dq, _) = truth().sample(30.0, 110);
+        let Motion { q, dq, .. } = truth().sample(30.0, 110);
         assert!(matches!(reconstruct(&q, &dq, 30.0), Err(TrajectoryError::TooFewSamples { .. })));
     }
 }

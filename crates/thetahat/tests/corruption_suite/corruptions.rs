@@ -354,7 +354,7 @@ impl Record {
                 record.time_s = Some((0..self.position.len()).map(|k| k as f64 / self.rate_hz).collect())
             }
             Beside::Reference => {
-                let moves = self.moves.as_ref().map(|m| m.sample(self.rate_hz, self.position.len()).0);
+                let moves = self.moves.as_ref().map(|m| m.sample(self.rate_hz, self.position.len()).q);
                 record.reference = record.reference.or(moves);
             }
         }

@@ -15,7 +15,7 @@ use thetahat::{
     series::Series,
     signal::{Padding, SecondOrderSections, central_difference, moving_samples, zero_phase},
     simulation::{ClosedLoop, OutputGrid, Reference, SimulatorBias},
-    trajectory::{self, Limits, Moves},
+    trajectory::{self, MotionLimits, Moves},
 };
 
 /// A record with everything that the checks look at, to be changed at will.
@@ -91,19 +91,19 @@ pub fn twin(change: impl FnOnce(&mut TwinDescription)) -> Record {
         values.iter().zip(&robot.joints).map(convert).collect()
     };
     let points: Vec<Vec<f64>> = twin.points.iter().map(si).collect();
-    let limits = Limits {
+    let limits = MotionLimits {
         max_velocity: si(&twin.max_velocity),
         acceleration_time_s: twin.acceleration_time_s,
         smoothing_time_s: twin.smoothing_time_s,
         dwell_s: 0.0,
     };
     let moves = trajectory::plan(points[0].clone(), &points[1..], &limits, twin.rest_s).unwrap();
-    let excluded = experiment.file.parameters.exclude.clone();
+    let excluded = experiment.settings.parameters.exclude.clone();
     let base = BaseParameters::of(&model, &excluded).unwrap();
     let value = |name: &str| twin.parameters.get(name).copied().unwrap_or(0.0);
     let theta = base.to_standard(&base.parameters().iter().map(|p| value(&p.name)).collect::<Vec<_>>());
     let reference = Reference::Moves(moves.clone());
-    let controller = experiment.file.controller.clone().unwrap();
+    let controller = experiment.settings.controller.clone().unwrap();
     let closed_loop = ClosedLoop {
         model: &model,
         transmission: &robot.transmission,
@@ -111,15 +111,15 @@ pub fn twin(change: impl FnOnce(&mut TwinDescription)) -> Record {
         reference: &reference,
         added_signal: None,
         bias: SimulatorBias::NONE,
-        solver: experiment.file.simulation.solver,
-        sign_velocity_scale: experiment.file.simulation.sign_velocity_scale,
+        solver: experiment.settings.simulation.solver,
+        sign_velocity_scale: experiment.settings.simulation.sign_velocity_scale,
     };
     let samples = ((moves.end_s() + twin.rest_s) * twin.sample_rate_hz).ceil() as usize;
     let grid = OutputGrid { start_s: 0.0, sample_rate_hz: twin.sample_rate_hz, samples };
     let inertia = closed_loop.motor_inertia(&theta, moves.end_s());
     let motion = closed_loop.simulate(&theta, &inertia, &grid).unwrap();
     let (positions, drive) = twin.sensors.record(&motion, &robot.transmission);
-    let signal = experiment.file.signal;
+    let signal = experiment.settings.signal;
     let mut record = Record {
         excluded,
         rate_hz: twin.sample_rate_hz,
@@ -152,7 +152,7 @@ pub fn tx40(root: &Path, data: &Path) -> Record {
 /// The record of an experiment file, or its validation record.
 pub fn from_experiment(path: &Path, data: &Path, validation: bool) -> Record {
     let experiment = Experiment::read(path, data).unwrap();
-    let file = &experiment.file;
+    let (file, settings) = (&experiment.file, &experiment.settings);
     let description = if validation { file.validation[0].clone() } else { file.recording[0].clone() };
     let transmission = &experiment.robot.transmission;
     let motor = thetahat::recording::Side::Motor;
@@ -168,7 +168,7 @@ pub fn from_experiment(path: &Path, data: &Path, validation: bool) -> Record {
     let rate_hz = rate.unwrap();
     let samples = position.len();
     let mut record = Record {
-        excluded: file.parameters.exclude.clone(),
+        excluded: settings.parameters.exclude.clone(),
         rate_hz,
         time_s,
         velocity: None,
@@ -177,18 +177,18 @@ pub fn from_experiment(path: &Path, data: &Path, validation: bool) -> Record {
         reconstructed_deviation: None,
         added_signal: description.added_signal.is_some(),
         signal: SignalSettings {
-            filter_order: file.signal.filter_order,
-            cutoff_hz: file.signal.cutoff_hz,
-            decimation: file.signal.decimation,
+            filter_order: settings.signal.filter_order,
+            cutoff_hz: settings.signal.cutoff_hz,
+            decimation: settings.signal.decimation,
             window: 0..samples,
         },
-        controller: file.controller.clone(),
+        controller: settings.controller.clone(),
         moves: None,
         position,
         robot: experiment.robot.clone(),
     };
     let sample = |t: f64| (t * rate_hz).round() as usize;
-    record.signal.window = match (file.signal.window_start_s, file.signal.window_end_s) {
+    record.signal.window = match (settings.signal.window_start_s, settings.signal.window_end_s) {
         (Some(start), end) => sample(start)..end.map_or(samples, sample),
         _ => moving_window(&record),
     };

@@ -1,8 +1,8 @@
 //! Joints by name over all messages of a topic.
 
-use super::super::RecordingError;
 use super::super::checks::require_finite;
-use super::BagError;
+use super::super::error::RecordingError;
+use super::error::BagError;
 use super::topic::{Field, Message, Topic, Topics};
 use crate::series::Series;
 

@@ -10,10 +10,11 @@ use rusqlite::config::DbConfig;
 use rusqlite::types::ValueRef;
 use rusqlite::{Connection, OpenFlags, Row};
 
-use super::super::RecordingError;
+use super::super::error::RecordingError;
 use super::super::place::{file_length, unreadable};
+use super::error::BagError;
+use super::other_topic::OtherTopic;
 use super::topic::{JOINT_STATE, Topics};
-use super::{BagError, OtherTopic};
 
 /// Steps of SQLite's virtual machine between two looks at how many there were.
 const STEPS_AT_A_TIME: i32 = 10_000;
@@ -145,7 +146,7 @@ impl Bag {
         read
     }
 
-    /// Runs a query and a closure on each of its rows. The closure's own errors end it, as those of SQLite do.
+    /// Runs a query and a closure on each of its rows. An error of the closure ends it, as an error of SQLite does.
     fn each(
         &self,
         sql: &str,

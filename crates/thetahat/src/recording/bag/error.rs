@@ -90,7 +90,7 @@ pub enum BagError {
         example: String,
     },
 
-    /// The bytes of a message are not those of joint states.
+    /// The bytes of a message do not encode joint states.
     #[error("topic {topic:?}, message {message} in the order of the file: {reason}; record the bag again")]
     BadMessage {
         /// The topic.

@@ -9,10 +9,10 @@ use mcap::McapError;
 use mcap::records::{Channel, Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
-use super::super::RecordingError;
-use super::super::caught::caught;
+use super::super::error::RecordingError;
+use super::super::panic_guard::panics_as_damage;
 use super::super::place::{file_length, open, unreadable};
-use super::OtherTopic;
+use super::other_topic::OtherTopic;
 use super::topic::{JOINT_STATE, Topics};
 
 /// Longest record that is read: no image or cloud of points in a bag is longer.
@@ -36,7 +36,7 @@ pub(super) fn read_from(
     path: &Path,
     topic: Option<&str>,
 ) -> Result<Topics, RecordingError> {
-    caught(path, "MCAP", || {
+    panics_as_damage(path, "MCAP", || {
         let left = ANY_FILE.max(length.saturating_mul(EXPANSION));
         let topics = Topics::new(path, length);
         Bag { path, topic, left, schemas: HashMap::new(), places: HashMap::new(), topics }.read(input)
@@ -87,18 +87,19 @@ impl Bag<'_> {
         if !matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE) {
             return Ok(());
         }
-        match mcap::parse_record(opcode, data).map_err(|e| self.damaged(&e))? {
-            Record::Schema { header, .. } => self.add_schema(header.id, header.name),
-            Record::Channel(channel) => self.add_channel(channel),
-            Record::Message { header, data } => {
-                let log_time_ns = header.log_time.cast_signed();
-                match self.places.get(&header.channel_id) {
-                    Some(Some(place)) => self.topics.add_message(*place, log_time_ns, &data),
-                    _ => Ok(()),
-                }
-            }
-            _ => Ok(()),
+        let record = mcap::parse_record(opcode, data).map_err(|e| self.damaged(&e))?;
+        if let Record::Schema { header, .. } = record {
+            return self.add_schema(header.id, header.name);
         }
+        if let Record::Channel(channel) = record {
+            return self.add_channel(channel);
+        }
+        if let Record::Message { header, data } = record
+            && let Some(Some(place)) = self.places.get(&header.channel_id)
+        {
+            self.topics.add_message(*place, header.log_time.cast_signed(), &data)?;
+        }
+        Ok(())
     }
 
     fn add_schema(&mut self, number: u16, name: String) -> Result<(), RecordingError> {

@@ -15,6 +15,7 @@
 //! | `tables` | all columns of a topic, for inspection |
 //! | `db3`, `mcap` | the two kinds of bags |
 //! | `read` | the kind of bag by its format |
+//! | `other_topic` | topics that are not read |
 //! | `error` | what can be wrong with a bag |
 
 #[cfg(feature = "rosbag")]
@@ -26,6 +27,7 @@ mod db3;
 mod error;
 #[cfg(feature = "rosbag")]
 mod mcap;
+mod other_topic;
 mod read;
 #[cfg(feature = "rosbag")]
 mod tables;
@@ -33,7 +35,7 @@ mod tables;
 mod topic;
 
 pub use error::BagError;
-pub use read::OtherTopic;
+pub use other_topic::OtherTopic;
 pub(super) use read::{channels, tables};
 #[cfg(feature = "rosbag")]
 pub(super) use read::{fuzz_db3, fuzz_mcap};

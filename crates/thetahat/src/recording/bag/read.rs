@@ -2,22 +2,13 @@
 
 use std::path::Path;
 
-use serde::Serialize;
-
+use super::super::error::RecordingError;
+use super::super::format::Format;
 use super::super::table::Table;
-use super::super::{Format, RecordingError};
+use super::other_topic::OtherTopic;
 #[cfg(feature = "rosbag")]
 use super::{db3, mcap, topic::Topics};
 use crate::series::Series;
-
-/// A topic of a bag that is not read.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct OtherTopic {
-    /// Its name.
-    pub name: String,
-    /// The type of its messages.
-    pub kind: String,
-}
 
 /// The named columns of a topic, one channel each.
 #[cfg(feature = "rosbag")]

@@ -7,11 +7,11 @@ use ::mcap::records::MessageHeader;
 use ::mcap::{Compression, WriteOptions};
 use rusqlite::Connection;
 
-use super::super::test_files::Folder;
 use super::super::{Format, RecordingError};
 use super::cdr::joint_state;
 use super::*;
 use crate::series::Series;
+use thetahat_testing::Folder;
 
 const START_S: i32 = 1_700_000_000;
 
@@ -153,7 +153,7 @@ fn bag_in_mcap_says_the_same_as_in_sqlite() {
     let columns = ["stamp".to_owned(), "elbow.position".to_owned(), "log_time".to_owned()];
     let expected = loaded(&messages, None, &["stamp", "elbow.position", "log_time"]).unwrap();
     for compression in [None, Some(Compression::Zstd), Some(Compression::Lz4)] {
-        let folder = Folder::with("bag.mcap", &mcap(&messages, compression));
+        let folder = Folder::with("bag.mcap", mcap(&messages, compression));
         let series = channels(&folder.path().join("bag.mcap"), Format::Mcap, None, &columns).unwrap();
         assert_eq!(series, expected);
     }
@@ -311,7 +311,7 @@ fn reading_leaves_no_file_beside_the_bag() {
 #[test]
 fn other_files() {
     for (name, format) in [("bag.db3", Format::Db3), ("bag.mcap", Format::Mcap)] {
-        let folder = Folder::with(name, &b"t,q\n0,1\n".repeat(100));
+        let folder = Folder::with(name, b"t,q\n0,1\n".repeat(100));
         let error = channels(&folder.path().join(name), format, None, &["elbow.position".to_owned()]).unwrap_err();
         assert!(matches!(error, RecordingError::Damaged { .. }), "{error}");
     }

@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use super::super::RecordingError;
-use super::super::limits::Budget;
+use super::super::budget::Budget;
+use super::super::error::RecordingError;
 use super::cdr::joint_state;
-use super::{BagError, OtherTopic};
+use super::error::BagError;
+use super::other_topic::OtherTopic;
 
 /// The type of messages that is read.
 pub(super) const JOINT_STATE: &str = "sensor_msgs/msg/JointState";
@@ -41,7 +42,7 @@ pub(super) struct Message {
     present: [bool; 3],
 }
 
-/// What a message says of a joint.
+/// A quantity that a message holds for a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Field {
     Position,

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::super::RecordingError;
+use super::super::error::RecordingError;
 use super::number::{Decimal, Numbers};
 use super::text::{Text, rows};
 

@@ -5,18 +5,18 @@
 //! | `text` | drops byte order mark, comments and runs of spaces; splits lines into cells |
 //! | `dialect` | what may be set, and what is detected where it is not: delimiter and header |
 //! | `number` | cells to numbers, with a decimal point or comma |
-//! | `read` | all of it into a table |
-//! | `parts` | any rows of a long file into a table |
+//! | `read` | a whole file into a table |
+//! | `pieces` | any rows of a long file into a table |
 
 mod dialect;
 mod number;
-mod parts;
+mod pieces;
 mod read;
 mod text;
 
 pub use dialect::Dialect;
 pub use number::Decimal;
-pub(super) use parts::TextParts;
+pub(super) use pieces::TextPieces;
 pub(super) use read::{read, read_with_dialect};
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use csv::ByteRecord;
 
-use super::super::RecordingError;
+use super::super::error::RecordingError;
 use super::super::table::{Column, Flaw, Table, Wanted};
 use super::dialect::Dialect;
 use super::number::Numbers;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use csv::{ByteRecord, Reader, ReaderBuilder};
 
-use super::super::RecordingError;
+use super::super::error::RecordingError;
 
 /// Text from the first line that is neither empty nor a comment on.
 pub(super) struct Text<'a> {

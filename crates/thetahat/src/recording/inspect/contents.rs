@@ -4,10 +4,13 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use super::super::bag::{self, OtherTopic};
 use super::super::csv::{self, Dialect};
+use super::super::error::RecordingError;
+use super::super::format::Format;
 use super::super::place::file_bytes;
+use super::super::reader;
 use super::super::table::{Column, Flaw, Table, Wanted};
-use super::super::{Format, OtherTopic, RecordingError, bag, format};
 use super::channel::ChannelSummary;
 use super::time::{TimeSummary, times};
 
@@ -20,7 +23,7 @@ pub struct Contents {
     pub format: Format,
     /// How a text file is written, as detected.
     pub dialect: Option<Dialect>,
-    /// Columns that stand together: those of a text or Parquet file, variables of equally many samples, or the messages
+    /// Columns that stand together: a text or Parquet file, variables of equally many samples, or the messages
     /// of a topic that hold the same joints.
     pub tables: Vec<TableSummary>,
     /// Topics of a bag that are not read.
@@ -72,7 +75,9 @@ pub fn inspect(path: &Path) -> Result<Contents, RecordingError> {
             let (tables, other_topics) = bag::tables(path, format)?;
             (tables, None, other_topics)
         }
-        _ => (by_samples(format::table(path, format, &Dialect::default(), Wanted::All)?), None, Vec::new()),
+        Format::Npy | Format::Npz | Format::Mat | Format::Parquet => {
+            (by_samples(reader::table(path, format, &Dialect::default(), Wanted::All)?), None, Vec::new())
+        }
     };
     Ok(Contents {
         file: path.to_owned(),

@@ -1,4 +1,6 @@
-use super::super::test_files::{Folder, MatBytes};
+use thetahat_testing::Folder;
+
+use super::super::test_files::MatBytes;
 use super::super::{Decimal, Format, RecordingError, Unit};
 use super::*;
 

@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::super::Unit;
 use super::super::table::Column;
+use super::super::unit::Unit;
 
 /// A step longer than this many usual steps is a gap.
 const GAP: f64 = 1.5;

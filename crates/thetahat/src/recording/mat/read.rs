@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::super::RecordingError;
+use super::super::error::RecordingError;
 use super::super::table::{Column, Table, Wanted};
 use super::v5;
 #[cfg(feature = "hdf5")]
@@ -33,13 +33,4 @@ pub(in super::super) fn read_v73(
 #[cfg(not(feature = "hdf5"))]
 pub(in super::super) fn read_v73(_: Vec<u8>, path: &Path, _: Wanted<'_>) -> Result<Vec<Column>, RecordingError> {
     Err(RecordingError::FeatureMissing { file: path.to_owned(), format: "MAT files of version 7.3", feature: "hdf5" })
-}
-
-/// Samples and channels of an array: a vector, whichever way it lies, is one channel; a matrix has one for each column.
-pub(super) fn samples_and_channels(shape: &[usize]) -> Option<(usize, usize)> {
-    match *shape {
-        [1, columns] => Some((columns, 1)),
-        [rows, columns] => Some((rows, columns)),
-        _ => None,
-    }
 }

@@ -5,11 +5,11 @@ use std::path::Path;
 
 use flate2::read::ZlibDecoder;
 
-use super::super::RecordingError;
-use super::super::limits::{Budget, DecompressError};
+use super::super::budget::{Budget, DecompressError};
+use super::super::error::RecordingError;
 use super::super::table::{Column, Wanted};
-use super::parts::{ByteOrder, COMPRESSED, MATRIX, Part, parts};
-use super::read::samples_and_channels;
+use super::elements::{ByteOrder, COMPRESSED, Element, MATRIX, elements};
+use super::shape::samples_and_channels;
 
 /// Length of the header, after which the variables follow.
 const HEADER: usize = 128;
@@ -22,9 +22,9 @@ pub(super) fn read(bytes: &[u8], path: &Path, wanted: Wanted<'_>) -> Result<Vec<
     let damaged = |offset: usize| cut_or_damaged(path, HEADER + offset);
     let budget = Budget::of(path, bytes.len() as u64);
     let mut reader = Reader { path, order, wanted, budget, columns: Vec::new() };
-    for part in parts(&bytes[HEADER..], order).map_err(damaged)? {
-        let matrix = reader.decompressed(&part)?;
-        reader.add(None, &matrix, 0).map_err(|problem| problem.unwrap_or_else(|| damaged(part.offset)))?;
+    for element in elements(&bytes[HEADER..], order).map_err(damaged)? {
+        let matrix = reader.decompressed(&element)?;
+        reader.add(None, &matrix, 0).map_err(|problem| problem.unwrap_or_else(|| damaged(element.offset)))?;
     }
     Ok(reader.columns)
 }
@@ -50,16 +50,16 @@ struct Reader<'a> {
     columns: Vec<Column>,
 }
 
-/// What is wrong with a variable: none says that its parts do not fit.
+/// What is wrong with a variable: none says that its elements do not fit.
 type Problem = Option<RecordingError>;
 
 impl Reader<'_> {
-    /// The inside of a part that is a variable, compressed or not.
-    fn decompressed<'b>(&self, part: &Part<'b>) -> Result<Cow<'b, [u8]>, RecordingError> {
-        let damaged = || cut_or_damaged(self.path, HEADER + part.offset);
-        match part.kind {
-            MATRIX => Ok(Cow::Borrowed(part.data)),
-            COMPRESSED => match self.budget.decompress("a compressed variable", ZlibDecoder::new(part.data)) {
+    /// The inside of an element that is a variable, compressed or not.
+    fn decompressed<'b>(&self, element: &Element<'b>) -> Result<Cow<'b, [u8]>, RecordingError> {
+        let damaged = || cut_or_damaged(self.path, HEADER + element.offset);
+        match element.kind {
+            MATRIX => Ok(Cow::Borrowed(element.data)),
+            COMPRESSED => match self.budget.decompress("a compressed variable", ZlibDecoder::new(element.data)) {
                 Ok(bytes) => self.inside(&bytes).map(Cow::Owned).ok_or_else(damaged),
                 Err(DecompressError::TooLarge(error)) => Err(error),
                 Err(DecompressError::Damaged(_)) => Err(damaged()),
@@ -68,9 +68,9 @@ impl Reader<'_> {
         }
     }
 
-    /// The inside of the one variable that compressed bytes hold.
+    /// The content of the only variable in compressed bytes.
     fn inside(&self, bytes: &[u8]) -> Option<Vec<u8>> {
-        match parts(bytes, self.order).ok()?.as_slice() {
+        match elements(bytes, self.order).ok()?.as_slice() {
             [only] if only.kind == MATRIX => Some(only.data.to_vec()),
             _ => None,
         }
@@ -81,12 +81,12 @@ impl Reader<'_> {
         if field.is_some() && inside.is_empty() {
             return Ok(());
         }
-        let parts = parts(inside, self.order).map_err(|_| None)?;
-        let matrix = Matrix::of(&parts, self.order).ok_or(None)?;
+        let elements = elements(inside, self.order).map_err(|_| None)?;
+        let matrix = Matrix::of(&elements, self.order).ok_or(None)?;
         let name = field.unwrap_or_else(|| matrix.name.clone());
         match matrix.class {
             STRUCTURE if depth < DEEPEST_STRUCTURE && matrix.shape.iter().all(|&n| n == 1) => {
-                self.add_fields(&name, &parts[3..], depth + 1)
+                self.add_fields(&name, &elements[3..], depth + 1)
             }
             _ => {
                 let column = self.column(name, &matrix)?;
@@ -97,8 +97,8 @@ impl Reader<'_> {
     }
 
     /// Adds the fields of a structure: the length of names, the names, then a matrix for each field.
-    fn add_fields(&mut self, name: &str, parts: &[Part], depth: usize) -> Result<(), Problem> {
-        let [length, names, fields @ ..] = parts else { return Err(None) };
+    fn add_fields(&mut self, name: &str, elements: &[Element], depth: usize) -> Result<(), Problem> {
+        let [length, names, fields @ ..] = elements else { return Err(None) };
         let length = self.order.word(length.data, 0).and_then(|n| usize::try_from(n).ok()).filter(|n| *n > 0);
         let names = names.data.chunks_exact(length.ok_or(None)?);
         if names.len() != fields.len() || fields.iter().any(|field| field.kind != MATRIX) {
@@ -127,8 +127,8 @@ impl Reader<'_> {
         Ok(Column::of_numbers(name, channels, data.numbers(self.order).ok_or(None)?))
     }
 
-    fn miscounted(&self, name: &str, expected: usize, data: Option<&Part>) -> RecordingError {
-        let found = data.and_then(Part::count).unwrap_or_default();
+    fn miscounted(&self, name: &str, expected: usize, data: Option<&Element>) -> RecordingError {
+        let found = data.and_then(Element::count).unwrap_or_default();
         let reason = format!("variable {name:?} has the size of {expected} values and holds {found}");
         RecordingError::damaged(self.path, reason)
     }
@@ -142,12 +142,12 @@ struct Matrix<'a> {
     complex: bool,
     shape: Vec<usize>,
     name: String,
-    data: Option<&'a Part<'a>>,
+    data: Option<&'a Element<'a>>,
 }
 
 impl<'a> Matrix<'a> {
-    fn of(parts: &'a [Part<'a>], order: ByteOrder) -> Option<Self> {
-        let [flags, size, name, rest @ ..] = parts else { return None };
+    fn of(elements: &'a [Element<'a>], order: ByteOrder) -> Option<Self> {
+        let [flags, size, name, rest @ ..] = elements else { return None };
         let flags = order.word(flags.data, 0)?;
         let side = |i| usize::try_from(order.word(size.data, 4 * i)?).ok();
         let shape: Vec<usize> = (0..size.data.len() / 4).map(side).collect::<Option<_>>()?;

@@ -6,11 +6,11 @@ use std::path::Path;
 
 use hdf5_pure::{AttrValue, DType, Dataset, File, Group};
 
-use super::super::RecordingError;
-use super::super::caught::caught;
-use super::super::limits::Budget;
+use super::super::budget::Budget;
+use super::super::error::RecordingError;
+use super::super::panic_guard::panics_as_damage;
 use super::super::table::{Column, Wanted};
-use super::read::samples_and_channels;
+use super::shape::samples_and_channels;
 
 /// Structures within structures.
 const DEEPEST_STRUCTURE: usize = 8;
@@ -19,7 +19,7 @@ const MOST_OBJECTS: usize = 4096;
 
 /// The variables of a file. Those not wanted are there by name, without values.
 pub(super) fn read(bytes: Vec<u8>, path: &Path, wanted: Wanted<'_>) -> Result<Vec<Column>, RecordingError> {
-    caught(path, "HDF5", || {
+    panics_as_damage(path, "HDF5", || {
         let budget = Budget::of(path, bytes.len() as u64);
         let mut reader = Reader { path, wanted, budget, objects: 0, columns: Vec::new() };
         let length = bytes.len() as u64;

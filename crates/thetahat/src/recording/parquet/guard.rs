@@ -1,7 +1,7 @@
-//! What stands between the library and the bytes of a file.
+//! Checks between the library and the bytes of a file.
 //!
 //! The library reserves memory for what a page or a dictionary is said to hold before it reads it. Here these sizes are
-//! checked first: those of the file in [`description`], of a page where the library reads its header, of a dictionary where it
+//! checked first: sizes in the file in [`description`], of a page where the library reads its header, of a dictionary where it
 //! asks for its page.
 
 use std::fs::File;
@@ -25,7 +25,7 @@ const MAGIC: &[u8] = b"PAR1";
 const MOST_COLUMNS: usize = 1 << 14;
 /// Groups within groups.
 const DEEPEST_GROUP: usize = 32;
-/// Bytes in which the header of a page is looked for: those of columns of numbers have less than a hundred.
+/// Bytes in which the header of a page is looked for; for columns of numbers it has less than a hundred.
 const HEADER_SIZES: [u64; 2] = [1 << 10, 1 << 20];
 
 /// The description at the end of a file, with its counts of columns and how deep they are nested checked.
@@ -186,19 +186,15 @@ pub(super) struct Pages {
 
 impl Pages {
     fn check(&mut self, page: &Page) -> Result<()> {
-        match page {
-            Page::DictionaryPage { num_values, .. } if *num_values as usize > self.limit => {
-                Err(wrong("a dictionary is too large"))
+        if let Page::DictionaryPage { num_values, .. } = page {
+            if *num_values as usize > self.limit {
+                return Err(wrong("a dictionary is too large"));
             }
-            Page::DictionaryPage { .. } => {
-                self.has_dictionary = true;
-                Ok(())
-            }
-            page if uses_dictionary(page.encoding()) && !self.has_dictionary => {
-                Err(wrong("a page uses a dictionary that is not there"))
-            }
-            _ => Ok(()),
+            self.has_dictionary = true;
+        } else if uses_dictionary(page.encoding()) && !self.has_dictionary {
+            return Err(wrong("a page uses a dictionary that is not there"));
         }
+        Ok(())
     }
 }
 

@@ -3,19 +3,19 @@
 //! | file | what it does |
 //! | --- | --- |
 //! | `thrift`, `records` | walk over the records that describe a file, to check them before the library believes them |
-//! | `guard` | what stands between the library and the bytes of a file: sizes of pages and dictionaries |
+//! | `guard` | checks between the library and the file: sizes of pages and dictionaries |
 //! | `read` | what a file describes, and any rows of its columns |
 //! | `numbers` | values to numbers |
-//! | `parts` | a file that is read in parts |
+//! | `pieces` | a file that is read in pieces |
 
 mod guard;
 mod numbers;
-mod parts;
+mod pieces;
 mod read;
 mod records;
 mod thrift;
 
-pub(super) use parts::{GroupParts, fuzz_parts};
+pub(super) use pieces::{GroupPieces, fuzz_pieces};
 pub(super) use read::read;
 
 #[cfg(test)]

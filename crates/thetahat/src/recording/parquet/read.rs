@@ -12,16 +12,16 @@ use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
 use parquet::file::serialized_reader::SerializedPageReader;
 use parquet::schema::types::ColumnDescriptor;
 
-use super::super::RecordingError;
-use super::super::caught::caught;
-use super::super::limits::Budget;
+use super::super::budget::Budget;
+use super::super::error::RecordingError;
+use super::super::panic_guard::panics_as_damage;
 use super::super::table::{Column, Table, Wanted};
 use super::guard::{Guarded, Pages, Source, description};
 use super::numbers::{Number, Values};
 
 /// The columns of a file; missing values are NaN. Those not wanted are there by name, without values.
 pub(in super::super) fn read(bytes: Vec<u8>, path: &Path, wanted: Wanted<'_>) -> Result<Table, RecordingError> {
-    caught(path, "Parquet", || {
+    panics_as_damage(path, "Parquet", || {
         let source = Source::Memory(Bytes::from(bytes));
         let described = Described::new(path, &source)?;
         described.require_room(path, source.length(), wanted)?;
@@ -29,7 +29,7 @@ pub(in super::super) fn read(bytes: Vec<u8>, path: &Path, wanted: Wanted<'_>) ->
     })
 }
 
-/// What a file says of its content.
+/// The content of a file as its metadata describe it.
 pub(super) struct Described {
     metadata: ParquetMetaData,
     /// Rows of each group.
@@ -167,7 +167,11 @@ impl Described {
             ColumnReader::Int64ColumnReader(reader) => values.add(reader, rows, |x, number| number.of_i64(x)),
             ColumnReader::FloatColumnReader(reader) => values.add(reader, rows, |x, _| x.into()),
             ColumnReader::DoubleColumnReader(reader) => values.add(reader, rows, |x, _| x),
-            _ => Err(ParquetError::General("the column is not one of numbers".to_owned())),
+            ColumnReader::Int96ColumnReader(_)
+            | ColumnReader::ByteArrayColumnReader(_)
+            | ColumnReader::FixedLenByteArrayColumnReader(_) => {
+                Err(ParquetError::General("the column is not one of numbers".to_owned()))
+            }
         }
     }
 }

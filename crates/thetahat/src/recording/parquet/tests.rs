@@ -8,9 +8,9 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 
 use super::super::table::{Table, Wanted};
-use super::super::test_files::Folder;
 use super::super::{Format, RecordingError, select};
 use super::*;
+use thetahat_testing::Folder;
 
 const FILE: &str = "q.parquet";
 
@@ -179,7 +179,7 @@ fn damaged_bytes_never_panic() {
     }
 }
 
-/// Parts of every size, that begin and end anywhere in groups and pages.
+/// Pieces of every size, that begin and end anywhere in groups and pages.
 #[test]
 fn parts_are_those_of_the_whole_bit_by_bit() {
     const ROWS: usize = 1200;
@@ -188,16 +188,16 @@ fn parts_are_those_of_the_whole_bit_by_bit() {
             let bytes = rows(ROWS, of_group, compression);
             let whole = loaded(&bytes).unwrap();
             let folder = Folder::with(FILE, &bytes);
-            let parts = GroupParts::open(&folder.path().join(FILE), Wanted::All).unwrap().unwrap();
-            assert_eq!(parts.samples(), ROWS);
+            let pieces = GroupPieces::open(&folder.path().join(FILE), Wanted::All).unwrap().unwrap();
+            assert_eq!(pieces.samples(), ROWS);
             for size in [1, 49, 50, 333, 1199, ROWS].into_iter().filter(|size| *size > 1 || of_group == 100) {
                 for start in (0..ROWS).step_by(size) {
                     let range = start..(start + size).min(ROWS);
-                    let table = parts.read(range.clone(), Wanted::All).unwrap();
-                    for (part, whole) in table.columns.iter().zip(&whole.columns) {
+                    let table = pieces.read(range.clone(), Wanted::All).unwrap();
+                    for (piece, whole) in table.columns.iter().zip(&whole.columns) {
                         let expected = whole.values.get(range.clone()).unwrap_or_default();
-                        assert_eq!(bits(&part.values), bits(expected), "{of_group} {range:?} {}", part.name);
-                        assert_eq!((&part.flaw, part.channels), (&whole.flaw, whole.channels));
+                        assert_eq!(bits(&piece.values), bits(expected), "{of_group} {range:?} {}", piece.name);
+                        assert_eq!((&piece.flaw, piece.channels), (&whole.flaw, whole.channels));
                     }
                 }
             }
@@ -207,10 +207,10 @@ fn parts_are_those_of_the_whole_bit_by_bit() {
 
 #[test]
 fn parts_of_columns_that_are_not_wanted_are_not_read() {
-    let folder = Folder::with(FILE, &rows(300, 100, Compression::SNAPPY));
+    let folder = Folder::with(FILE, rows(300, 100, Compression::SNAPPY));
     let asked = ["q".to_owned()];
-    let parts = GroupParts::open(&folder.path().join(FILE), Wanted::Named(&asked)).unwrap().unwrap();
-    let table = parts.read(150..250, Wanted::Named(&asked)).unwrap();
+    let pieces = GroupPieces::open(&folder.path().join(FILE), Wanted::Named(&asked)).unwrap().unwrap();
+    let table = pieces.read(150..250, Wanted::Named(&asked)).unwrap();
     let read: Vec<usize> = table.columns.iter().map(|column| column.values.len()).collect();
     assert_eq!(read, [0, 100, 0, 0, 0, 0]);
 }
@@ -219,7 +219,7 @@ fn parts_of_columns_that_are_not_wanted_are_not_read() {
 fn large_groups_are_left_to_the_reader_of_whole_files() {
     let opened = |bytes: &[u8]| {
         let folder = Folder::with(FILE, bytes);
-        GroupParts::open(&folder.path().join(FILE), Wanted::All)
+        GroupPieces::open(&folder.path().join(FILE), Wanted::All)
     };
     assert!(opened(&zeros(1, 1 << 22)).unwrap().is_some());
     assert!(opened(&zeros(1, (1 << 22) + 1)).unwrap().is_none());
@@ -237,7 +237,7 @@ fn parts_of_a_damaged_file_never_panic() {
     let path = folder.path().join(FILE);
     let read = |bytes: &[u8]| {
         std::fs::write(&path, bytes).unwrap();
-        GroupParts::open(&path, Wanted::All)?.map(|parts| parts.read(70..90, Wanted::All)).transpose()
+        GroupPieces::open(&path, Wanted::All)?.map(|pieces| pieces.read(70..90, Wanted::All)).transpose()
     };
     assert!(read(&whole).unwrap().is_some());
     for length in 1..whole.len() {
@@ -247,7 +247,7 @@ fn parts_of_a_damaged_file_never_panic() {
         for damage in [0x00, 0x01, 0x80, 0xff] {
             let mut bytes = whole.clone();
             bytes[place] = damage;
-            fuzz_parts(&bytes);
+            fuzz_pieces(&bytes);
             if place % 7 == 0 {
                 let _ = read(&bytes);
             }
@@ -260,7 +260,7 @@ fn a_file_that_changes_while_it_is_read() {
     let whole = rows(120, 40, Compression::SNAPPY);
     let folder = Folder::with(FILE, &whole);
     let path = folder.path().join(FILE);
-    let parts = GroupParts::open(&path, Wanted::All).unwrap().unwrap();
+    let pieces = GroupPieces::open(&path, Wanted::All).unwrap().unwrap();
     std::fs::write(&path, &whole[..whole.len() / 3]).unwrap();
-    assert!(matches!(parts.read(70..120, Wanted::All), Err(RecordingError::Damaged { .. })));
+    assert!(matches!(pieces.read(70..120, Wanted::All), Err(RecordingError::Damaged { .. })));
 }

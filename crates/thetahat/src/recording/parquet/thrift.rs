@@ -2,7 +2,7 @@
 //!
 //! The library reserves memory by the counts in these records, follows nested groups by calling itself, and does not ask
 //! whether a field is of the type that it expects. So each record is compared here first with the [`Record`] that it
-//! should be; those of Parquet are in `records`.
+//! should be; the records of Parquet are in `records`.
 //! Source: thrift-compact-protocol.md of Apache Thrift.
 
 /// Records within records where their fields are not known.
@@ -116,7 +116,7 @@ impl<'a> Thrift<'a> {
         }
     }
 
-    /// The number of elements of a list, which is not larger than that of the bytes behind it, and their code.
+    /// The number of elements of a list, at most the number of bytes behind it, and the code of their type.
     fn list(&mut self) -> Option<(usize, u8)> {
         let head = self.byte()?;
         let count = if head >> 4 == 15 { self.length()? } else { usize::from(head >> 4) };

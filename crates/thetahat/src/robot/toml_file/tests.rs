@@ -229,13 +229,10 @@ fn joints_are_given_once() {
 
 #[test]
 fn a_urdf_beside_its_description_is_read_and_kept_in_one_text() {
-    let folder = std::env::temp_dir().join(format!("thetahat-on-urdf-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    let path = folder.join("arm.toml");
-    std::fs::write(folder.join("arm.urdf"), URDF.replace('\n', "\r\n")).unwrap();
-    std::fs::write(&path, "urdf = \"arm.urdf\" # the maker's\n[parameters]\nia1 = 0.1\n").unwrap();
-    let source = RobotSource::read(&path).unwrap();
-    std::fs::remove_dir_all(&folder).unwrap();
+    let folder = thetahat_testing::Folder::new();
+    folder.write("arm.urdf", URDF.replace('\n', "\r\n"));
+    folder.write("arm.toml", "urdf = \"arm.urdf\" # the maker's\n[parameters]\nia1 = 0.1\n");
+    let source = RobotSource::read(&folder.at("arm.toml")).unwrap();
     let robot = source.robot().unwrap();
     assert_eq!((source.format(), robot.name.as_str()), ("TOML on URDF", "arm"));
     let kept = RobotSource::from_text(source.to_text(), Path::new("results.json")).unwrap();

@@ -1,0 +1,13 @@
+//! What the tests of both crates share: temporary folders, runs of the program, the shared data, and assertions.
+//!
+//! Everything here panics where it fails, as tests do, except checks for tests that return their failure.
+
+mod assertions;
+mod folder;
+mod program;
+mod shared;
+
+pub use assertions::{assert_close, ensure, ensure_printed};
+pub use folder::Folder;
+pub use program::{refused, run, shown, succeeded};
+pub use shared::{Named, data, project, root, run_with_shared_data, shared};

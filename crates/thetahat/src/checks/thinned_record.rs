@@ -1,0 +1,191 @@
+//! The record and its regression as the checks see them: the band of the estimate at a fraction of its cost.
+//!
+//! Motion is band-passed as for the estimate, but evaluated at only ten samples per period of the cut-off; torque and
+//! observation matrix then pass the same second decimation. On the TX40 that takes 10 ms instead of 110 and the relative
+//! error agrees to 0.01 %.
+
+use std::{cell::OnceCell, rc::Rc};
+
+use super::{affine::Affine, orthogonal_fit::OrthogonalFit, subject::Subject};
+use crate::{
+    dynamics::Sign,
+    identification::Assembly,
+    linear_algebra::Matrix,
+    regressor::Regressor,
+    robot::Quantity,
+    series::Series,
+    signal::{Decimator, Motion, SignalError, band_pass},
+};
+
+/// Samples per period of the cut-off at which the motion is evaluated.
+const SAMPLES_PER_PERIOD: f64 = 10.0;
+/// Most samples at which the motion is evaluated: the time of a check is bounded.
+const MOST_SAMPLES: usize = 20_000;
+/// Rows of a coordinate beyond which more add nothing.
+const ENOUGH_ROWS: usize = 2_000;
+/// Most work of one factorisation, rows times squared columns: of more rows, every n-th is taken.
+const MOST_WORK: f64 = 2e7;
+
+/// Motion and torque between the two decimations, corrected as faults are found, with their fit.
+#[derive(Clone)]
+pub(super) struct ThinnedRecord<'a> {
+    pub(super) subject: &'a Subject<'a>,
+    pub(super) motion: Motion,
+    /// Low-passed as the rows are.
+    pub(super) torque: Series,
+    pub(super) decimator: Decimator,
+    /// Samples per second of motion and torque.
+    pub(super) rate_hz: f64,
+    /// Samples that become rows.
+    pub(super) kept: Vec<usize>,
+    every: usize,
+    regressor: Regressor,
+    fit: OnceCell<Rc<OrthogonalFit>>,
+    corrected: bool,
+}
+
+impl<'a> ThinnedRecord<'a> {
+    pub(super) fn new(subject: &'a Subject<'a>, cutoff_hz: f64) -> Result<Self, SignalError> {
+        let (window, rate) = (subject.signal.window.clone(), subject.sample_rate_hz);
+        let factor = subject.signal.decimation.max(bounded_factor(window.len(), rate, cutoff_hz));
+        let stride = ((rate / (SAMPLES_PER_PERIOD * cutoff_hz)) as usize).max(window.len().div_ceil(MOST_SAMPLES));
+        let stride = stride.clamp(1, factor);
+        let motion = band_pass(subject.position, rate, subject.signal.filter_order, cutoff_hz)?;
+        let first = Decimator::new(stride, window.len())?;
+        let samples: Vec<usize> = first.kept().map(|k| k + window.start).collect();
+        let motion = motion_at(&motion, &samples);
+        let decimator = Decimator::new((factor as f64 / stride as f64).round() as usize, samples.len())?;
+        let torque = decimator.filter(&first.decimate(&subject.torque.window(window))?)?;
+        let every = ((work(subject, decimator.rows()) / MOST_WORK).ceil() as usize).max(1);
+        let kept = decimator.kept().step_by(every).collect();
+        let regressor = Regressor::new(subject.model, &subject.base.columns());
+        let rate_hz = rate / stride as f64;
+        let fit = OnceCell::new();
+        Ok(Self { subject, motion, torque, decimator, rate_hz, kept, every, regressor, fit, corrected: false })
+    }
+
+    pub(super) fn coordinates(&self) -> usize {
+        self.torque.channels()
+    }
+
+    /// Rows of a coordinate.
+    pub(super) fn rows(&self) -> usize {
+        self.kept.len()
+    }
+
+    /// Puts the record right.
+    pub(super) fn correct(&mut self, correction: &Affine) {
+        self.motion = correction.motion(&self.motion);
+        self.torque = correction.torque(&self.torque);
+        self.corrected = true;
+        self.fit = OnceCell::new();
+    }
+
+    /// Puts other torques in the place of the recorded ones.
+    pub(super) fn replace_torque(&mut self, torque: Series) {
+        self.torque = torque;
+        self.corrected = true;
+        self.fit = OnceCell::new();
+    }
+
+    /// Whether the record was put right.
+    pub(super) fn is_corrected(&self) -> bool {
+        self.corrected
+    }
+
+    /// A copy with the record put right.
+    pub(super) fn corrected(&self, correction: &Affine) -> Self {
+        let mut other = self.clone();
+        other.correct(correction);
+        other
+    }
+
+    /// The fit of the record as corrected so far, made once.
+    pub(super) fn fit(&self) -> Result<Rc<OrthogonalFit>, SignalError> {
+        if let Some(fit) = self.fit.get() {
+            return Ok(Rc::clone(fit));
+        }
+        let assembly = Assembly::new(self.subject.model, &self.subject.base.columns(), self.decimator.clone());
+        let Motion { q, dq, ddq } = &self.motion;
+        let x = assembly.observation_matrix(q, dq, ddq, Sign::Exact)?;
+        let all = self.decimator.rows();
+        let taken: Vec<bool> = (0..x.rows()).map(|i| (i % all).is_multiple_of(self.every)).collect();
+        let x = if self.every == 1 { x } else { x.select_rows(&taken) };
+        let fit = Rc::new(OrthogonalFit::new(&x, &self.stack(&self.torque), self.coordinates()));
+        Ok(Rc::clone(self.fit.get_or_init(|| fit)))
+    }
+
+    /// Whether the motion separates all parameters.
+    pub(super) fn has_full_rank(&self) -> bool {
+        self.fit().is_ok_and(|r| r.rank == r.x.columns())
+    }
+
+    /// The rows of a series that is already low-passed, coordinate by coordinate.
+    pub(super) fn stack(&self, series: &Series) -> Vec<f64> {
+        (0..series.channels()).flat_map(|j| self.kept.iter().map(move |&k| series.sample(k)[j])).collect()
+    }
+
+    /// The torques of a motion with parameters `theta`, not filtered.
+    pub(super) fn predict(&self, motion: &Motion, theta: &[f64]) -> Series {
+        let phi = self.regressor.evaluate_series(self.subject.model, &motion.q, &motion.dq, &motion.ddq, Sign::Exact);
+        let mut tau = Series::zeros(phi.len(), self.coordinates());
+        for k in 0..phi.len() {
+            let torque = tau.sample_mut(k);
+            for (entry, value) in self.regressor.entries().iter().zip(phi.sample(k)) {
+                torque[entry.joint] += value * theta[entry.column];
+            }
+        }
+        tau
+    }
+
+    /// Whether a column is Coulomb friction.
+    pub(super) fn is_coulomb_friction(&self, column: usize) -> bool {
+        self.quantity(column).is_coulomb_friction()
+    }
+
+    /// Whether a column is friction.
+    pub(super) fn is_friction(&self, column: usize) -> bool {
+        self.quantity(column).is_friction()
+    }
+
+    fn quantity(&self, column: usize) -> Quantity {
+        let kept = self.subject.base.parameters()[column].kept;
+        self.subject.model.parameter_table().get(kept).quantity
+    }
+
+    /// X of a motion, not filtered: for hypotheses that change much.
+    pub(super) fn raw_matrix(&self, motion: &Motion) -> Matrix {
+        let phi = self.regressor.evaluate_series(self.subject.model, &motion.q, &motion.dq, &motion.ddq, Sign::Exact);
+        let rows = phi.len();
+        let mut x = Matrix::zeros(rows * self.coordinates(), self.regressor.columns());
+        for (e, entry) in self.regressor.entries().iter().enumerate() {
+            for k in 0..rows {
+                *x.at_mut(entry.joint * rows + k, entry.column) = phi.sample(k)[e];
+            }
+        }
+        x
+    }
+}
+
+/// The decimation that leaves about [`ENOUGH_ROWS`], where that keeps the band of the position filter.
+fn bounded_factor(samples: usize, rate: f64, cutoff_hz: f64) -> usize {
+    let keeps_the_band = (0.4 * rate / (2.0 * cutoff_hz)) as usize;
+    keeps_the_band.min(samples / ENOUGH_ROWS)
+}
+
+/// Rows times squared columns.
+fn work(subject: &Subject<'_>, rows: usize) -> f64 {
+    (rows * subject.torque.channels()) as f64 * (subject.base.len() as f64).powi(2)
+}
+
+/// The samples of a motion at given places.
+pub(super) fn motion_at(motion: &Motion, samples: &[usize]) -> Motion {
+    let Motion { q, dq, ddq } = motion;
+    Motion { q: at(q, samples), dq: at(dq, samples), ddq: at(ddq, samples) }
+}
+
+/// The samples of a series at given places.
+pub(super) fn at(series: &Series, samples: &[usize]) -> Series {
+    let values = samples.iter().flat_map(|&k| series.sample(k).iter().copied()).collect();
+    Series::from_values(series.channels(), values)
+}

@@ -1,0 +1,17 @@
+use super::{
+    estimated::Whitened,
+    verdict::{SIGNIFICANCE, largest, verdict},
+};
+use crate::{preparation::Problem, results::EndogeneityResult, statistics::wu_hausman};
+
+/// LS against IV, by the Durbin-Wu-Hausman test.
+pub(super) fn endogeneity(problem: &Problem, iv: &Whitened<'_>) -> Option<EndogeneityResult> {
+    let test = wu_hausman(&iv.z, &iv.x, &iv.y, iv.layout)?;
+    Some(EndogeneityResult {
+        classical: test.classical,
+        robust: test.robust,
+        average_difference: test.average_difference,
+        parameters: largest(problem, &test.difference, &test.iv_deviation),
+        verdict: verdict(test.robust.p_value < SIGNIFICANCE, test.average_difference),
+    })
+}

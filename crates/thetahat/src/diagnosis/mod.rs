@@ -1,0 +1,39 @@
+//! What the runs of a case show together: tests of residuals, of LS against IV, of instruments, and of DIDIM against IV, as
+//! verdicts with numbers, and the advice that follows from them (`docs/diagnostics.md`).
+
+mod advice;
+mod biased_simulator;
+mod endogeneity;
+mod estimated;
+mod instruments;
+mod residual;
+mod verdict;
+
+use crate::{identification::Method, preparation::Case, preparation::Problem, results::CaseDiagnosis};
+
+pub(crate) use advice::advise;
+pub(crate) use biased_simulator::Simulate;
+pub(crate) use estimated::Estimated;
+pub(crate) use residual::residual;
+
+use biased_simulator::biased_simulator;
+use endogeneity::endogeneity;
+use estimated::{Whitened, converged};
+use instruments::instruments;
+
+/// Compares the methods of a case. `simulate` gives Z of the loop simulated with other biases.
+pub(crate) fn diagnose(
+    problem: &Problem,
+    case: &Case,
+    estimated: &[Estimated],
+    simulate: &Simulate<'_>,
+) -> CaseDiagnosis {
+    let iv = converged(estimated, Method::IDIM_IV).and_then(Whitened::new);
+    let didim = converged(estimated, Method::DIDIM);
+    CaseDiagnosis {
+        case: case.name.clone(),
+        endogeneity: iv.as_ref().and_then(|w| endogeneity(problem, w)),
+        instruments: iv.as_ref().map(|w| instruments(problem, w)),
+        biased_simulator: didim.and_then(|d| biased_simulator(problem, case, d, simulate)),
+    }
+}

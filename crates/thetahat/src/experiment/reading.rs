@@ -1,0 +1,116 @@
+//! Recordings read from their files, on the joint side and at equal time steps.
+
+use std::path::Path;
+
+use super::{
+    description::{Experiment, RecordingDescription},
+    error::ExperimentError,
+};
+use crate::{
+    preparation::{PreparationError, Recording},
+    recording::{self, ChannelSource, Clock, Side},
+    series::Series,
+};
+
+impl Experiment {
+    /// Reads a recording and brings it to the joint side and to equal time steps. `number` counts from one.
+    pub(crate) fn read_recording(
+        &self,
+        description: &RecordingDescription,
+        number: usize,
+        data: &Path,
+    ) -> Result<Recording, ExperimentError> {
+        let position = self.read_joint_positions(&description.position, data)?;
+        let torque = self.read_torques(&description.torque, data)?;
+        recording::not_all_zero(&torque, "torque", &description.torque.path(data))?;
+        let optional = |source: &Option<ChannelSource>, read: &dyn Fn(&ChannelSource) -> Result<Series, _>| {
+            source.as_ref().map(read).transpose()
+        };
+        let velocity = optional(&description.velocity, &|s| self.read_joint_velocities(s, data))?;
+        let reference = optional(&description.reference, &|s| self.read_joint_positions(s, data))?;
+        let added_signal = optional(&description.added_signal, &|s| self.read_channels(s, data))?;
+        for (signal, source, series) in [
+            ("torque", Some(&description.torque), Some(&torque)),
+            ("velocity", description.velocity.as_ref(), velocity.as_ref()),
+            ("reference", description.reference.as_ref(), reference.as_ref()),
+            ("added signal", description.added_signal.as_ref(), added_signal.as_ref()),
+        ] {
+            let (Some(source), Some(series)) = (source, series) else { continue };
+            let file = description.position.path(data);
+            recording::same_length(&position, "position", &file, series, signal, &source.path(data))?;
+        }
+        let clock = read_clock(description, data, &position)?;
+        let recording = described(description, number, position, &clock);
+        Ok(Recording { torque, velocity, reference, added_signal, ..recording }.to_equal_steps(&clock))
+    }
+
+    /// Reads a motion whose torques were not recorded; they are zero.
+    pub(super) fn read_motion(
+        &self,
+        description: &RecordingDescription,
+        data: &Path,
+    ) -> Result<Recording, ExperimentError> {
+        let position = self.read_joint_positions(&description.position, data)?;
+        let clock = read_clock(description, data, &position)?;
+        Ok(described(description, 1, position, &clock).to_equal_steps(&clock))
+    }
+
+    fn read_joint_velocities(&self, source: &ChannelSource, data: &Path) -> Result<Series, ExperimentError> {
+        let series = self.read_channels(source, data)?;
+        Ok(match source.side {
+            Side::Motor => self.robot.transmission.joint_velocities(&series),
+            Side::Joint => series,
+        })
+    }
+
+    fn read_joint_positions(&self, source: &ChannelSource, data: &Path) -> Result<Series, ExperimentError> {
+        let series = self.read_channels(source, data)?;
+        Ok(match source.side {
+            Side::Motor => self.robot.transmission.joint_positions(&series),
+            Side::Joint => series,
+        })
+    }
+
+    fn read_torques(&self, source: &ChannelSource, data: &Path) -> Result<Series, ExperimentError> {
+        let series = self.read_channels(source, data)?;
+        Ok(match source.side {
+            Side::Motor => self.robot.transmission.joint_torques(&series),
+            Side::Joint => series,
+        })
+    }
+
+    fn read_channels(&self, source: &ChannelSource, data: &Path) -> Result<Series, ExperimentError> {
+        let series = recording::read_channels(source, data)?;
+        let joints = self.robot.coordinate_count();
+        if series.channels() == joints {
+            return Ok(series);
+        }
+        let key = format!("{}: number of channels", source.path(data).display());
+        let expected = format!("{joints}, one for each joint of {}", self.robot.name);
+        Err(self.refuse(PreparationError::value(&key, &expected, series.channels())))
+    }
+}
+
+/// A recording of positions with what its description says; its torques are zero.
+fn described(description: &RecordingDescription, number: usize, position: Series, clock: &Clock) -> Recording {
+    let torque = Series::zeros(position.len(), position.channels());
+    Recording {
+        name: description.name.clone().unwrap_or_else(|| number.to_string()),
+        weight: description.weight,
+        time_stamps_s: clock.stamps().map(<[f64]>::to_vec),
+        window_s: [description.window_start_s, description.window_end_s],
+        geared: [&description.position, &description.torque].iter().any(|s| s.side == Side::Motor),
+        ..Recording::new(clock.sample_rate_hz(), position, torque)
+    }
+}
+
+fn read_clock(description: &RecordingDescription, data: &Path, position: &Series) -> Result<Clock, ExperimentError> {
+    let Some(source) = &description.time else {
+        return Ok(Clock::uniform(description.sample_rate_hz.unwrap_or_default()));
+    };
+    let time = recording::read_channels(source, data)?;
+    recording::one_channel(&time, "time", &source.path(data))?;
+    recording::same_length(position, "position", &description.position.path(data), &time, "time", &source.path(data))?;
+    let column = source.columns.first().map_or("time", String::as_str);
+    Ok(Clock::from_stamps(time.channel(0), description.largest_jitter, &source.path(data), column)?)
+}

@@ -1,0 +1,129 @@
+//! The twin: a simulated robot with known parameters, recorded through its sensors.
+
+use super::{
+    description::{Experiment, TwinDescription, Unlisted},
+    error::ExperimentError,
+};
+use crate::{
+    base_parameters::BaseParameters,
+    dynamics::Model,
+    preparation::{PreparationError, Recording},
+    results::TwinRecord,
+    robot::JointKind,
+    scheduling::closed_loop,
+    series::Series,
+    simulation::{OutputGrid, Reference, Sensors, SimulatedMotion, SimulatorBias},
+    trajectory::{self, MotionLimits, Moves},
+};
+
+/// Fewer samples of a twin cannot be filtered; more are not needed for any use of it: an hour at 25 kHz.
+const TWIN_SAMPLES: std::ops::RangeInclusive<f64> = 100.0..=1e8;
+
+/// The true motion of a twin.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TwinMotion {
+    /// The motion and the torques that made it.
+    pub motion: SimulatedMotion,
+    /// The reference it followed.
+    pub moves: Moves,
+    /// Its standard parameters.
+    pub parameters: Vec<f64>,
+}
+
+impl TwinMotion {
+    /// The recording of what sensors saw of the joints: a motion can be recorded again and again with other noise.
+    pub(crate) fn recording(&self, sample_rate_hz: f64, position: Series, torque: Series) -> Recording {
+        Recording {
+            geared: true,
+            planned: Some(self.moves.clone()),
+            truth: Some(self.parameters.clone()),
+            ..Recording::new(sample_rate_hz, position, torque).named("twin")
+        }
+    }
+}
+
+impl Experiment {
+    /// Simulates the twin's motion and records it through its sensors.
+    pub(crate) fn simulate_twin(&self, twin: &TwinDescription) -> Result<Recording, ExperimentError> {
+        Ok(self.record_motion(&twin.sensors, twin.sample_rate_hz, &self.twin_motion(twin)?))
+    }
+
+    /// The record of the twin of `[twin]`: time in s, positions and torques of the joints.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] where there is no twin, or its motion cannot be simulated.
+    pub fn record_twin(&self) -> Result<TwinRecord, ExperimentError> {
+        let why = "it describes the simulated robot that is recorded";
+        let twin = self.file.twin.as_ref().ok_or_else(|| self.missing("[twin]", why))?;
+        let Recording { sample_rate_hz, position, torque, .. } = self.simulate_twin(twin)?;
+        let joints = self.robot.coordinates().map(|j| j.name.clone()).collect();
+        Ok(TwinRecord { joints, sample_rate_hz, position, torque })
+    }
+
+    /// The motion of a twin before its sensors, with this experiment's robot, controller and solver.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] for a description that cannot be used or a loop that diverges.
+    pub fn twin_motion(&self, twin: &TwinDescription) -> Result<TwinMotion, ExperimentError> {
+        let model = Model::new(&self.robot);
+        let moves = self.plan(twin)?;
+        let samples = (moves.end_s() + twin.rest_s) * twin.sample_rate_hz;
+        let key = "[twin] duration of the moves times sample_rate_hz";
+        PreparationError::require(TWIN_SAMPLES.contains(&samples), key, "from 100 to 1e8 samples", samples)
+            .map_err(|e| self.refuse(e))?;
+        let parameters = self.true_parameters(twin, &model)?;
+        let why = "the twin moves under its control";
+        let controller = self.settings.controller.as_ref().ok_or_else(|| self.missing("[controller]", why))?;
+        let reference = Reference::Moves(moves.clone());
+        let closed_loop = closed_loop(self.setup(), &model, controller, &reference, None, SimulatorBias::NONE);
+        let inertia = closed_loop.motor_inertia(&parameters, moves.end_s());
+        let grid = OutputGrid { start_s: 0.0, sample_rate_hz: twin.sample_rate_hz, samples: samples.ceil() as usize };
+        let motion = closed_loop
+            .simulate(&parameters, &inertia, &grid)
+            .map_err(|source| ExperimentError::Twin { path: self.path.clone(), source })?;
+        Ok(TwinMotion { motion, moves, parameters })
+    }
+
+    /// The recording of a twin's motion by its sensors.
+    pub(super) fn record_motion(&self, sensors: &Sensors, sample_rate_hz: f64, twin: &TwinMotion) -> Recording {
+        let (positions, drive_signals) = sensors.record(&twin.motion, &self.robot.transmission);
+        let position = self.robot.transmission.joint_positions(&positions);
+        let torque = self.robot.transmission.joint_torques(&drive_signals);
+        twin.recording(sample_rate_hz, position, torque)
+    }
+
+    fn plan(&self, twin: &TwinDescription) -> Result<Moves, ExperimentError> {
+        // Angles in degrees, lengths in mm.
+        let si = |values: &Vec<f64>| -> Vec<f64> {
+            let model = self.robot.coordinates().map(|j| j.kind);
+            let convert = |(v, kind): (&f64, _)| match kind {
+                JointKind::Revolute => v.to_radians(),
+                JointKind::Prismatic => 1e-3 * v,
+            };
+            values.iter().zip(model).map(convert).collect()
+        };
+        let points: Vec<Vec<f64>> = twin.points.iter().map(si).collect();
+        let limits = MotionLimits {
+            max_velocity: si(&twin.max_velocity),
+            acceleration_time_s: twin.acceleration_time_s,
+            smoothing_time_s: twin.smoothing_time_s,
+            dwell_s: 0.0,
+        };
+        trajectory::plan(points[0].clone(), &points[1..], &limits, twin.rest_s)
+            .map_err(|source| ExperimentError::Plan { path: self.path.clone(), source })
+    }
+
+    fn true_parameters(&self, twin: &TwinDescription, model: &Model) -> Result<Vec<f64>, ExperimentError> {
+        let base = BaseParameters::of(model, &self.settings.parameters.exclude).map_err(|e| self.refuse(e))?;
+        let names: Vec<String> = twin.parameters.keys().cloned().collect();
+        base.select(model.parameter_table(), &names).map_err(|e| self.refuse(e))?;
+        let unlisted = match twin.unlisted {
+            Unlisted::Zero => vec![0.0; base.len()],
+            Unlisted::APriori => base.from_standard(&self.robot.a_priori_parameters()),
+        };
+        let value = |(name, unlisted): (&str, f64)| twin.parameters.get(name).copied().unwrap_or(unlisted);
+        let names = base.parameters().iter().map(|p| p.name.as_str());
+        let theta: Vec<f64> = names.zip(unlisted).map(value).collect();
+        Ok(base.to_standard(&theta))
+    }
+}

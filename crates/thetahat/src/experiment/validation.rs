@@ -1,0 +1,136 @@
+//! What an experiment file must hold before anything is read or run.
+
+use super::{
+    description::{Experiment, RecordingDescription, TwinDescription},
+    error::ExperimentError,
+};
+use crate::{
+    preparation::{PreparationError, validate_window},
+    recording::{ChannelSource, Dimension, Side},
+    robot::JointKind,
+};
+
+/// Longest rest of a twin, s.
+const LONGEST_REST_S: f64 = 3600.0;
+
+const POSITION: [Dimension; 2] = [Dimension::Angle, Dimension::Length];
+const DRIVE: [Dimension; 5] =
+    [Dimension::Torque, Dimension::Force, Dimension::Voltage, Dimension::Current, Dimension::Dimensionless];
+
+impl Experiment {
+    pub(super) fn validate(&self) -> Result<(), ExperimentError> {
+        match (&self.file.recording[..], &self.file.twin) {
+            ([], Some(twin)) => self.validate_twin(twin)?,
+            ([_, ..], None) => {}
+            _ => {
+                let why = "exactly one of the two gives the motion and torques";
+                return Err(self.missing("[recording] or [twin]", why));
+            }
+        }
+        for recording in self.file.recording.iter().chain(&self.file.validation) {
+            self.validate_recording(recording)?;
+        }
+        self.settings.validate(&self.robot).map_err(|e| self.refuse(e))
+    }
+
+    fn validate_recording(&self, recording: &RecordingDescription) -> Result<(), ExperimentError> {
+        self.validate_unit(&recording.position, "position", &POSITION, [Dimension::Angle, Dimension::Length])?;
+        self.validate_unit(&recording.torque, "torque", &DRIVE, [Dimension::Torque, Dimension::Force])?;
+        self.require_positive("[recording] weight", recording.weight)?;
+        let jitter = recording.largest_jitter;
+        self.require((0.0..=1.0).contains(&jitter), "[recording] largest_jitter", "from 0 to 1 steps", jitter)?;
+        let window = [recording.window_start_s, recording.window_end_s];
+        validate_window("[recording]", window).map_err(|e| self.refuse(e))?;
+        if let Some(reference) = &recording.reference {
+            self.validate_unit(reference, "reference", &POSITION, [Dimension::Angle, Dimension::Length])?;
+        }
+        if let Some(signal) = &recording.added_signal {
+            signal.require_dimension("added signal", &DRIVE)?;
+        }
+        if let Some(time) = &recording.time {
+            time.require_dimension("time", &[Dimension::Time])?;
+        }
+        match (recording.sample_rate_hz, &recording.time) {
+            (Some(rate), None) => self.require_positive("[recording] sample_rate_hz", rate),
+            (None, Some(_)) => Ok(()),
+            (Some(_), Some(_)) => {
+                Err(self.refuse_value("[recording] the rate", "either sample_rate_hz or time", "given by both"))
+            }
+            (None, None) => Err(self.missing("[recording] sample_rate_hz or time", "one of the two gives the rate")),
+        }
+    }
+
+    /// On the joint side, and without gains that convert them, values are those of the `joints`: revolute or prismatic.
+    fn validate_unit(
+        &self,
+        source: &ChannelSource,
+        signal: &str,
+        any: &[Dimension],
+        joints: [Dimension; 2],
+    ) -> Result<(), ExperimentError> {
+        if source.side == Side::Motor || !source.gain.is_empty() {
+            return Ok(source.require_dimension(signal, any)?);
+        }
+        let has = |kind| self.robot.coordinates().any(|j| j.kind == kind);
+        let kinds = joints.into_iter().zip([JointKind::Revolute, JointKind::Prismatic]);
+        let expected: Vec<Dimension> = kinds.filter(|(_, kind)| has(*kind)).map(|(quantity, _)| quantity).collect();
+        Ok(source.require_dimension(signal, &expected)?)
+    }
+
+    fn validate_twin(&self, twin: &TwinDescription) -> Result<(), ExperimentError> {
+        let n = self.robot.coordinate_count();
+        let sensors = &twin.sensors;
+        let lists =
+            [("sensors.torque_noise", &sensors.torque_noise), ("sensors.torque_ripple", &sensors.torque_ripple)];
+        let points = twin.points.iter().map(|p| ("points", p));
+        for (key, list) in [("max_velocity", &twin.max_velocity)].into_iter().chain(lists).chain(points) {
+            let key = format!("[twin] {key}");
+            self.require(list.len() == n, &key, &format!("a list of {n}, one for each joint"), entries(list.len()))?;
+            self.require_finite(&key, list.iter().copied())?;
+        }
+        for (key, list) in lists {
+            if let Some(value) = list.iter().find(|v| **v < 0.0) {
+                return Err(self.refuse_value(&format!("[twin] {key}"), "zero or above", value));
+            }
+        }
+        self.require(twin.points.len() > 1, "[twin] points", "a start and an end point", entries(twin.points.len()))?;
+        self.require_positive("[twin] sample_rate_hz", twin.sample_rate_hz)?;
+        self.require_positive("[twin] sensors.encoder_counts_per_turn", sensors.encoder_counts_per_turn)?;
+        self.require_finite("[twin] sensors.ripple_per_turn", [sensors.ripple_per_turn])?;
+        for (name, &value) in &twin.parameters {
+            self.require_finite(&format!("[twin.parameters] {name}"), [value])?;
+        }
+        self.require((0.0..=LONGEST_REST_S).contains(&twin.rest_s), "[twin] rest_s", "from 0 to 3600", twin.rest_s)?;
+        let why = "the twin moves under its control";
+        self.settings.controller.as_ref().map(|_| ()).ok_or_else(|| self.missing("[controller]", why))
+    }
+
+    fn refuse_value(&self, key: &str, expected: &str, found: impl std::fmt::Display) -> ExperimentError {
+        self.refuse(PreparationError::value(key, expected, found))
+    }
+
+    fn require(
+        &self,
+        holds: bool,
+        key: &str,
+        expected: &str,
+        found: impl std::fmt::Display,
+    ) -> Result<(), ExperimentError> {
+        PreparationError::require(holds, key, expected, found).map_err(|e| self.refuse(e))
+    }
+
+    fn require_positive(&self, key: &str, value: f64) -> Result<(), ExperimentError> {
+        PreparationError::require_positive(key, value).map_err(|e| self.refuse(e))
+    }
+
+    fn require_finite(&self, key: &str, values: impl IntoIterator<Item = f64>) -> Result<(), ExperimentError> {
+        match values.into_iter().find(|v| !v.is_finite()) {
+            Some(value) => Err(self.refuse(PreparationError::value(key, "finite numbers", value))),
+            None => Ok(()),
+        }
+    }
+}
+
+fn entries(count: usize) -> String {
+    format!("a list of {count}")
+}

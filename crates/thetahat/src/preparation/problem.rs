@@ -1,0 +1,186 @@
+//! The regression problem of one friction model over all recordings: base parameters, decimation, y and X.
+
+use super::{
+    error::PreparationError,
+    filtered::FilteredRecording,
+    settings::{Case, NamedChoice, ParameterChoice},
+    setup::{Basis, Setup},
+};
+use crate::{
+    base_parameters::{BaseParameter, BaseParameters},
+    dynamics::Model,
+    identification::{Assembly, Elimination, Fit, eliminate, idim_ls, nested_f_test},
+    regression::{Regression, RowLayout},
+    results::{EliminationResult, RunPlots},
+    series::Series,
+    signal::Decimator,
+    simulation::SimulatedMotion,
+    statistics::FTest,
+};
+
+/// The regression of one friction model.
+pub(crate) struct Problem {
+    pub(crate) model: Model,
+    /// All base parameters.
+    pub(crate) base: BaseParameters,
+    /// Those that are estimated.
+    pub(crate) estimated: BaseParameters,
+    pub(crate) elimination: Option<Elimination>,
+    /// The parallel filter of each recording.
+    pub(crate) decimators: Vec<Decimator>,
+    /// The rows without weights.
+    pub(crate) regression: Regression,
+    /// The same with X of all base parameters, where fewer are estimated.
+    full: Option<Regression>,
+}
+
+/// Which base parameters are estimated.
+pub(crate) struct Chosen {
+    pub(crate) estimated: BaseParameters,
+    /// Their columns among those of the base.
+    pub(crate) columns: Vec<usize>,
+    pub(crate) elimination: Option<Elimination>,
+}
+
+impl Setup<'_> {
+    /// Builds y and X for the friction model of a case, and chooses the parameters.
+    pub(crate) fn problem(&self, case: &Case, recordings: &[&FilteredRecording]) -> Result<Problem, PreparationError> {
+        self.problem_on(self.basis(case)?, recordings, &self.settings.parameters.estimate)
+    }
+
+    /// Builds y and X of other recordings for parameters that are estimated already.
+    pub(crate) fn validation_problem(
+        &self,
+        case: &Case,
+        recordings: &[&FilteredRecording],
+        estimated: &BaseParameters,
+    ) -> Result<Problem, PreparationError> {
+        let names = estimated.parameters().iter().map(|p| p.name.clone()).collect();
+        self.problem_on(self.basis(case)?, recordings, &ParameterChoice::List(names))
+    }
+
+    /// Builds y and X of recordings for the parameters chosen from a base.
+    pub(crate) fn problem_on(
+        &self,
+        Basis { model, base }: Basis,
+        recordings: &[&FilteredRecording],
+        choice: &ParameterChoice,
+    ) -> Result<Problem, PreparationError> {
+        self.require_rows(recordings, choice, base.len())?;
+        let decimator = |r: &&FilteredRecording| Decimator::new(self.settings.signal.decimation, r.window.len());
+        let decimators = recordings.iter().map(decimator).collect::<Result<Vec<_>, _>>()?;
+        let rows: Vec<usize> = decimators.iter().map(Decimator::rows).collect();
+        let layout = RowLayout::new(model.coordinate_count(), &rows);
+        let (mut matrices, mut vectors) = (Vec::new(), Vec::new());
+        for (recording, decimator) in recordings.iter().zip(&decimators) {
+            let assembly = Assembly::new(&model, &base.columns(), decimator.clone());
+            matrices.push(recording.observation_matrix(&assembly)?);
+            vectors.push(assembly.measurement_vector(&recording.torque())?);
+        }
+        let (x, y) = (layout.stack_matrices(matrices), layout.stack_vectors(vectors));
+        let all = Regression::new(x, y, layout);
+        let Chosen { estimated, columns, elimination } = self.choose(choice, (&model, &base), &all)?;
+        let (regression, full) =
+            if columns.len() == base.len() { (all, None) } else { (all.with_columns(&columns), Some(all)) };
+        Ok(Problem { model, base, estimated, elimination, decimators, regression, full })
+    }
+
+    /// The parameters of a base that are estimated, where no recording has to choose them.
+    pub(crate) fn estimated(&self, Basis { model, base }: &Basis) -> Result<BaseParameters, PreparationError> {
+        match &self.settings.parameters.estimate {
+            ParameterChoice::List(names) => Ok(base.select(model.parameter_table(), names)?),
+            ParameterChoice::Base | ParameterChoice::Named(_) => Ok(base.clone()),
+        }
+    }
+
+    /// A decimation must leave more rows than there are parameters, with which the estimation begins.
+    fn require_rows(
+        &self,
+        recordings: &[&FilteredRecording],
+        choice: &ParameterChoice,
+        base: usize,
+    ) -> Result<(), PreparationError> {
+        let parameters = match choice {
+            ParameterChoice::List(names) => names.len(),
+            ParameterChoice::Base | ParameterChoice::Named(_) => base,
+        };
+        let decimation = self.settings.signal.decimation;
+        let rows_of = |r: &&FilteredRecording| r.motion.q.channels() * r.window.len().div_ceil(decimation);
+        let rows: usize = recordings.iter().map(rows_of).sum();
+        let expected = format!("a smaller factor or a longer window: {rows} rows are left for {parameters} parameters");
+        PreparationError::require(rows > parameters, "[signal] decimation", &expected, decimation)
+    }
+
+    /// Chooses parameters from the regression of all base parameters.
+    pub(crate) fn choose(
+        &self,
+        choice: &ParameterChoice,
+        (model, base): (&Model, &BaseParameters),
+        all: &Regression,
+    ) -> Result<Chosen, PreparationError> {
+        base.select(model.parameter_table(), &self.settings.parameters.show)?;
+        let elimination = match choice {
+            ParameterChoice::Base | ParameterChoice::List(_) | ParameterChoice::Named(NamedChoice::Base) => None,
+            // A set that cannot be estimated as a whole has nothing to start an elimination from; its runs say why.
+            ParameterChoice::Named(NamedChoice::Essential) => eliminate(all, self.settings.parameters.elimination).ok(),
+        };
+        let name = |i: usize| base.parameters()[i].name.clone();
+        let names: Vec<String> = match (choice, &elimination) {
+            (ParameterChoice::List(names), _) => names.clone(),
+            (_, Some(elimination)) => elimination.kept.iter().map(|&i| name(i)).collect(),
+            (ParameterChoice::Base | ParameterChoice::Named(_), None) => (0..base.len()).map(name).collect(),
+        };
+        let estimated = base.select(model.parameter_table(), &names)?;
+        let column = |p: &BaseParameter| base.columns().iter().position(|&c| c == p.kept);
+        let columns = estimated.parameters().iter().filter_map(column).collect();
+        Ok(Chosen { estimated, columns, elimination })
+    }
+}
+
+impl Problem {
+    /// The assembly of one recording.
+    pub(crate) fn assembly(&self, recording: usize) -> Assembly<'_> {
+        Assembly::new(&self.model, &self.estimated.columns(), self.decimators[recording].clone())
+    }
+
+    /// One series for each recording at the decimated instants, one vector per joint.
+    pub(crate) fn at_rows(&self, series: &[&Series]) -> Vec<Vec<f64>> {
+        let of_recording =
+            |j| self.decimators.iter().zip(series).flat_map(move |(d, s)| d.kept().map(move |k| s.sample(k)[j]));
+        (0..self.model.coordinate_count()).map(|j| of_recording(j).collect()).collect()
+    }
+
+    /// Curves of a prediction.
+    pub(crate) fn plots(&self, prediction: &[f64], simulated: &[SimulatedMotion]) -> RunPlots {
+        let positions: Vec<&Series> = simulated.iter().map(|m| &m.q).collect();
+        RunPlots {
+            predicted: self.regression.layout.by_joint(prediction),
+            simulated_position: if positions.is_empty() { Vec::new() } else { self.at_rows(&positions) },
+        }
+    }
+
+    /// The F-test of a fit of the estimated parameters against all base parameters by least squares, where they are fewer.
+    pub(crate) fn full_model_test(&self, fit: &Fit) -> Option<FTest> {
+        full_model_test(self.full.as_ref()?, fit)
+    }
+
+    /// What is told of the elimination.
+    pub(crate) fn elimination_result(&self) -> Option<EliminationResult> {
+        self.elimination.as_ref().map(|e| named_elimination(e, &self.base))
+    }
+}
+
+/// The F-test of a fit against least squares with all columns.
+pub(crate) fn full_model_test(full: &Regression, fit: &Fit) -> Option<FTest> {
+    nested_f_test(full, fit, &idim_ls(full, Default::default()).ok()?)
+}
+
+/// An elimination with the names of base parameters.
+pub(crate) fn named_elimination(elimination: &Elimination, base: &BaseParameters) -> EliminationResult {
+    let names = |columns: &[usize]| columns.iter().map(|&c| base.parameters()[c].name.clone()).collect();
+    EliminationResult {
+        kept: names(&elimination.kept),
+        eliminated: names(&elimination.eliminated),
+        f_test: elimination.f_test,
+    }
+}

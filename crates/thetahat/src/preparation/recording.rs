@@ -1,0 +1,181 @@
+use std::path::Path;
+
+use super::error::PreparationError;
+use crate::{
+    recording::{Clock, RecordingError, Resampling, same_length},
+    series::Series,
+    trajectory::Moves,
+};
+
+/// Positions and torques of the joints at equal time steps, and what else was recorded with them.
+///
+/// All series have one channel for each coordinate of the robot and the same number of samples.
+#[derive(Debug, Clone)]
+pub struct Recording {
+    /// Its name in tables and messages; empty takes its number.
+    pub name: String,
+    /// Weight of its rows beside those of other recordings.
+    pub weight: f64,
+    /// Samples per second.
+    pub sample_rate_hz: f64,
+    /// The times as they were recorded, s.
+    pub time_stamps_s: Option<Vec<f64>>,
+    /// How the record was brought to equal steps, where it had none.
+    pub resampling: Option<Resampling>,
+    /// Start and end of its window, s, where it is another one than that of the settings.
+    pub window_s: [Option<f64>; 2],
+    /// Positions of the joints, rad or m.
+    pub position: Series,
+    /// Torques of the joints, N m or N.
+    pub torque: Series,
+    /// Velocities of the joints, rad/s or m/s, which the checks compare with the positions; nothing else uses them.
+    pub velocity: Option<Series>,
+    /// The reference of the positions.
+    pub reference: Option<Series>,
+    /// A signal that was added to the drive signals of the motors behind the controller; the torques include it.
+    pub added_signal: Option<Series>,
+    /// Whether positions or torques came through the transmission.
+    pub geared: bool,
+    /// The moves of a simulated record.
+    pub planned: Option<Moves>,
+    /// The true standard parameters of a simulated record.
+    pub truth: Option<Vec<f64>>,
+}
+
+impl Recording {
+    /// Positions and torques of the joints, sampled at equal steps.
+    #[must_use]
+    pub fn new(sample_rate_hz: f64, position: Series, torque: Series) -> Self {
+        Self {
+            name: String::new(),
+            weight: 1.0,
+            sample_rate_hz,
+            time_stamps_s: None,
+            resampling: None,
+            window_s: [None, None],
+            position,
+            torque,
+            velocity: None,
+            reference: None,
+            added_signal: None,
+            geared: false,
+            planned: None,
+            truth: None,
+        }
+    }
+
+    /// Positions and torques of the joints at time stamps in s, whose steps may deviate from the mean one by up to half of
+    /// it.
+    ///
+    /// # Errors
+    /// [`RecordingError`] for stamps that do not rise, or steps that deviate by more, and for series of other lengths.
+    pub fn at_times(time_s: Vec<f64>, position: Series, torque: Series) -> Result<Self, RecordingError> {
+        let (source, times) = (Path::new("arrays"), Series::from_values(1, time_s));
+        same_length(&times, "time", source, &position, "position", source)?;
+        same_length(&times, "time", source, &torque, "torque", source)?;
+        let clock = Clock::from_stamps(times.channel(0), LARGEST_JITTER, source, "time_s")?;
+        let recording = Self::new(clock.sample_rate_hz(), position, torque);
+        Ok(Self { time_stamps_s: clock.stamps().map(<[f64]>::to_vec), ..recording.to_equal_steps(&clock) })
+    }
+
+    /// The same with the reference of the positions.
+    #[must_use]
+    pub fn with_reference(self, reference: Series) -> Self {
+        Self { reference: Some(reference), ..self }
+    }
+
+    /// The same with a name for tables and messages.
+    #[must_use]
+    pub fn named(self, name: &str) -> Self {
+        Self { name: name.to_owned(), ..self }
+    }
+
+    /// Every series at the equal steps of a clock.
+    pub(crate) fn to_equal_steps(self, clock: &Clock) -> Self {
+        let even = |series: Option<Series>| series.map(|s| clock.to_equal_steps(s));
+        Self {
+            resampling: clock.resampling(),
+            position: clock.to_equal_steps(self.position),
+            torque: clock.to_equal_steps(self.torque),
+            velocity: even(self.velocity),
+            reference: even(self.reference),
+            added_signal: even(self.added_signal),
+            ..self
+        }
+    }
+
+    /// Refuses series that do not fit the robot or one another, and values that are no numbers.
+    ///
+    /// # Errors
+    /// [`PreparationError::Value`], which names the series.
+    pub(crate) fn validate(&self, coordinates: usize) -> Result<(), PreparationError> {
+        PreparationError::require_positive("sample_rate_hz", self.sample_rate_hz)?;
+        PreparationError::require_positive("weight", self.weight)?;
+        let named = |what: &str| format!("recording {}: {what}", self.name);
+        let samples = self.position.len();
+        for (what, series) in [
+            ("position", Some(&self.position)),
+            ("torque", Some(&self.torque)),
+            ("velocity", self.velocity.as_ref()),
+            ("reference", self.reference.as_ref()),
+            ("added_signal", self.added_signal.as_ref()),
+        ] {
+            let Some(series) = series else { continue };
+            let (channels, length) = (series.channels(), series.len());
+            let expected = format!("{coordinates}, one for each coordinate of the robot");
+            PreparationError::require(
+                channels == coordinates,
+                &named(&format!("channels of {what}")),
+                &expected,
+                channels,
+            )?;
+            let expected = format!("{samples}, as of position");
+            PreparationError::require(length == samples, &named(&format!("samples of {what}")), &expected, length)?;
+            if let Some(k) = series.values().iter().position(|v| !v.is_finite()) {
+                let (sample, channel) = (k / channels, k % channels + 1);
+                let place = named(&format!("{what} of coordinate {channel} at sample {sample}"));
+                return Err(PreparationError::value(&place, "a finite number", series.values()[k]));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Largest deviation of a time step from the mean one, in steps, up to which a record is resampled to equal steps.
+const LARGEST_JITTER: f64 = 0.5;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn series(values: &[f64]) -> Series {
+        Series::from_values(1, values.to_vec())
+    }
+
+    #[test]
+    fn what_does_not_fit_is_named() {
+        let good = Recording::new(100.0, series(&[0.0, 1.0]), series(&[0.0, 1.0])).named("a");
+        assert!(good.validate(1).is_ok());
+        let message = |r: Recording, n: usize| r.validate(n).unwrap_err().to_string();
+        assert_eq!(
+            message(good.clone(), 2),
+            "recording a: channels of position is 1, expected 2, one for each coordinate of the robot"
+        );
+        let short = Recording { torque: series(&[0.0]), ..good.clone() };
+        assert_eq!(message(short, 1), "recording a: samples of torque is 1, expected 2, as of position");
+        let gap = Recording { torque: series(&[0.0, f64::NAN]), ..good.clone() };
+        assert_eq!(message(gap, 1), "recording a: torque of coordinate 1 at sample 1 is NaN, expected a finite number");
+        let still = Recording { sample_rate_hz: 0.0, ..good };
+        assert_eq!(message(still, 1), "sample_rate_hz is 0, expected a finite number above zero");
+    }
+
+    #[test]
+    fn uneven_steps_are_brought_to_equal_ones() {
+        let time: Vec<f64> = (0..200).map(|k| 0.01 * (f64::from(k) + 0.2 * f64::from(k).sin())).collect();
+        let position = series(&time.iter().map(|t| 3.0 * t).collect::<Vec<_>>());
+        let recording = Recording::at_times(time, position.clone(), position).unwrap();
+        assert!((recording.sample_rate_hz - 100.0).abs() < 0.5 && recording.resampling.is_some());
+        let steps: Vec<f64> = recording.position.values().windows(2).map(|w| w[1] - w[0]).collect();
+        assert!(steps[1..198].iter().all(|s| (s - steps[100]).abs() < 1e-9));
+    }
+}

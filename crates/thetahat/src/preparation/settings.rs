@@ -1,0 +1,261 @@
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+use crate::{
+    control::ControllerDescription,
+    identification::{Convergence, Divisor, EliminationRule, IterationOptions, Method, Weighting},
+    results::NOMINAL,
+    robot::Friction,
+    simulation::{SimulatorBias, Solver},
+};
+
+/// How a robot is identified from its recordings.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// Filters, decimation and window.
+    pub signal: SignalOptions,
+    /// Which parameters are estimated and shown.
+    pub parameters: ParameterSelection,
+    /// Methods and their options.
+    pub estimation: EstimationOptions,
+    /// The simulated controller, for methods that simulate the closed loop.
+    pub controller: Option<ControllerDescription>,
+    /// The simulator's options.
+    pub simulation: SimulationOptions,
+    /// Cases beside the nominal one.
+    pub cases: Vec<Case>,
+}
+
+impl Settings {
+    /// Settings with a cut-off of the position filter in Hz and a decimation, for IDIM-LS and nothing else.
+    #[must_use]
+    pub fn new(cutoff_hz: f64, decimation: usize) -> Self {
+        let signal = SignalOptions {
+            filter_order: default_filter_order(),
+            cutoff_hz,
+            decimation,
+            window_start_s: None,
+            window_end_s: None,
+        };
+        Self {
+            signal,
+            parameters: ParameterSelection::default(),
+            estimation: EstimationOptions { methods: vec![Method::IDIM_LS], ..EstimationOptions::default() },
+            controller: None,
+            simulation: SimulationOptions::default(),
+            cases: Vec::new(),
+        }
+    }
+
+    /// The same with these methods, in the order of tables.
+    #[must_use]
+    pub fn with_methods(mut self, methods: impl IntoIterator<Item = Method>) -> Self {
+        self.estimation.methods = methods.into_iter().collect();
+        self
+    }
+
+    /// The same with a simulated controller.
+    #[must_use]
+    pub fn with_controller(self, controller: ControllerDescription) -> Self {
+        Self { controller: Some(controller), ..self }
+    }
+
+    /// The nominal case and the others.
+    #[must_use]
+    pub fn all_cases(&self) -> Vec<Case> {
+        std::iter::once(Case::nominal()).chain(self.cases.iter().cloned()).collect()
+    }
+
+    /// The weighting of a method: its own, or else the one that is asked for.
+    #[must_use]
+    pub fn weighting(&self, method: Method) -> Weighting {
+        let asked = || self.estimation.weighting.get(&method).copied();
+        method.weighting().or_else(asked).unwrap_or_default()
+    }
+
+    /// Whether the tables show a parameter.
+    #[must_use]
+    pub fn shows(&self, name: &str) -> bool {
+        let show = &self.parameters.show;
+        show.is_empty() || show.iter().any(|shown| shown == name)
+    }
+}
+
+/// Filters, decimation and window.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SignalOptions {
+    /// Order of the Butterworth filter of the positions, which runs forward and backward.
+    #[serde(default = "default_filter_order")]
+    pub filter_order: usize,
+    /// Its cut-off.
+    pub cutoff_hz: f64,
+    /// Every how many samples one is kept, behind the parallel filter.
+    pub decimation: usize,
+    /// Start of the window, s. Without start and end, the window is the moving part less the edges of the filter.
+    pub window_start_s: Option<f64>,
+    /// End of the window, s; with a start alone, the end of the record.
+    pub window_end_s: Option<f64>,
+}
+
+fn default_filter_order() -> usize {
+    4
+}
+
+impl SignalOptions {
+    /// The same with the window of a recording, where that states one.
+    #[must_use]
+    pub fn in_window(self, [start_s, end_s]: [Option<f64>; 2]) -> Self {
+        match (start_s, end_s) {
+            (None, None) => self,
+            (window_start_s, window_end_s) => Self { window_start_s, window_end_s, ..self },
+        }
+    }
+}
+
+/// Which parameters are estimated and shown.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ParameterSelection {
+    /// `"base"`, `"essential"`, or a list of base parameters.
+    pub estimate: ParameterChoice,
+    /// Standard parameters taken as zero.
+    pub exclude: Vec<String>,
+    /// Parameters that the tables show; none means all.
+    pub show: Vec<String>,
+    /// The rule of the elimination, for `"essential"`.
+    pub elimination: EliminationRule,
+}
+
+/// The parameters of a run.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(untagged, expecting = "expected \"base\", \"essential\" or a list of base parameters")]
+pub enum ParameterChoice {
+    /// All base parameters.
+    #[default]
+    #[serde(skip)]
+    Base,
+    /// `"base"` or `"essential"`.
+    Named(NamedChoice),
+    /// Base parameters by name.
+    List(Vec<String>),
+}
+
+/// A choice by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum NamedChoice {
+    /// All base parameters.
+    Base,
+    /// Those that an elimination leaves.
+    Essential,
+}
+
+/// Methods and their options.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct EstimationOptions {
+    /// The methods, in the order of the tables.
+    pub methods: Vec<Method>,
+    /// Weighting by method; none where a method is not listed.
+    pub weighting: BTreeMap<Method, Weighting>,
+    /// Start values of the iterations.
+    pub start: Start,
+    /// Gains of a controller that is given by its bandwidth.
+    pub gains: Gains,
+    /// When the iterations stop.
+    pub convergence: Convergence,
+    /// What the squared residual is divided by.
+    pub variance: Divisor,
+}
+
+impl Default for EstimationOptions {
+    fn default() -> Self {
+        Self {
+            methods: vec![Method::IDIM_LS, Method::IDIM_IV, Method::DIDIM],
+            weighting: BTreeMap::new(),
+            start: Start::default(),
+            gains: Gains::default(),
+            convergence: Convergence::default(),
+            variance: Divisor::default(),
+        }
+    }
+}
+
+impl EstimationOptions {
+    /// What an iteration needs of them.
+    #[must_use]
+    pub fn iteration(&self) -> IterationOptions {
+        IterationOptions { divisor: self.variance, convergence: self.convergence }
+    }
+}
+
+/// Start values of the iterations.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Start {
+    /// The robot's a-priori parameters.
+    #[default]
+    Cad,
+    /// The a-priori motor inertias and nothing else.
+    MotorInertias,
+}
+
+/// Gains of a controller that is given by its bandwidth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Gains {
+    /// Follow the estimated inertia, so that the bandwidth stays.
+    #[default]
+    Updated,
+    /// Stay those of the start values.
+    Kept,
+}
+
+/// The simulator's options.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SimulationOptions {
+    /// How to integrate.
+    pub solver: Solver,
+    /// Velocity scale of the regularised sign of Coulomb friction, rad/s or m/s.
+    pub sign_velocity_scale: f64,
+    /// Whether simulated positions are filtered and differentiated as the measured ones are.
+    pub band_pass: bool,
+}
+
+impl Default for SimulationOptions {
+    fn default() -> Self {
+        Self { solver: Solver::default(), sign_velocity_scale: 0.01, band_pass: false }
+    }
+}
+
+/// A case beside the nominal one.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Case {
+    /// Its name, such as `gear_ratio_0.9`.
+    pub name: String,
+    /// How the simulator differs from the true loop.
+    #[serde(default)]
+    pub simulator: SimulatorBias,
+    /// Another friction model than the robot's.
+    pub friction: Option<Friction>,
+    /// Other methods than the experiment's.
+    pub methods: Option<Vec<Method>>,
+}
+
+impl Case {
+    /// The case without any difference.
+    #[must_use]
+    pub fn nominal() -> Self {
+        Self { name: NOMINAL.to_owned(), simulator: SimulatorBias::NONE, friction: None, methods: None }
+    }
+
+    /// The same with another bias of the simulator.
+    #[must_use]
+    pub fn with_simulator(self, simulator: SimulatorBias) -> Self {
+        Self { simulator, ..self }
+    }
+}

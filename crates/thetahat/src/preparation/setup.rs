@@ -1,0 +1,58 @@
+use super::{
+    error::PreparationError,
+    settings::{Case, Settings, Start},
+};
+use crate::{
+    base_parameters::BaseParameters,
+    dynamics::Model,
+    robot::{ParameterTable, Robot},
+    series::Series,
+    signal::{self, Motion, SignalError},
+};
+
+/// A robot and how it is identified: what every step from recordings to results knows.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Setup<'a> {
+    pub(crate) robot: &'a Robot,
+    pub(crate) settings: &'a Settings,
+}
+
+/// The model of one friction model with its base parameters: what the problems of all records share.
+#[derive(Debug, Clone)]
+pub(crate) struct Basis {
+    pub(crate) model: Model,
+    pub(crate) base: BaseParameters,
+}
+
+impl Setup<'_> {
+    /// The robot with a case's friction model.
+    pub(crate) fn robot_for(&self, case: &Case) -> Robot {
+        Robot { friction: case.friction.unwrap_or(self.robot.friction), ..self.robot.clone() }
+    }
+
+    /// The model and base parameters of the robot with a case's friction model.
+    pub(crate) fn basis(&self, case: &Case) -> Result<Basis, PreparationError> {
+        let model = Model::new(&self.robot_for(case));
+        let base = BaseParameters::of(&model, &self.settings.parameters.exclude)?;
+        Ok(Basis { model, base })
+    }
+
+    /// Position, velocity and acceleration of recorded positions (III-A).
+    pub(crate) fn band_pass(&self, position: &Series, sample_rate_hz: f64) -> Result<Motion, SignalError> {
+        let options = &self.settings.signal;
+        signal::band_pass(position, sample_rate_hz, options.filter_order, options.cutoff_hz)
+    }
+
+    /// Standard parameters with which the iterations start.
+    pub(crate) fn start(&self, table: &ParameterTable) -> Vec<f64> {
+        let mut theta = self.robot.a_priori_parameters_for(table);
+        match self.settings.estimation.start {
+            Start::Cad => {}
+            Start::MotorInertias => {
+                let parameters = theta.iter_mut().zip(table.iter());
+                parameters.filter(|(_, p)| !p.quantity.is_motor_inertia()).for_each(|(t, _)| *t = 0.0);
+            }
+        }
+        theta
+    }
+}

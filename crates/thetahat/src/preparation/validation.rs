@@ -1,0 +1,136 @@
+//! What settings must hold before anything is read or run.
+
+use std::collections::BTreeSet;
+
+use super::{
+    error::PreparationError,
+    settings::{ParameterChoice, Settings},
+};
+use crate::{
+    identification::{Method, Needs},
+    robot::Robot,
+    simulation::Solver,
+};
+
+/// Highest order of the position filter: beyond it, its transients are longer than what it is to keep.
+const HIGHEST_ORDER: usize = 20;
+
+type Checked = Result<(), PreparationError>;
+
+impl Settings {
+    /// Refuses values that cannot be used for a robot.
+    ///
+    /// # Errors
+    /// [`PreparationError`], which names the key.
+    pub fn validate(&self, robot: &Robot) -> Checked {
+        self.validate_signal()?;
+        self.validate_parameters()?;
+        self.validate_methods()?;
+        self.validate_convergence()?;
+        if let Some(controller) = &self.controller {
+            controller.validate(robot.coordinate_count())?;
+        }
+        self.validate_simulation()
+    }
+
+    fn validate_signal(&self) -> Checked {
+        let signal = &self.signal;
+        let orders = 1..=HIGHEST_ORDER;
+        let (key, expected) = ("[signal] filter_order", format!("from 1 to {HIGHEST_ORDER}"));
+        PreparationError::require(orders.contains(&signal.filter_order), key, &expected, signal.filter_order)?;
+        PreparationError::require_positive("[signal] cutoff_hz", signal.cutoff_hz)?;
+        PreparationError::require(signal.decimation > 0, "[signal] decimation", "at least 1", signal.decimation)?;
+        validate_window("[signal]", [signal.window_start_s, signal.window_end_s])
+    }
+
+    fn validate_parameters(&self) -> Checked {
+        let parameters = &self.parameters;
+        if matches!(&parameters.estimate, ParameterChoice::List(names) if names.is_empty()) {
+            return Err(PreparationError::value("[parameters] estimate", "at least one parameter", "an empty list"));
+        }
+        let rule = parameters.elimination;
+        let limit = rule.relative_standard_deviation_percent;
+        PreparationError::require_positive("[parameters] elimination.relative_standard_deviation_percent", limit)?;
+        let level = rule.significance;
+        let key = "[parameters] elimination.significance";
+        PreparationError::require((0.0..1.0).contains(&level) && level > 0.0, key, "between 0 and 1", level)
+    }
+
+    fn validate_methods(&self) -> Checked {
+        let mut names = BTreeSet::new();
+        for case in self.all_cases() {
+            if !names.insert(case.name.clone()) {
+                return Err(PreparationError::value("[[case]] name", "a name of its own for each case", case.name));
+            }
+            if !case.simulator.is_valid() {
+                let key = format!("[[case]] {}: simulator", case.name);
+                let expected = "factors above zero and a delay not below zero";
+                return Err(PreparationError::value(&key, expected, "out of range"));
+            }
+            self.validate_method_list(case.methods.as_ref().unwrap_or(&self.estimation.methods))?;
+        }
+        Ok(())
+    }
+
+    fn validate_method_list(&self, methods: &[Method]) -> Checked {
+        if methods.is_empty() {
+            return Err(PreparationError::value("methods", "at least one method", "an empty list"));
+        }
+        if let Some(i) = (1..methods.len()).find(|&i| methods[..i].contains(&methods[i])) {
+            let found = format!("a list with {} twice", methods[i]);
+            return Err(PreparationError::value("methods", "each method once", found));
+        }
+        let simulates = |method: &Method| match method.needs() {
+            Needs::Measurement => false,
+            Needs::Instruments => true,
+        };
+        if methods.iter().any(simulates) && self.controller.is_none() {
+            let why =
+                "idim-iv and didim simulate the closed loop; describe it, or set [estimation] methods = [\"idim-ls\"]";
+            return Err(PreparationError::Missing { missing: "[controller]", why });
+        }
+        Ok(())
+    }
+
+    fn validate_convergence(&self) -> Checked {
+        let convergence = self.estimation.convergence;
+        PreparationError::require_positive("[estimation] convergence.parameter_change", convergence.parameter_change)?;
+        PreparationError::require_positive("[estimation] convergence.error_change", convergence.error_change)?;
+        let (key, iterations) = ("[estimation] convergence.iterations", convergence.iterations);
+        PreparationError::require(iterations > 0, key, "at least 1", iterations)
+    }
+
+    fn validate_simulation(&self) -> Checked {
+        let simulation = &self.simulation;
+        let positive = PreparationError::require_positive;
+        positive("[simulation] sign_velocity_scale", simulation.sign_velocity_scale)?;
+        match simulation.solver {
+            Solver::Automatic { relative_tolerance, absolute_tolerance } => {
+                positive("[simulation] solver.automatic.relative_tolerance", relative_tolerance)?;
+                positive("[simulation] solver.automatic.absolute_tolerance", absolute_tolerance)
+            }
+            Solver::Implicit { relative_tolerance, absolute_tolerance } => {
+                positive("[simulation] solver.implicit.relative_tolerance", relative_tolerance)?;
+                positive("[simulation] solver.implicit.absolute_tolerance", absolute_tolerance)
+            }
+            Solver::Adaptive { relative_tolerance, absolute_tolerance } => {
+                positive("[simulation] solver.adaptive.relative_tolerance", relative_tolerance)?;
+                positive("[simulation] solver.adaptive.absolute_tolerance", absolute_tolerance)
+            }
+            Solver::Fixed { step_s } => positive("[simulation] solver.fixed.step_s", step_s),
+        }
+    }
+}
+
+/// Refuses a window that ends before it starts; `table` is its place in an experiment file.
+///
+/// # Errors
+/// [`PreparationError::Value`].
+pub(crate) fn validate_window(table: &str, [start, end]: [Option<f64>; 2]) -> Checked {
+    let start = start.unwrap_or(0.0);
+    let key = format!("{table} window_start_s");
+    PreparationError::require(start >= 0.0 && start.is_finite(), &key, "zero or later", start)?;
+    let end = end.unwrap_or(f64::MAX);
+    let key = format!("{table} window_end_s");
+    PreparationError::require(end > start && end.is_finite(), &key, "later than window_start_s", end)
+}

@@ -1,0 +1,50 @@
+//! The reader of each format.
+
+use std::path::Path;
+
+use super::csv::{self, Dialect};
+use super::error::RecordingError;
+use super::format::Format;
+use super::place::file_bytes;
+use super::table::{Table, Wanted};
+use super::{mat, npy, npz};
+
+impl Format {
+    /// The format that the extension of a path names.
+    ///
+    /// # Errors
+    /// [`RecordingError::UnknownFormat`] if it names none.
+    pub fn of(path: &Path) -> Result<Self, RecordingError> {
+        let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        let format = Self::of_extension(&extension);
+        format.ok_or_else(|| RecordingError::UnknownFormat { file: path.to_owned(), found: extension })
+    }
+}
+
+/// The table that a file holds. For bags see `bag`.
+pub(super) fn table(
+    path: &Path,
+    format: Format,
+    dialect: &Dialect,
+    wanted: Wanted<'_>,
+) -> Result<Table, RecordingError> {
+    let bytes = file_bytes(path)?;
+    match format {
+        Format::Csv => csv::read(&bytes, path, dialect, wanted),
+        Format::Npy => npy::read(&bytes, path),
+        Format::Npz => npz::read(&bytes, path, wanted),
+        Format::Mat => mat::read(bytes, path, wanted),
+        Format::Parquet => parquet(bytes, path, wanted),
+        Format::Db3 | Format::Mcap => Ok(Table::default()),
+    }
+}
+
+#[cfg(feature = "parquet")]
+fn parquet(bytes: Vec<u8>, path: &Path, wanted: Wanted<'_>) -> Result<Table, RecordingError> {
+    super::parquet::read(bytes, path, wanted)
+}
+
+#[cfg(not(feature = "parquet"))]
+fn parquet(_: Vec<u8>, path: &Path, _: Wanted<'_>) -> Result<Table, RecordingError> {
+    Err(RecordingError::FeatureMissing { file: path.to_owned(), format: "Parquet files", feature: "parquet" })
+}

@@ -1,0 +1,82 @@
+use serde::{Deserialize, Serialize};
+
+use super::{
+    curves::Plots,
+    diagnosis::{Advice, CaseDiagnosis},
+    parameters::EliminationResult,
+    recordings::{Bandwidth, RecordingFindings, RecordingResult},
+    run::RunResult,
+};
+use crate::identification::{Method, Status};
+
+/// Name of the case without errors of the simulator.
+pub const NOMINAL: &str = "nominal";
+
+/// What an experiment gives: the content of `results.json`, and the curves of the report.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Results {
+    /// Version of this program.
+    pub thetahat: String,
+    /// Name of the robot.
+    pub robot: String,
+    /// Title of the experiment.
+    pub title: String,
+    /// Samples in the windows of the recordings that were identified from.
+    pub samples_used: usize,
+    /// Rows of y.
+    pub decimated_rows: usize,
+    /// The recordings that were identified from.
+    pub recordings: Vec<RecordingResult>,
+    /// Those held back.
+    pub validation_recordings: Vec<RecordingResult>,
+    /// Bandwidths asked for and measured.
+    pub bandwidth: Bandwidth,
+    /// Seed of the simulated record's noise.
+    pub seed: Option<u64>,
+    /// What the checks found in the recordings.
+    #[serde(default)]
+    pub findings: Vec<RecordingFindings>,
+    /// The elimination, where essential parameters were sought.
+    pub elimination: Option<EliminationResult>,
+    /// Which numbers of each case to take, and why.
+    #[serde(default)]
+    pub advice: Vec<Advice>,
+    /// What tells the methods of each case apart.
+    #[serde(default)]
+    pub diagnostics: Vec<CaseDiagnosis>,
+    /// Every case and method.
+    pub runs: Vec<RunResult>,
+    /// The text of the experiment file.
+    pub experiment_description: String,
+    /// The text of the robot description.
+    pub robot_description: String,
+    /// Curves for the report.
+    #[serde(skip)]
+    pub plots: Plots,
+}
+
+impl Results {
+    /// Whether every nominal run converged, and no check of a recording that was identified from found a problem.
+    #[must_use]
+    pub fn is_trustworthy(&self) -> bool {
+        if self.findings.iter().any(|r| !r.held_back && r.has_problem()) {
+            return false;
+        }
+        let nominal = |r: &&RunResult| r.case == NOMINAL;
+        self.runs.iter().filter(nominal).all(|r| r.status == Status::Converged)
+    }
+
+    /// The run of a case and method.
+    #[must_use]
+    pub fn run(&self, case: &str, method: Method) -> Option<&RunResult> {
+        self.runs.iter().find(|r| r.case == case && r.method == method)
+    }
+
+    /// The cases, in order.
+    #[must_use]
+    pub fn cases(&self) -> Vec<&str> {
+        let mut cases: Vec<&str> = self.runs.iter().map(|r| r.case.as_str()).collect();
+        cases.dedup();
+        cases
+    }
+}

@@ -1,0 +1,70 @@
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    checks::{Finding, Severity},
+    recording::Resampling,
+};
+
+/// What was used of a recording.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct RecordingResult {
+    /// Its name, or its number.
+    pub name: String,
+    /// Weight of its rows.
+    pub weight: f64,
+    /// Samples in its window.
+    pub samples_used: usize,
+    /// Samples per second.
+    pub sample_rate_hz: f64,
+    /// Start and end of the window, s.
+    pub window_s: [f64; 2],
+    /// How far its time steps deviate, where it was resampled to equal ones.
+    pub resampling: Option<Resampling>,
+    /// The reference that its simulations follow.
+    pub reference: Option<ReferenceResult>,
+}
+
+/// Where the simulations' reference comes from, and how well it describes the record.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct ReferenceResult {
+    /// `recorded`, `reconstructed` or `planned`.
+    pub origin: String,
+    /// Moves, where it is made of moves.
+    pub moves: Option<usize>,
+    /// Rms deviation of the record from it in the window, per joint, rad or m.
+    pub rms_deviation: Vec<f64>,
+}
+
+/// Bandwidths asked for, and measured by sending an impulse through the same code.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Bandwidth {
+    /// Cut-off of the position filter asked for, Hz: each of its two passes is 3 dB down there.
+    pub position_cutoff_hz: f64,
+    /// Where the positions that come out are 3 dB down, Hz.
+    pub position_measured_hz: Option<f64>,
+    /// Where the accelerations that come out are 3 dB down, beside the two differentiations, Hz.
+    pub acceleration_measured_hz: Option<f64>,
+    /// Cut-off of the parallel filter, Hz: 0.8 of the decimated Nyquist frequency.
+    pub decimation_cutoff_hz: f64,
+    /// Where the rows that come out are 3 dB down, Hz.
+    pub decimation_measured_hz: Option<f64>,
+}
+
+/// What was found in one recording.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct RecordingFindings {
+    /// The name of the recording, or its number.
+    pub recording: String,
+    /// Whether the recording is held back.
+    pub held_back: bool,
+    /// The findings, the gravest first.
+    pub findings: Vec<Finding>,
+}
+
+impl RecordingFindings {
+    /// Whether an estimate from it is not to be trusted.
+    #[must_use]
+    pub fn has_problem(&self) -> bool {
+        self.findings.iter().any(|f| f.severity == Severity::Problem)
+    }
+}

@@ -1,0 +1,122 @@
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::{
+    curves::RunPlots,
+    diagnosis::{Influence, ResidualResult},
+    parameters::ParameterResult,
+};
+use crate::{
+    identification::{Method, Status},
+    statistics::FTest,
+};
+
+/// One case and method.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct RunResult {
+    /// The case.
+    pub case: String,
+    /// The method.
+    pub method: Method,
+    /// How it ended.
+    pub status: Status,
+    /// Why, where it is not converged.
+    pub reason: Option<String>,
+    /// Iterations.
+    pub iterations: usize,
+    /// Closed-loop simulations of the iteration.
+    pub simulations: usize,
+    /// `100 |y - y_hat| / |y|`, unweighted; none where there is no estimate.
+    pub relative_error_percent: Option<f64>,
+    /// The same for each joint; none where its torque is zero.
+    pub joint_relative_error_percent: Vec<Option<f64>>,
+    /// The same on data that the estimate has not seen: the second recording, or each move left out in turn.
+    pub cross_validation_relative_error_percent: Option<f64>,
+    /// Its 95 % interval, from how much the parts that were left out differ.
+    #[serde(default)]
+    pub cross_validation_interval_95_percent: Option<[f64; 2]>,
+    /// The part of the record without which the estimates change most.
+    #[serde(default)]
+    pub influence: Option<Influence>,
+    /// The tests of the residual.
+    #[serde(default)]
+    pub residual: Option<ResidualResult>,
+    /// Condition number of the observation matrix of the second recording.
+    pub validation_condition_number: Option<f64>,
+    /// Condition number of the matrix that is solved.
+    pub condition_number: Option<f64>,
+    /// Wall-clock time, s.
+    pub seconds: f64,
+    /// Relative errors of the closed-loop simulation with these estimates: position, velocity, acceleration, torque.
+    pub simulation_relative_error_percent: Option<BTreeMap<String, f64>>,
+    /// The same on the second recording.
+    pub validation_simulation_relative_error_percent: Option<BTreeMap<String, f64>>,
+    /// F-test of these parameters against all base parameters, where fewer are estimated, on X.
+    pub f_test: Option<FTest>,
+    /// Convergence.
+    pub convergence: Vec<IterationResult>,
+    /// The estimates.
+    pub parameters: Vec<ParameterResult>,
+    /// Curves for the report.
+    #[serde(skip)]
+    pub plots: RunPlots,
+}
+
+/// One iteration.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct IterationResult {
+    /// Relative error, percent.
+    pub relative_error_percent: f64,
+    /// Largest change of an estimate, in its standard deviations.
+    pub parameter_change: Option<f64>,
+    /// Relative change of the error.
+    pub error_change: Option<f64>,
+    /// The estimates.
+    pub estimates: Vec<f64>,
+}
+
+impl RunResult {
+    /// A run of which nothing is known but how it ended.
+    pub(crate) fn new(case: &str, method: Method, status: Status) -> Self {
+        Self {
+            case: case.to_owned(),
+            method,
+            status,
+            reason: None,
+            iterations: 0,
+            simulations: 0,
+            relative_error_percent: None,
+            joint_relative_error_percent: Vec::new(),
+            cross_validation_relative_error_percent: None,
+            cross_validation_interval_95_percent: None,
+            influence: None,
+            residual: None,
+            validation_condition_number: None,
+            condition_number: None,
+            seconds: 0.0,
+            simulation_relative_error_percent: None,
+            validation_simulation_relative_error_percent: None,
+            f_test: None,
+            convergence: Vec::new(),
+            parameters: Vec::new(),
+            plots: RunPlots::default(),
+        }
+    }
+
+    /// Median over the parameters of the standard deviation with correlated errors over the classical one: how far the
+    /// classical ones are too small.
+    #[must_use]
+    pub fn widening(&self) -> Option<f64> {
+        let ratio = |p: &ParameterResult| Some(p.standard_deviation_robust? / p.standard_deviation?);
+        let mut ratios: Vec<f64> = self.parameters.iter().filter_map(ratio).filter(|r| r.is_finite()).collect();
+        ratios.sort_by(f64::total_cmp);
+        ratios.get(ratios.len() / 2).copied()
+    }
+
+    /// The estimate of a parameter.
+    #[must_use]
+    pub fn parameter(&self, name: &str) -> Option<&ParameterResult> {
+        self.parameters.iter().find(|p| p.name == name)
+    }
+}

@@ -1,0 +1,138 @@
+//! What is computed of an estimate: its numbers with their deviations, its simulation and its curves, and how it predicts
+//! what it was not made from.
+
+use super::{
+    cross_validation::{CrossValidation, Folds, folds_by_move, folds_by_part, folds_by_recording, leave_folds_out},
+    identification::{Identification, explain},
+    parameters::parameter_results,
+    prepared::filtered,
+};
+use crate::{
+    diagnosis::{Estimated, residual},
+    identification::{Fit, Method, Outcome, uncertainty},
+    preparation::{Case, PreparationError, Problem},
+    regression::relative_error_percent,
+    results::{Influence, IterationResult, ParameterResult, RunResult},
+    scheduling::{EstimationJob, Finished},
+    simulation::Reference,
+};
+
+/// An estimation of a case that is to be assessed.
+pub(super) struct Assessment<'a> {
+    pub(super) identification: &'a Identification,
+    pub(super) case: &'a Case,
+    pub(super) job: &'a EstimationJob<'a>,
+}
+
+impl Assessment<'_> {
+    /// The run of a finished estimation, and what the diagnosis of its case needs.
+    pub(super) fn assess(&self, finished: Finished) -> Result<(RunResult, Estimated), PreparationError> {
+        let EstimationJob { problem, method, regression, simulator, .. } = self.job;
+        let Finished { outcome, motions, seconds } = finished;
+        let mut run = self.summarise(&outcome);
+        run.seconds = seconds;
+        if let Some(fit) = &outcome.fit {
+            run.simulation_relative_error_percent =
+                simulator.as_ref().zip(motions.as_ref()).map(|(s, motions)| s.errors(motions));
+            run.plots = problem.plots(&fit.prediction, motions.as_deref().unwrap_or_default());
+            run.residual = Some(residual(regression, &fit.prediction));
+            self.leave_parts_out(&outcome, &mut run);
+            if !self.identification.validation.is_empty() {
+                run.cross_validation_interval_95_percent = None;
+                self.validate_on_others(fit, &mut run)?;
+            }
+        }
+        Ok((run, Estimated { method: *method, regression: regression.clone(), outcome }))
+    }
+
+    fn summarise(&self, outcome: &Outcome) -> RunResult {
+        let EstimationJob { problem, method, regression, .. } = self.job;
+        let fit = outcome.fit.as_ref();
+        let iterations = outcome.iterations.iter().map(|i| IterationResult {
+            relative_error_percent: i.relative_error_percent,
+            parameter_change: i.parameter_change,
+            error_change: i.error_change,
+            estimates: i.theta.clone(),
+        });
+        let test = |f| if *method == Method::IDIM_LS { problem.full_model_test(f) } else { None };
+        RunResult {
+            reason: outcome.reason.as_ref().map(|r| explain(&problem.estimated, r)),
+            iterations: outcome.iterations.len(),
+            simulations: outcome.simulations,
+            relative_error_percent: fit.map(|f| f.relative_error_percent),
+            joint_relative_error_percent: fit
+                .map(|f| regression.joint_relative_errors_percent(&f.prediction))
+                .unwrap_or_default(),
+            condition_number: fit.map(|f| f.condition_number),
+            f_test: fit.and_then(test),
+            convergence: iterations.collect(),
+            parameters: fit.map(|f| self.parameters(f, outcome)).unwrap_or_default(),
+            ..RunResult::new(&self.case.name, *method, outcome.status)
+        }
+    }
+
+    fn parameters(&self, fit: &Fit, outcome: &Outcome) -> Vec<ParameterResult> {
+        let EstimationJob { problem, method, regression, .. } = self.job;
+        let uncertainty = uncertainty(*method, regression, outcome.instruments.as_ref(), fit).ok();
+        let recording = self.identification.main.first().map(|p| &p.filtered.recording);
+        let truth = recording.and_then(|r| r.truth.as_ref()).map(|t| problem.estimated.from_standard(t));
+        let settings = self.identification.setup().settings;
+        parameter_results(settings, &problem.estimated, fit, uncertainty.as_ref(), truth.as_deref())
+    }
+
+    /// Leaves recordings, moves or parts out in turn, and predicts them from the others.
+    fn leave_parts_out(&self, outcome: &Outcome, run: &mut RunResult) {
+        let EstimationJob { problem, method, regression, .. } = self.job;
+        let Some(folds) = self.folds(problem) else { return };
+        let Some(left_out) = leave_folds_out(regression, *method, outcome.instruments.as_ref(), &folds) else { return };
+        run.influence = influence(run, &left_out, &folds);
+        run.cross_validation_relative_error_percent = Some(left_out.relative_error_percent);
+        run.cross_validation_interval_95_percent = left_out.interval_95_percent;
+    }
+
+    /// What is left out in turn: a recording where there are several, else a move where they are known, else a part.
+    fn folds(&self, problem: &Problem) -> Option<Folds> {
+        let layout = &problem.regression.layout;
+        let rows_of_joint = layout.len() / layout.joints().max(1);
+        let [only] = &self.identification.main[..] else {
+            let mut of_row = layout.spread(|b| b.recording);
+            of_row.truncate(rows_of_joint);
+            let names = self.identification.main.iter().map(|p| format!("recording {}", p.filtered.recording.name));
+            return Some(Folds { of_row: folds_by_recording(of_row)?, names: names.collect() });
+        };
+        match only.reference.as_ref().map(|r| &r.reference) {
+            Some(Reference::Moves(moves)) => {
+                folds_by_move(moves, &self.identification.times(problem)).map(|f| Folds::numbered("move", f))
+            }
+            Some(Reference::Sampled(_)) | None => Some(Folds::numbered("part", folds_by_part(rows_of_joint))),
+        }
+    }
+
+    /// Predicts the recordings that were held back.
+    fn validate_on_others(&self, fit: &Fit, run: &mut RunResult) -> Result<(), PreparationError> {
+        let identification = self.identification;
+        let recordings = filtered(&identification.validation);
+        let setup = identification.setup();
+        let problem = setup.validation_problem(self.case, &recordings, &self.job.problem.estimated)?;
+        let regression = &problem.regression;
+        let prediction = regression.x.times(&fit.theta);
+        run.cross_validation_relative_error_percent = Some(relative_error_percent(&regression.y, &prediction));
+        run.validation_condition_number = Some(regression.x.condition_number());
+        if let Some(simulator) = identification.simulator(&identification.validation, &problem, self.case) {
+            let motions = simulator.simulate(&fit.theta).ok();
+            run.validation_simulation_relative_error_percent = motions.map(|m| simulator.errors(&m));
+        }
+        Ok(())
+    }
+}
+
+/// The largest change of an estimate, in its standard deviations with correlated errors, without one of the folds.
+fn influence(run: &RunResult, left_out: &CrossValidation, folds: &Folds) -> Option<Influence> {
+    let changes = left_out.theta.iter().zip(&folds.names).flat_map(|(theta, part)| {
+        run.parameters.iter().zip(theta).filter_map(move |(p, without)| {
+            let change = (without - p.estimate) / p.standard_deviation_robust.filter(|sd| *sd > 0.0)?;
+            Some(Influence { part: part.clone(), parameter: p.name.clone(), change })
+        })
+    });
+    changes.max_by(|a, b| a.change.abs().total_cmp(&b.change.abs()))
+}

@@ -1,0 +1,38 @@
+use crate::{
+    preparation::{FilteredRecording, PreparationError, RecordedReference, Recording, Setup},
+    results::RecordingResult,
+};
+
+/// A recording ready for every case: filtered, with its reference where a method or report needs one.
+pub(crate) struct Prepared {
+    pub(crate) filtered: FilteredRecording,
+    pub(crate) reference: Option<RecordedReference>,
+}
+
+impl Prepared {
+    /// Filters a recording, and finds its reference where there is a controller to follow it.
+    pub(crate) fn new(setup: Setup<'_>, recording: Recording) -> Result<Self, PreparationError> {
+        let filtered = setup.filter(recording)?;
+        let controller = setup.settings.controller.as_ref();
+        let reference = controller.map(|_| setup.reference(&filtered.recording)).transpose()?;
+        Ok(Self { filtered, reference })
+    }
+
+    pub(super) fn describe(&self) -> RecordingResult {
+        let recording = &self.filtered.recording;
+        RecordingResult {
+            name: recording.name.clone(),
+            weight: recording.weight,
+            samples_used: self.filtered.window.len(),
+            sample_rate_hz: recording.sample_rate_hz,
+            window_s: self.filtered.window_s(),
+            resampling: recording.resampling,
+            reference: self.reference.as_ref().map(|r| r.describe(&self.filtered)),
+        }
+    }
+}
+
+/// Their filtered recordings.
+pub(super) fn filtered(prepared: &[Prepared]) -> Vec<&FilteredRecording> {
+    prepared.iter().map(|p| &p.filtered).collect()
+}

@@ -1,0 +1,13 @@
+//! Closed-loop simulations that estimators ask for, run side by side.
+//!
+//! A [`Simulator`] simulates the loops of all recordings for one case. Estimations ask for simulations instead of calling
+//! for them ([`crate::identification::Estimation`]); [`run_all`] collects what all of them want, and runs up to four
+//! simulations in the lanes of a vector. Results are bit-identical alone or batched.
+
+mod requests;
+mod scheduler;
+mod simulator;
+
+pub(crate) use requests::instruments_side_by_side;
+pub(crate) use scheduler::{EstimationJob, Finished, RunOptions, SIDE_BY_SIDE, run_all};
+pub(crate) use simulator::{Simulator, closed_loop};

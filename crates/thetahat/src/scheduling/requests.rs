@@ -1,0 +1,97 @@
+//! Simulations that are asked for, run side by side.
+
+use super::simulator::Simulator;
+use crate::{
+    linear_algebra::Matrix,
+    pool::in_parallel,
+    simulation::{Job, SimulatedMotion, SimulationError, simulate_all},
+};
+
+/// What is asked of a simulation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Output {
+    /// Z.
+    Instruments,
+    /// The motion of each recording at every so many samples of its window, the first included.
+    Motion { step: usize },
+}
+
+impl Output {
+    pub(super) fn step(self) -> usize {
+        if let Self::Motion { step } = self { step.max(1) } else { 1 }
+    }
+}
+
+/// What a simulation gave.
+#[derive(Debug, Clone)]
+pub(crate) enum Simulated {
+    Instruments(Matrix),
+    Motions(Vec<SimulatedMotion>),
+}
+
+/// A simulation with base parameters that is asked for.
+pub(crate) struct Request<'a> {
+    pub(crate) simulator: &'a Simulator<'a>,
+    pub(crate) theta: Vec<f64>,
+    pub(crate) output: Output,
+}
+
+impl Request<'_> {
+    pub(super) fn is_like(&self, other: &Self) -> bool {
+        self.simulator.is_like(other.simulator) && self.theta == other.theta && self.output == other.output
+    }
+}
+
+/// Runs the simulations of requests side by side, equal ones once. Results are bit-identical alone or batched.
+pub(crate) fn simulate_side_by_side(
+    requests: &[Request<'_>],
+    threads: usize,
+) -> Vec<Result<Simulated, SimulationError>> {
+    let first_like =
+        |request: &Request<'_>| requests.iter().position(|other| request.is_like(other)).unwrap_or_default();
+    let first: Vec<usize> = requests.iter().map(first_like).collect();
+    let mut simulated: Vec<_> = (0..requests.len()).map(|_| None).collect();
+    let (places, different): (Vec<usize>, Vec<&Request<'_>>) =
+        requests.iter().enumerate().filter(|(k, _)| first[*k] == *k).unzip();
+    let results = simulate_different(&different, threads);
+    places.into_iter().zip(results).for_each(|(k, result)| simulated[k] = Some(result));
+    for k in 0..requests.len() {
+        if first[k] != k {
+            simulated[k] = simulated[first[k]].clone();
+        }
+    }
+    simulated.into_iter().flatten().collect()
+}
+
+/// Z with base parameters `theta` by each of some simulators of one problem, where the simulation succeeds.
+pub(crate) fn instruments_side_by_side(
+    simulators: &[Simulator<'_>],
+    theta: &[f64],
+    threads: usize,
+) -> Vec<Option<Matrix>> {
+    let request = |simulator| Request { simulator, theta: theta.to_vec(), output: Output::Instruments };
+    let simulated = simulate_side_by_side(&simulators.iter().map(request).collect::<Vec<_>>(), threads);
+    simulated.into_iter().map(|s| if let Ok(Simulated::Instruments(z)) = s { Some(z) } else { None }).collect()
+}
+
+fn simulate_different(requests: &[&Request<'_>], threads: usize) -> Vec<Result<Simulated, SimulationError>> {
+    let resolved: Vec<_> = requests.iter().map(|w| w.simulator.resolve(&w.theta)).collect();
+    let jobs: Vec<Job<'_>> =
+        requests.iter().zip(&resolved).flat_map(|(w, resolved)| w.simulator.jobs(resolved, w.output)).collect();
+    let groups: Vec<&[Job<'_>]> = jobs.chunks(jobs.len().div_ceil(threads.max(1)).max(1)).collect();
+    let mut all = in_parallel(groups.len(), threads, |g| simulate_all(groups[g])).into_iter().flatten();
+    let of_request =
+        |w: &&Request<'_>| all.by_ref().take(w.simulator.recordings()).collect::<Vec<_>>().into_iter().collect();
+    let motions: Vec<Result<Vec<SimulatedMotion>, SimulationError>> = requests.iter().map(of_request).collect();
+    let instruments = |k: usize| match &motions[k] {
+        Ok(motions) if requests[k].output == Output::Instruments => Some(requests[k].simulator.instruments_of(motions)),
+        _ => None,
+    };
+    let instruments = in_parallel(requests.len(), threads, instruments);
+    let results = motions.into_iter().zip(instruments);
+    let result = |(motions, z)| match z {
+        Some(z) => Result::map(z, Simulated::Instruments),
+        None => Result::map(motions, Simulated::Motions),
+    };
+    results.map(result).collect()
+}

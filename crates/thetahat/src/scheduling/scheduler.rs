@@ -1,0 +1,182 @@
+//! Estimations under way: what several of them want simulated runs side by side.
+
+use super::{
+    requests::{Output, Request, Simulated, simulate_side_by_side},
+    simulator::Simulator,
+};
+use crate::{
+    clock::Stopwatch,
+    identification::{Estimation, IterationOptions, Method, Needs, Outcome},
+    preparation::Problem,
+    regression::Regression,
+    simulation::{SimulatedMotion, SimulationError},
+};
+
+/// A method on a problem.
+pub(crate) struct EstimationJob<'a> {
+    pub(crate) problem: &'a Problem,
+    pub(crate) method: Method,
+    /// The rows of the problem with the weights of the method.
+    pub(crate) regression: Regression,
+    pub(crate) simulator: Option<Simulator<'a>>,
+    /// Where an iteration starts.
+    pub(crate) start: Vec<f64>,
+}
+
+impl<'a> EstimationJob<'a> {
+    /// A method with weights of the rows, from the start values of its simulator.
+    pub(crate) fn new(
+        problem: &'a Problem,
+        method: Method,
+        weights: Option<Vec<f64>>,
+        simulator: Option<Simulator<'a>>,
+    ) -> Self {
+        let start = simulator.as_ref().map(Simulator::start).unwrap_or_default();
+        Self { problem, method, regression: problem.regression.with_weights(weights), simulator, start }
+    }
+}
+
+/// How an estimation ended.
+pub(crate) struct Finished {
+    pub(crate) outcome: Outcome,
+    /// The motion of each recording simulated with the estimate, where it was asked for and succeeds.
+    pub(crate) motions: Option<Vec<SimulatedMotion>>,
+    /// Time spent on the estimate; simulations side by side share theirs in equal parts.
+    pub(crate) seconds: f64,
+}
+
+/// How estimations are run.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RunOptions {
+    pub(crate) iteration: IterationOptions,
+    /// Simulate with the estimate, too, at every so many samples of the window.
+    pub(crate) motion_step: Option<usize>,
+    pub(crate) threads: usize,
+}
+
+/// Simulations for each thread that run at a time: as many as a vector of most machines has lanes. More would wait, with
+/// their motions in memory.
+pub(crate) const SIDE_BY_SIDE: usize = 4;
+
+/// Runs all estimations. `take` is given each, by its place, as soon as it is finished; `progress` is told how many
+/// simulations are run next. Results are bit-identical alone or batched, and for any number of threads.
+///
+/// # Errors
+/// What `take` refuses.
+pub(crate) fn run_all<E>(
+    jobs: &[EstimationJob<'_>],
+    options: RunOptions,
+    progress: &mut dyn FnMut(usize),
+    take: &mut dyn FnMut(usize, Finished) -> Result<(), E>,
+) -> Result<(), E> {
+    let mut running: Vec<Running<'_>> = jobs.iter().map(|job| Running::new(job, options)).collect();
+    loop {
+        for (k, estimation) in running.iter_mut().enumerate().filter(|(_, r)| r.request().is_none()) {
+            estimation.end().map_or(Ok(()), |finished| take(k, finished))?;
+        }
+        let (waiting, requests) = next_requests(&running, SIDE_BY_SIDE * options.threads.max(1));
+        if requests.is_empty() {
+            return Ok(());
+        }
+        progress(requests.len());
+        let stopwatch = Stopwatch::start();
+        let simulated = simulate_side_by_side(&requests, options.threads);
+        let seconds = stopwatch.seconds() / waiting.len() as f64;
+        for (k, simulated) in waiting.into_iter().zip(simulated) {
+            if let Some(finished) = running[k].take(simulated, seconds) {
+                take(k, finished)?;
+            }
+        }
+    }
+}
+
+/// The first estimations that wait, and what they ask for: no more different simulations than `most`, or those of one
+/// request.
+fn next_requests<'a>(running: &[Running<'a>], most: usize) -> (Vec<usize>, Vec<Request<'a>>) {
+    let (mut waiting, mut requests, mut simulations) = (Vec::new(), Vec::<Request<'_>>::new(), 0);
+    for (k, request) in running.iter().enumerate().filter_map(|(k, r)| Some((k, r.request()?))) {
+        let is_new = !requests.iter().any(|other| request.is_like(other));
+        let with_it = simulations + if is_new { request.simulator.recordings() } else { 0 };
+        if requests.is_empty() || with_it <= most {
+            simulations = with_it;
+            waiting.push(k);
+            requests.push(request);
+        }
+    }
+    (waiting, requests)
+}
+
+enum Stage {
+    Estimating(Estimation),
+    Estimated(Outcome),
+    Over,
+}
+
+/// An estimation under way.
+struct Running<'a> {
+    job: &'a EstimationJob<'a>,
+    options: RunOptions,
+    stage: Stage,
+    seconds: f64,
+}
+
+impl<'a> Running<'a> {
+    fn new(job: &'a EstimationJob<'a>, options: RunOptions) -> Self {
+        let stopwatch = Stopwatch::start();
+        let EstimationJob { method, regression, start, .. } = job;
+        let stage = match method.needs() {
+            Needs::Instruments if job.simulator.is_some() => {
+                Stage::Estimating(Estimation::new(*method, options.iteration, start.clone()))
+            }
+            Needs::Instruments | Needs::Measurement => {
+                Stage::Estimated(Outcome::direct(method.estimate(regression, None, options.iteration.divisor)))
+            }
+        };
+        Self { job, options, stage, seconds: stopwatch.seconds() }
+    }
+
+    /// The simulation that it waits for.
+    fn request(&self) -> Option<Request<'a>> {
+        let simulator = self.job.simulator.as_ref()?;
+        let (theta, output) = match &self.stage {
+            Stage::Estimating(estimation) => (estimation.wanted()?, Output::Instruments),
+            Stage::Estimated(outcome) => {
+                (&outcome.fit.as_ref()?.theta[..], Output::Motion { step: self.options.motion_step? })
+            }
+            Stage::Over => return None,
+        };
+        Some(Request { simulator, theta: theta.to_vec(), output })
+    }
+
+    /// Takes what was simulated in `seconds`; how the estimation ended, where it has.
+    fn take(&mut self, simulated: Result<Simulated, SimulationError>, seconds: f64) -> Option<Finished> {
+        let z = match (&self.stage, simulated) {
+            (Stage::Estimating(_), Ok(Simulated::Instruments(z))) => Ok(z),
+            (Stage::Estimating(_), Err(error)) => Err(error),
+            (Stage::Estimated(_) | Stage::Over, Ok(Simulated::Motions(motions))) => {
+                return self.end().map(|finished| Finished { motions: Some(motions), ..finished });
+            }
+            (Stage::Estimating(_), Ok(Simulated::Motions(_)))
+            | (Stage::Estimated(_) | Stage::Over, Ok(Simulated::Instruments(_)) | Err(_)) => return self.end(),
+        };
+        let stopwatch = Stopwatch::start();
+        if let Stage::Estimating(mut estimation) = std::mem::replace(&mut self.stage, Stage::Over) {
+            estimation.take(z, &self.job.regression);
+            let goes_on = estimation.wanted().is_some();
+            self.stage =
+                if goes_on { Stage::Estimating(estimation) } else { Stage::Estimated(estimation.into_outcome()) };
+        }
+        self.seconds += seconds + stopwatch.seconds();
+        None
+    }
+
+    /// How the estimation ended, once.
+    fn end(&mut self) -> Option<Finished> {
+        match std::mem::replace(&mut self.stage, Stage::Over) {
+            Stage::Estimating(estimation) => Some(estimation.into_outcome()),
+            Stage::Estimated(outcome) => Some(outcome),
+            Stage::Over => None,
+        }
+        .map(|outcome| Finished { outcome, motions: None, seconds: self.seconds })
+    }
+}

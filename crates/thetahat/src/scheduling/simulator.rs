@@ -1,0 +1,197 @@
+//! The closed loops of all recordings as a function of the parameters: instruments Z, and errors against the record.
+
+use std::collections::BTreeMap;
+
+use super::requests::Output;
+use crate::{
+    control::ControllerDescription,
+    dynamics::{Model, Sign},
+    identification::Assembly,
+    linear_algebra::{Matrix, norm},
+    preparation::{FilteredRecording, Gains, Problem, RecordedReference, Setup},
+    series::Series,
+    signal::Motion,
+    simulation::{
+        ClosedLoop, Job, OutputGrid, Reference, SimulatedMotion, SimulationError, SimulatorBias, simulate_all,
+    },
+};
+
+/// The closed loop of a robot under the simulator's options along a reference.
+pub(crate) fn closed_loop<'a>(
+    setup: Setup<'a>,
+    model: &'a Model,
+    controller: &'a ControllerDescription,
+    reference: &'a Reference,
+    added_signal: Option<(&'a Series, f64)>,
+    bias: SimulatorBias,
+) -> ClosedLoop<'a> {
+    ClosedLoop {
+        model,
+        transmission: &setup.robot.transmission,
+        controller,
+        reference,
+        added_signal,
+        bias,
+        solver: setup.settings.simulation.solver,
+        sign_velocity_scale: setup.settings.simulation.sign_velocity_scale,
+    }
+}
+
+/// Simulates the loops of all recordings for one case.
+pub(crate) struct Simulator<'a> {
+    setup: Setup<'a>,
+    problem: &'a Problem,
+    loops: Vec<RecordedLoop<'a>>,
+    kept_inertia: Option<Vec<f64>>,
+}
+
+/// The loop of one recording.
+struct RecordedLoop<'a> {
+    filtered: &'a FilteredRecording,
+    assembly: Assembly<'a>,
+    closed_loop: ClosedLoop<'a>,
+}
+
+impl<'a> Simulator<'a> {
+    /// The simulator of the recordings from which `problem` was made, each with its reference.
+    pub(crate) fn new(
+        setup: Setup<'a>,
+        problem: &'a Problem,
+        recordings: &[(&'a FilteredRecording, &'a RecordedReference)],
+        controller: &'a ControllerDescription,
+        bias: SimulatorBias,
+    ) -> Self {
+        let loop_of = |(number, (filtered, reference)): (usize, &(&'a FilteredRecording, &'a RecordedReference))| {
+            let recording = &filtered.recording;
+            let added = recording.added_signal.as_ref().map(|s| (s, recording.sample_rate_hz));
+            let closed_loop = closed_loop(setup, &problem.model, controller, &reference.reference, added, bias);
+            RecordedLoop { filtered, assembly: problem.assembly(number), closed_loop }
+        };
+        let loops = recordings.iter().enumerate().map(loop_of).collect();
+        let simulator = Self { setup, problem, loops, kept_inertia: None };
+        match setup.settings.estimation.gains {
+            Gains::Updated => simulator,
+            Gains::Kept => {
+                let start = problem.estimated.to_standard(&simulator.start());
+                Self { kept_inertia: Some(simulator.inertia(&start)), ..simulator }
+            }
+        }
+    }
+
+    /// The start values of an iteration.
+    pub(crate) fn start(&self) -> Vec<f64> {
+        self.problem.estimated.from_standard(&self.setup.start(self.problem.model.parameter_table()))
+    }
+
+    /// The simulated motion of each recording in its window.
+    pub(crate) fn simulate(&self, theta: &[f64]) -> Result<Vec<SimulatedMotion>, SimulationError> {
+        simulate_all(&self.jobs(&self.resolve(theta), Output::Motion { step: 1 })).into_iter().collect()
+    }
+
+    /// The simulations of all recordings.
+    pub(super) fn jobs<'j>(&'j self, (theta, inertia): &'j (Vec<f64>, Vec<f64>), output: Output) -> Vec<Job<'j>> {
+        let whole = output == Output::Instruments && self.setup.settings.simulation.band_pass;
+        let job = |l: &RecordedLoop<'a>| Job {
+            closed_loop: l.closed_loop,
+            theta,
+            motor_inertia: inertia,
+            grid: if whole { l.grid_of_record() } else { l.grid_of_window(output.step()) },
+        };
+        self.loops.iter().map(job).collect()
+    }
+
+    /// Z of the motions simulated for it.
+    pub(super) fn instruments_of(&self, motions: &[SimulatedMotion]) -> Result<Matrix, SimulationError> {
+        let of_loop = |(l, motion): (&RecordedLoop<'_>, &SimulatedMotion)| l.instruments(self.setup, motion);
+        let matrices = self.loops.iter().zip(motions).map(of_loop).collect::<Result<Vec<_>, _>>()?;
+        Ok(self.problem.regression.layout.stack_matrices(matrices))
+    }
+
+    /// Number of recordings.
+    pub(super) fn recordings(&self) -> usize {
+        self.loops.len()
+    }
+
+    /// Whether both give the same motion for the same parameters.
+    pub(super) fn is_like(&self, other: &Self) -> bool {
+        let bias = |s: &Self| s.loops.first().map(|l| l.closed_loop.bias);
+        std::ptr::eq(self.setup.robot, other.setup.robot)
+            && std::ptr::eq(self.setup.settings, other.setup.settings)
+            && std::ptr::eq(self.problem, other.problem)
+            && bias(self) == bias(other)
+    }
+
+    /// Standard parameters of base parameters, and the inertia that each motor sees for the gains of its controller.
+    pub(super) fn resolve(&self, theta: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let standard = self.problem.estimated.to_standard(theta);
+        let inertia = self.kept_inertia.clone().unwrap_or_else(|| self.inertia(&standard));
+        (standard, inertia)
+    }
+
+    /// The inertia that each motor sees, on average over the recordings: the gains are those of one controller.
+    fn inertia(&self, standard: &[f64]) -> Vec<f64> {
+        let of_loops: Vec<Vec<f64>> = self.loops.iter().map(|l| l.inertia(standard)).collect();
+        let mean = |motor: usize| of_loops.iter().map(|i| i[motor]).sum::<f64>() / of_loops.len() as f64;
+        (0..self.problem.model.coordinate_count()).map(mean).collect()
+    }
+
+    /// `100 |measured - simulated| / |measured|` in the windows: band-passed position, velocity and acceleration and raw
+    /// torque of the records, against the simulations as they are.
+    pub(crate) fn errors(&self, motions: &[SimulatedMotion]) -> BTreeMap<String, f64> {
+        let mut squares: BTreeMap<&str, [f64; 2]> = BTreeMap::new();
+        for (l, motion) in self.loops.iter().zip(motions) {
+            let torque = l.filtered.torque();
+            let measured = &l.filtered.motion;
+            for (name, measured, simulated) in [
+                ("position", &measured.q, &motion.q),
+                ("velocity", &measured.dq, &motion.dq),
+                ("acceleration", &measured.ddq, &motion.ddq),
+                ("torque", &torque, &motion.tau),
+            ] {
+                let [difference, size] = squares.entry(name).or_default();
+                *difference += squared_difference(measured, simulated);
+                *size += norm(measured.values()).powi(2);
+            }
+        }
+        squares.into_iter().map(|(name, [d, m])| (name.to_owned(), 100.0 * (d / m).sqrt())).collect()
+    }
+}
+
+impl RecordedLoop<'_> {
+    fn instruments(&self, setup: Setup<'_>, motion: &SimulatedMotion) -> Result<Matrix, SimulationError> {
+        let sign = Sign::Smooth { scale: self.closed_loop.sign_velocity_scale };
+        let unfiltered = |_| SimulationError::TooShortToFilter;
+        if !setup.settings.simulation.band_pass {
+            return self.assembly.observation_matrix(&motion.q, &motion.dq, &motion.ddq, sign).map_err(unfiltered);
+        }
+        // Filtered as the record is: the whole of it, then cut to the window.
+        let rate = self.filtered.recording.sample_rate_hz;
+        let Motion { q, dq, ddq } = setup.band_pass(&motion.q, rate).map_err(unfiltered)?;
+        let cut = |series: &Series| series.window(self.filtered.window.clone());
+        self.assembly.observation_matrix(&cut(&q), &cut(&dq), &cut(&ddq), sign).map_err(unfiltered)
+    }
+
+    fn grid_of_record(&self) -> OutputGrid {
+        let recording = &self.filtered.recording;
+        OutputGrid { start_s: 0.0, sample_rate_hz: recording.sample_rate_hz, samples: recording.position.len() }
+    }
+
+    /// Every so many samples of the window, the first included.
+    fn grid_of_window(&self, step: usize) -> OutputGrid {
+        let (window, rate) = (&self.filtered.window, self.filtered.recording.sample_rate_hz);
+        OutputGrid {
+            start_s: window.start as f64 / rate,
+            sample_rate_hz: rate / step as f64,
+            samples: window.len().div_ceil(step),
+        }
+    }
+
+    fn inertia(&self, standard: &[f64]) -> Vec<f64> {
+        let duration_s = self.filtered.recording.position.len() as f64 / self.filtered.recording.sample_rate_hz;
+        self.closed_loop.motor_inertia(standard, duration_s)
+    }
+}
+
+fn squared_difference(measured: &Series, simulated: &Series) -> f64 {
+    measured.values().iter().zip(simulated.values()).map(|(m, s)| (m - s).powi(2)).sum()
+}
