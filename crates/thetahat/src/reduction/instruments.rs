@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{error::ReductionError, pieces::refuse, source::Source};
+use super::{error::ReductionError, source::Source};
 use crate::{
     base_parameters::BaseParameters,
     control::ControllerDescription,
@@ -167,7 +167,7 @@ impl<'a> Simulated<'a> {
 
     fn filtered(&self, q: &Series, range: Range<usize>) -> Result<SimulatedPiece, ReductionError> {
         let filtered = self.experiment.setup().band_pass(q, self.source.sample_rate_hz);
-        let motion = filtered.map_err(|e| refuse(self.experiment, e))?;
+        let motion = filtered.map_err(|e| self.experiment.refuse(e))?;
         let next = (range.end < motion.q.len()).then(|| motion.q.sample(range.end).to_vec());
         Ok(SimulatedPiece { motion: cut(&motion, range), next })
     }

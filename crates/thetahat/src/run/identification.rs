@@ -1,21 +1,12 @@
-//! Every case, every method, on all recordings.
+//! A robot with its recordings and settings, and what its estimations need.
 
-use super::{
-    assessment::Assessment,
-    examination::examine,
-    prepared::{Prepared, filtered},
-};
+use super::prepared::{Prepared, filtered};
 use crate::{
     base_parameters::BaseParameters,
-    diagnosis::{Estimated, advise, diagnose},
     identification::{EstimationError, Method, Reason, Weighting, idim_ls},
-    pool::available_threads,
     preparation::{Case, PreparationError, Problem, Recording, Settings, Setup},
-    results::{CaseDiagnosis, Plots, RecordingFindings, Results, RunResult},
     robot::{Friction, Robot},
-    scheduling::{EstimationJob, RunOptions, Simulator, instruments_side_by_side, run_all},
-    series::Series,
-    simulation::SimulatorBias,
+    scheduling::{EstimationJob, Simulator},
 };
 
 /// Part by which the sample rates of recordings may differ: clocks differ by less, chosen rates by more.
@@ -80,37 +71,6 @@ impl Identification {
         Ok(self)
     }
 
-    /// Runs every case and method.
-    ///
-    /// A method that does not converge or a motion that does not identify the parameters is not an error: the run says
-    /// so in its status.
-    ///
-    /// # Errors
-    /// [`PreparationError`] for input that cannot be used.
-    pub fn run(&self) -> Result<Results, PreparationError> {
-        self.run_with_progress(&mut |_| {})
-    }
-
-    /// The same; `progress` is told what is being done.
-    ///
-    /// # Errors
-    /// As [`Identification::run`].
-    pub fn run_with_progress(&self, progress: &mut dyn FnMut(&str)) -> Result<Results, PreparationError> {
-        let problems = self.problems(progress)?;
-        progress("checking the recordings");
-        let findings = self.findings(&problems[0].problem);
-        let cases = self.settings.all_cases();
-        let assessed = self.assess_all(&problems, &cases, progress)?;
-        let (mut runs, mut diagnostics) = (Vec::new(), Vec::new());
-        for (case, assessed) in cases.iter().zip(assessed) {
-            progress(&format!("{}: diagnosis", case.name));
-            let (results, estimated): (Vec<_>, Vec<_>) = assessed.into_iter().unzip();
-            runs.extend(results);
-            diagnostics.push(self.diagnose(&self.problem_of(&problems, case).problem, case, &estimated));
-        }
-        self.results(&problems[0].problem, findings, runs, diagnostics)
-    }
-
     pub(crate) fn setup(&self) -> Setup<'_> {
         Setup { robot: &self.robot, settings: &self.settings }
     }
@@ -148,37 +108,9 @@ impl Identification {
     }
 
     /// The problem of a case's friction model; that of the nominal case where there is none.
-    fn problem_of<'p>(&self, problems: &'p [CaseProblem], case: &Case) -> &'p CaseProblem {
+    pub(super) fn problem_of<'p>(&self, problems: &'p [CaseProblem], case: &Case) -> &'p CaseProblem {
         let friction = self.friction_of(case);
         problems.iter().find(|p| p.friction == friction).unwrap_or(&problems[0])
-    }
-
-    /// Every method of every case.
-    fn assess_all(
-        &self,
-        problems: &[CaseProblem],
-        cases: &[Case],
-        progress: &mut dyn FnMut(&str),
-    ) -> Result<Vec<Vec<(RunResult, Estimated)>>, PreparationError> {
-        let estimation = &self.settings.estimation;
-        let methods = |case: &Case| case.methods.clone().unwrap_or_else(|| estimation.methods.clone());
-        let all: Vec<(usize, Method)> =
-            cases.iter().enumerate().flat_map(|(c, case)| methods(case).into_iter().map(move |m| (c, m))).collect();
-        let job = |&(c, method): &(usize, Method)| self.job(self.problem_of(problems, &cases[c]), &cases[c], method);
-        let jobs: Vec<EstimationJob<'_>> = all.iter().map(job).collect();
-        let options =
-            RunOptions { iteration: estimation.iteration(), motion_step: Some(1), threads: available_threads() };
-        let mut assessed: Vec<Option<(RunResult, Estimated)>> = all.iter().map(|_| None).collect();
-        let mut tell =
-            |simulations| progress(&format!("simulating and estimating: {simulations} simulations side by side"));
-        run_all(&jobs, options, &mut tell, &mut |k, finished| {
-            let assessment = Assessment { identification: self, case: &cases[all[k].0], job: &jobs[k] };
-            assessed[k] = Some(assessment.assess(finished)?);
-            Ok::<(), PreparationError>(())
-        })?;
-        let mut by_case: Vec<Vec<_>> = cases.iter().map(|_| Vec::new()).collect();
-        all.iter().zip(assessed).for_each(|((c, _), run)| by_case[*c].extend(run));
-        Ok(by_case)
     }
 
     /// A method of a case.
@@ -187,16 +119,6 @@ impl Identification {
         let of_recordings: Vec<f64> = self.main.iter().map(|p| p.filtered.recording.weight).collect();
         let weights = problem.weights(&self.settings, method, &of_recordings);
         EstimationJob::new(&problem.problem, method, weights, simulator)
-    }
-
-    /// Compares the methods of a case; what needs a simulator with another bias makes one.
-    fn diagnose(&self, problem: &Problem, case: &Case, estimated: &[Estimated]) -> CaseDiagnosis {
-        let simulate = |biases: &[SimulatorBias], theta: &[f64]| {
-            let with_bias = |&bias| self.simulator(&self.main, problem, &case.clone().with_simulator(bias));
-            let Some(simulators) = biases.iter().map(with_bias).collect::<Option<Vec<_>>>() else { return Vec::new() };
-            instruments_side_by_side(&simulators, theta, available_threads())
-        };
-        diagnose(problem, case, estimated, &simulate)
     }
 
     pub(super) fn simulator<'s>(
@@ -209,48 +131,6 @@ impl Identification {
         let recordings =
             prepared.iter().map(|p| Some((&p.filtered, p.reference.as_ref()?))).collect::<Option<Vec<_>>>()?;
         Some(Simulator::new(self.setup(), problem, &recordings, controller, case.simulator))
-    }
-
-    /// What is found in the recordings, those that are identified from and those held back.
-    fn findings(&self, nominal: &Problem) -> Vec<RecordingFindings> {
-        let examine = |prepared: &Prepared, held_back| examine(self.setup(), prepared, nominal, held_back);
-        let main = self.main.iter().map(|p| examine(p, false));
-        main.chain(self.validation.iter().map(|p| examine(p, true))).collect()
-    }
-
-    fn results(
-        &self,
-        problem: &Problem,
-        findings: Vec<RecordingFindings>,
-        runs: Vec<RunResult>,
-        diagnostics: Vec<CaseDiagnosis>,
-    ) -> Result<Results, PreparationError> {
-        let positions: Vec<&Series> = self.main.iter().map(|p| &p.filtered.motion.q).collect();
-        let rate = self.main.first().map_or(0.0, |p| p.filtered.recording.sample_rate_hz);
-        let regression = &problem.regression;
-        Ok(Results {
-            thetahat: env!("CARGO_PKG_VERSION").to_owned(),
-            robot: self.robot.name.clone(),
-            title: String::new(),
-            samples_used: self.main.iter().map(|p| p.filtered.window.len()).sum(),
-            decimated_rows: regression.y.len(),
-            recordings: self.main.iter().map(Prepared::describe).collect(),
-            validation_recordings: self.validation.iter().map(Prepared::describe).collect(),
-            bandwidth: self.setup().measure_bandwidth(rate)?,
-            seed: None,
-            findings,
-            elimination: problem.elimination_result(),
-            advice: diagnostics.iter().map(|d| advise(d, &runs)).collect(),
-            diagnostics,
-            runs,
-            experiment_description: String::new(),
-            robot_description: String::new(),
-            plots: Plots {
-                time_s: self.times(problem),
-                measured: regression.layout.by_joint(&regression.y),
-                position: problem.at_rows(&positions),
-            },
-        })
     }
 
     /// The time of each row of a joint; the recordings follow one another.

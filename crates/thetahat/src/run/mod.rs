@@ -4,6 +4,7 @@
 //! file lowers to the same. Every case and method is estimated, diagnosed and validated on what it has not seen.
 
 mod assessment;
+mod cases;
 mod cross_validation;
 mod examination;
 mod identification;

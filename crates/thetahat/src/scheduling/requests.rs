@@ -1,26 +1,11 @@
 //! Simulations that are asked for, run side by side.
 
-use super::simulator::Simulator;
+use super::simulator::{Output, Simulator};
 use crate::{
     linear_algebra::Matrix,
     pool::in_parallel,
     simulation::{Job, SimulatedMotion, SimulationError, simulate_all},
 };
-
-/// What is asked of a simulation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Output {
-    /// Z.
-    Instruments,
-    /// The motion of each recording at every so many samples of its window, the first included.
-    Motion { step: usize },
-}
-
-impl Output {
-    pub(super) fn step(self) -> usize {
-        if let Self::Motion { step } = self { step.max(1) } else { 1 }
-    }
-}
 
 /// What a simulation gave.
 #[derive(Debug, Clone)]

@@ -1,8 +1,8 @@
 //! Estimations under way: what several of them want simulated runs side by side.
 
 use super::{
-    requests::{Output, Request, Simulated, simulate_side_by_side},
-    simulator::Simulator,
+    requests::{Request, Simulated, simulate_side_by_side},
+    simulator::{Output, Simulator},
 };
 use crate::{
     clock::Stopwatch,

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use super::requests::Output;
 use crate::{
     control::ControllerDescription,
     dynamics::{Model, Sign},
@@ -34,6 +33,21 @@ pub(crate) fn closed_loop<'a>(
         bias,
         solver: setup.settings.simulation.solver,
         sign_velocity_scale: setup.settings.simulation.sign_velocity_scale,
+    }
+}
+
+/// What is asked of a simulation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Output {
+    /// Z.
+    Instruments,
+    /// The motion of each recording at every so many samples of its window, the first included.
+    Motion { step: usize },
+}
+
+impl Output {
+    pub(super) fn step(self) -> usize {
+        if let Self::Motion { step } = self { step.max(1) } else { 1 }
     }
 }
 

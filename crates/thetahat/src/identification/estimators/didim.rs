@@ -1,7 +1,7 @@
 //! Least squares on the simulated motion.
 
 use super::{
-    Design, Estimator, Needs,
+    estimator::{Design, Estimator, Needs},
     ls::{influence, least_squares},
 };
 use crate::{

@@ -1,6 +1,6 @@
 //! Instrumental variables from a simulated motion.
 
-use super::{Design, Estimator, Needs};
+use super::estimator::{Design, Estimator, Needs};
 use crate::{
     identification::fit::{Divisor, EstimationError, Fit, Solved, full_rank, require_full_rank},
     linear_algebra::{Matrix, PivotedQr},

@@ -1,6 +1,6 @@
 //! Least squares on the measured motion, with the weights of the regression (WLS).
 
-use super::{Design, Estimator, Needs};
+use super::estimator::{Design, Estimator, Needs};
 use crate::{
     identification::fit::{Divisor, EstimationError, Fit, Solved, full_rank},
     linear_algebra::Matrix,

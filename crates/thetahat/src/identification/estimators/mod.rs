@@ -4,6 +4,7 @@
 //! every covariance is the same sandwich `A^T cov(e) A`. Adding one takes its own file and an entry of [`ESTIMATORS`].
 
 mod didim;
+mod estimator;
 mod iv;
 mod ls;
 mod wls;
@@ -13,54 +14,14 @@ use std::{cmp::Ordering, fmt, str::FromStr, sync::LazyLock};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 pub use didim::didim;
+pub use estimator::{Design, Needs, Weighting};
 pub use iv::idim_iv;
 pub use ls::idim_ls;
 
+use estimator::Estimator;
+
 use super::fit::{Divisor, EstimationError, Fit};
 use crate::{linear_algebra::Matrix, regression::Regression};
-
-/// What an estimator needs beside the regression.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Needs {
-    /// Nothing.
-    Measurement,
-    /// Z of the closed loop simulated with its own estimate: it iterates.
-    Instruments,
-}
-
-/// What the parameters multiply in the prediction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Design {
-    /// X, of the measured motion.
-    Measured,
-    /// Z, of the simulated motion.
-    Simulated,
-}
-
-/// Weighting of the rows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Weighting {
-    /// Equal weights.
-    #[default]
-    None,
-    /// One over the standard deviation of each joint's residual of LS.
-    PerJoint,
-}
-
-/// What there is to know of an estimator.
-pub struct Estimator {
-    /// Name, lower case with hyphens.
-    name: &'static str,
-    /// Number of its equation in the paper.
-    equation: &'static str,
-    needs: Needs,
-    design: Design,
-    /// The weighting that makes it what it is, where it has one.
-    weighting: Option<Weighting>,
-    estimate: fn(&Regression, Option<&Matrix>, Divisor) -> Result<Fit, EstimationError>,
-    influence: fn(&Regression, Option<&Matrix>) -> Result<Matrix, EstimationError>,
-}
 
 /// Every estimator, in the order of tables.
 static ESTIMATORS: [&Estimator; 4] = [&ls::IDIM_LS, &wls::IDIM_WLS, &iv::IDIM_IV, &didim::DIDIM];

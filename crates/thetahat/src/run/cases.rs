@@ -1,0 +1,131 @@
+//! Every case, every method, on all recordings.
+
+use super::{
+    assessment::Assessment,
+    examination::examine,
+    identification::{CaseProblem, Identification},
+    prepared::Prepared,
+};
+use crate::{
+    diagnosis::{Estimated, advise, diagnose},
+    identification::Method,
+    pool::available_threads,
+    preparation::{Case, PreparationError, Problem},
+    results::{CaseDiagnosis, Plots, RecordingFindings, Results, RunResult},
+    scheduling::{EstimationJob, RunOptions, instruments_side_by_side, run_all},
+    series::Series,
+    simulation::SimulatorBias,
+};
+
+impl Identification {
+    /// Runs every case and method.
+    ///
+    /// A method that does not converge or a motion that does not identify the parameters is not an error: the run says
+    /// so in its status.
+    ///
+    /// # Errors
+    /// [`PreparationError`] for input that cannot be used.
+    pub fn run(&self) -> Result<Results, PreparationError> {
+        self.run_with_progress(&mut |_| {})
+    }
+
+    /// The same; `progress` is told what is being done.
+    ///
+    /// # Errors
+    /// As [`Identification::run`].
+    pub fn run_with_progress(&self, progress: &mut dyn FnMut(&str)) -> Result<Results, PreparationError> {
+        let problems = self.problems(progress)?;
+        progress("checking the recordings");
+        let findings = self.findings(&problems[0].problem);
+        let cases = self.setup().settings.all_cases();
+        let assessed = self.assess_all(&problems, &cases, progress)?;
+        let (mut runs, mut diagnostics) = (Vec::new(), Vec::new());
+        for (case, assessed) in cases.iter().zip(assessed) {
+            progress(&format!("{}: diagnosis", case.name));
+            let (results, estimated): (Vec<_>, Vec<_>) = assessed.into_iter().unzip();
+            runs.extend(results);
+            diagnostics.push(self.diagnose(&self.problem_of(&problems, case).problem, case, &estimated));
+        }
+        self.results(&problems[0].problem, findings, runs, diagnostics)
+    }
+
+    /// Every method of every case.
+    fn assess_all(
+        &self,
+        problems: &[CaseProblem],
+        cases: &[Case],
+        progress: &mut dyn FnMut(&str),
+    ) -> Result<Vec<Vec<(RunResult, Estimated)>>, PreparationError> {
+        let estimation = &self.setup().settings.estimation;
+        let methods = |case: &Case| case.methods.clone().unwrap_or_else(|| estimation.methods.clone());
+        let all: Vec<(usize, Method)> =
+            cases.iter().enumerate().flat_map(|(c, case)| methods(case).into_iter().map(move |m| (c, m))).collect();
+        let job = |&(c, method): &(usize, Method)| self.job(self.problem_of(problems, &cases[c]), &cases[c], method);
+        let jobs: Vec<EstimationJob<'_>> = all.iter().map(job).collect();
+        let options =
+            RunOptions { iteration: estimation.iteration(), motion_step: Some(1), threads: available_threads() };
+        let mut assessed: Vec<Option<(RunResult, Estimated)>> = all.iter().map(|_| None).collect();
+        let mut tell =
+            |simulations| progress(&format!("simulating and estimating: {simulations} simulations side by side"));
+        run_all(&jobs, options, &mut tell, &mut |k, finished| {
+            let assessment = Assessment { identification: self, case: &cases[all[k].0], job: &jobs[k] };
+            assessed[k] = Some(assessment.assess(finished)?);
+            Ok::<(), PreparationError>(())
+        })?;
+        let mut by_case: Vec<Vec<_>> = cases.iter().map(|_| Vec::new()).collect();
+        all.iter().zip(assessed).for_each(|((c, _), run)| by_case[*c].extend(run));
+        Ok(by_case)
+    }
+
+    /// Compares the methods of a case; what needs a simulator with another bias makes one.
+    fn diagnose(&self, problem: &Problem, case: &Case, estimated: &[Estimated]) -> CaseDiagnosis {
+        let simulate = |biases: &[SimulatorBias], theta: &[f64]| {
+            let with_bias = |&bias| self.simulator(&self.main, problem, &case.clone().with_simulator(bias));
+            let Some(simulators) = biases.iter().map(with_bias).collect::<Option<Vec<_>>>() else { return Vec::new() };
+            instruments_side_by_side(&simulators, theta, available_threads())
+        };
+        diagnose(problem, case, estimated, &simulate)
+    }
+
+    /// What is found in the recordings, those that are identified from and those held back.
+    fn findings(&self, nominal: &Problem) -> Vec<RecordingFindings> {
+        let examine = |prepared: &Prepared, held_back| examine(self.setup(), prepared, nominal, held_back);
+        let main = self.main.iter().map(|p| examine(p, false));
+        main.chain(self.validation.iter().map(|p| examine(p, true))).collect()
+    }
+
+    fn results(
+        &self,
+        problem: &Problem,
+        findings: Vec<RecordingFindings>,
+        runs: Vec<RunResult>,
+        diagnostics: Vec<CaseDiagnosis>,
+    ) -> Result<Results, PreparationError> {
+        let positions: Vec<&Series> = self.main.iter().map(|p| &p.filtered.motion.q).collect();
+        let rate = self.main.first().map_or(0.0, |p| p.filtered.recording.sample_rate_hz);
+        let regression = &problem.regression;
+        Ok(Results {
+            thetahat: env!("CARGO_PKG_VERSION").to_owned(),
+            robot: self.setup().robot.name.clone(),
+            title: String::new(),
+            samples_used: self.main.iter().map(|p| p.filtered.window.len()).sum(),
+            decimated_rows: regression.y.len(),
+            recordings: self.main.iter().map(Prepared::describe).collect(),
+            validation_recordings: self.validation.iter().map(Prepared::describe).collect(),
+            bandwidth: self.setup().measure_bandwidth(rate)?,
+            seed: None,
+            findings,
+            elimination: problem.elimination_result(),
+            advice: diagnostics.iter().map(|d| advise(d, &runs)).collect(),
+            diagnostics,
+            runs,
+            experiment_description: String::new(),
+            robot_description: String::new(),
+            plots: Plots {
+                time_s: self.times(problem),
+                measured: regression.layout.by_joint(&regression.y),
+                position: problem.at_rows(&positions),
+            },
+        })
+    }
+}
