@@ -11,7 +11,7 @@ use thetahat::{
     simulation::{
         ClosedLoop, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulationError, SimulatorBias, Solver,
     },
-    trajectory::{Limits, plan},
+    trajectory::{MotionLimits, plan},
 };
 
 const RATE: f64 = 1000.0;
@@ -70,8 +70,12 @@ fn implicit(tolerance: f64) -> Solver {
 }
 
 fn one_move(start: Vec<f64>, end: Vec<f64>) -> Reference {
-    let limits =
-        Limits { max_velocity: vec![2.0; start.len()], acceleration_time_s: 0.1, smoothing_time_s: 0.03, dwell_s: 0.0 };
+    let limits = MotionLimits {
+        max_velocity: vec![2.0; start.len()],
+        acceleration_time_s: 0.1,
+        smoothing_time_s: 0.03,
+        dwell_s: 0.0,
+    };
     Reference::Moves(plan(start, &[end], &limits, 0.05).unwrap())
 }
 
