@@ -1,17 +1,14 @@
 //! Which method a simulation asks for: how fast friction stops a joint, and what that costs an explicit method.
 
-use super::{closed_loop::ClosedLoop, solver::Solver};
+use super::closed_loop::ClosedLoop;
 use crate::dynamics::{DampingWorkspace, DynamicParameters, Sign, State, Workspace, factorise, solve_factorised};
 
 /// Points of the reference at which the stiffness is looked at.
 const POINTS: usize = 25;
-/// The stiffness times the duration beyond which [`Solver::Automatic`] integrates implicitly. An explicit method is stable up
+/// The stiffness times the duration beyond which [`super::Solver::Automatic`] integrates implicitly. An explicit method is stable up
 /// to steps of 3.3 over the stiffness: while a joint rests for so long, it takes more than 300 000 of them, about a second's
 /// work.
 const COSTLY: f64 = 1e6;
-/// The implicit method gets tolerances this many times tighter than asked for. Stability keeps the explicit method's steps below those that
-/// the tolerance allows, and its result is that much better; so both come as close to the true motion.
-const TIGHTER: f64 = 10.0;
 
 impl ClosedLoop<'_> {
     /// The rate in 1/s at which friction stops a joint: the largest, over the joints and along the reference up to
@@ -42,21 +39,9 @@ impl ClosedLoop<'_> {
         self.bias.friction * fastest
     }
 
-    /// The method that integrates this loop, where the choice is left to the simulation.
-    pub(super) fn chosen_solver(&self, theta: &[f64], duration_s: f64) -> Solver {
-        match self.solver {
-            Solver::Automatic { relative_tolerance, absolute_tolerance } => {
-                if self.stiffness(theta, duration_s) * duration_s > COSTLY {
-                    Solver::Implicit {
-                        relative_tolerance: relative_tolerance / TIGHTER,
-                        absolute_tolerance: absolute_tolerance / TIGHTER,
-                    }
-                } else {
-                    Solver::Adaptive { relative_tolerance, absolute_tolerance }
-                }
-            }
-            stated @ (Solver::Adaptive { .. } | Solver::Implicit { .. } | Solver::Fixed { .. }) => stated,
-        }
+    /// Whether [`super::Solver::Automatic`] integrates this loop implicitly.
+    pub(super) fn is_costly_explicitly(&self, theta: &[f64], duration_s: f64) -> bool {
+        self.stiffness(theta, duration_s) * duration_s > COSTLY
     }
 }
 
