@@ -5,13 +5,14 @@ use clap::{
     builder::{PossibleValuesParser, TypedValueParser},
     value_parser,
 };
+use clap_complete::Shell;
 use thetahat::{identification::Method, recording::Unit};
 
 /// Identifies the dynamic parameters of a robot from its recorded motion and torques.
 ///
 /// Exit codes: 0 good; 1 finished, but a nominal run is not to be trusted; 2 error.
 #[derive(Parser)]
-#[command(version)]
+#[command(name = "thetahat", version)]
 pub struct Arguments {
     #[command(subcommand)]
     pub command: Command,
@@ -55,6 +56,26 @@ pub enum Command {
     ///
     /// Exit code 1 where the base parameters are not clear: a length or an angle is nearly special.
     Model(Model),
+    /// Print the completions of a shell.
+    ///
+    /// For example: thetahat completions bash > ~/.local/share/bash-completion/completions/thetahat
+    Completions(Completions),
+    /// Print the manual page.
+    Man(Man),
+}
+
+#[derive(Args)]
+pub struct Completions {
+    /// The shell
+    #[arg(value_name = "SHELL")]
+    pub shell: Shell,
+}
+
+#[derive(Args)]
+pub struct Man {
+    /// Folder for the manual pages of thetahat and of each command [default: the page of thetahat, printed]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
 }
 
 #[derive(Args)]

@@ -5,6 +5,7 @@ use std::error::Error;
 use thetahat::{
     campaign::{Campaign, CampaignRuns, Progress, Row, Store, Subset},
     report,
+    results::CampaignResults,
 };
 
 use crate::{
@@ -26,17 +27,22 @@ pub fn run(request: &arguments::Campaign) -> Result<Verdict, Box<dyn Error>> {
     };
     let runs = campaign.run(limits, threads(request.threads), store.as_ref(), &mut tell)?;
     drop(counter);
-    print(&report::campaign_text(&campaign, &runs))?;
-    print(&files(request, &campaign, &runs)?)?;
+    let results = campaign.results(&runs);
+    print(&report::campaign_text(&results))?;
+    print(&files(request, &results, &runs)?)?;
     Ok(if runs.rows.iter().any(Row::has_converged) { Verdict::Good } else { Verdict::NotTrusted })
 }
 
 /// Writes the page, and says which files there are.
-fn files(request: &arguments::Campaign, campaign: &Campaign, runs: &CampaignRuns) -> Result<String, Box<dyn Error>> {
+fn files(
+    request: &arguments::Campaign,
+    results: &CampaignResults,
+    runs: &CampaignRuns,
+) -> Result<String, Box<dyn Error>> {
     let Some(directory) = &request.out else {
         return Ok("\nno files written; with --out DIR: runs.parquet, timing.parquet, campaign.html\n".to_owned());
     };
-    let page = report::write_campaign(campaign, runs, directory)?;
+    let page = report::write_campaign(results, directory)?;
     let names: String = runs.files.iter().chain([&page]).map(|f| format!("  {}\n", f.display())).collect();
     Ok(format!("\nwritten:\n{names}"))
 }

@@ -10,8 +10,9 @@ use std::{
 use thetahat::{
     experiment::{Experiment, PredictionRequest, ProposalRequest, predict, propose},
     recording::{Contents, inspect},
-    report::{self, ModelReport, Published},
+    report::{self, Published},
     robot::{Robot, RobotSource},
+    robot_summary::RobotSummary,
 };
 
 use crate::{
@@ -20,7 +21,7 @@ use crate::{
     },
     campaign,
     progress::Progress,
-    reduction,
+    reduction, shell,
 };
 
 /// What a finished command says of its result.
@@ -43,6 +44,8 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
         Command::Solve(request) => reduction::solve(&request),
         Command::Simulate(simulate) => record_twin(&simulate),
         Command::Model(request) => show_model(&request),
+        Command::Completions(request) => shell::print_completions(request.shell),
+        Command::Man(request) => shell::write_manual(&request),
     }
 }
 
@@ -220,9 +223,9 @@ fn record_twin(simulate: &Simulate) -> Result<Verdict, Box<dyn Error>> {
 fn show_model(request: &Model) -> Result<Verdict, Box<dyn Error>> {
     let folder = request.data.clone().unwrap_or_default();
     let source = RobotSource::read(&folder.join(&request.robot))?;
-    let report = ModelReport::new(&source, &source.robot()?);
-    print(&if request.json { report::model_json(&report)? } else { report::model_text(&report) })?;
-    Ok(if report.problem.is_none() { Verdict::Good } else { Verdict::NotTrusted })
+    let summary = RobotSummary::new(&source, &source.robot()?);
+    print(&if request.json { report::model_json(&summary)? } else { report::model_text(&summary) })?;
+    Ok(if summary.problem.is_none() { Verdict::Good } else { Verdict::NotTrusted })
 }
 
 /// Prints. A reader that has gone away (`| head`) is no reason not to write the files.

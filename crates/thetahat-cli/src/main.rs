@@ -5,6 +5,7 @@ mod campaign;
 mod commands;
 mod progress;
 mod reduction;
+mod shell;
 
 use std::process::ExitCode;
 

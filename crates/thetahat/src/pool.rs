@@ -1,7 +1,8 @@
 //! Numbered work on several threads: pieces of a recording, cases, records of a campaign.
 //!
 //! Results do not depend on the number of threads, as long as `work` depends on its number alone. One thread is the
-//! calling one: none is started. A panic of the work is passed on to the caller.
+//! calling one: none is started. Where the system gives no threads, as in wasm, the calling one does all the work. A panic
+//! of the work is passed on to the caller.
 
 use std::{
     any::Any,
@@ -12,7 +13,7 @@ use std::{
         atomic::{AtomicBool, Ordering},
         mpsc,
     },
-    thread,
+    thread::{self, Builder},
 };
 
 /// Numbers that are worked on, or wait to be taken, for each thread.
@@ -74,16 +75,20 @@ fn run<T: Send, E>(
 ) -> Result<(), E> {
     let threads = threads.min(count);
     if threads <= 1 {
-        return (0..count).try_for_each(|number| take(number, work(number)).map(|_| ()));
+        return in_caller(count, work, take);
     }
     let (to_do, numbers) = mpsc::channel();
     let queue = Queue { numbers: Mutex::new(numbers), stopped: AtomicBool::new(false) };
     thread::scope(|scope| {
         // Whatever ends this closure drops the two channels, at which the threads end.
         let (to_do, (done, results)) = (to_do, mpsc::channel());
-        for _ in 0..threads {
+        let start = |_: &usize| {
             let (queue, work, done) = (&queue, &work, done.clone());
-            scope.spawn(move || queue.serve(work, &done));
+            Builder::new().spawn_scoped(scope, move || queue.serve(work, &done)).is_ok()
+        };
+        let threads = (0..threads).take_while(start).count();
+        if threads == 0 {
+            return in_caller(count, &work, take);
         }
         let mut left = 0..count;
         let mut begin = |more: usize| left.by_ref().take(more).try_for_each(|number| to_do.send(number));
@@ -95,6 +100,14 @@ fn run<T: Send, E>(
         }
         Ok(())
     })
+}
+
+fn in_caller<T, E>(
+    count: usize,
+    work: impl Fn(usize) -> T,
+    mut take: impl FnMut(usize, T) -> Result<usize, E>,
+) -> Result<(), E> {
+    (0..count).try_for_each(|number| take(number, work(number)).map(|_| ()))
 }
 
 type Finished<T> = (usize, Result<T, Box<dyn Any + Send>>);

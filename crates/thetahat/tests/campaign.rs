@@ -66,7 +66,7 @@ fn methods_find_the_truth_and_a_wrong_simulator_leads_didim_astray() {
     let failed = |r: &&thetahat::campaign::Row| r.case == "nominal" && !r.has_converged();
     assert_eq!(runs.rows.iter().find(failed), None);
     let median = |case: &str, method: &str| {
-        let fits = |s: &thetahat::campaign::Summary| s.case == case && s.method == method && s.noise == "low";
+        let fits = |s: &thetahat::results::MethodSummary| s.case == case && s.method == method && s.noise == "low";
         summarise(&runs).into_iter().find(fits).unwrap().distance_percent.unwrap().median
     };
     for method in ["idim-ls", "idim-wls", "idim-iv", "didim"] {
@@ -99,7 +99,7 @@ fn failures_are_counted_and_in_no_figure() {
     }
     let failed = runs.rows.iter().find(|r| r.status == Status::IterationLimit).unwrap();
     assert!(failed.reason.as_ref().unwrap().contains("1 iterations"));
-    let text = report::campaign_text(&campaign, &runs);
+    let text = report::campaign_text(&campaign.results(&runs));
     assert!(text.contains("0/4") && text.contains("didim: 4 iteration limit"), "{text}");
 }
 
@@ -109,10 +109,10 @@ fn the_report_fits_the_terminal_and_the_page_needs_nothing_else() {
     let claim = ("[[noise]]", "[[claim]]\nsource = 'A <b>book</b>'\nsays = 'IV wins.'\n[[noise]]");
     let campaign = changed(claim, ("", "")).unwrap();
     let runs = run(&campaign, Subset::default(), 2, None);
-    let text = report::campaign_text(&campaign, &runs);
+    let text = report::campaign_text(&campaign.results(&runs));
     assert!(text.lines().all(|line| line.chars().count() <= report::TEXT_WIDTH), "{text}");
     assert!(text.contains("IV wins. (A <b>book</b>)"));
-    let page = fs::read_to_string(report::write_campaign(&campaign, &runs, folder.path()).unwrap()).unwrap();
+    let page = fs::read_to_string(report::write_campaign(&campaign.results(&runs), folder.path()).unwrap()).unwrap();
     assert!(page.contains("class=\"box didim\"") && page.contains("&lt;b&gt;book"), "no boxes or not escaped");
     assert!(!page.contains("src=") && !page.contains("href=\"http"), "refers to something else");
 }

@@ -87,3 +87,12 @@ fn the_same_run_gives_the_same_numbers() {
     let (first, second) = (&results().diagnostics[0], &again.diagnostics[0]);
     assert_eq!(format!("{first:?}"), format!("{second:?}"));
 }
+
+/// A package cannot hold files from outside its folder, so that the demonstration's two files lie in it a second time.
+#[test]
+fn the_package_holds_the_same_demonstration_as_the_repository() {
+    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = |file: &str| std::fs::read_to_string(package.join(file)).unwrap();
+    assert_eq!(text("demo/demo.toml"), text("../../experiments/demo.toml"));
+    assert_eq!(text("demo/tx40.toml"), text("../../robots/tx40.toml"));
+}

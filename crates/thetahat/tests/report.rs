@@ -7,16 +7,14 @@ use std::{
 };
 
 use thetahat::{
-    checks::{Code, Finding, Severity},
-    identification::{Method, Status},
     report::{self, Agreement, Published, ReportError, TEXT_WIDTH, text, write_all},
     results::{
-        Advice, Bandwidth, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis, EliminationResult, EndogeneityResult,
-        Influence, IterationResult, JointResidual, ParameterDifference, ParameterResult, Plots, RecordingFindings,
-        RecordingResult, ReferenceResult, ResidualResult, Results, RunPlots, RunResult, Verdict,
+        Advice, Bandwidth, BiasExplanation, BiasKind, BiasedSimulatorResult, CaseDiagnosis, Code, EliminationResult,
+        EndogeneityResult, FTest, Finding, Influence, IterationResult, JointKind, JointResidual, JointResult, Method,
+        ParameterDifference, ParameterResult, Plots, RecordingFindings, RecordingResult, ReferenceResult,
+        ResidualResult, Results, ResultsError, RunPlots, RunResult, SCHEMA, Severity, Status, Verdict, Weighting,
     },
-    simulation::BiasKind,
-    statistics::{FTest, chi_squared_test},
+    statistics::chi_squared_test,
 };
 
 const METHODS: [Method; 3] = [Method::IDIM_LS, Method::IDIM_IV, Method::DIDIM];
@@ -71,6 +69,7 @@ fn run(case: &str, method: Method) -> RunResult {
     RunResult {
         case: case.to_owned(),
         method,
+        weighting: Some(if method == Method::DIDIM { Weighting::PerJoint } else { Weighting::None }),
         status: Status::Converged,
         reason: None,
         iterations: 2,
@@ -186,12 +185,22 @@ fn finding() -> Finding {
     }
 }
 
+fn joint(name: &str, kind: JointKind, [position_unit, torque_unit]: [&str; 2]) -> JointResult {
+    let [position_unit, torque_unit] = [position_unit, torque_unit].map(str::to_owned);
+    JointResult { name: name.to_owned(), kind, position_unit, torque_unit }
+}
+
 fn results() -> Results {
     let runs = ["nominal", LONG_CASE].into_iter().flat_map(|case| METHODS.map(|method| run(case, method)));
     Results {
+        schema: SCHEMA,
         thetahat: "0.1.0".to_owned(),
         robot: "A robot".to_owned(),
         title: TITLE.to_owned(),
+        robot_joints: vec![
+            joint("shoulder", JointKind::Revolute, ["rad", "N m"]),
+            joint("elbow", JointKind::Prismatic, ["m", "N"]),
+        ],
         samples_used: 300,
         decimated_rows: 6,
         recordings: vec![RecordingResult {
@@ -225,7 +234,7 @@ fn results() -> Results {
         advice: ["nominal", LONG_CASE].map(advice).into(),
         diagnostics: ["nominal", LONG_CASE].map(diagnosis).into(),
         runs: runs.collect(),
-        experiment_description: "title = \"<i>\"\n[estimation]\nweighting = { didim = \"per-joint\" }\n".to_owned(),
+        experiment_description: "title = \"<i>\"\n".to_owned(),
         robot_description: "name = \"A robot\"\n".to_owned(),
         plots: Plots {
             time_s: vec![0.1, 0.2, 0.3],
@@ -292,7 +301,9 @@ fn json_has_the_fixed_keys_and_reads_back() {
     let results = results();
     let files = written("json", &results);
     let json: serde_json::Value = serde_json::from_str(&files["results.json"]).unwrap();
-    for key in ["thetahat", "robot", "samples_used", "decimated_rows", "advice", "diagnostics", "runs"] {
+    assert!(files["results.json"].starts_with("{\n  \"schema\": 1,\n  \"thetahat\""));
+    for key in ["thetahat", "robot", "robot_joints", "samples_used", "decimated_rows", "advice", "diagnostics", "runs"]
+    {
         assert!(json.get(key).is_some(), "{key}");
     }
     let run = &json["runs"][0];
@@ -325,8 +336,100 @@ fn json_has_the_fixed_keys_and_reads_back() {
         assert!(run["parameters"][0].get(key).is_some(), "{key}");
     }
     assert_eq!((run["method"].as_str(), run["status"].as_str()), (Some("idim-ls"), Some("converged")));
-    let back: Results = serde_json::from_value(json.clone()).unwrap();
-    assert_eq!(serde_json::to_value(&back).unwrap(), json);
+    let back = Results::from_json(Path::new("results.json"), &files["results.json"]).unwrap();
+    assert_eq!(serde_json::from_str::<serde_json::Value>(&back.to_json().unwrap()).unwrap(), json);
+}
+
+/// Files of before the key `schema` have neither the joints nor the weightings.
+#[test]
+fn results_without_a_schema_are_read_and_reported() {
+    let mut json: serde_json::Value = serde_json::from_str(&results().to_json().unwrap()).unwrap();
+    let object = json.as_object_mut().unwrap();
+    assert!(object.remove("schema").is_some() && object.remove("robot_joints").is_some());
+    for run in object["runs"].as_array_mut().unwrap() {
+        assert!(run.as_object_mut().unwrap().remove("weighting").is_some());
+    }
+    let old = Results::from_json(Path::new("old.json"), &json.to_string()).unwrap();
+    assert_eq!((old.schema, old.robot_joints.len(), old.runs[0].weighting), (0, 0, None));
+    let page = &written("old", &old)["report.html"];
+    assert!(page.contains("worst rms deviation 1.24 mrad, joint 2") && !page.contains("<dt>weights</dt>"));
+}
+
+#[test]
+fn results_of_a_later_version_are_refused() {
+    // Nothing but the schema is asked of a later file: its other keys may be of any form.
+    let later = "{ \"schema\": 2, \"runs\": 7 }";
+    let error = Results::from_json(Path::new("later.json"), later).unwrap_err();
+    assert!(matches!(error, ResultsError::NewerSchema { found: 2, supported: SCHEMA, .. }), "{error}");
+    let text = error.to_string();
+    for words in ["later.json", "schema 2", "up to 1", "update thetahat"] {
+        assert!(text.contains(words), "no {words:?} in: {text}");
+    }
+}
+
+#[test]
+fn a_text_that_is_no_results_file_is_refused() {
+    for text in ["", "7", "{}", "{ \"schema\": -1 }", "{ \"schema\": 1 }"] {
+        let error = Results::from_json(Path::new("text.json"), text).unwrap_err();
+        assert!(matches!(error, ResultsError::Malformed { .. }), "{text}: {error}");
+        assert!(error.to_string().contains("text.json: is not the results.json"), "{error}");
+    }
+    let error = Results::read(Path::new("no such file.json")).unwrap_err();
+    assert!(matches!(error, ResultsError::Unreadable { .. }), "{error}");
+}
+
+/// The report uses the rooms `results` and `series` and no room that computes.
+#[test]
+fn the_report_knows_results_only() {
+    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("src/report")];
+    let mut files = 0;
+    while let Some(folder) = folders.pop() {
+        for path in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "rs") {
+                files += 1;
+                assert_eq!(rooms_of(&fs::read_to_string(&path).unwrap()), Vec::<String>::new(), "{}", path.display());
+            }
+        }
+    }
+    assert!(files > 20, "{files}");
+    assert_eq!(
+        rooms_of("use crate::{\n    results::{A, b::C},\n    robot::Robot,\n};\ncrate::checks::f()"),
+        ["robot", "checks"]
+    );
+}
+
+/// The rooms that a source text names, but for `results`, `series` and `report` itself.
+fn rooms_of(source: &str) -> Vec<String> {
+    let room = |path: &str| path.split(|c: char| !(c.is_alphanumeric() || c == '_')).next().unwrap_or("").to_owned();
+    let mut rooms: Vec<String> = Vec::new();
+    for text in source.split("crate::").skip(1) {
+        match text.strip_prefix('{') {
+            Some(list) => rooms.extend(top_level(list).iter().map(|path| room(path.trim()))),
+            None => rooms.push(room(text)),
+        }
+    }
+    rooms.retain(|room| !["results", "series", "report", ""].contains(&room.as_str()));
+    rooms
+}
+
+/// The paths of a list, up to the brace that closes it; those of lists in it stay together.
+fn top_level(list: &str) -> Vec<String> {
+    let (mut depth, mut paths) = (1, vec![String::new()]);
+    for c in list.chars() {
+        match c {
+            '{' => depth += 1,
+            '}' => depth -= 1,
+            _ => {}
+        }
+        match (depth, c) {
+            (0, _) => break,
+            (1, ',') => paths.push(String::new()),
+            _ => paths.last_mut().unwrap().push(c),
+        }
+    }
+    paths
 }
 
 #[test]
@@ -367,7 +470,8 @@ fn the_page_is_whole_escaped_and_needs_nothing_else() {
 fn the_page_says_what_was_done() {
     let page = &written("method", &results())["report.html"];
     assert!(page.contains("idim-ls none, idim-iv none, didim per-joint"));
-    assert!(page.contains("reconstructed, 13 moves; worst rms deviation 1.24 mrad, joint 2"));
+    assert!(page.contains("reconstructed, 13 moves; worst rms deviation 1.24 mm, joint 2"));
+    assert!(page.contains("Joint 1, N m") && page.contains("Joint 2, N<"));
 }
 
 #[test]

@@ -169,7 +169,7 @@ mod tests {
     use super::*;
     use crate::{base_parameters::whole::random_observations, linear_algebra::norm, robot::Robot};
 
-    const TX40: &str = include_str!("../../../../robots/tx40.toml");
+    const TX40: &str = include_str!("../../demo/tx40.toml");
 
     fn tx40(excluded: &[&str]) -> (Model, BaseParameters) {
         let model = Model::new(&Robot::parse(TX40, Path::new("tx40.toml")).unwrap());

@@ -1,86 +1,10 @@
 //! Figures of many runs. Failed runs are counted, and their numbers are in no figure.
 
 use super::{CampaignRuns, Row};
+use crate::results::{MethodSummary, ParameterSummary, Quantiles};
 
 /// Standard deviations on both sides that hold 95 % of a normal distribution.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
-
-/// The runs of one case, noise level and method.
-#[non_exhaustive]
-#[derive(Debug, Clone, PartialEq)]
-pub struct Summary {
-    /// The case.
-    pub case: String,
-    /// The noise level.
-    pub noise: String,
-    /// The method.
-    pub method: String,
-    /// Runs.
-    pub runs: usize,
-    /// Runs that converged: only their numbers are in what follows.
-    pub converged: usize,
-    /// Root mean square over the parameters of the mean error in mean classical standard deviations.
-    pub bias: Option<f64>,
-    /// Root mean square over the parameters of the ratio of the estimates' standard deviation to the mean classical one:
-    /// one where the classical one is right.
-    pub spread: Option<f64>,
-    /// Part of the 95 % intervals that hold the true value, over all parameters, percent.
-    pub coverage_percent: Option<f64>,
-    /// The same of the estimates with 1.96 classical standard deviations on both sides.
-    pub classical_coverage_percent: Option<f64>,
-    /// Mean of the iterations.
-    pub iterations: Option<f64>,
-    /// Mean of the simulations.
-    pub simulations: Option<f64>,
-    /// Mean of the time, s.
-    pub seconds: Option<f64>,
-    /// `100 |theta - theta_true| / |theta_true|`.
-    pub distance_percent: Option<Quantiles>,
-    /// Error of the simulated positions.
-    pub position_error_percent: Option<Quantiles>,
-    /// Error of the simulated torques.
-    pub torque_error_percent: Option<Quantiles>,
-    /// Why runs failed, with how many.
-    pub failures: Vec<(String, usize)>,
-}
-
-/// One parameter in the runs of one case, noise level and method.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ParameterSummary {
-    /// Its name.
-    pub name: String,
-    /// Its unit.
-    pub unit: String,
-    /// Its true value.
-    pub truth: f64,
-    /// Mean of the estimates.
-    pub mean: f64,
-    /// Standard deviation of the estimates.
-    pub spread: Option<f64>,
-    /// Mean of the classical standard deviations.
-    pub deviation: f64,
-    /// Part of the 95 % intervals that hold the true value, percent.
-    pub coverage_percent: f64,
-    /// The same of the estimates with 1.96 classical standard deviations on both sides.
-    pub classical_coverage_percent: f64,
-    /// Estimates.
-    pub count: usize,
-}
-
-/// Five numbers of a distribution, by linear interpolation between the order statistics.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Quantiles {
-    /// The smallest.
-    pub smallest: f64,
-    /// A quarter lies below.
-    pub lower: f64,
-    /// Half lies below.
-    pub median: f64,
-    /// Three quarters lie below.
-    pub upper: f64,
-    /// The largest.
-    pub largest: f64,
-}
 
 /// The five numbers of finite values; none without any.
 #[must_use]
@@ -99,8 +23,8 @@ pub fn quantiles(values: impl IntoIterator<Item = f64>) -> Option<Quantiles> {
 
 /// One summary for each case, noise level and method, in the order of the rows.
 #[must_use]
-pub fn summarise(runs: &CampaignRuns) -> Vec<Summary> {
-    groups(&runs.rows).into_iter().map(|rows| Summary::of(runs, &rows)).collect()
+pub fn summarise(runs: &CampaignRuns) -> Vec<MethodSummary> {
+    groups(&runs.rows).into_iter().map(|rows| summary_of(runs, &rows)).collect()
 }
 
 /// The parameters with a true value in the converged runs of a case, noise level and method.
@@ -149,36 +73,35 @@ fn parameters(runs: &CampaignRuns, converged: &[&Row]) -> Vec<ParameterSummary> 
     runs.facts.parameters.iter().enumerate().filter_map(summary).collect()
 }
 
-impl Summary {
-    fn of(runs: &CampaignRuns, rows: &[&Row]) -> Self {
-        let converged: Vec<&Row> = rows.iter().copied().filter(|r| r.has_converged()).collect();
-        let numbers = |f: &dyn Fn(&Row) -> Option<f64>| converged.iter().filter_map(|r| f(r)).collect::<Vec<f64>>();
-        let parameters = parameters(runs, &converged);
-        let estimates: usize = parameters.iter().map(|p| p.count).sum();
-        let pooled = |coverage: fn(&ParameterSummary) -> f64| {
-            let covered: f64 = parameters.iter().map(|p| coverage(p) * p.count as f64).sum();
-            (estimates > 0).then(|| covered / estimates as f64)
-        };
-        let size = runs.facts.parameters.iter().filter_map(|p| p.truth).map(|t| t * t).sum::<f64>().sqrt();
-        let text = |f: fn(&Row) -> &String| rows.first().map(|r| f(r).clone()).unwrap_or_default();
-        Self {
-            case: text(|r| &r.case),
-            noise: text(|r| &r.noise),
-            method: text(|r| &r.method),
-            runs: rows.len(),
-            converged: converged.len(),
-            bias: root_mean_square(parameters.iter().map(|p| (p.mean - p.truth) / p.deviation)),
-            spread: root_mean_square(parameters.iter().filter_map(|p| Some(p.spread? / p.deviation))),
-            coverage_percent: pooled(|p| p.coverage_percent),
-            classical_coverage_percent: pooled(|p| p.classical_coverage_percent),
-            iterations: mean(converged.iter().map(|r| r.iterations as f64)),
-            simulations: mean(converged.iter().map(|r| r.simulations as f64)),
-            seconds: mean(numbers(&|r| r.seconds)),
-            distance_percent: quantiles(numbers(&|r| r.parameter_distance.map(|d| 100.0 * d / size))),
-            position_error_percent: quantiles(numbers(&|r| r.position_error_percent)),
-            torque_error_percent: quantiles(numbers(&|r| r.torque_error_percent)),
-            failures: failures(rows),
-        }
+fn summary_of(runs: &CampaignRuns, rows: &[&Row]) -> MethodSummary {
+    let converged: Vec<&Row> = rows.iter().copied().filter(|r| r.has_converged()).collect();
+    let numbers = |f: &dyn Fn(&Row) -> Option<f64>| converged.iter().filter_map(|r| f(r)).collect::<Vec<f64>>();
+    let parameters = parameters(runs, &converged);
+    let estimates: usize = parameters.iter().map(|p| p.count).sum();
+    let pooled = |coverage: fn(&ParameterSummary) -> f64| {
+        let covered: f64 = parameters.iter().map(|p| coverage(p) * p.count as f64).sum();
+        (estimates > 0).then(|| covered / estimates as f64)
+    };
+    let size = runs.facts.parameters.iter().filter_map(|p| p.truth).map(|t| t * t).sum::<f64>().sqrt();
+    let text = |f: fn(&Row) -> &String| rows.first().map(|r| f(r).clone()).unwrap_or_default();
+    MethodSummary {
+        case: text(|r| &r.case),
+        noise: text(|r| &r.noise),
+        method: text(|r| &r.method),
+        runs: rows.len(),
+        converged: converged.len(),
+        bias: root_mean_square(parameters.iter().map(|p| (p.mean - p.truth) / p.deviation)),
+        spread: root_mean_square(parameters.iter().filter_map(|p| Some(p.spread? / p.deviation))),
+        coverage_percent: pooled(|p| p.coverage_percent),
+        classical_coverage_percent: pooled(|p| p.classical_coverage_percent),
+        iterations: mean(converged.iter().map(|r| r.iterations as f64)),
+        simulations: mean(converged.iter().map(|r| r.simulations as f64)),
+        seconds: mean(numbers(&|r| r.seconds)),
+        distance_percent: quantiles(numbers(&|r| r.parameter_distance.map(|d| 100.0 * d / size))),
+        position_error_percent: quantiles(numbers(&|r| r.position_error_percent)),
+        torque_error_percent: quantiles(numbers(&|r| r.torque_error_percent)),
+        failures: failures(rows),
+        parameters,
     }
 }
 

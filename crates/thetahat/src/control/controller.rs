@@ -123,6 +123,25 @@ struct Loop {
 }
 
 impl ControllerDescription {
+    /// A continuous PD loop around each motor, critically damped at a bandwidth in Hz, with the velocity and acceleration
+    /// of the reference fed forward: what to simulate where no more is known of the real controller.
+    #[must_use]
+    pub fn pd(bandwidth_hz: f64) -> Self {
+        Self {
+            law: Law::Pd,
+            bandwidth_hz: vec![bandwidth_hz],
+            damping: 1.0,
+            position_gain: Vec::new(),
+            velocity_gain: Vec::new(),
+            velocity_feed_forward: 1.0,
+            acceleration_feed_forward: 1.0,
+            saturation: Vec::new(),
+            sample_time_s: 0.0,
+            delay_s: 0.0,
+            velocity: VelocityEstimate::Exact,
+        }
+    }
+
     /// Checks the description for `motors` motors.
     ///
     /// # Errors

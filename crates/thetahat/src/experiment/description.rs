@@ -189,8 +189,9 @@ pub enum Unlisted {
     APriori,
 }
 
-const DEMO: &str = include_str!("../../../../experiments/demo.toml");
-const DEMO_ROBOT: &str = include_str!("../../../../robots/tx40.toml");
+/// Copies of `experiments/demo.toml` and `robots/tx40.toml`, which lie outside the package.
+const DEMO: &str = include_str!("../../demo/demo.toml");
+const DEMO_ROBOT: &str = include_str!("../../demo/tx40.toml");
 
 impl Experiment {
     /// Reads an experiment and its robot, which is looked for beside the experiment and then in the folder `data`.

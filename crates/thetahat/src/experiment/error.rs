@@ -1,8 +1,8 @@
 use std::path::PathBuf;
 
 use crate::{
-    preparation::PreparationError, recording::RecordingError, robot::RobotError, simulation::SimulationError,
-    trajectory::TrajectoryError,
+    preparation::PreparationError, recording::RecordingError, results::ResultsError, robot::RobotError,
+    simulation::SimulationError, trajectory::TrajectoryError,
 };
 
 /// Why an experiment cannot be read or run.
@@ -55,7 +55,10 @@ pub enum ExperimentError {
         /// Why.
         source: SimulationError,
     },
-    /// The results file is not one of this program, or misses what a prediction needs.
+    /// The results cannot be read.
+    #[error(transparent)]
+    Results(#[from] ResultsError),
+    /// The results miss what a prediction needs.
     #[error("{}: {problem}", path.display())]
     ResultsFile {
         /// The file.

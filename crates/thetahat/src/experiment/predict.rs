@@ -33,7 +33,7 @@ pub struct PredictionRequest {
 /// # Errors
 /// [`ExperimentError`] for files that cannot be used.
 pub fn predict(request: &PredictionRequest) -> Result<Prediction, ExperimentError> {
-    let results = read_results(&request.results)?;
+    let results = Results::read(&request.results)?;
     let experiment = Experiment::from_texts(
         &request.results,
         results.experiment_description.clone(),
@@ -54,15 +54,6 @@ pub fn predict(request: &PredictionRequest) -> Result<Prediction, ExperimentErro
     prediction.map_err(|e| experiment.refuse(e))?.ok_or_else(|| ExperimentError::ResultsFile {
         path: request.results.clone(),
         problem: "names parameters that its robot does not have; identify again with this version".to_owned(),
-    })
-}
-
-fn read_results(path: &Path) -> Result<Results, ExperimentError> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|e| ExperimentError::Unreadable { path: path.to_owned(), reason: e.to_string() })?;
-    serde_json::from_str(&text).map_err(|e| ExperimentError::ResultsFile {
-        path: path.to_owned(),
-        problem: format!("is not the results.json of an identification: {e}"),
     })
 }
 

@@ -2,7 +2,10 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 use pulp::Simd;
 
-use super::{Parameter, Real, sin_cos::sin_cos};
+use super::{
+    number::{Parameter, Real},
+    sin_cos::sin_cos,
+};
 
 /// Numbers of several states side by side, as many as a vector of this machine holds. Everything that works on them must be
 /// inlined into the function that `pulp` compiles for the machine's instructions.

@@ -3,11 +3,12 @@
 
 mod dual;
 mod lanes;
+mod number;
 mod scalar;
 mod sin_cos;
 mod tanh;
 
 pub(crate) use dual::Dual;
 pub(crate) use lanes::{Lanes, MOST_LANES};
-pub(crate) use scalar::{Parameter, Real};
+pub(crate) use number::{Parameter, Real};
 pub(crate) use tanh::{sign_or, tanh};

@@ -1,6 +1,6 @@
 use std::f64::consts::FRAC_2_PI;
 
-use super::{Real, tanh::polynomial};
+use super::{number::Real, tanh::polynomial};
 
 /// `pi / 2` as a sum: the first two parts have 33 bits, so that their products with numbers below 2^20 are exact.
 const HALF_PI: [f64; 3] = [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2.022_266_248_795_950_6e-21];

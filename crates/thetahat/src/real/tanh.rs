@@ -1,4 +1,4 @@
-use super::Real;
+use super::number::Real;
 
 /// Beyond this argument tanh is one to the last bit.
 const SATURATED: f64 = 19.1;

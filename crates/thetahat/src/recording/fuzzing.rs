@@ -7,7 +7,7 @@ use std::path::Path;
 
 use super::csv::{self, Dialect};
 use super::table::Wanted;
-use super::{mat, npy, npz};
+use super::{mat, npy};
 
 /// Text in columns, with everything detected.
 pub fn csv(bytes: &[u8]) {
@@ -20,8 +20,9 @@ pub fn npy(bytes: &[u8]) {
 }
 
 /// A NumPy archive.
+#[cfg(feature = "npz")]
 pub fn npz(bytes: &[u8]) {
-    let _ = npz::read(bytes, Path::new("fuzz.npz"), Wanted::All);
+    let _ = super::npz::read(bytes, Path::new("fuzz.npz"), Wanted::All);
 }
 
 /// A MAT file: of version 7.3 if the bytes begin as one does.

@@ -11,7 +11,7 @@
 //! | `source` | the description of a signal and its reading |
 //! | `place`, `budget`, `panic_guard` | where a file may lie, how much memory it may ask for, panics of libraries |
 //! | `format`, `reader` | the formats, and the reader of each |
-//! | `csv`, `npy`, `npz`, `mat`, `parquet`, `bag` | the readers |
+//! | `csv`, `npy` with `npy_header`, `npz`, `mat`, `parquet`, `bag` | the readers |
 //! | `pieces` | signals of files that are longer than memory, piece by piece |
 //! | `table`, `select` | the columns that readers return, and the selection from them |
 //! | `inspect` | what a file holds: columns, their ranges and resolution, rate, jitter and gaps |
@@ -45,6 +45,8 @@ pub mod fuzzing;
 mod inspect;
 mod mat;
 mod npy;
+mod npy_header;
+#[cfg(feature = "npz")]
 mod npz;
 #[cfg(any(feature = "hdf5", feature = "parquet", feature = "rosbag"))]
 mod panic_guard;

@@ -1,23 +1,14 @@
 //! NumPy arrays: `.npy`, of real numbers, in C or Fortran order.
-//!
-//! `npyz` reads header and values. Before it sees a header, this file checks what it does not: its parser of the header
-//! calls itself for each bracket, and the product of a forged shape overflows.
 
 use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use npyz::{DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar};
-
 use super::budget::Budget;
 use super::error::RecordingError;
+use super::npy_header::{Header, LONGEST_HEADER, unquoted};
 use super::place::{open, unreadable};
 use super::table::{Column, Table};
-
-/// Longest header that is read. Those of arrays of numbers have about 100 bytes.
-const LONGEST_HEADER: usize = 1 << 14;
-/// Brackets within brackets in a header: a record type with shapes has four.
-const DEEPEST_HEADER: usize = 8;
 
 /// The array of a file, named like it.
 pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Table, RecordingError> {
@@ -30,22 +21,21 @@ pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Table, RecordingError> {
 /// An array as a column: one channel for a vector, one for each column of a matrix.
 pub(super) fn column(name: String, bytes: &[u8], path: &Path, budget: &mut Budget) -> Result<Column, RecordingError> {
     let damaged = |reason: String| RecordingError::damaged(path, format!("array {name:?}: {reason}"));
-    check_header(bytes).map_err(|reason| damaged(reason.to_owned()))?;
-    let mut rest = bytes;
-    let header = NpyHeader::from_reader(&mut rest).map_err(|e| damaged(e.to_string()))?;
-    let Some((samples, channels)) = samples_and_channels(header.shape()) else {
-        return Ok(Column::of_kind(name, format!("an array of {} dimensions", header.shape().len())));
+    let header = Header::parse(bytes).map_err(|reason| damaged(reason.to_owned()))?;
+    let Some((samples, channels)) = samples_and_channels(&header.shape) else {
+        return Ok(Column::of_kind(name, format!("an array of {} dimensions", header.shape.len())));
     };
-    let Some((code, width)) = number_type(&header.dtype()) else {
-        return Ok(Column::of_kind(name, format!("an array of {}", header.dtype().descr())));
+    let Some(element) = Element::parse(&header.descr) else {
+        return Ok(Column::of_kind(name, format!("an array of {}", header.descr)));
     };
+    let rest = &bytes[header.end..];
     let count = budget.take(&format!("array {name:?}"), &[samples, channels])?;
-    if rest.len() / width < count {
-        return Err(damaged(format!("expected {count} values, the file ends after {}", rest.len() / width)));
+    let held = rest.len() / element.width();
+    if held < count {
+        return Err(damaged(format!("expected {count} values, the file ends after {held}")));
     }
-    let c_order = header.order() == Order::C;
-    let values = values(code, width, NpyFile::with_header(header, rest), count).map_err(damaged)?;
-    let values = if c_order && channels > 1 { by_channel(&values, channels) } else { values };
+    let values = element.values(&rest[..count * element.width()]);
+    let values = if !header.fortran_order && channels > 1 { by_channel(&values, channels) } else { values };
     Ok(Column::of_numbers(name, channels, values))
 }
 
@@ -53,9 +43,8 @@ pub(super) fn column(name: String, bytes: &[u8], path: &Path, budget: &mut Budge
 pub(super) struct ArrayPieces {
     path: PathBuf,
     name: String,
-    header: NpyHeader,
-    code: TypeChar,
-    width: usize,
+    fortran_order: bool,
+    element: Element,
     samples: usize,
     channels: usize,
     /// Where its values begin in the file.
@@ -71,18 +60,14 @@ impl ArrayPieces {
         let mut file = open(path)?;
         file.seek(SeekFrom::Start(place)).map_err(refuse)?;
         file.take(length.min(2 * LONGEST_HEADER as u64)).read_to_end(&mut beginning).map_err(refuse)?;
-        if check_header(&beginning).is_err() {
-            return Ok(None);
-        }
-        let mut rest = &beginning[..];
-        let Ok(header) = NpyHeader::from_reader(&mut rest) else { return Ok(None) };
-        let described = samples_and_channels(header.shape()).zip(number_type(&header.dtype()));
-        let Some(((samples, channels), (code, width))) = described else { return Ok(None) };
-        let before = (beginning.len() - rest.len()) as u64;
-        let needed = samples.checked_mul(channels).and_then(|values| values.checked_mul(width));
+        let Ok(Header { descr, fortran_order, shape, end }) = Header::parse(&beginning) else { return Ok(None) };
+        let described = samples_and_channels(&shape).zip(Element::parse(&descr));
+        let Some(((samples, channels), element)) = described else { return Ok(None) };
+        let before = end as u64;
+        let needed = samples.checked_mul(channels).and_then(|values| values.checked_mul(element.width()));
         let fits = needed.is_some_and(|bytes| bytes as u64 <= length - before);
         let start = place + before;
-        Ok(fits.then(|| Self { path: path.to_owned(), name, header, code, width, samples, channels, start }))
+        Ok(fits.then(|| Self { path: path.to_owned(), name, fortran_order, element, samples, channels, start }))
     }
 
     pub(super) fn name(&self) -> &str {
@@ -95,7 +80,7 @@ impl ArrayPieces {
 
     /// These samples as a column.
     pub(super) fn read(&self, range: Range<usize>) -> Result<Column, RecordingError> {
-        let c_order = self.header.order() == Order::C || self.channels == 1;
+        let c_order = !self.fortran_order || self.channels == 1;
         let values = if c_order {
             let values = self.values(range.start * self.channels, range.len() * self.channels)?;
             if self.channels > 1 { by_channel(&values, self.channels) } else { values }
@@ -110,56 +95,16 @@ impl ArrayPieces {
     fn values(&self, first: usize, count: usize) -> Result<Vec<f64>, RecordingError> {
         let refuse = |e| unreadable(&self.path, e);
         let damaged = |reason: String| RecordingError::damaged(&self.path, format!("array {:?}: {reason}", self.name));
-        let mut bytes = Vec::with_capacity(count * self.width);
+        let width = self.element.width();
+        let mut bytes = Vec::with_capacity(count * width);
         let mut file = open(&self.path)?;
-        file.seek(SeekFrom::Start(self.start + (first * self.width) as u64)).map_err(refuse)?;
-        file.take((count * self.width) as u64).read_to_end(&mut bytes).map_err(refuse)?;
-        if bytes.len() < count * self.width {
+        file.seek(SeekFrom::Start(self.start + (first * width) as u64)).map_err(refuse)?;
+        file.take((count * width) as u64).read_to_end(&mut bytes).map_err(refuse)?;
+        if bytes.len() < count * width {
             return Err(damaged("it was changed while it was read".to_owned()));
         }
-        let file = NpyFile::with_header(self.header.clone(), &bytes[..]);
-        values(self.code, self.width, file, count).map_err(damaged)
+        Ok(self.element.values(&bytes))
     }
-}
-
-/// Checks length, brackets and numbers of a header, which begins behind the magic word and the version.
-fn check_header(bytes: &[u8]) -> Result<(), &'static str> {
-    if !bytes.starts_with(b"\x93NUMPY") {
-        return Err("it does not begin as a NumPy array does");
-    }
-    let size = match (bytes.get(6), bytes.get(8..12)) {
-        (Some(1), Some(&[a, b, ..])) => 10..10 + usize::from(u16::from_le_bytes([a, b])),
-        (Some(_), Some(&[a, b, c, d])) => 12..12_usize.saturating_add(u32::from_le_bytes([a, b, c, d]) as usize),
-        _ => return Err("it ends within its header"),
-    };
-    if size.len() > LONGEST_HEADER {
-        return Err("its header is longer than that of any array of numbers");
-    }
-    let header = bytes.get(size).ok_or("it ends within its header")?;
-    if deepest_bracket(header) > DEEPEST_HEADER || !shape_is_countable(header) {
-        return Err("its header does not describe an array of numbers");
-    }
-    Ok(())
-}
-
-fn deepest_bracket(header: &[u8]) -> usize {
-    let (mut depth, mut deepest) = (0_usize, 0);
-    for byte in header {
-        match byte {
-            b'(' | b'[' | b'{' => depth += 1,
-            b')' | b']' | b'}' => depth = depth.saturating_sub(1),
-            _ => {}
-        }
-        deepest = deepest.max(depth);
-    }
-    deepest
-}
-
-/// Whether the product of all numbers in the header fits into an `i64`; then so does the product of the shape.
-fn shape_is_countable(header: &[u8]) -> bool {
-    let numbers = header.split(|b| !b.is_ascii_digit()).filter(|digits| !digits.is_empty());
-    let number = |digits| str::from_utf8(digits).ok()?.parse::<i64>().ok();
-    numbers.into_iter().try_fold(1_i64, |product, digits| product.checked_mul(number(digits)?.max(1))).is_some()
 }
 
 /// A vector, whichever way it lies, is one channel; a matrix has one for each column.
@@ -173,37 +118,87 @@ fn samples_and_channels(shape: &[u64]) -> Option<(usize, usize)> {
     }
 }
 
-/// The letter of a type of real numbers, and its size in bytes.
-fn number_type(dtype: &DType) -> Option<(TypeChar, usize)> {
-    let DType::Plain(text) = dtype else { return None };
-    let width = usize::try_from(text.size_field()).ok()?;
-    let known = matches!(
-        (text.type_char(), width),
-        (TypeChar::Float, 4 | 8) | (TypeChar::Int | TypeChar::Uint, 1 | 2 | 4 | 8) | (TypeChar::Bool, 1)
-    );
-    known.then(|| (text.type_char(), width))
+/// A type of real numbers.
+#[derive(Debug, Clone, Copy)]
+struct Element {
+    kind: Kind,
+    big_endian: bool,
 }
 
-/// The first `count` values.
-fn values(code: TypeChar, width: usize, file: NpyFile<&[u8]>, count: usize) -> Result<Vec<f64>, String> {
-    match (code, width) {
-        (TypeChar::Float, 8) => collected(file, count, |x: f64| x),
-        (TypeChar::Float, _) => collected(file, count, |x: f32| x.into()),
-        (TypeChar::Int, 1) => collected(file, count, |x: i8| x.into()),
-        (TypeChar::Int, 2) => collected(file, count, |x: i16| x.into()),
-        (TypeChar::Int, 4) => collected(file, count, |x: i32| x.into()),
-        (TypeChar::Int, _) => collected(file, count, |x: i64| x as f64),
-        (TypeChar::Uint, 1) => collected(file, count, |x: u8| x.into()),
-        (TypeChar::Uint, 2) => collected(file, count, |x: u16| x.into()),
-        (TypeChar::Uint, 4) => collected(file, count, |x: u32| x.into()),
-        (TypeChar::Uint, _) => collected(file, count, |x: u64| x as f64),
-        _ => collected(file, count, |x: bool| x.into()),
+#[derive(Debug, Clone, Copy)]
+enum Kind {
+    Bool,
+    I8,
+    I16,
+    I32,
+    I64,
+    U8,
+    U16,
+    U32,
+    U64,
+    F32,
+    F64,
+}
+
+impl Element {
+    /// The type that a header names, such as `'<f8'`; none where it is not one of real numbers.
+    fn parse(descr: &str) -> Option<Self> {
+        let (order, name) = unquoted(descr)?.split_at_checked(1)?;
+        let kind = match name {
+            "b1" => Kind::Bool,
+            "i1" => Kind::I8,
+            "i2" => Kind::I16,
+            "i4" => Kind::I32,
+            "i8" => Kind::I64,
+            "u1" => Kind::U8,
+            "u2" => Kind::U16,
+            "u4" => Kind::U32,
+            "u8" => Kind::U64,
+            "f4" => Kind::F32,
+            "f8" => Kind::F64,
+            _ => return None,
+        };
+        let element = Self { kind, big_endian: order == ">" };
+        (matches!(order, "<" | ">") || order == "|" && element.width() == 1).then_some(element)
     }
-}
 
-fn collected<T: Deserialize>(file: NpyFile<&[u8]>, count: usize, number: fn(T) -> f64) -> Result<Vec<f64>, String> {
-    let values = file.data::<T>().map_err(|e| e.to_string())?.take(count);
-    values.map(|value| value.map(number).map_err(|e| e.to_string())).collect()
+    /// Bytes of a number.
+    fn width(self) -> usize {
+        match self.kind {
+            Kind::Bool | Kind::I8 | Kind::U8 => 1,
+            Kind::I16 | Kind::U16 => 2,
+            Kind::I32 | Kind::U32 | Kind::F32 => 4,
+            Kind::I64 | Kind::U64 | Kind::F64 => 8,
+        }
+    }
+
+    /// The numbers that lie in these bytes.
+    fn values(self, bytes: &[u8]) -> Vec<f64> {
+        match self.kind {
+            Kind::Bool => self.decoded(bytes, |[byte]| f64::from(byte != 0)),
+            Kind::I8 => self.decoded(bytes, |b| i8::from_le_bytes(b).into()),
+            Kind::I16 => self.decoded(bytes, |b| i16::from_le_bytes(b).into()),
+            Kind::I32 => self.decoded(bytes, |b| i32::from_le_bytes(b).into()),
+            Kind::I64 => self.decoded(bytes, |b| i64::from_le_bytes(b) as f64),
+            Kind::U8 => self.decoded(bytes, |b| u8::from_le_bytes(b).into()),
+            Kind::U16 => self.decoded(bytes, |b| u16::from_le_bytes(b).into()),
+            Kind::U32 => self.decoded(bytes, |b| u32::from_le_bytes(b).into()),
+            Kind::U64 => self.decoded(bytes, |b| u64::from_le_bytes(b) as f64),
+            Kind::F32 => self.decoded(bytes, |b| f32::from_le_bytes(b).into()),
+            Kind::F64 => self.decoded(bytes, f64::from_le_bytes),
+        }
+    }
+
+    fn decoded<const WIDTH: usize>(self, bytes: &[u8], number: fn([u8; WIDTH]) -> f64) -> Vec<f64> {
+        let number = |&bytes: &[u8; WIDTH]| {
+            let mut bytes = bytes;
+            if self.big_endian {
+                bytes.reverse();
+            }
+            number(bytes)
+        };
+        bytes.as_chunks().0.iter().map(number).collect()
+    }
 }
 
 /// Values stored sample by sample, put channel by channel.
@@ -252,6 +247,10 @@ mod tests {
 
     #[test]
     fn other_types_of_numbers() {
+        assert_eq!(loaded(&npy(">f8", false, "(1,)", &1.5_f64.to_be_bytes())).unwrap().values, [1.5]);
+        assert_eq!(loaded(&npy(">i8", false, "(1,)", &(-3_i64).to_be_bytes())).unwrap().values, [-3.0]);
+        assert_eq!(loaded(&npy("<u8", false, "(1,)", &[0, 0, 0, 0, 1, 0, 0, 0])).unwrap().values, [4_294_967_296.0]);
+        assert_eq!(loaded(&npy("|i1", false, "(1,)", &[0xfe])).unwrap().values, [-2.0]);
         let floats: Vec<u8> = [1.5_f32, -2.0].iter().flat_map(|v| v.to_be_bytes()).collect();
         assert_eq!(loaded(&npy(">f4", false, "(2,)", &floats)).unwrap().values, [1.5, -2.0]);
         assert_eq!(loaded(&npy("<i2", false, "(2,)", &[1, 0, 0xff, 0xff])).unwrap().values, [1.0, -1.0]);

@@ -3,12 +3,13 @@
 use std::io::Cursor;
 use std::path::Path;
 
-use zip::ZipArchive;
 use zip::read::ZipFile;
+use zip::{CompressionMethod, ZipArchive};
 
 use super::budget::Budget;
 use super::error::RecordingError;
-use super::npy;
+use super::npy::{self, ArrayPieces};
+use super::place::open;
 use super::table::{Column, Table, Wanted};
 
 /// The arrays of an archive by their keys. Those not wanted are there by name, without values.
@@ -40,6 +41,25 @@ fn array(
     let what = format!("array {key:?}");
     let bytes = budget.decompress(&what, entry).map_err(|e| e.at(path, &what))?;
     npy::column(key.to_owned(), &bytes, path, budget)
+}
+
+/// The arrays of an archive that are wanted and lie in it as they are; none where one does not.
+pub(super) fn stored_arrays(path: &Path, wanted: Wanted<'_>) -> Result<Option<Vec<ArrayPieces>>, RecordingError> {
+    let Ok(mut archive) = ZipArchive::new(open(path)?) else { return Ok(None) };
+    let mut arrays = Vec::new();
+    for index in 0..archive.len() {
+        let Ok(entry) = archive.by_index(index) else { return Ok(None) };
+        let name = String::from_utf8_lossy(entry.name_raw()).into_owned();
+        let Some(key) = name.strip_suffix(".npy").filter(|key| wanted.includes(key)) else { continue };
+        let start = entry.data_start().filter(|_| entry.compression() == CompressionMethod::Stored);
+        let array = match start {
+            Some(start) => ArrayPieces::open(path, key.to_owned(), start, entry.size())?,
+            None => None,
+        };
+        let Some(array) = array else { return Ok(None) };
+        arrays.push(array);
+    }
+    Ok(Some(arrays))
 }
 
 #[cfg(test)]

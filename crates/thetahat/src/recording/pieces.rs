@@ -1,10 +1,7 @@
 //! Signals read in pieces, so that a recording may be longer than memory.
 
-use std::fs::File;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-
-use zip::{CompressionMethod, ZipArchive};
 
 use super::csv::TextPieces;
 use super::error::RecordingError;
@@ -12,7 +9,7 @@ use super::format::Format;
 use super::npy::ArrayPieces;
 #[cfg(feature = "parquet")]
 use super::parquet::GroupPieces;
-use super::place::{file_length, open};
+use super::place::file_length;
 use super::select;
 use super::source::ChannelSource;
 use super::table::{Column, Table, Wanted};
@@ -194,24 +191,15 @@ impl FilePieces {
     }
 }
 
-/// The arrays of an archive that are wanted and lie in it as they are; none where one does not.
+#[cfg(feature = "npz")]
 fn archive(path: &Path, wanted: Wanted<'_>) -> Result<Option<FilePieces>, RecordingError> {
-    let file: File = open(path)?;
-    let Ok(mut archive) = ZipArchive::new(file) else { return Ok(None) };
-    let mut arrays = Vec::new();
-    for index in 0..archive.len() {
-        let Ok(entry) = archive.by_index(index) else { return Ok(None) };
-        let name = String::from_utf8_lossy(entry.name_raw()).into_owned();
-        let Some(key) = name.strip_suffix(".npy").filter(|key| wanted.includes(key)) else { continue };
-        let start = entry.data_start().filter(|_| entry.compression() == CompressionMethod::Stored);
-        let array = match start {
-            Some(start) => ArrayPieces::open(path, key.to_owned(), start, entry.size())?,
-            None => None,
-        };
-        let Some(array) = array else { return Ok(None) };
-        arrays.push(array);
-    }
-    Ok(Some(FilePieces::Arrays(arrays)))
+    Ok(super::npz::stored_arrays(path, wanted)?.map(FilePieces::Arrays))
+}
+
+/// None: the reader of whole files says which feature reads it.
+#[cfg(not(feature = "npz"))]
+fn archive(_: &Path, _: Wanted<'_>) -> Result<Option<FilePieces>, RecordingError> {
+    Ok(None)
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use super::error::RecordingError;
 use super::format::Format;
 use super::place::file_bytes;
 use super::table::{Table, Wanted};
-use super::{mat, npy, npz};
+use super::{mat, npy};
 
 impl Format {
     /// The format that the extension of a path names.
@@ -32,11 +32,21 @@ pub(super) fn table(
     match format {
         Format::Csv => csv::read(&bytes, path, dialect, wanted),
         Format::Npy => npy::read(&bytes, path),
-        Format::Npz => npz::read(&bytes, path, wanted),
+        Format::Npz => archive(&bytes, path, wanted),
         Format::Mat => mat::read(bytes, path, wanted),
         Format::Parquet => parquet(bytes, path, wanted),
         Format::Db3 | Format::Mcap => Ok(Table::default()),
     }
+}
+
+#[cfg(feature = "npz")]
+fn archive(bytes: &[u8], path: &Path, wanted: Wanted<'_>) -> Result<Table, RecordingError> {
+    super::npz::read(bytes, path, wanted)
+}
+
+#[cfg(not(feature = "npz"))]
+fn archive(_: &[u8], path: &Path, _: Wanted<'_>) -> Result<Table, RecordingError> {
+    Err(RecordingError::FeatureMissing { file: path.to_owned(), format: "NumPy archives", feature: "npz" })
 }
 
 #[cfg(feature = "parquet")]

@@ -1,6 +1,8 @@
 use std::{io, path::PathBuf};
 
-use crate::{experiment::ExperimentError, identification::EstimationError, simulation::SimulationError};
+use crate::{
+    experiment::ExperimentError, identification::EstimationError, results::ResultsError, simulation::SimulationError,
+};
 
 /// Why there is no reduction, or no estimate from it.
 #[derive(Debug, thiserror::Error)]
@@ -9,6 +11,9 @@ pub enum ReductionError {
     /// The experiment or its recordings are not usable.
     #[error(transparent)]
     Experiment(#[from] ExperimentError),
+    /// The results that give the estimates cannot be read.
+    #[error(transparent)]
+    Results(#[from] ResultsError),
     /// A record has time steps that are not equal.
     #[error(
         "recording {recording}: the step to sample {sample} is {found:e} s, expected {expected:e} s within a thousandth; \

@@ -15,8 +15,7 @@ use crate::{
 /// experiment's robot does not have.
 pub fn estimates_of_results(path: &Path, experiment: &Experiment) -> Result<BTreeMap<String, f64>, ReductionError> {
     let refuse = |reason: String| ReductionError::NoEstimates { path: path.to_owned(), reason };
-    let text = std::fs::read(path).map_err(|source| ReductionError::Unreadable { path: path.to_owned(), source })?;
-    let results: Results = serde_json::from_slice(&text).map_err(|e| refuse(e.to_string()))?;
+    let results = Results::read(path)?;
     let run = [Method::IDIM_IV, Method::IDIM_LS].into_iter().filter_map(|method| results.run(NOMINAL, method));
     let parameters = run.map(|run| &run.parameters).find(|parameters| !parameters.is_empty());
     let parameters =

@@ -12,7 +12,7 @@ use crate::{
     linear_algebra::Matrix,
     preparation::{Case, Chosen, Settings, full_model_test, named_elimination},
     regression::Regression,
-    results::{EliminationResult, NOMINAL, Plots, RecordingResult, Results, RunResult},
+    results::{EliminationResult, JointResult, NOMINAL, Plots, RecordingResult, Results, RunResult, SCHEMA},
     run::{explain, parameter_results},
 };
 
@@ -73,9 +73,11 @@ impl Reduction {
         let recordings = &self.recordings;
         let rate = recordings.first().map_or(0.0, |r| r.sample_rate_hz);
         Ok(Results {
+            schema: SCHEMA,
             thetahat: env!("CARGO_PKG_VERSION").to_owned(),
             robot: experiment.robot.name.clone(),
             title: experiment.file.title.clone(),
+            robot_joints: JointResult::of_coordinates(&experiment.robot),
             samples_used: recordings.iter().map(|r| r.samples).sum(),
             decimated_rows: all.regression.rows_represented,
             recordings: recordings.iter().map(ReducedRecording::describe).collect(),
@@ -172,7 +174,11 @@ impl Solver<'_> {
 
     fn failed(&self, method: Method, outcome: &Outcome) -> RunResult {
         let reason = outcome.reason.as_ref().map(|r| explain(&self.chosen.estimated, r));
-        RunResult { reason, ..RunResult::new(NOMINAL, method, outcome.status) }
+        RunResult {
+            weighting: Some(self.settings.weighting(method)),
+            reason,
+            ..RunResult::new(NOMINAL, method, outcome.status)
+        }
     }
 
     fn summarise(
@@ -187,6 +193,7 @@ impl Solver<'_> {
         let truth = self.reduction.recordings.first().and_then(|r| r.truth.as_ref());
         let truth: Option<Vec<f64>> = truth.map(|t| self.chosen.columns.iter().map(|&c| t[c]).collect());
         RunResult {
+            weighting: Some(self.settings.weighting(method)),
             reason,
             iterations: usize::from(method.needs() == Needs::Instruments),
             relative_error_percent: Some(fit.relative_error_percent),

@@ -1,7 +1,10 @@
 //! Box plots on a logarithmic axis.
 
-use super::plot::{Chart, Marker, Path, Tick, WIDE};
-use crate::campaign::Quantiles;
+use super::{
+    number::significant,
+    plot::{Chart, Marker, Path, Tick, WIDE},
+};
+use crate::results::Quantiles;
 
 const HEIGHT: f64 = 230.0;
 const LEFT: f64 = 52.0;
@@ -18,7 +21,7 @@ const SMALLEST_EXTENT: f64 = 0.2;
 
 /// A box: the classes that colour it, and its numbers, all above zero.
 pub(super) struct BoxOf {
-    pub(super) class: &'static str,
+    pub(super) class: String,
     pub(super) quantiles: Quantiles,
 }
 
@@ -38,7 +41,7 @@ pub(super) fn box_chart(title: String, groups: &[BoxGroup]) -> Chart {
         let place = GROUP * width / group.boxes.len().max(1) as f64;
         for (k, of) in group.boxes.iter().enumerate() {
             let x = centre(i) + (k as f64 - 0.5 * (group.boxes.len() - 1) as f64) * place;
-            paths.push(Path { class: of.class, data: outline(&axis, &of.quantiles, x, 0.5 * BOX * place) });
+            paths.push(Path { class: of.class.clone(), data: outline(&axis, &of.quantiles, x, 0.5 * BOX * place) });
         }
     }
     Chart {
@@ -100,7 +103,7 @@ impl LogAxis {
         };
         let values = decades.flat_map(|d| steps.iter().map(move |s| f64::from(*s) * 10_f64.powi(d)));
         let inside = values.filter(|v| (self.low..=self.high).contains(&v.log10()));
-        inside.map(|v| Tick { at: self.position(v), label: super::number::significant(v, 1) }).collect()
+        inside.map(|v| Tick { at: self.position(v), label: significant(v, 1) }).collect()
     }
 }
 
@@ -111,7 +114,8 @@ mod tests {
     #[test]
     fn a_box_stands_between_its_quartiles() {
         let quantiles = Quantiles { smallest: 1.0, lower: 2.0, median: 3.0, upper: 4.0, largest: 10.0 };
-        let group = BoxGroup { label: "low".to_owned(), boxes: vec![BoxOf { class: "box idim-ls", quantiles }] };
+        let group =
+            BoxGroup { label: "low".to_owned(), boxes: vec![BoxOf { class: "box idim-ls".to_owned(), quantiles }] };
         let chart = box_chart("distance".to_owned(), &[group]);
         let axis = LogAxis { low: 0.0 - 0.04, high: 1.04 };
         let top = (UNITS * axis.position(10.0)).round();

@@ -1,10 +1,10 @@
 //! The tables of a campaign.
 
 use super::{
-    Table,
     number::{NONE, fixed, optional, significant},
+    table::Table,
 };
-use crate::campaign::{CampaignRuns, ParameterSummary, Quantiles, Summary, parameter_summaries};
+use crate::results::{MethodSummary, ParameterSummary, Quantiles};
 
 const HEAD: [&str; 11] =
     ["method", "ok", "bias", "spread", "cover %", "dist %", "pos %", "torque %", "iter", "sims", "ms"];
@@ -18,7 +18,7 @@ pub(super) const LEGEND: &str = "ok: runs that converged; all other figures are 
     simulations, on average. ms: time from the measurements to the estimate, on average.";
 
 /// One table for each case and noise level, a row for each method.
-pub(super) fn comparison(summaries: &[Summary]) -> Vec<Table> {
+pub(super) fn comparison(summaries: &[MethodSummary]) -> Vec<Table> {
     let mut tables: Vec<Table> = Vec::new();
     for summary in summaries {
         let title = format!("{}, {}, {} runs of each method", summary.case, summary.noise, summary.runs);
@@ -37,7 +37,7 @@ pub(super) fn comparison(summaries: &[Summary]) -> Vec<Table> {
     tables
 }
 
-fn row(s: &Summary) -> Vec<String> {
+fn row(s: &MethodSummary) -> Vec<String> {
     let median = |q: &Option<Quantiles>| optional(q.map(|q| q.median), 3);
     let one = |v: Option<f64>| v.map_or_else(|| NONE.to_owned(), |v| fixed(v, 1));
     vec![
@@ -56,10 +56,10 @@ fn row(s: &Summary) -> Vec<String> {
 }
 
 /// Which methods failed, and how.
-fn add_failures(table: &mut Table, summaries: &[Summary]) {
-    let of_table = |s: &&Summary| table.title.starts_with(&format!("{}, {}, ", s.case, s.noise));
+fn add_failures(table: &mut Table, summaries: &[MethodSummary]) {
+    let of_table = |s: &&MethodSummary| table.title.starts_with(&format!("{}, {}, ", s.case, s.noise));
     let failed = summaries.iter().filter(of_table).filter(|s| !s.failures.is_empty());
-    let line = |s: &Summary| {
+    let line = |s: &MethodSummary| {
         let counts: Vec<String> = s.failures.iter().map(|(what, count)| format!("{count} {what}")).collect();
         format!("{}: {}", s.method, counts.join(", "))
     };
@@ -68,8 +68,8 @@ fn add_failures(table: &mut Table, summaries: &[Summary]) {
 }
 
 /// Every parameter in the runs of each method: one table for each case, noise level and method.
-pub(super) fn parameters(runs: &CampaignRuns, summaries: &[Summary]) -> Vec<Table> {
-    let table = |s: &Summary| Table {
+pub(super) fn parameters(summaries: &[MethodSummary]) -> Vec<Table> {
+    let table = |s: &MethodSummary| Table {
         title: format!("{}, {}, {}", s.case, s.noise, s.method),
         lead: 2,
         head: [
@@ -85,7 +85,7 @@ pub(super) fn parameters(runs: &CampaignRuns, summaries: &[Summary]) -> Vec<Tabl
         ]
         .map(str::to_owned)
         .into(),
-        rows: parameter_summaries(runs, &s.case, &s.noise, &s.method).iter().map(parameter).collect(),
+        rows: s.parameters.iter().map(parameter).collect(),
         ..Table::default()
     };
     summaries.iter().map(table).filter(|t| !t.rows.is_empty()).collect()

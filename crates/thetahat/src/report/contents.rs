@@ -1,7 +1,7 @@
 //! What is in a recording, for the terminal.
 
-use super::{Table, number::significant, text::wrap};
-use crate::recording::{ColumnSummary, Contents, TableSummary, TimeSummary};
+use super::{number::significant, table::Table, wrap::wrap};
+use crate::results::{ChannelSummary, ColumnSummary, Contents, TableSummary, TimeSummary};
 
 /// Longest list of gaps that is shown.
 const GAPS: usize = 5;
@@ -50,7 +50,7 @@ fn rows(column: &ColumnSummary) -> Vec<Vec<String>> {
         ]];
     }
     let number = |value: Option<f64>, digits| value.map_or_else(|| "-".to_owned(), |v| significant(v, digits));
-    let row = |(i, s): (usize, &crate::recording::ChannelSummary)| {
+    let row = |(i, s): (usize, &ChannelSummary)| {
         let name = if column.channels > 1 { format!("{}[{}]", column.name, i + 1) } else { column.name.clone() };
         let missing = (s.not_finite > 0).then(|| format!("{} no numbers", s.not_finite));
         let note = missing.or_else(|| s.constant.then(|| "constant".to_owned())).unwrap_or_default();

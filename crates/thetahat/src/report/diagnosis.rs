@@ -1,16 +1,13 @@
 //! Advice and diagnosis: which numbers to take, and the tests behind it.
 
 use super::{
-    Table,
     number::{NONE, optional, significant},
-    sections::Section,
+    section::Section,
+    table::Table,
 };
-use crate::{
-    results::{
-        BiasExplanation, BiasedSimulatorResult, CaseDiagnosis, EndogeneityResult, InstrumentResult, JointResidual,
-        ParameterDifference, ResidualResult, Results, RunResult, Verdict,
-    },
-    statistics::ChiSquaredTest,
+use crate::results::{
+    BiasExplanation, BiasedSimulatorResult, CaseDiagnosis, ChiSquaredTest, EndogeneityResult, InstrumentResult,
+    JointResidual, ParameterDifference, ResidualResult, Results, RunResult, Verdict,
 };
 
 /// Probability below which a test of a residual rejects.

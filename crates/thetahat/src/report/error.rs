@@ -1,5 +1,7 @@
 use std::{io, path::PathBuf};
 
+use crate::results::ResultsError;
+
 /// Why a report cannot be written, or published figures cannot be read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -33,7 +35,10 @@ pub enum ReportError {
         source: serde_json::Error,
     },
     /// The results do not go into JSON.
-    #[error("results.json: {source}")]
+    #[error(transparent)]
+    Results(#[from] ResultsError),
+    /// The page's content cannot be rendered.
+    #[error("the page: {source}")]
     Json {
         /// Why.
         source: serde_json::Error,

@@ -5,11 +5,9 @@ use serde::Serialize;
 use super::{
     plot::{Chart, Curve, NARROW, WIDE},
     tables::runs_of,
+    units,
 };
-use crate::{
-    identification::Method,
-    results::{IterationResult, ParameterResult, Results, RunResult},
-};
+use crate::results::{IterationResult, Method, ParameterResult, Results, RunResult};
 
 /// Class of the measured curve.
 const MEASURED: &str = "measured";
@@ -30,22 +28,6 @@ impl Figure {
     pub(super) fn new(caption: String, legend: Vec<(&'static str, &'static str)>, charts: Vec<Chart>) -> Self {
         Self { caption, legend, charts }
     }
-}
-
-/// Whether a joint is prismatic, by the unit of its friction or offset.
-pub(super) fn is_prismatic(results: &Results, joint: usize) -> bool {
-    let number = (joint + 1).to_string();
-    let of_joint = |name: &str| {
-        let name = name.trim_end_matches('r');
-        name.trim_end_matches(|c: char| c.is_ascii_digit()).len() + number.len() == name.len()
-            && name.ends_with(&number)
-    };
-    let mut parameters = results.runs.iter().flat_map(|r| &r.parameters).filter(|p| of_joint(&p.name));
-    parameters.any(|p| p.unit == "N" || p.unit == "N s/m")
-}
-
-fn torque_unit(results: &Results, joint: usize) -> &'static str {
-    if is_prismatic(results, joint) { "N" } else { "N m" }
 }
 
 /// Runs of a case that have curves of a kind.
@@ -109,7 +91,7 @@ pub(super) fn torques(results: &Results, case: &str) -> Option<Figure> {
         });
         let curves: Vec<Curve> = [Curve::new(MEASURED, measured)].into_iter().chain(reconstructed).collect();
         Chart::over_time(
-            format!("Joint {}, {}", joint + 1, torque_unit(results, joint)),
+            format!("Joint {}, {}", joint + 1, units::torque(results, joint)),
             &curves,
             width(plots.measured.len()),
         )
@@ -131,7 +113,7 @@ pub(super) fn residuals(results: &Results, case: &str) -> Option<Figure> {
         };
         let curves: Vec<Curve> = runs.iter().map(residual).collect();
         Chart::over_time(
-            format!("Joint {}, {}", joint + 1, torque_unit(results, joint)),
+            format!("Joint {}, {}", joint + 1, units::torque(results, joint)),
             &curves,
             width(plots.measured.len()),
         )
@@ -145,7 +127,7 @@ pub(super) fn tracking(results: &Results, case: &str) -> Option<Figure> {
     let runs = drawn(results, case, simulated);
     let plots = &results.plots;
     let chart = |joint: usize| {
-        let unit = if is_prismatic(results, joint) { "mm" } else { "mrad" };
+        let unit = units::thousandth_of_position(results, joint);
         let error = |r: &&RunResult| {
             let simulated = r.plots.simulated_position.get(joint);
             Curve::new(r.method.name(), difference(&plots.time_s, simulated, &plots.position[joint], 1e3))
@@ -194,11 +176,14 @@ fn ratios(run: &RunResult) -> Vec<Curve> {
 /// Differences of estimates beyond these standard deviations are cut off.
 const FARTHEST: f64 = 20.0;
 
+/// The method whose estimates the others are shown against.
+const CENTRE: &str = "idim-iv";
+
 /// The shown estimates of a case with their 95 % intervals, as differences from those of IV (or else of the first
 /// method) in its standard deviations.
 pub(super) fn coefficients(results: &Results, case: &str) -> Option<Figure> {
     let runs: Vec<&RunResult> = runs_of(results, case).into_iter().filter(|r| !r.parameters.is_empty()).collect();
-    let centre = runs.iter().find(|r| r.method == Method::IDIM_IV).or(runs.first())?;
+    let centre = runs.iter().find(|r| r.method.name() == CENTRE).or(runs.first())?;
     let deviation = |p: &ParameterResult| p.standard_deviation.filter(|sd| *sd > 0.0);
     let shown: Vec<&ParameterResult> = centre.parameters.iter().filter(|p| p.shown && deviation(p).is_some()).collect();
     let bar = |run: &RunResult, from: &ParameterResult| {

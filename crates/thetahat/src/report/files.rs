@@ -1,48 +1,11 @@
-//! The files of the report, each whole or not there.
+//! Writing of files, each whole or not there.
 
 use std::{
     fs,
     path::{Path, PathBuf},
 };
 
-use super::{ModelReport, Published, ReportError, html};
-use crate::results::{ParameterResult, Results, RunResult};
-
-const PARAMETER_COLUMNS: [&str; 12] = [
-    "case",
-    "method",
-    "name",
-    "estimate",
-    "standard_deviation",
-    "relative_standard_deviation_percent",
-    "true_value",
-    "unit",
-    "expression",
-    "standard_deviation_robust",
-    "interval_95_low",
-    "interval_95_high",
-];
-
-/// Writes `results.json`, `parameters.csv` and `report.html` into a folder, which is made where it is not there.
-/// Returns their paths.
-///
-/// Everything is rendered before anything is written, and written under temporary names before anything is renamed: an
-/// error leaves no file in part.
-///
-/// # Errors
-/// [`ReportError`] for what cannot be rendered or written.
-pub fn write_all(
-    results: &Results,
-    published: Option<&Published>,
-    directory: &Path,
-) -> Result<Vec<PathBuf>, ReportError> {
-    let files = vec![
-        ("results.json", json(results)?),
-        ("parameters.csv", parameters_csv(results)?),
-        ("report.html", html::render(results, published)?.into_bytes()),
-    ];
-    write_files(directory, files)
-}
+use super::error::ReportError;
 
 /// Writes files with their content into a folder, all of them or none; returns their paths.
 pub(super) fn write_files(directory: &Path, files: Vec<(&'static str, Vec<u8>)>) -> Result<Vec<PathBuf>, ReportError> {
@@ -65,7 +28,7 @@ pub(super) fn write_one(directory: &Path, name: &str, content: Vec<u8>) -> Resul
     written.map(|()| file.path)
 }
 
-/// Checks, before a long run, that a folder can be where [`write_all`] will write.
+/// Checks, before a long run, that a folder can be where [`write_all`](super::write_all) will write.
 ///
 /// # Errors
 /// [`ReportError::NotAFolder`] if a file is there.
@@ -113,49 +76,4 @@ impl NewFile {
     fn error(&self, source: std::io::Error) -> ReportError {
         ReportError::Write { path: self.path.clone(), source }
     }
-}
-
-fn json(results: &Results) -> Result<Vec<u8>, ReportError> {
-    let mut text = serde_json::to_vec_pretty(results).map_err(|source| ReportError::Json { source })?;
-    text.push(b'\n');
-    Ok(text)
-}
-
-/// A robot as one JSON object; the units are SI.
-///
-/// # Errors
-/// [`ReportError`] for what cannot be rendered.
-pub fn model_json(report: &ModelReport) -> Result<String, ReportError> {
-    let text = serde_json::to_string_pretty(report).map_err(|source| ReportError::ModelJson { source })?;
-    Ok(text + "\n")
-}
-
-fn parameters_csv(results: &Results) -> Result<Vec<u8>, ReportError> {
-    let refuse = |source| ReportError::Csv { source };
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(PARAMETER_COLUMNS).map_err(refuse)?;
-    for run in &results.runs {
-        for parameter in &run.parameters {
-            writer.write_record(parameter_record(run, parameter)).map_err(refuse)?;
-        }
-    }
-    writer.into_inner().map_err(|e| refuse(e.into_error().into()))
-}
-
-fn parameter_record(run: &RunResult, parameter: &ParameterResult) -> [String; 12] {
-    let number = |v: Option<f64>| v.map(|v| v.to_string()).unwrap_or_default();
-    [
-        run.case.clone(),
-        run.method.name().to_owned(),
-        parameter.name.clone(),
-        number(Some(parameter.estimate)),
-        number(parameter.standard_deviation),
-        number(parameter.relative_standard_deviation_percent),
-        number(parameter.true_value),
-        parameter.unit.clone(),
-        parameter.expression.clone(),
-        number(parameter.standard_deviation_robust),
-        number(parameter.interval_95.map(|[low, _]| low)),
-        number(parameter.interval_95.map(|[_, high]| high)),
-    ]
 }

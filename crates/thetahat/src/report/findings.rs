@@ -1,10 +1,7 @@
 //! What the checks found, for the terminal and the page.
 
-use super::text::wrap;
-use crate::{
-    checks::{Finding, Severity},
-    results::RecordingFindings,
-};
+use super::wrap::wrap;
+use crate::results::{Finding, RecordingFindings, Severity};
 
 const SEVERITIES: [Severity; 3] = [Severity::Problem, Severity::Warning, Severity::Note];
 

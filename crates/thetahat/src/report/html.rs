@@ -1,20 +1,11 @@
-//! The page: one file that needs nothing else.
+//! Pages: each one file that needs nothing else.
 
 use minijinja::{Environment, Value, context, syntax::SyntaxConfig};
 use serde::Serialize;
 
-use super::{
-    Published, ReportError,
-    sections::{self, Section},
-};
-use crate::results::Results;
+use super::{error::ReportError, section::Section};
 
 const TEMPLATE: &str = include_str!("template.html");
-
-/// The whole page.
-pub(super) fn render(results: &Results, published: Option<&Published>) -> Result<String, ReportError> {
-    page_of(&results.title, &sections::head(results), &sections::all(results, published))
-}
 
 /// A page with a title, a head of labels and texts, and sections.
 pub(super) fn page_of(

@@ -1,47 +1,63 @@
 //! The report of an experiment: `results.json`, `parameters.csv`, `report.html`, and tables for the terminal.
 //!
 //! [`write_all`] writes the files, [`text`] holds the tables for the terminal. Both show the same [`Table`]s, and both
-//! put [`Published`] figures beside ours where there are any. Nothing is computed here but comparisons.
+//! put [`Published`] figures beside ours where there are any. Nothing is computed here but comparisons: what is shown comes
+//! from [`results`](crate::results) alone.
+//!
+//! ```
+//! use thetahat::report::{TEXT_WIDTH, Table};
+//!
+//! let table = Table {
+//!     title: "nominal: estimates".to_owned(),
+//!     lead: 1,
+//!     head: ["name", "idim-iv"].map(str::to_owned).into(),
+//!     rows: vec![["zz1r", "1.250 (1.04 %)"].map(str::to_owned).into()],
+//!     ..Table::default()
+//! };
+//! let text = table.to_text();
+//! assert!(text.contains("zz1r") && text.lines().all(|line| line.chars().count() <= TEXT_WIDTH));
+//! ```
 
-#[cfg(feature = "parquet")]
 mod box_plot;
-#[cfg(feature = "parquet")]
 mod campaign;
-#[cfg(feature = "parquet")]
 mod campaign_tables;
 mod contents;
 mod diagnosis;
 mod error;
+mod facts;
 mod figures;
 mod files;
 mod findings;
 mod html;
-mod model;
+mod model_json;
 mod model_text;
 mod number;
+mod outputs;
 mod plot;
 mod prediction;
 mod published;
+mod section;
 mod sections;
 mod sensitivity;
 mod series;
+mod status;
 mod table;
 mod tables;
 pub mod text;
+mod units;
+mod wrap;
 
-#[cfg(feature = "parquet")]
 pub use campaign::{campaign_text, write_campaign};
 pub use contents::contents_text;
 pub use error::ReportError;
-pub use files::{check_folder, model_json, write_all};
+pub use files::check_folder;
 pub use findings::findings_text;
-pub use model::{
-    BaseParameterReport, Count, Counts, JointReport, MimicReport, ModelReport, StandardParameterReport,
-    TransmissionReport,
-};
+pub use model_json::model_json;
 pub use model_text::model_text;
+pub use outputs::write_all;
 pub use prediction::{prediction_text, write_prediction};
 pub use published::{Agreement, Published, PublishedValue};
 pub use sensitivity::{sensitivity_text, write_sensitivity};
 pub use series::write_record;
-pub use table::{Group, TEXT_WIDTH, Table};
+pub use table::{Group, Table};
+pub use wrap::TEXT_WIDTH;

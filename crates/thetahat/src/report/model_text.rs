@@ -1,26 +1,27 @@
 //! The robot of `thetahat model` for the terminal.
 
 use super::{
-    ModelReport, Table,
-    model::{BaseParameterReport, Count, JointReport, StandardParameterReport},
     number::{NONE, given, significant},
-    text::wrap,
+    table::Table,
+    wrap::wrap,
 };
-use crate::robot::{JointKind, Quantity};
+use crate::results::{
+    BaseParameterSummary, JointKind, JointSummary, ParameterCount, Quantity, RobotSummary, StandardParameterSummary,
+};
 
 /// Widest label of the head.
 const LABEL: usize = 14;
 /// Digits of a-priori values.
 const DIGITS: usize = 4;
 
-/// The report as text of at most 80 columns.
+/// The robot as text of at most 80 columns.
 #[must_use]
-pub fn model_text(report: &ModelReport) -> String {
-    let mut parts = vec![head(report), structure(report).to_text()];
-    parts.extend(transmission(report));
-    parts.push(standard_parameters(report).to_text());
-    parts.push(counts(report).to_text());
-    parts.push(base_parameters(report));
+pub fn model_text(summary: &RobotSummary) -> String {
+    let mut parts = vec![head(summary), structure(summary).to_text()];
+    parts.extend(transmission(summary));
+    parts.push(standard_parameters(summary).to_text());
+    parts.push(counts(summary).to_text());
+    parts.push(base_parameters(summary));
     parts.join("\n")
 }
 
@@ -33,19 +34,19 @@ fn short(value: f64) -> String {
     }
 }
 
-fn head(report: &ModelReport) -> String {
-    let [x, y, z] = report.gravity.map(given);
-    let (links, coordinates) = (report.joints.len(), report.coordinates());
+fn head(summary: &RobotSummary) -> String {
+    let [x, y, z] = summary.gravity.map(given);
+    let (links, coordinates) = (summary.joints.len(), summary.coordinates());
     let follow = match links - coordinates {
         0 => String::new(),
         followers => format!(", {followers} of {links} joints following others"),
     };
     let facts = [
-        ("robot", report.name.clone()),
-        ("source", format!("{} ({})", report.source, report.format)),
+        ("robot", summary.name.clone()),
+        ("source", format!("{} ({})", summary.source, summary.format)),
         ("coordinates", format!("{coordinates}{follow}")),
         ("gravity", format!("{x} {y} {z} m/s^2 in the base frame")),
-        ("friction", report.friction.to_owned()),
+        ("friction", summary.friction.to_owned()),
     ];
     let line = |(label, value): (&str, String)| {
         let text = wrap(&value, &" ".repeat(LABEL));
@@ -55,15 +56,15 @@ fn head(report: &ModelReport) -> String {
 }
 
 /// A column of the structure: what it says of a joint, if anything.
-type Cell = fn(&JointReport) -> Option<String>;
+type Cell = fn(&JointSummary) -> Option<String>;
 
 /// One row for each joint; names are indented where their branch of the tree begins.
-fn structure(report: &ModelReport) -> Table {
-    let joints = &report.joints;
+fn structure(summary: &RobotSummary) -> Table {
+    let joints = &summary.joints;
     let columns: [(&str, Cell); 4] =
         [("range", range), ("velocity", velocity), ("effort", effort), ("follows", follows)];
     let shown: Vec<_> = columns.iter().filter(|(_, text)| joints.iter().any(|j| text(j).is_some())).collect();
-    let row = |joint: &JointReport| {
+    let row = |joint: &JointSummary| {
         let name = format!("{}{}", "  ".repeat(branches_before(joints, joint)), joint.name);
         let on = joint.parent.map_or_else(|| "base".to_owned(), |p| p.to_string());
         let lead = [joint.number.to_string(), name, kind(joint.kind).to_owned(), on];
@@ -83,7 +84,7 @@ fn structure(report: &ModelReport) -> Table {
 }
 
 /// On how many branches of the tree a joint stands.
-fn branches_before(joints: &[JointReport], joint: &JointReport) -> usize {
+fn branches_before(joints: &[JointSummary], joint: &JointSummary) -> usize {
     let siblings = |parent: Option<usize>| joints.iter().filter(|j| j.parent == parent).count();
     let mut at = Some(joint);
     let mut branches = 0;
@@ -116,7 +117,7 @@ fn unit(kind: JointKind) -> &'static str {
     }
 }
 
-fn range(joint: &JointReport) -> Option<String> {
+fn range(joint: &JointSummary) -> Option<String> {
     let text = |bound: Option<f64>| bound.map(|value| coordinate(value, joint.kind));
     match (text(joint.lower), text(joint.upper)) {
         (None, None) => None,
@@ -127,16 +128,16 @@ fn range(joint: &JointReport) -> Option<String> {
     }
 }
 
-fn velocity(joint: &JointReport) -> Option<String> {
+fn velocity(joint: &JointSummary) -> Option<String> {
     joint.velocity.map(|v| format!("{} {}/s", coordinate(v, joint.kind), unit(joint.kind)))
 }
 
-fn effort(joint: &JointReport) -> Option<String> {
+fn effort(joint: &JointSummary) -> Option<String> {
     let unit = if joint.kind == JointKind::Revolute { "N m" } else { "N" };
     joint.effort.map(|effort| format!("{} {unit}", given(effort)))
 }
 
-fn follows(joint: &JointReport) -> Option<String> {
+fn follows(joint: &JointSummary) -> Option<String> {
     let mimic = joint.mimic.as_ref()?;
     let offset = match mimic.offset {
         0.0 => String::new(),
@@ -146,9 +147,9 @@ fn follows(joint: &JointReport) -> Option<String> {
 }
 
 /// The ratios, or the matrix where motors are coupled, and the offsets; nothing where motors and joints are the same.
-fn transmission(report: &ModelReport) -> Option<String> {
-    let transmission = &report.transmission;
-    let notes = transmission_notes(report);
+fn transmission(summary: &RobotSummary) -> Option<String> {
+    let transmission = &summary.transmission;
+    let notes = transmission_notes(summary);
     let ratios: Vec<String> = transmission.matrix.iter().enumerate().map(|(i, row)| given(row[i])).collect();
     if transmission.coupled_motors.is_empty() {
         let direct = ratios.iter().all(|ratio| ratio == "1");
@@ -159,7 +160,7 @@ fn transmission(report: &ModelReport) -> Option<String> {
     }
     let rows = transmission.matrix.iter().enumerate();
     let rows = rows.map(|(i, row)| std::iter::once((i + 1).to_string()).chain(row.iter().map(|v| given(*v))).collect());
-    let independent = report.joints.iter().filter(|joint| joint.coordinate.is_some());
+    let independent = summary.joints.iter().filter(|joint| joint.coordinate.is_some());
     let table = Table {
         title: "Transmission: motor positions per joint positions".to_owned(),
         lead: 1,
@@ -171,13 +172,14 @@ fn transmission(report: &ModelReport) -> Option<String> {
     Some(table.to_text())
 }
 
-fn transmission_notes(report: &ModelReport) -> Vec<String> {
-    let transmission = &report.transmission;
-    let independent = report.joints.iter().filter(|joint| joint.coordinate.is_some());
+fn transmission_notes(summary: &RobotSummary) -> Vec<String> {
+    let transmission = &summary.transmission;
+    let independent = summary.joints.iter().filter(|joint| joint.coordinate.is_some());
     let mut notes = Vec::new();
     if transmission.offset.iter().any(|offset| *offset != 0.0) {
-        let offset =
-            |(joint, offset): (&JointReport, &f64)| format!("{} {}", coordinate(*offset, joint.kind), unit(joint.kind));
+        let offset = |(joint, offset): (&JointSummary, &f64)| {
+            format!("{} {}", coordinate(*offset, joint.kind), unit(joint.kind))
+        };
         let all: Vec<String> = independent.zip(&transmission.offset).map(offset).collect();
         notes.push(format!("joints at the motors' zero: {}", all.join(", ")));
     }
@@ -187,15 +189,15 @@ fn transmission_notes(report: &ModelReport) -> Vec<String> {
         notes.push(format!("torque in joint units per drive signal: {}", drives.join(" ")));
     }
     for motor in &transmission.coupled_motors {
-        let number = report.number_of_coordinate(*motor);
+        let number = number_of_coordinate(summary, *motor);
         notes.push(format!("motor {motor} is coupled: it has iam{number} fvm{number} fcm{number}"));
     }
     notes
 }
 
 /// One row for each link; columns that the description leaves at zero are not shown.
-fn standard_parameters(report: &ModelReport) -> Table {
-    let all = &report.standard_parameters;
+fn standard_parameters(summary: &RobotSummary) -> Table {
+    let all = &summary.standard_parameters;
     let mut quantities: Vec<Quantity> = Vec::new();
     for parameter in all.iter().filter(|p| p.a_priori != 0.0).map(|p| &p.parameter) {
         if !quantities.contains(&parameter.quantity) {
@@ -204,13 +206,13 @@ fn standard_parameters(report: &ModelReport) -> Table {
     }
     quantities.sort_unstable();
     let cell = |number: usize, quantity: Quantity| {
-        let is = |p: &&StandardParameterReport| p.parameter.number == number && p.parameter.quantity == quantity;
+        let is = |p: &&StandardParameterSummary| p.parameter.number == number && p.parameter.quantity == quantity;
         all.iter().find(is).map_or_else(|| NONE.to_owned(), |p| short(p.a_priori))
     };
     let row = |number: usize| {
         std::iter::once(number.to_string()).chain(quantities.iter().map(|q| cell(number, *q))).collect()
     };
-    let numbers = if quantities.is_empty() { 0 } else { report.joints.len() };
+    let numbers = if quantities.is_empty() { 0 } else { summary.joints.len() };
     let mut notes = vec![names_of_link(all)];
     if quantities.is_empty() {
         notes.push("the description gives no a-priori values".to_owned());
@@ -225,18 +227,18 @@ fn standard_parameters(report: &ModelReport) -> Table {
     }
 }
 
-fn names_of_link(all: &[StandardParameterReport]) -> String {
+fn names_of_link(all: &[StandardParameterSummary]) -> String {
     let first = all.iter().filter(|p| p.parameter.number == 1 && !p.parameter.quantity.is_coupled_motor());
     let names: Vec<&str> = first.map(|p| p.name.as_str()).collect();
     format!("link 1 and its joint have {}, and so on by number", names.join(" "))
 }
 
-fn counts(report: &ModelReport) -> Table {
-    let row = |label: &str, count: &Count| {
+fn counts(summary: &RobotSummary) -> Table {
+    let row = |label: &str, count: &ParameterCount| {
         let numbers = [count.inertial, count.motor_inertia, count.friction, count.offset, count.all()];
         std::iter::once(label.to_owned()).chain(numbers.iter().map(usize::to_string)).collect()
     };
-    let counts = &report.counts;
+    let counts = &summary.counts;
     Table {
         title: "Numbers of parameters".to_owned(),
         lead: 1,
@@ -251,14 +253,14 @@ fn counts(report: &ModelReport) -> Table {
 }
 
 /// Name, a-priori value and unit, and the formula where something is regrouped.
-fn base_parameters(report: &ModelReport) -> String {
-    if let Some(problem) = &report.problem {
+fn base_parameters(summary: &RobotSummary) -> String {
+    if let Some(problem) = &summary.problem {
         return wrap(&format!("No base parameters: {problem}"), "");
     }
-    let all = &report.base_parameters;
-    let width = |text: fn(&BaseParameterReport) -> usize| all.iter().map(text).max().unwrap_or(0);
+    let all = &summary.base_parameters;
+    let width = |text: fn(&BaseParameterSummary) -> usize| all.iter().map(text).max().unwrap_or(0);
     let (names, units) = (width(|p| p.name.len()), width(|p| p.unit.len()));
-    let line = |p: &BaseParameterReport| {
+    let line = |p: &BaseParameterSummary| {
         let lead = format!("{:<names$} {:>10} {:<units$}", p.name, short(p.a_priori), p.unit);
         if p.regrouped.is_empty() {
             return format!("{}\n", lead.trim_end());
@@ -267,7 +269,7 @@ fn base_parameters(report: &ModelReport) -> String {
         format!("{lead}  {}", formula.trim_start())
     };
     let title = format!("Base parameters: {}, with their a-priori values and formulas\n", all.len());
-    title + &all.iter().map(line).collect::<String>() + &without_effect(report)
+    title + &all.iter().map(line).collect::<String>() + &without_effect(summary)
 }
 
 /// A formula in lines; a sign stays with the term behind it.
@@ -276,8 +278,8 @@ fn formula(expression: &str, indent: &str) -> String {
     wrap(&joined, indent).replace('~', " ")
 }
 
-fn without_effect(report: &ModelReport) -> String {
-    let idle = report.standard_parameters.iter().filter(|p| p.has_effect == Some(false));
+fn without_effect(summary: &RobotSummary) -> String {
+    let idle = summary.standard_parameters.iter().filter(|p| p.has_effect == Some(false));
     let names: Vec<&str> = idle.map(|p| p.name.as_str()).collect();
     if names.is_empty() {
         String::new()
@@ -286,9 +288,7 @@ fn without_effect(report: &ModelReport) -> String {
     }
 }
 
-impl ModelReport {
-    /// The joint's number of a coordinate from one.
-    fn number_of_coordinate(&self, coordinate: usize) -> usize {
-        self.joints.iter().find(|j| j.coordinate == Some(coordinate)).map_or(coordinate, |j| j.number)
-    }
+/// The joint's number of a coordinate, both from one.
+fn number_of_coordinate(summary: &RobotSummary, coordinate: usize) -> usize {
+    summary.joints.iter().find(|j| j.coordinate == Some(coordinate)).map_or(coordinate, |j| j.number)
 }

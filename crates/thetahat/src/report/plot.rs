@@ -59,7 +59,7 @@ pub(super) struct Tick {
 
 #[derive(Debug, Serialize)]
 pub(super) struct Path {
-    pub(super) class: &'static str,
+    pub(super) class: String,
     pub(super) data: String,
 }
 
@@ -170,7 +170,7 @@ impl Axes {
             data.push_str(&format!("{command}{dx}{gap}{dy}"));
             last = next;
         }
-        Path { class: curve.class, data }
+        Path { class: curve.class.to_owned(), data }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{ReportError, series::write_series};
+use super::{error::ReportError, series::write_series};
 use crate::results::Prediction;
 
 /// Rms of each joint's prediction and, where torques were measured, its relative error.

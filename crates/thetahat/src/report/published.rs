@@ -7,11 +7,8 @@ use serde::{
     de::{IntoDeserializer, value::Error as ValueError},
 };
 
-use super::ReportError;
-use crate::{
-    identification::Method,
-    results::{ParameterResult, RunResult},
-};
+use super::error::ReportError;
+use crate::results::{Method, ParameterResult, RunResult};
 
 const HEADER: [&str; 5] = ["case", "method", "parameter", "estimate", "relative_standard_deviation_percent"];
 

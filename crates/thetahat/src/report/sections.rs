@@ -1,46 +1,19 @@
-//! The sections of the page, and the facts that the terminal shows too.
-
-use serde::Serialize;
+//! The sections of the page.
 
 use super::{
-    Published, Table, diagnosis,
-    figures::{self, Figure},
-    findings,
-    number::{given, optional, significant},
+    diagnosis,
+    facts::{facts, weights},
+    figures, findings,
+    number::significant,
+    published::Published,
+    section::Section,
+    table::Table,
     tables::{self, Detail},
 };
-use crate::{
-    results::{RecordingResult, Results, RunResult},
-    statistics::FTest,
-};
+use crate::results::{FTest, Results, RunResult};
 
 /// Probability below which an F-test rejects.
 const SIGNIFICANCE: f64 = 0.05;
-
-/// A section of the page.
-#[derive(Debug, Default, Serialize)]
-pub(super) struct Section {
-    pub(super) id: &'static str,
-    pub(super) title: &'static str,
-    pub(super) lines: Vec<String>,
-    pub(super) facts: Vec<(&'static str, String)>,
-    pub(super) tables: Vec<Table>,
-    pub(super) figures: Vec<Figure>,
-    /// Tables that open on demand.
-    pub(super) folded: Vec<Table>,
-    /// Files that open on demand, each with its title.
-    pub(super) files: Vec<(&'static str, String)>,
-}
-
-impl Section {
-    pub(super) fn is_empty(&self) -> bool {
-        self.tables.is_empty()
-            && self.figures.is_empty()
-            && self.folded.is_empty()
-            && self.files.is_empty()
-            && self.lines.is_empty()
-    }
-}
 
 /// Every section that has something to show.
 pub(super) fn all(results: &Results, published: Option<&Published>) -> Vec<Section> {
@@ -131,91 +104,6 @@ fn method(results: &Results) -> Section {
         files: files.map(|(title, text)| (title, text.clone())).into(),
         ..Section::default()
     }
-}
-
-/// The head: what to take, then what was recorded and how it was filtered.
-pub(super) fn head(results: &Results) -> Vec<(&'static str, String)> {
-    diagnosis::advice(results).chain(facts(results)).collect()
-}
-
-/// What was recorded and how it was filtered, as labels and texts.
-pub(super) fn facts(results: &Results) -> Vec<(&'static str, String)> {
-    let rows = format!("{} after decimation", results.decimated_rows);
-    let mut facts = vec![("robot", results.robot.clone())];
-    facts.extend(recordings("samples used", &results.recordings));
-    facts.extend(recordings("held back", &results.validation_recordings));
-    facts.push(("rows", rows));
-    facts.extend(filters(results));
-    facts.extend(references(results).map(|r| ("reference", r)));
-    facts.extend(results.seed.map(|seed| ("seed", seed.to_string())));
-    facts.push(("thetahat", results.thetahat.clone()));
-    facts
-}
-
-/// A line for each recording; its name is shown where there are several.
-fn recordings(label: &'static str, recordings: &[RecordingResult]) -> Vec<(&'static str, String)> {
-    let line = |r: &RecordingResult| {
-        let [start, end, rate] = [r.window_s[0], r.window_s[1], r.sample_rate_hz].map(given);
-        let name = if recordings.len() > 1 { format!("{}: ", r.name) } else { String::new() };
-        let weight = if r.weight == 1.0 { String::new() } else { format!(", weight {}", given(r.weight)) };
-        let resampled = r.resampling.map(|j| {
-            let [rms, largest] = [j.rms_deviation, j.largest_deviation].map(|d| significant(100.0 * d, 2));
-            format!("; resampled, its steps deviate by {rms} % rms, {largest} % at most")
-        });
-        let window = format!("{} at {rate} Hz, window {start} s to {end} s", r.samples_used);
-        (label, format!("{name}{window}{weight}{}", resampled.unwrap_or_default()))
-    };
-    recordings.iter().map(line).collect()
-}
-
-/// One line for each recording's reference.
-fn references(results: &Results) -> impl Iterator<Item = String> {
-    let several = results.recordings.len() > 1;
-    results.recordings.iter().filter_map(move |r| {
-        let text = reference(results, r.reference.as_ref()?);
-        Some(if several { format!("{}: {text}", r.name) } else { text })
-    })
-}
-
-fn filters(results: &Results) -> [(&'static str, String); 2] {
-    let bandwidth = &results.bandwidth;
-    let position = format!(
-        "{} Hz asked; measured: positions {}, accelerations {} Hz",
-        given(bandwidth.position_cutoff_hz),
-        optional(bandwidth.position_measured_hz, 3),
-        optional(bandwidth.acceleration_measured_hz, 3),
-    );
-    let decimation = format!(
-        "{} Hz asked; measured: {} Hz",
-        given(bandwidth.decimation_cutoff_hz),
-        optional(bandwidth.decimation_measured_hz, 3),
-    );
-    [("position filter", position), ("parallel filter", decimation)]
-}
-
-fn reference(results: &Results, reference: &crate::results::ReferenceResult) -> String {
-    let moves = reference.moves.map(|m| format!(", {m} moves")).unwrap_or_default();
-    let worst = reference.rms_deviation.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
-    let deviation = worst.map(|(joint, rms)| {
-        let unit = if figures::is_prismatic(results, joint) { "mm" } else { "mrad" };
-        format!("; worst rms deviation {} {unit}, joint {}", significant(1e3 * rms, 3), joint + 1)
-    });
-    format!("{}{moves}{}", reference.origin, deviation.unwrap_or_default())
-}
-
-/// The weights of each method, from the experiment's text.
-fn weights(results: &Results) -> Option<String> {
-    let file: toml::Table = results.experiment_description.parse().ok()?;
-    let weighting = file.get("estimation").and_then(|e| e.get("weighting"));
-    let of_method = |name: &str| weighting.and_then(|w| w.get(name)?.as_str()).unwrap_or("none").to_owned();
-    let mut weights: Vec<String> = Vec::new();
-    for run in &results.runs {
-        let weight = format!("{} {}", run.method.name(), of_method(run.method.name()));
-        if !weights.contains(&weight) {
-            weights.push(weight);
-        }
-    }
-    Some(weights.join(", "))
 }
 
 /// What the elimination did and what the F-tests say, whether they reject or not.

@@ -3,21 +3,21 @@
 use std::path::{Path, PathBuf};
 
 use super::{
-    ReportError, Table,
+    error::ReportError,
     figures::{Figure, legend_of},
     files, html,
     number::{NONE, given, optional, significant},
     plot::{Chart, Curve},
-    sections::Section,
+    section::Section,
+    status::status_words,
+    table::{Group, Table},
 };
-use crate::{
-    identification::{Method, Status},
-    results::{Sensitivity, SensitivityPoint},
-    simulation::BiasKind,
-};
+use crate::results::{BiasKind, Method, Sensitivity, SensitivityPoint, Status};
 
 /// The methods of a sweep, in the order of the table's groups.
-const METHODS: [Method; 2] = [Method::IDIM_IV, Method::DIDIM];
+fn methods(sensitivity: &Sensitivity) -> Vec<Method> {
+    sensitivity.nominal.iter().map(|point| point.method).collect()
+}
 
 /// The table of a sweep for the terminal.
 #[must_use]
@@ -66,12 +66,14 @@ fn sections(sensitivity: &Sensitivity) -> Vec<Section> {
 const LARGEST_CHANGE: f64 = 100.0;
 
 fn figure(sensitivity: &Sensitivity) -> Figure {
+    let methods = methods(sensitivity);
     let chart = |kind: BiasKind| {
-        let curves: Vec<Curve> = METHODS.iter().map(|m| curve(sensitivity, kind, *m)).collect();
+        let curves: Vec<Curve> = methods.iter().map(|m| curve(sensitivity, kind, *m)).collect();
         Chart::over_values(axis(kind), &curves)
     };
     let charts = BiasKind::ALL.into_iter().map(chart).collect();
-    Figure::new("idim-iv and didim by kind of error".to_owned(), legend_of(&METHODS), charts)
+    let names: Vec<&str> = methods.iter().map(|m| m.name()).collect();
+    Figure::new(format!("{} by kind of error", names.join(" and ")), legend_of(&methods), charts)
 }
 
 /// The changes of one method over one kind of error, with none where there is no error.
@@ -88,7 +90,11 @@ fn axis(kind: BiasKind) -> String {
     match kind {
         BiasKind::Delay => "delay, ms".to_owned(),
         BiasKind::ReferenceOffset => "offset, mrad or mm".to_owned(),
-        kind => format!("{}, factor", kind.name()),
+        BiasKind::GearRatio
+        | BiasKind::DriveGain
+        | BiasKind::ControllerGain
+        | BiasKind::ReferenceScale
+        | BiasKind::Friction => format!("{}, factor", kind.name()),
     }
 }
 
@@ -99,16 +105,18 @@ fn shown_value(point: &SensitivityPoint) -> f64 {
 
 fn table(sensitivity: &Sensitivity) -> Table {
     let strings = |texts: &[&str]| texts.iter().map(|t| (*t).to_owned()).collect::<Vec<_>>();
-    let first = |p: &&SensitivityPoint| p.method == METHODS[0];
+    let methods = methods(sensitivity);
+    let first = |p: &&SensitivityPoint| Some(&p.method) == methods.first();
     let row = |p: &SensitivityPoint| {
-        let cells = METHODS.iter().flat_map(|m| cells(same_error(sensitivity, p, *m)));
+        let cells = methods.iter().flat_map(|m| cells(same_error(sensitivity, p, *m)));
         [axis(p.kind), given(shown_value(p))].into_iter().chain(cells).collect()
     };
+    let figures = strings(&["rms", "most", "error %"]);
     Table {
         title: "Changes of the estimates with errors of the simulator, standard deviations".to_owned(),
         lead: 2,
-        groups: METHODS.iter().map(|m| super::Group { label: m.name().to_owned(), columns: 3 }).collect(),
-        head: strings(&["error", "value", "rms", "most", "error %", "rms", "most", "error %"]),
+        groups: methods.iter().map(|m| Group { label: m.name().to_owned(), columns: 3 }).collect(),
+        head: strings(&["error", "value"]).into_iter().chain(methods.iter().flat_map(|_| figures.clone())).collect(),
         rows: sensitivity.points.iter().filter(first).map(row).collect(),
         notes: strings(&[
             "rms and most: of the shown estimates, against those without error; offset: of the reference.",
@@ -127,7 +135,7 @@ fn same_error<'a>(
 
 fn cells(point: Option<&SensitivityPoint>) -> [String; 3] {
     let Some(point) = point.filter(|p| p.rms_change.is_some()) else {
-        let why = point.map_or(NONE, |p| status(p.status));
+        let why = point.map_or(NONE, |p| status_words(p.status));
         return [why, NONE, NONE].map(str::to_owned);
     };
     let most = point.largest_change.as_ref().map(|(name, c)| format!("{name} {}", significant(*c, 2)));
@@ -137,15 +145,6 @@ fn cells(point: Option<&SensitivityPoint>) -> [String; 3] {
         most.unwrap_or_else(|| NONE.to_owned()),
         optional(point.relative_error_percent, 3),
     ]
-}
-
-fn status(status: Status) -> &'static str {
-    match status {
-        Status::Converged => "converged",
-        Status::IterationLimit => "iteration limit",
-        Status::Diverged => "diverged",
-        Status::NotIdentifiable => "not identifiable",
-    }
 }
 
 fn csv_of(sensitivity: &Sensitivity) -> Result<Vec<u8>, ReportError> {
@@ -164,7 +163,7 @@ fn csv_of(sensitivity: &Sensitivity) -> Result<Vec<u8>, ReportError> {
 fn record((point, kind): (&SensitivityPoint, &str), parameters: usize) -> Vec<String> {
     let number = |v: Option<f64>| v.map(|v| v.to_string()).unwrap_or_default();
     let kind = if kind.is_empty() { point.kind.name() } else { kind };
-    let lead = [kind, &point.value.to_string(), point.method.name(), status(point.status)].map(str::to_owned);
+    let lead = [kind, &point.value.to_string(), point.method.name(), status_words(point.status)].map(str::to_owned);
     let figures = [number(point.relative_error_percent), number(point.rms_change)];
     let estimates = (0..parameters).map(|i| number(point.estimates.get(i).copied()));
     lead.into_iter().chain(figures).chain(estimates).collect()

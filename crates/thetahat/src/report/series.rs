@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use super::ReportError;
+use super::error::ReportError;
 use crate::{results::TwinRecord, series::Series};
 
 /// Writes the record of a twin: `time_s`, `position_1` ... in rad or m, `torque_1` ... in N m or N; whole or not at all.

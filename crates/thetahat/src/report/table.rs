@@ -2,10 +2,7 @@
 
 use serde::Serialize;
 
-use super::text::wrap;
-
-/// Columns of a terminal that no line exceeds.
-pub const TEXT_WIDTH: usize = 80;
+use super::wrap::{TEXT_WIDTH, wrap};
 
 /// Longest text of a leading column, of a column under a group, and of any other column.
 const LEAD_CELL: usize = 24;

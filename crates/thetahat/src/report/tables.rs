@@ -1,13 +1,12 @@
 //! What the tables of the report hold.
 
 use super::{
-    Agreement, Group, Published, PublishedValue, Table,
     number::{NONE, estimate, fixed, given, optional, signed, significant, with_deviation, with_percent},
+    published::{Agreement, Published, PublishedValue},
+    status::status_words,
+    table::{Group, Table},
 };
-use crate::{
-    identification::Status,
-    results::{ParameterResult, Results, RunResult},
-};
+use crate::results::{IterationResult, ParameterResult, Results, RunResult, Status};
 
 /// Errors in standard deviations that count as within.
 const WITHIN: f64 = 3.0;
@@ -26,15 +25,6 @@ pub(super) fn runs_of<'a>(results: &'a Results, case: &str) -> Vec<&'a RunResult
     results.runs.iter().filter(|r| r.case == case).collect()
 }
 
-pub(super) fn status(run: &RunResult) -> &'static str {
-    match run.status {
-        Status::Converged => "converged",
-        Status::IterationLimit => "iteration limit",
-        Status::Diverged => "diverged",
-        Status::NotIdentifiable => "not identifiable",
-    }
-}
-
 fn strings(texts: &[&str]) -> Vec<String> {
     texts.iter().map(|t| (*t).to_owned()).collect()
 }
@@ -45,7 +35,7 @@ pub(super) fn summary(results: &Results) -> Table {
         vec![
             r.case.clone(),
             r.method.name().to_owned(),
-            status(r).to_owned(),
+            status_words(r.status).to_owned(),
             r.iterations.to_string(),
             r.simulations.to_string(),
             optional(r.relative_error_percent, 3),
@@ -77,7 +67,7 @@ fn parameters_in<'a>(runs: &[&'a RunResult], wanted: impl Fn(&ParameterResult) -
 
 /// What stands for a parameter of a run: its status where there is no estimate.
 fn cell(run: &RunResult, name: &str, show: impl Fn(&ParameterResult) -> String) -> String {
-    let absent = if run.parameters.is_empty() { status(run) } else { NONE };
+    let absent = if run.parameters.is_empty() { status_words(run.status) } else { NONE };
     run.parameter(name).map_or_else(|| absent.to_owned(), show)
 }
 
@@ -85,7 +75,7 @@ fn cell(run: &RunResult, name: &str, show: impl Fn(&ParameterResult) -> String) 
 pub(super) fn reasons(runs: &[&RunResult]) -> Vec<String> {
     let reason = |r: &&RunResult| {
         let why = r.reason.as_deref().or((r.status != Status::Converged).then_some("no reason given"))?;
-        Some(format!("{} {}: {why}", r.method.name(), status(r)))
+        Some(format!("{} {}: {why}", r.method.name(), status_words(r.status)))
     };
     runs.iter().filter_map(reason).collect()
 }
@@ -354,7 +344,7 @@ fn run_figure(run: &RunResult, name: &str) -> Option<f64> {
 /// Every iteration of every run that iterates.
 pub(super) fn convergence(results: &Results) -> Option<Table> {
     let rows_of = |run: &RunResult| -> Vec<Vec<String>> {
-        let row = |(k, i): (usize, &crate::results::IterationResult)| {
+        let row = |(k, i): (usize, &IterationResult)| {
             vec![
                 run.case.clone(),
                 run.method.name().to_owned(),

@@ -1,8 +1,12 @@
-//! The report for the terminal: tables of at most [`TEXT_WIDTH`] columns, without colour.
+//! The report for the terminal: tables of at most [`TEXT_WIDTH`](super::TEXT_WIDTH) columns, without colour.
 
 use super::{
-    Published, TEXT_WIDTH, diagnosis, sections,
+    diagnosis, facts,
+    findings::findings_text,
+    published::Published,
+    sections,
     tables::{self, Detail},
+    wrap::wrap,
 };
 use crate::results::Results;
 
@@ -12,7 +16,7 @@ const LABEL: usize = 17;
 /// The whole report.
 #[must_use]
 pub fn all(results: &Results, published: Option<&Published>) -> String {
-    let findings = super::findings_text(&results.findings);
+    let findings = findings_text(&results.findings);
     let mut parts = vec![head(results), findings, summary(results), self::diagnosis(results)];
     for case in results.cases() {
         parts.push(parameters(results, case));
@@ -33,7 +37,7 @@ pub fn head(results: &Results) -> String {
         let text = wrap(&value, &indent);
         format!("{label:<LABEL$}{}", text.trim_start())
     };
-    let facts = sections::head(results).into_iter().map(line);
+    let facts = facts::head(results).into_iter().map(line);
     [wrap(&results.title, "")].into_iter().chain(facts).collect()
 }
 
@@ -98,24 +102,4 @@ pub fn convergence(results: &Results) -> String {
 #[must_use]
 pub fn simulation_errors(results: &Results) -> String {
     tables::simulation_errors(results).map(|t| t.to_text()).unwrap_or_default()
-}
-
-/// Cuts a text into indented lines of at most [`TEXT_WIDTH`] characters, at spaces where it can.
-pub(super) fn wrap(text: &str, indent: &str) -> String {
-    let width = TEXT_WIDTH - indent.chars().count();
-    let mut lines: Vec<String> = vec![String::new()];
-    for word in text.split_whitespace().flat_map(|word| pieces(word, width)) {
-        match lines.last_mut() {
-            Some(line) if line.is_empty() => *line = word,
-            Some(line) if line.chars().count() + 1 + word.chars().count() <= width => *line += &format!(" {word}"),
-            _ => lines.push(word),
-        }
-    }
-    lines.iter().map(|line| format!("{indent}{line}\n")).collect()
-}
-
-/// A word, cut where it is longer than a line.
-fn pieces(word: &str, width: usize) -> Vec<String> {
-    let characters: Vec<char> = word.chars().collect();
-    characters.chunks(width).map(|piece| piece.iter().collect()).collect()
 }

@@ -3,11 +3,15 @@ use serde::{Deserialize, Serialize};
 use super::{
     curves::Plots,
     diagnosis::{Advice, CaseDiagnosis},
+    joints::JointResult,
     parameters::EliminationResult,
     recordings::{Bandwidth, RecordingFindings, RecordingResult},
     run::RunResult,
 };
 use crate::identification::{Method, Status};
+
+/// Version of the form of `results.json`: it grows where a program of before would misread the file.
+pub const SCHEMA: u32 = 1;
 
 /// Name of the case without errors of the simulator.
 pub const NOMINAL: &str = "nominal";
@@ -15,12 +19,19 @@ pub const NOMINAL: &str = "nominal";
 /// What an experiment gives: the content of `results.json`, and the curves of the report.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Results {
+    /// Version of the form of the file: [`SCHEMA`], or 0 where it was read from a file of before that key.
+    #[serde(default)]
+    pub schema: u32,
     /// Version of this program.
     pub thetahat: String,
     /// Name of the robot.
     pub robot: String,
     /// Title of the experiment.
     pub title: String,
+    /// The joints, one for each coordinate: the order of all numbers that are given joint by joint. Empty where it was
+    /// read from a file of schema 0.
+    #[serde(default)]
+    pub robot_joints: Vec<JointResult>,
     /// Samples in the windows of the recordings that were identified from.
     pub samples_used: usize,
     /// Rows of y.

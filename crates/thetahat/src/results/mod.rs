@@ -1,8 +1,39 @@
-//! What a run gives, as plain data: the content of `results.json`, and what the report prints.
+//! What a run yields, as plain data: the content of `results.json`, and the values that the report and exports show.
+//!
+//! [`Results::read`] and [`Results::to_json`] are the one place that reads and writes `results.json`. Reports and exports
+//! import this room and no room that computes.
+//!
+//! ```
+//! use std::path::Path;
+//! use thetahat::results::Results;
+//!
+//! # fn main() -> Result<(), thetahat::results::ResultsError> {
+//! let text = r#"{
+//!   "schema": 1, "thetahat": "0.1.0", "robot": "EMPS", "title": "One axis", "samples_used": 100, "decimated_rows": 10,
+//!   "recordings": [], "validation_recordings": [], "seed": null, "elimination": null,
+//!   "bandwidth": { "position_cutoff_hz": 50.0, "decimation_cutoff_hz": 20.0 },
+//!   "experiment_description": "", "robot_description": "",
+//!   "runs": [{
+//!     "case": "nominal", "method": "idim-ls", "status": "converged", "iterations": 0, "simulations": 0,
+//!     "joint_relative_error_percent": [5.5], "seconds": 0.1, "convergence": [],
+//!     "parameters": [{ "name": "m1r", "estimate": 95.1, "standard_deviation": 0.2, "unit": "kg",
+//!                      "expression": "m1 + ia1", "shown": true }]
+//!   }]
+//! }"#;
+//! let results = Results::from_json(Path::new("results.json"), text)?;
+//! let mass = results.runs[0].parameter("m1r").expect("the run estimates it");
+//! println!("{} = {} +- {:?} {}", mass.name, mass.estimate, mass.standard_deviation, mass.unit);
+//! assert_eq!((mass.estimate, mass.interval_95), (95.1, None));
+//! # Ok(())
+//! # }
+//! ```
 
+mod campaign;
 mod content;
 mod curves;
 mod diagnosis;
+mod file;
+mod joints;
 mod parameters;
 mod prediction;
 mod recordings;
@@ -10,15 +41,30 @@ mod run;
 mod sensitivity;
 mod twin;
 
-pub use content::{NOMINAL, Results};
+pub use campaign::{CampaignResults, Extent, MethodSummary, ParameterSummary, PublishedStatement, Quantiles};
+pub use content::{NOMINAL, Results, SCHEMA};
 pub use curves::{Plots, RunPlots};
 pub use diagnosis::{
     Advice, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis, EndogeneityResult, Influence, InstrumentResult,
     JointResidual, ParameterDifference, ResidualResult, Verdict,
 };
+pub use file::ResultsError;
+pub use joints::JointResult;
 pub use parameters::{EliminationResult, ParameterResult};
 pub use prediction::Prediction;
 pub use recordings::{Bandwidth, RecordingFindings, RecordingResult, ReferenceResult};
 pub use run::{IterationResult, RunResult};
 pub use sensitivity::{Sensitivity, SensitivityPoint};
 pub use twin::TwinRecord;
+
+// The values of other rooms that results hold and reports show.
+#[doc(no_inline)]
+pub use crate::{
+    checks::{Code, Finding, Severity},
+    identification::{Method, Status, Weighting},
+    recording::{ChannelSummary, ColumnSummary, Contents, Resampling, TableSummary, TimeSummary},
+    robot::{JointKind, Parameter, Quantity},
+    robot_summary::{BaseParameterSummary, JointSummary, ParameterCount, RobotSummary, StandardParameterSummary},
+    simulation::BiasKind,
+    statistics::{ChiSquaredTest, FTest},
+};

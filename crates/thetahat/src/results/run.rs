@@ -8,7 +8,7 @@ use super::{
     parameters::ParameterResult,
 };
 use crate::{
-    identification::{Method, Status},
+    identification::{Method, Status, Weighting},
     statistics::FTest,
 };
 
@@ -19,6 +19,10 @@ pub struct RunResult {
     pub case: String,
     /// The method.
     pub method: Method,
+    /// Weighting of the rows, as the experiment file names it: `none` or `per-joint`. None where it was read from a file
+    /// of schema 0.
+    #[serde(default)]
+    pub weighting: Option<Weighting>,
     /// How it ended.
     pub status: Status,
     /// Why, where it is not converged.
@@ -82,6 +86,7 @@ impl RunResult {
         Self {
             case: case.to_owned(),
             method,
+            weighting: None,
             status,
             reason: None,
             iterations: 0,

@@ -56,6 +56,7 @@ impl Assessment<'_> {
         });
         let test = |f| if *method == Method::IDIM_LS { problem.full_model_test(f) } else { None };
         RunResult {
+            weighting: Some(self.identification.setup().settings.weighting(*method)),
             reason: outcome.reason.as_ref().map(|r| explain(&problem.estimated, r)),
             iterations: outcome.iterations.len(),
             simulations: outcome.simulations,

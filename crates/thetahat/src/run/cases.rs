@@ -11,7 +11,7 @@ use crate::{
     identification::Method,
     pool::available_threads,
     preparation::{Case, PreparationError, Problem},
-    results::{CaseDiagnosis, Plots, RecordingFindings, Results, RunResult},
+    results::{CaseDiagnosis, JointResult, Plots, RecordingFindings, Results, RunResult, SCHEMA},
     scheduling::{EstimationJob, RunOptions, instruments_side_by_side, run_all},
     series::Series,
     simulation::SimulatorBias,
@@ -105,9 +105,11 @@ impl Identification {
         let rate = self.main.first().map_or(0.0, |p| p.filtered.recording.sample_rate_hz);
         let regression = &problem.regression;
         Ok(Results {
+            schema: SCHEMA,
             thetahat: env!("CARGO_PKG_VERSION").to_owned(),
             robot: self.setup().robot.name.clone(),
             title: String::new(),
+            robot_joints: JointResult::of_coordinates(self.setup().robot),
             samples_used: self.main.iter().map(|p| p.filtered.window.len()).sum(),
             decimated_rows: regression.y.len(),
             recordings: self.main.iter().map(Prepared::describe).collect(),

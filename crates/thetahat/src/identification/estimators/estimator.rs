@@ -35,6 +35,17 @@ pub enum Weighting {
     PerJoint,
 }
 
+impl Weighting {
+    /// Its name in files, lower case with hyphens.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::PerJoint => "per-joint",
+        }
+    }
+}
+
 /// What there is to know of an estimator.
 pub(super) struct Estimator {
     /// Name, lower case with hyphens.

@@ -1,0 +1,39 @@
+//! Completions for shells and manual pages, from the description of the arguments.
+
+use std::{error::Error, fs};
+
+use clap::CommandFactory;
+use clap_complete::Shell;
+
+use crate::{
+    arguments::{Arguments, Man},
+    commands::{Verdict, print},
+};
+
+/// Name of the program.
+const NAME: &str = "thetahat";
+
+pub fn print_completions(shell: Shell) -> Result<Verdict, Box<dyn Error>> {
+    // In memory first: the generator panics where it cannot write, as into a closed pipe.
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Arguments::command(), NAME, &mut script);
+    print(&String::from_utf8(script)?)?;
+    Ok(Verdict::Good)
+}
+
+pub fn write_manual(request: &Man) -> Result<Verdict, Box<dyn Error>> {
+    let command = Arguments::command();
+    match &request.out {
+        Some(folder) => {
+            let refuse = |e| format!("{}: {e}", folder.display());
+            fs::create_dir_all(folder).map_err(refuse)?;
+            clap_mangen::generate_to(command, folder).map_err(refuse)?;
+        }
+        None => {
+            let mut page = Vec::new();
+            clap_mangen::Man::new(command).render(&mut page)?;
+            print(&String::from_utf8(page)?)?;
+        }
+    }
+    Ok(Verdict::Good)
+}

@@ -1,0 +1,90 @@
+//! What was recorded and done, as labels and texts for the terminal and the page.
+
+use super::{
+    diagnosis,
+    number::{given, optional, significant},
+    units,
+};
+use crate::results::{RecordingResult, ReferenceResult, Results};
+
+/// The head: what to take, then what was recorded and how it was filtered.
+pub(super) fn head(results: &Results) -> Vec<(&'static str, String)> {
+    diagnosis::advice(results).chain(facts(results)).collect()
+}
+
+/// What was recorded and how it was filtered, as labels and texts.
+pub(super) fn facts(results: &Results) -> Vec<(&'static str, String)> {
+    let rows = format!("{} after decimation", results.decimated_rows);
+    let mut facts = vec![("robot", results.robot.clone())];
+    facts.extend(recordings("samples used", &results.recordings));
+    facts.extend(recordings("held back", &results.validation_recordings));
+    facts.push(("rows", rows));
+    facts.extend(filters(results));
+    facts.extend(references(results).map(|r| ("reference", r)));
+    facts.extend(results.seed.map(|seed| ("seed", seed.to_string())));
+    facts.push(("thetahat", results.thetahat.clone()));
+    facts
+}
+
+/// A line for each recording; its name is shown where there are several.
+fn recordings(label: &'static str, recordings: &[RecordingResult]) -> Vec<(&'static str, String)> {
+    let line = |r: &RecordingResult| {
+        let [start, end, rate] = [r.window_s[0], r.window_s[1], r.sample_rate_hz].map(given);
+        let name = if recordings.len() > 1 { format!("{}: ", r.name) } else { String::new() };
+        let weight = if r.weight == 1.0 { String::new() } else { format!(", weight {}", given(r.weight)) };
+        let resampled = r.resampling.map(|j| {
+            let [rms, largest] = [j.rms_deviation, j.largest_deviation].map(|d| significant(100.0 * d, 2));
+            format!("; resampled, its steps deviate by {rms} % rms, {largest} % at most")
+        });
+        let window = format!("{} at {rate} Hz, window {start} s to {end} s", r.samples_used);
+        (label, format!("{name}{window}{weight}{}", resampled.unwrap_or_default()))
+    };
+    recordings.iter().map(line).collect()
+}
+
+/// One line for each recording's reference.
+fn references(results: &Results) -> impl Iterator<Item = String> {
+    let several = results.recordings.len() > 1;
+    results.recordings.iter().filter_map(move |r| {
+        let text = reference(results, r.reference.as_ref()?);
+        Some(if several { format!("{}: {text}", r.name) } else { text })
+    })
+}
+
+fn filters(results: &Results) -> [(&'static str, String); 2] {
+    let bandwidth = &results.bandwidth;
+    let position = format!(
+        "{} Hz asked; measured: positions {}, accelerations {} Hz",
+        given(bandwidth.position_cutoff_hz),
+        optional(bandwidth.position_measured_hz, 3),
+        optional(bandwidth.acceleration_measured_hz, 3),
+    );
+    let decimation = format!(
+        "{} Hz asked; measured: {} Hz",
+        given(bandwidth.decimation_cutoff_hz),
+        optional(bandwidth.decimation_measured_hz, 3),
+    );
+    [("position filter", position), ("parallel filter", decimation)]
+}
+
+fn reference(results: &Results, reference: &ReferenceResult) -> String {
+    let moves = reference.moves.map(|m| format!(", {m} moves")).unwrap_or_default();
+    let worst = reference.rms_deviation.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
+    let deviation = worst.map(|(joint, rms)| {
+        let unit = units::thousandth_of_position(results, joint);
+        format!("; worst rms deviation {} {unit}, joint {}", significant(1e3 * rms, 3), joint + 1)
+    });
+    format!("{}{moves}{}", reference.origin, deviation.unwrap_or_default())
+}
+
+/// The weighting of each method; none where the results do not tell it.
+pub(super) fn weights(results: &Results) -> Option<String> {
+    let mut weights: Vec<String> = Vec::new();
+    for run in &results.runs {
+        let weight = format!("{} {}", run.method.name(), run.weighting?.name());
+        if !weights.contains(&weight) {
+            weights.push(weight);
+        }
+    }
+    Some(weights.join(", "))
+}

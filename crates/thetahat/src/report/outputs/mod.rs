@@ -1,0 +1,32 @@
+//! The files that a report consists of: one file here for each, and their list.
+
+mod output;
+mod parameters_csv;
+mod report_html;
+mod results_json;
+
+use std::path::{Path, PathBuf};
+
+use self::output::Output;
+use super::{error::ReportError, files::write_files, published::Published};
+use crate::results::Results;
+
+/// Every file, in the order in which they are told.
+const OUTPUTS: [Output; 3] = [results_json::OUTPUT, parameters_csv::OUTPUT, report_html::OUTPUT];
+
+/// Writes `results.json`, `parameters.csv` and `report.html` into a folder, which is made where it is not there.
+/// Returns their paths.
+///
+/// Everything is rendered before anything is written, and written under temporary names before anything is renamed: an
+/// error leaves no file in part.
+///
+/// # Errors
+/// [`ReportError`] for what cannot be rendered or written.
+pub fn write_all(
+    results: &Results,
+    published: Option<&Published>,
+    directory: &Path,
+) -> Result<Vec<PathBuf>, ReportError> {
+    let render = |output: Output| Ok((output.name, (output.render)(results, published)?));
+    write_files(directory, OUTPUTS.into_iter().map(render).collect::<Result<_, ReportError>>()?)
+}

@@ -1,0 +1,13 @@
+//! `results.json`: everything but the curves.
+
+use super::output::Output;
+use crate::{
+    report::{error::ReportError, published::Published},
+    results::Results,
+};
+
+pub(super) const OUTPUT: Output = Output { name: "results.json", render };
+
+fn render(results: &Results, _: Option<&Published>) -> Result<Vec<u8>, ReportError> {
+    Ok(results.to_json()?.into_bytes())
+}
