@@ -210,9 +210,13 @@ fn a_loop_that_runs_away_is_named_with_joint_and_time() {
 fn simulations_side_by_side_have_the_bits_that_they_have_alone() {
     let continuous = "law = \"pd\"\nbandwidth_hz = [4]\ndamping = 0.7";
     let sampled = format!("{continuous}\nsample_time_s = 0.002\ndelay_s = 0.001");
-    for controller in [continuous, &sampled] {
+    let implicit = Solver::Implicit { relative_tolerance: 1e-4, absolute_tolerance: 1e-7 };
+    let [one, other] = [continuous, &sampled];
+    for (controller, solver) in
+        [(one, Solver::ODE45), (other, Solver::ODE45), (one, implicit), (other, implicit), (one, Solver::default())]
+    {
         let reference = Reference::Moves(one_move(vec![0.3, -0.2], vec![1.0, 0.4]));
-        let bench = Bench { solver: Solver::ODE45, ..Bench::new(COUPLED, controller, reference) };
+        let bench = Bench { solver, ..Bench::new(COUPLED, controller, reference) };
         let theta = bench.robot.a_priori_parameters();
         let inertia = bench.closed_loop().motor_inertia(&theta, 1.0);
         // The third has no mass matrix, the sixth runs away.

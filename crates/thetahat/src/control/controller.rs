@@ -244,6 +244,16 @@ impl Controller {
         u.clamp(-l.limit, l.limit)
     }
 
+    /// What one more of position and of velocity takes away from the drive signal of motor `i`: its gains, or zeros where
+    /// the limit acts.
+    #[inline]
+    #[must_use]
+    pub fn slopes(&self, i: usize, e: f64, v: f64, dr: f64, ddr: f64) -> [f64; 2] {
+        let l = &self.loops[i];
+        let limited = self.command(i, e, v, dr, ddr).abs() >= l.limit;
+        if limited { [0.0; 2] } else { [l.position, l.velocity] }
+    }
+
     /// Number of motors.
     #[must_use]
     pub fn motors(&self) -> usize {

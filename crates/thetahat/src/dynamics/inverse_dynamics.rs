@@ -51,7 +51,7 @@ impl Model {
 
     /// The torques of the drives: the terms of the joints and of the coupled motors.
     #[inline(always)]
-    fn add_drive_torques<T: Real, P: Parameter<T>>(
+    pub(super) fn add_drive_torques<T: Real, P: Parameter<T>>(
         &self,
         parameters: &DynamicParameters<P>,
         state: State<'_, T>,

@@ -33,6 +33,7 @@
 //! ```
 
 mod coupled_motor;
+mod damping;
 mod energy;
 mod forward_dynamics;
 mod geometry;
@@ -60,6 +61,8 @@ pub use sign::Sign;
 pub use state::{JointCoordinate, State};
 pub use workspace::Workspace;
 
+pub(crate) use damping::DampingWorkspace;
 pub(crate) use motion::LinkMotion;
 pub(crate) use series::gather;
+pub(crate) use solve::{factorise, multiply_factors, solve_factorised};
 pub(crate) use twist::Twist;

@@ -1,13 +1,20 @@
 use crate::real::Real;
 
-/// Solves `M x = b` in place by `M = L D L^T`; M is row by row, its lower triangle alone is used, and it is overwritten by L
-/// with `1/D` on its diagonal.
+/// Solves `M x = b` in place by `M = L D L^T`; see [`factorise`].
+#[inline(always)]
+pub(super) fn solve_positive_definite<T: Real>(m: &mut [T], b: &mut [T]) -> Result<(), (usize, T)> {
+    factorise(m, b.len())?;
+    solve_factorised(m, b);
+    Ok(())
+}
+
+/// `M = L D L^T` in place; M is n by n, row by row, its lower triangle alone is used, and it is overwritten by L with `1/D` on
+/// its diagonal.
 ///
 /// The error is the index and value of a pivot that is not positive. Written out because it runs in every right-hand side of
 /// the simulation, where nothing may allocate.
 #[inline(always)]
-pub(super) fn solve_positive_definite<T: Real>(m: &mut [T], b: &mut [T]) -> Result<(), (usize, T)> {
-    let n = b.len();
+pub(crate) fn factorise<T: Real>(m: &mut [T], n: usize) -> Result<(), (usize, T)> {
     for j in 0..n {
         let (above, row) = m.split_at_mut(j * n);
         // Entry i of the row becomes (L D)_ji, then L_ji; the pivot takes away the squares of L weighted by D.
@@ -25,6 +32,13 @@ pub(super) fn solve_positive_definite<T: Real>(m: &mut [T], b: &mut [T]) -> Resu
         }
         row[j] = pivot.like(1.0) / pivot;
     }
+    Ok(())
+}
+
+/// Solves `L D L^T x = b` in place.
+#[inline(always)]
+pub(crate) fn solve_factorised<T: Real>(m: &[T], b: &mut [T]) {
+    let n = b.len();
     for i in 0..n {
         b[i] -= products(b[i], &m[i * n..], &b[..i]);
     }
@@ -35,7 +49,19 @@ pub(super) fn solve_positive_definite<T: Real>(m: &mut [T], b: &mut [T]) -> Resu
         }
         b[i] = b[i] * m[i * n + i] - sum;
     }
-    Ok(())
+}
+
+/// `M` itself, both triangles, of its factors.
+pub(crate) fn multiply_factors(factors: &[f64], n: usize, m: &mut [f64]) {
+    for i in 0..n {
+        for j in 0..=i {
+            let (row_i, row_j) = (&factors[i * n..], &factors[j * n..]);
+            let before: f64 = (0..j).map(|k| row_i[k] * row_j[k] / factors[k * n + k]).sum();
+            let own = if i == j { 1.0 } else { row_i[j] };
+            let value = before + own / factors[j * n + j];
+            (m[i * n + j], m[j * n + i]) = (value, value);
+        }
+    }
 }
 
 /// `sum_i a_i b_i` over the entries of b.

@@ -50,3 +50,10 @@ impl<T: Copy> Workspace<T> {
         }
     }
 }
+
+impl<T> Workspace<T> {
+    /// The mass matrix of the last forward dynamics, as `L` with `1/D` on its diagonal.
+    pub(crate) fn factored_mass_matrix(&self) -> &[T] {
+        &self.mass_matrix
+    }
+}

@@ -227,11 +227,7 @@ pub struct SimulationOptions {
 
 impl Default for SimulationOptions {
     fn default() -> Self {
-        Self {
-            solver: Solver::Adaptive { relative_tolerance: 1e-3, absolute_tolerance: 1e-6 },
-            sign_velocity_scale: 0.01,
-            band_pass: false,
-        }
+        Self { solver: Solver::default(), sign_velocity_scale: 0.01, band_pass: false }
     }
 }
 

@@ -105,6 +105,14 @@ impl Settings {
         let positive = PreparationError::require_positive;
         positive("[simulation] sign_velocity_scale", simulation.sign_velocity_scale)?;
         match simulation.solver {
+            Solver::Automatic { relative_tolerance, absolute_tolerance } => {
+                positive("[simulation] solver.automatic.relative_tolerance", relative_tolerance)?;
+                positive("[simulation] solver.automatic.absolute_tolerance", absolute_tolerance)
+            }
+            Solver::Implicit { relative_tolerance, absolute_tolerance } => {
+                positive("[simulation] solver.implicit.relative_tolerance", relative_tolerance)?;
+                positive("[simulation] solver.implicit.absolute_tolerance", absolute_tolerance)
+            }
             Solver::Adaptive { relative_tolerance, absolute_tolerance } => {
                 positive("[simulation] solver.adaptive.relative_tolerance", relative_tolerance)?;
                 positive("[simulation] solver.adaptive.absolute_tolerance", absolute_tolerance)

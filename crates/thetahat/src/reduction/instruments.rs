@@ -99,7 +99,9 @@ impl<'a> Simulated<'a> {
     /// Refuses pieces that do not meet: the loop remembers longer than it was simulated before each.
     pub(super) fn require_seam(&self, expected: &[f64], found: &[f64], sample: usize) -> Result<(), ReductionError> {
         let (relative, absolute) = match self.experiment.settings.simulation.solver {
-            Solver::Adaptive { relative_tolerance, absolute_tolerance } => (relative_tolerance, absolute_tolerance),
+            Solver::Automatic { relative_tolerance, absolute_tolerance }
+            | Solver::Adaptive { relative_tolerance, absolute_tolerance }
+            | Solver::Implicit { relative_tolerance, absolute_tolerance } => (relative_tolerance, absolute_tolerance),
             Solver::Fixed { .. } => (FIXED_TOLERANCE, FIXED_TOLERANCE),
         };
         let apart = |(e, f): (&f64, &f64)| (e - f).abs() / (absolute + relative * e.abs());

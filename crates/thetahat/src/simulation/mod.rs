@@ -19,16 +19,32 @@
 
 mod bias;
 mod closed_loop;
+mod coupling;
 mod dormand_prince;
+mod error;
+mod integrator;
+mod motion;
+mod motor_reference;
 mod plant;
 mod reference;
+mod rosenbrock_w;
 mod running;
+mod sampling;
 mod sensors;
 mod side_by_side;
+mod solver;
+mod step_control;
+mod stiffness;
+mod system;
 
 pub use bias::{BiasKind, SimulatorBias};
-pub use closed_loop::{ClosedLoop, OutputGrid, SimulatedMotion, SimulationError};
-pub use dormand_prince::{Integrator, Next, Solver, StepTooSmall, StepView, WorkCounts};
+pub use closed_loop::{ClosedLoop, Job};
+pub use dormand_prince::DormandPrince;
+pub use error::SimulationError;
+pub use motion::{OutputGrid, SimulatedMotion};
 pub use reference::{Reference, SampledReference};
+pub use rosenbrock_w::{Linearisation, RosenbrockW};
 pub use sensors::Sensors;
-pub use side_by_side::{Job, simulate_all};
+pub use side_by_side::simulate_all;
+pub use solver::{Solver, WorkCounts};
+pub use step_control::{Next, StepTooSmall, StepView};

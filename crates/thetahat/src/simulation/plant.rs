@@ -1,39 +1,11 @@
-//! The simulated robot seen from its motors, and the reference in the motors' coordinates.
+//! The simulated robot seen from its motors.
 
-use super::{ClosedLoop, Reference, SimulatorBias};
+use super::{closed_loop::ClosedLoop, coupling::Coupling};
 use crate::{
-    dynamics::{DynamicParameters, DynamicsError, Model, Sign, State, Workspace},
+    dynamics::{DampingWorkspace, DynamicParameters, DynamicsError, Model, Sign, State, Workspace},
     linear_algebra::Matrix,
-    robot::Transmission,
     series::Series,
 };
-
-/// The entries of a coupling matrix that are not zero: of the joints, most move one motor only.
-struct Coupling {
-    entries: Vec<(usize, usize, f64)>,
-}
-
-impl Coupling {
-    fn new(n: &Matrix, factor: f64) -> Self {
-        let all = (0..n.columns()).flat_map(|j| (0..n.rows()).map(move |i| (i, j)));
-        let entries = all.map(|(i, j)| (i, j, factor * n.at(i, j))).filter(|(_, _, w)| *w != 0.0).collect();
-        Self { entries }
-    }
-
-    /// `motors = n joints`.
-    #[inline]
-    fn to_motors(&self, joints: &[f64], motors: &mut [f64]) {
-        motors.fill(0.0);
-        self.entries.iter().for_each(|&(i, j, w)| motors[i] += w * joints[j]);
-    }
-
-    /// `joints = n^T motors`.
-    #[inline]
-    fn transpose_to_joints(&self, motors: &[f64], joints: &mut [f64]) {
-        joints.fill(0.0);
-        self.entries.iter().for_each(|&(i, j, w)| joints[j] += w * motors[i]);
-    }
-}
 
 /// The simulated robot: `p = n_s (q - offset)`, `tau = n_s^T (d_s u)`.
 pub(super) struct Plant<'a> {
@@ -41,6 +13,7 @@ pub(super) struct Plant<'a> {
     pub(super) parameters: DynamicParameters,
     pub(super) sign: Sign,
     workspace: Workspace,
+    damping: DampingWorkspace,
     /// `n_s`: motors per joints, in the true joint units.
     coupling: Coupling,
     joints_per_motor: Matrix,
@@ -67,6 +40,7 @@ impl<'a> Plant<'a> {
             parameters: DynamicParameters::new(setup.model, &with_friction(setup, theta)),
             sign: Sign::Smooth { scale: setup.sign_velocity_scale },
             workspace: Workspace::new(setup.model),
+            damping: DampingWorkspace::default(),
             coupling: Coupling::new(&setup.transmission.motor_in_joint_units(), ratio),
             joints_per_motor: Matrix::from_fn(n, n, |i, j| joints_per_motor.at(i, j) / ratio),
             offset: setup.transmission.offset(),
@@ -105,6 +79,22 @@ impl<'a> Plant<'a> {
         self.model.forward_dynamics_series(&self.parameters, motion, self.sign)
     }
 
+    /// The friction's part of the damping in a state.
+    pub(super) fn friction_damping(&mut self, x: &[f64], d: &mut [f64]) {
+        let (q, dq) = x.split_at(self.p.len());
+        self.model.damping_into(&self.parameters, State { q, dq }, self.sign, &mut self.damping, d);
+    }
+
+    /// Adds what drive signals that fall by `slopes` per motor position or velocity give the joints: a stiffness or a damping.
+    pub(super) fn add_drive_slopes(&self, slopes: &[f64], matrix: &mut [f64]) {
+        self.coupling.add_quadratic(|i| self.drive[i] * slopes[i], self.p.len(), matrix);
+    }
+
+    /// The mass matrix of the last accelerations, as `L` with `1/D` on its diagonal.
+    pub(super) fn factored_mass_matrix(&self) -> &[f64] {
+        self.workspace.factored_mass_matrix()
+    }
+
     /// The joint accelerations that the torques last applied give in a state.
     #[inline]
     pub(super) fn accelerations(&mut self, x: &[f64], ddq: &mut [f64]) -> Result<(), DynamicsError> {
@@ -118,61 +108,4 @@ fn with_friction(setup: &ClosedLoop<'_>, theta: &[f64]) -> Vec<f64> {
     let factor = |friction: bool| if friction { setup.bias.friction } else { 1.0 };
     let table = setup.model.parameter_table().iter();
     theta.iter().zip(table).map(|(t, p)| t * factor(p.quantity.is_friction())).collect()
-}
-
-/// The reference in the motors' coordinates, `p_ref = n (q_ref - offset)`, with the true transmission and the biases of a
-/// simulator: `q_0 + scale (q - q_0) + offset`, later by a delay.
-pub(super) struct MotorReference {
-    reference: Reference,
-    delay_s: f64,
-    /// The time last evaluated: the last stages of a step, and the first of the next, share one.
-    time_s: f64,
-    /// Position of each motor in joint units at the time last evaluated.
-    pub(super) p: Vec<f64>,
-    /// Its velocity.
-    pub(super) dp: Vec<f64>,
-    /// Its acceleration.
-    pub(super) ddp: Vec<f64>,
-}
-
-impl MotorReference {
-    /// The reference with its own biases; `delay_s` moves it in time.
-    pub(super) fn new(reference: &Reference, transmission: &Transmission, bias: &SimulatorBias, delay_s: f64) -> Self {
-        let coupling = Coupling::new(&transmission.motor_in_joint_units(), 1.0);
-        let to_motors = |joints: &[f64]| {
-            let mut motors = vec![0.0; joints.len()];
-            coupling.to_motors(joints, &mut motors);
-            motors
-        };
-        let zeros = || vec![0.0; transmission.joints()];
-        let [mut start, mut dq, mut ddq] = [zeros(), zeros(), zeros()];
-        reference.evaluate(0.0, &mut start, &mut dq, &mut ddq);
-        let (scale, offset) = (bias.reference_scale, bias.reference_offset);
-        let biased = |q: f64, start: f64| if scale == 1.0 { q + offset } else { start + scale * (q - start) + offset };
-        let position = |q: &[f64]| {
-            let each = q.iter().zip(start.iter().zip(transmission.offset()));
-            to_motors(&each.map(|(q, (start, zero))| biased(*q, *start) - zero).collect::<Vec<_>>())
-        };
-        let rate = |dq: &[f64]| to_motors(&dq.iter().map(|v| scale * v).collect::<Vec<_>>());
-        let reference = reference.mapped(&position, &rate);
-        Self { reference, delay_s, time_s: f64::NAN, p: zeros(), dp: zeros(), ddp: zeros() }
-    }
-
-    #[inline]
-    pub(super) fn evaluate(&mut self, t: f64) {
-        if t != self.time_s {
-            self.time_s = t;
-            self.reference.evaluate(t - self.delay_s, &mut self.p, &mut self.dp, &mut self.ddp);
-        }
-    }
-
-    /// The largest motor velocity in joint units up to `end` s, at a thousand times.
-    pub(super) fn fastest(&mut self, end: f64) -> f64 {
-        let mut fastest: f64 = 0.0;
-        for k in 0..=1000 {
-            self.evaluate(end * f64::from(k) / 1000.0);
-            fastest = self.dp.iter().fold(fastest, |a, v| a.max(v.abs()));
-        }
-        fastest
-    }
 }

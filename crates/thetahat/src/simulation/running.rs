@@ -1,27 +1,18 @@
 //! A simulation under way.
 
-use std::collections::VecDeque;
-
 use super::{
-    ClosedLoop, Integrator, Job, Next, OutputGrid, SimulatedMotion, SimulationError, Solver, StepTooSmall, StepView,
-    WorkCounts,
-    plant::{MotorReference, Plant},
+    closed_loop::{ClosedLoop, Job},
+    dormand_prince::DormandPrince,
+    error::SimulationError,
+    integrator::Integrator,
+    motion::{OutputGrid, SimulatedMotion},
+    rosenbrock_w::RosenbrockW,
+    sampling::Sampling,
+    solver::Solver,
+    step_control::{Next, StepTooSmall},
+    system::Loop,
 };
-use crate::{
-    control::{Controller, VelocityEstimate},
-    dynamics::DynamicParameters,
-    series::Series,
-};
-
-/// A joint faster than this many times the fastest reference (or 1 rad/s, whichever is more) has run away.
-const RUNAWAY: f64 = 100.0;
-/// More steps than any use of a simulation needs: an hour at 100 kHz.
-const STEP_LIMIT: f64 = 3.6e8;
-/// Adaptive steps per second of motion, on average, beyond which a loop is too stiff: ten times what chattering friction
-/// takes.
-const ADAPTIVE_STEPS_PER_S: f64 = 2e5;
-/// Times closer than this part of a period are the same: `k T` is not exact.
-const SAME_TIME: f64 = 1e-6;
+use crate::dynamics::DynamicParameters;
 
 /// A simulation that can be left and taken up again: it goes on until an acceleration is wanted.
 pub(super) struct Running<'a> {
@@ -29,6 +20,8 @@ pub(super) struct Running<'a> {
     system: Loop<'a>,
     /// None for a continuous controller.
     sampling: Option<Sampling>,
+    /// The factors of the mass matrix where the step starts, for a linearly implicit method.
+    mass: Vec<f64>,
     /// Up to where the intervals of the integrator reach.
     time: f64,
 }
@@ -39,7 +32,9 @@ impl<'a> Running<'a> {
         system.check_work()?;
         let start = system.start();
         let sampling = system.controller.is_sampled().then(|| Sampling::new(&mut system, &start));
-        Ok(Self { integrator: Integrator::new(job.closed_loop.solver, start), system, sampling, time: 0.0 })
+        let joints = start.len() / 2;
+        let integrator = integrator(job, start);
+        Ok(Self { integrator, system, sampling, mass: vec![0.0; joints * joints], time: 0.0 })
     }
 
     /// Goes on until an acceleration is wanted; false at the end.
@@ -51,6 +46,11 @@ impl<'a> Running<'a> {
                     let (t, x, dx) = self.integrator.wanted();
                     if self.system.prepare(t, x, dx) {
                         return Ok(true);
+                    }
+                }
+                Next::Linearisation => {
+                    if let Some((t, x, step, out)) = self.integrator.wanted_linearisation() {
+                        self.system.linearise(t, x, step, &self.mass, out);
                     }
                 }
                 Next::Step(mut step) => self.system.accept(&mut step)?,
@@ -95,7 +95,17 @@ impl<'a> Running<'a> {
     pub(super) fn accelerate(&mut self) -> Result<(), SimulationError> {
         let (time_s, x, dx) = self.integrator.wanted();
         let accelerations = &mut dx[x.len() / 2..];
-        self.system.plant.accelerations(x, accelerations).map_err(|source| SimulationError::Dynamics { time_s, source })
+        let found = self.system.plant.accelerations(x, accelerations);
+        found.map_err(|source| SimulationError::Dynamics { time_s, source })?;
+        if self.integrator.needs_mass_matrix() {
+            self.mass.copy_from_slice(self.system.plant.factored_mass_matrix());
+        }
+        Ok(())
+    }
+
+    /// Where the factors of the mass matrix at the wanted acceleration go, if they are wanted too.
+    pub(super) fn mass_mut(&mut self) -> Option<&mut [f64]> {
+        self.integrator.needs_mass_matrix().then_some(&mut self.mass)
     }
 
     /// From an acceleration that is wanted to the end.
@@ -117,233 +127,48 @@ impl<'a> Running<'a> {
     }
 }
 
-/// The loop as a system of first order, and what is recorded of it.
-struct Loop<'a> {
-    setup: &'a ClosedLoop<'a>,
-    controller: Controller,
-    plant: Plant<'a>,
-    reference: MotorReference,
-    /// Drive signals: held between samples, or those of the last evaluation.
-    u: Vec<f64>,
-    grid: OutputGrid,
-    next_output: usize,
-    motion: SimulatedMotion,
-    runaway: f64,
-    steps: f64,
-}
+/// The implicit method, where it is chosen automatically, gets tolerances this many times tighter than asked for. Stability keeps
+/// the explicit method's steps below those that the tolerance allows, and its result is that much better.
+const TIGHTER: f64 = 10.0;
 
-impl<'a> Loop<'a> {
-    fn new(job: &'a Job<'a>) -> Self {
-        let Job { closed_loop: setup, theta, motor_inertia, grid } = job;
-        let n = setup.model.coordinate_count();
-        let mut controller = setup.controller.resolve(motor_inertia, setup.bias.controller_gain);
-        let reference_delay_s = if controller.is_sampled() { 0.0 } else { setup.bias.delay_s };
-        controller.delay_s += setup.bias.delay_s;
-        let mut reference = MotorReference::new(setup.reference, setup.transmission, &setup.bias, reference_delay_s);
-        let [q, dq, ddq, tau] = [(); 4].map(|()| Series::zeros(grid.samples, n));
-        Self {
-            runaway: RUNAWAY * reference.fastest(grid.time(grid.samples)).max(1.0),
-            plant: Plant::new(setup, theta),
-            motion: SimulatedMotion { q, dq, ddq, tau, counts: WorkCounts::default() },
-            u: vec![0.0; n],
-            grid: *grid,
-            next_output: 0,
-            steps: 0.0,
-            setup,
-            controller,
-            reference,
+fn integrator(job: &Job<'_>, start: Vec<f64>) -> Integrator {
+    match job.closed_loop.solver {
+        Solver::Automatic { relative_tolerance: relative, absolute_tolerance: absolute } => {
+            if job.closed_loop.is_costly_explicitly(job.theta, job.grid.time(job.grid.samples)) {
+                Integrator::Implicit(RosenbrockW::new(relative / TIGHTER, absolute / TIGHTER, start))
+            } else {
+                Integrator::Explicit(DormandPrince::adaptive(relative, absolute, start))
+            }
         }
-    }
-
-    fn check_work(&self) -> Result<(), SimulationError> {
-        let sample_time = if self.controller.is_sampled() { self.controller.sample_time_s } else { f64::INFINITY };
-        let step_s = match self.setup.solver {
-            Solver::Fixed { step_s } => step_s.min(sample_time),
-            Solver::Adaptive { .. } => sample_time,
-        };
-        let steps = self.end() / step_s;
-        if steps > STEP_LIMIT { Err(SimulationError::TooManySteps { steps, step_s }) } else { Ok(()) }
-    }
-
-    /// Rest, with every motor at its reference.
-    fn start(&mut self) -> Vec<f64> {
-        self.reference.evaluate(0.0);
-        let mut state = self.plant.joint_positions(&self.reference.p);
-        state.resize(2 * state.len(), 0.0);
-        state
-    }
-
-    /// Half a sample behind the last output.
-    fn end(&self) -> f64 {
-        self.grid.time(self.grid.samples) - 0.5 / self.grid.sample_rate_hz
-    }
-
-    /// Writes the velocities to the slope of a state and finds the torques there; false where the slope is known
-    /// without accelerations.
-    fn prepare(&mut self, t: f64, x: &[f64], dx: &mut [f64]) -> bool {
-        if !x.iter().all(|v| v.is_finite()) {
-            // A trial step that is far too long: without a slope it has no error estimate, and is halved.
-            dx.fill(f64::NAN);
-            return false;
+        Solver::Adaptive { relative_tolerance, absolute_tolerance } => {
+            Integrator::Explicit(DormandPrince::adaptive(relative_tolerance, absolute_tolerance, start))
         }
-        self.drive_continuously(t, x);
-        self.plant.drive(&self.u);
-        let n = self.u.len();
-        dx[..n].copy_from_slice(&x[n..]);
-        true
-    }
-
-    /// Takes note of an accepted step.
-    fn accept(&mut self, step: &mut StepView<'_>) -> Result<(), SimulationError> {
-        while self.is_due_before(step.end_s) {
-            let t = self.grid.time(self.next_output);
-            self.record(t, step.at(t));
+        Solver::Implicit { relative_tolerance, absolute_tolerance } => {
+            Integrator::Implicit(RosenbrockW::new(relative_tolerance, absolute_tolerance, start))
         }
-        let end = step.end_s;
-        self.check_stiffness(end)?;
-        self.check_runaway(end, step.at(end))
-    }
-
-    /// Whether an output is due at a time up to and including `t`.
-    fn is_due(&self, t: f64) -> bool {
-        self.next_output < self.grid.samples
-            && self.grid.time(self.next_output) <= t + SAME_TIME / self.grid.sample_rate_hz
-    }
-
-    /// Whether an output is due before `t`, so that one at `t` itself is left to the next interval.
-    fn is_due_before(&self, t: f64) -> bool {
-        self.is_due(t - 2.0 * SAME_TIME / self.grid.sample_rate_hz)
-    }
-
-    /// Records all but the accelerations, which are computed together at the end.
-    fn record(&mut self, t: f64, x: &[f64]) {
-        let n = self.u.len();
-        self.drive_continuously(t, x);
-        self.plant.drive(&self.u);
-        let k = self.next_output;
-        self.motion.q.sample_mut(k).copy_from_slice(&x[..n]);
-        self.motion.dq.sample_mut(k).copy_from_slice(&x[n..]);
-        self.motion.tau.sample_mut(k).copy_from_slice(&self.plant.tau);
-        self.next_output += 1;
-    }
-
-    /// The accelerations of all outputs.
-    fn add_accelerations(&mut self) -> Result<(), SimulationError> {
-        let SimulatedMotion { q, dq, tau, .. } = &self.motion;
-        let error = |(k, source)| SimulationError::Dynamics { time_s: self.grid.time(k), source };
-        self.motion.ddq = self.plant.accelerations_of([q, dq, tau]).map_err(error)?;
-        Ok(())
-    }
-
-    /// The drive signals of a continuous controller; a sampled one holds its own.
-    fn drive_continuously(&mut self, t: f64, x: &[f64]) {
-        if !self.controller.is_sampled() {
-            self.reference.evaluate(t);
-            self.plant.observe(x);
-            command(&self.controller, &self.reference, &self.plant, &mut self.u);
-            self.add_recorded_signal(t);
-        }
-    }
-
-    fn add_recorded_signal(&mut self, t: f64) {
-        if let Some((signal, rate)) = self.setup.added_signal {
-            let k = ((t * rate + SAME_TIME) as usize).min(signal.len() - 1);
-            self.u.iter_mut().zip(signal.sample(k)).for_each(|(u, s)| *u += s);
-        }
-    }
-
-    /// Counts an adaptive step; a loop that takes too many would take hours.
-    fn check_stiffness(&mut self, t: f64) -> Result<(), SimulationError> {
-        self.steps += 1.0;
-        let adaptive = matches!(self.setup.solver, Solver::Adaptive { .. });
-        if adaptive && self.steps > ADAPTIVE_STEPS_PER_S * self.end().max(1.0) {
-            return Err(SimulationError::TooStiff { steps: self.steps, time_s: t });
-        }
-        Ok(())
-    }
-
-    fn check_runaway(&self, t: f64, x: &[f64]) -> Result<(), SimulationError> {
-        let velocities = &x[self.u.len()..];
-        match velocities.iter().position(|v| v.is_nan() || v.abs() > self.runaway) {
-            Some(j) => Err(SimulationError::Diverged { joint: j + 1, time_s: t, velocity: velocities[j] }),
-            None => Ok(()),
-        }
+        Solver::Fixed { step_s } => Integrator::Explicit(DormandPrince::fixed(step_s, start)),
     }
 }
 
-fn command(controller: &Controller, reference: &MotorReference, plant: &Plant<'_>, u: &mut [f64]) {
-    for (i, u) in u.iter_mut().enumerate() {
-        *u = controller.command(i, reference.p[i] - plant.p[i], plant.v[i], reference.dp[i], reference.ddp[i]);
-    }
-}
-
-/// A sampled controller: each drive signal acts after the delay, and is held until the next.
-struct Sampling {
-    positions: PositionHistory,
-    /// Signals on their way, and when they act.
-    waiting: VecDeque<(f64, Vec<f64>)>,
-    commanded: Vec<f64>,
-    samples: usize,
-}
-
-impl Sampling {
-    fn new(system: &mut Loop<'_>, start: &[f64]) -> Self {
-        system.plant.observe(start);
-        let p = &system.plant.p;
-        Self {
-            positions: PositionHistory { one_before: p.clone(), two_before: p.clone() },
-            waiting: VecDeque::new(),
-            commanded: vec![0.0; p.len()],
-            samples: 0,
+impl ClosedLoop<'_> {
+    /// Simulates the loop with standard parameters `theta`; the gains of a controller given by its bandwidth are those
+    /// for the inertia `motor_inertia`.
+    ///
+    /// The robot starts at rest with zero tracking error at time zero.
+    ///
+    /// # Errors
+    /// [`SimulationError`] with joint and time.
+    pub fn simulate(
+        &self,
+        theta: &[f64],
+        motor_inertia: &[f64],
+        grid: &OutputGrid,
+    ) -> Result<SimulatedMotion, SimulationError> {
+        let job = Job { closed_loop: *self, theta, motor_inertia, grid: *grid };
+        let mut running = Running::new(&job)?;
+        if running.advance()? {
+            running.run()?;
         }
-    }
-
-    /// Leaves the drive signals from `t` on in the system; until when they hold.
-    fn hold(&mut self, system: &mut Loop<'_>, t: f64, state: &[f64]) -> f64 {
-        let period = system.controller.sample_time_s;
-        if t >= (self.samples as f64 - SAME_TIME) * period {
-            let u = self.sample(system, t, state);
-            self.waiting.push_back((t + system.controller.delay_s, u));
-            self.samples += 1;
-        }
-        while self.waiting.front().is_some_and(|(due, _)| t >= due - SAME_TIME * period) {
-            self.commanded = self.waiting.pop_front().map_or_else(Vec::new, |(_, u)| u);
-        }
-        system.u.copy_from_slice(&self.commanded);
-        system.add_recorded_signal(t);
-        let due = self.waiting.front().map_or(f64::INFINITY, |(due, _)| *due);
-        (self.samples as f64 * period).min(due)
-    }
-
-    fn sample(&mut self, system: &mut Loop<'_>, t: f64, state: &[f64]) -> Vec<f64> {
-        let Loop { reference, plant, controller, .. } = system;
-        reference.evaluate(t);
-        plant.observe(state);
-        if controller.velocity == VelocityEstimate::AveragedDifference {
-            self.positions.averaged_velocity(controller.sample_time_s, &plant.p, &mut plant.v);
-        }
-        self.positions.push(&plant.p);
-        let mut u = vec![0.0; self.commanded.len()];
-        command(controller, reference, plant, &mut u);
-        u
-    }
-}
-
-/// The motor positions at the two samples before.
-struct PositionHistory {
-    one_before: Vec<f64>,
-    two_before: Vec<f64>,
-}
-
-impl PositionHistory {
-    fn averaged_velocity(&self, period: f64, p: &[f64], v: &mut [f64]) {
-        for (v, (now, before)) in v.iter_mut().zip(p.iter().zip(&self.two_before)) {
-            *v = (now - before) / (2.0 * period);
-        }
-    }
-
-    fn push(&mut self, p: &[f64]) {
-        std::mem::swap(&mut self.one_before, &mut self.two_before);
-        self.one_before.copy_from_slice(p);
+        running.finish()
     }
 }

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Deserialize;
 
-use super::SimulatedMotion;
+use super::motion::SimulatedMotion;
 use crate::{robot::Transmission, series::Series};
 
 /// What lies between a simulated motion and its record: encoders, torque ripple and torque noise.

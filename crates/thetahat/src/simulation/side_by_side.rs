@@ -2,24 +2,16 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::{ClosedLoop, OutputGrid, SimulatedMotion, SimulationError, running::Running};
+use super::{
+    closed_loop::{ClosedLoop, Job},
+    error::SimulationError,
+    motion::SimulatedMotion,
+    running::Running,
+};
 use crate::{
     dynamics::{DynamicParameters, Sign, State, Workspace},
     real::{Lanes, MOST_LANES},
 };
-
-/// A simulation to be run: a loop with its parameters and outputs.
-#[derive(Debug, Clone, Copy)]
-pub struct Job<'a> {
-    /// The loop.
-    pub closed_loop: ClosedLoop<'a>,
-    /// Standard parameters.
-    pub theta: &'a [f64],
-    /// The inertia for the gains of a controller that is given by its bandwidth.
-    pub motor_inertia: &'a [f64],
-    /// When its motion is wanted.
-    pub grid: OutputGrid,
-}
 
 /// Runs simulations as [`ClosedLoop::simulate`] does, those of one model and one friction scale side by side: right-hand
 /// sides of several cost little more than those of one.
@@ -57,6 +49,7 @@ impl WithSimd for SideBySide<'_> {
                 all_go_on = match model.forward_dynamics_of(&parameters, state, &tau, sign, &mut workspace, &mut ddq) {
                     Ok(()) => {
                         work.scatter(&ddq);
+                        work.scatter_mass(workspace.factored_mass_matrix());
                         true
                     }
                     // One of them has no acceleration: each by itself.
@@ -143,6 +136,16 @@ impl<'a> Work<'a> {
             let values = lanes.to_array();
             for ((_, running), value) in self.running.iter_mut().zip(values) {
                 running.accelerations_mut()[c] = value;
+            }
+        }
+    }
+
+    /// The factors of the mass matrices, to those who want them.
+    #[inline(always)]
+    fn scatter_mass<S: Simd>(&mut self, mass: &[Lanes<S>]) {
+        for (lane, (_, running)) in self.running.iter_mut().enumerate() {
+            if let Some(to) = running.mass_mut() {
+                to.iter_mut().zip(mass).for_each(|(to, from)| *to = from.to_array()[lane]);
             }
         }
     }

@@ -1,0 +1,195 @@
+//! What every method of integration shares: tolerances, the size of steps, and the interpolant of an accepted one.
+
+use super::solver::WorkCounts;
+
+/// The step that the tolerance asks for is below the spacing of numbers at this time, in s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepTooSmall(pub f64);
+
+/// What an integration comes to next.
+#[derive(Debug)]
+pub enum Next<'a> {
+    /// The slope at the wanted state is to be written.
+    Slope,
+    /// The right-hand side is to be linearised where the step starts; only [`super::RosenbrockW`] asks for it.
+    Linearisation,
+    /// A step is accepted.
+    Step(StepView<'a>),
+    /// The end of the interval is reached: begin another one, or leave it.
+    End,
+}
+
+/// How a step's size follows from the error estimate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Sizes {
+    /// Steps chosen so that the error stays below the tolerance.
+    Adaptive {
+        /// Tolerance relative to the state.
+        relative: f64,
+        /// Tolerance where the state is near zero.
+        absolute: f64,
+    },
+    /// Equal steps in s.
+    Fixed(f64),
+}
+
+/// Largest step as a part of the interval, as `ode45` has it.
+const LARGEST_STEP: f64 = 0.1;
+
+/// The sizes of steps from interval to interval, by the rules of MATLAB's `ode45`.
+#[derive(Debug, Clone)]
+pub(super) struct StepControl {
+    sizes: Sizes,
+    /// One over the order of the error estimate.
+    exponent: f64,
+    /// Where the step starts.
+    pub(super) time: f64,
+    end: f64,
+    /// The step that is tried.
+    pub(super) step: f64,
+    /// Its size if the interval had no end.
+    planned: f64,
+    /// Whether it is to reach the end of the interval.
+    last: bool,
+    /// Whether its error was too large and it was cut.
+    failed: bool,
+    next_step: Option<f64>,
+    pub(super) counts: WorkCounts,
+}
+
+/// What is to be done with a step whose error is known.
+pub(super) enum Verdict {
+    /// Accept it and try this size next.
+    Accept(f64),
+    /// Try again with the size that is set.
+    Repeat,
+}
+
+impl StepControl {
+    pub(super) fn new(sizes: Sizes, exponent: f64) -> Self {
+        Self {
+            sizes,
+            exponent,
+            time: 0.0,
+            end: 0.0,
+            step: 0.0,
+            planned: 0.0,
+            last: false,
+            failed: false,
+            next_step: None,
+            counts: WorkCounts::default(),
+        }
+    }
+
+    /// Begins the interval from `t0` to `t1`.
+    pub(super) fn begin(&mut self, t0: f64, t1: f64) {
+        (self.time, self.end) = (t0, t1);
+    }
+
+    /// Sets a step of at most this size; false at the end of the interval.
+    pub(super) fn set_step(&mut self, planned: f64) -> bool {
+        if self.time >= self.end {
+            self.next_step = Some(planned);
+            return false;
+        }
+        let last = self.time + 1.000_001 * planned >= self.end;
+        self.step = if last { self.end - self.time } else { planned };
+        (self.planned, self.last, self.failed) = (planned, last, false);
+        true
+    }
+
+    /// Goes to the end of the accepted step; the size to plan then: a step cut short by the end of the interval does not
+    /// hold back the next one.
+    pub(super) fn pass(&mut self, next: f64) -> f64 {
+        let reached = self.reaches_end();
+        self.time = self.step_end();
+        if reached { next.max(self.planned) } else { next }
+    }
+
+    /// Goes to the end of the accepted step, and plans the next for when its slope is known; false at the end of the interval.
+    pub(super) fn pass_and_plan(&mut self, next: f64) -> bool {
+        self.next_step = Some(self.pass(next));
+        self.time < self.end
+    }
+
+    /// Accepts the step by its error in each component and the component's size, or sets a shorter one.
+    pub(super) fn judge(&mut self, errors: impl Iterator<Item = [f64; 2]>) -> Result<Verdict, StepTooSmall> {
+        let Sizes::Adaptive { relative, absolute } = self.sizes else {
+            self.counts.steps += 1;
+            return Ok(Verdict::Accept(self.step));
+        };
+        let threshold = absolute / relative;
+        let each = errors.map(|[error, size]| error / size.max(threshold));
+        let error =
+            each.fold(0.0_f64, |a, b| if a.is_nan() || b.is_nan() { f64::NAN } else { f64::max(a, b) }) / relative;
+        if error <= 1.0 {
+            let factor = if self.failed { 1.0 } else { 1.0 / (1.25 * error.powf(self.exponent)).max(0.2) };
+            self.counts.steps += 1;
+            return Ok(Verdict::Accept(self.step * factor));
+        }
+        let halve = self.failed || !error.is_finite();
+        self.cut(if halve { 0.5 } else { (0.8 * error.powf(-self.exponent)).max(0.1) })?;
+        Ok(Verdict::Repeat)
+    }
+
+    /// Cuts the step that is tried.
+    pub(super) fn cut(&mut self, factor: f64) -> Result<(), StepTooSmall> {
+        self.counts.rejected += 1;
+        (self.step, self.failed) = (self.step * factor, true);
+        let smallest = 16.0 * f64::EPSILON * self.time.abs().max(1e-6);
+        if self.step < smallest { Err(StepTooSmall(self.time)) } else { Ok(()) }
+    }
+
+    fn reaches_end(&self) -> bool {
+        self.last && !self.failed
+    }
+
+    /// Where the step ends that is tried.
+    pub(super) fn step_end(&self) -> f64 {
+        if self.reaches_end() { self.end } else { self.time + self.step }
+    }
+
+    /// The first step of an interval, from the slope where it starts.
+    pub(super) fn first_step(&self, state: &[f64], slope: &[f64]) -> f64 {
+        match (self.sizes, self.next_step) {
+            (Sizes::Fixed(step), _) => step,
+            (Sizes::Adaptive { .. }, Some(step)) => step,
+            (Sizes::Adaptive { relative, absolute }, None) => {
+                let threshold = absolute / relative;
+                let rate = state.iter().zip(slope).map(|(y, k)| k.abs() / y.abs().max(threshold));
+                let limit = rate.fold(0.0, f64::max) / (0.8 * relative.powf(self.exponent));
+                let largest = LARGEST_STEP * (self.end - self.time);
+                if largest * limit > 1.0 { 1.0 / limit } else { largest }
+            }
+        }
+    }
+}
+
+/// An accepted step and its interpolant.
+#[derive(Debug)]
+pub struct StepView<'a> {
+    /// Time at its start.
+    pub start_s: f64,
+    /// Time at its end.
+    pub end_s: f64,
+    pub(super) step: f64,
+    pub(super) from: &'a [f64],
+    pub(super) slopes: &'a [Vec<f64>],
+    /// For each slope the coefficients of s, s^2, s^3, s^4 at the fraction s of the step.
+    pub(super) interpolant: &'static [[f64; 4]],
+    pub(super) out: &'a mut [f64],
+}
+
+impl StepView<'_> {
+    /// The state at a time within the step: to fourth order of Dormand-Prince, to second of a linearly implicit method.
+    pub fn at(&mut self, t: f64) -> &[f64] {
+        let s = (t - self.start_s) / self.step;
+        let weight = |p: &[f64; 4]| self.step * s * (p[0] + s * (p[1] + s * (p[2] + s * p[3])));
+        let mut weights = [0.0; 7];
+        weights.iter_mut().zip(self.interpolant).for_each(|(w, p)| *w = weight(p));
+        for (i, out) in self.out.iter_mut().enumerate() {
+            *out = self.from[i] + weights.iter().zip(self.slopes).map(|(w, k)| w * k[i]).sum::<f64>();
+        }
+        self.out
+    }
+}
