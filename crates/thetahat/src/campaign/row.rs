@@ -62,6 +62,7 @@ impl Row {
 pub(super) fn status_name(status: Status) -> &'static str {
     match status {
         Status::Converged => "converged",
+        Status::Stalled => "stalled",
         Status::IterationLimit => "iteration_limit",
         Status::Diverged => "diverged",
         Status::NotIdentifiable => "not_identifiable",
@@ -69,6 +70,6 @@ pub(super) fn status_name(status: Status) -> &'static str {
 }
 
 pub(super) fn status_named(name: &str) -> Option<Status> {
-    use Status::{Converged, Diverged, IterationLimit, NotIdentifiable};
-    [Converged, IterationLimit, Diverged, NotIdentifiable].into_iter().find(|s| status_name(*s) == name)
+    use Status::{Converged, Diverged, IterationLimit, NotIdentifiable, Stalled};
+    [Converged, Stalled, IterationLimit, Diverged, NotIdentifiable].into_iter().find(|s| status_name(*s) == name)
 }

@@ -1,8 +1,9 @@
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
 use super::{
-    estimators::Method,
-    fit::{Divisor, EstimationError, Fit},
+    estimators::{Design, Method},
+    fit::{Divisor, Fit},
+    outcome::{Iteration, Outcome, Reason, Status},
 };
 use crate::{
     linear_algebra::{Matrix, norm},
@@ -28,87 +29,18 @@ impl Default for Convergence {
     }
 }
 
-/// How an estimation ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Status {
-    /// Both changes fell below their limits, or nothing had to be iterated.
-    Converged,
-    /// They did not within the iterations allowed.
-    IterationLimit,
-    /// A simulation failed.
-    Diverged,
-    /// The motion does not separate the parameters.
-    NotIdentifiable,
-}
-
-/// Why an estimation has not converged.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum Reason {
-    /// The motion does not give an estimate.
-    #[error(transparent)]
-    Estimation(EstimationError),
-    /// A simulation failed, also after the step towards its parameters was halved.
-    #[error(transparent)]
-    Simulation(SimulationError),
-    /// The changes were not small enough in time.
-    #[error("no convergence within {iterations} iterations")]
-    IterationLimit {
-        /// Iterations allowed.
-        iterations: usize,
-    },
-}
-
-/// One iteration.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Iteration {
-    /// The estimates.
-    pub theta: Vec<f64>,
-    /// Relative error in percent.
-    pub relative_error_percent: f64,
-    /// Largest change of an estimate in its standard deviations; none for the first, which follows the start values.
-    pub parameter_change: Option<f64>,
-    /// Relative change of the error.
-    pub error_change: Option<f64>,
-}
-
-/// The end of an estimation and the way there.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Outcome {
-    /// How it ended.
-    pub status: Status,
-    /// Why, where it is not converged.
-    pub reason: Option<Reason>,
-    /// The last estimate, absent where there is none to trust.
-    pub fit: Option<Fit>,
-    /// Every iteration.
-    pub iterations: Vec<Iteration>,
-    /// Closed-loop simulations run.
-    pub simulations: usize,
-    /// The instruments of the last estimate.
-    pub instruments: Option<Matrix>,
-}
-
-impl Outcome {
-    /// The outcome of a method that does not iterate.
-    #[must_use]
-    pub fn direct(result: Result<Fit, EstimationError>) -> Self {
-        let (status, reason, fit) = match result {
-            Ok(fit) => (Status::Converged, None, Some(fit)),
-            Err(e) => (Status::NotIdentifiable, Some(Reason::Estimation(e)), None),
-        };
-        Self { status, reason, fit, iterations: Vec::new(), simulations: 0, instruments: None }
-    }
-}
-
 /// Halvings of a step of the parameters whose simulation fails.
 const HALVINGS: usize = 4;
+
+/// Successive growths of the largest change after which the steps of IV are halved.
+const GROWTHS: usize = 2;
+/// Least part of a step that is left of it.
+const LEAST_STEP: f64 = 1.0 / 16.0;
 
 /// Iterates IDIM-IV (10) or DIDIM (19) from `start`: simulate, build Z, estimate, until both relative changes are small.
 ///
 /// `instruments` simulates the loop with given parameters and returns Z. Where the simulation of new estimates fails, the
-/// step towards them is halved a few times before the iteration counts as diverged.
+/// step towards them is halved a few times before the iteration ends with the estimate before.
 pub fn iterate(
     method: Method,
     regression: &Regression,
@@ -119,7 +51,7 @@ pub fn iterate(
     let mut estimation = Estimation::new(method, options, start.to_vec());
     while let Some(theta) = estimation.wanted() {
         let z = instruments(theta);
-        estimation.take(z, regression);
+        estimation.take(z, regression, &mut <[f64]>::to_vec);
     }
     estimation.into_outcome()
 }
@@ -134,6 +66,9 @@ pub struct IterationOptions {
 }
 
 /// An estimation by IV or DIDIM under way. It asks for its simulations, so that those of several can run side by side.
+///
+/// What is simulated need not be the estimate: IV may simulate the parameters of a physical robot near it. They are any
+/// vectors of which weighted means can be simulated as well.
 #[derive(Debug, Clone)]
 pub struct Estimation {
     method: Method,
@@ -143,17 +78,20 @@ pub struct Estimation {
     before: Vec<f64>,
     /// How often the step to the next was halved.
     halvings: usize,
-    last: Option<(Fit, f64)>,
+    /// Part of each step that is made, and how often in a row the largest change has grown.
+    step: f64,
+    growths: usize,
+    last: Option<(Fit, f64, Matrix)>,
     outcome: Outcome,
     is_done: bool,
 }
 
 impl Estimation {
-    /// An estimation from its start values.
+    /// An estimation from the parameters that are simulated first.
     #[must_use]
     pub fn new(method: Method, options: IterationOptions, start: Vec<f64>) -> Self {
         let iterations = options.convergence.iterations;
-        let reason = Reason::IterationLimit { iterations };
+        let reason = Reason::IterationLimit { iterations, relative_error_percent: f64::NAN, parameter_change: None };
         let outcome = Outcome {
             status: Status::IterationLimit,
             reason: Some(reason),
@@ -164,13 +102,26 @@ impl Estimation {
         };
         let is_done = iterations == 0;
         let before = start.clone();
-        Self { method, options, theta: start, before, halvings: 0, last: None, outcome, is_done }
+        let (step, growths) = (1.0, 0);
+        Self { method, options, theta: start, before, halvings: 0, step, growths, last: None, outcome, is_done }
     }
 
     /// The parameters with which the loop is to be simulated; none at the end.
     #[must_use]
     pub fn wanted(&self) -> Option<&[f64]> {
         (!self.is_done).then_some(&self.theta)
+    }
+
+    /// The estimate of the last iteration.
+    #[must_use]
+    pub fn estimate(&self) -> Option<&[f64]> {
+        self.last.as_ref().map(|(fit, _, _)| &fit.theta[..])
+    }
+
+    /// Wants other parameters simulated than those whose simulation failed.
+    pub fn simulate_instead(&mut self, theta: Vec<f64>) {
+        self.outcome.simulations += 1;
+        self.theta = theta;
     }
 
     /// How it ended, or how far it is.
@@ -180,19 +131,24 @@ impl Estimation {
     }
 
     /// Takes Z of the loop that was simulated with the parameters wanted, and estimates; where the simulation failed, half
-    /// the step is wanted.
-    pub fn take(&mut self, z: Result<Matrix, SimulationError>, regression: &Regression) {
+    /// the step is wanted. `to_simulate` gives the parameters to simulate for an estimate.
+    pub fn take(
+        &mut self,
+        z: Result<Matrix, SimulationError>,
+        regression: &Regression,
+        to_simulate: &mut dyn FnMut(&[f64]) -> Vec<f64>,
+    ) {
         self.outcome.simulations += 1;
         match z {
             Ok(z) => match self.method.estimate(regression, Some(&z), self.options.divisor) {
-                Ok(fit) => self.accept(fit, z, regression),
+                Ok(fit) => self.accept(fit, z, regression, to_simulate),
                 Err(e) => self.fail(Status::NotIdentifiable, Reason::Estimation(e)),
             },
             Err(_) if self.halvings < HALVINGS && self.before != self.theta => {
                 self.halvings += 1;
                 self.theta.iter_mut().zip(&self.before).for_each(|(t, b)| *t = 0.5 * (*t + b));
             }
-            Err(e) => self.fail(Status::Diverged, Reason::Simulation(e)),
+            Err(cause) => self.stall(cause),
         }
     }
 
@@ -200,27 +156,66 @@ impl Estimation {
         (self.outcome.status, self.outcome.reason, self.is_done) = (status, Some(reason), true);
     }
 
-    fn accept(&mut self, fit: Fit, z: Matrix, regression: &Regression) {
+    /// Ends with the last estimate, where there is one.
+    fn stall(&mut self, cause: SimulationError) {
+        let Some((fit, _, z)) = self.last.take() else {
+            return self.fail(Status::Diverged, Reason::Simulation(cause));
+        };
+        let relative_error_percent = fit.relative_error_percent;
+        let parameter_change = self.outcome.iterations.last().and_then(|i| i.parameter_change);
+        (self.outcome.fit, self.outcome.instruments) = (Some(fit), Some(z));
+        self.fail(Status::Stalled, Reason::Stalled { cause, relative_error_percent, parameter_change });
+    }
+
+    fn accept(
+        &mut self,
+        fit: Fit,
+        z: Matrix,
+        regression: &Regression,
+        to_simulate: &mut dyn FnMut(&[f64]) -> Vec<f64>,
+    ) {
         let error = norm(&regression.whiten(&regression.residual(&fit.prediction)));
-        let parameter_change = self.last.as_ref().map(|(before, _)| largest_change(before, &fit));
-        let error_change = self.last.as_ref().map(|(_, before)| relative_change(*before, error));
-        self.outcome.iterations.push(Iteration {
-            theta: fit.theta.clone(),
-            relative_error_percent: fit.relative_error_percent,
-            parameter_change,
-            error_change,
-        });
-        let small = |change: Option<f64>, limit: f64| change.is_some_and(|c| c <= limit);
-        let limits = &self.options.convergence;
-        if small(parameter_change, limits.parameter_change) && small(error_change, limits.error_change) {
+        let parameter_change = self.last.as_ref().map(|(before, _, _)| largest_change(before, &fit));
+        let error_change = self.last.as_ref().map(|(_, before, _)| relative_change(*before, error));
+        let relative_error_percent = fit.relative_error_percent;
+        self.damp(parameter_change);
+        let theta = fit.theta.clone();
+        self.outcome.iterations.push(Iteration { theta, relative_error_percent, parameter_change, error_change });
+        // A part of a step makes a part of the change.
+        let small = |change: Option<f64>, limit: f64| change.is_some_and(|c| c <= limit * self.step);
+        let Convergence { parameter_change: parameter_limit, error_change: error_limit, iterations } =
+            self.options.convergence;
+        if small(parameter_change, parameter_limit) && small(error_change, error_limit) {
             (self.outcome.status, self.outcome.reason) = (Status::Converged, None);
-        } else if self.outcome.iterations.len() < limits.iterations {
-            self.before = std::mem::replace(&mut self.theta, fit.theta.clone());
-            self.halvings = 0;
-            self.last = Some((fit, error));
+        } else if self.outcome.iterations.len() < iterations {
+            self.step_to(to_simulate(&fit.theta));
+            self.last = Some((fit, error, z));
             return;
+        } else {
+            let reason = Reason::IterationLimit { iterations, relative_error_percent, parameter_change };
+            self.fail(Status::Stalled, reason);
         }
         (self.outcome.fit, self.outcome.instruments, self.is_done) = (Some(fit), Some(z), true);
+    }
+
+    /// Halves the steps of IV where the largest change has grown twice in a row. DIDIM keeps its steps: it is least squares on
+    /// its own simulation.
+    fn damp(&mut self, change: Option<f64>) {
+        let before = self.outcome.iterations.last().and_then(|i| i.parameter_change);
+        let grows = change.zip(before).is_some_and(|(now, before)| now > before);
+        self.growths = if grows { self.growths + 1 } else { 0 };
+        if self.method.design() == Design::Measured && self.growths >= GROWTHS {
+            (self.step, self.growths) = ((0.5 * self.step).max(LEAST_STEP), 0);
+        }
+    }
+
+    /// Wants the parameters at the part of the way to `next` that is made.
+    fn step_to(&mut self, mut next: Vec<f64>) {
+        if self.step < 1.0 {
+            next.iter_mut().zip(&self.theta).for_each(|(n, t)| *n = t + self.step * (*n - t));
+        }
+        self.before = std::mem::replace(&mut self.theta, next);
+        self.halvings = 0;
     }
 }
 
@@ -275,7 +270,7 @@ mod tests {
     fn the_limit_of_iterations_is_a_status() {
         let limits = Convergence { iterations: 2, parameter_change: 0.0, error_change: 0.0 };
         let outcome = iterate(Method::DIDIM, &measured(), options(limits), &[0.0], &mut |theta| Ok(z_of(theta[0])));
-        assert_eq!((outcome.status, outcome.iterations.len(), outcome.simulations), (Status::IterationLimit, 2, 2));
+        assert_eq!((outcome.status, outcome.iterations.len(), outcome.simulations), (Status::Stalled, 2, 2));
     }
 
     #[test]
@@ -286,7 +281,34 @@ mod tests {
         });
         // Halving comes close to 1.2 and no further; the fixed point is 2.
         assert!(outcome.iterations.len() > 1 && outcome.iterations.len() < outcome.simulations);
-        assert_eq!(outcome.status, Status::Diverged);
-        assert!(outcome.fit.is_none());
+        assert_eq!(outcome.status, Status::Stalled);
+        assert_eq!(outcome.fit.unwrap().theta, outcome.iterations.last().unwrap().theta);
+        let reason = outcome.reason.unwrap().to_string();
+        assert!(reason.contains("kept is the last estimate, error"), "{reason}");
+    }
+
+    #[test]
+    fn without_any_estimate_it_has_diverged() {
+        let fail = SimulationError::StepTooSmall { time_s: 0.0 };
+        let options = IterationOptions::default();
+        let outcome = iterate(Method::IDIM_IV, &measured(), options, &[1.0], &mut |_| Err(fail.clone()));
+        assert_eq!((outcome.status, outcome.fit), (Status::Diverged, None));
+    }
+
+    /// Instruments that overreact: the parameters simulated next are twice as far on the other side.
+    #[test]
+    fn steps_that_grow_are_halved_until_the_iteration_settles() {
+        let limits = Convergence { parameter_change: 1e-3, error_change: 1e-6, iterations: 60 };
+        let regression = {
+            let Regression { x, y, .. } = measured();
+            let y = y.iter().enumerate().map(|(k, y)| y + 1e-2 * (7.7 * k as f64).sin()).collect();
+            Regression::of_one_series(x.as_ref().clone(), y)
+        };
+        let mut estimation = Estimation::new(Method::IDIM_IV, options(limits), vec![2.1]);
+        while let Some(theta) = estimation.wanted().map(<[f64]>::to_vec) {
+            // The estimate depends on what is simulated through the noise; here the slope is made -1.6.
+            estimation.take(Ok(z_of(theta[0])), &regression, &mut |_| vec![2.0 - 1.6 * (theta[0] - 2.0)]);
+        }
+        assert_eq!(estimation.into_outcome().status, Status::Converged);
     }
 }

@@ -17,11 +17,13 @@ mod essential;
 mod estimators;
 mod fit;
 mod iteration;
+mod outcome;
 mod uncertainty;
 
 pub use assembly::Assembly;
 pub use essential::{Elimination, EliminationRule, eliminate, nested_f_test};
 pub use estimators::{Design, Method, Needs, UnknownMethod, Weighting, didim, idim_iv, idim_ls};
 pub use fit::{Divisor, EstimationError, Fit};
-pub use iteration::{Convergence, Estimation, Iteration, IterationOptions, Outcome, Reason, Status, iterate};
+pub use iteration::{Convergence, Estimation, IterationOptions, iterate};
+pub use outcome::{Iteration, Outcome, Reason, Status};
 pub use uncertainty::{Uncertainty, uncertainty};

@@ -161,7 +161,7 @@ impl<'a> Running<'a> {
         };
         let stopwatch = Stopwatch::start();
         if let Stage::Estimating(mut estimation) = std::mem::replace(&mut self.stage, Stage::Over) {
-            estimation.take(z, &self.job.regression);
+            estimation.take(z, &self.job.regression, &mut <[f64]>::to_vec);
             let goes_on = estimation.wanted().is_some();
             self.stage =
                 if goes_on { Stage::Estimating(estimation) } else { Stage::Estimated(estimation.into_outcome()) };
