@@ -147,7 +147,7 @@ impl<'a> Bench<'a> {
         prepared: &Prepared,
         case: &Case,
         job: &EstimationJob<'_>,
-        Finished { outcome, motions, seconds }: &Finished,
+        Finished { outcome, motions, seconds, .. }: &Finished,
     ) -> Row {
         let basis = &self.bases[self.basis_of(case)];
         let mut row = self.row(key, case, job, outcome);

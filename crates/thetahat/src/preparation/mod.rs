@@ -15,10 +15,11 @@ pub use error::PreparationError;
 pub(crate) use filtered::{FilteredRecording, MOVING, STILL, window_of};
 pub(crate) use problem::{Chosen, Problem, full_model_test, named_elimination};
 pub use recording::Recording;
-pub(crate) use reference::RecordedReference;
+pub(crate) use reference::{FILTERED, RecordedReference};
 pub use settings::{
     Case, EstimationOptions, Gains, NamedChoice, ParameterChoice, ParameterSelection, Settings, SignalOptions,
     SimulationOptions, Start,
 };
 pub(crate) use setup::{Basis, Setup};
+pub(crate) use validation::PROPOSED_BANDWIDTH_HZ;
 pub(crate) use validation::validate_window;

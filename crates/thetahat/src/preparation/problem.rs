@@ -138,6 +138,11 @@ impl Setup<'_> {
 }
 
 impl Problem {
+    /// The rows with X of all base parameters.
+    pub(crate) fn all_columns(&self) -> &Regression {
+        self.full.as_ref().unwrap_or(&self.regression)
+    }
+
     /// The assembly of one recording.
     pub(crate) fn assembly(&self, recording: usize) -> Assembly<'_> {
         Assembly::new(&self.model, &self.estimated.columns(), self.decimators[recording].clone())

@@ -1,6 +1,12 @@
-use super::{error::PreparationError, filtered::FilteredRecording, recording::Recording, setup::Setup};
+use super::{
+    error::PreparationError,
+    filtered::{FilteredRecording, STILL},
+    recording::Recording,
+    setup::Setup,
+};
 use crate::{
     results::ReferenceResult,
+    series::Series,
     simulation::{Reference, SampledReference},
     trajectory::reconstruct,
 };
@@ -9,12 +15,19 @@ use crate::{
 #[derive(Debug, Clone)]
 pub(crate) struct RecordedReference {
     pub(crate) reference: Reference,
-    /// `recorded`, `planned` or `reconstructed`.
+    /// `recorded`, `planned`, `reconstructed` or `filtered`.
     pub(crate) origin: &'static str,
 }
 
+/// Origin of a reference that is the recorded motion behind the position filter.
+pub(crate) const FILTERED: &str = "filtered";
+/// Rms deviation of a joint's motion from reconstructed moves, relative to that from its mean, beyond which the motion is not
+/// made of moves.
+const BAD_FIT: f64 = 0.05;
+
 impl Setup<'_> {
-    /// The recorded or planned reference; without one, it is reconstructed from the motion.
+    /// The recorded or planned reference; without one, it is reconstructed from the motion as moves. A motion that is not made
+    /// of moves is its own reference, behind the position filter.
     pub(crate) fn reference(&self, recording: &Recording) -> Result<RecordedReference, PreparationError> {
         let rate = recording.sample_rate_hz;
         if let Some(recorded) = &recording.reference {
@@ -25,9 +38,25 @@ impl Setup<'_> {
             return Ok(RecordedReference { reference: Reference::Moves(planned.clone()), origin: "planned" });
         }
         let motion = self.band_pass(&recording.position, rate)?;
-        let found = reconstruct(&recording.position, &motion.dq, rate)?;
-        Ok(RecordedReference { reference: Reference::Moves(found.moves), origin: "reconstructed" })
+        let found = reconstruct(&recording.position, &motion.dq, rate).ok();
+        Ok(match found.filter(|found| fits(&found.rms_deviation, &motion.q)) {
+            Some(found) => RecordedReference { reference: Reference::Moves(found.moves), origin: "reconstructed" },
+            None => {
+                let reference = Reference::Sampled(SampledReference::new(motion.q, rate));
+                RecordedReference { reference, origin: FILTERED }
+            }
+        })
     }
+}
+
+/// Whether each joint's deviation from moves is small beside its motion.
+fn fits(rms_deviation: &[f64], q: &Series) -> bool {
+    rms_deviation.iter().enumerate().all(|(j, deviation)| {
+        let channel = q.channel(j);
+        let mean = channel.iter().sum::<f64>() / channel.len() as f64;
+        let squares = channel.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
+        *deviation <= (BAD_FIT * (squares / channel.len() as f64).sqrt()).max(STILL)
+    })
 }
 
 impl RecordedReference {

@@ -4,16 +4,20 @@ use std::collections::BTreeSet;
 
 use super::{
     error::PreparationError,
-    settings::{ParameterChoice, Settings},
+    settings::{Case, ParameterChoice, Settings},
 };
 use crate::{
-    identification::{Method, Needs},
+    control::ControllerDescription,
+    identification::{Design, Method, Needs},
     robot::Robot,
     simulation::Solver,
 };
 
 /// Highest order of the position filter: beyond it, its transients are longer than what it is to keep.
 const HIGHEST_ORDER: usize = 20;
+
+/// Bandwidth of the controller that is simulated where none is described: a guess.
+pub(crate) const PROPOSED_BANDWIDTH_HZ: f64 = 10.0;
 
 type Checked = Result<(), PreparationError>;
 
@@ -84,12 +88,21 @@ impl Settings {
             Needs::Measurement => false,
             Needs::Instruments => true,
         };
-        if methods.iter().any(simulates) && self.controller.is_none() {
-            let why =
-                "idim-iv and didim simulate the closed loop; describe it, or set [estimation] methods = [\"idim-ls\"]";
+        let needs_stated = |m: &Method| simulates(m) && m.design() == Design::Simulated;
+        if methods.iter().any(needs_stated) && self.controller.is_none() {
+            let why = "didim fits the simulated closed loop; describe it, or set [estimation] methods = [\"idim-ls\", \"idim-iv\"]";
             return Err(PreparationError::Missing { missing: "[controller]", why });
         }
         Ok(())
+    }
+
+    /// The controller that IV simulates where none is described: a guess, of which IV needs no more than that the loop
+    /// follows the motion. None where one is described or IV is not among the methods.
+    pub(crate) fn proposed_controller(&self) -> Option<ControllerDescription> {
+        let asked = |case: &Case| case.methods.clone().unwrap_or_else(|| self.estimation.methods.clone());
+        let is_iv = |m: &Method| m.needs() == Needs::Instruments && m.design() == Design::Measured;
+        let wanted = self.controller.is_none() && self.all_cases().iter().any(|case| asked(case).iter().any(is_iv));
+        wanted.then(|| ControllerDescription::pd(PROPOSED_BANDWIDTH_HZ))
     }
 
     fn validate_convergence(&self) -> Checked {

@@ -27,7 +27,7 @@ pub struct RecordingResult {
 /// Where the simulations' reference comes from, and how well it describes the record.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ReferenceResult {
-    /// `recorded`, `reconstructed` or `planned`.
+    /// `recorded`, `reconstructed`, `planned` or `filtered`.
     pub origin: String,
     /// Moves, where it is made of moves.
     pub moves: Option<usize>,

@@ -27,6 +27,9 @@ pub struct RunResult {
     pub status: Status,
     /// Why, where it is not converged.
     pub reason: Option<String>,
+    /// What was simulated beside what the experiment describes: a guessed controller, other parameters than the estimate.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
     /// Iterations.
     pub iterations: usize,
     /// Closed-loop simulations of the iteration.
@@ -89,6 +92,7 @@ impl RunResult {
             weighting: None,
             status,
             reason: None,
+            notes: Vec::new(),
             iterations: 0,
             simulations: 0,
             relative_error_percent: None,

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     diagnosis::{Estimated, residual},
-    identification::{Fit, Method, Outcome, uncertainty},
+    identification::{Fit, Method, Needs, Outcome, uncertainty},
     preparation::{Case, PreparationError, Problem},
     regression::relative_error_percent,
     results::{Influence, IterationResult, ParameterResult, RunResult},
@@ -28,9 +28,12 @@ impl Assessment<'_> {
     /// The run of a finished estimation, and what the diagnosis of its case needs.
     pub(super) fn assess(&self, finished: Finished) -> Result<(RunResult, Estimated), PreparationError> {
         let EstimationJob { problem, method, regression, simulator, .. } = self.job;
-        let Finished { outcome, motions, seconds } = finished;
+        let Finished { outcome, motions, note, seconds } = finished;
         let mut run = self.summarise(&outcome);
         run.seconds = seconds;
+        if method.needs() == Needs::Instruments {
+            run.notes = self.identification.simulation_notes().into_iter().chain(note).collect();
+        }
         if let Some(fit) = &outcome.fit {
             run.simulation_relative_error_percent =
                 simulator.as_ref().zip(motions.as_ref()).map(|(s, motions)| s.errors(motions));

@@ -3,8 +3,9 @@
 use super::prepared::{Prepared, filtered};
 use crate::{
     base_parameters::BaseParameters,
+    control::ControllerDescription,
     identification::{EstimationError, Method, Reason, Weighting, idim_ls},
-    preparation::{Case, PreparationError, Problem, Recording, Settings, Setup},
+    preparation::{Case, FILTERED, PROPOSED_BANDWIDTH_HZ, PreparationError, Problem, Recording, Settings, Setup},
     robot::{Friction, Robot},
     scheduling::{EstimationJob, Simulator},
 };
@@ -16,6 +17,8 @@ const RATE_TOLERANCE: f64 = 0.01;
 pub struct Identification {
     robot: Robot,
     settings: Settings,
+    /// The controller that IV simulates where none is described.
+    proposed: Option<ControllerDescription>,
     pub(super) main: Vec<Prepared>,
     pub(super) validation: Vec<Prepared>,
 }
@@ -53,7 +56,8 @@ impl Identification {
     /// [`PreparationError`] for settings or recordings that cannot be used.
     pub fn new(robot: &Robot, recordings: Vec<Recording>, settings: Settings) -> Result<Self, PreparationError> {
         settings.validate(robot)?;
-        let mut identification = Self { robot: robot.clone(), settings, main: Vec::new(), validation: Vec::new() };
+        let (robot, proposed) = (robot.clone(), settings.proposed_controller());
+        let mut identification = Self { robot, settings, proposed, main: Vec::new(), validation: Vec::new() };
         if recordings.is_empty() {
             let why = "a robot is identified from its motion and torques";
             return Err(PreparationError::Missing { missing: "a recording", why });
@@ -82,10 +86,31 @@ impl Identification {
                 recording.name = (i + 1).to_string();
             }
             recording.validate(self.robot.coordinate_count())?;
-            all.push(Prepared::new(self.setup(), recording)?);
+            let simulates = self.controller().is_some();
+            all.push(Prepared::new(self.setup(), recording, simulates)?);
         }
         require_one_rate(&all)?;
         Ok(all)
+    }
+
+    /// The controller that is simulated: the one described, or the one proposed for IV.
+    fn controller(&self) -> Option<&ControllerDescription> {
+        self.settings.controller.as_ref().or(self.proposed.as_ref())
+    }
+
+    /// What simulations take that the experiment does not say.
+    pub(super) fn simulation_notes(&self) -> Vec<String> {
+        let guessed = |_| {
+            format!(
+                "no [controller] is described; simulated is a guess, a PD loop of {PROPOSED_BANDWIDTH_HZ} Hz for each motor"
+            )
+        };
+        let is_filtered = |p: &Prepared| p.reference.as_ref().is_some_and(|r| r.origin == FILTERED);
+        let filtered = self.main.iter().any(is_filtered).then(|| {
+            "no reference is recorded and the motion is not made of moves; simulations follow the filtered motion"
+                .to_owned()
+        });
+        self.proposed.as_ref().map(guessed).into_iter().chain(filtered).collect()
     }
 
     /// One problem for each friction model, the nominal one first.
@@ -127,7 +152,7 @@ impl Identification {
         problem: &'s Problem,
         case: &Case,
     ) -> Option<Simulator<'s>> {
-        let controller = self.settings.controller.as_ref()?;
+        let controller = self.controller()?;
         let recordings =
             prepared.iter().map(|p| Some((&p.filtered, p.reference.as_ref()?))).collect::<Option<Vec<_>>>()?;
         Some(Simulator::new(self.setup(), problem, &recordings, controller, case.simulator))

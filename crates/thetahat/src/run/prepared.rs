@@ -10,11 +10,10 @@ pub(crate) struct Prepared {
 }
 
 impl Prepared {
-    /// Filters a recording, and finds its reference where there is a controller to follow it.
-    pub(crate) fn new(setup: Setup<'_>, recording: Recording) -> Result<Self, PreparationError> {
+    /// Filters a recording, and finds its reference where simulations follow it.
+    pub(crate) fn new(setup: Setup<'_>, recording: Recording, simulates: bool) -> Result<Self, PreparationError> {
         let filtered = setup.filter(recording)?;
-        let controller = setup.settings.controller.as_ref();
-        let reference = controller.map(|_| setup.reference(&filtered.recording)).transpose()?;
+        let reference = simulates.then(|| setup.reference(&filtered.recording)).transpose()?;
         Ok(Self { filtered, reference })
     }
 

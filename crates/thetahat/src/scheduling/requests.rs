@@ -1,6 +1,6 @@
 //! Simulations that are asked for, run side by side.
 
-use super::simulator::{Output, Simulator};
+use super::simulator::{Output, Parameters, Simulator};
 use crate::{
     linear_algebra::Matrix,
     pool::in_parallel,
@@ -14,10 +14,10 @@ pub(crate) enum Simulated {
     Motions(Vec<SimulatedMotion>),
 }
 
-/// A simulation with base parameters that is asked for.
+/// A simulation that is asked for.
 pub(crate) struct Request<'a> {
     pub(crate) simulator: &'a Simulator<'a>,
-    pub(crate) theta: Vec<f64>,
+    pub(crate) theta: Parameters,
     pub(crate) output: Output,
 }
 
@@ -54,7 +54,8 @@ pub(crate) fn instruments_side_by_side(
     theta: &[f64],
     threads: usize,
 ) -> Vec<Option<Matrix>> {
-    let request = |simulator| Request { simulator, theta: theta.to_vec(), output: Output::Instruments };
+    let request =
+        |simulator| Request { simulator, theta: Parameters::Estimated(theta.to_vec()), output: Output::Instruments };
     let simulated = simulate_side_by_side(&simulators.iter().map(request).collect::<Vec<_>>(), threads);
     simulated.into_iter().map(|s| if let Ok(Simulated::Instruments(z)) = s { Some(z) } else { None }).collect()
 }

@@ -1,12 +1,14 @@
 //! Estimations under way: what several of them want simulated runs side by side.
 
 use super::{
+    physical::Physical,
     requests::{Request, Simulated, simulate_side_by_side},
-    simulator::{Output, Simulator},
+    simulator::{Output, Parameters, Simulator},
 };
 use crate::{
     clock::Stopwatch,
-    identification::{Estimation, IterationOptions, Method, Needs, Outcome},
+    identification::{Design, Estimation, IterationOptions, Method, Needs, Outcome},
+    linear_algebra::Matrix,
     preparation::Problem,
     regression::Regression,
     simulation::{SimulatedMotion, SimulationError},
@@ -41,6 +43,8 @@ pub(crate) struct Finished {
     pub(crate) outcome: Outcome,
     /// The motion of each recording simulated with the estimate, where it was asked for and succeeds.
     pub(crate) motions: Option<Vec<SimulatedMotion>>,
+    /// What is told of what was simulated.
+    pub(crate) note: Option<String>,
     /// Time spent on the estimate; simulations side by side share theirs in equal parts.
     pub(crate) seconds: f64,
 }
@@ -108,7 +112,8 @@ fn next_requests<'a>(running: &[Running<'a>], most: usize) -> (Vec<usize>, Vec<R
 
 enum Stage {
     Estimating(Estimation),
-    Estimated(Outcome),
+    /// With the parameters to simulate the estimate with, where there is one.
+    Estimated(Outcome, Option<Parameters>),
     Over,
 }
 
@@ -117,6 +122,8 @@ struct Running<'a> {
     job: &'a EstimationJob<'a>,
     options: RunOptions,
     stage: Stage,
+    /// What stands for the estimates of IV in its simulations.
+    physical: Option<Physical<'a>>,
     seconds: f64,
 }
 
@@ -124,28 +131,33 @@ impl<'a> Running<'a> {
     fn new(job: &'a EstimationJob<'a>, options: RunOptions) -> Self {
         let stopwatch = Stopwatch::start();
         let EstimationJob { method, regression, start, .. } = job;
-        let stage = match method.needs() {
-            Needs::Instruments if job.simulator.is_some() => {
-                Stage::Estimating(Estimation::new(*method, options.iteration, start.clone()))
-            }
-            Needs::Instruments | Needs::Measurement => {
-                Stage::Estimated(Outcome::direct(method.estimate(regression, None, options.iteration.divisor)))
-            }
+        let simulator = job.simulator.as_ref().filter(|_| method.needs() == Needs::Instruments);
+        let mut physical = simulator
+            .filter(|_| method.design() == Design::Measured)
+            .map(|simulator| Physical::new(simulator, regression));
+        let stage = if simulator.is_some() {
+            let start = physical.as_mut().map_or_else(|| start.clone(), |physical| physical.start(start));
+            Stage::Estimating(Estimation::new(*method, options.iteration, start))
+        } else {
+            estimated(Outcome::direct(method.estimate(regression, None, options.iteration.divisor)), None)
         };
-        Self { job, options, stage, seconds: stopwatch.seconds() }
+        Self { job, options, stage, physical, seconds: stopwatch.seconds() }
     }
 
     /// The simulation that it waits for.
     fn request(&self) -> Option<Request<'a>> {
         let simulator = self.job.simulator.as_ref()?;
         let (theta, output) = match &self.stage {
-            Stage::Estimating(estimation) => (estimation.wanted()?, Output::Instruments),
-            Stage::Estimated(outcome) => {
-                (&outcome.fit.as_ref()?.theta[..], Output::Motion { step: self.options.motion_step? })
+            Stage::Estimating(estimation) => {
+                let theta = estimation.wanted()?.to_vec();
+                let is_standard = self.physical.is_some();
+                let theta = if is_standard { Parameters::Standard(theta) } else { Parameters::Estimated(theta) };
+                (theta, Output::Instruments)
             }
+            Stage::Estimated(_, theta) => (theta.as_ref()?.clone(), Output::Motion { step: self.options.motion_step? }),
             Stage::Over => return None,
         };
-        Some(Request { simulator, theta: theta.to_vec(), output })
+        Some(Request { simulator, theta, output })
     }
 
     /// Takes what was simulated in `seconds`; how the estimation ended, where it has.
@@ -153,30 +165,59 @@ impl<'a> Running<'a> {
         let z = match (&self.stage, simulated) {
             (Stage::Estimating(_), Ok(Simulated::Instruments(z))) => Ok(z),
             (Stage::Estimating(_), Err(error)) => Err(error),
-            (Stage::Estimated(_) | Stage::Over, Ok(Simulated::Motions(motions))) => {
+            (Stage::Estimated(..) | Stage::Over, Ok(Simulated::Motions(motions))) => {
                 return self.end().map(|finished| Finished { motions: Some(motions), ..finished });
             }
             (Stage::Estimating(_), Ok(Simulated::Motions(_)))
-            | (Stage::Estimated(_) | Stage::Over, Ok(Simulated::Instruments(_)) | Err(_)) => return self.end(),
+            | (Stage::Estimated(..) | Stage::Over, Ok(Simulated::Instruments(_)) | Err(_)) => return self.end(),
         };
         let stopwatch = Stopwatch::start();
         if let Stage::Estimating(mut estimation) = std::mem::replace(&mut self.stage, Stage::Over) {
-            estimation.take(z, &self.job.regression, &mut <[f64]>::to_vec);
+            self.estimate(&mut estimation, z);
             let goes_on = estimation.wanted().is_some();
-            self.stage =
-                if goes_on { Stage::Estimating(estimation) } else { Stage::Estimated(estimation.into_outcome()) };
+            self.stage = if goes_on {
+                Stage::Estimating(estimation)
+            } else {
+                estimated(estimation.into_outcome(), self.physical.as_mut())
+            };
         }
         self.seconds += seconds + stopwatch.seconds();
         None
+    }
+
+    /// Goes on with what was simulated. Where IV's own estimate could not be simulated, a physical robot's parameters are.
+    fn estimate(&mut self, estimation: &mut Estimation, z: Result<Matrix, SimulationError>) {
+        let Some(physical) = &mut self.physical else {
+            return estimation.take(z, &self.job.regression, &mut <[f64]>::to_vec);
+        };
+        if let (Err(_), false, Some(estimate)) = (&z, physical.is_needed, estimation.estimate().map(<[f64]>::to_vec)) {
+            physical.is_needed = true;
+            return estimation.simulate_instead(physical.of(&estimate));
+        }
+        estimation.take(z, &self.job.regression, &mut |estimate| physical.of(estimate));
     }
 
     /// How the estimation ended, once.
     fn end(&mut self) -> Option<Finished> {
         match std::mem::replace(&mut self.stage, Stage::Over) {
             Stage::Estimating(estimation) => Some(estimation.into_outcome()),
-            Stage::Estimated(outcome) => Some(outcome),
+            Stage::Estimated(outcome, _) => Some(outcome),
             Stage::Over => None,
         }
-        .map(|outcome| Finished { outcome, motions: None, seconds: self.seconds })
+        .map(|outcome| Finished {
+            outcome,
+            motions: None,
+            note: self.physical.as_ref().and_then(Physical::note),
+            seconds: self.seconds,
+        })
     }
+}
+
+/// An outcome with the parameters that stand for its estimate in a simulation.
+fn estimated(outcome: Outcome, physical: Option<&mut Physical<'_>>) -> Stage {
+    let theta = outcome.fit.as_ref().map(|fit| match physical {
+        Some(physical) => Parameters::Standard(physical.of(&fit.theta)),
+        None => Parameters::Estimated(fit.theta.clone()),
+    });
+    Stage::Estimated(outcome, theta)
 }

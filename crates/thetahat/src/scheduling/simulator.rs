@@ -51,6 +51,15 @@ impl Output {
     }
 }
 
+/// Parameters to simulate with.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Parameters {
+    /// The estimated base parameters, zeros elsewhere.
+    Estimated(Vec<f64>),
+    /// All standard parameters.
+    Standard(Vec<f64>),
+}
+
 /// Simulates the loops of all recordings for one case.
 pub(crate) struct Simulator<'a> {
     setup: Setup<'a>,
@@ -99,7 +108,9 @@ impl<'a> Simulator<'a> {
 
     /// The simulated motion of each recording in its window.
     pub(crate) fn simulate(&self, theta: &[f64]) -> Result<Vec<SimulatedMotion>, SimulationError> {
-        simulate_all(&self.jobs(&self.resolve(theta), Output::Motion { step: 1 })).into_iter().collect()
+        simulate_all(&self.jobs(&self.resolve(&Parameters::Estimated(theta.to_vec())), Output::Motion { step: 1 }))
+            .into_iter()
+            .collect()
     }
 
     /// The simulations of all recordings.
@@ -135,9 +146,25 @@ impl<'a> Simulator<'a> {
             && bias(self) == bias(other)
     }
 
-    /// Standard parameters of base parameters, and the inertia that each motor sees for the gains of its controller.
-    pub(super) fn resolve(&self, theta: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let standard = self.problem.estimated.to_standard(theta);
+    pub(super) fn setup(&self) -> Setup<'a> {
+        self.setup
+    }
+
+    pub(super) fn problem(&self) -> &'a Problem {
+        self.problem
+    }
+
+    /// Whether the mass matrix of standard parameters is above a part of that of others along all references.
+    pub(super) fn has_mass_matrix_above(&self, standard: &[f64], part: f64, least: &[f64]) -> bool {
+        self.loops.iter().all(|l| l.closed_loop.has_mass_matrix_above(standard, part, least, l.duration_s()))
+    }
+
+    /// Standard parameters of those to simulate with, and the inertia that each motor sees for the gains of its controller.
+    pub(super) fn resolve(&self, parameters: &Parameters) -> (Vec<f64>, Vec<f64>) {
+        let standard = match parameters {
+            Parameters::Estimated(theta) => self.problem.estimated.to_standard(theta),
+            Parameters::Standard(theta) => theta.clone(),
+        };
         let inertia = self.kept_inertia.clone().unwrap_or_else(|| self.inertia(&standard));
         (standard, inertia)
     }
@@ -201,8 +228,11 @@ impl RecordedLoop<'_> {
     }
 
     fn inertia(&self, standard: &[f64]) -> Vec<f64> {
-        let duration_s = self.filtered.recording.position.len() as f64 / self.filtered.recording.sample_rate_hz;
-        self.closed_loop.motor_inertia(standard, duration_s)
+        self.closed_loop.motor_inertia(standard, self.duration_s())
+    }
+
+    fn duration_s(&self) -> f64 {
+        self.filtered.recording.position.len() as f64 / self.filtered.recording.sample_rate_hz
     }
 }
 

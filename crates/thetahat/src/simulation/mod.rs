@@ -20,6 +20,7 @@
 mod bias;
 mod closed_loop;
 mod coupling;
+mod definiteness;
 mod dormand_prince;
 mod error;
 mod integrator;
