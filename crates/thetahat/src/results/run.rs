@@ -30,6 +30,9 @@ pub struct RunResult {
     /// What was simulated beside what the experiment describes: a guessed controller, other parameters than the estimate.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
+    /// Whether the estimates are those of a physical robot; none without an estimate.
+    #[serde(default)]
+    pub physical: Option<PhysicalResult>,
     /// Iterations.
     pub iterations: usize,
     /// Closed-loop simulations of the iteration.
@@ -70,6 +73,17 @@ pub struct RunResult {
     pub plots: RunPlots,
 }
 
+/// Whether some robot made of bodies has the estimates: see `docs/physical_consistency.md`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PhysicalResult {
+    /// Whether one has.
+    pub consistent: bool,
+    /// Links and parameters that are outside, as few as possible.
+    pub outside: Vec<String>,
+    /// Smallest eigenvalue of the pseudo-inertia matrices of the standard parameters nearest to consistent ones.
+    pub smallest_eigenvalue: f64,
+}
+
 /// One iteration.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct IterationResult {
@@ -93,6 +107,7 @@ impl RunResult {
             status,
             reason: None,
             notes: Vec::new(),
+            physical: None,
             iterations: 0,
             simulations: 0,
             relative_error_percent: None,

@@ -8,12 +8,13 @@ use super::{
     prepared::filtered,
 };
 use crate::{
+    consistency::examine,
     diagnosis::{Estimated, residual},
     identification::{Fit, Method, Needs, Outcome, uncertainty},
     preparation::{Case, PreparationError, Problem},
     regression::relative_error_percent,
-    results::{Influence, IterationResult, ParameterResult, RunResult},
-    scheduling::{EstimationJob, Finished},
+    results::{Influence, IterationResult, ParameterResult, PhysicalResult, RunResult},
+    scheduling::{EstimationJob, Finished, consistent_set},
     simulation::Reference,
 };
 
@@ -38,6 +39,7 @@ impl Assessment<'_> {
             run.simulation_relative_error_percent =
                 simulator.as_ref().zip(motions.as_ref()).map(|(s, motions)| s.errors(motions));
             run.plots = problem.plots(&fit.prediction, motions.as_deref().unwrap_or_default());
+            run.physical = self.physical(fit);
             run.residual = Some(residual(regression, &fit.prediction));
             self.leave_parts_out(&outcome, &mut run);
             if !self.identification.validation.is_empty() {
@@ -82,6 +84,16 @@ impl Assessment<'_> {
         let truth = recording.and_then(|r| r.truth.as_ref()).map(|t| problem.estimated.from_standard(t));
         let settings = self.identification.setup().settings;
         parameter_results(settings, &problem.estimated, fit, uncertainty.as_ref(), truth.as_deref())
+    }
+
+    /// Whether a robot made of bodies has the estimates.
+    fn physical(&self, fit: &Fit) -> Option<PhysicalResult> {
+        let EstimationJob { problem, regression, .. } = self.job;
+        let set = consistent_set(self.identification.setup(), problem, regression).ok()?;
+        let found = examine(&set, &problem.estimated, &fit.theta).ok()?;
+        let outside = found.outside.iter().map(|(condition, _)| condition.to_string()).collect();
+        let smallest_eigenvalue = found.smallest_eigenvalue;
+        Some(PhysicalResult { consistent: found.consistent, outside, smallest_eigenvalue })
     }
 
     /// Leaves recordings, moves or parts out in turn, and predicts them from the others.

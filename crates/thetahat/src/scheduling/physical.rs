@@ -1,17 +1,17 @@
 //! What IV simulates: its estimate where that is a robot's, else the parameters of a physical robot nearest to it.
 
-use super::simulator::Simulator;
+use super::{
+    consistent_set::consistent_set,
+    simulator::{Parameters, Simulator},
+};
 use crate::{
     base_parameters::BaseParameters,
-    consistency::{
-        ConsistencyError, ConsistentFit, ConsistentSet, Known, LeastSquares, SimulationOptions, completed_a_priori,
-        mass_factor, nearest_to_simulate,
-    },
+    consistency::{ConsistencyError, ConsistentFit, ConsistentSet, SimulationOptions, nearest_to_simulate},
     identification::idim_ls,
     linear_algebra::Matrix,
-    preparation::{Problem, Setup},
+    preparation::Problem,
     regression::Regression,
-    robot::{Bound, Friction, Robot, Role},
+    robot::{Bound, Parameter, Role},
 };
 
 /// Part of the a-priori mass matrix above which that of an estimate is simulated as it is: the interior of the set.
@@ -60,6 +60,11 @@ impl<'a> Physical<'a> {
         self.nearest(estimate).unwrap_or(standard)
     }
 
+    /// Standard parameters made here, as a simulation is to take them.
+    pub(super) fn as_parameters(&self, standard: Vec<f64>) -> Parameters {
+        if self.is_needed { Parameters::Physical(standard) } else { Parameters::Standard(standard) }
+    }
+
     /// What is told of it; nothing where estimates were simulated as they are.
     pub(super) fn note(&self) -> Option<String> {
         if let Some(e) = &self.failure {
@@ -100,45 +105,12 @@ impl<'a> Physical<'a> {
     /// motion, and no Coulomb friction drives.
     fn is_safe(&self, standard: &[f64], part: f64) -> bool {
         let Ok(set) = &self.set else { return true };
-        let drives = |(p, v): (&crate::robot::Parameter, &f64)| {
+        let drives = |(p, v): (&Parameter, &f64)| {
             p.quantity.role() == Role::CoulombFriction && p.quantity.bound() == Bound::NotNegative && *v < 0.0
         };
         let table = set.parameter_table();
         !table.iter().zip(standard).any(drives) && self.simulator.has_mass_matrix_above(standard, part, set.a_priori())
     }
-}
-
-/// The set of the robot with the friction of a problem, what is excluded being zero. A-priori values that the robot lacks
-/// are guessed.
-fn consistent_set(
-    setup: Setup<'_>,
-    problem: &Problem,
-    regression: &Regression,
-) -> Result<ConsistentSet, ConsistencyError> {
-    let table = problem.model.parameter_table();
-    let with_friction = |friction: &Friction| Robot { friction: *friction, ..setup.robot.clone() };
-    let robot = Friction::ALL.iter().map(with_friction).find(|r| r.parameter_table() == *table);
-    let robot = robot.unwrap_or_else(|| setup.robot.clone());
-    let mut a_priori = completed_a_priori(&robot, None);
-    let given = robot.a_priori_parameters_for(table);
-    let inertial = |i: usize| table.get(i).quantity.is_inertial();
-    if (0..given.len()).all(|i| given[i] == 0.0 || !inertial(i)) {
-        let factor = factor_of_masses(problem, regression, &a_priori).unwrap_or(1.0);
-        (0..given.len()).filter(|&i| inertial(i)).for_each(|i| a_priori[i] *= factor);
-    }
-    let excluded = &setup.settings.parameters.exclude;
-    let is_excluded = |i: &usize| excluded.contains(&table.get(*i).name());
-    (0..given.len()).filter(|i| !inertial(*i)).filter(is_excluded).for_each(|i| a_priori[i] = 0.0);
-    let zero = |name: &String| Known::Value { parameter: name.clone(), value: 0.0 };
-    excluded.iter().map(zero).try_fold(ConsistentSet::new(&robot, &a_priori)?, |set, known| set.with_known(&known))
-}
-
-/// The factor of guessed masses that the torques ask for.
-fn factor_of_masses(problem: &Problem, regression: &Regression, a_priori: &[f64]) -> Option<f64> {
-    let ls = idim_ls(regression, Default::default()).ok()?;
-    let r = regression.whiten_matrix(&regression.x).triangular_factor();
-    let data = LeastSquares::nearest(&r, &ls.theta, &problem.estimated, a_priori.len()).ok()?;
-    mass_factor(&data, problem.model.parameter_table(), a_priori)
 }
 
 /// The triangular factor of the weighted X of all base parameters.

@@ -150,8 +150,10 @@ impl<'a> Running<'a> {
         let (theta, output) = match &self.stage {
             Stage::Estimating(estimation) => {
                 let theta = estimation.wanted()?.to_vec();
-                let is_standard = self.physical.is_some();
-                let theta = if is_standard { Parameters::Standard(theta) } else { Parameters::Estimated(theta) };
+                let theta = match &self.physical {
+                    Some(physical) => physical.as_parameters(theta),
+                    None => Parameters::Estimated(theta),
+                };
                 (theta, Output::Instruments)
             }
             Stage::Estimated(_, theta) => (theta.as_ref()?.clone(), Output::Motion { step: self.options.motion_step? }),
@@ -216,7 +218,10 @@ impl<'a> Running<'a> {
 /// An outcome with the parameters that stand for its estimate in a simulation.
 fn estimated(outcome: Outcome, physical: Option<&mut Physical<'_>>) -> Stage {
     let theta = outcome.fit.as_ref().map(|fit| match physical {
-        Some(physical) => Parameters::Standard(physical.of(&fit.theta)),
+        Some(physical) => {
+            let standard = physical.of(&fit.theta);
+            physical.as_parameters(standard)
+        }
         None => Parameters::Estimated(fit.theta.clone()),
     });
     Stage::Estimated(outcome, theta)

@@ -11,7 +11,7 @@ use crate::{
     series::Series,
     signal::Motion,
     simulation::{
-        ClosedLoop, Job, OutputGrid, Reference, SimulatedMotion, SimulationError, SimulatorBias, simulate_all,
+        ClosedLoop, Job, OutputGrid, Reference, SimulatedMotion, SimulationError, SimulatorBias, Solver, simulate_all,
     },
 };
 
@@ -58,7 +58,22 @@ pub(crate) enum Parameters {
     Estimated(Vec<f64>),
     /// All standard parameters.
     Standard(Vec<f64>),
+    /// Those of a physical robot near an estimate, simulated with a hundredth of the tolerances.
+    Physical(Vec<f64>),
 }
+
+/// Parameters as a simulation takes them.
+pub(super) struct Resolved {
+    /// All standard parameters.
+    standard: Vec<f64>,
+    /// The inertia that each motor sees for the gains of its controller.
+    inertia: Vec<f64>,
+    solver: Solver,
+}
+
+/// Factor of the tolerances with which the parameters of a physical robot are simulated: links of little mass and
+/// friction near zero make the errors of a simulation change the estimates by more than the iteration is to settle to.
+const FINE: f64 = 0.01;
 
 /// Simulates the loops of all recordings for one case.
 pub(crate) struct Simulator<'a> {
@@ -114,12 +129,12 @@ impl<'a> Simulator<'a> {
     }
 
     /// The simulations of all recordings.
-    pub(super) fn jobs<'j>(&'j self, (theta, inertia): &'j (Vec<f64>, Vec<f64>), output: Output) -> Vec<Job<'j>> {
+    pub(super) fn jobs<'j>(&'j self, resolved: &'j Resolved, output: Output) -> Vec<Job<'j>> {
         let whole = output == Output::Instruments && self.setup.settings.simulation.band_pass;
         let job = |l: &RecordedLoop<'a>| Job {
-            closed_loop: l.closed_loop,
-            theta,
-            motor_inertia: inertia,
+            closed_loop: ClosedLoop { solver: resolved.solver, ..l.closed_loop },
+            theta: &resolved.standard,
+            motor_inertia: &resolved.inertia,
             grid: if whole { l.grid_of_record() } else { l.grid_of_window(output.step()) },
         };
         self.loops.iter().map(job).collect()
@@ -159,14 +174,19 @@ impl<'a> Simulator<'a> {
         self.loops.iter().all(|l| l.closed_loop.has_mass_matrix_above(standard, part, least, l.duration_s()))
     }
 
-    /// Standard parameters of those to simulate with, and the inertia that each motor sees for the gains of its controller.
-    pub(super) fn resolve(&self, parameters: &Parameters) -> (Vec<f64>, Vec<f64>) {
+    /// What a simulation with parameters takes.
+    pub(super) fn resolve(&self, parameters: &Parameters) -> Resolved {
         let standard = match parameters {
             Parameters::Estimated(theta) => self.problem.estimated.to_standard(theta),
-            Parameters::Standard(theta) => theta.clone(),
+            Parameters::Standard(theta) | Parameters::Physical(theta) => theta.clone(),
+        };
+        let solver = self.setup.settings.simulation.solver;
+        let solver = match parameters {
+            Parameters::Estimated(_) | Parameters::Standard(_) => solver,
+            Parameters::Physical(_) => solver.with_tolerances_times(FINE),
         };
         let inertia = self.kept_inertia.clone().unwrap_or_else(|| self.inertia(&standard));
-        (standard, inertia)
+        Resolved { standard, inertia, solver }
     }
 
     /// The inertia that each motor sees, on average over the recordings: the gains are those of one controller.

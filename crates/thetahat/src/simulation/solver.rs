@@ -54,6 +54,23 @@ fn absolute() -> f64 {
 impl Solver {
     /// The explicit method with the default tolerances of `ode45`.
     pub const ODE45: Self = Self::Adaptive { relative_tolerance: ODE45[0], absolute_tolerance: ODE45[1] };
+
+    /// The same method with tolerances `factor` times as large; equal steps stay as they are.
+    #[must_use]
+    pub fn with_tolerances_times(self, factor: f64) -> Self {
+        match self {
+            Self::Automatic { relative_tolerance: r, absolute_tolerance: a } => {
+                Self::Automatic { relative_tolerance: factor * r, absolute_tolerance: factor * a }
+            }
+            Self::Adaptive { relative_tolerance: r, absolute_tolerance: a } => {
+                Self::Adaptive { relative_tolerance: factor * r, absolute_tolerance: factor * a }
+            }
+            Self::Implicit { relative_tolerance: r, absolute_tolerance: a } => {
+                Self::Implicit { relative_tolerance: factor * r, absolute_tolerance: factor * a }
+            }
+            Self::Fixed { step_s } => Self::Fixed { step_s },
+        }
+    }
 }
 
 impl Default for Solver {

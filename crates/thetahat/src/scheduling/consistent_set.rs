@@ -1,0 +1,42 @@
+//! The physically consistent set of the robot of a problem.
+
+use crate::{
+    consistency::{ConsistencyError, ConsistentSet, Known, LeastSquares, completed_a_priori, mass_factor},
+    identification::idim_ls,
+    preparation::{Problem, Setup},
+    regression::Regression,
+    robot::{Friction, Robot},
+};
+
+/// The set of the robot with the friction of a problem, what is excluded being zero. A-priori values that the robot lacks
+/// are guessed.
+pub(crate) fn consistent_set(
+    setup: Setup<'_>,
+    problem: &Problem,
+    regression: &Regression,
+) -> Result<ConsistentSet, ConsistencyError> {
+    let table = problem.model.parameter_table();
+    let with_friction = |friction: &Friction| Robot { friction: *friction, ..setup.robot.clone() };
+    let robot = Friction::ALL.iter().map(with_friction).find(|r| r.parameter_table() == *table);
+    let robot = robot.unwrap_or_else(|| setup.robot.clone());
+    let mut a_priori = completed_a_priori(&robot, None);
+    let given = robot.a_priori_parameters_for(table);
+    let inertial = |i: usize| table.get(i).quantity.is_inertial();
+    if (0..given.len()).all(|i| given[i] == 0.0 || !inertial(i)) {
+        let factor = factor_of_masses(problem, regression, &a_priori).unwrap_or(1.0);
+        (0..given.len()).filter(|&i| inertial(i)).for_each(|i| a_priori[i] *= factor);
+    }
+    let excluded = &setup.settings.parameters.exclude;
+    let is_excluded = |i: &usize| excluded.contains(&table.get(*i).name());
+    (0..given.len()).filter(|i| !inertial(*i)).filter(is_excluded).for_each(|i| a_priori[i] = 0.0);
+    let zero = |name: &String| Known::Value { parameter: name.clone(), value: 0.0 };
+    excluded.iter().map(zero).try_fold(ConsistentSet::new(&robot, &a_priori)?, |set, known| set.with_known(&known))
+}
+
+/// The factor of guessed masses that the torques ask for.
+fn factor_of_masses(problem: &Problem, regression: &Regression, a_priori: &[f64]) -> Option<f64> {
+    let ls = idim_ls(regression, Default::default()).ok()?;
+    let r = regression.whiten_matrix(&regression.x).triangular_factor();
+    let data = LeastSquares::nearest(&r, &ls.theta, &problem.estimated, a_priori.len()).ok()?;
+    mass_factor(&data, problem.model.parameter_table(), a_priori)
+}
