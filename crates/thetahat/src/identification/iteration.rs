@@ -32,8 +32,10 @@ impl Default for Convergence {
 /// Halvings of a step of the parameters whose simulation fails.
 const HALVINGS: usize = 4;
 
-/// Successive growths of the largest change after which the steps of IV are halved.
-const GROWTHS: usize = 2;
+/// Part of the smallest change so far below which a change is progress.
+const PROGRESS: f64 = 0.8;
+/// Iterations in a row without progress after which the steps of IV are halved.
+const WITHOUT_PROGRESS: usize = 2;
 /// Least part of a step that is left of it.
 const LEAST_STEP: f64 = 1.0 / 16.0;
 
@@ -78,9 +80,10 @@ pub struct Estimation {
     before: Vec<f64>,
     /// How often the step to the next was halved.
     halvings: usize,
-    /// Part of each step that is made, and how often in a row the largest change has grown.
+    /// Part of each step that is made, the smallest of the largest changes, and for how many iterations none was smaller.
     step: f64,
-    growths: usize,
+    smallest_change: f64,
+    without_progress: usize,
     last: Option<(Fit, f64, Matrix)>,
     outcome: Outcome,
     is_done: bool,
@@ -102,8 +105,19 @@ impl Estimation {
         };
         let is_done = iterations == 0;
         let before = start.clone();
-        let (step, growths) = (1.0, 0);
-        Self { method, options, theta: start, before, halvings: 0, step, growths, last: None, outcome, is_done }
+        Self {
+            method,
+            options,
+            theta: start,
+            before,
+            halvings: 0,
+            step: 1.0,
+            smallest_change: f64::INFINITY,
+            without_progress: 0,
+            last: None,
+            outcome,
+            is_done,
+        }
     }
 
     /// The parameters with which the loop is to be simulated; none at the end.
@@ -198,14 +212,16 @@ impl Estimation {
         (self.outcome.fit, self.outcome.instruments, self.is_done) = (Some(fit), Some(z), true);
     }
 
-    /// Halves the steps of IV where the largest change has grown twice in a row. DIDIM keeps its steps: it is least squares on
-    /// its own simulation.
+    /// Halves the steps of IV where the largest change has not become smaller in two iterations: where it grows, or goes to
+    /// and fro. DIDIM keeps its steps: it is least squares on its own simulation.
     fn damp(&mut self, change: Option<f64>) {
-        let before = self.outcome.iterations.last().and_then(|i| i.parameter_change);
-        let grows = change.zip(before).is_some_and(|(now, before)| now > before);
-        self.growths = if grows { self.growths + 1 } else { 0 };
-        if self.method.design() == Design::Measured && self.growths >= GROWTHS {
-            (self.step, self.growths) = ((0.5 * self.step).max(LEAST_STEP), 0);
+        let Some(change) = change else { return };
+        // A part of a step makes a part of the change.
+        let whole = change / self.step;
+        self.without_progress = if whole < PROGRESS * self.smallest_change { 0 } else { self.without_progress + 1 };
+        self.smallest_change = self.smallest_change.min(whole);
+        if self.method.design() == Design::Measured && self.without_progress >= WITHOUT_PROGRESS {
+            (self.step, self.without_progress) = ((0.5 * self.step).max(LEAST_STEP), 0);
         }
     }
 
