@@ -92,8 +92,9 @@ impl<T: Real> Inertial<T> {
         let mut inertia = link.r.rotate_symmetric(&self.inertia);
         let spherical = dot(p, s) * 2.0 + self.m * dot(p, p);
         for i in 0..3 {
-            for j in 0..3 {
+            for j in i..3 {
                 inertia[i][j] -= p[i] * s[j] + s[i] * p[j] + self.m * p[i] * p[j];
+                inertia[j][i] = inertia[i][j];
             }
             inertia[i][i] += spherical;
         }

@@ -179,9 +179,29 @@ fn a_standard_table_of_a_tree_is_refused() {
     assert!(matches!(parse(&text).unwrap_err(), RobotError::Joint { line: 6, .. }));
 }
 
+/// The first three joints of `robots/ur10.toml`, which lies outside the package.
+const UR10_ARM: &str = r#"
+name = "UR10"
+friction = "symmetric"
+convention = "standard"
+[[joint]]
+name = "shoulder_pan_joint"
+kind = "revolute"
+d_m = 0.1273
+alpha_deg = 90
+[[joint]]
+name = "shoulder_lift_joint"
+kind = "revolute"
+a_m = -0.612
+[[joint]]
+name = "elbow_joint"
+kind = "revolute"
+a_m = -0.5723
+"#;
+
 #[test]
 fn the_ur10_has_its_parallel_axes() {
-    let robot = Robot::parse(include_str!("../../../../../robots/ur10.toml"), Path::new("ur10.toml")).unwrap();
+    let robot = parse(UR10_ARM).unwrap();
     let (shoulder, elbow) = (&robot.joints[1].placement, &robot.joints[2].placement);
     assert_eq!((elbow.alpha, elbow.origin, shoulder.origin[2]), (0.0, [-0.612, 0.0, 0.0], 0.0));
 }
