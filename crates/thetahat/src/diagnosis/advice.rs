@@ -242,20 +242,17 @@ fn explained_by(best: &BiasExplanation, value: f64) -> String {
     let deviation = best.standard_deviation.unwrap_or_default();
     let decimals = (1.0 - deviation.abs().log10().floor()).clamp(0.0, 8.0) as usize;
     let part = short(best.explained_percent);
-    match best.kind {
-        BiasKind::Delay => format!(
-            "; a simulator that is {:.*} ± {:.*} ms later than the robot would explain {part} % of it",
-            decimals.saturating_sub(3),
-            1e3 * value,
-            decimals.saturating_sub(3),
-            1e3 * deviation
-        ),
-        kind => format!(
-            "; {} at {value:.decimals$} ± {deviation:.decimals$} of the true ones in the simulator would explain {part} % \
-             of it",
-            kind.name()
-        ),
+    if best.kind == BiasKind::Delay {
+        let (decimals, value, deviation) = (decimals.saturating_sub(3), 1e3 * value, 1e3 * deviation);
+        return format!(
+            "; a simulator that is {value:.decimals$} ± {deviation:.decimals$} ms later than the robot would explain \
+             {part} % of it"
+        );
     }
+    format!(
+        "; {} at {value:.decimals$} ± {deviation:.decimals$} of the true ones in the simulator would explain {part} % of it",
+        best.kind.name()
+    )
 }
 
 fn most(e: &EndogeneityResult) -> String {
