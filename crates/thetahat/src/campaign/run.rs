@@ -3,12 +3,12 @@
 use std::{collections::BTreeMap, path::PathBuf};
 
 use super::{
+    Store,
     description::{Campaign, Subset},
     error::CampaignError,
     facts::Facts,
     record::Bench,
     row::{Key, Row},
-    store::Store,
 };
 use crate::{pool::as_finished, scheduling::SIDE_BY_SIDE};
 
