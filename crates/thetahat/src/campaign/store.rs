@@ -20,7 +20,7 @@ const RUNS: &str = "runs.parquet";
 const TIMING: &str = "timing.parquet";
 const PARTS: &str = "parts";
 
-/// A folder of results, known to be that of one campaign.
+/// A folder of results, checked to belong to one campaign.
 #[derive(Debug, Clone)]
 pub struct Store {
     folder: PathBuf,
@@ -128,7 +128,7 @@ impl Store {
         }
         let mut rows = parquet_file::read(&runs, facts)?;
         let seconds = if timing.exists() { parquet_file::read_seconds(&timing)? } else { Vec::new() };
-        // Killed between the two, the times are those of more rows; the parts that are still there hold all.
+        // A run killed between the two files leaves more times than rows; the parts, still there, hold everything.
         if seconds.len() == rows.len() {
             rows.iter_mut().zip(seconds).for_each(|(row, s)| row.seconds = s);
         }

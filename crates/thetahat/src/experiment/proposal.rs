@@ -312,7 +312,7 @@ fn range(columns: &[&ColumnSummary]) -> [f64; 2] {
     [least, most]
 }
 
-/// The unit of velocities that goes with that of the positions.
+/// The unit of velocities that goes with the unit of the positions.
 fn velocity_unit(position: Unit, robot: &Robot) -> (Unit, &'static str) {
     let prismatic = robot.coordinates().all(|j| j.kind == JointKind::Prismatic);
     let unit = if position == Unit::Degree {

@@ -128,8 +128,8 @@ fn then((r, p): (Mat3, Vec3), (s, o): (Mat3, Vec3)) -> (Mat3, Vec3) {
     (product(&r, &s), add(p, times(&r, o)))
 }
 
-/// The tool's frame through the converted frames is that of the standard table, whose last a and alpha lie beyond the
-/// last joint.
+/// The converted frames give the tool the same frame as the standard table, whose last a and alpha lie beyond the last
+/// joint.
 #[test]
 fn a_standard_table_has_its_own_forward_kinematics() {
     let table = [[0.3, 40.0, 0.2, 10.0], [-0.5, -90.0, 0.1, 0.0], [0.2, 25.0, -0.4, -70.0]];
@@ -154,7 +154,7 @@ fn a_standard_table_has_its_own_forward_kinematics() {
     pairs.for_each(|(a, b)| assert!((a - b).abs() < 1e-14, "{a} against {b}"));
 }
 
-/// The numbers of a standard table, moved by one joint, are those of the modified one.
+/// A standard table, moved by one joint, has the same numbers as the modified one.
 #[test]
 fn a_standard_table_is_the_modified_one_moved_by_a_joint() {
     let joint = |name: &str, rest: &str| format!("[[joint]]\nname = \"{name}\"\nkind = \"revolute\"\n{rest}\n");
