@@ -55,13 +55,10 @@ kind = "revolute"
 #[test]
 fn a_cycle_is_refused_with_its_joints() {
     let text = TWO_JOINTS.replacen("kind = \"revolute\"", "kind = \"revolute\"\nparent = \"slide\"", 1);
-    match parse(&text).unwrap_err() {
-        RobotError::Cycle { line, joints, .. } => {
-            assert_eq!(line, 3);
-            assert_eq!(joints, ["shoulder", "slide", "shoulder"]);
-        }
-        other => panic!("{other}"),
-    }
+    let error = parse(&text).unwrap_err();
+    let RobotError::Cycle { line, joints, .. } = error else { panic!("{error}") };
+    assert_eq!(line, 3);
+    assert_eq!(joints, ["shoulder", "slide", "shoulder"]);
 }
 
 #[test]
@@ -84,10 +81,7 @@ fn an_unknown_parent_is_refused() {
 #[test]
 fn a_singular_matrix_is_refused_with_its_line() {
     let text = TWO_JOINTS.replace("[[10, 0], [5, 5]]", "[[10, 10], [5, 5]]");
-    match parse(&text).unwrap_err() {
-        RobotError::SingularTransmission { line, .. } => assert_eq!(line, 12),
-        other => panic!("{other}"),
-    }
+    assert!(matches!(parse(&text).unwrap_err(), RobotError::SingularTransmission { line: 12, .. }));
 }
 
 #[test]

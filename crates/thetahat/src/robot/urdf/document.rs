@@ -2,7 +2,10 @@ use std::path::Path;
 
 use roxmltree::{Document, Error, ParsingOptions};
 
-use super::{UrdfError, element::Element};
+use super::{
+    element::Element,
+    error::{Place, UrdfError},
+};
 
 /// Elements, texts and comments of the largest file.
 const MOST_NODES: u32 = 2_000_000;
@@ -22,22 +25,25 @@ pub(super) fn parse<'a>(text: &'a str, path: &Path) -> Result<Document<'a>, Urdf
         return Err(too_large("attributes in one element", MOST_ATTRIBUTES));
     }
     let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
-    Document::parse_with_options(text, options).map_err(|error| match error {
-        Error::NodesLimitReached => too_large("elements, texts and comments", MOST_NODES as usize),
-        Error::UnknownNamespace(prefix, position) if prefix == "xacro" => UrdfError::Xacro {
-            place: super::Place {
-                path: path.to_owned(),
-                line: position.row as usize,
-                element: "an element in the namespace xacro".to_owned(),
-            },
-        },
-        error => UrdfError::Syntax {
-            path: path.to_owned(),
-            line: error.pos().row as usize,
-            column: error.pos().col as usize,
-            problem: without_position(&error.to_string()),
-        },
+    Document::parse_with_options(text, options).map_err(|error| {
+        if error == Error::NodesLimitReached {
+            too_large("elements, texts and comments", MOST_NODES as usize)
+        } else {
+            unreadable(&error, path)
+        }
     })
+}
+
+fn unreadable(error: &Error, path: &Path) -> UrdfError {
+    let (path, line) = (path.to_owned(), error.pos().row as usize);
+    if let Error::UnknownNamespace(prefix, _) = error
+        && prefix == "xacro"
+    {
+        let element = "an element in the namespace xacro".to_owned();
+        return UrdfError::Xacro { place: Place { path, line, element } };
+    }
+    let problem = without_position(&error.to_string());
+    UrdfError::Syntax { path, line, column: error.pos().col as usize, problem }
 }
 
 /// At least the number of attributes of the element with the most: equals signs between an angle bracket and the next
