@@ -8,6 +8,8 @@
 mod checks;
 mod description;
 mod error;
+mod facts;
+mod files;
 mod noise;
 mod parquet_file;
 mod record;
@@ -20,7 +22,8 @@ mod summary;
 
 pub use description::{Campaign, CampaignFile, Claim, Levels, NoiseLevel, Starts, Subset};
 pub use error::CampaignError;
+pub use facts::{CampaignParameter, Facts};
 pub use row::{Key, Row};
-pub use run::{CampaignParameter, CampaignRuns, Facts, Progress};
+pub use run::{CampaignRuns, Progress};
 pub use store::Store;
 pub use summary::{parameter_summaries, quantiles, summarise};

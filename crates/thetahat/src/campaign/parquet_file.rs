@@ -18,9 +18,9 @@ use parquet::{
 
 use super::{
     CampaignError, Row,
+    facts::Facts,
+    files::replace_file,
     row::{status_name, status_named},
-    run::Facts,
-    store::replace_file,
 };
 
 /// Which columns a file has beside those that say which run a row is.

@@ -2,8 +2,8 @@
 
 use super::{
     Campaign, CampaignError, Key, Row,
+    facts::Facts,
     noise::{measure, random, record_stream},
-    run::Facts,
 };
 use crate::{
     base_parameters::{BaseParameter, BaseParameters},

@@ -81,7 +81,9 @@ fn an_unknown_parent_is_refused() {
 #[test]
 fn a_singular_matrix_is_refused_with_its_line() {
     let text = TWO_JOINTS.replace("[[10, 0], [5, 5]]", "[[10, 10], [5, 5]]");
-    assert!(matches!(parse(&text).unwrap_err(), RobotError::SingularTransmission { line: 12, .. }));
+    let error = parse(&text).unwrap_err();
+    let RobotError::SingularTransmission { line, .. } = error else { panic!("{error}") };
+    assert_eq!(line, 12);
 }
 
 #[test]

@@ -2,10 +2,7 @@ use std::path::Path;
 
 use roxmltree::{Document, Error, ParsingOptions};
 
-use super::{
-    element::Element,
-    error::{Place, UrdfError},
-};
+use super::{UrdfError, element::Element};
 
 /// Elements, texts and comments of the largest file.
 const MOST_NODES: u32 = 2_000_000;
@@ -26,24 +23,23 @@ pub(super) fn parse<'a>(text: &'a str, path: &Path) -> Result<Document<'a>, Urdf
     }
     let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
     Document::parse_with_options(text, options).map_err(|error| {
-        if error == Error::NodesLimitReached {
-            too_large("elements, texts and comments", MOST_NODES as usize)
-        } else {
-            unreadable(&error, path)
+        if let Error::NodesLimitReached = error {
+            return too_large("elements, texts and comments", MOST_NODES as usize);
+        }
+        let line = error.pos().row as usize;
+        if let Error::UnknownNamespace(prefix, _) = &error
+            && prefix == "xacro"
+        {
+            let element = "an element in the namespace xacro".to_owned();
+            return UrdfError::Xacro { place: super::Place { path: path.to_owned(), line, element } };
+        }
+        UrdfError::Syntax {
+            path: path.to_owned(),
+            line,
+            column: error.pos().col as usize,
+            problem: without_position(&error.to_string()),
         }
     })
-}
-
-fn unreadable(error: &Error, path: &Path) -> UrdfError {
-    let (path, line) = (path.to_owned(), error.pos().row as usize);
-    if let Error::UnknownNamespace(prefix, _) = error
-        && prefix == "xacro"
-    {
-        let element = "an element in the namespace xacro".to_owned();
-        return UrdfError::Xacro { place: Place { path, line, element } };
-    }
-    let problem = without_position(&error.to_string());
-    UrdfError::Syntax { path, line, column: error.pos().col as usize, problem }
 }
 
 /// At least the number of attributes of the element with the most: equals signs between an angle bracket and the next
