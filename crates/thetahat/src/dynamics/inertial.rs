@@ -25,7 +25,7 @@ impl Inertial {
         Self { inertia: [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], ms: [mx, my, mz], m }
     }
 
-    /// From the link's own axes, where they differ, to those of its joint's frame.
+    /// From the link's own axes to its joint's frame, where they differ.
     pub(super) fn in_joint_axes(self, link_axes: Option<&Mat3>) -> Self {
         let Some(axes) = link_axes else { return self };
         Self { inertia: turned(axes, &self.inertia), ms: times(axes, self.ms), m: self.m }

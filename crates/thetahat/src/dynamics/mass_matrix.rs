@@ -67,7 +67,7 @@ impl Model {
         }
     }
 
-    /// The lower triangle of `G^T M G`, of that of the joints' mass matrix.
+    /// The lower triangle of `G^T M G`, from the lower triangle of the joints' mass matrix M.
     #[inline(always)]
     fn reduce_to_coordinates<T: Real>(&self, m: &[T], reduced: &mut [T]) {
         let (n, links) = (self.coordinate_count(), self.link_count());

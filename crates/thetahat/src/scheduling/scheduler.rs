@@ -107,8 +107,8 @@ fn next_requests<'a>(running: &[Running<'a>], most: usize) -> (Vec<usize>, Vec<R
 }
 
 enum Stage {
-    Estimating(Estimation),
-    Estimated(Outcome),
+    Estimating(Box<Estimation>),
+    Estimated(Box<Outcome>),
     Over,
 }
 
@@ -126,10 +126,11 @@ impl<'a> Running<'a> {
         let EstimationJob { method, regression, start, .. } = job;
         let stage = match method.needs() {
             Needs::Instruments if job.simulator.is_some() => {
-                Stage::Estimating(Estimation::new(*method, options.iteration, start.clone()))
+                Stage::Estimating(Box::new(Estimation::new(*method, options.iteration, start.clone())))
             }
             Needs::Instruments | Needs::Measurement => {
-                Stage::Estimated(Outcome::direct(method.estimate(regression, None, options.iteration.divisor)))
+                let fit = method.estimate(regression, None, options.iteration.divisor);
+                Stage::Estimated(Box::new(Outcome::direct(fit)))
             }
         };
         Self { job, options, stage, seconds: stopwatch.seconds() }
@@ -163,8 +164,11 @@ impl<'a> Running<'a> {
         if let Stage::Estimating(mut estimation) = std::mem::replace(&mut self.stage, Stage::Over) {
             estimation.take(z, &self.job.regression);
             let goes_on = estimation.wanted().is_some();
-            self.stage =
-                if goes_on { Stage::Estimating(estimation) } else { Stage::Estimated(estimation.into_outcome()) };
+            self.stage = if goes_on {
+                Stage::Estimating(estimation)
+            } else {
+                Stage::Estimated(Box::new(estimation.into_outcome()))
+            };
         }
         self.seconds += seconds + stopwatch.seconds();
         None
@@ -174,7 +178,7 @@ impl<'a> Running<'a> {
     fn end(&mut self) -> Option<Finished> {
         match std::mem::replace(&mut self.stage, Stage::Over) {
             Stage::Estimating(estimation) => Some(estimation.into_outcome()),
-            Stage::Estimated(outcome) => Some(outcome),
+            Stage::Estimated(outcome) => Some(*outcome),
             Stage::Over => None,
         }
         .map(|outcome| Finished { outcome, motions: None, seconds: self.seconds })
