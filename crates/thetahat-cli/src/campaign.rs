@@ -10,8 +10,9 @@ use thetahat::{
 
 use crate::{
     arguments,
-    commands::{Verdict, print, threads},
+    inputs::threads,
     progress::Counter,
+    terminal::{Verdict, print},
 };
 
 pub fn run(request: &arguments::Campaign) -> Result<Verdict, Box<dyn Error>> {

@@ -2,7 +2,6 @@ use std::{
     error::Error,
     fs::File,
     io::Write,
-    num::NonZero,
     path::{Path, PathBuf},
     sync::{Mutex, PoisonError},
 };
@@ -20,15 +19,11 @@ use crate::{
         Arguments, Columns, Command, Described, Identify, Init, Inspect, Model, Output, Predict, Sensitivity, Simulate,
     },
     campaign,
+    inputs::{read_experiment, threads},
     progress::Progress,
     reduction, shell,
+    terminal::{Verdict, print},
 };
-
-/// What a finished command says of its result.
-pub enum Verdict {
-    Good,
-    NotTrusted,
-}
 
 pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     match arguments.command {
@@ -132,17 +127,6 @@ fn identify_experiment(identify: &Identify) -> Result<Verdict, Box<dyn Error>> {
     run_experiment(&experiment, &data, &identify.output)
 }
 
-/// The experiment, and the folder of its data.
-pub fn read_experiment(described: &Described) -> Result<(Experiment, PathBuf), Box<dyn Error>> {
-    let beside = described.experiment.parent().map_or_else(PathBuf::new, Path::to_owned);
-    let data = described.data.clone().unwrap_or(beside);
-    let experiment = match &described.robot {
-        Some(robot) => Experiment::read_with_robot(&described.experiment, robot)?,
-        None => Experiment::read(&described.experiment, &data)?,
-    };
-    Ok((experiment, data))
-}
-
 fn run_experiment(experiment: &Experiment, data: &Path, output: &Output) -> Result<Verdict, Box<dyn Error>> {
     if let Some(directory) = &output.out {
         report::check_folder(directory)?;
@@ -178,11 +162,6 @@ fn predict_torques(request: &Predict) -> Result<Verdict, Box<dyn Error>> {
         print(&format!("\nwritten: {}\n", path.display()))?;
     }
     Ok(Verdict::Good)
-}
-
-/// The threads asked for, or one for each core.
-pub fn threads(asked: Option<usize>) -> usize {
-    asked.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, NonZero::get))
 }
 
 fn sweep_errors(sensitivity: &Sensitivity) -> Result<Verdict, Box<dyn Error>> {
@@ -226,12 +205,4 @@ fn show_model(request: &Model) -> Result<Verdict, Box<dyn Error>> {
     let summary = RobotSummary::new(&source, &source.robot()?);
     print(&if request.json { report::model_json(&summary)? } else { report::model_text(&summary) })?;
     Ok(if summary.problem.is_none() { Verdict::Good } else { Verdict::NotTrusted })
-}
-
-/// Prints. A reader that has gone away (`| head`) is no reason not to write the files.
-pub fn print(text: &str) -> Result<(), std::io::Error> {
-    match std::io::stdout().write_all(text.as_bytes()) {
-        Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
-        result => result,
-    }
 }

@@ -3,9 +3,11 @@
 mod arguments;
 mod campaign;
 mod commands;
+mod inputs;
 mod progress;
 mod reduction;
 mod shell;
+mod terminal;
 
 use std::process::ExitCode;
 
@@ -18,8 +20,8 @@ const ERROR: u8 = 2;
 
 fn main() -> ExitCode {
     match commands::run(arguments::Arguments::parse()) {
-        Ok(commands::Verdict::Good) => ExitCode::SUCCESS,
-        Ok(commands::Verdict::NotTrusted) => ExitCode::from(NOT_TRUSTED),
+        Ok(terminal::Verdict::Good) => ExitCode::SUCCESS,
+        Ok(terminal::Verdict::NotTrusted) => ExitCode::from(NOT_TRUSTED),
         Err(error) => {
             eprintln!("error: {error}");
             ExitCode::from(ERROR)

@@ -10,8 +10,9 @@ use thetahat::{
 
 use crate::{
     arguments,
-    commands::{Verdict, print, read_experiment, threads},
+    inputs::{read_experiment, threads},
     progress::Counter,
+    terminal::{Verdict, print},
 };
 
 pub fn reduce(request: &arguments::Reduce) -> Result<Verdict, Box<dyn Error>> {

@@ -7,7 +7,7 @@ use clap_complete::Shell;
 
 use crate::{
     arguments::{Arguments, Man},
-    commands::{Verdict, print},
+    terminal::{Verdict, print},
 };
 
 /// Name of the program.

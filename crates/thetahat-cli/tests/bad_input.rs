@@ -491,10 +491,10 @@ fn an_unknown_key() {
 
 #[test]
 fn an_unknown_method() {
-    Case::valid().experiment("idim-ls", "idim-wls").is_refused(&[
+    Case::valid().experiment("idim-ls", "idim-ols").is_refused(&[
         "experiment.toml",
         "line 18",
-        "idim-wls",
+        "idim-ols",
         "idim-ls",
         "didim",
     ]);

@@ -10,8 +10,8 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_thetahat");
 /// Between ways to one estimate, in the larger of the estimate and its standard deviation.
 const EQUAL: f64 = 1e-9;
 const EQUAL_ORDERS: f64 = 1e-10;
-/// IDIM-IV by steps of `reduce` and `solve` against that of `identify`, whose steps end elsewhere, in standard deviations:
-/// 4e-5 were found.
+/// IDIM-IV by steps of `reduce` and `solve` against IDIM-IV of `identify`, in standard deviations. The two stop at
+/// different steps; 4e-5 were found.
 const EQUAL_STEPS: f64 = 1e-3;
 /// Times that a record is repeated to one of several pieces.
 const REPETITIONS: usize = 90;
@@ -214,7 +214,7 @@ fn threads_change_no_byte() {
     assert!(files[0] == files[1] && files[0] == files[2], "the bytes differ");
 }
 
-/// Steps of `reduce` and `solve` until the estimates are those of their instruments.
+/// Repeats `reduce` and `solve` until the estimates equal the parameters with which the instruments were simulated.
 #[test]
 fn instruments_from_results_are_steps_of_iv() {
     let folder = Records::new();

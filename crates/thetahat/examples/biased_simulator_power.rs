@@ -54,10 +54,13 @@ fn print(points: &[PowerPoint]) {
 }
 
 fn error(point: &PowerPoint) -> String {
-    match point.kind {
-        BiasKind::Delay => format!("delay {} ms", 1e3 * point.value),
-        BiasKind::ReferenceOffset => format!("reference offset {} mrad", 1e3 * point.value),
-        _ if point.value == 1.0 => "none".to_owned(),
-        kind => format!("{} at {} %", kind.name(), 100.0 * point.value),
+    if point.kind == BiasKind::Delay {
+        format!("delay {} ms", 1e3 * point.value)
+    } else if point.kind == BiasKind::ReferenceOffset {
+        format!("reference offset {} mrad", 1e3 * point.value)
+    } else if point.value == 1.0 {
+        "none".to_owned()
+    } else {
+        format!("{} at {} %", point.kind.name(), 100.0 * point.value)
     }
 }

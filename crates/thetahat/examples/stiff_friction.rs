@@ -63,7 +63,7 @@ impl Twin<'_> {
         }
     }
 
-    /// The URDF's values with friction at every joint, and a wrist whose inertia is almost that of its motor.
+    /// The URDF's values with friction at every joint, and a wrist whose inertia is almost all in its motor.
     fn parameters(&self) -> Vec<f64> {
         let mut theta = self.experiment.robot.a_priori_parameters();
         for (value, parameter) in theta.iter_mut().zip(self.model.parameter_table().iter()) {

@@ -107,7 +107,6 @@ pub mod run;
 
 pub mod experiment;
 
-#[cfg(feature = "parquet")]
 pub mod campaign;
 
 pub mod reduction;

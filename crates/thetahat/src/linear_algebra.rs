@@ -280,7 +280,8 @@ fn from_faer(a: MatRef<'_, f64>) -> Matrix {
 /// `A P = Q R` with column pivoting, for a matrix with at least as many rows as columns.
 ///
 /// In two steps, `A = Q_1 R_1` without pivoting and `R_1 P = Q_2 R`: columns of `A` and `R_1` have the same norms and
-/// angles, so that the pivots are those of `A`, and the first step, which has all the rows, can work on blocks of columns.
+/// angles, so that both have the same pivots, and the first step, which has all the rows, can work on blocks of
+/// columns.
 ///
 /// The factorisation may be of a matrix with scaled columns, `A D P = Q R_D`; solutions and factors are returned for `A`.
 #[derive(Debug, Clone)]

@@ -97,7 +97,7 @@ fn failures_are_counted_and_in_no_figure() {
         let failures = if iterates { vec![("iteration limit".to_owned(), 4)] } else { Vec::new() };
         assert_eq!(summary.failures, failures);
     }
-    let failed = runs.rows.iter().find(|r| r.status == Status::IterationLimit).unwrap();
+    let failed = runs.rows.iter().find(|r| r.status == Status::Stalled).unwrap();
     assert!(failed.reason.as_ref().unwrap().contains("1 iterations"));
     let text = report::campaign_text(&campaign.results(&runs));
     assert!(text.contains("0/4") && text.contains("didim: 4 iteration limit"), "{text}");

@@ -1,5 +1,5 @@
 //! Physically consistent parameters against cvxpy with Clarabel: `shared/reference/consistency`, made by the script there.
-//! The regression is that of a KUKA LWR4+ in all its standard parameters.
+//! The regression has all standard parameters of a KUKA LWR4+.
 
 use std::{path::PathBuf, time::Instant};
 

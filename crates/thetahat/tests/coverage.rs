@@ -1,4 +1,4 @@
-//! Intervals hold the truth as often as they say, where the assumptions of the methods hold: a short form of
+//! The 95 % intervals have the stated coverage where the assumptions of the methods hold: a short form of
 //! `examples/coverage`, whose tables are in `docs/statistics.md`.
 #![allow(dead_code)]
 

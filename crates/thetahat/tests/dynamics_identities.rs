@@ -250,8 +250,8 @@ fn energy_balances() {
     });
 }
 
-/// Followers are a constraint `q_all = G q + offset`: the torques are `G^T` those of the same tree in which no joint
-/// follows another, the mass matrix is `G^T M G`.
+/// Followers are a constraint `q_all = G q + offset`. With tau and M of the same tree in which no joint follows
+/// another, the torques are `G^T tau` and the mass matrix is `G^T M G`.
 #[test]
 fn followers_are_a_constraint_on_the_free_tree() {
     let mut rng = ChaCha8Rng::seed_from_u64(11);

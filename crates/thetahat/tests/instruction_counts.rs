@@ -2,7 +2,7 @@
 //! against code that has become slower without anybody noticing. Unlike times, they do not depend on how busy the machine is.
 //!
 //! `THETAHAT_UPDATE_COUNTS=1 cargo test --release -p thetahat --test instruction_counts` writes the file anew. Without
-//! valgrind, optimisation or vector instructions like those of the stored counts the tests count as ignored.
+//! valgrind, optimisation or the vector instructions of the stored counts, the tests count as ignored.
 
 #[path = "../benches/tx40/mod.rs"]
 mod tx40;

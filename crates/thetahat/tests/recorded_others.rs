@@ -2,7 +2,13 @@
 //! and friction, from their experiment files.
 
 use libtest_mimic::Failed;
-use thetahat::{experiment::Experiment, results::Results, robot::INERTIAL};
+use thetahat::{
+    control::ControllerDescription,
+    experiment::Experiment,
+    identification::{Method, Status},
+    results::Results,
+    robot::INERTIAL,
+};
 use thetahat_testing::ensure;
 
 /// The estimates of others from these records differ by their filters: 15 % of each.
@@ -57,11 +63,42 @@ fn ur10_friction() -> Result<(), Failed> {
     ensure_friction(&results, "fc", &[11.9, 13.7, 7.6, 2.8, 2.3, 2.5])
 }
 
+/// IV beside LS, with no other key, or with a PD loop stated.
+fn identify_by_iv(name: &str, bandwidth_hz: Option<f64>) -> Results {
+    let path = thetahat_testing::root().join("experiments").join(name);
+    let mut experiment = Experiment::read(&path, &thetahat_testing::data()).unwrap();
+    experiment.settings.estimation.methods.push(Method::IDIM_IV);
+    experiment.settings.controller = bandwidth_hz.map(ControllerDescription::pd);
+    experiment.run(&thetahat_testing::data(), &mut |_| {}).unwrap()
+}
+
+fn ensure_iv(name: &str, bandwidth_hz: Option<f64>, limit: f64) -> Result<(), Failed> {
+    let results = identify_by_iv(name, bandwidth_hz);
+    let iv = &results.runs[1];
+    let error = iv.relative_error_percent.unwrap();
+    ensure(iv.status == Status::Converged, format!("{bandwidth_hz:?} Hz: {:?} {:?}", iv.status, iv.reason))?;
+    ensure(error <= limit, format!("{bandwidth_hz:?} Hz: {error} %, at most {limit} %"))?;
+    let guessed = iv.notes.iter().any(|n| n.contains("guess"));
+    ensure(guessed == bandwidth_hz.is_none(), format!("notes {:?}", iv.notes))?;
+    let origin = results.recordings[0].reference.as_ref().map(|r| r.origin.as_str());
+    ensure(origin == Some("filtered"), format!("reference {origin:?}"))
+}
+
+fn kuka_iv() -> Result<(), Failed> {
+    [None, Some(5.0), Some(20.0)].into_iter().try_for_each(|hz| ensure_iv("kuka_lwr4.toml", hz, 2.1))
+}
+
+fn ur10_iv() -> Result<(), Failed> {
+    [None, Some(20.0), Some(80.0)].into_iter().try_for_each(|hz| ensure_iv("ur10.toml", hz, 6.6))
+}
+
 fn main() {
     thetahat_testing::run_with_shared_data(vec![
         ("kuka_is_fitted_to_two_percent", kuka_error),
         ("kuka_has_43_inertial_parameters", kuka_parameters),
         ("ur10_is_fitted_to_seven_percent", ur10_error),
+        ("kuka_by_iv_converges_with_any_controller", kuka_iv),
+        ("ur10_by_iv_converges_with_any_controller", ur10_iv),
         ("ur10_has_the_friction_that_others_found", ur10_friction),
     ]);
 }

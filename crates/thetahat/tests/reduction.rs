@@ -157,8 +157,8 @@ fn recorded_demonstration(folder: &Path) -> Experiment {
     Experiment::from_texts(&folder.join("recorded.toml"), text, demo.robot_text).unwrap()
 }
 
-/// Simulated in pieces, each from 2 s before it, IV is that of a simulation of the whole record, to two hundredths of a
-/// standard deviation.
+/// IV with a simulation in pieces, each started 2 s early, agrees with IV from one simulation of the whole record to
+/// two hundredths of a standard deviation.
 fn iv_in_pieces() -> Result<(), Failed> {
     let folder = Folder::new();
     let mut experiment = recorded_demonstration(folder.path());

@@ -71,6 +71,8 @@ fn run(case: &str, method: Method) -> RunResult {
         method,
         weighting: Some(if method == Method::DIDIM { Weighting::PerJoint } else { Weighting::None }),
         status: Status::Converged,
+        notes: Vec::new(),
+        physical: None,
         reason: None,
         iterations: 2,
         simulations: 3,
@@ -414,7 +416,7 @@ fn rooms_of(source: &str) -> Vec<String> {
     rooms
 }
 
-/// The paths of a list, up to the brace that closes it; those of lists in it stay together.
+/// The paths of a list, up to the brace that closes it; an inner list stays together as one path.
 fn top_level(list: &str) -> Vec<String> {
     let (mut depth, mut paths) = (1, vec![String::new()]);
     for c in list.chars() {
@@ -592,7 +594,7 @@ fn findings_are_said_with_their_joint_and_remedy() {
     {
         assert!(text.contains(words), "no {words:?} in: {text}");
     }
-    // A list without recordings is that of a reduction, on which no checks are made.
+    // Only a reduction gives a list without recordings: no checks are made on it.
     assert_eq!(report::findings_text(&[]), "Checks: none made\n");
 }
 

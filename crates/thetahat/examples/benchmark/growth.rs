@@ -71,7 +71,7 @@ fn line(name: &str, sizes: &[usize], figures: &[f64], per: f64) {
     println!("{name:<34}{figures}{exponent:>10.2}");
 }
 
-/// The slope of the regression of the logarithm of a figure on that of the size.
+/// The exponent of growth: the slope of log(figure) over log(size).
 fn exponent(sizes: &[usize], figures: &[f64]) -> f64 {
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let x: Vec<f64> = sizes.iter().map(|n| (*n as f64).ln()).collect();

@@ -5,8 +5,8 @@
 //! taskset -c 0 cargo run --release -p thetahat --example benchmark -- DATA [PYTHON BASELINE.py] [--hour]
 //! ```
 //!
-//! DATA is the folder that holds `tx40/`. Without Python, ours alone. With `--hour` the streaming rows are those of a whole
-//! hour, without taskset to have two cores; it needs 4.4 GB in the folder of temporary files.
+//! DATA is the folder that holds `tx40/`. Without Python, only this library is timed. With `--hour` the streaming rows
+//! cover a whole hour; run it without taskset, so that it has two cores, and with 4.4 GB free for temporary files.
 
 mod growth;
 mod kernels;

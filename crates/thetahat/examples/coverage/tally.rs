@@ -50,7 +50,7 @@ impl<'a> Tally<'a> {
         self.estimates.len()
     }
 
-    /// Part of a parameter's intervals of a kind that hold the truth.
+    /// Part of a parameter's intervals of a kind that contain the true value.
     pub fn coverage(&self, kind: usize, parameter: usize) -> f64 {
         let holds = |e: &&&Estimate| e.error[parameter].abs() <= e.half_width[kind][parameter];
         self.estimates.iter().filter(holds).count() as f64 / self.seeds() as f64

@@ -1,9 +1,10 @@
-//! Dependencies joint by joint: by the square of the number of joints.
+//! Dependencies joint by joint: the cost grows with the square of the number of joints.
 //!
-//! A column enters at the last coordinate on which it acts. Coordinate by coordinate, from the last to the first, the
-//! combinations of the columns entered that act on none of the coordinates passed are those of the new columns and of the
-//! combinations carried along that do not act on this one. Of these, the combinations that inertial columns of the links
-//! before take up entirely, on all coordinates, are dependencies and leave; the others are carried along.
+//! A column enters at the last coordinate on which it acts. The coordinates are passed from the last to the first. At
+//! each coordinate, the new columns and the combinations carried along are combined such that they do not act on it:
+//! these are all combinations of the columns entered so far that act on none of the coordinates passed. A combination
+//! that inertial columns of the links before reproduce entirely, on all coordinates, is a dependency and leaves; the
+//! others are carried along.
 
 use std::collections::BTreeSet;
 
@@ -35,7 +36,7 @@ pub(super) fn dependencies(model: &Model, considered: &[usize], states: usize) -
 
 struct Search<'a> {
     observations: &'a Observations,
-    /// Whether each column is that of an inertial parameter of a link.
+    /// Whether each column belongs to an inertial parameter of a link.
     inertial: Vec<bool>,
     /// The columns that enter at each coordinate, rising.
     entering: Vec<Vec<usize>>,
@@ -75,7 +76,7 @@ impl<'a> Search<'a> {
         Some(examined.dependent)
     }
 
-    /// Keeps those that the columns before take up, and returns the others.
+    /// Keeps the combinations that the columns before reproduce, and returns the others.
     fn take_up(&mut self, unseen: Vec<Combination>, before: &[usize]) -> Option<Vec<Combination>> {
         let mut examined = Examined::default();
         for column in units(before) {

@@ -16,7 +16,7 @@
 //! use thetahat::{base_parameters::BaseParameters, dynamics::Model, robot::Robot};
 //! let text = "name = 'pendulum'\n[[joint]]\nname = 'pivot'\nkind = 'revolute'\n[parameters]\nzz1 = 0.5\nia1 = 0.3";
 //! let robot = Robot::parse(text, Path::new("pendulum.toml"))?;
-//! // About a vertical axis only the inertia about it acts, and with it that of the motor.
+//! // About a vertical axis only the inertia about it acts, together with the motor's inertia.
 //! let base = BaseParameters::of(&Model::new(&robot), &[])?;
 //! assert_eq!(base.parameters()[0].expression, "zz1 + ia1");
 //! assert!((base.from_standard(&robot.a_priori_parameters())[0] - (0.5 + 0.3)).abs() < 1e-9);

@@ -13,7 +13,7 @@ pub struct BaseParameter {
     pub kept: usize,
     /// Index and coefficient of each regrouped parameter.
     pub regrouped: Vec<(usize, f64)>,
-    /// Name: that of the kept parameter, with `r` behind it where something is regrouped.
+    /// Name: the kept parameter's, with `r` behind it where something is regrouped.
     pub name: String,
     /// Formula, such as `zz1 + ia1 + yy2 + 0.07*mz3`.
     pub expression: String,

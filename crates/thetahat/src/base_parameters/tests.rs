@@ -80,7 +80,7 @@ fn write_transmission(text: &mut String, n: usize, kind: &Kind, rng: &mut ChaCha
     writeln!(text, "[transmission]\nmatrix = [{}]", rows.join(", ")).unwrap();
 }
 
-/// The dependencies as found joint by joint, which must be those of the whole matrix; none where the joints do not decide.
+/// The dependencies found joint by joint, which must agree with the whole matrix; none where the joints do not decide.
 fn compared(robot: &Robot, excluded: f64, rng: &mut ChaCha8Rng) -> Option<Dependencies> {
     let model = Model::new(robot);
     let table = model.parameter_table();

@@ -15,7 +15,7 @@ pub struct Campaign {
     pub path: PathBuf,
     /// What it says.
     pub file: CampaignFile,
-    /// Its text, by which a folder of results is known to be that of this campaign.
+    /// Its text, which identifies a folder of results as this campaign's.
     pub text: String,
     /// The experiment whose twin is recorded; its robot has the a-priori values of the campaign.
     pub experiment: Experiment,
@@ -44,7 +44,7 @@ pub struct CampaignFile {
     /// Start values of the iterations.
     #[serde(default)]
     pub starts: Starts,
-    /// A-priori values that replace those of the robot description.
+    /// A-priori values that replace the values of the robot description.
     #[serde(default)]
     pub a_priori: BTreeMap<String, f64>,
     /// What others claim, to stand beside the figures.

@@ -8,19 +8,30 @@
 mod checks;
 mod description;
 mod error;
+mod facts;
+#[cfg(feature = "parquet")]
+mod files;
+#[cfg(not(feature = "parquet"))]
+mod no_store;
 mod noise;
+#[cfg(feature = "parquet")]
 mod parquet_file;
 mod record;
 mod results;
 mod row;
 mod run;
 mod starts;
+#[cfg(feature = "parquet")]
 mod store;
 mod summary;
 
 pub use description::{Campaign, CampaignFile, Claim, Levels, NoiseLevel, Starts, Subset};
 pub use error::CampaignError;
+pub use facts::{CampaignParameter, Facts};
+#[cfg(not(feature = "parquet"))]
+pub use no_store::Store;
 pub use row::{Key, Row};
-pub use run::{CampaignParameter, CampaignRuns, Facts, Progress};
+pub use run::{CampaignRuns, Progress};
+#[cfg(feature = "parquet")]
 pub use store::Store;
 pub use summary::{parameter_summaries, quantiles, summarise};

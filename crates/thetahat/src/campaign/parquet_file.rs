@@ -16,12 +16,8 @@ use parquet::{
     schema::{parser::parse_message_type, types::Type},
 };
 
-use super::{
-    CampaignError, Row,
-    row::{status_name, status_named},
-    run::Facts,
-    store::replace_file,
-};
+use super::{CampaignError, Row, facts::Facts, files::replace_file, row::status_name};
+use crate::identification::Status;
 
 /// Which columns a file has beside those that say which run a row is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -204,4 +200,9 @@ pub(super) fn read_seconds(path: &Path) -> Result<Vec<Option<f64>>, CampaignErro
         Ok(if let Some(Field::Double(value)) = field { Some(value) } else { None })
     };
     reader.get_row_iter(None).map_err(damaged)?.map(seconds).collect()
+}
+
+fn status_named(name: &str) -> Option<Status> {
+    use Status::{Converged, Diverged, IterationLimit, NotIdentifiable, Stalled};
+    [Converged, Stalled, IterationLimit, Diverged, NotIdentifiable].into_iter().find(|s| status_name(*s) == name)
 }

@@ -2,8 +2,8 @@
 
 use super::{
     Campaign, CampaignError, Key, Row,
+    facts::Facts,
     noise::{measure, random, record_stream},
-    run::Facts,
 };
 use crate::{
     base_parameters::{BaseParameter, BaseParameters},
@@ -35,7 +35,7 @@ struct CaseBasis {
     friction: Friction,
     basis: Basis,
     truth: Option<Vec<f64>>,
-    /// Place of each estimated parameter among those of the campaign.
+    /// Place of each estimated parameter among the campaign's parameters.
     places: Vec<usize>,
 }
 

@@ -68,8 +68,3 @@ pub(super) fn status_name(status: Status) -> &'static str {
         Status::NotIdentifiable => "not_identifiable",
     }
 }
-
-pub(super) fn status_named(name: &str) -> Option<Status> {
-    use Status::{Converged, Diverged, IterationLimit, NotIdentifiable, Stalled};
-    [Converged, Stalled, IterationLimit, Diverged, NotIdentifiable].into_iter().find(|s| status_name(*s) == name)
-}

@@ -2,7 +2,7 @@
 
 use std::{
     collections::BTreeMap,
-    fs, io,
+    fs,
     path::{Path, PathBuf},
 };
 
@@ -10,8 +10,9 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     Campaign, CampaignError, Key, Row,
+    facts::Facts,
+    files::{TEMPORARY, refuse, replace_file},
     parquet_file::{self, Content},
-    run::Facts,
 };
 
 const MANIFEST: &str = "campaign.json";
@@ -19,7 +20,7 @@ const RUNS: &str = "runs.parquet";
 const TIMING: &str = "timing.parquet";
 const PARTS: &str = "parts";
 
-/// A folder of results, known to be that of one campaign.
+/// A folder of results, checked to belong to one campaign.
 #[derive(Debug, Clone)]
 pub struct Store {
     folder: PathBuf,
@@ -127,7 +128,7 @@ impl Store {
         }
         let mut rows = parquet_file::read(&runs, facts)?;
         let seconds = if timing.exists() { parquet_file::read_seconds(&timing)? } else { Vec::new() };
-        // Killed between the two, the times are those of more rows; the parts that are still there hold all.
+        // A run killed between the two files leaves more times than rows; the parts, still there, hold everything.
         if seconds.len() == rows.len() {
             rows.iter_mut().zip(seconds).for_each(|(row, s)| row.seconds = s);
         }
@@ -164,22 +165,4 @@ impl Store {
 fn key_of(campaign: &Campaign, row: &Row) -> Option<Key> {
     let level = campaign.file.noise.iter().position(|n| n.name == row.noise)?;
     Some(Key { level: u32::try_from(level).ok()?, start: row.start - 1, seed: row.seed - 1 })
-}
-
-/// Extension of files that are being written.
-const TEMPORARY: &str = "part";
-
-/// Writes under a temporary name and renames: the file is there as a whole, or as it was.
-pub(super) fn replace_file(path: &Path, content: &[u8]) -> Result<(), CampaignError> {
-    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    let temporary = path.with_file_name(format!(".{name}.{}.{TEMPORARY}", std::process::id()));
-    let written: io::Result<()> = fs::write(&temporary, content).and_then(|()| fs::rename(&temporary, path));
-    written.map_err(|e| {
-        let _ = fs::remove_file(&temporary);
-        refuse(path, &e)
-    })
-}
-
-fn refuse(path: &Path, reason: &dyn std::error::Error) -> CampaignError {
-    CampaignError::Write { path: path.to_owned(), reason: reason.to_string() }
 }

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{base_parameters::BaseParameters, linear_algebra::Matrix};
 
-/// Whether base parameters are those of a set of standard parameters that a robot can have, and if not, why.
+/// Whether base parameters follow from standard parameters that a robot can have, and if not, why.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Examination {
     /// The largest t with every condition's matrix at least t times the a-priori one, for some standard parameters with
@@ -62,8 +62,8 @@ pub fn examine(set: &ConsistentSet, base: &BaseParameters, estimate: &[f64]) -> 
 }
 
 impl Examination {
-    /// How many standard deviations the combination lies below zero, where `covariance` is that of the base parameters;
-    /// none for consistent parameters.
+    /// How many standard deviations the combination lies below zero; none for consistent parameters. `covariance` is
+    /// the covariance of the base parameters.
     #[must_use]
     pub fn deviations(&self, covariance: &Matrix) -> Option<f64> {
         let spread = covariance.times(&self.combination);

@@ -149,7 +149,7 @@ impl LeastSquares {
 
 /// The standard parameters of the set with the least objective.
 ///
-/// `start` are parameters to start from, as those of a similar fit before; they need not be in the set.
+/// `start` are parameters to start from, such as the result of a similar fit; they need not be in the set.
 ///
 /// # Errors
 /// [`ConsistencyError`] for sizes that do not fit, and for a set without interior.

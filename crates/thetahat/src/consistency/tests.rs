@@ -5,8 +5,41 @@ use std::path::Path;
 use super::*;
 use crate::{base_parameters::BaseParameters, dynamics::Model, linear_algebra::Matrix, robot::Robot};
 
-const TWO_JOINT: &str = include_str!("../../../../robots/two_joint.toml");
-const TX40: &str = include_str!("../../../../robots/tx40.toml");
+const TX40: &str = include_str!("../../demo/tx40.toml");
+
+/// As `robots/two_joint.toml`, which lies outside the package.
+const TWO_JOINT: &str = r#"
+name = "two-joint arm"
+friction = "symmetric"
+[[joint]]
+name = "shoulder"
+kind = "revolute"
+alpha_deg = 90
+[[joint]]
+name = "elbow"
+parent = "shoulder"
+kind = "revolute"
+a_m = 0.4
+[transmission]
+matrix = [[50, 0], [0, 50]]
+[parameters]
+m1 = 4
+mx1 = 0.8
+yy1 = 0.24
+zz1 = 0.24
+xx1 = 0.02
+ia1 = 0.3
+fv1 = 2
+fc1 = 0.8
+m2 = 2
+mx2 = 0.3
+yy2 = 0.07
+zz2 = 0.07
+xx2 = 0.01
+ia2 = 0.1
+fv2 = 1
+fc2 = 0.4
+"#;
 
 const ONE_JOINT: &str = r#"
 name = "one joint"

@@ -1,4 +1,5 @@
-//! DIDIM against IV: whether the simulator is that of the record, and which single error of it explains a difference.
+//! DIDIM against IV: whether the simulator agrees with the recorded loop, and which single error of it explains a
+//! difference.
 
 use super::{
     estimated::{Estimated, Whitened},
@@ -12,7 +13,7 @@ use crate::{
     statistics::SimulatorComparison,
 };
 
-/// Residual of DIDIM over that of IV below which the measured motion may be wrong as well as the simulated one. Wrong
+/// DIDIM's residual over IV's below which the measured motion may be wrong as well as the simulated one. Wrong
 /// simulators leave 0.94 to 11 times the residual, an exact one beside a filtered velocity whose sign is wrong at rest 0.43
 /// to 0.89 times (twins of the TX40 and EMPS).
 const EXPLAINS_BETTER: f64 = 0.9;

@@ -5,8 +5,10 @@ mod advice;
 mod biased_simulator;
 mod endogeneity;
 mod estimated;
+mod evidence;
 mod instruments;
 mod residual;
+mod sentences;
 mod verdict;
 
 use crate::{identification::Method, preparation::Case, preparation::Problem, results::CaseDiagnosis};

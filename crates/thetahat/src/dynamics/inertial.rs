@@ -25,7 +25,7 @@ impl Inertial {
         Self { inertia: [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], ms: [mx, my, mz], m }
     }
 
-    /// From the link's own axes, where they differ, to those of its joint's frame.
+    /// From the link's own axes to its joint's frame, where they differ.
     pub(super) fn in_joint_axes(self, link_axes: Option<&Mat3>) -> Self {
         let Some(axes) = link_axes else { return self };
         Self { inertia: turned(axes, &self.inertia), ms: times(axes, self.ms), m: self.m }
@@ -92,8 +92,9 @@ impl<T: Real> Inertial<T> {
         let mut inertia = link.r.rotate_symmetric(&self.inertia);
         let spherical = dot(p, s) * 2.0 + self.m * dot(p, p);
         for i in 0..3 {
-            for j in 0..3 {
+            for j in i..3 {
                 inertia[i][j] -= p[i] * s[j] + s[i] * p[j] + self.m * p[i] * p[j];
+                inertia[j][i] = inertia[i][j];
             }
             inertia[i][i] += spherical;
         }

@@ -41,8 +41,8 @@ impl Model {
         composite: &mut [Inertial<T>],
         m: &mut [T],
     ) {
-        for ((composite, own), link) in composite.iter_mut().zip(&parameters.links).zip(links) {
-            *composite = own.in_lanes(link.dv[0]);
+        for (k, own) in parameters.links.iter().enumerate() {
+            composite[k] = own.in_lanes(links[k].dv[0]);
         }
         for (j, joint) in self.joints.iter().enumerate().rev() {
             let row = &mut m[j * links.len()..=j * links.len() + j];
@@ -51,13 +51,13 @@ impl Model {
             row[j] += parameters.joints[j].ia.in_lanes(row[j]);
             // All joints before are passed, not only those on the way: on a chain, no index waits for a parent's.
             let (mut outer, mut link) = (joint, &links[j]);
-            for (i, (inner, entry)) in self.joints[..j].iter().zip(row).enumerate().rev() {
+            for (i, inner) in self.joints[..j].iter().enumerate().rev() {
                 if i != outer.parent {
-                    *entry = entry.like(0.0);
+                    row[i] = row[i].like(0.0);
                     continue;
                 }
                 wrench = wrench.moved_to_parent(link, outer.turn.as_ref());
-                *entry = wrench.along(inner.revolute);
+                row[i] = wrench.along(inner.revolute);
                 (outer, link) = (inner, &links[i]);
             }
             if joint.parent != BASE {
@@ -67,7 +67,7 @@ impl Model {
         }
     }
 
-    /// The lower triangle of `G^T M G`, of that of the joints' mass matrix.
+    /// The lower triangle of `G^T M G`, from the lower triangle of the joints' mass matrix M.
     #[inline(always)]
     fn reduce_to_coordinates<T: Real>(&self, m: &[T], reduced: &mut [T]) {
         let (n, links) = (self.coordinate_count(), self.link_count());

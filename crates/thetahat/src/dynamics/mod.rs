@@ -10,8 +10,8 @@
 //! | --- | --- | --- | --- |
 //! | `q dq ddq` | joint positions and their derivatives | n | rad, rad/s, rad/s^2 (m for prismatic joints) |
 //! | `tau` | joint torques | n | N m (N) |
-//! | `r` | rotation from frame j to that of its parent | 3 x 3 | |
-//! | `p` | origin of frame j in that of its parent | 3 | m |
+//! | `r` | rotation from frame j to its parent's frame | 3 x 3 | |
+//! | `p` | origin of frame j in its parent's frame | 3 | m |
 //! | `w dw` | angular velocity and acceleration of link j, in frame j | 3 | rad/s, rad/s^2 |
 //! | `dv` | acceleration of the origin of frame j less gravity, in frame j | 3 | m/s^2 |
 //! | `inertia ms m` | inertia about the origin of frame j, first moments, mass | 3 x 3, 3, 1 | kg m^2, kg m, kg |

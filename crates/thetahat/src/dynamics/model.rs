@@ -44,7 +44,7 @@ pub(crate) struct Support {
     pub(crate) coordinates: Vec<usize>,
     /// Place of the first twist.
     pub(crate) start: usize,
-    /// Which of the coordinates is the joint's own, or that of the joint that it follows.
+    /// Which of the coordinates moves the joint: its own, or the coordinate of the joint that it follows.
     pub(crate) own: usize,
 }
 
@@ -90,7 +90,7 @@ impl Model {
         &self.motors
     }
 
-    /// The coordinate that moves joint `j`: its own, or that of the joint that it follows.
+    /// The coordinate that moves joint `j`: its own, or the coordinate of the joint that it follows.
     #[must_use]
     pub fn coordinate_of(&self, j: usize) -> JointCoordinate {
         self.joints[j].moved_by
@@ -105,12 +105,12 @@ impl Model {
         &self.support
     }
 
-    /// From link `k`'s own axes to those of its joint's frame, where they differ.
+    /// The rotation from link `k`'s own axes to its joint's frame, where they differ.
     pub(crate) fn link_axes(&self, k: usize) -> Option<&Mat3> {
         self.link_axes[k].as_ref()
     }
 
-    /// Number of twists that the regressor needs: of all links, those of the coordinates that move it.
+    /// Number of twists that the regressor needs: for each link, one per coordinate that moves it.
     pub(super) fn twist_count(&self) -> usize {
         self.support.last().map_or(0, |last| last.start + last.coordinates.len())
     }

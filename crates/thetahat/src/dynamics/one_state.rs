@@ -1,5 +1,5 @@
-//! The kernels for one state, compiled for the machine's instructions: those of the same operations, so that the bits do not
-//! depend on the machine.
+//! The kernels for one state, compiled for the machine's vector instructions. Every machine performs the same
+//! operations, so the results are bit-identical on all of them.
 
 use pulp::{Simd, WithSimd};
 

@@ -18,8 +18,8 @@ pub struct DynamicParameters<P = f64> {
 }
 
 impl DynamicParameters {
-    /// Sorts the standard parameters `theta`, in the order of the model's table, and turns those of each link into the
-    /// axes of its joint's frame.
+    /// Sorts the standard parameters `theta`, in the order of the model's table, and rotates each link's inertial
+    /// parameters into the axes of its joint's frame.
     ///
     /// # Panics
     /// If there is not one value for each standard parameter.

@@ -28,7 +28,7 @@ impl Model {
         }
     }
 
-    /// The unit twists of link `k`, one for each coordinate of its support, from those of its parent.
+    /// The unit twists of link `k`, one for each coordinate of its support, from the parent link's twists.
     #[inline(always)]
     pub(crate) fn propagate_twists<T: Real>(&self, k: usize, links: &[LinkMotion<T>], twists: &mut [Twist<T>]) {
         let joint = &self.joints[k];

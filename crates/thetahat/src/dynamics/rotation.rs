@@ -1,4 +1,4 @@
-//! The rotation from one joint's frame to that of the joint before it, in two parts: `Rot(z, gamma)`, a [`Turn`] that
+//! The rotation from a joint's frame to its parent joint's frame, in two parts: `Rot(z, gamma)`, a [`Turn`] that
 //! serial Denavit-Hartenberg robots do not have, and `Rot(x, alpha) Rot(z, theta)`, a [`Rotation`].
 
 use crate::{

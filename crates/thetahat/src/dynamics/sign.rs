@@ -20,7 +20,7 @@ impl Sign {
         self.of_each(v)
     }
 
-    /// The sign in each lane; that of zero or NaN is itself.
+    /// The sign in each lane; zero and NaN stay as they are.
     #[inline(always)]
     pub(crate) fn of_each<T: Real>(self, v: T) -> T {
         match self {

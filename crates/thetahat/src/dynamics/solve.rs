@@ -67,9 +67,10 @@ pub(crate) fn multiply_factors(factors: &[f64], n: usize, m: &mut [f64]) {
 /// `sum_i a_i b_i` over the entries of b.
 #[inline(always)]
 fn products<T: Real>(kind: T, a: &[T], b: &[T]) -> T {
+    let a = &a[..b.len()];
     let mut sum = kind.like(0.0);
-    for (a, b) in a.iter().zip(b) {
-        sum += *a * *b;
+    for (i, b) in b.iter().enumerate() {
+        sum += a[i] * *b;
     }
     sum
 }

@@ -88,7 +88,7 @@ fn unit(words: &[String], signal: Signal) -> Option<Unit> {
     let drive = match signal {
         Signal::Torque if words.iter().any(|w| w.starts_with("curr")) => Some(Unit::Ampere),
         Signal::Torque if words.iter().any(|w| w == "voltage") => Some(Unit::Volt),
-        _ => None,
+        Signal::Time | Signal::Position | Signal::Velocity | Signal::Torque | Signal::Reference => None,
     };
     candidates.iter().find_map(found).or(drive)
 }

@@ -37,7 +37,7 @@ pub struct Experiment {
     pub text: String,
     /// The robot.
     pub robot: Robot,
-    /// The text of the robot's description, that of a URDF below it included, kept for the results.
+    /// The text of the robot's description, with the text of a URDF below it, kept for the results.
     pub robot_text: String,
 }
 

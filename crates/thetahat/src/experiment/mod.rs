@@ -15,7 +15,6 @@ mod run;
 mod twin;
 mod validation;
 
-#[cfg(feature = "parquet")]
 pub(crate) use paths::beside;
 
 pub use description::{Experiment, ExperimentFile, RecordingDescription, TwinDescription, Unlisted};

@@ -1,4 +1,5 @@
-//! Which files an experiment file may name: those of its own project, so that a file from elsewhere reads nothing else.
+//! Which files an experiment file may name: files of its own project only, so that an experiment from elsewhere cannot
+//! read others.
 
 use std::path::{Path, PathBuf};
 

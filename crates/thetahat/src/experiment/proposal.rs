@@ -312,15 +312,19 @@ fn range(columns: &[&ColumnSummary]) -> [f64; 2] {
     [least, most]
 }
 
-/// The unit of velocities that goes with that of the positions.
+/// The unit of velocities that goes with the unit of the positions.
 fn velocity_unit(position: Unit, robot: &Robot) -> (Unit, &'static str) {
     let prismatic = robot.coordinates().all(|j| j.kind == JointKind::Prismatic);
-    match position {
-        Unit::Degree => (Unit::DegreePerSecond, "as the positions"),
-        Unit::Millimetre => (Unit::MillimetrePerSecond, "as the positions"),
-        _ if prismatic => (Unit::MetrePerSecond, "as the positions"),
-        _ => (Unit::RadianPerSecond, "as the positions"),
-    }
+    let unit = if position == Unit::Degree {
+        Unit::DegreePerSecond
+    } else if position == Unit::Millimetre {
+        Unit::MillimetrePerSecond
+    } else if prismatic {
+        Unit::MetrePerSecond
+    } else {
+        Unit::RadianPerSecond
+    };
+    (unit, "as the positions")
 }
 
 /// A TOML string.

@@ -41,7 +41,7 @@ impl Experiment {
         }
         let clock = read_clock(description, data, &position)?;
         let recording = described(description, number, position, &clock);
-        Ok(Recording { torque, velocity, reference, added_signal, ..recording }.to_equal_steps(&clock))
+        Ok(Recording { torque, velocity, reference, added_signal, ..recording }.into_equal_steps(&clock))
     }
 
     /// Reads a motion whose torques were not recorded; they are zero.
@@ -52,7 +52,7 @@ impl Experiment {
     ) -> Result<Recording, ExperimentError> {
         let position = self.read_joint_positions(&description.position, data)?;
         let clock = read_clock(description, data, &position)?;
-        Ok(described(description, 1, position, &clock).to_equal_steps(&clock))
+        Ok(described(description, 1, position, &clock).into_equal_steps(&clock))
     }
 
     fn read_joint_velocities(&self, source: &ChannelSource, data: &Path) -> Result<Series, ExperimentError> {

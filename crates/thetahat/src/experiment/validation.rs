@@ -60,7 +60,8 @@ impl Experiment {
         }
     }
 
-    /// On the joint side, and without gains that convert them, values are those of the `joints`: revolute or prismatic.
+    /// On the joint side, and without gains that convert them, values have a dimension of `joints`: revolute or
+    /// prismatic.
     fn validate_unit(
         &self,
         source: &ChannelSource,

@@ -21,8 +21,9 @@ pub struct Uncertainty {
 
 /// Standard deviations and intervals of a method's fit; `z` is Z of its last iteration.
 ///
-/// The interval is that of Student's t with each parameter's own degrees of freedom. It holds what [`Sandwich::robust`]
-/// assumes, and what the method does: a filter's bias in X, or a wrong simulator in DIDIM, moves the whole interval.
+/// The interval uses Student's t with each parameter's own degrees of freedom. It relies on the assumptions of
+/// [`Sandwich::robust`] and of the method: a filter's bias in X, or a wrong simulator in DIDIM, moves the whole
+/// interval.
 ///
 /// # Errors
 /// As [`Method::influence`], and where there is no finite interval.

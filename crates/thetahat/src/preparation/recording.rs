@@ -75,7 +75,7 @@ impl Recording {
         same_length(&times, "time", source, &torque, "torque", source)?;
         let clock = Clock::from_stamps(times.channel(0), LARGEST_JITTER, source, "time_s")?;
         let recording = Self::new(clock.sample_rate_hz(), position, torque);
-        Ok(Self { time_stamps_s: clock.stamps().map(<[f64]>::to_vec), ..recording.to_equal_steps(&clock) })
+        Ok(Self { time_stamps_s: clock.stamps().map(<[f64]>::to_vec), ..recording.into_equal_steps(&clock) })
     }
 
     /// The same with the reference of the positions.
@@ -91,7 +91,7 @@ impl Recording {
     }
 
     /// Every series at the equal steps of a clock.
-    pub(crate) fn to_equal_steps(self, clock: &Clock) -> Self {
+    pub(crate) fn into_equal_steps(self, clock: &Clock) -> Self {
         let even = |series: Option<Series>| series.map(|s| clock.to_equal_steps(s));
         Self {
             resampling: clock.resampling(),

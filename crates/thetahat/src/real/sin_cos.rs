@@ -30,7 +30,7 @@ const COSINE: [f64; 7] = [
     1.0 / 20_922_789_888_000.0,
 ];
 
-/// Sine and cosine, within two units in the last place of those of std, the same bits in every lane and on every machine up to
+/// Sine and cosine, within two units in the last place of std's; bit-identical in every lane and on every machine up to
 /// angles of a million.
 ///
 /// The angle is reduced to `r + e`, `|r| <= pi / 4`, by the method of Cody and Waite (*Software Manual for the Elementary
@@ -43,7 +43,7 @@ pub(super) fn sin_cos<T: Real>(x: T) -> (T, T) {
     reduced_sin_cos(x)
 }
 
-/// Of one angle: those of std where the reduction would lose digits.
+/// Sine and cosine of one angle, from std where the reduction would lose digits.
 #[inline(never)]
 fn of_any(x: f64) -> (f64, f64) {
     if x.abs() > LARGEST_ANGLE { x.sin_cos() } else { reduced_sin_cos(x) }

@@ -25,6 +25,17 @@ pub enum Format {
     Mcap,
 }
 
+/// In what a file holds its channels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Holds {
+    /// Lines of text, in a dialect.
+    Lines,
+    /// Named arrays.
+    Arrays,
+    /// Topics with messages.
+    Topics,
+}
+
 impl Format {
     /// The format that an extension in lower case names; none if it names none.
     pub(super) fn of_extension(extension: &str) -> Option<Self> {
@@ -40,9 +51,18 @@ impl Format {
         }
     }
 
+    /// In what the file holds its channels.
+    pub(super) fn holds(self) -> Holds {
+        match self {
+            Self::Csv => Holds::Lines,
+            Self::Npy | Self::Npz | Self::Mat | Self::Parquet => Holds::Arrays,
+            Self::Db3 | Self::Mcap => Holds::Topics,
+        }
+    }
+
     /// Whether the file is a bag: its tables are topics.
     pub(super) fn is_bag(self) -> bool {
-        matches!(self, Self::Db3 | Self::Mcap)
+        self.holds() == Holds::Topics
     }
 
     /// Whether the file is one table, whose columns are all channels unless some are named.

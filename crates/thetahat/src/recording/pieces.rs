@@ -156,6 +156,7 @@ impl FilePieces {
             Format::Parquet => {
                 Ok(GroupPieces::open(path, wanted(columns))?.map(|pieces| Self::Groups(Box::new(pieces))))
             }
+            // The others are read whole.
             _ => Ok(None),
         }
     }

@@ -1,4 +1,4 @@
-//! The reader of each format.
+//! The reader of each format. The file of a new format stands in the folder `reader`, declared here.
 
 use std::path::Path;
 

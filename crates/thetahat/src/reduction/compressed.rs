@@ -7,8 +7,8 @@ use crate::{
     regression::{Regression, RowLayout},
 };
 
-/// The regression whose rows are the factors of a reduction: what orthonormal columns took from X, Z and y alike, so that
-/// estimates, residual sums and covariances are those of the rows.
+/// The regression whose rows are the factors of a reduction. X, Z and y were projected on the same orthonormal columns,
+/// so estimates, residual sums and covariances are the same as from all rows.
 pub(super) struct Compressed {
     /// y, and X with all base columns.
     pub regression: Regression,

@@ -8,7 +8,7 @@ use crate::{
     results::{NOMINAL, Results},
 };
 
-/// The nominal estimates of a `results.json` by name: those of IDIM-IV, or else of IDIM-LS.
+/// The nominal estimates of a `results.json` by name: from IDIM-IV, or else from IDIM-LS.
 ///
 /// # Errors
 /// [`ReductionError`] for a file that cannot be read or holds no estimates, and for estimates of parameters that the

@@ -38,7 +38,7 @@ pub(super) fn coarsened(mut segments: Vec<Segment>, most: usize) -> Vec<Segment>
 /// Which channels of the decimated series make up the columns of each joint.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct JointColumns {
-    /// For each joint: the channel of each base parameter that acts on it, and last that of its torque.
+    /// For each joint: the channel of each base parameter that acts on it, and last the channel of its torque.
     pub channels: Vec<Vec<usize>>,
 }
 
@@ -100,7 +100,7 @@ mod tests {
 
     const ROWS: usize = 2000;
     const COLUMNS: usize = 12;
-    /// Digits are counted up to those of a double.
+    /// Digits are counted up to the precision of a double.
     const ALL: f64 = 16.0;
 
     /// Powers of t, rounded so that y is exact in double precision: the estimates are known exactly.

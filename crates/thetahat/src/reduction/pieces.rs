@@ -67,7 +67,8 @@ impl<'a> Pieces<'a> {
         decimator.pieces((self.samples / decimation).min(fitting).max(1))
     }
 
-    /// What is read for a range of samples, so that two differences of its filtered positions are those of the whole record.
+    /// What is read for a range of samples, so that two differences of its filtered positions agree with the whole
+    /// record.
     fn extended(&self, range: &Range<usize>) -> Range<usize> {
         let ahead = self.reach + 2;
         range.start.saturating_sub(ahead)..(range.end + ahead).min(self.source.samples)
@@ -138,8 +139,8 @@ impl Rows<'_> {
         matrices * self.regressor.entries().len() + self.model.coordinate_count()
     }
 
-    /// The piece with these rows: the entries of phi of the simulated motion, where there is one, those of the measured
-    /// motion, then the torques.
+    /// The piece with these rows: the entries of phi from the simulated motion, where there is one, then the entries
+    /// from the measured motion, then the torques.
     pub(super) fn piece(&self, rows: Range<usize>) -> Result<Piece, ReductionError> {
         let own = self.decimator.samples_of(&rows);
         let range = own.start + self.window.start..own.end + self.window.start;

@@ -42,7 +42,7 @@ pub struct ReduceProgress {
     pub recording: usize,
     /// Recordings in all.
     pub recordings: usize,
-    /// Pieces read, those of the pass that looks for the moving part included.
+    /// Pieces read, including the pass that looks for the moving part.
     pub done: usize,
     /// Pieces to read.
     pub to_do: usize,
@@ -52,7 +52,7 @@ impl Experiment {
     /// Reduces the recordings of the experiment to the factors from which LS estimates; no more than a few pieces of them
     /// are in memory at a time.
     ///
-    /// The rows are those of [`Experiment::run`] with the nominal friction. Recordings held back are not read.
+    /// The rows are the same as in [`Experiment::run`] with the nominal friction. Recordings held back are not read.
     ///
     /// # Errors
     /// [`ReductionError`] for input that cannot be used.
@@ -250,7 +250,7 @@ impl<'a> Reducer<'a> {
         }
         let window = of(0..source.samples)?;
         if source.has_stamps() {
-            // Where nothing else is read, the stamps are still those of one clock.
+            // Outside the window only the stamps are read: they too must be equally spaced.
             let outside = [0..window.start + 1, window.end - 1..source.samples];
             let check = |range: &Range<usize>| {
                 let starts = range.clone().step_by(pieces.samples);

@@ -18,9 +18,9 @@ const LEAST_LEFT: f64 = 0.01;
 /// and the covariance `R^-1 sum_g b_g b_g^T R^-T`: the bias-reduced linearisation (CR2) and its Satterthwaite degrees of
 /// freedom of R. M. Bell, D. F. McCaffrey, "Bias reduction in standard errors for linear regression with multi-stage
 /// samples", Survey Methodology 28, 2002, written for matrices of the size of the parameters. Any rows that have the factors
-/// of the stretches give the same. For IV, Q and R are those of Z, and `Q^T X` stands in place of R in the covariance.
+/// of the stretches give the same. For IV, `Z = Q R`, and `Q^T X` stands in place of R in the covariance.
 ///
-/// The stretch of each row is that of the layout.
+/// The layout gives the stretch of each row.
 ///
 /// # Errors
 /// [`EstimationError::TooFewRows`] for fewer than two stretches.
@@ -83,7 +83,7 @@ fn variance(stretches: &[Stretch], d: &[f64]) -> EstimatedVariance {
     let squares: f64 =
         (0..v.len()).flat_map(|g| (0..v.len()).map(move |h| (g, h))).map(|(g, h)| entry(g, h).powi(2)).sum();
     let found: f64 = stretches.iter().map(|s| dot(d, &s.score).powi(2)).sum();
-    // One where no stretch takes up nearly all of its own errors.
+    // One unless a stretch absorbs nearly all of its own errors.
     let unbiased = dot(d, d) / trace;
     EstimatedVariance { variance: unbiased * found, freedom: trace * trace / squares }
 }
@@ -98,8 +98,9 @@ mod tests {
     use super::*;
     use crate::{identification::idim_ls, regression::RowLayout, series::Series};
 
-    /// Intervals of 95 % that hold the truth, per cent, with errors that are autoregressive of the first order; each trial
-    /// has its own errors.
+    /// Percentage of 95 % intervals that contain the true value, with errors autoregressive of the first order; each
+    /// trial has its own errors.
+
     fn coverage(rows: usize, columns: usize, correlation: f64, trials: u64) -> f64 {
         let phase = |j: usize| 0.7 * (j * j) as f64;
         let wave = |k: usize, j: usize| (0.021 * (j + 1) as f64 * k as f64 + phase(j)).sin();
@@ -153,8 +154,8 @@ mod tests {
         assert!(cluster_variances(&regression, None, &[1.0; 10]).is_err());
     }
 
-    /// Of a mean over stretches of equal length, the variance is that of the means of the stretches, and has one degree of
-    /// freedom less than stretches.
+    /// For a mean over stretches of equal length, the variance follows from the means of the stretches, and has one
+    /// degree of freedom less than there are stretches.
     #[test]
     fn of_a_mean_it_is_the_variance_of_the_means() {
         let y = [1.0, 3.0, -2.0, 0.0, 4.0, 6.0, -5.0, -7.0];

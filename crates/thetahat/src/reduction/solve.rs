@@ -19,14 +19,14 @@ use crate::{
 /// The estimate from a reduction.
 #[derive(Debug, Clone)]
 pub struct Solution {
-    /// In the form of an identification: the nominal run of IDIM-LS, and with instruments that of IDIM-IV.
+    /// In the form of an identification: the nominal run of IDIM-LS, and with instruments also of IDIM-IV.
     pub results: Results,
     /// Stretches of time from which the robust deviations and intervals come; none where there are too few.
     pub segments: Option<usize>,
 }
 
 impl Reduction {
-    /// IDIM-LS (8) from the factors: estimates, classical deviations and errors are those of all rows.
+    /// IDIM-LS (8) from the factors: estimates, classical deviations and errors are the same as from all rows.
     ///
     /// Which parameters are estimated, weights and the divisor of the variance follow the experiment of the first
     /// reduction. Robust deviations and intervals come from the scores of the stretches of time, by bias-reduced

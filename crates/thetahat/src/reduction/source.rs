@@ -1,4 +1,4 @@
-//! A recording that is read in parts, on the joint side.
+//! A recording that is read in pieces, on the joint side.
 
 use std::{ops::Range, path::Path};
 
@@ -20,7 +20,7 @@ const SHORT: usize = 1 << 20;
 /// Stamps that are looked at at a time.
 const STAMPS: usize = 1 << 16;
 
-/// A recording of which any part can be had.
+/// A recording of which any piece can be had.
 pub(super) struct Source<'a> {
     experiment: &'a Experiment,
     pub name: String,
@@ -42,12 +42,12 @@ struct Places {
 }
 
 enum Values<'a> {
-    Parts { signals: Box<SignalPieces>, description: &'a RecordingDescription },
+    Pieces { signals: Box<SignalPieces>, description: &'a RecordingDescription },
     Whole(Box<Recording>),
 }
 
 impl<'a> Source<'a> {
-    /// Looks through a recording; one whose files cannot be read in parts is read whole. `number` counts from one.
+    /// Looks through a recording; one whose files cannot be read in pieces is read whole. `number` counts from one.
     pub(super) fn open(
         experiment: &'a Experiment,
         description: &'a RecordingDescription,
@@ -66,7 +66,7 @@ impl<'a> Source<'a> {
             samples: signals.samples(POSITION),
             sample_rate_hz: description.sample_rate_hz.unwrap_or_default(),
             truth: None,
-            values: Values::Parts { signals: Box::new(signals), description },
+            values: Values::Pieces { signals: Box::new(signals), description },
             places,
         };
         source.require_channels(&sources, data)?;
@@ -95,14 +95,14 @@ impl<'a> Source<'a> {
     pub(super) fn recording(&self) -> Option<&Recording> {
         match &self.values {
             Values::Whole(record) => Some(record),
-            Values::Parts { .. } => None,
+            Values::Pieces { .. } => None,
         }
     }
 
-    /// The recorded reference of the joints and the added signal in a range of samples, of a record that is read in parts.
+    /// The recorded reference of the joints and the added signal in a range of samples, of a record that is read in pieces.
     pub(super) fn reference(&self, range: Range<usize>) -> Result<(Series, Option<Series>), ReductionError> {
         let missing = || ReductionError::NoReference { recording: self.name.clone() };
-        let (Values::Parts { description, .. }, Some(place)) = (&self.values, self.places.reference) else {
+        let (Values::Pieces { description, .. }, Some(place)) = (&self.values, self.places.reference) else {
             return Err(missing());
         };
         let asked: Vec<usize> = [place].into_iter().chain(self.places.added).collect();
@@ -146,7 +146,7 @@ impl<'a> Source<'a> {
     pub(super) fn position(&self, range: Range<usize>) -> Result<Series, ReductionError> {
         match &self.values {
             Values::Whole(record) => Ok(record.position.window(range)),
-            Values::Parts { .. } => {
+            Values::Pieces { .. } => {
                 let mut read = self.read(&[POSITION], range)?;
                 Ok(self.joint_positions(read.remove(0)))
             }
@@ -157,7 +157,7 @@ impl<'a> Source<'a> {
     pub(super) fn motion(&self, range: Range<usize>) -> Result<(Series, Series), ReductionError> {
         match &self.values {
             Values::Whole(record) => Ok((record.position.window(range.clone()), record.torque.window(range))),
-            Values::Parts { .. } => {
+            Values::Pieces { .. } => {
                 let mut read = self.read(&[POSITION, TORQUE], range)?;
                 let torque = self.joint_torques(read.remove(1));
                 Ok((self.joint_positions(read.remove(0)), torque))
@@ -172,7 +172,7 @@ impl<'a> Source<'a> {
 
     /// Signals as they were recorded, in SI units.
     fn read(&self, signals: &[usize], range: Range<usize>) -> Result<Vec<Series>, ReductionError> {
-        let Values::Parts { signals: parts, .. } = &self.values else { return Ok(Vec::new()) };
+        let Values::Pieces { signals: parts, .. } = &self.values else { return Ok(Vec::new()) };
         let mut asked = signals.to_vec();
         asked.extend(self.places.time);
         let mut read = parts.read(&asked, range.clone()).map_err(ExperimentError::from)?;
@@ -185,20 +185,24 @@ impl<'a> Source<'a> {
     }
 
     fn joint_positions(&self, series: Series) -> Series {
-        match &self.values {
-            Values::Parts { description, .. } if description.position.side == Side::Motor => {
-                self.experiment.robot.transmission.joint_positions(&series)
-            }
-            _ => series,
+        match self.side_of(|description| &description.position) {
+            Side::Motor => self.experiment.robot.transmission.joint_positions(&series),
+            Side::Joint => series,
         }
     }
 
     fn joint_torques(&self, series: Series) -> Series {
+        match self.side_of(|description| &description.torque) {
+            Side::Motor => self.experiment.robot.transmission.joint_torques(&series),
+            Side::Joint => series,
+        }
+    }
+
+    /// The side of the gears on which a signal is read; a recording in memory is on the joint side.
+    fn side_of(&self, signal: fn(&RecordingDescription) -> &ChannelSource) -> Side {
         match &self.values {
-            Values::Parts { description, .. } if description.torque.side == Side::Motor => {
-                self.experiment.robot.transmission.joint_torques(&series)
-            }
-            _ => series,
+            Values::Pieces { description, .. } => signal(description).side,
+            Values::Whole(_) => Side::Joint,
         }
     }
 
@@ -218,7 +222,7 @@ impl<'a> Source<'a> {
 
     /// The number of steps divided by the time they take.
     fn rate_from_stamps(&self) -> Result<f64, ReductionError> {
-        let (Values::Parts { signals, description }, Some(place)) = (&self.values, self.places.time) else {
+        let (Values::Pieces { signals, description }, Some(place)) = (&self.values, self.places.time) else {
             return Ok(self.sample_rate_hz);
         };
         let source = description.time.as_ref();
@@ -243,7 +247,7 @@ impl<'a> Source<'a> {
 
     /// As many channels as joints, and one time.
     fn require_channels(&self, sources: &[&ChannelSource], data: &Path) -> Result<(), ReductionError> {
-        let Values::Parts { signals, .. } = &self.values else { return Ok(()) };
+        let Values::Pieces { signals, .. } = &self.values else { return Ok(()) };
         let (joints, robot) = (self.experiment.robot.coordinate_count(), &self.experiment.robot.name);
         for (signal, source) in sources.iter().enumerate() {
             let found = signals.read(&[signal], 0..1).map_err(ExperimentError::from)?[0].channels();

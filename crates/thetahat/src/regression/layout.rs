@@ -2,7 +2,7 @@ use std::ops::Range;
 
 use crate::linear_algebra::Matrix;
 
-/// Rows that follow one another in time: those of one joint in one recording, or in one stretch of time of it.
+/// Rows that follow one another in time: one joint's rows in one recording, or in one stretch of the recording.
 ///
 /// No correlation in time is taken across the ends of a block.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -123,7 +123,7 @@ impl RowLayout {
         self.blocks.iter().flat_map(|b| std::iter::repeat_n(of_block(b), b.rows.len())).collect()
     }
 
-    /// The rows of all recordings from those of each, which stand joint by joint.
+    /// Stacks the rows of the recordings, each given joint by joint, into the rows of all.
     #[must_use]
     pub fn stack_vectors(&self, mut of_recordings: Vec<Vec<f64>>) -> Vec<f64> {
         if let [only] = &mut of_recordings[..] {

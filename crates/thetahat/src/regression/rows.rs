@@ -117,8 +117,8 @@ impl Regression {
         deviations.iter().map(|d| 1.0 / d.max(smallest)).collect()
     }
 
-    /// The weight of each row from those of its recording and of its joint; none where all recordings weigh one and joints
-    /// have no weights.
+    /// The weight of each row from the weights of its recording and its joint; none where all recordings weigh one and
+    /// joints have no weights.
     #[must_use]
     pub fn row_weights(&self, of_recordings: &[f64], of_joints: Option<&[f64]>) -> Option<Vec<f64>> {
         if of_joints.is_none() && of_recordings.iter().all(|w| *w == 1.0) {

@@ -179,8 +179,8 @@ const FARTHEST: f64 = 20.0;
 /// The method whose estimates the others are shown against.
 const CENTRE: &str = "idim-iv";
 
-/// The shown estimates of a case with their 95 % intervals, as differences from those of IV (or else of the first
-/// method) in its standard deviations.
+/// The shown estimates of a case with their 95 % intervals, as differences from the IV estimates (without IV, from the
+/// first method's) in that method's standard deviations.
 pub(super) fn coefficients(results: &Results, case: &str) -> Option<Figure> {
     let runs: Vec<&RunResult> = runs_of(results, case).into_iter().filter(|r| !r.parameters.is_empty()).collect();
     let centre = runs.iter().find(|r| r.method.name() == CENTRE).or(runs.first())?;

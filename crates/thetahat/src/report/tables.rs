@@ -101,7 +101,7 @@ pub(super) fn parameters(results: &Results, case: &str) -> Table {
     }
 }
 
-/// How far the classical deviations are from those of the intervals.
+/// How many times larger the deviations behind the intervals are than the classical ones.
 fn widening(runs: &[&RunResult]) -> Option<String> {
     let of_run =
         |r: &&RunResult| Some(format!("{} times these for {}", significant(r.widening()?, 2), r.method.name()));

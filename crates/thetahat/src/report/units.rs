@@ -1,4 +1,4 @@
-//! Units of a joint in the figures; those of a revolute joint where the results do not tell its kind.
+//! Units of a joint in the figures; revolute units where the results do not tell the joint's kind.
 
 use crate::results::{JointKind, Results};
 

@@ -103,7 +103,7 @@ pub struct BiasedSimulatorResult {
     pub seed: u64,
     /// Average difference of the estimates in standard deviations of IV.
     pub average_difference: f64,
-    /// Residual of DIDIM over that of IV: above one, the simulated motion explains the torques worse than the measured one.
+    /// DIDIM's residual over IV's: above one, the simulated motion explains the torques worse than the measured one.
     pub residual_ratio: f64,
     /// The average difference below which a bias does little.
     pub harmless_below: f64,
@@ -130,7 +130,7 @@ pub enum Verdict {
     /// It is more than noise, and matters, but DIDIM explains the torques better than IV: the measured motion may be wrong as
     /// well as the simulated one.
     Undecided,
-    /// It matters and is no more than noise, but the noise is that of the simulator: the simulated motion explains the
+    /// It matters and is no more than noise, but the noise comes from the simulator: the simulated motion explains the
     /// torques worse than the measured one.
     Unclear,
 }

@@ -33,7 +33,7 @@ pub struct SensitivityPoint {
     pub status: Status,
     /// `100 |y - y_hat| / |y|`; none where there is no estimate.
     pub relative_error_percent: Option<f64>,
-    /// Root mean square change of the shown estimates from those of the simulator as it is, in their standard deviations.
+    /// Root mean square change of the shown estimates, in standard deviations, against the simulator without the error.
     pub rms_change: Option<f64>,
     /// The largest change, with its sign, and its parameter.
     pub largest_change: Option<(String, f64)>,

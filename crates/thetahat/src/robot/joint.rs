@@ -29,8 +29,8 @@ pub struct Joint {
     pub parent: Option<usize>,
     /// Where its frame is at coordinate zero. The joint moves about or along the z axis of that frame.
     pub placement: Placement,
-    /// The link's own axes, to which its inertial parameters refer, where they are not those of the joint's frame: the
-    /// rotation `A` with `x_joint = A x_link`. Both have the same origin.
+    /// The link's own axes, to which its inertial parameters refer, where they differ from the axes of the joint's
+    /// frame: the rotation `A` with `x_joint = A x_link`. Both have the same origin.
     pub link_axes: Option<[[f64; 3]; 3]>,
     /// The joint that it follows, if it has no coordinate of its own.
     pub mimic: Option<Mimic>,
@@ -78,7 +78,7 @@ pub struct Limits {
 
 /// The six numbers of a joint's frame in modified Denavit-Hartenberg form, with Khalil's gamma and b for trees.
 ///
-/// The frame in that of the joint before is `Rot(z, gamma) Trans(z, b) Rot(x, alpha) Trans(x, a) Rot(z, theta)
+/// The joint's frame in the parent joint's frame is `Rot(z, gamma) Trans(z, b) Rot(x, alpha) Trans(x, a) Rot(z, theta)
 /// Trans(z, d)` (W. Khalil, J.-F. Kleinfinger, "A new geometric notation for open and closed-loop robots", 1986).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DenavitHartenberg {

@@ -22,7 +22,7 @@ impl Parameter {
     }
 }
 
-/// The standard parameters of a robot, in order: the paper's (2) joint by joint, then those of the coupled motors.
+/// The standard parameters of a robot, in order: the paper's (2) joint by joint, then the coupled motors' parameters.
 ///
 /// Every vector of standard parameters in this library has this order.
 #[derive(Debug, Clone, PartialEq, Eq)]

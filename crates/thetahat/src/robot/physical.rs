@@ -29,7 +29,7 @@ pub enum NotPhysical {
         /// Its mass, kg.
         mass: f64,
     },
-    /// The inertia of a link about its centre of mass is not that of a body.
+    /// No body can have the inertia of this link about its centre of mass.
     #[error(
         "link {link}: its principal inertias about the centre of mass are {:.3e}, {:.3e} and {:.3e}: not all positive, \
          or the largest above the sum of the others", principal[0], principal[1], principal[2]

@@ -33,7 +33,7 @@ pub struct RobotSummary {
 /// A moving joint.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct JointSummary {
-    /// Its number, which is that of its link.
+    /// Its number, which is also its link's.
     pub number: usize,
     /// Its name.
     pub name: String,
@@ -49,8 +49,8 @@ pub struct JointSummary {
     pub gamma_alpha_theta: [f64; 3],
     /// Origin in the frame before, m.
     pub origin: [f64; 3],
-    /// Rotation from the link's axes, to which its inertial parameters refer, to those of the joint's frame; none where
-    /// they are the same.
+    /// Rotation from the link's axes, to which its inertial parameters refer, to the axes of the joint's frame; none
+    /// where they are the same.
     pub link_axes: Option<[[f64; 3]; 3]>,
     /// Smallest coordinate, rad or m.
     pub lower: Option<f64>,
@@ -69,7 +69,7 @@ pub struct MimicSummary {
     pub joint: usize,
     /// Velocity per velocity of the other.
     pub ratio: f64,
-    /// Coordinate where that of the other is zero, rad or m.
+    /// Coordinate where the other joint's coordinate is zero, rad or m.
     pub offset: f64,
 }
 

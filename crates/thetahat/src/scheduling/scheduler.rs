@@ -111,9 +111,9 @@ fn next_requests<'a>(running: &[Running<'a>], most: usize) -> (Vec<usize>, Vec<R
 }
 
 enum Stage {
-    Estimating(Estimation),
+    Estimating(Box<Estimation>),
     /// With the parameters to simulate the estimate with, where there is one.
-    Estimated(Outcome, Option<Parameters>),
+    Estimated(Box<Outcome>, Option<Parameters>),
     Over,
 }
 
@@ -137,7 +137,7 @@ impl<'a> Running<'a> {
             .map(|simulator| Physical::new(simulator, regression));
         let stage = if simulator.is_some() {
             let start = physical.as_mut().map_or_else(|| start.clone(), |physical| physical.start(start));
-            Stage::Estimating(Estimation::new(*method, options.iteration, start))
+            Stage::Estimating(Box::new(Estimation::new(*method, options.iteration, start)))
         } else {
             estimated(Outcome::direct(method.estimate(regression, None, options.iteration.divisor)), None)
         };
@@ -203,7 +203,7 @@ impl<'a> Running<'a> {
     fn end(&mut self) -> Option<Finished> {
         match std::mem::replace(&mut self.stage, Stage::Over) {
             Stage::Estimating(estimation) => Some(estimation.into_outcome()),
-            Stage::Estimated(outcome, _) => Some(outcome),
+            Stage::Estimated(outcome, _) => Some(*outcome),
             Stage::Over => None,
         }
         .map(|outcome| Finished {
@@ -224,5 +224,5 @@ fn estimated(outcome: Outcome, physical: Option<&mut Physical<'_>>) -> Stage {
         }
         None => Parameters::Estimated(fit.theta.clone()),
     });
-    Stage::Estimated(outcome, theta)
+    Stage::Estimated(Box::new(outcome), theta)
 }

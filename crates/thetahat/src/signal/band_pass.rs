@@ -70,7 +70,7 @@ mod tests {
         (2.0 * inside.iter().map(|v| v * v).sum::<f64>() / inside.len() as f64).sqrt()
     }
 
-    /// The gain of both passes is `1 / (1 + (tan(w/2) / tan(wc/2))^(2 n))`, that of a difference `sin(w)` times the rate.
+    /// Both passes have the gain `1 / (1 + (tan(w/2) / tan(wc/2))^(2 n))`, a difference has `sin(w)` times the rate.
     #[test]
     fn a_sine_comes_out_with_the_gains_of_filter_and_differences() -> Result<(), SignalError> {
         for (order, hz) in [(4, 10.0), (4, 50.0), (2, 80.0)] {

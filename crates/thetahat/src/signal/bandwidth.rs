@@ -24,8 +24,8 @@ const NO_GAIN: f64 = 1e-9;
 /// above that up to the Nyquist frequency.
 ///
 /// The bandwidth is measured: an impulse in the middle of `samples` samples of one channel is passed through `process`,
-/// and the Fourier transform of the response is searched from low frequencies upwards, then bisected. So it is that of
-/// the processing as it is, both passes and all stages included. Processing that differentiates `derivatives` times
+/// and the Fourier transform of the response is searched from low frequencies upwards, then bisected. So the bandwidth
+/// includes both passes and all stages of the processing. Processing that differentiates `derivatives` times
 /// (0, 1 or 2, as a rule) is compared with the ideal derivative: its gain is `|H(f)| / (2 pi f)^derivatives`.
 ///
 /// A zero-phase Butterworth filter of order `n` with cut-off `f_c` has the gain `1 / (1 + (f/f_c)^(2n))` (frequencies
@@ -35,8 +35,8 @@ const NO_GAIN: f64 = 1e-9;
 /// probe [`Decimator::filter`](super::Decimator::filter), which drops no sample.
 ///
 /// # Errors
-/// Those of `process`; and if the response has another length than the record, does not die out at its ends, or has
-/// no gain at DC.
+/// The errors of `process`; and if the response has another length than the record, does not die out at its ends, or
+/// has no gain at DC.
 ///
 /// ```
 /// use thetahat::signal::{Padding, SecondOrderSections, minus_3_db_bandwidth_hz, zero_phase};

@@ -129,13 +129,6 @@ pub(super) struct Interval {
 pub(super) struct Sums(pub(super) [Complex64; PAIRS]);
 
 impl Sums {
-    fn from_parts(parts: impl Fn(usize) -> (f64, f64)) -> Self {
-        Self(std::array::from_fn(|j| {
-            let (re, im) = parts(j);
-            Complex64::new(re, im)
-        }))
-    }
-
     /// `decay_j self_j + added_j`
     pub(super) fn decayed(&self, decay: &[Complex64; PAIRS], added: &Self) -> Self {
         Self(std::array::from_fn(|j| decay[j] * self.0[j] + added.0[j]))
@@ -145,12 +138,17 @@ impl Sums {
 /// The sums over one interval, channel by channel: what it adds to the causal sums at its last sample, and to the anticausal
 /// ones at the sample before its first.
 pub(super) fn interval_sums(interval: &Interval, width: usize, weights: &[[f64; WEIGHTS]]) -> Vec<[Sums; 2]> {
-    let mut of_channels = Vec::with_capacity(width);
-    for tile in (0..width).step_by(LANES) {
-        let columns = TileOfInterval { values: &interval.values[tile..], width, weights };
+    let mut of_channels = vec![[Sums::default(); 2]; width];
+    for (tile, of_tile) in of_channels.chunks_exact_mut(LANES).enumerate() {
+        let columns = TileOfInterval { values: &interval.values[tile * LANES..], width, weights };
         let sums = pulp::Arch::new().dispatch(columns);
-        let of_lane = |i: usize, lane: usize| Sums::from_parts(|j| (sums[i + j][lane], sums[i + PAIRS + j][lane]));
-        of_channels.extend((0..LANES).map(|lane| [of_lane(0, lane), of_lane(2 * PAIRS, lane)]));
+        for (lane, [causal, anticausal]) in of_tile.iter_mut().enumerate() {
+            for j in 0..PAIRS {
+                let [re, im, anticausal_re, anticausal_im] = [0, 1, 2, 3].map(|part| sums[part * PAIRS + j][lane]);
+                causal.0[j] = Complex64::new(re, im);
+                anticausal.0[j] = Complex64::new(anticausal_re, anticausal_im);
+            }
+        }
     }
     of_channels
 }

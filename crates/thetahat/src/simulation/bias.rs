@@ -32,7 +32,7 @@ impl SimulatorBias {
         friction: 1.0,
     };
 
-    /// Whether every factor is a positive number (that of friction may be zero) and the delay is not negative.
+    /// Whether every factor is a positive number (the friction factor may be zero) and the delay is not negative.
     #[must_use]
     pub fn is_valid(&self) -> bool {
         let positive = |v: f64| v.is_finite() && v > 0.0;

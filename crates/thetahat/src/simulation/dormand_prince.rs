@@ -19,7 +19,7 @@ const A: [&[f64]; 7] = [
     &[9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0],
     &[35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
 ];
-/// Weights of the fifth-order less those of the fourth-order formula.
+/// Weights of the fifth-order formula less the weights of the fourth-order formula.
 const E: [f64; 7] =
     [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339_200.0, 22.0 / 525.0, -1.0 / 40.0];
 /// Coefficients of s, s^2, s^3, s^4 in the interpolant at the fraction s of a step.
@@ -34,7 +34,7 @@ const P: [[f64; 4]; 7] = [
 ];
 /// The integration of `dy/dt = f(t, y)` from interval to interval, with its scratch: nothing is allocated while it runs.
 ///
-/// It does not call f, it asks for it, so that several can take turns:
+/// It does not call f but asks the caller for it, so that several integrations can be interleaved:
 ///
 /// ```
 /// use thetahat::simulation::{DormandPrince, Next};

@@ -74,7 +74,7 @@ impl<'a> Plant<'a> {
         self.coupling.transpose_to_joints(&self.scratch, &mut self.tau);
     }
 
-    /// The joint accelerations over a motion; the error is that of the first sample, from zero, that has none.
+    /// The joint accelerations over a motion; the error names the first sample, from zero, that has none.
     pub(super) fn accelerations_of(&self, motion: [&Series; 3]) -> Result<Series, (usize, DynamicsError)> {
         self.model.forward_dynamics_series(&self.parameters, motion, self.sign)
     }

@@ -14,7 +14,7 @@ use super::{
 };
 use crate::dynamics::DynamicParameters;
 
-/// A simulation that can be left and taken up again: it goes on until an acceleration is wanted.
+/// A simulation that can be suspended and resumed: it runs until it needs an acceleration.
 pub(super) struct Running<'a> {
     integrator: Integrator,
     system: Loop<'a>,

@@ -13,8 +13,8 @@ use crate::{
     real::{Lanes, MOST_LANES},
 };
 
-/// Runs simulations as [`ClosedLoop::simulate`] does, those of one model and one friction scale side by side: right-hand
-/// sides of several cost little more than those of one.
+/// Runs simulations as [`ClosedLoop::simulate`] does. Simulations of one model and one friction scale run side by side:
+/// right-hand sides of several cost little more than right-hand sides of one.
 #[must_use]
 pub fn simulate_all(jobs: &[Job<'_>]) -> Vec<Result<SimulatedMotion, SimulationError>> {
     let alike = |a: &Job<'_>, b: &Job<'_>| {

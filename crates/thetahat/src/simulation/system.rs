@@ -28,7 +28,7 @@ pub(super) struct Loop<'a> {
     pub(super) controller: Controller,
     pub(super) plant: Plant<'a>,
     pub(super) reference: MotorReference,
-    /// Drive signals: held between samples, or those of the last evaluation.
+    /// Drive signals: held between samples, or from the last evaluation.
     pub(super) u: Vec<f64>,
     /// Scratch: what a motor's position and velocity take away from its drive signal.
     slopes: [Vec<f64>; 2],

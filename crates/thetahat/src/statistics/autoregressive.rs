@@ -69,7 +69,7 @@ impl Autoregressive {
         self.innovation_variance / (gain * gain)
     }
 
-    /// Draws a series of normal rows; `memory` rows go before the first, so that it starts as it goes on.
+    /// Draws a series of normal rows; `memory` rows are drawn before the first, so that the series is stationary.
     pub fn draw(&self, memory: usize, rng: &mut impl Rng, out: &mut [f64]) {
         let deviation = self.innovation_variance.sqrt();
         let order = self.coefficients.len();

@@ -1,4 +1,4 @@
-//! Whether the simulator of DIDIM is that of the record: DIDIM against IV with the same instruments and weights.
+//! Whether DIDIM's simulator agrees with the recorded loop: DIDIM against IV with the same instruments and weights.
 //!
 //! | letter | word |
 //! | --- | --- |

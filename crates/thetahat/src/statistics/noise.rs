@@ -44,7 +44,7 @@ impl RowNoise {
         self.covariances(q).iter().fold(zero, |sum, part| sum.plus(part, 1.0))
     }
 
-    /// Draws one realisation; `memory` is that of [`RowNoise::memory`].
+    /// Draws one realisation; `memory` comes from [`RowNoise::memory`].
     pub fn draw(&self, memory: &[usize], rng: &mut impl Rng, out: &mut [f64]) {
         for ((joint, process), memory) in self.joints.iter().enumerate().zip(memory) {
             self.layout.of_joint(joint).for_each(|rows| process.draw(*memory, rng, &mut out[rows]));
@@ -57,8 +57,8 @@ impl RowNoise {
         self.joints.iter().map(|p| p.weights().len()).collect()
     }
 
-    /// The long-run variance of each joint of another residual, by processes of the same orders, over that of this one; one
-    /// where this one has none.
+    /// For each joint, the long-run variance of another residual divided by this residual's, by processes of the same
+    /// orders; one where this residual's is zero.
     #[must_use]
     pub fn relative_long_run_variances(&self, residual: &[f64]) -> Vec<f64> {
         let segments = self.layout.split(residual);
@@ -97,7 +97,7 @@ mod tests {
     use super::*;
     use rand::SeedableRng;
 
-    /// The covariance is that of many realisations.
+    /// The covariance agrees with the sample covariance of many realisations.
     #[test]
     fn drawn_noise_has_the_covariance() {
         let layout = RowLayout::new(2, &[40, 20]);

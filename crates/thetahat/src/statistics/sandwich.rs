@@ -91,7 +91,7 @@ impl Sandwich<'_> {
         variances.iter_mut().enumerate().for_each(|(i, v)| *v += term(self.influence.column(i)));
     }
 
-    /// `h_k = x_k^T a_k`: the part of its own error that the prediction of a row takes up.
+    /// `h_k = x_k^T a_k`: the part of a row's own error that its prediction absorbs.
     pub(super) fn leverage(&self) -> Vec<f64> {
         let mut leverage = vec![0.0; self.residual.len()];
         for i in 0..self.influence.columns() {
@@ -148,7 +148,7 @@ mod tests {
 
     #[test]
     fn newey_west_takes_the_joints_of_an_instant_together() {
-        // The second joint's errors undo those of the first.
+        // The second joint's errors cancel the first joint's.
         let residual: Vec<f64> = RESIDUAL.iter().copied().chain(RESIDUAL.iter().map(|r| -r)).collect();
         mean(&residual, &RowLayout::new(2, &[10]), |s| {
             assert!(s.newey_west()[0].abs() < 1e-15);

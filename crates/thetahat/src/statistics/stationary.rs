@@ -14,7 +14,7 @@ use crate::linear_algebra::Matrix;
 pub struct EstimatedVariance {
     /// The variance.
     pub variance: f64,
-    /// Degrees of freedom: how sure the variance is, as that of so many independent rows (Satterthwaite).
+    /// Degrees of freedom: the number of independent rows that would give a variance as certain (Satterthwaite).
     pub freedom: f64,
 }
 
@@ -29,7 +29,7 @@ const FEWEST_FREEDOM: f64 = 2.0;
 const CORRELATED: f64 = 3.29;
 
 impl EstimatedVariance {
-    /// Half the width of the interval that holds the truth 95 times in a hundred; none where the variance is not finite.
+    /// Half the width of the 95 % confidence interval; none where the variance is not finite.
     #[must_use]
     pub fn half_width_95(&self) -> Option<f64> {
         t_quantile(UPPER, self.freedom).map(|t| t * self.variance.sqrt()).filter(|h| h.is_finite())
@@ -54,7 +54,7 @@ impl Sandwich<'_> {
 
     /// Errors whose autocovariance `gamma(l)` is one for each joint and recording: `V = A^T Gamma A`.
     ///
-    /// 1. `gamma(l)` is that of the residual, tapered by Parzen's window up to the bandwidth `S = 2.6614 (alpha n)^(1/5)`,
+    /// 1. `gamma(l)` is the residual's, tapered by Parzen's window up to the bandwidth `S = 2.6614 (alpha n)^(1/5)`,
     ///    `alpha = 4 r^2 / (1 - r)^4`, r the residual's correlation of neighbouring rows (D. Andrews,
     ///    "Heteroskedasticity and autocorrelation consistent covariance matrix estimation", 1991, (2.7), (6.2), (6.4));
     ///    at least `sqrt(n)`, at most `n / 3`.
@@ -117,7 +117,7 @@ impl Sandwich<'_> {
         terms
     }
 
-    /// The tapered cross-covariance of two joints, that of equal times in the middle; none where it is not measurable.
+    /// The tapered cross-covariance of two joints, with lag zero in the middle; none where it is not measurable.
     fn cross_covariance(&self, a: &Block, b: &Block) -> Option<CrossCovariance> {
         let (x, y) = (&self.residual[a.rows.clone()], &self.residual[b.rows.clone()]);
         let window = if a.window.len() >= b.window.len() { &a.window } else { &b.window };
@@ -296,9 +296,10 @@ mod tests {
         }
     }
 
-    /// With equal errors in both joints the mean is that of one joint: each joint adds a quarter of its variance, and what
-    /// they have in common a half. The fit of one mean to two joints takes `c / 2` out of each joint's variance, where that to
-    /// one joint takes c, the sum of the window over n; what joints have in common is not put right for it.
+    /// With equal errors in both joints, the mean over both has the variance of the mean over one: each joint adds a
+    /// quarter of it, and their covariance adds half. The fit of one mean to two joints takes `c / 2` out of each
+    /// joint's variance; the fit to one joint takes c, the sum of the window over n. The covariance of the joints is
+    /// not corrected for this.
     #[test]
     fn joints_that_err_together_add_their_covariance() {
         let first = less_mean(&autoregression(0.0, 1));

@@ -1,7 +1,7 @@
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-/// Degrees of freedom above which the quantile of Student's t is expanded about that of the normal distribution: the
-/// library's own loses digits there (3e-6 at 1e5, 0.07 at 1e7), the expansion is exact to rounding.
+/// Degrees of freedom above which the quantile of Student's t is expanded about the normal quantile: the library's own
+/// quantile loses digits there (3e-6 at 1e5, 0.07 at 1e7), the expansion is exact to rounding.
 const EXPANDED: f64 = 1e4;
 
 /// The quantile of Student's t: the value that a variable with so many degrees of freedom, whole or not, stays below with
@@ -29,7 +29,7 @@ pub fn t_quantile(probability: f64, freedom: f64) -> Option<f64> {
     Some(StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(probability))
 }
 
-/// The quantile of t from that of the normal distribution.
+/// The quantile of t from the normal quantile z.
 fn expanded(z: f64, freedom: f64) -> f64 {
     let s = z * z;
     let first = z * (s + 1.0) / 4.0;

@@ -13,7 +13,7 @@ pub fn usual_lags(rows: usize) -> usize {
 
 /// The autocorrelation of each lag from 1, of series without their own means.
 ///
-/// Products never cross from one segment to the next; the mean and the variance are those of all segments.
+/// Products never cross from one segment to the next; mean and variance are taken over all segments.
 #[must_use]
 pub fn autocorrelation(segments: &[&[f64]], lags: usize) -> Vec<f64> {
     let rows: usize = segments.iter().map(|s| s.len()).sum();

@@ -89,7 +89,7 @@ impl Record<'_> {
     }
 
     /// The mean position from sample `first` to `time_s`, where the record has a rest before the first move. A fitted
-    /// start would take up a part of the lag with which the joints follow that move.
+    /// start would absorb a part of the lag with which the joints follow that move.
     fn rest(&self, first: usize, time_s: f64) -> Option<Vec<f64>> {
         let rest = first..(time_s * self.rate) as usize;
         let mean = |j: usize| rest.clone().map(|k| self.position.sample(k)[j]).sum::<f64>() / rest.len() as f64;

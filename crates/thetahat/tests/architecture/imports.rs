@@ -88,7 +88,7 @@ impl Sources {
     }
 }
 
-/// Reads a module's file and those of the modules it declares.
+/// Reads a module's file and the files of the modules it declares.
 fn read_module(path: &Path, src: &Path, module: &Module, files: &mut BTreeMap<Module, File>) {
     let tokens = tokens(&fs::read_to_string(path).expect("a module's file is readable"));
     let folder = path.with_extension("");

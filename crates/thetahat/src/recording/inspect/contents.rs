@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::super::bag::{self, OtherTopic};
 use super::super::csv::{self, Dialect};
 use super::super::error::RecordingError;
-use super::super::format::Format;
+use super::super::format::{Format, Holds};
 use super::super::place::file_bytes;
 use super::super::reader;
 use super::super::table::{Column, Flaw, Table, Wanted};
@@ -65,19 +65,17 @@ pub struct ColumnSummary {
 /// Columns of text, values that are not finite and irregular times are not errors but reported.
 pub fn inspect(path: &Path) -> Result<Contents, RecordingError> {
     let format = Format::of(path)?;
-    let (tables, dialect, other_topics) = match format {
-        Format::Csv => {
+    let (tables, dialect, other_topics) = match format.holds() {
+        Holds::Lines => {
             let bytes = file_bytes(path)?;
             let (table, dialect) = csv::read_with_dialect(&bytes, path, &Dialect::default(), Wanted::All)?;
             (vec![table], Some(dialect), Vec::new())
         }
-        Format::Db3 | Format::Mcap => {
+        Holds::Topics => {
             let (tables, other_topics) = bag::tables(path, format)?;
             (tables, None, other_topics)
         }
-        Format::Npy | Format::Npz | Format::Mat | Format::Parquet => {
-            (by_samples(reader::table(path, format, &Dialect::default(), Wanted::All)?), None, Vec::new())
-        }
+        Holds::Arrays => (by_samples(reader::table(path, format, &Dialect::default(), Wanted::All)?), None, Vec::new()),
     };
     Ok(Contents {
         file: path.to_owned(),

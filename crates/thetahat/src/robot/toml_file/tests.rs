@@ -55,13 +55,10 @@ kind = "revolute"
 #[test]
 fn a_cycle_is_refused_with_its_joints() {
     let text = TWO_JOINTS.replacen("kind = \"revolute\"", "kind = \"revolute\"\nparent = \"slide\"", 1);
-    match parse(&text).unwrap_err() {
-        RobotError::Cycle { line, joints, .. } => {
-            assert_eq!(line, 3);
-            assert_eq!(joints, ["shoulder", "slide", "shoulder"]);
-        }
-        other => panic!("{other}"),
-    }
+    let error = parse(&text).unwrap_err();
+    let RobotError::Cycle { line, joints, .. } = error else { panic!("{error}") };
+    assert_eq!(line, 3);
+    assert_eq!(joints, ["shoulder", "slide", "shoulder"]);
 }
 
 #[test]
@@ -84,10 +81,9 @@ fn an_unknown_parent_is_refused() {
 #[test]
 fn a_singular_matrix_is_refused_with_its_line() {
     let text = TWO_JOINTS.replace("[[10, 0], [5, 5]]", "[[10, 10], [5, 5]]");
-    match parse(&text).unwrap_err() {
-        RobotError::SingularTransmission { line, .. } => assert_eq!(line, 12),
-        other => panic!("{other}"),
-    }
+    let error = parse(&text).unwrap_err();
+    let RobotError::SingularTransmission { line, .. } = error else { panic!("{error}") };
+    assert_eq!(line, 12);
 }
 
 #[test]
@@ -132,8 +128,8 @@ fn then((r, p): (Mat3, Vec3), (s, o): (Mat3, Vec3)) -> (Mat3, Vec3) {
     (product(&r, &s), add(p, times(&r, o)))
 }
 
-/// The tool's frame through the converted frames is that of the standard table, whose last a and alpha lie beyond the
-/// last joint.
+/// The converted frames give the tool the same frame as the standard table, whose last a and alpha lie beyond the last
+/// joint.
 #[test]
 fn a_standard_table_has_its_own_forward_kinematics() {
     let table = [[0.3, 40.0, 0.2, 10.0], [-0.5, -90.0, 0.1, 0.0], [0.2, 25.0, -0.4, -70.0]];
@@ -158,7 +154,7 @@ fn a_standard_table_has_its_own_forward_kinematics() {
     pairs.for_each(|(a, b)| assert!((a - b).abs() < 1e-14, "{a} against {b}"));
 }
 
-/// The numbers of a standard table, moved by one joint, are those of the modified one.
+/// A standard table, moved by one joint, has the same numbers as the modified one.
 #[test]
 fn a_standard_table_is_the_modified_one_moved_by_a_joint() {
     let joint = |name: &str, rest: &str| format!("[[joint]]\nname = \"{name}\"\nkind = \"revolute\"\n{rest}\n");
@@ -179,9 +175,29 @@ fn a_standard_table_of_a_tree_is_refused() {
     assert!(matches!(parse(&text).unwrap_err(), RobotError::Joint { line: 6, .. }));
 }
 
+/// The first three joints of `robots/ur10.toml`, which lies outside the package.
+const UR10_ARM: &str = r#"
+name = "UR10"
+friction = "symmetric"
+convention = "standard"
+[[joint]]
+name = "shoulder_pan_joint"
+kind = "revolute"
+d_m = 0.1273
+alpha_deg = 90
+[[joint]]
+name = "shoulder_lift_joint"
+kind = "revolute"
+a_m = -0.612
+[[joint]]
+name = "elbow_joint"
+kind = "revolute"
+a_m = -0.5723
+"#;
+
 #[test]
 fn the_ur10_has_its_parallel_axes() {
-    let robot = Robot::parse(include_str!("../../../../../robots/ur10.toml"), Path::new("ur10.toml")).unwrap();
+    let robot = parse(UR10_ARM).unwrap();
     let (shoulder, elbow) = (&robot.joints[1].placement, &robot.joints[2].placement);
     assert_eq!((elbow.alpha, elbow.origin, shoulder.origin[2]), (0.0, [-0.612, 0.0, 0.0], 0.0));
 }

@@ -5,7 +5,7 @@ use crate::{
 };
 
 impl Reader<'_> {
-    /// The transmission to the coordinates of `joints`; what is not given is that of `before`.
+    /// The transmission to the coordinates of `joints`; what is not given is taken from `before`.
     pub(super) fn transmission(
         &self,
         entry: TransmissionEntry,

@@ -22,21 +22,23 @@ pub(super) fn parse<'a>(text: &'a str, path: &Path) -> Result<Document<'a>, Urdf
         return Err(too_large("attributes in one element", MOST_ATTRIBUTES));
     }
     let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
-    Document::parse_with_options(text, options).map_err(|error| match error {
-        Error::NodesLimitReached => too_large("elements, texts and comments", MOST_NODES as usize),
-        Error::UnknownNamespace(prefix, position) if prefix == "xacro" => UrdfError::Xacro {
-            place: super::Place {
-                path: path.to_owned(),
-                line: position.row as usize,
-                element: "an element in the namespace xacro".to_owned(),
-            },
-        },
-        error => UrdfError::Syntax {
+    Document::parse_with_options(text, options).map_err(|error| {
+        if let Error::NodesLimitReached = error {
+            return too_large("elements, texts and comments", MOST_NODES as usize);
+        }
+        let line = error.pos().row as usize;
+        if let Error::UnknownNamespace(prefix, _) = &error
+            && prefix == "xacro"
+        {
+            let element = "an element in the namespace xacro".to_owned();
+            return UrdfError::Xacro { place: super::Place { path: path.to_owned(), line, element } };
+        }
+        UrdfError::Syntax {
             path: path.to_owned(),
-            line: error.pos().row as usize,
+            line,
             column: error.pos().col as usize,
             problem: without_position(&error.to_string()),
-        },
+        }
     })
 }
 

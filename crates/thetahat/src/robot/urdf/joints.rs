@@ -13,7 +13,7 @@ pub(super) struct JointElement<'a> {
     pub(super) name: &'a str,
     pub(super) parent: &'a str,
     pub(super) child: &'a str,
-    /// The link's frame at coordinate zero in that of the parent link.
+    /// The link's frame at coordinate zero, in the parent link's frame.
     pub(super) frame: Frame,
     /// None for a fixed joint.
     pub(super) moving: Option<Moving<'a>>,

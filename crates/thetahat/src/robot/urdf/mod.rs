@@ -4,9 +4,10 @@
 //! `<axis>`, `<limit>`, `<dynamics>` and `<mimic>`, and the `<mechanicalReduction>` of each `<transmission>`. A link that is
 //! fixed to another is lumped into it. Everything else, as looks, collision shapes and simulators' tags, is passed over.
 //!
-//! The inertial parameters of a robot from URDF are those of its link frames, about their origins, whatever the axis of the
-//! joint. Angles that are a multiple of a right angle rounded to four decimals or more, such as 1.5708, are that multiple:
-//! otherwise parallel axes are not parallel, and parameters count as independent that are not.
+//! The inertial parameters of a robot from URDF refer to the axes and the origin of each link's frame, whatever the
+//! axis of the joint. An angle that is a multiple of a right angle rounded to four decimals or more, such as 1.5708, is
+//! taken as that multiple: otherwise parallel axes would not be parallel, and dependent parameters would count as
+//! independent.
 
 mod document;
 mod element;

@@ -68,7 +68,8 @@ struct Assembly<'s, 'a> {
     bodies: Vec<Body>,
 }
 
-/// The moving joint that carries a link, none for the base, and the link's frame in that of the carrier's own link.
+/// The moving joint that carries a link, none for the base, and the link's frame in the frame of the carrier's own
+/// link.
 #[derive(Clone, Copy)]
 struct LinkPlace {
     carrier: Option<usize>,

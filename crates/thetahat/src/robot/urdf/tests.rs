@@ -56,10 +56,9 @@ fn read(text: &str) -> Result<Robot, RobotError> {
 
 fn refused(from: &str, to: &str) -> UrdfError {
     assert!(ARM.contains(from), "{from}");
-    match read(&ARM.replacen(from, to, 1)).unwrap_err() {
-        RobotError::Urdf(error) => error,
-        other => panic!("{other}"),
-    }
+    let error = read(&ARM.replacen(from, to, 1)).unwrap_err();
+    let RobotError::Urdf(error) = error else { panic!("{error}") };
+    error
 }
 
 fn changed(from: &str, to: &str) -> Robot {
@@ -236,9 +235,10 @@ fn a_number_that_is_none_is_refused() {
 
 #[test]
 fn a_missing_piece_is_refused() {
-    let missing = |from, to| match refused(from, to) {
-        UrdfError::Missing { missing, .. } => missing,
-        other => panic!("{other}"),
+    let missing = |from, to| {
+        let error = refused(from, to);
+        let UrdfError::Missing { missing, .. } = error else { panic!("{error}") };
+        missing
     };
     assert_eq!(missing("<child link=\"upper\"/>", ""), "<child>");
     assert_eq!(missing("<child link=\"upper\"/>", "<child/>"), "attribute link");

@@ -1,0 +1,17 @@
+//! What a command prints, and what it says of its result.
+
+use std::io::Write;
+
+/// What a finished command says of its result.
+pub enum Verdict {
+    Good,
+    NotTrusted,
+}
+
+/// Prints. A reader that has gone away (`| head`) is no reason not to write the files.
+pub fn print(text: &str) -> Result<(), std::io::Error> {
+    match std::io::stdout().write_all(text.as_bytes()) {
+        Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        result => result,
+    }
+}
