@@ -100,7 +100,6 @@ mod tests {
 
     /// Percentage of 95 % intervals that contain the true value, with errors autoregressive of the first order; each
     /// trial has its own errors.
-
     fn coverage(rows: usize, columns: usize, correlation: f64, trials: u64) -> f64 {
         let phase = |j: usize| 0.7 * (j * j) as f64;
         let wave = |k: usize, j: usize| (0.021 * (j + 1) as f64 * k as f64 + phase(j)).sin();
