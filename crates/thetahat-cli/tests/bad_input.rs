@@ -515,12 +515,8 @@ fn no_method() {
 }
 
 #[test]
-fn no_controller_for_instrumental_variables() {
-    Case::valid().experiment("idim-ls", "idim-iv").is_refused(&[
-        "experiment.toml",
-        "[controller] is missing",
-        "idim-iv",
-    ]);
+fn no_controller_for_didim() {
+    Case::valid().experiment("idim-ls", "didim").is_refused(&["experiment.toml", "[controller] is missing", "didim"]);
 }
 
 #[test]

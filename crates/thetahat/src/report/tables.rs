@@ -71,13 +71,15 @@ fn cell(run: &RunResult, name: &str, show: impl Fn(&ParameterResult) -> String) 
     run.parameter(name).map_or_else(|| absent.to_owned(), show)
 }
 
-/// Why the runs that did not converge did not.
+/// Why the runs that did not converge did not, and what runs simulated that no file says.
 pub(super) fn reasons(runs: &[&RunResult]) -> Vec<String> {
     let reason = |r: &&RunResult| {
         let why = r.reason.as_deref().or((r.status != Status::Converged).then_some("no reason given"))?;
         Some(format!("{} {}: {why}", r.method.name(), status_words(r.status)))
     };
-    runs.iter().filter_map(reason).collect()
+    let noted =
+        |r: &&RunResult| -> Vec<String> { r.notes.iter().map(|n| format!("{}: {n}", r.method.name())).collect() };
+    runs.iter().filter_map(reason).chain(runs.iter().flat_map(noted)).collect()
 }
 
 fn estimate_with_percent(p: &ParameterResult) -> String {
