@@ -4,6 +4,14 @@
 //! [`Campaign::run`] runs what is missing in a [`Store`] and returns all [`Row`]s, [`summarise`] makes figures of them.
 //! Every random number has its own stream by the place of its run, so that rows depend neither on the number of threads
 //! nor on which runs were made before.
+//!
+//! ```
+//! use thetahat::campaign::quantiles;
+//!
+//! // Least, lower quartile, median, upper quartile and largest value of a figure over many runs.
+//! let found = quantiles([3.0, 1.0, 2.0, 5.0, 4.0]).unwrap();
+//! assert_eq!(found.median, 3.0);
+//! ```
 
 mod checks;
 mod description;

@@ -7,6 +7,18 @@
 //! instruments, in the interior; [`completed_a_priori`] makes a-priori values where there are none.
 //!
 //! Every problem is a small convex program, solved by a primal-dual interior-point method. Formulas, sources and the choice of the method: `docs/physical_consistency.md`.
+//!
+//! ```
+//! use thetahat::{Robot, consistency::{ConsistentSet, completed_a_priori}};
+//!
+//! # let robot = "name = 'r'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n";
+//! # let robot = Robot::parse(robot, std::path::Path::new("r.toml")).unwrap();
+//! // Bodies guessed from geometry are physical; bodies of negative mass are refused.
+//! let a_priori = completed_a_priori(&robot, None);
+//! assert!(ConsistentSet::new(&robot, &a_priori).is_ok());
+//! let negative: Vec<f64> = a_priori.iter().map(|v| -v).collect();
+//! assert!(ConsistentSet::new(&robot, &negative).is_err());
+//! ```
 
 mod elimination;
 mod error;

@@ -2,6 +2,16 @@
 //!
 //! [`Experiment::read`] checks the file; [`Experiment::run`] reads its recordings and identifies the robot with its settings
 //! ([`crate::run::Identification`]). The twin ([`Experiment::demo`]) goes the same way from a simulated record.
+//!
+//! ```
+//! use thetahat::Experiment;
+//!
+//! // The built-in demonstration: a TX40 twin, nominal and with gear ratios at 90 %.
+//! let experiment = Experiment::demo()?;
+//! let cases: Vec<String> = experiment.cases().into_iter().map(|case| case.name).collect();
+//! assert_eq!(cases, ["nominal", "gear_ratio_0.9"]);
+//! # Ok::<(), thetahat::experiment::ExperimentError>(())
+//! ```
 
 mod column_names;
 mod description;

@@ -1,5 +1,17 @@
 //! From recordings and settings to a regression problem: band-pass, window, observation matrix, parallel decimation, and the
 //! reference that simulations follow.
+//!
+//! ```
+//! use thetahat::{Method, Robot, Settings, preparation::PreparationError};
+//!
+//! # let robot = "name = 'r'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n";
+//! # let robot = Robot::parse(robot, std::path::Path::new("r.toml")).unwrap();
+//! // A cut-off of 20 Hz, every tenth sample kept; DIDIM needs a controller that is stated.
+//! let settings = Settings::new(20.0, 10);
+//! assert!(settings.validate(&robot).is_ok());
+//! let error = settings.with_methods([Method::DIDIM]).validate(&robot).unwrap_err();
+//! assert!(matches!(error, PreparationError::Missing { missing: "[controller]", .. }));
+//! ```
 
 mod bandwidth;
 mod error;

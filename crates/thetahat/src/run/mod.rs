@@ -2,6 +2,18 @@
 //!
 //! [`Identification`] takes arrays ([`crate::preparation::Recording`]) and [`crate::preparation::Settings`]; an experiment
 //! file lowers to the same. Every case and method is estimated, diagnosed and validated on what it has not seen.
+//!
+//! The program on the crate's first page uses it. Recordings that do not fit the robot are refused by name:
+//!
+//! ```
+//! use thetahat::{Identification, Recording, Robot, Settings, series::Series};
+//!
+//! # let robot = "name = 'r'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n";
+//! # let robot = Robot::parse(robot, std::path::Path::new("r.toml")).unwrap();
+//! let two_channels = Recording::new(1000.0, Series::zeros(500, 2), Series::zeros(500, 2)).named("log");
+//! let error = Identification::new(&robot, vec![two_channels], Settings::new(20.0, 10)).err().unwrap();
+//! assert!(error.to_string().starts_with("recording log: channels of position is 2, expected 1"));
+//! ```
 
 mod assessment;
 mod cases;
