@@ -94,13 +94,13 @@ fn failures_are_counted_and_in_no_figure() {
         assert_eq!(summary.converged, if iterates { 0 } else { 4 });
         assert_eq!(summary.distance_percent.is_none(), iterates);
         assert_eq!(summary.bias.is_none() && summary.seconds.is_none(), iterates);
-        let failures = if iterates { vec![("iteration limit".to_owned(), 4)] } else { Vec::new() };
+        let failures = if iterates { vec![("stalled".to_owned(), 4)] } else { Vec::new() };
         assert_eq!(summary.failures, failures);
     }
     let failed = runs.rows.iter().find(|r| r.status == Status::Stalled).unwrap();
     assert!(failed.reason.as_ref().unwrap().contains("1 iterations"));
     let text = report::campaign_text(&campaign.results(&runs));
-    assert!(text.contains("0/4") && text.contains("didim: 4 iteration limit"), "{text}");
+    assert!(text.contains("0/4") && text.contains("didim: 4 stalled"), "{text}");
 }
 
 #[test]
