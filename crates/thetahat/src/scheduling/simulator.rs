@@ -260,6 +260,9 @@ impl<'a> Simulator<'a> {
                 ("acceleration", &measured.ddq, &motion.ddq),
                 ("torque", &torque, &motion.tau),
             ] {
+                if name == "torque" && l.filtered.recording.torque.is_none() {
+                    continue;
+                }
                 let [difference, size] = squares.entry(name).or_default();
                 *difference += squared_difference(measured, simulated);
                 *size += norm(measured.values()).powi(2);
