@@ -227,7 +227,8 @@ fn a_sampled_cascade_on_a_slide() {
 /// The signals act one and a half samples later, in part between two samples.
 #[test]
 fn a_sampled_controller_with_a_delay() {
-    let bench = slide(&format!("{}\ndelay_s = 0.0015", CASCADE.replace("[10.0]", "[100.0]")));
+    let mut bench = slide(&format!("{}\ndelay_s = 0.0015", CASCADE.replace("[10.0]", "[100.0]")));
+    bench.by = 3e-4;
     let mut to = parameters(&bench, &["m1", "fv1", "fc1", "off1"]);
     to.extend(GAINS);
     bench.check(&to, EXACT);
