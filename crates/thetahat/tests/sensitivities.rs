@@ -156,7 +156,10 @@ impl Bench {
             let by = match to {
                 SensitiveTo::Parameter(index) => self.by * self.theta[*index].abs().max(0.1),
                 SensitiveTo::Delay => 1e-6,
-                _ => self.by,
+                SensitiveTo::PositionGain(_)
+                | SensitiveTo::VelocityGain(_)
+                | SensitiveTo::DriveGain(_)
+                | SensitiveTo::GearRatio => self.by,
             };
             let differences = self.central_differences(*to, by);
             for (what, (found, expected)) in ["q", "tau"].iter().zip(found.iter().zip(&differences)) {
