@@ -5,13 +5,14 @@ use std::collections::BTreeMap;
 use crate::{
     control::ControllerDescription,
     dynamics::{Model, Sign},
-    identification::Assembly,
+    identification::{Assembly, Response, SimulatedResponse},
     linear_algebra::{Matrix, norm},
-    preparation::{FilteredRecording, Gains, Problem, RecordedReference, Setup},
+    preparation::{Case, FilteredRecording, Gains, Problem, RecordedReference, Setup},
     series::Series,
     signal::Motion,
     simulation::{
-        ClosedLoop, Job, OutputGrid, Reference, SimulatedMotion, SimulationError, SimulatorBias, Solver, simulate_all,
+        ClosedLoop, Job, OutputGrid, Reference, SensitiveTo, Sensitivities, SimulatedMotion, SimulationError,
+        SimulatorBias, Solver, simulate_all,
     },
 };
 
@@ -43,6 +44,8 @@ pub(crate) enum Output {
     Instruments,
     /// The motion of each recording at every so many samples of its window, the first included.
     Motion { step: usize },
+    /// The response in the rows of y and its sensitivities.
+    Sensitivities(Response),
 }
 
 impl Output {
@@ -56,6 +59,9 @@ impl Output {
 pub(crate) enum Parameters {
     /// The estimated base parameters, zeros elsewhere.
     Estimated(Vec<f64>),
+    /// The same, simulated with a hundredth of the tolerances: the response itself is compared with the record, and an error
+    /// is to fall with every step.
+    Fitted(Vec<f64>),
     /// All standard parameters.
     Standard(Vec<f64>),
     /// Those of a physical robot near an estimate, simulated with a hundredth of the tolerances.
@@ -91,18 +97,21 @@ struct RecordedLoop<'a> {
 }
 
 impl<'a> Simulator<'a> {
-    /// The simulator of the recordings from which `problem` was made, each with its reference.
+    /// The simulator of a case for the recordings from which `problem` was made, each with its reference.
     pub(crate) fn new(
         setup: Setup<'a>,
         problem: &'a Problem,
         recordings: &[(&'a FilteredRecording, &'a RecordedReference)],
         controller: &'a ControllerDescription,
-        bias: SimulatorBias,
+        case: &Case,
     ) -> Self {
         let loop_of = |(number, (filtered, reference)): (usize, &(&'a FilteredRecording, &'a RecordedReference))| {
             let recording = &filtered.recording;
             let added = recording.added_signal.as_ref().map(|s| (s, recording.sample_rate_hz));
-            let closed_loop = closed_loop(setup, &problem.model, controller, &reference.reference, added, bias);
+            let of_settings =
+                closed_loop(setup, &problem.model, controller, &reference.reference, added, case.simulator);
+            let sign_velocity_scale = case.sign_velocity_scale.unwrap_or(of_settings.sign_velocity_scale);
+            let closed_loop = ClosedLoop { sign_velocity_scale, ..of_settings };
             RecordedLoop { filtered, assembly: problem.assembly(number), closed_loop }
         };
         let loops = recordings.iter().enumerate().map(loop_of).collect();
@@ -147,6 +156,62 @@ impl<'a> Simulator<'a> {
         Ok(self.problem.regression.layout.stack_matrices(matrices))
     }
 
+    /// The response of the record in the rows of y: raw torques, or raw positions through the same parallel filter.
+    pub(super) fn measured(&self, response: Response) -> Result<Vec<f64>, SimulationError> {
+        let of_loop = |l: &RecordedLoop<'_>| match response {
+            Response::Torque => l.in_rows(&l.filtered.torque()),
+            Response::Position => l.in_rows(&l.filtered.position()),
+        };
+        Ok(self.problem.regression.layout.stack_vectors(self.loops.iter().map(of_loop).collect::<Result<_, _>>()?))
+    }
+
+    /// The response of motions simulated at every sample of the windows, in the rows of y.
+    pub(super) fn response_of(
+        &self,
+        motions: &[SimulatedMotion],
+        response: Response,
+    ) -> Result<Vec<f64>, SimulationError> {
+        let of_loop = |(l, motion): (&RecordedLoop<'_>, &SimulatedMotion)| match response {
+            Response::Torque => l.in_rows(&motion.tau),
+            Response::Position => l.in_rows(&motion.q),
+        };
+        let vectors = self.loops.iter().zip(motions).map(of_loop).collect::<Result<_, _>>()?;
+        Ok(self.problem.regression.layout.stack_vectors(vectors))
+    }
+
+    /// The response with its sensitivities, in the rows of y.
+    pub(super) fn response_with_sensitivities(
+        &self,
+        parameters: &Parameters,
+        response: Response,
+    ) -> Result<SimulatedResponse, SimulationError> {
+        let resolved = self.resolve(parameters);
+        let jobs = self.jobs(&resolved, Output::Sensitivities(response));
+        let to: Vec<SensitiveTo> = self.problem.estimated.columns().into_iter().map(SensitiveTo::Parameter).collect();
+        let slopes = self.kept_inertia.is_none().then(|| self.inertia_slopes(&to));
+        let (mut responses, mut matrices) = (Vec::new(), Vec::new());
+        for (l, job) in self.loops.iter().zip(&jobs) {
+            let found = l.response_with_sensitivities(job, &to, slopes.as_deref(), response)?;
+            responses.push(found.response);
+            matrices.push(found.sensitivities);
+        }
+        let layout = &self.problem.regression.layout;
+        Ok(SimulatedResponse {
+            response: layout.stack_vectors(responses),
+            sensitivities: layout.stack_matrices(matrices),
+        })
+    }
+
+    /// The derivatives of the inertia that each motor sees.
+    fn inertia_slopes(&self, to: &[SensitiveTo]) -> Vec<Vec<f64>> {
+        let of_loops: Vec<Vec<Vec<f64>>> =
+            self.loops.iter().map(|l| l.closed_loop.motor_inertia_slopes(to, l.duration_s())).collect();
+        let count = of_loops.len() as f64;
+        let mean = |p: usize, motor: usize| of_loops.iter().map(|slopes| slopes[p][motor]).sum::<f64>() / count;
+        let motors = self.problem.model.coordinate_count();
+        (0..to.len()).map(|p| (0..motors).map(|motor| mean(p, motor)).collect()).collect()
+    }
+
     /// Number of recordings.
     pub(super) fn recordings(&self) -> usize {
         self.loops.len()
@@ -154,7 +219,7 @@ impl<'a> Simulator<'a> {
 
     /// Whether both give the same motion for the same parameters.
     pub(super) fn is_like(&self, other: &Self) -> bool {
-        let bias = |s: &Self| s.loops.first().map(|l| l.closed_loop.bias);
+        let bias = |s: &Self| s.loops.first().map(|l| (l.closed_loop.bias, l.closed_loop.sign_velocity_scale));
         std::ptr::eq(self.setup.robot, other.setup.robot)
             && std::ptr::eq(self.setup.settings, other.setup.settings)
             && std::ptr::eq(self.problem, other.problem)
@@ -177,13 +242,13 @@ impl<'a> Simulator<'a> {
     /// What a simulation with parameters takes.
     pub(super) fn resolve(&self, parameters: &Parameters) -> Resolved {
         let standard = match parameters {
-            Parameters::Estimated(theta) => self.problem.estimated.to_standard(theta),
+            Parameters::Estimated(theta) | Parameters::Fitted(theta) => self.problem.estimated.to_standard(theta),
             Parameters::Standard(theta) | Parameters::Physical(theta) => theta.clone(),
         };
         let solver = self.setup.settings.simulation.solver;
         let solver = match parameters {
             Parameters::Estimated(_) | Parameters::Standard(_) => solver,
-            Parameters::Physical(_) => solver.with_tolerances_times(FINE),
+            Parameters::Fitted(_) | Parameters::Physical(_) => solver.with_tolerances_times(FINE),
         };
         let inertia = self.kept_inertia.clone().unwrap_or_else(|| self.inertia(&standard));
         Resolved { standard, inertia, solver }
@@ -209,6 +274,9 @@ impl<'a> Simulator<'a> {
                 ("acceleration", &measured.ddq, &motion.ddq),
                 ("torque", &torque, &motion.tau),
             ] {
+                if name == "torque" && l.filtered.recording.torque.is_none() {
+                    continue;
+                }
                 let [difference, size] = squares.entry(name).or_default();
                 *difference += squared_difference(measured, simulated);
                 *size += norm(measured.values()).powi(2);
@@ -219,6 +287,33 @@ impl<'a> Simulator<'a> {
 }
 
 impl RecordedLoop<'_> {
+    /// The response of a job and its sensitivities, in the rows of y.
+    fn response_with_sensitivities(
+        &self,
+        job: &Job<'_>,
+        to: &[SensitiveTo],
+        inertia_slopes: Option<&[Vec<f64>]>,
+        response: Response,
+    ) -> Result<SimulatedResponse, SimulationError> {
+        let mut simulation = Sensitivities::new(job, to, inertia_slopes)?;
+        self.assembly.response_with_sensitivities(to.len(), |values, slopes| {
+            let end = SimulationError::TooShortToFilter;
+            let sample = simulation.next_sample()?.ok_or(end)?;
+            let (of_joints, of_parameters) = match response {
+                Response::Torque => (sample.tau, sample.tau_slopes),
+                Response::Position => (sample.q, sample.q_slopes),
+            };
+            values.copy_from_slice(of_joints);
+            slopes.copy_from_slice(of_parameters);
+            Ok(())
+        })
+    }
+
+    /// A series of the window in the rows of y.
+    fn in_rows(&self, series: &Series) -> Result<Vec<f64>, SimulationError> {
+        self.assembly.measurement_vector(series).map_err(|_| SimulationError::TooShortToFilter)
+    }
+
     fn instruments(&self, setup: Setup<'_>, motion: &SimulatedMotion) -> Result<Matrix, SimulationError> {
         let sign = Sign::Smooth { scale: self.closed_loop.sign_velocity_scale };
         let unfiltered = |_| SimulationError::TooShortToFilter;
