@@ -156,7 +156,10 @@ impl Bench {
             let by = match to {
                 SensitiveTo::Parameter(index) => self.by * self.theta[*index].abs().max(0.1),
                 SensitiveTo::Delay => 1e-6,
-                _ => self.by,
+                SensitiveTo::PositionGain(_)
+                | SensitiveTo::VelocityGain(_)
+                | SensitiveTo::DriveGain(_)
+                | SensitiveTo::GearRatio => self.by,
             };
             let differences = self.central_differences(*to, by);
             for (what, (found, expected)) in ["q", "tau"].iter().zip(found.iter().zip(&differences)) {
@@ -262,62 +265,6 @@ fn the_gains_of_one_motor() {
             to.extend([0, 1].map(|motor| SensitiveTo::VelocityGain(Motors::One(motor))));
             to.extend([0, 1].map(|motor| SensitiveTo::DriveGain(Motors::One(motor))));
             bench.check(&to, EXACT);
-        }
-    }
-}
-
-#[test]
-#[ignore]
-fn timing() {
-    let robot = tx40();
-    let start = vec![0.0, -1.4, 1.5, 0.1, 0.2, 0.0];
-    let ends = [vec![0.8, -0.6, 0.9, 1.3, 0.9, 1.3], vec![0.0, -1.3, 1.4, 0.0, 0.1, -0.1]];
-    let controller = "law = \"pd\"\nbandwidth_hz = [40]\nvelocity_feed_forward = 1.0\nacceleration_feed_forward = 1.0";
-    let mut bench = Bench::new(&robot, controller, moves(start, &[ends.clone(), ends].concat(), 1.0), 5000);
-    bench.solver = Solver::ODE45;
-    bench.scale = 0.002;
-    for (i, parameter) in bench.model.parameter_table().iter().enumerate() {
-        bench.theta[i] += match parameter.quantity.name() {
-            "fv" | "fvm" => 2.0,
-            "fc" | "fcm" => 1.0,
-            "ia" => 0.3,
-            _ => 0.0,
-        };
-    }
-    bench.inertia = Some(bench.motor_inertia());
-    let columns = BaseParameters::of(&bench.model, &["iam6".to_owned()]).unwrap().columns();
-    let to: Vec<SensitiveTo> = columns.into_iter().map(SensitiveTo::Parameter).collect();
-    let best = |run: &dyn Fn()| {
-        let once = || {
-            let start = std::time::Instant::now();
-            run();
-            start.elapsed().as_secs_f64()
-        };
-        (0..7).map(|_| once()).fold(f64::INFINITY, f64::min)
-    };
-    let motion = bench.simulate();
-    println!("{} parameters, {:?}", to.len(), motion.counts);
-    for solver in [Solver::ODE45, Solver::Implicit { relative_tolerance: 1e-4, absolute_tolerance: 1e-7 }] {
-        bench.solver = solver;
-        let counts = bench.simulate().counts;
-        let plain = best(&|| drop(bench.simulate()));
-        let four = best(&|| bench.with_job(|job| drop(simulate_all(&[*job; 4])))) / 4.0;
-        for updated in [false, true] {
-            let slopes = updated.then(|| bench.closed_loop().motor_inertia_slopes(&to, 1.0));
-            let with = best(&|| {
-                bench.with_job(|job| {
-                    let mut simulation = Sensitivities::new(job, &to, slopes.as_deref()).unwrap();
-                    while simulation.next_sample().unwrap().is_some() {}
-                });
-            });
-            println!(
-                "{counts:?}: plain {:.2} ms, one of four {:.2} ms, with sensitivities {:.2} ms: {:.2} plain, 120 plain {:.1} ms",
-                1e3 * plain,
-                1e3 * four,
-                1e3 * with,
-                with / plain,
-                120e3 * four
-            );
         }
     }
 }

@@ -127,7 +127,7 @@ mod tests {
         let theta: Vec<f64> = (0..model.parameter_table().len()).map(|i| (1.7 * i as f64).sin()).collect();
         let parameters = DynamicParameters::new(&model, &theta);
         let (state, ddq) = ([0.3, -0.2, 1.1, 0.07, -0.6, 0.9], [2.0, -1.0, 3.0]);
-        let mut torques = |state: &[f64]| {
+        let torques = |state: &[f64]| {
             let (mut tau, mut workspace) = ([0.0; 3], Workspace::new(&model));
             let (q, dq) = state.split_at(3);
             model.inverse_dynamics(&parameters, State { q, dq }, &ddq, SIGN, &mut workspace, &mut tau);
@@ -137,7 +137,7 @@ mod tests {
         let mut workspace = JacobianWorkspace::new(&model);
         model.inverse_dynamics_jacobian(&parameters, State { q, dq }, &ddq, SIGN, &mut workspace, &mut found);
         for direction in 0..6 {
-            let mut moved = |by: f64| {
+            let moved = |by: f64| {
                 let mut state = state;
                 state[direction] += by;
                 torques(&state)

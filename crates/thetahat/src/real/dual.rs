@@ -21,6 +21,18 @@ impl<const D: usize> Dual<D> {
     fn with(value: f64, derivative: impl Fn(usize) -> f64) -> Self {
         Self { value, derivatives: std::array::from_fn(derivative) }
     }
+
+    #[inline(always)]
+    fn product_rule(self, other: Self) -> Self {
+        let derivative = |i: usize| self.derivatives[i] * other.value + self.value * other.derivatives[i];
+        Self::with(self.value * other.value, derivative)
+    }
+
+    #[inline(always)]
+    fn quotient_rule(self, other: Self) -> Self {
+        let value = self.value / other.value;
+        Self::with(value, |i| (self.derivatives[i] - value * other.derivatives[i]) / other.value)
+    }
 }
 
 impl<const D: usize> Real for Dual<D> {
@@ -81,8 +93,7 @@ impl<const D: usize> Mul for Dual<D> {
 
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        let derivative = |i: usize| self.derivatives[i] * other.value + self.value * other.derivatives[i];
-        Self::with(self.value * other.value, derivative)
+        self.product_rule(other)
     }
 }
 
@@ -100,8 +111,7 @@ impl<const D: usize> Div for Dual<D> {
 
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        let value = self.value / other.value;
-        Self::with(value, |i| (self.derivatives[i] - value * other.derivatives[i]) / other.value)
+        self.quotient_rule(other)
     }
 }
 
