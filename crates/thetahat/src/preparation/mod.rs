@@ -14,6 +14,7 @@
 //! ```
 
 mod bandwidth;
+mod consistent_set;
 mod error;
 mod filtered;
 mod loop_parameters;

@@ -10,15 +10,18 @@ use super::{
     prepared::filtered,
 };
 use crate::{
-    consistency::examine,
+    consistency::examine_within,
     diagnosis::{Estimated, residual},
     identification::{Fit, Method, Needs, Outcome, Response, uncertainty},
     preparation::{Case, PreparationError, Problem},
     regression::relative_error_percent,
     results::{Influence, IterationResult, LoopParameterResult, ParameterResult, PhysicalResult, RunResult},
-    scheduling::{EstimationJob, Finished, consistent_set},
+    scheduling::{EstimationJob, Finished},
     simulation::Reference,
 };
+
+/// Accuracy with which what an estimate lacks is told.
+const EXAMINATION_GAP: f64 = 1e-3;
 
 /// An estimation of a case that is to be assessed.
 pub(super) struct Assessment<'a> {
@@ -111,9 +114,9 @@ impl Assessment<'_> {
 
     /// Whether a robot made of bodies has the estimates.
     fn physical(&self, fit: &Fit) -> Option<PhysicalResult> {
-        let EstimationJob { problem, regression, .. } = self.job;
-        let set = consistent_set(self.identification.setup(), problem, regression).ok()?;
-        let found = examine(&set, &problem.estimated, self.of_robot(fit)).ok()?;
+        let problem = self.job.problem;
+        let set = problem.consistent_set(self.identification.setup()).ok()?;
+        let found = examine_within(set, &problem.estimated, self.of_robot(fit), EXAMINATION_GAP).ok()?;
         let outside = found.outside.iter().map(|(condition, _)| condition.to_string()).collect();
         let smallest_eigenvalue = found.smallest_eigenvalue;
         Some(PhysicalResult { consistent: found.consistent, outside, smallest_eigenvalue })
