@@ -37,7 +37,7 @@ mod symmetric;
 mod tests;
 
 pub use error::ConsistencyError;
-pub use examination::{Examination, examine};
+pub use examination::{Examination, HEAVIEST, examine, examine_within};
 pub use fit::{ConsistentFit, LeastSquares, Prior, fit};
 pub use guess::{completed_a_priori, mass_factor};
 pub use known::Known;

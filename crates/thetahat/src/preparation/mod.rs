@@ -14,8 +14,10 @@
 //! ```
 
 mod bandwidth;
+mod consistent_set;
 mod error;
 mod filtered;
+mod loop_parameters;
 mod problem;
 mod recording;
 mod reference;
@@ -25,6 +27,8 @@ mod validation;
 
 pub use error::PreparationError;
 pub(crate) use filtered::{FilteredRecording, MOVING, STILL, window_of};
+pub use loop_parameters::LoopParameter;
+pub(crate) use loop_parameters::{LoopParameters, LoopParts};
 pub(crate) use problem::{Chosen, Problem, full_model_test, named_elimination};
 pub use recording::Recording;
 pub(crate) use reference::{FILTERED, RecordedReference};

@@ -2,6 +2,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
+use super::loop_parameters::LoopParameter;
 use crate::{
     control::ControllerDescription,
     identification::{Convergence, Divisor, EliminationRule, IterationOptions, Method, Weighting},
@@ -164,6 +165,8 @@ pub struct EstimationOptions {
     pub start: Start,
     /// Gains of a controller that is given by its bandwidth.
     pub gains: Gains,
+    /// What CLIE and CLOE estimate of the loop beside the parameters; gains stay those of the start values then.
+    pub loop_parameters: Vec<LoopParameter>,
     /// When the iterations stop.
     pub convergence: Convergence,
     /// What the squared residual is divided by.
@@ -177,6 +180,7 @@ impl Default for EstimationOptions {
             weighting: BTreeMap::new(),
             start: Start::default(),
             gains: Gains::default(),
+            loop_parameters: Vec::new(),
             convergence: Convergence::default(),
             variance: Divisor::default(),
         }

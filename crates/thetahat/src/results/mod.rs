@@ -53,7 +53,7 @@ pub use joints::JointResult;
 pub use parameters::{EliminationResult, ParameterResult};
 pub use prediction::Prediction;
 pub use recordings::{Bandwidth, RecordingFindings, RecordingResult, ReferenceResult};
-pub use run::{IterationResult, PhysicalResult, RunResult};
+pub use run::{IterationResult, LoopParameterResult, PhysicalResult, RunResult};
 pub use sensitivity::{Sensitivity, SensitivityPoint};
 pub use twin::TwinRecord;
 

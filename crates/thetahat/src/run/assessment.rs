@@ -6,19 +6,22 @@ use std::borrow::Cow;
 use super::{
     cross_validation::{CrossValidation, Folds, folds_by_move, folds_by_part, folds_by_recording, leave_folds_out},
     identification::{Identification, explain},
-    parameters::parameter_results,
+    parameters::{loop_parameter_results, parameter_results},
     prepared::filtered,
 };
 use crate::{
-    consistency::examine,
+    consistency::examine_within,
     diagnosis::{Estimated, residual},
     identification::{Fit, Method, Needs, Outcome, Response, uncertainty},
     preparation::{Case, PreparationError, Problem},
     regression::relative_error_percent,
-    results::{Influence, IterationResult, ParameterResult, PhysicalResult, RunResult},
-    scheduling::{EstimationJob, Finished, consistent_set},
+    results::{Influence, IterationResult, LoopParameterResult, ParameterResult, PhysicalResult, RunResult},
+    scheduling::{EstimationJob, Finished},
     simulation::Reference,
 };
+
+/// Accuracy with which what an estimate lacks is told.
+const EXAMINATION_GAP: f64 = 1e-3;
 
 /// An estimation of a case that is to be assessed.
 pub(super) struct Assessment<'a> {
@@ -56,7 +59,7 @@ impl Assessment<'_> {
     fn torque<'f>(&self, fit: &'f Fit) -> Cow<'f, [f64]> {
         match self.job.method.response() {
             Response::Torque => Cow::Borrowed(&fit.prediction),
-            Response::Position => Cow::Owned(self.job.problem.regression.x.times(&fit.theta)),
+            Response::Position => Cow::Owned(self.job.problem.regression.x.times(self.of_robot(fit))),
         }
     }
 
@@ -67,7 +70,7 @@ impl Assessment<'_> {
             relative_error_percent: i.relative_error_percent,
             parameter_change: i.parameter_change,
             error_change: i.error_change,
-            estimates: i.theta.clone(),
+            estimates: i.theta.iter().take(problem.estimated.len()).copied().collect(),
         });
         let test = |f| if *method == Method::IDIM_LS { problem.full_model_test(f) } else { None };
         RunResult {
@@ -83,6 +86,7 @@ impl Assessment<'_> {
             f_test: fit.and_then(test),
             convergence: iterations.collect(),
             parameters: fit.map(|f| self.parameters(f, outcome)).unwrap_or_default(),
+            loop_parameters: fit.map(|f| self.loop_parameters(f, outcome)).unwrap_or_default(),
             ..RunResult::new(&self.case.name, *method, outcome.status)
         }
     }
@@ -96,11 +100,23 @@ impl Assessment<'_> {
         parameter_results(settings, &problem.estimated, fit, uncertainty.as_ref(), truth.as_deref())
     }
 
+    fn loop_parameters(&self, fit: &Fit, outcome: &Outcome) -> Vec<LoopParameterResult> {
+        let EstimationJob { problem, method, regression, simulator, .. } = self.job;
+        let Some(simulator) = simulator.as_ref().filter(|s| !s.loop_parameters().is_empty()) else { return Vec::new() };
+        let uncertainty = uncertainty(*method, regression, outcome.instruments.as_ref(), fit).ok();
+        loop_parameter_results(simulator.loop_parameters(), problem.estimated.len(), fit, uncertainty.as_ref())
+    }
+
+    /// The estimates of the robot's parameters, without those of the loop.
+    fn of_robot<'f>(&self, fit: &'f Fit) -> &'f [f64] {
+        &fit.theta[..self.job.problem.estimated.len()]
+    }
+
     /// Whether a robot made of bodies has the estimates.
     fn physical(&self, fit: &Fit) -> Option<PhysicalResult> {
-        let EstimationJob { problem, regression, .. } = self.job;
-        let set = consistent_set(self.identification.setup(), problem, regression).ok()?;
-        let found = examine(&set, &problem.estimated, &fit.theta).ok()?;
+        let problem = self.job.problem;
+        let set = problem.consistent_set(self.identification.setup()).ok()?;
+        let found = examine_within(set, &problem.estimated, self.of_robot(fit), EXAMINATION_GAP).ok()?;
         let outside = found.outside.iter().map(|(condition, _)| condition.to_string()).collect();
         let smallest_eigenvalue = found.smallest_eigenvalue;
         Some(PhysicalResult { consistent: found.consistent, outside, smallest_eigenvalue })
@@ -141,7 +157,7 @@ impl Assessment<'_> {
         let setup = identification.setup();
         let problem = setup.validation_problem(self.case, &recordings, &self.job.problem.estimated)?;
         let regression = &problem.regression;
-        let prediction = regression.x.times(&fit.theta);
+        let prediction = regression.x.times(self.of_robot(fit));
         run.cross_validation_relative_error_percent = Some(relative_error_percent(&regression.y, &prediction));
         run.validation_condition_number = Some(regression.x.condition_number());
         if let Some(simulator) = identification.simulator(&identification.validation, &problem, self.case) {

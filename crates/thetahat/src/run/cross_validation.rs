@@ -81,7 +81,7 @@ pub(super) fn leave_folds_out(
     let regression = &linear;
     let rows = regression.y.len();
     let of_row: Vec<usize> = (0..rows).map(|k| folds.of_row[k % folds.of_row.len()]).collect();
-    let parameters = regression.parameters();
+    let parameters = parameters_of(regression, method, instruments);
     let equations = Equations::new(regression, method, instruments);
     let left = WithoutEach::new(&equations.rows, &of_row, (folds.names.len(), parameters));
     let predicting = match method.design() {
@@ -123,6 +123,14 @@ fn interval(y: &[f64], prediction: &[f64], of_row: &[usize], folds: usize) -> Op
     of_percent.is_finite().then(|| [(centre - of_percent).max(0.0), centre + of_percent])
 }
 
+/// Those that multiply the design: of the robot, and of the loop where the method estimates any.
+fn parameters_of(regression: &Regression, method: Method, instruments: Option<&Matrix>) -> usize {
+    match (method.design(), instruments) {
+        (Design::Simulated, Some(z)) => z.columns(),
+        (Design::Measured, _) | (Design::Simulated, None) => regression.parameters(),
+    }
+}
+
 /// The weighted rows from which a method estimates: Z where it needs instruments, X where its prediction is of the measured
 /// motion, and y.
 struct Equations {
@@ -145,7 +153,12 @@ impl Equations {
         let x = has_measured.then_some(regression.x.as_ref());
         let parts: Vec<&Matrix> = z.into_iter().chain(x).chain([&y]).collect();
         let rows = regression.whiten_matrix(&Matrix::beside(&parts)).into_owned();
-        Self { rows, parameters: regression.parameters(), has_instruments: z.is_some(), has_measured }
+        Self {
+            rows,
+            parameters: parameters_of(regression, method, instruments),
+            has_instruments: z.is_some(),
+            has_measured,
+        }
     }
 
     /// An estimate from these rows, or a triangle that stands for some of them.

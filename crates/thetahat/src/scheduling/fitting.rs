@@ -19,7 +19,12 @@ pub(super) struct Fitting<'a> {
 
 impl<'a> Fitting<'a> {
     pub(super) fn new(job: &'a EstimationJob<'a>, simulator: &'a Simulator<'a>, options: IterationOptions) -> Self {
-        let starts = std::iter::once(job.start.clone()).chain(least_squares(job)).collect();
+        // Zeros leave the loop as it is described.
+        let with_loop = |mut theta: Vec<f64>| {
+            theta.resize(theta.len() + simulator.loop_parameters().len(), 0.0);
+            theta
+        };
+        let starts = std::iter::once(job.start.clone()).chain(least_squares(job)).map(with_loop).collect();
         Self { job, simulator, estimation: PredictionErrorEstimation::new(options, starts) }
     }
 

@@ -1,9 +1,6 @@
 //! What IV simulates: its estimate where that is a robot's, else the parameters of a physical robot nearest to it.
 
-use super::{
-    consistent_set::consistent_set,
-    simulator::{Parameters, Simulator},
-};
+use super::simulator::{Parameters, Simulator};
 use crate::{
     base_parameters::BaseParameters,
     consistency::{ConsistencyError, ConsistentFit, ConsistentSet, SimulationOptions, nearest_to_simulate},
@@ -24,7 +21,7 @@ pub(super) struct Physical<'a> {
     simulator: &'a Simulator<'a>,
     problem: &'a Problem,
     regression: &'a Regression,
-    set: Result<ConsistentSet, ConsistencyError>,
+    set: Result<&'a ConsistentSet, &'a ConsistencyError>,
     r: Option<Matrix>,
     before: Option<ConsistentFit>,
     /// Once an estimate could not be simulated, the nearest physical parameters are, to the end.
@@ -35,7 +32,7 @@ pub(super) struct Physical<'a> {
 impl<'a> Physical<'a> {
     pub(super) fn new(simulator: &'a Simulator<'a>, regression: &'a Regression) -> Self {
         let problem = simulator.problem();
-        let set = consistent_set(simulator.setup(), problem, regression);
+        let set = problem.consistent_set(simulator.setup());
         Self { simulator, problem, regression, set, r: None, before: None, is_needed: false, failure: None }
     }
 
@@ -78,7 +75,7 @@ impl<'a> Physical<'a> {
 
     /// The parameters of the interior nearest to an estimate.
     fn nearest(&mut self, estimate: &[f64]) -> Option<Vec<f64>> {
-        let set = match &self.set {
+        let set = match self.set {
             Ok(set) => set,
             Err(e) => {
                 self.failure = Some(e.clone());

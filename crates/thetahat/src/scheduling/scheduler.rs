@@ -34,6 +34,7 @@ impl<'a> EstimationJob<'a> {
         weights: Option<Vec<f64>>,
         simulator: Option<Simulator<'a>>,
     ) -> Self {
+        let simulator = simulator.map(|simulator| simulator.of_method(method));
         let start = simulator.as_ref().map(Simulator::start).unwrap_or_default();
         let regression = problem.regression.with_weights(weights);
         let regression = match (method.response(), &simulator) {
@@ -187,7 +188,9 @@ impl<'a> Running<'a> {
             if fitting.request().is_none()
                 && let Stage::Fitting(fitting) = std::mem::replace(&mut self.stage, Stage::Over)
             {
-                self.stage = estimated(fitting.into_outcome(), None);
+                let outcome = fitting.into_outcome();
+                let theta = outcome.fit.as_ref().map(|fit| Parameters::Fitted(fit.theta.clone()));
+                self.stage = Stage::Estimated(Box::new(outcome), theta);
             }
             self.seconds += seconds + stopwatch.seconds();
             return None;
