@@ -117,12 +117,12 @@ impl WithSimd for Combination<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        for (place, out) in self.out.values.iter_mut().enumerate() {
-            let mut sum = self.start.map_or(ZEROS, |start| start.values[place]);
-            for (term, weight) in self.terms.iter().zip(self.weights).filter(|(_, weight)| **weight != 0.0) {
-                add_product(&mut sum, *weight, &term.values[place]);
-            }
-            *out = sum;
+        match self.start {
+            Some(start) => self.out.copy_from(start),
+            None => self.out.fill_with_zeros(),
+        }
+        for (term, weight) in self.terms.iter().zip(self.weights).filter(|(_, weight)| **weight != 0.0) {
+            self.out.values.iter_mut().zip(&term.values).for_each(|(out, x)| add_product(out, *weight, x));
         }
     }
 }

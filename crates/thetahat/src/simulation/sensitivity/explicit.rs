@@ -27,13 +27,17 @@ impl StageSlopes {
         end: &mut ColumnBlocks,
     ) {
         self.slopes.swap(0, STAGES - 1);
-        for stage in usize::from(!first)..STAGES {
-            self.place(step, A[stage]);
+        let unknown = usize::from(!first)..STAGES;
+        for stage in unknown.clone() {
+            self.place(step, stage, A[stage], &stages[stage]);
+        }
+        slopes.evaluate_stages(system, &self.motion, unknown.clone());
+        for stage in unknown {
             let time = if stage == 0 { step.start_s } else { step.start_s + C[stage] * step.step };
-            let StageRecord { mass, accelerations } = &stages[stage];
             let (before, here) = self.slopes.split_at_mut(stage);
             combine(Some(start), before, A[stage].iter().map(|a| step.step * a), end);
-            slopes.accelerations(system, time, &self.x, accelerations).slopes(end, mass, &mut here[0]);
+            let terms = slopes.accelerations(system, time, &self.motion, stage);
+            terms.slopes(end, &stages[stage].mass, &mut here[0]);
         }
     }
 }

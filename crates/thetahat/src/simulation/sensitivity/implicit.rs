@@ -28,12 +28,15 @@ impl StageSlopes {
     ) {
         let scaled = step.step * GAMMA;
         for stage in 0..STAGES {
-            self.place(step, &ALPHA[stage]);
+            self.place(step, stage, &ALPHA[stage], &stages[stage]);
+        }
+        slopes.evaluate_stages(system, &self.motion, 0..STAGES);
+        for stage in 0..STAGES {
             let time = step.start_s + ALPHA[stage].iter().sum::<f64>() * step.step;
-            let StageRecord { mass, accelerations } = &stages[stage];
             let (earlier, here) = self.slopes.split_at_mut(stage);
             combine(Some(start), earlier, ALPHA[stage].map(|a| step.step * a), end);
-            slopes.accelerations(system, time, &self.x, accelerations).slopes(end, mass, &mut here[0]);
+            let terms = slopes.accelerations(system, time, &self.motion, stage);
+            terms.slopes(end, &stages[stage].mass, &mut here[0]);
             combine(None, earlier, COUPLING[stage].map(|c| c / GAMMA), &mut self.before);
             let (before, slope) = (&self.before, &mut here[0]);
             pulp::Arch::new().dispatch(SolveStage { linearisation, matrix, scaled, before, slope });

@@ -1,13 +1,18 @@
 //! The loop linearised in a state: by the state, exactly, and by what it is sensitive to.
 
+use std::ops::Range;
+
 use super::{
     columns::ColumnBlocks, linear_terms::LinearTerms, parameter_columns::ParameterColumns, sensitive_to::SensitiveTo,
-    torque_slopes::TorqueSlopes,
+    stages::StageMotion, torque_slopes::TorqueSlopes,
 };
 use crate::{
-    dynamics::{Jacobian, JacobianWorkspace, State},
+    dynamics::Jacobian,
     simulation::{closed_loop::Job, running::Running, system::Loop},
 };
+
+/// At least the stages of a step of any method.
+const MOST_STAGES: usize = 8;
 
 /// The torques of the drives, or `M` times the accelerations, as linear functions of the sensitivities S of the state:
 ///
@@ -16,9 +21,11 @@ use crate::{
 pub(super) struct LoopSlopes {
     torques: TorqueSlopes,
     parameters: ParameterColumns,
-    jacobian: Jacobian,
-    workspace: JacobianWorkspace,
+    /// One for each stage of a step.
+    jacobians: Vec<Jacobian>,
     terms: LinearTerms,
+    /// Scratch: the state of a stage.
+    x: Vec<f64>,
 }
 
 impl LoopSlopes {
@@ -35,9 +42,9 @@ impl LoopSlopes {
         Self {
             torques: TorqueSlopes::new(job, running, to, inertia_slopes, start),
             parameters: ParameterColumns::new(setup, to),
-            jacobian: Jacobian::zeros(n),
-            workspace: JacobianWorkspace::new(setup.model),
+            jacobians: vec![Jacobian::zeros(n); MOST_STAGES],
             terms: LinearTerms::zeros(n, to.len()),
+            x: vec![0.0; 2 * n],
         }
     }
 
@@ -64,17 +71,28 @@ impl LoopSlopes {
         self.terms.evaluate(state, out);
     }
 
-    /// The terms of `M d ddq/dp` at time `t` and state `x`, where the accelerations are `ddq`.
-    pub(super) fn accelerations(&mut self, system: &mut Loop<'_>, t: f64, x: &[f64], ddq: &[f64]) -> &LinearTerms {
-        let Self { torques, parameters, jacobian, workspace, terms } = self;
+    /// Finds what [`Self::accelerations`] needs of the robot in these stages.
+    pub(super) fn evaluate_stages(&mut self, system: &Loop<'_>, motion: &StageMotion, stages: Range<usize>) {
+        let (plant, series) = (&system.plant, motion.series());
+        self.parameters.evaluate(plant, series);
+        plant.model.inverse_dynamics_jacobians(&plant.parameters, series, stages, plant.sign, &mut self.jacobians);
+    }
+
+    /// The terms of `M d ddq/dp` in a stage at time `t`.
+    pub(super) fn accelerations(
+        &mut self,
+        system: &mut Loop<'_>,
+        t: f64,
+        motion: &StageMotion,
+        stage: usize,
+    ) -> &LinearTerms {
+        let Self { torques, parameters, jacobians, terms, x } = self;
+        motion.write_state(stage, x);
         torques.linearise(system, t, x, terms);
-        let plant = &system.plant;
-        let (q, dq) = x.split_at(ddq.len());
-        let state = State { q, dq };
-        plant.model.inverse_dynamics_jacobian(&plant.parameters, state, ddq, plant.sign, workspace, jacobian);
-        terms.by_position.iter_mut().zip(&jacobian.by_position).for_each(|(a, j)| *a += j);
-        terms.by_velocity.iter_mut().zip(&jacobian.by_velocity).for_each(|(b, j)| *b += j);
-        parameters.subtract(plant, state, ddq, &mut terms.explicit);
+        let Jacobian { by_position, by_velocity } = &jacobians[stage];
+        terms.by_position.iter_mut().zip(by_position).for_each(|(a, j)| *a += j);
+        terms.by_velocity.iter_mut().zip(by_velocity).for_each(|(b, j)| *b += j);
+        parameters.subtract(stage, &mut terms.explicit);
         terms
     }
 }

@@ -1,7 +1,7 @@
 use super::{columns::ColumnBlocks, sensitive_to::SensitiveTo};
 use crate::{
-    dynamics::{State, Workspace},
     regressor::Regressor,
+    series::Series,
     simulation::{closed_loop::ClosedLoop, plant::Plant},
 };
 
@@ -10,8 +10,8 @@ pub(super) struct ParameterColumns {
     regressor: Regressor,
     /// Row, column and factor of each entry; the factor is that of a biased friction.
     places: Vec<(usize, usize, f64)>,
+    /// The entries of stage after stage.
     phi: Vec<f64>,
-    workspace: Workspace,
 }
 
 impl ParameterColumns {
@@ -25,18 +25,20 @@ impl ParameterColumns {
         };
         let entries = regressor.entries().iter();
         let places = entries.map(|entry| (entry.joint, columns[entry.column], factor(indices[entry.column])));
-        Self {
-            places: places.collect(),
-            phi: vec![0.0; regressor.entries().len()],
-            workspace: Workspace::new(setup.model),
-            regressor,
-        }
+        Self { places: places.collect(), phi: Vec::new(), regressor }
     }
 
-    /// Takes `phi_p`, the torques for a unit of each parameter, away from the columns.
-    pub(super) fn subtract(&mut self, plant: &Plant<'_>, state: State<'_>, ddq: &[f64], columns: &mut ColumnBlocks) {
-        self.regressor.evaluate(plant.model, state, ddq, plant.sign, &mut self.workspace, &mut self.phi);
-        for (&(row, column, factor), value) in self.places.iter().zip(&self.phi) {
+    /// Computes the entries at each sample of a motion.
+    pub(super) fn evaluate(&mut self, plant: &Plant<'_>, motion: [&Series; 3]) {
+        let stages = motion[0].len();
+        self.phi.resize(stages * self.places.len(), 0.0);
+        self.regressor.evaluate_samples(plant.model, motion, 0..stages, plant.sign, &mut self.phi);
+    }
+
+    /// Takes `phi_p`, the torques for a unit of each parameter, at a sample away from the columns.
+    pub(super) fn subtract(&self, sample: usize, columns: &mut ColumnBlocks) {
+        let phi = &self.phi[sample * self.places.len()..];
+        for (&(row, column, factor), value) in self.places.iter().zip(phi) {
             columns.add(row, column, -factor * value);
         }
     }
