@@ -17,6 +17,7 @@ mod bandwidth;
 mod consistent_set;
 mod error;
 mod filtered;
+mod physical;
 mod problem;
 mod recording;
 mod reference;
@@ -26,6 +27,8 @@ mod validation;
 
 pub use error::PreparationError;
 pub(crate) use filtered::{FilteredRecording, MOVING, STILL, window_of};
+pub(crate) use physical::known_in_words;
+pub use physical::{Axis, KnownQuantity, PriorKind, PriorOptions, PriorWeight, ValueOrRange, WeightRule};
 pub(crate) use problem::{Chosen, Problem, full_model_test, named_elimination};
 pub use recording::Recording;
 pub(crate) use reference::{FILTERED, RecordedReference};

@@ -17,10 +17,13 @@
 
 mod assessment;
 mod cases;
+mod consistent_data;
 mod cross_validation;
 mod examination;
 mod identification;
+mod not_physical;
 mod parameters;
+mod physical;
 mod prediction;
 mod prepared;
 mod sensitivity;
