@@ -38,6 +38,8 @@ pub(super) struct Minimum {
     pub(super) iterations: usize,
     /// Whether the gap is as small as asked for, or the objective good enough.
     pub(super) converged: bool,
+    /// Newton's matrix at the end: half of it is the curvature of the objective in the directions that are free.
+    pub(super) system: Option<ScaledSystem>,
 }
 
 /// Iterations after which the method gives up; 15 to 40 are usual.
@@ -93,7 +95,7 @@ pub(super) fn minimise(program: &Program, start: Vec<f64>, stop: &Stop) -> Optio
         let objective = iterate.objective();
         let last = (stop.relative_gap * objective.abs()).max(stop.absolute_gap) / rows;
         let Some(directions) = iterate.directions() else {
-            return Some(iterate.finish(objective, f64::INFINITY, iterations, objective <= stop.objective));
+            return Some(iterate.finish(None, objective, f64::INFINITY, iterations, objective <= stop.objective));
         };
         while iterate.weight > last && directions.decrement(iterate.weight) <= NEAR_PATH * iterate.weight {
             iterate.weight = (WEIGHT_FACTOR * iterate.weight).max(last);
@@ -103,12 +105,13 @@ pub(super) fn minimise(program: &Program, start: Vec<f64>, stop: &Stop) -> Optio
         let at_end = iterate.weight <= last * (1.0 + 1e-9) && decrement <= AT_END * iterate.weight * rows;
         if objective <= stop.objective || at_end || iterations == MOST_ITERATIONS {
             iterate.settle_duals(&directions);
-            return Some(iterate.finish(objective, gap, iterations, objective <= stop.objective || at_end));
+            let converged = objective <= stop.objective || at_end;
+            return Some(iterate.finish(Some(directions.system), objective, gap, iterations, converged));
         }
         iterations += 1;
         if !iterate.step(&directions) {
             let converged = gap <= 1e3 * last * rows;
-            return Some(iterate.finish(objective, gap, iterations, converged));
+            return Some(iterate.finish(Some(directions.system), objective, gap, iterations, converged));
         }
     }
 }
@@ -277,9 +280,16 @@ impl<'a> Iterate<'a> {
         None
     }
 
-    fn finish(self, objective: f64, gap: f64, iterations: usize, converged: bool) -> Minimum {
+    fn finish(
+        self,
+        system: Option<ScaledSystem>,
+        objective: f64,
+        gap: f64,
+        iterations: usize,
+        converged: bool,
+    ) -> Minimum {
         let duals = self.slacks.into_iter().map(|slack| slack.dual).collect();
-        Minimum { x: self.x, objective, gap, duals, iterations, converged }
+        Minimum { x: self.x, objective, gap, duals, iterations, converged, system }
     }
 }
 
@@ -326,7 +336,8 @@ impl Slack {
 ///
 /// A multiple of the identity is added, as small as lets the factorisation succeed: it shortens the step in directions
 /// that nothing determines.
-struct ScaledSystem {
+#[derive(Debug, Clone)]
+pub(super) struct ScaledSystem {
     factor: CholeskyFactor,
     scale: Vec<f64>,
 }
@@ -348,7 +359,7 @@ impl ScaledSystem {
     }
 
     /// None where the right side is not finite.
-    fn solve(&self, right: &[f64]) -> Option<Vec<f64>> {
+    pub(super) fn solve(&self, right: &[f64]) -> Option<Vec<f64>> {
         let scaled = |x: &[f64]| x.iter().zip(&self.scale).map(|(x, s)| x * s).collect::<Vec<f64>>();
         let right = scaled(right);
         norm(&right).is_finite().then(|| scaled(&self.factor.solve(&right)))

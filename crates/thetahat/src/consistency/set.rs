@@ -134,6 +134,12 @@ impl ConsistentSet {
         &self.a_priori
     }
 
+    /// How far inside each condition is: the largest t with its matrix at least t times that of usual parameters.
+    #[must_use]
+    pub fn margins(&self, standard: &[f64]) -> Vec<(Condition, f64)> {
+        self.conditions().into_iter().map(|c| (c.condition.clone(), c.margin(standard))).collect()
+    }
+
     /// The pseudo-inertia matrix of each link.
     #[must_use]
     pub fn pseudo_inertias(&self, standard: &[f64]) -> Vec<Symmetric> {
@@ -172,6 +178,20 @@ impl ConsistentSet {
     pub(super) fn divergence(&self, k: usize, weight: f64) -> Option<Block> {
         let barrier = Barrier::kept(weight, &self.pseudo_inertia_of(k, &self.a_priori).cholesky()?, 4);
         Some(Block { constant: Symmetric::zeros(4), terms: self.link_terms(k), barrier })
+    }
+
+    /// The same of the motor inertias that have an a-priori value: `D(s | s_0) = s / s_0 - log(s / s_0) - 1`.
+    pub(super) fn motor_divergences(&self, weight: f64) -> Vec<Block> {
+        let given = |i: &usize| {
+            let quantity = self.table.get(*i).quantity;
+            self.a_priori[*i] > 0.0 && quantity.is_motor_inertia() && self.is_positive(*i)
+        };
+        let block = |i: usize| {
+            let barrier = Barrier::kept(weight, &Symmetric::diagonal(&[self.a_priori[i]]).cholesky()?, 1);
+            let terms = vec![Term { unknown: i, entries: vec![(0, 0, 1.0)] }];
+            Some(Block { constant: Symmetric::zeros(1), terms, barrier })
+        };
+        (0..self.table.len()).filter(given).filter_map(block).collect()
     }
 
     /// `factor` times the a-priori mass of all links, less their mass: not negative for robots that are not heavier.

@@ -1,6 +1,6 @@
 //! The physically consistent set of the robot of a problem.
 
-use super::{problem::Problem, setup::Setup};
+use super::{physical::all_known, problem::Problem, settings::ParameterSelection, setup::Setup};
 use crate::{
     consistency::{ConsistencyError, ConsistentSet, Known, LeastSquares, completed_a_priori, mass_factor},
     identification::idim_ls,
@@ -31,7 +31,13 @@ fn consistent_set(setup: Setup<'_>, problem: &Problem) -> Result<ConsistentSet, 
     let is_excluded = |i: &usize| excluded.contains(&table.get(*i).name());
     (0..given.len()).filter(|i| !inertial(*i)).filter(is_excluded).for_each(|i| a_priori[i] = 0.0);
     let zero = |name: &String| Known::Value { parameter: name.clone(), value: 0.0 };
-    excluded.iter().map(zero).try_fold(ConsistentSet::new(&robot, &a_priori)?, |set, known| set.with_known(&known))
+    let ParameterSelection { fix, known, .. } = &setup.settings.parameters;
+    let known = all_known(fix, known).map(|(_, known)| known);
+    excluded
+        .iter()
+        .map(zero)
+        .chain(known)
+        .try_fold(ConsistentSet::new(&robot, &a_priori)?, |set, known| set.with_known(&known))
 }
 
 /// The factor of guessed masses that the torques ask for.

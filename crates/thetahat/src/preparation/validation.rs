@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 
 use super::{
     error::PreparationError,
-    settings::{Case, ParameterChoice, Settings},
+    physical::{PriorWeight, validate_known},
+    settings::{Case, NamedChoice, ParameterChoice, ParameterSelection, Settings},
 };
 use crate::{
     control::ControllerDescription,
@@ -29,6 +30,7 @@ impl Settings {
     pub fn validate(&self, robot: &Robot) -> Checked {
         self.validate_signal()?;
         self.validate_parameters()?;
+        self.validate_physical(robot)?;
         self.validate_methods()?;
         self.validate_convergence()?;
         if let Some(controller) = &self.controller {
@@ -45,6 +47,22 @@ impl Settings {
         PreparationError::require_positive("[signal] cutoff_hz", signal.cutoff_hz)?;
         PreparationError::require(signal.decimation > 0, "[signal] decimation", "at least 1", signal.decimation)?;
         validate_window("[signal]", [signal.window_start_s, signal.window_end_s])
+    }
+
+    fn validate_physical(&self, robot: &Robot) -> Checked {
+        let ParameterSelection { physical, fix, known, prior, estimate, .. } = &self.parameters;
+        if !physical {
+            let why = "fixed and known values hold for the physically consistent estimates, which it asks for";
+            let missing = PreparationError::Missing { missing: "[parameters] physical = true", why };
+            return if fix.is_empty() && known.is_empty() { Ok(()) } else { Err(missing) };
+        }
+        let all = matches!(estimate, ParameterChoice::Base | ParameterChoice::Named(NamedChoice::Base));
+        let expected = "\"base\" where physical = true: a robot's parameters are consistent only all together";
+        PreparationError::require(all, "[parameters] estimate", expected, "a part of them")?;
+        if let PriorWeight::Number(weight) = prior.weight {
+            PreparationError::require_positive("[parameters] prior.weight", weight)?;
+        }
+        validate_known(robot, fix, known)
     }
 
     fn validate_parameters(&self) -> Checked {

@@ -33,6 +33,7 @@ mod model_json;
 mod model_text;
 mod number;
 mod outputs;
+mod physical;
 mod plot;
 mod prediction;
 mod published;

@@ -2,7 +2,8 @@
 
 use super::{
     diagnosis, facts,
-    findings::findings_text,
+    findings::{findings_text, of_runs_text},
+    physical,
     published::Published,
     sections,
     tables::{self, Detail},
@@ -18,11 +19,13 @@ const LABEL: usize = 17;
 pub fn all(results: &Results, published: Option<&Published>) -> String {
     let findings = findings_text(&results.findings);
     let mut parts = vec![head(results), findings, summary(results), self::diagnosis(results)];
+    parts.push(of_runs_text(&results.runs));
     for case in results.cases() {
         parts.push(parameters(results, case));
         parts.push(truth(results, case));
         parts.extend(published.map(|p| self::published(results, p, case)));
     }
+    parts.push(physical::text(results));
     parts.extend(published.map(|p| published_runs(results, p)));
     parts.extend([joint_errors(results), tests(results), convergence(results), simulation_errors(results)]);
     parts.retain(|part| !part.is_empty());

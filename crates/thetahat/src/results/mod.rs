@@ -35,6 +35,7 @@ mod diagnosis;
 mod file;
 mod joints;
 mod parameters;
+mod physical;
 mod prediction;
 mod recordings;
 mod run;
@@ -51,9 +52,10 @@ pub use diagnosis::{
 pub use file::ResultsError;
 pub use joints::JointResult;
 pub use parameters::{EliminationResult, ParameterResult};
+pub use physical::{ConsistencyTest, ConsistentEstimate, ConsistentParameter, PhysicalResult};
 pub use prediction::Prediction;
 pub use recordings::{Bandwidth, RecordingFindings, RecordingResult, ReferenceResult};
-pub use run::{IterationResult, LoopParameterResult, PhysicalResult, RunResult};
+pub use run::{IterationResult, LoopParameterResult, RunResult};
 pub use sensitivity::{Sensitivity, SensitivityPoint};
 pub use twin::TwinRecord;
 

@@ -6,8 +6,10 @@ use super::{
     curves::RunPlots,
     diagnosis::{Influence, ResidualResult},
     parameters::ParameterResult,
+    physical::PhysicalResult,
 };
 use crate::{
+    checks::Finding,
     identification::{Method, Status, Weighting},
     statistics::FTest,
 };
@@ -33,6 +35,9 @@ pub struct RunResult {
     /// Whether the estimates are those of a physical robot; none without an estimate.
     #[serde(default)]
     pub physical: Option<PhysicalResult>,
+    /// What was found in the estimates.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub findings: Vec<Finding>,
     /// Iterations.
     pub iterations: usize,
     /// Closed-loop simulations of the iteration.
@@ -76,17 +81,6 @@ pub struct RunResult {
     pub plots: RunPlots,
 }
 
-/// Whether some robot made of bodies has the estimates: see `docs/physical_consistency.md`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct PhysicalResult {
-    /// Whether one has.
-    pub consistent: bool,
-    /// Links and parameters that are outside, as few as possible.
-    pub outside: Vec<String>,
-    /// Smallest eigenvalue of the pseudo-inertia matrices of the standard parameters nearest to consistent ones.
-    pub smallest_eigenvalue: f64,
-}
-
 /// A quantity of the simulated loop that was estimated.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LoopParameterResult {
@@ -126,6 +120,7 @@ impl RunResult {
             reason: None,
             notes: Vec::new(),
             physical: None,
+            findings: Vec::new(),
             iterations: 0,
             simulations: 0,
             relative_error_percent: None,

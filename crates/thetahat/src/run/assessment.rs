@@ -6,22 +6,22 @@ use std::borrow::Cow;
 use super::{
     cross_validation::{CrossValidation, Folds, folds_by_move, folds_by_part, folds_by_recording, leave_folds_out},
     identification::{Identification, explain},
+    linear::Linear,
+    not_physical::not_physical,
     parameters::{loop_parameter_results, parameter_results},
+    physical::Examined,
     prepared::filtered,
 };
 use crate::{
-    consistency::examine_within,
+    checks::Finding,
     diagnosis::{Estimated, residual},
     identification::{Fit, Method, Needs, Outcome, Response, uncertainty},
     preparation::{Case, PreparationError, Problem},
     regression::relative_error_percent,
-    results::{Influence, IterationResult, LoopParameterResult, ParameterResult, PhysicalResult, RunResult},
+    results::{Influence, IterationResult, LoopParameterResult, ParameterResult, RunResult},
     scheduling::{EstimationJob, Finished},
     simulation::Reference,
 };
-
-/// Accuracy with which what an estimate lacks is told.
-const EXAMINATION_GAP: f64 = 1e-3;
 
 /// An estimation of a case that is to be assessed.
 pub(super) struct Assessment<'a> {
@@ -44,7 +44,11 @@ impl Assessment<'_> {
             run.simulation_relative_error_percent =
                 simulator.as_ref().zip(motions.as_ref()).map(|(s, motions)| s.errors(motions));
             run.plots = problem.plots(&self.torque(fit), motions.as_deref().unwrap_or_default());
-            run.physical = self.physical(fit);
+            let setup = self.identification.setup();
+            let folds = self.folds(problem).filter(|_| setup.settings.parameters.physical);
+            let linear = Linear::of(self.job, &outcome, fit);
+            run.physical = Examined { setup, job: self.job, linear: &linear, run: &run, folds }.physical();
+            run.findings = self.findings(&run);
             run.residual = Some(residual(regression, &fit.prediction));
             self.leave_parts_out(&outcome, &mut run);
             if !self.identification.validation.is_empty() {
@@ -112,14 +116,11 @@ impl Assessment<'_> {
         &fit.theta[..self.job.problem.estimated.len()]
     }
 
-    /// Whether a robot made of bodies has the estimates.
-    fn physical(&self, fit: &Fit) -> Option<PhysicalResult> {
-        let problem = self.job.problem;
-        let set = problem.consistent_set(self.identification.setup()).ok()?;
-        let found = examine_within(set, &problem.estimated, self.of_robot(fit), EXAMINATION_GAP).ok()?;
-        let outside = found.outside.iter().map(|(condition, _)| condition.to_string()).collect();
-        let smallest_eigenvalue = found.smallest_eigenvalue;
-        Some(PhysicalResult { consistent: found.consistent, outside, smallest_eigenvalue })
+    /// What is found in the estimates of a run.
+    fn findings(&self, run: &RunResult) -> Vec<Finding> {
+        let (setup, problem) = (self.identification.setup(), self.job.problem);
+        let Ok(set) = problem.consistent_set(setup) else { return Vec::new() };
+        not_physical(setup.robot, set, &problem.estimated, run, setup.settings.parameters.physical)
     }
 
     /// Leaves recordings, moves or parts out in turn, and predicts them from the others.

@@ -104,6 +104,37 @@ pub(super) fn leave_folds_out(
     })
 }
 
+/// What the other folds say of the parameters: `|R theta - z|^2`.
+pub(super) struct Others {
+    pub(super) triangle: Matrix,
+    pub(super) right_side: Vec<f64>,
+    /// The rows left out.
+    pub(super) rows: Vec<usize>,
+}
+
+/// For each fold the quadratic form of the others.
+pub(super) fn without_each(
+    regression: &Regression,
+    method: Method,
+    instruments: Option<&Matrix>,
+    folds: &Folds,
+) -> Vec<Others> {
+    let (rows, parameters) = (regression.y.len(), regression.parameters());
+    let of_row: Vec<usize> = (0..rows).map(|k| folds.of_row[k % folds.of_row.len()]).collect();
+    let equations = Equations::new(regression, method, instruments);
+    let left = WithoutEach::new(&equations.rows, &of_row, (folds.names.len(), parameters));
+    let of_fold = |fold: usize| {
+        let triangle = left.triangle(fold);
+        let first = triangle.columns() - 1 - parameters;
+        Others {
+            right_side: triangle.column(first + parameters).to_vec(),
+            triangle: triangle.select_columns(&(first..first + parameters).collect::<Vec<_>>()),
+            rows: (0..rows).filter(|&k| of_row[k] == fold).collect(),
+        }
+    };
+    (0..folds.names.len()).map(of_fold).collect()
+}
+
 /// The interval of `100 sqrt(R)`, where R is the ratio of the sums over the folds of the squared errors and the squared
 /// torques: the folds as a sample of clusters (W. G. Cochran, "Sampling techniques", 1977, section 2.11), Student's t.
 fn interval(y: &[f64], prediction: &[f64], of_row: &[usize], folds: usize) -> Option<[f64; 2]> {
