@@ -95,14 +95,7 @@ impl Estimation {
     pub fn new(method: Method, options: IterationOptions, start: Vec<f64>) -> Self {
         let iterations = options.convergence.iterations;
         let reason = Reason::IterationLimit { iterations, relative_error_percent: f64::NAN, parameter_change: None };
-        let outcome = Outcome {
-            status: Status::IterationLimit,
-            reason: Some(reason),
-            fit: None,
-            iterations: Vec::new(),
-            simulations: 0,
-            instruments: None,
-        };
+        let outcome = Outcome { reason: Some(reason), ..Outcome::nothing() };
         let is_done = iterations == 0;
         let before = start.clone();
         Self {

@@ -109,6 +109,11 @@ impl FilteredRecording {
         self.recording.torque.window(self.window.clone())
     }
 
+    /// The recorded positions in the window, as they are.
+    pub(crate) fn position(&self) -> Series {
+        self.recording.position.window(self.window.clone())
+    }
+
     /// Time of the first sample of the window, s.
     pub(crate) fn start_s(&self) -> f64 {
         self.window.start as f64 / self.recording.sample_rate_hz

@@ -242,6 +242,8 @@ pub struct Case {
     pub simulator: SimulatorBias,
     /// Another friction model than the robot's.
     pub friction: Option<Friction>,
+    /// Another velocity scale of the simulator's regularised sign than the experiment's, rad/s or m/s.
+    pub sign_velocity_scale: Option<f64>,
     /// Other methods than the experiment's.
     pub methods: Option<Vec<Method>>,
 }
@@ -250,7 +252,13 @@ impl Case {
     /// The case without any difference.
     #[must_use]
     pub fn nominal() -> Self {
-        Self { name: NOMINAL.to_owned(), simulator: SimulatorBias::NONE, friction: None, methods: None }
+        Self {
+            name: NOMINAL.to_owned(),
+            simulator: SimulatorBias::NONE,
+            friction: None,
+            sign_velocity_scale: None,
+            methods: None,
+        }
     }
 
     /// The same with another bias of the simulator.

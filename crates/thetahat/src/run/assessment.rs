@@ -1,6 +1,8 @@
 //! What is computed of an estimate: its numbers with their deviations, its simulation and its curves, and how it predicts
 //! what it was not made from.
 
+use std::borrow::Cow;
+
 use super::{
     cross_validation::{CrossValidation, Folds, folds_by_move, folds_by_part, folds_by_recording, leave_folds_out},
     identification::{Identification, explain},
@@ -10,7 +12,7 @@ use super::{
 use crate::{
     consistency::examine,
     diagnosis::{Estimated, residual},
-    identification::{Fit, Method, Needs, Outcome, uncertainty},
+    identification::{Fit, Method, Needs, Outcome, Response, uncertainty},
     preparation::{Case, PreparationError, Problem},
     regression::relative_error_percent,
     results::{Influence, IterationResult, ParameterResult, PhysicalResult, RunResult},
@@ -32,13 +34,13 @@ impl Assessment<'_> {
         let Finished { outcome, motions, note, seconds } = finished;
         let mut run = self.summarise(&outcome);
         run.seconds = seconds;
-        if method.needs() == Needs::Instruments {
+        if method.needs() != Needs::Measurement {
             run.notes = self.identification.simulation_notes().into_iter().chain(note).collect();
         }
         if let Some(fit) = &outcome.fit {
             run.simulation_relative_error_percent =
                 simulator.as_ref().zip(motions.as_ref()).map(|(s, motions)| s.errors(motions));
-            run.plots = problem.plots(&fit.prediction, motions.as_deref().unwrap_or_default());
+            run.plots = problem.plots(&self.torque(fit), motions.as_deref().unwrap_or_default());
             run.physical = self.physical(fit);
             run.residual = Some(residual(regression, &fit.prediction));
             self.leave_parts_out(&outcome, &mut run);
@@ -48,6 +50,14 @@ impl Assessment<'_> {
             }
         }
         Ok((run, Estimated { method: *method, regression: regression.clone(), outcome }))
+    }
+
+    /// The predicted torque: of the measured motion where the response that is fitted is another.
+    fn torque<'f>(&self, fit: &'f Fit) -> Cow<'f, [f64]> {
+        match self.job.method.response() {
+            Response::Torque => Cow::Borrowed(&fit.prediction),
+            Response::Position => Cow::Owned(self.job.problem.regression.x.times(&fit.theta)),
+        }
     }
 
     fn summarise(&self, outcome: &Outcome) -> RunResult {
@@ -100,7 +110,7 @@ impl Assessment<'_> {
     fn leave_parts_out(&self, outcome: &Outcome, run: &mut RunResult) {
         let EstimationJob { problem, method, regression, .. } = self.job;
         let Some(folds) = self.folds(problem) else { return };
-        let Some(left_out) = leave_folds_out(regression, *method, outcome.instruments.as_ref(), &folds) else { return };
+        let Some(left_out) = leave_folds_out(regression, *method, outcome, &folds) else { return };
         run.influence = influence(run, &left_out, &folds);
         run.cross_validation_relative_error_percent = Some(left_out.relative_error_percent);
         run.cross_validation_interval_95_percent = left_out.interval_95_percent;

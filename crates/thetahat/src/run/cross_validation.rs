@@ -3,7 +3,7 @@
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::{
-    identification::{Design, Divisor, EstimationError, Method, Needs},
+    identification::{Design, Divisor, EstimationError, Method, Needs, Outcome},
     linear_algebra::Matrix,
     regression::{Regression, relative_error_percent},
     trajectory::Moves,
@@ -67,13 +67,18 @@ pub(super) struct CrossValidation {
     pub(super) theta: Vec<Vec<f64>>,
 }
 
-/// Leaves each fold out in turn, estimates from the others with the instruments at hand, and predicts the one left out.
+/// Leaves each fold out in turn, estimates from the others with the instruments or sensitivities at hand, and predicts the
+/// one left out.
 pub(super) fn leave_folds_out(
     regression: &Regression,
     method: Method,
-    instruments: Option<&Matrix>,
+    outcome: &Outcome,
     folds: &Folds,
 ) -> Option<CrossValidation> {
+    let instruments = outcome.instruments.as_ref();
+    let measured = &regression.y;
+    let linear = regression.less(outcome.offset.as_deref());
+    let regression = &linear;
     let rows = regression.y.len();
     let of_row: Vec<usize> = (0..rows).map(|k| folds.of_row[k % folds.of_row.len()]).collect();
     let parameters = regression.parameters();
@@ -88,12 +93,13 @@ pub(super) fn leave_folds_out(
     for fold in 0..folds.names.len() {
         let theta = equations.estimate(method, &left.triangle(fold)).ok()?;
         let all = predicting.times(&theta);
-        (0..rows).filter(|&k| of_row[k] == fold).for_each(|k| prediction[k] = all[k]);
+        let offset = |k: usize| measured[k] - regression.y[k];
+        (0..rows).filter(|&k| of_row[k] == fold).for_each(|k| prediction[k] = all[k] + offset(k));
         estimates.push(theta);
     }
     Some(CrossValidation {
-        relative_error_percent: relative_error_percent(&regression.y, &prediction),
-        interval_95_percent: interval(&regression.y, &prediction, &of_row, folds.names.len()),
+        relative_error_percent: relative_error_percent(measured, &prediction),
+        interval_95_percent: interval(measured, &prediction, &of_row, folds.names.len()),
         theta: estimates,
     })
 }
@@ -133,7 +139,7 @@ impl Equations {
         let y = Matrix::from_fn(regression.y.len(), 1, |k, _| regression.y[k]);
         let z = match method.needs() {
             Needs::Measurement => None,
-            Needs::Instruments => instruments,
+            Needs::Instruments | Needs::Sensitivities => instruments,
         };
         let has_measured = method.design() == Design::Measured || z.is_none();
         let x = has_measured.then_some(regression.x.as_ref());

@@ -155,7 +155,7 @@ impl Identification {
         let controller = self.controller()?;
         let recordings =
             prepared.iter().map(|p| Some((&p.filtered, p.reference.as_ref()?))).collect::<Option<Vec<_>>>()?;
-        Some(Simulator::new(self.setup(), problem, &recordings, controller, case.simulator))
+        Some(Simulator::new(self.setup(), problem, &recordings, controller, case))
     }
 
     /// The time of each row of a joint; the recordings follow one another.

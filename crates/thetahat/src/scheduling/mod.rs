@@ -5,6 +5,7 @@
 //! simulations in the lanes of a vector. Results are bit-identical alone or batched.
 
 mod consistent_set;
+mod fitting;
 mod physical;
 mod requests;
 mod scheduler;

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use crate::{
     control::ControllerDescription,
     dynamics::{Model, Sign},
-    identification::Assembly,
+    identification::{Assembly, Response, SimulatedResponse},
     linear_algebra::{Matrix, norm},
-    preparation::{FilteredRecording, Gains, Problem, RecordedReference, Setup},
+    preparation::{Case, FilteredRecording, Gains, Problem, RecordedReference, Setup},
     series::Series,
     signal::Motion,
     simulation::{
@@ -43,6 +43,8 @@ pub(crate) enum Output {
     Instruments,
     /// The motion of each recording at every so many samples of its window, the first included.
     Motion { step: usize },
+    /// The response in the rows of y and its sensitivities.
+    Sensitivities(Response),
 }
 
 impl Output {
@@ -91,18 +93,21 @@ struct RecordedLoop<'a> {
 }
 
 impl<'a> Simulator<'a> {
-    /// The simulator of the recordings from which `problem` was made, each with its reference.
+    /// The simulator of a case for the recordings from which `problem` was made, each with its reference.
     pub(crate) fn new(
         setup: Setup<'a>,
         problem: &'a Problem,
         recordings: &[(&'a FilteredRecording, &'a RecordedReference)],
         controller: &'a ControllerDescription,
-        bias: SimulatorBias,
+        case: &Case,
     ) -> Self {
         let loop_of = |(number, (filtered, reference)): (usize, &(&'a FilteredRecording, &'a RecordedReference))| {
             let recording = &filtered.recording;
             let added = recording.added_signal.as_ref().map(|s| (s, recording.sample_rate_hz));
-            let closed_loop = closed_loop(setup, &problem.model, controller, &reference.reference, added, bias);
+            let of_settings =
+                closed_loop(setup, &problem.model, controller, &reference.reference, added, case.simulator);
+            let sign_velocity_scale = case.sign_velocity_scale.unwrap_or(of_settings.sign_velocity_scale);
+            let closed_loop = ClosedLoop { sign_velocity_scale, ..of_settings };
             RecordedLoop { filtered, assembly: problem.assembly(number), closed_loop }
         };
         let loops = recordings.iter().enumerate().map(loop_of).collect();
@@ -147,6 +152,52 @@ impl<'a> Simulator<'a> {
         Ok(self.problem.regression.layout.stack_matrices(matrices))
     }
 
+    /// The response of the record in the rows of y: raw torques, or raw positions through the same parallel filter.
+    pub(super) fn measured(&self, response: Response) -> Result<Vec<f64>, SimulationError> {
+        let of_loop = |l: &RecordedLoop<'_>| match response {
+            Response::Torque => l.in_rows(&l.filtered.torque()),
+            Response::Position => l.in_rows(&l.filtered.position()),
+        };
+        Ok(self.problem.regression.layout.stack_vectors(self.loops.iter().map(of_loop).collect::<Result<_, _>>()?))
+    }
+
+    /// The response of motions simulated at every sample of the windows, in the rows of y.
+    pub(super) fn response_of(
+        &self,
+        motions: &[SimulatedMotion],
+        response: Response,
+    ) -> Result<Vec<f64>, SimulationError> {
+        let of_loop = |(l, motion): (&RecordedLoop<'_>, &SimulatedMotion)| match response {
+            Response::Torque => l.in_rows(&motion.tau),
+            Response::Position => l.in_rows(&motion.q),
+        };
+        let vectors = self.loops.iter().zip(motions).map(of_loop).collect::<Result<_, _>>()?;
+        Ok(self.problem.regression.layout.stack_vectors(vectors))
+    }
+
+    /// The response with its sensitivities, in the rows of y.
+    pub(super) fn response_with_sensitivities(
+        &self,
+        parameters: &Parameters,
+        response: Response,
+    ) -> Result<SimulatedResponse, SimulationError> {
+        let Parameters::Estimated(theta) = parameters else { return Err(SimulationError::TooShortToFilter) };
+        let of = |theta: &[f64]| self.response_of(&self.simulate(theta)?, response);
+        let at = of(theta)?;
+        let mut sensitivities = Matrix::zeros(at.len(), theta.len());
+        for i in 0..theta.len() {
+            let h = 1e-4 * theta[i].abs().max(1e-2);
+            let mut shifted = theta.clone();
+            shifted[i] = theta[i] + h;
+            let above = of(&shifted)?;
+            shifted[i] = theta[i] - h;
+            let below = of(&shifted)?;
+            let column = above.iter().zip(&below).map(|(a, b)| (a - b) / (2.0 * h));
+            sensitivities.column_mut(i).iter_mut().zip(column).for_each(|(s, d)| *s = d);
+        }
+        Ok(SimulatedResponse { response: at, sensitivities })
+    }
+
     /// Number of recordings.
     pub(super) fn recordings(&self) -> usize {
         self.loops.len()
@@ -154,7 +205,7 @@ impl<'a> Simulator<'a> {
 
     /// Whether both give the same motion for the same parameters.
     pub(super) fn is_like(&self, other: &Self) -> bool {
-        let bias = |s: &Self| s.loops.first().map(|l| l.closed_loop.bias);
+        let bias = |s: &Self| s.loops.first().map(|l| (l.closed_loop.bias, l.closed_loop.sign_velocity_scale));
         std::ptr::eq(self.setup.robot, other.setup.robot)
             && std::ptr::eq(self.setup.settings, other.setup.settings)
             && std::ptr::eq(self.problem, other.problem)
@@ -219,6 +270,11 @@ impl<'a> Simulator<'a> {
 }
 
 impl RecordedLoop<'_> {
+    /// A series of the window in the rows of y.
+    fn in_rows(&self, series: &Series) -> Result<Vec<f64>, SimulationError> {
+        self.assembly.measurement_vector(series).map_err(|_| SimulationError::TooShortToFilter)
+    }
+
     fn instruments(&self, setup: Setup<'_>, motion: &SimulatedMotion) -> Result<Matrix, SimulationError> {
         let sign = Sign::Smooth { scale: self.closed_loop.sign_velocity_scale };
         let unfiltered = |_| SimulationError::TooShortToFilter;
