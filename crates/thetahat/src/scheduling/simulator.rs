@@ -58,10 +58,8 @@ impl Output {
 pub(crate) enum Parameters {
     /// The estimated base parameters, zeros elsewhere.
     Estimated(Vec<f64>),
-    /// All standard parameters.
-    Standard(Vec<f64>),
-    /// Those of a physical robot near an estimate, simulated with a hundredth of the tolerances.
-    Physical(Vec<f64>),
+    /// All standard parameters, simulated with tolerances so many times as large as those of the settings.
+    Standard { theta: Vec<f64>, tolerance: f64 },
 }
 
 /// Parameters as a simulation takes them.
@@ -72,10 +70,6 @@ pub(super) struct Resolved {
     inertia: Vec<f64>,
     solver: Solver,
 }
-
-/// Factor of the tolerances with which the parameters of a physical robot are simulated: links of little mass and
-/// friction near zero make the errors of a simulation change the estimates by more than the iteration is to settle to.
-const FINE: f64 = 0.01;
 
 /// Simulates the loops of all recordings for one case.
 pub(crate) struct Simulator<'a> {
@@ -227,15 +221,11 @@ impl<'a> Simulator<'a> {
 
     /// What a simulation with parameters takes.
     pub(super) fn resolve(&self, parameters: &Parameters) -> Resolved {
-        let standard = match parameters {
-            Parameters::Estimated(theta) => self.problem.estimated.to_standard(theta),
-            Parameters::Standard(theta) | Parameters::Physical(theta) => theta.clone(),
+        let (standard, tolerance) = match parameters {
+            Parameters::Estimated(theta) => (self.problem.estimated.to_standard(theta), 1.0),
+            Parameters::Standard { theta, tolerance } => (theta.clone(), *tolerance),
         };
-        let solver = self.setup.settings.simulation.solver;
-        let solver = match parameters {
-            Parameters::Estimated(_) | Parameters::Standard(_) => solver,
-            Parameters::Physical(_) => solver.with_tolerances_times(FINE),
-        };
+        let solver = self.setup.settings.simulation.solver.with_tolerances_times(tolerance);
         let inertia = self.kept_inertia.clone().unwrap_or_else(|| self.inertia(&standard));
         Resolved { standard, inertia, solver }
     }
