@@ -11,7 +11,7 @@ const HARMONICS: usize = 5;
 const RAMP_S: f64 = 1.0;
 /// Largest way from the centre and largest velocity.
 const REVOLUTE: [f64; 2] = [1.2, 2.0];
-const PRISMATIC: [f64; 2] = [0.15, 0.4];
+const PRISMATIC: [f64; 2] = [0.2, 0.6];
 
 /// A random periodic motion of every joint that begins and ends at rest.
 pub fn periodic(robot: &Robot, duration_s: f64, rate_hz: f64, seed: u64) -> Series {

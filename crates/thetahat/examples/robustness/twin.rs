@@ -18,7 +18,7 @@ pub const RATE_HZ: f64 = 500.0;
 /// Bandwidth of the true loop.
 pub const BANDWIDTH_HZ: f64 = 10.0;
 /// Velocity over which friction changes its sign, in the twin and in simulations.
-pub const SIGN_VELOCITY_SCALE: f64 = 0.02;
+pub const SIGN_VELOCITY_SCALE: f64 = 0.005;
 /// Inertia of a motor where the file has none: part of the mean inertia that its joint moves.
 const MOTOR_PART: f64 = 0.3;
 /// Coulomb and viscous friction where the file has none: part of the torque and of the torque at the usual velocity.

@@ -24,6 +24,8 @@ const FINE: f64 = 0.01;
 struct Margin {
     /// Part of the a-priori mass matrix above which that of an estimate is simulated as it is.
     part: f64,
+    /// Whether an estimate with negative Coulomb friction is simulated as it is.
+    may_drive: bool,
     /// Where it is not: the part of the a-priori links and motors that physical parameters have at least.
     options: SimulationOptions,
 }
@@ -32,9 +34,10 @@ struct Margin {
 /// boundary, where a link without mass would make the simulation erratic.
 fn margin(design: Design) -> Margin {
     match design {
-        Design::Measured => Margin { part: 0.3, options: SimulationOptions::default() },
+        Design::Measured => Margin { part: 0.3, may_drive: false, options: SimulationOptions::default() },
         Design::Simulated => {
-            Margin { part: 0.01, options: SimulationOptions { interior: 0.02, ..SimulationOptions::default() } }
+            let options = SimulationOptions { interior: 0.02, ..SimulationOptions::default() };
+            Margin { part: 0.01, may_drive: true, options }
         }
     }
 }
@@ -204,8 +207,8 @@ impl<'a> Physical<'a> {
         let drives = |(p, v): (&Parameter, &f64)| {
             p.quantity.role() == Role::CoulombFriction && p.quantity.bound() == Bound::NotNegative && *v < 0.0
         };
-        let table = set.parameter_table();
-        !table.iter().zip(standard).any(drives) && self.simulator.has_mass_matrix_above(standard, part, set.a_priori())
+        let drives = !margin(self.design).may_drive && set.parameter_table().iter().zip(standard).any(drives);
+        !drives && self.simulator.has_mass_matrix_above(standard, part, set.a_priori())
     }
 }
 
