@@ -133,14 +133,6 @@ fn run(twin: &Twin, place: Place, methods: &[Method]) -> Result<Vec<Cell>, Box<d
 }
 
 fn cell(twin: &Twin, (factor, start, noise, _): Place, run: RunResult) -> Cell {
-    if std::env::var_os("DEBUGHIST").is_some() {
-        let h: Vec<String> = run.convergence.iter().map(|i| {
-            let (best, k) = (i.parameter_change.unwrap_or(f64::NAN), 0);
-            let _ = k;
-            format!("{best:.3}/{:.1e}", i.error_change.unwrap_or(f64::NAN))
-        }).collect();
-        eprintln!("{} {} x{factor} {} {}: {:?} {:.2} s {} {:?} {}", twin.name, run.method, start.name(), noise.name, run.status, run.seconds, h.join(" "), run.notes, run.reason.clone().unwrap_or_default());
-    }
     let errors = run.parameters.iter().filter_map(|p| {
         let deviation = p.standard_deviation_robust.filter(|d| *d > 0.0)?;
         Some(((p.estimate - p.true_value?).abs() / deviation, p.name.clone()))

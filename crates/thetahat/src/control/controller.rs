@@ -250,8 +250,22 @@ impl Controller {
     #[must_use]
     pub fn slopes(&self, i: usize, e: f64, v: f64, dr: f64, ddr: f64) -> [f64; 2] {
         let l = &self.loops[i];
-        let limited = self.command(i, e, v, dr, ddr).abs() >= l.limit;
-        if limited { [0.0; 2] } else { [l.position, l.velocity] }
+        if self.is_limited(i, e, v, dr, ddr) { [0.0; 2] } else { [l.position, l.velocity] }
+    }
+
+    /// Whether the limit acts on the drive signal of motor `i`.
+    #[inline]
+    #[must_use]
+    pub fn is_limited(&self, i: usize, e: f64, v: f64, dr: f64, ddr: f64) -> bool {
+        self.command(i, e, v, dr, ddr).abs() >= self.loops[i].limit
+    }
+
+    /// The drive signal of motor `i` before its limit, as a sum: `kp e`, `kv (f_v dr - v)` and `f_a J ddr`.
+    #[inline]
+    #[must_use]
+    pub fn parts(&self, i: usize, e: f64, v: f64, dr: f64, ddr: f64) -> [f64; 3] {
+        let l = &self.loops[i];
+        [l.position * e, l.velocity * (l.velocity_feed_forward * dr - v), l.acceleration_feed_forward * ddr]
     }
 
     /// Number of motors.

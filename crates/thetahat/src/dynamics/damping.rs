@@ -29,18 +29,18 @@ impl Model {
         let DampingWorkspace { q, dq, zeros, tau } = workspace;
         q.clear();
         q.extend(state.q.iter().map(|&value| Dual::constant(value)));
-        zeros.resize(n, Dual::default());
+        zeros.resize(n, Dual::constant(0.0));
         let separable = self.coupled_motors().is_empty();
         d.fill(0.0);
         for k in 0..if separable { 1 } else { n } {
             let direction = |j: usize| if separable || j == k { 1.0 } else { 0.0 };
             dq.clear();
-            dq.extend(state.dq.iter().enumerate().map(|(j, &value)| Dual { value, derivative: direction(j) }));
+            dq.extend(state.dq.iter().enumerate().map(|(j, &value)| Dual { value, derivatives: [direction(j)] }));
             tau.clear();
-            tau.resize(n, Dual::default());
+            tau.resize(n, Dual::constant(0.0));
             self.add_drive_torques(parameters, State { q, dq }, zeros, sign, tau);
             for (j, torque) in tau.iter().enumerate() {
-                d[j * n + if separable { j } else { k }] = torque.derivative;
+                d[j * n + if separable { j } else { k }] = torque.derivatives[0];
             }
         }
     }

@@ -6,7 +6,7 @@ use super::{
     simulator::{Output, Parameters, Simulator},
 };
 use crate::{
-    identification::{IterationOptions, Outcome, PredictionErrorEstimation, SimulatedResponse, Wanted},
+    identification::{IterationOptions, Outcome, PredictionErrorEstimation, SimulatedResponse, Wanted, idim_ls},
     simulation::SimulationError,
 };
 
@@ -19,7 +19,7 @@ pub(super) struct Fitting<'a> {
 
 impl<'a> Fitting<'a> {
     pub(super) fn new(job: &'a EstimationJob<'a>, simulator: &'a Simulator<'a>, options: IterationOptions) -> Self {
-        let starts = vec![job.start.clone()];
+        let starts = std::iter::once(job.start.clone()).chain(least_squares(job)).collect();
         Self { job, simulator, estimation: PredictionErrorEstimation::new(options, starts) }
     }
 
@@ -29,7 +29,7 @@ impl<'a> Fitting<'a> {
             Wanted::Response(theta) => (theta, Output::Motion { step: 1 }),
             Wanted::Sensitivities(theta) => (theta, Output::Sensitivities(self.job.method.response())),
         };
-        Some(Request { simulator: self.simulator, theta: Parameters::Estimated(theta.to_vec()), output })
+        Some(Request { simulator: self.simulator, theta: Parameters::Fitted(theta.to_vec()), output })
     }
 
     /// Takes what was simulated.
@@ -53,6 +53,12 @@ impl<'a> Fitting<'a> {
             Simulated::Instruments(_) => Err(SimulationError::TooShortToFilter),
         }
     }
+}
+
+/// The estimate of LS, where torques were recorded and give one: another place to start from.
+fn least_squares(job: &EstimationJob<'_>) -> Option<Vec<f64>> {
+    let ls = idim_ls(&job.problem.regression, Default::default()).ok()?;
+    Some(ls.theta)
 }
 
 fn sensitivities(simulated: Result<Simulated, SimulationError>) -> Result<SimulatedResponse, SimulationError> {

@@ -2,7 +2,7 @@
 
 use super::{
     consistent_set::consistent_set,
-    simulator::{Parameters, Simulator},
+    simulator::{FINE, Parameters, Simulator},
 };
 use crate::{
     base_parameters::BaseParameters,
@@ -16,10 +16,6 @@ use crate::{
 
 /// Part of the a-priori mass matrix above which that of start values is simulated as it is: they are the user's.
 const PART_AT_START: f64 = 0.01;
-/// Factor of the tolerances with which the parameters of a physical robot are simulated: links of little mass and
-/// friction near zero make the errors of a simulation change the estimates by more than the iteration is to settle to.
-const FINE: f64 = 0.01;
-
 /// How close to the boundary of the physical set a method goes.
 struct Margin {
     /// Part of the a-priori mass matrix above which that of an estimate is simulated as it is.

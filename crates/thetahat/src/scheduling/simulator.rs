@@ -11,7 +11,8 @@ use crate::{
     series::Series,
     signal::Motion,
     simulation::{
-        ClosedLoop, Job, OutputGrid, Reference, SimulatedMotion, SimulationError, SimulatorBias, Solver, simulate_all,
+        ClosedLoop, Job, OutputGrid, Reference, SensitiveTo, Sensitivities, SimulatedMotion, SimulationError,
+        SimulatorBias, Solver, simulate_all,
     },
 };
 
@@ -58,6 +59,9 @@ impl Output {
 pub(crate) enum Parameters {
     /// The estimated base parameters, zeros elsewhere.
     Estimated(Vec<f64>),
+    /// The same, simulated with tolerances [`FINE`] times as large: the response itself is compared with the record, and an
+    /// error is to fall with every step.
+    Fitted(Vec<f64>),
     /// All standard parameters, simulated with tolerances so many times as large as those of the settings.
     Standard { theta: Vec<f64>, tolerance: f64 },
 }
@@ -70,6 +74,10 @@ pub(super) struct Resolved {
     inertia: Vec<f64>,
     solver: Solver,
 }
+
+/// Factor of the tolerances of a simulation whose own errors must not show: of links of little mass with friction near
+/// zero, they change the estimates by more than an iteration is to settle to.
+pub(super) const FINE: f64 = 0.01;
 
 /// Simulates the loops of all recordings for one case.
 pub(crate) struct Simulator<'a> {
@@ -175,21 +183,31 @@ impl<'a> Simulator<'a> {
         parameters: &Parameters,
         response: Response,
     ) -> Result<SimulatedResponse, SimulationError> {
-        let Parameters::Estimated(theta) = parameters else { return Err(SimulationError::TooShortToFilter) };
-        let of = |theta: &[f64]| self.response_of(&self.simulate(theta)?, response);
-        let at = of(theta)?;
-        let mut sensitivities = Matrix::zeros(at.len(), theta.len());
-        for i in 0..theta.len() {
-            let h = 1e-4 * theta[i].abs().max(1e-2);
-            let mut shifted = theta.clone();
-            shifted[i] = theta[i] + h;
-            let above = of(&shifted)?;
-            shifted[i] = theta[i] - h;
-            let below = of(&shifted)?;
-            let column = above.iter().zip(&below).map(|(a, b)| (a - b) / (2.0 * h));
-            sensitivities.column_mut(i).iter_mut().zip(column).for_each(|(s, d)| *s = d);
+        let resolved = self.resolve(parameters);
+        let jobs = self.jobs(&resolved, Output::Sensitivities(response));
+        let to: Vec<SensitiveTo> = self.problem.estimated.columns().into_iter().map(SensitiveTo::Parameter).collect();
+        let slopes = self.kept_inertia.is_none().then(|| self.inertia_slopes(&to));
+        let (mut responses, mut matrices) = (Vec::new(), Vec::new());
+        for (l, job) in self.loops.iter().zip(&jobs) {
+            let found = l.response_with_sensitivities(job, &to, slopes.as_deref(), response)?;
+            responses.push(found.response);
+            matrices.push(found.sensitivities);
         }
-        Ok(SimulatedResponse { response: at, sensitivities })
+        let layout = &self.problem.regression.layout;
+        Ok(SimulatedResponse {
+            response: layout.stack_vectors(responses),
+            sensitivities: layout.stack_matrices(matrices),
+        })
+    }
+
+    /// The derivatives of the inertia that each motor sees.
+    fn inertia_slopes(&self, to: &[SensitiveTo]) -> Vec<Vec<f64>> {
+        let of_loops: Vec<Vec<Vec<f64>>> =
+            self.loops.iter().map(|l| l.closed_loop.motor_inertia_slopes(to, l.duration_s())).collect();
+        let count = of_loops.len() as f64;
+        let mean = |p: usize, motor: usize| of_loops.iter().map(|slopes| slopes[p][motor]).sum::<f64>() / count;
+        let motors = self.problem.model.coordinate_count();
+        (0..to.len()).map(|p| (0..motors).map(|motor| mean(p, motor)).collect()).collect()
     }
 
     /// Number of recordings.
@@ -223,6 +241,7 @@ impl<'a> Simulator<'a> {
     pub(super) fn resolve(&self, parameters: &Parameters) -> Resolved {
         let (standard, tolerance) = match parameters {
             Parameters::Estimated(theta) => (self.problem.estimated.to_standard(theta), 1.0),
+            Parameters::Fitted(theta) => (self.problem.estimated.to_standard(theta), FINE),
             Parameters::Standard { theta, tolerance } => (theta.clone(), *tolerance),
         };
         let solver = self.setup.settings.simulation.solver.with_tolerances_times(tolerance);
@@ -250,6 +269,9 @@ impl<'a> Simulator<'a> {
                 ("acceleration", &measured.ddq, &motion.ddq),
                 ("torque", &torque, &motion.tau),
             ] {
+                if name == "torque" && l.filtered.recording.torque.is_none() {
+                    continue;
+                }
                 let [difference, size] = squares.entry(name).or_default();
                 *difference += squared_difference(measured, simulated);
                 *size += norm(measured.values()).powi(2);
@@ -260,6 +282,28 @@ impl<'a> Simulator<'a> {
 }
 
 impl RecordedLoop<'_> {
+    /// The response of a job and its sensitivities, in the rows of y.
+    fn response_with_sensitivities(
+        &self,
+        job: &Job<'_>,
+        to: &[SensitiveTo],
+        inertia_slopes: Option<&[Vec<f64>]>,
+        response: Response,
+    ) -> Result<SimulatedResponse, SimulationError> {
+        let mut simulation = Sensitivities::new(job, to, inertia_slopes)?;
+        self.assembly.response_with_sensitivities(to.len(), |values, slopes| {
+            let end = SimulationError::TooShortToFilter;
+            let sample = simulation.next_sample()?.ok_or(end)?;
+            let (of_joints, of_parameters) = match response {
+                Response::Torque => (sample.tau, sample.tau_slopes),
+                Response::Position => (sample.q, sample.q_slopes),
+            };
+            values.copy_from_slice(of_joints);
+            slopes.copy_from_slice(of_parameters);
+            Ok(())
+        })
+    }
+
     /// A series of the window in the rows of y.
     fn in_rows(&self, series: &Series) -> Result<Vec<f64>, SimulationError> {
         self.assembly.measurement_vector(series).map_err(|_| SimulationError::TooShortToFilter)
