@@ -107,6 +107,14 @@ impl Fit {
         Self::with_squares(regression, divisor, solved, prediction, squares)
     }
 
+    /// The same with other parameters, as a constrained estimate has them; deviations stay those of the free one.
+    #[must_use]
+    pub fn moved_to(self, theta: Vec<f64>, regression: &Regression, design: &Matrix) -> Self {
+        let prediction = design.times(&theta);
+        let relative_error_percent = relative_error_percent(&regression.y, &prediction);
+        Self { theta, prediction, relative_error_percent, ..self }
+    }
+
     /// The fit of a simulated response to y, with the covariance of the regression linearised there.
     ///
     /// # Errors

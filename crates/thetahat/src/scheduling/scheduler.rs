@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     clock::Stopwatch,
-    identification::{Design, Estimation, IterationOptions, Method, Needs, Outcome, Response},
+    identification::{Estimation, IterationOptions, Method, Needs, Outcome, Response},
     linear_algebra::Matrix,
     preparation::Problem,
     regression::Regression,
@@ -134,7 +134,7 @@ struct Running<'a> {
     job: &'a EstimationJob<'a>,
     options: RunOptions,
     stage: Stage<'a>,
-    /// What stands for the estimates of IV in its simulations.
+    /// What stands for the estimates of IV and DIDIM in their simulations.
     physical: Option<Physical<'a>>,
     seconds: f64,
 }
@@ -145,8 +145,8 @@ impl<'a> Running<'a> {
         let EstimationJob { method, regression, start, .. } = job;
         let simulator = job.simulator.as_ref();
         let mut physical = simulator
-            .filter(|_| method.needs() == Needs::Instruments && method.design() == Design::Measured)
-            .map(|simulator| Physical::new(simulator, regression));
+            .filter(|_| method.needs() == Needs::Instruments)
+            .map(|simulator| Physical::new(*method, simulator, regression));
         let direct = || estimated(Outcome::direct(method.estimate(regression, None, options.iteration.divisor)), None);
         let stage = match (method.needs(), simulator) {
             (Needs::Measurement, _) | (Needs::Instruments | Needs::Sensitivities, None) => direct(),
@@ -166,12 +166,8 @@ impl<'a> Running<'a> {
         let simulator = self.job.simulator.as_ref()?;
         let (theta, output) = match &self.stage {
             Stage::Estimating(estimation) => {
-                let theta = estimation.wanted()?.to_vec();
-                let theta = match &self.physical {
-                    Some(physical) => physical.as_parameters(theta),
-                    None => Parameters::Estimated(theta),
-                };
-                (theta, Output::Instruments)
+                estimation.wanted()?;
+                (self.physical.as_ref()?.current().clone(), Output::Instruments)
             }
             Stage::Fitting(fitting) => return fitting.request(),
             Stage::Estimated(_, theta) => (theta.as_ref()?.clone(), Output::Motion { step: self.options.motion_step? }),
@@ -221,16 +217,16 @@ impl<'a> Running<'a> {
         None
     }
 
-    /// Goes on with what was simulated. Where IV's own estimate could not be simulated, a physical robot's parameters are.
+    /// Goes on with what was simulated. Where an estimate could not be, a physical robot's parameters are.
     fn estimate(&mut self, estimation: &mut Estimation, z: Result<Matrix, SimulationError>) {
-        let Some(physical) = &mut self.physical else {
-            return estimation.take(z, &self.job.regression, &mut <[f64]>::to_vec);
-        };
-        if let (Err(_), false, Some(estimate)) = (&z, physical.is_needed, estimation.estimate().map(<[f64]>::to_vec)) {
-            physical.is_needed = true;
-            return estimation.simulate_instead(physical.of(&estimate));
+        let Some(physical) = &mut self.physical else { return };
+        let anew = z.is_err() && physical.require() && estimation.simulate_anew(&mut |fit, z| physical.revise(fit, z));
+        if !anew {
+            estimation.take(z, &self.job.regression, &mut |fit, z| physical.revise(fit, z));
         }
-        estimation.take(z, &self.job.regression, &mut |estimate| physical.of(estimate));
+        if let Some(theta) = estimation.wanted() {
+            physical.simulate(theta, estimation.tolerance());
+        }
     }
 
     /// How the estimation ended, once.
@@ -254,8 +250,8 @@ impl<'a> Running<'a> {
 fn estimated<'a>(outcome: Outcome, physical: Option<&mut Physical<'_>>) -> Stage<'a> {
     let theta = outcome.fit.as_ref().map(|fit| match physical {
         Some(physical) => {
-            let standard = physical.of(&fit.theta);
-            physical.as_parameters(standard)
+            physical.simulate(&fit.theta, 1.0);
+            physical.current().clone()
         }
         None => Parameters::Estimated(fit.theta.clone()),
     });

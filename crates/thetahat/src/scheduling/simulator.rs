@@ -59,13 +59,11 @@ impl Output {
 pub(crate) enum Parameters {
     /// The estimated base parameters, zeros elsewhere.
     Estimated(Vec<f64>),
-    /// The same, simulated with a hundredth of the tolerances: the response itself is compared with the record, and an error
-    /// is to fall with every step.
+    /// The same, simulated with tolerances [`FINE`] times as large: the response itself is compared with the record, and an
+    /// error is to fall with every step.
     Fitted(Vec<f64>),
-    /// All standard parameters.
-    Standard(Vec<f64>),
-    /// Those of a physical robot near an estimate, simulated with a hundredth of the tolerances.
-    Physical(Vec<f64>),
+    /// All standard parameters, simulated with tolerances so many times as large as those of the settings.
+    Standard { theta: Vec<f64>, tolerance: f64 },
 }
 
 /// Parameters as a simulation takes them.
@@ -78,9 +76,9 @@ pub(super) struct Resolved<'a> {
     solver: Solver,
 }
 
-/// Factor of the tolerances with which the parameters of a physical robot are simulated: links of little mass and
-/// friction near zero make the errors of a simulation change the estimates by more than the iteration is to settle to.
-const FINE: f64 = 0.01;
+/// Factor of the tolerances of a simulation whose own errors must not show: of links of little mass with friction near
+/// zero, they change the estimates by more than an iteration is to settle to.
+pub(super) const FINE: f64 = 0.01;
 
 /// Simulates the loops of all recordings for one case.
 pub(crate) struct Simulator<'a> {
@@ -273,21 +271,20 @@ impl<'a> Simulator<'a> {
 
     /// What a simulation with parameters takes.
     pub(super) fn resolve(&self, parameters: &Parameters) -> Resolved<'a> {
-        let (standard, of_loop) = match parameters {
-            Parameters::Estimated(theta) | Parameters::Fitted(theta) => {
-                let (of_robot, of_loop) = theta.split_at(self.problem.estimated.len());
-                (self.problem.estimated.to_standard(of_robot), of_loop)
-            }
-            Parameters::Standard(theta) | Parameters::Physical(theta) => (theta.clone(), &[][..]),
-        };
         let solver = self.setup.settings.simulation.solver;
-        let solver = match parameters {
-            Parameters::Estimated(_) | Parameters::Standard(_) => solver,
-            Parameters::Fitted(_) => solver.for_sensitivities().with_tolerances_times(FINE),
-            Parameters::Physical(_) => solver.with_tolerances_times(FINE),
+        let split = |theta: &'_ [f64]| {
+            let (of_robot, of_loop) = theta.split_at(self.problem.estimated.len());
+            (self.problem.estimated.to_standard(of_robot), of_loop.to_vec())
+        };
+        let ((standard, of_loop), solver) = match parameters {
+            Parameters::Estimated(theta) => (split(theta), solver),
+            Parameters::Fitted(theta) => (split(theta), solver.for_sensitivities().with_tolerances_times(FINE)),
+            Parameters::Standard { theta, tolerance } => {
+                ((theta.clone(), Vec::new()), solver.with_tolerances_times(*tolerance))
+            }
         };
         let inertia = self.kept_inertia.clone().unwrap_or_else(|| self.inertia(&standard));
-        let parts = self.loop_parameters.apply(of_loop, self.described_parts(), &inertia);
+        let parts = self.loop_parameters.apply(&of_loop, self.described_parts(), &inertia);
         Resolved { parts, standard, inertia, solver }
     }
 
