@@ -136,6 +136,8 @@ struct Running<'a> {
     stage: Stage<'a>,
     /// What stands for the estimates of IV and DIDIM in their simulations.
     physical: Option<Physical<'a>>,
+    /// What is told of a fit that has ended.
+    note: Option<String>,
     seconds: f64,
 }
 
@@ -158,7 +160,7 @@ impl<'a> Running<'a> {
                 Stage::Fitting(Box::new(Fitting::new(job, simulator, options.iteration)))
             }
         };
-        Self { job, options, stage, physical, seconds: stopwatch.seconds() }
+        Self { job, options, stage, physical, note: None, seconds: stopwatch.seconds() }
     }
 
     /// The simulation that it waits for.
@@ -184,6 +186,7 @@ impl<'a> Running<'a> {
             if fitting.request().is_none()
                 && let Stage::Fitting(fitting) = std::mem::replace(&mut self.stage, Stage::Over)
             {
+                self.note = fitting.note();
                 let outcome = fitting.into_outcome();
                 let theta = outcome.fit.as_ref().map(|fit| Parameters::Fitted(fit.theta.clone()));
                 self.stage = Stage::Estimated(Box::new(outcome), theta);
@@ -240,7 +243,7 @@ impl<'a> Running<'a> {
         .map(|outcome| Finished {
             outcome,
             motions: None,
-            note: self.physical.as_ref().and_then(Physical::note),
+            note: self.note.take().or_else(|| self.physical.as_ref().and_then(Physical::note)),
             seconds: self.seconds,
         })
     }
