@@ -22,6 +22,7 @@ mod physical;
 mod problem;
 mod recording;
 mod reference;
+mod reference_correction;
 mod settings;
 mod setup;
 mod validation;
@@ -35,6 +36,7 @@ pub use physical::{Axis, KnownQuantity, PriorKind, PriorOptions, PriorWeight, Va
 pub(crate) use problem::{Chosen, Problem, full_model_test, named_elimination};
 pub use recording::Recording;
 pub(crate) use reference::{FILTERED, RecordedReference};
+pub use reference_correction::{OneOrEach, ReferenceCorrection};
 pub use settings::{
     Case, EstimationOptions, Gains, NamedChoice, ParameterChoice, ParameterSelection, Settings, SignalOptions,
     SimulationOptions, Start,

@@ -24,6 +24,7 @@
 mod band_pass;
 mod bandwidth;
 mod decimate;
+mod delay;
 mod design;
 mod differentiate;
 mod error;
@@ -37,6 +38,7 @@ mod zero_phase;
 pub use band_pass::{Motion, band_pass};
 pub use bandwidth::minus_3_db_bandwidth_hz;
 pub use decimate::{Decimator, Joiner};
+pub use delay::delayed;
 pub use design::SecondOrderSections;
 pub use differentiate::central_difference;
 pub use error::SignalError;
