@@ -23,6 +23,7 @@ mod problem;
 mod recording;
 mod reference;
 mod reference_correction;
+mod reference_of_motion;
 mod settings;
 mod setup;
 mod validation;
@@ -35,7 +36,7 @@ pub(crate) use physical::known_in_words;
 pub use physical::{Axis, KnownQuantity, PriorKind, PriorOptions, PriorWeight, ValueOrRange, WeightRule};
 pub(crate) use problem::{Chosen, Problem, full_model_test, named_elimination};
 pub use recording::Recording;
-pub(crate) use reference::{FILTERED, RecordedReference};
+pub(crate) use reference::RecordedReference;
 pub use reference_correction::{OneOrEach, ReferenceCorrection};
 pub use settings::{
     Case, EstimationOptions, Gains, NamedChoice, ParameterChoice, ParameterSelection, Settings, SignalOptions,

@@ -5,7 +5,7 @@ use crate::{
     base_parameters::BaseParameters,
     control::ControllerDescription,
     identification::{EstimationError, Method, Reason, Response, Weighting, idim_ls},
-    preparation::{Case, FILTERED, PROPOSED_BANDWIDTH_HZ, PreparationError, Problem, Recording, Settings, Setup},
+    preparation::{Case, PROPOSED_BANDWIDTH_HZ, PreparationError, Problem, Recording, Settings, Setup},
     robot::{Friction, Robot},
     scheduling::{EstimationJob, Simulator},
 };
@@ -124,11 +124,16 @@ impl Identification {
                 "no [controller] is described; simulated is a guess, a PD loop of {PROPOSED_BANDWIDTH_HZ} Hz for each motor"
             )
         };
-        let is_filtered = |p: &Prepared| p.reference.as_ref().is_some_and(|r| r.origin == FILTERED);
-        let filtered = self.main.iter().any(is_filtered).then(|| {
-            "no reference is recorded and the motion is not made of moves; simulations follow the filtered motion"
-                .to_owned()
-        });
+        let smoothed = |p: &Prepared| {
+            let reference = p.reference.as_ref().filter(|r| r.periodic.is_none())?;
+            let cutoff_hz = reference.smoothing_cutoff_hz?;
+            Some(format!(
+                "no reference is recorded, and the motion is neither made of moves nor periodic; simulations follow the \
+                 motion smoothed with a cut-off of {cutoff_hz:.3} Hz"
+            ))
+        };
+        let mut filtered: Vec<String> = self.main.iter().filter_map(smoothed).collect();
+        filtered.dedup();
         self.proposed.as_ref().map(guessed).into_iter().chain(filtered).collect()
     }
 

@@ -33,6 +33,7 @@ mod join;
 mod motion;
 mod pieces;
 mod pole_sums;
+mod smoothing;
 mod zero_phase;
 
 pub use band_pass::{Motion, band_pass};
@@ -44,4 +45,5 @@ pub use differentiate::central_difference;
 pub use error::SignalError;
 pub use motion::{moving_samples, moving_thresholds};
 pub use pieces::DecimatedPiece;
+pub use smoothing::{Smoothed, smooth};
 pub use zero_phase::{Padding, zero_phase};
