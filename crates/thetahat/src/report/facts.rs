@@ -73,7 +73,11 @@ fn reference(results: &Results, reference: &ReferenceResult) -> String {
         let [frequency, from, to] = [p.base_frequency_hz, p.stretch_s[0], p.stretch_s[1]].map(|v| significant(v, 4));
         let drift = if p.degree > 0 { format!(" and a polynomial of degree {}", p.degree) } else { String::new() };
         let periods = significant(p.periods, 3);
-        format!(", {frequency} Hz with {} harmonics{drift}, {periods} periods from {from} s to {to} s", p.harmonics)
+        let plural = if p.harmonics == 1 { "" } else { "s" };
+        format!(
+            ", {frequency} Hz with {} harmonic{plural}{drift}, {periods} periods from {from} s to {to} s",
+            p.harmonics
+        )
     });
     let smoothed = reference.smoothing_cutoff_hz.map(|hz| match reference.periodic {
         Some(_) => format!(", outside smoothed at {} Hz", significant(hz, 3)),
