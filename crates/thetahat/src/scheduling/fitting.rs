@@ -1,9 +1,9 @@
 //! CLIE and CLOE under way: what they want simulated, and what they make of it.
 
 use super::{
+    job::EstimationJob,
     physical::Physical,
     requests::{Request, Simulated},
-    scheduler::EstimationJob,
     simulator::{Output, Parameters, Simulator},
 };
 use crate::{
