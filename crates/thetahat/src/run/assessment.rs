@@ -4,13 +4,11 @@
 use super::{
     cross_validation::{CrossValidation, Folds, folds_by_move, folds_by_part, folds_by_recording, leave_folds_out},
     identification::{Identification, explain},
-    not_physical::not_physical,
     parameters::parameter_results,
     physical::Examined,
     prepared::filtered,
 };
 use crate::{
-    checks::Finding,
     diagnosis::{Estimated, residual},
     identification::{Fit, Method, Needs, Outcome, uncertainty},
     preparation::{Case, PreparationError, Problem},
@@ -44,7 +42,6 @@ impl Assessment<'_> {
             let setup = self.identification.setup();
             let folds = self.folds(problem).filter(|_| setup.settings.parameters.physical);
             run.physical = Examined { setup, job: self.job, outcome: &outcome, fit, run: &run, folds }.physical();
-            run.findings = self.findings(&run);
             run.residual = Some(residual(regression, &fit.prediction));
             self.leave_parts_out(&outcome, &mut run);
             if !self.identification.validation.is_empty() {
@@ -89,13 +86,6 @@ impl Assessment<'_> {
         let truth = recording.and_then(|r| r.truth.as_ref()).map(|t| problem.estimated.from_standard(t));
         let settings = self.identification.setup().settings;
         parameter_results(settings, &problem.estimated, fit, uncertainty.as_ref(), truth.as_deref())
-    }
-
-    /// What is found in the estimates of a run.
-    fn findings(&self, run: &RunResult) -> Vec<Finding> {
-        let (setup, problem) = (self.identification.setup(), self.job.problem);
-        let Ok(set) = problem.consistent_set(setup) else { return Vec::new() };
-        not_physical(setup.robot, set, &problem.estimated, run, setup.settings.parameters.physical)
     }
 
     /// Leaves recordings, moves or parts out in turn, and predicts them from the others.

@@ -19,12 +19,13 @@ pub(super) fn not_physical(
     set: &ConsistentSet,
     base: &BaseParameters,
     run: &RunResult,
+    physical: &PhysicalResult,
     asked: bool,
 ) -> Vec<Finding> {
     let table = set.parameter_table();
     let of_parameter = |p: &BaseParameter| negative(robot, table, bounds_of(set, p), p, run, asked);
     let mut findings: Vec<Finding> = base.parameters().iter().filter_map(of_parameter).collect();
-    findings.extend(run.physical.as_ref().and_then(|physical| outside(table, physical, asked)));
+    findings.extend(outside(table, physical, asked));
     findings.sort_by_key(|f| (f.severity, f.joint));
     findings
 }
