@@ -5,9 +5,16 @@ use std::{collections::BTreeMap, sync::OnceLock};
 
 use libtest_mimic::Failed;
 use thetahat::{
+    control::ControllerDescription,
+    dynamics::Model,
     experiment::Experiment,
     identification::{Method, Status},
+    recording::{ChannelSource, read_channels},
     results::{Results, RunResult},
+    robot::Robot,
+    simulation::{
+        ClosedLoop, Job, OutputGrid, Reference, SampledReference, SensitiveTo, Sensitivities, SimulatorBias, Solver,
+    },
 };
 use thetahat_testing::{ensure, ensure_printed};
 
@@ -88,6 +95,59 @@ fn iv_and_didim() -> Result<(), Failed> {
     Ok(())
 }
 
+/// The columns of the force's sensitivities, samples 49 to the end, at the authors' LS values: `emps_closed_loop.json`.
+fn sensitivities() -> Result<(), Failed> {
+    let golden = std::fs::read_to_string(thetahat_testing::shared().join("reference/emps_closed_loop.json"))?;
+    let golden: serde_json::Value = serde_json::from_str(&golden)?;
+    let robot = Robot::read(&thetahat_testing::root().join("robots/emps.toml"))?;
+    let model = Model::new(&robot);
+    let controller: ControllerDescription = toml::from_str(
+        "law = \"cascaded\"\nposition_gain = [160.18]\nvelocity_gain = [243.45]\nsaturation = [10]\n\
+         sample_time_s = 0.001\nvelocity = \"averaged-difference\"",
+    )?;
+    let source: ChannelSource = toml::from_str("file = \"emps/DATA_EMPS.mat\"\ncolumns = [\"qg\"]\nunit = \"m\"")?;
+    let reference = read_channels(&source, &thetahat_testing::data())?;
+    let grid = OutputGrid { start_s: 0.0, sample_rate_hz: 1000.0, samples: reference.len() };
+    let reference = Reference::Sampled(SampledReference::new(reference, 1000.0));
+    let table = model.parameter_table();
+    let mut theta = vec![0.0; table.len()];
+    let mut to = Vec::new();
+    for (name, value) in [("m1", 95.1089), ("fv1", 203.5034), ("fc1", 20.3935), ("off1", -3.1648)] {
+        let index = table.index_of(name).ok_or(name)?;
+        theta[index] = value;
+        to.push(SensitiveTo::Parameter(index));
+    }
+    for scale in [0.01, 0.002] {
+        let closed_loop = ClosedLoop {
+            model: &model,
+            transmission: &robot.transmission,
+            controller: &controller,
+            reference: &reference,
+            added_signal: None,
+            bias: SimulatorBias::NONE,
+            solver: Solver::Fixed { step_s: 1e-3 / 16.0 },
+            sign_velocity_scale: scale,
+        };
+        let job = Job { closed_loop, theta: &theta, motor_inertia: &[1.0], grid };
+        let mut simulation = Sensitivities::new(&job, &to, None)?;
+        let (mut squares, mut k) = ([0.0; 4], 0);
+        while let Some(sample) = simulation.next_sample()? {
+            if k >= 49 {
+                squares.iter_mut().zip(sample.tau_slopes).for_each(|(sum, slope)| *sum += slope * slope);
+            }
+            k += 1;
+        }
+        let expected = &golden[&format!("sens_{scale}")]["columns_norm"];
+        for (column, square) in squares.iter().enumerate() {
+            let (found, expected) = (f64::sqrt(*square), expected[column].as_f64().ok_or("a number")?);
+            let error = (found / expected - 1.0).abs();
+            println!("{scale} {column}: {found} against {expected}, {error:.1e}");
+            ensure(error < 1e-6, format!("scale {scale}, column {column}: {found} against {expected}"))?;
+        }
+    }
+    Ok(())
+}
+
 fn main() {
     thetahat_testing::run_with_shared_data(vec![
         ("least_squares_meets_every_printed_digit", least_squares),
@@ -95,5 +155,6 @@ fn main() {
         ("asymmetric_friction_meets_every_printed_digit", asymmetric_friction),
         ("closed_loop_errors_are_at_or_below_the_published_ones", closed_loop),
         ("iv_and_didim_find_the_mass_of_ls", iv_and_didim),
+        ("sensitivities_are_those_of_the_reference_program", sensitivities),
     ]);
 }

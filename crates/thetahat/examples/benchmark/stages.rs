@@ -52,7 +52,8 @@ fn our_stages(data: &Path) -> Result<Stages, Box<dyn Error>> {
     let transmission = &experiment.robot.transmission;
     let (loading, (q, tau)) = fastest(RUNS, || {
         let position = transmission.joint_positions(&read_channels(&recording.position, data)?);
-        Ok((position, transmission.joint_torques(&read_channels(&recording.torque, data)?)))
+        let torque = recording.torque.as_ref().ok_or("the recording has no torque")?;
+        Ok((position, transmission.joint_torques(&read_channels(torque, data)?)))
     })?;
     let rate = 5000.0;
     let window = 300..37_100;

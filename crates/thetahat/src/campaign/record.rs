@@ -130,7 +130,7 @@ impl<'a> Bench<'a> {
         let setup = self.starts[key.start as usize].setup();
         let recordings = [(&prepared.filtered, &prepared.reference)];
         let controller = setup.settings.controller.as_ref();
-        let simulator = controller.map(|c| Simulator::new(setup, &problem.problem, &recordings, c, case.simulator));
+        let simulator = controller.map(|c| Simulator::new(setup, &problem.problem, &recordings, c, case));
         let weights = problem.weights(setup.settings, method, &[1.0]);
         EstimationJob::new(&problem.problem, method, weights, simulator)
     }

@@ -24,11 +24,12 @@ const LONGEST_S: f64 = 0.05;
 pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
     let subject = exam.subject;
     let (Some(reference), Some(description)) = (subject.reference, subject.controller) else { return };
+    let Some(torque) = subject.torque_in_window() else { return };
     if subject.added_signal || description.validate(signals.coordinates()).is_err() {
         return;
     }
     let law = LawInputs::new(subject, signals, reference, description);
-    let drive = subject.robot.transmission.drive_signals(&subject.torque.window(subject.signal.window.clone()));
+    let drive = subject.robot.transmission.drive_signals(&torque);
     let direction: Vec<f64> = subject.robot.transmission.drive_to_joint_units().iter().map(|d| d.signum()).collect();
     let inertia = law.inertia(description, &drive, &direction);
     let controller = description.resolve(&inertia, 1.0);

@@ -18,9 +18,9 @@ pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) {
     if record.is_corrected() || twice > HIGHEST * exam.subject.sample_rate_hz {
         return;
     }
-    let squares = |record: &ThinnedRecord<'_>| record.fit().map(|r| r.squares);
+    let squares = |record: &ThinnedRecord<'_>| record.fit().map(|r| r.squares).ok();
     let wider = ThinnedRecord::new(record.subject, twice).and_then(|c| squares(&c));
-    let (Ok(narrow), Ok(wide)) = (squares(record), wider) else { return };
+    let (Some(narrow), Some(wide)) = (squares(record), wider) else { return };
     let value = 100.0 * ((narrow - wide).max(0.0) / (record.rows() * record.coordinates()) as f64).sqrt();
     let evidence =
         Evidence { code: Code::CutoffLow, coordinate: None, value, unit: "% of the torques", limit: LIMIT_PERCENT };

@@ -81,7 +81,7 @@ fn examination<'a>(subject: &'a Subject<'a>) -> Examination<'a> {
     check_samples(&mut exam);
     if let Ok(signals) = Signals::new(subject, subject.signal.cutoff_hz) {
         check_motion(&mut exam, &signals);
-        if let Ok(mut record) = ThinnedRecord::new(subject, subject.signal.cutoff_hz) {
+        if let Some(mut record) = ThinnedRecord::new(subject, subject.signal.cutoff_hz) {
             check_fit(&mut exam, &mut record);
         }
     }

@@ -26,14 +26,15 @@ const HIGHEST_CUTOFF: f64 = 0.1;
 const ROUNDING: f64 = 1e-9;
 
 pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
-    let torque = exam.subject.torque.window(exam.subject.signal.window.clone());
     // A filter that lets noise through gives no velocity to expect anything from.
     let highest = HIGHEST_CUTOFF * exam.subject.sample_rate_hz;
     let smoother =
         (exam.subject.signal.cutoff_hz > highest).then(|| Signals::new(exam.subject, highest).ok()).flatten();
     let signals = smoother.as_ref().unwrap_or(signals);
     repeated(exam, signals, &signals.raw, "positions");
-    repeated(exam, signals, &torque, "torques");
+    if let Some(torque) = exam.subject.torque_in_window() {
+        repeated(exam, signals, &torque, "torques");
+    }
     dropped(exam, signals);
 }
 

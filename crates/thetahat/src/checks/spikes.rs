@@ -15,11 +15,10 @@ const VISIBLE: f64 = 0.01;
 const NEIGHBOURS: usize = 5;
 
 pub(super) fn check(exam: &mut Examination<'_>) {
-    let window = exam.subject.signal.window.clone();
-    let (position, torque) = (exam.subject.position.window(window.clone()), exam.subject.torque.window(window));
+    let position = exam.subject.position.window(exam.subject.signal.window.clone());
     (0..position.channels()).for_each(|j| spikes(exam, Code::PositionSpikes, &position, j));
     // A signal added to the drives jumps on purpose.
-    if !exam.subject.added_signal {
+    if let Some(torque) = exam.subject.torque_in_window().filter(|_| !exam.subject.added_signal) {
         (0..torque.channels()).for_each(|j| spikes(exam, Code::TorqueSpikes, &torque, j));
     }
 }

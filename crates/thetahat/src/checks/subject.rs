@@ -42,8 +42,8 @@ pub struct Subject<'a> {
     pub geared: bool,
     /// Recorded velocities, if any, rad/s or m/s.
     pub velocity: Option<&'a Series>,
-    /// Torques as recorded, N m or N.
-    pub torque: &'a Series,
+    /// Torques as recorded, if any, N m or N: without them there is no fit to check.
+    pub torque: Option<&'a Series>,
     /// The recorded reference, if any, rad or m.
     pub reference: Option<&'a Series>,
     /// Rms deviation of the motion from the reconstructed reference, if there is one, per coordinate, rad
@@ -58,6 +58,11 @@ pub struct Subject<'a> {
 }
 
 impl Subject<'_> {
+    /// The recorded torques in the window.
+    pub(super) fn torque_in_window(&self) -> Option<Series> {
+        self.torque.map(|torque| torque.window(self.signal.window.clone()))
+    }
+
     /// The joint of a coordinate, both from zero.
     pub(super) fn joint(&self, coordinate: usize) -> &Joint {
         &self.robot.joints[self.robot.joint_of(coordinate)]

@@ -100,7 +100,7 @@ impl Crane {
             position: &self.position,
             geared: true,
             velocity: None,
-            torque: &self.torque,
+            torque: Some(&self.torque),
             reference: None,
             reconstructed_deviation: Some(&self.reconstructed_deviation),
             added_signal: false,

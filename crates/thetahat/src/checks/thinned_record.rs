@@ -46,7 +46,12 @@ pub(super) struct ThinnedRecord<'a> {
 }
 
 impl<'a> ThinnedRecord<'a> {
-    pub(super) fn new(subject: &'a Subject<'a>, cutoff_hz: f64) -> Result<Self, SignalError> {
+    /// The record of a subject; none where its torques were not recorded or it is too short for the filters.
+    pub(super) fn new(subject: &'a Subject<'a>, cutoff_hz: f64) -> Option<Self> {
+        Self::of_torque(subject, &subject.torque_in_window()?, cutoff_hz).ok()
+    }
+
+    fn of_torque(subject: &'a Subject<'a>, torque: &Series, cutoff_hz: f64) -> Result<Self, SignalError> {
         let (window, rate) = (subject.signal.window.clone(), subject.sample_rate_hz);
         let factor = subject.signal.decimation.max(bounded_factor(window.len(), rate, cutoff_hz));
         let stride = ((rate / (SAMPLES_PER_PERIOD * cutoff_hz)) as usize).max(window.len().div_ceil(MOST_SAMPLES));
@@ -56,7 +61,7 @@ impl<'a> ThinnedRecord<'a> {
         let samples: Vec<usize> = first.kept().map(|k| k + window.start).collect();
         let motion = motion_at(&motion, &samples);
         let decimator = Decimator::new((factor as f64 / stride as f64).round() as usize, samples.len())?;
-        let torque = decimator.filter(&first.decimate(&subject.torque.window(window))?)?;
+        let torque = decimator.filter(&first.decimate(torque)?)?;
         let every = ((work(subject, decimator.rows()) / MOST_WORK).ceil() as usize).max(1);
         let kept = decimator.kept().step_by(every).collect();
         let regressor = Regressor::new(subject.model, &subject.base.columns());
@@ -179,7 +184,7 @@ fn bounded_factor(samples: usize, rate: f64, cutoff_hz: f64) -> usize {
 
 /// Rows times squared columns.
 fn work(subject: &Subject<'_>, rows: usize) -> f64 {
-    (rows * subject.torque.channels()) as f64 * (subject.base.len() as f64).powi(2)
+    (rows * subject.position.channels()) as f64 * (subject.base.len() as f64).powi(2)
 }
 
 /// The samples of a motion at given places.

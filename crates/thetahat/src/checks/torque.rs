@@ -20,7 +20,7 @@ const SAME: f64 = 1e-7;
 const STEP_LIMIT_PERCENT: f64 = 3.0;
 
 pub(super) fn check(exam: &mut Examination<'_>) {
-    let window = exam.subject.torque.window(exam.subject.signal.window.clone());
+    let Some(window) = exam.subject.torque_in_window() else { return };
     let largest = quantile_abs(window.values().iter().copied(), 1.0);
     let drives = exam.subject.robot.transmission.drive_signals(&window);
     for j in 0..window.channels() {

@@ -25,7 +25,7 @@ fn advice(evidence: &Evidence<'_>) -> Advice {
 /// Whether a method that was run is not to be trusted.
 fn distrusts(evidence: &Evidence<'_>, method: Method) -> bool {
     let is_ls = method.needs() == Needs::Measurement;
-    let is_didim = method.needs() == Needs::Instruments && method.design() == Design::Simulated;
+    let is_didim = method.needs() != Needs::Measurement && method.design() == Design::Simulated;
     let by_ls = is_ls && evidence.ls_differs().is_some();
     let by_instruments = !is_ls && evidence.weak().is_some();
     let by_simulator = is_didim && evidence.verdict().is_some_and(Verdict::distrusts);

@@ -29,7 +29,7 @@ impl Model {
         let DampingWorkspace { q, dq, zeros, tau } = workspace;
         q.clear();
         q.extend(state.q.iter().map(|&value| Dual::constant(value)));
-        zeros.resize(n, Dual::default());
+        zeros.resize(n, Dual::constant(0.0));
         let separable = self.coupled_motors().is_empty();
         d.fill(0.0);
         for k in 0..if separable { 1 } else { n } {
@@ -37,7 +37,7 @@ impl Model {
             dq.clear();
             dq.extend(state.dq.iter().enumerate().map(|(j, &value)| Dual { value, derivative: direction(j) }));
             tau.clear();
-            tau.resize(n, Dual::default());
+            tau.resize(n, Dual::constant(0.0));
             self.add_drive_torques(parameters, State { q, dq }, zeros, sign, tau);
             for (j, torque) in tau.iter().enumerate() {
                 d[j * n + if separable { j } else { k }] = torque.derivative;

@@ -39,6 +39,7 @@ mod forward_dynamics;
 mod geometry;
 mod inertial;
 mod inverse_dynamics;
+mod jacobian;
 mod mass_matrix;
 mod model;
 mod motion;
@@ -62,6 +63,7 @@ pub use state::{JointCoordinate, State};
 pub use workspace::Workspace;
 
 pub(crate) use damping::DampingWorkspace;
+pub(crate) use jacobian::Jacobian;
 pub(crate) use motion::LinkMotion;
 pub(crate) use series::gather;
 pub(crate) use solve::{factorise, multiply_factors, solve_factorised};

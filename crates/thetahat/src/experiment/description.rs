@@ -115,8 +115,8 @@ pub struct RecordingDescription {
     pub position: ChannelSource,
     /// Velocities, where they were recorded: the checks compare them with the positions; nothing else uses them.
     pub velocity: Option<ChannelSource>,
-    /// Torques or drive signals.
-    pub torque: ChannelSource,
+    /// Torques or drive signals; without them only `cloe` estimates.
+    pub torque: Option<ChannelSource>,
     /// The reference of the positions, where it was recorded.
     pub reference: Option<ChannelSource>,
     /// A signal that was added to the drive signals behind the controller; the torque channel includes it.

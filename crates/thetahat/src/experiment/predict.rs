@@ -82,8 +82,11 @@ fn described(experiment: &Experiment, request: &PredictionRequest) -> Result<Rec
     };
     let mut description = of_experiment.clone();
     description.position.file.clone_from(&request.recording);
-    description.torque.file = request.torque.clone().unwrap_or_else(|| request.recording.clone());
-    (description.position.anywhere, description.torque.anywhere) = (true, true);
+    description.position.anywhere = true;
+    if let Some(torque) = &mut description.torque {
+        torque.file = request.torque.clone().unwrap_or_else(|| request.recording.clone());
+        torque.anywhere = true;
+    }
     if let Some(time) = &mut description.time {
         time.file.clone_from(&request.recording);
         time.anywhere = true;
@@ -96,5 +99,9 @@ fn described(experiment: &Experiment, request: &PredictionRequest) -> Result<Rec
 
 /// Whether the experiment has positions and torques in one file.
 fn same_file(experiment: &Experiment) -> bool {
-    experiment.file.recording.first().is_some_and(|r| r.position.file == r.torque.file)
+    experiment
+        .file
+        .recording
+        .first()
+        .is_some_and(|r| r.torque.as_ref().is_some_and(|torque| torque.file == r.position.file))
 }

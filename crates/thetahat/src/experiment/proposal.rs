@@ -378,7 +378,7 @@ mod tests {
         let experiment = super::super::Experiment::from_texts(Path::new("e.toml"), text, ARM.to_owned()).unwrap();
         let recording = &experiment.file.recording[0];
         assert_eq!(recording.position.columns, ["q1", "q2"]);
-        assert_eq!(recording.torque.columns, ["tau1", "tau2"]);
+        assert_eq!(recording.torque.as_ref().unwrap().columns, ["tau1", "tau2"]);
         assert_eq!(recording.time.as_ref().unwrap().columns, ["t"]);
         assert_eq!(experiment.settings.signal.decimation, 20);
     }

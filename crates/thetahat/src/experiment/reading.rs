@@ -21,16 +21,18 @@ impl Experiment {
         data: &Path,
     ) -> Result<Recording, ExperimentError> {
         let position = self.read_joint_positions(&description.position, data)?;
-        let torque = self.read_torques(&description.torque, data)?;
-        recording::not_all_zero(&torque, "torque", &description.torque.path(data))?;
         let optional = |source: &Option<ChannelSource>, read: &dyn Fn(&ChannelSource) -> Result<Series, _>| {
             source.as_ref().map(read).transpose()
         };
+        let torque = optional(&description.torque, &|s| self.read_torques(s, data))?;
+        if let Some((torque, source)) = torque.as_ref().zip(description.torque.as_ref()) {
+            recording::not_all_zero(torque, "torque", &source.path(data))?;
+        }
         let velocity = optional(&description.velocity, &|s| self.read_joint_velocities(s, data))?;
         let reference = optional(&description.reference, &|s| self.read_joint_positions(s, data))?;
         let added_signal = optional(&description.added_signal, &|s| self.read_channels(s, data))?;
         for (signal, source, series) in [
-            ("torque", Some(&description.torque), Some(&torque)),
+            ("torque", description.torque.as_ref(), torque.as_ref()),
             ("velocity", description.velocity.as_ref(), velocity.as_ref()),
             ("reference", description.reference.as_ref(), reference.as_ref()),
             ("added signal", description.added_signal.as_ref(), added_signal.as_ref()),
@@ -44,7 +46,7 @@ impl Experiment {
         Ok(Recording { torque, velocity, reference, added_signal, ..recording }.into_equal_steps(&clock))
     }
 
-    /// Reads a motion whose torques were not recorded; they are zero.
+    /// Reads a motion whose torques were not recorded.
     pub(super) fn read_motion(
         &self,
         description: &RecordingDescription,
@@ -91,16 +93,18 @@ impl Experiment {
     }
 }
 
-/// A recording of positions with what its description says; its torques are zero.
+/// A recording of positions with what its description says.
 fn described(description: &RecordingDescription, number: usize, position: Series, clock: &Clock) -> Recording {
-    let torque = Series::zeros(position.len(), position.channels());
     Recording {
         name: description.name.clone().unwrap_or_else(|| number.to_string()),
         weight: description.weight,
         time_stamps_s: clock.stamps().map(<[f64]>::to_vec),
         window_s: [description.window_start_s, description.window_end_s],
-        geared: [&description.position, &description.torque].iter().any(|s| s.side == Side::Motor),
-        ..Recording::new(clock.sample_rate_hz(), position, torque)
+        geared: [Some(&description.position), description.torque.as_ref()]
+            .into_iter()
+            .flatten()
+            .any(|s| s.side == Side::Motor),
+        ..Recording::without_torque(clock.sample_rate_hz(), position)
     }
 }
 

@@ -57,6 +57,7 @@ impl Experiment {
         let twin = self.file.twin.as_ref().ok_or_else(|| self.missing("[twin]", why))?;
         let Recording { sample_rate_hz, position, torque, .. } = self.simulate_twin(twin)?;
         let joints = self.robot.coordinates().map(|j| j.name.clone()).collect();
+        let torque = torque.unwrap_or_else(|| Series::zeros(position.len(), position.channels()));
         Ok(TwinRecord { joints, sample_rate_hz, position, torque })
     }
 

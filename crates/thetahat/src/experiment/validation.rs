@@ -35,7 +35,9 @@ impl Experiment {
 
     fn validate_recording(&self, recording: &RecordingDescription) -> Result<(), ExperimentError> {
         self.validate_unit(&recording.position, "position", &POSITION, [Dimension::Angle, Dimension::Length])?;
-        self.validate_unit(&recording.torque, "torque", &DRIVE, [Dimension::Torque, Dimension::Force])?;
+        if let Some(torque) = &recording.torque {
+            self.validate_unit(torque, "torque", &DRIVE, [Dimension::Torque, Dimension::Force])?;
+        }
         self.require_positive("[recording] weight", recording.weight)?;
         let jitter = recording.largest_jitter;
         self.require((0.0..=1.0).contains(&jitter), "[recording] largest_jitter", "from 0 to 1 steps", jitter)?;

@@ -1,9 +1,11 @@
+use super::fit::SimulatedResponse;
 use crate::{
     dynamics::{Model, Sign},
     linear_algebra::Matrix,
     regressor::{BufferedRegressor, Regressor},
     series::Series,
     signal::{Decimator, SignalError},
+    simulation::SimulationError,
 };
 
 /// Builds `y`, `X` and `Z` with the same rows: torques and every column of the observation matrix pass the same parallel
@@ -41,6 +43,35 @@ impl<'a> Assembly<'a> {
     pub fn measurement_vector(&self, tau: &Series) -> Result<Vec<f64>, SignalError> {
         let decimated = self.decimator.decimate(tau)?;
         Ok((0..tau.channels()).flat_map(|j| decimated.channel(j)).collect())
+    }
+
+    /// A simulated response and its sensitivities in the rows of y. `fill` is called for one sample after the other and
+    /// writes a value for each joint, and behind the joints' values `parameters` derivatives for each.
+    ///
+    /// # Errors
+    /// What `fill` refuses, and [`SimulationError::TooShortToFilter`].
+    pub(crate) fn response_with_sensitivities(
+        &self,
+        parameters: usize,
+        mut fill: impl FnMut(&mut [f64], &mut [f64]) -> Result<(), SimulationError>,
+    ) -> Result<SimulatedResponse, SimulationError> {
+        let (joints, rows) = (self.model.coordinate_count(), self.rows_per_joint());
+        let mut failure = None;
+        let decimated = self.decimator.decimate_computed(joints * (1 + parameters), |_, sample| {
+            let (values, slopes) = sample.split_at_mut(joints);
+            if failure.is_none() {
+                failure = fill(values, slopes).err();
+            }
+        });
+        if let Some(failure) = failure {
+            return Err(failure);
+        }
+        let decimated = decimated.map_err(|_| SimulationError::TooShortToFilter)?;
+        let response = (0..joints).flat_map(|j| decimated.channel(j)).collect();
+        let of_joint = |row: usize, parameter: usize| joints + row / rows * parameters + parameter;
+        let sensitivities =
+            Matrix::from_fn(joints * rows, parameters, |row, p| decimated.sample(row % rows)[of_joint(row, p)]);
+        Ok(SimulatedResponse { response, sensitivities })
     }
 
     /// The observation matrix of a motion: `X` of a measured one, `Z` of a simulated one.

@@ -56,6 +56,15 @@ pub enum EstimationError {
     },
 }
 
+/// What the loop simulated with parameters answers, in the rows of y.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SimulatedResponse {
+    /// The simulated torques or positions, r.
+    pub response: Vec<f64>,
+    /// Their derivatives J with respect to the parameters (14), r x b.
+    pub sensitivities: Matrix,
+}
+
 /// An estimate with its statistics.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fit {
@@ -92,15 +101,51 @@ impl Fit {
         divisor: Divisor,
         solved: Solved,
     ) -> Result<Self, EstimationError> {
-        let Solved { theta, unit_covariance, condition_number } = solved;
-        let whitened = regression.whiten_matrix(design).times(&theta);
-        let squares: f64 = regression.whiten(&regression.y).iter().zip(&whitened).map(|(y, p)| (y - p).powi(2)).sum();
+        let whitened = regression.whiten_matrix(design).times(&solved.theta);
+        let squares = regression.whiten(&regression.y).iter().zip(&whitened).map(|(y, p)| (y - p).powi(2)).sum();
+        let prediction = design.times(&solved.theta);
+        Self::with_squares(regression, divisor, solved, prediction, squares)
+    }
+
+    /// The same with other parameters, as a constrained estimate has them; deviations stay those of the free one.
+    #[must_use]
+    pub fn moved_to(self, theta: Vec<f64>, regression: &Regression, design: &Matrix) -> Self {
+        let prediction = design.times(&theta);
+        let relative_error_percent = relative_error_percent(&regression.y, &prediction);
+        Self { theta, prediction, relative_error_percent, ..self }
+    }
+
+    /// The fit of a simulated response to y, with the covariance of the regression linearised there.
+    ///
+    /// # Errors
+    /// [`EstimationError`] where the sensitivities have dependent columns or a number is not finite.
+    pub(super) fn of_response(
+        regression: &Regression,
+        simulated: &SimulatedResponse,
+        theta: &[f64],
+        divisor: Divisor,
+    ) -> Result<Self, EstimationError> {
+        let qr = full_rank(&regression.whiten_matrix(&simulated.sensitivities))?;
+        let (unit_covariance, condition_number) = (qr.inverse_gram(), qr.thin_r().condition_number());
+        let solved = Solved { theta: theta.to_vec(), unit_covariance, condition_number };
+        let residual = regression.residual(&simulated.response);
+        let squares = regression.whiten(&residual).iter().map(|e| e * e).sum();
+        Self::with_squares(regression, divisor, solved, simulated.response.clone(), squares)
+    }
+
+    /// The fit of a solution with its prediction and the sum of its squared, weighted residual.
+    fn with_squares(
+        regression: &Regression,
+        divisor: Divisor,
+        Solved { theta, unit_covariance, condition_number }: Solved,
+        prediction: Vec<f64>,
+        squares: f64,
+    ) -> Result<Self, EstimationError> {
         let size = theta.len();
         let rows = regression.y.len();
         let variance = squares / divisor.freedom(rows, size);
         // One, but for triangular factors: the same squares over the freedom of all rows that they stand for.
         let represented = divisor.freedom(rows, size) / divisor.freedom(regression.rows_represented, size);
-        let prediction = design.times(&theta);
         let fit = Self {
             standard_deviation: (0..size)
                 .map(|i| (variance * unit_covariance.at(i, i)).sqrt() * represented.sqrt())

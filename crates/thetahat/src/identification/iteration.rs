@@ -1,9 +1,10 @@
 use serde::Deserialize;
 
 use super::{
-    estimators::{Design, Method},
+    estimators::Method,
     fit::{Divisor, Fit},
     outcome::{Iteration, Outcome, Reason, Status},
+    steps::Steps,
 };
 use crate::{
     linear_algebra::{Matrix, norm},
@@ -32,13 +33,6 @@ impl Default for Convergence {
 /// Halvings of a step of the parameters whose simulation fails.
 const HALVINGS: usize = 4;
 
-/// Part of the smallest change so far below which a change is progress.
-const PROGRESS: f64 = 0.8;
-/// Iterations in a row without progress after which the steps of IV are halved.
-const WITHOUT_PROGRESS: usize = 2;
-/// Least part of a step that is left of it.
-const LEAST_STEP: f64 = 1.0 / 16.0;
-
 /// Iterates IDIM-IV (10) or DIDIM (19) from `start`: simulate, build Z, estimate, until both relative changes are small.
 ///
 /// `instruments` simulates the loop with given parameters and returns Z. Where the simulation of new estimates fails, the
@@ -53,7 +47,7 @@ pub fn iterate(
     let mut estimation = Estimation::new(method, options, start.to_vec());
     while let Some(theta) = estimation.wanted() {
         let z = instruments(theta);
-        estimation.take(z, regression, &mut <[f64]>::to_vec);
+        estimation.take(z, regression, &mut |fit, _| fit);
     }
     estimation.into_outcome()
 }
@@ -68,9 +62,6 @@ pub struct IterationOptions {
 }
 
 /// An estimation by IV or DIDIM under way. It asks for its simulations, so that those of several can run side by side.
-///
-/// What is simulated need not be the estimate: IV may simulate the parameters of a physical robot near it. They are any
-/// vectors of which weighted means can be simulated as well.
 #[derive(Debug, Clone)]
 pub struct Estimation {
     method: Method,
@@ -80,14 +71,14 @@ pub struct Estimation {
     before: Vec<f64>,
     /// How often the step to the next was halved.
     halvings: usize,
-    /// Part of each step that is made, the smallest of the largest changes, and for how many iterations none was smaller.
-    step: f64,
-    smallest_change: f64,
-    without_progress: usize,
+    steps: Steps,
     last: Option<(Fit, f64, Matrix)>,
     outcome: Outcome,
     is_done: bool,
 }
+
+/// What becomes of an estimate and its instruments before it counts: a constrained one may take its place.
+pub type Revision<'a> = &'a mut dyn FnMut(Fit, &Matrix) -> Fit;
 
 impl Estimation {
     /// An estimation from the parameters that are simulated first.
@@ -95,29 +86,10 @@ impl Estimation {
     pub fn new(method: Method, options: IterationOptions, start: Vec<f64>) -> Self {
         let iterations = options.convergence.iterations;
         let reason = Reason::IterationLimit { iterations, relative_error_percent: f64::NAN, parameter_change: None };
-        let outcome = Outcome {
-            status: Status::IterationLimit,
-            reason: Some(reason),
-            fit: None,
-            iterations: Vec::new(),
-            simulations: 0,
-            instruments: None,
-        };
+        let outcome = Outcome { reason: Some(reason), ..Outcome::nothing() };
         let is_done = iterations == 0;
         let before = start.clone();
-        Self {
-            method,
-            options,
-            theta: start,
-            before,
-            halvings: 0,
-            step: 1.0,
-            smallest_change: f64::INFINITY,
-            without_progress: 0,
-            last: None,
-            outcome,
-            is_done,
-        }
+        Self { method, options, theta: start, before, halvings: 0, steps: Steps::new(), last: None, outcome, is_done }
     }
 
     /// The parameters with which the loop is to be simulated; none at the end.
@@ -126,16 +98,21 @@ impl Estimation {
         (!self.is_done).then_some(&self.theta)
     }
 
-    /// The estimate of the last iteration.
+    /// Factor of the tolerances with which it is to be simulated: below one where changes do not shrink.
     #[must_use]
-    pub fn estimate(&self) -> Option<&[f64]> {
-        self.last.as_ref().map(|(fit, _, _)| &fit.theta[..])
+    pub fn tolerance(&self) -> f64 {
+        self.steps.tolerance
     }
 
-    /// Wants other parameters simulated than those whose simulation failed.
-    pub fn simulate_instead(&mut self, theta: Vec<f64>) {
+    /// Wants the last estimate simulated in another way, revised, after its simulation failed; false where there is none.
+    pub fn simulate_anew(&mut self, revise: Revision<'_>) -> bool {
+        let Some((fit, error, z)) = self.last.take() else { return false };
+        let fit = revise(fit, &z);
         self.outcome.simulations += 1;
-        self.theta = theta;
+        self.theta.clone_from(&fit.theta);
+        self.steps.restart();
+        self.last = Some((fit, error, z));
+        true
     }
 
     /// How it ended, or how far it is.
@@ -145,17 +122,15 @@ impl Estimation {
     }
 
     /// Takes Z of the loop that was simulated with the parameters wanted, and estimates; where the simulation failed, half
-    /// the step is wanted. `to_simulate` gives the parameters to simulate for an estimate.
-    pub fn take(
-        &mut self,
-        z: Result<Matrix, SimulationError>,
-        regression: &Regression,
-        to_simulate: &mut dyn FnMut(&[f64]) -> Vec<f64>,
-    ) {
+    /// the step is wanted.
+    pub fn take(&mut self, z: Result<Matrix, SimulationError>, regression: &Regression, revise: Revision<'_>) {
         self.outcome.simulations += 1;
         match z {
             Ok(z) => match self.method.estimate(regression, Some(&z), self.options.divisor) {
-                Ok(fit) => self.accept(fit, z, regression, to_simulate),
+                Ok(fit) => {
+                    let fit = revise(fit, &z);
+                    self.accept(fit, z, regression);
+                }
                 Err(e) => self.fail(Status::NotIdentifiable, Reason::Estimation(e)),
             },
             Err(_) if self.halvings < HALVINGS && self.before != self.theta => {
@@ -181,28 +156,24 @@ impl Estimation {
         self.fail(Status::Stalled, Reason::Stalled { cause, relative_error_percent, parameter_change });
     }
 
-    fn accept(
-        &mut self,
-        fit: Fit,
-        z: Matrix,
-        regression: &Regression,
-        to_simulate: &mut dyn FnMut(&[f64]) -> Vec<f64>,
-    ) {
+    fn accept(&mut self, fit: Fit, z: Matrix, regression: &Regression) {
         let error = norm(&regression.whiten(&regression.residual(&fit.prediction)));
-        let parameter_change = self.last.as_ref().map(|(before, _, _)| largest_change(before, &fit));
+        // What was simulated first were start values, no estimate.
+        let parameter_change = self.last.as_ref().map(|_| largest_change(&self.theta, &fit));
         let error_change = self.last.as_ref().map(|(_, before, _)| relative_change(*before, error));
         let relative_error_percent = fit.relative_error_percent;
-        self.damp(parameter_change);
         let theta = fit.theta.clone();
         self.outcome.iterations.push(Iteration { theta, relative_error_percent, parameter_change, error_change });
-        // A part of a step makes a part of the change.
-        let small = |change: Option<f64>, limit: f64| change.is_some_and(|c| c <= limit * self.step);
+        let small = |change: Option<f64>, limit: f64| change.is_some_and(|c| c <= limit);
         let Convergence { parameter_change: parameter_limit, error_change: error_limit, iterations } =
             self.options.convergence;
         if small(parameter_change, parameter_limit) && small(error_change, error_limit) {
             (self.outcome.status, self.outcome.reason) = (Status::Converged, None);
         } else if self.outcome.iterations.len() < iterations {
-            self.step_to(to_simulate(&fit.theta));
+            let next =
+                self.steps.next(&self.theta, &fit.theta, &regression.whiten_matrix(&regression.x), parameter_change);
+            self.before = std::mem::replace(&mut self.theta, next);
+            self.halvings = 0;
             self.last = Some((fit, error, z));
             return;
         } else {
@@ -211,36 +182,14 @@ impl Estimation {
         }
         (self.outcome.fit, self.outcome.instruments, self.is_done) = (Some(fit), Some(z), true);
     }
-
-    /// Halves the steps of IV where the largest change has not become smaller in two iterations: where it grows, or goes to
-    /// and fro. DIDIM keeps its steps: it is least squares on its own simulation.
-    fn damp(&mut self, change: Option<f64>) {
-        let Some(change) = change else { return };
-        // A part of a step makes a part of the change.
-        let whole = change / self.step;
-        self.without_progress = if whole < PROGRESS * self.smallest_change { 0 } else { self.without_progress + 1 };
-        self.smallest_change = self.smallest_change.min(whole);
-        if self.method.design() == Design::Measured && self.without_progress >= WITHOUT_PROGRESS {
-            (self.step, self.without_progress) = ((0.5 * self.step).max(LEAST_STEP), 0);
-        }
-    }
-
-    /// Wants the parameters at the part of the way to `next` that is made.
-    fn step_to(&mut self, mut next: Vec<f64>) {
-        if self.step < 1.0 {
-            next.iter_mut().zip(&self.theta).for_each(|(n, t)| *n = t + self.step * (*n - t));
-        }
-        self.before = std::mem::replace(&mut self.theta, next);
-        self.halvings = 0;
-    }
 }
 
-/// The largest change of an estimate in its standard deviations: a change that the data could not tell from none does not
-/// hold up the iteration, however small the estimate is.
-fn largest_change(before: &Fit, now: &Fit) -> f64 {
+/// The largest change from what was simulated to its estimate, in standard deviations: a change that the data could not tell
+/// from none does not hold up the iteration, however small the estimate is.
+fn largest_change(simulated: &[f64], now: &Fit) -> f64 {
     let change = |i: usize| {
         let size = now.standard_deviation[i].max(f64::EPSILON * now.theta[i].abs()).max(f64::MIN_POSITIVE);
-        (now.theta[i] - before.theta[i]).abs() / size
+        (now.theta[i] - simulated[i]).abs() / size
     };
     (0..now.theta.len()).map(change).fold(0.0, f64::max)
 }
@@ -311,9 +260,9 @@ mod tests {
         assert_eq!((outcome.status, outcome.fit), (Status::Diverged, None));
     }
 
-    /// Instruments that overreact: the parameters simulated next are twice as far on the other side.
+    /// Instruments that overreact: each estimate is on the other side of the fixed point, and farther away.
     #[test]
-    fn steps_that_grow_are_halved_until_the_iteration_settles() {
+    fn steps_that_grow_are_mixed_until_the_iteration_settles() {
         let limits = Convergence { parameter_change: 1e-3, error_change: 1e-6, iterations: 60 };
         let regression = {
             let Regression { x, y, .. } = measured();
@@ -322,8 +271,8 @@ mod tests {
         };
         let mut estimation = Estimation::new(Method::IDIM_IV, options(limits), vec![2.1]);
         while let Some(theta) = estimation.wanted().map(<[f64]>::to_vec) {
-            // The estimate depends on what is simulated through the noise; here the slope is made -1.6.
-            estimation.take(Ok(z_of(theta[0])), &regression, &mut |_| vec![2.0 - 1.6 * (theta[0] - 2.0)]);
+            let overreact = &mut |fit: Fit, _: &Matrix| Fit { theta: vec![2.0 - 1.6 * (theta[0] - 2.0)], ..fit };
+            estimation.take(Ok(z_of(theta[0])), &regression, overreact);
         }
         assert_eq!(estimation.into_outcome().status, Status::Converged);
     }

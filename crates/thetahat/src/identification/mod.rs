@@ -31,12 +31,15 @@ mod estimators;
 mod fit;
 mod iteration;
 mod outcome;
+mod prediction_error;
+mod steps;
 mod uncertainty;
 
 pub use assembly::Assembly;
 pub use essential::{Elimination, EliminationRule, eliminate, nested_f_test};
-pub use estimators::{Design, Method, Needs, UnknownMethod, Weighting, didim, idim_iv, idim_ls};
-pub use fit::{Divisor, EstimationError, Fit};
-pub use iteration::{Convergence, Estimation, IterationOptions, iterate};
+pub use estimators::{Design, Method, Needs, Response, UnknownMethod, Weighting, didim, idim_iv, idim_ls};
+pub use fit::{Divisor, EstimationError, Fit, SimulatedResponse};
+pub use iteration::{Convergence, Estimation, IterationOptions, Revision, iterate};
 pub use outcome::{Iteration, Outcome, Reason, Status};
+pub use prediction_error::{PredictionErrorEstimation, Wanted};
 pub use uncertainty::{Uncertainty, uncertainty};

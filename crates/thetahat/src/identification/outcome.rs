@@ -79,11 +79,19 @@ pub struct Outcome {
     pub iterations: Vec<Iteration>,
     /// Closed-loop simulations run.
     pub simulations: usize,
-    /// The instruments of the last estimate.
+    /// The instruments of the last estimate, or the sensitivities of its response.
     pub instruments: Option<Matrix>,
+    /// What the prediction adds to `J theta` where the response is not linear in the parameters.
+    pub offset: Option<Vec<f64>>,
 }
 
 impl Outcome {
+    /// What there is before an estimation: it has not converged, and there is no reason yet.
+    pub(super) fn nothing() -> Self {
+        let (status, iterations) = (Status::IterationLimit, Vec::new());
+        Self { status, reason: None, fit: None, iterations, simulations: 0, instruments: None, offset: None }
+    }
+
     /// The outcome of a method that does not iterate.
     #[must_use]
     pub fn direct(result: Result<Fit, EstimationError>) -> Self {
@@ -91,7 +99,7 @@ impl Outcome {
             Ok(fit) => (Status::Converged, None, Some(fit)),
             Err(e) => (Status::NotIdentifiable, Some(Reason::Estimation(e)), None),
         };
-        Self { status, reason, fit, iterations: Vec::new(), simulations: 0, instruments: None }
+        Self { status, reason, fit, ..Self::nothing() }
     }
 }
 

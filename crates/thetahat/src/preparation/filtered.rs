@@ -104,9 +104,15 @@ impl FilteredRecording {
         assembly.observation_matrix(q, dq, ddq, Sign::Exact)
     }
 
-    /// The torques in the window.
+    /// The torques in the window; zeros where they were not recorded.
     pub(crate) fn torque(&self) -> Series {
-        self.recording.torque.window(self.window.clone())
+        let zeros = || Series::zeros(self.window.len(), self.recording.position.channels());
+        self.recording.torque.as_ref().map_or_else(zeros, |torque| torque.window(self.window.clone()))
+    }
+
+    /// The recorded positions in the window, as they are.
+    pub(crate) fn position(&self) -> Series {
+        self.recording.position.window(self.window.clone())
     }
 
     /// Time of the first sample of the window, s.

@@ -26,8 +26,8 @@ pub struct Recording {
     pub window_s: [Option<f64>; 2],
     /// Positions of the joints, rad or m.
     pub position: Series,
-    /// Torques of the joints, N m or N.
-    pub torque: Series,
+    /// Torques of the joints, N m or N, where they were recorded.
+    pub torque: Option<Series>,
     /// Velocities of the joints, rad/s or m/s, which the checks compare with the positions; nothing else uses them.
     pub velocity: Option<Series>,
     /// The reference of the positions.
@@ -46,6 +46,13 @@ impl Recording {
     /// Positions and torques of the joints, sampled at equal steps.
     #[must_use]
     pub fn new(sample_rate_hz: f64, position: Series, torque: Series) -> Self {
+        Self { torque: Some(torque), ..Self::without_torque(sample_rate_hz, position) }
+    }
+
+    /// Positions of the joints, sampled at equal steps, of a motion whose torques were not recorded: CLOE alone estimates
+    /// from them.
+    #[must_use]
+    pub fn without_torque(sample_rate_hz: f64, position: Series) -> Self {
         Self {
             name: String::new(),
             weight: 1.0,
@@ -54,7 +61,7 @@ impl Recording {
             resampling: None,
             window_s: [None, None],
             position,
-            torque,
+            torque: None,
             velocity: None,
             reference: None,
             added_signal: None,
@@ -96,7 +103,7 @@ impl Recording {
         Self {
             resampling: clock.resampling(),
             position: clock.to_equal_steps(self.position),
-            torque: clock.to_equal_steps(self.torque),
+            torque: even(self.torque),
             velocity: even(self.velocity),
             reference: even(self.reference),
             added_signal: even(self.added_signal),
@@ -115,7 +122,7 @@ impl Recording {
         let samples = self.position.len();
         for (what, series) in [
             ("position", Some(&self.position)),
-            ("torque", Some(&self.torque)),
+            ("torque", self.torque.as_ref()),
             ("velocity", self.velocity.as_ref()),
             ("reference", self.reference.as_ref()),
             ("added_signal", self.added_signal.as_ref()),
@@ -161,9 +168,9 @@ mod tests {
             message(good.clone(), 2),
             "recording a: channels of position is 1, expected 2, one for each coordinate of the robot"
         );
-        let short = Recording { torque: series(&[0.0]), ..good.clone() };
+        let short = Recording { torque: Some(series(&[0.0])), ..good.clone() };
         assert_eq!(message(short, 1), "recording a: samples of torque is 1, expected 2, as of position");
-        let gap = Recording { torque: series(&[0.0, f64::NAN]), ..good.clone() };
+        let gap = Recording { torque: Some(series(&[0.0, f64::NAN])), ..good.clone() };
         assert_eq!(message(gap, 1), "recording a: torque of coordinate 1 at sample 1 is NaN, expected a finite number");
         let still = Recording { sample_rate_hz: 0.0, ..good };
         assert_eq!(message(still, 1), "sample_rate_hz is 0, expected a finite number above zero");

@@ -2,7 +2,10 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-use super::physical::{KnownQuantity, PriorOptions};
+use super::{
+    loop_parameters::LoopParameter,
+    physical::{KnownQuantity, PriorOptions},
+};
 use crate::{
     control::ControllerDescription,
     identification::{Convergence, Divisor, EliminationRule, IterationOptions, Method, Weighting},
@@ -173,6 +176,8 @@ pub struct EstimationOptions {
     pub start: Start,
     /// Gains of a controller that is given by its bandwidth.
     pub gains: Gains,
+    /// What CLIE and CLOE estimate of the loop beside the parameters; gains stay those of the start values then.
+    pub loop_parameters: Vec<LoopParameter>,
     /// When the iterations stop.
     pub convergence: Convergence,
     /// What the squared residual is divided by.
@@ -186,6 +191,7 @@ impl Default for EstimationOptions {
             weighting: BTreeMap::new(),
             start: Start::default(),
             gains: Gains::default(),
+            loop_parameters: Vec::new(),
             convergence: Convergence::default(),
             variance: Divisor::default(),
         }
@@ -251,6 +257,8 @@ pub struct Case {
     pub simulator: SimulatorBias,
     /// Another friction model than the robot's.
     pub friction: Option<Friction>,
+    /// Another velocity scale of the simulator's regularised sign than the experiment's, rad/s or m/s.
+    pub sign_velocity_scale: Option<f64>,
     /// Other methods than the experiment's.
     pub methods: Option<Vec<Method>>,
 }
@@ -259,7 +267,13 @@ impl Case {
     /// The case without any difference.
     #[must_use]
     pub fn nominal() -> Self {
-        Self { name: NOMINAL.to_owned(), simulator: SimulatorBias::NONE, friction: None, methods: None }
+        Self {
+            name: NOMINAL.to_owned(),
+            simulator: SimulatorBias::NONE,
+            friction: None,
+            sign_velocity_scale: None,
+            methods: None,
+        }
     }
 
     /// The same with another bias of the simulator.

@@ -89,6 +89,9 @@ impl Settings {
                 let expected = "factors above zero and a delay not below zero";
                 return Err(PreparationError::value(&key, expected, "out of range"));
             }
+            if let Some(scale) = case.sign_velocity_scale {
+                PreparationError::require_positive(&format!("[[case]] {}: sign_velocity_scale", case.name), scale)?;
+            }
             self.validate_method_list(case.methods.as_ref().unwrap_or(&self.estimation.methods))?;
         }
         Ok(())
@@ -104,11 +107,12 @@ impl Settings {
         }
         let simulates = |method: &Method| match method.needs() {
             Needs::Measurement => false,
-            Needs::Instruments => true,
+            Needs::Instruments | Needs::Sensitivities => true,
         };
         let needs_stated = |m: &Method| simulates(m) && m.design() == Design::Simulated;
         if methods.iter().any(needs_stated) && self.controller.is_none() {
-            let why = "didim fits the simulated closed loop; describe it, or set [estimation] methods = [\"idim-ls\", \"idim-iv\"]";
+            let why = "didim, clie and cloe fit the simulated closed loop; describe it, or set [estimation] methods = \
+                       [\"idim-ls\", \"idim-iv\"]";
             return Err(PreparationError::Missing { missing: "[controller]", why });
         }
         Ok(())

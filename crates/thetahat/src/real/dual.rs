@@ -2,57 +2,71 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 use super::Real;
 
-/// A number with its derivative in one direction: a kernel of dual numbers gives exact derivatives of what it computes.
+/// A number with its derivative in one direction, or in several in the lanes of `T`: a kernel of dual numbers gives exact
+/// derivatives of what it computes.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Dual {
-    pub(crate) value: f64,
-    pub(crate) derivative: f64,
+pub(crate) struct Dual<T = f64> {
+    pub(crate) value: T,
+    pub(crate) derivative: T,
 }
 
-impl Dual {
+impl<T: Real> Dual<T> {
     /// A number that does not vary.
     #[inline(always)]
-    pub(crate) fn constant(value: f64) -> Self {
-        Self { value, derivative: 0.0 }
+    pub(crate) fn constant(value: T) -> Self {
+        Self { value, derivative: value.like(0.0) }
+    }
+
+    #[inline(always)]
+    fn product_rule(self, other: Self) -> Self {
+        let derivative = self.derivative * other.value + self.value * other.derivative;
+        Self { value: self.value * other.value, derivative }
+    }
+
+    #[inline(always)]
+    fn quotient_rule(self, other: Self) -> Self {
+        let value = self.value / other.value;
+        Self { value, derivative: (self.derivative - value * other.derivative) / other.value }
     }
 }
 
-impl Real for Dual {
+impl<T: Real> Real for Dual<T> {
     #[inline(always)]
     fn like(self, value: f64) -> Self {
-        Self::constant(value)
+        Self::constant(self.value.like(value))
     }
 
     #[inline(always)]
     fn select_less(self, bound: Self, then: Self, otherwise: Self) -> Self {
-        if self.value < bound.value { then } else { otherwise }
+        let select = |then, otherwise| self.value.select_less(bound.value, then, otherwise);
+        Self { value: select(then.value, otherwise.value), derivative: select(then.derivative, otherwise.derivative) }
     }
 
     #[inline(always)]
     fn largest(self) -> f64 {
-        self.value.abs()
+        self.value.largest()
     }
 
     #[inline(always)]
     fn is_positive(self) -> bool {
-        self.value > 0.0
+        self.value.is_positive()
     }
 
     /// Of a function whose derivative is not known here: as if it were constant.
     #[inline(always)]
     fn map(self, f: impl Fn(f64) -> f64) -> Self {
-        Self::constant(f(self.value))
+        Self::constant(self.value.map(f))
     }
 
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        let (sine, cosine) = self.value.sin_cos();
+        let (sine, cosine) = Real::sin_cos(self.value);
         let (s, c) = (cosine * self.derivative, -sine * self.derivative);
         (Self { value: sine, derivative: s }, Self { value: cosine, derivative: c })
     }
 }
 
-impl Add for Dual {
+impl<T: Real> Add for Dual<T> {
     type Output = Self;
 
     #[inline(always)]
@@ -61,7 +75,7 @@ impl Add for Dual {
     }
 }
 
-impl Sub for Dual {
+impl<T: Real> Sub for Dual<T> {
     type Output = Self;
 
     #[inline(always)]
@@ -70,17 +84,16 @@ impl Sub for Dual {
     }
 }
 
-impl Mul for Dual {
+impl<T: Real> Mul for Dual<T> {
     type Output = Self;
 
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        let derivative = self.derivative * other.value + self.value * other.derivative;
-        Self { value: self.value * other.value, derivative }
+        self.product_rule(other)
     }
 }
 
-impl Mul<f64> for Dual {
+impl<T: Real> Mul<f64> for Dual<T> {
     type Output = Self;
 
     #[inline(always)]
@@ -89,17 +102,16 @@ impl Mul<f64> for Dual {
     }
 }
 
-impl Div for Dual {
+impl<T: Real> Div for Dual<T> {
     type Output = Self;
 
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        let value = self.value / other.value;
-        Self { value, derivative: (self.derivative - value * other.derivative) / other.value }
+        self.quotient_rule(other)
     }
 }
 
-impl Neg for Dual {
+impl<T: Real> Neg for Dual<T> {
     type Output = Self;
 
     #[inline(always)]
@@ -108,14 +120,14 @@ impl Neg for Dual {
     }
 }
 
-impl AddAssign for Dual {
+impl<T: Real> AddAssign for Dual<T> {
     #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
     }
 }
 
-impl SubAssign for Dual {
+impl<T: Real> SubAssign for Dual<T> {
     #[inline(always)]
     fn sub_assign(&mut self, other: Self) {
         *self = *self - other;

@@ -143,7 +143,7 @@ impl Solver<'_> {
     fn z(&self, all: &Compressed, method: Method) -> Option<Matrix> {
         match method.needs() {
             Needs::Measurement => None,
-            Needs::Instruments => all.z.as_ref().map(|z| z.select_columns(&self.chosen.columns)),
+            Needs::Instruments | Needs::Sensitivities => all.z.as_ref().map(|z| z.select_columns(&self.chosen.columns)),
         }
     }
 
@@ -211,7 +211,7 @@ impl Solver<'_> {
     fn convergence(&self, method: Method, fit: &Fit) -> (Status, Option<String>) {
         let simulated = match method.needs() {
             Needs::Measurement => None,
-            Needs::Instruments => self.reduction.instruments.as_ref(),
+            Needs::Instruments | Needs::Sensitivities => self.reduction.instruments.as_ref(),
         };
         let Some(simulated) = simulated else { return (Status::Converged, None) };
         let change = |(i, &c): (usize, &usize)| (fit.theta[i] - simulated[c]).abs() / fit.standard_deviation[i];

@@ -54,7 +54,11 @@ impl<'a> Source<'a> {
         (number, data): (usize, &Path),
         simulated: bool,
     ) -> Result<Self, ReductionError> {
-        let (sources, places) = sources_of(description, simulated);
+        let Some(torque) = &description.torque else {
+            let why = "a reduction is of torques; `thetahat identify` takes positions alone, with methods = [\"cloe\"]";
+            return Err(experiment.missing("[recording] torque", why).into());
+        };
+        let (sources, places) = sources_of(description, torque, simulated);
         let Some(signals) = SignalPieces::open(&sources, data).map_err(ExperimentError::from)? else {
             return Self::whole(experiment, description, (number, data));
         };
@@ -156,7 +160,11 @@ impl<'a> Source<'a> {
     /// Positions and torques of the joints in a range of samples; the stamps there are checked.
     pub(super) fn motion(&self, range: Range<usize>) -> Result<(Series, Series), ReductionError> {
         match &self.values {
-            Values::Whole(record) => Ok((record.position.window(range.clone()), record.torque.window(range))),
+            Values::Whole(record) => {
+                let torque = record.torque.as_ref().map(|torque| torque.window(range.clone()));
+                let zeros = || Series::zeros(range.len(), record.position.channels());
+                Ok((record.position.window(range.clone()), torque.unwrap_or_else(zeros)))
+            }
             Values::Pieces { .. } => {
                 let mut read = self.read(&[POSITION, TORQUE], range)?;
                 let torque = self.joint_torques(read.remove(1));
@@ -185,23 +193,23 @@ impl<'a> Source<'a> {
     }
 
     fn joint_positions(&self, series: Series) -> Series {
-        match self.side_of(|description| &description.position) {
+        match self.side_of(|description| description.position.side) {
             Side::Motor => self.experiment.robot.transmission.joint_positions(&series),
             Side::Joint => series,
         }
     }
 
     fn joint_torques(&self, series: Series) -> Series {
-        match self.side_of(|description| &description.torque) {
+        match self.side_of(|description| description.torque.as_ref().map_or(Side::Joint, |torque| torque.side)) {
             Side::Motor => self.experiment.robot.transmission.joint_torques(&series),
             Side::Joint => series,
         }
     }
 
     /// The side of the gears on which a signal is read; a recording in memory is on the joint side.
-    fn side_of(&self, signal: fn(&RecordingDescription) -> &ChannelSource) -> Side {
+    fn side_of(&self, side: fn(&RecordingDescription) -> Side) -> Side {
         match &self.values {
-            Values::Pieces { description, .. } => signal(description).side,
+            Values::Pieces { description, .. } => side(description),
             Values::Whole(_) => Side::Joint,
         }
     }
@@ -265,8 +273,12 @@ impl<'a> Source<'a> {
 }
 
 /// The signals that are read, and where in their list those are that not every recording has.
-fn sources_of(description: &RecordingDescription, simulated: bool) -> (Vec<&ChannelSource>, Places) {
-    let mut sources = vec![&description.position, &description.torque];
+fn sources_of<'d>(
+    description: &'d RecordingDescription,
+    torque: &'d ChannelSource,
+    simulated: bool,
+) -> (Vec<&'d ChannelSource>, Places) {
+    let mut sources = vec![&description.position, torque];
     let mut places = Places::default();
     for (source, wanted, place) in [
         (&description.time, true, &mut places.time),

@@ -53,6 +53,19 @@ impl Regression {
         Self { x: Arc::new(x), ..self.clone() }
     }
 
+    /// The same rows with something taken away from y.
+    #[must_use]
+    pub fn less(&self, offset: Option<&[f64]>) -> Self {
+        let taken = |offset: &[f64]| Arc::new(self.y.iter().zip(offset).map(|(y, o)| y - o).collect());
+        Self { y: offset.map_or_else(|| self.y.clone(), taken), ..self.clone() }
+    }
+
+    /// The same rows with another vector in the place of y.
+    #[must_use]
+    pub fn with_measured(&self, y: Vec<f64>) -> Self {
+        Self { y: Arc::new(y), ..self.clone() }
+    }
+
     /// Number of parameters.
     #[must_use]
     pub fn parameters(&self) -> usize {

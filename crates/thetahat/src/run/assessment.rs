@@ -1,19 +1,22 @@
 //! What is computed of an estimate: its numbers with their deviations, its simulation and its curves, and how it predicts
 //! what it was not made from.
 
+use std::borrow::Cow;
+
 use super::{
     cross_validation::{CrossValidation, Folds, folds_by_move, folds_by_part, folds_by_recording, leave_folds_out},
     identification::{Identification, explain},
-    parameters::parameter_results,
+    linear::Linear,
+    parameters::{loop_parameter_results, parameter_results},
     physical::Examined,
     prepared::filtered,
 };
 use crate::{
     diagnosis::{Estimated, residual},
-    identification::{Fit, Method, Needs, Outcome, uncertainty},
+    identification::{Fit, Method, Needs, Outcome, Response, uncertainty},
     preparation::{Case, PreparationError, Problem},
     regression::relative_error_percent,
-    results::{Influence, IterationResult, ParameterResult, RunResult},
+    results::{Influence, IterationResult, LoopParameterResult, ParameterResult, RunResult},
     scheduling::{EstimationJob, Finished},
     simulation::Reference,
 };
@@ -32,16 +35,17 @@ impl Assessment<'_> {
         let Finished { outcome, motions, note, seconds } = finished;
         let mut run = self.summarise(&outcome);
         run.seconds = seconds;
-        if method.needs() == Needs::Instruments {
+        if method.needs() != Needs::Measurement {
             run.notes = self.identification.simulation_notes().into_iter().chain(note).collect();
         }
         if let Some(fit) = &outcome.fit {
             run.simulation_relative_error_percent =
                 simulator.as_ref().zip(motions.as_ref()).map(|(s, motions)| s.errors(motions));
-            run.plots = problem.plots(&fit.prediction, motions.as_deref().unwrap_or_default());
+            run.plots = problem.plots(&self.torque(fit), motions.as_deref().unwrap_or_default());
             let setup = self.identification.setup();
             let folds = self.folds(problem).filter(|_| setup.settings.parameters.physical);
-            run.physical = Examined { setup, job: self.job, outcome: &outcome, fit, run: &run, folds }.physical();
+            let linear = Linear::of(self.job, &outcome, fit);
+            run.physical = Examined { setup, job: self.job, linear: &linear, run: &run, folds }.physical();
             run.residual = Some(residual(regression, &fit.prediction));
             self.leave_parts_out(&outcome, &mut run);
             if !self.identification.validation.is_empty() {
@@ -52,6 +56,14 @@ impl Assessment<'_> {
         Ok((run, Estimated { method: *method, regression: regression.clone(), outcome }))
     }
 
+    /// The predicted torque: of the measured motion where the response that is fitted is another.
+    fn torque<'f>(&self, fit: &'f Fit) -> Cow<'f, [f64]> {
+        match self.job.method.response() {
+            Response::Torque => Cow::Borrowed(&fit.prediction),
+            Response::Position => Cow::Owned(self.job.problem.regression.x.times(self.of_robot(fit))),
+        }
+    }
+
     fn summarise(&self, outcome: &Outcome) -> RunResult {
         let EstimationJob { problem, method, regression, .. } = self.job;
         let fit = outcome.fit.as_ref();
@@ -59,7 +71,7 @@ impl Assessment<'_> {
             relative_error_percent: i.relative_error_percent,
             parameter_change: i.parameter_change,
             error_change: i.error_change,
-            estimates: i.theta.clone(),
+            estimates: i.theta.iter().take(problem.estimated.len()).copied().collect(),
         });
         let test = |f| if *method == Method::IDIM_LS { problem.full_model_test(f) } else { None };
         RunResult {
@@ -75,6 +87,7 @@ impl Assessment<'_> {
             f_test: fit.and_then(test),
             convergence: iterations.collect(),
             parameters: fit.map(|f| self.parameters(f, outcome)).unwrap_or_default(),
+            loop_parameters: fit.map(|f| self.loop_parameters(f, outcome)).unwrap_or_default(),
             ..RunResult::new(&self.case.name, *method, outcome.status)
         }
     }
@@ -88,11 +101,23 @@ impl Assessment<'_> {
         parameter_results(settings, &problem.estimated, fit, uncertainty.as_ref(), truth.as_deref())
     }
 
+    fn loop_parameters(&self, fit: &Fit, outcome: &Outcome) -> Vec<LoopParameterResult> {
+        let EstimationJob { problem, method, regression, simulator, .. } = self.job;
+        let Some(simulator) = simulator.as_ref().filter(|s| !s.loop_parameters().is_empty()) else { return Vec::new() };
+        let uncertainty = uncertainty(*method, regression, outcome.instruments.as_ref(), fit).ok();
+        loop_parameter_results(simulator.loop_parameters(), problem.estimated.len(), fit, uncertainty.as_ref())
+    }
+
+    /// The estimates of the robot's parameters, without those of the loop.
+    fn of_robot<'f>(&self, fit: &'f Fit) -> &'f [f64] {
+        &fit.theta[..self.job.problem.estimated.len()]
+    }
+
     /// Leaves recordings, moves or parts out in turn, and predicts them from the others.
     fn leave_parts_out(&self, outcome: &Outcome, run: &mut RunResult) {
         let EstimationJob { problem, method, regression, .. } = self.job;
         let Some(folds) = self.folds(problem) else { return };
-        let Some(left_out) = leave_folds_out(regression, *method, outcome.instruments.as_ref(), &folds) else { return };
+        let Some(left_out) = leave_folds_out(regression, *method, outcome, &folds) else { return };
         run.influence = influence(run, &left_out, &folds);
         run.cross_validation_relative_error_percent = Some(left_out.relative_error_percent);
         run.cross_validation_interval_95_percent = left_out.interval_95_percent;
@@ -123,7 +148,7 @@ impl Assessment<'_> {
         let setup = identification.setup();
         let problem = setup.validation_problem(self.case, &recordings, &self.job.problem.estimated)?;
         let regression = &problem.regression;
-        let prediction = regression.x.times(&fit.theta);
+        let prediction = regression.x.times(self.of_robot(fit));
         run.cross_validation_relative_error_percent = Some(relative_error_percent(&regression.y, &prediction));
         run.validation_condition_number = Some(regression.x.condition_number());
         if let Some(simulator) = identification.simulator(&identification.validation, &problem, self.case) {

@@ -35,7 +35,9 @@ pub(super) fn metric<'a>(
     };
     let whitened: Cow<'_, Matrix> = regression.whiten_matrix(design);
     let triangle = match (method.needs(), method.design()) {
-        (Needs::Measurement, _) | (Needs::Instruments, Design::Simulated) => whitened.triangular_factor(),
+        (Needs::Measurement | Needs::Sensitivities, _) | (Needs::Instruments, Design::Simulated) => {
+            whitened.triangular_factor()
+        }
         (Needs::Instruments, Design::Measured) => {
             let basis = PivotedQr::with_equal_columns(&regression.whiten_matrix(z?)).thin_q();
             let iv = InstrumentalVariables::new(basis, &whitened, PivotedQr::with_equal_columns);

@@ -3,7 +3,7 @@
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::{
-    identification::{Design, Divisor, EstimationError, Method, Needs},
+    identification::{Design, Divisor, EstimationError, Method, Needs, Outcome},
     linear_algebra::Matrix,
     regression::{Regression, relative_error_percent},
     trajectory::Moves,
@@ -67,16 +67,21 @@ pub(super) struct CrossValidation {
     pub(super) theta: Vec<Vec<f64>>,
 }
 
-/// Leaves each fold out in turn, estimates from the others with the instruments at hand, and predicts the one left out.
+/// Leaves each fold out in turn, estimates from the others with the instruments or sensitivities at hand, and predicts the
+/// one left out.
 pub(super) fn leave_folds_out(
     regression: &Regression,
     method: Method,
-    instruments: Option<&Matrix>,
+    outcome: &Outcome,
     folds: &Folds,
 ) -> Option<CrossValidation> {
+    let instruments = outcome.instruments.as_ref();
+    let measured = &regression.y;
+    let linear = regression.less(outcome.offset.as_deref());
+    let regression = &linear;
     let rows = regression.y.len();
     let of_row: Vec<usize> = (0..rows).map(|k| folds.of_row[k % folds.of_row.len()]).collect();
-    let parameters = regression.parameters();
+    let parameters = parameters_of(regression, method, instruments);
     let equations = Equations::new(regression, method, instruments);
     let left = WithoutEach::new(&equations.rows, &of_row, (folds.names.len(), parameters));
     let predicting = match method.design() {
@@ -88,12 +93,13 @@ pub(super) fn leave_folds_out(
     for fold in 0..folds.names.len() {
         let theta = equations.estimate(method, &left.triangle(fold)).ok()?;
         let all = predicting.times(&theta);
-        (0..rows).filter(|&k| of_row[k] == fold).for_each(|k| prediction[k] = all[k]);
+        let offset = |k: usize| measured[k] - regression.y[k];
+        (0..rows).filter(|&k| of_row[k] == fold).for_each(|k| prediction[k] = all[k] + offset(k));
         estimates.push(theta);
     }
     Some(CrossValidation {
-        relative_error_percent: relative_error_percent(&regression.y, &prediction),
-        interval_95_percent: interval(&regression.y, &prediction, &of_row, folds.names.len()),
+        relative_error_percent: relative_error_percent(measured, &prediction),
+        interval_95_percent: interval(measured, &prediction, &of_row, folds.names.len()),
         theta: estimates,
     })
 }
@@ -148,6 +154,14 @@ fn interval(y: &[f64], prediction: &[f64], of_row: &[usize], folds: usize) -> Op
     of_percent.is_finite().then(|| [(centre - of_percent).max(0.0), centre + of_percent])
 }
 
+/// Those that multiply the design: of the robot, and of the loop where the method estimates any.
+fn parameters_of(regression: &Regression, method: Method, instruments: Option<&Matrix>) -> usize {
+    match (method.design(), instruments) {
+        (Design::Simulated, Some(z)) => z.columns(),
+        (Design::Measured, _) | (Design::Simulated, None) => regression.parameters(),
+    }
+}
+
 /// The weighted rows from which a method estimates: Z where it needs instruments, X where its prediction is of the measured
 /// motion, and y.
 struct Equations {
@@ -164,13 +178,18 @@ impl Equations {
         let y = Matrix::from_fn(regression.y.len(), 1, |k, _| regression.y[k]);
         let z = match method.needs() {
             Needs::Measurement => None,
-            Needs::Instruments => instruments,
+            Needs::Instruments | Needs::Sensitivities => instruments,
         };
         let has_measured = method.design() == Design::Measured || z.is_none();
         let x = has_measured.then_some(regression.x.as_ref());
         let parts: Vec<&Matrix> = z.into_iter().chain(x).chain([&y]).collect();
         let rows = regression.whiten_matrix(&Matrix::beside(&parts)).into_owned();
-        Self { rows, parameters: regression.parameters(), has_instruments: z.is_some(), has_measured }
+        Self {
+            rows,
+            parameters: parameters_of(regression, method, instruments),
+            has_instruments: z.is_some(),
+            has_measured,
+        }
     }
 
     /// An estimate from these rows, or a triangle that stands for some of them.

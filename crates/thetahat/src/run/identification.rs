@@ -4,7 +4,7 @@ use super::prepared::{Prepared, filtered};
 use crate::{
     base_parameters::BaseParameters,
     control::ControllerDescription,
-    identification::{EstimationError, Method, Reason, Weighting, idim_ls},
+    identification::{EstimationError, Method, Reason, Response, Weighting, idim_ls},
     preparation::{Case, FILTERED, PROPOSED_BANDWIDTH_HZ, PreparationError, Problem, Recording, Settings, Setup},
     robot::{Friction, Robot},
     scheduling::{EstimationJob, Simulator},
@@ -63,6 +63,7 @@ impl Identification {
             return Err(PreparationError::Missing { missing: "a recording", why });
         }
         identification.main = identification.prepare(recordings)?;
+        identification.require_torques()?;
         Ok(identification)
     }
 
@@ -73,6 +74,24 @@ impl Identification {
     pub fn with_validation(mut self, recordings: Vec<Recording>) -> Result<Self, PreparationError> {
         self.validation = self.prepare(recordings)?;
         Ok(self)
+    }
+
+    /// Every method but those that fit positions alone needs torques.
+    fn require_torques(&self) -> Result<(), PreparationError> {
+        let recordings = self.main.iter().map(|p| &p.filtered.recording);
+        let Some(without) = recordings.clone().find(|r| r.torque.is_none()) else { return Ok(()) };
+        let estimation = &self.settings.estimation;
+        let asked = |case: Case| case.methods.unwrap_or_else(|| estimation.methods.clone());
+        let needs_torque = |m: &Method| m.response() == Response::Torque;
+        match self.settings.all_cases().into_iter().flat_map(asked).find(needs_torque) {
+            None => Ok(()),
+            Some(method) => {
+                let place = format!("recording {}: methods", without.name);
+                let expected =
+                    "[\"cloe\"], since no torque is recorded: it estimates from positions, reference and controller";
+                Err(PreparationError::value(&place, expected, method))
+            }
+        }
     }
 
     pub(crate) fn setup(&self) -> Setup<'_> {
@@ -155,7 +174,7 @@ impl Identification {
         let controller = self.controller()?;
         let recordings =
             prepared.iter().map(|p| Some((&p.filtered, p.reference.as_ref()?))).collect::<Option<Vec<_>>>()?;
-        Some(Simulator::new(self.setup(), problem, &recordings, controller, case.simulator))
+        Some(Simulator::new(self.setup(), problem, &recordings, controller, case))
     }
 
     /// The time of each row of a joint; the recordings follow one another.

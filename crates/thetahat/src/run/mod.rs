@@ -21,6 +21,7 @@ mod consistent_data;
 mod cross_validation;
 mod examination;
 mod identification;
+mod linear;
 mod not_physical;
 mod parameters;
 mod physical;

@@ -3,14 +3,15 @@
 use super::{
     consistent_data::{LeftOut, Metric, metric},
     cross_validation::{Folds, without_each},
+    linear::Linear,
     not_physical::not_physical,
 };
 use crate::{
     clock::Stopwatch,
     consistency::{ConsistentFit, ConsistentSet, LeastSquares, Prior, bounds_of, examine_within, fit, interval_in},
-    identification::{Fit, Outcome},
+    linear_algebra::norm,
     preparation::{ParameterSelection, PriorKind, PriorWeight, Problem, Setup, WeightRule, known_in_words},
-    regression::{Regression, relative_error_percent},
+    regression::Regression,
     results::{ConsistencyTest, ConsistentEstimate, ConsistentParameter, PhysicalResult, RunResult},
     scheduling::EstimationJob,
     statistics::f_probability,
@@ -29,8 +30,7 @@ const NO_FREEDOM: f64 = 1e-3;
 pub(super) struct Examined<'a> {
     pub(super) setup: Setup<'a>,
     pub(super) job: &'a EstimationJob<'a>,
-    pub(super) outcome: &'a Outcome,
-    pub(super) fit: &'a Fit,
+    pub(super) linear: &'a Linear<'a>,
     /// Its run, with the parameters.
     pub(super) run: &'a RunResult,
     /// What is left out in turn where cross-validation chooses the weight of the prior.
@@ -41,7 +41,7 @@ impl Examined<'_> {
     pub(super) fn physical(&self) -> Option<PhysicalResult> {
         let problem = self.job.problem;
         let set = problem.consistent_set(self.setup).ok()?;
-        let found = examine_within(set, &problem.estimated, &self.fit.theta, EXAMINATION_GAP).ok()?;
+        let found = examine_within(set, &problem.estimated, &self.linear.fit.theta, EXAMINATION_GAP).ok()?;
         let widening = self.run.widening().unwrap_or(1.0);
         let estimate = self.parameters().physical.then(|| self.estimate(set));
         let (estimate, reason) = match estimate {
@@ -53,7 +53,7 @@ impl Examined<'_> {
             consistent: found.consistent,
             outside: found.outside.iter().map(|(condition, _)| condition.to_string()).collect(),
             lacking: found.outside.iter().map(|(_, lacking)| *lacking).collect(),
-            deviations: found.deviations(&self.fit.covariance).map(|d| d / widening),
+            deviations: found.deviations(&self.linear.fit.covariance).map(|d| d / widening),
             smallest_eigenvalue: found.smallest_eigenvalue,
             findings: Vec::new(),
             estimate,
@@ -70,12 +70,13 @@ impl Examined<'_> {
 
     /// The consistent estimate, or why there is none.
     fn estimate(&self, set: &ConsistentSet) -> Result<ConsistentEstimate, String> {
-        let EstimationJob { problem, method, regression, .. } = self.job;
-        let metric = metric(*method, regression, self.outcome.instruments.as_ref()).map_err(|e| e.to_string())?;
+        let EstimationJob { problem, method, .. } = self.job;
+        let metric =
+            metric(*method, &self.linear.regression, self.linear.instruments.as_deref()).map_err(|e| e.to_string())?;
         let tried = self.weights_tried(set, &metric);
         let (count, weight) = (set.parameter_table().len(), self.weight(&tried)?);
         let stopwatch = Stopwatch::start();
-        let nearest = LeastSquares::nearest(&metric.triangle, &self.fit.theta, &problem.estimated, count);
+        let nearest = LeastSquares::nearest(&metric.triangle, &self.linear.fit.theta, &problem.estimated, count);
         let found = nearest.and_then(|data| fit(set, &data, self.prior(weight), None)).map_err(|e| e.to_string())?;
         let seconds = stopwatch.seconds();
         let result = self.result(set, &metric, &found);
@@ -89,8 +90,9 @@ impl Examined<'_> {
         else {
             return Vec::new();
         };
-        let EstimationJob { problem, method, regression, .. } = self.job;
-        let others = without_each(regression, *method, self.outcome.instruments.as_ref(), folds);
+        let EstimationJob { problem, method, .. } = self.job;
+        let regression = &self.linear.regression;
+        let others = without_each(regression, *method, self.linear.instruments.as_deref(), folds);
         let left_out = LeftOut { regression, base: &problem.estimated, design: metric.design, others };
         let error = |weight: &f64| Some([*weight, left_out.squared_error(set, self.prior(*weight))?]);
         WEIGHTS.iter().filter_map(error).collect()
@@ -117,17 +119,17 @@ impl Examined<'_> {
 
     /// Squared residual, in the weights of the method, over rows less parameters.
     fn variance(&self) -> f64 {
-        let regression = &self.job.regression;
-        squared_residual(regression, &self.fit.prediction) / self.freedom()
+        let regression = &self.linear.regression;
+        squared_residual(regression, &self.linear.fit.prediction) / self.freedom()
     }
 
     fn freedom(&self) -> f64 {
-        let regression = &self.job.regression;
-        regression.rows_represented.saturating_sub(self.fit.theta.len()).max(1) as f64
+        let regression = &self.linear.regression;
+        regression.rows_represented.saturating_sub(self.linear.fit.theta.len()).max(1) as f64
     }
 
     fn result(&self, set: &ConsistentSet, metric: &Metric<'_>, found: &ConsistentFit) -> ConsistentEstimate {
-        let EstimationJob { problem, regression, .. } = self.job;
+        let (problem, regression) = (self.job.problem, &self.linear.regression);
         let theta = problem.estimated.from_standard(&found.standard);
         let prediction = metric.design.times(&theta);
         let smallest = set.pseudo_inertias(&found.standard).into_iter().map(|p| p.smallest_eigenvalue());
@@ -144,9 +146,9 @@ impl Examined<'_> {
             weights_tried: Vec::new(),
             smallest_eigenvalue: smallest.fold(f64::INFINITY, f64::min),
             at_boundary: at_boundary.collect(),
-            squared_residual_free: squared_residual(regression, &self.fit.prediction),
+            squared_residual_free: squared_residual(regression, &self.linear.fit.prediction),
             squared_residual: squared_residual(regression, &prediction),
-            relative_error_percent: relative_error_percent(&regression.y, &prediction),
+            relative_error_percent: 100.0 * norm(&regression.residual(&prediction)) / norm(self.linear.measured),
             test: self.test(found),
             converged: found.converged,
             iterations: found.iterations,
@@ -172,7 +174,7 @@ impl Examined<'_> {
     /// The distance to the set against what noise makes of it.
     fn test(&self, found: &ConsistentFit) -> Option<ConsistencyTest> {
         let widening = self.run.widening().unwrap_or(1.0);
-        let taken = self.fit.theta.len() as f64 - found.effective_parameters;
+        let taken = self.linear.fit.theta.len() as f64 - found.effective_parameters;
         let (numerator_freedom, denominator_freedom) = (taken.max(0.0), self.freedom());
         if numerator_freedom < NO_FREEDOM {
             return None;

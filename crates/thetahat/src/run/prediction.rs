@@ -49,7 +49,7 @@ pub(crate) fn predict_torques(
         } else {
             Vec::new()
         },
-        measured: has_torque.then(|| filtered.recording.torque.clone()),
+        measured: filtered.recording.torque.clone(),
         rms: rows.layout.by_joint(&prediction).iter().map(rms).collect(),
         window_s: filtered.window_s(),
         joints: setup.robot.coordinates().map(|j| j.name.clone()).collect(),

@@ -4,6 +4,7 @@
 //! for them ([`crate::identification::Estimation`]); [`run_all`] collects what all of them want, and runs up to four
 //! simulations in the lanes of a vector. Results are bit-identical alone or batched.
 
+mod fitting;
 mod physical;
 mod requests;
 mod scheduler;

@@ -1,65 +1,122 @@
-//! What IV simulates: its estimate where that is a robot's, else the parameters of a physical robot nearest to it.
+//! What IV and DIDIM simulate: an estimate as it is where that is a robot's, else parameters of a physical robot.
 
-use super::simulator::{Parameters, Simulator};
+use super::simulator::{FINE, Parameters, Simulator};
 use crate::{
     base_parameters::BaseParameters,
     consistency::{ConsistencyError, ConsistentFit, ConsistentSet, SimulationOptions, nearest_to_simulate},
-    identification::idim_ls,
+    identification::{Design, Fit, Method, idim_ls},
     linear_algebra::Matrix,
     preparation::Problem,
     regression::Regression,
     robot::{Bound, Parameter, Role},
 };
 
-/// Part of the a-priori mass matrix above which that of an estimate is simulated as it is: the interior of the set.
-const PART: f64 = 0.3;
-/// The same for start values, which are the user's.
+/// Part of the a-priori mass matrix above which that of start values is simulated as it is: they are the user's.
 const PART_AT_START: f64 = 0.01;
+/// How close to the boundary of the physical set a method goes.
+struct Margin {
+    /// Part of the a-priori mass matrix above which that of an estimate is simulated as it is.
+    part: f64,
+    /// Whether an estimate with negative Coulomb friction is simulated as it is.
+    may_drive: bool,
+    /// Where it is not: the part of the a-priori links and motors that physical parameters have at least.
+    options: SimulationOptions,
+}
 
-/// The parameters that IV simulates, iteration by iteration.
+/// IV takes instruments from the interior, which costs it nothing. What DIDIM simulates is its estimate: it goes near the
+/// boundary, where a link without mass would make the simulation erratic.
+fn margin(design: Design) -> Margin {
+    match design {
+        Design::Measured => Margin { part: 0.3, may_drive: false, options: SimulationOptions::default() },
+        Design::Simulated => {
+            let options = SimulationOptions { interior: 0.02, ..SimulationOptions::default() };
+            Margin { part: 0.01, may_drive: true, options }
+        }
+    }
+}
+
+/// The parameters that a method simulates, iteration by iteration.
 pub(super) struct Physical<'a> {
     simulator: &'a Simulator<'a>,
     problem: &'a Problem,
     regression: &'a Regression,
+    design: Design,
     set: Result<&'a ConsistentSet, &'a ConsistencyError>,
+    /// Triangular factor of the regression in all base parameters: of X, or of Z for DIDIM.
     r: Option<Matrix>,
     before: Option<ConsistentFit>,
-    /// Once an estimate could not be simulated, the nearest physical parameters are, to the end.
-    pub(super) is_needed: bool,
+    /// Once an estimate could not be simulated, physical parameters are, to the end.
+    is_needed: bool,
+    /// An estimate in the physical set with its standard parameters.
+    constrained: Option<(Vec<f64>, Vec<f64>)>,
     failure: Option<ConsistencyError>,
+    current: Parameters,
 }
 
 impl<'a> Physical<'a> {
-    pub(super) fn new(simulator: &'a Simulator<'a>, regression: &'a Regression) -> Self {
+    pub(super) fn new(method: Method, simulator: &'a Simulator<'a>, regression: &'a Regression) -> Self {
         let problem = simulator.problem();
-        let set = problem.consistent_set(simulator.setup());
-        Self { simulator, problem, regression, set, r: None, before: None, is_needed: false, failure: None }
+        Self {
+            simulator,
+            problem,
+            regression,
+            design: method.design(),
+            set: problem.consistent_set(simulator.setup()),
+            r: None,
+            before: None,
+            is_needed: false,
+            constrained: None,
+            failure: None,
+            current: Parameters::Estimated(Vec::new()),
+        }
     }
 
-    /// Standard parameters to simulate first: the start values, or those nearest to the estimate of LS where they are no
-    /// robot's.
+    /// What is to be simulated.
+    pub(super) fn current(&self) -> &Parameters {
+        &self.current
+    }
+
+    /// The parameters to simulate first: the start values, or those nearest to the estimate of LS where they are no robot's.
     pub(super) fn start(&mut self, start: &[f64]) -> Vec<f64> {
         let standard = self.problem.estimated.to_standard(start);
-        if self.is_safe(&standard, PART_AT_START) {
-            return standard;
+        if !self.is_safe(&standard, PART_AT_START)
+            && let Some(start) = self.near_ls()
+        {
+            return start;
         }
-        let ls = idim_ls(self.regression, Default::default());
-        ls.ok().and_then(|ls| self.nearest(&ls.theta)).unwrap_or(standard)
+        self.current = Parameters::Standard { theta: standard, tolerance: 1.0 };
+        start.to_vec()
     }
 
-    /// Standard parameters to simulate for an estimate.
-    pub(super) fn of(&mut self, estimate: &[f64]) -> Vec<f64> {
-        let standard = self.problem.estimated.to_standard(estimate);
-        self.is_needed |= !self.is_safe(&standard, PART);
-        if !self.is_needed {
-            return standard;
-        }
-        self.nearest(estimate).unwrap_or(standard)
+    /// Starts from the parameters nearest to the estimate of LS.
+    pub(super) fn near_ls(&mut self) -> Option<Vec<f64>> {
+        let ls = idim_ls(self.regression, Default::default()).ok()?;
+        let standard = self.nearest(&ls.theta)?;
+        let start = self.problem.estimated.from_standard(&standard);
+        self.current = Parameters::Standard { theta: standard, tolerance: 1.0 };
+        Some(start)
     }
 
-    /// Standard parameters made here, as a simulation is to take them.
-    pub(super) fn as_parameters(&self, standard: Vec<f64>) -> Parameters {
-        if self.is_needed { Parameters::Physical(standard) } else { Parameters::Standard(standard) }
+    /// Makes an estimate, or a mean of several, what is simulated, with tolerances `tolerance` times as large.
+    pub(super) fn simulate(&mut self, estimate: &[f64], tolerance: f64) {
+        let (theta, tolerance) = match (self.standard(estimate), self.is_needed) {
+            (standard, true) => (standard, tolerance.min(FINE)),
+            (standard, false) => (standard, tolerance),
+        };
+        self.current = Parameters::Standard { theta, tolerance };
+    }
+
+    /// The estimate that counts: of DIDIM, once it leaves what can be simulated, that of the physical set.
+    pub(super) fn revise(&mut self, fit: Fit, z: &Matrix) -> Fit {
+        match self.design {
+            Design::Measured => fit,
+            Design::Simulated => self.constrain(fit, z),
+        }
+    }
+
+    /// Asks for physical parameters from now on; false where they were already.
+    pub(super) fn require(&mut self) -> bool {
+        !std::mem::replace(&mut self.is_needed, true)
     }
 
     /// What is told of it; nothing where estimates were simulated as they are.
@@ -69,8 +126,46 @@ impl<'a> Physical<'a> {
                 "simulates its estimate, since no physically consistent parameters near it were found: {e}"
             ));
         }
-        let note = "simulates the physically consistent parameters nearest to its estimate, which are no robot's";
-        self.before.as_ref().map(|_| note.to_owned())
+        self.before.as_ref()?;
+        let note = match self.design {
+            Design::Measured => {
+                "simulates the physically consistent parameters nearest to its estimate, which are no robot's"
+            }
+            Design::Simulated if self.is_needed => {
+                "estimates in the physically consistent set, since its free estimates could not be simulated; deviations \
+                 are those of a free estimate"
+            }
+            Design::Simulated => {
+                "starts from the physically consistent parameters nearest to the estimate of LS, since its start values are \
+                 no robot's"
+            }
+        };
+        Some(note.to_owned())
+    }
+
+    /// Standard parameters that stand for an estimate in simulations.
+    fn standard(&mut self, estimate: &[f64]) -> Vec<f64> {
+        if let Some((_, standard)) = self.constrained.as_ref().filter(|(of, _)| of == estimate) {
+            return standard.clone();
+        }
+        let standard = self.problem.estimated.to_standard(estimate);
+        self.is_needed |= !self.is_safe(&standard, margin(self.design).part);
+        if self.is_needed { self.nearest(estimate).unwrap_or(standard) } else { standard }
+    }
+
+    /// The estimate of the physical set nearest to a free one, in the metric of its own Z.
+    fn constrain(&mut self, fit: Fit, z: &Matrix) -> Fit {
+        self.constrained = None;
+        let standard = self.problem.estimated.to_standard(&fit.theta);
+        self.is_needed |= !self.is_safe(&standard, margin(self.design).part);
+        if !self.is_needed {
+            return fit;
+        }
+        self.r = Some(triangular_factor(self.problem, self.regression, Some(z)));
+        let Some(standard) = self.nearest(&fit.theta) else { return fit };
+        let theta = self.problem.estimated.from_standard(&standard);
+        self.constrained = Some((theta.clone(), standard));
+        fit.moved_to(theta, self.regression, z)
     }
 
     /// The parameters of the interior nearest to an estimate.
@@ -83,9 +178,9 @@ impl<'a> Physical<'a> {
             }
         };
         let (problem, base) = (self.problem, &self.problem.base);
-        let r = self.r.get_or_insert_with(|| triangular_factor(problem, self.regression));
+        let r = self.r.get_or_insert_with(|| triangular_factor(problem, self.regression, None));
         let all = in_base(base, &problem.estimated, estimate);
-        match nearest_to_simulate(set, base, r, &all, &SimulationOptions::default(), self.before.as_ref()) {
+        match nearest_to_simulate(set, base, r, &all, &margin(self.design).options, self.before.as_ref()) {
             Ok(fit) => {
                 let standard = fit.standard.clone();
                 self.before = Some(fit);
@@ -105,14 +200,24 @@ impl<'a> Physical<'a> {
         let drives = |(p, v): (&Parameter, &f64)| {
             p.quantity.role() == Role::CoulombFriction && p.quantity.bound() == Bound::NotNegative && *v < 0.0
         };
-        let table = set.parameter_table();
-        !table.iter().zip(standard).any(drives) && self.simulator.has_mass_matrix_above(standard, part, set.a_priori())
+        let drives = !margin(self.design).may_drive && set.parameter_table().iter().zip(standard).any(drives);
+        !drives && self.simulator.has_mass_matrix_above(standard, part, set.a_priori())
     }
 }
 
-/// The triangular factor of the weighted X of all base parameters.
-fn triangular_factor(problem: &Problem, regression: &Regression) -> Matrix {
-    regression.whiten_matrix(&problem.all_columns().x).triangular_factor()
+/// The triangular factor of the weighted matrix of all base parameters: of X, with the columns of Z for those estimated where
+/// it is given.
+fn triangular_factor(problem: &Problem, regression: &Regression, z: Option<&Matrix>) -> Matrix {
+    let all = problem.all_columns();
+    let Some(z) = z else { return regression.whiten_matrix(&all.x).triangular_factor() };
+    let mut x = all.x.as_ref().clone();
+    let columns = problem.base.columns();
+    for (j, c) in problem.estimated.columns().into_iter().enumerate() {
+        if let Some(place) = columns.iter().position(|&of_base| of_base == c) {
+            x.column_mut(place).copy_from_slice(z.column(j));
+        }
+    }
+    regression.whiten_matrix(&x).triangular_factor()
 }
 
 /// All base parameters: those estimated, zeros elsewhere.

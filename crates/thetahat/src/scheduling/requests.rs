@@ -2,6 +2,7 @@
 
 use super::simulator::{Output, Parameters, Simulator};
 use crate::{
+    identification::SimulatedResponse,
     linear_algebra::Matrix,
     pool::in_parallel,
     simulation::{Job, SimulatedMotion, SimulationError, simulate_all},
@@ -12,6 +13,7 @@ use crate::{
 pub(crate) enum Simulated {
     Instruments(Matrix),
     Motions(Vec<SimulatedMotion>),
+    Response(SimulatedResponse),
 }
 
 /// A simulation that is asked for.
@@ -60,7 +62,26 @@ pub(crate) fn instruments_side_by_side(
     simulated.into_iter().map(|s| if let Ok(Simulated::Instruments(z)) = s { Some(z) } else { None }).collect()
 }
 
+/// Runs different simulations: those with sensitivities one by one on each thread, the others in lanes.
 fn simulate_different(requests: &[&Request<'_>], threads: usize) -> Vec<Result<Simulated, SimulationError>> {
+    let response =
+        |r: &&Request<'_>| if let Output::Sensitivities(response) = r.output { Some(response) } else { None };
+    let (with, without): (Vec<usize>, Vec<usize>) =
+        (0..requests.len()).partition(|&k| response(&requests[k]).is_some());
+    let plain = simulate_in_lanes(&without.iter().map(|&k| requests[k]).collect::<Vec<_>>(), threads);
+    let sensitive = in_parallel(with.len(), threads, |i| {
+        let request = requests[with[i]];
+        let found =
+            response(&request).map(|response| request.simulator.response_with_sensitivities(&request.theta, response));
+        found.map(|found| found.map(Simulated::Response))
+    });
+    let mut all: Vec<_> =
+        without.into_iter().zip(plain).chain(with.into_iter().zip(sensitive.into_iter().flatten())).collect();
+    all.sort_by_key(|(k, _)| *k);
+    all.into_iter().map(|(_, simulated)| simulated).collect()
+}
+
+fn simulate_in_lanes(requests: &[&Request<'_>], threads: usize) -> Vec<Result<Simulated, SimulationError>> {
     let resolved: Vec<_> = requests.iter().map(|w| w.simulator.resolve(&w.theta)).collect();
     let jobs: Vec<Job<'_>> =
         requests.iter().zip(&resolved).flat_map(|(w, resolved)| w.simulator.jobs(resolved, w.output)).collect();

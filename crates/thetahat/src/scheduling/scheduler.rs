@@ -1,13 +1,14 @@
 //! Estimations under way: what several of them want simulated runs side by side.
 
 use super::{
+    fitting::Fitting,
     physical::Physical,
     requests::{Request, Simulated, simulate_side_by_side},
     simulator::{Output, Parameters, Simulator},
 };
 use crate::{
     clock::Stopwatch,
-    identification::{Design, Estimation, IterationOptions, Method, Needs, Outcome},
+    identification::{Estimation, IterationOptions, Method, Needs, Outcome, Response},
     linear_algebra::Matrix,
     preparation::Problem,
     regression::Regression,
@@ -33,8 +34,16 @@ impl<'a> EstimationJob<'a> {
         weights: Option<Vec<f64>>,
         simulator: Option<Simulator<'a>>,
     ) -> Self {
+        let simulator = simulator.map(|simulator| simulator.of_method(method));
         let start = simulator.as_ref().map(Simulator::start).unwrap_or_default();
-        Self { problem, method, regression: problem.regression.with_weights(weights), simulator, start }
+        let regression = problem.regression.with_weights(weights);
+        let regression = match (method.response(), &simulator) {
+            (Response::Position, Some(simulator)) => simulator
+                .measured(Response::Position)
+                .map_or_else(|_| regression.clone(), |y| regression.with_measured(y)),
+            (Response::Position, None) | (Response::Torque, _) => regression,
+        };
+        Self { problem, method, regression, simulator, start }
     }
 }
 
@@ -110,8 +119,11 @@ fn next_requests<'a>(running: &[Running<'a>], most: usize) -> (Vec<usize>, Vec<R
     (waiting, requests)
 }
 
-enum Stage {
+enum Stage<'a> {
+    /// By IV or DIDIM.
     Estimating(Box<Estimation>),
+    /// By CLIE or CLOE.
+    Fitting(Box<Fitting<'a>>),
     /// With the parameters to simulate the estimate with, where there is one.
     Estimated(Box<Outcome>, Option<Parameters>),
     Over,
@@ -121,8 +133,8 @@ enum Stage {
 struct Running<'a> {
     job: &'a EstimationJob<'a>,
     options: RunOptions,
-    stage: Stage,
-    /// What stands for the estimates of IV in its simulations.
+    stage: Stage<'a>,
+    /// What stands for the estimates of IV and DIDIM in their simulations.
     physical: Option<Physical<'a>>,
     seconds: f64,
 }
@@ -131,15 +143,20 @@ impl<'a> Running<'a> {
     fn new(job: &'a EstimationJob<'a>, options: RunOptions) -> Self {
         let stopwatch = Stopwatch::start();
         let EstimationJob { method, regression, start, .. } = job;
-        let simulator = job.simulator.as_ref().filter(|_| method.needs() == Needs::Instruments);
+        let simulator = job.simulator.as_ref();
         let mut physical = simulator
-            .filter(|_| method.design() == Design::Measured)
-            .map(|simulator| Physical::new(simulator, regression));
-        let stage = if simulator.is_some() {
-            let start = physical.as_mut().map_or_else(|| start.clone(), |physical| physical.start(start));
-            Stage::Estimating(Box::new(Estimation::new(*method, options.iteration, start)))
-        } else {
-            estimated(Outcome::direct(method.estimate(regression, None, options.iteration.divisor)), None)
+            .filter(|_| method.needs() == Needs::Instruments)
+            .map(|simulator| Physical::new(*method, simulator, regression));
+        let direct = || estimated(Outcome::direct(method.estimate(regression, None, options.iteration.divisor)), None);
+        let stage = match (method.needs(), simulator) {
+            (Needs::Measurement, _) | (Needs::Instruments | Needs::Sensitivities, None) => direct(),
+            (Needs::Instruments, Some(_)) => {
+                let start = physical.as_mut().map_or_else(|| start.clone(), |physical| physical.start(start));
+                Stage::Estimating(Box::new(Estimation::new(*method, options.iteration, start)))
+            }
+            (Needs::Sensitivities, Some(simulator)) => {
+                Stage::Fitting(Box::new(Fitting::new(job, simulator, options.iteration)))
+            }
         };
         Self { job, options, stage, physical, seconds: stopwatch.seconds() }
     }
@@ -149,13 +166,10 @@ impl<'a> Running<'a> {
         let simulator = self.job.simulator.as_ref()?;
         let (theta, output) = match &self.stage {
             Stage::Estimating(estimation) => {
-                let theta = estimation.wanted()?.to_vec();
-                let theta = match &self.physical {
-                    Some(physical) => physical.as_parameters(theta),
-                    None => Parameters::Estimated(theta),
-                };
-                (theta, Output::Instruments)
+                estimation.wanted()?;
+                (self.physical.as_ref()?.current().clone(), Output::Instruments)
             }
+            Stage::Fitting(fitting) => return fitting.request(),
             Stage::Estimated(_, theta) => (theta.as_ref()?.clone(), Output::Motion { step: self.options.motion_step? }),
             Stage::Over => return None,
         };
@@ -164,14 +178,30 @@ impl<'a> Running<'a> {
 
     /// Takes what was simulated in `seconds`; how the estimation ended, where it has.
     fn take(&mut self, simulated: Result<Simulated, SimulationError>, seconds: f64) -> Option<Finished> {
+        if let Stage::Fitting(fitting) = &mut self.stage {
+            let stopwatch = Stopwatch::start();
+            fitting.take(simulated);
+            if fitting.request().is_none()
+                && let Stage::Fitting(fitting) = std::mem::replace(&mut self.stage, Stage::Over)
+            {
+                let outcome = fitting.into_outcome();
+                let theta = outcome.fit.as_ref().map(|fit| Parameters::Fitted(fit.theta.clone()));
+                self.stage = Stage::Estimated(Box::new(outcome), theta);
+            }
+            self.seconds += seconds + stopwatch.seconds();
+            return None;
+        }
         let z = match (&self.stage, simulated) {
             (Stage::Estimating(_), Ok(Simulated::Instruments(z))) => Ok(z),
             (Stage::Estimating(_), Err(error)) => Err(error),
             (Stage::Estimated(..) | Stage::Over, Ok(Simulated::Motions(motions))) => {
                 return self.end().map(|finished| Finished { motions: Some(motions), ..finished });
             }
-            (Stage::Estimating(_), Ok(Simulated::Motions(_)))
-            | (Stage::Estimated(..) | Stage::Over, Ok(Simulated::Instruments(_)) | Err(_)) => return self.end(),
+            (Stage::Estimating(_) | Stage::Fitting(_), Ok(_))
+            | (Stage::Fitting(_), Err(_))
+            | (Stage::Estimated(..) | Stage::Over, Ok(Simulated::Instruments(_) | Simulated::Response(_)) | Err(_)) => {
+                return self.end();
+            }
         };
         let stopwatch = Stopwatch::start();
         if let Stage::Estimating(mut estimation) = std::mem::replace(&mut self.stage, Stage::Over) {
@@ -187,22 +217,23 @@ impl<'a> Running<'a> {
         None
     }
 
-    /// Goes on with what was simulated. Where IV's own estimate could not be simulated, a physical robot's parameters are.
+    /// Goes on with what was simulated. Where an estimate could not be, a physical robot's parameters are.
     fn estimate(&mut self, estimation: &mut Estimation, z: Result<Matrix, SimulationError>) {
-        let Some(physical) = &mut self.physical else {
-            return estimation.take(z, &self.job.regression, &mut <[f64]>::to_vec);
-        };
-        if let (Err(_), false, Some(estimate)) = (&z, physical.is_needed, estimation.estimate().map(<[f64]>::to_vec)) {
-            physical.is_needed = true;
-            return estimation.simulate_instead(physical.of(&estimate));
+        let Some(physical) = &mut self.physical else { return };
+        let anew = z.is_err() && physical.require() && estimation.simulate_anew(&mut |fit, z| physical.revise(fit, z));
+        if !anew {
+            estimation.take(z, &self.job.regression, &mut |fit, z| physical.revise(fit, z));
         }
-        estimation.take(z, &self.job.regression, &mut |estimate| physical.of(estimate));
+        if let Some(theta) = estimation.wanted() {
+            physical.simulate(theta, estimation.tolerance());
+        }
     }
 
     /// How the estimation ended, once.
     fn end(&mut self) -> Option<Finished> {
         match std::mem::replace(&mut self.stage, Stage::Over) {
             Stage::Estimating(estimation) => Some(estimation.into_outcome()),
+            Stage::Fitting(fitting) => Some(fitting.into_outcome()),
             Stage::Estimated(outcome, _) => Some(*outcome),
             Stage::Over => None,
         }
@@ -216,11 +247,11 @@ impl<'a> Running<'a> {
 }
 
 /// An outcome with the parameters that stand for its estimate in a simulation.
-fn estimated(outcome: Outcome, physical: Option<&mut Physical<'_>>) -> Stage {
+fn estimated<'a>(outcome: Outcome, physical: Option<&mut Physical<'_>>) -> Stage<'a> {
     let theta = outcome.fit.as_ref().map(|fit| match physical {
         Some(physical) => {
-            let standard = physical.of(&fit.theta);
-            physical.as_parameters(standard)
+            physical.simulate(&fit.theta, 1.0);
+            physical.current().clone()
         }
         None => Parameters::Estimated(fit.theta.clone()),
     });

@@ -1,17 +1,18 @@
 //! The closed loops of all recordings as a function of the parameters: instruments Z, and errors against the record.
 
-use std::collections::BTreeMap;
+use std::{borrow::Cow, collections::BTreeMap};
 
 use crate::{
     control::ControllerDescription,
     dynamics::{Model, Sign},
-    identification::Assembly,
+    identification::{Assembly, Method, Needs, Response, SimulatedResponse},
     linear_algebra::{Matrix, norm},
-    preparation::{FilteredRecording, Gains, Problem, RecordedReference, Setup},
+    preparation::{Case, FilteredRecording, Gains, LoopParameters, LoopParts, Problem, RecordedReference, Setup},
     series::Series,
     signal::Motion,
     simulation::{
-        ClosedLoop, Job, OutputGrid, Reference, SimulatedMotion, SimulationError, SimulatorBias, Solver, simulate_all,
+        ClosedLoop, Job, OutputGrid, Reference, SensitiveTo, Sensitivities, SimulatedMotion, SimulationError,
+        SimulatorBias, Solver, simulate_all,
     },
 };
 
@@ -43,6 +44,8 @@ pub(crate) enum Output {
     Instruments,
     /// The motion of each recording at every so many samples of its window, the first included.
     Motion { step: usize },
+    /// The response in the rows of y and its sensitivities.
+    Sensitivities(Response),
 }
 
 impl Output {
@@ -56,14 +59,16 @@ impl Output {
 pub(crate) enum Parameters {
     /// The estimated base parameters, zeros elsewhere.
     Estimated(Vec<f64>),
-    /// All standard parameters.
-    Standard(Vec<f64>),
-    /// Those of a physical robot near an estimate, simulated with a hundredth of the tolerances.
-    Physical(Vec<f64>),
+    /// The same, simulated with tolerances [`FINE`] times as large: the response itself is compared with the record, and an
+    /// error is to fall with every step.
+    Fitted(Vec<f64>),
+    /// All standard parameters, simulated with tolerances so many times as large as those of the settings.
+    Standard { theta: Vec<f64>, tolerance: f64 },
 }
 
 /// Parameters as a simulation takes them.
-pub(super) struct Resolved {
+pub(super) struct Resolved<'a> {
+    parts: LoopParts<'a>,
     /// All standard parameters.
     standard: Vec<f64>,
     /// The inertia that each motor sees for the gains of its controller.
@@ -71,16 +76,20 @@ pub(super) struct Resolved {
     solver: Solver,
 }
 
-/// Factor of the tolerances with which the parameters of a physical robot are simulated: links of little mass and
-/// friction near zero make the errors of a simulation change the estimates by more than the iteration is to settle to.
-const FINE: f64 = 0.01;
+/// Factor of the tolerances of a simulation whose own errors must not show: of links of little mass with friction near
+/// zero, they change the estimates by more than an iteration is to settle to.
+pub(super) const FINE: f64 = 0.01;
 
 /// Simulates the loops of all recordings for one case.
 pub(crate) struct Simulator<'a> {
     setup: Setup<'a>,
     problem: &'a Problem,
+    controller: &'a ControllerDescription,
+    bias: SimulatorBias,
     loops: Vec<RecordedLoop<'a>>,
     kept_inertia: Option<Vec<f64>>,
+    /// What of the loop is estimated behind the robot's parameters.
+    loop_parameters: LoopParameters,
 }
 
 /// The loop of one recording.
@@ -91,29 +100,51 @@ struct RecordedLoop<'a> {
 }
 
 impl<'a> Simulator<'a> {
-    /// The simulator of the recordings from which `problem` was made, each with its reference.
+    /// The simulator of a case for the recordings from which `problem` was made, each with its reference.
     pub(crate) fn new(
         setup: Setup<'a>,
         problem: &'a Problem,
         recordings: &[(&'a FilteredRecording, &'a RecordedReference)],
         controller: &'a ControllerDescription,
-        bias: SimulatorBias,
+        case: &Case,
     ) -> Self {
         let loop_of = |(number, (filtered, reference)): (usize, &(&'a FilteredRecording, &'a RecordedReference))| {
             let recording = &filtered.recording;
             let added = recording.added_signal.as_ref().map(|s| (s, recording.sample_rate_hz));
-            let closed_loop = closed_loop(setup, &problem.model, controller, &reference.reference, added, bias);
+            let of_settings =
+                closed_loop(setup, &problem.model, controller, &reference.reference, added, case.simulator);
+            let sign_velocity_scale = case.sign_velocity_scale.unwrap_or(of_settings.sign_velocity_scale);
+            let closed_loop = ClosedLoop { sign_velocity_scale, ..of_settings };
             RecordedLoop { filtered, assembly: problem.assembly(number), closed_loop }
         };
         let loops = recordings.iter().enumerate().map(loop_of).collect();
-        let simulator = Self { setup, problem, loops, kept_inertia: None };
+        let motors = problem.model.coordinate_count();
+        let loop_parameters = LoopParameters::new(&setup.settings.estimation.loop_parameters, motors);
+        let simulator =
+            Self { setup, problem, controller, bias: case.simulator, loops, kept_inertia: None, loop_parameters };
         match setup.settings.estimation.gains {
             Gains::Updated => simulator,
-            Gains::Kept => {
-                let start = problem.estimated.to_standard(&simulator.start());
-                Self { kept_inertia: Some(simulator.inertia(&start)), ..simulator }
-            }
+            Gains::Kept => simulator.with_kept_gains(),
         }
+    }
+
+    /// The same for a method. Gains that follow the estimate leave positions as they are where all parameters grow alike:
+    /// methods that fit positions, or gains themselves, keep those of the start values.
+    pub(super) fn of_method(self, method: Method) -> Self {
+        let fits = method.needs() == Needs::Sensitivities;
+        let keeps = fits && (method.response() == Response::Position || !self.loop_parameters.is_empty());
+        if keeps { self.with_kept_gains() } else { self }
+    }
+
+    /// The same with gains that stay those of the start values.
+    fn with_kept_gains(self) -> Self {
+        let start = self.problem.estimated.to_standard(&self.start());
+        Self { kept_inertia: Some(self.inertia(&start)), ..self }
+    }
+
+    /// What of the loop is estimated behind the robot's parameters.
+    pub(crate) fn loop_parameters(&self) -> &LoopParameters {
+        &self.loop_parameters
     }
 
     /// The start values of an iteration.
@@ -129,10 +160,16 @@ impl<'a> Simulator<'a> {
     }
 
     /// The simulations of all recordings.
-    pub(super) fn jobs<'j>(&'j self, resolved: &'j Resolved, output: Output) -> Vec<Job<'j>> {
+    pub(super) fn jobs<'j>(&'j self, resolved: &'j Resolved<'a>, output: Output) -> Vec<Job<'j>> {
         let whole = output == Output::Instruments && self.setup.settings.simulation.band_pass;
         let job = |l: &RecordedLoop<'a>| Job {
-            closed_loop: ClosedLoop { solver: resolved.solver, ..l.closed_loop },
+            closed_loop: ClosedLoop {
+                solver: resolved.solver,
+                controller: &resolved.parts.controller,
+                transmission: &resolved.parts.transmission,
+                bias: resolved.parts.bias,
+                ..l.closed_loop
+            },
             theta: &resolved.standard,
             motor_inertia: &resolved.inertia,
             grid: if whole { l.grid_of_record() } else { l.grid_of_window(output.step()) },
@@ -147,6 +184,63 @@ impl<'a> Simulator<'a> {
         Ok(self.problem.regression.layout.stack_matrices(matrices))
     }
 
+    /// The response of the record in the rows of y: raw torques, or raw positions through the same parallel filter.
+    pub(super) fn measured(&self, response: Response) -> Result<Vec<f64>, SimulationError> {
+        let of_loop = |l: &RecordedLoop<'_>| match response {
+            Response::Torque => l.in_rows(&l.filtered.torque()),
+            Response::Position => l.in_rows(&l.filtered.position()),
+        };
+        Ok(self.problem.regression.layout.stack_vectors(self.loops.iter().map(of_loop).collect::<Result<_, _>>()?))
+    }
+
+    /// The response of motions simulated at every sample of the windows, in the rows of y.
+    pub(super) fn response_of(
+        &self,
+        motions: &[SimulatedMotion],
+        response: Response,
+    ) -> Result<Vec<f64>, SimulationError> {
+        let of_loop = |(l, motion): (&RecordedLoop<'_>, &SimulatedMotion)| match response {
+            Response::Torque => l.in_rows(&motion.tau),
+            Response::Position => l.in_rows(&motion.q),
+        };
+        let vectors = self.loops.iter().zip(motions).map(of_loop).collect::<Result<_, _>>()?;
+        Ok(self.problem.regression.layout.stack_vectors(vectors))
+    }
+
+    /// The response with its sensitivities, in the rows of y.
+    pub(super) fn response_with_sensitivities(
+        &self,
+        parameters: &Parameters,
+        response: Response,
+    ) -> Result<SimulatedResponse, SimulationError> {
+        let resolved = self.resolve(parameters);
+        let jobs = self.jobs(&resolved, Output::Sensitivities(response));
+        let of_robot = self.problem.estimated.columns().into_iter().map(SensitiveTo::Parameter);
+        let to: Vec<SensitiveTo> = of_robot.chain(self.loop_parameters.sensitive_to().iter().copied()).collect();
+        let slopes = self.kept_inertia.is_none().then(|| self.inertia_slopes(&to));
+        let (mut responses, mut matrices) = (Vec::new(), Vec::new());
+        for (l, job) in self.loops.iter().zip(&jobs) {
+            let found = l.response_with_sensitivities(job, &to, slopes.as_deref(), response)?;
+            responses.push(found.response);
+            matrices.push(found.sensitivities);
+        }
+        let layout = &self.problem.regression.layout;
+        Ok(SimulatedResponse {
+            response: layout.stack_vectors(responses),
+            sensitivities: layout.stack_matrices(matrices),
+        })
+    }
+
+    /// The derivatives of the inertia that each motor sees.
+    fn inertia_slopes(&self, to: &[SensitiveTo]) -> Vec<Vec<f64>> {
+        let of_loops: Vec<Vec<Vec<f64>>> =
+            self.loops.iter().map(|l| l.closed_loop.motor_inertia_slopes(to, l.duration_s())).collect();
+        let count = of_loops.len() as f64;
+        let mean = |p: usize, motor: usize| of_loops.iter().map(|slopes| slopes[p][motor]).sum::<f64>() / count;
+        let motors = self.problem.model.coordinate_count();
+        (0..to.len()).map(|p| (0..motors).map(|motor| mean(p, motor)).collect()).collect()
+    }
+
     /// Number of recordings.
     pub(super) fn recordings(&self) -> usize {
         self.loops.len()
@@ -154,11 +248,12 @@ impl<'a> Simulator<'a> {
 
     /// Whether both give the same motion for the same parameters.
     pub(super) fn is_like(&self, other: &Self) -> bool {
-        let bias = |s: &Self| s.loops.first().map(|l| l.closed_loop.bias);
+        let scale = |s: &Self| s.loops.first().map(|l| l.closed_loop.sign_velocity_scale);
         std::ptr::eq(self.setup.robot, other.setup.robot)
             && std::ptr::eq(self.setup.settings, other.setup.settings)
             && std::ptr::eq(self.problem, other.problem)
-            && bias(self) == bias(other)
+            && (self.bias, scale(self)) == (other.bias, scale(other))
+            && self.kept_inertia == other.kept_inertia
     }
 
     pub(super) fn setup(&self) -> Setup<'a> {
@@ -175,18 +270,31 @@ impl<'a> Simulator<'a> {
     }
 
     /// What a simulation with parameters takes.
-    pub(super) fn resolve(&self, parameters: &Parameters) -> Resolved {
-        let standard = match parameters {
-            Parameters::Estimated(theta) => self.problem.estimated.to_standard(theta),
-            Parameters::Standard(theta) | Parameters::Physical(theta) => theta.clone(),
-        };
+    pub(super) fn resolve(&self, parameters: &Parameters) -> Resolved<'a> {
         let solver = self.setup.settings.simulation.solver;
-        let solver = match parameters {
-            Parameters::Estimated(_) | Parameters::Standard(_) => solver,
-            Parameters::Physical(_) => solver.with_tolerances_times(FINE),
+        let split = |theta: &'_ [f64]| {
+            let (of_robot, of_loop) = theta.split_at(self.problem.estimated.len());
+            (self.problem.estimated.to_standard(of_robot), of_loop.to_vec())
+        };
+        let ((standard, of_loop), solver) = match parameters {
+            Parameters::Estimated(theta) => (split(theta), solver),
+            Parameters::Fitted(theta) => (split(theta), solver.for_sensitivities().with_tolerances_times(FINE)),
+            Parameters::Standard { theta, tolerance } => {
+                ((theta.clone(), Vec::new()), solver.with_tolerances_times(*tolerance))
+            }
         };
         let inertia = self.kept_inertia.clone().unwrap_or_else(|| self.inertia(&standard));
-        Resolved { standard, inertia, solver }
+        let parts = self.loop_parameters.apply(&of_loop, self.described_parts(), &inertia);
+        Resolved { parts, standard, inertia, solver }
+    }
+
+    /// The controller, transmission and bias as they are described.
+    fn described_parts(&self) -> LoopParts<'a> {
+        LoopParts {
+            controller: Cow::Borrowed(self.controller),
+            transmission: Cow::Borrowed(&self.setup.robot.transmission),
+            bias: self.bias,
+        }
     }
 
     /// The inertia that each motor sees, on average over the recordings: the gains are those of one controller.
@@ -209,6 +317,9 @@ impl<'a> Simulator<'a> {
                 ("acceleration", &measured.ddq, &motion.ddq),
                 ("torque", &torque, &motion.tau),
             ] {
+                if name == "torque" && l.filtered.recording.torque.is_none() {
+                    continue;
+                }
                 let [difference, size] = squares.entry(name).or_default();
                 *difference += squared_difference(measured, simulated);
                 *size += norm(measured.values()).powi(2);
@@ -219,6 +330,33 @@ impl<'a> Simulator<'a> {
 }
 
 impl RecordedLoop<'_> {
+    /// The response of a job and its sensitivities, in the rows of y.
+    fn response_with_sensitivities(
+        &self,
+        job: &Job<'_>,
+        to: &[SensitiveTo],
+        inertia_slopes: Option<&[Vec<f64>]>,
+        response: Response,
+    ) -> Result<SimulatedResponse, SimulationError> {
+        let mut simulation = Sensitivities::new(job, to, inertia_slopes)?;
+        self.assembly.response_with_sensitivities(to.len(), |values, slopes| {
+            let end = SimulationError::TooShortToFilter;
+            let sample = simulation.next_sample()?.ok_or(end)?;
+            let (of_joints, of_parameters) = match response {
+                Response::Torque => (sample.tau, sample.tau_slopes),
+                Response::Position => (sample.q, sample.q_slopes),
+            };
+            values.copy_from_slice(of_joints);
+            slopes.copy_from_slice(of_parameters);
+            Ok(())
+        })
+    }
+
+    /// A series of the window in the rows of y.
+    fn in_rows(&self, series: &Series) -> Result<Vec<f64>, SimulationError> {
+        self.assembly.measurement_vector(series).map_err(|_| SimulationError::TooShortToFilter)
+    }
+
     fn instruments(&self, setup: Setup<'_>, motion: &SimulatedMotion) -> Result<Matrix, SimulationError> {
         let sign = Sign::Smooth { scale: self.closed_loop.sign_velocity_scale };
         let unfiltered = |_| SimulationError::TooShortToFilter;

@@ -12,6 +12,11 @@ impl Coupling {
         Self { entries }
     }
 
+    /// Motor, joint and weight of each entry.
+    pub(super) fn entries(&self) -> &[(usize, usize, f64)] {
+        &self.entries
+    }
+
     /// `motors = n joints`.
     #[inline]
     pub(super) fn to_motors(&self, joints: &[f64], motors: &mut [f64]) {

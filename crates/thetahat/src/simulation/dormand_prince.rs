@@ -6,11 +6,13 @@
 
 use super::{
     solver::WorkCounts,
-    step_control::{Next, Sizes, StepControl, StepTooSmall, StepView, Verdict},
+    step_control::{AcceptedStep, Next, Sizes, StepControl, StepTooSmall, StepView, Verdict},
 };
 
-const C: [f64; 7] = [0.0, 1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0];
-const A: [&[f64]; 7] = [
+/// Times of the stages, as parts of the step.
+pub(super) const C: [f64; 7] = [0.0, 1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0];
+/// Weights of the slopes before, in the state of each stage; the last is the step itself.
+pub(super) const A: [&[f64]; 7] = [
     &[],
     &[1.0 / 5.0],
     &[3.0 / 40.0, 9.0 / 40.0],
@@ -113,6 +115,17 @@ impl DormandPrince {
     #[must_use]
     pub fn state(&self) -> &[f64] {
         &self.state
+    }
+
+    /// The stage of the slope that is wanted.
+    pub(super) fn stage(&self) -> usize {
+        if let Phase::Stage(stage) = self.phase { stage } else { 0 }
+    }
+
+    /// The step just accepted, until [`Self::proceed`].
+    pub(super) fn accepted(&self) -> AcceptedStep<'_> {
+        let StepControl { time: start_s, step, .. } = self.control;
+        AcceptedStep { start_s, step, from: &self.state, slopes: &self.stages, interpolant: &P }
     }
 
     /// Begins the interval from `t0` to `t1`, at the state reached.

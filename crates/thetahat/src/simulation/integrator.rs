@@ -4,7 +4,7 @@ use super::{
     dormand_prince::DormandPrince,
     rosenbrock_w::{Linearisation, RosenbrockW},
     solver::WorkCounts,
-    step_control::{Next, StepTooSmall},
+    step_control::{AcceptedStep, Next, StepTooSmall},
 };
 
 /// An integration by one of the methods.
@@ -47,6 +47,22 @@ impl Integrator {
         match self {
             Self::Explicit(method) => method.proceed(),
             Self::Implicit(method) => method.proceed(),
+        }
+    }
+
+    /// The stage of the slope that is wanted.
+    pub(super) fn stage(&self) -> usize {
+        match self {
+            Self::Explicit(method) => method.stage(),
+            Self::Implicit(method) => method.stage(),
+        }
+    }
+
+    /// The step just accepted, until [`Self::proceed`].
+    pub(super) fn accepted(&self) -> AcceptedStep<'_> {
+        match self {
+            Self::Explicit(method) => method.accepted(),
+            Self::Implicit(method) => method.accepted(),
         }
     }
 

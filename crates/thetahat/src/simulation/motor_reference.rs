@@ -47,6 +47,11 @@ impl MotorReference {
         }
     }
 
+    /// The derivatives in time of position, velocity and acceleration, at the time last evaluated.
+    pub(super) fn rates(&self, [velocity, acceleration, jerk]: &mut [Vec<f64>; 3]) {
+        self.reference.rates(self.time_s - self.delay_s, velocity, acceleration, jerk);
+    }
+
     /// The largest motor velocity in joint units up to `end` s, at a thousand times.
     pub(super) fn fastest(&mut self, end: f64) -> f64 {
         let mut fastest: f64 = 0.0;

@@ -9,17 +9,17 @@ use crate::{
 
 /// The simulated robot: `p = n_s (q - offset)`, `tau = n_s^T (d_s u)`.
 pub(super) struct Plant<'a> {
-    model: &'a Model,
+    pub(super) model: &'a Model,
     pub(super) parameters: DynamicParameters,
     pub(super) sign: Sign,
     workspace: Workspace,
     damping: DampingWorkspace,
     /// `n_s`: motors per joints, in the true joint units.
-    coupling: Coupling,
+    pub(super) coupling: Coupling,
     joints_per_motor: Matrix,
-    offset: &'a [f64],
+    pub(super) offset: &'a [f64],
     /// `d_s`: torque in joint units per drive signal.
-    drive: Vec<f64>,
+    pub(super) drive: Vec<f64>,
     /// Motor positions in joint units, as last observed.
     pub(super) p: Vec<f64>,
     /// Motor velocities in joint units, as last observed.

@@ -41,6 +41,21 @@ impl SampledReference {
     }
 }
 
+impl SampledReference {
+    /// The slopes between the samples; zero before the first and behind the last.
+    fn rates(&self, t: f64, dq: &mut [f64], ddq: &mut [f64], dddq: &mut [f64]) {
+        let place = t * self.sample_rate_hz;
+        let within = place >= 0.0 && place < (self.q.len() - 1) as f64;
+        let k = if within { (place + SAME_SAMPLE) as usize } else { 0 };
+        let next = if within { (k + 1).min(self.q.len() - 1) } else { 0 };
+        for (out, series) in [(dq, &self.q), (ddq, &self.dq), (dddq, &self.ddq)] {
+            for (o, (a, b)) in out.iter_mut().zip(series.sample(k).iter().zip(series.sample(next))) {
+                *o = (b - a) * self.sample_rate_hz;
+            }
+        }
+    }
+}
+
 /// Times this close to a sample, in samples, are that sample: k * T is not exact.
 const SAME_SAMPLE: f64 = 1e-6;
 
@@ -50,6 +65,17 @@ impl Reference {
         match self {
             Self::Sampled(sampled) => sampled.evaluate(t, q, dq, ddq),
             Self::Moves(moves) => moves.evaluate(t, q, dq, ddq),
+        }
+    }
+
+    /// The derivatives in time of what [`Self::evaluate`] gives; of a sampled reference the slopes between its samples.
+    pub(super) fn rates(&self, t: f64, dq: &mut [f64], ddq: &mut [f64], dddq: &mut [f64]) {
+        match self {
+            Self::Sampled(sampled) => sampled.rates(t, dq, ddq, dddq),
+            Self::Moves(moves) => {
+                moves.evaluate(t, dddq, dq, ddq);
+                moves.jerk(t, dddq);
+            }
         }
     }
 

@@ -12,28 +12,30 @@
 
 use super::{
     solver::WorkCounts,
-    step_control::{Next, Sizes, StepControl, StepTooSmall, StepView, Verdict},
+    step_control::{AcceptedStep, Next, Sizes, StepControl, StepTooSmall, StepView, Verdict},
 };
 use crate::dynamics::{factorise, solve_factorised};
 
-const STAGES: usize = 4;
-const GAMMA: f64 = 0.435_866_521_508_459;
+/// Stages of a step.
+pub(super) const STAGES: usize = 4;
+/// The coefficient that the stages share.
+pub(super) const GAMMA: f64 = 0.435_866_521_508_459;
 /// Weights of the slopes before, in the state of each stage.
-const ALPHA: [[f64; STAGES]; STAGES] = [
+pub(super) const ALPHA: [[f64; STAGES]; STAGES] = [
     [0.0, 0.0, 0.0, 0.0],
     [0.871_733_043_016_918, 0.0, 0.0, 0.0],
     [0.844_570_600_153_694_2, -0.112_990_642_364_841_85, 0.0, 0.0],
     [0.0, 0.0, 1.0, 0.0],
 ];
 /// Weights of the slopes before, in the linear part of each stage.
-const COUPLING: [[f64; STAGES]; STAGES] = [
+pub(super) const COUPLING: [[f64; STAGES]; STAGES] = [
     [0.0, 0.0, 0.0, 0.0],
     [-0.871_733_043_016_918, 0.0, 0.0, 0.0],
     [-0.903_380_570_130_440_8, 0.054_180_672_388_095_33, 0.0, 0.0],
     [0.242_123_807_060_953_46, -1.223_250_583_904_514_7, 0.545_260_255_335_102_1, 0.0],
 ];
 /// Weights of the slopes in the step.
-const B: [f64; STAGES] = [0.242_123_807_060_953_46, -1.223_250_583_904_514_7, 1.545_260_255_335_102, GAMMA];
+pub(super) const B: [f64; STAGES] = [0.242_123_807_060_953_46, -1.223_250_583_904_514_7, 1.545_260_255_335_102, GAMMA];
 /// Those of the embedded formula of second order.
 const EMBEDDED: [f64; STAGES] = [0.378_109_031_458_193_7, -0.096_042_292_212_423_18, 0.5, 0.217_932_605_754_229_5];
 /// Coefficients of s, s^2, s^3, s^4 in the interpolant at the fraction s of a step: the weights that satisfy the conditions of
@@ -160,6 +162,22 @@ impl RosenbrockW {
     #[must_use]
     pub fn state(&self) -> &[f64] {
         &self.state
+    }
+
+    /// The stage of the slope that is wanted.
+    pub(super) fn stage(&self) -> usize {
+        if let Phase::Stage(stage) = self.phase { stage } else { 0 }
+    }
+
+    /// The step just accepted, until [`Self::proceed`].
+    pub(super) fn accepted(&self) -> AcceptedStep<'_> {
+        let StepControl { time: start_s, step, .. } = self.control;
+        AcceptedStep { start_s, step, from: &self.state, slopes: &self.slopes, interpolant: &INTERPOLANT }
+    }
+
+    /// Where that step was linearised, and the factors of its `M + h gamma D + (h gamma)^2 K`.
+    pub(super) fn solved(&self) -> (&Linearisation, &[f64]) {
+        (&self.linearisation, &self.matrix)
     }
 
     /// Begins the interval from `t0` to `t1`, at the state reached.

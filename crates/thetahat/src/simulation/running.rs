@@ -16,14 +16,27 @@ use crate::dynamics::DynamicParameters;
 
 /// A simulation that can be suspended and resumed: it runs until it needs an acceleration.
 pub(super) struct Running<'a> {
-    integrator: Integrator,
-    system: Loop<'a>,
+    pub(super) integrator: Integrator,
+    pub(super) system: Loop<'a>,
     /// None for a continuous controller.
-    sampling: Option<Sampling>,
+    pub(super) sampling: Option<Sampling>,
     /// The factors of the mass matrix where the step starts, for a linearly implicit method.
     mass: Vec<f64>,
     /// Up to where the intervals of the integrator reach.
     time: f64,
+}
+
+/// Where a simulation stops for its caller.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Event {
+    /// An acceleration is wanted.
+    Acceleration,
+    /// A step is accepted, and the outputs within are recorded.
+    Step,
+    /// An interval is begun, with its drive signals.
+    Interval,
+    /// Nothing is left.
+    End,
 }
 
 impl<'a> Running<'a> {
@@ -40,12 +53,23 @@ impl<'a> Running<'a> {
     /// Goes on until an acceleration is wanted; false at the end.
     pub(super) fn advance(&mut self) -> Result<bool, SimulationError> {
         loop {
+            match self.go_on()? {
+                Event::Acceleration => return Ok(true),
+                Event::Step | Event::Interval => {}
+                Event::End => return Ok(false),
+            }
+        }
+    }
+
+    /// Goes on to the next event.
+    pub(super) fn go_on(&mut self) -> Result<Event, SimulationError> {
+        loop {
             let next = self.integrator.proceed();
             match next.map_err(|StepTooSmall(time_s)| SimulationError::StepTooSmall { time_s })? {
                 Next::Slope => {
                     let (t, x, dx) = self.integrator.wanted();
                     if self.system.prepare(t, x, dx) {
-                        return Ok(true);
+                        return Ok(Event::Acceleration);
                     }
                 }
                 Next::Linearisation => {
@@ -53,12 +77,11 @@ impl<'a> Running<'a> {
                         self.system.linearise(t, x, step, &self.mass, out);
                     }
                 }
-                Next::Step(mut step) => self.system.accept(&mut step)?,
-                Next::End => {
-                    if !self.begin_interval() {
-                        return Ok(false);
-                    }
+                Next::Step(mut step) => {
+                    self.system.accept(&mut step)?;
+                    return Ok(Event::Step);
                 }
+                Next::End => return Ok(if self.begin_interval() { Event::Interval } else { Event::End }),
             }
         }
     }

@@ -8,8 +8,9 @@ pub(super) struct Sampling {
     positions: PositionHistory,
     /// Signals on their way, and when they act.
     waiting: VecDeque<(f64, Vec<f64>)>,
-    commanded: Vec<f64>,
-    samples: usize,
+    pub(super) commanded: Vec<f64>,
+    /// Samples taken.
+    pub(super) samples: usize,
 }
 
 impl Sampling {
@@ -39,6 +40,11 @@ impl Sampling {
         system.add_recorded_signal(t);
         let due = self.waiting.front().map_or(f64::INFINITY, |(due, _)| *due);
         (self.samples as f64 * period).min(due)
+    }
+
+    /// Number of signals on their way.
+    pub(super) fn waiting(&self) -> usize {
+        self.waiting.len()
     }
 
     fn sample(&mut self, system: &mut Loop<'_>, t: f64, state: &[f64]) -> Vec<f64> {

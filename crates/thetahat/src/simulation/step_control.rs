@@ -183,13 +183,33 @@ pub struct StepView<'a> {
 impl StepView<'_> {
     /// The state at a time within the step: to fourth order of Dormand-Prince, to second of a linearly implicit method.
     pub fn at(&mut self, t: f64) -> &[f64] {
-        let s = (t - self.start_s) / self.step;
-        let weight = |p: &[f64; 4]| self.step * s * (p[0] + s * (p[1] + s * (p[2] + s * p[3])));
-        let mut weights = [0.0; 7];
-        weights.iter_mut().zip(self.interpolant).for_each(|(w, p)| *w = weight(p));
+        let weights = slope_weights(self.interpolant, self.step, (t - self.start_s) / self.step);
         for (i, out) in self.out.iter_mut().enumerate() {
             *out = self.from[i] + weights.iter().zip(self.slopes).map(|(w, k)| w * k[i]).sum::<f64>();
         }
         self.out
     }
+}
+
+/// The weights of a step's slopes in the state at the fraction `s` of a step, less the state where it starts.
+pub(super) fn slope_weights(interpolant: &[[f64; 4]], step: f64, s: f64) -> [f64; 7] {
+    let weight = |p: &[f64; 4]| step * s * (p[0] + s * (p[1] + s * (p[2] + s * p[3])));
+    let mut weights = [0.0; 7];
+    weights.iter_mut().zip(interpolant).for_each(|(w, p)| *w = weight(p));
+    weights
+}
+
+/// What is known of the step that an integration has just accepted.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct AcceptedStep<'a> {
+    /// Time at its start.
+    pub(super) start_s: f64,
+    /// Its size.
+    pub(super) step: f64,
+    /// The state where it starts.
+    pub(super) from: &'a [f64],
+    /// The slope of each stage.
+    pub(super) slopes: &'a [Vec<f64>],
+    /// As in [`StepView`].
+    pub(super) interpolant: &'static [[f64; 4]],
 }

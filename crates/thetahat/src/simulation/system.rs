@@ -24,7 +24,7 @@ pub(super) const SAME_TIME: f64 = 1e-6;
 
 /// The loop as a system of first order, and what is recorded of it.
 pub(super) struct Loop<'a> {
-    setup: &'a ClosedLoop<'a>,
+    pub(super) setup: &'a ClosedLoop<'a>,
     pub(super) controller: Controller,
     pub(super) plant: Plant<'a>,
     pub(super) reference: MotorReference,
@@ -32,8 +32,8 @@ pub(super) struct Loop<'a> {
     pub(super) u: Vec<f64>,
     /// Scratch: what a motor's position and velocity take away from its drive signal.
     slopes: [Vec<f64>; 2],
-    grid: OutputGrid,
-    next_output: usize,
+    pub(super) grid: OutputGrid,
+    pub(super) next_output: usize,
     pub(super) motion: SimulatedMotion,
     runaway: f64,
     steps: f64,
@@ -94,8 +94,7 @@ impl<'a> Loop<'a> {
             dx.fill(f64::NAN);
             return false;
         }
-        self.drive_continuously(t, x);
-        self.plant.drive(&self.u);
+        self.apply_torques(t, x);
         let n = self.u.len();
         dx[..n].copy_from_slice(&x[n..]);
         true
@@ -117,10 +116,16 @@ impl<'a> Loop<'a> {
         out.rate.copy_from_slice(&self.plant.tau);
         self.torques_at(t);
         out.rate.iter_mut().zip(&self.plant.tau).for_each(|(rate, now)| *rate = (*rate - now) / step);
+        self.add_drive_slopes(&mut out.stiffness, &mut out.damping);
+    }
+
+    /// Adds what a continuous controller takes away from the joint torques per joint position and velocity, n by n each, in
+    /// the state last observed.
+    pub(super) fn add_drive_slopes(&mut self, stiffness: &mut [f64], damping: &mut [f64]) {
         let [position, velocity] = &mut self.slopes;
         slopes(&self.controller, &self.reference, &self.plant, [position, velocity]);
-        self.plant.add_drive_slopes(position, &mut out.stiffness);
-        self.plant.add_drive_slopes(velocity, &mut out.damping);
+        self.plant.add_drive_slopes(position, stiffness);
+        self.plant.add_drive_slopes(velocity, damping);
     }
 
     /// Leaves the torques of a continuous controller in the plant, at a time and the state last observed.
@@ -155,8 +160,7 @@ impl<'a> Loop<'a> {
     /// Records all but the accelerations, which are computed together at the end.
     pub(super) fn record(&mut self, t: f64, x: &[f64]) {
         let n = self.u.len();
-        self.drive_continuously(t, x);
-        self.plant.drive(&self.u);
+        self.apply_torques(t, x);
         let k = self.next_output;
         self.motion.q.sample_mut(k).copy_from_slice(&x[..n]);
         self.motion.dq.sample_mut(k).copy_from_slice(&x[n..]);
@@ -170,6 +174,13 @@ impl<'a> Loop<'a> {
         let error = |(k, source)| SimulationError::Dynamics { time_s: self.grid.time(k), source };
         self.motion.ddq = self.plant.accelerations_of([q, dq, tau]).map_err(error)?;
         Ok(())
+    }
+
+    /// Leaves the joint torques in a state in the plant, and what a continuous controller sees there.
+    #[inline]
+    pub(super) fn apply_torques(&mut self, t: f64, x: &[f64]) {
+        self.drive_continuously(t, x);
+        self.plant.drive(&self.u);
     }
 
     /// The drive signals of a continuous controller; a sampled one holds its own.

@@ -59,6 +59,17 @@ impl TimeLaw {
         (s * density / 6.0, ds * density / 2.0, dds * density)
     }
 
+    /// The third derivative of `s` at time `t`; where it jumps, that behind the jump.
+    pub(super) fn jerk(&self, t: f64) -> f64 {
+        let u = t - self.start_s;
+        if u < 0.0 || u >= self.duration() {
+            return 0.0;
+        }
+        let passed = |[a, b, c]: &[f64; 3]| u >= a * self.t1_s + b * self.t2_s + c * self.t3_s;
+        CORNERS.iter().filter(|corner| passed(corner)).map(|corner| self.term(u, *corner).0).sum::<f64>()
+            / self.volume()
+    }
+
     /// The derivatives of `s` at time `t` by the start and by the logarithms of T1, T2 and T3.
     pub(super) fn sensitivity(&self, t: f64) -> [f64; 4] {
         let u = t - self.start_s;

@@ -125,6 +125,16 @@ impl Moves {
         Self { start: point(&self.start), moves }
     }
 
+    /// The derivative of the accelerations at time `t`; where it jumps, that behind the jump.
+    pub(crate) fn jerk(&self, t: f64, dddq: &mut [f64]) {
+        dddq.fill(0.0);
+        for (k, motion) in self.moves.iter().enumerate() {
+            let ddds = motion.law.jerk(t);
+            let from_to = self.start_of(k).iter().zip(&motion.end);
+            dddq.iter_mut().zip(from_to).for_each(|(dddq, (from, to))| *dddq += (to - from) * ddds);
+        }
+    }
+
     /// Where move `k`, from zero, starts.
     fn start_of(&self, k: usize) -> &[f64] {
         if k == 0 { &self.start } else { &self.moves[k - 1].end }

@@ -51,7 +51,7 @@ impl Record {
             position: &self.position,
             geared: true,
             velocity: self.velocity.as_ref(),
-            torque: &self.torque,
+            torque: Some(&self.torque),
             reference: self.reference.as_ref(),
             reconstructed_deviation: self.reconstructed_deviation.as_deref(),
             added_signal: self.added_signal,
@@ -159,8 +159,9 @@ pub fn from_experiment(path: &Path, data: &Path, validation: bool) -> Record {
         if source.side == motor { transmission.joint_positions(&series) } else { series }
     };
     let position = positions(&description.position);
-    let torque = read_channels(&description.torque, data).unwrap();
-    let torque = if description.torque.side == motor { transmission.joint_torques(&torque) } else { torque };
+    let source = description.torque.as_ref().unwrap();
+    let torque = read_channels(source, data).unwrap();
+    let torque = if source.side == motor { transmission.joint_torques(&torque) } else { torque };
     let time_s = description.time.as_ref().map(|t| read_channels(t, data).unwrap().channel(0));
     let rate = description.sample_rate_hz.or(time_s.as_ref().map(|t| (t.len() - 1) as f64 / (t[t.len() - 1] - t[0])));
     let rate_hz = rate.unwrap();

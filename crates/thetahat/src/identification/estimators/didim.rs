@@ -1,7 +1,7 @@
 //! Least squares on the simulated motion.
 
 use super::{
-    estimator::{Design, Estimator, Needs},
+    estimator::{Design, Estimator, Needs, Response},
     ls::{influence, least_squares},
 };
 use crate::{
@@ -15,6 +15,7 @@ pub(super) static DIDIM: Estimator = Estimator {
     equation: "(19)",
     needs: Needs::Instruments,
     design: Design::Simulated,
+    response: Response::Torque,
     weighting: None,
     estimate: |regression, z, divisor| didim(regression, z.ok_or(EstimationError::NoInstruments)?, divisor),
     influence: |regression, z| influence(regression, z.ok_or(EstimationError::NoInstruments)?),

@@ -13,6 +13,17 @@ pub enum Needs {
     Measurement,
     /// Z of the closed loop simulated with its own estimate: it iterates.
     Instruments,
+    /// What the closed loop simulated with its own estimate answers, and the derivatives J of that: it iterates.
+    Sensitivities,
+}
+
+/// Which signal of the closed loop is compared with the record.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Response {
+    /// Joint torques.
+    Torque,
+    /// Joint positions.
+    Position,
 }
 
 /// What the parameters multiply in the prediction.
@@ -20,7 +31,7 @@ pub enum Needs {
 pub enum Design {
     /// X, of the measured motion.
     Measured,
-    /// Z, of the simulated motion.
+    /// Z of the simulated motion, or J.
     Simulated,
 }
 
@@ -54,6 +65,7 @@ pub(super) struct Estimator {
     pub(super) equation: &'static str,
     pub(super) needs: Needs,
     pub(super) design: Design,
+    pub(super) response: Response,
     /// The weighting that makes it what it is, where it has one.
     pub(super) weighting: Option<Weighting>,
     pub(super) estimate: fn(&Regression, Option<&Matrix>, Divisor) -> Result<Fit, EstimationError>,

@@ -1,6 +1,6 @@
 //! Instrumental variables from a simulated motion.
 
-use super::estimator::{Design, Estimator, Needs};
+use super::estimator::{Design, Estimator, Needs, Response};
 use crate::{
     identification::fit::{Divisor, EstimationError, Fit, Solved, full_rank, require_full_rank},
     linear_algebra::{Matrix, PivotedQr},
@@ -12,6 +12,7 @@ pub(super) static IDIM_IV: Estimator = Estimator {
     equation: "(10)",
     needs: Needs::Instruments,
     design: Design::Measured,
+    response: Response::Torque,
     weighting: None,
     estimate: |regression, z, divisor| idim_iv(regression, z.ok_or(EstimationError::NoInstruments)?, divisor),
     influence: |regression, z| influence(regression, z.ok_or(EstimationError::NoInstruments)?),

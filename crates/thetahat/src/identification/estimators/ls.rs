@@ -1,6 +1,6 @@
 //! Least squares on the measured motion, with the weights of the regression (WLS).
 
-use super::estimator::{Design, Estimator, Needs};
+use super::estimator::{Design, Estimator, Needs, Response};
 use crate::{
     identification::fit::{Divisor, EstimationError, Fit, Solved, full_rank},
     linear_algebra::Matrix,
@@ -12,6 +12,7 @@ pub(super) static IDIM_LS: Estimator = Estimator {
     equation: "(8)",
     needs: Needs::Measurement,
     design: Design::Measured,
+    response: Response::Torque,
     weighting: None,
     estimate: |regression, _, divisor| idim_ls(regression, divisor),
     influence: |regression, _| influence(regression, &regression.x),

@@ -3,6 +3,8 @@
 //! An estimator is a value: what it needs, its estimate, and its influence `A` with `theta_hat - theta = A^T e`, from which
 //! every covariance is the same sandwich `A^T cov(e) A`. Adding one takes its own file and an entry of [`ESTIMATORS`].
 
+mod clie;
+mod cloe;
 mod didim;
 mod estimator;
 mod iv;
@@ -14,7 +16,7 @@ use std::{cmp::Ordering, fmt, str::FromStr, sync::LazyLock};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 pub use didim::didim;
-pub use estimator::{Design, Needs, Weighting};
+pub use estimator::{Design, Needs, Response, Weighting};
 pub use iv::idim_iv;
 pub use ls::idim_ls;
 
@@ -24,7 +26,8 @@ use super::fit::{Divisor, EstimationError, Fit};
 use crate::{linear_algebra::Matrix, regression::Regression};
 
 /// Every estimator, in the order of tables.
-static ESTIMATORS: [&Estimator; 4] = [&ls::IDIM_LS, &wls::IDIM_WLS, &iv::IDIM_IV, &didim::DIDIM];
+static ESTIMATORS: [&Estimator; 6] =
+    [&ls::IDIM_LS, &wls::IDIM_WLS, &iv::IDIM_IV, &didim::DIDIM, &clie::CLIE, &cloe::CLOE];
 static NAMES: LazyLock<Vec<&'static str>> = LazyLock::new(|| ESTIMATORS.iter().map(|e| e.name).collect());
 
 /// An estimator of the table.
@@ -48,6 +51,10 @@ impl Method {
     pub const IDIM_IV: Self = Self(&iv::IDIM_IV);
     /// Least squares on the simulated motion (19).
     pub const DIDIM: Self = Self(&didim::DIDIM);
+    /// Least squares between measured and simulated torques (11) to (15).
+    pub const CLIE: Self = Self(&clie::CLIE);
+    /// Least squares between measured and simulated positions (11) to (15).
+    pub const CLOE: Self = Self(&cloe::CLOE);
 
     /// Every method, in the order of tables.
     pub fn all() -> impl Iterator<Item = Self> {
@@ -76,6 +83,12 @@ impl Method {
     #[must_use]
     pub fn design(self) -> Design {
         self.0.design
+    }
+
+    /// Which signal of the loop its prediction is of.
+    #[must_use]
+    pub fn response(self) -> Response {
+        self.0.response
     }
 
     /// The weighting that it implies, whatever is asked for.
