@@ -83,7 +83,7 @@ fn outside(table: &ParameterTable, physical: &PhysicalResult, asked: bool) -> Op
     let deviations = physical.deviations.unwrap_or(f64::INFINITY);
     let is_noise = deviations < MORE_THAN_NOISE;
     let how_far = format!("{deviations:.1} standard deviations outside");
-    let noise = if is_noise { "as noise explains" } else { "more than noise explains" };
+    let noise = if is_noise { "no more than noise explains" } else { "more than noise explains" };
     Some(Finding {
         code: Code::NotPhysical,
         severity: if is_noise { Severity::Note } else { Severity::Warning },

@@ -23,8 +23,8 @@ const EXAMINATION_GAP: f64 = 1e-3;
 const AT_BOUNDARY: f64 = 1e-3;
 /// Weights of the prior that cross-validation tries, in variances of the error.
 const WEIGHTS: [f64; 7] = [1e-3, 1e-2, 1e-1, 1.0, 10.0, 100.0, 1000.0];
-/// Freedom that conditions take below which there is nothing to test.
-const NO_FREEDOM: f64 = 1e-3;
+/// Least freedom of the test: what conditions and the prior take may be next to nothing, and so is the distance then.
+const LEAST_FREEDOM: f64 = 1.0;
 
 /// An estimate that is examined.
 pub(super) struct Examined<'a> {
@@ -175,10 +175,7 @@ impl Examined<'_> {
     fn test(&self, found: &ConsistentFit) -> Option<ConsistencyTest> {
         let widening = self.run.widening().unwrap_or(1.0);
         let taken = self.linear.fit.theta.len() as f64 - found.effective_parameters;
-        let (numerator_freedom, denominator_freedom) = (taken.max(0.0), self.freedom());
-        if numerator_freedom < NO_FREEDOM {
-            return None;
-        }
+        let (numerator_freedom, denominator_freedom) = (taken.max(LEAST_FREEDOM), self.freedom());
         let statistic = found.squared_residual / (numerator_freedom * self.variance() * widening * widening);
         let p_value = f_probability(statistic, numerator_freedom, denominator_freedom)?;
         Some(ConsistencyTest { statistic, numerator_freedom, denominator_freedom, p_value })
