@@ -90,7 +90,6 @@ fn run(case: &str, method: Method) -> RunResult {
         f_test: Some(f_test()),
         convergence: vec![iteration(6.0), iteration(5.53)],
         loop_parameters: Vec::new(),
-        findings: Vec::new(),
         parameters: parameters(),
         plots: RunPlots {
             predicted: vec![vec![1.0, 2.0, 3.0], vec![0.0, 0.0, 0.0]],

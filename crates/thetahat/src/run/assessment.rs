@@ -7,13 +7,11 @@ use super::{
     cross_validation::{CrossValidation, Folds, folds_by_move, folds_by_part, folds_by_recording, leave_folds_out},
     identification::{Identification, explain},
     linear::Linear,
-    not_physical::not_physical,
     parameters::{loop_parameter_results, parameter_results},
     physical::Examined,
     prepared::filtered,
 };
 use crate::{
-    checks::Finding,
     diagnosis::{Estimated, residual},
     identification::{Fit, Method, Needs, Outcome, Response, uncertainty},
     preparation::{Case, PreparationError, Problem},
@@ -48,7 +46,6 @@ impl Assessment<'_> {
             let folds = self.folds(problem).filter(|_| setup.settings.parameters.physical);
             let linear = Linear::of(self.job, &outcome, fit);
             run.physical = Examined { setup, job: self.job, linear: &linear, run: &run, folds }.physical();
-            run.findings = self.findings(&run);
             run.residual = Some(residual(regression, &fit.prediction));
             self.leave_parts_out(&outcome, &mut run);
             if !self.identification.validation.is_empty() {
@@ -114,13 +111,6 @@ impl Assessment<'_> {
     /// The estimates of the robot's parameters, without those of the loop.
     fn of_robot<'f>(&self, fit: &'f Fit) -> &'f [f64] {
         &fit.theta[..self.job.problem.estimated.len()]
-    }
-
-    /// What is found in the estimates of a run.
-    fn findings(&self, run: &RunResult) -> Vec<Finding> {
-        let (setup, problem) = (self.identification.setup(), self.job.problem);
-        let Ok(set) = problem.consistent_set(setup) else { return Vec::new() };
-        not_physical(setup.robot, set, &problem.estimated, run, setup.settings.parameters.physical)
     }
 
     /// Leaves recordings, moves or parts out in turn, and predicts them from the others.
