@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     control::ControllerDescription,
-    identification::{Design, Method, Needs},
+    identification::{Design, Method, Needs, Response, Weighting},
     robot::Robot,
     simulation::Solver,
 };
@@ -32,6 +32,7 @@ impl Settings {
         self.validate_parameters()?;
         self.validate_physical(robot)?;
         self.validate_methods()?;
+        self.validate_weighting()?;
         self.validate_convergence()?;
         if let Some(controller) = &self.controller {
             controller.validate(robot.coordinate_count())?;
@@ -95,6 +96,21 @@ impl Settings {
             self.validate_method_list(case.methods.as_ref().unwrap_or(&self.estimation.methods))?;
         }
         Ok(())
+    }
+
+    /// The weights of joints are those of their torques.
+    fn validate_weighting(&self) -> Checked {
+        let of_positions = |(method, weighting): &(&Method, &Weighting)| {
+            method.response() == Response::Position && **weighting != Weighting::None
+        };
+        match self.estimation.weighting.iter().find(of_positions) {
+            None => Ok(()),
+            Some((method, weighting)) => {
+                let key = format!("[estimation] weighting.{method}");
+                let expected = "\"none\": the weights of joints are those of torques, and it fits positions";
+                Err(PreparationError::value(&key, expected, weighting.name()))
+            }
+        }
     }
 
     fn validate_method_list(&self, methods: &[Method]) -> Checked {

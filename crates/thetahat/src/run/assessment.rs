@@ -76,7 +76,7 @@ impl Assessment<'_> {
         let test = |f| if *method == Method::IDIM_LS { problem.full_model_test(f) } else { None };
         RunResult {
             weighting: Some(self.identification.setup().settings.weighting(*method)),
-            reason: outcome.reason.as_ref().map(|r| explain(&problem.estimated, r)),
+            reason: outcome.reason.as_ref().map(|r| explain(&problem.estimated, &self.job.names_of_loop(), r)),
             iterations: outcome.iterations.len(),
             simulations: outcome.simulations,
             relative_error_percent: fit.map(|f| f.relative_error_percent),
