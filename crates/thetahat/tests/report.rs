@@ -115,6 +115,7 @@ fn diagnosis(case: &str) -> CaseDiagnosis {
     let parameters = vec![ParameterDifference { name: "fv1".to_owned(), difference: -0.8, deviations: -8.4 }];
     CaseDiagnosis {
         case: case.to_owned(),
+        approximation: None,
         endogeneity: Some(EndogeneityResult {
             classical: f_test(),
             robust: chi_squared_test(3.2, 4).unwrap(),

@@ -114,6 +114,31 @@ impl<'a> Physical<'a> {
         }
     }
 
+    /// Start values of a fit, the first one first: those given and those nearest to the estimate of LS, as far as they can be
+    /// simulated.
+    pub(super) fn starts(&mut self, start: &[f64]) -> Vec<Vec<f64>> {
+        let given = self.is_safe(&self.problem.estimated.to_standard(start), PART_AT_START).then(|| start.to_vec());
+        let starts: Vec<_> = given.into_iter().chain(self.near_ls()).collect();
+        self.before = None;
+        if starts.is_empty() { vec![start.to_vec()] } else { starts }
+    }
+
+    /// What a step leads to: `theta` where it can be simulated, else the parameters of the physical set nearest to it in the
+    /// metric `|R (theta - theta_hat)|` of the step.
+    pub(super) fn admit(&mut self, theta: Vec<f64>, r: &Matrix) -> Vec<f64> {
+        let estimated = &self.problem.estimated;
+        self.is_needed = !self.is_safe(&estimated.to_standard(&theta), margin(self.design).part);
+        if !self.is_needed {
+            return theta;
+        }
+        self.nearest_in(estimated, r, &theta).map_or(theta, |standard| estimated.from_standard(&standard))
+    }
+
+    /// Whether what was admitted last is in the physical set because it could not be simulated as it was.
+    pub(super) fn is_needed(&self) -> bool {
+        self.is_needed
+    }
+
     /// Asks for physical parameters from now on; false where they were already.
     pub(super) fn require(&mut self) -> bool {
         !std::mem::replace(&mut self.is_needed, true)
@@ -170,6 +195,14 @@ impl<'a> Physical<'a> {
 
     /// The parameters of the interior nearest to an estimate.
     fn nearest(&mut self, estimate: &[f64]) -> Option<Vec<f64>> {
+        let (problem, base) = (self.problem, &self.problem.base);
+        let r = self.r.take().unwrap_or_else(|| triangular_factor(problem, self.regression, None));
+        let standard = self.nearest_in(base, &r, &in_base(base, &problem.estimated, estimate));
+        self.r = Some(r);
+        standard
+    }
+
+    fn nearest_in(&mut self, base: &BaseParameters, r: &Matrix, estimate: &[f64]) -> Option<Vec<f64>> {
         let set = match self.set {
             Ok(set) => set,
             Err(e) => {
@@ -177,10 +210,7 @@ impl<'a> Physical<'a> {
                 return None;
             }
         };
-        let (problem, base) = (self.problem, &self.problem.base);
-        let r = self.r.get_or_insert_with(|| triangular_factor(problem, self.regression, None));
-        let all = in_base(base, &problem.estimated, estimate);
-        match nearest_to_simulate(set, base, r, &all, &margin(self.design).options, self.before.as_ref()) {
+        match nearest_to_simulate(set, base, r, estimate, &margin(self.design).options, self.before.as_ref()) {
             Ok(fit) => {
                 let standard = fit.standard.clone();
                 self.before = Some(fit);

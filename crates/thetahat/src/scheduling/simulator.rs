@@ -131,9 +131,14 @@ impl<'a> Simulator<'a> {
     /// The same for a method. Gains that follow the estimate leave positions as they are where all parameters grow alike:
     /// methods that fit positions, or gains themselves, keep those of the start values.
     pub(super) fn of_method(self, method: Method) -> Self {
+        if self.keeps_gains_for(method) { self.with_kept_gains() } else { self }
+    }
+
+    /// Whether a method needs gains that stay, where a bandwidth gives them.
+    pub(super) fn keeps_gains_for(&self, method: Method) -> bool {
         let fits = method.needs() == Needs::Sensitivities;
-        let keeps = fits && (method.response() == Response::Position || !self.loop_parameters.is_empty());
-        if keeps { self.with_kept_gains() } else { self }
+        let is_free = method.response() == Response::Position || !self.loop_parameters.is_empty();
+        fits && is_free && !self.controller.bandwidth_hz.is_empty()
     }
 
     /// The same with gains that stay those of the start values.

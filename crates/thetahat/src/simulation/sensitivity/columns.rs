@@ -93,7 +93,7 @@ pub(super) fn add_product(to: &mut Wide, factor: f64, x: &Wide) {
     to.iter_mut().zip(x).for_each(|(to, x)| *to += factor * x);
 }
 
-/// `out = start + sum weights terms`, from zeros without a start.
+/// `out = start + sum weights terms`, of at most seven terms; from zeros without a start.
 pub(super) fn combine(
     start: Option<&ColumnBlocks>,
     terms: &[ColumnBlocks],
@@ -117,13 +117,41 @@ impl WithSimd for Combination<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        match self.start {
-            Some(start) => self.out.copy_from(start),
-            None => self.out.fill_with_zeros(),
+        let mut used: [Weighted<'_>; WIDTH] = [(0.0, &[]); WIDTH];
+        let terms = self.terms.iter().zip(self.weights).filter(|(_, weight)| **weight != 0.0);
+        let mut count = 0;
+        for (used, (term, weight)) in used.iter_mut().zip(terms) {
+            *used = (*weight, &term.values);
+            count += 1;
         }
-        for (term, weight) in self.terms.iter().zip(self.weights).filter(|(_, weight)| **weight != 0.0) {
-            self.out.values.iter_mut().zip(&term.values).for_each(|(out, x)| add_product(out, *weight, x));
+        let (start, out) = (self.start.map(|start| &start.values[..]), &mut self.out.values[..]);
+        match count {
+            0 => sum::<0>(start, &used, out),
+            1 => sum::<1>(start, &used, out),
+            2 => sum::<2>(start, &used, out),
+            3 => sum::<3>(start, &used, out),
+            4 => sum::<4>(start, &used, out),
+            5 => sum::<5>(start, &used, out),
+            6 => sum::<6>(start, &used, out),
+            _ => sum::<7>(start, &used, out),
         }
+    }
+}
+
+/// A weight and the rows that it belongs to.
+type Weighted<'a> = (f64, &'a [Wide]);
+
+/// The sum of the first `K` terms, row by row: the number of terms is known to the compiler.
+#[inline(always)]
+fn sum<const K: usize>(start: Option<&[Wide]>, terms: &[Weighted<'_>; WIDTH], out: &mut [Wide]) {
+    let rows = out.len();
+    let terms: [Weighted<'_>; K] = std::array::from_fn(|k| (terms[k].0, &terms[k].1[..rows]));
+    for (row, out) in out.iter_mut().enumerate() {
+        let mut sum = start.map_or(ZEROS, |start| start[row]);
+        for (weight, term) in &terms {
+            add_product(&mut sum, *weight, &term[row]);
+        }
+        *out = sum;
     }
 }
 
