@@ -11,13 +11,15 @@ pub struct Arguments {
     pub methods: Vec<Method>,
     /// Robots whose names contain this.
     pub robot: String,
+    /// Of motions and noise.
+    pub seed: u64,
 }
 
 impl Arguments {
     pub fn read() -> Result<Self, Box<dyn Error>> {
         let iterates = |m: &Method| m.needs() != Needs::Measurement;
-        let mut found =
-            Self { data: None, quick: false, methods: Method::all().filter(iterates).collect(), robot: String::new() };
+        let methods = Method::all().filter(iterates).collect();
+        let mut found = Self { data: None, quick: false, methods, robot: String::new(), seed: 1 };
         let mut arguments = std::env::args().skip(1);
         while let Some(name) = arguments.next() {
             let mut value = || arguments.next().ok_or_else(|| format!("{name} needs a value"));
@@ -26,6 +28,7 @@ impl Arguments {
                 "--quick" => found.quick = true,
                 "--methods" => found.methods = value()?.split(',').map(str::parse).collect::<Result<_, _>>()?,
                 "--robot" => found.robot = value()?,
+                "--seed" => found.seed = value()?.parse()?,
                 other => return Err(format!("unknown argument {other}").into()),
             }
         }

@@ -99,8 +99,12 @@ pub fn run_cells(twin: &Twin, arguments: &Arguments) -> Result<Vec<Cell>, Box<dy
     let factors: &[f64] = if arguments.quick { &FACTORS[1..4] } else { &FACTORS };
     let noise: &[Noise] = if arguments.quick { &NOISE[..1] } else { &NOISE };
     let of_start = |start| factors.iter().flat_map(move |&f| noise.iter().map(move |&n| (f, start, n)));
-    let places: Vec<Place> =
-        Start::ALL.into_iter().flat_map(of_start).zip(1..).map(|((f, s, n), seed)| (f, s, n, seed)).collect();
+    let places: Vec<Place> = Start::ALL
+        .into_iter()
+        .flat_map(of_start)
+        .zip(1000 * arguments.seed..)
+        .map(|((f, s, n), seed)| (f, s, n, seed))
+        .collect();
     let (next, found) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let work = || {
         while let Some(place) = places.get(next.fetch_add(1, Ordering::Relaxed)) {

@@ -4,7 +4,7 @@
 //! A twin of each robot follows a recorded reference under a PD loop of 10 Hz. The simulated loop has 0.25 to 4 times that
 //! bandwidth; iterations start from CAD, from CAD with 30 % errors, and from motor inertias alone.
 //!
-//! `cargo run --release -p thetahat --example robustness -- [--data DIR] [--quick] [--methods idim-iv,didim] [--robot NAME]`
+//! `cargo run --release -p thetahat --example robustness -- [--data DIR] [--quick] [--methods idim-iv,didim] [--robot NAME] [--seed 1]`
 //!
 //! DIR holds `kuka_lwr4/kuka_lwr4.urdf`; that robot is left out without it.
 
@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
     let mut all: Vec<Cell> = Vec::new();
     for robot in robots(&arguments)? {
-        let twin = Twin::new(robot, arguments.duration_s())?;
+        let twin = Twin::new(robot, arguments.duration_s(), arguments.seed)?;
         let cells = run_cells(&twin, &arguments)?;
         for method in &arguments.methods {
             println!("{}", robot_row(&twin, *method, &cells));

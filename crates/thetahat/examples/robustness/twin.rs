@@ -51,10 +51,10 @@ pub struct Twin {
 }
 
 impl Twin {
-    pub fn new(subject: Subject, duration_s: f64) -> Result<Self, Box<dyn Error>> {
+    pub fn new(subject: Subject, duration_s: f64, seed: u64) -> Result<Self, Box<dyn Error>> {
         let Subject { name, robot, has_motor_inertias } = subject;
         let cad = completed_a_priori(&robot, None);
-        let reference = periodic(&robot, duration_s, RATE_HZ, 1);
+        let reference = periodic(&robot, duration_s, RATE_HZ, seed);
         let model = Model::new(&robot);
         let usual = Usual::along(&reference, &model, &cad);
         let mut truth = cad.clone();

@@ -104,6 +104,11 @@ impl Estimation {
         self.steps.tolerance
     }
 
+    /// States with which factor of the tolerances it is simulated, where that is not the factor wanted.
+    pub fn simulated_with(&mut self, tolerance: f64) {
+        self.steps.tolerance = tolerance;
+    }
+
     /// Wants the last estimate simulated in another way, revised, after its simulation failed; false where there is none.
     pub fn simulate_anew(&mut self, revise: Revision<'_>) -> bool {
         let Some((fit, error, z)) = self.last.take() else { return false };

@@ -97,13 +97,13 @@ impl<'a> Physical<'a> {
         Some(start)
     }
 
-    /// Makes an estimate, or a mean of several, what is simulated, with tolerances `tolerance` times as large.
-    pub(super) fn simulate(&mut self, estimate: &[f64], tolerance: f64) {
-        let (theta, tolerance) = match (self.standard(estimate), self.is_needed) {
-            (standard, true) => (standard, tolerance.min(FINE)),
-            (standard, false) => (standard, tolerance),
-        };
+    /// Makes an estimate, or a mean of several, what is simulated, with tolerances `tolerance` times as large, or less where it
+    /// must be; that factor.
+    pub(super) fn simulate(&mut self, estimate: &[f64], tolerance: f64) -> f64 {
+        let theta = self.standard(estimate);
+        let tolerance = if self.is_needed { tolerance.min(FINE) } else { tolerance };
         self.current = Parameters::Standard { theta, tolerance };
+        tolerance
     }
 
     /// The estimate that counts: of DIDIM, once it leaves what can be simulated, that of the physical set.

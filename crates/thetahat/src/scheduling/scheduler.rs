@@ -195,7 +195,8 @@ impl<'a> Running<'a> {
             estimation.take(z, &self.job.regression, &mut |fit, z| physical.revise(fit, z));
         }
         if let Some(theta) = estimation.wanted() {
-            physical.simulate(theta, estimation.tolerance());
+            let tolerance = physical.simulate(theta, estimation.tolerance());
+            estimation.simulated_with(tolerance);
         }
     }
 
