@@ -123,7 +123,7 @@ impl Assessment<'_> {
         run.cross_validation_interval_95_percent = left_out.interval_95_percent;
     }
 
-    /// What is left out in turn: a recording where there are several, else a move where they are known, else a part.
+    /// What is left out in turn: a recording where there are several, else a move where three or more are known, else a part.
     fn folds(&self, problem: &Problem) -> Option<Folds> {
         let layout = &problem.regression.layout;
         let rows_of_joint = layout.len() / layout.joints().max(1);
@@ -133,12 +133,12 @@ impl Assessment<'_> {
             let names = self.identification.main.iter().map(|p| format!("recording {}", p.filtered.recording.name));
             return Some(Folds { of_row: folds_by_recording(of_row)?, names: names.collect() });
         };
-        match only.reference.as_ref().map(|r| &r.reference) {
-            Some(Reference::Moves(moves)) => {
-                folds_by_move(moves, &self.identification.times(problem)).map(|f| Folds::numbered("move", f))
-            }
-            Some(Reference::Sampled(_)) | None => Some(Folds::numbered("part", folds_by_part(rows_of_joint))),
-        }
+        let by_move = match only.reference.as_ref().map(|r| &r.reference) {
+            Some(Reference::Moves(moves)) => folds_by_move(moves, &self.identification.times(problem)),
+            Some(Reference::Sampled(_)) | None => None,
+        };
+        let by_part = || Folds::numbered("part", folds_by_part(rows_of_joint));
+        Some(by_move.map_or_else(by_part, |of_row| Folds::numbered("move", of_row)))
     }
 
     /// Predicts the recordings that were held back.

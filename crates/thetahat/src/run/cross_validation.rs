@@ -28,11 +28,14 @@ pub(super) fn folds_by_recording(recordings: Vec<usize>) -> Option<Vec<usize>> {
     (count >= FEWEST_RECORDINGS).then_some(recordings)
 }
 
-/// The move, from zero, to which each decimated row of a joint belongs: the last one that has started.
+/// The move, from zero, to which each decimated row of a joint belongs: the last one that has started. None where the rows
+/// belong to fewer than three.
 pub(super) fn folds_by_move(moves: &Moves, times: &[f64]) -> Option<Vec<usize>> {
     let starts: Vec<f64> = moves.moves().iter().map(|m| m.law.start_s).collect();
     let fold = |t: &f64| starts.iter().filter(|s| **s <= *t).count().saturating_sub(1);
-    (starts.len() >= FEWEST_MOVES).then(|| times.iter().map(fold).collect())
+    let folds: Vec<usize> = times.iter().map(fold).collect();
+    let changes = folds.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    (changes + 1 >= FEWEST_MOVES).then_some(folds)
 }
 
 /// What is left out in turn.
@@ -249,6 +252,7 @@ fn sums<'a>(each: impl Iterator<Item = &'a Matrix>, nothing: &Matrix, parameters
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::trajectory::{Move, TimeLaw};
 
     #[test]
     fn folds_without_rows_are_none() {
@@ -257,6 +261,19 @@ mod tests {
             (folds.of_row, folds.names),
             (vec![0, 0, 2, 1], ["move 4", "move 5", "move 6"].map(String::from).into())
         );
+    }
+
+    /// Moves that start at 0, 1, 2 and 3 s.
+    fn four_moves() -> Moves {
+        let law = |start_s| TimeLaw { start_s, t1_s: 0.5, t2_s: 0.1, t3_s: 0.02 };
+        let motion = |k: u8| Move { law: law(f64::from(k)), end: vec![f64::from(k)] };
+        Moves::new(vec![0.0], (0..4).map(motion).collect()).unwrap()
+    }
+
+    #[test]
+    fn fewer_than_three_moves_with_rows_are_no_folds() {
+        assert_eq!(folds_by_move(&four_moves(), &[1.2, 1.8, 2.5, 3.1]), Some(vec![1, 1, 2, 3]));
+        assert_eq!(folds_by_move(&four_moves(), &[1.2, 1.8, 2.5, 2.9]), None);
     }
 
     const T_OF_TWO: f64 = 4.302_652_73;
