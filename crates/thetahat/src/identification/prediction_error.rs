@@ -19,6 +19,11 @@ const DAMPING_FACTOR: f64 = 10.0;
 const NO_DAMPING: f64 = 1e-5;
 /// Damping beyond which the steps are too short to find anything.
 const MOST_DAMPING: f64 = 1e8;
+/// The undamped step, in standard deviations, below which it is the errors of the simulation that keep a step from making the
+/// error smaller: simulations get finer tolerances then, a few times.
+const NEAR: f64 = 3.0;
+const FINER: f64 = 0.1;
+const REFINEMENTS: i32 = 2;
 /// Part of the error by which rounding may raise it.
 const ROUNDING: f64 = 1e-13;
 
@@ -59,6 +64,9 @@ pub struct PredictionErrorEstimation {
     point: Option<Linearised>,
     damping: f64,
     linearised: usize,
+    /// The undamped step where it was linearised last, in standard deviations, and how often tolerances were made finer.
+    whole_step: Option<f64>,
+    refinements: i32,
     outcome: Outcome,
 }
 
@@ -92,7 +100,18 @@ impl PredictionErrorEstimation {
         let reason = Reason::IterationLimit { iterations, relative_error_percent: f64::NAN, parameter_change: None };
         let outcome = Outcome { reason: Some(reason), ..Outcome::nothing() };
         let stage = starts.pop().filter(|_| iterations > 0).map_or(Stage::Over, Stage::Start);
-        Self { options, stage, starts, best: None, point: None, damping: 0.0, linearised: 0, outcome }
+        Self {
+            options,
+            stage,
+            starts,
+            best: None,
+            point: None,
+            damping: 0.0,
+            linearised: 0,
+            whole_step: None,
+            refinements: 0,
+            outcome,
+        }
     }
 
     /// What is to be simulated; nothing at the end.
@@ -103,6 +122,12 @@ impl PredictionErrorEstimation {
             Stage::Linearise(theta) => Some(Wanted::Sensitivities(theta)),
             Stage::Over => None,
         }
+    }
+
+    /// Factor of the tolerances with which to simulate.
+    #[must_use]
+    pub fn tolerance(&self) -> f64 {
+        FINER.powi(self.refinements)
     }
 
     /// How it ended, or how far it is.
@@ -174,8 +199,9 @@ impl PredictionErrorEstimation {
             self.note(fit, regression);
         }
         let point = Linearised::new(theta, simulated, fit, regression);
-        let is_small =
-            point.whole_step_in_deviations(admit).is_some_and(|c| c <= self.options.convergence.parameter_change);
+        self.whole_step = point.whole_step_in_deviations(admit);
+        let is_small = self.whole_step.is_some_and(|c| c <= self.options.convergence.parameter_change);
+        self.best = Some((point.theta.clone(), error(regression, &point.simulated.response)));
         self.point = Some(point);
         self.linearised += 1;
         if is_small {
@@ -209,9 +235,17 @@ impl PredictionErrorEstimation {
                 self.damping = (self.damping * DAMPING_FACTOR).max(FIRST_DAMPING);
                 self.step(admit);
             }
+            Ok(_) if self.refinements < REFINEMENTS && self.whole_step.is_some_and(|c| c < NEAR) => self.refine(),
             Ok(_) => self.end_at_limit(),
             Err(cause) => self.stall(cause),
         }
+    }
+
+    /// Linearises again at the best parameters, with finer simulations.
+    fn refine(&mut self) {
+        let Some((best, _)) = &self.best else { return };
+        self.stage = Stage::Linearise(best.clone());
+        (self.refinements, self.damping) = (self.refinements + 1, 0.0);
     }
 
     /// Takes note of an iteration.

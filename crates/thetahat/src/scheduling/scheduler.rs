@@ -155,7 +155,8 @@ impl<'a> Running<'a> {
             {
                 self.note = fitting.note();
                 let outcome = fitting.into_outcome();
-                let theta = outcome.fit.as_ref().map(|fit| Parameters::Fitted(fit.theta.clone()));
+                let theta =
+                    outcome.fit.as_ref().map(|fit| Parameters::Fitted { theta: fit.theta.clone(), tolerance: 1.0 });
                 self.stage = Stage::Estimated(Box::new(outcome), theta);
             }
             self.seconds += seconds + stopwatch.seconds();

@@ -61,7 +61,7 @@ pub(crate) enum Parameters {
     Estimated(Vec<f64>),
     /// The same, simulated with tolerances [`FINE`] times as large: the response itself is compared with the record, and an
     /// error is to fall with every step.
-    Fitted(Vec<f64>),
+    Fitted { theta: Vec<f64>, tolerance: f64 },
     /// All standard parameters, simulated with tolerances so many times as large as those of the settings.
     Standard { theta: Vec<f64>, tolerance: f64 },
 }
@@ -283,7 +283,9 @@ impl<'a> Simulator<'a> {
         };
         let ((standard, of_loop), solver) = match parameters {
             Parameters::Estimated(theta) => (split(theta), solver),
-            Parameters::Fitted(theta) => (split(theta), solver.for_sensitivities().with_tolerances_times(FINE)),
+            Parameters::Fitted { theta, tolerance } => {
+                (split(theta), solver.for_sensitivities().with_tolerances_times(FINE * tolerance))
+            }
             Parameters::Standard { theta, tolerance } => {
                 ((theta.clone(), Vec::new()), solver.with_tolerances_times(*tolerance))
             }
