@@ -17,6 +17,7 @@ mod bandwidth;
 mod error;
 mod filtered;
 mod problem;
+mod proposed_controller;
 mod recording;
 mod reference;
 mod settings;
@@ -26,6 +27,7 @@ mod validation;
 pub use error::PreparationError;
 pub(crate) use filtered::{FilteredRecording, MOVING, STILL, window_of};
 pub(crate) use problem::{Chosen, Problem, full_model_test, named_elimination};
+pub(crate) use proposed_controller::{ProposedController, propose_controller};
 pub use recording::Recording;
 pub(crate) use reference::{FILTERED, RecordedReference};
 pub use settings::{
@@ -33,5 +35,4 @@ pub use settings::{
     SimulationOptions, Start,
 };
 pub(crate) use setup::{Basis, Setup};
-pub(crate) use validation::PROPOSED_BANDWIDTH_HZ;
 pub(crate) use validation::validate_window;

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::consistent_set::consistent_set;
 use crate::{
     control::ControllerDescription,
     dynamics::{Model, Sign},
@@ -117,10 +118,20 @@ impl<'a> Simulator<'a> {
         match setup.settings.estimation.gains {
             Gains::Updated => simulator,
             Gains::Kept => {
-                let start = problem.estimated.to_standard(&simulator.start());
-                Self { kept_inertia: Some(simulator.inertia(&start)), ..simulator }
+                let inertia = simulator.inertia(&simulator.parameters_of_kept_gains());
+                Self { kept_inertia: Some(inertia), ..simulator }
             }
         }
+    }
+
+    /// The start values, or the completed a-priori ones where those are no robot's: its gains would be zero or negative.
+    fn parameters_of_kept_gains(&self) -> Vec<f64> {
+        let start = self.problem.estimated.to_standard(&self.start());
+        if self.has_mass_matrix_above(&start, 0.0, &start) {
+            return start;
+        }
+        let set = consistent_set(self.setup, self.problem, &self.problem.regression);
+        set.map_or(start, |set| set.a_priori().to_vec())
     }
 
     /// The start values of an iteration.
