@@ -22,7 +22,7 @@ use faer::{
             apply_block_householder_sequence_transpose_on_the_left_in_place_scratch as scratch_of_q_transposed,
             apply_block_householder_sequence_transpose_on_the_left_in_place_with_conj as apply_q_transposed,
         },
-        solvers::{ColPivQr, Qr},
+        solvers::{ColPivQr, Llt, Qr},
     },
     prelude::*,
 };
@@ -166,6 +166,12 @@ impl Matrix {
         Some(from_faer(factor.solve(b.view()).as_ref()))
     }
 
+    /// The Cholesky factor of a symmetric matrix, of which the lower half is read; `None` where it is not positive definite.
+    #[must_use]
+    pub fn cholesky(&self) -> Option<CholeskyFactor> {
+        self.view().llt(Side::Lower).ok().map(|factor| CholeskyFactor { factor })
+    }
+
     /// `x^T A^-1 x` of a symmetric matrix; `None` where it is not positive definite.
     #[must_use]
     pub fn inverse_quadratic_form(&self, x: &[f64]) -> Option<f64> {
@@ -262,6 +268,27 @@ impl Matrix {
 
     fn view(&self) -> MatRef<'_, f64> {
         MatRef::from_column_major_slice(&self.values, self.rows, self.columns)
+    }
+}
+
+/// L of `A = L L^T`, to solve with more than once.
+#[derive(Debug, Clone)]
+pub struct CholeskyFactor {
+    factor: Llt<f64>,
+}
+
+impl CholeskyFactor {
+    /// `A^-1 b`.
+    #[must_use]
+    pub fn solve(&self, b: &[f64]) -> Vec<f64> {
+        let right = MatRef::from_column_major_slice(b, b.len(), 1);
+        from_faer(self.factor.solve(right).as_ref()).values
+    }
+
+    /// The lower triangular L.
+    #[must_use]
+    pub fn lower(&self) -> Matrix {
+        from_faer(self.factor.L())
     }
 }
 

@@ -91,11 +91,13 @@ pub enum Code {
     ReferenceMismatch,
     /// The controller does not give the drive signals.
     ControllerMismatch,
+    /// No robot made of bodies has the estimates.
+    NotPhysical,
 }
 
 impl Code {
     /// All codes, in order.
-    pub const ALL: [Self; 27] = [
+    pub const ALL: [Self; 28] = [
         Self::PositionScale,
         Self::PositionSign,
         Self::PositionZero,
@@ -123,6 +125,7 @@ impl Code {
         Self::NotExcited,
         Self::ReferenceMismatch,
         Self::ControllerMismatch,
+        Self::NotPhysical,
     ];
 
     /// Its stable name, lower case with hyphens.
@@ -156,6 +159,7 @@ impl Code {
             Self::NotExcited => "not-excited",
             Self::ReferenceMismatch => "reference-mismatch",
             Self::ControllerMismatch => "controller-mismatch",
+            Self::NotPhysical => "not-physical",
         }
     }
 }

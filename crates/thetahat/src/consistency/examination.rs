@@ -2,42 +2,66 @@ use super::{
     elimination::{Elimination, Equality},
     error::ConsistencyError,
     fit::starting_point,
-    interior::{Margin, largest_margin, least_violations},
+    interior::{largest_margin, least_violations},
+    program::Block,
     set::{Condition, ConditionBlock, ConsistentSet},
+    symmetric::Symmetric,
 };
 use crate::{base_parameters::BaseParameters, linear_algebra::Matrix};
 
 /// Whether base parameters follow from standard parameters that a robot can have, and if not, why.
+///
+/// Only robots of at most [`HEAVIEST`] times the a-priori mass count: some parameters would be consistent with links of many
+/// tons alone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Examination {
-    /// The largest t with every condition's matrix at least t times the a-priori one, for some standard parameters with
-    /// these base parameters; at most 1. Below zero the base parameters are not consistent.
+    /// For consistent parameters the largest t, at most 1, with every condition's matrix at least t times the a-priori one.
+    /// Else minus the least sum of what conditions lack, each in units of its usual value.
     pub margin: f64,
-    /// Whether the margin is not below zero, but for rounding.
+    /// Whether nothing is lacking, but for rounding.
     pub consistent: bool,
-    /// The standard parameters that have the margin.
+    /// Standard parameters with these base parameters: those that have the margin.
     pub standard: Vec<f64>,
-    /// Smallest eigenvalue of all pseudo-inertia matrices of `standard`.
+    /// Smallest eigenvalue of all pseudo-inertia matrices of `standard`, SI.
     pub smallest_eigenvalue: f64,
     /// The conditions that no standard parameters with these base parameters meet, as few as possible, and what each
-    /// lacks in units of its a-priori matrix; empty for consistent parameters.
+    /// lacks: a parameter in its own unit, a link the least u in kg m^2 with `P + u 1` positive semidefinite. Empty for
+    /// consistent parameters.
     pub outside: Vec<(Condition, f64)>,
-    /// `margin = sum_i combination_i theta_i + constant`: a combination of base parameters that every consistent vector
-    /// has above zero.
+    /// `margin = sum_i combination_i theta_i + constant`, to first order: a combination of base parameters that no
+    /// consistent vector has below zero.
     pub combination: Vec<f64>,
 }
 
-/// A margin above this, below zero, is rounding.
-const ROUNDING: f64 = -1e-8;
+/// A robot is at most so many times heavier than its a-priori parameters say.
+pub const HEAVIEST: f64 = 100.0;
+
+/// Violations whose sum is below this, in units of usual values, are rounding.
+const ROUNDING: f64 = 1e-8;
 /// What a condition lacks, relative to what all lack, that makes it one of those outside.
 const OUTSIDE: f64 = 1e-3;
+/// Gap of the sum of violations, relative to it.
+const GAP: f64 = 1e-8;
 
 /// Examines base parameters.
 ///
 /// # Errors
-/// [`ConsistencyError`] for a wrong number of values, values that are not finite, and known values that contradict each
-/// other or the base parameters.
+/// [`ConsistencyError`] for a wrong number of values and values that are not finite. Known values that the base parameters
+/// contradict, or that contradict each other, are left out.
 pub fn examine(set: &ConsistentSet, base: &BaseParameters, estimate: &[f64]) -> Result<Examination, ConsistencyError> {
+    examine_within(set, base, estimate, GAP)
+}
+
+/// The same with a duality gap relative to what is lacking: 1e-3 says what is outside, and takes half the time.
+///
+/// # Errors
+/// As [`examine`].
+pub fn examine_within(
+    set: &ConsistentSet,
+    base: &BaseParameters,
+    estimate: &[f64],
+    gap: f64,
+) -> Result<Examination, ConsistencyError> {
     if estimate.len() != base.len() {
         let (expected, found) = (base.len(), estimate.len());
         return Err(ConsistencyError::WrongSize { what: "the estimate", expected, found });
@@ -45,20 +69,70 @@ pub fn examine(set: &ConsistentSet, base: &BaseParameters, estimate: &[f64]) -> 
     if !estimate.iter().all(|v| v.is_finite()) {
         return Err(ConsistencyError::NotFinite);
     }
-    let mut equalities = image(base, estimate);
-    let own = equalities.len();
-    equalities.extend(set.known().equalities.iter().cloned());
-    let elimination = Elimination::new(&equalities, set.scale())?;
-    let conditions = conditions_in_unknowns(set, &elimination);
-    let start = elimination.unknowns_of(&starting_point(set));
-    let best = largest_margin(&conditions, start, f64::INFINITY)?;
-    let outside = outside(&conditions, &best)?;
-    let combination = combination(set, &elimination, &best, own);
-    let standard = elimination.standard(&best.y);
-    let eigenvalues = set.pseudo_inertias(&standard);
-    let smallest_eigenvalue = eigenvalues.iter().map(|p| p.smallest_eigenvalue()).fold(f64::INFINITY, f64::min);
-    let consistent = best.margin >= ROUNDING;
-    Ok(Examination { margin: best.margin, consistent, standard, smallest_eigenvalue, outside, combination })
+    Fibre::new(set, base, estimate)?.examine(gap)
+}
+
+/// The standard parameters with the same base parameters, by the unknowns that are left.
+struct Fibre<'a> {
+    set: &'a ConsistentSet,
+    elimination: Elimination,
+    conditions: Vec<ConditionBlock>,
+    heaviest: Block,
+    /// The limit of the mass in the unknowns, where the start is below it.
+    limits: Vec<Block>,
+    start: Vec<f64>,
+    base: usize,
+}
+
+impl<'a> Fibre<'a> {
+    fn new(set: &'a ConsistentSet, base: &BaseParameters, estimate: &[f64]) -> Result<Self, ConsistencyError> {
+        let mut equalities = image(base, estimate);
+        equalities.extend(set.known().equalities.iter().cloned());
+        // A free estimate misses what is fixed and it alone decides, such as one friction coefficient.
+        let elimination = Elimination::with(&equalities, set.scale(), base.len())?;
+        let reduced = |c: ConditionBlock| ConditionBlock { block: elimination.block(&c.block), ..c };
+        let conditions = set.conditions().into_iter().map(reduced).collect();
+        let start = elimination.unknowns_of(&starting_point(set));
+        let heaviest = set.mass_limit(HEAVIEST);
+        let limit = elimination.block(&heaviest);
+        let holds = !limit.terms.is_empty() && limit.value(&start).at(0, 0) > 0.0;
+        let limits = if holds { vec![limit] } else { Vec::new() };
+        Ok(Self { set, elimination, conditions, heaviest, limits, start, base: base.len() })
+    }
+
+    fn examine(&self, gap: f64) -> Result<Examination, ConsistencyError> {
+        let unit = self.set.usual_moment();
+        let even: Vec<ConditionBlock> = self.conditions.iter().map(|c| c.with_even_reference(unit)).collect();
+        let found = least_violations(&even, &self.limits, &self.start, gap)?;
+        let sum: f64 = found.lacking.iter().sum();
+        if sum < ROUNDING {
+            let best = largest_margin(&self.conditions, &self.limits, found.y, f64::INFINITY)?;
+            return Ok(self.examination(best.margin.max(0.0), &best.y, &best.duals, Vec::new()));
+        }
+        let named = even.iter().zip(&found.lacking).filter(|(_, lack)| **lack > OUTSIDE * sum);
+        let mut named: Vec<(&ConditionBlock, f64)> = named.map(|(c, lack)| (c, *lack)).collect();
+        named.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let outside = named.into_iter().map(|(c, lack)| (c.condition.clone(), lack * c.reference.at(0, 0))).collect();
+        Ok(self.examination(-sum, &found.y, &found.duals, outside))
+    }
+
+    fn examination(&self, margin: f64, y: &[f64], duals: &[Symmetric], outside: Vec<(Condition, f64)>) -> Examination {
+        let standard = self.elimination.standard(y);
+        let eigenvalues = self.set.pseudo_inertias(&standard);
+        let smallest_eigenvalue = eigenvalues.iter().map(Symmetric::smallest_eigenvalue).fold(f64::INFINITY, f64::min);
+        let (consistent, combination) = (outside.is_empty(), self.combination(duals));
+        Examination { margin, consistent, standard, smallest_eigenvalue, outside, combination }
+    }
+
+    /// How the margin depends on each base parameter: `sum_k tr(Z_k dS_k)` over the standard parameters that it moves.
+    fn combination(&self, duals: &[Symmetric]) -> Vec<f64> {
+        let mut slope = vec![0.0; self.set.scale().len()];
+        let conditions = self.set.conditions().into_iter().map(|c| c.block);
+        for (block, dual) in conditions.chain([self.heaviest.clone()]).zip(duals) {
+            block.add_adjoint(dual, 1.0, &mut slope);
+        }
+        (0..self.base).map(|e| self.elimination.sensitivity(&slope, e)).collect()
+    }
 }
 
 impl Examination {
@@ -80,30 +154,4 @@ fn image(base: &BaseParameters, estimate: &[f64]) -> Vec<Equality> {
         Equality { name: parameter.name.clone(), terms, value: *value }
     };
     base.parameters().iter().zip(estimate).map(equality).collect()
-}
-
-fn conditions_in_unknowns(set: &ConsistentSet, elimination: &Elimination) -> Vec<ConditionBlock> {
-    let reduced = |c: ConditionBlock| ConditionBlock { block: elimination.block(&c.block), ..c };
-    set.conditions().into_iter().map(reduced).collect()
-}
-
-fn outside(conditions: &[ConditionBlock], best: &Margin) -> Result<Vec<(Condition, f64)>, ConsistencyError> {
-    if best.margin >= ROUNDING {
-        return Ok(Vec::new());
-    }
-    let lacking = least_violations(conditions, &best.y, best.margin)?;
-    let all: f64 = lacking.iter().sum();
-    let named = conditions.iter().zip(lacking).filter(|(_, lack)| *lack > OUTSIDE * all);
-    let mut named: Vec<(Condition, f64)> = named.map(|(c, lack)| (c.condition.clone(), lack)).collect();
-    named.sort_by(|a, b| b.1.total_cmp(&a.1));
-    Ok(named)
-}
-
-/// How the margin depends on each base parameter: `sum_k tr(Z_k dS_k)` over the standard parameters that it moves.
-fn combination(set: &ConsistentSet, elimination: &Elimination, best: &Margin, own: usize) -> Vec<f64> {
-    let mut slope = vec![0.0; set.scale().len()];
-    for (condition, dual) in set.conditions().iter().zip(&best.duals) {
-        condition.block.add_adjoint(dual, 1.0, &mut slope);
-    }
-    (0..own).map(|e| elimination.sensitivity(&slope, e)).collect()
 }

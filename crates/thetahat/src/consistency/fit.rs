@@ -2,7 +2,7 @@ use super::{
     elimination::Elimination,
     error::ConsistencyError,
     interior::inside,
-    interior_point::{Minimum, Stop, minimise},
+    interior_point::{Minimum, ScaledSystem, Stop, minimise},
     program::{Block, Program},
     set::{Condition, ConditionBlock, ConsistentSet},
     symmetric::Symmetric,
@@ -32,7 +32,8 @@ pub enum Prior {
         /// Weight, in squares of the residual.
         weight: f64,
     },
-    /// `weight sum_l D(P_l | P_l0)`, the log-det divergence `D(P | P_0) = tr(P_0^-1 P) - log det(P_0^-1 P) - 4`.
+    /// `weight sum_l D(P_l | P_l0)`, the log-det divergence `D(P | P_0) = tr(P_0^-1 P) - log det(P_0^-1 P) - 4`, with the
+    /// same of the motor inertias that have an a-priori value.
     LogDet {
         /// Weight, in squares of the residual.
         weight: f64,
@@ -54,6 +55,9 @@ pub struct ConsistentFit {
     pub converged: bool,
     /// Iterations, without those that find a point inside.
     pub iterations: usize,
+    /// Trace of the change of `A theta` with b: how many parameters the data determine, where the conditions and the prior
+    /// leave them. Without both it is the rank of A.
+    pub effective_parameters: f64,
     /// The multipliers of the conditions, whose matrices are singular where the multiplier is not zero.
     pub multipliers: Vec<(Condition, Symmetric)>,
 }
@@ -174,6 +178,16 @@ pub fn fit(
     Ok(result(data, &elimination, conditions, minimum))
 }
 
+/// Whether some parameters meet all conditions of a set with room to spare.
+///
+/// # Errors
+/// [`ConsistencyError`], which names known things that contradict each other or leave no room.
+pub fn require_interior(set: &ConsistentSet) -> Result<(), ConsistencyError> {
+    let elimination = set.elimination()?;
+    let conditions = reduced_conditions(set, &elimination)?;
+    inside(&conditions, elimination.unknowns_of(&starting_point(set))).map(|_| ())
+}
+
 fn result(
     data: &LeastSquares,
     elimination: &Elimination,
@@ -188,9 +202,17 @@ fn result(
         gap: minimum.gap,
         converged: minimum.converged,
         iterations: minimum.iterations,
+        effective_parameters: effective_parameters(&elimination.matrix(&data.matrix), minimum.system.as_ref()),
         multipliers: conditions.into_iter().map(|c| c.condition).zip(minimum.duals).collect(),
         standard,
     }
+}
+
+/// `tr(2 A^T A M^-1)` with Newton's matrix M at the minimum.
+fn effective_parameters(a: &Matrix, system: Option<&ScaledSystem>) -> f64 {
+    let gram = a.transposed_times(a);
+    let solved = |j: usize| system.and_then(|s| s.solve(gram.column(j))).map_or(0.0, |x| 2.0 * x[j]);
+    (0..gram.columns()).map(solved).sum()
 }
 
 /// The a-priori parameters, with usual values where motor inertias and friction have none.
@@ -238,9 +260,10 @@ fn program(
             right_side.extend(values);
         }
         Prior::LogDet { weight } => {
-            let links = (0..set.links()).filter_map(|k| set.divergence(k, weight)).filter(|_| weight > 0.0);
-            let links = links.map(|block| elimination.block(&block)).filter(|block| !block.terms.is_empty());
-            blocks.extend(links);
+            let links = (0..set.links()).filter_map(|k| set.divergence(k, weight));
+            let all = links.chain(set.motor_divergences(weight)).filter(|_| weight > 0.0);
+            let blocks_of_prior = all.map(|block| elimination.block(&block)).filter(|block| !block.terms.is_empty());
+            blocks.extend(blocks_of_prior);
         }
     }
     let constant = elimination.constant_part(&matrix);

@@ -13,7 +13,7 @@ use crate::linear_algebra::Matrix;
 pub(super) struct Margin {
     pub(super) margin: f64,
     pub(super) y: Vec<f64>,
-    /// The multipliers of the conditions; `sum_k tr(Z_k S_k_ref) = 1` where the margin is below one.
+    /// The multipliers of the conditions and limits; `sum_k tr(Z_k S_k_ref) = 1` where the margin is below one.
     pub(super) duals: Vec<Symmetric>,
 }
 
@@ -23,6 +23,8 @@ const ENOUGH: f64 = 0.05;
 const NONE: f64 = 1e-8;
 /// Gap of a margin, in units of the a-priori parameters.
 const GAP: f64 = 1e-10;
+/// Part of the largest violation that each condition is given beyond its own at the start.
+const OFF_BOUNDARY: f64 = 0.1;
 /// Part of all multipliers that makes a condition one of those in conflict.
 const IN_CONFLICT: f64 = 0.01;
 
@@ -31,7 +33,7 @@ pub(super) fn inside(conditions: &[ConditionBlock], start: Vec<f64>) -> Result<V
     if margin_of(conditions, &start) > NONE {
         return Ok(start);
     }
-    let found = largest_margin(conditions, start, ENOUGH)?;
+    let found = largest_margin(conditions, &[], start, ENOUGH)?;
     if found.margin > NONE {
         return Ok(found.y);
     }
@@ -45,9 +47,10 @@ pub(super) fn margin_of(conditions: &[ConditionBlock], y: &[f64]) -> f64 {
     conditions.iter().map(|c| c.margin(y)).fold(f64::INFINITY, f64::min)
 }
 
-/// The largest margin, or one that is `enough`.
+/// The largest margin, or one that is `enough`. `limits` hold without a margin.
 pub(super) fn largest_margin(
     conditions: &[ConditionBlock],
+    limits: &[Block],
     y: Vec<f64>,
     enough: f64,
 ) -> Result<Margin, ConsistencyError> {
@@ -56,7 +59,8 @@ pub(super) fn largest_margin(
     if !here.is_finite() {
         return Err(ConsistencyError::NotFinite);
     }
-    let mut blocks: Vec<Block> = conditions.iter().map(|c| c.shifted(unknowns, -1.0)).collect();
+    let shifted = conditions.iter().map(|c| c.shifted(unknowns, -1.0));
+    let mut blocks: Vec<Block> = shifted.chain(limits.iter().cloned()).collect();
     blocks.push(Block::scalar(1.0, unknowns, -1.0));
     let mut linear = vec![0.0; unknowns + 1];
     linear[unknowns] = -1.0;
@@ -67,28 +71,40 @@ pub(super) fn largest_margin(
     let Some(Minimum { mut x, mut duals, .. }) = minimise(&program, start, &stop) else {
         return Err(ConsistencyError::NotFinite);
     };
-    duals.truncate(conditions.len());
+    duals.truncate(conditions.len() + limits.len());
     let margin = x.pop().unwrap_or(f64::NEG_INFINITY);
     Ok(Margin { margin, y: x, duals })
 }
 
-/// How much of its usual size each condition lacks, where the sum of what all lack is least.
-///
-/// `y` and `margin` are of a point and its margin below zero.
+/// What the conditions lack, each in units of its reference, where the sum is least.
+pub(super) struct Violations {
+    pub(super) lacking: Vec<f64>,
+    pub(super) y: Vec<f64>,
+    /// The multipliers of the conditions and limits.
+    pub(super) duals: Vec<Symmetric>,
+}
+
+/// The least violations, from any point; `limits` hold without violation. `gap` is relative to their sum.
 pub(super) fn least_violations(
     conditions: &[ConditionBlock],
+    limits: &[Block],
     y: &[f64],
-    margin: f64,
-) -> Result<Vec<f64>, ConsistencyError> {
+    gap: f64,
+) -> Result<Violations, ConsistencyError> {
     let (unknowns, many) = (y.len(), conditions.len());
     let shifted = conditions.iter().enumerate().map(|(k, c)| c.shifted(unknowns + k, 1.0));
     let bounds = (0..many).map(|k| Block::scalar(0.0, unknowns + k, 1.0));
     let linear = (0..unknowns + many).map(|i| if i < unknowns { 0.0 } else { 1.0 }).collect();
     let matrix = Matrix::zeros(1, unknowns + many);
-    let blocks = shifted.chain(bounds).collect();
+    let blocks = shifted.chain(limits.iter().cloned()).chain(bounds).collect();
     let program = Program { matrix, right_side: vec![0.0], linear, constant: 0.0, blocks };
-    let start = y.iter().copied().chain(vec![-2.0 * margin; many]).collect();
-    let stop = Stop { relative_gap: 1e-7, absolute_gap: GAP, objective: f64::NEG_INFINITY };
-    let minimum = minimise(&program, start, &stop).ok_or(ConsistencyError::NotFinite)?;
-    Ok(minimum.x[unknowns..].to_vec())
+    // More than the point lacks keeps the start off the boundary.
+    let least: Vec<f64> = conditions.iter().map(|c| (-c.margin(y)).max(0.0)).collect();
+    let some = OFF_BOUNDARY * least.iter().fold(1.0, |a: f64, b| a.max(*b));
+    let start = y.iter().copied().chain(least.iter().map(|l| 1.5 * l + some)).collect();
+    let stop = Stop { relative_gap: gap, absolute_gap: GAP, objective: f64::NEG_INFINITY };
+    let Minimum { x, mut duals, .. } = minimise(&program, start, &stop).ok_or(ConsistencyError::NotFinite)?;
+    duals.truncate(many + limits.len());
+    let (y, lacking) = x.split_at(unknowns);
+    Ok(Violations { lacking: lacking.to_vec(), y: y.to_vec(), duals })
 }

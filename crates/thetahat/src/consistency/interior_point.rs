@@ -12,7 +12,7 @@ use super::{
     program::{Block, Program},
     symmetric::{Cholesky, Symmetric},
 };
-use crate::linear_algebra::{Matrix, dot, norm};
+use crate::linear_algebra::{CholeskyFactor, Matrix, dot, norm};
 
 /// When the iteration ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,6 +38,8 @@ pub(super) struct Minimum {
     pub(super) iterations: usize,
     /// Whether the gap is as small as asked for, or the objective good enough.
     pub(super) converged: bool,
+    /// Newton's matrix at the end: half of it is the curvature of the objective in the directions that are free.
+    pub(super) system: Option<ScaledSystem>,
 }
 
 /// Iterations after which the method gives up; 15 to 40 are usual.
@@ -79,7 +81,7 @@ struct Iterate<'a> {
 
 /// A Newton direction at weight nu is `fixed + nu varying`; likewise the slope that it belongs to.
 struct Directions {
-    matrix: Matrix,
+    system: ScaledSystem,
     fixed: [Vec<f64>; 2],
     varying: [Vec<f64>; 2],
 }
@@ -93,7 +95,7 @@ pub(super) fn minimise(program: &Program, start: Vec<f64>, stop: &Stop) -> Optio
         let objective = iterate.objective();
         let last = (stop.relative_gap * objective.abs()).max(stop.absolute_gap) / rows;
         let Some(directions) = iterate.directions() else {
-            return Some(iterate.finish(objective, f64::INFINITY, iterations, objective <= stop.objective));
+            return Some(iterate.finish(None, objective, f64::INFINITY, iterations, objective <= stop.objective));
         };
         while iterate.weight > last && directions.decrement(iterate.weight) <= NEAR_PATH * iterate.weight {
             iterate.weight = (WEIGHT_FACTOR * iterate.weight).max(last);
@@ -103,12 +105,13 @@ pub(super) fn minimise(program: &Program, start: Vec<f64>, stop: &Stop) -> Optio
         let at_end = iterate.weight <= last * (1.0 + 1e-9) && decrement <= AT_END * iterate.weight * rows;
         if objective <= stop.objective || at_end || iterations == MOST_ITERATIONS {
             iterate.settle_duals(&directions);
-            return Some(iterate.finish(objective, gap, iterations, objective <= stop.objective || at_end));
+            let converged = objective <= stop.objective || at_end;
+            return Some(iterate.finish(Some(directions.system), objective, gap, iterations, converged));
         }
         iterations += 1;
         if !iterate.step(&directions) {
             let converged = gap <= 1e3 * last * rows;
-            return Some(iterate.finish(objective, gap, iterations, converged));
+            return Some(iterate.finish(Some(directions.system), objective, gap, iterations, converged));
         }
     }
 }
@@ -202,8 +205,9 @@ impl<'a> Iterate<'a> {
                 None => block.add_adjoint(&pull, 1.0, &mut varying),
             }
         }
-        let [a, b] = solve_scaled(&matrix, &fixed, &varying)?;
-        Some(Directions { matrix, fixed: [fixed, a], varying: [varying, b] })
+        let system = ScaledSystem::new(&matrix)?;
+        let (a, b) = (system.solve(&fixed)?, system.solve(&varying)?);
+        Some(Directions { system, fixed: [fixed, a], varying: [varying, b] })
     }
 
     /// Takes the step as far as it leads inside and down; false where that is nowhere.
@@ -241,7 +245,7 @@ impl<'a> Iterate<'a> {
             self.slacks.iter().zip(&plain.changes).zip(&plain.dual_changes).map(product).collect();
         let mut slope = directions.slope(self.weight);
         self.program.blocks.iter().zip(&terms).for_each(|(block, term)| block.add_adjoint(term, -1.0, &mut slope));
-        let [dx, _] = solve_scaled(&directions.matrix, &slope, &slope)?;
+        let dx = directions.system.solve(&slope)?;
         Some(self.towards(dx, Some(&terms)))
     }
 
@@ -276,9 +280,16 @@ impl<'a> Iterate<'a> {
         None
     }
 
-    fn finish(self, objective: f64, gap: f64, iterations: usize, converged: bool) -> Minimum {
+    fn finish(
+        self,
+        system: Option<ScaledSystem>,
+        objective: f64,
+        gap: f64,
+        iterations: usize,
+        converged: bool,
+    ) -> Minimum {
         let duals = self.slacks.into_iter().map(|slack| slack.dual).collect();
-        Minimum { x: self.x, objective, gap, duals, iterations, converged }
+        Minimum { x: self.x, objective, gap, duals, iterations, converged, system }
     }
 }
 
@@ -297,7 +308,7 @@ impl Slack {
     /// Adds `tr(E_v Z E_w S^-1)` for every two unknowns of the block.
     fn add_curvature(&self, block: &Block, matrix: &mut Matrix) {
         for (place, w) in block.terms.iter().enumerate() {
-            let m = Symmetric::between(&self.dual, &w.matrix(self.s.size()), &self.inverse);
+            let m = Symmetric::around(&self.dual, &w.entries, &self.inverse);
             for v in &block.terms[..=place] {
                 let value = v.inner(&m);
                 *matrix.at_mut(v.unknown, w.unknown) += value;
@@ -321,26 +332,36 @@ impl Slack {
     }
 }
 
-/// Solves a positive semidefinite system for two right sides, with its diagonal brought to one.
+/// A positive semidefinite system with its diagonal brought to one, factorised.
 ///
 /// A multiple of the identity is added, as small as lets the factorisation succeed: it shortens the step in directions
 /// that nothing determines.
-fn solve_scaled(matrix: &Matrix, a: &[f64], b: &[f64]) -> Option<[Vec<f64>; 2]> {
-    let n = a.len();
-    let size = |i: usize| matrix.at(i, i).sqrt();
-    let scale: Vec<f64> = (0..n).map(|i| if size(i) > 0.0 { 1.0 / size(i) } else { 1.0 }).collect();
-    let right = Matrix::from_fn(n, 2, |i, j| scale[i] * if j == 0 { a[i] } else { b[i] });
-    if !norm(right.column(0)).is_finite() || !norm(right.column(1)).is_finite() {
-        return None;
-    }
-    let mut added = 1e-14;
-    while added < 1.0 {
-        let entry = |i: usize, j: usize| scale[i] * scale[j] * matrix.at(i, j) + if i == j { added } else { 0.0 };
-        if let Some(x) = Matrix::from_fn(n, n, entry).inverse_times_matrix(&right) {
-            let column = |j: usize| x.column(j).iter().zip(&scale).map(|(x, s)| x * s).collect();
-            return Some([column(0), column(1)]);
+#[derive(Debug, Clone)]
+pub(super) struct ScaledSystem {
+    factor: CholeskyFactor,
+    scale: Vec<f64>,
+}
+
+impl ScaledSystem {
+    fn new(matrix: &Matrix) -> Option<Self> {
+        let n = matrix.rows();
+        let size = |i: usize| matrix.at(i, i).sqrt();
+        let scale: Vec<f64> = (0..n).map(|i| if size(i) > 0.0 { 1.0 / size(i) } else { 1.0 }).collect();
+        let mut added = 1e-14;
+        while added < 1.0 {
+            let entry = |i: usize, j: usize| scale[i] * scale[j] * matrix.at(i, j) + if i == j { added } else { 0.0 };
+            if let Some(factor) = Matrix::from_fn(n, n, entry).cholesky() {
+                return Some(Self { factor, scale });
+            }
+            added *= 100.0;
         }
-        added *= 100.0;
+        None
     }
-    None
+
+    /// None where the right side is not finite.
+    pub(super) fn solve(&self, right: &[f64]) -> Option<Vec<f64>> {
+        let scaled = |x: &[f64]| x.iter().zip(&self.scale).map(|(x, s)| x * s).collect::<Vec<f64>>();
+        let right = scaled(right);
+        norm(&right).is_finite().then(|| scaled(&self.factor.solve(&right)))
+    }
 }

@@ -20,6 +20,7 @@
 //! assert!(ConsistentSet::new(&robot, &negative).is_err());
 //! ```
 
+mod bounds;
 mod elimination;
 mod error;
 mod examination;
@@ -36,9 +37,10 @@ mod symmetric;
 #[cfg(test)]
 mod tests;
 
+pub use bounds::{bounds_of, interval_in};
 pub use error::ConsistencyError;
-pub use examination::{Examination, examine};
-pub use fit::{ConsistentFit, LeastSquares, Prior, fit};
+pub use examination::{Examination, HEAVIEST, examine, examine_within};
+pub use fit::{ConsistentFit, LeastSquares, Prior, fit, require_interior};
 pub use guess::{completed_a_priori, mass_factor};
 pub use known::Known;
 pub use pseudo_inertia::{inertial_parameters, pseudo_inertia};

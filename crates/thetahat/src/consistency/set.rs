@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     dynamics::{CoupledMotor, Model},
-    robot::{Bound, INERTIAL, JointQuantity, MotorQuantity, ParameterTable, Quantity, Robot, Role},
+    robot::{Bound, INERTIAL, JointQuantity, LinkQuantity, MotorQuantity, ParameterTable, Quantity, Robot, Role},
 };
 
 /// The standard parameters that a robot can have: the physically consistent set, with what is known beside.
@@ -134,6 +134,12 @@ impl ConsistentSet {
         &self.a_priori
     }
 
+    /// How far inside each condition is: the largest t with its matrix at least t times that of usual parameters.
+    #[must_use]
+    pub fn margins(&self, standard: &[f64]) -> Vec<(Condition, f64)> {
+        self.conditions().into_iter().map(|c| (c.condition.clone(), c.margin(standard))).collect()
+    }
+
     /// The pseudo-inertia matrix of each link.
     #[must_use]
     pub fn pseudo_inertias(&self, standard: &[f64]) -> Vec<Symmetric> {
@@ -172,6 +178,37 @@ impl ConsistentSet {
     pub(super) fn divergence(&self, k: usize, weight: f64) -> Option<Block> {
         let barrier = Barrier::kept(weight, &self.pseudo_inertia_of(k, &self.a_priori).cholesky()?, 4);
         Some(Block { constant: Symmetric::zeros(4), terms: self.link_terms(k), barrier })
+    }
+
+    /// The same of the motor inertias that have an a-priori value: `D(s | s_0) = s / s_0 - log(s / s_0) - 1`.
+    pub(super) fn motor_divergences(&self, weight: f64) -> Vec<Block> {
+        let given = |i: &usize| {
+            let quantity = self.table.get(*i).quantity;
+            self.a_priori[*i] > 0.0 && quantity.is_motor_inertia() && self.is_positive(*i)
+        };
+        let block = |i: usize| {
+            let barrier = Barrier::kept(weight, &Symmetric::diagonal(&[self.a_priori[i]]).cholesky()?, 1);
+            let terms = vec![Term { unknown: i, entries: vec![(0, 0, 1.0)] }];
+            Some(Block { constant: Symmetric::zeros(1), terms, barrier })
+        };
+        (0..self.table.len()).filter(given).filter_map(block).collect()
+    }
+
+    /// `factor` times the a-priori mass of all links, less their mass: not negative for robots that are not heavier.
+    pub(super) fn mass_limit(&self, factor: f64) -> Block {
+        let mass = |k: usize| self.table.index(Quantity::Link(LinkQuantity::M), k);
+        let masses: Vec<usize> = (0..self.links).filter_map(mass).collect();
+        let total: f64 = masses.iter().map(|&i| self.a_priori[i]).sum();
+        let terms = masses.into_iter().map(|unknown| Term { unknown, entries: vec![(0, 0, -1.0)] }).collect();
+        let reference = Symmetric::diagonal(&[factor * total]);
+        Block { constant: reference.clone(), terms, barrier: Barrier::vanishing(1, Some(&reference)) }
+    }
+
+    /// Geometric mean over the links of the a-priori second moments, kg m^2.
+    pub(super) fn usual_moment(&self) -> f64 {
+        let moment = |p: &Symmetric| ((p.at(0, 0) + p.at(1, 1) + p.at(2, 2)) / 3.0).ln();
+        let all: Vec<f64> = self.pseudo_inertias(&self.a_priori).iter().map(moment).collect();
+        (all.iter().sum::<f64>() / all.len().max(1) as f64).exp()
     }
 
     /// Number of links.
@@ -264,6 +301,17 @@ impl ConditionBlock {
     pub(super) fn margin(&self, y: &[f64]) -> f64 {
         let factor = self.reference.cholesky();
         factor.map_or(f64::NEG_INFINITY, |factor| factor.smallest_ratio(&self.block.value(y)))
+    }
+
+    /// The same with a multiple of the identity as reference: `unit` for links, so that no link counts more than another.
+    pub(super) fn with_even_reference(&self, unit: f64) -> Self {
+        let size = self.reference.size();
+        let mean = (0..size).map(|i| self.reference.at(i, i)).sum::<f64>() / size as f64;
+        let each = match self.condition {
+            Condition::Link(_) => unit,
+            Condition::Parameter(_) | Condition::CoupledMotors(_) | Condition::Bound(_) => mean,
+        };
+        Self { reference: Symmetric::diagonal(&vec![each; size]), ..self.clone() }
     }
 
     /// The block with `factor S_ref` times a further unknown.

@@ -224,6 +224,23 @@ impl ControllerDescription {
         }
     }
 
+    /// States the position and velocity gains of each motor, those for its inertia where a bandwidth gave them.
+    pub(crate) fn state_gains(&mut self, inertia: &[f64]) {
+        let pick = |list: &[f64], i: usize| list.get(i).or(list.first()).copied();
+        let gains = |(i, &j): (usize, &f64)| match pick(&self.bandwidth_hz, i) {
+            None => (pick(&self.position_gain, i).unwrap_or(0.0), pick(&self.velocity_gain, i).unwrap_or(0.0)),
+            Some(hz) => {
+                let (position, velocity) = (j * (TAU * hz).powi(2), 2.0 * self.damping * TAU * hz * j);
+                match self.law {
+                    Law::Pd => (position, velocity),
+                    Law::Cascaded => (position / velocity, velocity),
+                }
+            }
+        };
+        let (position, velocity) = inertia.iter().enumerate().map(gains).unzip();
+        (self.position_gain, self.velocity_gain, self.bandwidth_hz) = (position, velocity, Vec::new());
+    }
+
     fn known_gains(&self, pick: &dyn Fn(&[f64], usize) -> Option<f64>, i: usize) -> (f64, f64) {
         let kp = pick(&self.position_gain, i).unwrap_or(0.0);
         let kv = pick(&self.velocity_gain, i).unwrap_or(0.0);

@@ -35,12 +35,12 @@ impl Model {
         for k in 0..if separable { 1 } else { n } {
             let direction = |j: usize| if separable || j == k { 1.0 } else { 0.0 };
             dq.clear();
-            dq.extend(state.dq.iter().enumerate().map(|(j, &value)| Dual { value, derivatives: [direction(j)] }));
+            dq.extend(state.dq.iter().enumerate().map(|(j, &value)| Dual { value, derivative: direction(j) }));
             tau.clear();
             tau.resize(n, Dual::constant(0.0));
             self.add_drive_torques(parameters, State { q, dq }, zeros, sign, tau);
             for (j, torque) in tau.iter().enumerate() {
-                d[j * n + if separable { j } else { k }] = torque.derivatives[0];
+                d[j * n + if separable { j } else { k }] = torque.derivative;
             }
         }
     }

@@ -1,14 +1,14 @@
 //! How the torques of a motion change with positions and velocities: exactly, from the kernel that gives them.
 
+use std::ops::Range;
+
 use pulp::{Simd, WithSimd};
 
 use super::{model::Model, parameters::DynamicParameters, sign::Sign, state::State, workspace::Workspace};
-use crate::real::Dual;
-
-/// Directions of one pass of the kernel.
-const DIRECTIONS: usize = 4;
-
-type Number = Dual<DIRECTIONS>;
+use crate::{
+    real::{Dual, Lanes, Real},
+    series::Series,
+};
 
 /// The derivatives of inverse dynamics, n by n each, row by row: torque by row, coordinate by column.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,82 +26,67 @@ impl Jacobian {
     }
 }
 
-/// Scratch of [`Model::inverse_dynamics_jacobian`].
-#[derive(Debug, Clone)]
-pub(crate) struct JacobianWorkspace {
-    kernel: Workspace<Number>,
-    q: Vec<Number>,
-    dq: Vec<Number>,
-    ddq: Vec<Number>,
-    tau: Vec<Number>,
-}
-
-impl JacobianWorkspace {
-    /// Scratch for a model.
-    pub(crate) fn new(model: &Model) -> Self {
-        let zero = Number::constant(0.0);
-        let [q, dq, ddq, tau] = [(); 4].map(|()| vec![zero; model.coordinate_count()]);
-        Self { kernel: Workspace::like(model, zero), q, dq, ddq, tau }
-    }
-}
-
 impl Model {
-    /// `d ID / d q` and `d ID / d dq` of inverse dynamics `ID(q, dq, ddq)`, friction and coupled motors included, by dual
-    /// numbers in four directions a pass. The derivative by the accelerations is the mass matrix.
-    pub(crate) fn inverse_dynamics_jacobian(
+    /// `d ID / d q` and `d ID / d dq` of inverse dynamics `ID(q, dq, ddq)`, friction and coupled motors included, at each
+    /// of the `samples` of a motion, to the same places of `out`: by dual numbers, as many directions side by side as a vector of this machine holds. The derivative
+    /// by the accelerations is the mass matrix.
+    pub(crate) fn inverse_dynamics_jacobians(
         &self,
         parameters: &DynamicParameters,
-        state: State<'_>,
-        ddq: &[f64],
+        motion: [&Series; 3],
+        samples: Range<usize>,
         sign: Sign,
-        workspace: &mut JacobianWorkspace,
-        out: &mut Jacobian,
+        out: &mut [Jacobian],
     ) {
-        pulp::Arch::new().dispatch(Kernel { model: self, parameters, state, ddq, sign, workspace, out });
+        pulp::Arch::new().dispatch(Kernel { model: self, parameters, motion, samples, sign, out });
     }
 }
 
 struct Kernel<'a> {
     model: &'a Model,
     parameters: &'a DynamicParameters,
-    state: State<'a>,
-    ddq: &'a [f64],
+    motion: [&'a Series; 3],
+    samples: Range<usize>,
     sign: Sign,
-    workspace: &'a mut JacobianWorkspace,
-    out: &'a mut Jacobian,
+    out: &'a mut [Jacobian],
 }
 
 impl WithSimd for Kernel<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Self { model, parameters, state, ddq, sign, workspace, out } = self;
-        let n = state.q.len();
-        let JacobianWorkspace { kernel, q, dq, ddq: acceleration, tau } = workspace;
-        acceleration.iter_mut().zip(ddq).for_each(|(to, from)| *to = Number::constant(*from));
-        for first in (0..2 * n).step_by(DIRECTIONS) {
-            seed(q, state.q, 0, first);
-            seed(dq, state.dq, n, first);
-            model.inverse_dynamics_of(parameters, State { q, dq }, acceleration, sign, kernel, tau);
-            for (lane, direction) in (first..2 * n).take(DIRECTIONS).enumerate() {
-                let column = if direction < n {
-                    &mut out.by_position[direction..]
-                } else {
-                    &mut out.by_velocity[direction - n..]
-                };
-                column.iter_mut().step_by(n).zip(&*tau).for_each(|(to, torque)| *to = torque.derivatives[lane]);
+    fn with_simd<S: Simd>(self, simd: S) {
+        let n = self.model.coordinate_count();
+        let zero = Dual::constant(Lanes::splat(simd, 0.0));
+        let mut workspace = Workspace::like(self.model, zero);
+        let [mut q, mut dq, mut ddq, mut tau] = [(); 4].map(|()| vec![zero; n]);
+        for (k, out) in self.samples.clone().zip(&mut self.out[self.samples]) {
+            let [q_k, dq_k, ddq_k] = self.motion.map(|series| series.sample(k));
+            ddq.iter_mut().zip(ddq_k).for_each(|(to, value)| *to = zero.like(*value));
+            for first in (0..2 * n).step_by(Lanes::<S>::COUNT) {
+                seed(simd, &mut q, q_k, first, 0);
+                seed(simd, &mut dq, dq_k, first, n);
+                let state = State { q: &q, dq: &dq };
+                self.model.inverse_dynamics_of(self.parameters, state, &ddq, self.sign, &mut workspace, &mut tau);
+                for (i, torque) in tau.iter().enumerate() {
+                    let derivatives = torque.derivative.to_array();
+                    for (direction, derivative) in (first..2 * n).zip(derivatives).take(Lanes::<S>::COUNT) {
+                        let matrix = if direction < n { &mut out.by_position } else { &mut out.by_velocity };
+                        matrix[i * n + direction % n] = derivative;
+                    }
+                }
             }
         }
     }
 }
 
-/// Values of which the one at `place` varies in the direction `offset + place`, the first direction of the pass being `first`.
+/// Values that vary, each in its direction: the one at `place` in the direction `offset + place`. Lane `l` holds the
+/// direction `first + l`.
 #[inline(always)]
-fn seed(numbers: &mut [Number], values: &[f64], offset: usize, first: usize) {
+fn seed<S: Simd>(simd: S, numbers: &mut [Dual<Lanes<S>>], values: &[f64], first: usize, offset: usize) {
     for (place, (number, &value)) in numbers.iter_mut().zip(values).enumerate() {
-        let derivatives = std::array::from_fn(|lane| f64::from(u8::from(first + lane == offset + place)));
-        *number = Number { value, derivatives };
+        let derivative = Lanes::from_fn(simd, |lane| if first + lane == offset + place { 1.0 } else { 0.0 });
+        *number = Dual { value: Lanes::splat(simd, value), derivative };
     }
 }
 
@@ -127,17 +112,20 @@ mod tests {
         let theta: Vec<f64> = (0..model.parameter_table().len()).map(|i| (1.7 * i as f64).sin()).collect();
         let parameters = DynamicParameters::new(&model, &theta);
         let (state, ddq) = ([0.3, -0.2, 1.1, 0.07, -0.6, 0.9], [2.0, -1.0, 3.0]);
-        let mut torques = |state: &[f64]| {
+        let torques = |state: &[f64]| {
             let (mut tau, mut workspace) = ([0.0; 3], Workspace::new(&model));
             let (q, dq) = state.split_at(3);
             model.inverse_dynamics(&parameters, State { q, dq }, &ddq, SIGN, &mut workspace, &mut tau);
             tau
         };
-        let (mut found, (q, dq)) = (Jacobian::zeros(3), state.split_at(3));
-        let mut workspace = JacobianWorkspace::new(&model);
-        model.inverse_dynamics_jacobian(&parameters, State { q, dq }, &ddq, SIGN, &mut workspace, &mut found);
+        let (q, dq) = state.split_at(3);
+        let motion = [&[q, q].concat(), &[dq, dq].concat(), &[ddq, ddq].concat()];
+        let [q, dq, ddq] = motion.map(|values| Series::from_values(3, values.clone()));
+        let mut found = [Jacobian::zeros(3), Jacobian::zeros(3)];
+        model.inverse_dynamics_jacobians(&parameters, [&q, &dq, &ddq], 0..2, SIGN, &mut found);
+        assert_eq!(found[0], found[1]);
         for direction in 0..6 {
-            let mut moved = |by: f64| {
+            let moved = |by: f64| {
                 let mut state = state;
                 state[direction] += by;
                 torques(&state)
@@ -145,7 +133,7 @@ mod tests {
             let (above, below) = (moved(1e-6), moved(-1e-6));
             for i in 0..3 {
                 let expected = (above[i] - below[i]) / 2e-6;
-                let columns = if direction < 3 { &found.by_position } else { &found.by_velocity };
+                let columns = if direction < 3 { &found[1].by_position } else { &found[1].by_velocity };
                 let value = columns[i * 3 + direction % 3];
                 assert!(
                     (value - expected).abs() < 1e-7 * (1.0 + expected.abs()),

@@ -63,7 +63,7 @@ pub use state::{JointCoordinate, State};
 pub use workspace::Workspace;
 
 pub(crate) use damping::DampingWorkspace;
-pub(crate) use jacobian::{Jacobian, JacobianWorkspace};
+pub(crate) use jacobian::Jacobian;
 pub(crate) use motion::LinkMotion;
 pub(crate) use series::gather;
 pub(crate) use solve::{factorise, multiply_factors, solve_factorised};

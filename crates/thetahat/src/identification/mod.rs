@@ -41,5 +41,5 @@ pub use estimators::{Design, Method, Needs, Response, UnknownMethod, Weighting, 
 pub use fit::{Divisor, EstimationError, Fit, SimulatedResponse};
 pub use iteration::{Convergence, Estimation, IterationOptions, Revision, iterate};
 pub use outcome::{Iteration, Outcome, Reason, Status};
-pub use prediction_error::{PredictionErrorEstimation, Wanted};
+pub use prediction_error::{Admit, GaussNewtonStep, PredictionErrorEstimation, Wanted};
 pub use uncertainty::{Uncertainty, uncertainty};

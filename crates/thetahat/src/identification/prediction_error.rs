@@ -31,6 +31,18 @@ pub enum Wanted<'a> {
     Sensitivities(&'a [f64]),
 }
 
+/// Where a step leads, and its metric.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GaussNewtonStep {
+    /// The parameters behind the step.
+    pub theta: Vec<f64>,
+    /// R, b x b: the step minimises `|R (theta - theta_hat)|`.
+    pub r: Matrix,
+}
+
+/// What a step leads to in what can be simulated.
+pub type Admit<'a> = dyn FnMut(GaussNewtonStep) -> Vec<f64> + 'a;
+
 /// An estimation by CLIE or CLOE under way. It asks for its simulations, so that those of several can run side by side.
 ///
 /// A step is accepted if it makes the weighted error `|y - response|` smaller; else it is damped and made again. A
@@ -100,28 +112,35 @@ impl PredictionErrorEstimation {
     }
 
     /// Takes the response that was wanted.
-    pub fn take_response(&mut self, response: Result<Vec<f64>, SimulationError>, regression: &Regression) {
+    /// `admit` says what a step leads to.
+    pub fn take_response(
+        &mut self,
+        response: Result<Vec<f64>, SimulationError>,
+        regression: &Regression,
+        admit: &mut Admit<'_>,
+    ) {
         self.outcome.simulations += 1;
         let found = response.map(|response| error(regression, &response)).and_then(|error| {
             if error.is_finite() { Ok(error) } else { Err(SimulationError::StepTooSmall { time_s: 0.0 }) }
         });
         match std::mem::replace(&mut self.stage, Stage::Over) {
             Stage::Start(theta) => self.start(theta, found),
-            Stage::Step(theta) => self.judge(theta, found),
+            Stage::Step(theta) => self.judge(theta, found, admit),
             Stage::Linearise(_) | Stage::Over => {}
         }
     }
 
-    /// Takes the response and sensitivities that were wanted.
+    /// Takes the response and sensitivities that were wanted. `admit` says what a step leads to.
     pub fn take_sensitivities(
         &mut self,
         simulated: Result<SimulatedResponse, SimulationError>,
         regression: &Regression,
+        admit: &mut Admit<'_>,
     ) {
         self.outcome.simulations += 1;
         if let Stage::Linearise(theta) = std::mem::replace(&mut self.stage, Stage::Over) {
             match simulated {
-                Ok(simulated) => self.linearise(theta, simulated, regression),
+                Ok(simulated) => self.linearise(theta, simulated, regression, admit),
                 Err(cause) => self.stall(cause),
             }
         }
@@ -143,13 +162,20 @@ impl PredictionErrorEstimation {
         };
     }
 
-    fn linearise(&mut self, theta: Vec<f64>, simulated: SimulatedResponse, regression: &Regression) {
+    fn linearise(
+        &mut self,
+        theta: Vec<f64>,
+        simulated: SimulatedResponse,
+        regression: &Regression,
+        admit: &mut Admit<'_>,
+    ) {
         let fit = Fit::of_response(regression, &simulated, &theta, self.options.divisor);
         if let Ok(fit) = &fit {
             self.note(fit, regression);
         }
         let point = Linearised::new(theta, simulated, fit, regression);
-        let is_small = point.whole_step_in_deviations().is_some_and(|c| c <= self.options.convergence.parameter_change);
+        let is_small =
+            point.whole_step_in_deviations(admit).is_some_and(|c| c <= self.options.convergence.parameter_change);
         self.point = Some(point);
         self.linearised += 1;
         if is_small {
@@ -157,18 +183,18 @@ impl PredictionErrorEstimation {
         } else if self.linearised >= self.options.convergence.iterations {
             self.end_at_limit();
         } else {
-            self.step();
+            self.step(admit);
         }
     }
 
     /// Tries the step with the damping as it is.
-    fn step(&mut self) {
+    fn step(&mut self, admit: &mut Admit<'_>) {
         let Some(point) = &self.point else { return };
-        self.stage = Stage::Step(point.behind_step(self.damping));
+        self.stage = Stage::Step(admit(point.step(self.damping)));
     }
 
     /// Accepts a step that makes the error smaller; damps any other.
-    fn judge(&mut self, theta: Vec<f64>, found: Result<f64, SimulationError>) {
+    fn judge(&mut self, theta: Vec<f64>, found: Result<f64, SimulationError>, admit: &mut Admit<'_>) {
         let best = self.best.as_ref().map_or(f64::INFINITY, |(_, error)| *error);
         match found {
             Ok(error) if error <= best * (1.0 + ROUNDING) => {
@@ -181,7 +207,7 @@ impl PredictionErrorEstimation {
             }
             _ if self.damping < MOST_DAMPING => {
                 self.damping = (self.damping * DAMPING_FACTOR).max(FIRST_DAMPING);
-                self.step();
+                self.step(admit);
             }
             Ok(_) => self.end_at_limit(),
             Err(cause) => self.stall(cause),
@@ -249,21 +275,23 @@ impl Linearised {
         Self { theta, r, z, simulated, fit }
     }
 
-    /// The parameters behind the step that minimises `|z - R step|^2 + damping |D step|^2`, D the norms of the columns.
-    fn behind_step(&self, damping: f64) -> Vec<f64> {
+    /// The step that minimises `|z - R step|^2 + damping |D step|^2`, D the norms of the columns.
+    fn step(&self, damping: f64) -> GaussNewtonStep {
         let size = self.theta.len();
         let norms: Vec<f64> = (0..size).map(|c| norm(self.r.column(c)).max(f64::MIN_POSITIVE)).collect();
         let damped = Matrix::from_fn(size, size, |i, j| if i == j { damping.sqrt() * norms[i] } else { 0.0 });
         let mut z = self.z.clone();
         z.resize(self.r.rows() + size, 0.0);
-        let step = PivotedQr::with_equal_columns(&Matrix::stack(&[&self.r, &damped])).solve(&z);
-        self.theta.iter().zip(step).map(|(theta, step)| theta + step).collect()
+        let stacked = Matrix::stack(&[&self.r, &damped]);
+        let step = PivotedQr::with_equal_columns(&stacked).solve(&z);
+        let theta = self.theta.iter().zip(step).map(|(theta, step)| theta + step).collect();
+        GaussNewtonStep { theta, r: stacked.triangular_factor() }
     }
 
     /// The largest part of the undamped step in standard deviations; none where parameters are not separated.
-    fn whole_step_in_deviations(&self) -> Option<f64> {
+    fn whole_step_in_deviations(&self, admit: &mut Admit<'_>) -> Option<f64> {
         let fit = self.fit.as_ref().ok()?;
-        let behind = self.behind_step(0.0);
+        let behind = admit(self.step(0.0));
         Some(in_deviations(fit, behind.iter().zip(&self.theta).map(|(b, t)| b - t)))
     }
 }
@@ -315,11 +343,11 @@ mod tests {
             match wanted {
                 Wanted::Response(theta) => {
                     let response = simulated(theta).map(|s| s.response);
-                    estimation.take_response(response, &regression);
+                    estimation.take_response(response, &regression, &mut |step| step.theta);
                 }
                 Wanted::Sensitivities(theta) => {
                     let found = simulated(theta);
-                    estimation.take_sensitivities(found, &regression);
+                    estimation.take_sensitivities(found, &regression, &mut |step| step.theta);
                 }
             }
         }

@@ -1,7 +1,8 @@
 use std::fmt::Display;
 
 use crate::{
-    base_parameters::BaseParametersError, control::ControllerError, signal::SignalError, trajectory::TrajectoryError,
+    base_parameters::BaseParametersError, consistency::ConsistencyError, control::ControllerError, signal::SignalError,
+    trajectory::TrajectoryError,
 };
 
 /// Why a robot cannot be identified from its recordings with these settings. Keys are those of an experiment file.
@@ -46,6 +47,14 @@ pub enum PreparationError {
         /// Why.
         #[from]
         source: BaseParametersError,
+    },
+    /// What is fixed or known cannot hold.
+    #[error("{place}: {source}")]
+    Consistency {
+        /// The key.
+        place: String,
+        /// Why.
+        source: ConsistencyError,
     },
     /// No reference can be made of the recording.
     #[error("the reference made of the recorded motion: {source}")]

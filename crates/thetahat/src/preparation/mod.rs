@@ -14,8 +14,11 @@
 //! ```
 
 mod bandwidth;
+mod consistent_set;
 mod error;
 mod filtered;
+mod loop_parameters;
+mod physical;
 mod problem;
 mod proposed_controller;
 mod recording;
@@ -26,6 +29,10 @@ mod validation;
 
 pub use error::PreparationError;
 pub(crate) use filtered::{FilteredRecording, MOVING, STILL, window_of};
+pub use loop_parameters::LoopParameter;
+pub(crate) use loop_parameters::{LoopParameters, LoopParts};
+pub(crate) use physical::known_in_words;
+pub use physical::{Axis, KnownQuantity, PriorKind, PriorOptions, PriorWeight, ValueOrRange, WeightRule};
 pub(crate) use problem::{Chosen, Problem, full_model_test, named_elimination};
 pub(crate) use proposed_controller::{ProposedController, propose_controller};
 pub use recording::Recording;

@@ -1,5 +1,7 @@
 //! The regression problem of one friction model over all recordings: base parameters, decimation, y and X.
 
+use std::sync::OnceLock;
+
 use super::{
     error::PreparationError,
     filtered::FilteredRecording,
@@ -8,6 +10,7 @@ use super::{
 };
 use crate::{
     base_parameters::{BaseParameter, BaseParameters},
+    consistency::{ConsistencyError, ConsistentSet},
     dynamics::Model,
     identification::{Assembly, Elimination, Fit, eliminate, idim_ls, nested_f_test},
     regression::{Regression, RowLayout},
@@ -32,6 +35,8 @@ pub(crate) struct Problem {
     pub(crate) regression: Regression,
     /// The same with X of all base parameters, where fewer are estimated.
     full: Option<Regression>,
+    /// What a robot made of bodies can have, once it was asked for.
+    pub(super) consistent_set: OnceLock<Result<ConsistentSet, ConsistencyError>>,
 }
 
 /// Which base parameters are estimated.
@@ -82,7 +87,8 @@ impl Setup<'_> {
         let Chosen { estimated, columns, elimination } = self.choose(choice, (&model, &base), &all)?;
         let (regression, full) =
             if columns.len() == base.len() { (all, None) } else { (all.with_columns(&columns), Some(all)) };
-        Ok(Problem { model, base, estimated, elimination, decimators, regression, full })
+        let consistent_set = OnceLock::new();
+        Ok(Problem { model, base, estimated, elimination, decimators, regression, full, consistent_set })
     }
 
     /// The parameters of a base that are estimated, where no recording has to choose them.

@@ -2,6 +2,10 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
+use super::{
+    loop_parameters::LoopParameter,
+    physical::{KnownQuantity, PriorOptions},
+};
 use crate::{
     control::ControllerDescription,
     identification::{Convergence, Divisor, EliminationRule, IterationOptions, Method, Weighting},
@@ -124,6 +128,14 @@ pub struct ParameterSelection {
     pub exclude: Vec<String>,
     /// Parameters that the tables show; none means all.
     pub show: Vec<String>,
+    /// Whether every estimate gets a physically consistent one beside it.
+    pub physical: bool,
+    /// Standard parameters with a value that the consistent estimates keep, SI.
+    pub fix: BTreeMap<String, f64>,
+    /// What else is known of the robot and holds for the consistent estimates.
+    pub known: Vec<KnownQuantity>,
+    /// How consistent estimates are drawn to the a-priori parameters.
+    pub prior: PriorOptions,
     /// The rule of the elimination, for `"essential"`.
     pub elimination: EliminationRule,
 }
@@ -164,6 +176,8 @@ pub struct EstimationOptions {
     pub start: Start,
     /// Gains of a controller that is given by its bandwidth.
     pub gains: Gains,
+    /// What CLIE and CLOE estimate of the loop beside the parameters; gains stay those of the start values then.
+    pub loop_parameters: Vec<LoopParameter>,
     /// When the iterations stop.
     pub convergence: Convergence,
     /// What the squared residual is divided by.
@@ -177,6 +191,7 @@ impl Default for EstimationOptions {
             weighting: BTreeMap::new(),
             start: Start::default(),
             gains: Gains::default(),
+            loop_parameters: Vec::new(),
             convergence: Convergence::default(),
             variance: Divisor::default(),
         }

@@ -4,10 +4,11 @@ use std::collections::BTreeSet;
 
 use super::{
     error::PreparationError,
-    settings::{ParameterChoice, Settings},
+    physical::{PriorWeight, validate_known},
+    settings::{NamedChoice, ParameterChoice, ParameterSelection, Settings},
 };
 use crate::{
-    identification::{Design, Method, Needs},
+    identification::{Design, Method, Needs, Response, Weighting},
     robot::Robot,
     simulation::Solver,
 };
@@ -25,7 +26,9 @@ impl Settings {
     pub fn validate(&self, robot: &Robot) -> Checked {
         self.validate_signal()?;
         self.validate_parameters()?;
+        self.validate_physical(robot)?;
         self.validate_methods()?;
+        self.validate_weighting()?;
         self.validate_convergence()?;
         if let Some(controller) = &self.controller {
             controller.validate(robot.coordinate_count())?;
@@ -41,6 +44,22 @@ impl Settings {
         PreparationError::require_positive("[signal] cutoff_hz", signal.cutoff_hz)?;
         PreparationError::require(signal.decimation > 0, "[signal] decimation", "at least 1", signal.decimation)?;
         validate_window("[signal]", [signal.window_start_s, signal.window_end_s])
+    }
+
+    fn validate_physical(&self, robot: &Robot) -> Checked {
+        let ParameterSelection { physical, fix, known, prior, estimate, .. } = &self.parameters;
+        if !physical {
+            let why = "fixed and known values hold for the physically consistent estimates, which it asks for";
+            let missing = PreparationError::Missing { missing: "[parameters] physical = true", why };
+            return if fix.is_empty() && known.is_empty() { Ok(()) } else { Err(missing) };
+        }
+        let all = matches!(estimate, ParameterChoice::Base | ParameterChoice::Named(NamedChoice::Base));
+        let expected = "\"base\" where physical = true: a robot's parameters are consistent only all together";
+        PreparationError::require(all, "[parameters] estimate", expected, "a part of them")?;
+        if let PriorWeight::Number(weight) = prior.weight {
+            PreparationError::require_positive("[parameters] prior.weight", weight)?;
+        }
+        validate_known(robot, fix, known)
     }
 
     fn validate_parameters(&self) -> Checked {
@@ -73,6 +92,21 @@ impl Settings {
             self.validate_method_list(case.methods.as_ref().unwrap_or(&self.estimation.methods))?;
         }
         Ok(())
+    }
+
+    /// The weights of joints are those of their torques.
+    fn validate_weighting(&self) -> Checked {
+        let of_positions = |(method, weighting): &(&Method, &Weighting)| {
+            method.response() == Response::Position && **weighting != Weighting::None
+        };
+        match self.estimation.weighting.iter().find(of_positions) {
+            None => Ok(()),
+            Some((method, weighting)) => {
+                let key = format!("[estimation] weighting.{method}");
+                let expected = "\"none\": the weights of joints are those of torques, and it fits positions";
+                Err(PreparationError::value(&key, expected, weighting.name()))
+            }
+        }
     }
 
     fn validate_method_list(&self, methods: &[Method]) -> Checked {

@@ -1,7 +1,7 @@
 //! What the checks found, for the terminal and the page.
 
 use super::wrap::wrap;
-use crate::results::{Finding, RecordingFindings, Severity};
+use crate::results::{Finding, RecordingFindings, RunResult, Severity};
 
 const SEVERITIES: [Severity; 3] = [Severity::Problem, Severity::Warning, Severity::Note];
 
@@ -19,6 +19,28 @@ pub fn findings_text(recordings: &[RecordingFindings]) -> String {
         }
     }
     text
+}
+
+/// What was found in the estimates of the runs, for the terminal; empty where nothing was.
+pub(super) fn of_runs_text(runs: &[RunResult]) -> String {
+    let line = |r: &RunResult, f: &Finding| {
+        let seen = format!("{} [{}] {} {}: {}", label(f.severity), f.code, r.case, r.method, seen(f));
+        wrap(&seen, "  ") + &wrap(&format!("-> {}", f.remedy), "     ")
+    };
+    let lines: String = runs.iter().flat_map(|r| of_run(r).map(move |f| line(r, f))).collect();
+    if lines.is_empty() { lines } else { format!("Found in the estimates:\n{lines}") }
+}
+
+/// The same for the page, a paragraph for each.
+pub(super) fn lines_of_runs(runs: &[RunResult]) -> Vec<String> {
+    let line = |r: &RunResult, f: &Finding| {
+        format!("{} {}: {} [{}] {}. \u{2192} {}.", r.case, r.method, label(f.severity), f.code, seen(f), f.remedy)
+    };
+    runs.iter().flat_map(|r| of_run(r).map(move |f| line(r, f))).collect()
+}
+
+fn of_run(run: &RunResult) -> impl Iterator<Item = &Finding> {
+    run.physical.iter().flat_map(|p| &p.findings)
 }
 
 /// How many findings there are of each severity, in words.

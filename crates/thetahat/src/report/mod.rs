@@ -21,6 +21,7 @@
 mod box_plot;
 mod campaign;
 mod campaign_tables;
+mod closed_loop;
 mod contents;
 mod diagnosis;
 mod error;
@@ -33,6 +34,7 @@ mod model_json;
 mod model_text;
 mod number;
 mod outputs;
+mod physical;
 mod plot;
 mod prediction;
 mod published;

@@ -5,6 +5,7 @@ use super::{
     facts::{facts, weights},
     figures, findings,
     number::significant,
+    physical,
     published::Published,
     section::Section,
     table::Table,
@@ -17,7 +18,13 @@ const SIGNIFICANCE: f64 = 0.05;
 
 /// Every section that has something to show.
 pub(super) fn all(results: &Results, published: Option<&Published>) -> Vec<Section> {
-    let mut sections = vec![summary(results), findings(results), diagnosis::section(results), estimates(results)];
+    let mut sections = vec![
+        summary(results),
+        findings(results),
+        diagnosis::section(results),
+        estimates(results),
+        physical::section(results),
+    ];
     sections.extend(published.map(|p| comparison(results, p)));
     sections.extend([truth(results), formulas(results), torques(results)]);
     sections.extend([convergence(results), tracking(results), elimination(results), method(results)]);

@@ -1,8 +1,9 @@
 //! The report for the terminal: tables of at most [`TEXT_WIDTH`](super::TEXT_WIDTH) columns, without colour.
 
 use super::{
-    diagnosis, facts,
-    findings::findings_text,
+    closed_loop, diagnosis, facts,
+    findings::{findings_text, of_runs_text},
+    physical,
     published::Published,
     sections,
     tables::{self, Detail},
@@ -18,11 +19,13 @@ const LABEL: usize = 17;
 pub fn all(results: &Results, published: Option<&Published>) -> String {
     let findings = findings_text(&results.findings);
     let mut parts = vec![head(results), findings, summary(results), self::diagnosis(results)];
+    parts.push(of_runs_text(&results.runs));
     for case in results.cases() {
         parts.push(parameters(results, case));
         parts.push(truth(results, case));
         parts.extend(published.map(|p| self::published(results, p, case)));
     }
+    parts.push(physical::text(results));
     parts.extend(published.map(|p| published_runs(results, p)));
     parts.extend([joint_errors(results), tests(results), convergence(results), simulation_errors(results)]);
     parts.retain(|part| !part.is_empty());
@@ -50,7 +53,13 @@ pub fn summary(results: &Results) -> String {
 /// What tells the methods apart, and what the residuals say; empty where nothing was diagnosed.
 #[must_use]
 pub fn diagnosis(results: &Results) -> String {
-    let tables = [diagnosis::comparisons(results), diagnosis::explanations(results), diagnosis::residuals(results)];
+    let tables = [
+        diagnosis::comparisons(results),
+        diagnosis::explanations(results),
+        closed_loop::approximation(results),
+        closed_loop::loop_parameters(results),
+        diagnosis::residuals(results),
+    ];
     let tables = tables.into_iter().flatten().map(|t| t.to_text());
     let notes: String = diagnosis::notes(results).iter().map(|line| wrap(line, "")).collect();
     tables.chain([notes]).filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")

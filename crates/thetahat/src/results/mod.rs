@@ -35,6 +35,7 @@ mod diagnosis;
 mod file;
 mod joints;
 mod parameters;
+mod physical;
 mod prediction;
 mod recordings;
 mod run;
@@ -45,15 +46,16 @@ pub use campaign::{CampaignResults, Extent, MethodSummary, ParameterSummary, Pub
 pub use content::{NOMINAL, Results, SCHEMA};
 pub use curves::{Plots, RunPlots};
 pub use diagnosis::{
-    Advice, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis, EndogeneityResult, Influence, InstrumentResult,
-    JointResidual, ParameterDifference, ResidualResult, Verdict,
+    Advice, ApproximatedParameter, ApproximationResult, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis,
+    EndogeneityResult, Influence, InstrumentResult, JointResidual, ParameterDifference, ResidualResult, Verdict,
 };
 pub use file::ResultsError;
 pub use joints::JointResult;
 pub use parameters::{EliminationResult, ParameterResult};
+pub use physical::{ConsistencyTest, ConsistentEstimate, ConsistentParameter, PhysicalResult};
 pub use prediction::Prediction;
 pub use recordings::{Bandwidth, RecordingFindings, RecordingResult, ReferenceResult};
-pub use run::{IterationResult, PhysicalResult, RunResult};
+pub use run::{IterationResult, LoopParameterResult, RunResult};
 pub use sensitivity::{Sensitivity, SensitivityPoint};
 pub use twin::TwinRecord;
 

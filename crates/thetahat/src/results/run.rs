@@ -6,6 +6,7 @@ use super::{
     curves::RunPlots,
     diagnosis::{Influence, ResidualResult},
     parameters::ParameterResult,
+    physical::PhysicalResult,
 };
 use crate::{
     identification::{Method, Status, Weighting},
@@ -68,20 +69,27 @@ pub struct RunResult {
     pub convergence: Vec<IterationResult>,
     /// The estimates.
     pub parameters: Vec<ParameterResult>,
+    /// What was estimated of the simulated loop beside the parameters.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub loop_parameters: Vec<LoopParameterResult>,
     /// Curves for the report.
     #[serde(skip)]
     pub plots: RunPlots,
 }
 
-/// Whether some robot made of bodies has the estimates: see `docs/physical_consistency.md`.
+/// A quantity of the simulated loop that was estimated.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct PhysicalResult {
-    /// Whether one has.
-    pub consistent: bool,
-    /// Links and parameters that are outside, as few as possible.
-    pub outside: Vec<String>,
-    /// Smallest eigenvalue of the pseudo-inertia matrices of the standard parameters nearest to consistent ones.
-    pub smallest_eigenvalue: f64,
+pub struct LoopParameterResult {
+    /// Its name; motors count from one.
+    pub name: String,
+    /// The factor on what the experiment describes, or the added delay in s.
+    pub estimate: f64,
+    /// Its classical standard deviation.
+    pub standard_deviation: f64,
+    /// Its 95 % interval with correlated errors.
+    pub interval_95: Option<[f64; 2]>,
+    /// `s` for a delay, nothing for a factor.
+    pub unit: String,
 }
 
 /// One iteration.
@@ -124,6 +132,7 @@ impl RunResult {
             f_test: None,
             convergence: Vec::new(),
             parameters: Vec::new(),
+            loop_parameters: Vec::new(),
             plots: RunPlots::default(),
         }
     }

@@ -25,6 +25,11 @@ impl Transmission {
         Self { matrix: identity.clone(), inverse: identity, offset: vec![0.0; joints], drive_gain: vec![1.0; joints] }
     }
 
+    /// Multiplies the drive gain of a motor.
+    pub(crate) fn scale_drive_gain(&mut self, motor: usize, factor: f64) {
+        self.drive_gain[motor] *= factor;
+    }
+
     /// The motor-joint matrix `N`.
     #[must_use]
     pub fn matrix(&self) -> &Matrix {

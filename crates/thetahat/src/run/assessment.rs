@@ -6,17 +6,18 @@ use std::borrow::Cow;
 use super::{
     cross_validation::{CrossValidation, Folds, folds_by_move, folds_by_part, folds_by_recording, leave_folds_out},
     identification::{Identification, explain},
-    parameters::parameter_results,
+    linear::Linear,
+    parameters::{loop_parameter_results, parameter_results},
+    physical::Examined,
     prepared::filtered,
 };
 use crate::{
-    consistency::examine,
     diagnosis::{Estimated, residual},
     identification::{Fit, Method, Needs, Outcome, Response, uncertainty},
     preparation::{Case, PreparationError, Problem},
     regression::relative_error_percent,
-    results::{Influence, IterationResult, ParameterResult, PhysicalResult, RunResult},
-    scheduling::{EstimationJob, Finished, consistent_set},
+    results::{Influence, IterationResult, LoopParameterResult, ParameterResult, RunResult},
+    scheduling::{EstimationJob, Finished},
     simulation::Reference,
 };
 
@@ -41,7 +42,10 @@ impl Assessment<'_> {
             run.simulation_relative_error_percent =
                 simulator.as_ref().zip(motions.as_ref()).map(|(s, motions)| s.errors(motions));
             run.plots = problem.plots(&self.torque(fit), motions.as_deref().unwrap_or_default());
-            run.physical = self.physical(fit);
+            let setup = self.identification.setup();
+            let folds = self.folds(problem).filter(|_| setup.settings.parameters.physical);
+            let linear = Linear::of(self.job, &outcome, fit);
+            run.physical = Examined { setup, job: self.job, linear: &linear, run: &run, folds }.physical();
             run.residual = Some(residual(regression, &fit.prediction));
             self.leave_parts_out(&outcome, &mut run);
             if !self.identification.validation.is_empty() {
@@ -56,7 +60,7 @@ impl Assessment<'_> {
     fn torque<'f>(&self, fit: &'f Fit) -> Cow<'f, [f64]> {
         match self.job.method.response() {
             Response::Torque => Cow::Borrowed(&fit.prediction),
-            Response::Position => Cow::Owned(self.job.problem.regression.x.times(&fit.theta)),
+            Response::Position => Cow::Owned(self.job.problem.regression.x.times(self.of_robot(fit))),
         }
     }
 
@@ -67,12 +71,12 @@ impl Assessment<'_> {
             relative_error_percent: i.relative_error_percent,
             parameter_change: i.parameter_change,
             error_change: i.error_change,
-            estimates: i.theta.clone(),
+            estimates: i.theta.iter().take(problem.estimated.len()).copied().collect(),
         });
         let test = |f| if *method == Method::IDIM_LS { problem.full_model_test(f) } else { None };
         RunResult {
             weighting: Some(self.identification.setup().settings.weighting(*method)),
-            reason: outcome.reason.as_ref().map(|r| explain(&problem.estimated, r)),
+            reason: outcome.reason.as_ref().map(|r| explain(&problem.estimated, &self.job.names_of_loop(), r)),
             iterations: outcome.iterations.len(),
             simulations: outcome.simulations,
             relative_error_percent: fit.map(|f| f.relative_error_percent),
@@ -83,6 +87,7 @@ impl Assessment<'_> {
             f_test: fit.and_then(test),
             convergence: iterations.collect(),
             parameters: fit.map(|f| self.parameters(f, outcome)).unwrap_or_default(),
+            loop_parameters: fit.map(|f| self.loop_parameters(f, outcome)).unwrap_or_default(),
             ..RunResult::new(&self.case.name, *method, outcome.status)
         }
     }
@@ -96,14 +101,16 @@ impl Assessment<'_> {
         parameter_results(settings, &problem.estimated, fit, uncertainty.as_ref(), truth.as_deref())
     }
 
-    /// Whether a robot made of bodies has the estimates.
-    fn physical(&self, fit: &Fit) -> Option<PhysicalResult> {
-        let EstimationJob { problem, regression, .. } = self.job;
-        let set = consistent_set(self.identification.setup(), problem, regression).ok()?;
-        let found = examine(&set, &problem.estimated, &fit.theta).ok()?;
-        let outside = found.outside.iter().map(|(condition, _)| condition.to_string()).collect();
-        let smallest_eigenvalue = found.smallest_eigenvalue;
-        Some(PhysicalResult { consistent: found.consistent, outside, smallest_eigenvalue })
+    fn loop_parameters(&self, fit: &Fit, outcome: &Outcome) -> Vec<LoopParameterResult> {
+        let EstimationJob { problem, method, regression, simulator, .. } = self.job;
+        let Some(simulator) = simulator.as_ref().filter(|s| !s.loop_parameters().is_empty()) else { return Vec::new() };
+        let uncertainty = uncertainty(*method, regression, outcome.instruments.as_ref(), fit).ok();
+        loop_parameter_results(simulator.loop_parameters(), problem.estimated.len(), fit, uncertainty.as_ref())
+    }
+
+    /// The estimates of the robot's parameters, without those of the loop.
+    fn of_robot<'f>(&self, fit: &'f Fit) -> &'f [f64] {
+        &fit.theta[..self.job.problem.estimated.len()]
     }
 
     /// Leaves recordings, moves or parts out in turn, and predicts them from the others.
@@ -116,7 +123,7 @@ impl Assessment<'_> {
         run.cross_validation_interval_95_percent = left_out.interval_95_percent;
     }
 
-    /// What is left out in turn: a recording where there are several, else a move where they are known, else a part.
+    /// What is left out in turn: a recording where there are several, else a move where three or more are known, else a part.
     fn folds(&self, problem: &Problem) -> Option<Folds> {
         let layout = &problem.regression.layout;
         let rows_of_joint = layout.len() / layout.joints().max(1);
@@ -126,12 +133,12 @@ impl Assessment<'_> {
             let names = self.identification.main.iter().map(|p| format!("recording {}", p.filtered.recording.name));
             return Some(Folds { of_row: folds_by_recording(of_row)?, names: names.collect() });
         };
-        match only.reference.as_ref().map(|r| &r.reference) {
-            Some(Reference::Moves(moves)) => {
-                folds_by_move(moves, &self.identification.times(problem)).map(|f| Folds::numbered("move", f))
-            }
-            Some(Reference::Sampled(_)) | None => Some(Folds::numbered("part", folds_by_part(rows_of_joint))),
-        }
+        let by_move = match only.reference.as_ref().map(|r| &r.reference) {
+            Some(Reference::Moves(moves)) => folds_by_move(moves, &self.identification.times(problem)),
+            Some(Reference::Sampled(_)) | None => None,
+        };
+        let by_part = || Folds::numbered("part", folds_by_part(rows_of_joint));
+        Some(by_move.map_or_else(by_part, |of_row| Folds::numbered("move", of_row)))
     }
 
     /// Predicts the recordings that were held back.
@@ -141,7 +148,7 @@ impl Assessment<'_> {
         let setup = identification.setup();
         let problem = setup.validation_problem(self.case, &recordings, &self.job.problem.estimated)?;
         let regression = &problem.regression;
-        let prediction = regression.x.times(&fit.theta);
+        let prediction = regression.x.times(self.of_robot(fit));
         run.cross_validation_relative_error_percent = Some(relative_error_percent(&regression.y, &prediction));
         run.validation_condition_number = Some(regression.x.condition_number());
         if let Some(simulator) = identification.simulator(&identification.validation, &problem, self.case) {

@@ -28,11 +28,14 @@ pub(super) fn folds_by_recording(recordings: Vec<usize>) -> Option<Vec<usize>> {
     (count >= FEWEST_RECORDINGS).then_some(recordings)
 }
 
-/// The move, from zero, to which each decimated row of a joint belongs: the last one that has started.
+/// The move, from zero, to which each decimated row of a joint belongs: the last one that has started. None where the rows
+/// belong to fewer than three.
 pub(super) fn folds_by_move(moves: &Moves, times: &[f64]) -> Option<Vec<usize>> {
     let starts: Vec<f64> = moves.moves().iter().map(|m| m.law.start_s).collect();
     let fold = |t: &f64| starts.iter().filter(|s| **s <= *t).count().saturating_sub(1);
-    (starts.len() >= FEWEST_MOVES).then(|| times.iter().map(fold).collect())
+    let folds: Vec<usize> = times.iter().map(fold).collect();
+    let changes = folds.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    (changes + 1 >= FEWEST_MOVES).then_some(folds)
 }
 
 /// What is left out in turn.
@@ -81,7 +84,7 @@ pub(super) fn leave_folds_out(
     let regression = &linear;
     let rows = regression.y.len();
     let of_row: Vec<usize> = (0..rows).map(|k| folds.of_row[k % folds.of_row.len()]).collect();
-    let parameters = regression.parameters();
+    let parameters = parameters_of(regression, method, instruments);
     let equations = Equations::new(regression, method, instruments);
     let left = WithoutEach::new(&equations.rows, &of_row, (folds.names.len(), parameters));
     let predicting = match method.design() {
@@ -104,6 +107,37 @@ pub(super) fn leave_folds_out(
     })
 }
 
+/// What the other folds say of the parameters: `|R theta - z|^2`.
+pub(super) struct Others {
+    pub(super) triangle: Matrix,
+    pub(super) right_side: Vec<f64>,
+    /// The rows left out.
+    pub(super) rows: Vec<usize>,
+}
+
+/// For each fold the quadratic form of the others.
+pub(super) fn without_each(
+    regression: &Regression,
+    method: Method,
+    instruments: Option<&Matrix>,
+    folds: &Folds,
+) -> Vec<Others> {
+    let (rows, parameters) = (regression.y.len(), regression.parameters());
+    let of_row: Vec<usize> = (0..rows).map(|k| folds.of_row[k % folds.of_row.len()]).collect();
+    let equations = Equations::new(regression, method, instruments);
+    let left = WithoutEach::new(&equations.rows, &of_row, (folds.names.len(), parameters));
+    let of_fold = |fold: usize| {
+        let triangle = left.triangle(fold);
+        let first = triangle.columns() - 1 - parameters;
+        Others {
+            right_side: triangle.column(first + parameters).to_vec(),
+            triangle: triangle.select_columns(&(first..first + parameters).collect::<Vec<_>>()),
+            rows: (0..rows).filter(|&k| of_row[k] == fold).collect(),
+        }
+    };
+    (0..folds.names.len()).map(of_fold).collect()
+}
+
 /// The interval of `100 sqrt(R)`, where R is the ratio of the sums over the folds of the squared errors and the squared
 /// torques: the folds as a sample of clusters (W. G. Cochran, "Sampling techniques", 1977, section 2.11), Student's t.
 fn interval(y: &[f64], prediction: &[f64], of_row: &[usize], folds: usize) -> Option<[f64; 2]> {
@@ -121,6 +155,14 @@ fn interval(y: &[f64], prediction: &[f64], of_row: &[usize], folds: usize) -> Op
     let of_percent = 50.0 * deviation / ratio.sqrt() * quantile;
     let centre = 100.0 * ratio.sqrt();
     of_percent.is_finite().then(|| [(centre - of_percent).max(0.0), centre + of_percent])
+}
+
+/// Those that multiply the design: of the robot, and of the loop where the method estimates any.
+fn parameters_of(regression: &Regression, method: Method, instruments: Option<&Matrix>) -> usize {
+    match (method.design(), instruments) {
+        (Design::Simulated, Some(z)) => z.columns(),
+        (Design::Measured, _) | (Design::Simulated, None) => regression.parameters(),
+    }
 }
 
 /// The weighted rows from which a method estimates: Z where it needs instruments, X where its prediction is of the measured
@@ -145,7 +187,12 @@ impl Equations {
         let x = has_measured.then_some(regression.x.as_ref());
         let parts: Vec<&Matrix> = z.into_iter().chain(x).chain([&y]).collect();
         let rows = regression.whiten_matrix(&Matrix::beside(&parts)).into_owned();
-        Self { rows, parameters: regression.parameters(), has_instruments: z.is_some(), has_measured }
+        Self {
+            rows,
+            parameters: parameters_of(regression, method, instruments),
+            has_instruments: z.is_some(),
+            has_measured,
+        }
     }
 
     /// An estimate from these rows, or a triangle that stands for some of them.
@@ -205,6 +252,7 @@ fn sums<'a>(each: impl Iterator<Item = &'a Matrix>, nothing: &Matrix, parameters
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::trajectory::{Move, TimeLaw};
 
     #[test]
     fn folds_without_rows_are_none() {
@@ -213,6 +261,19 @@ mod tests {
             (folds.of_row, folds.names),
             (vec![0, 0, 2, 1], ["move 4", "move 5", "move 6"].map(String::from).into())
         );
+    }
+
+    /// Moves that start at 0, 1, 2 and 3 s.
+    fn four_moves() -> Moves {
+        let law = |start_s| TimeLaw { start_s, t1_s: 0.5, t2_s: 0.1, t3_s: 0.02 };
+        let motion = |k: u8| Move { law: law(f64::from(k)), end: vec![f64::from(k)] };
+        Moves::new(vec![0.0], (0..4).map(motion).collect()).unwrap()
+    }
+
+    #[test]
+    fn fewer_than_three_moves_with_rows_are_no_folds() {
+        assert_eq!(folds_by_move(&four_moves(), &[1.2, 1.8, 2.5, 3.1]), Some(vec![1, 1, 2, 3]));
+        assert_eq!(folds_by_move(&four_moves(), &[1.2, 1.8, 2.5, 2.9]), None);
     }
 
     const T_OF_TWO: f64 = 4.302_652_73;

@@ -204,11 +204,12 @@ fn require_one_rate(recordings: &[Prepared]) -> Result<(), PreparationError> {
 }
 
 /// A reason in words: the estimators know columns, people know names.
-pub(crate) fn explain(estimated: &BaseParameters, reason: &Reason) -> String {
+pub(crate) fn explain(estimated: &BaseParameters, of_loop: &[String], reason: &Reason) -> String {
     let Reason::Estimation(EstimationError::NotIdentifiable { rank, columns, dependent }) = reason else {
         return reason.to_string();
     };
-    let names: Vec<&str> = dependent.iter().map(|&c| estimated.parameters()[c].name.as_str()).collect();
+    let all = estimated.parameters().iter().map(|p| &p.name).chain(of_loop).collect::<Vec<_>>();
+    let names: Vec<&str> = dependent.iter().filter_map(|&c| Some(all.get(c)?.as_str())).collect();
     format!(
         "the motion separates only {rank} of {columns} parameters; not separated from the others by this motion: {}",
         names.join(" ")

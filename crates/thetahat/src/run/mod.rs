@@ -17,10 +17,14 @@
 
 mod assessment;
 mod cases;
+mod consistent_data;
 mod cross_validation;
 mod examination;
 mod identification;
+mod linear;
+mod not_physical;
 mod parameters;
+mod physical;
 mod prediction;
 mod prepared;
 mod sensitivity;

@@ -1,8 +1,8 @@
 use crate::{
     base_parameters::{BaseParameter, BaseParameters},
     identification::{Fit, Uncertainty},
-    preparation::Settings,
-    results::ParameterResult,
+    preparation::{LoopParameters, Settings},
+    results::{LoopParameterResult, ParameterResult},
 };
 
 /// The estimates of a run with their deviations, intervals and true values.
@@ -27,4 +27,27 @@ pub(crate) fn parameter_results(
         interval_95: uncertainty.map(|u| u.interval_95[i]),
     };
     estimated.parameters().iter().enumerate().map(result).collect()
+}
+
+/// The quantities of the loop that were estimated behind `before` parameters of the robot.
+pub(super) fn loop_parameter_results(
+    loop_parameters: &LoopParameters,
+    before: usize,
+    fit: &Fit,
+    uncertainty: Option<&Uncertainty>,
+) -> Vec<LoopParameterResult> {
+    let result = |(i, name): (usize, String)| {
+        let place = before + i;
+        let (value, sd) = (*fit.theta.get(place)?, fit.standard_deviation[place]);
+        let interval = uncertainty.map(|u| u.interval_95[place]);
+        Some(if loop_parameters.is_factor(i) {
+            let (estimate, unit) = (value.exp(), String::new());
+            let interval_95 = interval.map(|ends| ends.map(f64::exp));
+            LoopParameterResult { name, estimate, standard_deviation: estimate * sd, interval_95, unit }
+        } else {
+            let unit = "s".to_owned();
+            LoopParameterResult { name, estimate: value, standard_deviation: sd, interval_95: interval, unit }
+        })
+    };
+    loop_parameters.names().into_iter().enumerate().filter_map(result).collect()
 }

@@ -1,12 +1,15 @@
 //! CLIE and CLOE under way: what they want simulated, and what they make of it.
 
 use super::{
+    job::EstimationJob,
+    physical::Physical,
     requests::{Request, Simulated},
-    scheduler::EstimationJob,
     simulator::{Output, Parameters, Simulator},
 };
 use crate::{
-    identification::{IterationOptions, Outcome, PredictionErrorEstimation, SimulatedResponse, Wanted, idim_ls},
+    identification::{
+        GaussNewtonStep, IterationOptions, Outcome, PredictionErrorEstimation, SimulatedResponse, Wanted,
+    },
     simulation::SimulationError,
 };
 
@@ -15,12 +18,19 @@ pub(super) struct Fitting<'a> {
     job: &'a EstimationJob<'a>,
     simulator: &'a Simulator<'a>,
     estimation: PredictionErrorEstimation,
+    physical: Physical<'a>,
 }
 
 impl<'a> Fitting<'a> {
     pub(super) fn new(job: &'a EstimationJob<'a>, simulator: &'a Simulator<'a>, options: IterationOptions) -> Self {
-        let starts = std::iter::once(job.start.clone()).chain(least_squares(job)).collect();
-        Self { job, simulator, estimation: PredictionErrorEstimation::new(options, starts) }
+        let mut physical = Physical::new(job.method, simulator, &job.problem.regression);
+        // Zeros leave the loop as it is described.
+        let with_loop = |mut theta: Vec<f64>| {
+            theta.resize(theta.len() + simulator.loop_parameters().len(), 0.0);
+            theta
+        };
+        let starts = physical.starts(&job.start).into_iter().map(with_loop).collect();
+        Self { job, simulator, estimation: PredictionErrorEstimation::new(options, starts), physical }
     }
 
     /// The simulation that it waits for.
@@ -35,11 +45,25 @@ impl<'a> Fitting<'a> {
     /// Takes what was simulated.
     pub(super) fn take(&mut self, simulated: Result<Simulated, SimulationError>) {
         let regression = &self.job.regression;
-        match self.estimation.wanted() {
-            Some(Wanted::Response(_)) => self.estimation.take_response(self.response(simulated), regression),
-            Some(Wanted::Sensitivities(_)) => self.estimation.take_sensitivities(sensitivities(simulated), regression),
-            None => {}
+        let wants_response = matches!(self.estimation.wanted(), Some(Wanted::Response(_)));
+        let response = if wants_response { Ok(self.response(simulated)) } else { Err(sensitivities(simulated)) };
+        let (physical, of_robot) = (&mut self.physical, self.job.start.len());
+        let mut admit = |step: GaussNewtonStep| admit(physical, of_robot, step);
+        match response {
+            Ok(response) => self.estimation.take_response(response, regression, &mut admit),
+            Err(sensitivities) => self.estimation.take_sensitivities(sensitivities, regression, &mut admit),
         }
+    }
+
+    /// What is told of what was simulated.
+    pub(super) fn note(&self) -> Option<String> {
+        let kept = self
+            .simulator
+            .keeps_gains_for(self.job.method)
+            .then(|| "gains that a bandwidth gives are those for the start values".to_owned());
+        let physical = if self.physical.is_needed() { self.physical.note() } else { None };
+        let notes: Vec<String> = kept.into_iter().chain(physical).collect();
+        (!notes.is_empty()).then(|| notes.join("; "))
     }
 
     pub(super) fn into_outcome(self) -> Outcome {
@@ -55,10 +79,17 @@ impl<'a> Fitting<'a> {
     }
 }
 
-/// The estimate of LS, where torques were recorded and give one: another place to start from.
-fn least_squares(job: &EstimationJob<'_>) -> Option<Vec<f64>> {
-    let ls = idim_ls(&job.problem.regression, Default::default()).ok()?;
-    Some(ls.theta)
+/// What a step leads to, the parameters of the robot in what can be simulated. Their metric is that with the parameters of the
+/// loop, which stand behind them, at their best.
+fn admit(physical: &mut Physical<'_>, of_robot: usize, GaussNewtonStep { mut theta, r }: GaussNewtonStep) -> Vec<f64> {
+    let of_loop = theta.split_off(of_robot);
+    let loop_first: Vec<usize> = (of_robot..r.columns()).chain(0..of_robot).collect();
+    let r = r.select_columns(&loop_first).triangular_factor();
+    let robot_rows = of_loop.len()..r.rows();
+    let last: Vec<usize> = (of_loop.len()..r.columns()).collect();
+    let mut admitted = physical.admit(theta, &r.row_range(robot_rows).select_columns(&last));
+    admitted.extend(of_loop);
+    admitted
 }
 
 fn sensitivities(simulated: Result<Simulated, SimulationError>) -> Result<SimulatedResponse, SimulationError> {

@@ -4,14 +4,14 @@
 //! for them ([`crate::identification::Estimation`]); [`run_all`] collects what all of them want, and runs up to four
 //! simulations in the lanes of a vector. Results are bit-identical alone or batched.
 
-mod consistent_set;
 mod fitting;
+mod job;
 mod physical;
 mod requests;
 mod scheduler;
 mod simulator;
 
-pub(crate) use consistent_set::consistent_set;
+pub(crate) use job::EstimationJob;
 pub(crate) use requests::instruments_side_by_side;
-pub(crate) use scheduler::{EstimationJob, Finished, RunOptions, SIDE_BY_SIDE, run_all};
+pub(crate) use scheduler::{Finished, RunOptions, SIDE_BY_SIDE, run_all};
 pub(crate) use simulator::{Simulator, closed_loop};

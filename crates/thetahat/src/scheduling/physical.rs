@@ -1,9 +1,6 @@
 //! What IV and DIDIM simulate: an estimate as it is where that is a robot's, else parameters of a physical robot.
 
-use super::{
-    consistent_set::consistent_set,
-    simulator::{FINE, Parameters, Simulator},
-};
+use super::simulator::{FINE, Parameters, Simulator};
 use crate::{
     base_parameters::BaseParameters,
     consistency::{ConsistencyError, ConsistentFit, ConsistentSet, SimulationOptions, nearest_to_simulate},
@@ -16,6 +13,7 @@ use crate::{
 
 /// Part of the a-priori mass matrix above which that of start values is simulated as it is: they are the user's.
 const PART_AT_START: f64 = 0.01;
+
 /// How close to the boundary of the physical set a method goes.
 struct Margin {
     /// Part of the a-priori mass matrix above which that of an estimate is simulated as it is.
@@ -44,7 +42,7 @@ pub(super) struct Physical<'a> {
     problem: &'a Problem,
     regression: &'a Regression,
     design: Design,
-    set: Result<ConsistentSet, ConsistencyError>,
+    set: Result<&'a ConsistentSet, &'a ConsistencyError>,
     /// Triangular factor of the regression in all base parameters: of X, or of Z for DIDIM.
     r: Option<Matrix>,
     before: Option<ConsistentFit>,
@@ -64,7 +62,7 @@ impl<'a> Physical<'a> {
             problem,
             regression,
             design: method.design(),
-            set: consistent_set(simulator.setup(), problem, regression),
+            set: problem.consistent_set(simulator.setup()),
             r: None,
             before: None,
             is_needed: false,
@@ -115,6 +113,31 @@ impl<'a> Physical<'a> {
             Design::Measured => fit,
             Design::Simulated => self.constrain(fit, z),
         }
+    }
+
+    /// Start values of a fit, the first one first: those given and those nearest to the estimate of LS, as far as they can be
+    /// simulated.
+    pub(super) fn starts(&mut self, start: &[f64]) -> Vec<Vec<f64>> {
+        let given = self.is_safe(&self.problem.estimated.to_standard(start), PART_AT_START).then(|| start.to_vec());
+        let starts: Vec<_> = given.into_iter().chain(self.near_ls()).collect();
+        self.before = None;
+        if starts.is_empty() { vec![start.to_vec()] } else { starts }
+    }
+
+    /// What a step leads to: `theta` where it can be simulated, else the parameters of the physical set nearest to it in the
+    /// metric `|R (theta - theta_hat)|` of the step.
+    pub(super) fn admit(&mut self, theta: Vec<f64>, r: &Matrix) -> Vec<f64> {
+        let estimated = &self.problem.estimated;
+        self.is_needed = !self.is_safe(&estimated.to_standard(&theta), margin(self.design).part);
+        if !self.is_needed {
+            return theta;
+        }
+        self.nearest_in(estimated, r, &theta).map_or(theta, |standard| estimated.from_standard(&standard))
+    }
+
+    /// Whether what was admitted last is in the physical set because it could not be simulated as it was.
+    pub(super) fn is_needed(&self) -> bool {
+        self.is_needed
     }
 
     /// Asks for physical parameters from now on; false where they were already.
@@ -173,17 +196,22 @@ impl<'a> Physical<'a> {
 
     /// The parameters of the interior nearest to an estimate.
     fn nearest(&mut self, estimate: &[f64]) -> Option<Vec<f64>> {
-        let set = match &self.set {
+        let (problem, base) = (self.problem, &self.problem.base);
+        let r = self.r.take().unwrap_or_else(|| triangular_factor(problem, self.regression, None));
+        let standard = self.nearest_in(base, &r, &in_base(base, &problem.estimated, estimate));
+        self.r = Some(r);
+        standard
+    }
+
+    fn nearest_in(&mut self, base: &BaseParameters, r: &Matrix, estimate: &[f64]) -> Option<Vec<f64>> {
+        let set = match self.set {
             Ok(set) => set,
             Err(e) => {
                 self.failure = Some(e.clone());
                 return None;
             }
         };
-        let (problem, base) = (self.problem, &self.problem.base);
-        let r = self.r.get_or_insert_with(|| triangular_factor(problem, self.regression, None));
-        let all = in_base(base, &problem.estimated, estimate);
-        match nearest_to_simulate(set, base, r, &all, &margin(self.design).options, self.before.as_ref()) {
+        match nearest_to_simulate(set, base, r, estimate, &margin(self.design).options, self.before.as_ref()) {
             Ok(fit) => {
                 let standard = fit.standard.clone();
                 self.before = Some(fit);

@@ -2,49 +2,17 @@
 
 use super::{
     fitting::Fitting,
+    job::EstimationJob,
     physical::Physical,
     requests::{Request, Simulated, simulate_side_by_side},
-    simulator::{Output, Parameters, Simulator},
+    simulator::{Output, Parameters},
 };
 use crate::{
     clock::Stopwatch,
-    identification::{Estimation, IterationOptions, Method, Needs, Outcome, Response},
+    identification::{Estimation, IterationOptions, Needs, Outcome},
     linear_algebra::Matrix,
-    preparation::Problem,
-    regression::Regression,
     simulation::{SimulatedMotion, SimulationError},
 };
-
-/// A method on a problem.
-pub(crate) struct EstimationJob<'a> {
-    pub(crate) problem: &'a Problem,
-    pub(crate) method: Method,
-    /// The rows of the problem with the weights of the method.
-    pub(crate) regression: Regression,
-    pub(crate) simulator: Option<Simulator<'a>>,
-    /// Where an iteration starts.
-    pub(crate) start: Vec<f64>,
-}
-
-impl<'a> EstimationJob<'a> {
-    /// A method with weights of the rows, from the start values of its simulator.
-    pub(crate) fn new(
-        problem: &'a Problem,
-        method: Method,
-        weights: Option<Vec<f64>>,
-        simulator: Option<Simulator<'a>>,
-    ) -> Self {
-        let start = simulator.as_ref().map(Simulator::start).unwrap_or_default();
-        let regression = problem.regression.with_weights(weights);
-        let regression = match (method.response(), &simulator) {
-            (Response::Position, Some(simulator)) => simulator
-                .measured(Response::Position)
-                .map_or_else(|_| regression.clone(), |y| regression.with_measured(y)),
-            (Response::Position, None) | (Response::Torque, _) => regression,
-        };
-        Self { problem, method, regression, simulator, start }
-    }
-}
 
 /// How an estimation ended.
 pub(crate) struct Finished {
@@ -135,6 +103,8 @@ struct Running<'a> {
     stage: Stage<'a>,
     /// What stands for the estimates of IV and DIDIM in their simulations.
     physical: Option<Physical<'a>>,
+    /// What is told of a fit that has ended.
+    note: Option<String>,
     seconds: f64,
 }
 
@@ -157,7 +127,7 @@ impl<'a> Running<'a> {
                 Stage::Fitting(Box::new(Fitting::new(job, simulator, options.iteration)))
             }
         };
-        Self { job, options, stage, physical, seconds: stopwatch.seconds() }
+        Self { job, options, stage, physical, note: None, seconds: stopwatch.seconds() }
     }
 
     /// The simulation that it waits for.
@@ -183,7 +153,10 @@ impl<'a> Running<'a> {
             if fitting.request().is_none()
                 && let Stage::Fitting(fitting) = std::mem::replace(&mut self.stage, Stage::Over)
             {
-                self.stage = estimated(fitting.into_outcome(), None);
+                self.note = fitting.note();
+                let outcome = fitting.into_outcome();
+                let theta = outcome.fit.as_ref().map(|fit| Parameters::Fitted(fit.theta.clone()));
+                self.stage = Stage::Estimated(Box::new(outcome), theta);
             }
             self.seconds += seconds + stopwatch.seconds();
             return None;
@@ -238,7 +211,7 @@ impl<'a> Running<'a> {
         .map(|outcome| Finished {
             outcome,
             motions: None,
-            note: self.physical.as_ref().and_then(Physical::note),
+            note: self.note.take().or_else(|| self.physical.as_ref().and_then(Physical::note)),
             seconds: self.seconds,
         })
     }

@@ -1,14 +1,13 @@
 //! The closed loops of all recordings as a function of the parameters: instruments Z, and errors against the record.
 
-use std::collections::BTreeMap;
+use std::{borrow::Cow, collections::BTreeMap};
 
-use super::consistent_set::consistent_set;
 use crate::{
     control::ControllerDescription,
     dynamics::{Model, Sign},
-    identification::{Assembly, Response, SimulatedResponse},
+    identification::{Assembly, Method, Needs, Response, SimulatedResponse},
     linear_algebra::{Matrix, norm},
-    preparation::{Case, FilteredRecording, Gains, Problem, RecordedReference, Setup},
+    preparation::{Case, FilteredRecording, Gains, LoopParameters, LoopParts, Problem, RecordedReference, Setup},
     series::Series,
     signal::Motion,
     simulation::{
@@ -68,7 +67,8 @@ pub(crate) enum Parameters {
 }
 
 /// Parameters as a simulation takes them.
-pub(super) struct Resolved {
+pub(super) struct Resolved<'a> {
+    parts: LoopParts<'a>,
     /// All standard parameters.
     standard: Vec<f64>,
     /// The inertia that each motor sees for the gains of its controller.
@@ -84,8 +84,12 @@ pub(super) const FINE: f64 = 0.01;
 pub(crate) struct Simulator<'a> {
     setup: Setup<'a>,
     problem: &'a Problem,
+    controller: &'a ControllerDescription,
+    bias: SimulatorBias,
     loops: Vec<RecordedLoop<'a>>,
     kept_inertia: Option<Vec<f64>>,
+    /// What of the loop is estimated behind the robot's parameters.
+    loop_parameters: LoopParameters,
 }
 
 /// The loop of one recording.
@@ -114,14 +118,32 @@ impl<'a> Simulator<'a> {
             RecordedLoop { filtered, assembly: problem.assembly(number), closed_loop }
         };
         let loops = recordings.iter().enumerate().map(loop_of).collect();
-        let simulator = Self { setup, problem, loops, kept_inertia: None };
+        let motors = problem.model.coordinate_count();
+        let loop_parameters = LoopParameters::new(&setup.settings.estimation.loop_parameters, motors);
+        let simulator =
+            Self { setup, problem, controller, bias: case.simulator, loops, kept_inertia: None, loop_parameters };
         match setup.settings.estimation.gains {
             Gains::Updated => simulator,
-            Gains::Kept => {
-                let inertia = simulator.inertia(&simulator.parameters_of_kept_gains());
-                Self { kept_inertia: Some(inertia), ..simulator }
-            }
+            Gains::Kept => simulator.with_kept_gains(),
         }
+    }
+
+    /// The same for a method. Gains that follow the estimate leave positions as they are where all parameters grow alike:
+    /// methods that fit positions, or gains themselves, keep those of the start values.
+    pub(super) fn of_method(self, method: Method) -> Self {
+        if self.keeps_gains_for(method) { self.with_kept_gains() } else { self }
+    }
+
+    /// Whether a method needs gains that stay, where a bandwidth gives them.
+    pub(super) fn keeps_gains_for(&self, method: Method) -> bool {
+        let fits = method.needs() == Needs::Sensitivities;
+        let is_free = method.response() == Response::Position || !self.loop_parameters.is_empty();
+        fits && is_free && !self.controller.bandwidth_hz.is_empty()
+    }
+
+    /// The same with gains that stay those of the start values.
+    fn with_kept_gains(self) -> Self {
+        Self { kept_inertia: Some(self.inertia(&self.parameters_of_kept_gains())), ..self }
     }
 
     /// The start values, or the completed a-priori ones where those are no robot's: its gains would be zero or negative.
@@ -130,8 +152,12 @@ impl<'a> Simulator<'a> {
         if self.has_mass_matrix_above(&start, 0.0, &start) {
             return start;
         }
-        let set = consistent_set(self.setup, self.problem, &self.problem.regression);
-        set.map_or(start, |set| set.a_priori().to_vec())
+        self.problem.consistent_set(self.setup).map_or(start, |set| set.a_priori().to_vec())
+    }
+
+    /// What of the loop is estimated behind the robot's parameters.
+    pub(crate) fn loop_parameters(&self) -> &LoopParameters {
+        &self.loop_parameters
     }
 
     /// The start values of an iteration.
@@ -147,10 +173,16 @@ impl<'a> Simulator<'a> {
     }
 
     /// The simulations of all recordings.
-    pub(super) fn jobs<'j>(&'j self, resolved: &'j Resolved, output: Output) -> Vec<Job<'j>> {
+    pub(super) fn jobs<'j>(&'j self, resolved: &'j Resolved<'a>, output: Output) -> Vec<Job<'j>> {
         let whole = output == Output::Instruments && self.setup.settings.simulation.band_pass;
         let job = |l: &RecordedLoop<'a>| Job {
-            closed_loop: ClosedLoop { solver: resolved.solver, ..l.closed_loop },
+            closed_loop: ClosedLoop {
+                solver: resolved.solver,
+                controller: &resolved.parts.controller,
+                transmission: &resolved.parts.transmission,
+                bias: resolved.parts.bias,
+                ..l.closed_loop
+            },
             theta: &resolved.standard,
             motor_inertia: &resolved.inertia,
             grid: if whole { l.grid_of_record() } else { l.grid_of_window(output.step()) },
@@ -196,7 +228,8 @@ impl<'a> Simulator<'a> {
     ) -> Result<SimulatedResponse, SimulationError> {
         let resolved = self.resolve(parameters);
         let jobs = self.jobs(&resolved, Output::Sensitivities(response));
-        let to: Vec<SensitiveTo> = self.problem.estimated.columns().into_iter().map(SensitiveTo::Parameter).collect();
+        let of_robot = self.problem.estimated.columns().into_iter().map(SensitiveTo::Parameter);
+        let to: Vec<SensitiveTo> = of_robot.chain(self.loop_parameters.sensitive_to().iter().copied()).collect();
         let slopes = self.kept_inertia.is_none().then(|| self.inertia_slopes(&to));
         let (mut responses, mut matrices) = (Vec::new(), Vec::new());
         for (l, job) in self.loops.iter().zip(&jobs) {
@@ -228,11 +261,12 @@ impl<'a> Simulator<'a> {
 
     /// Whether both give the same motion for the same parameters.
     pub(super) fn is_like(&self, other: &Self) -> bool {
-        let bias = |s: &Self| s.loops.first().map(|l| (l.closed_loop.bias, l.closed_loop.sign_velocity_scale));
+        let scale = |s: &Self| s.loops.first().map(|l| l.closed_loop.sign_velocity_scale);
         std::ptr::eq(self.setup.robot, other.setup.robot)
             && std::ptr::eq(self.setup.settings, other.setup.settings)
             && std::ptr::eq(self.problem, other.problem)
-            && bias(self) == bias(other)
+            && (self.bias, scale(self)) == (other.bias, scale(other))
+            && self.kept_inertia == other.kept_inertia
     }
 
     pub(super) fn setup(&self) -> Setup<'a> {
@@ -249,15 +283,31 @@ impl<'a> Simulator<'a> {
     }
 
     /// What a simulation with parameters takes.
-    pub(super) fn resolve(&self, parameters: &Parameters) -> Resolved {
-        let (standard, tolerance) = match parameters {
-            Parameters::Estimated(theta) => (self.problem.estimated.to_standard(theta), 1.0),
-            Parameters::Fitted(theta) => (self.problem.estimated.to_standard(theta), FINE),
-            Parameters::Standard { theta, tolerance } => (theta.clone(), *tolerance),
+    pub(super) fn resolve(&self, parameters: &Parameters) -> Resolved<'a> {
+        let solver = self.setup.settings.simulation.solver;
+        let split = |theta: &'_ [f64]| {
+            let (of_robot, of_loop) = theta.split_at(self.problem.estimated.len());
+            (self.problem.estimated.to_standard(of_robot), of_loop.to_vec())
         };
-        let solver = self.setup.settings.simulation.solver.with_tolerances_times(tolerance);
+        let ((standard, of_loop), solver) = match parameters {
+            Parameters::Estimated(theta) => (split(theta), solver),
+            Parameters::Fitted(theta) => (split(theta), solver.for_sensitivities().with_tolerances_times(FINE)),
+            Parameters::Standard { theta, tolerance } => {
+                ((theta.clone(), Vec::new()), solver.with_tolerances_times(*tolerance))
+            }
+        };
         let inertia = self.kept_inertia.clone().unwrap_or_else(|| self.inertia(&standard));
-        Resolved { standard, inertia, solver }
+        let parts = self.loop_parameters.apply(&of_loop, self.described_parts(), &inertia);
+        Resolved { parts, standard, inertia, solver }
+    }
+
+    /// The controller, transmission and bias as they are described.
+    fn described_parts(&self) -> LoopParts<'a> {
+        LoopParts {
+            controller: Cow::Borrowed(self.controller),
+            transmission: Cow::Borrowed(&self.setup.robot.transmission),
+            bias: self.bias,
+        }
     }
 
     /// The inertia that each motor sees, on average over the recordings: the gains are those of one controller.

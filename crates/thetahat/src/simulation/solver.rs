@@ -73,6 +73,19 @@ impl Solver {
     }
 }
 
+impl Solver {
+    /// The method for a response that is fitted: the implicit one where it is chosen automatically. Stability keeps the
+    /// explicit method's steps at their limit while friction sticks, and beyond the limit its sensitivities grow.
+    pub(crate) fn for_sensitivities(self) -> Self {
+        match self {
+            Self::Automatic { relative_tolerance, absolute_tolerance } => {
+                Self::Implicit { relative_tolerance, absolute_tolerance }
+            }
+            Self::Adaptive { .. } | Self::Implicit { .. } | Self::Fixed { .. } => self,
+        }
+    }
+}
+
 impl Default for Solver {
     fn default() -> Self {
         Self::Automatic { relative_tolerance: ODE45[0], absolute_tolerance: ODE45[1] }

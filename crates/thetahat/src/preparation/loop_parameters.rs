@@ -1,0 +1,177 @@
+//! What CLIE and CLOE estimate of the loop beside the robot's parameters.
+
+use std::borrow::Cow;
+
+use serde::Deserialize;
+
+use crate::{
+    control::ControllerDescription,
+    robot::Transmission,
+    simulation::{Motors, SensitiveTo, SimulatorBias},
+};
+
+/// A quantity of the simulated loop that is not known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LoopParameter {
+    /// One factor on all gear ratios.
+    GearRatio,
+    /// One factor on all drive gains.
+    DriveGain,
+    /// A factor on the drive gain of each motor.
+    DriveGains,
+    /// One factor on all position gains.
+    PositionGain,
+    /// A factor on the position gain of each motor.
+    PositionGains,
+    /// One factor on all velocity gains.
+    VelocityGain,
+    /// A factor on the velocity gain of each motor.
+    VelocityGains,
+    /// A delay on top of the controller's; of the reference, where the controller is continuous.
+    Delay,
+}
+
+impl LoopParameter {
+    fn sensitive_to(self, motors: usize) -> Vec<SensitiveTo> {
+        let each = |gain: fn(Motors) -> SensitiveTo| (0..motors).map(|i| gain(Motors::One(i))).collect();
+        match self {
+            Self::GearRatio => vec![SensitiveTo::GearRatio],
+            Self::DriveGain => vec![SensitiveTo::DriveGain(Motors::All)],
+            Self::DriveGains => each(SensitiveTo::DriveGain),
+            Self::PositionGain => vec![SensitiveTo::PositionGain(Motors::All)],
+            Self::PositionGains => each(SensitiveTo::PositionGain),
+            Self::VelocityGain => vec![SensitiveTo::VelocityGain(Motors::All)],
+            Self::VelocityGains => each(SensitiveTo::VelocityGain),
+            Self::Delay => vec![SensitiveTo::Delay],
+        }
+    }
+}
+
+/// The quantities of the loop that are estimated, in the order of the estimate behind the robot's parameters: logarithms of
+/// factors, and a delay in s. Zeros leave the loop as it is described.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct LoopParameters(Vec<SensitiveTo>);
+
+/// The parts of a loop that they change.
+pub(crate) struct LoopParts<'a> {
+    pub(crate) controller: Cow<'a, ControllerDescription>,
+    pub(crate) transmission: Cow<'a, Transmission>,
+    pub(crate) bias: SimulatorBias,
+}
+
+impl LoopParameters {
+    pub(crate) fn new(asked: &[LoopParameter], motors: usize) -> Self {
+        Self(asked.iter().flat_map(|parameter| parameter.sensitive_to(motors)).collect())
+    }
+
+    pub(crate) fn sensitive_to(&self) -> &[SensitiveTo] {
+        &self.0
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Their names, motors from one.
+    pub(crate) fn names(&self) -> Vec<String> {
+        let of_motors = |name: &str, motors: Motors| match motors {
+            Motors::All => name.to_owned(),
+            Motors::One(motor) => format!("{name} {}", motor + 1),
+        };
+        let name = |to: &SensitiveTo| match *to {
+            SensitiveTo::Parameter(_) => String::new(),
+            SensitiveTo::PositionGain(motors) => of_motors("position gain", motors),
+            SensitiveTo::VelocityGain(motors) => of_motors("velocity gain", motors),
+            SensitiveTo::DriveGain(motors) => of_motors("drive gain", motors),
+            SensitiveTo::GearRatio => "gear ratio".to_owned(),
+            SensitiveTo::Delay => "delay".to_owned(),
+        };
+        self.0.iter().map(name).collect()
+    }
+
+    /// Whether each is the logarithm of a factor; else it is a time in s.
+    pub(crate) fn is_factor(&self, index: usize) -> bool {
+        self.0[index] != SensitiveTo::Delay
+    }
+
+    /// The parts of a loop with estimated values; `inertia` is that for which gains given by a bandwidth are resolved.
+    pub(crate) fn apply<'a>(&self, values: &[f64], mut parts: LoopParts<'a>, inertia: &[f64]) -> LoopParts<'a> {
+        for (to, value) in self.0.iter().zip(values) {
+            let factor = value.exp();
+            match *to {
+                SensitiveTo::Parameter(_) => {}
+                SensitiveTo::PositionGain(motors) => {
+                    scale_gains(parts.controller.to_mut(), inertia, [(motors, factor), (motors, 1.0)]);
+                }
+                SensitiveTo::VelocityGain(motors) => {
+                    scale_gains(parts.controller.to_mut(), inertia, [(motors, 1.0), (motors, factor)]);
+                }
+                SensitiveTo::DriveGain(Motors::All) => parts.bias.drive_gain *= factor,
+                SensitiveTo::DriveGain(Motors::One(motor)) => {
+                    parts.transmission.to_mut().scale_drive_gain(motor, factor)
+                }
+                SensitiveTo::GearRatio => parts.bias.gear_ratio *= factor,
+                SensitiveTo::Delay => parts.bias.delay_s += value,
+            }
+        }
+        parts
+    }
+}
+
+/// Multiplies position and velocity gains of a controller, which then states its gains.
+fn scale_gains(
+    controller: &mut ControllerDescription,
+    inertia: &[f64],
+    [(of_position, position), (of_velocity, velocity)]: [(Motors, f64); 2],
+) {
+    controller.state_gains(inertia);
+    let scale = |gains: &mut [f64], motors: Motors, factor: f64| {
+        gains.iter_mut().enumerate().filter(|(i, _)| motors.contains(*i)).for_each(|(_, gain)| *gain *= factor);
+    };
+    scale(&mut controller.position_gain, of_position, position);
+    scale(&mut controller.velocity_gain, of_velocity, velocity);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parts(controller: &ControllerDescription) -> LoopParts<'_> {
+        let transmission = Cow::Owned(Transmission::direct(2));
+        LoopParts { controller: Cow::Borrowed(controller), transmission, bias: SimulatorBias::NONE }
+    }
+
+    /// Gains by bandwidth and gains as stated give the same signal, before and behind a factor.
+    #[test]
+    fn one_motors_gain_is_multiplied_and_the_other_stays() {
+        let description = ControllerDescription::pd(10.0);
+        let inertia = [2.0, 5.0];
+        let loop_parameters = LoopParameters::new(&[LoopParameter::PositionGains], 2);
+        let changed = loop_parameters.apply(&[0.0, 2.0_f64.ln()], parts(&description), &inertia);
+        let (before, behind) = (description.resolve(&inertia, 1.0), changed.controller.resolve(&inertia, 1.0));
+        let of_position = |c: &crate::control::Controller, motor| c.command(motor, 0.01, 0.0, 0.0, 0.0);
+        assert!((of_position(&behind, 0) - of_position(&before, 0)).abs() < 1e-12);
+        assert!((of_position(&behind, 1) - 2.0 * of_position(&before, 1)).abs() < 1e-9);
+        for motor in 0..2 {
+            let others = |c: &crate::control::Controller| c.command(motor, 0.0, 0.3, 0.7, 1.1);
+            assert!((others(&behind) - others(&before)).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn factors_of_ratio_and_drive_multiply_what_is_there() {
+        let description = ControllerDescription::pd(10.0);
+        let loop_parameters =
+            LoopParameters::new(&[LoopParameter::GearRatio, LoopParameter::DriveGains, LoopParameter::Delay], 2);
+        assert_eq!(loop_parameters.names(), ["gear ratio", "drive gain 1", "drive gain 2", "delay"]);
+        let changed = loop_parameters.apply(&[0.9_f64.ln(), 0.0, 1.1_f64.ln(), 1e-3], parts(&description), &[1.0; 2]);
+        assert!((changed.bias.gear_ratio - 0.9).abs() < 1e-15 && changed.bias.delay_s == 1e-3);
+        let drive = changed.transmission.drive_to_joint_units();
+        assert!(drive[0] == 1.0 && (drive[1] - 1.1).abs() < 1e-15);
+    }
+}

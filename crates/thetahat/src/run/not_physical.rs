@@ -1,0 +1,129 @@
+//! What is found in estimates that no robot made of bodies has.
+
+use crate::{
+    base_parameters::{BaseParameter, BaseParameters},
+    checks::{Code, Finding, Severity},
+    consistency::{ConsistentSet, bounds_of},
+    results::{PhysicalResult, RunResult},
+    robot::{ParameterTable, Robot, Role},
+};
+
+/// Deviations outside from which links without bodies are more than noise.
+const MORE_THAN_NOISE: f64 = 2.0;
+/// Links and parameters that a message names.
+const NAMED: usize = 5;
+
+/// The findings of a run, the gravest first. `asked` is `physical = true`.
+pub(super) fn not_physical(
+    robot: &Robot,
+    set: &ConsistentSet,
+    base: &BaseParameters,
+    run: &RunResult,
+    physical: &PhysicalResult,
+    asked: bool,
+) -> Vec<Finding> {
+    let table = set.parameter_table();
+    let of_parameter = |p: &BaseParameter| negative(robot, table, bounds_of(set, p), p, run, asked);
+    let mut findings: Vec<Finding> = base.parameters().iter().filter_map(of_parameter).collect();
+    findings.extend(outside(table, physical, asked));
+    findings.sort_by_key(|f| (f.severity, f.joint));
+    findings
+}
+
+/// A motor inertia or a friction coefficient below zero: a problem where its interval excludes zero, else a note.
+fn negative(
+    robot: &Robot,
+    table: &ParameterTable,
+    bounds: [f64; 2],
+    parameter: &BaseParameter,
+    run: &RunResult,
+    asked: bool,
+) -> Option<Finding> {
+    let standard = table.get(parameter.kept);
+    let result = run.parameter(&parameter.name).filter(|p| p.estimate < 0.0 && bounds[0] >= 0.0)?;
+    let (what, remedy) = match standard.quantity.role() {
+        Role::MotorInertia => ("motor inertia", inertia_remedy(asked, &standard.name())),
+        Role::ViscousFriction | Role::CoulombFriction => ("friction coefficient", friction_remedy(asked).to_owned()),
+        Role::Inertial | Role::Load => return None,
+    };
+    let (name, unit, value) = (&result.name, &result.unit, result.estimate);
+    let high = result.interval_95.map(|[_, high]| high);
+    let (severity, noise) = match high {
+        Some(high) if high < 0.0 => (Severity::Problem, "its 95 % interval ends below zero: noise does not explain it"),
+        Some(_) => (Severity::Note, "its 95 % interval holds zero: noise explains it"),
+        None => (Severity::Warning, "it has no interval"),
+    };
+    Some(Finding {
+        code: Code::NotPhysical,
+        severity,
+        joint: Some(standard.number),
+        joint_name: robot.joints.get(standard.number - 1).map(|j| j.name.clone()),
+        value: high.unwrap_or(value),
+        unit: unit.clone(),
+        limit: Some(0.0),
+        message: format!("the {what} {name} is negative, {value:.3e} {unit}; {noise}"),
+        remedy,
+        parameters: vec![name.clone()],
+    })
+}
+
+/// Links and whatever else no robot can have together.
+fn outside(table: &ParameterTable, physical: &PhysicalResult, asked: bool) -> Option<Finding> {
+    let lacking = |(name, lacking): (&String, &f64)| {
+        let unit = table.index_of(name).map_or("kg m^2", |i| table.get(i).unit);
+        format!("{name} lacks {lacking:.2e} {unit}")
+    };
+    let all: Vec<String> = physical.outside.iter().zip(&physical.lacking).map(lacking).collect();
+    if all.is_empty() {
+        return None;
+    }
+    let more = all.len().saturating_sub(NAMED);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    let named = all.iter().take(NAMED).cloned().collect::<Vec<_>>().join(", ");
+    let deviations = physical.deviations.unwrap_or(f64::INFINITY);
+    let is_noise = deviations < MORE_THAN_NOISE;
+    let how_far = format!("{deviations:.1} standard deviations outside");
+    let noise = if is_noise { "no more than noise explains" } else { "more than noise explains" };
+    Some(Finding {
+        code: Code::NotPhysical,
+        severity: if is_noise { Severity::Note } else { Severity::Warning },
+        joint: None,
+        joint_name: None,
+        value: deviations,
+        unit: "standard deviations".to_owned(),
+        limit: Some(MORE_THAN_NOISE),
+        message: format!("no robot made of bodies has these estimates: {named}{more}; {how_far}, {noise}"),
+        remedy: link_remedy(asked, is_noise).to_owned(),
+        parameters: physical.outside.clone(),
+    })
+}
+
+fn link_remedy(asked: bool, is_noise: bool) -> &'static str {
+    match (asked, is_noise) {
+        (false, _) => {
+            "set physical = true in [parameters]: the consistent parameters nearest to the estimate come beside it, with a \
+             test whether the data reject them"
+        }
+        (true, true) => "take the consistent estimate where parameters are simulated or used in a controller",
+        (true, false) => {
+            "take the consistent estimate for simulation; look at what makes the difference: elasticity, signs, gains and \
+             units of the torques, geometry"
+        }
+    }
+}
+
+fn inertia_remedy(asked: bool, name: &str) -> String {
+    let physical = if asked { "" } else { "physical = true and " };
+    format!(
+        "give it from the data sheet, with {physical}fix = {{ {name} = ... }} in [parameters], or record faster changes of \
+         velocity of this joint"
+    )
+}
+
+fn friction_remedy(asked: bool) -> &'static str {
+    if asked {
+        "take the consistent estimate; look at the sign of the torque, and record slow and fast motion of this joint"
+    } else {
+        "set physical = true in [parameters]; look at the sign of the torque, and record slow and fast motion of this joint"
+    }
+}

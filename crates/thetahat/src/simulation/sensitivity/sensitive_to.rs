@@ -1,0 +1,65 @@
+/// Which motors a gain belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Motors {
+    /// All of them: one common factor.
+    All,
+    /// One, from zero.
+    One(usize),
+}
+
+impl Motors {
+    /// Whether `motor` is among them.
+    #[must_use]
+    pub fn contains(self, motor: usize) -> bool {
+        match self {
+            Self::All => true,
+            Self::One(own) => own == motor,
+        }
+    }
+
+    /// One for a motor among them, else zero.
+    pub(super) fn factor(self, motor: usize) -> f64 {
+        if self.contains(motor) { 1.0 } else { 0.0 }
+    }
+}
+
+/// What a simulated loop can be sensitive to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SensitiveTo {
+    /// The standard parameter at this index of the model's table, in its own unit. An estimated base parameter is the
+    /// standard parameter of the column that it keeps.
+    Parameter(usize),
+    /// The logarithm of the position gain `kp` of [`Law`](crate::control::Law).
+    PositionGain(Motors),
+    /// The logarithm of the velocity gain `kv`; a cascade multiplies its position loop by it as well.
+    VelocityGain(Motors),
+    /// The logarithm of the drive gain: torque per drive signal.
+    DriveGain(Motors),
+    /// The logarithm of the common factor of all gear ratios, [`gear_ratio`](crate::simulation::SimulatorBias::gear_ratio).
+    GearRatio,
+    /// The delay in s: of the signals of a sampled controller, of the reference of a continuous one.
+    Delay,
+}
+
+impl SensitiveTo {
+    /// The index of a standard parameter.
+    pub(super) fn parameter(self) -> Option<usize> {
+        match self {
+            Self::Parameter(index) => Some(index),
+            Self::PositionGain(_) | Self::VelocityGain(_) | Self::DriveGain(_) | Self::GearRatio | Self::Delay => None,
+        }
+    }
+
+    /// The motors of a drive gain.
+    pub(super) fn drive_gain(self) -> Option<Motors> {
+        match self {
+            Self::DriveGain(motors) => Some(motors),
+            Self::Parameter(_) | Self::PositionGain(_) | Self::VelocityGain(_) | Self::GearRatio | Self::Delay => None,
+        }
+    }
+
+    /// Where it stands in a list.
+    pub(super) fn columns_of(self, to: &[Self]) -> Vec<usize> {
+        to.iter().enumerate().filter(|(_, other)| **other == self).map(|(column, _)| column).collect()
+    }
+}
