@@ -49,7 +49,7 @@ impl Start {
     }
 
     /// The robot whose a-priori values are the start.
-    fn robot(self, twin: &Twin) -> Robot {
+    pub fn robot(self, twin: &Twin) -> Robot {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         let table = twin.robot.parameter_table();
         let mut value = |(i, v): (usize, &f64)| match self {
@@ -77,7 +77,6 @@ pub struct Cell {
     pub noise: &'static str,
     pub status: Status,
     pub reason: String,
-    pub notes: Vec<String>,
     pub iterations: usize,
     pub seconds: f64,
     /// The largest error of a base parameter in its deviations with correlated errors, and the parameter; none without an
@@ -126,14 +125,20 @@ pub fn run_cells(twin: &Twin, arguments: &Arguments) -> Result<Vec<Cell>, Box<dy
 
 fn run(twin: &Twin, place: Place, methods: &[Method]) -> Result<Vec<Cell>, Box<dyn Error>> {
     let (factor, start, noise, seed) = place;
-    let mut settings = Settings::new(CUTOFF_HZ, DECIMATION)
-        .with_methods(methods.iter().copied())
-        .with_controller(ControllerDescription::pd(factor * BANDWIDTH_HZ));
-    settings.simulation.sign_velocity_scale = SIGN_VELOCITY_SCALE;
+    let settings = settings(methods, factor);
     let robot = start.robot(twin);
     let recording = twin.record(noise, seed);
     let results = Identification::new(&robot, vec![recording], settings)?.run()?;
     Ok(results.runs.into_iter().map(|run| cell(twin, place, run)).collect())
+}
+
+/// Settings with a simulated PD loop of so many times the true bandwidth.
+pub fn settings(methods: &[Method], factor: f64) -> Settings {
+    let mut settings = Settings::new(CUTOFF_HZ, DECIMATION)
+        .with_methods(methods.iter().copied())
+        .with_controller(ControllerDescription::pd(factor * BANDWIDTH_HZ));
+    settings.simulation.sign_velocity_scale = SIGN_VELOCITY_SCALE;
+    settings
 }
 
 fn cell(twin: &Twin, (factor, start, noise, _): Place, run: RunResult) -> Cell {
@@ -150,7 +155,6 @@ fn cell(twin: &Twin, (factor, start, noise, _): Place, run: RunResult) -> Cell {
         status: run.status,
         largest_error: errors.max_by(|a, b| a.0.total_cmp(&b.0)),
         reason: run.reason.unwrap_or_default(),
-        notes: run.notes,
         iterations: run.iterations,
         seconds: run.seconds,
     }

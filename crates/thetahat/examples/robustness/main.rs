@@ -21,10 +21,11 @@ use arguments::Arguments;
 use cells::{Cell, run_cells};
 use robots::robots;
 use table::{failures, robot_row, totals};
+use thetahat::identification::{Method, Needs};
 use twin::Twin;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let arguments = Arguments::read()?;
+    let arguments = read_arguments()?;
     let started = Instant::now();
     println!(
         "| robot | parameters | method | converged at {} | within 4 | largest error, median | iterations, mean | s, mean |",
@@ -45,4 +46,24 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("{}", failures(&all));
     eprintln!("{:.0} s", started.elapsed().as_secs_f64());
     Ok(())
+}
+
+/// What the command line asks for; every method that iterates unless some are named.
+fn read_arguments() -> Result<Arguments, Box<dyn Error>> {
+    let iterates = |m: &Method| m.needs() != Needs::Measurement;
+    let methods = Method::all().filter(iterates).collect();
+    let mut found = Arguments { data: None, quick: false, methods, robot: String::new(), seed: 1 };
+    let mut arguments = std::env::args().skip(1);
+    while let Some(name) = arguments.next() {
+        let mut value = || arguments.next().ok_or_else(|| format!("{name} needs a value"));
+        match name.as_str() {
+            "--data" => found.data = Some(value()?.into()),
+            "--quick" => found.quick = true,
+            "--methods" => found.methods = value()?.split(',').map(str::parse).collect::<Result<_, _>>()?,
+            "--robot" => found.robot = value()?,
+            "--seed" => found.seed = value()?.parse()?,
+            other => return Err(format!("unknown argument {other}").into()),
+        }
+    }
+    Ok(found)
 }

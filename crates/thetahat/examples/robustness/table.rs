@@ -65,9 +65,6 @@ pub fn failures(cells: &[Cell]) -> String {
         } else if c.largest_error.as_ref().is_none_or(|(e, _)| *e > WITHIN) {
             out += &format!("- {place}: converged, {error}\n");
         }
-        if std::env::var_os("ROBUSTNESS_NOTES").is_some() {
-            out += &format!("    {} iterations {:.2} s {error} {}\n", c.iterations, c.seconds, c.notes.join("; "));
-        }
     }
     out
 }

@@ -65,7 +65,7 @@ impl Twin {
                 Quantity::Joint(JointQuantity::Ia) if has_motor_inertias => MOTOR_PART * usual.inertia[j],
                 Quantity::Joint(JointQuantity::Fc) => FRICTION_PART * torque,
                 Quantity::Joint(JointQuantity::Fv) => FRICTION_PART * torque / usual.velocity[j],
-                _ => continue,
+                Quantity::Link(_) | Quantity::Joint(_) | Quantity::Motor(_) => continue,
             };
         }
         let motion = simulate(&robot, &model, &truth, &reference)?;

@@ -27,8 +27,6 @@ enum Measure {
     Refine,
     /// Steps are mixed, and half of each change is made.
     Mix,
-    /// Half as much of each change is made.
-    Shorten,
 }
 
 const MEASURES: [Measure; 3] = [Measure::Refine, Measure::Mix, Measure::Refine];
@@ -108,17 +106,17 @@ impl Steps {
         if self.measures == 0 && self.tolerance <= FINER {
             self.measures = 1;
         }
-        match MEASURES.get(self.measures).copied().unwrap_or(Measure::Shorten) {
-            Measure::Refine => {
+        match MEASURES.get(self.measures) {
+            Some(Measure::Refine) => {
                 self.tolerance *= FINER;
                 let last = self.taken.len().saturating_sub(1);
                 self.taken.drain(..last);
             }
-            Measure::Mix => {
+            Some(Measure::Mix) => {
                 self.is_mixed = true;
                 self.shorten();
             }
-            Measure::Shorten => self.shorten(),
+            None => return,
         }
         (self.measures, self.smallest, self.without_progress) = (self.measures + 1, largest, 0);
     }

@@ -20,6 +20,7 @@ mod filtered;
 mod loop_parameters;
 mod physical;
 mod problem;
+mod proposed_controller;
 mod recording;
 mod reference;
 mod settings;
@@ -33,6 +34,7 @@ pub(crate) use loop_parameters::{LoopParameters, LoopParts};
 pub(crate) use physical::known_in_words;
 pub use physical::{Axis, KnownQuantity, PriorKind, PriorOptions, PriorWeight, ValueOrRange, WeightRule};
 pub(crate) use problem::{Chosen, Problem, full_model_test, named_elimination};
+pub(crate) use proposed_controller::{ProposedController, propose_controller};
 pub use recording::Recording;
 pub(crate) use reference::{FILTERED, RecordedReference};
 pub use settings::{
@@ -40,5 +42,4 @@ pub use settings::{
     SimulationOptions, Start,
 };
 pub(crate) use setup::{Basis, Setup};
-pub(crate) use validation::PROPOSED_BANDWIDTH_HZ;
 pub(crate) use validation::validate_window;

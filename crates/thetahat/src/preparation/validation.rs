@@ -5,10 +5,9 @@ use std::collections::BTreeSet;
 use super::{
     error::PreparationError,
     physical::{PriorWeight, validate_known},
-    settings::{Case, NamedChoice, ParameterChoice, ParameterSelection, Settings},
+    settings::{NamedChoice, ParameterChoice, ParameterSelection, Settings},
 };
 use crate::{
-    control::ControllerDescription,
     identification::{Design, Method, Needs, Response, Weighting},
     robot::Robot,
     simulation::Solver,
@@ -16,9 +15,6 @@ use crate::{
 
 /// Highest order of the position filter: beyond it, its transients are longer than what it is to keep.
 const HIGHEST_ORDER: usize = 20;
-
-/// Bandwidth of the controller that is simulated where none is described: a guess.
-pub(crate) const PROPOSED_BANDWIDTH_HZ: f64 = 10.0;
 
 type Checked = Result<(), PreparationError>;
 
@@ -132,15 +128,6 @@ impl Settings {
             return Err(PreparationError::Missing { missing: "[controller]", why });
         }
         Ok(())
-    }
-
-    /// The controller that IV simulates where none is described: a guess, of which IV needs no more than that the loop
-    /// follows the motion. None where one is described or IV is not among the methods.
-    pub(crate) fn proposed_controller(&self) -> Option<ControllerDescription> {
-        let asked = |case: &Case| case.methods.clone().unwrap_or_else(|| self.estimation.methods.clone());
-        let is_iv = |m: &Method| m.needs() == Needs::Instruments && m.design() == Design::Measured;
-        let wanted = self.controller.is_none() && self.all_cases().iter().any(|case| asked(case).iter().any(is_iv));
-        wanted.then(|| ControllerDescription::pd(PROPOSED_BANDWIDTH_HZ))
     }
 
     fn validate_convergence(&self) -> Checked {

@@ -13,6 +13,7 @@ use crate::{
 
 /// Part of the a-priori mass matrix above which that of start values is simulated as it is: they are the user's.
 const PART_AT_START: f64 = 0.01;
+
 /// How close to the boundary of the physical set a method goes.
 struct Margin {
     /// Part of the a-priori mass matrix above which that of an estimate is simulated as it is.

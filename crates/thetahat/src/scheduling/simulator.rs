@@ -143,8 +143,16 @@ impl<'a> Simulator<'a> {
 
     /// The same with gains that stay those of the start values.
     fn with_kept_gains(self) -> Self {
+        Self { kept_inertia: Some(self.inertia(&self.parameters_of_kept_gains())), ..self }
+    }
+
+    /// The start values, or the completed a-priori ones where those are no robot's: its gains would be zero or negative.
+    fn parameters_of_kept_gains(&self) -> Vec<f64> {
         let start = self.problem.estimated.to_standard(&self.start());
-        Self { kept_inertia: Some(self.inertia(&start)), ..self }
+        if self.has_mass_matrix_above(&start, 0.0, &start) {
+            return start;
+        }
+        self.problem.consistent_set(self.setup).map_or(start, |set| set.a_priori().to_vec())
     }
 
     /// What of the loop is estimated behind the robot's parameters.
