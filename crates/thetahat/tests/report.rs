@@ -217,6 +217,8 @@ fn results() -> Results {
             reference: Some(ReferenceResult {
                 origin: "reconstructed".to_owned(),
                 moves: Some(13),
+                periodic: None,
+                smoothing_cutoff_hz: None,
                 rms_deviation: vec![0.000_4, 0.001_24],
             }),
         }],

@@ -6,7 +6,7 @@ use super::{orthogonal_fit::OrthogonalFit, thinned_record::ThinnedRecord};
 use crate::{
     linear_algebra::{Matrix, PivotedQr, dot},
     series::Series,
-    signal::central_difference,
+    signal::{central_difference, delayed},
 };
 
 /// Longest lag that is searched for, s.
@@ -160,28 +160,7 @@ impl Search<'_, '_> {
     }
 }
 
-/// The series with channel j read `steps[j]` later, which undoes a lag of so many steps. Cubic between samples, the ends
-/// held.
+/// The series with channel j read `steps[j]` later, which undoes a lag of so many steps.
 pub(super) fn shifted(series: &Series, steps: &[f64]) -> Series {
-    let last = series.len() as isize - 1;
-    let mut result = Series::zeros(series.len(), series.channels());
-    for (j, step) in steps.iter().enumerate() {
-        let (whole, part) = (step.floor() as isize, step - step.floor());
-        let weights = cubic(part);
-        for k in 0..series.len() {
-            let value = |i: isize| series.sample((k as isize + whole + i).clamp(0, last) as usize)[j];
-            result.sample_mut(k)[j] = (0..4).map(|i| weights[i as usize] * value(i - 1)).sum();
-        }
-    }
-    result
-}
-
-/// Weights of the samples at -1, 0, 1 and 2 for the value at `t` from 0 to 1.
-fn cubic(t: f64) -> [f64; 4] {
-    [
-        -t * (t - 1.0) * (t - 2.0) / 6.0,
-        (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
-        -(t + 1.0) * t * (t - 2.0) / 2.0,
-        (t + 1.0) * t * (t - 1.0) / 6.0,
-    ]
+    delayed(series, &steps.iter().map(|step| -step).collect::<Vec<_>>())
 }

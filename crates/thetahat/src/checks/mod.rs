@@ -34,6 +34,7 @@ mod motion;
 mod numbers;
 mod orthogonal_fit;
 mod reference;
+mod reference_fit;
 mod repeats;
 mod resolution;
 mod signals;

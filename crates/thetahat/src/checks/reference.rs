@@ -4,6 +4,7 @@ use super::{
     examination::{Evidence, Examination, Words},
     finding::{Code, Severity},
     numbers::{correlation, delay, deviation, rms},
+    reference_fit::{Correction, proposed},
     subject::Subject,
 };
 use crate::series::Series;
@@ -18,6 +19,9 @@ const OTHER: f64 = 0.95;
 /// Longest delay that is looked for, s.
 const LONGEST_S: f64 = 0.2;
 
+/// The remedy where no correction of the reference would do.
+const CHECK_CHANNEL: &str = "check the reference's column, unit and side; IDIM-IV and DIDIM simulate the loop with it";
+
 pub(super) fn check(exam: &mut Examination<'_>) {
     let window = exam.subject.signal.window.clone();
     let position = exam.subject.position.window(window.clone());
@@ -25,7 +29,11 @@ pub(super) fn check(exam: &mut Examination<'_>) {
     let moving = (0..position.channels()).filter(moves);
     if let Some(reference) = exam.subject.reference {
         let reference = reference.window(window);
-        return moving.for_each(|j| recorded(exam, &position, &reference, j));
+        let off: Vec<usize> =
+            moving.clone().filter(|&j| percent_off(&position, &reference, j) > LIMIT_PERCENT).collect();
+        let correction = proposed(&position, &reference, &off, LIMIT_PERCENT);
+        let remedy = correction.map_or_else(|| CHECK_CHANNEL.to_owned(), |c| remedy(&c, exam.subject.sample_rate_hz));
+        return moving.for_each(|j| recorded(exam, &position, &reference, j, &remedy));
     }
     let Some(deviations) = exam.subject.reconstructed_deviation else { return };
     for j in moving.filter(|&j| j < deviations.len()) {
@@ -43,17 +51,32 @@ fn evidence(j: usize, value: f64) -> Evidence {
     }
 }
 
-fn recorded(exam: &mut Examination<'_>, position: &Series, reference: &Series, j: usize) {
-    let (q, r) = (position.channel(j), reference.channel(j));
-    let difference: Vec<f64> = q.iter().zip(&r).map(|(q, r)| q - r).collect();
+/// Position less reference of a coordinate.
+fn difference(position: &Series, reference: &Series, j: usize) -> Vec<f64> {
+    position.channel(j).iter().zip(&reference.channel(j)).map(|(q, r)| q - r).collect()
+}
+
+/// Its rms, percent of the motion's deviation.
+fn percent_off(position: &Series, reference: &Series, j: usize) -> f64 {
+    100.0 * rms(&difference(position, reference, j)) / deviation(&position.channel(j))
+}
+
+/// The remedy where a correction of the reference would do.
+fn remedy(correction: &Correction, sample_rate_hz: f64) -> String {
+    format!(
+        "where the record is at fault, and not the tracking of the control, put the reference right under [recording]: \
+         {}; otherwise {CHECK_CHANNEL}",
+        correction.text(sample_rate_hz)
+    )
+}
+
+fn recorded(exam: &mut Examination<'_>, position: &Series, reference: &Series, j: usize, remedy: &str) {
+    let off = rms(&difference(position, reference, j));
     let subject = exam.subject;
     let number = subject.joint_number(j);
-    exam.judge(evidence(j, 100.0 * rms(&difference) / deviation(&q)), Severity::Warning, || {
-        let cause = cause(subject, &q, reference, j);
-        Words::new(
-            format!("joint {number}: the motion is {:.3e} rad or m rms off its reference: {cause}", rms(&difference)),
-            "check the reference's column, unit and side; IDIM-IV and DIDIM simulate the loop with it",
-        )
+    exam.judge(evidence(j, percent_off(position, reference, j)), Severity::Warning, || {
+        let cause = cause(subject, &position.channel(j), reference, j);
+        Words::new(format!("joint {number}: the motion is {off:.3e} rad or m rms off its reference: {cause}"), remedy)
     });
 }
 

@@ -16,8 +16,8 @@ use super::{error::ExperimentError, paths};
 use crate::{
     control::ControllerDescription,
     preparation::{
-        Case, EstimationOptions, ParameterSelection, PreparationError, Settings, Setup, SignalOptions,
-        SimulationOptions,
+        Case, EstimationOptions, ParameterSelection, PreparationError, ReferenceCorrection, Settings, Setup,
+        SignalOptions, SimulationOptions,
     },
     recording::ChannelSource,
     robot::{Robot, RobotSource},
@@ -119,6 +119,8 @@ pub struct RecordingDescription {
     pub torque: Option<ChannelSource>,
     /// The reference of the positions, where it was recorded.
     pub reference: Option<ChannelSource>,
+    /// How that is put right, on the side of the joints, where it was recorded late, scaled or from another zero.
+    pub reference_correction: Option<ReferenceCorrection>,
     /// A signal that was added to the drive signals behind the controller; the torque channel includes it.
     pub added_signal: Option<ChannelSource>,
 }

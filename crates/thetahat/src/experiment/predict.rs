@@ -93,6 +93,7 @@ fn described(experiment: &Experiment, request: &PredictionRequest) -> Result<Rec
     }
     description.velocity = None;
     description.reference = None;
+    description.reference_correction = None;
     description.added_signal = None;
     Ok(description)
 }

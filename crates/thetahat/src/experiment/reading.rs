@@ -43,7 +43,11 @@ impl Experiment {
         }
         let clock = read_clock(description, data, &position)?;
         let recording = described(description, number, position, &clock);
-        Ok(Recording { torque, velocity, reference, added_signal, ..recording }.into_equal_steps(&clock))
+        let recording = Recording { torque, velocity, reference, added_signal, ..recording }.into_equal_steps(&clock);
+        Ok(match &description.reference_correction {
+            Some(correction) => recording.with_corrected_reference(correction),
+            None => recording,
+        })
     }
 
     /// Reads a motion whose torques were not recorded.

@@ -46,6 +46,11 @@ impl Experiment {
         if let Some(reference) = &recording.reference {
             self.validate_unit(reference, "reference", &POSITION, [Dimension::Angle, Dimension::Length])?;
         }
+        if let Some(correction) = &recording.reference_correction {
+            correction.validate(self.robot.coordinate_count()).map_err(|e| self.refuse(e))?;
+            let why = "reference_correction puts a recorded reference right";
+            recording.reference.as_ref().map(|_| ()).ok_or_else(|| self.missing("[recording] reference", why))?;
+        }
         if let Some(signal) = &recording.added_signal {
             signal.require_dimension("added signal", &DRIVE)?;
         }

@@ -23,6 +23,8 @@ mod problem;
 mod proposed_controller;
 mod recording;
 mod reference;
+mod reference_correction;
+mod reference_of_motion;
 mod settings;
 mod setup;
 mod validation;
@@ -36,7 +38,8 @@ pub use physical::{Axis, KnownQuantity, PriorKind, PriorOptions, PriorWeight, Va
 pub(crate) use problem::{Chosen, Problem, full_model_test, named_elimination};
 pub(crate) use proposed_controller::{ProposedController, propose_controller};
 pub use recording::Recording;
-pub(crate) use reference::{FILTERED, RecordedReference};
+pub(crate) use reference::RecordedReference;
+pub use reference_correction::{OneOrEach, ReferenceCorrection};
 pub use settings::{
     Case, EstimationOptions, Gains, NamedChoice, ParameterChoice, ParameterSelection, Settings, SignalOptions,
     SimulationOptions, Start,

@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use super::error::PreparationError;
+use super::{error::PreparationError, reference_correction::ReferenceCorrection};
 use crate::{
     recording::{Clock, RecordingError, Resampling, same_length},
     series::Series,
@@ -89,6 +89,13 @@ impl Recording {
     #[must_use]
     pub fn with_reference(self, reference: Series) -> Self {
         Self { reference: Some(reference), ..self }
+    }
+
+    /// The same with its reference put right, where it has one.
+    #[must_use]
+    pub fn with_corrected_reference(self, correction: &ReferenceCorrection) -> Self {
+        let rate = self.sample_rate_hz;
+        Self { reference: self.reference.map(|reference| correction.apply(&reference, rate)), ..self }
     }
 
     /// The same with a name for tables and messages.

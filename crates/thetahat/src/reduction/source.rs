@@ -103,19 +103,24 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The recorded reference of the joints and the added signal in a range of samples, of a record that is read in pieces.
+    /// The recorded reference of the joints, put right where that is asked for, and the added signal in a range of samples, of a record that is read in pieces.
     pub(super) fn reference(&self, range: Range<usize>) -> Result<(Series, Option<Series>), ReductionError> {
         let missing = || ReductionError::NoReference { recording: self.name.clone() };
         let (Values::Pieces { description, .. }, Some(place)) = (&self.values, self.places.reference) else {
             return Err(missing());
         };
+        let correction = description.reference_correction.as_ref();
+        let reach = correction.map_or(0, |c| c.reach(self.experiment.robot.coordinate_count(), self.sample_rate_hz));
+        let around = range.start.saturating_sub(reach)..(range.end + reach).min(self.samples);
         let asked: Vec<usize> = [place].into_iter().chain(self.places.added).collect();
-        let mut read = self.read(&asked, range)?.into_iter();
+        let mut read = self.read(&asked, around.clone())?.into_iter();
         let reference = read.next().ok_or_else(missing)?;
         let is_motor = description.reference.as_ref().is_some_and(|r| r.side == Side::Motor);
         let transmission = &self.experiment.robot.transmission;
         let reference = if is_motor { transmission.joint_positions(&reference) } else { reference };
-        Ok((reference, read.next()))
+        let corrected = correction.map(|c| c.apply(&reference, self.sample_rate_hz)).unwrap_or(reference);
+        let cut = |series: &Series| series.window(range.start - around.start..range.end - around.start);
+        Ok((cut(&corrected), read.next().map(|added| cut(&added))))
     }
 
     /// A record that is in memory.

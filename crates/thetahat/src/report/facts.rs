@@ -69,12 +69,23 @@ fn filters(results: &Results) -> [(&'static str, String); 2] {
 
 fn reference(results: &Results, reference: &ReferenceResult) -> String {
     let moves = reference.moves.map(|m| format!(", {m} moves")).unwrap_or_default();
+    let period = reference.periodic.map(|p| {
+        let [frequency, from, to] = [p.base_frequency_hz, p.stretch_s[0], p.stretch_s[1]].map(|v| significant(v, 4));
+        let drift = if p.degree > 0 { format!(" and a polynomial of degree {}", p.degree) } else { String::new() };
+        let periods = significant(p.periods, 3);
+        format!(", {frequency} Hz with {} harmonics{drift}, {periods} periods from {from} s to {to} s", p.harmonics)
+    });
+    let smoothed = reference.smoothing_cutoff_hz.map(|hz| match reference.periodic {
+        Some(_) => format!(", outside smoothed at {} Hz", significant(hz, 3)),
+        None => format!(", smoothed at {} Hz", significant(hz, 3)),
+    });
     let worst = reference.rms_deviation.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
     let deviation = worst.map(|(joint, rms)| {
         let unit = units::thousandth_of_position(results, joint);
         format!("; worst rms deviation {} {unit}, joint {}", significant(1e3 * rms, 3), joint + 1)
     });
-    format!("{}{moves}{}", reference.origin, deviation.unwrap_or_default())
+    let parts = [period, smoothed, deviation].map(Option::unwrap_or_default).concat();
+    format!("{}{moves}{parts}", reference.origin)
 }
 
 /// The weighting of each method; none where the results do not tell it.

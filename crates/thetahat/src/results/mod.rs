@@ -54,7 +54,7 @@ pub use joints::JointResult;
 pub use parameters::{EliminationResult, ParameterResult};
 pub use physical::{ConsistencyTest, ConsistentEstimate, ConsistentParameter, PhysicalResult};
 pub use prediction::Prediction;
-pub use recordings::{Bandwidth, RecordingFindings, RecordingResult, ReferenceResult};
+pub use recordings::{Bandwidth, PeriodicResult, RecordingFindings, RecordingResult, ReferenceResult};
 pub use run::{IterationResult, LoopParameterResult, RunResult};
 pub use sensitivity::{Sensitivity, SensitivityPoint};
 pub use twin::TwinRecord;

@@ -27,12 +27,33 @@ pub struct RecordingResult {
 /// Where the simulations' reference comes from, and how well it describes the record.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ReferenceResult {
-    /// `recorded`, `reconstructed`, `planned` or `filtered`.
+    /// `recorded`, `planned`, `reconstructed`, `periodic` or `filtered`.
     pub origin: String,
     /// Moves, where it is made of moves.
     pub moves: Option<usize>,
+    /// The period found, where it is periodic.
+    #[serde(default)]
+    pub periodic: Option<PeriodicResult>,
+    /// Cut-off of the filter with which the motion was smoothed, Hz, where it is the motion itself, or in its transients.
+    #[serde(default)]
+    pub smoothing_cutoff_hz: Option<f64>,
     /// Rms deviation of the record from it in the window, per joint, rad or m.
     pub rms_deviation: Vec<f64>,
+}
+
+/// A Fourier series that was fitted to a recorded motion.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PeriodicResult {
+    /// Base frequency, Hz.
+    pub base_frequency_hz: f64,
+    /// Harmonics, the base frequency among them.
+    pub harmonics: usize,
+    /// Degree of the polynomial; zero where the motion does not drift.
+    pub degree: usize,
+    /// Periods from which it was fitted.
+    pub periods: f64,
+    /// Start and end of the stretch in which the motion repeats, s.
+    pub stretch_s: [f64; 2],
 }
 
 /// Bandwidths asked for, and measured by sending an impulse through the same code.

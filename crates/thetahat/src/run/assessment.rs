@@ -4,7 +4,9 @@
 use std::borrow::Cow;
 
 use super::{
-    cross_validation::{CrossValidation, Folds, folds_by_move, folds_by_part, folds_by_recording, leave_folds_out},
+    cross_validation::{
+        CrossValidation, Folds, folds_by_move, folds_by_part, folds_by_phase, folds_by_recording, leave_folds_out,
+    },
     identification::{Identification, explain},
     linear::Linear,
     parameters::{loop_parameter_results, parameter_results},
@@ -123,7 +125,8 @@ impl Assessment<'_> {
         run.cross_validation_interval_95_percent = left_out.interval_95_percent;
     }
 
-    /// What is left out in turn: a recording where there are several, else a move where three or more are known, else a part.
+    /// What is left out in turn: a recording where there are several, else a move where three or more are known,
+    /// else the same fifth of every period, else a part.
     fn folds(&self, problem: &Problem) -> Option<Folds> {
         let layout = &problem.regression.layout;
         let rows_of_joint = layout.len() / layout.joints().max(1);
@@ -135,6 +138,10 @@ impl Assessment<'_> {
         };
         let by_move = match only.reference.as_ref().map(|r| &r.reference) {
             Some(Reference::Moves(moves)) => folds_by_move(moves, &self.identification.times(problem)),
+            Some(Reference::Periodic(periodic)) => {
+                let phases = folds_by_phase(periodic.series().base_frequency_hz(), &self.identification.times(problem));
+                return Some(Folds::numbered("fifth of the period", phases));
+            }
             Some(Reference::Sampled(_)) | None => None,
         };
         let by_part = || Folds::numbered("part", folds_by_part(rows_of_joint));

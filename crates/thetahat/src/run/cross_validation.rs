@@ -22,6 +22,12 @@ pub(super) fn folds_by_part(rows: usize) -> Vec<usize> {
     (0..rows).map(|k| k * PARTS / rows.max(1)).collect()
 }
 
+/// The fifth of a period to which each decimated row of a joint belongs: other periods do not help to predict one, for they
+/// are the same motion.
+pub(super) fn folds_by_phase(base_frequency_hz: f64, times: &[f64]) -> Vec<usize> {
+    times.iter().map(|t| ((t * base_frequency_hz).fract() * PARTS as f64) as usize).collect()
+}
+
 /// The recording, from zero, to which each decimated row of a joint belongs.
 pub(super) fn folds_by_recording(recordings: Vec<usize>) -> Option<Vec<usize>> {
     let count = recordings.iter().max().map_or(0, |last| last + 1);
@@ -274,6 +280,11 @@ mod tests {
     fn fewer_than_three_moves_with_rows_are_no_folds() {
         assert_eq!(folds_by_move(&four_moves(), &[1.2, 1.8, 2.5, 3.1]), Some(vec![1, 1, 2, 3]));
         assert_eq!(folds_by_move(&four_moves(), &[1.2, 1.8, 2.5, 2.9]), None);
+    }
+
+    #[test]
+    fn all_periods_of_a_phase_are_one_fold() {
+        assert_eq!(folds_by_phase(0.5, &[0.1, 0.5, 1.9, 2.1, 2.5, 3.9]), [0, 1, 4, 0, 1, 4]);
     }
 
     const T_OF_TWO: f64 = 4.302_652_73;

@@ -6,7 +6,7 @@ use crate::{
     control::ControllerDescription,
     identification::{EstimationError, Method, Reason, Response, Weighting, idim_ls},
     preparation::{
-        Case, FILTERED, PreparationError, Problem, ProposedController, Recording, Settings, Setup, propose_controller,
+        Case, PreparationError, Problem, ProposedController, Recording, Settings, Setup, propose_controller,
     },
     robot::{Friction, Robot},
     scheduling::{EstimationJob, Simulator},
@@ -123,11 +123,16 @@ impl Identification {
 
     /// What simulations take that the experiment does not say.
     pub(super) fn simulation_notes(&self) -> Vec<String> {
-        let is_filtered = |p: &Prepared| p.reference.as_ref().is_some_and(|r| r.origin == FILTERED);
-        let filtered = self.main.iter().any(is_filtered).then(|| {
-            "no reference is recorded and the motion is not made of moves; simulations follow the filtered motion"
-                .to_owned()
-        });
+        let smoothed = |p: &Prepared| {
+            let reference = p.reference.as_ref().filter(|r| r.periodic.is_none())?;
+            let cutoff_hz = reference.smoothing_cutoff_hz?;
+            Some(format!(
+                "no reference is recorded, and the motion is neither made of moves nor periodic; simulations follow the \
+                 motion smoothed with a cut-off of {cutoff_hz:.3} Hz"
+            ))
+        };
+        let mut filtered: Vec<String> = self.main.iter().filter_map(smoothed).collect();
+        filtered.dedup();
         self.proposed.as_ref().map(|p| p.note.clone()).into_iter().chain(filtered).collect()
     }
 

@@ -24,6 +24,7 @@
 mod band_pass;
 mod bandwidth;
 mod decimate;
+mod delay;
 mod design;
 mod differentiate;
 mod error;
@@ -32,14 +33,17 @@ mod join;
 mod motion;
 mod pieces;
 mod pole_sums;
+mod smoothing;
 mod zero_phase;
 
 pub use band_pass::{Motion, band_pass};
 pub use bandwidth::minus_3_db_bandwidth_hz;
 pub use decimate::{Decimator, Joiner};
+pub use delay::delayed;
 pub use design::SecondOrderSections;
 pub use differentiate::central_difference;
 pub use error::SignalError;
 pub use motion::{moving_samples, moving_thresholds};
 pub use pieces::DecimatedPiece;
+pub use smoothing::{Smoothed, smooth};
 pub use zero_phase::{Padding, zero_phase};

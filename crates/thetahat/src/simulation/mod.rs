@@ -44,7 +44,7 @@ pub use closed_loop::{ClosedLoop, Job};
 pub use dormand_prince::DormandPrince;
 pub use error::SimulationError;
 pub use motion::{OutputGrid, SimulatedMotion};
-pub use reference::{Reference, SampledReference};
+pub use reference::{PeriodicReference, Reference, SampledReference};
 pub use rosenbrock_w::{Linearisation, RosenbrockW};
 pub use sensitivity::{Motors, Sample, SensitiveTo, Sensitivities};
 pub use sensors::Sensors;

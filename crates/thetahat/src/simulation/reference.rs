@@ -1,4 +1,7 @@
-use crate::{series::Series, trajectory::Moves};
+use crate::{
+    series::Series,
+    trajectory::{FourierSeries, Moves},
+};
 
 /// The joint motion that the controller is asked to follow.
 #[derive(Debug, Clone, PartialEq)]
@@ -7,6 +10,42 @@ pub enum Reference {
     Sampled(SampledReference),
     /// Synchronised moves, known at any time.
     Moves(Moves),
+    /// A periodic motion, known at any time.
+    Periodic(PeriodicReference),
+}
+
+/// A periodic motion, and what it is not before it becomes one and behind.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PeriodicReference {
+    series: FourierSeries,
+    /// What is added to the series: zero where the motion repeats.
+    transient: SampledReference,
+}
+
+impl PeriodicReference {
+    /// A reference that is a series plus transients; both begin at time zero.
+    #[must_use]
+    pub fn new(series: FourierSeries, transient: SampledReference) -> Self {
+        Self { series, transient }
+    }
+
+    /// The series alone.
+    #[must_use]
+    pub fn series(&self) -> &FourierSeries {
+        &self.series
+    }
+
+    fn evaluate(&self, t: f64, q: &mut [f64], dq: &mut [f64], ddq: &mut [f64]) {
+        self.transient.evaluate(t, q, dq, ddq);
+        self.series.add_derivatives(self.transient.within(t), [0, 1, 2], [q, dq, ddq]);
+    }
+
+    fn rates(&self, t: f64, dq: &mut [f64], ddq: &mut [f64], dddq: &mut [f64]) {
+        self.transient.rates(t, dq, ddq, dddq);
+        if self.transient.within(t) == t {
+            self.series.add_derivatives(t, [1, 2, 3], [dq, ddq, dddq]);
+        }
+    }
 }
 
 /// A recorded reference with its derivatives by central differences, linear between its samples.
@@ -42,6 +81,20 @@ impl SampledReference {
 }
 
 impl SampledReference {
+    /// The time, held at the first and last sample.
+    fn within(&self, t: f64) -> f64 {
+        t.clamp(0.0, (self.q.len() - 1) as f64 / self.sample_rate_hz)
+    }
+
+    fn mapped(&self, position: &dyn Fn(&[f64]) -> Vec<f64>, rate: &dyn Fn(&[f64]) -> Vec<f64>) -> Self {
+        Self {
+            sample_rate_hz: self.sample_rate_hz,
+            q: mapped(&self.q, position),
+            dq: mapped(&self.dq, rate),
+            ddq: mapped(&self.ddq, rate),
+        }
+    }
+
     /// The slopes between the samples; zero before the first and behind the last.
     fn rates(&self, t: f64, dq: &mut [f64], ddq: &mut [f64], dddq: &mut [f64]) {
         let place = t * self.sample_rate_hz;
@@ -65,6 +118,7 @@ impl Reference {
         match self {
             Self::Sampled(sampled) => sampled.evaluate(t, q, dq, ddq),
             Self::Moves(moves) => moves.evaluate(t, q, dq, ddq),
+            Self::Periodic(periodic) => periodic.evaluate(t, q, dq, ddq),
         }
     }
 
@@ -76,6 +130,7 @@ impl Reference {
                 moves.evaluate(t, dddq, dq, ddq);
                 moves.jerk(t, dddq);
             }
+            Self::Periodic(periodic) => periodic.rates(t, dq, ddq, dddq),
         }
     }
 
@@ -83,11 +138,10 @@ impl Reference {
     pub(super) fn mapped(&self, position: &dyn Fn(&[f64]) -> Vec<f64>, rate: &dyn Fn(&[f64]) -> Vec<f64>) -> Self {
         match self {
             Self::Moves(moves) => Self::Moves(moves.mapped(position)),
-            Self::Sampled(SampledReference { sample_rate_hz, q, dq, ddq }) => Self::Sampled(SampledReference {
-                sample_rate_hz: *sample_rate_hz,
-                q: mapped(q, position),
-                dq: mapped(dq, rate),
-                ddq: mapped(ddq, rate),
+            Self::Sampled(sampled) => Self::Sampled(sampled.mapped(position, rate)),
+            Self::Periodic(PeriodicReference { series, transient }) => Self::Periodic(PeriodicReference {
+                series: series.mapped(position, rate),
+                transient: transient.mapped(rate, rate),
             }),
         }
     }
@@ -98,6 +152,7 @@ impl Reference {
         match self {
             Self::Sampled(sampled) => sampled.q.channels(),
             Self::Moves(moves) => moves.joints(),
+            Self::Periodic(periodic) => periodic.series.joints(),
         }
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! A trajectory is a row of point-to-point moves, synchronised over the joints, each with one normalised time law. It is
 //! planned from end points and limits ([`plan`]), or found again from a recorded motion ([`reconstruct`]), which gives
-//! the simulator a reference free of noise and ten numbers a move instead of a file.
+//! the simulator a reference free of noise and ten numbers a move instead of a file. A motion that repeats is a
+//! [`FourierSeries`] instead ([`find_periodic`]), which averages the noise over its periods.
 //!
 //! | letter | word | shape | unit |
 //! | --- | --- | --- | --- |
@@ -28,13 +29,18 @@
 mod detect;
 mod error;
 mod fit;
+mod fourier;
 mod law;
 mod moves;
+mod period;
+mod periodic;
 mod plan;
 mod reconstruct;
 
 pub use error::TrajectoryError;
+pub use fourier::FourierSeries;
 pub use law::TimeLaw;
 pub use moves::{Move, Moves};
+pub use periodic::{FEWEST_PERIODS, LowPass, Periodic, find_periodic};
 pub use plan::{MotionLimits, plan};
 pub use reconstruct::{Reconstruction, reconstruct};

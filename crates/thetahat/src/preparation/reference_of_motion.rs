@@ -1,0 +1,110 @@
+//! A reference found in the recorded motion: moves, a Fourier series, or the motion smoothed.
+
+use std::ops::Range;
+
+use super::{
+    error::PreparationError,
+    filtered::{MOVING, STILL, window_of},
+    recording::Recording,
+    reference::RecordedReference,
+    setup::Setup,
+};
+use crate::{
+    results::PeriodicResult,
+    series::Series,
+    signal::{self, Motion, Smoothed, moving_samples},
+    simulation::{PeriodicReference, Reference, SampledReference},
+    trajectory::{FourierSeries, LowPass, Moves, Periodic, find_periodic, reconstruct},
+};
+
+/// Rms deviation of a joint's motion from reconstructed moves, relative to that from its mean, beyond which the motion is not
+/// made of moves.
+const BAD_FIT: f64 = 0.05;
+/// The same up to which nothing else than moves is looked for.
+const GOOD_FIT: f64 = 0.01;
+/// Part of a period in which a periodic motion and its transients are joined.
+const JOINED: f64 = 0.25;
+
+impl Setup<'_> {
+    /// Moves where the motion is made of them, a Fourier series where it repeats, else the motion itself, smoothed.
+    pub(super) fn reference_of_motion(&self, recording: &Recording) -> Result<RecordedReference, PreparationError> {
+        let rate = recording.sample_rate_hz;
+        let motion = self.band_pass(&recording.position, rate)?;
+        let moves = reconstruct(&recording.position, &motion.dq, rate).ok();
+        let fits = |limit: f64| {
+            let found = moves.as_ref().filter(|found| fits(&found.rms_deviation, &motion.q, limit));
+            found.map(|found| of_moves(&found.moves))
+        };
+        if let Some(good) = fits(GOOD_FIT) {
+            return Ok(good);
+        }
+        let window = self.window(recording, &motion)?;
+        let options = &self.settings.signal;
+        let (order, cutoff_hz) = (options.filter_order, options.cutoff_hz);
+        let periodic = find_periodic(&motion.q, &window, LowPass { sample_rate_hz: rate, order, cutoff_hz });
+        if let Some(acceptable) = fits(BAD_FIT).filter(|_| periodic.is_none()) {
+            return Ok(acceptable);
+        }
+        let smoothed = signal::smooth(&recording.position, &motion.q, &window, rate, (order, cutoff_hz))?;
+        Ok(match periodic {
+            Some(periodic) => of_periodic(periodic, smoothed, rate),
+            None => RecordedReference {
+                smoothing_cutoff_hz: Some(smoothed.cutoff_hz),
+                ..RecordedReference::new(Reference::Sampled(SampledReference::new(smoothed.q, rate)), "filtered")
+            },
+        })
+    }
+
+    fn window(&self, recording: &Recording, motion: &Motion) -> Result<Range<usize>, PreparationError> {
+        let options = self.settings.signal.in_window(recording.window_s);
+        let moving = moving_samples(&motion.dq, MOVING, STILL)?;
+        window_of(moving, motion.dq.len(), recording.sample_rate_hz, &options)
+    }
+}
+
+fn of_moves(moves: &Moves) -> RecordedReference {
+    RecordedReference::new(Reference::Moves(moves.clone()), "reconstructed")
+}
+
+/// The series where the motion repeats, and the smoothed motion before and behind.
+fn of_periodic(periodic: Periodic, smoothed: Smoothed, rate: f64) -> RecordedReference {
+    let Periodic { series, stretch_s, periods } = periodic;
+    let found = PeriodicResult {
+        base_frequency_hz: series.base_frequency_hz(),
+        harmonics: series.harmonics(),
+        degree: series.degree(),
+        periods,
+        stretch_s,
+    };
+    let transient = transient(&series, &smoothed.q, stretch_s, rate);
+    let reference = PeriodicReference::new(series, SampledReference::new(transient, rate));
+    RecordedReference {
+        periodic: Some(found),
+        smoothing_cutoff_hz: Some(smoothed.cutoff_hz),
+        ..RecordedReference::new(Reference::Periodic(reference), "periodic")
+    }
+}
+
+/// Smoothed motion less series outside the stretch, where it grows from zero with continuous accelerations.
+fn transient(series: &FourierSeries, smoothed: &Series, [from_s, to_s]: [f64; 2], rate: f64) -> Series {
+    let mut transient = series.sample(rate, smoothed.len()).q;
+    let length_s = JOINED / series.base_frequency_hz();
+    for k in 0..smoothed.len() {
+        let t = k as f64 / rate;
+        let s = ((from_s - t).max(t - to_s).max(0.0) / length_s).min(1.0);
+        let part = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
+        let motion = smoothed.sample(k);
+        transient.sample_mut(k).iter_mut().zip(motion).for_each(|(r, m)| *r = part * (m - *r));
+    }
+    transient
+}
+
+/// Whether each joint's deviation from moves is at most a part of its motion.
+fn fits(rms_deviation: &[f64], q: &Series, limit: f64) -> bool {
+    rms_deviation.iter().enumerate().all(|(j, deviation)| {
+        let channel = q.channel(j);
+        let mean = channel.iter().sum::<f64>() / channel.len() as f64;
+        let squares = channel.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
+        *deviation <= (limit * (squares / channel.len() as f64).sqrt()).max(STILL)
+    })
+}
