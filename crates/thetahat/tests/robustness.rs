@@ -13,7 +13,7 @@ mod robots;
 #[path = "../examples/robustness/twin.rs"]
 mod twin;
 
-use arguments::Arguments;
+use arguments::{Arguments, FACTORS};
 use cells::{Cell, Start, run_cells, settings};
 use robots::robots;
 use thetahat::{
@@ -30,7 +30,7 @@ const WITHIN: f64 = 4.0;
 fn arguments(robot: &str) -> Arguments {
     // DIDIM settles slowly on the SCARA's 5 s: 20 iterations do not always suffice.
     let methods = if robot == "SCARA" { vec![Method::IDIM_IV] } else { vec![Method::IDIM_IV, Method::DIDIM] };
-    Arguments { data: None, quick: true, methods, robot: robot.to_owned(), seed: 1 }
+    Arguments { data: None, quick: true, methods, robot: robot.to_owned(), seed: 1, factors: FACTORS[1..4].to_vec() }
 }
 
 fn twin_of(robot: &str) -> Twin {

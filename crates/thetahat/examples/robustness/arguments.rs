@@ -13,7 +13,12 @@ pub struct Arguments {
     pub robot: String,
     /// Of motions and noise.
     pub seed: u64,
+    /// Bandwidths of the simulated loop relative to the twin's.
+    pub factors: Vec<f64>,
 }
+
+/// Those of the whole table.
+pub const FACTORS: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
 
 impl Arguments {
     /// Length of the records.

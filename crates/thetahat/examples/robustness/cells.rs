@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use thetahat::{
     ControllerDescription, Identification, Robot, Settings,
-    identification::{Method, Status},
+    identification::{Method, Needs, Status},
     results::RunResult,
 };
 
@@ -20,8 +20,6 @@ use super::{
     twin::{BANDWIDTH_HZ, NOISE, Noise, SIGN_VELOCITY_SCALE, Twin},
 };
 
-/// Bandwidth of the simulated loop relative to the twin's.
-pub const FACTORS: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
 /// Deviation of the start values, relative.
 const CAD_ERROR: f64 = 0.3;
 const CUTOFF_HZ: f64 = 50.0;
@@ -95,7 +93,7 @@ type Place = (f64, Start, Noise, u64);
 
 /// Every cell of a robot, several at a time.
 pub fn run_cells(twin: &Twin, arguments: &Arguments) -> Result<Vec<Cell>, Box<dyn Error>> {
-    let factors: &[f64] = if arguments.quick { &FACTORS[1..4] } else { &FACTORS };
+    let factors = &arguments.factors;
     let noise: &[Noise] = if arguments.quick { &NOISE[..1] } else { &NOISE };
     let of_start = |start| factors.iter().flat_map(move |&f| noise.iter().map(move |&n| (f, start, n)));
     let places: Vec<Place> = Start::ALL
@@ -125,11 +123,21 @@ pub fn run_cells(twin: &Twin, arguments: &Arguments) -> Result<Vec<Cell>, Box<dy
 
 fn run(twin: &Twin, place: Place, methods: &[Method]) -> Result<Vec<Cell>, Box<dyn Error>> {
     let (factor, start, noise, seed) = place;
-    let settings = settings(methods, factor);
+    let fits = |m: &&Method| m.needs() == Needs::Sensitivities;
+    let (fitting, others): (Vec<Method>, Vec<Method>) = methods.iter().partition(fits);
     let robot = start.robot(twin);
-    let recording = twin.record(noise, seed);
-    let results = Identification::new(&robot, vec![recording], settings)?.run()?;
-    Ok(results.runs.into_iter().map(|run| cell(twin, place, run)).collect())
+    let mut cells = Vec::new();
+    for (methods, controller) in
+        [(others, ControllerDescription::pd(factor * BANDWIDTH_HZ)), (fitting, twin.controller(factor))]
+    {
+        if methods.is_empty() {
+            continue;
+        }
+        let settings = Settings { controller: Some(controller), ..settings(&methods, factor) };
+        let results = Identification::new(&robot, vec![twin.record(noise, seed)], settings)?.run()?;
+        cells.extend(results.runs.into_iter().map(|run| cell(twin, place, run)));
+    }
+    Ok(cells)
 }
 
 /// Settings with a simulated PD loop of so many times the true bandwidth.

@@ -1,15 +1,12 @@
 use thetahat::identification::Method;
 
-use super::{
-    cells::{Cell, FACTORS},
-    twin::Twin,
-};
+use super::{cells::Cell, twin::Twin};
 
 /// Largest error in deviations that an honest interval allows.
 const WITHIN: f64 = 4.0;
 
 /// A line of the table: a robot and a method.
-pub fn robot_row(twin: &Twin, method: Method, cells: &[Cell]) -> String {
+pub fn robot_row(twin: &Twin, method: Method, cells: &[Cell], factors: &[f64]) -> String {
     let of_method: Vec<&Cell> = cells.iter().filter(|c| c.method == method).collect();
     let at = |factor: f64| {
         let here: Vec<&&Cell> = of_method.iter().filter(|c| c.factor == factor).collect();
@@ -24,7 +21,7 @@ pub fn robot_row(twin: &Twin, method: Method, cells: &[Cell]) -> String {
         "| {} | {} | {method} | {} | {}/{} | {median:.2} | {:.1} | {:.2} |",
         twin.name,
         twin.truth.len(),
-        FACTORS.map(at).join(", "),
+        factors.iter().map(|f| at(*f)).collect::<Vec<_>>().join(", "),
         errors.iter().filter(|e| **e <= WITHIN).count(),
         converged.len(),
         mean(&|c| c.iterations as f64),
