@@ -95,3 +95,33 @@ fn lag_of_joint(filtered: &FilteredRecording, reference: &Series, j: usize) -> O
     let whole = square(&mut error.iter().map(|e| e - mean));
     (lag_s > 0.0 && lag_s.is_finite() && explained > EXPLAINED * whole).then(|| 1.0 / (std::f64::consts::PI * lag_s))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{preparation::Recording, signal::Motion};
+
+    /// A motion behind `sin(omega t)` as a critically damped loop of `hz` leaves it: its answer is exact.
+    fn lagging(hz: f64) -> FilteredRecording {
+        let (omega, w, rate) = (3.0_f64, std::f64::consts::TAU * hz, 200.0);
+        let (size, late) = (w * w / (w * w + omega * omega), 2.0 * (omega / w).atan());
+        let series =
+            |f: &dyn Fn(f64) -> f64| Series::from_values(1, (0..1000).map(|k| f(f64::from(k) / rate)).collect());
+        let q = series(&|t| size * (omega * t - late).sin());
+        let dq = series(&|t| size * omega * (omega * t - late).cos());
+        let ddq = series(&|t| -size * omega * omega * (omega * t - late).sin());
+        let recording = Recording::new(rate, q.clone(), q.clone()).with_reference(series(&|t| (omega * t).sin()));
+        FilteredRecording { recording, motion: Motion { q, dq, ddq }, window: 0..1000 }
+    }
+
+    #[test]
+    fn a_lag_tells_the_bandwidth_and_none_gives_the_usual_one() {
+        let proposed = propose_controller(&[&lagging(8.0)]);
+        assert!((proposed.description.bandwidth_hz[0] - 8.0).abs() < 1e-6, "{:?}", proposed.description);
+        assert_eq!(proposed.description.velocity_feed_forward, 0.0);
+        for none in [propose_controller(&[&lagging(100.0)]), propose_controller(&[])] {
+            assert_eq!(none.description, ControllerDescription::pd(USUAL_HZ));
+            assert!(none.note.contains("guess"));
+        }
+    }
+}

@@ -98,6 +98,11 @@ impl<'a> Physical<'a> {
         Some(start)
     }
 
+    /// The same, where it has not started there already.
+    pub(super) fn start_near_ls(&mut self) -> Option<Vec<f64>> {
+        if self.before.is_some() { None } else { self.near_ls() }
+    }
+
     /// Makes an estimate, or a mean of several, what is simulated, with tolerances `tolerance` times as large, or less where it
     /// must be; that factor.
     pub(super) fn simulate(&mut self, estimate: &[f64], tolerance: f64) -> f64 {

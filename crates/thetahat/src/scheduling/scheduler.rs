@@ -191,6 +191,12 @@ impl<'a> Running<'a> {
     /// Goes on with what was simulated. Where an estimate could not be, a physical robot's parameters are.
     fn estimate(&mut self, estimation: &mut Estimation, z: Result<Matrix, SimulationError>) {
         let Some(physical) = &mut self.physical else { return };
+        if z.is_err()
+            && !estimation.has_estimate()
+            && let Some(start) = physical.start_near_ls()
+        {
+            return estimation.start_anew(start);
+        }
         let anew = z.is_err() && physical.require() && estimation.simulate_anew(&mut |fit, z| physical.revise(fit, z));
         if !anew {
             estimation.take(z, &self.job.regression, &mut |fit, z| physical.revise(fit, z));
