@@ -8,6 +8,7 @@ mod fitting;
 mod job;
 mod physical;
 mod requests;
+mod response;
 mod scheduler;
 mod simulator;
 
