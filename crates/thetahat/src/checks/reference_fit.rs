@@ -13,6 +13,8 @@ const LONGEST_PART: usize = 20;
 const ITERATIONS: usize = 12;
 /// A simpler correction is taken where it leaves no more than this times the rms deviation of the full one.
 const AS_GOOD: f64 = 1.25;
+/// So is one that leaves no more than this part of the motion's deviation: clean records have up to 0.8 %.
+const CLEAN: f64 = 0.01;
 /// Delays of joints that differ by less, in samples or as a part, are one delay of the record.
 const SAME: f64 = 0.25;
 
@@ -73,7 +75,7 @@ fn common(delays: &[f64]) -> Option<f64> {
 fn simplest(q: &[f64], r: &[f64]) -> Option<(JointCorrection, f64)> {
     let fits: Vec<_> = FREE.iter().filter_map(|free| fit(q, r, *free)).collect();
     let best = fits.iter().map(|f| f.1).fold(f64::INFINITY, f64::min);
-    fits.into_iter().find(|f| f.1 <= AS_GOOD * best)
+    fits.into_iter().find(|f| f.1 <= (AS_GOOD * best).max(CLEAN * deviation(q)))
 }
 
 /// Least squares for the free ones, by Gauss-Newton from the best whole delay.

@@ -25,6 +25,9 @@ const MOST_HARMONICS: usize = 60;
 const HIGHEST_DEGREE: usize = 5;
 /// A degree is added where the rms deviation of a joint becomes smaller by this factor.
 const WORTH_A_DEGREE: f64 = 0.9;
+/// Rms, relative to a joint's motion, of what harmonics may be left out although the periods agree on it: friction makes small
+/// ones up to any frequency, where the record is noise.
+const NEGLIGIBLE: f64 = 1e-3;
 /// Steps of Gauss-Newton for the base frequency at most, and the relative change at which they end.
 const ITERATIONS: usize = 8;
 const CONVERGED: f64 = 1e-9;
@@ -68,7 +71,8 @@ impl LowPass {
 /// `position` holds the low-passed positions of the whole record, `window` the samples in which the motion is looked at.
 /// Periods are the lags after which the motion repeats; the shortest whose series describes the motion is taken. The motion
 /// must repeat in half of the window at least: before and behind may be transients. The base frequency is that of least
-/// squares. The number of harmonics is the one with which the other periods predict each period best. A polynomial is added
+/// squares. The number of harmonics is the smallest with which the other periods predict each
+/// period best, but for 0.1 % of its motion. A polynomial is added
 /// as long as a degree makes the deviation a tenth smaller. The filter's gain is divided out of every harmonic.
 #[must_use]
 pub fn find_periodic(position: &crate::series::Series, window: &Range<usize>, low_pass: LowPass) -> Option<Periodic> {
@@ -204,7 +208,8 @@ impl Search<'_> {
         if size > 0.0 { sum(&fitted.rest) / size } else { 0.0 }
     }
 
-    /// The number of harmonics with which the periods predict one another best; none where they do not.
+    /// The fewest harmonics with which the periods predict one another as well as with the best number, but for 0.1 % of the
+    /// motion; none where they do not.
     ///
     /// The mean of the other periods' coefficients predicts those of a period: over K periods with coefficients c_k and
     /// their mean c, the squared error of a harmonic is `(K / (K - 1))^2 sum |c_k - c|^2` with it, and `sum |c_k|^2` without.
@@ -229,8 +234,11 @@ impl Search<'_> {
         let weighted = |n: usize| (0..joints).map(|j| self.motion.weight(j) * error(n, j)).sum::<f64>();
         let best = (1..=most).min_by(|a, b| weighted(*a).total_cmp(&weighted(*b)))?;
         // Half the squared amplitude is the mean square of a harmonic.
-        let rms: Vec<f64> = (0..joints).map(|j| (0.5 * error(best, j) / count).sqrt()).collect();
-        self.is_small(&rms).then_some(best)
+        let square = |n: usize, j: usize| 0.5 * error(n, j) / count;
+        let allowed = |j: usize| square(best, j) + (NEGLIGIBLE * self.motion.deviations[j]).powi(2);
+        let enough = (1..=best).find(|n| (0..joints).all(|j| square(*n, j) <= allowed(j)))?;
+        let rms: Vec<f64> = (0..joints).map(|j| square(enough, j).sqrt()).collect();
+        self.is_small(&rms).then_some(enough)
     }
 
     /// The coefficients of each whole period by itself, from what the polynomial leaves.
