@@ -90,7 +90,6 @@ fn run(case: &str, method: Method) -> RunResult {
         f_test: Some(f_test()),
         convergence: vec![iteration(6.0), iteration(5.53)],
         loop_parameters: Vec::new(),
-        findings: Vec::new(),
         parameters: parameters(),
         plots: RunPlots {
             predicted: vec![vec![1.0, 2.0, 3.0], vec![0.0, 0.0, 0.0]],
@@ -116,6 +115,7 @@ fn diagnosis(case: &str) -> CaseDiagnosis {
     let parameters = vec![ParameterDifference { name: "fv1".to_owned(), difference: -0.8, deviations: -8.4 }];
     CaseDiagnosis {
         case: case.to_owned(),
+        approximation: None,
         endogeneity: Some(EndogeneityResult {
             classical: f_test(),
             robust: chi_squared_test(3.2, 4).unwrap(),

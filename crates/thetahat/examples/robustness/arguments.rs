@@ -1,6 +1,6 @@
-use std::{error::Error, path::PathBuf};
+use std::path::PathBuf;
 
-use thetahat::identification::{Method, Needs};
+use thetahat::identification::Method;
 
 /// What the command line asks for.
 pub struct Arguments {
@@ -11,27 +11,16 @@ pub struct Arguments {
     pub methods: Vec<Method>,
     /// Robots whose names contain this.
     pub robot: String,
+    /// Of motions and noise.
+    pub seed: u64,
+    /// Bandwidths of the simulated loop relative to the twin's.
+    pub factors: Vec<f64>,
 }
 
-impl Arguments {
-    pub fn read() -> Result<Self, Box<dyn Error>> {
-        let iterates = |m: &Method| m.needs() != Needs::Measurement;
-        let mut found =
-            Self { data: None, quick: false, methods: Method::all().filter(iterates).collect(), robot: String::new() };
-        let mut arguments = std::env::args().skip(1);
-        while let Some(name) = arguments.next() {
-            let mut value = || arguments.next().ok_or_else(|| format!("{name} needs a value"));
-            match name.as_str() {
-                "--data" => found.data = Some(value()?.into()),
-                "--quick" => found.quick = true,
-                "--methods" => found.methods = value()?.split(',').map(str::parse).collect::<Result<_, _>>()?,
-                "--robot" => found.robot = value()?,
-                other => return Err(format!("unknown argument {other}").into()),
-            }
-        }
-        Ok(found)
-    }
+/// Those of the whole table.
+pub const FACTORS: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
 
+impl Arguments {
     /// Length of the records.
     pub fn duration_s(&self) -> f64 {
         if self.quick { 5.0 } else { 10.0 }

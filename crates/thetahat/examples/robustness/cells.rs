@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use thetahat::{
     ControllerDescription, Identification, Robot, Settings,
-    identification::{Method, Status},
+    identification::{Method, Needs, Status},
     results::RunResult,
 };
 
@@ -20,8 +20,6 @@ use super::{
     twin::{BANDWIDTH_HZ, NOISE, Noise, SIGN_VELOCITY_SCALE, Twin},
 };
 
-/// Bandwidth of the simulated loop relative to the twin's.
-pub const FACTORS: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
 /// Deviation of the start values, relative.
 const CAD_ERROR: f64 = 0.3;
 const CUTOFF_HZ: f64 = 50.0;
@@ -49,7 +47,7 @@ impl Start {
     }
 
     /// The robot whose a-priori values are the start.
-    fn robot(self, twin: &Twin) -> Robot {
+    pub fn robot(self, twin: &Twin) -> Robot {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         let table = twin.robot.parameter_table();
         let mut value = |(i, v): (usize, &f64)| match self {
@@ -77,7 +75,6 @@ pub struct Cell {
     pub noise: &'static str,
     pub status: Status,
     pub reason: String,
-    pub notes: Vec<String>,
     pub iterations: usize,
     pub seconds: f64,
     /// The largest error of a base parameter in its deviations with correlated errors, and the parameter; none without an
@@ -96,11 +93,15 @@ type Place = (f64, Start, Noise, u64);
 
 /// Every cell of a robot, several at a time.
 pub fn run_cells(twin: &Twin, arguments: &Arguments) -> Result<Vec<Cell>, Box<dyn Error>> {
-    let factors: &[f64] = if arguments.quick { &FACTORS[1..4] } else { &FACTORS };
+    let factors = &arguments.factors;
     let noise: &[Noise] = if arguments.quick { &NOISE[..1] } else { &NOISE };
     let of_start = |start| factors.iter().flat_map(move |&f| noise.iter().map(move |&n| (f, start, n)));
-    let places: Vec<Place> =
-        Start::ALL.into_iter().flat_map(of_start).zip(1..).map(|((f, s, n), seed)| (f, s, n, seed)).collect();
+    let places: Vec<Place> = Start::ALL
+        .into_iter()
+        .flat_map(of_start)
+        .zip(1000 * arguments.seed..)
+        .map(|((f, s, n), seed)| (f, s, n, seed))
+        .collect();
     let (next, found) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let work = || {
         while let Some(place) = places.get(next.fetch_add(1, Ordering::Relaxed)) {
@@ -122,14 +123,30 @@ pub fn run_cells(twin: &Twin, arguments: &Arguments) -> Result<Vec<Cell>, Box<dy
 
 fn run(twin: &Twin, place: Place, methods: &[Method]) -> Result<Vec<Cell>, Box<dyn Error>> {
     let (factor, start, noise, seed) = place;
+    let fits = |m: &&Method| m.needs() == Needs::Sensitivities;
+    let (fitting, others): (Vec<Method>, Vec<Method>) = methods.iter().partition(fits);
+    let robot = start.robot(twin);
+    let mut cells = Vec::new();
+    for (methods, controller) in
+        [(others, ControllerDescription::pd(factor * BANDWIDTH_HZ)), (fitting, twin.controller(factor))]
+    {
+        if methods.is_empty() {
+            continue;
+        }
+        let settings = Settings { controller: Some(controller), ..settings(&methods, factor) };
+        let results = Identification::new(&robot, vec![twin.record(noise, seed)], settings)?.run()?;
+        cells.extend(results.runs.into_iter().map(|run| cell(twin, place, run)));
+    }
+    Ok(cells)
+}
+
+/// Settings with a simulated PD loop of so many times the true bandwidth.
+pub fn settings(methods: &[Method], factor: f64) -> Settings {
     let mut settings = Settings::new(CUTOFF_HZ, DECIMATION)
         .with_methods(methods.iter().copied())
         .with_controller(ControllerDescription::pd(factor * BANDWIDTH_HZ));
     settings.simulation.sign_velocity_scale = SIGN_VELOCITY_SCALE;
-    let robot = start.robot(twin);
-    let recording = twin.record(noise, seed);
-    let results = Identification::new(&robot, vec![recording], settings)?.run()?;
-    Ok(results.runs.into_iter().map(|run| cell(twin, place, run)).collect())
+    settings
 }
 
 fn cell(twin: &Twin, (factor, start, noise, _): Place, run: RunResult) -> Cell {
@@ -146,7 +163,6 @@ fn cell(twin: &Twin, (factor, start, noise, _): Place, run: RunResult) -> Cell {
         status: run.status,
         largest_error: errors.max_by(|a, b| a.0.total_cmp(&b.0)),
         reason: run.reason.unwrap_or_default(),
-        notes: run.notes,
         iterations: run.iterations,
         seconds: run.seconds,
     }

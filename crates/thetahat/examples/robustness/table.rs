@@ -1,15 +1,12 @@
 use thetahat::identification::Method;
 
-use super::{
-    cells::{Cell, FACTORS},
-    twin::Twin,
-};
+use super::{cells::Cell, twin::Twin};
 
 /// Largest error in deviations that an honest interval allows.
 const WITHIN: f64 = 4.0;
 
 /// A line of the table: a robot and a method.
-pub fn robot_row(twin: &Twin, method: Method, cells: &[Cell]) -> String {
+pub fn robot_row(twin: &Twin, method: Method, cells: &[Cell], factors: &[f64]) -> String {
     let of_method: Vec<&Cell> = cells.iter().filter(|c| c.method == method).collect();
     let at = |factor: f64| {
         let here: Vec<&&Cell> = of_method.iter().filter(|c| c.factor == factor).collect();
@@ -24,7 +21,7 @@ pub fn robot_row(twin: &Twin, method: Method, cells: &[Cell]) -> String {
         "| {} | {} | {method} | {} | {}/{} | {median:.2} | {:.1} | {:.2} |",
         twin.name,
         twin.truth.len(),
-        FACTORS.map(at).join(", "),
+        factors.iter().map(|f| at(*f)).collect::<Vec<_>>().join(", "),
         errors.iter().filter(|e| **e <= WITHIN).count(),
         converged.len(),
         mean(&|c| c.iterations as f64),
@@ -64,9 +61,6 @@ pub fn failures(cells: &[Cell]) -> String {
             out += &format!("- {place}: {:?}, {}; {error}\n", c.status, c.reason);
         } else if c.largest_error.as_ref().is_none_or(|(e, _)| *e > WITHIN) {
             out += &format!("- {place}: converged, {error}\n");
-        }
-        if std::env::var_os("ROBUSTNESS_NOTES").is_some() {
-            out += &format!("    {} iterations {:.2} s {error} {}\n", c.iterations, c.seconds, c.notes.join("; "));
         }
     }
     out

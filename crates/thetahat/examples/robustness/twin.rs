@@ -1,4 +1,4 @@
-use std::error::Error;
+use std::{error::Error, f64::consts::TAU};
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -48,13 +48,15 @@ pub struct Twin {
     pub truth: Vec<f64>,
     reference: Series,
     motion: SimulatedMotion,
+    /// What each motor sees, drive signal per acceleration.
+    inertia: Vec<f64>,
 }
 
 impl Twin {
-    pub fn new(subject: Subject, duration_s: f64) -> Result<Self, Box<dyn Error>> {
+    pub fn new(subject: Subject, duration_s: f64, seed: u64) -> Result<Self, Box<dyn Error>> {
         let Subject { name, robot, has_motor_inertias } = subject;
         let cad = completed_a_priori(&robot, None);
-        let reference = periodic(&robot, duration_s, RATE_HZ, 1);
+        let reference = periodic(&robot, duration_s, RATE_HZ, seed);
         let model = Model::new(&robot);
         let usual = Usual::along(&reference, &model, &cad);
         let mut truth = cad.clone();
@@ -65,11 +67,22 @@ impl Twin {
                 Quantity::Joint(JointQuantity::Ia) if has_motor_inertias => MOTOR_PART * usual.inertia[j],
                 Quantity::Joint(JointQuantity::Fc) => FRICTION_PART * torque,
                 Quantity::Joint(JointQuantity::Fv) => FRICTION_PART * torque / usual.velocity[j],
-                _ => continue,
+                Quantity::Link(_) | Quantity::Joint(_) | Quantity::Motor(_) => continue,
             };
         }
-        let motion = simulate(&robot, &model, &truth, &reference)?;
-        Ok(Self { name, robot, cad, truth, reference, motion })
+        let (motion, inertia) = simulate(&robot, &model, &truth, &reference)?;
+        Ok(Self { name, robot, cad, truth, reference, motion, inertia })
+    }
+
+    /// The loop with gains for so many times the true bandwidth.
+    pub fn controller(&self, factor: f64) -> ControllerDescription {
+        let w = TAU * factor * BANDWIDTH_HZ;
+        ControllerDescription {
+            bandwidth_hz: Vec::new(),
+            position_gain: self.inertia.iter().map(|j| j * w * w).collect(),
+            velocity_gain: self.inertia.iter().map(|j| 2.0 * j * w).collect(),
+            ..ControllerDescription::pd(BANDWIDTH_HZ)
+        }
     }
 
     /// A record of the motion with noise.
@@ -97,7 +110,7 @@ fn simulate(
     model: &Model,
     theta: &[f64],
     reference: &Series,
-) -> Result<SimulatedMotion, Box<dyn Error>> {
+) -> Result<(SimulatedMotion, Vec<f64>), Box<dyn Error>> {
     let controller = ControllerDescription::pd(BANDWIDTH_HZ);
     let samples = reference.len();
     let reference = Reference::Sampled(SampledReference::new(reference.clone(), RATE_HZ));
@@ -113,7 +126,7 @@ fn simulate(
     };
     let inertia = closed_loop.motor_inertia(theta, samples as f64 / RATE_HZ);
     let grid = OutputGrid { start_s: 0.0, sample_rate_hz: RATE_HZ, samples };
-    Ok(closed_loop.simulate(theta, &inertia, &grid)?)
+    Ok((closed_loop.simulate(theta, &inertia, &grid)?, inertia))
 }
 
 /// Rms torque and velocity and mean inertia of each joint along a motion.

@@ -173,7 +173,7 @@ impl<'a> Bench<'a> {
             seed: key.seed + 1,
             method: job.method.name().to_owned(),
             status: outcome.status,
-            reason: outcome.reason.as_ref().map(|r| explain(&job.problem.estimated, r)),
+            reason: outcome.reason.as_ref().map(|r| explain(&job.problem.estimated, &job.names_of_loop(), r)),
             iterations: outcome.iterations.len(),
             simulations: outcome.simulations,
             seconds: None,

@@ -38,6 +38,15 @@ pub fn bounds_of(set: &ConsistentSet, parameter: &BaseParameter) -> [f64; 2] {
     [if lowest >= 0.0 { 0.0 } else { f64::NEG_INFINITY }, if highest <= 0.0 { 0.0 } else { f64::INFINITY }]
 }
 
+/// An interval of a free estimate as far as the bounds of the set allow it, widened to the consistent estimate.
+///
+/// A true value within the bounds that the free interval holds is held by this one: it covers no less. It ends with the
+/// estimate where that lies outside of it, as only estimates of data do that reject consistency.
+#[must_use]
+pub fn interval_in([least, largest]: [f64; 2], [low, high]: [f64; 2], estimate: f64) -> [f64; 2] {
+    [low.clamp(least, largest).min(estimate), high.clamp(least, largest).max(estimate)]
+}
+
 /// `C` with `tr(C P)` the parameter, by its entries on and below the diagonal.
 fn adjoint(quantity: LinkQuantity) -> &'static [(usize, usize, f64)] {
     match quantity {
@@ -66,12 +75,15 @@ mod tests {
         let set = ConsistentSet::new(&robot, &completed_a_priori(&robot, None)).unwrap();
         let base = BaseParameters::of(&Model::new(&robot), &[]).unwrap();
         let of = |name: &str| bounds_of(&set, base.parameters().iter().find(|p| p.name == name).unwrap());
-        for name in ["zz1r", "zz6", "fv3", "fc1", "ia3"] {
+        for name in ["zz1r", "zz6", "fv3", "fc1", "ia3", "fvm6"] {
             assert_eq!(of(name), [0.0, f64::INFINITY], "{name}");
         }
-        for name in ["xx2r", "mx2r", "off1", "fvm6", "xz2r"] {
+        for name in ["xx2r", "mx2r", "off1", "xz2r"] {
             assert_eq!(of(name), [f64::NEG_INFINITY, f64::INFINITY], "{name}");
         }
+        assert_eq!(interval_in(of("fv3"), [-1.0, 2.0], 0.5), [0.0, 2.0]);
+        assert_eq!(interval_in(of("fv3"), [-2.0, -1.0], 0.25), [0.0, 0.25]);
+        assert_eq!(interval_in(of("off1"), [-2.0, -1.0], -1.5), [-2.0, -1.0]);
         // Every consistent vector keeps its bound.
         let theta = base.from_standard(set.a_priori());
         assert!(base.parameters().iter().zip(theta).all(|(p, v)| v >= bounds_of(&set, p)[0]));

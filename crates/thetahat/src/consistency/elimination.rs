@@ -44,6 +44,15 @@ impl Elimination {
     /// # Errors
     /// [`ConsistencyError::ContradictoryValues`] for an equality that the others contradict.
     pub(super) fn new(equalities: &[Equality], scale: &[f64]) -> Result<Self, ConsistencyError> {
+        Self::with(equalities, scale, equalities.len())
+    }
+
+    /// The same; only the first `binding` equalities must not contradict others. Any other is left out where those before
+    /// it say something else.
+    ///
+    /// # Errors
+    /// As [`Elimination::new`].
+    pub(super) fn with(equalities: &[Equality], scale: &[f64], binding: usize) -> Result<Self, ConsistencyError> {
         let (count, many) = (scale.len(), equalities.len());
         let mut solved: Vec<Row> = Vec::new();
         for (place, equality) in equalities.iter().enumerate() {
@@ -52,7 +61,10 @@ impl Elimination {
             solved.iter().for_each(|known| row.subtract(known, row.coefficients[known.pivot]));
             let (pivot, left) = row.largest(scale);
             if left <= ROUNDING * size {
-                row.check_redundant(equalities, place, size)?;
+                let redundant = row.check_redundant(equalities, place, size);
+                if place < binding {
+                    redundant?;
+                }
                 continue;
             }
             row.normalise(pivot);
@@ -199,5 +211,13 @@ mod tests {
         given[1].value = 11.0;
         let error = Elimination::new(&given, &[1.0; 2]).unwrap_err();
         assert!(matches!(error, ConsistencyError::ContradictoryValues { expected: 11.0, .. }), "{error}");
+    }
+
+    #[test]
+    fn an_equality_that_does_not_bind_gives_way() {
+        let given = [equality(&[(0, 1.0)], 5.0), equality(&[(0, 1.0)], 6.0), equality(&[(1, 1.0)], 7.0)];
+        let elimination = Elimination::with(&given, &[1.0; 3], 1).unwrap();
+        assert_eq!(elimination.standard(&[0.5]), [5.0, 7.0, 0.5]);
+        assert!(Elimination::with(&given, &[1.0; 3], 2).is_err());
     }
 }

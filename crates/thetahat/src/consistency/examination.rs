@@ -46,8 +46,8 @@ const GAP: f64 = 1e-8;
 /// Examines base parameters.
 ///
 /// # Errors
-/// [`ConsistencyError`] for a wrong number of values, values that are not finite, and known values that contradict each
-/// other or the base parameters.
+/// [`ConsistencyError`] for a wrong number of values and values that are not finite. Known values that the base parameters
+/// contradict, or that contradict each other, are left out.
 pub fn examine(set: &ConsistentSet, base: &BaseParameters, estimate: &[f64]) -> Result<Examination, ConsistencyError> {
     examine_within(set, base, estimate, GAP)
 }
@@ -88,7 +88,8 @@ impl<'a> Fibre<'a> {
     fn new(set: &'a ConsistentSet, base: &BaseParameters, estimate: &[f64]) -> Result<Self, ConsistencyError> {
         let mut equalities = image(base, estimate);
         equalities.extend(set.known().equalities.iter().cloned());
-        let elimination = Elimination::new(&equalities, set.scale())?;
+        // A free estimate misses what is fixed and it alone decides, such as one friction coefficient.
+        let elimination = Elimination::with(&equalities, set.scale(), base.len())?;
         let reduced = |c: ConditionBlock| ConditionBlock { block: elimination.block(&c.block), ..c };
         let conditions = set.conditions().into_iter().map(reduced).collect();
         let start = elimination.unknowns_of(&starting_point(set));

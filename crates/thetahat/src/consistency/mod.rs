@@ -37,7 +37,7 @@ mod symmetric;
 #[cfg(test)]
 mod tests;
 
-pub use bounds::bounds_of;
+pub use bounds::{bounds_of, interval_in};
 pub use error::ConsistencyError;
 pub use examination::{Examination, HEAVIEST, examine, examine_within};
 pub use fit::{ConsistentFit, LeastSquares, Prior, fit, require_interior};

@@ -3,7 +3,13 @@
 use std::path::Path;
 
 use super::*;
-use crate::{base_parameters::BaseParameters, dynamics::Model, linear_algebra::Matrix, robot::Robot};
+use crate::{
+    base_parameters::BaseParameters,
+    dynamics::{DynamicParameters, Model, Sign, State, Workspace},
+    linear_algebra::{Matrix, PivotedQr},
+    regressor::Regressor,
+    robot::Robot,
+};
 
 const TX40: &str = include_str!("../../demo/tx40.toml");
 
@@ -358,4 +364,103 @@ fn the_mass_factor_finds_the_size_of_the_torques() {
     assert!((mass_factor(&data, &table, &theta).unwrap() - 2.0).abs() < 1e-10);
     let negative = matrix.times(&twice.iter().map(|v| -v).collect::<Vec<_>>());
     assert!(mass_factor(&LeastSquares::in_standard(matrix, negative), &table, &theta).is_none());
+}
+
+/// Seven revolute joints about x, y and z in turn, with inertias and no motor inertias.
+fn seven_axes() -> String {
+    let mut text = "<robot name='seven'><link name='l0'/>".to_owned();
+    for k in 1..=7 {
+        let (size, axis) = (1.0 / f64::from(k), ["0 0 1", "0 1 0", "1 0 0"][k as usize % 3]);
+        let (mass, moment) = (4.0 * size, 0.05 * size * size);
+        text += &format!(
+            "<link name='l{k}'><inertial><origin xyz='0 0.02 0.1'/><mass value='{mass}'/><inertia ixx='{moment}' iyy='{moment}' \
+             izz='{moment}' ixy='0' ixz='0' iyz='0'/></inertial></link><joint name='j{k}' type='revolute'><parent link='l{}'/>\
+             <child link='l{k}'/><origin xyz='0 0 0.25'/><axis xyz='{axis}'/><limit lower='-2' upper='2' effort='100' \
+             velocity='3'/></joint>",
+            k - 1
+        );
+    }
+    text + "</robot>"
+}
+
+/// X of a slow motion in base parameters, whose accelerations say little against this noise, and the LS estimate.
+fn noisy_estimate(robot: &Robot, set: &ConsistentSet, noise: f64) -> (BaseParameters, Matrix, Vec<f64>) {
+    let (model, base) = (Model::new(robot), base_of(robot));
+    let (columns, n, rows) = (base.columns(), model.coordinate_count(), 60);
+    let regressor = Regressor::new(&model, &columns);
+    let mut workspace = Workspace::new(&model);
+    let mut phi = vec![0.0; regressor.entries().len()];
+    let mut x = Matrix::zeros(rows * n, columns.len());
+    for k in 0..rows {
+        let wave = |rate: f64, j: usize| (rate * k as f64 * (1.0 + 0.37 * j as f64) + j as f64).sin();
+        let [q, dq, ddq] =
+            [0.31, 0.53, 0.71].map(|rate: f64| (0..n).map(|j| 2.0 * wave(rate, j)).collect::<Vec<f64>>());
+        regressor.evaluate(&model, State { q: &q, dq: &dq }, &ddq, Sign::Exact, &mut workspace, &mut phi);
+        for (entry, value) in regressor.entries().iter().zip(&phi) {
+            *x.at_mut(k * n + entry.joint, entry.column) = *value;
+        }
+    }
+    let y = x.times(&base.from_standard(&super::fit::starting_point(set)));
+    let error = |i: usize| noise * ((12.9898 * i as f64).sin() * 43758.5453).fract();
+    let y: Vec<f64> = y.iter().enumerate().map(|(i, y)| y + error(i)).collect();
+    let estimate = PivotedQr::with_equal_columns(&x).solve(&y);
+    (base, x.triangular_factor(), estimate)
+}
+
+/// Of an estimate that no robot has, the parameters to simulate have a definite mass matrix in every configuration, and
+/// no others of the interior are nearer.
+fn assert_simulatable(robot: &Robot, noise: f64) {
+    let set = set_of(robot);
+    let (base, r, estimate) = noisy_estimate(robot, &set, noise);
+    assert!(!examine(&set, &base, &estimate).unwrap().consistent);
+    let options = SimulationOptions::default();
+    let found = nearest_to_simulate(&set, &base, &r, &estimate, &options, None).unwrap();
+    assert!(found.converged);
+    let model = Model::new(robot);
+    let n = model.coordinate_count();
+    let parameters = DynamicParameters::new(&model, &found.standard);
+    let (mut workspace, mut m) = (Workspace::new(&model), vec![0.0; n * n]);
+    for k in 0..50 {
+        let q: Vec<f64> = (0..n).map(|j| 3.0 * (1.9 * k as f64 + 0.7 * j as f64).sin()).collect();
+        model.mass_matrix(&parameters, &q, &mut workspace, &mut m);
+        let matrix = Matrix::from_fn(n, n, |i, j| m[i * n + j]);
+        assert!(matrix.cholesky().is_some(), "at {q:?}");
+    }
+    // Half way to the a-priori parameters is inside as well, and farther from the estimate.
+    let data = LeastSquares::nearest(&r, &estimate, &base, set.a_priori().len()).unwrap();
+    let squares = |theta: &[f64]| data.residual(theta).iter().map(|e| e * e).sum::<f64>();
+    let start = super::fit::starting_point(&set);
+    let between: Vec<f64> = found.standard.iter().zip(&start).map(|(a, b)| 0.5 * (a + b)).collect();
+    assert!(squares(&found.standard) < squares(&between), "{} {}", squares(&found.standard), squares(&between));
+}
+
+#[test]
+fn the_noisy_estimate_of_a_two_joint_robot_can_be_simulated_once_projected() {
+    assert_simulatable(&robot(TWO_JOINT), 20.0);
+}
+
+#[test]
+fn the_noisy_estimate_of_a_seven_axis_urdf_can_be_simulated_once_projected() {
+    let robot = Robot::parse(&seven_axes(), Path::new("seven.urdf")).unwrap();
+    assert_eq!(robot.coordinate_count(), 7);
+    assert_simulatable(&robot, 2.0);
+}
+
+#[test]
+fn conditions_take_effective_parameters_from_the_data() {
+    let robot = robot(TWO_JOINT);
+    let set = set_of(&robot);
+    let n = set.a_priori().len();
+    let theta = super::fit::starting_point(&set);
+    let inside = LeastSquares::in_standard(mixing(n), mixing(n).times(&theta));
+    let free = fit(&set, &inside, Prior::None, None).unwrap().effective_parameters;
+    assert!((free - n as f64).abs() < 1e-6, "{free}");
+    // Friction below zero ends at zero and is one parameter less; a large prior leaves the data none of the inertias.
+    let mut outside = theta.clone();
+    outside[set.parameter_table().index_of("fv1").unwrap()] = -3.0;
+    let identity = LeastSquares::in_standard(Matrix::identity(n), outside);
+    let one_less = fit(&set, &identity, Prior::None, None).unwrap().effective_parameters;
+    assert!((one_less - (n as f64 - 1.0)).abs() < 1e-3, "{one_less}");
+    let drawn = fit(&set, &inside, Prior::LogDet { weight: 1e9 }, None).unwrap().effective_parameters;
+    assert!((drawn - (n as f64 - 22.0)).abs() < 1e-2, "{drawn}");
 }

@@ -157,8 +157,15 @@ impl ControllerDescription {
             if ![0, 1, motors].contains(&list.len()) {
                 return Err(ControllerError::WrongCount { key, motors, found: list.len() });
             }
-            if let Some(&found) = list.iter().find(|v| !(v.is_finite() && **v > 0.0)) {
-                return Err(ControllerError::OutOfRange { key, expected: "a number above zero", found });
+            // A drive that turns its joint backwards has gains below zero.
+            let is_gain = ["position_gain", "velocity_gain"].contains(&key);
+            let (is_right, expected): (fn(f64) -> bool, _) = if is_gain {
+                (|v| v.is_finite() && v != 0.0, "a number other than zero")
+            } else {
+                (|v| v.is_finite() && v > 0.0, "a number above zero")
+            };
+            if let Some(&found) = list.iter().find(|v| !is_right(**v)) {
+                return Err(ControllerError::OutOfRange { key, expected, found });
             }
         }
         let [by_bandwidth, kp, kv] =

@@ -32,13 +32,14 @@ fn distrusts(evidence: &Evidence<'_>, method: Method) -> bool {
     by_ls || by_instruments || by_simulator || !evidence.has_estimate(method)
 }
 
-/// IV wherever its instruments are strong, since it needs no exact simulator; then LS, then DIDIM. None of them where
+/// IV wherever its instruments are strong, since it needs no exact simulator; then LS, then the methods that fit the simulated
+/// loop, those with exact sensitivities first and torques before positions. None of them where
 /// DIDIM and IV differ and it cannot be told which is wrong.
 fn take(evidence: &Evidence<'_>) -> Option<Method> {
     if evidence.verdict() == Some(Verdict::Undecided) {
         return None;
     }
-    [Method::IDIM_IV, Method::IDIM_LS, Method::DIDIM]
+    [Method::IDIM_IV, Method::IDIM_LS, Method::CLIE, Method::DIDIM, Method::CLOE]
         .into_iter()
         .find(|m| evidence.ran(*m).is_some() && !distrusts(evidence, *m))
 }
@@ -116,6 +117,7 @@ pub(super) mod tests {
             {
                 let diagnosis = CaseDiagnosis {
                     case: "nominal".to_owned(),
+                    approximation: None,
                     endogeneity: converged(Method::IDIM_IV).then(|| endogeneity(ls)),
                     instruments: converged(Method::IDIM_IV).then(|| instruments(f)),
                     biased_simulator: converged(Method::DIDIM).then(|| simulator(verdict)),

@@ -2,6 +2,7 @@
 //! verdicts with numbers, and the advice that follows from them (`docs/diagnostics.md`).
 
 mod advice;
+mod approximation;
 mod biased_simulator;
 mod endogeneity;
 mod estimated;
@@ -18,6 +19,7 @@ pub(crate) use biased_simulator::Simulate;
 pub(crate) use estimated::Estimated;
 pub(crate) use residual::residual;
 
+use approximation::approximation;
 use biased_simulator::biased_simulator;
 use endogeneity::endogeneity;
 use estimated::{Whitened, converged};
@@ -36,6 +38,9 @@ pub(crate) fn diagnose(
         case: case.name.clone(),
         endogeneity: iv.as_ref().and_then(|w| endogeneity(problem, w)),
         instruments: iv.as_ref().map(|w| instruments(problem, w)),
+        approximation: didim
+            .zip(converged(estimated, Method::CLIE))
+            .and_then(|(didim, clie)| approximation(problem, didim, clie)),
         biased_simulator: didim.and_then(|d| biased_simulator(problem, case, d, simulate)),
     }
 }

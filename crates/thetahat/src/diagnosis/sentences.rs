@@ -73,8 +73,18 @@ pub(super) fn on_simulator(evidence: &Evidence<'_>) -> String {
         (_, Some(run)) if run.status != Status::Converged => "didim has no converged estimate.".to_owned(),
         (None, Some(_)) => "didim could not be compared with idim-iv.".to_owned(),
         (Some(test), Some(_)) if evidence.weak().is_some() && !test.verdict.distrusts() => String::new(),
-        (Some(test), Some(_)) => simulator_text(test),
+        (Some(test), Some(_)) => simulator_text(test) + &same_simulator(evidence, test),
     }
+}
+
+/// What an alarm about the simulator means for the other methods that fit it; empty where none was run.
+fn same_simulator(evidence: &Evidence<'_>, test: &BiasedSimulatorResult) -> String {
+    let ran: Vec<&str> =
+        [Method::CLIE, Method::CLOE].iter().filter(|m| evidence.ran(**m).is_some()).map(|m| m.name()).collect();
+    if ran.is_empty() || !test.verdict.distrusts() {
+        return String::new();
+    }
+    format!(" The same simulator is behind {}.", ran.join(" and "))
 }
 
 /// How an LS estimate fits what it has and has not seen, and how far its classical deviations are too small.

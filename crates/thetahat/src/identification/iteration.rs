@@ -104,6 +104,25 @@ impl Estimation {
         self.steps.tolerance
     }
 
+    /// States with which factor of the tolerances it is simulated, where that is not the factor wanted.
+    pub fn simulated_with(&mut self, tolerance: f64) {
+        self.steps.tolerance = tolerance;
+    }
+
+    /// Whether an estimate was made.
+    #[must_use]
+    pub fn has_estimate(&self) -> bool {
+        self.last.is_some()
+    }
+
+    /// Wants other start values simulated, after the simulation of those before failed.
+    pub fn start_anew(&mut self, start: Vec<f64>) {
+        self.outcome.simulations += 1;
+        self.before.clone_from(&start);
+        self.theta = start;
+        self.steps.restart();
+    }
+
     /// Wants the last estimate simulated in another way, revised, after its simulation failed; false where there is none.
     pub fn simulate_anew(&mut self, revise: Revision<'_>) -> bool {
         let Some((fit, error, z)) = self.last.take() else { return false };

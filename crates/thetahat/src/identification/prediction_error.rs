@@ -1,15 +1,12 @@
 //! CLIE and CLOE: the minimum of (11) by Gauss-Newton steps (13) with Levenberg's damping.
 
 use super::{
-    fit::{EstimationError, Fit, SimulatedResponse},
+    fit::{Fit, SimulatedResponse},
     iteration::IterationOptions,
+    linearised::{Admit, Linearised, in_deviations, offset},
     outcome::{Iteration, Outcome, Reason, Status},
 };
-use crate::{
-    linear_algebra::{Matrix, PivotedQr, norm},
-    regression::Regression,
-    simulation::SimulationError,
-};
+use crate::{linear_algebra::norm, regression::Regression, simulation::SimulationError};
 
 /// Damping of the first step that is damped, relative to the squared norms of the columns of J.
 const FIRST_DAMPING: f64 = 1e-3;
@@ -19,6 +16,11 @@ const DAMPING_FACTOR: f64 = 10.0;
 const NO_DAMPING: f64 = 1e-5;
 /// Damping beyond which the steps are too short to find anything.
 const MOST_DAMPING: f64 = 1e8;
+/// The undamped step, in standard deviations, below which it is the errors of the simulation that keep a step from making the
+/// error smaller: simulations get finer tolerances then, a few times.
+const NEAR: f64 = 3.0;
+const FINER: f64 = 0.1;
+const REFINEMENTS: i32 = 2;
 /// Part of the error by which rounding may raise it.
 const ROUNDING: f64 = 1e-13;
 
@@ -30,18 +32,6 @@ pub enum Wanted<'a> {
     /// The response and its sensitivities.
     Sensitivities(&'a [f64]),
 }
-
-/// Where a step leads, and its metric.
-#[derive(Debug, Clone, PartialEq)]
-pub struct GaussNewtonStep {
-    /// The parameters behind the step.
-    pub theta: Vec<f64>,
-    /// R, b x b: the step minimises `|R (theta - theta_hat)|`.
-    pub r: Matrix,
-}
-
-/// What a step leads to in what can be simulated.
-pub type Admit<'a> = dyn FnMut(GaussNewtonStep) -> Vec<f64> + 'a;
 
 /// An estimation by CLIE or CLOE under way. It asks for its simulations, so that those of several can run side by side.
 ///
@@ -59,6 +49,9 @@ pub struct PredictionErrorEstimation {
     point: Option<Linearised>,
     damping: f64,
     linearised: usize,
+    /// The undamped step where it was linearised last, in standard deviations, and how often tolerances were made finer.
+    whole_step: Option<f64>,
+    refinements: i32,
     outcome: Outcome,
 }
 
@@ -73,16 +66,6 @@ enum Stage {
     Over,
 }
 
-/// The weighted problem linearised at parameters: `|z - R step|^2` and a constant.
-#[derive(Debug, Clone)]
-struct Linearised {
-    theta: Vec<f64>,
-    r: Matrix,
-    z: Vec<f64>,
-    simulated: SimulatedResponse,
-    fit: Result<Fit, EstimationError>,
-}
-
 impl PredictionErrorEstimation {
     /// An estimation from the best of some start values.
     #[must_use]
@@ -92,7 +75,18 @@ impl PredictionErrorEstimation {
         let reason = Reason::IterationLimit { iterations, relative_error_percent: f64::NAN, parameter_change: None };
         let outcome = Outcome { reason: Some(reason), ..Outcome::nothing() };
         let stage = starts.pop().filter(|_| iterations > 0).map_or(Stage::Over, Stage::Start);
-        Self { options, stage, starts, best: None, point: None, damping: 0.0, linearised: 0, outcome }
+        Self {
+            options,
+            stage,
+            starts,
+            best: None,
+            point: None,
+            damping: 0.0,
+            linearised: 0,
+            whole_step: None,
+            refinements: 0,
+            outcome,
+        }
     }
 
     /// What is to be simulated; nothing at the end.
@@ -103,6 +97,12 @@ impl PredictionErrorEstimation {
             Stage::Linearise(theta) => Some(Wanted::Sensitivities(theta)),
             Stage::Over => None,
         }
+    }
+
+    /// Factor of the tolerances with which to simulate.
+    #[must_use]
+    pub fn tolerance(&self) -> f64 {
+        FINER.powi(self.refinements)
     }
 
     /// How it ended, or how far it is.
@@ -174,8 +174,9 @@ impl PredictionErrorEstimation {
             self.note(fit, regression);
         }
         let point = Linearised::new(theta, simulated, fit, regression);
-        let is_small =
-            point.whole_step_in_deviations(admit).is_some_and(|c| c <= self.options.convergence.parameter_change);
+        self.whole_step = point.whole_step_in_deviations(admit);
+        let is_small = self.whole_step.is_some_and(|c| c <= self.options.convergence.parameter_change);
+        self.best = Some((point.theta.clone(), error(regression, &point.simulated.response)));
         self.point = Some(point);
         self.linearised += 1;
         if is_small {
@@ -209,9 +210,17 @@ impl PredictionErrorEstimation {
                 self.damping = (self.damping * DAMPING_FACTOR).max(FIRST_DAMPING);
                 self.step(admit);
             }
+            Ok(_) if self.refinements < REFINEMENTS && self.whole_step.is_some_and(|c| c < NEAR) => self.refine(),
             Ok(_) => self.end_at_limit(),
             Err(cause) => self.stall(cause),
         }
+    }
+
+    /// Linearises again at the best parameters, with finer simulations.
+    fn refine(&mut self) {
+        let Some((best, _)) = &self.best else { return };
+        self.stage = Stage::Linearise(best.clone());
+        (self.refinements, self.damping) = (self.refinements + 1, 0.0);
     }
 
     /// Takes note of an iteration.
@@ -260,54 +269,6 @@ impl PredictionErrorEstimation {
     }
 }
 
-impl Linearised {
-    fn new(
-        theta: Vec<f64>,
-        simulated: SimulatedResponse,
-        fit: Result<Fit, EstimationError>,
-        regression: &Regression,
-    ) -> Self {
-        let residual = regression.residual(&simulated.response);
-        let e = Matrix::from_fn(residual.len(), 1, |k, _| residual[k]);
-        let all = regression.whiten_matrix(&Matrix::beside(&[&simulated.sensitivities, &e])).triangular_factor();
-        let columns: Vec<usize> = (0..theta.len()).collect();
-        let (r, z) = (all.select_columns(&columns), all.column(theta.len()).to_vec());
-        Self { theta, r, z, simulated, fit }
-    }
-
-    /// The step that minimises `|z - R step|^2 + damping |D step|^2`, D the norms of the columns.
-    fn step(&self, damping: f64) -> GaussNewtonStep {
-        let size = self.theta.len();
-        let norms: Vec<f64> = (0..size).map(|c| norm(self.r.column(c)).max(f64::MIN_POSITIVE)).collect();
-        let damped = Matrix::from_fn(size, size, |i, j| if i == j { damping.sqrt() * norms[i] } else { 0.0 });
-        let mut z = self.z.clone();
-        z.resize(self.r.rows() + size, 0.0);
-        let stacked = Matrix::stack(&[&self.r, &damped]);
-        let step = PivotedQr::with_equal_columns(&stacked).solve(&z);
-        let theta = self.theta.iter().zip(step).map(|(theta, step)| theta + step).collect();
-        GaussNewtonStep { theta, r: stacked.triangular_factor() }
-    }
-
-    /// The largest part of the undamped step in standard deviations; none where parameters are not separated.
-    fn whole_step_in_deviations(&self, admit: &mut Admit<'_>) -> Option<f64> {
-        let fit = self.fit.as_ref().ok()?;
-        let behind = admit(self.step(0.0));
-        Some(in_deviations(fit, behind.iter().zip(&self.theta).map(|(b, t)| b - t)))
-    }
-}
-
-/// What the linearised model adds to `J theta`: `response - J theta`.
-fn offset(simulated: &SimulatedResponse, theta: &[f64]) -> Vec<f64> {
-    let linear = simulated.sensitivities.times(theta);
-    simulated.response.iter().zip(linear).map(|(r, l)| r - l).collect()
-}
-
-/// The largest change in standard deviations.
-fn in_deviations(fit: &Fit, changes: impl Iterator<Item = f64>) -> f64 {
-    let size = |i: usize| fit.standard_deviation[i].max(f64::EPSILON * fit.theta[i].abs()).max(f64::MIN_POSITIVE);
-    changes.enumerate().map(|(i, change)| change.abs() / size(i)).fold(0.0, f64::max)
-}
-
 fn error(regression: &Regression, response: &[f64]) -> f64 {
     norm(&regression.whiten(&regression.residual(response)))
 }
@@ -315,7 +276,10 @@ fn error(regression: &Regression, response: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identification::{Divisor, Method};
+    use crate::{
+        identification::{Divisor, Method},
+        linear_algebra::Matrix,
+    };
 
     /// `exp(-a t) + b t^2`: not linear in a.
     fn simulate(theta: &[f64]) -> SimulatedResponse {

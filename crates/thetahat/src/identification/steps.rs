@@ -20,12 +20,13 @@ const DEPENDENT: f64 = 1e-4;
 /// Least part of an estimate's change that is made.
 const LEAST_PART: f64 = 1.0 / 16.0;
 
-/// What is done where changes do not shrink, in order.
+/// What is done where changes do not shrink. A refinement is the first measure unless simulations are fine already.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Measure {
+    /// Simulations get finer tolerances.
     Refine,
+    /// Steps are mixed, and half of each change is made.
     Mix,
-    Shorten,
 }
 
 const MEASURES: [Measure; 3] = [Measure::Refine, Measure::Mix, Measure::Refine];
@@ -102,14 +103,20 @@ impl Steps {
         if self.without_progress < WITHOUT_PROGRESS {
             return;
         }
-        match MEASURES.get(self.measures).copied().unwrap_or(Measure::Shorten) {
-            Measure::Refine => {
+        if self.measures == 0 && self.tolerance <= FINER {
+            self.measures = 1;
+        }
+        match MEASURES.get(self.measures) {
+            Some(Measure::Refine) => {
                 self.tolerance *= FINER;
                 let last = self.taken.len().saturating_sub(1);
                 self.taken.drain(..last);
             }
-            Measure::Mix => self.is_mixed = true,
-            Measure::Shorten => self.shorten(),
+            Some(Measure::Mix) => {
+                self.is_mixed = true;
+                self.shorten();
+            }
+            None => return,
         }
         (self.measures, self.smallest, self.without_progress) = (self.measures + 1, largest, 0);
     }

@@ -20,6 +20,7 @@ mod filtered;
 mod loop_parameters;
 mod physical;
 mod problem;
+mod proposed_controller;
 mod recording;
 mod reference;
 mod reference_correction;
@@ -35,6 +36,7 @@ pub(crate) use loop_parameters::{LoopParameters, LoopParts};
 pub(crate) use physical::known_in_words;
 pub use physical::{Axis, KnownQuantity, PriorKind, PriorOptions, PriorWeight, ValueOrRange, WeightRule};
 pub(crate) use problem::{Chosen, Problem, full_model_test, named_elimination};
+pub(crate) use proposed_controller::{ProposedController, propose_controller};
 pub use recording::Recording;
 pub(crate) use reference::RecordedReference;
 pub use reference_correction::{OneOrEach, ReferenceCorrection};
@@ -43,5 +45,4 @@ pub use settings::{
     SimulationOptions, Start,
 };
 pub(crate) use setup::{Basis, Setup};
-pub(crate) use validation::PROPOSED_BANDWIDTH_HZ;
 pub(crate) use validation::validate_window;

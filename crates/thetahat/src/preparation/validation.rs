@@ -5,20 +5,16 @@ use std::collections::BTreeSet;
 use super::{
     error::PreparationError,
     physical::{PriorWeight, validate_known},
-    settings::{Case, NamedChoice, ParameterChoice, ParameterSelection, Settings},
+    settings::{NamedChoice, ParameterChoice, ParameterSelection, Settings},
 };
 use crate::{
-    control::ControllerDescription,
-    identification::{Design, Method, Needs},
+    identification::{Design, Method, Needs, Response, Weighting},
     robot::Robot,
     simulation::Solver,
 };
 
 /// Highest order of the position filter: beyond it, its transients are longer than what it is to keep.
 const HIGHEST_ORDER: usize = 20;
-
-/// Bandwidth of the controller that is simulated where none is described: a guess.
-pub(crate) const PROPOSED_BANDWIDTH_HZ: f64 = 10.0;
 
 type Checked = Result<(), PreparationError>;
 
@@ -32,6 +28,7 @@ impl Settings {
         self.validate_parameters()?;
         self.validate_physical(robot)?;
         self.validate_methods()?;
+        self.validate_weighting()?;
         self.validate_convergence()?;
         if let Some(controller) = &self.controller {
             controller.validate(robot.coordinate_count())?;
@@ -97,6 +94,21 @@ impl Settings {
         Ok(())
     }
 
+    /// The weights of joints are those of their torques.
+    fn validate_weighting(&self) -> Checked {
+        let of_positions = |(method, weighting): &(&Method, &Weighting)| {
+            method.response() == Response::Position && **weighting != Weighting::None
+        };
+        match self.estimation.weighting.iter().find(of_positions) {
+            None => Ok(()),
+            Some((method, weighting)) => {
+                let key = format!("[estimation] weighting.{method}");
+                let expected = "\"none\": the weights of joints are those of torques, and it fits positions";
+                Err(PreparationError::value(&key, expected, weighting.name()))
+            }
+        }
+    }
+
     fn validate_method_list(&self, methods: &[Method]) -> Checked {
         if methods.is_empty() {
             return Err(PreparationError::value("methods", "at least one method", "an empty list"));
@@ -116,15 +128,6 @@ impl Settings {
             return Err(PreparationError::Missing { missing: "[controller]", why });
         }
         Ok(())
-    }
-
-    /// The controller that IV simulates where none is described: a guess, of which IV needs no more than that the loop
-    /// follows the motion. None where one is described or IV is not among the methods.
-    pub(crate) fn proposed_controller(&self) -> Option<ControllerDescription> {
-        let asked = |case: &Case| case.methods.clone().unwrap_or_else(|| self.estimation.methods.clone());
-        let is_iv = |m: &Method| m.needs() == Needs::Instruments && m.design() == Design::Measured;
-        let wanted = self.controller.is_none() && self.all_cases().iter().any(|case| asked(case).iter().any(is_iv));
-        wanted.then(|| ControllerDescription::pd(PROPOSED_BANDWIDTH_HZ))
     }
 
     fn validate_convergence(&self) -> Checked {

@@ -8,7 +8,7 @@ use crate::{
     control::ControllerDescription,
     dynamics::{Model, Sign},
     experiment::Experiment,
-    preparation::Gains,
+    preparation::{Gains, propose_controller},
     scheduling::closed_loop,
     series::Series,
     signal::Motion,
@@ -29,7 +29,7 @@ const FIXED_TOLERANCE: f64 = 1e-3;
 pub(super) struct Simulated<'a> {
     experiment: &'a Experiment,
     model: &'a Model,
-    controller: &'a ControllerDescription,
+    controller: ControllerDescription,
     source: &'a Source<'a>,
     /// Standard parameters.
     theta: Vec<f64>,
@@ -56,9 +56,9 @@ impl<'a> Simulated<'a> {
         theta: &[f64],
         (reach, window): (usize, &Range<usize>),
     ) -> Result<Self, ReductionError> {
-        let why = "instruments are simulated under its control";
-        let controller =
-            experiment.settings.controller.as_ref().ok_or_else(|| experiment.missing("[controller]", why))?;
+        // A record that comes in pieces is not there to tell a bandwidth.
+        let controller = experiment.settings.controller.clone();
+        let controller = controller.unwrap_or_else(|| propose_controller(&[]).description);
         let (theta, inertia) = (base.to_standard(theta), Vec::new());
         let mut simulated = Self { experiment, model, controller, source, theta, inertia, reach, whole: None };
         let reference = simulated.reference_in_memory()?;
@@ -116,7 +116,7 @@ impl<'a> Simulated<'a> {
     fn closed_loop<'b>(&'b self, reference: &'b Reference, added: Option<&'b Series>) -> ClosedLoop<'b> {
         let added = added.map(|series| (series, self.source.sample_rate_hz));
         let setup = self.experiment.setup();
-        closed_loop(setup, self.model, self.controller, reference, added, SimulatorBias::NONE)
+        closed_loop(setup, self.model, &self.controller, reference, added, SimulatorBias::NONE)
     }
 
     /// The parameters for whose inertia the gains of a controller given by its bandwidth are.

@@ -173,7 +173,7 @@ impl Solver<'_> {
     }
 
     fn failed(&self, method: Method, outcome: &Outcome) -> RunResult {
-        let reason = outcome.reason.as_ref().map(|r| explain(&self.chosen.estimated, r));
+        let reason = outcome.reason.as_ref().map(|r| explain(&self.chosen.estimated, &[], r));
         RunResult {
             weighting: Some(self.settings.weighting(method)),
             reason,

@@ -1,6 +1,7 @@
 //! Advice and diagnosis: which numbers to take, and the tests behind it.
 
 use super::{
+    closed_loop,
     number::{NONE, optional, significant},
     section::Section,
     table::Table,
@@ -23,13 +24,20 @@ pub(super) fn advice(results: &Results) -> impl Iterator<Item = (&'static str, S
 }
 
 pub(super) fn section(results: &Results) -> Section {
-    let tables = [comparisons(results), explanations(results), residuals(results)];
+    let tables = [
+        comparisons(results),
+        explanations(results),
+        closed_loop::approximation(results),
+        closed_loop::loop_parameters(results),
+        residuals(results),
+    ];
+    let folded = [closed_loop::whole_approximation(results), joint_residuals(results)];
     Section {
         id: "diagnosis",
         title: "Diagnosis",
         lines: notes(results),
         tables: tables.into_iter().flatten().collect(),
-        folded: joint_residuals(results).into_iter().collect(),
+        folded: folded.into_iter().flatten().collect(),
         ..Section::default()
     }
 }
@@ -209,7 +217,7 @@ pub(super) fn notes(results: &Results) -> Vec<String> {
         let joints = d.biased_simulator.as_ref().filter(|b| b.joint_percent.len() > 1).map(|b| joint_note(&d.case, b));
         [instruments, joints].into_iter().flatten().collect::<Vec<_>>()
     };
-    results.diagnostics.iter().flat_map(of_case).collect()
+    results.diagnostics.iter().flat_map(of_case).chain(closed_loop::notes(results)).collect()
 }
 
 fn instrument_note(case: &str, i: &InstrumentResult) -> String {

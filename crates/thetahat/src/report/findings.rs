@@ -27,7 +27,7 @@ pub(super) fn of_runs_text(runs: &[RunResult]) -> String {
         let seen = format!("{} [{}] {} {}: {}", label(f.severity), f.code, r.case, r.method, seen(f));
         wrap(&seen, "  ") + &wrap(&format!("-> {}", f.remedy), "     ")
     };
-    let lines: String = runs.iter().flat_map(|r| r.findings.iter().map(move |f| line(r, f))).collect();
+    let lines: String = runs.iter().flat_map(|r| of_run(r).map(move |f| line(r, f))).collect();
     if lines.is_empty() { lines } else { format!("Found in the estimates:\n{lines}") }
 }
 
@@ -36,7 +36,11 @@ pub(super) fn lines_of_runs(runs: &[RunResult]) -> Vec<String> {
     let line = |r: &RunResult, f: &Finding| {
         format!("{} {}: {} [{}] {}. \u{2192} {}.", r.case, r.method, label(f.severity), f.code, seen(f), f.remedy)
     };
-    runs.iter().flat_map(|r| r.findings.iter().map(move |f| line(r, f))).collect()
+    runs.iter().flat_map(|r| of_run(r).map(move |f| line(r, f))).collect()
+}
+
+fn of_run(run: &RunResult) -> impl Iterator<Item = &Finding> {
+    run.physical.iter().flat_map(|p| &p.findings)
 }
 
 /// How many findings there are of each severity, in words.

@@ -21,6 +21,7 @@
 mod box_plot;
 mod campaign;
 mod campaign_tables;
+mod closed_loop;
 mod contents;
 mod diagnosis;
 mod error;

@@ -119,7 +119,6 @@ fn consistent(results: &Results) -> Option<Table> {
              and the variance of the error, correlated in time; p: probability of as large an F where a consistent \
              robot made the record.",
         ]),
-        ..Table::default()
     })
 }
 

@@ -1,7 +1,7 @@
 //! The report for the terminal: tables of at most [`TEXT_WIDTH`](super::TEXT_WIDTH) columns, without colour.
 
 use super::{
-    diagnosis, facts,
+    closed_loop, diagnosis, facts,
     findings::{findings_text, of_runs_text},
     physical,
     published::Published,
@@ -53,7 +53,13 @@ pub fn summary(results: &Results) -> String {
 /// What tells the methods apart, and what the residuals say; empty where nothing was diagnosed.
 #[must_use]
 pub fn diagnosis(results: &Results) -> String {
-    let tables = [diagnosis::comparisons(results), diagnosis::explanations(results), diagnosis::residuals(results)];
+    let tables = [
+        diagnosis::comparisons(results),
+        diagnosis::explanations(results),
+        closed_loop::approximation(results),
+        closed_loop::loop_parameters(results),
+        diagnosis::residuals(results),
+    ];
     let tables = tables.into_iter().flatten().map(|t| t.to_text());
     let notes: String = diagnosis::notes(results).iter().map(|line| wrap(line, "")).collect();
     tables.chain([notes]).filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")

@@ -54,6 +54,34 @@ pub struct CaseDiagnosis {
     pub instruments: Option<InstrumentResult>,
     /// DIDIM against IV.
     pub biased_simulator: Option<BiasedSimulatorResult>,
+    /// DIDIM against CLIE.
+    #[serde(default)]
+    pub approximation: Option<ApproximationResult>,
+}
+
+/// DIDIM against CLIE: what the approximation of the sensitivities by phi, equations (16) and (17), leaves out.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ApproximationResult {
+    /// Whether an estimate differs by more than its deviation.
+    pub matters: bool,
+    /// Average difference of the estimates in standard deviations of CLIE, with correlated errors.
+    pub average_difference: f64,
+    /// Every parameter.
+    pub parameters: Vec<ApproximatedParameter>,
+}
+
+/// A parameter of DIDIM beside that of CLIE.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ApproximatedParameter {
+    /// Its name.
+    pub name: String,
+    /// `100 |Z_i - J_i| / |J_i|`: how far the approximated sensitivity of DIDIM is from the exact one of CLIE, each at its own
+    /// estimate.
+    pub column_percent: f64,
+    /// DIDIM less CLIE.
+    pub difference: f64,
+    /// The same in standard deviations of CLIE, with correlated errors.
+    pub deviations: f64,
 }
 
 /// The Durbin-Wu-Hausman test of LS against IV.

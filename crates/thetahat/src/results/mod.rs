@@ -46,8 +46,8 @@ pub use campaign::{CampaignResults, Extent, MethodSummary, ParameterSummary, Pub
 pub use content::{NOMINAL, Results, SCHEMA};
 pub use curves::{Plots, RunPlots};
 pub use diagnosis::{
-    Advice, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis, EndogeneityResult, Influence, InstrumentResult,
-    JointResidual, ParameterDifference, ResidualResult, Verdict,
+    Advice, ApproximatedParameter, ApproximationResult, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis,
+    EndogeneityResult, Influence, InstrumentResult, JointResidual, ParameterDifference, ResidualResult, Verdict,
 };
 pub use file::ResultsError;
 pub use joints::JointResult;

@@ -1,5 +1,7 @@
 use serde::{Deserialize, Serialize};
 
+use crate::checks::Finding;
+
 /// Whether some robot made of bodies has the estimates: see `docs/physical_consistency.md`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PhysicalResult {
@@ -16,6 +18,9 @@ pub struct PhysicalResult {
     pub deviations: Option<f64>,
     /// Smallest eigenvalue of the pseudo-inertia matrices of the standard parameters nearest to consistent ones.
     pub smallest_eigenvalue: f64,
+    /// What was found in the estimates, the gravest first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub findings: Vec<Finding>,
     /// The consistent estimate, with `physical = true`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub estimate: Option<ConsistentEstimate>,

@@ -9,7 +9,6 @@ use super::{
     physical::PhysicalResult,
 };
 use crate::{
-    checks::Finding,
     identification::{Method, Status, Weighting},
     statistics::FTest,
 };
@@ -35,9 +34,6 @@ pub struct RunResult {
     /// Whether the estimates are those of a physical robot; none without an estimate.
     #[serde(default)]
     pub physical: Option<PhysicalResult>,
-    /// What was found in the estimates.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub findings: Vec<Finding>,
     /// Iterations.
     pub iterations: usize,
     /// Closed-loop simulations of the iteration.
@@ -120,7 +116,6 @@ impl RunResult {
             reason: None,
             notes: Vec::new(),
             physical: None,
-            findings: Vec::new(),
             iterations: 0,
             simulations: 0,
             relative_error_percent: None,

@@ -9,13 +9,11 @@ use super::{
     },
     identification::{Identification, explain},
     linear::Linear,
-    not_physical::not_physical,
     parameters::{loop_parameter_results, parameter_results},
     physical::Examined,
     prepared::filtered,
 };
 use crate::{
-    checks::Finding,
     diagnosis::{Estimated, residual},
     identification::{Fit, Method, Needs, Outcome, Response, uncertainty},
     preparation::{Case, PreparationError, Problem},
@@ -50,7 +48,6 @@ impl Assessment<'_> {
             let folds = self.folds(problem).filter(|_| setup.settings.parameters.physical);
             let linear = Linear::of(self.job, &outcome, fit);
             run.physical = Examined { setup, job: self.job, linear: &linear, run: &run, folds }.physical();
-            run.findings = self.findings(&run);
             run.residual = Some(residual(regression, &fit.prediction));
             self.leave_parts_out(&outcome, &mut run);
             if !self.identification.validation.is_empty() {
@@ -81,7 +78,7 @@ impl Assessment<'_> {
         let test = |f| if *method == Method::IDIM_LS { problem.full_model_test(f) } else { None };
         RunResult {
             weighting: Some(self.identification.setup().settings.weighting(*method)),
-            reason: outcome.reason.as_ref().map(|r| explain(&problem.estimated, r)),
+            reason: outcome.reason.as_ref().map(|r| explain(&problem.estimated, &self.job.names_of_loop(), r)),
             iterations: outcome.iterations.len(),
             simulations: outcome.simulations,
             relative_error_percent: fit.map(|f| f.relative_error_percent),
@@ -116,13 +113,6 @@ impl Assessment<'_> {
     /// The estimates of the robot's parameters, without those of the loop.
     fn of_robot<'f>(&self, fit: &'f Fit) -> &'f [f64] {
         &fit.theta[..self.job.problem.estimated.len()]
-    }
-
-    /// What is found in the estimates of a run.
-    fn findings(&self, run: &RunResult) -> Vec<Finding> {
-        let (setup, problem) = (self.identification.setup(), self.job.problem);
-        let Ok(set) = problem.consistent_set(setup) else { return Vec::new() };
-        not_physical(setup.robot, set, &problem.estimated, run, setup.settings.parameters.physical)
     }
 
     /// Leaves recordings, moves or parts out in turn, and predicts them from the others.

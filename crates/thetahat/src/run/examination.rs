@@ -10,7 +10,8 @@ use crate::{
 pub(crate) fn examine(setup: Setup<'_>, prepared: &Prepared, problem: &Problem, held_back: bool) -> RecordingFindings {
     let Prepared { filtered, reference } = prepared;
     let (recording, options) = (&filtered.recording, &setup.settings.signal);
-    let reconstructed = reference.as_ref().filter(|r| matches!(r.reference, Reference::Moves(_)));
+    let is_planned = recording.planned.is_some();
+    let reconstructed = reference.as_ref().filter(|r| matches!(r.reference, Reference::Moves(_)) && !is_planned);
     let deviation = reconstructed.map(|r| r.rms_deviation(filtered));
     let subject = Subject {
         robot: setup.robot,

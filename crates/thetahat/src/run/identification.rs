@@ -5,7 +5,9 @@ use crate::{
     base_parameters::BaseParameters,
     control::ControllerDescription,
     identification::{EstimationError, Method, Reason, Response, Weighting, idim_ls},
-    preparation::{Case, PROPOSED_BANDWIDTH_HZ, PreparationError, Problem, Recording, Settings, Setup},
+    preparation::{
+        Case, PreparationError, Problem, ProposedController, Recording, Settings, Setup, propose_controller,
+    },
     robot::{Friction, Robot},
     scheduling::{EstimationJob, Simulator},
 };
@@ -18,7 +20,7 @@ pub struct Identification {
     robot: Robot,
     settings: Settings,
     /// The controller that IV simulates where none is described.
-    proposed: Option<ControllerDescription>,
+    proposed: Option<ProposedController>,
     pub(super) main: Vec<Prepared>,
     pub(super) validation: Vec<Prepared>,
 }
@@ -56,14 +58,16 @@ impl Identification {
     /// [`PreparationError`] for settings or recordings that cannot be used.
     pub fn new(robot: &Robot, recordings: Vec<Recording>, settings: Settings) -> Result<Self, PreparationError> {
         settings.validate(robot)?;
-        let (robot, proposed) = (robot.clone(), settings.proposed_controller());
-        let mut identification = Self { robot, settings, proposed, main: Vec::new(), validation: Vec::new() };
+        let robot = robot.clone();
+        let mut identification = Self { robot, settings, proposed: None, main: Vec::new(), validation: Vec::new() };
         if recordings.is_empty() {
             let why = "a robot is identified from its motion and torques";
             return Err(PreparationError::Missing { missing: "a recording", why });
         }
         identification.main = identification.prepare(recordings)?;
         identification.require_torques()?;
+        let lacks_controller = identification.settings.lacks_controller();
+        identification.proposed = lacks_controller.then(|| propose_controller(&filtered(&identification.main)));
         Ok(identification)
     }
 
@@ -105,7 +109,7 @@ impl Identification {
                 recording.name = (i + 1).to_string();
             }
             recording.validate(self.robot.coordinate_count())?;
-            let simulates = self.controller().is_some();
+            let simulates = self.settings.controller.is_some() || self.settings.lacks_controller();
             all.push(Prepared::new(self.setup(), recording, simulates)?);
         }
         require_one_rate(&all)?;
@@ -113,17 +117,12 @@ impl Identification {
     }
 
     /// The controller that is simulated: the one described, or the one proposed for IV.
-    fn controller(&self) -> Option<&ControllerDescription> {
-        self.settings.controller.as_ref().or(self.proposed.as_ref())
+    pub(super) fn controller(&self) -> Option<&ControllerDescription> {
+        self.settings.controller.as_ref().or(self.proposed.as_ref().map(|p| &p.description))
     }
 
     /// What simulations take that the experiment does not say.
     pub(super) fn simulation_notes(&self) -> Vec<String> {
-        let guessed = |_| {
-            format!(
-                "no [controller] is described; simulated is a guess, a PD loop of {PROPOSED_BANDWIDTH_HZ} Hz for each motor"
-            )
-        };
         let smoothed = |p: &Prepared| {
             let reference = p.reference.as_ref().filter(|r| r.periodic.is_none())?;
             let cutoff_hz = reference.smoothing_cutoff_hz?;
@@ -134,7 +133,7 @@ impl Identification {
         };
         let mut filtered: Vec<String> = self.main.iter().filter_map(smoothed).collect();
         filtered.dedup();
-        self.proposed.as_ref().map(guessed).into_iter().chain(filtered).collect()
+        self.proposed.as_ref().map(|p| p.note.clone()).into_iter().chain(filtered).collect()
     }
 
     /// One problem for each friction model, the nominal one first.
@@ -210,11 +209,12 @@ fn require_one_rate(recordings: &[Prepared]) -> Result<(), PreparationError> {
 }
 
 /// A reason in words: the estimators know columns, people know names.
-pub(crate) fn explain(estimated: &BaseParameters, reason: &Reason) -> String {
+pub(crate) fn explain(estimated: &BaseParameters, of_loop: &[String], reason: &Reason) -> String {
     let Reason::Estimation(EstimationError::NotIdentifiable { rank, columns, dependent }) = reason else {
         return reason.to_string();
     };
-    let names: Vec<&str> = dependent.iter().map(|&c| estimated.parameters()[c].name.as_str()).collect();
+    let all = estimated.parameters().iter().map(|p| &p.name).chain(of_loop).collect::<Vec<_>>();
+    let names: Vec<&str> = dependent.iter().filter_map(|&c| Some(all.get(c)?.as_str())).collect();
     format!(
         "the motion separates only {rank} of {columns} parameters; not separated from the others by this motion: {}",
         names.join(" ")

@@ -19,12 +19,13 @@ pub(super) fn not_physical(
     set: &ConsistentSet,
     base: &BaseParameters,
     run: &RunResult,
+    physical: &PhysicalResult,
     asked: bool,
 ) -> Vec<Finding> {
     let table = set.parameter_table();
     let of_parameter = |p: &BaseParameter| negative(robot, table, bounds_of(set, p), p, run, asked);
     let mut findings: Vec<Finding> = base.parameters().iter().filter_map(of_parameter).collect();
-    findings.extend(run.physical.as_ref().and_then(|physical| outside(table, physical, asked)));
+    findings.extend(outside(table, physical, asked));
     findings.sort_by_key(|f| (f.severity, f.joint));
     findings
 }
@@ -82,7 +83,7 @@ fn outside(table: &ParameterTable, physical: &PhysicalResult, asked: bool) -> Op
     let deviations = physical.deviations.unwrap_or(f64::INFINITY);
     let is_noise = deviations < MORE_THAN_NOISE;
     let how_far = format!("{deviations:.1} standard deviations outside");
-    let noise = if is_noise { "as noise explains" } else { "more than noise explains" };
+    let noise = if is_noise { "no more than noise explains" } else { "more than noise explains" };
     Some(Finding {
         code: Code::NotPhysical,
         severity: if is_noise { Severity::Note } else { Severity::Warning },

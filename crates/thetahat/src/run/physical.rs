@@ -1,20 +1,20 @@
 //! Whether a robot made of bodies has an estimate, and with `physical = true` the parameters nearest to it that one has.
 
-use statrs::distribution::{ContinuousCDF, FisherSnedecor};
-
 use super::{
     consistent_data::{LeftOut, Metric, metric},
     cross_validation::{Folds, without_each},
     linear::Linear,
+    not_physical::not_physical,
 };
 use crate::{
     clock::Stopwatch,
-    consistency::{ConsistentFit, ConsistentSet, LeastSquares, Prior, bounds_of, examine_within, fit},
+    consistency::{ConsistentFit, ConsistentSet, LeastSquares, Prior, bounds_of, examine_within, fit, interval_in},
     linear_algebra::norm,
     preparation::{ParameterSelection, PriorKind, PriorWeight, Problem, Setup, WeightRule, known_in_words},
     regression::Regression,
     results::{ConsistencyTest, ConsistentEstimate, ConsistentParameter, PhysicalResult, RunResult},
     scheduling::EstimationJob,
+    statistics::f_probability,
 };
 
 /// Accuracy with which what an estimate lacks is told.
@@ -23,8 +23,8 @@ const EXAMINATION_GAP: f64 = 1e-3;
 const AT_BOUNDARY: f64 = 1e-3;
 /// Weights of the prior that cross-validation tries, in variances of the error.
 const WEIGHTS: [f64; 7] = [1e-3, 1e-2, 1e-1, 1.0, 10.0, 100.0, 1000.0];
-/// Freedom that conditions take below which there is nothing to test.
-const NO_FREEDOM: f64 = 1e-3;
+/// Least freedom of the test: what conditions and the prior take may be next to nothing, and so is the distance then.
+const LEAST_FREEDOM: f64 = 1.0;
 
 /// An estimate that is examined.
 pub(super) struct Examined<'a> {
@@ -49,15 +49,19 @@ impl Examined<'_> {
             Some(Err(reason)) => (None, Some(reason)),
             None => (None, None),
         };
-        Some(PhysicalResult {
+        let physical = PhysicalResult {
             consistent: found.consistent,
             outside: found.outside.iter().map(|(condition, _)| condition.to_string()).collect(),
             lacking: found.outside.iter().map(|(_, lacking)| *lacking).collect(),
             deviations: found.deviations(&self.linear.fit.covariance).map(|d| d / widening),
             smallest_eigenvalue: found.smallest_eigenvalue,
+            findings: Vec::new(),
             estimate,
             reason,
-        })
+        };
+        let (robot, asked) = (self.setup.robot, self.parameters().physical);
+        let findings = not_physical(robot, set, &problem.estimated, self.run, &physical, asked);
+        Some(PhysicalResult { findings, ..physical })
     }
 
     fn parameters(&self) -> &ParameterSelection {
@@ -129,8 +133,10 @@ impl Examined<'_> {
         let theta = problem.estimated.from_standard(&found.standard);
         let prediction = metric.design.times(&theta);
         let smallest = set.pseudo_inertias(&found.standard).into_iter().map(|p| p.smallest_eigenvalue());
-        let at_boundary = set.margins(&found.standard).into_iter().filter(|(_, margin)| *margin < AT_BOUNDARY);
         let options = self.parameters();
+        let is_given = |name: &String| options.exclude.contains(name) || options.fix.contains_key(name);
+        let near = set.margins(&found.standard).into_iter().filter(|(_, margin)| *margin < AT_BOUNDARY);
+        let at_boundary = near.map(|(condition, _)| condition.to_string()).filter(|name| !is_given(name));
         ConsistentEstimate {
             parameters: self.base_parameters(set, problem, &theta),
             standard: standard_parameters(set, &found.standard),
@@ -139,7 +145,7 @@ impl Examined<'_> {
             prior_weight: 0.0,
             weights_tried: Vec::new(),
             smallest_eigenvalue: smallest.fold(f64::INFINITY, f64::min),
-            at_boundary: at_boundary.map(|(condition, _)| condition.to_string()).collect(),
+            at_boundary: at_boundary.collect(),
             squared_residual_free: squared_residual(regression, &self.linear.fit.prediction),
             squared_residual: squared_residual(regression, &prediction),
             relative_error_percent: 100.0 * norm(&regression.residual(&prediction)) / norm(self.linear.measured),
@@ -153,12 +159,7 @@ impl Examined<'_> {
     fn base_parameters(&self, set: &ConsistentSet, problem: &Problem, theta: &[f64]) -> Vec<ConsistentParameter> {
         let parameter = |(i, p): (usize, &crate::base_parameters::BaseParameter)| {
             let free = self.run.parameter(&p.name);
-            let [least, largest] = bounds_of(set, p);
-            // What the set does not allow is taken off; the consistent value is always in it.
-            let inside = |[low, high]: [f64; 2]| {
-                let [low, high] = [low, high].map(|v| v.clamp(least, largest));
-                [low.min(theta[i]), high.max(theta[i])]
-            };
+            let inside = |free: [f64; 2]| interval_in(bounds_of(set, p), free, theta[i]);
             ConsistentParameter {
                 name: p.name.clone(),
                 unit: p.unit.to_owned(),
@@ -174,12 +175,9 @@ impl Examined<'_> {
     fn test(&self, found: &ConsistentFit) -> Option<ConsistencyTest> {
         let widening = self.run.widening().unwrap_or(1.0);
         let taken = self.linear.fit.theta.len() as f64 - found.effective_parameters;
-        let (numerator_freedom, denominator_freedom) = (taken.max(0.0), self.freedom());
-        if numerator_freedom < NO_FREEDOM {
-            return None;
-        }
+        let (numerator_freedom, denominator_freedom) = (taken.max(LEAST_FREEDOM), self.freedom());
         let statistic = found.squared_residual / (numerator_freedom * self.variance() * widening * widening);
-        let p_value = FisherSnedecor::new(numerator_freedom, denominator_freedom).ok()?.sf(statistic);
+        let p_value = f_probability(statistic, numerator_freedom, denominator_freedom)?;
         Some(ConsistencyTest { statistic, numerator_freedom, denominator_freedom, p_value })
     }
 }

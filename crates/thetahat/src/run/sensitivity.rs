@@ -7,7 +7,7 @@ use std::{
 
 use super::identification::{CaseProblem, Identification};
 use crate::{
-    identification::{Method, Outcome},
+    identification::{Design, Method, Outcome},
     pool::in_parallel,
     preparation::{Case, PreparationError},
     results::{Sensitivity, SensitivityPoint},
@@ -40,13 +40,17 @@ impl Identification {
         threads: usize,
         progress: &(dyn Fn(usize, usize) + Sync),
     ) -> Result<Sensitivity, PreparationError> {
-        if self.setup().settings.controller.is_none() {
-            let why = "idim-iv and didim simulate the closed loop";
+        if self.controller().is_none() {
+            let why = "idim-iv and didim simulate the closed loop; for idim-iv among the methods one is guessed";
             return Err(PreparationError::Missing { missing: "[controller]", why });
         }
         let problems = self.problems(&mut |_| {})?;
         let sweep = Sweep { identification: self, problem: &problems[0] };
-        let nominal = sweep.estimate(&METHODS.map(|method| (method, SimulatorBias::NONE, None)), threads);
+        // A guessed controller serves instruments alone.
+        let is_stated = self.setup().settings.controller.is_some();
+        let methods = METHODS.into_iter().filter(|m| is_stated || m.design() == Design::Measured);
+        let nominal: Vec<Wanted<'_>> = methods.map(|method| (method, SimulatorBias::NONE, None)).collect();
+        let nominal = sweep.estimate(&nominal, threads);
         let jobs: Vec<(BiasKind, f64, usize)> = SWEEP
             .iter()
             .flat_map(|(kind, values)| values.iter().map(move |v| (*kind, *v)))

@@ -1,9 +1,9 @@
 //! CLIE and CLOE under way: what they want simulated, and what they make of it.
 
 use super::{
+    job::EstimationJob,
     physical::Physical,
     requests::{Request, Simulated},
-    scheduler::EstimationJob,
     simulator::{Output, Parameters, Simulator},
 };
 use crate::{
@@ -39,7 +39,11 @@ impl<'a> Fitting<'a> {
             Wanted::Response(theta) => (theta, Output::Motion { step: 1 }),
             Wanted::Sensitivities(theta) => (theta, Output::Sensitivities(self.job.method.response())),
         };
-        Some(Request { simulator: self.simulator, theta: Parameters::Fitted(theta.to_vec()), output })
+        Some(Request {
+            simulator: self.simulator,
+            theta: Parameters::Fitted { theta: theta.to_vec(), tolerance: self.estimation.tolerance() },
+            output,
+        })
     }
 
     /// Takes what was simulated.

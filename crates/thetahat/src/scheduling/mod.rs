@@ -5,11 +5,14 @@
 //! simulations in the lanes of a vector. Results are bit-identical alone or batched.
 
 mod fitting;
+mod job;
 mod physical;
 mod requests;
+mod response;
 mod scheduler;
 mod simulator;
 
+pub(crate) use job::EstimationJob;
 pub(crate) use requests::instruments_side_by_side;
-pub(crate) use scheduler::{EstimationJob, Finished, RunOptions, SIDE_BY_SIDE, run_all};
+pub(crate) use scheduler::{Finished, RunOptions, SIDE_BY_SIDE, run_all};
 pub(crate) use simulator::{Simulator, closed_loop};

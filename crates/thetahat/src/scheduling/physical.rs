@@ -13,6 +13,7 @@ use crate::{
 
 /// Part of the a-priori mass matrix above which that of start values is simulated as it is: they are the user's.
 const PART_AT_START: f64 = 0.01;
+
 /// How close to the boundary of the physical set a method goes.
 struct Margin {
     /// Part of the a-priori mass matrix above which that of an estimate is simulated as it is.
@@ -97,13 +98,18 @@ impl<'a> Physical<'a> {
         Some(start)
     }
 
-    /// Makes an estimate, or a mean of several, what is simulated, with tolerances `tolerance` times as large.
-    pub(super) fn simulate(&mut self, estimate: &[f64], tolerance: f64) {
-        let (theta, tolerance) = match (self.standard(estimate), self.is_needed) {
-            (standard, true) => (standard, tolerance.min(FINE)),
-            (standard, false) => (standard, tolerance),
-        };
+    /// The same, where it has not started there already.
+    pub(super) fn start_near_ls(&mut self) -> Option<Vec<f64>> {
+        if self.before.is_some() { None } else { self.near_ls() }
+    }
+
+    /// Makes an estimate, or a mean of several, what is simulated, with tolerances `tolerance` times as large, or less where it
+    /// must be; that factor.
+    pub(super) fn simulate(&mut self, estimate: &[f64], tolerance: f64) -> f64 {
+        let theta = self.standard(estimate);
+        let tolerance = if self.is_needed { tolerance.min(FINE) } else { tolerance };
         self.current = Parameters::Standard { theta, tolerance };
+        tolerance
     }
 
     /// The estimate that counts: of DIDIM, once it leaves what can be simulated, that of the physical set.

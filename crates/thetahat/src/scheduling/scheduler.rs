@@ -2,50 +2,17 @@
 
 use super::{
     fitting::Fitting,
+    job::EstimationJob,
     physical::Physical,
     requests::{Request, Simulated, simulate_side_by_side},
-    simulator::{Output, Parameters, Simulator},
+    simulator::{Output, Parameters},
 };
 use crate::{
     clock::Stopwatch,
-    identification::{Estimation, IterationOptions, Method, Needs, Outcome, Response},
+    identification::{Estimation, IterationOptions, Needs, Outcome},
     linear_algebra::Matrix,
-    preparation::Problem,
-    regression::Regression,
     simulation::{SimulatedMotion, SimulationError},
 };
-
-/// A method on a problem.
-pub(crate) struct EstimationJob<'a> {
-    pub(crate) problem: &'a Problem,
-    pub(crate) method: Method,
-    /// The rows of the problem with the weights of the method.
-    pub(crate) regression: Regression,
-    pub(crate) simulator: Option<Simulator<'a>>,
-    /// Where an iteration starts.
-    pub(crate) start: Vec<f64>,
-}
-
-impl<'a> EstimationJob<'a> {
-    /// A method with weights of the rows, from the start values of its simulator.
-    pub(crate) fn new(
-        problem: &'a Problem,
-        method: Method,
-        weights: Option<Vec<f64>>,
-        simulator: Option<Simulator<'a>>,
-    ) -> Self {
-        let simulator = simulator.map(|simulator| simulator.of_method(method));
-        let start = simulator.as_ref().map(Simulator::start).unwrap_or_default();
-        let regression = problem.regression.with_weights(weights);
-        let regression = match (method.response(), &simulator) {
-            (Response::Position, Some(simulator)) => simulator
-                .measured(Response::Position)
-                .map_or_else(|_| regression.clone(), |y| regression.with_measured(y)),
-            (Response::Position, None) | (Response::Torque, _) => regression,
-        };
-        Self { problem, method, regression, simulator, start }
-    }
-}
 
 /// How an estimation ended.
 pub(crate) struct Finished {
@@ -188,7 +155,8 @@ impl<'a> Running<'a> {
             {
                 self.note = fitting.note();
                 let outcome = fitting.into_outcome();
-                let theta = outcome.fit.as_ref().map(|fit| Parameters::Fitted(fit.theta.clone()));
+                let theta =
+                    outcome.fit.as_ref().map(|fit| Parameters::Fitted { theta: fit.theta.clone(), tolerance: 1.0 });
                 self.stage = Stage::Estimated(Box::new(outcome), theta);
             }
             self.seconds += seconds + stopwatch.seconds();
@@ -223,12 +191,19 @@ impl<'a> Running<'a> {
     /// Goes on with what was simulated. Where an estimate could not be, a physical robot's parameters are.
     fn estimate(&mut self, estimation: &mut Estimation, z: Result<Matrix, SimulationError>) {
         let Some(physical) = &mut self.physical else { return };
+        if z.is_err()
+            && !estimation.has_estimate()
+            && let Some(start) = physical.start_near_ls()
+        {
+            return estimation.start_anew(start);
+        }
         let anew = z.is_err() && physical.require() && estimation.simulate_anew(&mut |fit, z| physical.revise(fit, z));
         if !anew {
             estimation.take(z, &self.job.regression, &mut |fit, z| physical.revise(fit, z));
         }
         if let Some(theta) = estimation.wanted() {
-            physical.simulate(theta, estimation.tolerance());
+            let tolerance = physical.simulate(theta, estimation.tolerance());
+            estimation.simulated_with(tolerance);
         }
     }
 

@@ -5,14 +5,13 @@ use std::{borrow::Cow, collections::BTreeMap};
 use crate::{
     control::ControllerDescription,
     dynamics::{Model, Sign},
-    identification::{Assembly, Method, Needs, Response, SimulatedResponse},
+    identification::{Assembly, Method, Needs, Response},
     linear_algebra::{Matrix, norm},
     preparation::{Case, FilteredRecording, Gains, LoopParameters, LoopParts, Problem, RecordedReference, Setup},
     series::Series,
     signal::Motion,
     simulation::{
-        ClosedLoop, Job, OutputGrid, Reference, SensitiveTo, Sensitivities, SimulatedMotion, SimulationError,
-        SimulatorBias, Solver, simulate_all,
+        ClosedLoop, Job, OutputGrid, Reference, SimulatedMotion, SimulationError, SimulatorBias, Solver, simulate_all,
     },
 };
 
@@ -61,7 +60,7 @@ pub(crate) enum Parameters {
     Estimated(Vec<f64>),
     /// The same, simulated with tolerances [`FINE`] times as large: the response itself is compared with the record, and an
     /// error is to fall with every step.
-    Fitted(Vec<f64>),
+    Fitted { theta: Vec<f64>, tolerance: f64 },
     /// All standard parameters, simulated with tolerances so many times as large as those of the settings.
     Standard { theta: Vec<f64>, tolerance: f64 },
 }
@@ -83,20 +82,20 @@ pub(super) const FINE: f64 = 0.01;
 /// Simulates the loops of all recordings for one case.
 pub(crate) struct Simulator<'a> {
     setup: Setup<'a>,
-    problem: &'a Problem,
+    pub(super) problem: &'a Problem,
     controller: &'a ControllerDescription,
     bias: SimulatorBias,
-    loops: Vec<RecordedLoop<'a>>,
-    kept_inertia: Option<Vec<f64>>,
+    pub(super) loops: Vec<RecordedLoop<'a>>,
+    pub(super) kept_inertia: Option<Vec<f64>>,
     /// What of the loop is estimated behind the robot's parameters.
-    loop_parameters: LoopParameters,
+    pub(super) loop_parameters: LoopParameters,
 }
 
 /// The loop of one recording.
-struct RecordedLoop<'a> {
-    filtered: &'a FilteredRecording,
-    assembly: Assembly<'a>,
-    closed_loop: ClosedLoop<'a>,
+pub(super) struct RecordedLoop<'a> {
+    pub(super) filtered: &'a FilteredRecording,
+    pub(super) assembly: Assembly<'a>,
+    pub(super) closed_loop: ClosedLoop<'a>,
 }
 
 impl<'a> Simulator<'a> {
@@ -143,8 +142,16 @@ impl<'a> Simulator<'a> {
 
     /// The same with gains that stay those of the start values.
     fn with_kept_gains(self) -> Self {
+        Self { kept_inertia: Some(self.inertia(&self.parameters_of_kept_gains())), ..self }
+    }
+
+    /// The start values, or the completed a-priori ones where those are no robot's: its gains would be zero or negative.
+    fn parameters_of_kept_gains(&self) -> Vec<f64> {
         let start = self.problem.estimated.to_standard(&self.start());
-        Self { kept_inertia: Some(self.inertia(&start)), ..self }
+        if self.has_mass_matrix_above(&start, 0.0, &start) {
+            return start;
+        }
+        self.problem.consistent_set(self.setup).map_or(start, |set| set.a_priori().to_vec())
     }
 
     /// What of the loop is estimated behind the robot's parameters.
@@ -189,63 +196,6 @@ impl<'a> Simulator<'a> {
         Ok(self.problem.regression.layout.stack_matrices(matrices))
     }
 
-    /// The response of the record in the rows of y: raw torques, or raw positions through the same parallel filter.
-    pub(super) fn measured(&self, response: Response) -> Result<Vec<f64>, SimulationError> {
-        let of_loop = |l: &RecordedLoop<'_>| match response {
-            Response::Torque => l.in_rows(&l.filtered.torque()),
-            Response::Position => l.in_rows(&l.filtered.position()),
-        };
-        Ok(self.problem.regression.layout.stack_vectors(self.loops.iter().map(of_loop).collect::<Result<_, _>>()?))
-    }
-
-    /// The response of motions simulated at every sample of the windows, in the rows of y.
-    pub(super) fn response_of(
-        &self,
-        motions: &[SimulatedMotion],
-        response: Response,
-    ) -> Result<Vec<f64>, SimulationError> {
-        let of_loop = |(l, motion): (&RecordedLoop<'_>, &SimulatedMotion)| match response {
-            Response::Torque => l.in_rows(&motion.tau),
-            Response::Position => l.in_rows(&motion.q),
-        };
-        let vectors = self.loops.iter().zip(motions).map(of_loop).collect::<Result<_, _>>()?;
-        Ok(self.problem.regression.layout.stack_vectors(vectors))
-    }
-
-    /// The response with its sensitivities, in the rows of y.
-    pub(super) fn response_with_sensitivities(
-        &self,
-        parameters: &Parameters,
-        response: Response,
-    ) -> Result<SimulatedResponse, SimulationError> {
-        let resolved = self.resolve(parameters);
-        let jobs = self.jobs(&resolved, Output::Sensitivities(response));
-        let of_robot = self.problem.estimated.columns().into_iter().map(SensitiveTo::Parameter);
-        let to: Vec<SensitiveTo> = of_robot.chain(self.loop_parameters.sensitive_to().iter().copied()).collect();
-        let slopes = self.kept_inertia.is_none().then(|| self.inertia_slopes(&to));
-        let (mut responses, mut matrices) = (Vec::new(), Vec::new());
-        for (l, job) in self.loops.iter().zip(&jobs) {
-            let found = l.response_with_sensitivities(job, &to, slopes.as_deref(), response)?;
-            responses.push(found.response);
-            matrices.push(found.sensitivities);
-        }
-        let layout = &self.problem.regression.layout;
-        Ok(SimulatedResponse {
-            response: layout.stack_vectors(responses),
-            sensitivities: layout.stack_matrices(matrices),
-        })
-    }
-
-    /// The derivatives of the inertia that each motor sees.
-    fn inertia_slopes(&self, to: &[SensitiveTo]) -> Vec<Vec<f64>> {
-        let of_loops: Vec<Vec<Vec<f64>>> =
-            self.loops.iter().map(|l| l.closed_loop.motor_inertia_slopes(to, l.duration_s())).collect();
-        let count = of_loops.len() as f64;
-        let mean = |p: usize, motor: usize| of_loops.iter().map(|slopes| slopes[p][motor]).sum::<f64>() / count;
-        let motors = self.problem.model.coordinate_count();
-        (0..to.len()).map(|p| (0..motors).map(|motor| mean(p, motor)).collect()).collect()
-    }
-
     /// Number of recordings.
     pub(super) fn recordings(&self) -> usize {
         self.loops.len()
@@ -283,7 +233,9 @@ impl<'a> Simulator<'a> {
         };
         let ((standard, of_loop), solver) = match parameters {
             Parameters::Estimated(theta) => (split(theta), solver),
-            Parameters::Fitted(theta) => (split(theta), solver.for_sensitivities().with_tolerances_times(FINE)),
+            Parameters::Fitted { theta, tolerance } => {
+                (split(theta), solver.for_sensitivities().with_tolerances_times(FINE * tolerance))
+            }
             Parameters::Standard { theta, tolerance } => {
                 ((theta.clone(), Vec::new()), solver.with_tolerances_times(*tolerance))
             }
@@ -335,33 +287,6 @@ impl<'a> Simulator<'a> {
 }
 
 impl RecordedLoop<'_> {
-    /// The response of a job and its sensitivities, in the rows of y.
-    fn response_with_sensitivities(
-        &self,
-        job: &Job<'_>,
-        to: &[SensitiveTo],
-        inertia_slopes: Option<&[Vec<f64>]>,
-        response: Response,
-    ) -> Result<SimulatedResponse, SimulationError> {
-        let mut simulation = Sensitivities::new(job, to, inertia_slopes)?;
-        self.assembly.response_with_sensitivities(to.len(), |values, slopes| {
-            let end = SimulationError::TooShortToFilter;
-            let sample = simulation.next_sample()?.ok_or(end)?;
-            let (of_joints, of_parameters) = match response {
-                Response::Torque => (sample.tau, sample.tau_slopes),
-                Response::Position => (sample.q, sample.q_slopes),
-            };
-            values.copy_from_slice(of_joints);
-            slopes.copy_from_slice(of_parameters);
-            Ok(())
-        })
-    }
-
-    /// A series of the window in the rows of y.
-    fn in_rows(&self, series: &Series) -> Result<Vec<f64>, SimulationError> {
-        self.assembly.measurement_vector(series).map_err(|_| SimulationError::TooShortToFilter)
-    }
-
     fn instruments(&self, setup: Setup<'_>, motion: &SimulatedMotion) -> Result<Matrix, SimulationError> {
         let sign = Sign::Smooth { scale: self.closed_loop.sign_velocity_scale };
         let unfiltered = |_| SimulationError::TooShortToFilter;
@@ -394,7 +319,7 @@ impl RecordedLoop<'_> {
         self.closed_loop.motor_inertia(standard, self.duration_s())
     }
 
-    fn duration_s(&self) -> f64 {
+    pub(super) fn duration_s(&self) -> f64 {
         self.filtered.recording.position.len() as f64 / self.filtered.recording.sample_rate_hz
     }
 }

@@ -29,8 +29,14 @@ pub fn f_test(
     let denominator_freedom = rows.checked_sub(full_parameters).filter(|d| *d > 0)?;
     let (d1, d2) = (numerator_freedom as f64, denominator_freedom as f64);
     let statistic = ((reduced_squares - full_squares) / d1) / (full_squares / d2);
-    let p_value = FisherSnedecor::new(d1, d2).ok()?.sf(statistic.max(0.0));
+    let p_value = f_probability(statistic, d1, d2)?;
     Some(FTest { statistic, numerator_freedom, denominator_freedom, p_value })
+}
+
+/// Probability that an F of these degrees of freedom, which need not be integers, is at least as large.
+#[must_use]
+pub fn f_probability(statistic: f64, numerator_freedom: f64, denominator_freedom: f64) -> Option<f64> {
+    Some(FisherSnedecor::new(numerator_freedom, denominator_freedom).ok()?.sf(statistic.max(0.0)))
 }
 
 #[cfg(test)]

@@ -33,7 +33,7 @@ mod wu_hausman;
 pub use autoregressive::Autoregressive;
 pub use biased_simulator::{BiasFit, SimulatorComparison};
 pub use chi_squared::{ChiSquaredTest, chi_squared_test};
-pub use f_test::{FTest, f_test};
+pub use f_test::{FTest, f_probability, f_test};
 pub use homoscedasticity::levene;
 pub use noise::RowNoise;
 pub use normality::jarque_bera;

@@ -1,0 +1,45 @@
+//! What is to be estimated.
+
+use super::simulator::Simulator;
+use crate::{
+    identification::{Method, Response},
+    preparation::Problem,
+    regression::Regression,
+};
+
+/// A method on a problem.
+pub(crate) struct EstimationJob<'a> {
+    pub(crate) problem: &'a Problem,
+    pub(crate) method: Method,
+    /// The rows of the problem with the weights of the method.
+    pub(crate) regression: Regression,
+    pub(crate) simulator: Option<Simulator<'a>>,
+    /// Where an iteration starts.
+    pub(crate) start: Vec<f64>,
+}
+
+impl<'a> EstimationJob<'a> {
+    /// A method with weights of the rows, from the start values of its simulator.
+    pub(crate) fn new(
+        problem: &'a Problem,
+        method: Method,
+        weights: Option<Vec<f64>>,
+        simulator: Option<Simulator<'a>>,
+    ) -> Self {
+        let simulator = simulator.map(|simulator| simulator.of_method(method));
+        let start = simulator.as_ref().map(Simulator::start).unwrap_or_default();
+        let regression = problem.regression.with_weights(weights);
+        let regression = match (method.response(), &simulator) {
+            (Response::Position, Some(simulator)) => simulator
+                .measured(Response::Position)
+                .map_or_else(|_| regression.clone(), |y| regression.with_measured(y)),
+            (Response::Position, None) | (Response::Torque, _) => regression,
+        };
+        Self { problem, method, regression, simulator, start }
+    }
+
+    /// The names of what of the loop is estimated behind the robot's parameters.
+    pub(crate) fn names_of_loop(&self) -> Vec<String> {
+        self.simulator.as_ref().map(|s| s.loop_parameters().names()).unwrap_or_default()
+    }
+}

@@ -1,0 +1,96 @@
+//! What the loops of all recordings answer, for methods that compare it with the record.
+
+use super::simulator::{Output, Parameters, RecordedLoop, Simulator};
+use crate::{
+    identification::{Response, SimulatedResponse},
+    series::Series,
+    simulation::{Job, SensitiveTo, Sensitivities, SimulatedMotion, SimulationError},
+};
+
+impl Simulator<'_> {
+    /// The response of the record in the rows of y: raw torques, or raw positions through the same parallel filter.
+    pub(super) fn measured(&self, response: Response) -> Result<Vec<f64>, SimulationError> {
+        let of_loop = |l: &RecordedLoop<'_>| match response {
+            Response::Torque => l.in_rows(&l.filtered.torque()),
+            Response::Position => l.in_rows(&l.filtered.position()),
+        };
+        Ok(self.problem.regression.layout.stack_vectors(self.loops.iter().map(of_loop).collect::<Result<_, _>>()?))
+    }
+
+    /// The response of motions simulated at every sample of the windows, in the rows of y.
+    pub(super) fn response_of(
+        &self,
+        motions: &[SimulatedMotion],
+        response: Response,
+    ) -> Result<Vec<f64>, SimulationError> {
+        let of_loop = |(l, motion): (&RecordedLoop<'_>, &SimulatedMotion)| match response {
+            Response::Torque => l.in_rows(&motion.tau),
+            Response::Position => l.in_rows(&motion.q),
+        };
+        let vectors = self.loops.iter().zip(motions).map(of_loop).collect::<Result<_, _>>()?;
+        Ok(self.problem.regression.layout.stack_vectors(vectors))
+    }
+
+    /// The response with its sensitivities, in the rows of y.
+    pub(super) fn response_with_sensitivities(
+        &self,
+        parameters: &Parameters,
+        response: Response,
+    ) -> Result<SimulatedResponse, SimulationError> {
+        let resolved = self.resolve(parameters);
+        let jobs = self.jobs(&resolved, Output::Sensitivities(response));
+        let of_robot = self.problem.estimated.columns().into_iter().map(SensitiveTo::Parameter);
+        let to: Vec<SensitiveTo> = of_robot.chain(self.loop_parameters.sensitive_to().iter().copied()).collect();
+        let slopes = self.kept_inertia.is_none().then(|| self.inertia_slopes(&to));
+        let (mut responses, mut matrices) = (Vec::new(), Vec::new());
+        for (l, job) in self.loops.iter().zip(&jobs) {
+            let found = l.response_with_sensitivities(job, &to, slopes.as_deref(), response)?;
+            responses.push(found.response);
+            matrices.push(found.sensitivities);
+        }
+        let layout = &self.problem.regression.layout;
+        Ok(SimulatedResponse {
+            response: layout.stack_vectors(responses),
+            sensitivities: layout.stack_matrices(matrices),
+        })
+    }
+
+    /// The derivatives of the inertia that each motor sees.
+    fn inertia_slopes(&self, to: &[SensitiveTo]) -> Vec<Vec<f64>> {
+        let of_loops: Vec<Vec<Vec<f64>>> =
+            self.loops.iter().map(|l| l.closed_loop.motor_inertia_slopes(to, l.duration_s())).collect();
+        let count = of_loops.len() as f64;
+        let mean = |p: usize, motor: usize| of_loops.iter().map(|slopes| slopes[p][motor]).sum::<f64>() / count;
+        let motors = self.problem.model.coordinate_count();
+        (0..to.len()).map(|p| (0..motors).map(|motor| mean(p, motor)).collect()).collect()
+    }
+}
+
+impl RecordedLoop<'_> {
+    /// The response of a job and its sensitivities, in the rows of y.
+    fn response_with_sensitivities(
+        &self,
+        job: &Job<'_>,
+        to: &[SensitiveTo],
+        inertia_slopes: Option<&[Vec<f64>]>,
+        response: Response,
+    ) -> Result<SimulatedResponse, SimulationError> {
+        let mut simulation = Sensitivities::new(job, to, inertia_slopes)?;
+        self.assembly.response_with_sensitivities(to.len(), |values, slopes| {
+            let end = SimulationError::TooShortToFilter;
+            let sample = simulation.next_sample()?.ok_or(end)?;
+            let (of_joints, of_parameters) = match response {
+                Response::Torque => (sample.tau, sample.tau_slopes),
+                Response::Position => (sample.q, sample.q_slopes),
+            };
+            values.copy_from_slice(of_joints);
+            slopes.copy_from_slice(of_parameters);
+            Ok(())
+        })
+    }
+
+    /// A series of the window in the rows of y.
+    fn in_rows(&self, series: &Series) -> Result<Vec<f64>, SimulationError> {
+        self.assembly.measurement_vector(series).map_err(|_| SimulationError::TooShortToFilter)
+    }
+}
