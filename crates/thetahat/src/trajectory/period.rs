@@ -114,15 +114,32 @@ pub(super) fn periodic_stretch(motion: &Thinned, lag: f64) -> Option<Range<usize
         let limit = SAME * motion.deviations[j];
         same.iter_mut().zip(&differences).for_each(|(same, d)| *same &= (d - drift).abs() < limit);
     }
-    let mut longest = 0..0;
-    let mut start = 0;
-    for k in 0..=count {
-        if k == count || !same[k] {
+    let longest = longest_run(&same);
+    (!longest.is_empty()).then(|| longest.start..(longest.end + lag.floor() as usize).min(motion.samples()))
+}
+
+/// The longest range of entries that are true.
+fn longest_run(entries: &[bool]) -> Range<usize> {
+    let (mut longest, mut start) = (0..0, 0);
+    for (k, holds) in entries.iter().chain([&false]).enumerate() {
+        if !holds {
             if k - start > longest.len() {
                 longest = start..k;
             }
             start = k + 1;
         }
     }
-    (!longest.is_empty()).then(|| longest.start..(longest.end + lag.floor() as usize).min(motion.samples()))
+    longest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_longest_run_is_found() {
+        assert_eq!(longest_run(&[true, false, true, true, false, true]), 2..4);
+        assert_eq!(longest_run(&[false, true, true]), 1..3);
+        assert!(longest_run(&[false, false]).is_empty() && longest_run(&[]).is_empty());
+    }
 }
