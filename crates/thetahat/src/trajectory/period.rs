@@ -116,8 +116,8 @@ pub(super) fn periodic_stretch(motion: &Thinned, lag: f64) -> Option<Range<usize
     }
     let mut longest = 0..0;
     let mut start = 0;
-    for k in 0..=count {
-        if k == count || !same[k] {
+    for (k, is_same) in same.into_iter().chain([false]).enumerate() {
+        if !is_same {
             if k - start > longest.len() {
                 longest = start..k;
             }
