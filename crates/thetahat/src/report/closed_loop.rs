@@ -4,10 +4,7 @@ use super::{
     number::{NONE, estimate, significant},
     table::Table,
 };
-use crate::{
-    identification::Response,
-    results::{ApproximatedParameter, LoopParameterResult, Results, RunResult},
-};
+use crate::results::{ApproximatedParameter, LoopParameterResult, Results, RunResult};
 
 /// Parameters that a table lists.
 const LISTED: usize = 6;
@@ -90,7 +87,7 @@ fn approximation_row(case: &str, p: &ApproximatedParameter) -> Vec<String> {
 
 /// What the numbers of the methods are of, where not all are of torques; and whether DIDIM's approximation matters.
 pub(super) fn notes(results: &Results) -> Vec<String> {
-    let of_positions = results.runs.iter().find(|r| r.method.response() == Response::Position);
+    let of_positions = results.runs.iter().find(|r| r.is_of_positions());
     let positions = of_positions.map(|r| format!("{}: its errors are of positions, not of torques.", r.method.name()));
     let matters = results.diagnostics.iter().filter_map(|d| {
         let found = d.approximation.as_ref().filter(|a| a.matters)?;

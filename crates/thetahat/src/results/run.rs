@@ -9,7 +9,7 @@ use super::{
     physical::PhysicalResult,
 };
 use crate::{
-    identification::{Method, Status, Weighting},
+    identification::{Method, Response, Status, Weighting},
     statistics::FTest,
 };
 
@@ -145,6 +145,12 @@ impl RunResult {
         let mut ratios: Vec<f64> = self.parameters.iter().filter_map(ratio).filter(|r| r.is_finite()).collect();
         ratios.sort_by(f64::total_cmp);
         ratios.get(ratios.len() / 2).copied()
+    }
+
+    /// Whether its errors are of positions, not of torques.
+    #[must_use]
+    pub fn is_of_positions(&self) -> bool {
+        self.method.response() == Response::Position
     }
 
     /// The estimate of a parameter.
