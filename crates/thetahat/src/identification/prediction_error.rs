@@ -16,9 +16,11 @@ const DAMPING_FACTOR: f64 = 10.0;
 const NO_DAMPING: f64 = 1e-5;
 /// Damping beyond which the steps are too short to find anything.
 const MOST_DAMPING: f64 = 1e8;
-/// The undamped step, in standard deviations, below which it is the errors of the simulation that keep a step from making the
-/// error smaller: simulations get finer tolerances then, a few times.
+/// The undamped step, in standard deviations, below which it is the errors of the simulation that keep it from getting
+/// smaller: simulations get finer tolerances then, a few times.
 const NEAR: f64 = 3.0;
+/// Part of the undamped step before below which it gets smaller.
+const PROGRESS: f64 = 0.5;
 const FINER: f64 = 0.1;
 const REFINEMENTS: i32 = 2;
 /// Part of the error by which rounding may raise it.
@@ -174,7 +176,8 @@ impl PredictionErrorEstimation {
             self.note(fit, regression);
         }
         let point = Linearised::new(theta, simulated, fit, regression);
-        self.whole_step = point.whole_step_in_deviations(admit);
+        let before = std::mem::replace(&mut self.whole_step, point.whole_step_in_deviations(admit));
+        let is_stuck = self.whole_step.zip(before).is_some_and(|(now, before)| now < NEAR && now > PROGRESS * before);
         let is_small = self.whole_step.is_some_and(|c| c <= self.options.convergence.parameter_change);
         self.best = Some((point.theta.clone(), error(regression, &point.simulated.response)));
         self.point = Some(point);
@@ -183,6 +186,8 @@ impl PredictionErrorEstimation {
             self.end(Status::Converged, None);
         } else if self.linearised >= self.options.convergence.iterations {
             self.end_at_limit();
+        } else if is_stuck && self.refinements < REFINEMENTS {
+            self.refine();
         } else {
             self.step(admit);
         }
