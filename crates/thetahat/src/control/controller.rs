@@ -212,7 +212,7 @@ impl ControllerDescription {
         let pick = |list: &[f64], i: usize| list.get(i).or(list.first()).copied();
         let resolve_loop = |(i, &j): (usize, &f64)| {
             let (position, velocity) = match pick(&self.bandwidth_hz, i) {
-                Some(hz) => (j * (TAU * hz).powi(2), 2.0 * self.damping * TAU * hz * j),
+                Some(hz) => self.gains_of_bandwidth(hz, j),
                 None => self.known_gains(&pick, i),
             };
             Loop {
@@ -237,7 +237,7 @@ impl ControllerDescription {
         let gains = |(i, &j): (usize, &f64)| match pick(&self.bandwidth_hz, i) {
             None => (pick(&self.position_gain, i).unwrap_or(0.0), pick(&self.velocity_gain, i).unwrap_or(0.0)),
             Some(hz) => {
-                let (position, velocity) = (j * (TAU * hz).powi(2), 2.0 * self.damping * TAU * hz * j);
+                let (position, velocity) = self.gains_of_bandwidth(hz, j);
                 match self.law {
                     Law::Pd => (position, velocity),
                     Law::Cascaded => (position / velocity, velocity),
@@ -246,6 +246,11 @@ impl ControllerDescription {
         };
         let (position, velocity) = inertia.iter().enumerate().map(gains).unzip();
         (self.position_gain, self.velocity_gain, self.bandwidth_hz) = (position, velocity, Vec::new());
+    }
+
+    /// Drive signal per position error and per velocity of a loop of this natural frequency around an inertia.
+    fn gains_of_bandwidth(&self, hz: f64, inertia: f64) -> (f64, f64) {
+        (inertia * (TAU * hz).powi(2), 2.0 * self.damping * TAU * hz * inertia)
     }
 
     fn known_gains(&self, pick: &dyn Fn(&[f64], usize) -> Option<f64>, i: usize) -> (f64, f64) {

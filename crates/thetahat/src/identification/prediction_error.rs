@@ -23,6 +23,8 @@ const NEAR: f64 = 3.0;
 const PROGRESS: f64 = 0.5;
 const FINER: f64 = 0.1;
 const REFINEMENTS: i32 = 2;
+/// The undamped step, in standard deviations, up to which a point counts as the minimum where no step makes the error smaller.
+const SETTLED: f64 = 1.0;
 /// Part of the error by which rounding may raise it.
 const ROUNDING: f64 = 1e-13;
 
@@ -230,7 +232,8 @@ impl PredictionErrorEstimation {
 
     /// Takes note of an iteration.
     fn note(&mut self, fit: &Fit, regression: &Regression) {
-        let before = self.point.as_ref().and_then(|p| p.fit.as_ref().ok());
+        // To linearise the same parameters again, with finer simulations, is no change of the estimate.
+        let before = self.point.as_ref().and_then(|p| p.fit.as_ref().ok()).filter(|before| before.theta != fit.theta);
         let size = |fit: &Fit| norm(&regression.whiten(&regression.residual(&fit.prediction)));
         let error_change = before.map(|b| (size(b) - size(fit)).abs() / size(b).max(f64::MIN_POSITIVE));
         let parameter_change = before.map(|b| in_deviations(fit, fit.theta.iter().zip(&b.theta).map(|(n, b)| n - b)));
@@ -255,7 +258,7 @@ impl PredictionErrorEstimation {
     /// Ends where no step makes the error smaller, or the iterations are used up. Near the minimum, with changes below their
     /// limits, that is as close as simulations can tell.
     fn end_at_limit(&mut self) {
-        if self.whole_step.is_some_and(|whole| whole < NEAR) && self.has_settled() {
+        if self.whole_step.is_some_and(|whole| whole <= SETTLED) && self.has_settled() {
             return self.end(Status::Converged, None);
         }
         let (relative_error_percent, parameter_change) = self.reached();
@@ -351,6 +354,30 @@ mod tests {
         assert_eq!(fit.prediction, simulate(&fit.theta).response);
         let errors: Vec<f64> = outcome.iterations.iter().map(|i| i.relative_error_percent).collect();
         assert!(errors.windows(2).all(|pair| pair[1] <= pair[0]), "{errors:?}");
+    }
+
+    /// Simulations whose errors keep the steps from getting small: the last estimate is kept and has not converged.
+    #[test]
+    fn a_fit_that_goes_nowhere_has_stalled() {
+        let regression = record();
+        let start = vec![1.0, 0.0];
+        let mut estimation = PredictionErrorEstimation::new(IterationOptions::default(), vec![start.clone()]);
+        while let Some(wanted) = estimation.wanted() {
+            match wanted {
+                // Whatever the step, the error is larger.
+                Wanted::Response(theta) => {
+                    let worse = if theta == start { 0.0 } else { 10.0 };
+                    let response = simulate(theta).response.iter().map(|r| r + worse).collect();
+                    estimation.take_response(Ok(response), &regression, &mut |step| step.theta);
+                }
+                Wanted::Sensitivities(theta) => {
+                    let found = simulate(theta);
+                    estimation.take_sensitivities(Ok(found), &regression, &mut |step| step.theta);
+                }
+            }
+        }
+        let outcome = estimation.into_outcome();
+        assert_eq!((outcome.status, outcome.fit.unwrap().theta), (Status::Stalled, start));
     }
 
     #[test]

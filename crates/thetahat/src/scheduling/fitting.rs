@@ -48,14 +48,18 @@ impl<'a> Fitting<'a> {
 
     /// Takes what was simulated.
     pub(super) fn take(&mut self, simulated: Result<Simulated, SimulationError>) {
-        let regression = &self.job.regression;
-        let wants_response = matches!(self.estimation.wanted(), Some(Wanted::Response(_)));
-        let response = if wants_response { Ok(self.response(simulated)) } else { Err(sensitivities(simulated)) };
-        let (physical, of_robot) = (&mut self.physical, self.job.start.len());
-        let mut admit = |step: GaussNewtonStep| admit(physical, of_robot, step);
-        match response {
-            Ok(response) => self.estimation.take_response(response, regression, &mut admit),
-            Err(sensitivities) => self.estimation.take_sensitivities(sensitivities, regression, &mut admit),
+        let (regression, of_robot) = (&self.job.regression, self.job.start.len());
+        match self.estimation.wanted() {
+            Some(Wanted::Response(_)) => {
+                let response = self.response(simulated);
+                let mut admit = |step| admit(&mut self.physical, of_robot, step);
+                self.estimation.take_response(response, regression, &mut admit);
+            }
+            Some(Wanted::Sensitivities(_)) => {
+                let mut admit = |step| admit(&mut self.physical, of_robot, step);
+                self.estimation.take_sensitivities(sensitivities(simulated), regression, &mut admit);
+            }
+            None => {}
         }
     }
 
