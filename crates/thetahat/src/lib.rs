@@ -99,6 +99,8 @@ pub mod results;
 
 pub mod preparation;
 
+pub mod filter_choice;
+
 mod scheduling;
 
 mod diagnosis;
