@@ -44,7 +44,18 @@ fn check_experiment(described: &Described) -> Result<Verdict, Box<dyn Error>> {
     let findings = experiment.check(&data)?;
     print(&report::findings_text(&findings))?;
     let problem = findings.iter().any(|r| !r.held_back && r.has_problem());
+    if !problem {
+        compare_filters(&experiment, &data)?;
+    }
     Ok(if problem { Verdict::NotTrusted } else { Verdict::Good })
+}
+
+/// What the experiment's filter and others do to the estimates; nothing where no estimate tells.
+fn compare_filters(experiment: &Experiment, data: &Path) -> Result<(), Box<dyn Error>> {
+    let progress = Progress::of("comparing filters on a twin of the record");
+    let choice = experiment.choose_filter(data, true, threads(None));
+    drop(progress);
+    Ok(choice.iter().try_for_each(|choice| print(&report::filter_text(choice)))?)
 }
 
 fn identify_experiment(identify: &Identify) -> Result<Verdict, Box<dyn Error>> {

@@ -24,6 +24,13 @@ impl Progress {
         Self { started: Instant::now(), bar: None }
     }
 
+    /// Of one stage that takes seconds: told at once on a terminal, and not elsewhere.
+    pub fn of(stage: &str) -> Self {
+        let bar = std::io::stderr().is_terminal().then(spinner);
+        bar.iter().for_each(|bar| bar.set_message(stage.to_owned()));
+        Self { started: Instant::now(), bar }
+    }
+
     pub fn tell(&mut self, stage: &str) {
         if self.started.elapsed() < PATIENCE {
             return;

@@ -8,14 +8,16 @@ use std::{
 };
 
 use thetahat::{
-    experiment::{ProposalRequest, propose},
+    experiment::{Experiment, Proposal, ProposalRequest, ProposedSignal, propose},
     recording::{Contents, RecordingError, inspect_with_time},
     report,
-    robot::Robot,
+    robot::RobotSource,
 };
 
 use crate::{
     arguments::{Columns, Init, Inspect},
+    inputs::threads,
+    progress::Progress,
     terminal::{Verdict, print},
 };
 
@@ -85,7 +87,23 @@ fn proposal(
         position_unit: columns.position_unit,
         torque_unit: columns.torque_unit,
     };
-    Ok(propose(&request, &Robot::read(robot)?, contents)?.text())
+    let source = RobotSource::read(robot)?;
+    let mut proposal = propose(&request, &source.robot()?, contents)?;
+    proposal.signal = signal(&proposal, source.to_text(), &data)?;
+    Ok(proposal.text())
+}
+
+/// The filter chosen from the recordings, or the usual one with the reason why none was.
+fn signal(proposal: &Proposal, robot_text: String, data: &Path) -> Result<ProposedSignal, Box<dyn Error>> {
+    let experiment = Experiment::from_texts(Path::new("the proposed experiment"), proposal.text(), robot_text)?;
+    let _progress = Progress::of("choosing the filter on a twin of the record");
+    Ok(match experiment.choose_filter(data, false, threads(None)) {
+        Ok(choice) => ProposedSignal::chosen(&choice),
+        Err(error) => {
+            let rate_hz = proposal.recordings.first().map_or(0.0, |r| r.clock.rate_hz);
+            ProposedSignal::not_chosen(rate_hz, &error.to_string())
+        }
+    })
 }
 
 /// The folder against which the recordings are named: that of the experiment if they lie in it, or else the one that

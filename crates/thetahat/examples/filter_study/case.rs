@@ -3,10 +3,13 @@ use std::error::Error;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use thetahat::{
-    Recording,
+    Recording, Settings,
     base_parameters::BaseParameters,
     dynamics::Model,
-    filter_choice::{Filter, choose_filter, estimate_behind},
+    filter_choice::{choose_filter, estimate_behind},
+    results::Filter,
+    series::Series,
+    signal::{Padding, SecondOrderSections, delayed, zero_phase},
 };
 
 use super::twins::{
@@ -23,6 +26,10 @@ pub struct Case {
     number: u64,
     sampling: Sampling,
     noise: Noise,
+    /// Cut-off of the low-pass through which positions and torques were recorded, where they were; part of the rate.
+    low_pass: Option<f64>,
+    /// Torques behind positions, samples.
+    late: f64,
 }
 
 pub struct Outcome {
@@ -38,18 +45,32 @@ impl Case {
         let mut between = |low: f64, high: f64| low * (high / low).powf(rng.random::<f64>());
         let sampling = Sampling { duration_s: between(8.0, 20.0), rate_hz: between(30.0, 5000.0).round() };
         let noise = Noise { name: "", position: between(1e-6, 3e-4), torque: between(2e-3, 1e-1) };
-        Self { number, sampling, noise }
+        // Every fourth log was filtered; every third has torques that are late.
+        let low_pass = (number % 4 == 0).then(|| between(0.05, 0.2).max(8.0 / sampling.rate_hz));
+        let late = if number % 3 == 0 { between(0.1, 0.5) } else { 0.0 };
+        Self { number, sampling, noise, low_pass, late }
+    }
+
+    fn record(&self, twin: &Twin, seed: u64) -> Result<Recording, Box<dyn Error>> {
+        let recording = twin.record(self.noise, 1000 * self.number + seed);
+        let delay = |series: Series| delayed(&series, &vec![self.late; series.channels()]);
+        let recording = Recording { torque: recording.torque.map(delay), ..recording };
+        let Some(part) = self.low_pass else { return Ok(recording) };
+        let rate = recording.sample_rate_hz;
+        let filter = SecondOrderSections::butterworth_lowpass(2, part.min(0.4) * rate, rate)?;
+        let filtered = |series: &Series| zero_phase(&filter, series, Padding::Matlab);
+        let torque = recording.torque.as_ref().map(filtered).transpose()?;
+        Ok(Recording { position: filtered(&recording.position)?, torque, ..recording })
     }
 
     pub fn run(&self, subject: Subject, verbose: bool) -> Result<Outcome, Box<dyn Error>> {
         let twin = Twin::new(subject, self.sampling, self.number)?;
-        let first = twin.record(self.noise, 1000 * self.number);
+        let first = self.record(&twin, 0)?;
         let started = std::time::Instant::now();
-        let choice = choose_filter(&twin.robot, std::slice::from_ref(&first), THREADS)?;
+        let choice = choose_filter(&twin.robot, &Settings::new(1.0, 1), std::slice::from_ref(&first), false, THREADS)?;
         let seconds = started.elapsed().as_secs_f64();
-        let records: Vec<Recording> =
-            (1..=RECORDS).map(|seed| twin.record(self.noise, 1000 * self.number + seed)).collect();
-        let grid: Vec<Filter> = wide_grid(self.sampling.rate_hz).chain([choice.filter]).collect();
+        let records: Vec<Recording> = (1..=RECORDS).map(|seed| self.record(&twin, seed)).collect::<Result<_, _>>()?;
+        let grid: Vec<Filter> = wide_grid(self.sampling.rate_hz).chain([choice.best]).collect();
         let errors: Vec<Option<Vec<f64>>> = grid.iter().map(|f| squares(&twin, &records, *f)).collect();
         let parameters = errors.iter().flatten().map(Vec::len).next().ok_or("no filter gives an estimate")?;
         let least: Vec<f64> =
@@ -60,25 +81,29 @@ impl Case {
         let best = (0..others.len()).min_by(|a, b| others[*a].total_cmp(&others[*b])).ok_or("an empty grid")?;
         let ratio = last / others[best];
         if verbose {
-            for (filter, error) in grid.iter().zip(&of_grid) {
-                let predicted = choice.compared.iter().find(|(f, _)| f == filter).and_then(|(_, e)| *e);
-                println!("    {filter:?} {:.3} {predicted:?}", error / others[best]);
+            for compared in &choice.compared {
+                let actual = squares(&twin, &records, compared.filter).map_or(f64::INFINITY, |e| rms(&e));
+                let (cutoff, decimation) = (compared.filter.cutoff_hz, compared.filter.decimation);
+                let (total, bias) = compared.error.map_or((0.0, 0.0), |e| (e.total, e.bias));
+                println!(
+                    "    {cutoff:6} Hz {decimation:4}: predicted {total:7.3} of which bias {bias:7.3}, actual {:7.3}",
+                    actual / others[best]
+                );
             }
-            for (filter, e) in &choice.compared {
-                println!("    predicted {filter:?} {e:?}");
-            }
-            println!("    bands {:?}, {seconds:.1} s", choice.bands_hz);
+            println!("    dynamics {:.2} Hz, {seconds:.1} s", choice.dynamics_hz);
         }
         let of = |f: &Filter| format!("{} Hz, {}", f.cutoff_hz, f.decimation);
         let row = format!(
-            "| {} | {} | {} | {:.1} | {:.1e} | {:.1} | {} | {} | {ratio:.2} | {seconds:.1}",
+            "| {} | {} | {} | {:.1} | {:.1e} | {:.1} | {} | {} | {} | {} | {ratio:.2} | {seconds:.1} |",
             self.number,
             twin.name,
             self.sampling.rate_hz,
             self.sampling.duration_s,
             self.noise.position,
             100.0 * self.noise.torque,
-            of(&choice.filter),
+            self.low_pass.map_or("-".to_owned(), |part| format!("{:.0}", part * self.sampling.rate_hz)),
+            if self.late > 0.0 { format!("{:.1}", self.late) } else { "-".to_owned() },
+            of(&choice.best),
             of(&grid[best]),
         );
         Ok(Outcome { row, ratio })

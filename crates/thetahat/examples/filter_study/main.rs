@@ -31,9 +31,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     println!(
-        "| case | robot | rate Hz | length s | fastest Hz | position noise | torque noise % | chosen | best | error over the best's |"
+        "| case | robot | rate Hz | length s | position noise | torque noise % | low-passed Hz | late samples | chosen | best | \
+         error over the best's | s |\n| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |"
     );
-    println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
     let mut ratios = Vec::new();
     for number in first..first + cases {
         let mut subjects = robots(&robot, data.as_deref())?;

@@ -7,8 +7,9 @@ use super::{
     error::ExperimentError,
 };
 use crate::{
+    filter_choice::choose_filter,
     preparation::{Case, Recording},
-    results::{RecordingFindings, Results, Sensitivity},
+    results::{FilterChoice, RecordingFindings, Results, Sensitivity},
     run::{Identification, check_recording},
 };
 
@@ -58,6 +59,17 @@ impl Experiment {
         let held_back = self.read_all(&self.file.validation, data)?.into_iter().map(|r| (r, true));
         let check = |(recording, held_back)| check_recording(self.setup(), recording, held_back);
         main.chain(held_back).map(check).collect::<Result<_, _>>().map_err(|e| self.refuse(e))
+    }
+
+    /// The filter that is best for the estimates from the recordings, compared with the experiment's own where `own` says so. The
+    /// result does not depend on the number of `threads`.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] for input that cannot be used, and where no filter gives an estimate.
+    pub fn choose_filter(&self, data: &Path, own: bool, threads: usize) -> Result<FilterChoice, ExperimentError> {
+        let recordings = self.main_recordings(data)?;
+        choose_filter(&self.robot, &self.settings, &recordings, own, threads)
+            .map_err(|source| ExperimentError::Filter { path: self.path.clone(), source })
     }
 
     /// The recordings, read or made by the twin, with the settings.

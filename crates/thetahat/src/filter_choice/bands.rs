@@ -10,29 +10,38 @@ const FLOOR: Range<f64> = 0.1..0.48;
 const FLOOR_BANDS: usize = 6;
 /// Density over that of the noise up to which a band holds noise alone.
 const OF_NOISE: f64 = 3.0;
+/// Part of the variance of a velocity.
+const NEARLY_ALL: f64 = 0.98;
 /// Width of a band, part of its lowest frequency.
 const WIDTH: f64 = 0.4;
 /// Part of the sample rate above which nothing counts as motion.
 const HIGHEST: f64 = 0.4;
-/// Part of the torque's density that the model leaves unexplained, up to which motion and torque belong together.
-const UNEXPLAINED: f64 = 0.8;
+/// The frequency, Hz, below which nearly all of the variance of a joint's velocity lies that is not noise.
+pub(super) fn dynamics_hz(positions: &Spectrum, channel: usize, sample_rate_hz: f64) -> f64 {
+    let noise = OF_NOISE * floor(positions, channel, sample_rate_hz);
+    let velocity = |(f, density): (f64, &f64)| if *density > noise { f * f * density } else { 0.0 };
+    let powers: Vec<f64> = positions.frequencies_hz().zip(&positions.density[channel]).map(velocity).collect();
+    let wanted = NEARLY_ALL * powers.iter().sum::<f64>();
+    let mut sum = 0.0;
+    let below = powers.iter().take_while(|power| {
+        sum += **power;
+        sum < wanted
+    });
+    (below.count() + 1) as f64 * positions.step_hz
+}
+
+/// The density of a position's noise: the least of those of several bands.
+fn floor(positions: &Spectrum, channel: usize, sample_rate_hz: f64) -> f64 {
+    let width = (FLOOR.end - FLOOR.start) / FLOOR_BANDS as f64;
+    let start = |i: usize| sample_rate_hz * (FLOOR.start + width * i as f64);
+    let floors = (0..FLOOR_BANDS).filter_map(|i| positions.median(channel, start(i)..start(i + 1)));
+    floors.fold(f64::INFINITY, f64::min)
+}
 
 /// The lowest frequency, Hz, from which on a position is its noise floor; at most 0.4 of the sample rate.
 pub(super) fn above_noise_hz(positions: &Spectrum, channel: usize, sample_rate_hz: f64) -> f64 {
-    let width = (FLOOR.end - FLOOR.start) / FLOOR_BANDS as f64;
-    let band = |i: usize| FLOOR.start + width * i as f64..FLOOR.start + width * (i + 1) as f64;
-    let in_hz = |band: Range<f64>| band.start * sample_rate_hz..band.end * sample_rate_hz;
-    let floors = (0..FLOOR_BANDS).filter_map(|i| positions.median(channel, in_hz(band(i))));
-    let floor = floors.fold(f64::INFINITY, f64::min);
+    let floor = floor(positions, channel, sample_rate_hz);
     first_band(positions, sample_rate_hz, |band| positions.median(channel, band).is_some_and(|d| d < OF_NOISE * floor))
-}
-
-/// The lowest frequency, Hz, above which the model explains little of a torque: `left` is what it leaves of `torque`.
-pub(super) fn coherent_hz(torque: &Spectrum, left: &Spectrum, channel: usize, sample_rate_hz: f64) -> f64 {
-    first_band(torque, sample_rate_hz, |band| {
-        let medians = (left.median(channel, band.clone()), torque.median(channel, band));
-        matches!(medians, (Some(left), Some(torque)) if left > UNEXPLAINED * torque)
-    })
 }
 
 /// The start of the first band that is one of noise; 0.4 of the sample rate where none is.

@@ -2,9 +2,9 @@
 
 use super::{
     bands,
-    grid::{Filter, FilterGrid},
-    score::{Errors, RelativeError, relative_errors},
-    twin::{Noise, RecordTwin},
+    grid::{FilterGrid, for_dynamics},
+    score::{Errors, Tried, relative_errors},
+    twin::{Mover, Noise, RecordTwin, left},
 };
 use crate::{
     base_parameters::BaseParameters,
@@ -14,31 +14,22 @@ use crate::{
     pool,
     preparation::{
         Basis, Case, FilteredRecording, ParameterChoice, PreparationError, Problem, Recording, Settings, Setup,
-        propose_controller,
+        SignalOptions, propose_controller,
     },
     regression::Regression,
+    results::{ComparedFilter, Filter, FilterChoice, FilterError},
     robot::Robot,
     series::Series,
     signal::{SignalError, Spectrum},
 };
 
-/// Records whose positions have other noise.
-const RECORDS: usize = 3;
-/// Rounds: the second twin is made with the filter that the first one chose.
-const ROUNDS: usize = 2;
+/// Records whose positions have other noise: as many as make so many samples of all joints, within limits.
+const RECORDS: [usize; 2] = [3, 10];
+const SAMPLES: usize = 600_000;
+/// Twins: each is made with the filter that those before chose.
+const TWINS: usize = 2;
 /// Longest stretch of a record of which a twin is made, in samples.
 const LONGEST: usize = 40_000;
-
-/// A filter, and what the others give.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FilterChoice {
-    /// The filter.
-    pub filter: Filter,
-    /// The highest frequency of the motion of each joint, Hz.
-    pub bands_hz: Vec<f64>,
-    /// Every filter that was compared, with the error of the estimates; none where the filter gives no estimate.
-    pub compared: Vec<(Filter, Option<RelativeError>)>,
-}
 
 /// Why no filter can be chosen.
 #[derive(Debug, Clone, thiserror::Error)]
@@ -72,24 +63,27 @@ pub enum FilterChoiceError {
 
 /// The filter with which IDIM-LS gives the estimates that are nearest to the truth, on twins of the longest recording.
 ///
-/// The result does not depend on the number of `threads`.
+/// Of the settings, everything but the filter counts: which parameters are estimated, the order of the filter, the window. The
+/// settings' own filter is compared with the others where `own` says so. The result does not depend on the number of `threads`.
 ///
 /// # Errors
 /// [`FilterChoiceError`] where no recording can be filtered or gives an estimate.
 pub fn choose_filter(
     robot: &Robot,
+    settings: &Settings,
     recordings: &[Recording],
+    own: bool,
     threads: usize,
 ) -> Result<FilterChoice, FilterChoiceError> {
     let with_torque = recordings.iter().filter(|r| r.torque.is_some());
     let longest = with_torque.max_by_key(|r| r.position.len()).ok_or(FilterChoiceError::NoTorque)?;
+    let own = own.then_some(Filter { cutoff_hz: settings.signal.cutoff_hz, decimation: settings.signal.decimation });
+    let whole = Study::new(robot, settings, longest.clone())?;
+    let stretch = whole.moving_stretch(for_dynamics(whole.dynamics_hz(), longest.sample_rate_hz))?;
     let samples: usize = recordings.iter().map(|r| r.position.len()).sum();
-    let study = Study::new(robot, middle(longest), samples)?;
-    let mut choice = study.choose(study.preliminary(), threads)?;
-    for _ in 1..ROUNDS {
-        choice = study.choose(choice.filter, threads)?;
-    }
-    Ok(choice)
+    let part = stretch.position.len() as f64 / samples as f64;
+    let study = Study { recording: stretch, part, ..whole };
+    study.choose(own, threads)
 }
 
 /// The estimates of all base parameters by IDIM-LS behind a filter.
@@ -97,87 +91,131 @@ pub fn choose_filter(
 /// # Errors
 /// [`FilterChoiceError`] where the recording cannot be filtered or gives no estimate.
 pub fn estimate_behind(robot: &Robot, recording: &Recording, filter: Filter) -> Result<Vec<f64>, FilterChoiceError> {
-    let study = Study::new(robot, recording.clone(), recording.position.len())?;
-    let settings = filter.settings();
+    let study = Study::new(robot, &Settings::new(filter.cutoff_hz, filter.decimation), recording.clone())?;
+    let settings = study.settings_with(filter);
     let (problem, _) = study.problem(&settings, recording, &ParameterChoice::Base)?;
     Ok(idim_ls(&problem.regression, Divisor::default())?.theta)
-}
-
-/// The middle of a record that is too long.
-fn middle(recording: &Recording) -> Recording {
-    let kept = recording.position.len().min(LONGEST);
-    let start = (recording.position.len() - kept) / 2;
-    let cut = |series: &Series| series.window(start..start + kept);
-    Recording {
-        torque: recording.torque.as_ref().map(cut),
-        reference: recording.reference.as_ref().map(cut),
-        ..Recording::without_torque(recording.sample_rate_hz, cut(&recording.position))
-    }
 }
 
 /// A stretch of a record of which twins are made.
 struct Study<'a> {
     robot: &'a Robot,
+    settings: Settings,
     recording: Recording,
     /// Part of all samples that the stretch has: the noise of torques counts that much less in the whole record.
     part: f64,
     basis: Basis,
 }
 
+/// A twin with the parameters that are estimated from it.
+struct Twin {
+    record: RecordTwin,
+    names: ParameterChoice,
+    truth: Vec<f64>,
+}
+
 /// An estimate that a robot can have.
 struct Truth {
     estimated: BaseParameters,
+    /// Standard parameters of a robot near the estimate.
     standard: Vec<f64>,
+    /// What the estimate leaves of the torques.
+    left: Series,
     controller: ControllerDescription,
 }
 
 impl<'a> Study<'a> {
-    fn new(robot: &'a Robot, recording: Recording, samples: usize) -> Result<Self, PreparationError> {
-        let settings = Settings::new(1.0, 1);
-        let basis = Setup { robot, settings: &settings }.basis(&Case::nominal())?;
-        let part = recording.position.len() as f64 / samples as f64;
-        Ok(Self { robot, recording, part, basis })
+    fn new(robot: &'a Robot, settings: &Settings, recording: Recording) -> Result<Self, PreparationError> {
+        let basis = Setup { robot, settings }.basis(&Case::nominal())?;
+        Ok(Self { robot, settings: settings.clone(), recording, part: 1.0, basis })
     }
 
-    /// A filter to begin with: at the end of the band of the fastest joint.
-    fn preliminary(&self) -> Filter {
-        let Recording { sample_rate_hz: rate, position, .. } = &self.recording;
-        let spectrum = Spectrum::of(position, *rate);
-        let band = |j| bands::above_noise_hz(&spectrum, j, *rate);
-        Filter::at_band((0..position.channels()).map(band).fold(0.0, f64::max), *rate)
+    /// The settings with another filter.
+    fn settings_with(&self, filter: Filter) -> Settings {
+        let Filter { cutoff_hz, decimation } = filter;
+        Settings { signal: SignalOptions { cutoff_hz, decimation, ..self.settings.signal }, ..self.settings.clone() }
     }
 
-    /// The best filter of the grid on a twin that is made with the filter before.
-    fn choose(&self, before: Filter, threads: usize) -> Result<FilterChoice, FilterChoiceError> {
-        let Truth { estimated, standard, controller } = self.truth(before)?;
-        let twin = RecordTwin::of(&self.recording, &self.basis.model, &standard)?;
-        let twin = twin.simulated(self.robot, &self.basis.model, &standard, &controller);
-        let noise = twin.torque_noise();
-        let grid = FilterGrid::around(median(&twin.bands_hz), self.recording.sample_rate_hz);
+    /// The frequency below which nearly all of each joint's velocity lies, Hz: no noise can be in it.
+    fn dynamics_hz(&self) -> f64 {
+        let rate = self.recording.sample_rate_hz;
+        let spectrum = Spectrum::of(&self.recording.position, rate);
+        let dynamics = |j| bands::dynamics_hz(&spectrum, j, rate);
+        (0..self.recording.position.channels()).map(dynamics).fold(0.0, f64::max)
+    }
+
+    /// The window of the recording, its middle where it is too long.
+    fn moving_stretch(&self, filter: Filter) -> Result<Recording, PreparationError> {
+        let settings = self.settings_with(filter);
+        let window = Setup { robot: self.robot, settings: &settings }.filter(self.recording.clone())?.window;
+        let kept = window.len().min(LONGEST);
+        let start = window.start + (window.len() - kept) / 2;
+        let cut = |series: &Series| series.window(start..start + kept);
+        let Recording { sample_rate_hz, position, torque, reference, .. } = &self.recording;
+        Ok(Recording {
+            torque: torque.as_ref().map(cut),
+            reference: reference.as_ref().map(cut),
+            ..Recording::without_torque(*sample_rate_hz, cut(position))
+        })
+    }
+
+    /// The best filter of a grid on several twins, each made with the filter that is the best on those before.
+    fn choose(&self, own: Option<Filter>, threads: usize) -> Result<FilterChoice, FilterChoiceError> {
+        let sample_rate_hz = self.recording.sample_rate_hz;
+        let dynamics_hz = self.dynamics_hz();
+        let first = for_dynamics(dynamics_hz, sample_rate_hz);
+        let grid = FilterGrid::around(dynamics_hz, sample_rate_hz).filters;
+        let filters: Vec<Filter> = grid.into_iter().chain(own).collect();
+        let of_grid = 0..filters.len() - own.iter().len();
+        let mut errors = self.relative_errors(&self.twin(first, first)?, &filters, threads);
+        for _ in 1..TWINS {
+            let twin = self.twin(best(&filters[of_grid.clone()], &errors).unwrap_or(first), first)?;
+            let others = self.relative_errors(&twin, &filters, threads);
+            errors = errors.iter().zip(&others).map(|(a, b)| Some(FilterError::mean((*a)?, (*b)?))).collect();
+        }
+        let best = best(&filters[of_grid], &errors).unwrap_or(first);
+        let with_error = |(&filter, error): (&Filter, _)| ComparedFilter { filter, error };
+        let mut compared: Vec<ComparedFilter> = filters.iter().zip(errors).map(with_error).collect();
+        let own = own.and_then(|_| compared.pop());
+        Ok(FilterChoice { best, own, sample_rate_hz, dynamics_hz, compared })
+    }
+
+    /// A twin with the parameters that a filter gives: its noise is what the estimate leaves, its motion that of a robot near
+    /// it that follows the recorded one behind the position filter of `motion`.
+    fn twin(&self, filter: Filter, motion: Filter) -> Result<Twin, FilterChoiceError> {
+        let Truth { estimated, standard, controller, left } = self.truth(filter)?;
+        let model = &self.basis.model;
+        let mover = Mover { robot: self.robot, model, theta: &standard, controller: &controller };
+        let record = RecordTwin::of(&self.recording, motion.cutoff_hz, &left, &mover)?;
         let names = ParameterChoice::List(estimated.parameters().iter().map(|p| p.name.clone()).collect());
-        let truth = estimated.from_standard(&standard);
-        let records: Vec<Recording> = (0..RECORDS).map(|seed| twin.record(seed as u64)).collect();
-        let filters = &grid.filters;
-        let of_filter = |i: usize| {
-            let errors = |record: &Recording| self.errors(record, &noise, filters[i], (&names, &truth));
-            Errors::mean(&records.iter().map(errors).collect::<Vec<_>>())
+        Ok(Twin { record, names, truth: estimated.from_standard(&standard) })
+    }
+
+    /// The errors of the estimates from a twin behind each filter.
+    fn relative_errors(&self, twin: &Twin, filters: &[Filter], threads: usize) -> Vec<Option<FilterError>> {
+        let position = &self.recording.position;
+        let count = (SAMPLES / (position.len() * position.channels())).clamp(RECORDS[0], RECORDS[1]);
+        let records: Vec<Recording> = (0..count).map(|seed| twin.record.record(seed as u64)).collect();
+        let noise = twin.record.torque_noise();
+        let tried = |i: usize| {
+            let filter = filters[i];
+            let errors = |record: &Recording| self.errors(record, &noise, filter, twin);
+            let errors = Errors::mean(&records.iter().map(errors).collect::<Vec<_>>())?;
+            Some(Tried { filter, estimates: self.estimates(filter, &twin.names)?, errors })
         };
-        let relative = relative_errors(&pool::in_parallel(filters.len(), threads, of_filter));
-        let compared: Vec<(Filter, Option<RelativeError>)> = filters.iter().copied().zip(relative).collect();
-        let totals = compared.iter().filter_map(|(filter, error)| Some((*filter, error.as_ref()?.total)));
-        let best = totals.min_by(|a, b| a.1.total_cmp(&b.1));
-        Ok(FilterChoice { filter: best.map_or(before, |(filter, _)| filter), bands_hz: twin.bands_hz, compared })
+        relative_errors(&pool::in_parallel(filters.len(), threads, tried), self.part)
+    }
+
+    /// The estimates from the record itself.
+    fn estimates(&self, filter: Filter, names: &ParameterChoice) -> Option<Vec<f64>> {
+        let (problem, _) = self.problem(&self.settings_with(filter), &self.recording, names).ok()?;
+        Some(idim_ls(&problem.regression, Divisor::default()).ok()?.theta)
     }
 
     /// The errors of the estimates from a record of a twin whose parameters are known.
-    fn errors(
-        &self,
-        record: &Recording,
-        noise: &Noise,
-        filter: Filter,
-        (names, truth): (&ParameterChoice, &[f64]),
-    ) -> Option<Errors> {
-        let settings = filter.settings();
+    fn errors(&self, record: &Recording, noise: &Noise, filter: Filter, twin: &Twin) -> Option<Errors> {
+        let Twin { names, truth, .. } = twin;
+        let settings = self.settings_with(filter);
         let (problem, filtered) = self.problem(&settings, record, names).ok()?;
         let influence = Method::IDIM_LS.influence(&problem.regression, None).ok()?;
         let found = influence.transpose_times(&problem.regression.y);
@@ -194,7 +232,7 @@ impl<'a> Study<'a> {
 
     /// The robot nearest to the estimate with a filter, with the parameters that the motion separates.
     fn truth(&self, filter: Filter) -> Result<Truth, FilterChoiceError> {
-        let settings = filter.settings();
+        let settings = self.settings_with(filter);
         let (problem, filtered) = self.problem(&settings, &self.recording, &ParameterChoice::Base)?;
         let (columns, theta) = separated(&problem.regression)?;
         let name = |&c: &usize| problem.estimated.parameters()[c].name.clone();
@@ -206,8 +244,10 @@ impl<'a> Study<'a> {
         let r = problem.regression.x.triangular_factor();
         let options = SimulationOptions::default();
         let near = set.ok().and_then(|set| nearest_to_simulate(set, &problem.base, &r, &all, &options, None).ok());
-        let standard = near.map_or_else(|| problem.base.to_standard(&all), |fit| fit.standard);
-        Ok(Truth { estimated, standard, controller: propose_controller(&[&filtered]).description })
+        let found = problem.base.to_standard(&all);
+        let left = left(&filtered.torque(), &filtered.motion, &problem.model, &found);
+        let standard = near.map_or(found, |fit| fit.standard);
+        Ok(Truth { estimated, standard, left, controller: propose_controller(&[&filtered]).description })
     }
 
     /// X and y of a recording behind a filter.
@@ -218,9 +258,15 @@ impl<'a> Study<'a> {
         choice: &ParameterChoice,
     ) -> Result<(Problem, FilteredRecording), PreparationError> {
         let setup = Setup { robot: self.robot, settings };
-        let filtered = setup.filter(recording.clone())?;
+        let filtered = setup.filter_moving_part(recording.clone())?;
         Ok((setup.problem_on(self.basis.clone(), &[&filtered], choice)?, filtered))
     }
+}
+
+/// The filter with the least error.
+fn best(filters: &[Filter], errors: &[Option<FilterError>]) -> Option<Filter> {
+    let totals = filters.iter().zip(errors).filter_map(|(filter, error)| Some((*filter, error.as_ref()?.total)));
+    totals.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(filter, _)| filter)
 }
 
 /// The columns that the motion separates, and the estimate with them.
@@ -235,10 +281,4 @@ fn separated(regression: &Regression) -> Result<(Vec<usize>, Vec<f64>), Estimati
         }
         Err(error) => Err(error),
     }
-}
-
-fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
 }

@@ -1,26 +1,17 @@
 //! The filters that are compared.
 
-use crate::preparation::Settings;
+use crate::results::Filter;
 
 /// Filters of one octave.
 const PER_OCTAVE: f64 = 2.0;
-/// Octaves of the parallel filter below and above the band of the motion.
-const OCTAVES: [f64; 2] = [3.0, 2.0];
-/// Cut-offs of the position filter in multiples of the parallel filter's, about a factor of the square root of two apart.
-const POSITION_FACTORS: [f64; 6] = [0.7, 1.0, 1.4, 2.0, 2.8, 5.6];
+/// Octaves of the parallel filter below and above the dynamics.
+const OCTAVES: [f64; 2] = [1.5, 4.5];
+/// Cut-offs of the position filter in multiples of the parallel filter's.
+const POSITION_FACTORS: [f64; 6] = [0.7, 1.0, 1.4, 2.0, 2.8, 4.0];
 /// The parallel filter cuts at this part of the sample rate over the factor.
 const DECIMATION_CUT_OFF: f64 = 0.4;
 /// Part of the sample rate above which no position filter is proposed.
 const HIGHEST_CUT_OFF: f64 = 0.4;
-
-/// A cut-off of the position filter with a decimation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Filter {
-    /// Cut-off of the position filter, Hz.
-    pub cutoff_hz: f64,
-    /// Every how many samples one is kept, behind the parallel filter.
-    pub decimation: usize,
-}
 
 /// Filters to compare.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,12 +21,12 @@ pub struct FilterGrid {
 }
 
 impl FilterGrid {
-    /// The filters around a motion below `band_hz` sampled at `sample_rate_hz`: parallel filters from an eighth of the band to
-    /// four times it, and for each position filters from 0.7 to 5.6 times that, all below 0.4 of the sample rate.
+    /// The filters for dynamics of some frequency, sampled at `sample_rate_hz`: parallel filters from a third of the frequency to
+    /// more than twenty times it, and for each position filters from 0.7 to 4 times that, all below 0.4 of the sample rate.
     #[must_use]
-    pub fn around(band_hz: f64, sample_rate_hz: f64) -> Self {
+    pub fn around(dynamics_hz: f64, sample_rate_hz: f64) -> Self {
         let steps = ((OCTAVES[0] + OCTAVES[1]) * PER_OCTAVE) as i32;
-        let parallel_hz = |i: i32| band_hz * (f64::from(i) / PER_OCTAVE - OCTAVES[0]).exp2();
+        let parallel_hz = |i: i32| dynamics_hz * (f64::from(i) / PER_OCTAVE - OCTAVES[0]).exp2();
         let decimation = |i: i32| (DECIMATION_CUT_OFF * sample_rate_hz / parallel_hz(i)).round().max(1.0) as usize;
         let mut decimations: Vec<usize> = (0..=steps).map(decimation).collect();
         decimations.dedup();
@@ -51,26 +42,11 @@ impl FilterGrid {
     }
 }
 
-impl Filter {
-    /// A position filter at the end of the band of the motion, and a parallel filter at half of it.
-    pub(super) fn at_band(band_hz: f64, sample_rate_hz: f64) -> Self {
-        let decimation = (2.0 * DECIMATION_CUT_OFF * sample_rate_hz / band_hz).round().max(1.0) as usize;
-        Self { cutoff_hz: band_hz.min(HIGHEST_CUT_OFF * sample_rate_hz), decimation }
-    }
-
-    /// Settings with the filter.
-    pub(super) fn settings(self) -> Settings {
-        Settings::new(self.cutoff_hz, self.decimation)
-    }
-
-    /// Cut-off of the parallel filter, Hz; half the sample rate where every sample is kept.
-    #[must_use]
-    pub fn parallel_cutoff_hz(&self, sample_rate_hz: f64) -> f64 {
-        match self.decimation {
-            1 => 0.5 * sample_rate_hz,
-            factor => DECIMATION_CUT_OFF * sample_rate_hz / factor as f64,
-        }
-    }
+/// The filters for motion and torques below a frequency: a position filter at five times it and a parallel filter at twice it
+/// (Brunot and others, section V-A).
+pub(super) fn for_dynamics(dynamics_hz: f64, sample_rate_hz: f64) -> Filter {
+    let decimation = (DECIMATION_CUT_OFF * sample_rate_hz / (2.0 * dynamics_hz)).round().max(1.0) as usize;
+    Filter { cutoff_hz: (5.0 * dynamics_hz).min(HIGHEST_CUT_OFF * sample_rate_hz), decimation }
 }
 
 /// A number with two digits that count.

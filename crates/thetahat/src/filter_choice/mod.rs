@@ -20,6 +20,5 @@ mod grid;
 mod score;
 mod twin;
 
-pub use choose::{FilterChoice, FilterChoiceError, choose_filter, estimate_behind};
-pub use grid::{Filter, FilterGrid};
-pub use score::RelativeError;
+pub use choose::{FilterChoiceError, choose_filter, estimate_behind};
+pub use grid::FilterGrid;

@@ -1,5 +1,12 @@
 //! How far estimates with a filter are from the truth.
 
+use crate::results::{Filter, FilterError};
+
+/// Squared differences of estimates that the errors of the narrower filter explain, in multiples of those.
+const ALLOWED: f64 = 3.0;
+/// How many times larger mean squared errors of a narrower filter may be that tells of a wider one's bias.
+const COMPARABLE: f64 = 9.0;
+
 /// Errors of the estimates with one filter: mean squares, one for each parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Errors {
@@ -25,42 +32,80 @@ impl Errors {
     }
 }
 
-/// The rms error of a filter over the parameters, each in units of the least rms error that any filter gives it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RelativeError {
-    /// Of everything.
-    pub total: f64,
-    /// Of what the filter and the noise of the positions bring: more data does not make it smaller.
-    pub bias: f64,
+/// What a filter gives.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Tried {
+    pub(super) filter: Filter,
+    /// The estimates from the record itself.
+    pub(super) estimates: Vec<f64>,
+    /// The errors of the estimates from twins of it.
+    pub(super) errors: Errors,
 }
 
-/// The relative errors of filters whose estimates have errors.
-pub(super) fn relative_errors(all: &[Option<Errors>]) -> Vec<Option<RelativeError>> {
-    let parameters = all.iter().flatten().map(|e| e.bias.len()).next().unwrap_or(0);
-    let mut least = vec![f64::INFINITY; parameters];
-    for errors in all.iter().flatten() {
-        least.iter_mut().zip(errors.squares()).for_each(|(least, square)| *least = least.min(square));
+/// The relative errors of filters; none where a filter gives no estimate.
+///
+/// What the twins do not know of, a record that was low-passed, a lag, friction that changes smoothly, shows in the record's own
+/// estimates: those of a wide filter differ from those of a narrower one by more than the narrower one's errors. The part beyond
+/// is bias of the wide one (A. Goldenshluger, O. Lepski, "Bandwidth selection in kernel density estimation: oracle inequalities
+/// and adaptive minimax optimality", Annals of Statistics 39 (2011), section 3). `part` of all samples are in the twins.
+pub(super) fn relative_errors(all: &[Option<Tried>], part: f64) -> Vec<Option<FilterError>> {
+    let parameters = all.iter().flatten().map(|t| t.estimates.len()).next().unwrap_or(0);
+    let mut least = vec![f64::MAX; parameters];
+    for tried in all.iter().flatten() {
+        least.iter_mut().zip(tried.errors.squares()).for_each(|(least, square)| *least = least.min(square));
     }
-    let rms = |squares: &mut dyn Iterator<Item = f64>| {
+    let mean = |squares: &mut dyn Iterator<Item = f64>| {
         let sum: f64 = squares.zip(&least).map(|(square, least)| square / least.max(f64::MIN_POSITIVE)).sum();
-        (sum / parameters as f64).sqrt()
+        sum / parameters as f64
     };
-    let relative = |e: &Errors| RelativeError { total: rms(&mut e.squares()), bias: rms(&mut e.bias.iter().copied()) };
-    all.iter().map(|e| e.as_ref().map(relative)).collect()
+    let drift = |of: &Tried| {
+        let limit = COMPARABLE * mean(&mut of.errors.squares());
+        let is_comparable =
+            |other: &&Tried| is_narrower(other.filter, of.filter) && mean(&mut other.errors.squares()) <= limit;
+        let narrower = all.iter().flatten().filter(is_comparable);
+        let beyond = |other: &Tried| mean(&mut beyond(of, other, part));
+        narrower.map(beyond).fold(0.0, f64::max)
+    };
+    let relative = |tried: &Tried| {
+        let drift = drift(tried);
+        let (total, bias) = (mean(&mut tried.errors.squares()), mean(&mut tried.errors.bias.iter().copied()));
+        FilterError { total: (total + drift).sqrt(), bias: (bias + drift).sqrt() }
+    };
+    all.iter().map(|tried| tried.as_ref().map(relative)).collect()
+}
+
+/// Whether a filter lets less through than another in both of its parts.
+fn is_narrower(filter: Filter, other: Filter) -> bool {
+    filter != other && filter.decimation >= other.decimation && filter.cutoff_hz <= other.cutoff_hz
+}
+
+/// By how much the squared differences of two estimates exceed what the errors of the narrower filter allow.
+fn beyond<'a>(wide: &'a Tried, narrow: &'a Tried, part: f64) -> impl Iterator<Item = f64> + 'a {
+    let differences = wide.estimates.iter().zip(&narrow.estimates).map(|(w, n)| (w - n).powi(2));
+    let allowed = narrow.errors.bias.iter().zip(&narrow.errors.variance).map(move |(b, v)| b + v / part);
+    differences.zip(allowed).map(|(difference, allowed)| difference - ALLOWED * allowed)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn tried(cutoff_hz: f64, decimation: usize, estimate: f64, variance: f64) -> Option<Tried> {
+        let errors = Errors { bias: vec![0.0; 2], variance: vec![variance, 100.0 * variance] };
+        Some(Tried { filter: Filter { cutoff_hz, decimation }, estimates: vec![estimate; 2], errors })
+    }
+
     #[test]
     fn errors_count_in_units_of_the_least() {
-        let errors =
-            |bias: f64, variance: f64| Some(Errors { bias: vec![bias; 2], variance: vec![variance, 100.0 * variance] });
-        let found = relative_errors(&[errors(0.0, 1.0), None, errors(0.0, 9.0)]);
-        assert_eq!(
-            found,
-            [Some(RelativeError { total: 1.0, bias: 0.0 }), None, Some(RelativeError { total: 3.0, bias: 0.0 })]
-        );
+        let found = relative_errors(&[tried(10.0, 2, 0.0, 1.0), None, tried(5.0, 4, 0.0, 9.0)], 1.0);
+        let error = |total| Some(FilterError { total, bias: 0.0 });
+        assert_eq!(found, [error(1.0), None, error(3.0)]);
+    }
+
+    #[test]
+    fn an_estimate_that_drifts_as_the_filter_widens_has_bias() {
+        let found = relative_errors(&[tried(40.0, 1, 5.0, 1e-2), tried(10.0, 4, 0.0, 4e-2)], 1.0);
+        let [wide, narrow] = [&found[0], &found[1]].map(|e| e.unwrap());
+        assert!(wide.total > 10.0 && wide.bias > 10.0 && narrow.total == 2.0 && narrow.bias == 0.0);
     }
 }

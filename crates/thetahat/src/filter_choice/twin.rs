@@ -7,11 +7,11 @@ use super::bands;
 use crate::{
     control::ControllerDescription,
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
-    preparation::{Recording, SimulationOptions},
+    preparation::{Recording, STILL, SimulationOptions},
     robot::Robot,
     series::Series,
-    signal::{Padding, SecondOrderSections, SignalError, Spectrum, zero_phase},
-    simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatorBias},
+    signal::{Motion, Padding, SecondOrderSections, SignalError, Spectrum, zero_phase},
+    simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatorBias, Solver},
 };
 
 /// Order of the low-pass that separates motion from noise.
@@ -26,6 +26,9 @@ const SECOND: [f64; 5] = [-205.0 / 72.0, 8.0 / 5.0, -1.0 / 5.0, 8.0 / 315.0, -1.
 const TORQUE_DRAWS: usize = 12;
 const TORQUE_SEED: u64 = 1 << 32;
 
+/// The velocity scale of friction as a part of a joint's rms velocity.
+const OF_VELOCITY: f64 = 0.02;
+
 /// Torques that are noise, drawn several times.
 pub(super) type Noise = Vec<Series>;
 
@@ -36,63 +39,39 @@ pub(super) struct RecordTwin {
     torque: Series,
     position_noise: Spectrum,
     torque_noise: Spectrum,
-    /// The highest frequency of the motion of each joint, Hz.
-    pub(super) bands_hz: Vec<f64>,
+}
+
+/// What moves in a twin.
+pub(super) struct Mover<'a> {
+    pub(super) robot: &'a Robot,
+    pub(super) model: &'a Model,
+    /// Standard parameters.
+    pub(super) theta: &'a [f64],
+    pub(super) controller: &'a ControllerDescription,
 }
 
 impl RecordTwin {
-    /// The twin of a recording whose standard parameters are about `theta`.
-    ///
-    /// A joint's motion ends where its position is noise, or where it no longer explains the torque.
-    pub(super) fn of(recording: &Recording, model: &Model, theta: &[f64]) -> Result<Self, SignalError> {
-        let Recording { sample_rate_hz: rate, position: recorded, torque, .. } = recording;
-        let (rate, joints) = (*rate, recorded.channels());
-        let zeros = || Series::zeros(recorded.len(), joints);
-        let torque = &torque.clone().unwrap_or_else(zeros);
-        let positions = Spectrum::of(recorded, rate);
-        let above_noise: Vec<f64> = (0..joints).map(|j| bands::above_noise_hz(&positions, j, rate)).collect();
-        let motion = low_passed(recorded, &above_noise, rate)?;
-        let left = less(torque, &torques(&motion, rate, model, theta));
-        let (of_torque, of_left) = (Spectrum::of(torque, rate), Spectrum::of(&left, rate));
-        let coherent = |j: usize| bands::coherent_hz(&of_torque, &of_left, j, rate);
-        let bands_hz: Vec<f64> = (0..joints).map(|j| above_noise[j].min(coherent(j))).collect();
-        let position = low_passed(recorded, &bands_hz, rate)?;
-        let of_motion = torques(&position, rate, model, theta);
-        let position_noise = Spectrum::of(&less(recorded, &position), rate);
-        let torque_noise = Spectrum::of(&less(torque, &of_motion), rate);
-        let position_noise = flat_below(position_noise, &bands_hz);
-        Ok(Self { sample_rate_hz: rate, position, torque: of_motion, position_noise, torque_noise, bands_hz })
-    }
-
-    /// The same with the motion and torques of a controlled robot that follows the motion: friction and loop leave in them
-    /// what the band of the motion does not hold. A loop that cannot be simulated leaves the twin as it is.
-    pub(super) fn simulated(
-        self,
-        robot: &Robot,
-        model: &Model,
-        theta: &[f64],
-        controller: &ControllerDescription,
-    ) -> Self {
-        let rate = self.sample_rate_hz;
-        let reference = Reference::Sampled(SampledReference::new(self.position.clone(), rate));
-        let simulation = SimulationOptions::default();
-        let closed_loop = ClosedLoop {
-            model,
-            transmission: &robot.transmission,
-            controller,
-            reference: &reference,
-            added_signal: None,
-            bias: SimulatorBias::NONE,
-            solver: simulation.solver,
-            sign_velocity_scale: simulation.sign_velocity_scale,
-        };
-        let samples = self.position.len();
-        let inertia = closed_loop.motor_inertia(theta, samples as f64 / rate);
-        let grid = OutputGrid { start_s: 0.0, sample_rate_hz: rate, samples };
-        match closed_loop.simulate(theta, &inertia, &grid) {
-            Ok(motion) => Self { position: motion.q, torque: motion.tau, ..self },
-            Err(_) => self,
-        }
+    /// The twin of a recording: a controlled robot follows its motion below `motion_hz`. Friction and loop leave in motion and
+    /// torques what that band does not hold. The noise of the torques is like `left`, what the model leaves of them.
+    pub(super) fn of(
+        recording: &Recording,
+        motion_hz: f64,
+        left: &Series,
+        mover: &Mover<'_>,
+    ) -> Result<Self, SignalError> {
+        let Recording { sample_rate_hz: rate, position: recorded, .. } = recording;
+        let positions = Spectrum::of(recorded, *rate);
+        let bands: Vec<f64> = (0..recorded.channels()).map(|j| bands::above_noise_hz(&positions, j, *rate)).collect();
+        let noise = less(recorded, &low_passed(recorded, &bands, *rate)?);
+        let reference = low_passed(recorded, &vec![motion_hz; recorded.channels()], *rate)?;
+        let (position, torque) = mover.follow(reference, *rate);
+        Ok(Self {
+            sample_rate_hz: *rate,
+            position,
+            torque,
+            position_noise: flat_below(Spectrum::of(&noise, *rate), &bands),
+            torque_noise: Spectrum::of(left, *rate),
+        })
     }
 
     /// The torques of the twin along its motion, whose positions are recorded with noise; another one for each seed.
@@ -110,6 +89,48 @@ impl RecordTwin {
     }
 }
 
+impl Mover<'_> {
+    /// Motion and torques along a reference; the reference itself with its torques where the loop cannot be simulated.
+    fn follow(&self, reference: Series, rate: f64) -> (Series, Series) {
+        let samples = reference.len();
+        let sign_velocity_scale = sign_velocity_scale(&reference, rate);
+        let followed = Reference::Sampled(SampledReference::new(reference.clone(), rate));
+        let closed_loop = ClosedLoop {
+            model: self.model,
+            transmission: &self.robot.transmission,
+            controller: self.controller,
+            reference: &followed,
+            added_signal: None,
+            bias: SimulatorBias::NONE,
+            solver: Solver::default(),
+            sign_velocity_scale,
+        };
+        let inertia = closed_loop.motor_inertia(self.theta, samples as f64 / rate);
+        let grid = OutputGrid { start_s: 0.0, sample_rate_hz: rate, samples };
+        match closed_loop.simulate(self.theta, &inertia, &grid) {
+            Ok(motion) => (motion.q, motion.tau),
+            Err(_) => {
+                let torque = torques_along(&reference, rate, self.model, self.theta);
+                (reference, torque)
+            }
+        }
+    }
+}
+
+/// What a model leaves of torques.
+pub(super) fn left(torque: &Series, motion: &Motion, model: &Model, theta: &[f64]) -> Series {
+    let (parameters, mut workspace) = (DynamicParameters::new(model, theta), Workspace::new(model));
+    let mut left = torque.clone();
+    let mut tau = vec![0.0; torque.channels()];
+    for k in 0..torque.len() {
+        let state = State { q: motion.q.sample(k), dq: motion.dq.sample(k) };
+        let ddq = motion.ddq.sample(k);
+        model.inverse_dynamics(&parameters, state, ddq, Sign::Exact, &mut workspace, &mut tau);
+        left.sample_mut(k).iter_mut().zip(&tau).for_each(|(left, tau)| *left -= tau);
+    }
+    left
+}
+
 /// Each channel below its own frequency.
 fn low_passed(series: &Series, cutoffs_hz: &[f64], rate: f64) -> Result<Series, SignalError> {
     let channel = |(j, cutoff): (usize, &f64)| {
@@ -120,17 +141,24 @@ fn low_passed(series: &Series, cutoffs_hz: &[f64], rate: f64) -> Result<Series, 
     Ok(Series::from_channels(&channels))
 }
 
-/// The torques of a model along a motion.
-fn torques(q: &Series, rate: f64, model: &Model, theta: &[f64]) -> Series {
-    let (parameters, mut workspace) = (DynamicParameters::new(model, theta), Workspace::new(model));
-    let mut tau = Series::zeros(q.len(), q.channels());
-    let (mut dq, mut ddq) = (vec![0.0; q.channels()], vec![0.0; q.channels()]);
+/// The velocity scale of friction, rad/s or m/s: the usual one, or a part of the slowest joint's velocity, where that is less.
+fn sign_velocity_scale(q: &Series, rate: f64) -> f64 {
+    let rms_velocity = |j: usize| {
+        let steps: f64 = q.channel(j).windows(2).map(|w| (w[1] - w[0]).powi(2)).sum();
+        rate * (steps / q.len() as f64).sqrt()
+    };
+    let slowest = (0..q.channels()).map(rms_velocity).filter(|v| *v > STILL).fold(f64::INFINITY, f64::min);
+    (OF_VELOCITY * slowest).min(SimulationOptions::default().sign_velocity_scale)
+}
+
+/// The torques of a model along positions.
+fn torques_along(q: &Series, rate: f64, model: &Model, theta: &[f64]) -> Series {
+    let mut motion = Motion { q: q.clone(), dq: q.clone(), ddq: q.clone() };
     for k in 0..q.len() {
-        differentiate(q, k, rate, &mut dq, &mut ddq);
-        let state = State { q: q.sample(k), dq: &dq };
-        model.inverse_dynamics(&parameters, state, &ddq, Sign::Exact, &mut workspace, tau.sample_mut(k));
+        differentiate(q, k, rate, motion.dq.sample_mut(k), motion.ddq.sample_mut(k));
     }
-    tau
+    let none = left(&Series::zeros(q.len(), q.channels()), &motion, model, theta);
+    Series::from_values(q.channels(), none.values().iter().map(|v| -v).collect())
 }
 
 /// First and second derivative at a sample; positions stand still beyond the ends.

@@ -1,7 +1,7 @@
 //! What the checks found, for the terminal and the page.
 
 use super::wrap::wrap;
-use crate::results::{Finding, RecordingFindings, RunResult, Severity};
+use crate::results::{Filter, FilterChoice, Finding, RecordingFindings, RunResult, Severity};
 
 const SEVERITIES: [Severity; 3] = [Severity::Problem, Severity::Warning, Severity::Note];
 
@@ -18,6 +18,27 @@ pub fn findings_text(recordings: &[RecordingFindings]) -> String {
             text += &wrap(&format!("-> {}", finding.remedy), "     ");
         }
     }
+    text
+}
+
+/// What the experiment's filter and others do to the estimates.
+#[must_use]
+pub fn filter_text(choice: &FilterChoice) -> String {
+    let mut text = String::from("\nFilter: ");
+    let own = choice.own.and_then(|own| Some((own.filter, choice.over_best(own.error?)?)));
+    text += &match own {
+        Some((Filter { cutoff_hz, decimation }, over)) => format!(
+            "with cutoff_hz = {cutoff_hz} and decimation = {decimation} the estimates' error is {over:.2} times the least\n"
+        ),
+        None => "the experiment's gives no estimate on a twin of the record\n".to_owned(),
+    };
+    let Filter { cutoff_hz, decimation } = choice.best;
+    let best = format!(
+        "least with cutoff_hz = {cutoff_hz}, decimation = {decimation}, found on a twin of the record with its noise; errors \
+         over the least, by decimation and cutoff_hz:"
+    );
+    text += &wrap(&best, "  ");
+    choice.lines().iter().for_each(|line| text += &format!("    {line}\n"));
     text
 }
 

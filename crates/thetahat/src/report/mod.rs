@@ -53,7 +53,7 @@ pub use campaign::{campaign_text, write_campaign};
 pub use contents::contents_text;
 pub use error::ReportError;
 pub use files::check_folder;
-pub use findings::findings_text;
+pub use findings::{filter_text, findings_text};
 pub use model_json::model_json;
 pub use model_text::model_text;
 pub use outputs::write_all;

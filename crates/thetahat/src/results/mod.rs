@@ -33,6 +33,7 @@ mod content;
 mod curves;
 mod diagnosis;
 mod file;
+mod filter;
 mod joints;
 mod parameters;
 mod physical;
@@ -50,6 +51,7 @@ pub use diagnosis::{
     EndogeneityResult, Influence, InstrumentResult, JointResidual, ParameterDifference, ResidualResult, Verdict,
 };
 pub use file::ResultsError;
+pub use filter::{ComparedFilter, Filter, FilterChoice, FilterError};
 pub use joints::JointResult;
 pub use parameters::{EliminationResult, ParameterResult};
 pub use physical::{ConsistencyTest, ConsistentEstimate, ConsistentParameter, PhysicalResult};

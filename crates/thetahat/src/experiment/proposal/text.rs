@@ -1,6 +1,9 @@
 use std::{fmt::Write as _, path::PathBuf};
 
-use crate::recording::{Side, Unit};
+use crate::{
+    recording::{Side, Unit},
+    results::{Filter, FilterChoice},
+};
 
 /// An experiment as it is proposed. [`Proposal::text`] is its file.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,6 +91,28 @@ impl ProposedSignal {
                 "Cut-offs for motion and torques below {DYNAMICS_HZ} Hz: 5 times that for the positions, 2 times for the rows."
             )],
         }
+    }
+
+    /// What was chosen from the recordings, with its neighbours.
+    #[must_use]
+    pub fn chosen(choice: &FilterChoice) -> Self {
+        let Filter { cutoff_hz, decimation } = choice.best;
+        let head = [
+            "Chosen from the data: on a twin of the record the estimates with this filter are nearest to the truth."
+                .to_owned(),
+            format!("The motion lies below {:.1} Hz. Errors with other filters, over the least;", choice.dynamics_hz),
+            "\"every\" is decimation, the frequencies are cutoff_hz:".to_owned(),
+        ];
+        let comment = head.into_iter().chain(choice.lines().into_iter().map(|line| format!("  {line}"))).collect();
+        Self { cutoff_hz, decimation, window_s: [None; 2], comment }
+    }
+
+    /// The usual filter, where none could be chosen, with the reason.
+    #[must_use]
+    pub fn not_chosen(rate_hz: f64, reason: &str) -> Self {
+        let usual = Self::usual(rate_hz);
+        let why = format!("No filter could be chosen from the data: {}.", reason.replace('\n', " "));
+        Self { comment: std::iter::once(why).chain(usual.comment).collect(), ..usual }
     }
 
     fn text(&self) -> String {
