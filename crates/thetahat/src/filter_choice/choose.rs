@@ -28,6 +28,8 @@ const RECORDS: [usize; 2] = [3, 10];
 const SAMPLES: usize = 600_000;
 /// Twins: each is made with the filter that those before chose.
 const TWINS: usize = 2;
+/// Errors up to this multiple of the least are as good: twins do not tell them apart.
+const AS_GOOD: f64 = 1.15;
 /// Longest stretch of a record of which a twin is made, in samples.
 const LONGEST: usize = 40_000;
 
@@ -263,10 +265,15 @@ impl<'a> Study<'a> {
     }
 }
 
-/// The filter with the least error.
+/// The narrowest of the filters that are as good as the one with the least error: what a model leaves out, flexible joints and the
+/// ripple of gears, grows with frequency, and no twin has it.
 fn best(filters: &[Filter], errors: &[Option<FilterError>]) -> Option<Filter> {
-    let totals = filters.iter().zip(errors).filter_map(|(filter, error)| Some((*filter, error.as_ref()?.total)));
-    totals.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(filter, _)| filter)
+    let totals: Vec<(Filter, f64)> =
+        filters.iter().zip(errors).filter_map(|(filter, error)| Some((*filter, error.as_ref()?.total))).collect();
+    let least = totals.iter().map(|(_, total)| *total).fold(f64::INFINITY, f64::min);
+    let good = totals.into_iter().filter(|(_, total)| *total <= AS_GOOD * least);
+    let narrower = |a: &(Filter, f64), b: &(Filter, f64)| a.0.decimation.cmp(&b.0.decimation).then(b.1.total_cmp(&a.1));
+    good.max_by(narrower).map(|(filter, _)| filter)
 }
 
 /// The columns that the motion separates, and the estimate with them.
