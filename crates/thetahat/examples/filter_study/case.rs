@@ -46,8 +46,8 @@ impl Case {
         let sampling = Sampling { duration_s: between(8.0, 20.0), rate_hz: between(30.0, 5000.0).round() };
         let noise = Noise { name: "", position: between(1e-6, 3e-4), torque: between(2e-3, 1e-1) };
         // Every fourth log was filtered; every third has torques that are late.
-        let low_pass = (number % 4 == 0).then(|| between(0.05, 0.2).max(8.0 / sampling.rate_hz));
-        let late = if number % 3 == 0 { between(0.1, 0.5) } else { 0.0 };
+        let low_pass = number.is_multiple_of(4).then(|| between(0.05, 0.2).max(8.0 / sampling.rate_hz));
+        let late = if number.is_multiple_of(3) { between(0.1, 0.5) } else { 0.0 };
         Self { number, sampling, noise, low_pass, late }
     }
 

@@ -7,6 +7,7 @@
 //! `cargo run --release -p thetahat --example filter_study -- [--data DIR] [--cases 100] [--first 1] [--robot NAME]`
 
 mod case;
+#[expect(dead_code, reason = "the rest of the twins is for the robustness table")]
 #[path = "../twins/mod.rs"]
 mod twins;
 

@@ -6,6 +6,8 @@ use crate::results::{Filter, FilterError};
 const ALLOWED: f64 = 3.0;
 /// How many times larger mean squared errors of a narrower filter may be that tells of a wider one's bias.
 const COMPARABLE: f64 = 9.0;
+/// Part of the parameters that must differ by more than that: one that a narrow filter hardly shows differs by chance.
+const DIFFERENT: f64 = 0.3;
 
 /// Errors of the estimates with one filter: mean squares, one for each parameter.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,7 +65,11 @@ pub(super) fn relative_errors(all: &[Option<Tried>], part: f64) -> Vec<Option<Fi
         let is_comparable =
             |other: &&Tried| is_narrower(other.filter, of.filter) && mean(&mut other.errors.squares()) <= limit;
         let narrower = all.iter().flatten().filter(is_comparable);
-        let beyond = |other: &Tried| mean(&mut beyond(of, other, part));
+        let beyond = |other: &Tried| {
+            let beyond = beyond(of, other, part);
+            let different = beyond.iter().filter(|excess| **excess > 0.0).count();
+            if (different as f64) < DIFFERENT * parameters as f64 { 0.0 } else { mean(&mut beyond.into_iter()) }
+        };
         narrower.map(beyond).fold(0.0, f64::max)
     };
     let relative = |tried: &Tried| {
@@ -80,10 +86,10 @@ fn is_narrower(filter: Filter, other: Filter) -> bool {
 }
 
 /// By how much the squared differences of two estimates exceed what the errors of the narrower filter allow.
-fn beyond<'a>(wide: &'a Tried, narrow: &'a Tried, part: f64) -> impl Iterator<Item = f64> + 'a {
+fn beyond(wide: &Tried, narrow: &Tried, part: f64) -> Vec<f64> {
     let differences = wide.estimates.iter().zip(&narrow.estimates).map(|(w, n)| (w - n).powi(2));
     let allowed = narrow.errors.bias.iter().zip(&narrow.errors.variance).map(move |(b, v)| b + v / part);
-    differences.zip(allowed).map(|(difference, allowed)| difference - ALLOWED * allowed)
+    differences.zip(allowed).map(|(difference, allowed)| difference - ALLOWED * allowed).collect()
 }
 
 #[cfg(test)]
