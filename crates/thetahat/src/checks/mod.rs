@@ -18,9 +18,13 @@
 //! assert_eq!(names.len(), Code::ALL.len());
 //! ```
 
+mod a_priori;
 mod affine;
+mod contradiction;
 mod controller;
 mod cutoff;
+mod dither;
+mod drift;
 mod examination;
 mod excitation;
 mod fault;
@@ -30,6 +34,7 @@ mod gear;
 mod hypotheses;
 mod lag;
 mod lag_search;
+mod levels;
 mod motion;
 mod numbers;
 mod orthogonal_fit;
@@ -37,19 +42,24 @@ mod reference;
 mod reference_fit;
 mod repeats;
 mod resolution;
+mod same_recording;
 mod signals;
 mod spikes;
 mod stamps;
 mod subject;
 mod thinned_record;
+mod together;
 mod torque;
+mod unexplained;
 mod velocity;
+mod wrong_robot;
 
 #[cfg(test)]
 mod tests;
 
 pub use finding::{Code, Finding, Measure, Severity};
 pub use subject::{SignalSettings, Subject};
+pub use together::{Companion, compare, measure_together};
 
 use examination::Examination;
 use signals::Signals;
@@ -99,6 +109,8 @@ fn check_samples(exam: &mut Examination<'_>) {
 /// The band-passed motion, and what was recorded beside it.
 fn check_motion(exam: &mut Examination<'_>, signals: &Signals) {
     motion::check(exam, signals);
+    dither::check(exam, signals);
+    levels::check(exam, signals);
     if !exam.has(&[Code::PositionSpikes]) {
         repeats::check(exam, signals);
     }
@@ -112,15 +124,19 @@ fn check_motion(exam: &mut Examination<'_>, signals: &Signals) {
 
 /// The fit. What a defect that was found makes meaningless is left out.
 fn check_fit(exam: &mut Examination<'_>, record: &mut ThinnedRecord<'_>) {
-    let blind = exam.has(&[Code::TorqueConstant, Code::JointStill]);
+    let blind = exam.has(&[Code::TorqueConstant, Code::JointStill, Code::JointDither]);
     if !blind {
         fault::check(exam, record);
         friction::check(exam, record);
+        unexplained::check(exam, record);
+        wrong_robot::check(exam, record);
+        a_priori::check(exam, record);
         cutoff::check(exam, record);
     }
     excitation::check(exam, record);
     if !blind && !exam.has(&[Code::PoorFit, Code::CutoffLow]) && record.has_full_rank() {
         lag::check(exam, record);
         gear::check(exam, record);
+        drift::check(exam, record);
     }
 }

@@ -32,6 +32,13 @@ pub(super) fn quantile_abs(x: impl Iterator<Item = f64>, part: f64) -> f64 {
     *sizes.select_nth_unstable_by(place, f64::total_cmp).1
 }
 
+/// The middle value; zero of nothing.
+pub(super) fn median(x: &[f64]) -> f64 {
+    let mut sorted = x.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
+}
+
 /// Normal standard deviation per median of absolute values.
 pub(super) const NORMAL_PER_MEDIAN: f64 = 1.4826;
 

@@ -9,7 +9,7 @@ use super::{
 use crate::{
     preparation::{Case, Recording},
     results::{RecordingFindings, Results, Sensitivity},
-    run::{Identification, check_recording},
+    run::{Identification, check_recordings},
 };
 
 impl Experiment {
@@ -56,8 +56,7 @@ impl Experiment {
     pub fn check(&self, data: &Path) -> Result<Vec<RecordingFindings>, ExperimentError> {
         let main = self.main_recordings(data)?.into_iter().map(|r| (r, false));
         let held_back = self.read_all(&self.file.validation, data)?.into_iter().map(|r| (r, true));
-        let check = |(recording, held_back)| check_recording(self.setup(), recording, held_back);
-        main.chain(held_back).map(check).collect::<Result<_, _>>().map_err(|e| self.refuse(e))
+        check_recordings(self.setup(), main.chain(held_back).collect()).map_err(|e| self.refuse(e))
     }
 
     /// The recordings, read or made by the twin, with the settings.

@@ -8,7 +8,10 @@ use super::{
     recordings::{Bandwidth, RecordingFindings, RecordingResult},
     run::RunResult,
 };
-use crate::identification::{Method, Status};
+use crate::{
+    checks::Severity,
+    identification::{Method, Status},
+};
 
 /// Version of the form of `results.json`: it grows where a program of before would misread the file.
 pub const SCHEMA: u32 = 1;
@@ -67,14 +70,16 @@ pub struct Results {
 }
 
 impl Results {
-    /// Whether every nominal run converged, and no check of a recording that was identified from found a problem.
+    /// Whether every nominal run converged and predicts every joint, and no check of a recording that was identified from
+    /// found a problem.
     #[must_use]
     pub fn is_trustworthy(&self) -> bool {
         if self.findings.iter().any(|r| !r.held_back && r.has_problem()) {
             return false;
         }
         let nominal = |r: &&RunResult| r.case == NOMINAL;
-        self.runs.iter().filter(nominal).all(|r| r.status == Status::Converged)
+        let is_sound = |r: &RunResult| r.findings.iter().all(|f| f.severity != Severity::Problem);
+        self.runs.iter().filter(nominal).all(|r| r.status == Status::Converged && is_sound(r))
     }
 
     /// The run of a case and method.
