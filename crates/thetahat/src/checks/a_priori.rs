@@ -52,14 +52,22 @@ pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) {
 }
 
 fn evidence(coordinate: Option<usize>, value: f64) -> Evidence {
-    Evidence { code: Code::APrioriScale, coordinate, value, unit: "times the a-priori torque, or the reverse", limit: LIMIT }
+    Evidence {
+        code: Code::APrioriScale,
+        coordinate,
+        value,
+        unit: "times the a-priori torque, or the reverse",
+        limit: LIMIT,
+    }
 }
 
 fn words(robot: &Robot, wrong: &[&Scale], middle: f64) -> Words {
     let joints: Vec<String> = wrong.iter().map(|s| (robot.joint_of(s.coordinate) + 1).to_string()).collect();
-    let joints = if joints.len() == 1 { format!("joint {}", joints[0]) } else { format!("joints {}", joints.join(" ")) };
+    let joints =
+        if joints.len() == 1 { format!("joint {}", joints[0]) } else { format!("joints {}", joints.join(" ")) };
     let how = if middle < 1.0 { format!("{:.3e} of", middle) } else { format!("{middle:.1} times") };
-    let message = format!("{joints}: the torque is {how} what the masses of the robot description make it, with the same form");
+    let message =
+        format!("{joints}: the torque is {how} what the masses of the robot description make it, with the same form");
     let is_ratio = |s: &&Scale, power: i32| {
         let ratio = robot.transmission.matrix().at(s.coordinate, s.coordinate).abs();
         let expected = ratio.powi(power);

@@ -1,12 +1,12 @@
 //! Recordings that are explained one by one and not together: another payload, other zeros, another robot.
 //!
 //! Each recording becomes the triangle of `[X y]`; the fit of any of them together is a fit of few rows. What it leaves is
-//! compared with what the fits one by one leave, each per degree of freedom, with rows counted by how independent their
-//! residuals are.
+//! compared with what the fits one by one leave, each per degree of freedom, every joint in units of what those leave of it,
+//! with rows counted by how independent their residuals are.
 
 use super::{
     finding::{Code, Finding, Severity},
-    numbers::{correlation, deviation},
+    numbers::correlation,
     subject::Subject,
     thinned_record::ThinnedRecord,
     together::Companion,
@@ -16,8 +16,8 @@ use crate::{
     regression::Regression,
 };
 
-/// How many times larger the rms residual of the common fit is than that of the fits one by one. Clean: KUKA LIMITS.
-const LIMIT: f64 = 1.6;
+/// How many times larger the rms residual of the common fit is than that of the fits one by one. CLEAN.
+const LIMIT: f64 = 1.3;
 /// F statistic of the common parameters with the effective number of rows, from which chance is no explanation.
 const SURE: f64 = 4.0;
 /// Relative size of the last diagonal entries of R below which a column counts as dependent, as for the estimate.
@@ -29,7 +29,9 @@ const NAMED: usize = 4;
 struct Reduced<'a> {
     name: &'a str,
     held_back: bool,
-    /// The triangle of `[X y]`, every joint's rows divided by the deviation of its torques in all recordings.
+    /// The rows without weights.
+    regression: Regression,
+    /// The triangle of `[X y]`, every joint's rows divided by what the fits one by one leave of it.
     triangle: Matrix,
     rows: f64,
     /// Rows that count as independent.
@@ -40,11 +42,13 @@ struct Reduced<'a> {
 struct Common {
     squares: f64,
     rank: f64,
+    /// Zero where a parameter depends on others.
+    theta: Vec<f64>,
 }
 
 /// Fits together beside fits one by one.
 struct Comparison {
-    /// Rms residuals, percent of the torques' deviations.
+    /// Relative errors, percent of the torques.
     together: f64,
     apart: f64,
     /// How many times larger the first is, per degree of freedom; zero where chance explains it.
@@ -81,53 +85,81 @@ fn parameter_names(companions: &[Companion<'_>]) -> Vec<String> {
     companions.first().map(|c| names(&c.subject)).unwrap_or_default()
 }
 
+/// A recording's rows, and what its own fit leaves of each joint.
+struct Fitted<'a> {
+    name: &'a str,
+    held_back: bool,
+    regression: Regression,
+    /// Squared residuals, joint by joint, N m or N.
+    squares: Vec<f64>,
+    /// Part of the rows that counts as independent.
+    independent: f64,
+}
+
 fn reduced<'a>(companions: &[Companion<'a>]) -> Vec<Reduced<'a>> {
-    let regression = |c: &Companion<'a>| {
-        let record = ThinnedRecord::new(&c.subject, c.subject.signal.cutoff_hz)?;
-        let fit = record.fit().ok()?;
-        let neighbours = |j: usize| {
-            let rest = record.rows_of(&fit.residual, j);
-            correlation(&rest[1..], &rest[..rest.len() - 1])
-        };
-        let joints = record.coordinates();
-        let alike = ((0..joints).map(neighbours).sum::<f64>() / joints as f64).clamp(0.0, 0.99);
-        Some((c.name, c.held_back, record.regression().ok()?, (1.0 - alike) / (1.0 + alike)))
-    };
-    let all: Vec<(&'a str, bool, Regression, f64)> = companions.iter().filter_map(regression).collect();
+    let all: Vec<Fitted<'a>> = companions.iter().filter_map(fitted).collect();
     if all.len() < 2 {
         return Vec::new();
     }
     let weights = joint_weights(&all);
-    all.into_iter().map(|(name, held_back, r, independent)| reduce(name, held_back, &r, &weights, independent)).collect()
+    all.into_iter().map(|fitted| reduce(fitted, &weights)).collect()
 }
 
-/// One over the deviation of each joint's torque in all recordings.
-fn joint_weights(all: &[(&str, bool, Regression, f64)]) -> Vec<f64> {
-    let joints = all.first().map_or(0, |(_, _, r, _)| r.layout.joints());
-    let torque = |j: usize| -> Vec<f64> {
-        all.iter().flat_map(|(_, _, r, _)| r.layout.rows_of_joint(j).map(|i| r.y[i])).collect()
+fn fitted<'a>(companion: &Companion<'a>) -> Option<Fitted<'a>> {
+    let record = ThinnedRecord::new(&companion.subject, companion.subject.signal.cutoff_hz)?;
+    let (fit, regression) = (record.fit().ok()?, record.regression().ok()?);
+    let joints = record.coordinates();
+    let neighbours = |j: usize| {
+        let rest = record.rows_of(&fit.residual, j);
+        correlation(&rest[1..], &rest[..rest.len() - 1])
     };
-    (0..joints).map(|j| Some(deviation(&torque(j))).filter(|s| *s > 0.0).map_or(1.0, f64::recip)).collect()
+    let alike = ((0..joints).map(neighbours).sum::<f64>() / joints as f64).clamp(0.0, 0.99);
+    let prediction = regression.x.times(&fit.theta());
+    let squares = regression.layout.squares(&regression.residual(&prediction));
+    let independent = (1.0 - alike) / (1.0 + alike);
+    Some(Fitted { name: companion.name, held_back: companion.held_back, regression, squares, independent })
 }
 
-fn reduce<'a>(name: &'a str, held_back: bool, r: &Regression, weights: &[f64], independent: f64) -> Reduced<'a> {
-    let weighted = r.with_weights(Some(r.layout.spread(|block| weights[block.joint])));
+/// One over the rms of what the fits one by one leave of each joint.
+fn joint_weights(all: &[Fitted<'_>]) -> Vec<f64> {
+    let joints = all.first().map_or(0, |f| f.squares.len());
+    let rows: f64 = all.iter().map(|f| f.regression.y.len() as f64 / joints as f64).sum();
+    let left = |j: usize| (all.iter().map(|f| f.squares[j]).sum::<f64>() / rows).sqrt();
+    (0..joints).map(|j| Some(left(j)).filter(|s| *s > 0.0).map_or(1.0, f64::recip)).collect()
+}
+
+fn reduce<'a>(fitted: Fitted<'a>, weights: &[f64]) -> Reduced<'a> {
+    let Fitted { name, held_back, regression, independent, .. } = fitted;
+    let weighted = regression.with_weights(Some(regression.layout.spread(|block| weights[block.joint])));
     let y = weighted.whiten(&weighted.y);
     let column = Matrix::from_fn(y.len(), 1, |i, _| y[i]);
     let triangle = Matrix::beside(&[&weighted.whiten_matrix(&weighted.x), &column]).triangular_factor();
     let rows = y.len() as f64;
-    Reduced { name, held_back, triangle, rows, effective: rows * independent }
+    Reduced { name, held_back, regression, triangle, rows, effective: rows * independent }
 }
 
 /// The fit of recordings with common parameters.
 fn common(recordings: &[&Reduced<'_>]) -> Common {
     let stacked = Matrix::stack(&recordings.iter().map(|r| &r.triangle).collect::<Vec<_>>());
     let columns = stacked.columns() - 1;
-    let x = stacked.select_columns(&(0..columns).collect::<Vec<_>>());
-    let qr = PivotedQr::new(&x);
-    let rank = qr.rank(RANK_TOLERANCE);
-    let residual = residual(&x.select_columns(&qr.pivots()[..rank]), stacked.column(columns));
-    Common { squares: dot(&residual, &residual), rank: rank as f64 }
+    let qr = PivotedQr::new(&stacked.select_columns(&(0..columns).collect::<Vec<_>>()));
+    let independent = &qr.pivots()[..qr.rank(RANK_TOLERANCE)];
+    let x = stacked.select_columns(independent);
+    let solution = PivotedQr::new(&x).solve(stacked.column(columns));
+    let mut theta = vec![0.0; columns];
+    independent.iter().zip(&solution).for_each(|(&c, v)| theta[c] = *v);
+    let residual = residual(&x, stacked.column(columns));
+    Common { squares: dot(&residual, &residual), rank: independent.len() as f64, theta }
+}
+
+/// Squared residual and squares of the torques, without weights.
+fn unweighted(recordings: &[&Reduced<'_>], theta: &[f64]) -> [f64; 2] {
+    let of = |r: &&Reduced<'_>| {
+        let y = &r.regression.y;
+        let rest: f64 = y.iter().zip(r.regression.x.times(theta)).map(|(y, p)| (y - p).powi(2)).sum();
+        [rest, dot(y, y)]
+    };
+    recordings.iter().map(of).fold([0.0; 2], |sum, part| [sum[0] + part[0], sum[1] + part[1]])
 }
 
 fn residual(x: &Matrix, y: &[f64]) -> Vec<f64> {
@@ -144,10 +176,11 @@ fn compare(recordings: &[&Reduced<'_>]) -> Comparison {
     let freedom = |rows: f64, rank: f64| (rows - rank).max(1.0);
     let ratio = (together.squares / freedom(rows, together.rank)) / (squares / freedom(rows, rank));
     let f = (together.squares - squares) / freedom(rank, together.rank) / (squares / freedom(effective, rank));
-    let percent = |squares: f64| 100.0 * (squares / rows).sqrt();
+    let percent = |[rest, all]: [f64; 2]| 100.0 * (rest / all.max(f64::MIN_POSITIVE)).sqrt();
+    let parts = recordings.iter().zip(&apart).map(|(r, own)| unweighted(&[r], &own.theta));
     Comparison {
-        together: percent(together.squares),
-        apart: percent(squares),
+        together: percent(unweighted(recordings, &together.theta)),
+        apart: percent(parts.fold([0.0; 2], |sum, part| [sum[0] + part[0], sum[1] + part[1]])),
         ratio: if f > SURE { ratio.max(0.0).sqrt() } else { 0.0 },
     }
 }
@@ -174,7 +207,8 @@ fn finding(main: &[&Reduced<'_>], names: &[String]) -> Finding {
     let (who, apart) = if out.len() == main.len() {
         (format!("{} differ from one another", list(main)), main[main.len() - 1])
     } else {
-        let others: Vec<&Reduced<'_>> = main.iter().copied().filter(|r| !out.iter().any(|o| o.name == r.name)).collect();
+        let others: Vec<&Reduced<'_>> =
+            main.iter().copied().filter(|r| !out.iter().any(|o| o.name == r.name)).collect();
         (format!("{} differs from {}, which agree", list(&out), list(&others)), out[0])
     };
     build(&comparison, &who, &changed(main, apart, names), Severity::Problem)
@@ -196,8 +230,8 @@ fn build(comparison: &Comparison, who: &str, parameters: &[String], severity: Se
         unit: "times the residual of fits one by one".to_owned(),
         limit: Some(LIMIT),
         message: format!(
-            "the recordings contradict each other: one by one their fits leave {apart:.1} % of the torques' deviations, \
-             together {together:.1} %; {who}, most in {}",
+            "the recordings contradict each other: one by one their fits leave {apart:.1} % of the torques, together \
+             {together:.1} % ({ratio:.1} times the residual, joint by joint); {who}, most in {}",
             parameters.join(" ")
         ),
         remedy: "look for another payload, tool, zero, drive or temperature in the recording that differs, and identify it in \

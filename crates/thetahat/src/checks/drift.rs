@@ -11,12 +11,15 @@ use super::{
 };
 use crate::linear_algebra::{Matrix, dot};
 
-/// Drift of a torque's scale over the record, percent. The clean records have at most 3.
-const GAIN_LIMIT_PERCENT: f64 = 6.0;
-/// Drift of a joint's friction over the record, percent.
+/// Drift of a torque's scale over the record, percent, that counts.
+const GAIN_LIMIT_PERCENT: f64 = 5.0;
+/// Drift of a joint's friction over the record, percent, that counts.
 const FRICTION_LIMIT_PERCENT: f64 = 12.0;
-/// Standard deviations, taken from blocks of time, by which a drift must differ from none.
-const SURE: f64 = 5.0;
+/// Drifts that are larger than this, percent, are none of a robot: they are seen where nothing else tells of a torque.
+const PLAUSIBLE_PERCENT: f64 = 70.0;
+/// Standard deviations, taken from blocks of time, by which a drift must differ from none: the clean records, real ones and
+/// twins, have at most 3.0 of them.
+const SURE: f64 = 4.0;
 /// Blocks of time.
 const BLOCKS: usize = 20;
 
@@ -53,7 +56,8 @@ fn judge(exam: &mut Examination<'_>, j: usize, code: Code, drift: Drift) {
              record",
         )
     };
-    let value = if percent.abs() > SURE * 100.0 * drift.deviation { percent.abs() } else { 0.0 };
+    let is_sure = percent.abs() > SURE * 100.0 * drift.deviation && percent.abs() < PLAUSIBLE_PERCENT;
+    let value = if is_sure { percent.abs() } else { 0.0 };
     let evidence = Evidence { code, coordinate: Some(j), value, unit: "% over the record", limit };
     let number = exam.subject.joint_number(j);
     exam.judge(evidence, Severity::Warning, || {
@@ -65,23 +69,35 @@ fn judge(exam: &mut Examination<'_>, j: usize, code: Code, drift: Drift) {
     });
 }
 
-/// The drifts of a joint's gain and friction, estimated together; none where they cannot be told apart.
+/// The drifts of a joint's gain and friction. The one that explains more is estimated by itself, the other beside it; none
+/// where there is nothing that could drift.
 fn drifts(record: &ThinnedRecord<'_>, fit: &OrthogonalFit, j: usize) -> Option<[Drift; 2]> {
     let theta = fit.theta();
     let friction_alone: Vec<f64> =
         theta.iter().enumerate().map(|(c, v)| if record.is_friction(c) { *v } else { 0.0 }).collect();
-    let directions = [theta, friction_alone].map(|theta| ramped(record, fit, j, &theta));
-    let [gain, friction] = directions.map(|d| fit.project_out(&d));
-    let information = Matrix::from_fn(2, 2, |a, b| dot([&gain, &friction][a], [&gain, &friction][b]));
-    let inverse = information.inverse()?;
-    let score = [dot(&gain, &fit.residual), dot(&friction, &fit.residual)];
-    let change = inverse.times(&score);
-    let rest: Vec<f64> =
-        (0..fit.residual.len()).map(|i| fit.residual[i] - change[0] * gain[i] - change[1] * friction[i]).collect();
-    let spread = block_spread(record, [&gain, &friction], &rest);
+    let directions = [theta, friction_alone].map(|theta| fit.project_out(&ramped(record, fit, j, &theta)));
+    let explained = |d: &Vec<f64>| dot(d, &fit.residual).powi(2) / dot(d, d).max(f64::MIN_POSITIVE);
+    let first = usize::from(explained(&directions[1]) > explained(&directions[0]));
+    let alone = estimate(record, &fit.residual, &[&directions[first]])?;
+    let beside = estimate(record, &fit.residual, &[&directions[0], &directions[1]]);
+    let none = Drift { change: 0.0, deviation: f64::INFINITY };
+    let mut drifts = [none; 2];
+    drifts[first] = alone[0];
+    drifts[1 - first] = beside.map_or(none, |both| both[1 - first]);
+    Some(drifts)
+}
+
+/// The changes along directions by least squares, with deviations from blocks of time; none where the directions are one.
+fn estimate(record: &ThinnedRecord<'_>, residual: &[f64], directions: &[&Vec<f64>]) -> Option<Vec<Drift>> {
+    let n = directions.len();
+    let inverse = Matrix::from_fn(n, n, |a, b| dot(directions[a], directions[b])).inverse()?;
+    let change = inverse.times(&directions.iter().map(|d| dot(d, residual)).collect::<Vec<_>>());
+    let explained = |i: usize| directions.iter().zip(&change).map(|(d, c)| c * d[i]).sum::<f64>();
+    let rest: Vec<f64> = residual.iter().enumerate().map(|(i, r)| r - explained(i)).collect();
+    let spread = block_spread(record, directions, &rest);
     let covariance = inverse.times_matrix(&spread).times_matrix(&inverse);
     let drift = |i: usize| Drift { change: change[i], deviation: covariance.at(i, i).max(0.0).sqrt() };
-    change.iter().all(|c| c.is_finite()).then(|| [drift(0), drift(1)])
+    change.iter().all(|c| c.is_finite()).then(|| (0..n).map(drift).collect())
 }
 
 /// The predicted torque of a joint times a ramp of time from -1/2 to 1/2; zero in the other joints' rows.
@@ -94,12 +110,12 @@ fn ramped(record: &ThinnedRecord<'_>, fit: &OrthogonalFit, j: usize, theta: &[f6
 }
 
 /// The sum over blocks of time of the squared scores.
-fn block_spread(record: &ThinnedRecord<'_>, directions: [&Vec<f64>; 2], rest: &[f64]) -> Matrix {
-    let rows = record.rows();
-    let mut scores = [[0.0; 2]; BLOCKS];
+fn block_spread(record: &ThinnedRecord<'_>, directions: &[&Vec<f64>], rest: &[f64]) -> Matrix {
+    let (rows, n) = (record.rows(), directions.len());
+    let mut scores = vec![vec![0.0; n]; BLOCKS];
     for (i, r) in rest.iter().enumerate() {
-        let block = &mut scores[(i % rows) * BLOCKS / rows];
-        (block[0], block[1]) = (block[0] + directions[0][i] * r, block[1] + directions[1][i] * r);
+        let score = &mut scores[(i % rows) * BLOCKS / rows];
+        score.iter_mut().zip(directions).for_each(|(s, d)| *s += d[i] * r);
     }
-    Matrix::from_fn(2, 2, |a, b| scores.iter().map(|s| s[a] * s[b]).sum())
+    Matrix::from_fn(n, n, |a, b| scores.iter().map(|s| s[a] * s[b]).sum())
 }

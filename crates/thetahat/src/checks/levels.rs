@@ -47,7 +47,8 @@ fn idle(exam: &mut Examination<'_>, j: usize, moving: &[f64]) -> bool {
     let severity = if value > LOST_PERCENT { Severity::Problem } else { Severity::Warning };
     let (number, parameters) = (exam.subject.joint_number(j), exam.subject.parameter_names_of(j));
     exam.judge(evidence, severity, || {
-        let message = format!("joint {number}: the drive's signal is {at} for {value:.0} % of the time at which the joint moves");
+        let message =
+            format!("joint {number}: the drive's signal is {at} for {value:.0} % of the time at which the joint moves");
         let remedy = "record the torque at every sample: the driver fills gaps with this value, or a dead band or the \
                       resolution hides the torque";
         Words::new(message, remedy).about(parameters)

@@ -38,6 +38,7 @@ mod levels;
 mod motion;
 mod numbers;
 mod orthogonal_fit;
+mod position_range;
 mod reference;
 mod reference_fit;
 mod repeats;
@@ -93,7 +94,7 @@ fn examination<'a>(subject: &'a Subject<'a>) -> Examination<'a> {
     if let Ok(signals) = Signals::new(subject, subject.signal.cutoff_hz) {
         check_motion(&mut exam, &signals);
         if let Some(mut record) = ThinnedRecord::new(subject, subject.signal.cutoff_hz) {
-            check_fit(&mut exam, &mut record);
+            check_fit(&mut exam, &signals, &mut record);
         }
     }
     exam
@@ -123,10 +124,13 @@ fn check_motion(exam: &mut Examination<'_>, signals: &Signals) {
 }
 
 /// The fit. What a defect that was found makes meaningless is left out.
-fn check_fit(exam: &mut Examination<'_>, record: &mut ThinnedRecord<'_>) {
+fn check_fit(exam: &mut Examination<'_>, signals: &Signals, record: &mut ThinnedRecord<'_>) {
     let blind = exam.has(&[Code::TorqueConstant, Code::JointStill, Code::JointDither]);
     if !blind {
         fault::check(exam, record);
+        if !exam.has(&[Code::PositionScale]) {
+            position_range::check(exam, signals);
+        }
         friction::check(exam, record);
         unexplained::check(exam, record);
         wrong_robot::check(exam, record);

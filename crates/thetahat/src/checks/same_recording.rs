@@ -36,9 +36,7 @@ pub(super) fn measure(companions: &[Companion<'_>]) -> Vec<(Code, f64, f64)> {
     shared.map(|percent| (Code::SameRecording, percent, LIMIT_PERCENT)).collect()
 }
 
-fn pairs<'c, 'a>(
-    companions: &'c [Companion<'a>],
-) -> impl Iterator<Item = (&'c Companion<'a>, &'c Companion<'a>)> {
+fn pairs<'c, 'a>(companions: &'c [Companion<'a>]) -> impl Iterator<Item = (&'c Companion<'a>, &'c Companion<'a>)> {
     companions.iter().enumerate().flat_map(move |(i, a)| companions[i + 1..].iter().map(move |b| (a, b)))
 }
 
@@ -62,7 +60,11 @@ fn finding(a: &Companion<'_>, b: &Companion<'_>, percent: f64) -> Finding {
         value: percent,
         unit: "% of the samples".to_owned(),
         limit: Some(LIMIT_PERCENT),
-        message: format!("recordings {} and {} share {percent:.0} % of their moving samples: {why}", a.label(), b.label()),
+        message: format!(
+            "recordings {} and {} share {percent:.0} % of their moving samples: {why}",
+            a.label(),
+            b.label()
+        ),
         remedy: remedy.to_owned(),
         parameters: Vec::new(),
     }

@@ -21,7 +21,8 @@ pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) {
         let is_noise = correlation(&torque[1..], &torque[..torque.len() - 1]) < NOISE_CORRELATION;
         let code = if is_noise { Code::TorqueNoise } else { Code::WorseThanMean };
         let value = 100.0 * fit.joint_error_per_freedom(j);
-        let evidence = Evidence { code, coordinate: Some(j), value, unit: "% of the torque's deviation", limit: LIMIT_PERCENT };
+        let evidence =
+            Evidence { code, coordinate: Some(j), value, unit: "% of the torque's deviation", limit: LIMIT_PERCENT };
         let (number, parameters) = (exam.subject.joint_number(j), exam.subject.parameter_names_of(j));
         exam.judge(evidence, Severity::Problem, || {
             let (message, remedy) = if is_noise {

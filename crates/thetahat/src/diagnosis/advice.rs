@@ -127,8 +127,7 @@ pub(super) mod tests {
                     instruments: converged(Method::IDIM_IV).then(|| instruments(f)),
                     biased_simulator: converged(Method::DIDIM).then(|| simulator(verdict)),
                 };
-                let evidence =
-                    Evidence { diagnosis: &diagnosis, runs: runs.clone(), problems: Problems::default() };
+                let evidence = Evidence { diagnosis: &diagnosis, runs: runs.clone(), problems: Problems::default() };
                 each(&evidence, &advice(&evidence));
             }
         }

@@ -71,7 +71,8 @@ impl Problems {
 
     /// Why none is.
     pub(super) fn refusal(&self) -> String {
-        let (problem, it) = if self.all.len() == 1 { ("a problem that makes", "it") } else { ("problems that make", "them") };
+        let (problem, it) =
+            if self.all.len() == 1 { ("a problem that makes", "it") } else { ("problems that make", "them") };
         let all = self.all.join(", ");
         format!("Take none of these estimates: the recordings have {problem} them false ({all}). Solve {it} first.")
     }
@@ -81,7 +82,8 @@ impl Problems {
         if self.joints.is_empty() {
             return String::new();
         }
-        let joints: Vec<String> = self.joints.iter().map(|(j, codes)| format!("joint {j} ({})", names(codes))).collect();
+        let joints: Vec<String> =
+            self.joints.iter().map(|(j, codes)| format!("joint {j} ({})", names(codes))).collect();
         format!("Do not take the parameters of {}.", joints.join(", "))
     }
 }

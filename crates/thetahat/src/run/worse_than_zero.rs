@@ -74,7 +74,10 @@ mod tests {
         assert_eq!(finding.message, "the torques of joint 2 (150 %) are predicted worse than by zero");
         assert_eq!((finding.joint, finding.severity), (Some(2), Severity::Problem));
         let both = worse_than_zero(&robot, &regression, &[-0.9, 0.9, -1.0, 1.0], Data::HeldBack).unwrap();
-        assert_eq!(both.message, "the torques of what is held back of joints 1 (190 %) 2 (150 %) are predicted worse than by zero");
+        assert_eq!(
+            both.message,
+            "the torques of what is held back of joints 1 (190 %) 2 (150 %) are predicted worse than by zero"
+        );
         assert!(worse_than_zero(&robot, &regression, &[0.0; 4], Data::Own).is_none());
     }
 }

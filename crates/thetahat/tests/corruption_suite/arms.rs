@@ -34,7 +34,9 @@ pub struct Arm {
     pub law: Law,
     /// White noise of the torques at [`NOISE_RATE_HZ`], part of their deviations; more at higher rates.
     pub noise: f64,
+    /// Of the motion.
     pub seed: u64,
+    pub noise_seed: u64,
 }
 
 /// The rate at which the noise is as stated: the band of the motion has the same noise at every rate.
@@ -49,18 +51,18 @@ const ENCODER_STEP: f64 = 1e-5;
 
 /// Clean arms of several robots, rates and kinds of friction.
 pub const ARMS: [Arm; 12] = [
-    Arm { robot: "robots/seven_axes.urdf", rate_hz: 1000.0, law: Law::Light, noise: 0.02, seed: 1 },
-    Arm { robot: "robots/seven_axes.urdf", rate_hz: 50.0, law: Law::Light, noise: 0.02, seed: 2 },
-    Arm { robot: "robots/seven_axes.urdf", rate_hz: 200.0, law: Law::HeavyWrist, noise: 0.05, seed: 3 },
-    Arm { robot: "robots/seven_axes.urdf", rate_hz: 1000.0, law: Law::Stribeck, noise: 0.02, seed: 4 },
-    Arm { robot: "robots/tx40.toml", rate_hz: 5000.0, law: Law::Light, noise: 0.02, seed: 5 },
-    Arm { robot: "robots/tx40.toml", rate_hz: 250.0, law: Law::Stribeck, noise: 0.05, seed: 6 },
-    Arm { robot: "robots/tx40.toml", rate_hz: 125.0, law: Law::HeavyWrist, noise: 0.1, seed: 7 },
-    Arm { robot: "robots/branching.urdf", rate_hz: 500.0, law: Law::Light, noise: 0.02, seed: 8 },
-    Arm { robot: "robots/scara.toml", rate_hz: 500.0, law: Law::Stribeck, noise: 0.02, seed: 9 },
-    Arm { robot: "robots/scara.toml", rate_hz: 100.0, law: Law::HeavyWrist, noise: 0.05, seed: 10 },
-    Arm { robot: "examples/arm/arm.urdf", rate_hz: 100.0, law: Law::Light, noise: 0.05, seed: 11 },
-    Arm { robot: "examples/arm/arm.urdf", rate_hz: 2000.0, law: Law::Stribeck, noise: 0.1, seed: 12 },
+    Arm { robot: "robots/seven_axes.urdf", rate_hz: 1000.0, law: Law::Light, noise: 0.02, seed: 1, noise_seed: 1 },
+    Arm { robot: "robots/seven_axes.urdf", rate_hz: 50.0, law: Law::Light, noise: 0.02, seed: 2, noise_seed: 2 },
+    Arm { robot: "robots/seven_axes.urdf", rate_hz: 200.0, law: Law::HeavyWrist, noise: 0.05, seed: 3, noise_seed: 3 },
+    Arm { robot: "robots/seven_axes.urdf", rate_hz: 1000.0, law: Law::Stribeck, noise: 0.02, seed: 4, noise_seed: 4 },
+    Arm { robot: "robots/tx40.toml", rate_hz: 5000.0, law: Law::Light, noise: 0.02, seed: 5, noise_seed: 5 },
+    Arm { robot: "robots/tx40.toml", rate_hz: 250.0, law: Law::Stribeck, noise: 0.05, seed: 6, noise_seed: 6 },
+    Arm { robot: "robots/tx40.toml", rate_hz: 125.0, law: Law::HeavyWrist, noise: 0.1, seed: 7, noise_seed: 7 },
+    Arm { robot: "robots/branching.urdf", rate_hz: 500.0, law: Law::Light, noise: 0.02, seed: 8, noise_seed: 8 },
+    Arm { robot: "robots/scara.toml", rate_hz: 500.0, law: Law::Stribeck, noise: 0.02, seed: 9, noise_seed: 9 },
+    Arm { robot: "robots/scara.toml", rate_hz: 100.0, law: Law::HeavyWrist, noise: 0.05, seed: 10, noise_seed: 10 },
+    Arm { robot: "examples/arm/arm.urdf", rate_hz: 100.0, law: Law::Light, noise: 0.05, seed: 11, noise_seed: 11 },
+    Arm { robot: "examples/arm/arm.urdf", rate_hz: 2000.0, law: Law::Stribeck, noise: 0.1, seed: 12, noise_seed: 12 },
 ];
 
 impl Arm {
@@ -126,12 +128,15 @@ impl Arm {
                 };
                 waves[j].iter().enumerate().map(wave).sum()
             };
-            Series::from_values(n, (0..samples).flat_map(|k| (0..n).map(move |j| (k, j))).map(|(k, j)| value(k, j)).collect())
+            Series::from_values(
+                n,
+                (0..samples).flat_map(|k| (0..n).map(move |j| (k, j))).map(|(k, j)| value(k, j)).collect(),
+            )
         })
     }
 
     fn torque(&self, robot: &Robot, [q, dq, ddq]: &[Series; 3]) -> Series {
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed + 1000);
+        let mut rng = ChaCha8Rng::seed_from_u64(self.noise_seed + 1000);
         let model = Model::new(robot);
         let mut theta = robot.a_priori_parameters();
         let table = model.parameter_table();

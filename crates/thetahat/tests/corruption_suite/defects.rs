@@ -1,6 +1,6 @@
 //! Kinds of defects that are applied to every robot, whatever its joints and rate.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -12,7 +12,7 @@ use thetahat::{
 };
 
 use super::{
-    corruptions::{late, limit, peak, quantise, scale, set},
+    corruptions::{limit, peak, quantise, scale, set},
     record::Record,
     robots::Specimen,
 };
@@ -68,7 +68,9 @@ pub fn defects() -> Vec<Defect> {
 }
 
 fn of_sides() -> Vec<Defect> {
-    use Code::{APrioriScale, JointsSwapped, NegativeFriction, PositionScale, TorqueScale, TorqueSign, WrongRobot};
+    use Code::{
+        APrioriScale, JointsSwapped, NegativeFriction, PoorFit, PositionScale, TorqueScale, TorqueSign, WrongRobot,
+    };
     vec![
         Defect {
             name: "torques of the motors of gears that are not stated (1:100)",
@@ -96,13 +98,13 @@ fn of_sides() -> Vec<Defect> {
         },
         Defect {
             name: "torque 2 with the other sign",
-            codes: &[TorqueSign, NegativeFriction],
+            codes: &[TorqueSign, NegativeFriction, WrongRobot, PoorFit],
             unseen: &[],
             apply: |r| scale(&mut r.torque, 2, -1.0),
         },
         Defect {
             name: "torques 2 and 3 exchanged",
-            codes: &[JointsSwapped],
+            codes: &[JointsSwapped, TorqueSign, WrongRobot],
             unseen: &[],
             apply: |r| (0..r.torque.len()).for_each(|k| r.torque.sample_mut(k).swap(1, 2)),
         },
@@ -135,12 +137,7 @@ fn of_torques() -> Vec<Defect> {
             unseen: &[],
             apply: |r| set(&mut r.torque, 2, |k, t| if k % 10 == 0 { t } else { 0.0 }),
         },
-        Defect {
-            name: "torque 2 is noise",
-            codes: &[TorqueNoise],
-            unseen: &[],
-            apply: |r| noise(r, 2),
-        },
+        Defect { name: "torque 2 is noise", codes: &[TorqueNoise], unseen: &[], apply: |r| noise(r, 2) },
         Defect {
             name: "all torques are noise",
             codes: &[TorqueNoise],
@@ -152,8 +149,19 @@ fn of_torques() -> Vec<Defect> {
             codes: &[WorseThanMean, PoorFit, WrongRobot],
             unseen: &[],
             apply: |r| {
-                let reversed: Vec<f64> = r.torque.channel(1).into_iter().rev().collect();
-                set(&mut r.torque, 2, |k, _| reversed[k]);
+                let (torque, shift) = (r.torque.channel(1), r.signal.window.len() * 37 / 100);
+                set(&mut r.torque, 2, |k, _| torque[(k + shift) % torque.len()]);
+            },
+        },
+        Defect {
+            name: "all torques are those of another motion",
+            codes: &[WorseThanMean, PoorFit, WrongRobot],
+            unseen: &[],
+            apply: |r| {
+                let (torque, shift) = (r.torque.clone(), r.signal.window.len() * 37 / 100);
+                for k in 0..torque.len() {
+                    r.torque.sample_mut(k).copy_from_slice(torque.sample((k + shift) % torque.len()));
+                }
             },
         },
         Defect {
@@ -175,7 +183,7 @@ fn of_torques() -> Vec<Defect> {
 }
 
 fn of_motions() -> Vec<Defect> {
-    use Code::{JointDither, JointStill, PoorFit, WorseThanMean, WrongRobot};
+    use Code::{JointDither, JointStill, PoorFit, PositionZero, WorseThanMean, WrongRobot};
     vec![
         Defect {
             name: "the last joint is held",
@@ -197,7 +205,7 @@ fn of_motions() -> Vec<Defect> {
         },
         Defect {
             name: "the description of another robot",
-            codes: &[WrongRobot, PoorFit, WorseThanMean],
+            codes: &[WrongRobot, PositionZero, PoorFit, WorseThanMean],
             unseen: &[],
             apply: other_robot,
         },
@@ -205,7 +213,7 @@ fn of_motions() -> Vec<Defect> {
 }
 
 fn of_time() -> Vec<Defect> {
-    use Code::{FrictionDrift, GainDrift, Lag, RepeatedSamples};
+    use Code::{FrictionDrift, GainDrift, RepeatedSamples};
     vec![
         Defect {
             name: "torque 2 drifts by 10 %",
@@ -223,15 +231,6 @@ fn of_time() -> Vec<Defect> {
             apply: |r| {
                 let (ramp, friction) = (ramp(r), friction(r, 1));
                 set(&mut r.torque, 1, |k, t| t - 0.3 * ramp(k) * friction[k]);
-            },
-        },
-        Defect {
-            name: "all torques a tenth of a second late",
-            codes: &[Lag],
-            unseen: &[],
-            apply: |r| {
-                let samples = 0.1 * r.rate_hz;
-                (1..=r.robot.coordinate_count()).for_each(|j| late(&mut r.torque, j, samples));
             },
         },
         Defect {
@@ -280,18 +279,16 @@ fn friction(record: &Record, joint: usize) -> Vec<f64> {
     velocity.iter().map(|v| theta[0] * v + theta[1] * v.signum()).collect()
 }
 
-/// The TX40 for a UR10 and the reverse; of other robots the joints in the reverse order.
+/// The TX40 for a UR10 and the reverse; of other robots every axis turned by a right angle.
 fn other_robot(record: &mut Record) {
     let read = |file: &str| Robot::read(&thetahat_testing::root().join("robots").join(file)).unwrap();
     record.excluded.clear();
-    let name = record.robot.name.clone();
     if record.robot.coordinate_count() == 6 {
-        record.robot = read(if name.contains("TX40") { "ur10.toml" } else { "tx40.toml" });
+        let is_tx40 = record.robot.name.contains("TX40");
+        record.robot = read(if is_tx40 { "ur10.toml" } else { "tx40.toml" });
         return;
     }
-    let joints = &mut record.robot.joints;
-    let placements: Vec<_> = joints.iter().rev().map(|joint| joint.placement.clone()).collect();
-    joints.iter_mut().zip(placements).for_each(|(joint, placement)| joint.placement = placement);
+    record.robot.joints.iter_mut().for_each(|joint| joint.placement.alpha += FRAC_PI_2);
 }
 
 /// A part of a record.

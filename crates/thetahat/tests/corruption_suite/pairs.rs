@@ -11,6 +11,7 @@ use super::{
     corruptions::{scale, set},
     defects::part,
     record::Record,
+    robots::Specimen,
 };
 
 /// Two recordings and whether the second is held back.
@@ -24,12 +25,14 @@ pub struct Pair {
 pub struct PairDefect {
     pub name: &'static str,
     pub code: Code,
+    /// Robots in which it is not found, with the reason.
+    pub unseen: &'static [(Specimen, &'static str)],
     pub apply: fn(&mut Pair),
 }
 
 pub fn pair_defects() -> Vec<PairDefect> {
     use Code::{RecordingsContradict, SameRecording};
-    let by = |name, code, apply| PairDefect { name, code, apply };
+    let by = |name, code, apply| PairDefect { name, code, unseen: &[], apply };
     vec![
         by("the same recording twice", SameRecording, |p| p.second = p.first.clone()),
         by("the same recording in training and validation", SameRecording, |p| {

@@ -2,7 +2,7 @@
 
 use super::{
     arms::{ARMS, Arm},
-    record::{Record, Which, from_experiment, tx40, twin},
+    record::{Record, Which, from_experiment, twin, tx40},
 };
 
 /// A robot of the table.
@@ -48,9 +48,8 @@ impl Specimen {
 
     pub fn record(self) -> Record {
         let root = thetahat_testing::root();
-        let recorded = |name: &str, which| {
-            from_experiment(&root.join("experiments").join(name), &thetahat_testing::data(), which)
-        };
+        let recorded =
+            |name: &str, which| from_experiment(&root.join("experiments").join(name), &thetahat_testing::data(), which);
         match self {
             Self::Tx40 => tx40(&root, &thetahat_testing::data()),
             Self::Lwr4 => recorded("kuka_lwr4.toml", Which::Main(1)),
