@@ -17,7 +17,7 @@ use crate::{
     series::Series,
 };
 
-/// Factor between a torque and that of the a-priori masses, either way. Clean: recorded TX40 at most 1.7, KUKA 1.6, twins
+/// Factor between a torque and that of the a-priori masses, either way. Clean: recorded TX40 at most 1.1, KUKA 1.4, twins
 /// whose masses are right 1.1.
 const LIMIT: f64 = 5.0;
 /// Part of a torque's squares, beside friction, offset and motor inertia, whose form the a-priori model must explain.

@@ -9,7 +9,7 @@ use super::{
 use crate::robot::JointKind;
 
 /// Spans of a motion below which a joint is held and trembles, rad and m: gravity and coupling do not change over it. The
-/// clean records span at least 0.25 rad.
+/// clean records span at least 1.2 rad or 0.12 m.
 const SMALLEST_RAD: f64 = 0.01;
 const SMALLEST_M: f64 = 1e-3;
 /// Part of the samples that the span holds: single outliers do not make a motion.

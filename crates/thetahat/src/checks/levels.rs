@@ -10,12 +10,12 @@ use super::{
 /// Values this close, relative to the span, are the same: the conversion to the motor side rounds.
 const SAME: f64 = 1e-7;
 /// Values of a drive's signal below which its steps matter, and samples per value that a finer signal would not have.
-/// The clean records have 240 (UR10) and more.
+/// No torque of the clean records has so few values: they have one for every 20 samples at least.
 const FEW_VALUES: f64 = 64.0;
 const SAMPLES_PER_VALUE: f64 = 20.0;
 /// Part of its peak velocity above which a joint counts as moving.
 const MOVING: f64 = 0.05;
-/// Percent of the moving samples at one value: the clean records have at most 5.
+/// Percent of the moving samples at one value: the clean records have at most 0.2.
 const IDLE_LIMIT_PERCENT: f64 = 30.0;
 /// Percent from which nothing of the torque is left to estimate from.
 const LOST_PERCENT: f64 = 60.0;

@@ -132,15 +132,19 @@ fn check_fit(exam: &mut Examination<'_>, signals: &Signals, record: &mut Thinned
             position_range::check(exam, signals);
         }
         friction::check(exam, record);
-        unexplained::check(exam, record);
-        wrong_robot::check(exam, record);
-        a_priori::check(exam, record);
+        if record.is_long_enough() {
+            unexplained::check(exam, record);
+            wrong_robot::check(exam, record);
+            a_priori::check(exam, record);
+        }
         cutoff::check(exam, record);
     }
     excitation::check(exam, record);
     if !blind && !exam.has(&[Code::PoorFit, Code::CutoffLow]) && record.has_full_rank() {
         lag::check(exam, record);
         gear::check(exam, record);
-        drift::check(exam, record);
+        if record.is_long_enough() {
+            drift::check(exam, record);
+        }
     }
 }

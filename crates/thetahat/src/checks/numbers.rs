@@ -50,6 +50,11 @@ pub(super) fn correlation(a: &[f64], b: &[f64]) -> f64 {
     if size > 0.0 { covariance / size } else { 0.0 }
 }
 
+/// Correlation of a series with itself one place later; zero where it is too short for one.
+pub(super) fn autocorrelation(x: &[f64]) -> f64 {
+    if x.len() < FEWEST { 0.0 } else { correlation(&x[1..], &x[..x.len() - 1]) }
+}
+
 /// Fewest samples of which a delay is taken.
 const FEWEST: usize = 8;
 

@@ -27,6 +27,8 @@ const ENOUGH_ROWS: usize = 2_000;
 /// Most work of one factorisation, rows times squared columns: of more rows, every n-th is taken.
 const MOST_WORK: f64 = 2e7;
 
+/// Rows of a coordinate from which their statistics say something.
+const FEWEST_ROWS: usize = 40;
 /// Relative size of the last diagonal entries of R below which columns made of a motion depend on one another.
 const DEPENDENT: f64 = 1e-8;
 
@@ -80,6 +82,11 @@ impl<'a> ThinnedRecord<'a> {
     /// Rows of a coordinate.
     pub(super) fn rows(&self) -> usize {
         self.kept.len()
+    }
+
+    /// Whether its rows are enough for statistics of them.
+    pub(super) fn is_long_enough(&self) -> bool {
+        self.rows() >= FEWEST_ROWS
     }
 
     /// Puts the record right.

@@ -3,22 +3,21 @@
 use super::{
     examination::{Evidence, Examination, Words},
     finding::{Code, Severity},
-    numbers::correlation,
+    numbers::autocorrelation,
     thinned_record::ThinnedRecord,
 };
 
 /// Rms residual of a joint per degree of freedom, percent of its torque's deviation. The clean records have at most 48
-/// (recorded KUKA), noisy and friction-heavy twins 60.
+/// (recorded KUKA), twins with noise, heavy friction or Stribeck friction 9.
 const LIMIT_PERCENT: f64 = 95.0;
-/// Correlation of neighbouring rows below which a torque is noise: white noise behind the parallel filter has 0.23, torques
-/// of a motion 0.6 and more.
+/// Correlation of neighbouring rows below which a torque is noise: white noise behind the parallel filter has 0.23.
 const NOISE_CORRELATION: f64 = 0.4;
 
 pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) {
     let Ok(fit) = record.fit() else { return };
     for j in 0..record.coordinates() {
         let torque = record.rows_of(&fit.y, j);
-        let is_noise = correlation(&torque[1..], &torque[..torque.len() - 1]) < NOISE_CORRELATION;
+        let is_noise = autocorrelation(torque) < NOISE_CORRELATION;
         let code = if is_noise { Code::TorqueNoise } else { Code::WorseThanMean };
         let value = 100.0 * fit.joint_error_per_freedom(j);
         let evidence =
