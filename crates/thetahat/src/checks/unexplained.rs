@@ -26,12 +26,18 @@ pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) {
         exam.judge(evidence, Severity::Problem, || {
             let (message, remedy) = if is_noise {
                 (
-                    format!("joint {number}: the torque is noise: rows beside one another do not agree, and the model leaves {value:.0} % of its deviation"),
+                    format!(
+                        "joint {number}: the torque is noise: rows beside one another do not agree, and the model leaves \
+                         {value:.0} % of its deviation"
+                    ),
                     "check the torque's column, its scale and its digits: the motion is not in it",
                 )
             } else {
                 (
-                    format!("joint {number}: the model predicts the torque no better than its mean does ({value:.0} % of its deviation is left)"),
+                    format!(
+                        "joint {number}: the model predicts the torque no better than its mean does ({value:.0} % of its \
+                         deviation is left)"
+                    ),
                     "check that this column is this joint's torque, that it belongs to this motion, and the robot's geometry",
                 )
             };
