@@ -1,4 +1,4 @@
-use std::collections::BTreeSet;
+use std::{borrow::Cow, collections::BTreeSet};
 
 use super::{dependencies::Dependencies, error::BaseParametersError, joint_by_joint, whole};
 use crate::{
@@ -18,7 +18,7 @@ pub struct BaseParameter {
     /// Formula, such as `zz1 + ia1 + yy2 + 0.07*mz3`.
     pub expression: String,
     /// Unit in SI.
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
 }
 
 /// The base parameters of a robot, or a part of them: `X theta = X_b theta_b`.
@@ -128,7 +128,7 @@ impl BaseParameter {
         Self {
             name: format!("{}{suffix}", parameter.name()),
             expression: expression(table, parameter, &regrouped),
-            unit: parameter.unit,
+            unit: parameter.unit.clone(),
             kept,
             regrouped,
         }

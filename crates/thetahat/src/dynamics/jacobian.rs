@@ -66,7 +66,7 @@ impl WithSimd for Kernel<'_> {
             for first in (0..2 * n).step_by(Lanes::<S>::COUNT) {
                 seed(simd, &mut q, q_k, first, 0);
                 seed(simd, &mut dq, dq_k, first, n);
-                let state = State { q: &q, dq: &dq };
+                let state = State::new(&q, &dq);
                 self.model.inverse_dynamics_of(self.parameters, state, &ddq, self.sign, &mut workspace, &mut tau);
                 for (i, torque) in tau.iter().enumerate() {
                     let derivatives = torque.derivative.to_array();
@@ -115,7 +115,7 @@ mod tests {
         let torques = |state: &[f64]| {
             let (mut tau, mut workspace) = ([0.0; 3], Workspace::new(&model));
             let (q, dq) = state.split_at(3);
-            model.inverse_dynamics(&parameters, State { q, dq }, &ddq, SIGN, &mut workspace, &mut tau);
+            model.inverse_dynamics(&parameters, State::new(q, dq), &ddq, SIGN, &mut workspace, &mut tau);
             tau
         };
         let (q, dq) = state.split_at(3);

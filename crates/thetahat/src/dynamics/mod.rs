@@ -51,6 +51,9 @@ mod series;
 mod sign;
 mod solve;
 mod state;
+mod term_columns;
+#[cfg(test)]
+mod term_tests;
 mod terms;
 mod twist;
 mod workspace;

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::{
     error::PreparationError,
     physical::{PriorWeight, validate_known},
-    settings::{NamedChoice, ParameterChoice, ParameterSelection, Settings},
+    settings::{Case, NamedChoice, ParameterChoice, ParameterSelection, Settings},
 };
 use crate::{
     identification::{Design, Method, Needs, Response, Weighting},
@@ -28,6 +28,7 @@ impl Settings {
         self.validate_parameters()?;
         self.validate_physical(robot)?;
         self.validate_methods()?;
+        self.validate_terms(robot)?;
         self.validate_weighting()?;
         self.validate_convergence()?;
         if let Some(controller) = &self.controller {
@@ -90,6 +91,32 @@ impl Settings {
                 PreparationError::require_positive(&format!("[[case]] {}: sign_velocity_scale", case.name), scale)?;
             }
             self.validate_method_list(case.methods.as_ref().unwrap_or(&self.estimation.methods))?;
+        }
+        Ok(())
+    }
+
+    /// Simulations have no terms of accelerations, and sensitivities none of recorded channels.
+    fn validate_terms(&self, robot: &Robot) -> Checked {
+        let methods = |case: Case| case.methods.unwrap_or_else(|| self.estimation.methods.clone());
+        for method in self.all_cases().into_iter().flat_map(methods) {
+            let refused = match method.needs() {
+                Needs::Measurement => None,
+                Needs::Instruments => robot.term_of_acceleration().map(|term| (term.to_owned(), "ddq")),
+                Needs::Sensitivities => {
+                    let of_acceleration = robot.term_of_acceleration().map(|term| (term.to_owned(), "ddq"));
+                    of_acceleration.or_else(|| robot.channels().pop().map(|name| (name, "a recorded channel")))
+                }
+            };
+            if let Some((term, what)) = refused {
+                let expected = match method.needs() {
+                    Needs::Measurement | Needs::Instruments => "idim-ls or idim-wls",
+                    Needs::Sensitivities => "idim-ls, idim-wls, idim-iv or didim",
+                };
+                let expected = format!(
+                    "{expected}: the torque term of {term} depends on {what}, which {method} does not simulate"
+                );
+                return Err(PreparationError::value("methods", &expected, method));
+            }
         }
         Ok(())
     }
