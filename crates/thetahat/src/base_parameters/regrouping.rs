@@ -91,6 +91,12 @@ impl BaseParameters {
         Ok(Self { parameters, standard_count: self.standard_count })
     }
 
+    /// Those whose kept standard parameter is wanted.
+    pub(crate) fn filtered(&self, is_wanted: impl Fn(usize) -> bool) -> Self {
+        let parameters = self.parameters.iter().filter(|p| is_wanted(p.kept)).cloned().collect();
+        Self { parameters, standard_count: self.standard_count }
+    }
+
     /// The base parameters that a vector of standard parameters has.
     #[must_use]
     pub fn from_standard(&self, theta: &[f64]) -> Vec<f64> {

@@ -5,7 +5,7 @@ use super::{
     term_columns::{ModelTerm, terms_of},
 };
 use crate::{
-    robot::{ParameterTable, Robot},
+    robot::{ParameterTable, Quantity, Robot},
     vector::{Mat3, Vec3},
 };
 
@@ -99,6 +99,14 @@ impl Model {
     #[must_use]
     pub fn channels(&self) -> &[String] {
         &self.channels
+    }
+
+    /// Whether a parameter of the table multiplies a recorded channel.
+    pub(crate) fn takes_channel(&self, parameter: usize) -> bool {
+        match self.table.get(parameter).quantity {
+            Quantity::Term(term) => self.terms[term.column].takes_channel(),
+            Quantity::Link(_) | Quantity::Joint(_) | Quantity::Motor(_) => false,
+        }
     }
 
     /// The coordinate that moves joint `j`: its own, or the coordinate of the joint that it follows.

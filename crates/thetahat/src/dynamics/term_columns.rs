@@ -252,6 +252,25 @@ impl Model {
 }
 
 impl ModelTerm {
+    /// Whether it takes a recorded channel.
+    pub(crate) fn takes_channel(&self) -> bool {
+        let is_channel = |v: &Variable| matches!(v, Variable::Channel(_));
+        let in_expression = match &self.shape {
+            Shape::Expression(expression) => expression.variables().iter().any(is_channel),
+            Shape::Constant
+            | Shape::Deflection { .. }
+            | Shape::Velocity
+            | Shape::AbsoluteVelocity
+            | Shape::VelocityPower { .. }
+            | Shape::Sign
+            | Shape::Stribeck(_)
+            | Shape::Load
+            | Shape::Harmonic { .. }
+            | Shape::BetweenPoints(_) => false,
+        };
+        in_expression || self.factor.is_some()
+    }
+
     fn times_channel<T: Real>(&self, torque: T, state: State<'_, T>) -> T {
         match self.factor {
             None => torque,

@@ -160,10 +160,10 @@ impl Resolver<'_> {
     pub(super) fn check_name(&self, key: &str, name: &str) -> Result<(), TermError> {
         let letters = |c: char| c.is_ascii_alphanumeric() || c == '_';
         let usable = name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.chars().all(letters);
-        if usable && name.len() <= 40 && !name.ends_with('r') {
+        if usable && name.len() <= 40 {
             return Ok(());
         }
-        Err(self.value(key, "up to 40 letters, digits and _, a letter first and no r at the end", &format!("`{name}`")))
+        Err(self.value(key, "up to 40 letters, digits and _, a letter first", &format!("`{name}`")))
     }
 }
 

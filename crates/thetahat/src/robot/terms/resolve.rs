@@ -102,10 +102,13 @@ impl Resolver<'_> {
     }
 
     fn check_names(&self, columns: &[TermColumn]) -> Result<(), TermError> {
-        let table = self.robot.parameter_table();
+        // An r behind a name says that others are regrouped in it.
+        let bare = |name: &str| name.trim_end_matches('r').to_owned();
+        let known: Vec<String> = self.robot.parameter_table().iter().map(|p| bare(&p.name())).collect();
         for (k, column) in columns.iter().enumerate() {
             let name = &column.parameter;
-            if table.index_of(name).is_some() || columns[..k].iter().any(|other| other.parameter == *name) {
+            let own = bare(name);
+            if known.contains(&own) || columns[..k].iter().any(|other| bare(&other.parameter) == own) {
                 let remedy = "state each law once for a joint, and give springs and expressions names of their own";
                 return Err(TermError::Twice {
                     term: self.place(),
