@@ -54,6 +54,7 @@ mod state;
 mod term_columns;
 #[cfg(test)]
 mod term_tests;
+mod term_torques;
 mod terms;
 mod twist;
 mod workspace;

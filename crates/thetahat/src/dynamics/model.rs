@@ -101,6 +101,11 @@ impl Model {
         &self.channels
     }
 
+    /// The columns of the robot's terms, in the order of their parameters.
+    pub(crate) fn terms(&self) -> &[ModelTerm] {
+        &self.terms
+    }
+
     /// Whether a parameter of the table multiplies a recorded channel.
     pub(crate) fn takes_channel(&self, parameter: usize) -> bool {
         match self.table.get(parameter).quantity {

@@ -275,7 +275,7 @@ fn derivatives_are_central_differences() {
     for state in STATES {
         let [q, dq, ddq] = [&state[..3], &state[3..], &DDQ].map(|x| Series::from_values(3, x.to_vec()));
         let mut found = [Jacobian::zeros(3)];
-        case.model.inverse_dynamics_jacobians(&parameters, [&q, &dq, &ddq], 0..1, SIGN, &mut found);
+        case.model.inverse_dynamics_jacobians(&parameters, [&q, &dq, &ddq], None, 0..1, SIGN, &mut found);
         let mut damping = [0.0; 9];
         case.model.damping_into(
             &parameters,

@@ -95,30 +95,20 @@ impl Settings {
         Ok(())
     }
 
-    /// Simulations have no terms of accelerations, and sensitivities none of recorded channels.
+    /// Simulations have no terms of accelerations.
     fn validate_terms(&self, robot: &Robot) -> Checked {
         let methods = |case: Case| case.methods.unwrap_or_else(|| self.estimation.methods.clone());
-        for method in self.all_cases().into_iter().flat_map(methods) {
-            let refused = match method.needs() {
-                Needs::Measurement => None,
-                Needs::Instruments => robot.term_of_acceleration().map(|term| (term.to_owned(), "ddq")),
-                Needs::Sensitivities => {
-                    let of_acceleration = robot.term_of_acceleration().map(|term| (term.to_owned(), "ddq"));
-                    of_acceleration.or_else(|| robot.channels().pop().map(|name| (name, "a recorded channel")))
-                }
-            };
-            if let Some((term, what)) = refused {
-                let expected = match method.needs() {
-                    Needs::Measurement | Needs::Instruments => "idim-ls or idim-wls",
-                    Needs::Sensitivities => "idim-ls, idim-wls, idim-iv or didim",
-                };
+        let Some(term) = robot.term_of_acceleration() else { return Ok(()) };
+        let simulates = |method: &Method| method.needs() != Needs::Measurement;
+        match self.all_cases().into_iter().flat_map(methods).find(simulates) {
+            None => Ok(()),
+            Some(method) => {
                 let expected = format!(
-                    "{expected}: the torque term of {term} depends on {what}, which {method} does not simulate"
+                    "idim-ls or idim-wls: the torque term of {term} depends on ddq, which {method} does not simulate"
                 );
-                return Err(PreparationError::value("methods", &expected, method));
+                Err(PreparationError::value("methods", &expected, method))
             }
         }
-        Ok(())
     }
 
     /// The weights of joints are those of their torques.

@@ -80,6 +80,11 @@ impl Regressor {
         Self { channels, ..self }
     }
 
+    /// Takes other channels.
+    pub(crate) fn set_channels(&mut self, channels: Option<&Series>) {
+        self.channels = channels.cloned();
+    }
+
     pub(super) fn channels(&self) -> Option<&Series> {
         self.channels.as_ref()
     }

@@ -6,7 +6,7 @@ use crate::{
     linear_algebra::Matrix,
     preparation::{Case, FilteredRecording, PreparationError, Setup},
     results::ProfiledTerm,
-    robot::{Robot, Shape, TermColumn, TermDescription},
+    robot::{Robot, Shape, TermColumn},
 };
 
 /// Rounds over all terms: the constants of one depend little on those of another.
@@ -75,21 +75,4 @@ pub(crate) fn with_constants(robot: &Robot, profiled: &[ProfiledTerm]) -> Robot 
         }
     }
     robot
-}
-
-impl ProfiledTerm {
-    /// What is told of it, with what to write to keep it.
-    pub(super) fn note(&self, robot: &Robot) -> String {
-        let Self { joint, velocity, exponent, .. } = self;
-        let kind = robot.term_descriptions.get(self.term).map_or("stribeck", TermDescription::kind);
-        let found = format!(
-            "{kind} of {joint}: velocity = {velocity}, exponent = {exponent} have the smallest residual; intervals take them as \
-             known"
-        );
-        if self.at_limit {
-            format!("{found}; the velocity is at the end of what was searched: the record does not say it")
-        } else {
-            found
-        }
-    }
 }

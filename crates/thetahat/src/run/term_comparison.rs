@@ -124,10 +124,14 @@ impl Comparison<'_> {
             columns[0].shape = Shape::Stribeck(found);
             description = description.with_constants(found.velocity, found.exponent);
         }
-        let parameters: Vec<String> = columns.iter().map(|c| c.parameter.clone()).collect();
-        let added = self.source.columns(columns)?;
-        let x = Matrix::beside(&[&self.regression.x, &added]);
-        let Some(judged) = judge(&self.regression.with_matrix(x), self.folds.as_ref()) else { return Ok(None) };
+        // A constant torque is the joint's offset, where that is estimated.
+        let varies = |column: &TermColumn| column.shape != Shape::Constant;
+        let varying: Vec<TermColumn> = columns.iter().filter(|column| varies(column)).cloned().collect();
+        let Some((judged, parameters)) =
+            self.judge_with(columns)?.map_or_else(|| self.judge_with(varying), |j| Ok(Some(j)))?
+        else {
+            return Ok(None);
+        };
         let before = judged.estimates.len() - parameters.len();
         Ok(Some(TermLaw {
             law: description.kind().to_owned(),
@@ -138,6 +142,14 @@ impl Comparison<'_> {
             recommended: false,
             description: description.to_toml(),
         }))
+    }
+
+    /// The model as described with more columns, and the names of their parameters; none where they are dependent.
+    fn judge_with(&self, columns: Vec<TermColumn>) -> Result<Option<(Judged, Vec<String>)>, PreparationError> {
+        let parameters: Vec<String> = columns.iter().map(|c| c.parameter.clone()).collect();
+        let added = self.source.columns(columns)?;
+        let x = Matrix::beside(&[&self.regression.x, &added]);
+        Ok(judge(&self.regression.with_matrix(x), self.folds.as_ref()).map(|judged| (judged, parameters)))
     }
 
     /// The model as described without each of the joint's terms.

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use super::expression::Expression;
+use super::expression::{Expression, Variable};
 use crate::robot::{Bound, Role};
 
 /// One column of the torque model beside those of the links and drives, with its parameter.
@@ -158,4 +158,20 @@ impl Shape {
             | Self::BetweenPoints(_) => false,
         }
     }
+}
+
+/// The recorded channels that columns take, each once.
+#[must_use]
+pub fn channels_of(columns: &[TermColumn]) -> Vec<String> {
+    let mut names = Vec::new();
+    for column in columns {
+        names.extend(column.factor.iter().map(|factor| factor.channel.clone()));
+        if let Shape::Expression(expression) = &column.shape {
+            let channel = |v: &Variable| if let Variable::Channel(name) = v { Some(name.clone()) } else { None };
+            names.extend(expression.variables().iter().filter_map(channel));
+        }
+    }
+    names.sort_unstable();
+    names.dedup();
+    names
 }

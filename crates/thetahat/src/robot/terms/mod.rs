@@ -1,7 +1,7 @@
 //! Torque terms beside those of the links and drives, as data: springs, friction laws, motor harmonics, a user's own column.
 //!
 //! A file has a list of [`TermDescription`]s; with a robot they become [`TermColumn`]s, each a column of the observation
-//! matrix with its parameter. What a column is worth in a state is said once, in `dynamics/term_columns.rs`.
+//! matrix with its parameter. What a column is worth in a state is said once, in `dynamics/term_torques.rs`.
 
 mod column;
 mod description;
@@ -11,8 +11,9 @@ mod joint_terms;
 mod point_terms;
 mod resolve;
 
-pub use column::{ChannelFactor, Cylinder, LinkPoint, Shape, Stribeck, StribeckLaw, TermColumn, TwoPoints};
+pub use column::{
+    ChannelFactor, Cylinder, LinkPoint, Shape, Stribeck, StribeckLaw, TermColumn, TwoPoints, channels_of,
+};
 pub use description::{Direction, PointDescription, TermDescription};
 pub use error::TermError;
 pub use expression::{Expression, Variable};
-pub use resolve::channels_of;

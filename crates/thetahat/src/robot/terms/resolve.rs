@@ -4,7 +4,6 @@ use super::{
     column::{Shape, TermColumn},
     description::TermDescription,
     error::{MOST_COLUMNS, TermError},
-    expression::Variable,
 };
 use crate::robot::{Bound, JointKind, Robot, Role};
 
@@ -39,22 +38,6 @@ impl Robot {
         robot.add_terms(descriptions)?;
         Ok(robot)
     }
-}
-
-/// The recorded channels that columns take, each once.
-#[must_use]
-pub fn channels_of(columns: &[TermColumn]) -> Vec<String> {
-    let mut names = Vec::new();
-    for column in columns {
-        names.extend(column.factor.iter().map(|factor| factor.channel.clone()));
-        if let Shape::Expression(expression) = &column.shape {
-            let channel = |v: &Variable| if let Variable::Channel(name) = v { Some(name.clone()) } else { None };
-            names.extend(expression.variables().iter().filter_map(channel));
-        }
-    }
-    names.sort_unstable();
-    names.dedup();
-    names
 }
 
 impl Resolver<'_> {
