@@ -267,7 +267,7 @@ fn a_law_that_fits_is_recommended_and_no_other() {
         let law = |name: &str| joint.laws.iter().find(|law| law.law == name).unwrap().criterion_change;
         assert!(recommended[0].law.ends_with("stribeck"), "{:?}", joint.laws);
         assert!(law("exponential-stribeck") - recommended[0].criterion_change < 10.0, "{:?}", joint.laws);
-        assert!(law("load-friction") > 0.0 && law("joint-spring") > 0.0 || joint.joint == "elbow", "{:?}", joint.laws);
+        assert!(law("motor-harmonics") > 0.0 && law("load-friction") > 0.0, "{:?}", joint.laws);
         assert!(recommended[0].description.starts_with("[[term]]\nkind = \""));
     }
     // What is recommended can be pasted, and then nothing else is.
