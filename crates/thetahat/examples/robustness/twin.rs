@@ -67,7 +67,7 @@ impl Twin {
                 Quantity::Joint(JointQuantity::Ia) if has_motor_inertias => MOTOR_PART * usual.inertia[j],
                 Quantity::Joint(JointQuantity::Fc) => FRICTION_PART * torque,
                 Quantity::Joint(JointQuantity::Fv) => FRICTION_PART * torque / usual.velocity[j],
-                Quantity::Link(_) | Quantity::Joint(_) | Quantity::Motor(_) => continue,
+                Quantity::Link(_) | Quantity::Joint(_) | Quantity::Motor(_) | Quantity::Term(_) => continue,
             };
         }
         let (motion, inertia) = simulate(&robot, &model, &truth, &reference)?;
