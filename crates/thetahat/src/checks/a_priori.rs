@@ -11,10 +11,12 @@ use super::{
     thinned_record::ThinnedRecord,
 };
 use crate::{
-    dynamics::{DynamicParameters, Model, Sign, State, Workspace},
+    dynamics::{Model, Sign},
     linear_algebra::{Matrix, PivotedQr, dot},
+    regressor::Regressor,
     robot::{Quantity, Robot},
     series::Series,
+    signal::Motion,
 };
 
 /// Factor between a torque and that of the a-priori masses, either way. Clean: recorded TX40 at most 1.1, KUKA 1.4, twins
@@ -117,24 +119,21 @@ fn own_columns(record: &ThinnedRecord<'_>, j: usize) -> Option<Matrix> {
 fn a_priori_torque(record: &ThinnedRecord<'_>) -> Option<Series> {
     let (robot, model): (&Robot, &Model) = (record.subject.robot, record.subject.model);
     let table = model.parameter_table();
-    let mut theta = robot.a_priori_parameters_for(table);
-    for (i, value) in theta.iter_mut().enumerate() {
-        match table.get(i).quantity {
-            Quantity::Link(_) => {}
-            Quantity::Joint(_) | Quantity::Motor(_) => *value = 0.0,
-        }
-    }
-    if theta.iter().all(|v| *v == 0.0) {
+    let theta = robot.a_priori_parameters_for(table);
+    let is_given = |i: &usize| matches!(table.get(*i).quantity, Quantity::Link(_)) && theta[*i] != 0.0;
+    let given: Vec<usize> = (0..theta.len()).filter(is_given).collect();
+    if given.is_empty() {
         return None;
     }
-    let parameters = DynamicParameters::new(model, &theta);
-    let motion = &record.motion;
-    let mut workspace = Workspace::new(model);
-    let mut torque = Series::zeros(motion.q.len(), record.coordinates());
-    for k in 0..motion.q.len() {
-        let state = State { q: motion.q.sample(k), dq: motion.dq.sample(k) };
-        let (ddq, tau) = (motion.ddq.sample(k), torque.sample_mut(k));
-        model.inverse_dynamics(&parameters, state, ddq, Sign::Exact, &mut workspace, tau);
+    let Motion { q, dq, ddq } = &record.motion;
+    let regressor = Regressor::new(model, &given);
+    let phi = regressor.evaluate_series(model, q, dq, ddq, Sign::Exact);
+    let mut torque = Series::zeros(q.len(), record.coordinates());
+    for k in 0..q.len() {
+        let tau = torque.sample_mut(k);
+        for (entry, value) in regressor.entries().iter().zip(phi.sample(k)) {
+            tau[entry.joint] += value * theta[given[entry.column]];
+        }
     }
     record.decimator.filter(&torque).ok()
 }

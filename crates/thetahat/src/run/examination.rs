@@ -18,11 +18,13 @@ pub(crate) fn examine(setup: Setup<'_>, prepared: &Prepared, problem: &Problem, 
     let is_planned = recording.planned.is_some();
     let reconstructed = reference.as_ref().filter(|r| matches!(r.reference, Reference::Moves(_)) && !is_planned);
     let deviation = reconstructed.map(|r| r.rms_deviation(filtered));
+    // The checks see positions and torques alone: what multiplies another channel is left out of what they fit.
+    let base = problem.estimated.filtered(|kept| !problem.model.takes_channel(kept));
     let subject = Subject {
         reference: recording.reference.as_ref(),
         reconstructed_deviation: deviation.as_deref(),
         controller: setup.settings.controller.as_ref(),
-        ..subject_of(setup, filtered, &problem.model, &problem.estimated)
+        ..subject_of(setup, filtered, &problem.model, &base)
     };
     RecordingFindings { recording: recording.name.clone(), held_back, findings: checks::examine(&subject) }
 }
@@ -64,9 +66,10 @@ pub(super) fn compare(
     recordings: &[(&FilteredRecording, bool)],
     (model, base): (&Model, &BaseParameters),
 ) -> Option<RecordingFindings> {
+    let base = base.filtered(|kept| !model.takes_channel(kept));
     let mut companions = Vec::with_capacity(recordings.len());
     for &(filtered, held_back) in recordings {
-        let subject = subject_of(setup, filtered, model, base);
+        let subject = subject_of(setup, filtered, model, &base);
         companions.push(Companion { name: &filtered.recording.name, held_back, subject });
     }
     let findings = checks::compare(&companions);

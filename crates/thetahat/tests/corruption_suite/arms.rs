@@ -149,7 +149,7 @@ impl Arm {
         let (n, mut workspace) = (q.channels(), Workspace::new(&model));
         let mut tau = Series::zeros(q.len(), n);
         for k in 0..q.len() {
-            let state = State { q: q.sample(k), dq: dq.sample(k) };
+            let state = State::new(q.sample(k), dq.sample(k));
             model.inverse_dynamics(&parameters, state, ddq.sample(k), Sign::Exact, &mut workspace, tau.sample_mut(k));
         }
         let noise = self.noise * (self.rate_hz / NOISE_RATE_HZ).sqrt();

@@ -99,7 +99,7 @@ fn payload(record: &mut Record) {
     let motion = band_pass(&record.position, record.rate_hz, signal.filter_order, signal.cutoff_hz).unwrap();
     let (mut workspace, mut added) = (Workspace::new(&model), vec![0.0; record.torque.channels()]);
     for k in 0..record.torque.len() {
-        let state = State { q: motion.q.sample(k), dq: motion.dq.sample(k) };
+        let state = State::new(motion.q.sample(k), motion.dq.sample(k));
         model.inverse_dynamics(&parameters, state, motion.ddq.sample(k), Sign::Exact, &mut workspace, &mut added);
         record.torque.sample_mut(k).iter_mut().zip(&added).for_each(|(t, a)| *t += a);
     }
