@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 use corruption_suite::{
     arms::{ARMS, Arm},
     defects::{Defect, Outcome, defects},
-    pairs::{Pair, PairDefect, pair_defects},
+    pairs::{Pair, PairDefect, beside_one_another, pair_defects, payload},
     record::{Record, Which, from_experiment},
     robots::Specimen,
     table::cells,
@@ -17,7 +17,7 @@ use corruption_suite::{
 use libtest_mimic::{Arguments, Failed, Trial};
 use thetahat::{
     Identification, Recording, Settings,
-    checks::{Code, Finding, Severity},
+    checks::{Code, Finding, Severity, compare},
     results::Results,
 };
 use thetahat_testing::ensure;
@@ -109,6 +109,18 @@ fn repeated_motion() -> Result<(), Failed> {
     silent(&Pair { first: arm.record(), second: again.record(), held_back: false }.findings())
 }
 
+/// Of three recordings, the one that differs is named with what changed.
+fn the_one_that_differs_is_named() -> Result<(), Failed> {
+    let [first, second, mut third] = [21, 22, 23].map(|seed| Arm { seed, noise_seed: seed, ..ARMS[10] }.record());
+    payload(&mut third);
+    let found = beside_one_another(&[("a", &first, false), ("b", &second, false), ("c", &third, false)], compare);
+    ensure(found.len() == 1 && found[0].code == Code::RecordingsContradict, format!("{found:?}"))?;
+    ensure(found[0].message.contains("c differs from a, b, which agree, most in m"), found[0].message.clone())?;
+    let found = beside_one_another(&[("a", &first, false), ("b", &second, false), ("c", &third, true)], compare);
+    ensure(found.len() == 1 && found[0].severity == Severity::Warning, format!("{found:?}"))?;
+    ensure(found[0].message.contains("c, which is held back, differs from the others"), found[0].message.clone())
+}
+
 fn identified(record: &Record) -> Results {
     let settings = Settings::new(record.signal.cutoff_hz, record.signal.decimation);
     let recording = Recording::new(record.rate_hz, record.position.clone(), record.torque.clone());
@@ -170,6 +182,7 @@ fn main() {
         trials.push(trial.with_ignored_flag(absent));
     }
     trials.push(Trial::test("clean pair: a motion that is repeated", repeated_motion));
+    trials.push(Trial::test("of three recordings, the one that differs", the_one_that_differs_is_named));
     trials.push(Trial::test("advice: another robot", nothing_is_taken_of_another_robot));
     trials.push(Trial::test("advice: a joint of noise", a_joint_of_noise_is_named));
     libtest_mimic::run(&Arguments::from_args(), trials).exit()

@@ -212,8 +212,9 @@ fn finding(main: &[&Reduced<'_>], names: &[String]) -> Finding {
         (format!("{} differ from one another", list(main)), main[main.len() - 1])
     } else {
         let others: Vec<&Reduced<'_>> =
-            main.iter().copied().filter(|r| !out.iter().any(|o| o.name == r.name)).collect();
-        (format!("{} differs from {}, which agree", list(&out), list(&others)), out[0])
+            main.iter().copied().filter(|r| !out.iter().any(|o| std::ptr::eq(*o, *r))).collect();
+        let differ = if out.len() == 1 { "differs" } else { "differ" };
+        (format!("{} {differ} from {}, which agree", list(&out), list(&others)), out[0])
     };
     build(&comparison, &who, &changed(main, apart, names), Severity::Problem)
 }
@@ -255,7 +256,7 @@ fn changed(all: &[&Reduced<'_>], apart: &Reduced<'_>, names: &[String]) -> Vec<S
     let rest = residual(&x, stacked.column(columns));
     let mut own = Vec::new();
     for r in all {
-        own.extend(std::iter::repeat_n(r.name == apart.name, r.triangle.rows()));
+        own.extend(std::iter::repeat_n(std::ptr::eq(*r, apart), r.triangle.rows()));
     }
     let explained = |c: usize| {
         let column: Vec<f64> = stacked.column(c).iter().zip(&own).map(|(v, own)| if *own { *v } else { 0.0 }).collect();

@@ -68,17 +68,20 @@ impl Pair {
     }
 
     fn with_companions<T>(&self, f: impl FnOnce(&[Companion<'_>]) -> T) -> T {
-        let model = Model::new(&self.first.robot);
-        let base = BaseParameters::of(&model, &self.first.excluded).unwrap();
-        self.first.with_subject_of(&model, &base, |first| {
-            self.second.with_subject_of(&model, &base, |second| {
-                f(&[
-                    Companion { name: "a", held_back: false, subject: first.clone() },
-                    Companion { name: "b", held_back: self.held_back, subject: second.clone() },
-                ])
-            })
-        })
+        beside_one_another(&[("a", &self.first, false), ("b", &self.second, self.held_back)], f)
     }
+}
+
+/// Calls `f` with records of one robot, their names, and whether they are held back.
+pub fn beside_one_another<T>(records: &[(&str, &Record, bool)], f: impl FnOnce(&[Companion<'_>]) -> T) -> T {
+    let first = records[0].1;
+    let model = Model::new(&first.robot);
+    let base = BaseParameters::of(&model, &first.excluded).unwrap();
+    let mut companions = Vec::new();
+    for (name, record, held_back) in records {
+        companions.push(Companion { name, held_back: *held_back, subject: record.subject(&model, &base) });
+    }
+    f(&companions)
 }
 
 /// Mass of the payload, kg, and its distance from the last joint's frame, m.
@@ -86,7 +89,7 @@ const PAYLOAD_KG: f64 = 3.0;
 const PAYLOAD_M: f64 = 0.1;
 
 /// Adds the torques of a payload at the last link.
-fn payload(record: &mut Record) {
+pub fn payload(record: &mut Record) {
     let model = Model::new(&record.robot);
     let n = model.link_count();
     let mut theta = vec![0.0; model.parameter_table().len()];

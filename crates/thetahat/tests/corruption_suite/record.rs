@@ -44,12 +44,12 @@ impl Record {
     pub fn with_subject<T>(&self, f: impl FnOnce(&Subject<'_>) -> T) -> T {
         let model = Model::new(&self.robot);
         let base = BaseParameters::of(&model, &self.excluded).unwrap();
-        self.with_subject_of(&model, &base, f)
+        f(&self.subject(&model, &base))
     }
 
-    /// The same with a model and parameters that several records share.
-    pub fn with_subject_of<T>(&self, model: &Model, base: &BaseParameters, f: impl FnOnce(&Subject<'_>) -> T) -> T {
-        f(&Subject {
+    /// The record as a subject with a model and parameters that several records share.
+    pub fn subject<'a>(&'a self, model: &'a Model, base: &'a BaseParameters) -> Subject<'a> {
+        Subject {
             robot: &self.robot,
             model,
             base,
@@ -64,7 +64,7 @@ impl Record {
             added_signal: self.added_signal,
             signal: self.signal.clone(),
             controller: self.controller.as_ref(),
-        })
+        }
     }
 
     /// The band-passed velocity of the record's own positions: what a robot that records velocities would give.
