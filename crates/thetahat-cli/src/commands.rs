@@ -10,7 +10,7 @@ use thetahat::{
     experiment::{Experiment, PredictionRequest, ProposalRequest, predict, propose},
     recording::{Contents, inspect},
     report::{self, Published},
-    robot::{Robot, RobotSource},
+    robot::{Locks, Robot, RobotSource},
     robot_summary::RobotSummary,
 };
 
@@ -202,7 +202,9 @@ fn record_twin(simulate: &Simulate) -> Result<Verdict, Box<dyn Error>> {
 fn show_model(request: &Model) -> Result<Verdict, Box<dyn Error>> {
     let folder = request.data.clone().unwrap_or_default();
     let source = RobotSource::read(&folder.join(&request.robot))?;
-    let summary = RobotSummary::new(&source, &source.robot()?);
+    let locks = Locks { locked: request.lock.iter().cloned().collect(), until: request.until.clone() };
+    let robot = source.robot_with_locks(&locks, Path::new("the command line"))?;
+    let summary = RobotSummary::new(&source, &robot);
     print(&if request.json { report::model_json(&summary)? } else { report::model_text(&summary) })?;
     Ok(if summary.problem.is_none() { Verdict::Good } else { Verdict::NotTrusted })
 }

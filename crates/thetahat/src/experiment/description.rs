@@ -15,12 +15,13 @@ use serde::{
 use super::{error::ExperimentError, paths};
 use crate::{
     control::ControllerDescription,
+    one_or_each,
     preparation::{
         Case, EstimationOptions, ParameterSelection, PreparationError, ReferenceCorrection, Settings, Setup,
         SignalOptions, SimulationOptions,
     },
     recording::ChannelSource,
-    robot::{Robot, RobotSource},
+    robot::{Locks, Robot, RobotSource},
     simulation::Sensors,
 };
 
@@ -48,6 +49,8 @@ pub struct ExperimentFile {
     pub title: String,
     /// The robot description, relative to the experiment file, or else to the folder of the data.
     pub robot: PathBuf,
+    /// The joints of the robot that do not move in the recordings, beside those that its description locks.
+    pub locks: Locks,
     /// The recordings to identify from: one `[recording]` or several `[[recording]]`.
     pub recording: Vec<RecordingDescription>,
     /// Recordings held back to validate on: one `[validation]` or several `[[validation]]`.
@@ -64,6 +67,10 @@ pub struct ExperimentFile {
 struct Tables {
     title: String,
     robot: PathBuf,
+    #[serde(default)]
+    locked: BTreeMap<String, f64>,
+    #[serde(default, deserialize_with = "one_or_each::list")]
+    until: Vec<String>,
     #[serde(default, deserialize_with = "one_or_several")]
     recording: Vec<RecordingDescription>,
     #[serde(default, deserialize_with = "one_or_several")]
@@ -85,7 +92,8 @@ struct Tables {
 impl Tables {
     fn split(self) -> (ExperimentFile, Settings) {
         let Self { title, robot, recording, validation, twin, signal, parameters, estimation, controller, .. } = self;
-        let file = ExperimentFile { title, robot, recording, validation, twin, published: self.published };
+        let locks = Locks { locked: self.locked, until: self.until };
+        let file = ExperimentFile { title, robot, locks, recording, validation, twin, published: self.published };
         let (simulation, cases) = (self.simulation, self.case);
         (file, Settings { signal, parameters, estimation, controller, simulation, cases })
     }
@@ -255,7 +263,7 @@ impl Experiment {
         text: String,
         source: RobotSource,
     ) -> Result<Self, ExperimentError> {
-        let (robot, robot_text) = (source.robot()?, source.to_text());
+        let (robot, robot_text) = (source.robot_with_locks(&file.locks, path)?, source.to_text());
         let experiment = Self { path: path.to_owned(), file, settings, text, robot, robot_text };
         experiment.validate()?;
         Ok(experiment)

@@ -6,7 +6,7 @@ use super::{
     wrap::wrap,
 };
 use crate::results::{
-    BaseParameterSummary, JointKind, JointSummary, ParameterCount, Quantity, RobotSummary, StandardParameterSummary,
+    BaseParameterSummary, JointKind, JointSummary, LockedJoint, ParameterCount, Quantity, RobotSummary, StandardParameterSummary,
 };
 
 /// Widest label of the head.
@@ -48,11 +48,19 @@ fn head(summary: &RobotSummary) -> String {
         ("gravity", format!("{x} {y} {z} m/s^2 in the base frame")),
         ("friction", summary.friction.to_owned()),
     ];
+    let locked = (!summary.locked.is_empty()).then(|| ("locked", locked(summary)));
     let line = |(label, value): (&str, String)| {
         let text = wrap(&value, &" ".repeat(LABEL));
         format!("{label:<LABEL$}{}", text.trim_start())
     };
-    facts.into_iter().map(line).collect()
+    facts.into_iter().chain(locked).map(line).collect()
+}
+
+fn locked(summary: &RobotSummary) -> String {
+    let at = |joint: &LockedJoint| {
+        format!("{} at {} {}", joint.name, coordinate(joint.value, joint.kind), unit(joint.kind))
+    };
+    summary.locked.iter().map(at).collect::<Vec<_>>().join(", ")
 }
 
 /// A column of the structure: what it says of a joint, if anything.

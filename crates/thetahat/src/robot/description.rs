@@ -2,6 +2,7 @@ use std::collections::BTreeMap;
 
 use super::{
     joint::{Joint, JointKind},
+    locking::LockedJoint,
     parameters::ParameterTable,
     quantity::{Friction, JointQuantity},
     transmission::Transmission,
@@ -25,6 +26,8 @@ pub struct Robot {
     pub friction: Friction,
     /// A-priori values by parameter name, as from CAD; what is not listed is zero.
     pub a_priori: BTreeMap<String, f64>,
+    /// Joints of the description that were locked, and are no joints of this robot.
+    pub locked: Vec<LockedJoint>,
 }
 
 impl Robot {

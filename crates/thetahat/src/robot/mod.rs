@@ -15,9 +15,11 @@
 //! # Ok::<(), thetahat::robot::RobotError>(())
 //! ```
 
+mod body;
 mod description;
 mod error;
 mod joint;
+mod locking;
 mod parameters;
 mod physical;
 mod quantity;
@@ -30,6 +32,7 @@ mod urdf;
 pub use description::Robot;
 pub use error::RobotError;
 pub use joint::{DenavitHartenberg, Joint, JointKind, Limits, Mimic, Placement};
+pub use locking::{LockError, LockedJoint, Locks};
 pub use parameters::{Parameter, ParameterTable};
 pub use physical::NotPhysical;
 pub use quantity::{Bound, Friction, INERTIAL, JointQuantity, LinkQuantity, MotorQuantity, Quantity, Role};

@@ -3,7 +3,10 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, de::IgnoredAny};
 use toml::Spanned;
 
-use crate::robot::{Friction, JointKind};
+use crate::{
+    one_or_each,
+    robot::{Friction, JointKind},
+};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -22,6 +25,10 @@ pub(super) struct RobotFile {
     pub(super) transmission: Option<TransmissionEntry>,
     #[serde(default)]
     pub(super) parameters: BTreeMap<String, f64>,
+    #[serde(default)]
+    pub(super) locked: BTreeMap<String, f64>,
+    #[serde(default, deserialize_with = "one_or_each::list")]
+    pub(super) until: Vec<String>,
 }
 
 /// What the Denavit-Hartenberg numbers of a joint mean.
