@@ -17,7 +17,7 @@ use serde::{
 ///     zero: OneOrEach<f64>,
 /// }
 /// let keys: Keys = toml::from_str("gain = 2\nzero = [0.1, 0.2]").unwrap();
-/// assert_eq!((keys.gain.for_each(3), keys.zero.for_each(2)), (vec![2.0; 3], vec![0.1, 0.2]));
+/// assert_eq!((keys.gain.to_list(3), keys.zero.to_list(2)), (vec![2.0; 3], vec![0.1, 0.2]));
 /// assert!(keys.gain.fits(3) && !keys.zero.fits(3));
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -60,10 +60,16 @@ impl<T> OneOrEach<T> {
     }
 }
 
+impl<T> From<T> for OneOrEach<T> {
+    fn from(value: T) -> Self {
+        Self::One(value)
+    }
+}
+
 impl<T: Clone> OneOrEach<T> {
     /// A list of `count`: the one value repeated, or the list as it is.
     #[must_use]
-    pub fn for_each(&self, count: usize) -> Vec<T> {
+    pub fn to_list(&self, count: usize) -> Vec<T> {
         match self {
             Self::One(value) => vec![value.clone(); count],
             Self::Each(values) => values.clone(),
@@ -138,7 +144,11 @@ mod tests {
 
     #[test]
     fn what_is_wrong_inside_is_said() {
-        assert!(message("unit = 'Nm'").starts_with("unknown unit \"Nm\"; the known units are"), "{}", message("unit = 'Nm'"));
+        assert!(
+            message("unit = 'Nm'").starts_with("unknown unit \"Nm\"; the known units are"),
+            "{}",
+            message("unit = 'Nm'")
+        );
         assert!(message("unit = ['m', 'Nm']").starts_with("unknown unit \"Nm\""));
         assert_eq!(message("number = 'a'"), "invalid type: string \"a\", expected f64");
         assert_eq!(

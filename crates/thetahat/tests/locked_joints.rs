@@ -179,13 +179,19 @@ fn what_cannot_be_locked_is_named_with_its_remedy() {
     let head = [("head_1_joint", 0.0), ("head_2_joint", 0.5)];
     let with = |name: &'static str, value: f64| [head[0], head[1], (name, value)];
     for (found, expected) in [
-        (message(&with("arm_8_joint", 0.0), &[]), "e.toml: locked: the robot has no moving joint `arm_8_joint`; its moving joints are torso_lift"),
+        (
+            message(&with("arm_8_joint", 0.0), &[]),
+            "e.toml: locked: the robot has no moving joint `arm_8_joint`; its moving joints are torso_lift",
+        ),
         (message(&[], &["wrist"]), "e.toml: until: the robot has no moving joint `wrist`; its"),
         (
             message(&with("right_finger_joint", 0.0), &[]),
             "locked: joint `right_finger_joint` follows `left_finger_joint` (mimic) and is locked with it; lock `left_finger_joint` instead",
         ),
-        (message(&with("arm_1_joint", 30.0), &[]), "joint `arm_1_joint` at 30 rad: expected a finite number up to 12.5664; give rad, not degrees"),
+        (
+            message(&with("arm_1_joint", 30.0), &[]),
+            "joint `arm_1_joint` at 30 rad: expected a finite number up to 12.5664; give rad, not degrees",
+        ),
         (message(&with("arm_1_joint", f64::NAN), &[]), "joint `arm_1_joint` at NaN rad: expected a finite number"),
         (
             message(&with("torso_lift_joint", 10.0), &[]),

@@ -177,6 +177,7 @@ pub struct TwinDescription {
     /// End points of the moves in degrees (or mm for prismatic joints), the first where the robot starts.
     pub points: Vec<Vec<f64>>,
     /// Largest velocity of each joint, degrees/s or mm/s.
+    #[serde(deserialize_with = "one_or_each::list")]
     pub max_velocity: Vec<f64>,
     /// Time in which the velocity rises, s.
     pub acceleration_time_s: f64,
@@ -186,6 +187,17 @@ pub struct TwinDescription {
     pub rest_s: f64,
     /// From the motion to its record.
     pub sensors: Sensors,
+}
+
+impl TwinDescription {
+    /// Lists of one value, which is for all joints, become lists with one for each.
+    fn repeat_for(&mut self, joints: usize) {
+        for list in [&mut self.max_velocity, &mut self.sensors.torque_noise, &mut self.sensors.torque_ripple] {
+            if let [value] = list[..] {
+                *list = vec![value; joints];
+            }
+        }
+    }
 }
 
 /// True values of base parameters that a twin does not list.
@@ -259,11 +271,12 @@ impl Experiment {
 
     fn assemble(
         path: &Path,
-        (file, settings): (ExperimentFile, Settings),
+        (mut file, settings): (ExperimentFile, Settings),
         text: String,
         source: RobotSource,
     ) -> Result<Self, ExperimentError> {
         let (robot, robot_text) = (source.robot_with_locks(&file.locks, path)?, source.to_text());
+        file.twin.iter_mut().for_each(|twin| twin.repeat_for(robot.coordinate_count()));
         let experiment = Self { path: path.to_owned(), file, settings, text, robot, robot_text };
         experiment.validate()?;
         Ok(experiment)

@@ -65,7 +65,7 @@ pub use crate::{
     checks::{Code, Finding, Severity},
     identification::{Method, Status, Weighting},
     recording::{ChannelSummary, ColumnSummary, Contents, Resampling, TableSummary, TimeSummary},
-    robot::{JointKind, LockedJoint, Parameter, Quantity},
+    robot::{Doubt, JointKind, LockedJoint, Parameter, Quantity},
     robot_summary::{BaseParameterSummary, JointSummary, ParameterCount, RobotSummary, StandardParameterSummary},
     simulation::BiasKind,
     statistics::{ChiSquaredTest, FTest},

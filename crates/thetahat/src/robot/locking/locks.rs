@@ -30,7 +30,7 @@ pub struct Locks {
 }
 
 /// A joint that was locked.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LockedJoint {
     /// Its name.
     pub name: String,
@@ -48,10 +48,7 @@ pub(in crate::robot) struct LocksOf<'a> {
 }
 
 /// The value of each joint that is locked by any; the last that locks a joint gives its value.
-pub(in crate::robot) fn resolve_all(
-    joints: &[Joint],
-    stated: &[LocksOf<'_>],
-) -> Result<Vec<Option<f64>>, RobotError> {
+pub(in crate::robot) fn resolve_all(joints: &[Joint], stated: &[LocksOf<'_>]) -> Result<Vec<Option<f64>>, RobotError> {
     let mut values = vec![None; joints.len()];
     for LocksOf { path, locks } in stated {
         let found = locks.resolve(joints).map_err(|source| RobotError::Lock { path: (*path).to_owned(), source })?;

@@ -4,7 +4,7 @@ use serde::{Deserialize, de::IgnoredAny};
 use toml::Spanned;
 
 use crate::{
-    one_or_each,
+    one_or_each::{self, OneOrEach},
     robot::{Friction, JointKind},
 };
 
@@ -76,7 +76,7 @@ pub(super) struct MimicEntry {
 #[serde(deny_unknown_fields)]
 pub(super) struct TransmissionEntry {
     pub(super) matrix: Option<Spanned<Vec<Vec<f64>>>>,
-    pub(super) offset_deg: Option<Vec<f64>>,
-    pub(super) offset_m: Option<Vec<f64>>,
-    pub(super) drive_gain: Option<Vec<f64>>,
+    pub(super) offset_deg: Option<OneOrEach<f64>>,
+    pub(super) offset_m: Option<OneOrEach<f64>>,
+    pub(super) drive_gain: Option<OneOrEach<f64>>,
 }

@@ -53,6 +53,7 @@ impl Reader<'_> {
             friction: Friction::default(),
             a_priori: std::collections::BTreeMap::new(),
             locked: Vec::new(),
+            doubts: Vec::new(),
         })
     }
 
@@ -87,12 +88,14 @@ impl Reader<'_> {
         }
         robot.name = name.unwrap_or(robot.name);
         robot.gravity = gravity.unwrap_or(robot.gravity);
+        self.check_gravity(robot.gravity)?;
         if let Some(entry) = transmission {
             robot.transmission = self.transmission(entry, &robot.joints, &robot.transmission)?;
         }
         robot.set_friction(friction.unwrap_or(robot.friction));
         self.check_parameter_names(&robot, parameters.keys())?;
-        robot.a_priori.extend(parameters);
+        robot.a_priori.extend(parameters.clone());
+        self.check_parameters(&robot, &parameters)?;
         Ok(robot)
     }
 

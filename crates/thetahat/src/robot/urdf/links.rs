@@ -24,7 +24,15 @@ fn roll_pitch_yaw([roll, pitch, yaw]: Vec3) -> Mat3 {
 
 /// The `<inertial>` of a link, about the origin of the link's frame; zero without one.
 pub(super) fn body_of(link: Element<'_>) -> Result<Body, UrdfError> {
-    let Some(inertial) = link.child("inertial") else { return Ok(Body::default()) };
+    match inertial_of(link)? {
+        Some((inertial, body)) => Ok(body.seen_in(&origin_of(inertial)?)),
+        None => Ok(Body::default()),
+    }
+}
+
+/// The `<inertial>` of a link, if it has one, with the body that it describes about its own origin.
+pub(super) fn inertial_of<'a>(link: Element<'a>) -> Result<Option<(Element<'a>, Body)>, UrdfError> {
+    let Some(inertial) = link.child("inertial") else { return Ok(None) };
     let remedy = "give it, or leave out the whole <inertial>";
     let mass = inertial.required_child("mass", remedy)?;
     let m = required_number(mass, "value", remedy)?;
@@ -32,8 +40,8 @@ pub(super) fn body_of(link: Element<'_>) -> Result<Body, UrdfError> {
     let entry = |key| required_number(inertia, key, "all six of ixx ixy ixz iyy iyz izz are needed");
     let (xx, xy, xz) = (entry("ixx")?, entry("ixy")?, entry("ixz")?);
     let (yy, yz, zz) = (entry("iyy")?, entry("iyz")?, entry("izz")?);
-    let about_center = Body { m, ms: [0.0; 3], inertia: [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]] };
-    Ok(about_center.seen_in(&origin_of(inertial)?))
+    let inertia = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+    Ok(Some((inertial, Body { m, ms: [0.0; 3], inertia })))
 }
 
 fn required_number(element: Element<'_>, key: &'static str, remedy: &'static str) -> Result<f64, UrdfError> {

@@ -1,7 +1,7 @@
 use std::{collections::BTreeMap, path::Path};
 
 use super::{
-    UrdfError, document,
+    UrdfError, document, doubts,
     element::Element,
     joints::{JointElement, Moving},
     links,
@@ -68,6 +68,7 @@ pub(in crate::robot) fn read(
         transmission,
         friction: Friction::Symmetric,
         locked: Vec::new(),
+        doubts: doubts::of(&structure.links, &structure.joints)?,
     })
 }
 

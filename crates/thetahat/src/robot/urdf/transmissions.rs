@@ -24,10 +24,7 @@ pub(super) fn reductions(
 }
 
 /// Whether all joints of a transmission are locked.
-fn refuse_coupling_with_locked(
-    transmission: Element<'_>,
-    is_locked: &dyn Fn(&str) -> bool,
-) -> Result<bool, UrdfError> {
+fn refuse_coupling_with_locked(transmission: Element<'_>, is_locked: &dyn Fn(&str) -> bool) -> Result<bool, UrdfError> {
     let names = || transmission.elements().filter(|e| e.tag() == "joint").filter_map(|e| e.attribute("name"));
     match (names().find(|name| is_locked(name)), names().find(|name| !is_locked(name))) {
         (Some(locked), Some(moving)) => Err(UrdfError::Transmission {
