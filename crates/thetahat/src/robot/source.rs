@@ -84,11 +84,23 @@ impl RobotSource {
         self.read_with(&[LocksOf { path, locks }])
     }
 
+    /// The robot as far as it can be told without the transmissions of a URDF, which may couple joints.
+    ///
+    /// # Errors
+    /// As [`RobotSource::robot`].
+    pub fn robot_without_transmission(&self) -> Result<Robot, RobotError> {
+        self.read_as(urdf::Transmissions::Ignored, &[])
+    }
+
     fn read_with(&self, locks: &[LocksOf<'_>]) -> Result<Robot, RobotError> {
+        self.read_as(urdf::Transmissions::Read, locks)
+    }
+
+    fn read_as(&self, transmissions: urdf::Transmissions, locks: &[LocksOf<'_>]) -> Result<Robot, RobotError> {
         if !is_xml(&self.text) {
-            return toml_file::read(&self.text, &self.path, self.urdf.as_ref(), locks);
+            return toml_file::read(&self.text, &self.path, (self.urdf.as_ref(), transmissions), locks);
         }
-        let whole = urdf::read(&self.text, &self.path, urdf::Transmissions::Read, locks)?;
+        let whole = urdf::read(&self.text, &self.path, transmissions, locks)?;
         let values = resolve_all(&whole.joints, locks)?;
         merged(&whole, &values).map_err(|source| RobotError::Lock { path: self.path.clone(), source })
     }

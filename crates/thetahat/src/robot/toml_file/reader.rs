@@ -18,7 +18,7 @@ const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 pub(in crate::robot) fn read(
     text: &str,
     path: &Path,
-    urdf: Option<&(PathBuf, String)>,
+    (urdf, transmissions): (Option<&(PathBuf, String)>, urdf::Transmissions),
     stated: &[LocksOf<'_>],
 ) -> Result<Robot, RobotError> {
     let mut file: RobotFile = toml::from_str(text).map_err(|e| RobotError::of_toml(&e, path))?;
@@ -26,7 +26,7 @@ pub(in crate::robot) fn read(
     let locks: Vec<LocksOf<'_>> = [LocksOf { path, locks: &locks }].into_iter().chain(stated.iter().copied()).collect();
     let reader = Reader { path, text };
     let below = match urdf {
-        Some((urdf_path, urdf_text)) => reader.on_urdf(&file, urdf_path, urdf_text, &locks)?,
+        Some((urdf_path, urdf_text)) => reader.on_urdf(&file, (urdf_path, urdf_text, transmissions), &locks)?,
         None => reader.alone(&file)?,
     };
     let whole = reader.with_additions(below, file)?;
@@ -60,8 +60,7 @@ impl Reader<'_> {
     fn on_urdf(
         &self,
         file: &RobotFile,
-        urdf_path: &Path,
-        urdf_text: &str,
+        (urdf_path, urdf_text, transmissions): (&Path, &str, urdf::Transmissions),
         locks: &[LocksOf<'_>],
     ) -> Result<Robot, RobotError> {
         if !file.joint.is_empty() {
@@ -75,7 +74,7 @@ impl Reader<'_> {
             ));
         }
         let own = file.transmission.as_ref().is_some_and(|t| t.matrix.is_some());
-        let transmissions = if own { urdf::Transmissions::Ignored } else { urdf::Transmissions::Read };
+        let transmissions = if own { urdf::Transmissions::Ignored } else { transmissions };
         urdf::read(urdf_text, urdf_path, transmissions, locks)
     }
 

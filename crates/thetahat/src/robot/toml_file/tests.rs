@@ -252,7 +252,10 @@ fn a_urdf_beside_its_description_is_read_and_kept_in_one_text() {
     let robot = source.robot().unwrap();
     assert_eq!((source.format(), robot.name.as_str()), ("TOML on URDF", "arm"));
     let kept = RobotSource::from_text(source.to_text(), Path::new("results.json")).unwrap();
-    assert_eq!(kept.robot().unwrap(), robot);
+    // The rod is given its inertia about the axis alone; the doubt about it names another place.
+    let without_doubts = |robot: Robot| Robot { doubts: Vec::new(), ..robot };
+    assert_eq!((robot.doubts.len(), kept.robot().unwrap().doubts.len()), (1, 1));
+    assert_eq!(without_doubts(kept.robot().unwrap()), without_doubts(robot));
     assert_eq!(kept.to_text(), source.to_text());
 }
 

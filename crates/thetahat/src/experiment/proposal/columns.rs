@@ -1,0 +1,62 @@
+use super::{
+    super::column_names::{self, Signal},
+    joint_names::columns_of,
+    source::{Chosen, Source, channels},
+};
+use crate::{recording::ColumnSummary, robot::Robot};
+
+/// A column and the number in its name.
+type Numbered<'a> = (&'a ColumnSummary, Option<usize>);
+
+/// The columns that hold a signal, one channel for each joint, in the order of the joints: those whose names say so, or
+/// where the names of the columns say nothing, those of a file whose name does.
+pub(super) fn by_name<'a>(source: &Source<'a>, robot: &Robot, signal: Signal) -> Result<Vec<Chosen<'a>>, String> {
+    let named =
+        |c: &'a ColumnSummary| column_names::read(&c.name).filter(|r| r.signal == signal).map(|r| (c, r.number));
+    let mut found: Vec<Numbered<'a>> = source.columns().filter_map(named).collect();
+    if found.is_empty() && of_file(source) == Some(signal) {
+        found = silent(source);
+    }
+    in_order(robot, found)
+}
+
+/// Whether the columns of a file say nothing, and its name says which signal they hold.
+pub(super) fn of_file(source: &Source<'_>) -> Option<Signal> {
+    let names = [source.stem(), source.folder()];
+    names.iter().find_map(|name| column_names::read(name)).map(|r| r.signal)
+}
+
+/// The columns whose names say nothing and that are no times.
+pub(super) fn silent<'a>(source: &Source<'a>) -> Vec<Numbered<'a>> {
+    let untold = source.columns().filter(|c| column_names::is_silent(&c.name) && !source.is_time(&c.name));
+    untold.map(|c| (c, column_names::number(&c.name))).collect()
+}
+
+fn in_order<'a>(robot: &Robot, mut found: Vec<Numbered<'a>>) -> Result<Vec<Chosen<'a>>, String> {
+    let joints = robot.coordinate_count();
+    if let Some(ordered) = in_order_of_joints(robot, &found) {
+        return Ok(ordered.into_iter().map(Chosen::of).collect());
+    }
+    let chosen = |columns: &[&'a ColumnSummary]| columns.iter().map(|c| Chosen::of(c)).collect::<Vec<_>>();
+    let all = chosen(&found.iter().map(|(c, _)| *c).collect::<Vec<_>>());
+    if channels(&all) != joints {
+        let names: Vec<&str> = all.iter().map(|c| c.name.as_str()).collect();
+        return Err(format!("{} columns look like it ({})", channels(&all), names.join(" ")));
+    }
+    if all.len() == 1 {
+        return Ok(all);
+    }
+    found.sort_by_key(|(_, number)| *number);
+    let numbers: Vec<Option<usize>> = found.iter().map(|(_, number)| *number).collect();
+    if numbers.windows(2).all(|n| matches!(n, [Some(a), Some(b)] if b - a == 1)) {
+        return Ok(chosen(&found.iter().map(|(c, _)| *c).collect::<Vec<_>>()));
+    }
+    Err("their names have neither the joints' names nor consecutive numbers".to_owned())
+}
+
+/// The columns by the names of the joints, where each joint has one; columns of other joints are left out.
+fn in_order_of_joints<'a>(robot: &Robot, found: &[Numbered<'a>]) -> Option<Vec<&'a ColumnSummary>> {
+    let names: Vec<&str> = robot.coordinates().map(|joint| joint.name.as_str()).collect();
+    let columns: Vec<&ColumnSummary> = found.iter().map(|(column, _)| *column).collect();
+    columns_of(&names, &columns).into_iter().collect()
+}
