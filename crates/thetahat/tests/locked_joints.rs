@@ -199,7 +199,7 @@ fn what_cannot_be_locked_is_named_with_its_remedy() {
         ),
         (
             message(&head[..1], &[]),
-            "couples `head_1_joint`, which is locked, with `head_2_joint`, which moves: lock both or none; give [transmission] matrix",
+            "couples `head_1_joint`, which is locked, with `head_2_joint`, which moves: lock both or none; lock all of its joints, or give [transmission] matrix",
         ),
     ] {
         assert!(found.contains(expected), "{found}");

@@ -50,7 +50,12 @@ impl JointsOfLog {
         };
         let locked = locks.iter().map(|lock| (lock.joint.clone(), lock.value)).collect();
         let locked = Locks { locked, until: Vec::new() };
-        let robot = description.robot_with_locks(&locked, &request.robot_file).map_err(refuse)?;
+        let robot = match description.robot_with_locks(&locked, &request.robot_file) {
+            Ok(robot) => robot,
+            // Transmissions that cannot be read do not matter to a proposal; the experiment refuses them.
+            Err(_) if locks.is_empty() => whole,
+            Err(error) => return Err(refuse(error)),
+        };
         Ok(Self { robot, locks })
     }
 }

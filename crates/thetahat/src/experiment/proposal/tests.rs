@@ -258,3 +258,42 @@ fn a_reference_of_another_scale_is_left_out() {
         .text();
     assert!(text.contains("\n# reference = {") && text.contains("Left out"), "{text}");
 }
+
+const LIFT: &str = "name = 'lift'\n[[joint]]\nname = 'lift_joint'\nkind = 'prismatic'\n[[joint]]\nname = 'arm_joint'\nkind = 'revolute'\n\
+                    [[joint]]\nname = 'head_joint'\nkind = 'revolute'\n";
+
+#[test]
+fn joints_that_the_log_lacks_are_locked_and_others_left_out() {
+    let header = "t,arm_joint.position,lift_pos,wheel.position,arm_joint.effort,lift_effort,wheel.effort";
+    let proposal = proposed_from(&[("log.csv", header)], request(), LIFT).unwrap();
+    let locked: Vec<_> = proposal.locks.iter().map(|lock| (lock.joint.as_str(), lock.value)).collect();
+    assert_eq!(
+        (locked, proposal.unused.join(" ")),
+        (vec![("head_joint", 0.0)], "wheel.position wheel.effort".to_owned())
+    );
+    let (_, position) = &proposal.recordings[0].channels[0];
+    assert_eq!(position.columns, ["lift_pos", "arm_joint.position"]);
+    let text = proposal.text();
+    assert!(text.contains(r#"unit = ["m", "rad"]"#) && text.contains(r#"unit = ["N", "N m"]"#), "{text}");
+    let experiment = super::super::Experiment::from_texts(Path::new("e.toml"), text, LIFT.to_owned()).unwrap();
+    assert_eq!((experiment.robot.coordinate_count(), experiment.robot.locked.len()), (2, 1));
+}
+
+#[test]
+fn a_joint_that_moves_without_a_torque_is_refused() {
+    let header = "t,arm_joint.position,lift_joint.position,head_joint.position,arm_joint.effort,lift_joint.effort";
+    let error = proposed_from(&[("log.csv", header)], request(), LIFT).unwrap_err();
+    assert!(matches!(&error, ProposalError::MovesWithoutTorque { joint, .. } if joint == "head_joint"), "{error}");
+}
+
+#[test]
+fn joints_may_be_named_where_columns_are_not() {
+    let named = ProposalRequest { joints: vec!["lift_joint".into(), "arm_joint".into()], ..request() };
+    let proposal = proposed_from(&[("log.csv", "t,q1,q2,tau1,tau2")], named, LIFT).unwrap();
+    assert_eq!(proposal.locks.len(), 1);
+    let message = proposed_from(&[("log.csv", "t,q1,q2,tau1,tau2")], request(), LIFT).unwrap_err().to_string();
+    assert!(message.contains("--joints NAME,NAME,...: the others are locked"), "{message}");
+    let wrong = ProposalRequest { joints: vec!["arm".into()], ..request() };
+    let message = proposed_from(&[("log.csv", "t,q1,q2,tau1,tau2")], wrong, LIFT).unwrap_err().to_string();
+    assert_eq!(message, "--joints arm: expected joints of the robot, in its order: lift_joint,arm_joint,head_joint");
+}
