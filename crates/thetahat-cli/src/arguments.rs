@@ -127,6 +127,9 @@ pub struct Columns {
     /// The time column
     #[arg(long, value_name = "NAME")]
     pub time: Option<String>,
+    /// The joints that the columns are of, in the robot's order, where names do not tell; the others are locked
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub joints: Vec<String>,
     /// Samples per second, where there is no time column
     #[arg(long, value_name = "HZ", conflicts_with = "time")]
     pub rate: Option<f64>,
@@ -243,6 +246,17 @@ pub struct Model {
     /// Folder against which the robot's path is resolved [default: the current one]
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
+    /// The last joints that move; all that are not on the way to them are locked at their neutral values
+    #[arg(long, value_name = "JOINTS", value_delimiter = ',')]
+    pub until: Vec<String>,
+    /// Joints that do not move, in rad or m, such as head_joint=0.2
+    #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = lock)]
+    pub lock: Vec<(String, f64)>,
+}
+
+fn lock(text: &str) -> Result<(String, f64), String> {
+    let parts = text.rsplit_once('=').and_then(|(joint, value)| Some((joint.to_owned(), value.parse().ok()?)));
+    parts.ok_or_else(|| "expected JOINT=VALUE with a number in rad or m".to_owned())
 }
 
 #[derive(Args)]

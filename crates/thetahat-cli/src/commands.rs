@@ -7,7 +7,7 @@ use std::{
 use thetahat::{
     experiment::{Experiment, PredictionRequest, predict},
     report::{self, Published},
-    robot::RobotSource,
+    robot::{Locks, RobotSource},
     robot_summary::RobotSummary,
 };
 
@@ -138,7 +138,9 @@ fn record_twin(simulate: &Simulate) -> Result<Verdict, Box<dyn Error>> {
 fn show_model(request: &Model) -> Result<Verdict, Box<dyn Error>> {
     let folder = request.data.clone().unwrap_or_default();
     let source = RobotSource::read(&folder.join(&request.robot))?;
-    let summary = RobotSummary::new(&source, &source.robot()?);
+    let locks = Locks { locked: request.lock.iter().cloned().collect(), until: request.until.clone() };
+    let robot = source.robot_with_locks(&locks, Path::new("the command line"))?;
+    let summary = RobotSummary::new(&source, &robot);
     print(&if request.json { report::model_json(&summary)? } else { report::model_text(&summary) })?;
     Ok(if summary.problem.is_none() { Verdict::Good } else { Verdict::NotTrusted })
 }

@@ -82,13 +82,14 @@ fn proposal(
         recording_files: recordings.iter().map(|r| within(r, &data).unwrap_or_else(|| name(r))).collect(),
         position: columns.position.clone(),
         torque: columns.torque.clone(),
+        joints: columns.joints.clone(),
         time: columns.time.clone(),
         sample_rate_hz: columns.rate,
         position_unit: columns.position_unit,
         torque_unit: columns.torque_unit,
     };
     let source = RobotSource::read(robot)?;
-    let mut proposal = propose(&request, &source.robot()?, contents)?;
+    let mut proposal = propose(&request, &source, contents)?;
     proposal.signal = signal(&proposal, source.to_text(), &data)?;
     Ok(proposal.text())
 }

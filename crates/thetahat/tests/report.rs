@@ -205,6 +205,7 @@ fn results() -> Results {
             joint("shoulder", JointKind::Revolute, ["rad", "N m"]),
             joint("elbow", JointKind::Prismatic, ["m", "N"]),
         ],
+        robot_locked: Vec::new(),
         samples_used: 300,
         decimated_rows: 6,
         recordings: vec![RecordingResult {

@@ -93,11 +93,13 @@ pub enum Code {
     ControllerMismatch,
     /// No robot made of bodies has the estimates.
     NotPhysical,
+    /// The robot's description says what no robot has.
+    RobotDescription,
 }
 
 impl Code {
     /// All codes, in order.
-    pub const ALL: [Self; 28] = [
+    pub const ALL: [Self; 29] = [
         Self::PositionScale,
         Self::PositionSign,
         Self::PositionZero,
@@ -126,6 +128,7 @@ impl Code {
         Self::ReferenceMismatch,
         Self::ControllerMismatch,
         Self::NotPhysical,
+        Self::RobotDescription,
     ];
 
     /// Its stable name, lower case with hyphens.
@@ -160,6 +163,7 @@ impl Code {
             Self::ReferenceMismatch => "reference-mismatch",
             Self::ControllerMismatch => "controller-mismatch",
             Self::NotPhysical => "not-physical",
+            Self::RobotDescription => "robot-description",
         }
     }
 }

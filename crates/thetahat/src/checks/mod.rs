@@ -21,6 +21,7 @@
 mod affine;
 mod controller;
 mod cutoff;
+mod description;
 mod examination;
 mod excitation;
 mod fault;
@@ -48,6 +49,7 @@ mod velocity;
 #[cfg(test)]
 mod tests;
 
+pub use description::examine_robot;
 pub use finding::{Code, Finding, Measure, Severity};
 pub use subject::{SignalSettings, Subject};
 

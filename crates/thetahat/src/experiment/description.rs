@@ -15,12 +15,13 @@ use serde::{
 use super::{error::ExperimentError, paths};
 use crate::{
     control::ControllerDescription,
+    one_or_each,
     preparation::{
         Case, EstimationOptions, ParameterSelection, PreparationError, ReferenceCorrection, Settings, Setup,
         SignalOptions, SimulationOptions,
     },
     recording::ChannelSource,
-    robot::{Robot, RobotSource},
+    robot::{Locks, Robot, RobotSource},
     simulation::Sensors,
 };
 
@@ -48,6 +49,8 @@ pub struct ExperimentFile {
     pub title: String,
     /// The robot description, relative to the experiment file, or else to the folder of the data.
     pub robot: PathBuf,
+    /// The joints of the robot that do not move in the recordings, beside those that its description locks.
+    pub locks: Locks,
     /// The recordings to identify from: one `[recording]` or several `[[recording]]`.
     pub recording: Vec<RecordingDescription>,
     /// Recordings held back to validate on: one `[validation]` or several `[[validation]]`.
@@ -64,6 +67,10 @@ pub struct ExperimentFile {
 struct Tables {
     title: String,
     robot: PathBuf,
+    #[serde(default)]
+    locked: BTreeMap<String, f64>,
+    #[serde(default, deserialize_with = "one_or_each::list")]
+    until: Vec<String>,
     #[serde(default, deserialize_with = "one_or_several")]
     recording: Vec<RecordingDescription>,
     #[serde(default, deserialize_with = "one_or_several")]
@@ -85,7 +92,8 @@ struct Tables {
 impl Tables {
     fn split(self) -> (ExperimentFile, Settings) {
         let Self { title, robot, recording, validation, twin, signal, parameters, estimation, controller, .. } = self;
-        let file = ExperimentFile { title, robot, recording, validation, twin, published: self.published };
+        let locks = Locks { locked: self.locked, until: self.until };
+        let file = ExperimentFile { title, robot, locks, recording, validation, twin, published: self.published };
         let (simulation, cases) = (self.simulation, self.case);
         (file, Settings { signal, parameters, estimation, controller, simulation, cases })
     }
@@ -169,6 +177,7 @@ pub struct TwinDescription {
     /// End points of the moves in degrees (or mm for prismatic joints), the first where the robot starts.
     pub points: Vec<Vec<f64>>,
     /// Largest velocity of each joint, degrees/s or mm/s.
+    #[serde(deserialize_with = "one_or_each::list")]
     pub max_velocity: Vec<f64>,
     /// Time in which the velocity rises, s.
     pub acceleration_time_s: f64,
@@ -178,6 +187,17 @@ pub struct TwinDescription {
     pub rest_s: f64,
     /// From the motion to its record.
     pub sensors: Sensors,
+}
+
+impl TwinDescription {
+    /// Lists of one value, which is for all joints, become lists with one for each.
+    fn repeat_for(&mut self, joints: usize) {
+        for list in [&mut self.max_velocity, &mut self.sensors.torque_noise, &mut self.sensors.torque_ripple] {
+            if let [value] = list[..] {
+                *list = vec![value; joints];
+            }
+        }
+    }
 }
 
 /// True values of base parameters that a twin does not list.
@@ -251,11 +271,12 @@ impl Experiment {
 
     fn assemble(
         path: &Path,
-        (file, settings): (ExperimentFile, Settings),
+        (mut file, settings): (ExperimentFile, Settings),
         text: String,
         source: RobotSource,
     ) -> Result<Self, ExperimentError> {
-        let (robot, robot_text) = (source.robot()?, source.to_text());
+        let (robot, robot_text) = (source.robot_with_locks(&file.locks, path)?, source.to_text());
+        file.twin.iter_mut().for_each(|twin| twin.repeat_for(robot.coordinate_count()));
         let experiment = Self { path: path.to_owned(), file, settings, text, robot, robot_text };
         experiment.validate()?;
         Ok(experiment)

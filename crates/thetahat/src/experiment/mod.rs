@@ -32,7 +32,7 @@ pub use error::ExperimentError;
 pub use power::PowerPoint;
 pub use predict::{PredictionRequest, predict};
 pub use proposal::{
-    Proposal, ProposalError, ProposalRequest, ProposedChannels, ProposedClock, ProposedRecording, ProposedSignal,
-    propose,
+    Proposal, ProposalError, ProposalRequest, ProposedChannels, ProposedClock, ProposedLock, ProposedRecording,
+    ProposedSignal, propose,
 };
 pub use twin::TwinMotion;

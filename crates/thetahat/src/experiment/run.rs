@@ -10,7 +10,7 @@ use crate::{
     filter_choice::choose_filter,
     preparation::{Case, Recording},
     results::{FilterChoice, RecordingFindings, Results, Sensitivity},
-    run::{Identification, check_recording},
+    run::{Identification, check_recording, examine_robot},
 };
 
 impl Experiment {
@@ -58,7 +58,9 @@ impl Experiment {
         let main = self.main_recordings(data)?.into_iter().map(|r| (r, false));
         let held_back = self.read_all(&self.file.validation, data)?.into_iter().map(|r| (r, true));
         let check = |(recording, held_back)| check_recording(self.setup(), recording, held_back);
-        main.chain(held_back).map(check).collect::<Result<_, _>>().map_err(|e| self.refuse(e))
+        let of_recordings = main.chain(held_back).map(check);
+        let all = examine_robot(&self.robot).into_iter().map(Ok).chain(of_recordings);
+        all.collect::<Result<_, _>>().map_err(|e| self.refuse(e))
     }
 
     /// The filter that is best for the estimates from the recordings, compared with the experiment's own where `own` says so. The

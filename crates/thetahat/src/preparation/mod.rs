@@ -39,7 +39,7 @@ pub(crate) use problem::{Chosen, Problem, full_model_test, named_elimination};
 pub(crate) use proposed_controller::{ProposedController, propose_controller};
 pub use recording::Recording;
 pub(crate) use reference::RecordedReference;
-pub use reference_correction::{OneOrEach, ReferenceCorrection};
+pub use reference_correction::ReferenceCorrection;
 pub use settings::{
     Case, EstimationOptions, Gains, NamedChoice, ParameterChoice, ParameterSelection, Settings, SignalOptions,
     SimulationOptions, Start,

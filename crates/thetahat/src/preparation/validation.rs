@@ -24,6 +24,7 @@ impl Settings {
     /// # Errors
     /// [`PreparationError`], which names the key.
     pub fn validate(&self, robot: &Robot) -> Checked {
+        robot.check_sound()?;
         self.validate_signal()?;
         self.validate_parameters()?;
         self.validate_physical(robot)?;

@@ -312,6 +312,35 @@ pub enum RecordingError {
         found: Unit,
     },
 
+    /// There are neither one unit nor as many as channels.
+    #[error("{file}: unit lists {found} units for {expected} channels; give one for all, or one for each channel")]
+    UnitCount {
+        /// The file.
+        file: PathBuf,
+        /// Number of channels.
+        expected: usize,
+        /// Number of units.
+        found: usize,
+    },
+
+    /// One unit for joints that turn and joints that slide.
+    #[error(
+        "{file}: unit \"{unit}\" of {signal} is for all joints, but joint `{joint}` has {dimension}; give a list with one unit \
+         for each joint, such as unit = [\"m\", \"rad\"]"
+    )]
+    MixedUnit {
+        /// The file.
+        file: PathBuf,
+        /// The signal.
+        signal: String,
+        /// The unit.
+        unit: Unit,
+        /// A joint with values of another dimension.
+        joint: String,
+        /// That dimension.
+        dimension: Dimension,
+    },
+
     /// The number of gains is not the number of channels.
     #[error(
         "{file}: expected one gain for each of its {expected} channels, found {found}; list one number per channel"

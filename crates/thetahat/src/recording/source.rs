@@ -11,7 +11,7 @@ use super::reader::table;
 use super::table::Wanted;
 use super::unit::{Dimension, Unit};
 use super::{bag, place, select};
-use crate::series::Series;
+use crate::{one_or_each::OneOrEach, series::Series};
 
 /// Where the channels of one signal are, and what they are.
 ///
@@ -24,7 +24,7 @@ use crate::series::Series;
 ///     side = "motor"
 /// "#;
 /// let source: ChannelSource = toml::from_str(text).unwrap();
-/// assert_eq!((source.unit, source.side), (Unit::MillinewtonMetre, Side::Motor));
+/// assert_eq!((source.unit.of(0), source.side), (&Unit::MillinewtonMetre, Side::Motor));
 /// ```
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -36,14 +36,14 @@ pub struct ChannelSource {
     /// numbers of another file. Joints of a bag are `elbow.position`, `elbow.velocity`, `elbow.effort`.
     #[serde(default)]
     pub columns: Vec<String>,
-    /// The unit of the values in the file.
-    pub unit: Unit,
+    /// The unit of the values in the file, of all channels or of each.
+    pub unit: OneOrEach<Unit>,
     /// The side of the transmission on which the values were measured.
     #[serde(default)]
     pub side: Side,
-    /// A factor per channel, applied after the unit; none means 1 for all.
+    /// A factor of all channels, or of each, applied after the unit; none means 1 for all.
     #[serde(default)]
-    pub gain: Vec<f64>,
+    pub gain: Option<OneOrEach<f64>>,
     /// The topic of a bag; needed where the bag holds several with joint states.
     #[serde(default)]
     pub topic: Option<String>,
@@ -81,36 +81,83 @@ impl ChannelSource {
         root.join(&self.file)
     }
 
-    /// Checks that the unit measures what the `signal` (a word for the error's text) is.
+    /// Checks that the units measure what the `signal` (a word for the error's text) is.
     ///
     /// # Errors
-    /// [`RecordingError::WrongDimension`] if the dimension of the unit is not among the `expected` ones.
+    /// [`RecordingError::WrongDimension`] if the dimension of a unit is not among the `expected` ones.
     pub fn require_dimension(&self, signal: &str, expected: &[Dimension]) -> Result<(), RecordingError> {
-        if expected.contains(&self.unit.dimension()) {
+        match self.unit.given().iter().find(|unit| !expected.contains(&unit.dimension())) {
+            None => Ok(()),
+            Some(&found) => Err(self.wrong_dimension(signal.to_owned(), expected, found)),
+        }
+    }
+
+    /// Checks that the unit of each channel measures what `joints` say, a name and a dimension for each. One unit for all of
+    /// joints that turn and joints that slide stands for SI, as `"rad"` for rad and m.
+    ///
+    /// # Errors
+    /// [`RecordingError::UnitCount`], [`RecordingError::WrongDimension`], or [`RecordingError::MixedUnit`].
+    pub fn require_dimensions(&self, signal: &str, joints: &[(&str, Dimension)]) -> Result<(), RecordingError> {
+        let OneOrEach::Each(units) = &self.unit else {
+            let dimensions: Vec<Dimension> = joints.iter().map(|(_, dimension)| *dimension).collect();
+            return self.require_one_unit(signal, joints, &dimensions);
+        };
+        self.require_unit_count(joints.len())?;
+        match units.iter().zip(joints).find(|(unit, (_, dimension))| unit.dimension() != *dimension) {
+            None => Ok(()),
+            Some((&unit, (joint, dimension))) => {
+                Err(self.wrong_dimension(format!("{signal} of joint `{joint}`"), &[*dimension], unit))
+            }
+        }
+    }
+
+    fn require_one_unit(
+        &self,
+        signal: &str,
+        joints: &[(&str, Dimension)],
+        dimensions: &[Dimension],
+    ) -> Result<(), RecordingError> {
+        let unit = *self.unit.of(0);
+        let mut expected = dimensions.to_vec();
+        expected.dedup();
+        self.require_dimension(signal, &expected)?;
+        match joints.iter().find(|(_, dimension)| *dimension != unit.dimension()) {
+            Some((joint, dimension)) if unit.to_si() != 1.0 => Err(RecordingError::MixedUnit {
+                file: self.file.clone(),
+                signal: signal.to_owned(),
+                unit,
+                joint: (*joint).to_owned(),
+                dimension: *dimension,
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    fn wrong_dimension(&self, signal: String, expected: &[Dimension], found: Unit) -> RecordingError {
+        RecordingError::WrongDimension { file: self.file.clone(), signal, expected: expected.to_vec(), found }
+    }
+
+    fn require_unit_count(&self, channels: usize) -> Result<(), RecordingError> {
+        if self.unit.fits(channels) {
             return Ok(());
         }
-        Err(RecordingError::WrongDimension {
-            file: self.file.clone(),
-            signal: signal.to_owned(),
-            expected: expected.to_vec(),
-            found: self.unit,
-        })
+        let (file, found) = (self.file.clone(), self.unit.given().len());
+        Err(RecordingError::UnitCount { file, expected: channels, found })
     }
 
     /// The factor of each channel: unit times gain.
     pub(super) fn factors(&self, channels: usize) -> Result<Vec<f64>, RecordingError> {
-        if self.gain.is_empty() {
-            return Ok(vec![self.unit.to_si(); channels]);
-        }
-        if self.gain.len() != channels {
+        self.require_unit_count(channels)?;
+        let gain = self.gain.as_ref().unwrap_or(&OneOrEach::One(1.0));
+        if !gain.fits(channels) {
             let file = self.file.clone();
-            return Err(RecordingError::GainCount { file, expected: channels, found: self.gain.len() });
+            return Err(RecordingError::GainCount { file, expected: channels, found: gain.given().len() });
         }
-        if let Some(channel) = self.gain.iter().position(|&g| g == 0.0 || !g.is_finite()) {
+        if let Some(channel) = gain.given().iter().position(|&g| g == 0.0 || !g.is_finite()) {
             let file = self.file.clone();
-            return Err(RecordingError::BadGain { file, channel, found: self.gain[channel] });
+            return Err(RecordingError::BadGain { file, channel, found: *gain.of(channel) });
         }
-        Ok(self.gain.iter().map(|g| g * self.unit.to_si()).collect())
+        Ok((0..channels).map(|c| gain.of(c) * self.unit.of(c).to_si()).collect())
     }
 
     pub(super) fn refuse_repetition(&self) -> Result<(), RecordingError> {
@@ -184,12 +231,13 @@ mod tests {
     const TWO_JOINTS: &str = "a,b\n1,2\n3,4\n";
 
     fn source(file: &str, gain: &[f64]) -> ChannelSource {
+        let gain = (!gain.is_empty()).then(|| OneOrEach::Each(gain.to_vec()));
         ChannelSource {
             file: file.into(),
             columns: Vec::new(),
-            unit: Unit::Millimetre,
+            unit: Unit::Millimetre.into(),
             side: Side::Joint,
-            gain: gain.to_vec(),
+            gain,
             topic: None,
             delimiter: None,
             decimal: None,
@@ -213,7 +261,39 @@ mod tests {
     #[test]
     fn side_is_the_joint_s_unless_said() {
         let source: ChannelSource = toml::from_str("file = 'q.csv'\nunit = 'rad'").unwrap();
-        assert_eq!((source.side, source.columns.len(), source.gain.len()), (Side::Joint, 0, 0));
+        assert_eq!((source.side, source.columns.len(), source.gain), (Side::Joint, 0, None));
+    }
+
+    #[test]
+    fn units_and_gains_are_of_all_channels_or_of_each() {
+        let folder = Folder::with("q.csv", TWO_JOINTS.as_bytes());
+        let read = |units: &str| {
+            let source: ChannelSource = toml::from_str(&format!("file = 'q.csv'\n{units}")).unwrap();
+            read_channels(&source, folder.path())
+        };
+        assert_eq!(read("unit = ['m', 'mm']").unwrap().values(), [1.0, 2e-3, 3.0, 4e-3]);
+        assert_eq!(read("unit = 'mm'\ngain = 1e3").unwrap().values(), [1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(
+            read("unit = ['m', 'mm', 'm']").unwrap_err().to_string(),
+            "q.csv: unit lists 3 units for 2 channels; give one for all, or one for each channel"
+        );
+    }
+
+    #[test]
+    fn units_measure_what_their_joints_do() {
+        let joints = [("lift", Dimension::Length), ("shoulder", Dimension::Angle)];
+        let message = |unit: &str| {
+            let source: ChannelSource = toml::from_str(&format!("file = 'q.csv'\nunit = {unit}")).unwrap();
+            source.require_dimensions("position", &joints).err().map(|e| e.to_string())
+        };
+        assert_eq!((message("['m', 'rad']"), message("['mm', 'deg']"), message("'rad'")), (None, None, None));
+        assert_eq!(
+            message("'deg'").unwrap(),
+            "q.csv: unit \"deg\" of position is for all joints, but joint `lift` has a length; give a list with one unit for \
+             each joint, such as unit = [\"m\", \"rad\"]"
+        );
+        assert!(message("['rad', 'm']").unwrap().contains("position of joint `lift`"), "{:?}", message("['rad', 'm']"));
+        assert!(message("['rad']").unwrap().contains("unit lists 1 units for 2 channels"));
     }
 
     #[test]
@@ -230,7 +310,7 @@ mod tests {
     fn position_in_a_unit_of_torque_is_refused() {
         let mut source = source("q.csv", &[]);
         source.require_dimension("position", &[Dimension::Angle, Dimension::Length]).unwrap();
-        source.unit = Unit::NewtonMetre;
+        source.unit = Unit::NewtonMetre.into();
         let error = source.require_dimension("position", &[Dimension::Angle, Dimension::Length]).unwrap_err();
         assert!(matches!(error, RecordingError::WrongDimension { found: Unit::NewtonMetre, .. }));
     }

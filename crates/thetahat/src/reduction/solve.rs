@@ -78,6 +78,7 @@ impl Reduction {
             robot: experiment.robot.name.clone(),
             title: experiment.file.title.clone(),
             robot_joints: JointResult::of_coordinates(&experiment.robot),
+            robot_locked: experiment.robot.locked.clone(),
             samples_used: recordings.iter().map(|r| r.samples).sum(),
             decimated_rows: all.regression.rows_represented,
             recordings: recordings.iter().map(ReducedRecording::describe).collect(),

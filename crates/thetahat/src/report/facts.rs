@@ -5,7 +5,7 @@ use super::{
     number::{given, optional, significant},
     units,
 };
-use crate::results::{RecordingResult, ReferenceResult, Results};
+use crate::results::{JointKind, LockedJoint, RecordingResult, ReferenceResult, Results};
 
 /// The head: what to take, then what was recorded and how it was filtered.
 pub(super) fn head(results: &Results) -> Vec<(&'static str, String)> {
@@ -16,6 +16,7 @@ pub(super) fn head(results: &Results) -> Vec<(&'static str, String)> {
 pub(super) fn facts(results: &Results) -> Vec<(&'static str, String)> {
     let rows = format!("{} after decimation", results.decimated_rows);
     let mut facts = vec![("robot", results.robot.clone())];
+    facts.extend((!results.robot_locked.is_empty()).then(|| ("locked", locked(&results.robot_locked))));
     facts.extend(recordings("samples used", &results.recordings));
     facts.extend(recordings("held back", &results.validation_recordings));
     facts.push(("rows", rows));
@@ -24,6 +25,16 @@ pub(super) fn facts(results: &Results) -> Vec<(&'static str, String)> {
     facts.extend(results.seed.map(|seed| ("seed", seed.to_string())));
     facts.push(("thetahat", results.thetahat.clone()));
     facts
+}
+
+/// The joints that were locked, with their values.
+fn locked(joints: &[LockedJoint]) -> String {
+    let unit = |kind| match kind {
+        JointKind::Revolute => "rad",
+        JointKind::Prismatic => "m",
+    };
+    let at = |joint: &LockedJoint| format!("{} at {} {}", joint.name, significant(joint.value, 3), unit(joint.kind));
+    joints.iter().map(at).collect::<Vec<_>>().join(", ")
 }
 
 /// A line for each recording; its name is shown where there are several.

@@ -8,7 +8,10 @@ use super::{
     recordings::{Bandwidth, RecordingFindings, RecordingResult},
     run::RunResult,
 };
-use crate::identification::{Method, Status};
+use crate::{
+    identification::{Method, Status},
+    robot::LockedJoint,
+};
 
 /// Version of the form of `results.json`: it grows where a program of before would misread the file.
 pub const SCHEMA: u32 = 1;
@@ -32,6 +35,9 @@ pub struct Results {
     /// read from a file of schema 0.
     #[serde(default)]
     pub robot_joints: Vec<JointResult>,
+    /// The joints of the robot's description that were locked, rad or m.
+    #[serde(default)]
+    pub robot_locked: Vec<LockedJoint>,
     /// Samples in the windows of the recordings that were identified from.
     pub samples_used: usize,
     /// Rows of y.

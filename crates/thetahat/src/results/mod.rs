@@ -67,7 +67,7 @@ pub use crate::{
     checks::{Code, Finding, Severity},
     identification::{Method, Status, Weighting},
     recording::{ChannelSummary, ColumnSummary, Contents, Resampling, TableSummary, TimeSummary},
-    robot::{JointKind, Parameter, Quantity},
+    robot::{Doubt, JointKind, LockedJoint, Parameter, Quantity},
     robot_summary::{BaseParameterSummary, JointSummary, ParameterCount, RobotSummary, StandardParameterSummary},
     simulation::BiasKind,
     statistics::{ChiSquaredTest, FTest},

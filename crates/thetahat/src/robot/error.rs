@@ -1,6 +1,6 @@
 use std::path::{Path, PathBuf};
 
-use super::urdf::UrdfError;
+use super::{locking::LockError, urdf::UrdfError};
 
 /// Why a robot description cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -69,6 +69,14 @@ pub enum RobotError {
     /// A URDF that cannot be used.
     #[error(transparent)]
     Urdf(#[from] UrdfError),
+    /// Joints that cannot be locked.
+    #[error("{}: {source}", path.display())]
+    Lock {
+        /// The file that locks them.
+        path: PathBuf,
+        /// Why not.
+        source: LockError,
+    },
     /// The motor-joint matrix cannot be inverted.
     #[error("{}, line {line}: [transmission] matrix is singular: {reason}; every joint needs a motor that moves it", path.display())]
     SingularTransmission {

@@ -42,6 +42,12 @@ impl Transmission {
         &self.offset
     }
 
+    /// The drive gains, torque per unit of each motor's drive signal.
+    #[must_use]
+    pub fn drive_gain(&self) -> &[f64] {
+        &self.drive_gain
+    }
+
     /// Number of joints.
     #[must_use]
     pub fn joints(&self) -> usize {

@@ -2,7 +2,7 @@
 
 use super::{
     assessment::Assessment,
-    examination::examine,
+    examination::{examine, examine_robot},
     identification::{CaseProblem, Identification},
     prepared::Prepared,
 };
@@ -91,7 +91,8 @@ impl Identification {
     fn findings(&self, nominal: &Problem) -> Vec<RecordingFindings> {
         let examine = |prepared: &Prepared, held_back| examine(self.setup(), prepared, nominal, held_back);
         let main = self.main.iter().map(|p| examine(p, false));
-        main.chain(self.validation.iter().map(|p| examine(p, true))).collect()
+        let of_recordings = main.chain(self.validation.iter().map(|p| examine(p, true)));
+        examine_robot(self.setup().robot).into_iter().chain(of_recordings).collect()
     }
 
     fn results(
@@ -110,6 +111,7 @@ impl Identification {
             robot: self.setup().robot.name.clone(),
             title: String::new(),
             robot_joints: JointResult::of_coordinates(self.setup().robot),
+            robot_locked: self.setup().robot.locked.clone(),
             samples_used: self.main.iter().map(|p| p.filtered.window.len()).sum(),
             decimated_rows: regression.y.len(),
             recordings: self.main.iter().map(Prepared::describe).collect(),

@@ -3,6 +3,7 @@ use crate::{
     checks::{self, SignalSettings, Subject},
     preparation::{Case, PreparationError, Problem, Recording, Setup},
     results::RecordingFindings,
+    robot::Robot,
     simulation::Reference,
 };
 
@@ -35,6 +36,13 @@ pub(crate) fn examine(setup: Setup<'_>, prepared: &Prepared, problem: &Problem, 
         controller: setup.settings.controller.as_ref(),
     };
     RecordingFindings { recording: recording.name.clone(), held_back, findings: checks::examine(&subject) }
+}
+
+/// What the checks find in the robot's description, under its name; none where that is nothing.
+pub(crate) fn examine_robot(robot: &Robot) -> Option<RecordingFindings> {
+    let findings = checks::examine_robot(robot);
+    let recording = format!("robot {}", robot.name);
+    (!findings.is_empty()).then_some(RecordingFindings { recording, held_back: false, findings })
 }
 
 /// What the checks find in a recording from which nothing is estimated.

@@ -29,7 +29,7 @@ mod prediction;
 mod prepared;
 mod sensitivity;
 
-pub(crate) use examination::check_recording;
+pub(crate) use examination::{check_recording, examine_robot};
 pub use identification::Identification;
 pub(crate) use identification::{CaseProblem, explain};
 pub(crate) use parameters::parameter_results;

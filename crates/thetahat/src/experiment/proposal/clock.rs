@@ -84,7 +84,7 @@ fn recorded(source: &Source<'_>, time: &TimeSummary) -> ProposedClock {
             file: source.file.to_owned(),
             topic: source.topic().map(str::to_owned),
             columns: vec![time.column.clone()],
-            unit: time.unit,
+            unit: time.unit.into(),
             side: Side::Joint,
             comment,
             left_out: false,
