@@ -1,13 +1,12 @@
 use std::{
     error::Error,
-    fs::File,
-    io::Write,
     path::{Path, PathBuf},
     sync::{Mutex, PoisonError},
 };
 
 use thetahat::{
     experiment::{Experiment, PredictionRequest, ProposalRequest, predict, propose},
+    output::{OutputGuard, replace_file},
     recording::{Contents, inspect},
     report::{self, Published},
     robot::{Robot, RobotSource},
@@ -59,9 +58,9 @@ fn write_experiment(init: &Init) -> Result<Verdict, Box<dyn Error>> {
     let contents = inspect(&init.recording)?;
     let folder = init.out.parent().map_or_else(PathBuf::new, Path::to_owned);
     let proposal = propose_experiment(&init.robot, &init.recording, &init.columns, &contents, &folder)?;
-    let refuse = |e: std::io::Error| format!("{}: {e}; choose another file with --out", init.out.display());
-    let mut file = File::create_new(&init.out).map_err(refuse)?;
-    file.write_all(proposal.as_bytes()).map_err(refuse)?;
+    let refuse = |e: std::io::Error| format!("{}: cannot be written: {e}", init.out.display());
+    OutputGuard::new([&init.robot, &init.recording].map(PathBuf::clone), init.force.force).file(&init.out)?;
+    replace_file(&init.out, proposal.as_bytes()).map_err(refuse)?;
     print(&format!(
         "written: {out}\nRead it: what could not be known is marked as a guess. Then: thetahat check {out}{options}\n",
         out = init.out.display(),
@@ -129,7 +128,7 @@ fn identify_experiment(identify: &Identify) -> Result<Verdict, Box<dyn Error>> {
 
 fn run_experiment(experiment: &Experiment, data: &Path, output: &Output) -> Result<Verdict, Box<dyn Error>> {
     if let Some(directory) = &output.out {
-        report::check_folder(directory)?;
+        OutputGuard::new(experiment.input_files(data), output.force.force).folder(directory, report::file_names())?;
     }
     let published = experiment.published_path().map(|path| Published::read(&path)).transpose()?;
     let mut progress = Progress::new();
@@ -149,10 +148,18 @@ fn run_experiment(experiment: &Experiment, data: &Path, output: &Output) -> Resu
 }
 
 fn predict_torques(request: &Predict) -> Result<Verdict, Box<dyn Error>> {
+    if let Some(path) = &request.out {
+        let inputs = [&request.results, &request.recording].into_iter().chain(&request.torque_file).cloned();
+        OutputGuard::new(inputs, request.force.force).file(path)?;
+    }
     let prediction = predict(&PredictionRequest {
         results: request.results.clone(),
         recording: request.recording.clone(),
+        torque_file: request.torque_file.clone(),
+        position: request.position.clone(),
         torque: request.torque.clone(),
+        time: request.time.clone(),
+        window_s: request.window_s.as_ref().map(|w| [w[0], w[1]]),
         case: request.case.clone(),
         method: request.method,
     })?;
@@ -167,7 +174,8 @@ fn predict_torques(request: &Predict) -> Result<Verdict, Box<dyn Error>> {
 fn sweep_errors(sensitivity: &Sensitivity) -> Result<Verdict, Box<dyn Error>> {
     let (experiment, data) = read_experiment(&sensitivity.described)?;
     if let Some(directory) = &sensitivity.out {
-        report::check_folder(directory)?;
+        let guard = OutputGuard::new(experiment.input_files(&data), sensitivity.force.force);
+        guard.folder(directory, report::SENSITIVITY_FILES)?;
     }
     let threads = threads(sensitivity.threads);
     let progress = Mutex::new(Progress::new());
@@ -187,7 +195,9 @@ fn sweep_errors(sensitivity: &Sensitivity) -> Result<Verdict, Box<dyn Error>> {
 }
 
 fn record_twin(simulate: &Simulate) -> Result<Verdict, Box<dyn Error>> {
-    let record = Experiment::read(&simulate.experiment, Path::new(""))?.record_twin()?;
+    let experiment = Experiment::read(&simulate.experiment, Path::new(""))?;
+    OutputGuard::new(experiment.input_files(Path::new("")), simulate.force.force).file(&simulate.out)?;
+    let record = experiment.record_twin()?;
     report::write_record(&record, &simulate.out)?;
     let (samples, rate) = (record.position.len(), record.sample_rate_hz);
     print(&format!(

@@ -65,6 +65,10 @@ mod pool;
 
 mod clock;
 
+pub mod visible;
+
+pub mod output;
+
 pub mod robot;
 
 pub mod dynamics;

@@ -406,7 +406,7 @@ fn the_report_knows_results_only() {
     );
 }
 
-/// The rooms that a source text names, but for `results`, `series` and `report` itself.
+/// The rooms that a source text names, but for `results`, the ground below it, and `report` itself.
 fn rooms_of(source: &str) -> Vec<String> {
     let room = |path: &str| path.split(|c: char| !(c.is_alphanumeric() || c == '_')).next().unwrap_or("").to_owned();
     let mut rooms: Vec<String> = Vec::new();
@@ -416,7 +416,7 @@ fn rooms_of(source: &str) -> Vec<String> {
             None => rooms.push(room(text)),
         }
     }
-    rooms.retain(|room| !["results", "series", "report", ""].contains(&room.as_str()));
+    rooms.retain(|room| !["results", "series", "output", "visible", "report", ""].contains(&room.as_str()));
     rooms
 }
 

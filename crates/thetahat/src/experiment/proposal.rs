@@ -6,6 +6,7 @@ use super::column_names::{self, Reading, Signal};
 use crate::{
     recording::{ColumnSummary, Contents, TableSummary, Unit},
     robot::{JointKind, Robot},
+    visible::visible,
 };
 
 /// What a proposal is made for, and what is known already.
@@ -103,8 +104,9 @@ pub fn propose(request: &ProposalRequest, robot: &Robot, contents: &Contents) ->
     // Writing to a string does not fail.
     let _ = write!(
         text,
-        "# Proposed from {file}. Read every line, then run `thetahat check`: it examines the units and signs.\n\
+        "# Proposed from {}. Read every line, then run `thetahat check`: it examines the units and signs.\n\
          title = {}\nrobot = {}\n\n[recording]\n{}",
+        visible(&file.to_string()),
         quoted(&format!("{}: {file}", robot.name)),
         quoted(&request.robot_file.display().to_string()),
         clock.line,

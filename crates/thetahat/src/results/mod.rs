@@ -35,6 +35,7 @@ mod diagnosis;
 mod file;
 mod joints;
 mod parameters;
+mod payload;
 mod physical;
 mod prediction;
 mod recordings;
@@ -52,6 +53,7 @@ pub use diagnosis::{
 pub use file::ResultsError;
 pub use joints::JointResult;
 pub use parameters::{EliminationResult, ParameterResult};
+pub use payload::{DriveGainResult, PayloadParameter, PayloadResult};
 pub use physical::{ConsistencyTest, ConsistentEstimate, ConsistentParameter, PhysicalResult};
 pub use prediction::Prediction;
 pub use recordings::{Bandwidth, PeriodicResult, RecordingFindings, RecordingResult, ReferenceResult};
