@@ -81,6 +81,14 @@ impl Identification {
     /// [`PreparationError`] for recordings that cannot be used.
     pub fn with_validation(mut self, recordings: Vec<Recording>) -> Result<Self, PreparationError> {
         self.validation = self.prepare(recordings)?;
+        for prepared in &self.validation {
+            let recording = &prepared.filtered.recording;
+            if let Some(payload) = self.setup().payload_of(recording)?.filter(|p| !p.is_known()) {
+                let key = format!("[[validation]] {}: payload", recording.name);
+                let expected = "none, or a known one: no robot is validated with a payload that is not known";
+                return Err(PreparationError::value(&key, expected, &payload.name));
+            }
+        }
         Ok(self)
     }
 
