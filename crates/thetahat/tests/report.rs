@@ -240,6 +240,8 @@ fn results() -> Results {
         advice: ["nominal", LONG_CASE].map(advice).into(),
         diagnostics: ["nominal", LONG_CASE].map(diagnosis).into(),
         runs: runs.collect(),
+        payloads: Vec::new(),
+        drive_gains: Vec::new(),
         experiment_description: "title = \"<i>\"\n".to_owned(),
         robot_description: "name = \"A robot\"\n".to_owned(),
         plots: Plots {
