@@ -76,6 +76,8 @@ pub struct Man {
     /// Folder for the manual pages of thetahat and of each command [default: the page of thetahat, printed]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub force: Force,
 }
 
 #[derive(Args)]
@@ -83,6 +85,16 @@ pub struct Output {
     /// Folder for results.json, parameters.csv and report.html [default: tables in the terminal only]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub force: Force,
+}
+
+/// What may be replaced.
+#[derive(Args)]
+pub struct Force {
+    /// Replace files that thetahat did not write; inputs and devices are never replaced
+    #[arg(long)]
+    pub force: bool,
 }
 
 #[derive(Args)]
@@ -110,9 +122,11 @@ pub struct Init {
     pub recording: Vec<PathBuf>,
     #[command(flatten)]
     pub columns: Columns,
-    /// The experiment file to write; never overwritten
+    /// The experiment file to write; one that is there stays
     #[arg(long, value_name = "FILE.toml", default_value = "experiment.toml")]
     pub out: PathBuf,
+    #[command(flatten)]
+    pub force: Force,
 }
 
 /// What the names of a recording's columns do not tell.
@@ -160,6 +174,8 @@ pub struct Sensitivity {
     /// Folder for sensitivity.csv and sensitivity.html [default: a table in the terminal only]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub force: Force,
     /// Threads; the result does not depend on them [default: one for each core]
     #[arg(long, value_name = "N", value_parser = at_least_one)]
     pub threads: Option<usize>,
@@ -187,6 +203,8 @@ pub struct Campaign {
     /// Folder for runs.parquet, timing.parquet and campaign.html [default: tables in the terminal only]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub force: Force,
     /// Threads, each of which works on four records at a time [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = at_least_one)]
     pub threads: Option<usize>,
@@ -205,6 +223,8 @@ pub struct Reduce {
     /// The file to write
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
+    #[command(flatten)]
+    pub force: Force,
     /// A results.json with whose estimates instruments are simulated, for IDIM-IV: those of its idim-iv, or else idim-ls
     #[arg(long, value_name = "RESULTS.json")]
     pub instruments_from: Option<PathBuf>,
@@ -233,6 +253,8 @@ pub struct Simulate {
     /// CSV file for time, joint positions and joint torques
     #[arg(long, value_name = "FILE.csv")]
     pub out: PathBuf,
+    #[command(flatten)]
+    pub force: Force,
 }
 
 #[derive(Args)]
@@ -269,16 +291,30 @@ pub struct Predict {
     pub recording: PathBuf,
     /// The file of its torques, where they are not in the same one
     #[arg(long, value_name = "FILE")]
-    pub torque: Option<PathBuf>,
+    pub torque_file: Option<PathBuf>,
+    /// Columns of the positions, where they have other names than in the experiment
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub position: Vec<String>,
+    /// Columns of the torques, likewise
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub torque: Vec<String>,
+    /// The time column, likewise
+    #[arg(long, value_name = "NAME")]
+    pub time: Option<String>,
+    /// Start and end of the window, s [default: that of the experiment, or else the moving part]
+    #[arg(long, value_names = ["START", "END"], num_args = 2)]
+    pub window_s: Option<Vec<f64>>,
     /// The case whose parameters are taken
     #[arg(long, default_value = "nominal")]
     pub case: String,
-    /// The method whose parameters are taken [default: the first of the case with an estimate]
+    /// The method whose parameters are taken [default: the one that the results advise]
     #[arg(long, value_parser = method())]
     pub method: Option<Method>,
     /// CSV file for the torques, sample by sample
     #[arg(long, value_name = "FILE.csv")]
     pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub force: Force,
 }
 
 /// The methods by their names, which the help and the completions list.

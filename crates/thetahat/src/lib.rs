@@ -65,6 +65,10 @@ mod pool;
 
 mod clock;
 
+pub mod visible;
+
+pub mod output;
+
 mod one_or_each;
 
 pub mod robot;

@@ -241,6 +241,8 @@ fn results() -> Results {
         advice: ["nominal", LONG_CASE].map(advice).into(),
         diagnostics: ["nominal", LONG_CASE].map(diagnosis).into(),
         runs: runs.collect(),
+        payloads: Vec::new(),
+        drive_gains: Vec::new(),
         experiment_description: "title = \"<i>\"\n".to_owned(),
         robot_description: "name = \"A robot\"\n".to_owned(),
         plots: Plots {
@@ -407,7 +409,7 @@ fn the_report_knows_results_only() {
     );
 }
 
-/// The rooms that a source text names, but for `results`, `series` and `report` itself.
+/// The rooms that a source text names, but for `results`, the ground below it, and `report` itself.
 fn rooms_of(source: &str) -> Vec<String> {
     let room = |path: &str| path.split(|c: char| !(c.is_alphanumeric() || c == '_')).next().unwrap_or("").to_owned();
     let mut rooms: Vec<String> = Vec::new();
@@ -417,7 +419,7 @@ fn rooms_of(source: &str) -> Vec<String> {
             None => rooms.push(room(text)),
         }
     }
-    rooms.retain(|room| !["results", "series", "report", ""].contains(&room.as_str()));
+    rooms.retain(|room| !["results", "series", "output", "visible", "report", ""].contains(&room.as_str()));
     rooms
 }
 

@@ -104,6 +104,12 @@ pub struct Subset {
 }
 
 impl Campaign {
+    /// Every file that it was read from.
+    #[must_use]
+    pub fn input_files(&self) -> Vec<PathBuf> {
+        [self.path.clone()].into_iter().chain(self.experiment.input_files(Path::new(""))).collect()
+    }
+
     /// Reads a campaign with its experiment and robot.
     ///
     /// # Errors

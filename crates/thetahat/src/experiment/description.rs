@@ -17,7 +17,7 @@ use crate::{
     control::ControllerDescription,
     one_or_each,
     preparation::{
-        Case, EstimationOptions, ParameterSelection, PreparationError, ReferenceCorrection, Settings, Setup,
+        Case, EstimationOptions, ParameterSelection, Payload, PreparationError, ReferenceCorrection, Settings, Setup,
         SignalOptions, SimulationOptions,
     },
     recording::ChannelSource,
@@ -40,6 +40,8 @@ pub struct Experiment {
     pub robot: Robot,
     /// The text of the robot's description, with the text of a URDF below it, kept for the results.
     pub robot_text: String,
+    /// The files that the robot was read from.
+    robot_files: Vec<PathBuf>,
 }
 
 /// What an experiment file says beside its [`Settings`].
@@ -86,6 +88,8 @@ struct Tables {
     simulation: SimulationOptions,
     #[serde(default)]
     case: Vec<Case>,
+    #[serde(default)]
+    payload: Vec<Payload>,
     published: Option<PathBuf>,
 }
 
@@ -94,8 +98,8 @@ impl Tables {
         let Self { title, robot, recording, validation, twin, signal, parameters, estimation, controller, .. } = self;
         let locks = Locks { locked: self.locked, until: self.until };
         let file = ExperimentFile { title, robot, locks, recording, validation, twin, published: self.published };
-        let (simulation, cases) = (self.simulation, self.case);
-        (file, Settings { signal, parameters, estimation, controller, simulation, cases })
+        let (simulation, cases, payloads) = (self.simulation, self.case, self.payload);
+        (file, Settings { signal, parameters, estimation, controller, simulation, cases, payloads })
     }
 }
 
@@ -129,8 +133,18 @@ pub struct RecordingDescription {
     pub reference: Option<ChannelSource>,
     /// How that is put right, on the side of the joints, where it was recorded late, scaled or from another zero.
     pub reference_correction: Option<ReferenceCorrection>,
+    /// The `[[payload]]` that the robot carries, by its name.
+    pub payload: Option<String>,
     /// A signal that was added to the drive signals behind the controller; the torque channel includes it.
     pub added_signal: Option<ChannelSource>,
+}
+
+impl RecordingDescription {
+    /// The channels that it names.
+    fn sources(&self) -> impl Iterator<Item = &ChannelSource> {
+        let optional = [&self.time, &self.velocity, &self.torque, &self.reference, &self.added_signal];
+        [&self.position].into_iter().chain(optional.into_iter().flatten())
+    }
 }
 
 fn one() -> f64 {
@@ -265,6 +279,15 @@ impl Experiment {
         self.file.published.as_ref().map(|published| folder.join(published))
     }
 
+    /// Every file that a run with this folder of data reads.
+    #[must_use]
+    pub fn input_files(&self, data: &Path) -> Vec<PathBuf> {
+        let recordings = self.file.recording.iter().chain(&self.file.validation);
+        let channels = recordings.flat_map(RecordingDescription::sources).map(|source| source.path(data));
+        let own = self.robot_files.iter().cloned().chain(self.published_path()).chain([self.path.clone()]);
+        own.chain(channels).collect()
+    }
+
     pub(crate) fn setup(&self) -> Setup<'_> {
         Setup { robot: &self.robot, settings: &self.settings }
     }
@@ -277,7 +300,8 @@ impl Experiment {
     ) -> Result<Self, ExperimentError> {
         let (robot, robot_text) = (source.robot_with_locks(&file.locks, path)?, source.to_text());
         file.twin.iter_mut().for_each(|twin| twin.repeat_for(robot.coordinate_count()));
-        let experiment = Self { path: path.to_owned(), file, settings, text, robot, robot_text };
+        let robot_files = [Some(source.path()), source.urdf_path()].into_iter().flatten().map(Path::to_owned).collect();
+        let experiment = Self { path: path.to_owned(), file, settings, text, robot, robot_text, robot_files };
         experiment.validate()?;
         Ok(experiment)
     }

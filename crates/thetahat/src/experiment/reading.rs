@@ -102,6 +102,7 @@ fn described(description: &RecordingDescription, number: usize, position: Series
     Recording {
         name: description.name.clone().unwrap_or_else(|| number.to_string()),
         weight: description.weight,
+        payload: description.payload.clone(),
         time_stamps_s: clock.stamps().map(<[f64]>::to_vec),
         window_s: [description.window_start_s, description.window_end_s],
         geared: [Some(&description.position), description.torque.as_ref()]

@@ -2,11 +2,12 @@
 
 use std::ops::Range;
 
-use super::{error::PreparationError, recording::Recording, settings::SignalOptions, setup::Setup};
+use super::{error::PreparationError, payload::Payload, recording::Recording, settings::SignalOptions, setup::Setup};
 use crate::{
-    dynamics::Sign,
+    dynamics::{Model, Sign},
     identification::Assembly,
     linear_algebra::Matrix,
+    regressor::Regressor,
     series::Series,
     signal::{Motion, SignalError, moving_samples},
 };
@@ -27,6 +28,10 @@ pub(crate) struct FilteredRecording {
     pub(crate) recording: Recording,
     /// The motion in the window.
     pub(crate) motion: Motion,
+    /// The torques of a known payload in the whole recording, which are taken off its torques.
+    pub(crate) payload_torque: Option<Series>,
+    /// The same of the parameters at a value.
+    pub(crate) fixed_torque: Option<Series>,
     /// Samples of the recording.
     pub(crate) window: Range<usize>,
 }
@@ -35,29 +40,56 @@ impl Setup<'_> {
     /// Filters and differentiates the whole recording, then cuts it to its window: its own, or else that of the settings.
     pub(crate) fn filter(&self, recording: Recording) -> Result<FilteredRecording, PreparationError> {
         let options = self.settings.signal.in_window(recording.window_s);
-        self.filter_and_cut(recording, &options)
-    }
-
-    /// Filters and differentiates the whole recording, then cuts it to its moving part.
-    pub(crate) fn filter_moving_part(&self, recording: Recording) -> Result<FilteredRecording, PreparationError> {
-        let options = SignalOptions { window_start_s: None, window_end_s: None, ..self.settings.signal };
-        self.filter_and_cut(recording, &options)
-    }
-
-    fn filter_and_cut(
-        &self,
-        recording: Recording,
-        options: &SignalOptions,
-    ) -> Result<FilteredRecording, PreparationError> {
         let rate = recording.sample_rate_hz;
         self.require_periods(recording.position.len(), rate)?;
-        let Motion { q, dq, ddq } = self.band_pass(&recording.position, rate)?;
+        let whole = self.band_pass(&recording.position, rate)?;
+        let payload_torque = self.payload_torque(&recording, &whole)?;
+        let fixed_torque = self.fixed_torque(&whole);
+        let known = payload_torque.iter().chain(&fixed_torque);
+        let recording = known.fold(recording, Recording::less_torque);
+        let Motion { q, dq, ddq } = whole;
         // A record without motion is refused with a stated window as well.
         let moving = moving_samples(&dq, MOVING, STILL)?;
-        let window = window_of(moving, dq.len(), rate, options)?;
+        let window = window_of(moving, dq.len(), rate, &options)?;
         let cut = |series: &Series| series.window(window.clone());
         let motion = Motion { q: cut(&q), dq: cut(&dq), ddq: cut(&ddq) };
-        Ok(FilteredRecording { motion, recording, window })
+        Ok(FilteredRecording { motion, payload_torque, fixed_torque, recording, window })
+    }
+
+    /// The torques of the known payload that a recording carries: `phi(q, dq, ddq)` times what it adds to the parameters.
+    fn payload_torque(&self, recording: &Recording, motion: &Motion) -> Result<Option<Series>, PreparationError> {
+        let Some(payload) = self.payload_of(recording)?.filter(|p| p.is_known()) else { return Ok(None) };
+        let model = Model::new(self.robot);
+        let theta = payload.standard_parameters(self.robot, model.parameter_table())?;
+        Ok(Some(torques(&model, &theta, motion)))
+    }
+
+    /// The torques of the parameters at a value; none where there are none.
+    fn fixed_torque(&self, motion: &Motion) -> Option<Series> {
+        let fix = &self.settings.parameters.fix;
+        if fix.is_empty() {
+            return None;
+        }
+        let model = Model::new(self.robot);
+        let theta = model.parameter_table().iter().map(|p| fix.get(&p.name()).copied().unwrap_or(0.0));
+        Some(torques(&model, &theta.collect::<Vec<_>>(), motion))
+    }
+
+    /// The payload that a recording carries.
+    ///
+    /// # Errors
+    /// [`PreparationError::Value`] for a name that no payload has.
+    pub(crate) fn payload_of(&self, recording: &Recording) -> Result<Option<&Payload>, PreparationError> {
+        let Some(name) = &recording.payload else { return Ok(None) };
+        let all = &self.settings.payloads;
+        let names = || all.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", ");
+        let found = all.iter().find(|p| p.name == *name);
+        let refuse = || {
+            let names = if all.is_empty() { "none".to_owned() } else { names() };
+            let key = format!("recording {}: payload", recording.name);
+            PreparationError::value(&key, &format!("one of [[payload]]: {names}"), name)
+        };
+        found.map(Some).ok_or_else(refuse)
     }
 
     /// A record must be long beside the period of the position filter.
@@ -67,6 +99,21 @@ impl Setup<'_> {
         let expected = format!("at least {slowest:.3}, {FEWEST_PERIODS} periods in the record");
         PreparationError::require(cutoff_hz >= slowest, "[signal] cutoff_hz", &expected, cutoff_hz)
     }
+}
+
+/// The torques of standard parameters, of which few are not zero: `phi(q, dq, ddq) theta` in every sample.
+fn torques(model: &Model, theta: &[f64], motion: &Motion) -> Series {
+    let columns: Vec<usize> = (0..theta.len()).filter(|&i| theta[i] != 0.0).collect();
+    let regressor = Regressor::new(model, &columns);
+    let phi = regressor.evaluate_series(model, &motion.q, &motion.dq, &motion.ddq, Sign::Exact);
+    let mut torque = Series::zeros(motion.q.len(), motion.q.channels());
+    for k in 0..torque.len() {
+        let tau = torque.sample_mut(k);
+        for (entry, value) in regressor.entries().iter().zip(phi.sample(k)) {
+            tau[entry.joint] += value * theta[columns[entry.column]];
+        }
+    }
+    torque
 }
 
 /// The window of a record of so many samples that moves in a range of them: the stated one, or the moving part without the

@@ -36,6 +36,8 @@ pub struct Recording {
     pub added_signal: Option<Series>,
     /// Whether positions or torques came through the transmission.
     pub geared: bool,
+    /// The payload of the settings that the robot carries, by its name.
+    pub payload: Option<String>,
     /// The moves of a simulated record.
     pub planned: Option<Moves>,
     /// The true standard parameters of a simulated record.
@@ -66,6 +68,7 @@ impl Recording {
             reference: None,
             added_signal: None,
             geared: false,
+            payload: None,
             planned: None,
             truth: None,
         }
@@ -102,6 +105,16 @@ impl Recording {
     #[must_use]
     pub fn named(self, name: &str) -> Self {
         Self { name: name.to_owned(), ..self }
+    }
+
+    /// The same with something taken off its torques, where it has any.
+    pub(crate) fn less_torque(mut self, part: &Series) -> Self {
+        if let Some(torque) = &mut self.torque {
+            for k in 0..torque.len() {
+                torque.sample_mut(k).iter_mut().zip(part.sample(k)).for_each(|(tau, part)| *tau -= part);
+            }
+        }
+        self
     }
 
     /// Every series at the equal steps of a clock.

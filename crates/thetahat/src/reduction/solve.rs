@@ -90,6 +90,8 @@ impl Reduction {
             advice: Vec::new(),
             diagnostics: Vec::new(),
             runs,
+            payloads: Vec::new(),
+            drive_gains: Vec::new(),
             experiment_description: self.experiment_description.clone(),
             robot_description: self.robot_description.clone(),
             plots: Plots::default(),

@@ -5,7 +5,7 @@ use super::{
     facts::{facts, weights},
     figures, findings,
     number::significant,
-    physical,
+    payload, physical,
     published::Published,
     section::Section,
     table::Table,
@@ -24,6 +24,7 @@ pub(super) fn all(results: &Results, published: Option<&Published>) -> Vec<Secti
         diagnosis::section(results),
         estimates(results),
         physical::section(results),
+        payload::section(results),
     ];
     sections.extend(published.map(|p| comparison(results, p)));
     sections.extend([truth(results), formulas(results), torques(results)]);

@@ -5,6 +5,7 @@ use super::{
     diagnosis::{Advice, CaseDiagnosis},
     joints::JointResult,
     parameters::EliminationResult,
+    payload::{DriveGainResult, PayloadResult},
     recordings::{Bandwidth, RecordingFindings, RecordingResult},
     run::RunResult,
 };
@@ -63,6 +64,12 @@ pub struct Results {
     pub diagnostics: Vec<CaseDiagnosis>,
     /// Every case and method.
     pub runs: Vec<RunResult>,
+    /// The payloads that were estimated.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub payloads: Vec<PayloadResult>,
+    /// The gains of the drives by a known payload, joint by joint; empty where no recording carries one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub drive_gains: Vec<DriveGainResult>,
     /// The text of the experiment file.
     pub experiment_description: String,
     /// The text of the robot description.
@@ -73,10 +80,14 @@ pub struct Results {
 }
 
 impl Results {
-    /// Whether every nominal run converged, and no check of a recording that was identified from found a problem.
+    /// Whether every nominal run converged, no check of a recording that was identified from found a problem, and no known
+    /// payload contradicts the torques.
     #[must_use]
     pub fn is_trustworthy(&self) -> bool {
         if self.findings.iter().any(|r| !r.held_back && r.has_problem()) {
+            return false;
+        }
+        if self.drive_gains.iter().any(DriveGainResult::contradicts) {
             return false;
         }
         let nominal = |r: &&RunResult| r.case == NOMINAL;

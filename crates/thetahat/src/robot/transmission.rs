@@ -88,6 +88,12 @@ impl Transmission {
         (0..self.joints()).filter(|&i| moves(i) > 1).collect()
     }
 
+    /// Whether a joint's torque, from zero, is that of several motors.
+    #[must_use]
+    pub fn has_several_motors(&self, joint: usize) -> bool {
+        (0..self.joints()).filter(|&i| self.matrix.at(i, joint) != 0.0).count() > 1
+    }
+
     /// `q = N^-1 q_motor + offset` for each sample.
     #[must_use]
     pub fn joint_positions(&self, motor: &Series) -> Series {

@@ -123,6 +123,8 @@ impl Identification {
             advice: diagnostics.iter().map(|d| advise(d, &runs)).collect(),
             diagnostics,
             runs,
+            payloads: self.payloads()?,
+            drive_gains: self.drive_gains(problem)?,
             experiment_description: String::new(),
             robot_description: String::new(),
             plots: Plots {

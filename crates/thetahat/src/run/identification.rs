@@ -4,9 +4,9 @@ use super::prepared::{Prepared, filtered};
 use crate::{
     base_parameters::BaseParameters,
     control::ControllerDescription,
-    identification::{EstimationError, Method, Reason, Response, Weighting, idim_ls},
+    identification::{EstimationError, Method, Needs, Reason, Response, Weighting, idim_ls},
     preparation::{
-        Case, PreparationError, Problem, ProposedController, Recording, Settings, Setup, propose_controller,
+        Case, Payload, PreparationError, Problem, ProposedController, Recording, Settings, Setup, propose_controller,
     },
     robot::{Friction, Robot},
     scheduling::{EstimationJob, Simulator},
@@ -22,6 +22,8 @@ pub struct Identification {
     /// The controller that IV simulates where none is described.
     proposed: Option<ProposedController>,
     pub(super) main: Vec<Prepared>,
+    /// Recordings with a payload that is to be estimated: nothing else is estimated from them.
+    pub(super) loaded: Vec<Prepared>,
     pub(super) validation: Vec<Prepared>,
 }
 
@@ -59,12 +61,14 @@ impl Identification {
     pub fn new(robot: &Robot, recordings: Vec<Recording>, settings: Settings) -> Result<Self, PreparationError> {
         settings.validate(robot)?;
         let robot = robot.clone();
-        let mut identification = Self { robot, settings, proposed: None, main: Vec::new(), validation: Vec::new() };
+        let mut identification =
+            Self { robot, settings, proposed: None, main: Vec::new(), loaded: Vec::new(), validation: Vec::new() };
         if recordings.is_empty() {
             let why = "a robot is identified from its motion and torques";
             return Err(PreparationError::Missing { missing: "a recording", why });
         }
-        identification.main = identification.prepare(recordings)?;
+        let all = identification.prepare(recordings)?;
+        identification.take(all)?;
         identification.require_torques()?;
         let lacks_controller = identification.settings.lacks_controller();
         identification.proposed = lacks_controller.then(|| propose_controller(&filtered(&identification.main)));
@@ -77,12 +81,40 @@ impl Identification {
     /// [`PreparationError`] for recordings that cannot be used.
     pub fn with_validation(mut self, recordings: Vec<Recording>) -> Result<Self, PreparationError> {
         self.validation = self.prepare(recordings)?;
+        for prepared in &self.validation {
+            let recording = &prepared.filtered.recording;
+            if let Some(payload) = self.setup().payload_of(recording)?.filter(|p| !p.is_known()) {
+                let key = format!("[[validation]] {}: payload", recording.name);
+                let expected = "none, or a known one: no robot is validated with a payload that is not known";
+                return Err(PreparationError::value(&key, expected, &payload.name));
+            }
+        }
         Ok(self)
+    }
+
+    /// Takes recordings: those with a payload that is to be estimated apart from the others.
+    fn take(&mut self, all: Vec<Prepared>) -> Result<(), PreparationError> {
+        let simulating = self.settings.all_methods().into_iter().find(|m| m.needs() != Needs::Measurement);
+        for prepared in all {
+            let recording = &prepared.filtered.recording;
+            let payload = self.setup().payload_of(recording)?.map(Payload::is_known);
+            if let (Some(_), Some(method)) = (payload, simulating) {
+                let place = format!("recording {}: methods", recording.name);
+                let expected = "idim-ls or idim-wls where a recording has a payload: simulations carry none";
+                return Err(PreparationError::value(&place, expected, method));
+            }
+            if payload == Some(false) { self.loaded.push(prepared) } else { self.main.push(prepared) }
+        }
+        if self.main.is_empty() {
+            let why = "a payload that is to be estimated is told from the robot by motion with and without it";
+            return Err(PreparationError::Missing { missing: "a recording without it", why });
+        }
+        Ok(())
     }
 
     /// Every method but those that fit positions alone needs torques.
     fn require_torques(&self) -> Result<(), PreparationError> {
-        let recordings = self.main.iter().map(|p| &p.filtered.recording);
+        let recordings = self.main.iter().chain(&self.loaded).map(|p| &p.filtered.recording);
         let Some(without) = recordings.clone().find(|r| r.torque.is_none()) else { return Ok(()) };
         let estimation = &self.settings.estimation;
         let asked = |case: Case| case.methods.unwrap_or_else(|| estimation.methods.clone());

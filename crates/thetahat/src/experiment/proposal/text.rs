@@ -5,6 +5,7 @@ use crate::{
     one_or_each::OneOrEach,
     recording::{Side, Unit},
     results::{Filter, FilterChoice},
+    visible::visible,
 };
 
 /// Columns that are left out and shown by name.
@@ -126,7 +127,7 @@ impl ProposedSignal {
 
     fn text(&self) -> String {
         let mut text = String::from("\n");
-        self.comment.iter().for_each(|line| text += &format!("# {line}\n"));
+        self.comment.iter().for_each(|line| text += &format!("# {}\n", visible(line)));
         let _ = write!(text, "[signal]\ncutoff_hz = {}\ndecimation = {}\n", self.cutoff_hz, self.decimation);
         for (key, end) in ["window_start_s", "window_end_s"].into_iter().zip(self.window_s) {
             end.into_iter().for_each(|s| text += &format!("{key} = {s}\n"));
@@ -142,7 +143,7 @@ impl Proposal {
         let mut text = format!(
             "# Proposed from {}. Read every line, then run `thetahat check`: it examines the units and signs.\n\
              title = {}\nrobot = {}\n",
-            self.files(),
+            visible(&self.files()),
             quoted(&self.title),
             quoted(&self.robot_file.display().to_string()),
         );
