@@ -34,7 +34,7 @@ fn arguments(robot: &str) -> Arguments {
 fn twin_of(robot: &str) -> Twin {
     let arguments = arguments(robot);
     let sampling = Sampling { duration_s: arguments.duration_s(), rate_hz: RATE_HZ };
-    Twin::new(robots(&arguments.robot, None).unwrap().remove(0), sampling, arguments.seed).unwrap()
+    Twin::new(robots(&arguments.robot, arguments.data.as_deref()).unwrap().remove(0), sampling, arguments.seed).unwrap()
 }
 
 fn iv(twin: &Twin, start: Start, change: impl FnOnce(&mut thetahat::Settings)) -> RunResult {

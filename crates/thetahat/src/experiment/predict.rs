@@ -9,10 +9,11 @@ use super::{
 use crate::{
     base_parameters::BaseParameters,
     identification::Method,
+    one_or_each::OneOrEach,
     preparation::{Case, ParameterChoice, PreparationError},
     recording::{ChannelSource, Side, Unit},
     results::{Prediction, Results, RunResult},
-    run::{Identified, predict_torques},
+    run::{Identified, predict_torques, with_constants},
 };
 
 /// What to predict with which run.
@@ -44,11 +45,12 @@ pub struct PredictionRequest {
 /// [`ExperimentError`] for files that cannot be used.
 pub fn predict(request: &PredictionRequest) -> Result<Prediction, ExperimentError> {
     let results = Results::read(&request.results)?;
-    let experiment = Experiment::from_texts(
+    let mut experiment = Experiment::from_texts(
         &request.results,
         results.experiment_description.clone(),
         results.robot_description.clone(),
     )?;
+    experiment.robot = with_constants(&experiment.robot, &results.profiled_terms);
     let run = chosen_run(request, &results)?;
     let case = experiment.cases().into_iter().find(|c| c.name == run.case).unwrap_or_else(Case::nominal);
     let base = experiment.setup().basis(&case).map_err(|e| experiment.refuse(e))?.base;
@@ -162,6 +164,10 @@ fn described(experiment: &Experiment, request: &PredictionRequest) -> Result<Rec
     if description.time.is_some() {
         description.sample_rate_hz = None;
     }
+    for channel in description.channels.values_mut() {
+        channel.file.clone_from(&request.recording);
+        channel.anywhere = true;
+    }
     description.velocity = None;
     description.reference = None;
     description.reference_correction = None;
@@ -180,5 +186,5 @@ fn take(source: &mut ChannelSource, file: &Path, columns: &[String]) {
 
 /// A time channel in s in the file of the positions.
 fn seconds(position: &ChannelSource) -> ChannelSource {
-    ChannelSource { unit: Unit::Second, side: Side::Joint, gain: Vec::new(), ..position.clone() }
+    ChannelSource { unit: OneOrEach::One(Unit::Second), side: Side::Joint, gain: None, ..position.clone() }
 }
