@@ -42,7 +42,7 @@ impl Experiment {
             recording::same_length(&position, "position", &file, series, signal, &source.path(data))?;
         }
         let clock = read_clock(description, data, &position)?;
-        let recording = described(description, number, position, &clock);
+        let recording = described(description, number, data, position, &clock);
         let recording = Recording { torque, velocity, reference, added_signal, ..recording }.into_equal_steps(&clock);
         Ok(match &description.reference_correction {
             Some(correction) => recording.with_corrected_reference(correction),
@@ -58,7 +58,7 @@ impl Experiment {
     ) -> Result<Recording, ExperimentError> {
         let position = self.read_joint_positions(&description.position, data)?;
         let clock = read_clock(description, data, &position)?;
-        Ok(described(description, 1, position, &clock).into_equal_steps(&clock))
+        Ok(described(description, 1, data, position, &clock).into_equal_steps(&clock))
     }
 
     fn read_joint_velocities(&self, source: &ChannelSource, data: &Path) -> Result<Series, ExperimentError> {
@@ -98,11 +98,22 @@ impl Experiment {
 }
 
 /// A recording of positions with what its description says.
-fn described(description: &RecordingDescription, number: usize, position: Series, clock: &Clock) -> Recording {
+fn described(
+    description: &RecordingDescription,
+    number: usize,
+    data: &Path,
+    position: Series,
+    clock: &Clock,
+) -> Recording {
+    let stated = description.sample_rate_hz.filter(|_| description.time.is_none());
+    let sources = [Some(&description.position), description.torque.as_ref()];
+    let times = |stated| sources.into_iter().flatten().find_map(|s| recording::contradicting_times(s, data, stated));
+    let contradicting_times = stated.and_then(times);
     Recording {
         name: description.name.clone().unwrap_or_else(|| number.to_string()),
         weight: description.weight,
         time_stamps_s: clock.stamps().map(<[f64]>::to_vec),
+        contradicting_times,
         window_s: [description.window_start_s, description.window_end_s],
         geared: [Some(&description.position), description.torque.as_ref()]
             .into_iter()

@@ -407,11 +407,11 @@ pub enum RecordingError {
         found: f64,
     },
 
-    /// The time steps jitter too much to be made equal.
+    /// No time step is the usual one.
     #[error(
-        "{file}: {column:?}, sample {sample} counted from 0: the step is {found:.6} s where it is {expected:.6} s on \
-         average, which deviates by more than {largest} of a step (`largest_jitter`); samples were dropped or the clock \
-         is not that of the samples: cut the record there, or state sample_rate_hz instead of time"
+        "{file}: {column:?}: {irregular} of {steps} time steps deviate by more than {largest} of the usual one, {expected:.6} s \
+         (`largest_jitter`), most at sample {sample} counted from 0, {found:.6} s: the samples have no common clock; state \
+         sample_rate_hz instead of time, or record again"
     )]
     TooMuchJitter {
         /// The file.
@@ -420,12 +420,32 @@ pub enum RecordingError {
         column: String,
         /// The sample at the end of the step that deviates most, counted from 0.
         sample: usize,
-        /// The mean step, in seconds.
+        /// Steps that deviate by more than is allowed.
+        irregular: usize,
+        /// All steps.
+        steps: usize,
+        /// The usual step, in seconds.
         expected: f64,
         /// The step found, in seconds.
         found: f64,
         /// Largest deviation allowed, in steps.
         largest: f64,
+    },
+
+    /// A gap is far longer than the record.
+    #[error(
+        "{file}: {column:?}, sample {sample} counted from 0: {found:.3} s after the one before it, far longer than the rest of \
+         the record: make two recordings of it"
+    )]
+    GapTooLong {
+        /// The file.
+        file: PathBuf,
+        /// The name of the time column.
+        column: String,
+        /// The sample behind the gap, counted from 0.
+        sample: usize,
+        /// The length of the gap, in seconds.
+        found: f64,
     },
 
     /// The samples are not equally spaced in time.

@@ -34,7 +34,11 @@ fn recordings(label: &'static str, recordings: &[RecordingResult]) -> Vec<(&'sta
         let weight = if r.weight == 1.0 { String::new() } else { format!(", weight {}", given(r.weight)) };
         let resampled = r.resampling.map(|j| {
             let [rms, largest] = [j.rms_deviation, j.largest_deviation].map(|d| significant(100.0 * d, 2));
-            format!("; resampled, its steps deviate by {rms} % rms, {largest} % at most")
+            let gaps = match j.gaps {
+                0 => String::new(),
+                gaps => format!(", {} samples missing in {gaps} gaps", j.missing),
+            };
+            format!("; resampled, its steps deviate by {rms} % rms, {largest} % at most{gaps}")
         });
         let window = format!("{} at {rate} Hz, window {start} s to {end} s", r.samples_used);
         (label, format!("{name}{window}{weight}{}", resampled.unwrap_or_default()))

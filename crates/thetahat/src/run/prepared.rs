@@ -22,7 +22,7 @@ impl Prepared {
         RecordingResult {
             name: recording.name.clone(),
             weight: recording.weight,
-            samples_used: self.filtered.window.len(),
+            samples_used: self.filtered.used_samples().count(),
             sample_rate_hz: recording.sample_rate_hz,
             window_s: self.filtered.window_s(),
             resampling: recording.resampling,

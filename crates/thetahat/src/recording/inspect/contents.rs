@@ -10,6 +10,7 @@ use super::super::error::RecordingError;
 use super::super::format::{Format, Holds};
 use super::super::place::file_bytes;
 use super::super::reader;
+use super::super::source::ChannelSource;
 use super::super::table::{Column, Flaw, Table, Wanted};
 use super::channel::ChannelSummary;
 use super::time::{TimeSummary, times};
@@ -73,6 +74,40 @@ pub fn inspect(path: &Path) -> Result<Contents, RecordingError> {
 /// As [`inspect`].
 pub fn inspect_with_time(path: &Path, time: Option<&str>) -> Result<Contents, RecordingError> {
     let format = Format::of(path)?;
+    let (tables, dialect, other_topics) = tables(path, format)?;
+    Ok(Contents {
+        file: path.to_owned(),
+        format,
+        dialect,
+        tables: tables.iter().map(|table| summary(table, format, time)).collect(),
+        other_topics,
+    })
+}
+
+/// Largest file that is looked through for times that nobody named.
+const SMALL_BYTES: u64 = 1 << 26;
+/// Part of the rate by which a stated one may differ from that of the times.
+const RATE_TOLERANCE: f64 = 0.01;
+
+/// A column of times in the file of a signal whose rate is another than the stated one, and its rate, Hz.
+///
+/// Only columns with the name of a time count, and only in files of at most 64 MiB; none where the file cannot be read.
+#[must_use]
+pub fn contradicting_times(source: &ChannelSource, root: &Path, stated_hz: f64) -> Option<(String, f64)> {
+    let path = source.path(root);
+    let format = Format::of(&path).ok()?;
+    if std::fs::metadata(&path).ok()?.len() > SMALL_BYTES {
+        return None;
+    }
+    let (tables, _, _) = tables(&path, format).ok()?;
+    let in_table = |table: &Table| times(&table.columns, format.is_bag(), None);
+    let named = tables.iter().flat_map(in_table).find(|time| time.is_named)?;
+    ((named.rate_hz / stated_hz - 1.0).abs() > RATE_TOLERANCE).then_some((named.column, named.rate_hz))
+}
+
+type Tables = (Vec<Table>, Option<Dialect>, Vec<OtherTopic>);
+
+fn tables(path: &Path, format: Format) -> Result<Tables, RecordingError> {
     let (tables, dialect, other_topics) = match format.holds() {
         Holds::Lines => {
             let bytes = file_bytes(path)?;
@@ -85,13 +120,7 @@ pub fn inspect_with_time(path: &Path, time: Option<&str>) -> Result<Contents, Re
         }
         Holds::Arrays => (by_samples(reader::table(path, format, &Dialect::default(), Wanted::All)?), None, Vec::new()),
     };
-    Ok(Contents {
-        file: path.to_owned(),
-        format,
-        dialect,
-        tables: tables.iter().map(|table| summary(table, format, time)).collect(),
-        other_topics,
-    })
+    Ok((tables, dialect, other_topics))
 }
 
 /// Variables of equally many samples together.
