@@ -8,7 +8,7 @@ use crate::{
     identification::Assembly,
     linear_algebra::Matrix,
     series::Series,
-    signal::{Decimator, Motion, SignalError, moving_samples},
+    signal::{Decimator, Motion, SignalError, moving_samples, spectrum_end_hz},
 };
 
 /// Part of its peak velocity above which a joint counts as moving.
@@ -147,6 +147,12 @@ impl FilteredRecording {
     pub(crate) fn torque(&self) -> Series {
         let zeros = || Series::zeros(self.window.len(), self.recording.position.channels());
         self.recording.torque.as_ref().map_or_else(zeros, |torque| torque.window(self.window.clone()))
+    }
+
+    /// Where the torques end, if they were low-passed before they were recorded, Hz.
+    pub(crate) fn torque_ends_hz(&self) -> Option<f64> {
+        let torque = self.recording.torque.as_ref()?.window(self.window.clone());
+        spectrum_end_hz(&torque, self.recording.sample_rate_hz)
     }
 
     /// The recorded positions in the window, as they are.

@@ -224,9 +224,65 @@ pub enum RecordingError {
         found: String,
     },
 
-    /// A cell of a CSV file is NaN or infinite.
+    /// The last line of a text is cut.
     #[error(
-        "{file}: line {line}, column {column:?}: expected a finite number, found {found}; \
+        "{file}: line {line}, the last one, is cut: it has {found} of {expected} columns and no end; leave it out with \
+         drop_cut_line = true"
+    )]
+    CutLine {
+        /// The file.
+        file: PathBuf,
+        /// The line, counted from 1.
+        line: u64,
+        /// The columns of the lines before it.
+        expected: usize,
+        /// The columns in it.
+        found: usize,
+    },
+
+    /// A line of a text has more values than a record has columns.
+    #[error(
+        "{file}: line {line} has {found} values, and at most {limit} are read as columns; write one sample a line, or one \
+         value a line with interleaved = CHANNELS"
+    )]
+    TooManyColumns {
+        /// The file.
+        file: PathBuf,
+        /// The line, counted from 1.
+        line: u64,
+        /// Its values.
+        found: usize,
+        /// Most columns.
+        limit: usize,
+    },
+
+    /// Values that follow one another are no whole number of samples.
+    #[error(
+        "{file}: {values} values in {columns} columns are no samples of {channels} interleaved channels; interleaved takes one column of values"
+    )]
+    NotInterleaved {
+        /// The file.
+        file: PathBuf,
+        /// The values.
+        values: usize,
+        /// The columns that hold them.
+        columns: usize,
+        /// The channels asked for.
+        channels: usize,
+    },
+
+    /// Rows that hold one channel each are no samples.
+    #[error("{file}: {problem} (`channel_column`)")]
+    NotLong {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong.
+        problem: String,
+    },
+
+    /// A cell of a CSV file is NaN, infinite or beyond all recorded values.
+    #[error(
+        "{file}: line {line}, column {column:?}: expected a finite number below 1e30, found {found:e}; \
          cut the record to the part without gaps, or fill the gap"
     )]
     NotFinite {
@@ -242,7 +298,7 @@ pub enum RecordingError {
 
     /// A sample of a variable or of a time axis is NaN or infinite.
     #[error(
-        "{file}: {column:?}, sample {sample} counted from 0: expected a finite number, found {found}; \
+        "{file}: {column:?}, sample {sample} counted from 0: expected a finite number below 1e30, found {found:e}; \
          cut the record to the part without gaps, or fill the gap"
     )]
     NotFiniteSample {

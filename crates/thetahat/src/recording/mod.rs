@@ -13,6 +13,7 @@
 //! | `format`, `reader` | the formats, and the reader of each |
 //! | `csv`, `npy` with `npy_header`, `npz`, `mat`, `parquet`, `bag` | the readers |
 //! | `pieces` | signals of files that are longer than memory, piece by piece |
+//! | `layout` | channels in rows, one behind the other, or one a row |
 //! | `table`, `select` | the columns that readers return, and the selection from them |
 //! | `inspect` | what a file holds: columns, their ranges and resolution, rate, jitter and gaps |
 //! | `unit` | units, their factors to SI, and the dimensions they measure |
@@ -44,6 +45,7 @@ mod format;
 #[doc(hidden)]
 pub mod fuzzing;
 mod inspect;
+mod layout;
 mod mat;
 mod npy;
 mod npy_header;

@@ -40,8 +40,11 @@ fn recordings(label: &'static str, recordings: &[RecordingResult]) -> Vec<(&'sta
             };
             format!("; resampled, its steps deviate by {rms} % rms, {largest} % at most{gaps}")
         });
+        let ends = r.torque_ends_hz.map_or_else(String::new, |hz| {
+            format!("; filtered before it was recorded: the torques end at {} Hz", significant(hz, 2))
+        });
         let window = format!("{} at {rate} Hz, window {start} s to {end} s", r.samples_used);
-        (label, format!("{name}{window}{weight}{}", resampled.unwrap_or_default()))
+        (label, format!("{name}{window}{weight}{}{ends}", resampled.unwrap_or_default()))
     };
     recordings.iter().map(line).collect()
 }

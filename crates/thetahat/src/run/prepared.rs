@@ -26,6 +26,7 @@ impl Prepared {
             sample_rate_hz: recording.sample_rate_hz,
             window_s: self.filtered.window_s(),
             resampling: recording.resampling,
+            torque_ends_hz: self.filtered.torque_ends_hz(),
             reference: self.reference.as_ref().map(|r| r.describe(&self.filtered)),
         }
     }

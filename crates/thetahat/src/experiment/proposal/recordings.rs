@@ -82,6 +82,8 @@ fn described(source: &Source<'_>, columns: &[Chosen<'_>], measured: &Measured) -
         columns: columns.iter().map(|c| c.name.clone()).collect(),
         unit: measured.unit,
         side: measured.side,
+        drop_cut_line: source.is_cut(),
+        channels_in_rows: columns.iter().any(|c| c.in_rows),
         comment: format!("From {least:.4} to {most:.4}; unit {}.", measured.why),
         left_out: false,
     }

@@ -51,6 +51,8 @@ pub struct ColumnSummary {
     pub name: String,
     /// Number of channels: columns of a matrix.
     pub channels: usize,
+    /// Whether the channels are the rows of the matrix: it is far wider than high.
+    pub in_rows: bool,
     /// Number of samples of each channel.
     pub samples: usize,
     /// What the column holds, if it is not numbers alone.
@@ -111,16 +113,38 @@ fn tables(path: &Path, format: Format) -> Result<Tables, RecordingError> {
     let (tables, dialect, other_topics) = match format.holds() {
         Holds::Lines => {
             let bytes = file_bytes(path)?;
-            let (table, dialect) = csv::read_with_dialect(&bytes, path, &Dialect::default(), Wanted::All)?;
+            let tolerant = Dialect { drop_cut_line: true, ..Dialect::default() };
+            let (table, dialect) = csv::read_with_dialect(&bytes, path, &tolerant, Wanted::All)?;
             (vec![table], Some(dialect), Vec::new())
         }
         Holds::Topics => {
             let (tables, other_topics) = bag::tables(path, format)?;
             (tables, None, other_topics)
         }
-        Holds::Arrays => (by_samples(reader::table(path, format, &Dialect::default(), Wanted::All)?), None, Vec::new()),
+        Holds::Arrays => {
+            let mut table = reader::table(path, format, &Dialect::default(), Wanted::All)?;
+            table.columns.iter_mut().for_each(set_upright);
+            (by_samples(table), None, Vec::new())
+        }
     };
     Ok((tables, dialect, other_topics))
+}
+
+/// Columns beyond which a matrix with far fewer rows has its channels in the rows.
+const WIDE: usize = 100;
+/// How many times as many columns as rows such a matrix has at least.
+const WIDER: usize = 4;
+
+/// Turns a matrix that lies on its side: its channels are its rows.
+fn set_upright(column: &mut Column) {
+    let (samples, channels) = (column.samples(), column.channels);
+    if channels <= WIDE || channels < WIDER * samples {
+        return;
+    }
+    let values = &column.values;
+    column.values = (0..samples).flat_map(|row| (0..channels).map(move |c| values[c * samples + row])).collect();
+    column.channels = samples;
+    column.in_rows = true;
 }
 
 /// Variables of equally many samples together.
@@ -158,6 +182,7 @@ fn column_summary(column: &Column) -> ColumnSummary {
     ColumnSummary {
         name: column.name.clone(),
         channels: column.channels,
+        in_rows: column.in_rows,
         samples: column.samples(),
         not_numeric,
         statistics: (0..column.channels).map(|channel| ChannelSummary::of(column.channel(channel))).collect(),
