@@ -1,8 +1,9 @@
 //! Recordings read from their files, on the joint side and at equal time steps.
 
-use std::{ops::Range, path::Path};
+use std::{collections::BTreeMap, path::Path};
 
 use super::{
+    delays::without_delays,
     description::{Experiment, RecordingDescription},
     error::ExperimentError,
 };
@@ -10,7 +11,6 @@ use crate::{
     preparation::{PreparationError, Recording},
     recording::{self, ChannelSource, Clock, RecordingError, Side},
     series::Series,
-    signal::delayed,
 };
 
 /// Largest difference of the channels' times in a sample of a long table, in steps.
@@ -45,10 +45,11 @@ impl Experiment {
             let file = description.position.path(data);
             recording::same_length(&position, "position", &file, series, signal, &source.path(data))?;
         }
+        let channels = read_other_channels(description, data, &position)?;
         let clock = read_clock(description, data, &position)?;
         let recording = described(description, number, data, position, &clock);
-        let recording = Recording { torque, velocity, reference, added_signal, ..recording }.into_equal_steps(&clock);
-        let recording = without_delays(recording, description);
+        let recording = Recording { torque, velocity, reference, added_signal, channels, ..recording };
+        let recording = without_delays(recording.into_equal_steps(&clock), description);
         Ok(match &description.reference_correction {
             Some(correction) => recording.with_corrected_reference(correction),
             None => recording,
@@ -62,9 +63,10 @@ impl Experiment {
         data: &Path,
     ) -> Result<Recording, ExperimentError> {
         let position = self.read_joint_positions(&description.position, data)?;
+        let channels = read_other_channels(description, data, &position)?;
         let clock = read_clock(description, data, &position)?;
-        let recording = described(description, 1, data, position, &clock).into_equal_steps(&clock);
-        Ok(without_delays(recording, description))
+        let recording = Recording { channels, ..described(description, 1, data, position, &clock) };
+        Ok(without_delays(recording.into_equal_steps(&clock), description))
     }
 
     fn read_joint_velocities(&self, source: &ChannelSource, data: &Path) -> Result<Series, ExperimentError> {
@@ -150,47 +152,19 @@ fn of_all_channels(times: Series, source: &ChannelSource, file: &Path) -> Result
     Ok(Series::from_values(1, (0..samples).map(mean).collect()))
 }
 
-/// Every signal moved to where it belongs by its delay. What was recorded too late lacks its last samples: the record ends
-/// before them. What was recorded too early lacks its first, which are a gap.
-fn without_delays(recording: Recording, description: &RecordingDescription) -> Recording {
-    let of = |source: Option<&ChannelSource>| source.map_or(0.0, |s| s.delay_s * recording.sample_rate_hz);
-    let optional = [&description.torque, &description.velocity, &description.reference, &description.added_signal];
-    let [torque, velocity, reference, added_signal] = optional.map(|source| of(source.as_ref()));
-    let position = of(Some(&description.position));
-    let all = [position, torque, velocity, reference, added_signal];
-    let [earliest, latest] = [all.into_iter().fold(0.0, f64::min), all.into_iter().fold(0.0, f64::max)];
-    if earliest == 0.0 && latest == 0.0 {
-        return recording;
-    }
-    let lost = |samples: f64| if samples == 0.0 { 0 } else { samples.abs().ceil() as usize + 2 };
-    let end = recording.position.len().saturating_sub(lost(latest)).max(1);
-    let moved = |series: Series, samples: f64| {
-        let delays = vec![-samples; series.channels()];
-        if samples == 0.0 { series.window(0..end) } else { delayed(&series, &delays).window(0..end) }
+/// The channels that the robot's torque terms take.
+fn read_other_channels(
+    description: &RecordingDescription,
+    data: &Path,
+    position: &Series,
+) -> Result<BTreeMap<String, Series>, ExperimentError> {
+    let read = |(name, source): (&String, &ChannelSource)| {
+        let series = recording::read_channels(source, data)?;
+        let file = description.position.path(data);
+        recording::same_length(position, "position", &file, &series, name, &source.path(data))?;
+        Ok((name.clone(), series))
     };
-    Recording {
-        gaps: moved_gaps(&recording.gaps, (lost(latest), lost(earliest)), end),
-        position: moved(recording.position, position),
-        torque: recording.torque.map(|s| moved(s, torque)),
-        velocity: recording.velocity.map(|s| moved(s, velocity)),
-        reference: recording.reference.map(|s| moved(s, reference)),
-        added_signal: recording.added_signal.map(|s| moved(s, added_signal)),
-        ..recording
-    }
-}
-
-/// Gaps of all signals, which are earlier and later by up to so many samples, and the samples before the first.
-fn moved_gaps(gaps: &[Range<usize>], (earlier, later): (usize, usize), end: usize) -> Vec<Range<usize>> {
-    let mut moved: Vec<Range<usize>> = if later > 0 { vec![0..later.min(end)] } else { Vec::new() };
-    for gap in gaps {
-        let (start, stop) = (gap.start.saturating_sub(earlier), (gap.end + later).min(end));
-        match moved.last_mut().filter(|last| last.end >= start) {
-            Some(last) => last.end = last.end.max(stop),
-            None if start < stop => moved.push(start..stop),
-            None => {}
-        }
-    }
-    moved
+    description.channels.iter().map(read).collect()
 }
 
 fn read_clock(description: &RecordingDescription, data: &Path, position: &Series) -> Result<Clock, ExperimentError> {

@@ -58,7 +58,7 @@ impl Experiment {
             signal.require_dimension("added signal", &DRIVE)?;
         }
         let sources = [&recording.torque, &recording.velocity, &recording.reference, &recording.added_signal];
-        for source in sources.into_iter().flatten().chain([&recording.position]) {
+        for source in sources.into_iter().flatten().chain([&recording.position]).chain(recording.channels.values()) {
             let delay = source.delay_s;
             self.require(delay.abs() <= LONGEST_DELAY_S, "[recording] delay_s", "from -60 to 60 s", delay)?;
         }

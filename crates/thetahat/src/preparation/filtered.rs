@@ -33,6 +33,8 @@ pub(crate) struct FilteredRecording {
     pub(crate) window: Range<usize>,
     /// Samples, counted in the window, that make no rows: gaps, and what the position filter made of them.
     pub(crate) left_out: Vec<Range<usize>>,
+    /// The channels that torque terms take, over the whole recording, filtered as the positions are.
+    pub(crate) channels: Option<Series>,
 }
 
 impl Setup<'_> {
@@ -62,7 +64,9 @@ impl Setup<'_> {
         let cut = |series: &Series| series.window(window.clone());
         let motion = Motion { q: cut(&q), dq: cut(&dq), ddq: cut(&ddq) };
         let left_out = left_out(&recording.gaps, &window, rate, options.cutoff_hz);
-        Ok(FilteredRecording { motion, recording, window, left_out })
+        let channels = recording.channels_named(&self.robot.channels(), self.robot.coordinate_count())?;
+        let channels = channels.map(|c| self.band_pass(&c, rate)).transpose()?.map(|filtered| filtered.q);
+        Ok(FilteredRecording { motion, recording, window, left_out, channels })
     }
 
     /// A record must be long beside the period of the position filter.
@@ -140,7 +144,13 @@ impl FilteredRecording {
     /// X of the measured motion.
     pub(crate) fn observation_matrix(&self, assembly: &Assembly<'_>) -> Result<Matrix, SignalError> {
         let Motion { q, dq, ddq } = &self.motion;
+        let assembly = assembly.clone().with_channels(self.channels_in_window());
         assembly.observation_matrix(q, dq, ddq, Sign::Exact)
+    }
+
+    /// The channels that torque terms take, in the window.
+    pub(crate) fn channels_in_window(&self) -> Option<Series> {
+        self.channels.as_ref().map(|channels| channels.window(self.window.clone()))
     }
 
     /// The torques in the window; zeros where they were not recorded.

@@ -281,7 +281,7 @@ mod tests {
     #[test]
     fn channels_in_rows() {
         let values: Vec<u8> = (0..8).flat_map(|k| f64::from(k).to_le_bytes()).collect();
-        let folder = Folder::with("q.npy", &super::super::test_files::npy("<f8", false, "(2, 4)", &values));
+        let folder = Folder::with("q.npy", super::super::test_files::npy("<f8", false, "(2, 4)", &values));
         let source: ChannelSource = toml::from_str("file = 'q.npy'\nunit = 'rad'\nchannels_in_rows = true").unwrap();
         let series = read_channels(&source, folder.path()).unwrap();
         assert_eq!(series, Series::from_channels(&[vec![0.0, 1.0, 2.0, 3.0], vec![4.0, 5.0, 6.0, 7.0]]));
