@@ -215,6 +215,7 @@ fn results() -> Results {
             sample_rate_hz: 1000.0,
             window_s: [0.05, 0.35],
             resampling: None,
+            torque_ends_hz: None,
             reference: Some(ReferenceResult {
                 origin: "reconstructed".to_owned(),
                 moves: Some(13),

@@ -59,6 +59,8 @@ pub enum Code {
     RepeatedSamples,
     /// The time stamps are not equally spaced.
     ClockJitter,
+    /// Another rate is stated than the time stamps have.
+    RateContradicted,
     /// A torque stays at its limit.
     TorqueSaturated,
     /// A torque does not change.
@@ -99,7 +101,7 @@ pub enum Code {
 
 impl Code {
     /// All codes, in order.
-    pub const ALL: [Self; 29] = [
+    pub const ALL: [Self; 30] = [
         Self::PositionScale,
         Self::PositionSign,
         Self::PositionZero,
@@ -111,6 +113,7 @@ impl Code {
         Self::DroppedSamples,
         Self::RepeatedSamples,
         Self::ClockJitter,
+        Self::RateContradicted,
         Self::TorqueSaturated,
         Self::TorqueConstant,
         Self::TorqueQuantised,
@@ -146,6 +149,7 @@ impl Code {
             Self::DroppedSamples => "dropped-samples",
             Self::RepeatedSamples => "repeated-samples",
             Self::ClockJitter => "clock-jitter",
+            Self::RateContradicted => "rate-contradicted",
             Self::TorqueSaturated => "torque-saturated",
             Self::TorqueConstant => "torque-constant",
             Self::TorqueQuantised => "torque-quantised",

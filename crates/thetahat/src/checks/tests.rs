@@ -103,6 +103,8 @@ impl Crane {
             torque: Some(&self.torque),
             reference: None,
             reconstructed_deviation: Some(&self.reconstructed_deviation),
+            left_out: &[],
+            contradicting_times: None,
             added_signal: false,
             signal: SignalSettings { filter_order: 4, cutoff_hz: 20.0, decimation: 10, window: 100..SAMPLES - 100 },
             controller: None,

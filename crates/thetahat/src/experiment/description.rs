@@ -120,7 +120,7 @@ pub struct RecordingDescription {
     pub sample_rate_hz: Option<f64>,
     /// The time channel.
     pub time: Option<ChannelSource>,
-    /// Largest deviation of a time step from the mean one, in steps, up to which the record is resampled to equal steps.
+    /// Largest deviation of a time step from the usual one, in steps; a longer step is a gap.
     #[serde(default = "half")]
     pub largest_jitter: f64,
     /// Start of the window, s, where it is another one than the experiment's.

@@ -14,6 +14,7 @@
 //! ```
 
 mod column_names;
+mod delays;
 mod description;
 mod error;
 mod paths;

@@ -13,6 +13,9 @@ use crate::{
 /// Longest rest of a twin, s.
 const LONGEST_REST_S: f64 = 3600.0;
 
+/// Longest delay of a signal, s.
+const LONGEST_DELAY_S: f64 = 60.0;
+
 /// What is measured of a joint that turns, and of one that slides.
 const POSITION: [Dimension; 2] = [Dimension::Angle, Dimension::Length];
 const VELOCITY: [Dimension; 2] = [Dimension::AngularVelocity, Dimension::LinearVelocity];
@@ -60,7 +63,18 @@ impl Experiment {
         if let Some(signal) = &recording.added_signal {
             signal.require_dimension("added signal", &DRIVE)?;
         }
+        let sources = [&recording.torque, &recording.velocity, &recording.reference, &recording.added_signal];
+        for source in sources.into_iter().flatten().chain([&recording.position]).chain(recording.channels.values()) {
+            let delay = source.delay_s;
+            self.require(delay.abs() <= LONGEST_DELAY_S, "[recording] delay_s", "from -60 to 60 s", delay)?;
+        }
         if let Some(time) = &recording.time {
+            self.require(
+                time.delay_s == 0.0,
+                "[recording] time: delay_s",
+                "0: signals are late, not times",
+                time.delay_s,
+            )?;
             time.require_dimension("time", &[Dimension::Time])?;
         }
         match (recording.sample_rate_hz, &recording.time) {

@@ -72,7 +72,7 @@ impl Setup<'_> {
         choice: &ParameterChoice,
     ) -> Result<Problem, PreparationError> {
         self.require_rows(recordings, choice, base.len())?;
-        let decimator = |r: &&FilteredRecording| Decimator::new(self.settings.signal.decimation, r.window.len());
+        let decimator = |r: &&FilteredRecording| r.decimator(self.settings.signal.decimation);
         let decimators = recordings.iter().map(decimator).collect::<Result<Vec<_>, _>>()?;
         let rows: Vec<usize> = decimators.iter().map(Decimator::rows).collect();
         let layout = RowLayout::new(model.coordinate_count(), &rows);
@@ -111,7 +111,7 @@ impl Setup<'_> {
             ParameterChoice::Base | ParameterChoice::Named(_) => base,
         };
         let decimation = self.settings.signal.decimation;
-        let rows_of = |r: &&FilteredRecording| r.motion.q.channels() * r.window.len().div_ceil(decimation);
+        let rows_of = |r: &&FilteredRecording| r.motion.q.channels() * r.used_samples().count().div_ceil(decimation);
         let rows: usize = recordings.iter().map(rows_of).sum();
         let expected = format!("a smaller factor or a longer window: {rows} rows are left for {parameters} parameters");
         PreparationError::require(rows > parameters, "[signal] decimation", &expected, decimation)

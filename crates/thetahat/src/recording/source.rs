@@ -7,6 +7,7 @@ use serde::Deserialize;
 use super::csv::{Decimal, Dialect};
 use super::error::RecordingError;
 use super::format::Format;
+use super::layout::{self, Layout};
 use super::reader::table;
 use super::table::Wanted;
 use super::unit::{Dimension, Unit};
@@ -58,6 +59,22 @@ pub struct ChannelSource {
     /// `1`, `2` and so on.
     #[serde(default)]
     pub header: Option<bool>,
+    /// Whether a last line of a text that is cut is left out.
+    #[serde(default)]
+    pub drop_cut_line: bool,
+    /// Whether a matrix has one row for each channel, and not one column.
+    #[serde(default)]
+    pub channels_in_rows: bool,
+    /// Number of channels whose values follow one another in one column, sample by sample.
+    #[serde(default)]
+    pub interleaved: Option<usize>,
+    /// A column of numbers that says of which channel each row is, where rows hold one channel each. Channels follow one
+    /// another as their numbers rise.
+    #[serde(default)]
+    pub channel_column: Option<String>,
+    /// How late the values are, s: the value at a time is the one recorded so much later. Negative where they are early.
+    #[serde(default)]
+    pub delay_s: f64,
     /// Whether the file may lie anywhere, because the user named it and not a file of descriptions. Not read from files.
     #[serde(skip)]
     pub anywhere: bool,
@@ -175,6 +192,12 @@ impl ChannelSource {
             ("delimiter", self.delimiter.is_some() && text),
             ("decimal", self.decimal.is_some() && text),
             ("header", self.header.is_some() && text),
+            ("drop_cut_line", self.drop_cut_line && text),
+            ("channels_in_rows", self.channels_in_rows && format.is_one_table()),
+            ("channels_in_rows", self.channels_in_rows && format.is_bag()),
+            ("interleaved", self.interleaved.is_some() && (format.is_bag() || self.channels_in_rows)),
+            ("channel_column", self.channel_column.is_some() && (format.is_bag() || self.channels_in_rows)),
+            ("channel_column", self.channel_column.is_some() && self.interleaved.is_some()),
         ];
         match settings.into_iter().find(|(_, useless)| *useless) {
             None => Ok(()),
@@ -182,8 +205,28 @@ impl ChannelSource {
         }
     }
 
+    /// How its channels lie in their columns.
+    fn layout(&self) -> Layout {
+        match (self.channel_column.is_some(), self.interleaved) {
+            (true, _) => Layout::Long,
+            (false, Some(channels)) => Layout::Interleaved { channels },
+            (false, None) if self.channels_in_rows => Layout::Rows,
+            (false, None) => Layout::Columns,
+        }
+    }
+
+    /// Whether any samples of the signal can be read without the others.
+    pub(super) fn can_be_read_in_pieces(&self) -> bool {
+        self.layout() == Layout::Columns && !self.drop_cut_line && self.delay_s == 0.0
+    }
+
     pub(super) fn dialect(&self) -> Dialect {
-        Dialect { delimiter: self.delimiter, decimal: self.decimal, header: self.header }
+        Dialect {
+            delimiter: self.delimiter,
+            decimal: self.decimal,
+            header: self.header,
+            drop_cut_line: self.drop_cut_line,
+        }
     }
 
     /// The path to read from: inside the folder of the data, unless the file may lie anywhere.
@@ -217,9 +260,11 @@ fn read(source: &ChannelSource, format: Format, path: &Path) -> Result<Series, R
     if format.is_bag() {
         return bag::channels(path, format, source.topic.as_deref(), &source.columns);
     }
-    let wanted = if source.columns.is_empty() { Wanted::All } else { Wanted::Named(&source.columns) };
+    let mut columns = source.columns.clone();
+    columns.extend(source.channel_column.clone());
+    let wanted = if columns.is_empty() { Wanted::All } else { Wanted::Named(&columns) };
     let table = table(path, format, &source.dialect(), wanted)?;
-    select::series(&table, format, &source.columns, path)
+    layout::laid_out(source.layout(), select::series(&table, format, &columns, path)?, path)
 }
 
 #[cfg(test)]
@@ -242,8 +287,74 @@ mod tests {
             delimiter: None,
             decimal: None,
             header: None,
+            drop_cut_line: false,
+            channels_in_rows: false,
+            interleaved: None,
+            channel_column: None,
+            delay_s: 0.0,
             anywhere: false,
         }
+    }
+
+    /// One value a line, joint by joint.
+    #[test]
+    fn interleaved_values_are_samples() {
+        let folder = Folder::with("q.csv", b"q\n1\n2\n3\n4\n5\n6\n");
+        let of = |channels: usize| {
+            let text = format!("file = 'q.csv'\nunit = 'rad'\ninterleaved = {channels}");
+            read_channels(&toml::from_str(&text).unwrap(), folder.path())
+        };
+        assert_eq!(of(3).unwrap(), Series::from_values(3, vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]));
+        let error = of(4).unwrap_err().to_string();
+        assert!(error.contains("6 values in 1 columns are no samples of 4 interleaved channels"), "{error}");
+    }
+
+    /// One row for each joint at each instant, in any order of the joints.
+    #[test]
+    fn long_tables() {
+        let folder = Folder::with("q.csv", b"t,joint,q\n0,2,20\n0,1,10\n1,1,11\n1,2,21\n");
+        let of = |extra: &str| {
+            read_channels(&toml::from_str(&format!("file = 'q.csv'\nunit = 'rad'\n{extra}")).unwrap(), folder.path())
+        };
+        let series = of("columns = ['q']\nchannel_column = 'joint'").unwrap();
+        assert_eq!(series, Series::from_values(2, vec![10.0, 20.0, 11.0, 21.0]));
+        let error = of("columns = ['q']\nchannel_column = 't'\ninterleaved = 2").unwrap_err();
+        assert!(matches!(error, RecordingError::UselessSetting { setting: "channel_column", .. }));
+        folder.write("q.csv", "t,joint,q\n0,2,20\n0,1,10\n1,1,11\n");
+        let error = of("columns = ['q']\nchannel_column = 'joint'").unwrap_err().to_string();
+        assert!(error.contains("channel 1 has 2 rows, channel 2 has 1"), "{error}");
+    }
+
+    /// A matrix with a row for each joint.
+    #[test]
+    fn channels_in_rows() {
+        let values: Vec<u8> = (0..8).flat_map(|k| f64::from(k).to_le_bytes()).collect();
+        let folder = Folder::with("q.npy", super::super::test_files::npy("<f8", false, "(2, 4)", &values));
+        let source: ChannelSource = toml::from_str("file = 'q.npy'\nunit = 'rad'\nchannels_in_rows = true").unwrap();
+        let series = read_channels(&source, folder.path()).unwrap();
+        assert_eq!(series, Series::from_channels(&[vec![0.0, 1.0, 2.0, 3.0], vec![4.0, 5.0, 6.0, 7.0]]));
+    }
+
+    #[test]
+    fn a_cut_last_line_is_left_out_where_that_is_asked_for() {
+        let folder = Folder::with("q.csv", b"a,b\n1,2\n3,4\n5");
+        let mut source = source("q.csv", &[]);
+        let error = read_channels(&source, folder.path()).unwrap_err().to_string();
+        assert!(
+            error.ends_with(
+                "line 4, the last one, is cut: it has 1 of 2 columns and no end; leave it out with drop_cut_line = true"
+            ),
+            "{error}"
+        );
+        source.drop_cut_line = true;
+        assert_eq!(read_channels(&source, folder.path()).unwrap().len(), 2);
+    }
+
+    #[test]
+    fn garbage_is_named_with_its_place() {
+        let folder = Folder::with("q.csv", b"a,b\n1,2\n3,1e305\n");
+        let error = read_channels(&source("q.csv", &[]), folder.path()).unwrap_err().to_string();
+        assert!(error.contains("line 3, column \"b\": expected a finite number below 1e30, found 1e305"), "{error}");
     }
 
     fn failure(source: &ChannelSource) -> RecordingError {

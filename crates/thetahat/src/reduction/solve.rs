@@ -110,6 +110,7 @@ impl ReducedRecording {
             sample_rate_hz: self.sample_rate_hz,
             window_s: self.window_s,
             resampling: None,
+            torque_ends_hz: None,
             reference: None,
         }
     }

@@ -100,7 +100,14 @@ impl<'a> Source<'a> {
         description: &'a RecordingDescription,
         (number, data): (usize, &Path),
     ) -> Result<Self, ReductionError> {
-        Ok(Self::of_recording(experiment, experiment.read_recording(description, number, data)?))
+        let recording = experiment.read_recording(description, number, data)?;
+        match recording.gaps.first() {
+            None => Ok(Self::of_recording(experiment, recording)),
+            Some(first) => {
+                let (gaps, sample) = (recording.gaps.len(), first.start);
+                Err(ReductionError::Gaps { recording: recording.name, gaps, sample })
+            }
+        }
     }
 
     /// The record, where it is in memory.

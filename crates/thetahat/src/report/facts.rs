@@ -45,10 +45,17 @@ fn recordings(label: &'static str, recordings: &[RecordingResult]) -> Vec<(&'sta
         let weight = if r.weight == 1.0 { String::new() } else { format!(", weight {}", given(r.weight)) };
         let resampled = r.resampling.map(|j| {
             let [rms, largest] = [j.rms_deviation, j.largest_deviation].map(|d| significant(100.0 * d, 2));
-            format!("; resampled, its steps deviate by {rms} % rms, {largest} % at most")
+            let gaps = match j.gaps {
+                0 => String::new(),
+                gaps => format!(", {} samples missing in {gaps} gaps", j.missing),
+            };
+            format!("; resampled, its steps deviate by {rms} % rms, {largest} % at most{gaps}")
+        });
+        let ends = r.torque_ends_hz.map_or_else(String::new, |hz| {
+            format!("; filtered before it was recorded: the torques end at {} Hz", significant(hz, 2))
         });
         let window = format!("{} at {rate} Hz, window {start} s to {end} s", r.samples_used);
-        (label, format!("{name}{window}{weight}{}", resampled.unwrap_or_default()))
+        (label, format!("{name}{window}{weight}{}{ends}", resampled.unwrap_or_default()))
     };
     recordings.iter().map(line).collect()
 }

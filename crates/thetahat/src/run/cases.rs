@@ -117,7 +117,7 @@ impl Identification {
             title: String::new(),
             robot_joints: JointResult::of_coordinates(self.setup().robot),
             robot_locked: self.setup().robot.locked.clone(),
-            samples_used: self.main.iter().map(|p| p.filtered.window.len()).sum(),
+            samples_used: self.main.iter().map(|p| p.filtered.used_samples().count()).sum(),
             decimated_rows: regression.y.len(),
             recordings: self.main.iter().map(Prepared::describe).collect(),
             validation_recordings: self.validation.iter().map(Prepared::describe).collect(),

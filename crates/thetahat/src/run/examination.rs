@@ -28,6 +28,8 @@ pub(crate) fn examine(setup: Setup<'_>, prepared: &Prepared, problem: &Problem, 
         torque: recording.torque.as_ref(),
         reference: recording.reference.as_ref(),
         reconstructed_deviation: deviation.as_deref(),
+        left_out: &filtered.left_out,
+        contradicting_times: recording.contradicting_times.as_ref().map(|(column, rate)| (column.as_str(), *rate)),
         added_signal: recording.added_signal.is_some(),
         signal: SignalSettings {
             filter_order: options.filter_order,

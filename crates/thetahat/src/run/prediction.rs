@@ -8,7 +8,7 @@ use crate::{
     regressor::Regressor,
     results::Prediction,
     series::Series,
-    signal::{Decimator, Motion},
+    signal::Motion,
 };
 
 /// Base parameters of a case by name, and the method that gave them.
@@ -79,7 +79,7 @@ struct Predictor<'a> {
 impl Predictor<'_> {
     /// The decimated rows of the window, and their prediction.
     fn rows(&self, filtered: &FilteredRecording) -> Result<(Regression, Vec<f64>), PreparationError> {
-        let decimator = Decimator::new(self.setup.settings.signal.decimation, filtered.window.len())?;
+        let decimator = filtered.decimator(self.setup.settings.signal.decimation)?;
         let layout = RowLayout::new(self.basis.model.coordinate_count(), &[decimator.rows()]);
         let assembly = Assembly::new(&self.basis.model, &self.columns, decimator);
         let x = filtered.observation_matrix(&assembly)?;

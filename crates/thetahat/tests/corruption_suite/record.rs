@@ -54,6 +54,8 @@ impl Record {
             torque: Some(&self.torque),
             reference: self.reference.as_ref(),
             reconstructed_deviation: self.reconstructed_deviation.as_deref(),
+            left_out: &[],
+            contradicting_times: None,
             added_signal: self.added_signal,
             signal: self.signal.clone(),
             controller: self.controller.as_ref(),

@@ -86,6 +86,8 @@ fn recorded(source: &Source<'_>, time: &TimeSummary) -> ProposedClock {
             columns: vec![time.column.clone()],
             unit: time.unit.into(),
             side: Side::Joint,
+            drop_cut_line: source.is_cut(),
+            channels_in_rows: false,
             comment,
             left_out: false,
         }),

@@ -108,6 +108,8 @@ impl<'a> Describer<'_, 'a> {
             columns: columns.iter().map(|c| c.name.clone()).collect(),
             unit: of_joints(self.robot, measured.unit),
             side: measured.side,
+            drop_cut_line: source.is_cut(),
+            channels_in_rows: columns.iter().any(|c| c.in_rows),
             comment: format!("From {least:.4} to {most:.4}; unit {}.", measured.why),
             left_out: false,
         }

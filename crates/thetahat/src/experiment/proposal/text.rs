@@ -61,6 +61,10 @@ pub struct ProposedChannels {
     pub unit: OneOrEach<Unit>,
     /// Their side of the gears.
     pub side: Side,
+    /// Whether the last line of their file is cut.
+    pub drop_cut_line: bool,
+    /// Whether they are rows of a matrix.
+    pub channels_in_rows: bool,
     /// What the user should know of them.
     pub comment: String,
     /// Whether they stand in a comment, for the user to put right.
@@ -215,8 +219,10 @@ impl ProposedChannels {
             Side::Motor => ", side = \"motor\"",
             Side::Joint => "",
         };
+        let cut = if self.drop_cut_line { ", drop_cut_line = true" } else { "" };
+        let rows = if self.channels_in_rows { ", channels_in_rows = true" } else { "" };
         format!(
-            "# {}\n{}{name} = {{ file = {}{topic}, columns = [{}], unit = {}{side} }}\n",
+            "# {}\n{}{name} = {{ file = {}{topic}, columns = [{}], unit = {}{side}{rows}{cut} }}\n",
             self.comment,
             if self.left_out { "# " } else { "" },
             quoted(&self.file.display().to_string()),
