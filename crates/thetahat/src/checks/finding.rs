@@ -93,6 +93,26 @@ pub enum Code {
     ReferenceMismatch,
     /// The controller does not give the drive signals.
     ControllerMismatch,
+    /// The torque is one value for much of the time.
+    TorqueIdle,
+    /// The torque is noise.
+    TorqueNoise,
+    /// A joint is held and trembles.
+    JointDither,
+    /// Torques are far from those of the description's masses.
+    APrioriScale,
+    /// A joint's torque is predicted no better than by its mean.
+    WorseThanMean,
+    /// The recording is not of this robot.
+    WrongRobot,
+    /// The scale of a torque changes over the record.
+    GainDrift,
+    /// The friction of a joint changes over the record.
+    FrictionDrift,
+    /// Two recordings share samples.
+    SameRecording,
+    /// Recordings are explained apart, and not together.
+    RecordingsContradict,
     /// No robot made of bodies has the estimates.
     NotPhysical,
     /// The robot's description says what no robot has.
@@ -101,7 +121,7 @@ pub enum Code {
 
 impl Code {
     /// All codes, in order.
-    pub const ALL: [Self; 30] = [
+    pub const ALL: [Self; 40] = [
         Self::PositionScale,
         Self::PositionSign,
         Self::PositionZero,
@@ -130,6 +150,16 @@ impl Code {
         Self::NotExcited,
         Self::ReferenceMismatch,
         Self::ControllerMismatch,
+        Self::TorqueIdle,
+        Self::TorqueNoise,
+        Self::JointDither,
+        Self::APrioriScale,
+        Self::WorseThanMean,
+        Self::WrongRobot,
+        Self::GainDrift,
+        Self::FrictionDrift,
+        Self::SameRecording,
+        Self::RecordingsContradict,
         Self::NotPhysical,
         Self::RobotDescription,
     ];
@@ -166,6 +196,16 @@ impl Code {
             Self::NotExcited => "not-excited",
             Self::ReferenceMismatch => "reference-mismatch",
             Self::ControllerMismatch => "controller-mismatch",
+            Self::TorqueIdle => "torque-idle",
+            Self::TorqueNoise => "torque-noise",
+            Self::JointDither => "joint-dither",
+            Self::APrioriScale => "a-priori-scale",
+            Self::WorseThanMean => "worse-than-mean",
+            Self::WrongRobot => "wrong-robot",
+            Self::GainDrift => "gain-drift",
+            Self::FrictionDrift => "friction-drift",
+            Self::SameRecording => "same-recording",
+            Self::RecordingsContradict => "recordings-contradict",
             Self::NotPhysical => "not-physical",
             Self::RobotDescription => "robot-description",
         }

@@ -32,6 +32,13 @@ pub(super) fn quantile_abs(x: impl Iterator<Item = f64>, part: f64) -> f64 {
     *sizes.select_nth_unstable_by(place, f64::total_cmp).1
 }
 
+/// The middle value; zero of nothing.
+pub(super) fn median(x: &[f64]) -> f64 {
+    let mut sorted = x.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
+}
+
 /// Normal standard deviation per median of absolute values.
 pub(super) const NORMAL_PER_MEDIAN: f64 = 1.4826;
 
@@ -41,6 +48,11 @@ pub(super) fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let covariance = a.iter().zip(b).map(|(a, b)| (a - ma) * (b - mb)).sum::<f64>() / a.len().max(1) as f64;
     let size = deviation(a) * deviation(b);
     if size > 0.0 { covariance / size } else { 0.0 }
+}
+
+/// Correlation of a series with itself one place later; zero where it is too short for one.
+pub(super) fn autocorrelation(x: &[f64]) -> f64 {
+    if x.len() < FEWEST { 0.0 } else { correlation(&x[1..], &x[..x.len() - 1]) }
 }
 
 /// Fewest samples of which a delay is taken.

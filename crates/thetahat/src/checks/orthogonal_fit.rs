@@ -108,6 +108,19 @@ impl OrthogonalFit {
         rms(&self.residual[self.rows_of(j)])
     }
 
+    /// The same per degree of freedom that the parameters leave to its rows.
+    pub(super) fn joint_error_per_freedom(&self, j: usize) -> f64 {
+        let rows = self.rows_of(j);
+        let taken: f64 = (0..self.rank).map(|c| &self.basis.column(c)[rows.clone()]).map(|b| dot(b, b)).sum();
+        let residual = &self.residual[rows.clone()];
+        (dot(residual, residual) / (rows.len() as f64 - taken).max(1.0)).sqrt()
+    }
+
+    /// The part of a vector of weighted rows that no parameters explain.
+    pub(super) fn project_out(&self, weighted: &[f64]) -> Vec<f64> {
+        project_out(&self.basis, weighted)
+    }
+
     fn rows_of(&self, j: usize) -> Range<usize> {
         self.regression.layout.block(j, 0)
     }

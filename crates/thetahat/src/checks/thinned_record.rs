@@ -10,7 +10,7 @@ use super::{affine::Affine, orthogonal_fit::OrthogonalFit, subject::Subject};
 use crate::{
     dynamics::Sign,
     identification::Assembly,
-    linear_algebra::Matrix,
+    linear_algebra::{Matrix, PivotedQr},
     regression::{Regression, RowLayout},
     regressor::Regressor,
     robot::Quantity,
@@ -28,6 +28,11 @@ const AROUND: usize = 2;
 const ENOUGH_ROWS: usize = 2_000;
 /// Most work of one factorisation, rows times squared columns: of more rows, every n-th is taken.
 const MOST_WORK: f64 = 2e7;
+
+/// Rows of a coordinate from which their statistics say something.
+const FEWEST_ROWS: usize = 40;
+/// Relative size of the last diagonal entries of R below which columns made of a motion depend on one another.
+const DEPENDENT: f64 = 1e-8;
 
 /// Samples that are left out, among every so many samples kept, with what the low-pass of the thinning makes of them.
 fn thinned(left_out: &[Range<usize>], first: &Decimator, stride: usize) -> Vec<Range<usize>> {
@@ -98,6 +103,11 @@ impl<'a> ThinnedRecord<'a> {
         self.kept.len()
     }
 
+    /// Whether its rows are enough for statistics of them.
+    pub(super) fn is_long_enough(&self) -> bool {
+        self.rows() >= FEWEST_ROWS
+    }
+
     /// Puts the record right.
     pub(super) fn correct(&mut self, correction: &Affine) {
         self.motion = correction.motion(&self.motion);
@@ -130,6 +140,12 @@ impl<'a> ThinnedRecord<'a> {
         if let Some(fit) = self.fit.get() {
             return Ok(Rc::clone(fit));
         }
+        let fit = Rc::new(OrthogonalFit::new(&self.regression()?));
+        Ok(Rc::clone(self.fit.get_or_init(|| fit)))
+    }
+
+    /// The rows of the record as corrected so far, without weights.
+    pub(super) fn regression(&self) -> Result<Regression, SignalError> {
         let assembly = Assembly::new(self.subject.model, &self.subject.base.columns(), self.decimator.clone());
         let Motion { q, dq, ddq } = &self.motion;
         let x = assembly.observation_matrix(q, dq, ddq, Sign::Exact)?;
@@ -137,9 +153,7 @@ impl<'a> ThinnedRecord<'a> {
         let taken: Vec<bool> = (0..x.rows()).map(|i| (i % all).is_multiple_of(self.every)).collect();
         let x = if self.every == 1 { x } else { x.select_rows(&taken) };
         let layout = RowLayout::new(self.coordinates(), &[self.rows()]);
-        let regression = Regression::new(x, self.stack(&self.torque), layout);
-        let fit = Rc::new(OrthogonalFit::new(&regression));
-        Ok(Rc::clone(self.fit.get_or_init(|| fit)))
+        Ok(Regression::new(x, self.stack(&self.torque), layout))
     }
 
     /// Whether the motion separates all parameters.
@@ -150,6 +164,25 @@ impl<'a> ThinnedRecord<'a> {
     /// The rows of a series that is already low-passed, coordinate by coordinate.
     pub(super) fn stack(&self, series: &Series) -> Vec<f64> {
         (0..series.channels()).flat_map(|j| self.kept.iter().map(move |&k| series.sample(k)[j])).collect()
+    }
+
+    /// The rows of one channel of a series that is already low-passed.
+    pub(super) fn stack_channel(&self, series: &Series, channel: usize) -> Vec<f64> {
+        self.kept.iter().map(|&k| series.sample(k)[channel]).collect()
+    }
+
+    /// The channels of a series as columns, low-passed as the rows are; none where they depend on one another.
+    pub(super) fn columns_of(&self, series: &Series) -> Option<Matrix> {
+        let filtered = self.decimator.filter(series).ok()?;
+        let rows = self.stack(&filtered);
+        let height = self.rows();
+        let columns = Matrix::from_fn(height, series.channels(), |i, c| rows[c * height + i]);
+        (PivotedQr::new(&columns).rank(DEPENDENT) == series.channels()).then_some(columns)
+    }
+
+    /// The rows of coordinate `j` of all rows.
+    pub(super) fn rows_of<'r>(&self, rows: &'r [f64], j: usize) -> &'r [f64] {
+        &rows[j * self.rows()..(j + 1) * self.rows()]
     }
 
     /// The torques of a motion with parameters `theta`, not filtered.

@@ -10,7 +10,7 @@ use crate::{
     filter_choice::choose_filter,
     preparation::{Case, Recording},
     results::{FilterChoice, RecordingFindings, Results, Sensitivity},
-    run::{Identification, check_recording, examine_robot},
+    run::{Identification, check_recordings, examine_robot},
 };
 
 impl Experiment {
@@ -57,10 +57,9 @@ impl Experiment {
     pub fn check(&self, data: &Path) -> Result<Vec<RecordingFindings>, ExperimentError> {
         let main = self.main_recordings(data)?.into_iter().map(|r| (r, false));
         let held_back = self.read_all(&self.file.validation, data)?.into_iter().map(|r| (r, true));
-        let check = |(recording, held_back)| check_recording(self.setup(), recording, held_back);
-        let of_recordings = main.chain(held_back).map(check);
-        let all = examine_robot(&self.robot).into_iter().map(Ok).chain(of_recordings);
-        all.collect::<Result<_, _>>().map_err(|e| self.refuse(e))
+        let of_recordings = check_recordings(self.setup(), main.chain(held_back).collect());
+        let of_robot = examine_robot(&self.robot).into_iter();
+        Ok(of_robot.chain(of_recordings.map_err(|e| self.refuse(e))?).collect())
     }
 
     /// The filter that is best for the estimates from the recordings, compared with the experiment's own where `own` says so. The

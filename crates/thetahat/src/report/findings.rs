@@ -61,7 +61,7 @@ pub(super) fn lines_of_runs(runs: &[RunResult]) -> Vec<String> {
 }
 
 fn of_run(run: &RunResult) -> impl Iterator<Item = &Finding> {
-    run.physical.iter().flat_map(|p| &p.findings)
+    run.findings.iter().chain(run.physical.iter().flat_map(|p| &p.findings))
 }
 
 /// How many findings there are of each severity, in words.

@@ -11,6 +11,7 @@ use super::{
     terms::{ProfiledTerm, TermComparison},
 };
 use crate::{
+    checks::Severity,
     identification::{Method, Status},
     robot::LockedJoint,
 };
@@ -87,8 +88,8 @@ pub struct Results {
 }
 
 impl Results {
-    /// Whether every nominal run converged, no check of a recording that was identified from found a problem, and no known
-    /// payload contradicts the torques.
+    /// Whether every nominal run converged and predicts every joint, no check of a recording that was identified from found a
+    /// problem, and no known payload contradicts the torques.
     #[must_use]
     pub fn is_trustworthy(&self) -> bool {
         if self.findings.iter().any(|r| !r.held_back && r.has_problem()) {
@@ -98,7 +99,8 @@ impl Results {
             return false;
         }
         let nominal = |r: &&RunResult| r.case == NOMINAL;
-        self.runs.iter().filter(nominal).all(|r| r.status == Status::Converged)
+        let is_sound = |r: &RunResult| r.findings.iter().all(|f| f.severity != Severity::Problem);
+        self.runs.iter().filter(nominal).all(|r| r.status == Status::Converged && is_sound(r))
     }
 
     /// The run of a case and method.

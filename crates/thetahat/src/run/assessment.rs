@@ -10,6 +10,7 @@ use super::{
     parameters::{loop_parameter_results, parameter_results},
     physical::Examined,
     prepared::filtered,
+    worse_than_zero::{Data, worse_than_zero},
 };
 use crate::{
     diagnosis::{Estimated, residual},
@@ -46,6 +47,10 @@ impl Assessment<'_> {
             let linear = Linear::of(self.job, &outcome, fit);
             run.physical = Examined { setup, job: self.job, linear: &linear, run: &run, folds }.physical();
             run.residual = Some(residual(regression, &fit.prediction));
+            if method.response() == Response::Torque {
+                let robot = self.identification.setup().robot;
+                run.findings.extend(worse_than_zero(robot, regression, &fit.prediction, Data::Own));
+            }
             self.leave_parts_out(&outcome, &mut run);
             if !self.identification.validation.is_empty() {
                 run.cross_validation_interval_95_percent = None;
@@ -133,6 +138,7 @@ impl Assessment<'_> {
         let regression = &problem.regression;
         let prediction = regression.x.times(self.of_robot(fit));
         run.cross_validation_relative_error_percent = Some(relative_error_percent(&regression.y, &prediction));
+        run.findings.extend(worse_than_zero(setup.robot, regression, &prediction, Data::HeldBack));
         run.validation_condition_number = Some(regression.x.condition_number());
         if let Some(simulator) = identification.simulator(&identification.validation, &problem, self.case) {
             let motions = simulator.simulate(&fit.theta).ok();

@@ -2,7 +2,7 @@
 
 use super::{
     assessment::Assessment,
-    examination::{examine, examine_robot},
+    examination::{compare, examine, examine_robot},
     identification::{CaseProblem, Identification},
     prepared::Prepared,
 };
@@ -95,9 +95,13 @@ impl Identification {
     /// What is found in the recordings, those that are identified from and those held back.
     fn findings(&self, nominal: &Problem) -> Vec<RecordingFindings> {
         let examine = |prepared: &Prepared, held_back| examine(self.setup(), prepared, nominal, held_back);
-        let main = self.main.iter().map(|p| examine(p, false));
-        let of_recordings = main.chain(self.validation.iter().map(|p| examine(p, true)));
-        examine_robot(self.setup().robot).into_iter().chain(of_recordings).collect()
+        let main = self.main.iter().map(|p| (p, false));
+        let all: Vec<(&Prepared, bool)> = main.chain(self.validation.iter().map(|p| (p, true))).collect();
+        let mut findings: Vec<_> = examine_robot(self.setup().robot).into_iter().collect();
+        findings.extend(all.iter().map(|(p, held_back)| examine(p, *held_back)));
+        let filtered: Vec<_> = all.iter().map(|(p, held_back)| (&p.filtered, *held_back)).collect();
+        findings.extend(compare(self.setup(), &filtered, (&nominal.model, &nominal.base)));
+        findings
     }
 
     fn results(
@@ -123,11 +127,11 @@ impl Identification {
             validation_recordings: self.validation.iter().map(Prepared::describe).collect(),
             bandwidth: self.setup().measure_bandwidth(rate)?,
             seed: None,
-            findings,
             elimination: problem.elimination_result(),
             profiled_terms: self.profiled.clone(),
             term_comparison: None,
-            advice: diagnostics.iter().map(|d| advise(d, &runs)).collect(),
+            advice: diagnostics.iter().map(|d| advise(d, &runs, &findings)).collect(),
+            findings,
             diagnostics,
             runs,
             payloads: self.payloads()?,

@@ -34,8 +34,9 @@ mod profile;
 mod profiled_robot;
 mod sensitivity;
 mod term_comparison;
+mod worse_than_zero;
 
-pub(crate) use examination::{check_recording, examine_robot};
+pub(crate) use examination::{check_recordings, examine_robot};
 pub use identification::Identification;
 pub(crate) use identification::{CaseProblem, explain};
 pub(crate) use parameters::parameter_results;

@@ -1,0 +1,47 @@
+//! Recordings beside one another.
+
+use super::{
+    contradiction,
+    finding::{Code, Finding},
+    same_recording,
+    subject::Subject,
+};
+
+/// One of the recordings of an experiment.
+#[derive(Debug, Clone)]
+pub struct Companion<'a> {
+    /// Its name in messages.
+    pub name: &'a str,
+    /// Whether it is held back for validation.
+    pub held_back: bool,
+    /// What is examined of it. The parameters are those of all recordings.
+    pub subject: Subject<'a>,
+}
+
+impl Companion<'_> {
+    /// Its name, with what it is for where it is held back.
+    pub(super) fn label(&self) -> String {
+        if self.held_back { format!("{} (held back)", self.name) } else { self.name.to_owned() }
+    }
+}
+
+/// What the checks find in recordings beside one another: samples that two of them share, and recordings that are
+/// explained one by one and not together.
+///
+/// # Panics
+/// As [`super::examine`].
+#[must_use]
+pub fn compare(companions: &[Companion<'_>]) -> Vec<Finding> {
+    let mut findings = same_recording::check(companions);
+    findings.extend(contradiction::check(companions));
+    findings.sort_by_key(|f| (f.severity, f.code));
+    findings
+}
+
+/// The numbers behind [`compare`], also of those below their limits: code, value and limit.
+#[must_use]
+pub fn measure_together(companions: &[Companion<'_>]) -> Vec<(Code, f64, f64)> {
+    let mut measures = same_recording::measure(companions);
+    measures.extend(contradiction::measure(companions));
+    measures
+}
