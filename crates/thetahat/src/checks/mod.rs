@@ -26,6 +26,7 @@ mod excitation;
 mod fault;
 mod finding;
 mod friction;
+mod friction_shapes;
 mod gear;
 mod hypotheses;
 mod lag;

@@ -111,6 +111,18 @@ impl<'a> ThinnedRecord<'a> {
         if let Some(fit) = self.fit.get() {
             return Ok(Rc::clone(fit));
         }
+        let fit = Rc::new(OrthogonalFit::new(&self.regression()?));
+        Ok(Rc::clone(self.fit.get_or_init(|| fit)))
+    }
+
+    /// The fit with further columns beside those of the parameters.
+    pub(super) fn fit_beside(&self, columns: &Matrix) -> Result<OrthogonalFit, SignalError> {
+        let Regression { x, y, layout, .. } = self.regression()?;
+        Ok(OrthogonalFit::new(&Regression::new(Matrix::beside(&[&x, columns]), y.to_vec(), (*layout).clone())))
+    }
+
+    /// The rows of the record as corrected so far.
+    fn regression(&self) -> Result<Regression, SignalError> {
         let assembly = Assembly::new(self.subject.model, &self.subject.base.columns(), self.decimator.clone());
         let Motion { q, dq, ddq } = &self.motion;
         let x = assembly.observation_matrix(q, dq, ddq, Sign::Exact)?;
@@ -118,9 +130,7 @@ impl<'a> ThinnedRecord<'a> {
         let taken: Vec<bool> = (0..x.rows()).map(|i| (i % all).is_multiple_of(self.every)).collect();
         let x = if self.every == 1 { x } else { x.select_rows(&taken) };
         let layout = RowLayout::new(self.coordinates(), &[self.rows()]);
-        let regression = Regression::new(x, self.stack(&self.torque), layout);
-        let fit = Rc::new(OrthogonalFit::new(&regression));
-        Ok(Rc::clone(self.fit.get_or_init(|| fit)))
+        Ok(Regression::new(x, self.stack(&self.torque), layout))
     }
 
     /// Whether the motion separates all parameters.
@@ -144,11 +154,6 @@ impl<'a> ThinnedRecord<'a> {
             }
         }
         tau
-    }
-
-    /// Whether a column is Coulomb friction.
-    pub(super) fn is_coulomb_friction(&self, column: usize) -> bool {
-        self.quantity(column).is_coulomb_friction()
     }
 
     /// Whether a column is friction.

@@ -1,0 +1,72 @@
+//! Torques of friction that the model does not have, as columns: what friction is beside viscous and Coulomb friction.
+//!
+//! A joint's friction turns around later than its motion does, since its teeth and bearings bend first; it is larger at low
+//! velocity, and not proportional at high velocity. To the regression all of these look like a lag of the torque. Where
+//! the columns here are free beside the parameters, what is left of a lag is one of inertia and gravity.
+
+use super::{numbers::span, thinned_record::ThinnedRecord};
+use crate::{linear_algebra::Matrix, series::Series, signal::SignalError};
+
+/// Travels over which friction turns around, part of the joint's span.
+const PRESLIDING: [f64; 4] = [0.002, 0.008, 0.03, 0.12];
+/// Velocities over which friction falls off, part of the peak velocity.
+const STRIBECK: [f64; 3] = [0.02, 0.07, 0.25];
+
+/// The columns of all joints that move, filtered as the rows are; a row for each of the record's.
+pub(super) fn friction_shapes(record: &ThinnedRecord<'_>) -> Result<Matrix, SignalError> {
+    let rows = record.rows();
+    let mut columns: Vec<Vec<f64>> = Vec::new();
+    for j in 0..record.coordinates() {
+        let filtered = record.decimator.filter(&Series::from_channels(&shapes(record, j)))?;
+        for shape in record.stack(&filtered).chunks(rows) {
+            let mut column = vec![0.0; rows * record.coordinates()];
+            column[j * rows..(j + 1) * rows].copy_from_slice(shape);
+            columns.push(column);
+        }
+    }
+    Ok(Matrix::from_fn(rows * record.coordinates(), columns.len(), |i, c| columns[c][i]))
+}
+
+/// The shapes of one joint along its motion.
+fn shapes(record: &ThinnedRecord<'_>, j: usize) -> Vec<Vec<f64>> {
+    let (q, dq) = (record.motion.q.channel(j), record.motion.dq.channel(j));
+    let (reach, fastest) = (span(&q), dq.iter().fold(0.0_f64, |f, v| f.max(v.abs())));
+    let bent = PRESLIDING.iter().map(|part| bending(&q, part * reach));
+    let falling = STRIBECK.iter().map(|part| dq.iter().map(|v| fall(*v, part * fastest)).collect());
+    let growing = std::iter::once(dq.iter().map(|v| v * v.abs()).collect());
+    bent.chain(falling).chain(growing).collect()
+}
+
+/// Friction that turns around over a travel (Dahl's law): from -1 to 1, zero at first.
+fn bending(q: &[f64], travel: f64) -> Vec<f64> {
+    let mut bent = 0.0;
+    let mut last = q.first().copied().unwrap_or_default();
+    let mut next = |q: f64| {
+        let step = q - std::mem::replace(&mut last, q);
+        if travel > 0.0 && step != 0.0 {
+            bent = step.signum() - (step.signum() - bent) * (-step.abs() / travel).exp();
+        }
+        bent
+    };
+    q.iter().map(|q| next(*q)).collect()
+}
+
+/// What friction has more of at low velocity.
+fn fall(velocity: f64, over: f64) -> f64 {
+    if over > 0.0 && velocity != 0.0 { velocity.signum() * (-(velocity / over).powi(2)).exp() } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn friction_turns_around_over_the_travel() {
+        let q: Vec<f64> = (0..=100).map(|k| 0.01 * f64::from(k)).chain((0..100).rev().map(|k| 0.01 * f64::from(k))).collect();
+        let bent = bending(&q, 0.1);
+        assert!((bent[100] - 1.0).abs() < 1e-4, "{}", bent[100]);
+        // Behind the reversal: -1 + 2 exp(-travelled / 0.1).
+        assert!((bent[110] - (2.0 * (-1.0_f64).exp() - 1.0)).abs() < 1e-4, "{}", bent[110]);
+        assert!(bending(&[1.0; 5], 0.1).iter().all(|b| *b == 0.0));
+    }
+}
