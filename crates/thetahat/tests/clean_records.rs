@@ -5,7 +5,7 @@
 mod twin;
 
 use libtest_mimic::{Arguments, Failed, Trial};
-use thetahat::checks::{Code, Severity};
+use thetahat::checks::{Code, Finding, Severity};
 use thetahat_testing::ensure;
 use twin::{Friction, Twin};
 
@@ -42,8 +42,18 @@ fn twins() -> Vec<(String, Twin)> {
     all
 }
 
+/// What is true of some twins: friction that the model does not have is not explained, and the offset of the branching
+/// robot's slide is nearly its weight.
+fn is_true(twin: &Twin, finding: &Finding) -> bool {
+    match finding.code {
+        Code::PoorFit => twin.friction.presliding > 0.0,
+        Code::NotExcited => twin.robot == "branching.urdf",
+        _ => false,
+    }
+}
+
 fn is_clean(twin: &Twin) -> Result<(), Failed> {
-    let serious = |f: &thetahat::checks::Finding| f.severity < Severity::Note || f.code == Code::Lag;
+    let serious = |f: &Finding| (f.severity < Severity::Note || f.code == Code::Lag) && !is_true(twin, f);
     let found: Vec<String> =
         twin.record().findings().iter().filter(|f| serious(f)).map(|f| format!("[{}] {}", f.code, f.message)).collect();
     ensure(found.is_empty(), found.join("\n"))

@@ -103,7 +103,7 @@ fn is_plausible(hypothesis: &Hypothesis, record: &ThinnedRecord<'_>, spans: &[f6
 
 /// A single sign that is wrong makes friction negative.
 fn agrees_with_friction(hypothesis: &Hypothesis, record: &ThinnedRecord<'_>, power: &[f64]) -> bool {
-    let has_friction = (0..record.subject.base.len()).any(|c| record.is_friction(c));
+    let has_friction = (0..record.parameters()).any(|c| record.is_friction(c));
     let flipped = hypothesis.coordinate.filter(|_| hypothesis.flips_power && has_friction);
     flipped.is_none_or(|j| power[j] < -friction::NEGATIVE_LIMIT)
 }
@@ -118,7 +118,7 @@ struct Screening {
 
 impl Screening {
     fn new(record: &ThinnedRecord<'_>) -> Self {
-        let wanted = ROWS_PER_PARAMETER * record.subject.base.len() / record.coordinates() + 1;
+        let wanted = ROWS_PER_PARAMETER * record.parameters() / record.coordinates() + 1;
         let step = (record.rows() / wanted).max(1);
         let samples: Vec<usize> = record.kept.iter().step_by(step).copied().collect();
         let motion = motion_at(&record.motion, &samples);

@@ -12,6 +12,11 @@ const PRESLIDING: [f64; 4] = [0.002, 0.008, 0.03, 0.12];
 /// Velocities over which friction falls off, part of the peak velocity.
 const STRIBECK: [f64; 3] = [0.02, 0.07, 0.25];
 
+/// Part of its peak velocity below which a joint is slow.
+const SLOW: f64 = 0.03;
+/// Rows around a slow sample that its friction reaches through the filter.
+const REACH: f64 = 1.5;
+
 /// The columns of all joints that move, filtered as the rows are; a row for each of the record's.
 pub(super) fn friction_shapes(record: &ThinnedRecord<'_>) -> Result<Matrix, SignalError> {
     let rows = record.rows();
@@ -25,6 +30,37 @@ pub(super) fn friction_shapes(record: &ThinnedRecord<'_>) -> Result<Matrix, Sign
         }
     }
     Ok(Matrix::from_fn(rows * record.coordinates(), columns.len(), |i, c| columns[c][i]))
+}
+
+/// The rows in which a joint, or a motor that it shares, turns around or hardly moves: no law says what friction is there.
+pub(super) fn rows_of_reversals(record: &ThinnedRecord<'_>) -> Vec<bool> {
+    let reach = (REACH * record.steps_per_row() as f64).ceil() as usize;
+    let slow = slow_samples(record);
+    let near = |j: usize, k: usize| {
+        let last = slow[j].len() - 1;
+        slow[j][k.saturating_sub(reach)..=(k + reach).min(last)].iter().any(|s| *s)
+    };
+    (0..record.coordinates()).flat_map(|j| record.kept.iter().map(move |&k| near(j, k)).collect::<Vec<_>>()).collect()
+}
+
+/// The samples at which each joint, or a motor that acts on it, is slow.
+fn slow_samples(record: &ThinnedRecord<'_>) -> Vec<Vec<bool>> {
+    let motors = record.subject.robot.transmission.motor_in_joint_units();
+    let n = record.coordinates();
+    let dq = &record.motion.dq;
+    let velocities: Vec<Vec<f64>> = (0..n)
+        .map(|m| (0..dq.len()).map(|k| (0..n).map(|j| motors.at(m, j) * dq.sample(k)[j]).sum()).collect())
+        .collect();
+    let slow = |v: &Vec<f64>| {
+        let fastest = v.iter().fold(0.0_f64, |f, v| f.max(v.abs()));
+        v.iter().map(|v| v.abs() < SLOW * fastest).collect::<Vec<bool>>()
+    };
+    let of_motors: Vec<Vec<bool>> = velocities.iter().map(slow).collect();
+    let of_joint = |j: usize| {
+        let own: Vec<&Vec<bool>> = (0..n).filter(|&m| motors.at(m, j) != 0.0).map(|m| &of_motors[m]).collect();
+        (0..dq.len()).map(|k| own.iter().any(|slow| slow[k])).collect()
+    };
+    (0..n).map(of_joint).collect()
 }
 
 /// The shapes of one joint along its motion.

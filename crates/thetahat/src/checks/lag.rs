@@ -3,13 +3,13 @@
 //! A torque that is late by `d` is `y(t) = y0(t - d)`, so the residual of the fit follows the derivative of the predicted
 //! torque. A search over whole steps starts Gauss-Newton, which shifts the torques until that part of the residual is
 //! gone. Friction that turns around later than the motion looks like a lag: the columns of [`friction_shapes`] are free
-//! beside the parameters, so that inertia and gravity decide. Their lag must be one delay, of all joints or of a few that
+//! beside the parameters, and the rows around its reversals are left out, so that inertia and gravity decide. Their lag must be one delay, of all joints or of a few that
 //! agree: joints that each have a lag of their own are an error of the model.
 
 use super::{
     examination::{Evidence, Examination, Words},
     finding::{Code, Severity},
-    friction_shapes::friction_shapes,
+    friction_shapes::{friction_shapes, rows_of_reversals},
     lag_search::{LONGEST_S, Lags, Search, shifted},
     thinned_record::ThinnedRecord,
 };
@@ -63,7 +63,7 @@ struct Delay {
 /// The delay of all joints, or of those that are late; none where the record does not tell.
 fn measured(record: &ThinnedRecord<'_>) -> Option<Delay> {
     let parameters = record.fit().ok()?;
-    let beside = record.fit_beside(&friction_shapes(record).ok()?).ok()?;
+    let beside = record.fit_beside(&friction_shapes(record).ok()?, &rows_of_reversals(record)).ok()?;
     let search = Search { record, parameters: &parameters, beside: &beside };
     let each = search.of_each()?;
     let all = search.of_all()?;
@@ -119,7 +119,8 @@ impl Delay {
         for coordinate in whose {
             let evidence = self.evidence(coordinate, strength);
             exam.note_measure(evidence);
-            if self.explained > NOTE_PERCENT {
+            let worth_telling = if self.of_all { self.explained > NOTE_PERCENT } else { matters };
+            if worth_telling {
                 let evidence = Evidence { value: self.samples(), unit: "samples", limit: f64::NAN, ..evidence };
                 let words = self.words(coordinate.map(|c| exam.subject.joint_number(c)), exam.subject.controller.is_some());
                 exam.raise(evidence, severity, words);

@@ -22,6 +22,9 @@ const ITERATIONS: usize = 10;
 /// Change of a lag, in steps, at which Gauss-Newton ends: a hundredth of a sample where a step is ten samples.
 const CONVERGED: f64 = 1e-3;
 
+/// Mean squared slope, relative to the torque's variance, of which nothing can be told: rounding.
+const TOLD: f64 = 1e-20;
+
 /// Lags in steps of the record, with their standard deviations by blocks of time and each joint's squared residual without
 /// them.
 pub(super) struct Lags {
@@ -83,21 +86,23 @@ impl Search<'_, '_> {
     fn refined(&self, mut steps: Vec<f64>, together: bool) -> Option<Lags> {
         let joints = self.record.coordinates();
         let most = LONGEST_S * self.record.rate_hz;
-        let mut deviation = vec![0.0; joints];
+        let mut deviation = vec![f64::INFINITY; joints];
         let mut rest = self.residual(&steps);
         for _ in 0..ITERATIONS {
-            let directions = self.directions(&steps, together)?;
+            let (groups, directions) = self.directions(&steps, together)?;
             let qr = PivotedQr::new(&directions);
-            if qr.rank(1e-9) < directions.columns() {
+            if groups.is_empty() || qr.rank(1e-9) < directions.columns() {
                 return None;
             }
             let change = qr.solve(&rest);
             let influence = directions.times_matrix(&qr.inverse_gram());
             let left: Vec<f64> = rest.iter().zip(directions.times(&change)).map(|(r, d)| r - d).collect();
-            for j in 0..joints {
-                let c = if together { 0 } else { j };
-                steps[j] = (steps[j] - change[c]).clamp(-most, most);
-                deviation[j] = block_score(influence.column(c), &left, self.record.rows());
+            for (c, group) in groups.iter().enumerate() {
+                let sure = block_score(influence.column(c), &left, self.record.rows());
+                for &j in group {
+                    steps[j] = (steps[j] - change[c]).clamp(-most, most);
+                    deviation[j] = sure;
+                }
             }
             rest = self.residual(&steps);
             if change.iter().all(|c| c.abs() < CONVERGED) {
@@ -111,21 +116,26 @@ impl Search<'_, '_> {
         self.beside.unexplained(&self.record.stack(&shifted(&self.record.torque, steps)))
     }
 
-    /// The derivative of the residual by each lag: the slope of the predicted torque.
-    fn directions(&self, steps: &[f64], together: bool) -> Option<Matrix> {
+    /// The groups of joints with a lag that the record tells, and the derivative of the residual by each lag: the slope of
+    /// the predicted torque.
+    fn directions(&self, steps: &[f64], together: bool) -> Option<(Vec<Vec<usize>>, Matrix)> {
         let record = self.record;
         let stacked = record.stack(&shifted(&record.torque, steps));
         let theta = self.parameters.theta_of(&stacked);
         let smooth = record.decimator.filter(&record.predict(&record.motion, &theta)).ok()?;
         let slope = record.stack(&central_difference(&smooth, 1.0));
         let rows = record.rows();
-        let part = |j: usize| -> Vec<f64> {
-            let own = |i: usize| together || i / rows == j;
-            slope.iter().enumerate().map(|(i, s)| if own(i) { *s } else { 0.0 }).collect()
+        let part = |group: &Vec<usize>| -> Vec<f64> {
+            let own = slope.iter().enumerate().map(|(i, s)| if group.contains(&(i / rows)) { *s } else { 0.0 });
+            self.beside.unexplained(&own.collect::<Vec<_>>())
         };
-        let count = if together { 1 } else { record.coordinates() };
-        let columns: Vec<Vec<f64>> = (0..count).map(|j| self.beside.unexplained(&part(j))).collect();
-        Some(Matrix::from_fn(slope.len(), count, |i, c| columns[c][i]))
+        let all = 0..record.coordinates();
+        let groups: Vec<Vec<usize>> = if together { vec![all.collect()] } else { all.map(|j| vec![j]).collect() };
+        let columns = groups.into_iter().map(|group| (part(&group), group));
+        let told = columns.filter(|(column, _)| dot(column, column) > TOLD * rows as f64);
+        let (columns, groups): (Vec<_>, Vec<_>) = told.unzip();
+        let matrix = Matrix::from_fn(slope.len(), columns.len(), |i, c| columns[c][i]);
+        Some((groups, matrix))
     }
 
     pub(super) fn joint_squares(&self, rest: &[f64]) -> Vec<f64> {

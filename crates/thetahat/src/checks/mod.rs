@@ -119,7 +119,7 @@ fn check_fit(exam: &mut Examination<'_>, record: &mut ThinnedRecord<'_>) {
         friction::check(exam, record);
         cutoff::check(exam, record);
     }
-    excitation::check(exam, record);
+    excitation::check(exam, &record.of_estimated());
     if !blind && !exam.has(&[Code::PoorFit, Code::CutoffLow]) && record.has_full_rank() {
         lag::check(exam, record);
         gear::check(exam, record);

@@ -46,7 +46,8 @@ pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
 fn repeated(exam: &mut Examination<'_>, signals: &Signals, series: &Series, what: &str) {
     let moving = moving_fast(exam.subject.sample_rate_hz, signals);
     let repeated: Vec<usize> = moving.iter().copied().filter(|&k| series.sample(k) == series.sample(k - 1)).collect();
-    let chance = BY_CHANCE * coincidences(series, &moving);
+    // Positions are looked at where they are several steps apart.
+    let chance = if what == "torques" { BY_CHANCE * coincidences(series, &moving) } else { 0.0 };
     let value = 100.0 * (repeated.len() as f64 - chance).max(0.0) / moving.len().max(1) as f64;
     let evidence = Evidence {
         code: Code::RepeatedSamples,

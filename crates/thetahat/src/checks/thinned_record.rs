@@ -8,6 +8,7 @@ use std::{cell::OnceCell, rc::Rc};
 
 use super::{affine::Affine, orthogonal_fit::OrthogonalFit, subject::Subject};
 use crate::{
+    base_parameters::BaseParameters,
     dynamics::Sign,
     identification::Assembly,
     linear_algebra::Matrix,
@@ -31,6 +32,8 @@ const MOST_WORK: f64 = 2e7;
 #[derive(Clone)]
 pub(super) struct ThinnedRecord<'a> {
     pub(super) subject: &'a Subject<'a>,
+    /// The parameters of the fit.
+    base: &'a BaseParameters,
     pub(super) motion: Motion,
     /// Low-passed as the rows are.
     pub(super) torque: Series,
@@ -40,20 +43,38 @@ pub(super) struct ThinnedRecord<'a> {
     /// Samples that become rows.
     pub(super) kept: Vec<usize>,
     every: usize,
+    /// Recorded samples from one row to the next, before rows are left out.
+    factor: usize,
     regressor: Regressor,
     fit: OnceCell<Rc<OrthogonalFit>>,
     corrected: bool,
 }
 
 impl<'a> ThinnedRecord<'a> {
-    /// The record of a subject; none where its torques were not recorded or it is too short for the filters.
+    /// The record of a subject, to be fitted by all base parameters; none where its torques were not recorded or it is too
+    /// short for the filters.
     pub(super) fn new(subject: &'a Subject<'a>, cutoff_hz: f64) -> Option<Self> {
-        Self::of_torque(subject, &subject.torque_in_window()?, cutoff_hz).ok()
+        let bounded = bounded_factor(subject.signal.window.len(), subject.sample_rate_hz, cutoff_hz);
+        Self::of_factor(subject, subject.signal.decimation.max(bounded), cutoff_hz)
     }
 
-    fn of_torque(subject: &'a Subject<'a>, torque: &Series, cutoff_hz: f64) -> Result<Self, SignalError> {
+    /// The record as it was, with another filter of the positions and the same of the torques.
+    pub(super) fn with_cutoff(&self, cutoff_hz: f64) -> Option<Self> {
+        Self::of_factor(self.subject, self.factor, cutoff_hz)
+    }
+
+    fn of_factor(subject: &'a Subject<'a>, factor: usize, cutoff_hz: f64) -> Option<Self> {
+        Self::of_torque(subject, &subject.torque_in_window()?, factor, cutoff_hz).ok()
+    }
+
+    fn of_torque(
+        subject: &'a Subject<'a>,
+        torque: &Series,
+        factor: usize,
+        cutoff_hz: f64,
+    ) -> Result<Self, SignalError> {
         let (window, rate) = (subject.signal.window.clone(), subject.sample_rate_hz);
-        let factor = subject.signal.decimation.max(bounded_factor(window.len(), rate, cutoff_hz));
+        let base = subject.all;
         let stride = ((rate / (SAMPLES_PER_PERIOD * cutoff_hz)) as usize).max(window.len().div_ceil(MOST_SAMPLES));
         let stride = stride.clamp(1, factor);
         let motion = band_pass(subject.position, rate, subject.signal.filter_order, cutoff_hz)?;
@@ -62,12 +83,35 @@ impl<'a> ThinnedRecord<'a> {
         let motion = motion_at(&motion, &samples);
         let decimator = Decimator::new((factor as f64 / stride as f64).round() as usize, samples.len())?;
         let torque = decimator.filter(&first.decimate(torque)?)?;
-        let every = ((work(subject, decimator.rows()) / MOST_WORK).ceil() as usize).max(1);
+        let work = (decimator.rows() * subject.position.channels()) as f64 * (base.len() as f64).powi(2);
+        let every = ((work / MOST_WORK).ceil() as usize).max(1);
         let kept = decimator.kept().step_by(every).collect();
-        let regressor = Regressor::new(subject.model, &subject.base.columns());
+        let regressor = Regressor::new(subject.model, &base.columns());
         let rate_hz = rate / stride as f64;
-        let fit = OnceCell::new();
-        Ok(Self { subject, motion, torque, decimator, rate_hz, kept, every, regressor, fit, corrected: false })
+        let (fit, corrected) = (OnceCell::new(), false);
+        Ok(Self { subject, base, motion, torque, decimator, rate_hz, kept, every, factor, regressor, fit, corrected })
+    }
+
+    /// The record as corrected so far, to be fitted by the parameters that are estimated.
+    pub(super) fn of_estimated(&self) -> Self {
+        let Subject { model, base, .. } = *self.subject;
+        if base.columns() == self.base.columns() {
+            return self.clone();
+        }
+        Self { base, regressor: Regressor::new(model, &base.columns()), fit: OnceCell::new(), ..self.clone() }
+    }
+
+    /// Number of parameters.
+    pub(super) fn parameters(&self) -> usize {
+        self.base.len()
+    }
+
+    /// Samples of the thinned record from one row to the next, before rows are left out.
+    pub(super) fn steps_per_row(&self) -> usize {
+        match self.kept[..] {
+            [first, second, ..] => (second - first) / self.every,
+            _ => 1,
+        }
     }
 
     pub(super) fn coordinates(&self) -> usize {
@@ -115,15 +159,16 @@ impl<'a> ThinnedRecord<'a> {
         Ok(Rc::clone(self.fit.get_or_init(|| fit)))
     }
 
-    /// The fit with further columns beside those of the parameters.
-    pub(super) fn fit_beside(&self, columns: &Matrix) -> Result<OrthogonalFit, SignalError> {
-        let Regression { x, y, layout, .. } = self.regression()?;
-        Ok(OrthogonalFit::new(&Regression::new(Matrix::beside(&[&x, columns]), y.to_vec(), (*layout).clone())))
+    /// The fit with further columns beside those of the parameters, without some rows.
+    pub(super) fn fit_beside(&self, columns: &Matrix, left_out: &[bool]) -> Result<OrthogonalFit, SignalError> {
+        let regression = self.regression()?;
+        let beside = Matrix::beside(&[&regression.x, columns]);
+        Ok(OrthogonalFit::without(&regression.with_matrix(beside), left_out))
     }
 
     /// The rows of the record as corrected so far.
     fn regression(&self) -> Result<Regression, SignalError> {
-        let assembly = Assembly::new(self.subject.model, &self.subject.base.columns(), self.decimator.clone());
+        let assembly = Assembly::new(self.subject.model, &self.base.columns(), self.decimator.clone());
         let Motion { q, dq, ddq } = &self.motion;
         let x = assembly.observation_matrix(q, dq, ddq, Sign::Exact)?;
         let all = self.decimator.rows();
@@ -162,7 +207,7 @@ impl<'a> ThinnedRecord<'a> {
     }
 
     fn quantity(&self, column: usize) -> Quantity {
-        let kept = self.subject.base.parameters()[column].kept;
+        let kept = self.base.parameters()[column].kept;
         self.subject.model.parameter_table().get(kept).quantity
     }
 
@@ -185,11 +230,6 @@ impl<'a> ThinnedRecord<'a> {
 fn bounded_factor(samples: usize, rate: f64, cutoff_hz: f64) -> usize {
     let keeps_the_band = (0.4 * rate / (2.0 * cutoff_hz)) as usize;
     keeps_the_band.min(samples / ENOUGH_ROWS)
-}
-
-/// Rows times squared columns.
-fn work(subject: &Subject<'_>, rows: usize) -> f64 {
-    (rows * subject.position.channels()) as f64 * (subject.base.len() as f64).powi(2)
 }
 
 /// The samples of a motion at given places.

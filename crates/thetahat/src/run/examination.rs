@@ -11,12 +11,15 @@ pub(crate) fn examine(setup: Setup<'_>, prepared: &Prepared, problem: &Problem, 
     let Prepared { filtered, reference } = prepared;
     let (recording, options) = (&filtered.recording, &setup.settings.signal);
     let is_planned = recording.planned.is_some();
-    let reconstructed = reference.as_ref().filter(|r| matches!(r.reference, Reference::Moves(_)) && !is_planned);
+    // What is simulated along a recording that is held back is no part of the estimate.
+    let is_used = !is_planned && !held_back;
+    let reconstructed = reference.as_ref().filter(|r| matches!(r.reference, Reference::Moves(_)) && is_used);
     let deviation = reconstructed.map(|r| r.rms_deviation(filtered));
     let subject = Subject {
         robot: setup.robot,
         model: &problem.model,
         base: &problem.estimated,
+        all: &problem.base,
         sample_rate_hz: recording.sample_rate_hz,
         time_s: recording.time_stamps_s.as_deref(),
         position: &recording.position,

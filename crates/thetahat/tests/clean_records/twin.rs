@@ -176,6 +176,7 @@ impl Record {
             robot: &self.robot,
             model: &model,
             base: &base,
+            all: &base,
             sample_rate_hz: self.rate_hz,
             time_s: None,
             position: &self.position,
