@@ -21,12 +21,19 @@ const SPANS_M: std::ops::RangeInclusive<f64> = 1e-3..=20.0;
 const BETTER: f64 = 0.9;
 /// Rows of all joints per parameter in the screening.
 const ROWS_PER_PARAMETER: usize = 8;
+/// Most work of trying all corrections: beyond, those of single joints and pairs are not tried. Twelve joints with 108
+/// parameters take a fifth of it.
+const MOST_WORK: f64 = 2e10;
 /// Faults that are looked for one after the other.
 const MOST_FAULTS: usize = 4;
 
 /// Corrects the record by every fault that is found.
 pub(super) fn check(exam: &mut Examination<'_>, record: &mut ThinnedRecord<'_>) {
-    let all = hypotheses(exam.subject.robot);
+    let mut all = hypotheses(exam.subject.robot);
+    let work = (ROWS_PER_PARAMETER * record.parameters().pow(3)) as f64;
+    if all.len() as f64 * work > MOST_WORK {
+        all.retain(|hypothesis| hypothesis.coordinate.is_none());
+    }
     for round in 0..MOST_FAULTS {
         let Some(gains) = gains(record, &all) else { return };
         if round == 0 {

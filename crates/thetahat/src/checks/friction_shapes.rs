@@ -21,12 +21,11 @@ const REACH: f64 = 1.5;
 pub(super) fn friction_shapes(record: &ThinnedRecord<'_>) -> Result<Matrix, SignalError> {
     let rows = record.rows();
     let mut columns: Vec<Vec<f64>> = Vec::new();
-    for j in 0..record.coordinates() {
-        let filtered = record.decimator.filter(&Series::from_channels(&shapes(record, j)))?;
+    for (motion, acts_on) in rubbing(record) {
+        let filtered = record.decimator.filter(&Series::from_channels(&shapes(&motion)))?;
         for shape in record.stack(&filtered).chunks(rows) {
-            let mut column = vec![0.0; rows * record.coordinates()];
-            column[j * rows..(j + 1) * rows].copy_from_slice(shape);
-            columns.push(column);
+            let torques = acts_on.iter().flat_map(|n| shape.iter().map(move |s| n * s));
+            columns.push(torques.collect());
         }
     }
     Ok(Matrix::from_fn(rows * record.coordinates(), columns.len(), |i, c| columns[c][i]))
@@ -45,29 +44,45 @@ pub(super) fn rows_of_reversals(record: &ThinnedRecord<'_>) -> Vec<bool> {
 
 /// The samples at which each joint, or a motor that acts on it, is slow.
 fn slow_samples(record: &ThinnedRecord<'_>) -> Vec<Vec<bool>> {
-    let motors = record.subject.robot.transmission.motor_in_joint_units();
-    let n = record.coordinates();
-    let dq = &record.motion.dq;
-    let velocities: Vec<Vec<f64>> = (0..n)
-        .map(|m| (0..dq.len()).map(|k| (0..n).map(|j| motors.at(m, j) * dq.sample(k)[j]).sum()).collect())
-        .collect();
-    let slow = |v: &Vec<f64>| {
-        let fastest = v.iter().fold(0.0_f64, |f, v| f.max(v.abs()));
-        v.iter().map(|v| v.abs() < SLOW * fastest).collect::<Vec<bool>>()
+    let slow = |(travel, acts_on): (Travel, Vec<f64>)| {
+        let fastest = travel.dq.iter().fold(0.0_f64, |f, v| f.max(v.abs()));
+        (travel.dq.iter().map(|v| v.abs() < SLOW * fastest).collect::<Vec<bool>>(), acts_on)
     };
-    let of_motors: Vec<Vec<bool>> = velocities.iter().map(slow).collect();
+    let all: Vec<(Vec<bool>, Vec<f64>)> = rubbing(record).into_iter().map(slow).collect();
     let of_joint = |j: usize| {
-        let own: Vec<&Vec<bool>> = (0..n).filter(|&m| motors.at(m, j) != 0.0).map(|m| &of_motors[m]).collect();
-        (0..dq.len()).map(|k| own.iter().any(|slow| slow[k])).collect()
+        let own: Vec<&Vec<bool>> = all.iter().filter(|(_, acts_on)| acts_on[j] != 0.0).map(|(slow, _)| slow).collect();
+        (0..record.motion.dq.len()).map(|k| own.iter().any(|slow| slow[k])).collect()
     };
-    (0..n).map(of_joint).collect()
+    (0..record.coordinates()).map(of_joint).collect()
 }
 
-/// The shapes of one joint along its motion.
-fn shapes(record: &ThinnedRecord<'_>, j: usize) -> Vec<Vec<f64>> {
-    let (q, dq) = (record.motion.q.channel(j), record.motion.dq.channel(j));
-    let (reach, fastest) = (span(&q), dq.iter().fold(0.0_f64, |f, v| f.max(v.abs())));
-    let bent = PRESLIDING.iter().map(|part| bending(&q, part * reach));
+/// Positions and velocities of a joint or motor.
+struct Travel {
+    q: Vec<f64>,
+    dq: Vec<f64>,
+}
+
+/// What rubs: joints, and the motors that several joints share, with the torque on each joint per torque of friction.
+fn rubbing(record: &ThinnedRecord<'_>) -> Vec<(Travel, Vec<f64>)> {
+    let motors = record.subject.robot.transmission.motor_in_joint_units();
+    let n = record.coordinates();
+    let of_joint = |j: usize| (0..n).map(|i| if i == j { 1.0 } else { 0.0 }).collect::<Vec<f64>>();
+    let of_motor = |m: usize| (0..n).map(|j| motors.at(m, j)).collect::<Vec<f64>>();
+    let coupled = (0..n).map(of_motor).filter(|row| row.iter().filter(|entry| **entry != 0.0).count() > 1);
+    (0..n).map(of_joint).chain(coupled).map(|row| (along(record, &row), row)).collect()
+}
+
+/// The travel of a motor with the joints.
+fn along(record: &ThinnedRecord<'_>, row: &[f64]) -> Travel {
+    let [q, dq] = [&record.motion.q, &record.motion.dq]
+        .map(|series| (0..series.len()).map(|k| row.iter().zip(series.sample(k)).map(|(n, v)| n * v).sum()).collect());
+    Travel { q, dq }
+}
+
+/// The shapes of a friction along its travel.
+fn shapes(Travel { q, dq }: &Travel) -> Vec<Vec<f64>> {
+    let (reach, fastest) = (span(q), dq.iter().fold(0.0_f64, |f, v| f.max(v.abs())));
+    let bent = PRESLIDING.iter().map(|part| bending(q, part * reach));
     let falling = STRIBECK.iter().map(|part| dq.iter().map(|v| fall(*v, part * fastest)).collect());
     let growing = std::iter::once(dq.iter().map(|v| v * v.abs()).collect());
     bent.chain(falling).chain(growing).collect()
@@ -98,7 +113,8 @@ mod tests {
 
     #[test]
     fn friction_turns_around_over_the_travel() {
-        let q: Vec<f64> = (0..=100).map(|k| 0.01 * f64::from(k)).chain((0..100).rev().map(|k| 0.01 * f64::from(k))).collect();
+        let q: Vec<f64> =
+            (0..=100).map(|k| 0.01 * f64::from(k)).chain((0..100).rev().map(|k| 0.01 * f64::from(k))).collect();
         let bent = bending(&q, 0.1);
         assert!((bent[100] - 1.0).abs() < 1e-4, "{}", bent[100]);
         // Behind the reversal: -1 + 2 exp(-travelled / 0.1).

@@ -3,8 +3,9 @@
 //! A torque that is late by `d` is `y(t) = y0(t - d)`, so the residual of the fit follows the derivative of the predicted
 //! torque. A search over whole steps starts Gauss-Newton, which shifts the torques until that part of the residual is
 //! gone. Friction that turns around later than the motion looks like a lag: the columns of [`friction_shapes`] are free
-//! beside the parameters, and the rows around its reversals are left out, so that inertia and gravity decide. Their lag must be one delay, of all joints or of a few that
-//! agree: joints that each have a lag of their own are an error of the model.
+//! beside the parameters, and the rows around its reversals are left out, so that inertia and gravity decide. Their lag
+//! must be one delay, of all joints or of a few that agree, and make the residual of the fit itself smaller: joints that
+//! each have a lag of their own are an error of the model.
 
 use super::{
     examination::{Evidence, Examination, Words},
@@ -18,7 +19,7 @@ use super::{
 const EXPLAINED_LIMIT_PERCENT: f64 = 25.0;
 /// Rms torque that it must explain, percent of the torque's deviation.
 const EFFECT_LIMIT_PERCENT: f64 = 5.0;
-/// Part of the squared residual from which a lag is worth a note, percent.
+/// Part of the squared residual from which a common lag is worth a note, percent.
 const NOTE_PERCENT: f64 = 5.0;
 /// Standard deviations by which a lag must differ from zero: they come from ten blocks of time.
 const SURE: f64 = 6.0;
@@ -27,28 +28,73 @@ const SAME_DEVIATIONS: f64 = 4.0;
 const SAME_PART: f64 = 0.35;
 /// Lag in samples below which it is noted only.
 const ONE_SAMPLE: f64 = 1.0;
+/// Part of the information of a common lag that joints with another lag may hold.
+const DISAGREEING: f64 = 0.2;
 /// Part of the range of the search beyond which an optimum is no measurement: the search ended there.
 const INSIDE: f64 = 0.95;
 
 /// Corrects the record by the lags that are found.
 pub(super) fn check(exam: &mut Examination<'_>, record: &mut ThinnedRecord<'_>) {
-    let Some(delay) = measured(record) else { return };
-    if delay.joints.is_empty() {
-        exam.note_measure(delay.evidence(None, 0.0));
-        return;
+    let Some(delays) = measured(record) else { return };
+    if delays.is_empty() {
+        exam.note_measure(evidence(None, 0.0));
     }
-    if delay.raise(exam) {
-        let late = |j: usize| if delay.joints.contains(&j) { delay.steps } else { 0.0 };
-        let correction: Vec<f64> = (0..record.coordinates()).map(late).collect();
+    let mut correction = vec![0.0; record.coordinates()];
+    for delay in &delays {
+        if delay.raise(exam) {
+            delay.joints.iter().for_each(|&j| correction[j] = delay.steps);
+        }
+    }
+    if correction.iter().any(|s| *s != 0.0) {
         record.replace_torque(shifted(&record.torque, &correction));
     }
 }
 
-/// One delay of torques.
+/// The delay of all joints, or those of the joints that are late; none where the record does not tell.
+fn measured(record: &ThinnedRecord<'_>) -> Option<Vec<Delay>> {
+    let parameters = record.fit().ok()?;
+    let shapes = friction_shapes(record).ok()?;
+    if !record.has_rows_for(record.parameters() + shapes.columns()) {
+        return None;
+    }
+    let beside = record.fit_beside(&shapes, &rows_of_reversals(record)).ok()?;
+    let search = Search { record, parameters: &parameters, beside: &beside };
+    let (each, all) = (search.of_each()?, search.of_all()?);
+    let is_certain = |lags: &Lags, j: usize| {
+        let size = lags.steps[j].abs();
+        size > SURE * lags.deviation[j] && size < INSIDE * LONGEST_S * record.rate_hz
+    };
+    let joints = 0..record.coordinates();
+    if is_certain(&all, 0) && agree(&each, all.steps[0]) {
+        return Some(vec![Delay::new(&search, joints.collect(), &all)]);
+    }
+    let certain = joints.filter(|&j| is_certain(&each, j)).map(|j| Delay::new(&search, vec![j], &each));
+    let late: Vec<Delay> = certain.filter(|delay| delay.strength() > 1.0).collect();
+    let is_one = late.iter().all(|delay| same(delay.steps, delay.deviation, late[0].steps));
+    Some(if is_one { late } else { Vec::new() })
+}
+
+/// Whether the joints that tell something of the lag have this one.
+fn agree(each: &Lags, steps: f64) -> bool {
+    let information = |j: usize| each.deviation[j].max(f64::MIN_POSITIVE).powi(-2);
+    let joints = 0..each.steps.len();
+    let others =
+        joints.clone().filter(|&j| !same(each.steps[j], each.deviation[j], steps)).map(information).sum::<f64>();
+    others <= DISAGREEING * joints.map(information).sum::<f64>()
+}
+
+/// Whether a lag may be this one.
+fn same(lag: f64, deviation: f64, steps: f64) -> bool {
+    (lag - steps).abs() < (SAME_DEVIATIONS * deviation).max(SAME_PART * steps.abs())
+}
+
+fn evidence(coordinate: Option<usize>, value: f64) -> Evidence {
+    Evidence { code: Code::Lag, coordinate, value, unit: "times the limits", limit: 1.0 }
+}
+
+/// The delay of one torque or of all.
 struct Delay {
-    /// The joints whose torques are late; empty where there is no delay.
     joints: Vec<usize>,
-    of_all: bool,
     /// Steps of the record by which they are late, and the standard deviation.
     steps: f64,
     deviation: f64,
@@ -56,75 +102,55 @@ struct Delay {
     explained: f64,
     /// Rms torque that it explains, percent of their torques' deviation.
     effect: f64,
+    of_all: bool,
     samples_per_step: f64,
     rate: f64,
 }
 
-/// The delay of all joints, or of those that are late; none where the record does not tell.
-fn measured(record: &ThinnedRecord<'_>) -> Option<Delay> {
-    let parameters = record.fit().ok()?;
-    let beside = record.fit_beside(&friction_shapes(record).ok()?, &rows_of_reversals(record)).ok()?;
-    let search = Search { record, parameters: &parameters, beside: &beside };
-    let each = search.of_each()?;
-    let all = search.of_all()?;
-    let longest = INSIDE * LONGEST_S * record.rate_hz;
-    let everyone: Vec<usize> = (0..record.coordinates()).collect();
-    let of_all = is_certain(&all, 0, longest) && everyone.iter().all(|&j| agrees(&each, j, all.steps[0]));
-    let certain: Vec<usize> = everyone.iter().copied().filter(|&j| is_certain(&each, j, longest)).collect();
-    let (lags, joints) = if of_all { (&all, everyone) } else { (&each, certain) };
-    let before = search.joint_squares(&beside.residual);
-    let sum = |squares: &[f64]| joints.iter().map(|&j| squares[j]).sum::<f64>();
-    let (was, is) = (sum(&before), sum(&lags.squares));
-    let steps = joints.iter().map(|&j| lags.steps[j]).sum::<f64>() / joints.len().max(1) as f64;
-    let one = joints.iter().all(|&j| agrees(lags, j, steps));
-    let rows = (joints.len() * record.rows()) as f64;
-    Some(Delay {
-        deviation: joints.iter().map(|&j| lags.deviation[j]).fold(0.0, f64::max),
-        explained: 100.0 * (1.0 - is / was),
-        effect: 100.0 * ((was - is).max(0.0) / rows).sqrt(),
-        samples_per_step: record.subject.sample_rate_hz / record.rate_hz,
-        rate: record.subject.sample_rate_hz,
-        joints: if one { joints } else { Vec::new() },
-        of_all,
-        steps,
-    })
-}
-
-/// Whether a lag differs from zero and is inside the range of the search.
-fn is_certain(lags: &Lags, j: usize, longest: f64) -> bool {
-    lags.steps[j].abs() > SURE * lags.deviation[j] && lags.steps[j].abs() < longest
-}
-
-/// Whether a joint may have this lag.
-fn agrees(lags: &Lags, j: usize, steps: f64) -> bool {
-    (lags.steps[j] - steps).abs() < (SAME_DEVIATIONS * lags.deviation[j]).max(SAME_PART * steps.abs())
-}
-
 impl Delay {
+    fn new(search: &Search<'_, '_>, joints: Vec<usize>, lags: &Lags) -> Self {
+        let record = search.record;
+        let steps = lags.steps[joints[0]];
+        let late = |j: usize| if joints.contains(&j) { steps } else { 0.0 };
+        let correction: Vec<f64> = (0..record.coordinates()).map(late).collect();
+        let corrected = record.stack(&shifted(&record.torque, &correction));
+        let squares = |rest: &[f64]| -> f64 {
+            let each = search.joint_squares(rest);
+            joints.iter().map(|&j| each[j]).sum()
+        };
+        let (was, is) = (squares(&search.parameters.residual), squares(&search.parameters.unexplained(&corrected)));
+        let rows = (joints.len() * record.rows()) as f64;
+        Self {
+            steps,
+            deviation: lags.deviation[joints[0]],
+            explained: 100.0 * (1.0 - is / was),
+            effect: 100.0 * ((was - is).max(0.0) / rows).sqrt(),
+            of_all: joints.len() == record.coordinates(),
+            samples_per_step: record.subject.sample_rate_hz / record.rate_hz,
+            rate: record.subject.sample_rate_hz,
+            joints,
+        }
+    }
+
     fn samples(&self) -> f64 {
         self.samples_per_step * self.steps
     }
 
-    fn evidence(&self, coordinate: Option<usize>, value: f64) -> Evidence {
-        Evidence { code: Code::Lag, coordinate, value, unit: "times the limits", limit: 1.0 }
+    fn strength(&self) -> f64 {
+        (self.explained / EXPLAINED_LIMIT_PERCENT).min(self.effect / EFFECT_LIMIT_PERCENT)
     }
 
-    /// Raises it joint by joint, or once for all; whether the record is to be put right.
+    /// Raises it; whether the record is to be put right.
     fn raise(&self, exam: &mut Examination<'_>) -> bool {
-        let strength = (self.explained / EXPLAINED_LIMIT_PERCENT).min(self.effect / EFFECT_LIMIT_PERCENT);
-        let matters = strength > 1.0 && self.samples().abs() >= ONE_SAMPLE;
-        let severity = if matters { Severity::Warning } else { Severity::Note };
-        let whose: Vec<Option<usize>> =
-            if self.of_all { vec![None] } else { self.joints.iter().map(|j| Some(*j)).collect() };
-        for coordinate in whose {
-            let evidence = self.evidence(coordinate, strength);
-            exam.note_measure(evidence);
-            let worth_telling = if self.of_all { self.explained > NOTE_PERCENT } else { matters };
-            if worth_telling {
-                let evidence = Evidence { value: self.samples(), unit: "samples", limit: f64::NAN, ..evidence };
-                let words = self.words(coordinate.map(|c| exam.subject.joint_number(c)), exam.subject.controller.is_some());
-                exam.raise(evidence, severity, words);
-            }
+        let matters = self.strength() > 1.0 && self.samples().abs() >= ONE_SAMPLE;
+        let coordinate = (!self.of_all).then_some(self.joints[0]);
+        let evidence = evidence(coordinate, self.strength());
+        exam.note_measure(evidence);
+        if matters || self.explained > NOTE_PERCENT {
+            let severity = if matters { Severity::Warning } else { Severity::Note };
+            let evidence = Evidence { value: self.samples(), unit: "samples", limit: f64::NAN, ..evidence };
+            let words = self.words(coordinate.map(|c| exam.subject.joint_number(c)), exam.subject.controller.is_some());
+            exam.raise(evidence, severity, words);
         }
         matters
     }

@@ -1,10 +1,6 @@
 //! The search for lags: whole steps first, then Gauss-Newton.
 
-use super::{
-    numbers::block_score,
-    orthogonal_fit::OrthogonalFit,
-    thinned_record::ThinnedRecord,
-};
+use super::{numbers::block_score, orthogonal_fit::OrthogonalFit, thinned_record::ThinnedRecord};
 use crate::{
     linear_algebra::{Matrix, PivotedQr, dot},
     series::Series,
@@ -25,12 +21,10 @@ const CONVERGED: f64 = 1e-3;
 /// Mean squared slope, relative to the torque's variance, of which nothing can be told: rounding.
 const TOLD: f64 = 1e-20;
 
-/// Lags in steps of the record, with their standard deviations by blocks of time and each joint's squared residual without
-/// them.
+/// Lags in steps of the record, with their standard deviations by blocks of time: infinite where nothing tells of one.
 pub(super) struct Lags {
     pub(super) steps: Vec<f64>,
     pub(super) deviation: Vec<f64>,
-    pub(super) squares: Vec<f64>,
 }
 
 /// A record and its fits, to search in.
@@ -109,7 +103,7 @@ impl Search<'_, '_> {
                 break;
             }
         }
-        Some(Lags { squares: self.joint_squares(&rest), steps, deviation })
+        Some(Lags { steps, deviation })
     }
 
     fn residual(&self, steps: &[f64]) -> Vec<f64> {

@@ -113,7 +113,7 @@ fn check_motion(exam: &mut Examination<'_>, signals: &Signals) {
 
 /// The fit. What a defect that was found makes meaningless is left out.
 fn check_fit(exam: &mut Examination<'_>, record: &mut ThinnedRecord<'_>) {
-    let blind = exam.has(&[Code::TorqueConstant, Code::JointStill]);
+    let blind = exam.has(&[Code::TorqueConstant, Code::JointStill]) || !record.has_rows_for(record.parameters());
     if !blind {
         fault::check(exam, record);
         friction::check(exam, record);

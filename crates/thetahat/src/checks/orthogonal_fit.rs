@@ -106,7 +106,7 @@ impl OrthogonalFit {
     /// others. None where these do not separate the parameters.
     pub(super) fn held_out_squares(&self) -> Option<f64> {
         let rows = self.regression.layout.block(0, 0).len();
-        let half = |i: usize| (i % rows) * STRETCHES / rows % 2 == 0;
+        let half = |i: usize| ((i % rows) * STRETCHES / rows).is_multiple_of(2);
         let squares = |own: &dyn Fn(usize) -> bool| {
             let taken: Vec<bool> = (0..self.y.len()).map(own).collect();
             let part = |y: bool| (0..self.y.len()).filter(move |i| own(*i) == y);

@@ -28,6 +28,11 @@ const ENOUGH_ROWS: usize = 2_000;
 /// Most work of one factorisation, rows times squared columns: of more rows, every n-th is taken.
 const MOST_WORK: f64 = 2e7;
 
+/// Fewest rows per column of a fit in which something is looked for.
+const ROWS_PER_COLUMN: usize = 2;
+/// Rows per parameter that are left of more: with as many rows as parameters any motion fits.
+const FEWEST_ROWS_PER_PARAMETER: usize = 6;
+
 /// Motion and torque between the two decimations, corrected as faults are found, with their fit.
 #[derive(Clone)]
 pub(super) struct ThinnedRecord<'a> {
@@ -83,8 +88,10 @@ impl<'a> ThinnedRecord<'a> {
         let motion = motion_at(&motion, &samples);
         let decimator = Decimator::new((factor as f64 / stride as f64).round() as usize, samples.len())?;
         let torque = decimator.filter(&first.decimate(torque)?)?;
-        let work = (decimator.rows() * subject.position.channels()) as f64 * (base.len() as f64).powi(2);
-        let every = ((work / MOST_WORK).ceil() as usize).max(1);
+        let rows = decimator.rows() * subject.position.channels();
+        let work = rows as f64 * (base.len() as f64).powi(2);
+        let spare = rows / (FEWEST_ROWS_PER_PARAMETER * base.len()).max(1);
+        let every = ((work / MOST_WORK).ceil() as usize).min(spare).max(1);
         let kept = decimator.kept().step_by(every).collect();
         let regressor = Regressor::new(subject.model, &base.columns());
         let rate_hz = rate / stride as f64;
@@ -99,6 +106,11 @@ impl<'a> ThinnedRecord<'a> {
             return self.clone();
         }
         Self { base, regressor: Regressor::new(model, &base.columns()), fit: OnceCell::new(), ..self.clone() }
+    }
+
+    /// Whether there are enough rows for what is looked for in the fit of so many columns.
+    pub(super) fn has_rows_for(&self, columns: usize) -> bool {
+        self.rows() * self.coordinates() >= ROWS_PER_COLUMN * columns
     }
 
     /// Number of parameters.

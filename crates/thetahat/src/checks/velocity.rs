@@ -47,7 +47,8 @@ fn compare(exam: &mut Examination<'_>, recorded: &[f64], motion: &[Vec<f64>], j:
             "joint {}: recorded velocity and derivative of the position differ by {value:.0} % rms",
             subject.joint_number(j)
         );
-        let why = |cause: String| (cause, "check the velocity's column, unit and sign; the estimate uses the position only");
+        let why =
+            |cause: String| (cause, "check the velocity's column, unit and sign; the estimate uses the position only");
         let (cause, remedy) = cause.map_or((UNEXPLAINED.to_owned(), USES_POSITION), why);
         Words::new(format!("{seen}: {cause}"), remedy)
     });

@@ -9,7 +9,7 @@ use super::{
 use crate::{
     preparation::{Case, Recording},
     results::{RecordingFindings, Results, Sensitivity},
-    run::{Identification, check_recording},
+    run::{Identification, check_recordings},
 };
 
 impl Experiment {
@@ -54,10 +54,8 @@ impl Experiment {
     /// # Errors
     /// [`ExperimentError`] for input that cannot be used. What is used but looks wrong is a finding.
     pub fn check(&self, data: &Path) -> Result<Vec<RecordingFindings>, ExperimentError> {
-        let main = self.main_recordings(data)?.into_iter().map(|r| (r, false));
-        let held_back = self.read_all(&self.file.validation, data)?.into_iter().map(|r| (r, true));
-        let check = |(recording, held_back)| check_recording(self.setup(), recording, held_back);
-        main.chain(held_back).map(check).collect::<Result<_, _>>().map_err(|e| self.refuse(e))
+        let held_back = self.read_all(&self.file.validation, data)?;
+        check_recordings(self.setup(), self.main_recordings(data)?, held_back).map_err(|e| self.refuse(e))
     }
 
     /// The recordings, read or made by the twin, with the settings.

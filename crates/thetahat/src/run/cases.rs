@@ -2,13 +2,14 @@
 
 use super::{
     assessment::Assessment,
-    examination::examine,
+    examination::{examine, with_note},
     identification::{CaseProblem, Identification},
     prepared::Prepared,
+    uncertain,
 };
 use crate::{
     diagnosis::{Estimated, advise, diagnose},
-    identification::Method,
+    identification::{Method, Status},
     pool::available_threads,
     preparation::{Case, PreparationError, Problem},
     results::{CaseDiagnosis, JointResult, Plots, RecordingFindings, Results, RunResult, SCHEMA},
@@ -35,8 +36,6 @@ impl Identification {
     /// As [`Identification::run`].
     pub fn run_with_progress(&self, progress: &mut dyn FnMut(&str)) -> Result<Results, PreparationError> {
         let problems = self.problems(progress)?;
-        progress("checking the recordings");
-        let findings = self.findings(&problems[0].problem);
         let cases = self.setup().settings.all_cases();
         let assessed = self.assess_all(&problems, &cases, progress)?;
         let (mut runs, mut diagnostics) = (Vec::new(), Vec::new());
@@ -46,6 +45,8 @@ impl Identification {
             runs.extend(results);
             diagnostics.push(self.diagnose(&self.problem_of(&problems, case).problem, case, &estimated));
         }
+        progress("checking the recordings");
+        let findings = self.findings(&problems[0].problem, &runs);
         self.results(&problems[0].problem, findings, runs, diagnostics)
     }
 
@@ -69,7 +70,14 @@ impl Identification {
             |simulations| progress(&format!("simulating and estimating: {simulations} simulations side by side"));
         run_all(&jobs, options, &mut tell, &mut |k, finished| {
             let assessment = Assessment { identification: self, case: &cases[all[k].0], job: &jobs[k] };
-            assessed[k] = Some(assessment.assess(finished)?);
+            let (mut run, estimated) = assessment.assess(finished)?;
+            let problem = self.problem_of(problems, &cases[all[k].0]);
+            if let Some(reason) = problem.unsettled_weights(self.setup().settings, run.method)
+                && run.status == Status::Converged
+            {
+                (run.status, run.reason) = (Status::IterationLimit, Some(reason));
+            }
+            assessed[k] = Some((run, estimated));
             Ok::<(), PreparationError>(())
         })?;
         let mut by_case: Vec<Vec<_>> = cases.iter().map(|_| Vec::new()).collect();
@@ -88,10 +96,12 @@ impl Identification {
     }
 
     /// What is found in the recordings, those that are identified from and those held back.
-    fn findings(&self, nominal: &Problem) -> Vec<RecordingFindings> {
-        let examine = |prepared: &Prepared, held_back| examine(self.setup(), prepared, nominal, held_back);
-        let main = self.main.iter().map(|p| examine(p, false));
-        main.chain(self.validation.iter().map(|p| examine(p, true))).collect()
+    fn findings(&self, nominal: &Problem, runs: &[RunResult]) -> Vec<RecordingFindings> {
+        let setup = self.setup();
+        let examine = |prepared: &Prepared, held_back| examine(setup, prepared, nominal, held_back);
+        let main = self.main.iter().map(|p| examine(p, false)).collect();
+        let main = with_note(main, uncertain::of_runs(setup, nominal, runs));
+        main.into_iter().chain(self.validation.iter().map(|p| examine(p, true))).collect()
     }
 
     fn results(

@@ -1,6 +1,12 @@
-use super::prepared::Prepared;
+use super::{
+    identification::CaseProblem,
+    parameters::parameter_results,
+    prepared::{Prepared, filtered},
+    uncertain,
+};
 use crate::{
-    checks::{self, SignalSettings, Subject},
+    checks::{self, Finding, SignalSettings, Subject},
+    identification::{Method, Needs},
     preparation::{Case, PreparationError, Problem, Recording, Setup},
     results::RecordingFindings,
     simulation::Reference,
@@ -40,19 +46,60 @@ pub(crate) fn examine(setup: Setup<'_>, prepared: &Prepared, problem: &Problem, 
     RecordingFindings { recording: recording.name.clone(), held_back, findings: checks::examine(&subject) }
 }
 
-/// What the checks find in a recording from which nothing is estimated.
+/// What the checks find in recordings from which nothing is estimated yet: those to identify from, and those held back.
 ///
 /// # Errors
-/// [`PreparationError`] where it cannot be filtered or makes no regression. A motion that no reference describes is a
+/// [`PreparationError`] where one cannot be filtered or makes no regression. A motion that no reference describes is a
 /// finding, and not the end of the checks.
-pub(crate) fn check_recording(
+pub(crate) fn check_recordings(
     setup: Setup<'_>,
-    recording: Recording,
-    held_back: bool,
-) -> Result<RecordingFindings, PreparationError> {
-    let filtered = setup.filter(recording)?;
-    let problem = setup.problem(&Case::nominal(), &[&filtered])?;
-    let controller = setup.settings.controller.as_ref();
-    let reference = controller.and_then(|_| setup.reference(&filtered.recording).ok());
-    Ok(examine(setup, &Prepared { filtered, reference }, &problem, held_back))
+    main: Vec<Recording>,
+    held_back: Vec<Recording>,
+) -> Result<Vec<RecordingFindings>, PreparationError> {
+    let prepare = |recording: Recording| {
+        let filtered = setup.filter(recording)?;
+        let controller = setup.settings.controller.as_ref();
+        let reference = controller.and_then(|_| setup.reference(&filtered.recording).ok());
+        Ok(Prepared { filtered, reference })
+    };
+    let prepare_all = |all: Vec<Recording>| all.into_iter().map(prepare).collect::<Result<Vec<_>, PreparationError>>();
+    let (main, held_back) = (prepare_all(main)?, prepare_all(held_back)?);
+    let problem = setup.problem(&Case::nominal(), &filtered(&main))?;
+    let of = |prepared: &Vec<Prepared>, held_back| -> Vec<RecordingFindings> {
+        prepared.iter().map(|p| examine(setup, p, &problem, held_back)).collect()
+    };
+    let (found, beside) = (of(&main, false), of(&held_back, true));
+    let weights: Vec<f64> = main.iter().map(|p| p.filtered.recording.weight).collect();
+    let has_torques = main.iter().all(|p| p.filtered.recording.torque.is_some());
+    let note = has_torques.then(|| note_before_estimates(setup, problem, &weights)).flatten();
+    Ok(with_note(found, note).into_iter().chain(beside).collect())
+}
+
+/// The note on the estimates of the method that needs the measured motion alone.
+fn note_before_estimates(setup: Setup<'_>, problem: Problem, weights: &[f64]) -> Option<Finding> {
+    let settings = setup.settings;
+    let mut methods = settings.estimation.methods.iter().copied();
+    let method = methods.find(|m| m.needs() == Needs::Measurement).unwrap_or(Method::IDIM_LS);
+    let problem = CaseProblem::new(setup.robot.friction, problem);
+    let weights = problem.weights(settings, method, weights);
+    let regression = problem.problem.regression.with_weights(weights);
+    let fit = method.estimate(&regression, None, settings.estimation.variance).ok()?;
+    let parameters = parameter_results(settings, &problem.problem.estimated, &fit, None, None);
+    uncertain::note(setup, &problem.problem, method, &parameters)
+}
+
+/// The findings with a note on what all recordings together say: that of the only recording, or one for itself.
+pub(super) fn with_note(mut found: Vec<RecordingFindings>, note: Option<Finding>) -> Vec<RecordingFindings> {
+    let Some(note) = note else { return found };
+    match &mut found[..] {
+        [only] => {
+            only.findings.push(note);
+            only.findings.sort_by_key(|f| (f.severity, f.code, f.joint));
+        }
+        _ => {
+            let recording = "all recordings together".to_owned();
+            found.push(RecordingFindings { recording, held_back: false, findings: vec![note] });
+        }
+    }
+    found
 }

@@ -28,8 +28,9 @@ mod physical;
 mod prediction;
 mod prepared;
 mod sensitivity;
+mod uncertain;
 
-pub(crate) use examination::check_recording;
+pub(crate) use examination::check_recordings;
 pub use identification::Identification;
 pub(crate) use identification::{CaseProblem, explain};
 pub(crate) use parameters::parameter_results;

@@ -86,8 +86,7 @@ impl Sines {
 
 impl Twin {
     pub fn record(&self) -> Record {
-        let path = thetahat_testing::root().join("robots").join(self.robot);
-        let robot = Robot::read(&path).unwrap();
+        let robot = robot(self.robot);
         let model = Model::new(&robot);
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let samples = (self.rate_hz * self.seconds) as usize;
@@ -135,7 +134,8 @@ impl Twin {
         let own = torque.channel(j);
         let mean = own.iter().sum::<f64>() / own.len() as f64;
         let deviation = (own.iter().map(|t| (t - mean).powi(2)).sum::<f64>() / own.len() as f64).sqrt();
-        let span = own.iter().fold(f64::NEG_INFINITY, |p, t| p.max(*t)) - own.iter().fold(f64::INFINITY, |p, t| p.min(*t));
+        let span =
+            own.iter().fold(f64::NEG_INFINITY, |p, t| p.max(*t)) - own.iter().fold(f64::INFINITY, |p, t| p.min(*t));
         for k in 0..torque.len() {
             let noise: f64 = StandardNormal.sample(rng);
             let noisy = own[k] + self.noise * deviation * noise;
@@ -143,6 +143,25 @@ impl Twin {
             torque.sample_mut(k)[j] = if step > 0.0 { step * (noisy / step).round() } else { noisy };
         }
     }
+}
+
+/// A robot of the checkout, or a chain of so many joints.
+fn robot(name: &str) -> Robot {
+    let Some(joints) = name.strip_prefix("chain of ") else {
+        return Robot::read(&thetahat_testing::root().join("robots").join(name)).unwrap();
+    };
+    let mut text = "<robot name=\"chain\"><link name=\"l0\"/>".to_owned();
+    for j in 1..=joints.parse::<usize>().unwrap() {
+        let axis = ["1 0 0", "0 1 0", "0 0 1"][j % 3];
+        text += &format!(
+            "<link name=\"l{j}\"><inertial><origin xyz=\"0.02 0.01 0.05\"/><mass value=\"0.4\"/><inertia ixx=\"0.004\" \
+             ixy=\"0\" ixz=\"0\" iyy=\"0.004\" iyz=\"0\" izz=\"0.003\"/></inertial></link><joint name=\"j{j}\" \
+             type=\"revolute\"><parent link=\"l{}\"/><child link=\"l{j}\"/><origin xyz=\"0 0 0.1\"/><axis \
+             xyz=\"{axis}\"/><limit lower=\"-3\" upper=\"3\" effort=\"100\" velocity=\"3\"/></joint>",
+            j - 1
+        );
+    }
+    Robot::parse(&(text + "</robot>"), std::path::Path::new("chain.urdf")).unwrap()
 }
 
 /// Torques of the links and motors alone.
@@ -170,13 +189,20 @@ fn frictionless(robot: &Robot, model: &Model, [q, dq, ddq]: [Series; 3]) -> Seri
 impl Record {
     /// What the checks find.
     pub fn findings(&self) -> Vec<Finding> {
+        self.findings_with(&|_| true)
+    }
+
+    /// The same where only some of the parameters are estimated.
+    pub fn findings_with(&self, is_estimated: &dyn Fn(&str) -> bool) -> Vec<Finding> {
         let model = Model::new(&self.robot);
-        let base = BaseParameters::of(&model, &[]).unwrap();
+        let all = BaseParameters::of(&model, &[]).unwrap();
+        let names = all.parameters().iter().map(|p| p.name.clone()).filter(|name| is_estimated(name));
+        let base = all.select(model.parameter_table(), &names.collect::<Vec<_>>()).unwrap();
         examine(&Subject {
             robot: &self.robot,
             model: &model,
             base: &base,
-            all: &base,
+            all: &all,
             sample_rate_hz: self.rate_hz,
             time_s: None,
             position: &self.position,
