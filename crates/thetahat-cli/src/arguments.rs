@@ -24,9 +24,9 @@ pub enum Command {
     ///
     /// The simulated robot is recorded with noise and identified nominally and with the simulator's gear ratios at 90 %.
     Demo(Output),
-    /// Show what is in a recording, and with --robot the experiment that would be proposed for it.
+    /// Show what is in recordings, and with --robot the experiment that would be proposed for them.
     Inspect(Inspect),
-    /// Write an experiment file for a robot and a recording.
+    /// Write an experiment file for a robot and its recordings.
     Init(Init),
     /// Look for what is wrong with the recordings of an experiment.
     Check(Described),
@@ -87,9 +87,12 @@ pub struct Output {
 
 #[derive(Args)]
 pub struct Inspect {
-    /// The recording
-    #[arg(value_name = "FILE")]
-    pub recording: PathBuf,
+    /// The recordings: several files of one recording, or several recordings
+    #[arg(value_name = "FILE", required_unless_present = "recording", conflicts_with = "recording")]
+    pub files: Vec<PathBuf>,
+    /// The same as FILE
+    #[arg(long, value_name = "FILE")]
+    pub recording: Vec<PathBuf>,
     /// The robot description: URDF or TOML
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
@@ -102,9 +105,9 @@ pub struct Init {
     /// The robot description: URDF or TOML
     #[arg(long, value_name = "FILE")]
     pub robot: PathBuf,
-    /// The recording
-    #[arg(long, value_name = "FILE")]
-    pub recording: PathBuf,
+    /// A recording; given again: another file of it, or another recording
+    #[arg(long, value_name = "FILE", required = true)]
+    pub recording: Vec<PathBuf>,
     #[command(flatten)]
     pub columns: Columns,
     /// The experiment file to write; never overwritten
@@ -115,7 +118,7 @@ pub struct Init {
 /// What the names of a recording's columns do not tell.
 #[derive(Args)]
 pub struct Columns {
-    /// Columns of the positions, one for each joint, or one of a matrix
+    /// Columns of the positions, one for each joint, or one of a matrix: NAME, FILE (all its columns) or FILE:NAME
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub position: Vec<String>,
     /// Columns of the torques

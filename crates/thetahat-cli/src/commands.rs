@@ -1,35 +1,30 @@
 use std::{
     error::Error,
-    fs::File,
-    io::Write,
-    path::{Path, PathBuf},
+    path::Path,
     sync::{Mutex, PoisonError},
 };
 
 use thetahat::{
-    experiment::{Experiment, PredictionRequest, ProposalRequest, predict, propose},
-    recording::{Contents, inspect},
+    experiment::{Experiment, PredictionRequest, predict},
     report::{self, Published},
-    robot::{Robot, RobotSource},
+    robot::RobotSource,
     robot_summary::RobotSummary,
 };
 
 use crate::{
-    arguments::{
-        Arguments, Columns, Command, Described, Identify, Init, Inspect, Model, Output, Predict, Sensitivity, Simulate,
-    },
+    arguments::{Arguments, Command, Described, Identify, Model, Output, Predict, Sensitivity, Simulate},
     campaign,
     inputs::{read_experiment, threads},
     progress::Progress,
-    reduction, shell,
+    proposal, reduction, shell,
     terminal::{Verdict, print},
 };
 
 pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     match arguments.command {
         Command::Demo(output) => run_experiment(&Experiment::demo()?, Path::new(""), &output),
-        Command::Inspect(inspect) => inspect_recording(&inspect),
-        Command::Init(init) => write_experiment(&init),
+        Command::Inspect(inspect) => proposal::inspect_recordings(&inspect),
+        Command::Init(init) => proposal::write_experiment(&init),
         Command::Check(described) => check_experiment(&described),
         Command::Identify(identify) => identify_experiment(&identify),
         Command::Predict(request) => predict_torques(&request),
@@ -42,76 +37,6 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
         Command::Completions(request) => shell::print_completions(request.shell),
         Command::Man(request) => shell::write_manual(&request),
     }
-}
-
-fn inspect_recording(request: &Inspect) -> Result<Verdict, Box<dyn Error>> {
-    let contents = inspect(&request.recording)?;
-    print(&report::contents_text(&contents))?;
-    if let Some(robot) = &request.robot {
-        let beside = request.recording.parent().map_or_else(PathBuf::new, Path::to_owned);
-        let proposal = propose_experiment(robot, &request.recording, &request.columns, &contents, &beside)?;
-        print(&format!("\nproposed experiment; `thetahat init` writes it:\n\n{proposal}"))?;
-    }
-    Ok(Verdict::Good)
-}
-
-fn write_experiment(init: &Init) -> Result<Verdict, Box<dyn Error>> {
-    let contents = inspect(&init.recording)?;
-    let folder = init.out.parent().map_or_else(PathBuf::new, Path::to_owned);
-    let proposal = propose_experiment(&init.robot, &init.recording, &init.columns, &contents, &folder)?;
-    let refuse = |e: std::io::Error| format!("{}: {e}; choose another file with --out", init.out.display());
-    let mut file = File::create_new(&init.out).map_err(refuse)?;
-    file.write_all(proposal.as_bytes()).map_err(refuse)?;
-    print(&format!(
-        "written: {out}\nRead it: what could not be known is marked as a guess. Then: thetahat check {out}{options}\n",
-        out = init.out.display(),
-        options = options_for(&init.robot, &init.recording, &folder),
-    ))?;
-    Ok(Verdict::Good)
-}
-
-/// What the command line must say about files that do not lie in the folder of the experiment.
-fn options_for(robot: &Path, recording: &Path, folder: &Path) -> String {
-    let mut options = String::new();
-    let mut data = folder.to_owned();
-    if within(recording, folder).is_none() {
-        data = recording.parent().map_or_else(PathBuf::new, Path::to_owned);
-        options += &format!(" --data {}", data.display());
-    }
-    if within(robot, folder).is_none() && within(robot, &data).is_none() {
-        options += &format!(" --robot {}", robot.display());
-    }
-    options
-}
-
-/// The text of an experiment file in `folder`.
-fn propose_experiment(
-    robot: &Path,
-    recording: &Path,
-    columns: &Columns,
-    contents: &Contents,
-    folder: &Path,
-) -> Result<String, Box<dyn Error>> {
-    let name = |path: &Path| path.file_name().map_or_else(PathBuf::new, PathBuf::from);
-    let data = recording.parent().unwrap_or(Path::new(""));
-    let request = ProposalRequest {
-        robot_file: within(robot, folder).or_else(|| within(robot, data)).unwrap_or_else(|| name(robot)),
-        recording_file: within(recording, folder).unwrap_or_else(|| name(recording)),
-        position: columns.position.clone(),
-        torque: columns.torque.clone(),
-        time: columns.time.clone(),
-        sample_rate_hz: columns.rate,
-        position_unit: columns.position_unit,
-        torque_unit: columns.torque_unit,
-    };
-    Ok(propose(&request, &Robot::read(robot)?, contents)?)
-}
-
-/// The path of a file relative to a folder that it lies in.
-fn within(file: &Path, folder: &Path) -> Option<PathBuf> {
-    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let (file, folder) = (file.canonicalize().ok()?, folder.canonicalize().ok()?);
-    file.strip_prefix(folder).ok().map(Path::to_owned)
 }
 
 fn check_experiment(described: &Described) -> Result<Verdict, Box<dyn Error>> {

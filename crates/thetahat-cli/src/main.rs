@@ -5,6 +5,7 @@ mod campaign;
 mod commands;
 mod inputs;
 mod progress;
+mod proposal;
 mod reduction;
 mod shell;
 mod terminal;

@@ -23,8 +23,15 @@ const TORQUE: [&str; 14] = [
 ];
 const OTHER: [&str; 8] = ["ddq", "qdd", "acc", "accel", "acceleration", "accelerations", "temp", "temperature"];
 /// Words by which a signal is the wanted one and not the measured one.
-const WANTED: [&str; 11] =
-    ["ref", "reference", "target", "des", "desired", "cmd", "command", "commanded", "setpoint", "goal", "qg"];
+const WANTED: [&str; 10] =
+    ["ref", "reference", "target", "des", "desired", "cmd", "command", "commanded", "setpoint", "goal"];
+
+/// Spellings of a reference of the positions in one word.
+const REFERENCE: [&str; 5] = ["qg", "qref", "qdes", "qcmd", "qr"];
+
+/// Words of file names that tell files of one recording apart no more than those of its signals do.
+const FILLERS: [&str; 12] =
+    ["read", "data", "meas", "measured", "actual", "motor", "mot", "joint", "joints", "log", "file", "raw"];
 
 /// What a name says.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,7 +45,7 @@ pub(super) struct Reading {
 /// Reads the name of a column; none where it names no signal that is used.
 pub(super) fn read(name: &str) -> Option<Reading> {
     let words = words(name);
-    let has = |list: &[&str]| words.iter().any(|w| list.contains(&w.as_str()));
+    let has = |list: &[&str]| has_word(&words, list);
     let signal = match (has(&POSITION), has(&VELOCITY), has(&TORQUE), has(&TIME)) {
         _ if has(&OTHER) => None,
         (_, true, ..) => Some(Signal::Velocity),
@@ -48,15 +55,48 @@ pub(super) fn read(name: &str) -> Option<Reading> {
         _ => None,
     };
     let signal = match (signal, has(&WANTED)) {
-        (None, true) if words.iter().any(|w| w == "qg") => Some(Signal::Reference),
+        (None, _) if has(&REFERENCE) && !has(&OTHER) => Some(Signal::Reference),
         (Some(Signal::Position), true) => Some(Signal::Reference),
         (Some(Signal::Time) | None, false) | (Some(_), false) => signal,
         _ => None,
     }?;
-    let number = words.iter().rev().find_map(|w| w.parse().ok());
+    let number = number_in(&words);
     // A unit keeps its capitals together: `mNm` is one word.
     let whole: Vec<String> = name.split(|c: char| !c.is_alphanumeric()).map(str::to_lowercase).collect();
     Some(Reading { signal, number, unit: unit(&whole, signal).or_else(|| unit(&words, signal)) })
+}
+
+/// Whether a name has no word of any signal, used or not: what the column holds must be told by something else.
+pub(super) fn is_silent(name: &str) -> bool {
+    let words = words(name);
+    let lists: [&[&str]; 7] = [&TIME, &POSITION, &VELOCITY, &TORQUE, &OTHER, &WANTED, &REFERENCE];
+    !lists.iter().any(|list| has_word(&words, list))
+}
+
+/// Whether a name says that a value was measured on the motor's side.
+pub(super) fn says_motor(name: &str) -> bool {
+    has_word(&words(name), &["motor", "mot", "qm"])
+}
+
+/// What is left of a name without the words of signals, by which files of one recording find each other.
+pub(super) fn without_signal(name: &str) -> Vec<String> {
+    let lists: [&[&str]; 7] = [&TIME, &POSITION, &VELOCITY, &TORQUE, &OTHER, &WANTED, &REFERENCE];
+    let mut words = words(name);
+    words.retain(|w| !lists.iter().any(|list| list.contains(&w.as_str())) && !FILLERS.contains(&w.as_str()));
+    words
+}
+
+/// The last number in a name.
+pub(super) fn number(name: &str) -> Option<usize> {
+    number_in(&words(name))
+}
+
+fn number_in(words: &[String]) -> Option<usize> {
+    words.iter().rev().find_map(|w| w.parse().ok())
+}
+
+fn has_word(words: &[String], list: &[&str]) -> bool {
+    words.iter().any(|w| list.contains(&w.as_str()))
 }
 
 /// A unit that the name ends with, or has in brackets, if it measures what the signal is.
@@ -134,6 +174,9 @@ mod tests {
             ("MotorTorque3", Some((Signal::Torque, Some(3)))),
             ("elbow_joint.effort", Some((Signal::Torque, None))),
             ("qg", Some((Signal::Reference, None))),
+            ("qref_3", Some((Signal::Reference, Some(3)))),
+            ("pos_read_data", Some((Signal::Position, None))),
+            ("curr_data", Some((Signal::Torque, None))),
             ("ddq1", None),
             ("positions", Some((Signal::Position, None))),
             ("accelerations", None),
@@ -156,5 +199,13 @@ mod tests {
         ] {
             assert_eq!(read(name).and_then(|r| r.unit), unit, "{name}");
         }
+    }
+
+    #[test]
+    fn files_of_one_recording_have_what_is_left_in_common() {
+        assert_eq!(without_signal("pos_read_data"), without_signal("curr_data"));
+        assert_eq!(without_signal("run2_q"), without_signal("tau_run2"));
+        assert_ne!(without_signal("run1_q"), without_signal("run2_tau"));
+        assert!(is_silent("Joint_1") && is_silent("7") && !is_silent("temperature_1") && !is_silent("target"));
     }
 }

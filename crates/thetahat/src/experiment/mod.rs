@@ -31,5 +31,8 @@ pub use description::{Experiment, ExperimentFile, RecordingDescription, TwinDesc
 pub use error::ExperimentError;
 pub use power::PowerPoint;
 pub use predict::{PredictionRequest, predict};
-pub use proposal::{ProposalError, ProposalRequest, propose};
+pub use proposal::{
+    Proposal, ProposalError, ProposalRequest, ProposedChannels, ProposedClock, ProposedRecording, ProposedSignal,
+    propose,
+};
 pub use twin::TwinMotion;

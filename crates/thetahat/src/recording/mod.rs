@@ -69,7 +69,9 @@ pub use clock::{Clock, Resampling};
 pub use csv::{Decimal, Dialect};
 pub use error::RecordingError;
 pub use format::Format;
-pub use inspect::{ChannelSummary, ColumnSummary, Contents, Gap, TableSummary, TimeSummary, inspect};
+pub use inspect::{
+    ChannelSummary, ColumnSummary, Contents, Gap, TableSummary, TimeSummary, inspect, inspect_with_time,
+};
 pub use pieces::SignalPieces;
 pub use source::{ChannelSource, Side, read_channels};
 pub use unit::{Dimension, Unit, UnknownUnit};

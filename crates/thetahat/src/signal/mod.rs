@@ -34,6 +34,7 @@ mod motion;
 mod pieces;
 mod pole_sums;
 mod smoothing;
+mod spectrum;
 mod zero_phase;
 
 pub use band_pass::{Motion, band_pass};
@@ -46,4 +47,5 @@ pub use error::SignalError;
 pub use motion::{moving_samples, moving_thresholds};
 pub use pieces::DecimatedPiece;
 pub use smoothing::{Smoothed, smooth};
+pub use spectrum::Spectrum;
 pub use zero_phase::{Padding, zero_phase};

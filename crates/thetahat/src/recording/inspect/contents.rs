@@ -64,6 +64,14 @@ pub struct ColumnSummary {
 /// A [`RecordingError`] if the file cannot be read, is of no known format, is damaged, or has lines of different lengths.
 /// Columns of text, values that are not finite and irregular times are not errors but reported.
 pub fn inspect(path: &Path) -> Result<Contents, RecordingError> {
+    inspect_with_time(path, None)
+}
+
+/// The same where the user says which column is the time, as `NAME` or `FILE:NAME`: it is summarised whatever its name.
+///
+/// # Errors
+/// As [`inspect`].
+pub fn inspect_with_time(path: &Path, time: Option<&str>) -> Result<Contents, RecordingError> {
     let format = Format::of(path)?;
     let (tables, dialect, other_topics) = match format.holds() {
         Holds::Lines => {
@@ -81,7 +89,7 @@ pub fn inspect(path: &Path) -> Result<Contents, RecordingError> {
         file: path.to_owned(),
         format,
         dialect,
-        tables: tables.iter().map(|table| summary(table, format)).collect(),
+        tables: tables.iter().map(|table| summary(table, format, time)).collect(),
         other_topics,
     })
 }
@@ -103,12 +111,12 @@ fn samples_of(table: &Table) -> usize {
     table.columns.first().map_or(0, Column::samples)
 }
 
-fn summary(table: &Table, format: Format) -> TableSummary {
+fn summary(table: &Table, format: Format, time: Option<&str>) -> TableSummary {
     TableSummary {
         name: table.name.clone(),
         samples: samples_of(table),
         columns: table.columns.iter().map(column_summary).collect(),
-        times: times(&table.columns, format.is_bag()),
+        times: times(&table.columns, format.is_bag(), time),
     }
 }
 

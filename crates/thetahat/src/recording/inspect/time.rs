@@ -19,6 +19,8 @@ const UNITS: [Unit; 4] = [Unit::Second, Unit::Millisecond, Unit::Microsecond, Un
 pub struct TimeSummary {
     /// The column.
     pub column: String,
+    /// Whether its name is that of a time, or it was asked for.
+    pub is_named: bool,
     /// The unit, by its name or else such that the rate is between 10 Hz and 20 kHz. Of a bag it is the second.
     pub unit: Unit,
     /// Samples per second: one divided by the usual step, which is the time without gaps divided by its steps.
@@ -46,11 +48,15 @@ pub struct Gap {
     pub missing: u64,
 }
 
-/// The columns that are times, those with a name of one first.
-pub(super) fn times(columns: &[Column], in_seconds: bool) -> Vec<TimeSummary> {
-    let summaries = columns.iter().filter_map(|column| Some((is_named(&column.name), time(column, in_seconds)?)));
-    let (named, others): (Vec<_>, Vec<_>) = summaries.partition(|(named, _)| *named);
-    named.into_iter().chain(others).map(|(_, summary)| summary).collect()
+/// The columns that are times: the one that is asked for first, then those with a name of one. `asked` is `NAME` or
+/// `FILE:NAME`.
+pub(super) fn times(columns: &[Column], in_seconds: bool, asked: Option<&str>) -> Vec<TimeSummary> {
+    let is_asked = |c: &Column| asked.is_some_and(|asked| asked == c.name || asked.ends_with(&format!(":{}", c.name)));
+    let rank = |c: &Column| if is_asked(c) { 0 } else { 2 - usize::from(is_named(&c.name)) };
+    let mut summaries: Vec<(usize, TimeSummary)> =
+        columns.iter().filter_map(|c| Some((rank(c), time(c, in_seconds, rank(c) < 2)?))).collect();
+    summaries.sort_by_key(|(rank, _)| *rank);
+    summaries.into_iter().map(|(_, summary)| summary).collect()
 }
 
 /// Whether a name is one of a time: `t`, `time`, `stamp` and their like, with or without a unit.
@@ -61,7 +67,7 @@ fn is_named(name: &str) -> bool {
         || matches!(name.as_str(), "log_time" | "sample_time" | "sim_time" | "elapsed_time")
 }
 
-fn time(column: &Column, in_seconds: bool) -> Option<TimeSummary> {
+fn time(column: &Column, in_seconds: bool, is_named: bool) -> Option<TimeSummary> {
     if column.channels != 1 || column.samples() < 3 || column.values.iter().any(|value| !value.is_finite()) {
         return None;
     }
@@ -70,12 +76,13 @@ fn time(column: &Column, in_seconds: bool) -> Option<TimeSummary> {
     let backwards = steps.iter().filter(|step| **step < 0.0).count();
     let (jitter_rms, jitter_max) = jitter(&steps, step);
     let is_even = steps.iter().all(|step| *step > 0.0) && jitter_rms < EVEN && steps.iter().all(|s| *s <= GAP * step);
-    if !is_named(&column.name) && !is_even {
+    if !is_named && !is_even {
         return None;
     }
     let unit = if in_seconds { Unit::Second } else { unit(&column.name, step) };
     Some(TimeSummary {
         column: column.name.clone(),
+        is_named,
         unit,
         rate_hz: 1.0 / (step * unit.to_si()),
         jitter_rms,

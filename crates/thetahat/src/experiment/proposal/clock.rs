@@ -1,0 +1,93 @@
+use super::{
+    error::ProposalError,
+    grouping::Group,
+    named::{Entry, entry},
+    offer::Offer,
+    request::ProposalRequest,
+    source::Source,
+    text::{ProposedChannels, ProposedClock},
+};
+use crate::recording::{Side, TimeSummary};
+
+/// Largest part of the rate by which a stated rate may differ from that of the times.
+const RATE_TOLERANCE: f64 = 0.01;
+
+/// The clock of a recording: the times that were named, or the likeliest of its files, or a stated rate.
+pub(super) fn clock(
+    request: &ProposalRequest,
+    offers: &[Offer<'_>],
+    group: &Group,
+) -> Result<ProposedClock, ProposalError> {
+    let sources: Vec<Source<'_>> = group.files().map(|file| offers[file].source).collect();
+    let times = match &request.time {
+        Some(named) => Some(named_time(named, &sources)?),
+        None => sources.iter().find_map(|s| s.table.and_then(|t| t.times.first()).map(|time| (*s, time))),
+    };
+    match (request.sample_rate_hz, times) {
+        (None, Some((source, time))) => Ok(recorded(&source, time)),
+        (Some(rate), times) => stated(rate, times),
+        (None, None) => {
+            let first = &sources[0];
+            Err(ProposalError::NoTime { file: first.file.to_owned(), columns: first.names() })
+        }
+    }
+}
+
+fn named_time<'a>(named: &str, sources: &[Source<'a>]) -> Result<(Source<'a>, &'a TimeSummary), ProposalError> {
+    let Entry { file, column } = entry(named, sources);
+    let asked = || sources.iter().enumerate().filter(|(n, _)| file.is_none_or(|of| of == *n)).map(|(_, s)| *s);
+    let time = |source: Source<'a>| {
+        let mut times = source.table.into_iter().flat_map(|t| &t.times);
+        times.find(|t| column.is_none_or(|name| name == t.column)).map(|time| (source, time))
+    };
+    if let Some(found) = asked().find_map(time) {
+        return Ok(found);
+    }
+    let has = |source: &Source<'_>| column.is_none_or(|name| source.names().iter().any(|n| n == name));
+    let column = column.unwrap_or_default().to_owned();
+    match asked().find(has) {
+        Some(source) => {
+            let problem = "its values do not rise in steps";
+            Err(ProposalError::NotATime { file: source.file.to_owned(), column, problem })
+        }
+        None => {
+            let (file, columns) = (sources[0].file.to_owned(), sources[0].names());
+            Err(ProposalError::NoSuchColumn { file, name: column, columns })
+        }
+    }
+}
+
+/// Steps of a stated rate, if no times with the name of a time contradict it.
+fn stated(rate_hz: f64, times: Option<(Source<'_>, &TimeSummary)>) -> Result<ProposedClock, ProposalError> {
+    let contradicts = |time: &&TimeSummary| time.is_named && (time.rate_hz / rate_hz - 1.0).abs() > RATE_TOLERANCE;
+    if let Some((source, time)) = times.filter(|(_, time)| contradicts(time)) {
+        return Err(ProposalError::RateContradictsTimes {
+            file: source.file.to_owned(),
+            column: time.column.clone(),
+            stated: rate_hz,
+            found: time.rate_hz,
+        });
+    }
+    Ok(ProposedClock { rate_hz, time: None })
+}
+
+fn recorded(source: &Source<'_>, time: &TimeSummary) -> ProposedClock {
+    let [rms, largest] = [time.jitter_rms, time.jitter_max].map(|j| 100.0 * j);
+    let comment = format!(
+        "{:.6} Hz; its steps deviate by {rms:.2} % rms, {largest:.2} % at most; {} gaps.",
+        time.rate_hz,
+        time.gaps.len(),
+    );
+    ProposedClock {
+        rate_hz: time.rate_hz,
+        time: Some(ProposedChannels {
+            file: source.file.to_owned(),
+            topic: source.topic().map(str::to_owned),
+            columns: vec![time.column.clone()],
+            unit: time.unit,
+            side: Side::Joint,
+            comment,
+            left_out: false,
+        }),
+    }
+}

@@ -1,0 +1,122 @@
+use std::path::PathBuf;
+
+/// Why no experiment can be proposed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ProposalError {
+    /// The columns of a signal cannot be told.
+    #[error(
+        "{}: the columns of the {signal} cannot be told from their names: {problem}; name them with --{signal} \
+         NAME,NAME,... (one for each of {joints} joints); the columns are: {}",
+        file.display(), columns.join(" ")
+    )]
+    UnclearColumns {
+        /// The recording.
+        file: PathBuf,
+        /// `position` or `torque`.
+        signal: &'static str,
+        /// What was found instead.
+        problem: String,
+        /// Number of joints.
+        joints: usize,
+        /// The columns of the recording.
+        columns: Vec<String>,
+    },
+    /// Neither columns nor name of a file say what it holds.
+    #[error(
+        "{}: neither its name nor its columns say which signal it holds; say it with --position {0}, --torque {0} or \
+         --time {0}; the columns are: {1}",
+        file.display(), columns.join(" ")
+    )]
+    UnclearFile {
+        /// The file.
+        file: PathBuf,
+        /// Its columns.
+        columns: Vec<String>,
+    },
+    /// The columns that were named for a signal are more or fewer than the joints.
+    #[error("--{signal} names {found} columns; {robot} has {joints} joints, and one is needed for each of them")]
+    ColumnCount {
+        /// `position` or `torque`.
+        signal: &'static str,
+        /// The columns named.
+        found: usize,
+        /// Name of the robot.
+        robot: String,
+        /// Its joints.
+        joints: usize,
+    },
+    /// Positions and torques are the same column.
+    #[error("{}: column {column:?} is taken for the positions and for the torques; name the columns of both with \
+             --position and --torque", file.display())]
+    SameColumn {
+        /// The file.
+        file: PathBuf,
+        /// The column.
+        column: String,
+    },
+    /// There is no time column and no rate.
+    #[error("{}: no time column is found; name it with --time NAME or state --rate HZ; the columns are: {}",
+        file.display(), columns.join(" "))]
+    NoTime {
+        /// The recording.
+        file: PathBuf,
+        /// The columns of the recording.
+        columns: Vec<String>,
+    },
+    /// A column that was named as the time never rises.
+    #[error("{}: column {column:?} is no time: {problem}", file.display())]
+    NotATime {
+        /// The file.
+        file: PathBuf,
+        /// The column.
+        column: String,
+        /// What it is.
+        problem: &'static str,
+    },
+    /// The rate that was stated is not that of the times.
+    #[error("{}: --rate states {stated} Hz, but the times in column {column:?} say {found:.6} Hz; leave --rate out", file.display())]
+    RateContradictsTimes {
+        /// The file of the times.
+        file: PathBuf,
+        /// Their column.
+        column: String,
+        /// The rate that was stated, Hz.
+        stated: f64,
+        /// The rate of the times, Hz.
+        found: f64,
+    },
+    /// A column that was named is not there.
+    #[error("{}: there is no column {name:?}; the columns are: {}", file.display(), columns.join(" "))]
+    NoSuchColumn {
+        /// The recording.
+        file: PathBuf,
+        /// The name.
+        name: String,
+        /// The columns of the recording.
+        columns: Vec<String>,
+    },
+    /// Files that belong together cannot be told.
+    #[error(
+        "{}: it holds {holds}, and which of the other files belong to the same recording cannot be told from the names; \
+         give the files of one recording at a time", file.display()
+    )]
+    NoPartner {
+        /// The file.
+        file: PathBuf,
+        /// The signal that it holds.
+        holds: &'static str,
+    },
+    /// Files of one recording have different numbers of samples.
+    #[error("{} has {samples} samples, {} has {other_samples}: they are not of one recording", file.display(), other.display())]
+    DifferentLengths {
+        /// A file.
+        file: PathBuf,
+        /// Its samples.
+        samples: usize,
+        /// The other.
+        other: PathBuf,
+        /// Its samples.
+        other_samples: usize,
+    },
+}

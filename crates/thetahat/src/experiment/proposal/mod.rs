@@ -1,0 +1,34 @@
+//! An experiment file proposed from what is in recordings.
+//!
+//! | file | what it does |
+//! | --- | --- |
+//! | `request`, `error` | what a proposal is made for, and why there is none |
+//! | `named` | the columns that the user named: `NAME`, `FILE` or `FILE:NAME` |
+//! | `source` | a file with the table of it that is used |
+//! | `columns` | which columns of a file hold a signal, by their names or the file's |
+//! | `offer` | what each file offers |
+//! | `grouping` | which files are of one recording |
+//! | `units` | units and sides, by names and ranges |
+//! | `clock` | times or a rate |
+//! | `recordings` | each recording as it is to be described |
+//! | `text` | the proposal as data, and as the text of an experiment file |
+
+mod clock;
+mod columns;
+mod error;
+mod grouping;
+mod named;
+mod offer;
+mod recordings;
+mod request;
+mod source;
+mod text;
+mod units;
+
+pub use error::ProposalError;
+pub use recordings::propose;
+pub use request::ProposalRequest;
+pub use text::{Proposal, ProposedChannels, ProposedClock, ProposedRecording, ProposedSignal};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,82 @@
+use super::{
+    error::ProposalError,
+    source::{Chosen, Source, channels},
+};
+use crate::robot::Robot;
+
+/// The columns that the user named for a signal.
+pub(super) struct Named<'s, 'a> {
+    signal: &'static str,
+    sources: &'s [Source<'a>],
+    entries: Vec<Entry<'s>>,
+}
+
+/// A file by its number, a column, or a column of a file.
+#[derive(Clone, Copy)]
+pub(super) struct Entry<'s> {
+    pub(super) file: Option<usize>,
+    pub(super) column: Option<&'s str>,
+}
+
+impl<'s, 'a> Named<'s, 'a> {
+    /// `arguments` are `NAME`, `FILE` or `FILE:NAME`; names behind a `FILE:NAME` are of that file too, where it has them.
+    pub(super) fn new(signal: &'static str, arguments: &'s [String], sources: &'s [Source<'a>]) -> Self {
+        let mut entries: Vec<Entry<'s>> = Vec::new();
+        for argument in arguments {
+            let entry = entry(argument, sources);
+            let before = entries.last().and_then(|e| e.column.and(e.file));
+            let of_before = before.filter(|&file| sources[file].column(argument).is_some());
+            entries.push(Entry { file: entry.file.or(of_before), ..entry });
+        }
+        Self { signal, sources, entries }
+    }
+
+    /// Of each file the columns named, if it has all of them; none if nothing was named.
+    pub(super) fn columns(&self, robot: &Robot) -> Result<Option<Vec<Option<Vec<Chosen<'a>>>>>, ProposalError> {
+        if self.entries.is_empty() {
+            return Ok(None);
+        }
+        let found: Vec<Result<Vec<Chosen<'a>>, &str>> =
+            (0..self.sources.len()).map(|file| self.of_file(file)).collect();
+        let likeliest = self.entries.iter().find_map(|e| e.file).unwrap_or(0);
+        if let (true, Err(name)) = (found.iter().all(Result::is_err), &found[likeliest]) {
+            let source = &self.sources[likeliest];
+            let (file, name) = (source.file.to_owned(), (*name).to_owned());
+            return Err(ProposalError::NoSuchColumn { file, name, columns: source.names() });
+        }
+        let joints = robot.coordinate_count();
+        match found.iter().flatten().map(|columns| channels(columns)).find(|&count| count != joints) {
+            None => Ok(Some(found.into_iter().map(Result::ok).collect())),
+            Some(found) => {
+                let (signal, robot) = (self.signal, robot.name.clone());
+                Err(ProposalError::ColumnCount { signal, found, robot, joints })
+            }
+        }
+    }
+
+    /// The columns of a file that are named, or the first that it has not.
+    fn of_file(&self, file: usize) -> Result<Vec<Chosen<'a>>, &'s str> {
+        let source = &self.sources[file];
+        let mut columns = Vec::new();
+        for entry in self.entries.iter().filter(|e| e.file.is_none_or(|of| of == file)) {
+            match entry.column {
+                Some(name) => columns.push(source.column(name).ok_or(name)?),
+                None => columns.extend(source.columns().filter(|c| !source.is_time(&c.name)).map(Chosen::of)),
+            }
+        }
+        if columns.is_empty() { Err(self.entries[0].column.unwrap_or_default()) } else { Ok(columns) }
+    }
+}
+
+/// What an argument means: `NAME`, `FILE` or `FILE:NAME`.
+pub(super) fn entry<'s>(argument: &'s str, sources: &[Source<'_>]) -> Entry<'s> {
+    let file = |name: &str| sources.iter().position(|s| s.is_called(name));
+    if let Some(number) = file(argument) {
+        return Entry { file: Some(number), column: None };
+    }
+    let split = argument.match_indices(':').find_map(|(at, _)| Some((file(&argument[..at])?, &argument[at + 1..])));
+    match split {
+        Some((number, column)) => Entry { file: Some(number), column: Some(column) },
+        None => Entry { file: None, column: Some(argument) },
+    }
+}

@@ -1,0 +1,89 @@
+use std::path::PathBuf;
+
+use super::{
+    super::column_names::{self, Signal},
+    columns,
+    error::ProposalError,
+    named::Named,
+    request::ProposalRequest,
+    source::{Chosen, Source},
+};
+use crate::{
+    recording::{ColumnSummary, Contents, TableSummary},
+    robot::Robot,
+};
+
+/// What a file offers: the columns of each signal, one channel for each joint.
+pub(super) struct Offer<'a> {
+    pub(super) source: Source<'a>,
+    pub(super) position: Result<Vec<Chosen<'a>>, String>,
+    pub(super) torque: Result<Vec<Chosen<'a>>, String>,
+    pub(super) velocity: Option<Vec<Chosen<'a>>>,
+    pub(super) reference: Option<Vec<Chosen<'a>>>,
+}
+
+impl Offer<'_> {
+    /// Whether nothing in the file is of use but times.
+    pub(super) fn is_empty(&self) -> bool {
+        self.position.is_err() && self.torque.is_err() && self.velocity.is_none() && self.reference.is_none()
+    }
+}
+
+/// What each of the files offers.
+pub(super) fn offers<'a>(
+    request: &'a ProposalRequest,
+    robot: &Robot,
+    contents: &'a [Contents],
+) -> Result<Vec<Offer<'a>>, ProposalError> {
+    let source = |(contents, file): (&'a Contents, &'a PathBuf)| Source {
+        contents,
+        file: file.as_path(),
+        table: chosen_table(request, contents),
+    };
+    let sources: Vec<Source<'a>> = contents.iter().zip(&request.recording_files).map(source).collect();
+    let position = Named::new("position", &request.position, &sources).columns(robot)?;
+    let torque = Named::new("torque", &request.torque, &sources).columns(robot)?;
+    let offer = |(number, source): (usize, &Source<'a>)| {
+        let found = |signal| columns::by_name(source, robot, signal);
+        let or_found = |named: &Option<Vec<Option<Vec<Chosen<'a>>>>>, signal| match named {
+            Some(named) => named[number].clone().ok_or_else(|| "others were named".to_owned()),
+            None => found(signal),
+        };
+        Offer {
+            source: *source,
+            position: or_found(&position, Signal::Position),
+            torque: or_found(&torque, Signal::Torque),
+            velocity: found(Signal::Velocity).ok(),
+            reference: found(Signal::Reference).ok(),
+        }
+    };
+    let offers: Vec<Offer<'a>> = sources.iter().enumerate().map(offer).collect();
+    offers.iter().try_for_each(refuse_same_columns)?;
+    Ok(offers)
+}
+
+/// The table with the most columns of the signals needed, the first of equals.
+fn chosen_table<'a>(request: &ProposalRequest, contents: &'a Contents) -> Option<&'a TableSummary> {
+    let wanted = |c: &&ColumnSummary| {
+        let named = request.position.iter().chain(&request.torque).any(|name| names(name, &c.name));
+        let read = column_names::read(&c.name);
+        named || matches!(read, Some(r) if matches!(r.signal, Signal::Position | Signal::Torque))
+    };
+    let score = |t: &&TableSummary| t.columns.iter().filter(wanted).count();
+    contents.tables.iter().rev().max_by_key(score)
+}
+
+/// Whether an argument names a column: by itself, behind a file, or one channel of it.
+fn names(argument: &str, column: &str) -> bool {
+    argument == column
+        || argument.strip_suffix(column).is_some_and(|file| file.ends_with(':'))
+        || argument.strip_prefix(column).is_some_and(|index| index.starts_with('['))
+}
+
+fn refuse_same_columns(offer: &Offer<'_>) -> Result<(), ProposalError> {
+    let (Ok(position), Ok(torque)) = (&offer.position, &offer.torque) else { return Ok(()) };
+    let same = position.iter().find(|p| torque.iter().any(|t| t.name == p.name));
+    same.map_or(Ok(()), |same| {
+        Err(ProposalError::SameColumn { file: offer.source.file.to_owned(), column: same.name.clone() })
+    })
+}

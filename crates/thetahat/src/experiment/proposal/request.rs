@@ -1,0 +1,24 @@
+use std::path::PathBuf;
+
+use crate::recording::Unit;
+
+/// What a proposal is made for, and what is known already.
+#[derive(Debug, Clone, Default)]
+pub struct ProposalRequest {
+    /// The robot description, as the experiment file is to name it.
+    pub robot_file: PathBuf,
+    /// The recordings, as the experiment file is to name them.
+    pub recording_files: Vec<PathBuf>,
+    /// Columns of the positions, as `NAME`, `FILE` (all its columns) or `FILE:NAME`; none looks for them by their names.
+    pub position: Vec<String>,
+    /// Columns of the torques, likewise.
+    pub torque: Vec<String>,
+    /// The time column, likewise.
+    pub time: Option<String>,
+    /// Samples per second, where there is no time column.
+    pub sample_rate_hz: Option<f64>,
+    /// The unit of the positions; none takes it from the names or the range.
+    pub position_unit: Option<Unit>,
+    /// The unit of the torques; none takes it from the names.
+    pub torque_unit: Option<Unit>,
+}

@@ -1,0 +1,92 @@
+use std::path::Path;
+
+use crate::recording::{ChannelSummary, ColumnSummary, Contents, Format, TableSummary};
+
+/// A column, or one channel of it, as the experiment is to name it.
+#[derive(Debug, Clone)]
+pub(super) struct Chosen<'a> {
+    pub(super) name: String,
+    pub(super) channels: &'a [ChannelSummary],
+}
+
+impl<'a> Chosen<'a> {
+    /// A whole column.
+    pub(super) fn of(column: &'a ColumnSummary) -> Self {
+        Self { name: column.name.clone(), channels: &column.statistics }
+    }
+}
+
+/// Number of channels of some columns.
+pub(super) fn channels(columns: &[Chosen<'_>]) -> usize {
+    columns.iter().map(|c| c.channels.len()).sum()
+}
+
+/// A file with the table of it that is used.
+#[derive(Clone, Copy)]
+pub(super) struct Source<'a> {
+    /// The file, as the experiment is to name it.
+    pub(super) file: &'a Path,
+    pub(super) contents: &'a Contents,
+    pub(super) table: Option<&'a TableSummary>,
+}
+
+impl<'a> Source<'a> {
+    /// The columns of numbers of the chosen table.
+    pub(super) fn columns(&self) -> impl Iterator<Item = &'a ColumnSummary> + use<'a> {
+        self.table.into_iter().flat_map(|t| &t.columns).filter(|c| c.not_numeric.is_none())
+    }
+
+    pub(super) fn names(&self) -> Vec<String> {
+        self.columns().map(|c| c.name.clone()).collect()
+    }
+
+    pub(super) fn samples(&self) -> usize {
+        self.table.map_or(0, |t| t.samples)
+    }
+
+    /// The name of the file without its ending.
+    pub(super) fn stem(&self) -> String {
+        self.contents.file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+    }
+
+    /// The name of the folder of the file.
+    pub(super) fn folder(&self) -> String {
+        let folder = self.contents.file.parent().and_then(Path::file_name);
+        folder.unwrap_or_default().to_string_lossy().into_owned()
+    }
+
+    /// Whether its messages are of `sensor_msgs/JointState`, which fixes their units.
+    pub(super) fn is_bag(&self) -> bool {
+        matches!(self.contents.format, Format::Db3 | Format::Mcap)
+    }
+
+    /// Whether a column is its time, the likeliest of several.
+    pub(super) fn is_time(&self, column: &str) -> bool {
+        self.table.and_then(|t| t.times.first()).is_some_and(|t| t.column == column)
+    }
+
+    /// The topic, where a bag holds several.
+    pub(super) fn topic(&self) -> Option<&'a str> {
+        let table = self.table.filter(|t| self.contents.tables.len() > 1 && !t.name.is_empty())?;
+        Some(&table.name)
+    }
+
+    /// Whether the user means this file by a name.
+    pub(super) fn is_called(&self, name: &str) -> bool {
+        let path = Path::new(name);
+        path == self.file || path == self.contents.file || Some(path.as_os_str()) == self.file.file_name()
+    }
+
+    /// A column, or `name[3]` of a matrix.
+    pub(super) fn column(&self, name: &str) -> Option<Chosen<'a>> {
+        let whole = self.columns().find(|c| c.name == name);
+        if let Some(column) = whole {
+            return Some(Chosen::of(column));
+        }
+        let (matrix, index) = name.strip_suffix(']')?.rsplit_once('[')?;
+        let index: usize = index.parse().ok()?;
+        let column = self.columns().find(|c| c.name == matrix)?;
+        let channel = column.statistics.get(index.checked_sub(1)?..index)?;
+        Some(Chosen { name: name.to_owned(), channels: channel })
+    }
+}

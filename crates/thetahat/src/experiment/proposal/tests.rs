@@ -1,0 +1,256 @@
+use std::path::Path;
+
+use super::*;
+use crate::{recording::inspect_with_time, robot::Robot};
+
+const ARM: &str = "name = 'arm'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n[[joint]]\nname = 'b'\nkind = 'revolute'\n";
+
+/// A proposal for a log with this first line, or why there is none.
+fn proposed(header: &str, request: ProposalRequest) -> Result<String, ProposalError> {
+    let columns = header.split(',').count();
+    let row = |k: usize| {
+        let value = |c: usize| if c == 0 { k as f64 * 1e-3 } else { (0.1 * k as f64 + c as f64).sin() };
+        (0..columns).map(|c| value(c).to_string()).collect::<Vec<_>>().join(",") + "\n"
+    };
+    let folder = thetahat_testing::Folder::new();
+    folder.write("log.csv", format!("{header}\n{}", (0..300).map(row).collect::<String>()));
+    let contents = inspect_with_time(&folder.at("log.csv"), request.time.as_deref()).unwrap();
+    let robot = Robot::parse(ARM, Path::new("arm.toml")).unwrap();
+    propose(&request, &robot, &[contents]).map(|p| p.text())
+}
+
+fn request() -> ProposalRequest {
+    ProposalRequest {
+        robot_file: "arm.toml".into(),
+        recording_files: vec!["log.csv".into()],
+        ..ProposalRequest::default()
+    }
+}
+
+#[test]
+fn the_proposal_is_an_experiment_that_can_be_read() {
+    let text = proposed("t,q1,q2,tau1,tau2", request()).unwrap();
+    let experiment = super::super::Experiment::from_texts(Path::new("e.toml"), text, ARM.to_owned()).unwrap();
+    let recording = &experiment.file.recording[0];
+    assert_eq!(recording.position.columns, ["q1", "q2"]);
+    assert_eq!(recording.torque.as_ref().unwrap().columns, ["tau1", "tau2"]);
+    assert_eq!(recording.time.as_ref().unwrap().columns, ["t"]);
+    assert_eq!(experiment.settings.signal.decimation, 20);
+}
+
+#[test]
+fn columns_are_ordered_by_the_names_of_the_joints() {
+    let text = proposed("t,b.position,a.position,b.effort,a.effort", request()).unwrap();
+    assert!(text.contains(r#"columns = ["a.position", "b.position"]"#), "{text}");
+    assert!(text.contains(r#"columns = ["a.effort", "b.effort"]"#), "{text}");
+}
+
+#[test]
+fn references_and_velocities_are_taken_along() {
+    let text = proposed("t,q1,q2,q1_ref,q2_ref,dq1,dq2,tau1,tau2", request()).unwrap();
+    assert!(text.contains("reference = {") && text.contains(r#"unit = "rad/s""#), "{text}");
+}
+
+#[test]
+fn names_that_do_not_tell_are_not_guessed() {
+    let error = proposed("t,q1,q2,c1,c2", request()).unwrap_err();
+    assert!(matches!(error, ProposalError::UnclearColumns { signal: "torque", joints: 2, .. }));
+    let named = ProposalRequest { torque: vec!["c1".into(), "c2".into()], ..request() };
+    assert!(proposed("t,q1,q2,c1,c2", named).is_ok());
+}
+
+#[test]
+fn a_column_that_is_not_there_is_named() {
+    let named = ProposalRequest { torque: vec!["c1".into(), "c9".into()], ..request() };
+    let error = proposed("t,q1,q2,c1,c2", named).unwrap_err();
+    assert!(matches!(error, ProposalError::NoSuchColumn { name, .. } if name == "c9"));
+}
+
+#[test]
+fn too_many_columns_of_a_kind_are_not_chosen_from() {
+    let error = proposed("t,q1,q2,qm1,qm2,tau1,tau2", request()).unwrap_err();
+    assert!(matches!(error, ProposalError::UnclearColumns { signal: "position", .. }));
+}
+
+/// A folder with files of these first lines, 300 samples each, and what is proposed for them.
+fn proposed_from(files: &[(&str, &str)], request: ProposalRequest, robot: &str) -> Result<Proposal, ProposalError> {
+    let folder = thetahat_testing::Folder::new();
+    let row = |header: &str, k: usize| {
+        let value =
+            |c: usize, name: &str| if name == "t" { k as f64 * 1e-3 } else { (0.1 * k as f64 + c as f64).sin() };
+        header.split(',').enumerate().map(|(c, name)| value(c, name).to_string()).collect::<Vec<_>>().join(",") + "\n"
+    };
+    for (name, header) in files {
+        let body: String = (0..300).map(|k| row(header, k)).collect();
+        folder.write(name, format!("{header}\n{body}"));
+    }
+    let names: Vec<std::path::PathBuf> = files.iter().map(|(name, _)| name.into()).collect();
+    let contents: Vec<_> =
+        names.iter().map(|n| inspect_with_time(&folder.path().join(n), request.time.as_deref()).unwrap()).collect();
+    let robot = Robot::parse(robot, Path::new("arm.toml")).unwrap();
+    propose(&ProposalRequest { recording_files: names, ..request }, &robot, &contents)
+}
+
+/// The files of the signals of each recording, in the order of the text.
+fn files_of(proposal: &Proposal) -> Vec<Vec<(&'static str, String)>> {
+    let of = |r: &ProposedRecording| {
+        let time = r.clock.time.iter().map(|t| ("time", t));
+        time.chain(r.channels.iter().map(|(n, c)| (*n, c))).map(|(n, c)| (n, c.file.display().to_string())).collect()
+    };
+    proposal.recordings.iter().map(of).collect()
+}
+
+#[test]
+fn time_positions_and_torques_in_three_files_are_one_recording() {
+    let files = [("tau.csv", "Joint_1,Joint_2"), ("time.csv", "t"), ("q.csv", "Joint_1,Joint_2")];
+    let proposal = proposed_from(&files, request(), ARM).unwrap();
+    let expected = [("time", "time.csv"), ("position", "q.csv"), ("torque", "tau.csv")];
+    assert_eq!(files_of(&proposal), [expected.map(|(s, f)| (s, f.to_owned()))]);
+    assert!(proposal.text().contains("[recording]\n"), "{}", proposal.text());
+}
+
+#[test]
+fn recordings_of_one_kind_are_several() {
+    let files = [("b.csv", "t,q1,q2,tau1,tau2"), ("a.csv", "t,q1,q2,tau1,tau2")];
+    let proposal = proposed_from(&files, request(), ARM).unwrap();
+    assert_eq!(proposal.recordings.iter().map(|r| r.name.as_deref()).collect::<Vec<_>>(), [Some("b"), Some("a")]);
+    let text = proposal.text();
+    let experiment = super::super::Experiment::from_texts(Path::new("e.toml"), text, ARM.to_owned()).unwrap();
+    assert_eq!(experiment.file.recording.len(), 2);
+}
+
+#[test]
+fn files_of_several_recordings_find_each_other_by_their_names() {
+    let files = [
+        ("run1_q.csv", "t,j1,j2"),
+        ("tau_run2.csv", "j1,j2"),
+        ("tau_run1.csv", "j1,j2"),
+        ("run2_q.csv", "t,j1,j2"),
+        ("run2_q_ref.csv", "j1,j2"),
+    ];
+    let found = files_of(&proposed_from(&files, request(), ARM).unwrap());
+    assert_eq!(
+        found[0].iter().map(|(_, f)| f.as_str()).collect::<Vec<_>>(),
+        ["run1_q.csv", "run1_q.csv", "tau_run1.csv"]
+    );
+    let second: Vec<&str> = found[1].iter().map(|(_, f)| f.as_str()).collect();
+    assert_eq!(second, ["run2_q.csv", "run2_q.csv", "tau_run2.csv", "run2_q_ref.csv"]);
+}
+
+#[test]
+fn files_whose_partner_cannot_be_told_are_refused() {
+    let files = [("q_a.csv", "t,j1,j2"), ("q_b.csv", "t,j1,j2"), ("tau_c.csv", "j1,j2"), ("tau_d.csv", "j1,j2")];
+    let error = proposed_from(&files, request(), ARM).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "q_a.csv: it holds positions, and which of the other files belong to the same recording cannot be told from the \
+         names; give the files of one recording at a time"
+    );
+}
+
+#[test]
+fn a_file_that_says_nothing_is_asked_for() {
+    let files = [("q.csv", "t,j1,j2"), ("b.csv", "j1,j2")];
+    let error = proposed_from(&files, request(), ARM).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "b.csv: neither its name nor its columns say which signal it holds; say it with --position b.csv, --torque b.csv \
+         or --time b.csv; the columns are: j1 j2"
+    );
+    let named = ProposalRequest { torque: vec!["b.csv".into()], ..request() };
+    let found = files_of(&proposed_from(&files, named, ARM).unwrap());
+    assert_eq!(found[0][2], ("torque", "b.csv".to_owned()));
+}
+
+#[test]
+fn columns_of_a_file_are_named_with_it() {
+    let files = [("a.csv", "t,j1,j2"), ("b.csv", "j1,j2")];
+    let named = ProposalRequest {
+        position: vec!["a.csv:j2".into(), "j1".into()],
+        torque: vec!["b.csv:j1".into(), "j2".into()],
+        ..request()
+    };
+    let proposal = proposed_from(&files, named, ARM).unwrap();
+    assert_eq!(proposal.recordings[0].channels[0].1.columns, ["j2", "j1"]);
+    assert_eq!(proposal.recordings[0].channels[1].1.columns, ["j1", "j2"]);
+}
+
+const SAME: &str = "log.csv: column \"tau1\" is taken for the positions and for the torques; name the columns of both with \
+                    --position and --torque";
+
+#[test]
+fn too_few_columns_and_the_torque_s_are_refused_at_once() {
+    let named = ProposalRequest { position: vec!["q1".into()], ..request() };
+    let error = proposed("t,q1,q2,tau1,tau2", named).unwrap_err();
+    let expected = "--position names 1 columns; arm has 2 joints, and one is needed for each of them";
+    assert_eq!(error.to_string(), expected);
+    let same = vec!["tau1".to_owned(), "tau2".to_owned()];
+    let named = ProposalRequest { position: same.clone(), torque: same, ..request() };
+    let error = proposed("t,q1,q2,tau1,tau2", named).unwrap_err();
+    assert_eq!(error.to_string(), SAME);
+    let named = ProposalRequest { position: vec!["tau1".into(), "tau2".into()], ..request() };
+    let error = proposed("t,q1,q2,tau1,tau2", named).unwrap_err();
+    assert_eq!(error.to_string(), SAME);
+}
+
+/// The column that is named as the time is taken, though another has the name of a time.
+#[test]
+fn the_time_that_is_named_is_taken() {
+    let files = [("log.csv", "t,counter,q1,q2,tau1,tau2")];
+    let named = |time: &str| ProposalRequest { time: Some(time.into()), ..request() };
+    let error = proposed_from(&files, named("q1"), ARM).map(|p| p.text());
+    assert!(error.is_ok_and(|text| text.contains("time = { file = \"log.csv\", columns = [\"q1\"]")));
+    let error = proposed_from(&files, named("clock"), ARM).unwrap_err();
+    assert!(matches!(error, ProposalError::NoSuchColumn { name, .. } if name == "clock"));
+}
+
+#[test]
+fn a_rate_that_the_times_contradict_is_refused() {
+    let stated = ProposalRequest { sample_rate_hz: Some(500.0), ..request() };
+    let error = proposed("t,q1,q2,tau1,tau2", stated).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "log.csv: --rate states 500 Hz, but the times in column \"t\" say 1000.000000 Hz; leave --rate out"
+    );
+}
+
+#[test]
+fn files_of_different_lengths_are_not_of_one_recording() {
+    let folder = thetahat_testing::Folder::new();
+    folder.write("q.csv", "t,j1,j2\n0,1,2\n0.1,2,3\n0.2,3,4\n");
+    folder.write("tau.csv", "j1,j2\n1,2\n2,3\n");
+    let contents = ["q.csv", "tau.csv"].map(|n| inspect_with_time(&folder.at(n), None).unwrap());
+    let robot = Robot::parse(ARM, Path::new("arm.toml")).unwrap();
+    let request = ProposalRequest { recording_files: vec!["q.csv".into(), "tau.csv".into()], ..request() };
+    let error = propose(&request, &robot, &contents).unwrap_err();
+    assert_eq!(error.to_string(), "q.csv has 3 samples, tau.csv has 2: they are not of one recording");
+}
+
+/// Angles of motors are told by the gears of the robot.
+#[test]
+fn motors_are_told_by_their_range_and_the_robot_s_gears() {
+    let geared = format!("{ARM}[transmission]\nmatrix = [[40, 0], [0, 50]]\n");
+    let folder = thetahat_testing::Folder::new();
+    let row = |k: usize| format!("{},{},{},1,2\n", 1e-3 * k as f64, 60.0 * (0.1 * k as f64).sin(), 0.3 * k as f64);
+    folder.write("log.csv", format!("t,q1,q2,tau1,tau2\n{}", (0..300).map(row).collect::<String>()));
+    let contents = [inspect_with_time(&folder.at("log.csv"), None).unwrap()];
+    let text = |robot: &str| {
+        propose(&request(), &Robot::parse(robot, Path::new("arm.toml")).unwrap(), &contents).unwrap().text()
+    };
+    assert!(text(&geared).contains("unit = \"rad\", side = \"motor\" }\n# From 1.0000 to 2.0000"), "{}", text(&geared));
+    assert!(text(&geared).contains("unit = \"N m\", side = \"motor\""));
+    assert!(text(ARM).contains("unit = \"deg\" }") && !text(ARM).contains("motor"), "{}", text(ARM));
+}
+
+/// A reference of another unit is not taken for one of the positions.
+#[test]
+fn a_reference_of_another_scale_is_left_out() {
+    let folder = thetahat_testing::Folder::new();
+    let row = |k: usize| {
+        format!("{},{q},{q},{r},{r},1,2\n", 1e-3 * k as f64, q = (0.1 * k as f64).sin(), r = 0.02 * k as f64 / 300.0)
+    };
+    folder.write("log.csv", format!("t,q1,q2,q1_ref,q2_ref,tau1,tau2\n{}", (0..300).map(row).collect::<String>()));
+    let contents = [inspect_with_time(&folder.at("log.csv"), None).unwrap()];
+    let text = propose(&request(), &Robot::parse(ARM, Path::new("arm.toml")).unwrap(), &contents).unwrap().text();
+    assert!(text.contains("\n# reference = {") && text.contains("Left out"), "{text}");
+}

@@ -1,0 +1,170 @@
+use std::{fmt::Write as _, path::PathBuf};
+
+use crate::recording::{Side, Unit};
+
+/// An experiment as it is proposed. [`Proposal::text`] is its file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Proposal {
+    /// A line that says what it is.
+    pub title: String,
+    /// The robot description.
+    pub robot_file: PathBuf,
+    /// The recordings.
+    pub recordings: Vec<ProposedRecording>,
+    /// Filters, decimation and window.
+    pub signal: ProposedSignal,
+}
+
+/// A recording with its signals.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProposedRecording {
+    /// Its name, where there are several.
+    pub name: Option<String>,
+    /// Its times or its rate.
+    pub clock: ProposedClock,
+    /// Positions, torques and what else was found, by the name of the key.
+    pub channels: Vec<(&'static str, ProposedChannels)>,
+}
+
+/// Times, or a rate alone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProposedClock {
+    /// Samples per second.
+    pub rate_hz: f64,
+    /// The times; none where the rate is stated.
+    pub time: Option<ProposedChannels>,
+}
+
+/// The channels of a signal.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProposedChannels {
+    /// Their file, as the experiment is to name it.
+    pub file: PathBuf,
+    /// Their topic, where the file has several.
+    pub topic: Option<String>,
+    /// Their columns.
+    pub columns: Vec<String>,
+    /// Their unit.
+    pub unit: Unit,
+    /// Their side of the gears.
+    pub side: Side,
+    /// What the user should know of them.
+    pub comment: String,
+    /// Whether they stand in a comment, for the user to put right.
+    pub left_out: bool,
+}
+
+/// The `[signal]` table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProposedSignal {
+    /// Cut-off of the position filter, Hz.
+    pub cutoff_hz: f64,
+    /// Factor of the parallel decimation.
+    pub decimation: usize,
+    /// Start and end of the window, s; none where the record has no other.
+    pub window_s: [Option<f64>; 2],
+    /// Why, in lines of up to 118 characters.
+    pub comment: Vec<String>,
+}
+
+/// The dynamics of robots of this size: their motion and torques lie below, in Hz (the paper's section V-A).
+const DYNAMICS_HZ: f64 = 10.0;
+/// Cut-off of the position filter and of the parallel filter, in multiples of the dynamics' (section V-A).
+const CUT_OFFS: [f64; 2] = [5.0, 2.0];
+/// Part of the sample rate above which no position filter is proposed.
+const HIGHEST_CUT_OFF: f64 = 0.2;
+/// The parallel filter cuts at this part of the sample rate over the factor.
+const DECIMATION_CUT_OFF: f64 = 0.4;
+
+impl ProposedSignal {
+    /// What serves industrial robots, from the rate alone.
+    #[must_use]
+    pub fn usual(rate_hz: f64) -> Self {
+        Self {
+            cutoff_hz: (CUT_OFFS[0] * DYNAMICS_HZ).min((HIGHEST_CUT_OFF * rate_hz * 100.0).round() / 100.0),
+            decimation: (DECIMATION_CUT_OFF * rate_hz / (CUT_OFFS[1] * DYNAMICS_HZ)).round().max(1.0) as usize,
+            window_s: [None; 2],
+            comment: vec![format!(
+                "Cut-offs for motion and torques below {DYNAMICS_HZ} Hz: 5 times that for the positions, 2 times for the rows."
+            )],
+        }
+    }
+
+    fn text(&self) -> String {
+        let mut text = String::from("\n");
+        self.comment.iter().for_each(|line| text += &format!("# {line}\n"));
+        let _ = write!(text, "[signal]\ncutoff_hz = {}\ndecimation = {}\n", self.cutoff_hz, self.decimation);
+        for (key, end) in ["window_start_s", "window_end_s"].into_iter().zip(self.window_s) {
+            end.into_iter().for_each(|s| text += &format!("{key} = {s}\n"));
+        }
+        text
+    }
+}
+
+impl Proposal {
+    /// The text of the experiment file, with what was guessed in its comments.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let mut text = format!(
+            "# Proposed from {}. Read every line, then run `thetahat check`: it examines the units and signs.\n\
+             title = {}\nrobot = {}\n",
+            self.files(),
+            quoted(&self.title),
+            quoted(&self.robot_file.display().to_string()),
+        );
+        let head = if self.recordings.len() == 1 { "[recording]" } else { "[[recording]]" };
+        self.recordings.iter().for_each(|recording| text += &format!("\n{head}\n{}", recording.text()));
+        text += &self.signal.text();
+        text += "\n# IDIM-IV and DIDIM simulate the closed loop: with the controller's law in [controller] \
+                 (docs/experiments.md) add\n# \"idim-iv\" and \"didim\".\n[estimation]\nmethods = [\"idim-ls\"]\n";
+        text
+    }
+
+    fn files(&self) -> String {
+        let mut files: Vec<String> = Vec::new();
+        for (_, channels) in self.recordings.iter().flat_map(|r| &r.channels) {
+            let file = channels.file.display().to_string();
+            if !files.contains(&file) {
+                files.push(file);
+            }
+        }
+        files.join(", ")
+    }
+}
+
+impl ProposedRecording {
+    fn text(&self) -> String {
+        let mut text = String::new();
+        self.name.iter().for_each(|name| text += &format!("name = {}\n", quoted(name)));
+        text += &match &self.clock.time {
+            Some(time) => time.line("time"),
+            None => format!("sample_rate_hz = {}\n", self.clock.rate_hz),
+        };
+        self.channels.iter().for_each(|(name, channels)| text += &channels.line(name));
+        text
+    }
+}
+
+impl ProposedChannels {
+    fn line(&self, name: &str) -> String {
+        let names: Vec<String> = self.columns.iter().map(|c| quoted(c)).collect();
+        let topic = self.topic.iter().map(|t| format!(", topic = {}", quoted(t))).collect::<String>();
+        let side = match self.side {
+            Side::Motor => ", side = \"motor\"",
+            Side::Joint => "",
+        };
+        format!(
+            "# {}\n{}{name} = {{ file = {}{topic}, columns = [{}], unit = \"{}\"{side} }}\n",
+            self.comment,
+            if self.left_out { "# " } else { "" },
+            quoted(&self.file.display().to_string()),
+            names.join(", "),
+            self.unit.symbol(),
+        )
+    }
+}
+
+/// A TOML string.
+fn quoted(text: &str) -> String {
+    toml::Value::String(text.to_owned()).to_string()
+}
