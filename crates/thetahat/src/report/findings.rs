@@ -157,8 +157,8 @@ mod tests {
         let recording = |findings| RecordingFindings { recording: "1".to_owned(), held_back: false, findings };
         let text = findings_text(&[recording(findings.clone())]);
         let expected = "Checks: 1 warning\n  \
-            warning [reference-mismatch] joints 1 2 3 4 5 6 7: 10 to 70 % of the motion; the\n  \
-            most: joint 7: the motion is 0.1 rad or m rms off its reference\n     \
+            warning [reference-mismatch] joints 1 2 3 4 5 6 7: 10 to 70 % of the motion;\n  \
+            the most: joint 7: the motion is 0.1 rad or m rms off its reference\n     \
             -> check the reference's column\n";
         assert_eq!(text, expected);
         findings[3].remedy = "another".to_owned();
