@@ -12,6 +12,7 @@ use super::{
     finding::{Code, Severity},
     friction_shapes::{friction_shapes, rows_of_reversals},
     lag_search::{LONGEST_S, Lags, Search, shifted},
+    orthogonal_fit::OrthogonalFit,
     thinned_record::ThinnedRecord,
 };
 
@@ -30,6 +31,8 @@ const SAME_PART: f64 = 0.35;
 const ONE_SAMPLE: f64 = 1.0;
 /// Part of the information of a common lag that joints with another lag may hold.
 const DISAGREEING: f64 = 0.2;
+/// Deviation of a joint's friction, part of that of the rest of its torque, from which friction is most of it.
+const MOST_FRICTION: f64 = 0.8;
 /// Part of the range of the search beyond which an optimum is no measurement: the search ended there.
 const INSIDE: f64 = 0.95;
 
@@ -68,8 +71,11 @@ fn measured(record: &ThinnedRecord<'_>) -> Option<Vec<Delay>> {
     if is_certain(&all, 0) && agree(&each, all.steps[0]) {
         return Some(vec![Delay::new(&search, joints.collect(), &all)]);
     }
-    let certain = joints.filter(|&j| is_certain(&each, j)).map(|j| Delay::new(&search, vec![j], &each));
-    let late: Vec<Delay> = certain.filter(|delay| delay.strength() > 1.0).collect();
+    // Where friction is most of a torque, a lag of that joint alone is one of friction.
+    let friction = record.friction_share(&parameters.theta());
+    let certain = joints.filter(|&j| is_certain(&each, j) && friction[j] < MOST_FRICTION);
+    let certain = certain.map(|j| Delay::new(&search, vec![j], &each));
+    let late: Vec<Delay> = certain.filter(|delay| delay.explained.strength() > 1.0).collect();
     let is_one = late.iter().all(|delay| same(delay.steps, delay.deviation, late[0].steps));
     Some(if is_one { late } else { Vec::new() })
 }
@@ -92,16 +98,29 @@ fn evidence(coordinate: Option<usize>, value: f64) -> Evidence {
     Evidence { code: Code::Lag, coordinate, value, unit: "times the limits", limit: 1.0 }
 }
 
+/// What a delay explains.
+#[derive(Debug, Clone, Copy)]
+struct Explained {
+    /// Part of the squared residual, percent.
+    residual: f64,
+    /// Rms torque, percent of the torques' deviation.
+    torque: f64,
+}
+
+impl Explained {
+    /// The smaller of its two parts of their limits.
+    fn strength(self) -> f64 {
+        (self.residual / EXPLAINED_LIMIT_PERCENT).min(self.torque / EFFECT_LIMIT_PERCENT)
+    }
+}
+
 /// The delay of one torque or of all.
 struct Delay {
     joints: Vec<usize>,
     /// Steps of the record by which they are late, and the standard deviation.
     steps: f64,
     deviation: f64,
-    /// Part of their squared residual that it explains, percent.
-    explained: f64,
-    /// Rms torque that it explains, percent of their torques' deviation.
-    effect: f64,
+    explained: Explained,
     of_all: bool,
     samples_per_step: f64,
     rate: f64,
@@ -118,14 +137,20 @@ impl Delay {
             let each = search.joint_squares(rest);
             joints.iter().map(|&j| each[j]).sum()
         };
-        let (was, is) = (squares(&search.parameters.residual), squares(&search.parameters.unexplained(&corrected)));
         let rows = (joints.len() * record.rows()) as f64;
+        let of_all = joints.len() == record.coordinates();
+        let evidence = |fit: &OrthogonalFit| {
+            let (was, is) = (squares(&fit.residual), squares(&fit.unexplained(&corrected)));
+            Explained { residual: 100.0 * (1.0 - is / was), torque: 100.0 * ((was - is).max(0.0) / rows).sqrt() }
+        };
+        // Friction that the model does not have can hide a delay of all joints from the plain fit.
+        let (plain, beside) = (evidence(search.parameters), evidence(search.beside));
+        let explained = if of_all && beside.strength() > plain.strength() { beside } else { plain };
         Self {
             steps,
             deviation: lags.deviation[joints[0]],
-            explained: 100.0 * (1.0 - is / was),
-            effect: 100.0 * ((was - is).max(0.0) / rows).sqrt(),
-            of_all: joints.len() == record.coordinates(),
+            explained,
+            of_all,
             samples_per_step: record.subject.sample_rate_hz / record.rate_hz,
             rate: record.subject.sample_rate_hz,
             joints,
@@ -136,17 +161,13 @@ impl Delay {
         self.samples_per_step * self.steps
     }
 
-    fn strength(&self) -> f64 {
-        (self.explained / EXPLAINED_LIMIT_PERCENT).min(self.effect / EFFECT_LIMIT_PERCENT)
-    }
-
     /// Raises it; whether the record is to be put right.
     fn raise(&self, exam: &mut Examination<'_>) -> bool {
-        let matters = self.strength() > 1.0 && self.samples().abs() >= ONE_SAMPLE;
+        let matters = self.explained.strength() > 1.0 && self.samples().abs() >= ONE_SAMPLE;
         let coordinate = (!self.of_all).then_some(self.joints[0]);
-        let evidence = evidence(coordinate, self.strength());
+        let evidence = evidence(coordinate, self.explained.strength());
         exam.note_measure(evidence);
-        if matters || self.explained > NOTE_PERCENT {
+        if matters || self.explained.residual > NOTE_PERCENT {
             let severity = if matters { Severity::Warning } else { Severity::Note };
             let evidence = Evidence { value: self.samples(), unit: "samples", limit: f64::NAN, ..evidence };
             let words = self.words(coordinate.map(|c| exam.subject.joint_number(c)), exam.subject.controller.is_some());
@@ -165,7 +186,7 @@ impl Delay {
              residual is {:.0} % smaller",
             ms(self.steps.abs()),
             ms(self.deviation),
-            self.explained
+            self.explained.residual
         );
         let also = if controlled { ", and state the delay of [controller]" } else { "" };
         let remedy = if size < ONE_SAMPLE {

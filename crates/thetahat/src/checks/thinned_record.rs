@@ -6,7 +6,7 @@
 
 use std::{cell::OnceCell, rc::Rc};
 
-use super::{affine::Affine, orthogonal_fit::OrthogonalFit, subject::Subject};
+use super::{affine::Affine, numbers::deviation, orthogonal_fit::OrthogonalFit, subject::Subject};
 use crate::{
     base_parameters::BaseParameters,
     dynamics::Sign,
@@ -211,6 +211,16 @@ impl<'a> ThinnedRecord<'a> {
             }
         }
         tau
+    }
+
+    /// Deviation of each joint's predicted friction, part of that of the rest of its torque.
+    pub(super) fn friction_share(&self, theta: &[f64]) -> Vec<f64> {
+        let part = |friction: bool| {
+            let own = |(c, t): (usize, &f64)| if self.is_friction(c) == friction { *t } else { 0.0 };
+            self.predict(&self.motion, &theta.iter().enumerate().map(own).collect::<Vec<_>>())
+        };
+        let (friction, rest) = (part(true), part(false));
+        (0..self.coordinates()).map(|j| deviation(&friction.channel(j)) / deviation(&rest.channel(j))).collect()
     }
 
     /// Whether a column is friction.
