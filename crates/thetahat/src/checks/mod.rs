@@ -31,6 +31,7 @@ mod excitation;
 mod fault;
 mod finding;
 mod friction;
+mod friction_shapes;
 mod gear;
 mod hypotheses;
 mod lag;
@@ -127,7 +128,8 @@ fn check_motion(exam: &mut Examination<'_>, signals: &Signals) {
 
 /// The fit. What a defect that was found makes meaningless is left out.
 fn check_fit(exam: &mut Examination<'_>, signals: &Signals, record: &mut ThinnedRecord<'_>) {
-    let blind = exam.has(&[Code::TorqueConstant, Code::JointStill, Code::JointDither]);
+    let blind = exam.has(&[Code::TorqueConstant, Code::JointStill, Code::JointDither])
+        || !record.has_rows_for(record.parameters());
     if !blind {
         fault::check(exam, record);
         if !exam.has(&[Code::PositionScale]) {
@@ -141,7 +143,7 @@ fn check_fit(exam: &mut Examination<'_>, signals: &Signals, record: &mut Thinned
         }
         cutoff::check(exam, record);
     }
-    excitation::check(exam, record);
+    excitation::check(exam, &record.of_estimated());
     if !blind && !exam.has(&[Code::PoorFit, Code::CutoffLow]) && record.has_full_rank() {
         lag::check(exam, record);
         gear::check(exam, record);

@@ -49,8 +49,12 @@ pub(super) fn check(exam: &mut Examination<'_>) {
     exam.judge(evidence, Severity::Warning, || {
         let largest = 100.0 * quantile_abs(regular.iter().copied(), 1.0);
         Words::new(
-            format!("the time between samples varies by {value:.1} % rms (at most {largest:.0} %) about {median:.6} s"),
-            "resample the record on equal steps by its stamps, or log by the controller's clock",
+            format!(
+                "the time between samples varies by {value:.1} % rms (at most {largest:.0} %) about {median:.6} s; the \
+                 record is brought to equal steps by its stamps"
+            ),
+            "nothing where the stamps are those of the samples; where they are of the arrival, log by the controller's \
+             clock",
         )
     });
 }

@@ -32,6 +32,8 @@ pub struct Subject<'a> {
     pub model: &'a Model,
     /// The parameters that are to be estimated.
     pub base: &'a BaseParameters,
+    /// All base parameters: what is looked for in the fit is not what a smaller set leaves unexplained.
+    pub all: &'a BaseParameters,
     /// Samples per second.
     pub sample_rate_hz: f64,
     /// Time stamps as recorded, s, before any resampling.

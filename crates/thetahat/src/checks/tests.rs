@@ -95,6 +95,7 @@ impl Crane {
             robot: &self.robot,
             model: &model,
             base: &base,
+            all: &base,
             sample_rate_hz: RATE_HZ,
             time_s: None,
             position: &self.position,

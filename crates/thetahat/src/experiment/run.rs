@@ -55,9 +55,8 @@ impl Experiment {
     /// # Errors
     /// [`ExperimentError`] for input that cannot be used. What is used but looks wrong is a finding.
     pub fn check(&self, data: &Path) -> Result<Vec<RecordingFindings>, ExperimentError> {
-        let main = self.main_recordings(data)?.into_iter().map(|r| (r, false));
-        let held_back = self.read_all(&self.file.validation, data)?.into_iter().map(|r| (r, true));
-        let of_recordings = check_recordings(self.setup(), main.chain(held_back).collect());
+        let held_back = self.read_all(&self.file.validation, data)?;
+        let of_recordings = check_recordings(self.setup(), self.main_recordings(data)?, held_back);
         let of_robot = examine_robot(&self.robot).into_iter();
         Ok(of_robot.chain(of_recordings.map_err(|e| self.refuse(e))?).collect())
     }

@@ -1,6 +1,6 @@
 //! The choice of the filter with the least error of the estimates.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, ops::Range};
 
 use super::{
     bands,
@@ -167,8 +167,13 @@ impl<'a> Study<'a> {
         let kept = window.len().min(LONGEST);
         let start = window.start + (window.len() - kept) / 2;
         let cut = |series: &Series| series.window(start..start + kept);
-        let Recording { sample_rate_hz, position, torque, reference, .. } = &self.recording;
+        let Recording { sample_rate_hz, position, torque, reference, gaps, .. } = &self.recording;
+        let gap = |gap: &Range<usize>| {
+            let (from, to) = (gap.start.max(start), gap.end.min(start + kept));
+            (from < to).then(|| from - start..to - start)
+        };
         Ok(Recording {
+            gaps: gaps.iter().filter_map(gap).collect(),
             torque: torque.as_ref().map(cut),
             reference: reference.as_ref().map(cut),
             ..Recording::without_torque(*sample_rate_hz, cut(position))

@@ -28,6 +28,7 @@ mod reference_correction;
 mod reference_of_motion;
 mod settings;
 mod setup;
+mod simulable;
 mod validation;
 
 pub use error::PreparationError;
@@ -47,4 +48,5 @@ pub use settings::{
     SimulationOptions, Start,
 };
 pub(crate) use setup::{Basis, Setup};
+pub(crate) use simulable::Simulable;
 pub(crate) use validation::validate_window;

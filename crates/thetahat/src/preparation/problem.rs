@@ -7,6 +7,7 @@ use super::{
     filtered::FilteredRecording,
     settings::{Case, NamedChoice, ParameterChoice},
     setup::{Basis, Setup},
+    simulable::Simulable,
 };
 use crate::{
     base_parameters::{BaseParameter, BaseParameters},
@@ -128,7 +129,11 @@ impl Setup<'_> {
         let elimination = match choice {
             ParameterChoice::Base | ParameterChoice::List(_) | ParameterChoice::Named(NamedChoice::Base) => None,
             // A set that cannot be estimated as a whole has nothing to start an elimination from; its runs say why.
-            ParameterChoice::Named(NamedChoice::Essential) => eliminate(all, self.settings.parameters.elimination).ok(),
+            ParameterChoice::Named(NamedChoice::Essential) => {
+                let rule = self.settings.parameters.elimination;
+                let simulable = Simulable::new(self.robot, (model, base), all);
+                eliminate(all, rule, &|kept, theta| simulable.is_possible(kept, theta)).ok()
+            }
         };
         let name = |i: usize| base.parameters()[i].name.clone();
         let names: Vec<String> = match (choice, &elimination) {

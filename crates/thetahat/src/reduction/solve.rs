@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     experiment::Experiment,
-    identification::{EstimationError, Fit, Method, Needs, Outcome, Status, Uncertainty, Weighting, idim_ls},
+    identification::{EstimationError, Fit, JointWeights, Method, Needs, Outcome, Status, Uncertainty, Weighting},
     linear_algebra::Matrix,
     preparation::{Case, Chosen, Settings, full_model_test, named_elimination},
     regression::Regression,
@@ -159,8 +159,8 @@ impl Solver<'_> {
             Weighting::None => None,
             Weighting::PerJoint => {
                 let regression = self.all.regression.with_columns(&self.chosen.columns);
-                let fit = idim_ls(&regression, self.settings.estimation.variance).ok()?;
-                Some(regression.joint_weights(&fit.prediction))
+                let of_recordings: Vec<f64> = self.reduction.recordings.iter().map(|r| r.weight).collect();
+                Some(JointWeights::of(&regression, &of_recordings).ok()?.weights)
             }
         }
     }

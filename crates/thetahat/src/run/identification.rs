@@ -1,5 +1,7 @@
 //! A robot with its recordings and settings, and what its estimations need.
 
+use std::sync::OnceLock;
+
 use super::{
     cross_validation::{Folds, folds_by_move, folds_by_part, folds_by_phase, folds_by_recording},
     prepared::{Prepared, filtered},
@@ -8,7 +10,7 @@ use super::{
 use crate::{
     base_parameters::BaseParameters,
     control::ControllerDescription,
-    identification::{EstimationError, Method, Needs, Reason, Response, Weighting, idim_ls},
+    identification::{EstimationError, JointWeights, Method, Needs, Reason, Response, Weighting},
     preparation::{
         Case, Payload, PreparationError, Problem, ProposedController, Recording, Settings, Setup, propose_controller,
     },
@@ -39,25 +41,38 @@ pub struct Identification {
 pub(crate) struct CaseProblem {
     friction: Friction,
     pub(crate) problem: Problem,
-    /// One over the standard deviation of each joint's LS residual, where LS has an estimate.
-    joint_weights: Option<Vec<f64>>,
+    /// The weights of the joints, once a method asked for them, where there is an estimate.
+    joint_weights: OnceLock<Option<JointWeights>>,
 }
 
 impl CaseProblem {
-    pub(crate) fn new(friction: Friction, problem: Problem, settings: &Settings) -> Self {
-        let fit = idim_ls(&problem.regression, settings.estimation.variance).ok();
-        let joint_weights = fit.map(|fit| problem.regression.joint_weights(&fit.prediction));
-        Self { friction, problem, joint_weights }
+    pub(crate) fn new(friction: Friction, problem: Problem) -> Self {
+        Self { friction, problem, joint_weights: OnceLock::new() }
     }
 
     /// The weight of each row: that of its recording, and where the method asks for it that of its joint. None where all
     /// are one.
     pub(crate) fn weights(&self, settings: &Settings, method: Method, of_recordings: &[f64]) -> Option<Vec<f64>> {
+        let regression = &self.problem.regression;
         let of_joints = match settings.weighting(method) {
             Weighting::None => None,
-            Weighting::PerJoint => self.joint_weights.as_deref(),
+            Weighting::PerJoint => {
+                let found = || JointWeights::of(regression, of_recordings).ok();
+                self.joint_weights.get_or_init(found).as_ref().map(|found| &found.weights[..])
+            }
         };
-        self.problem.regression.row_weights(of_recordings, of_joints)
+        regression.row_weights(of_recordings, of_joints)
+    }
+
+    /// Why the weights of a method are not those of its residual, where they did not settle.
+    pub(super) fn unsettled_weights(&self, settings: &Settings, method: Method) -> Option<String> {
+        let found = self.joint_weights.get()?.as_ref().filter(|found| !found.is_settled())?;
+        (settings.weighting(method) == Weighting::PerJoint).then(|| {
+            format!(
+                "the weights of the joints did not settle in {} estimates: one still changes by {:.1e} of itself",
+                found.steps, found.change
+            )
+        })
     }
 }
 
@@ -197,7 +212,7 @@ impl Identification {
             }
             progress("building the observation matrix");
             let problem = self.setup().problem(&case, &filtered(&self.main))?;
-            problems.push(CaseProblem::new(friction, problem, &self.settings));
+            problems.push(CaseProblem::new(friction, problem));
         }
         Ok(problems)
     }

@@ -34,6 +34,7 @@ mod profile;
 mod profiled_robot;
 mod sensitivity;
 mod term_comparison;
+mod uncertain;
 mod worse_than_zero;
 
 pub(crate) use examination::{check_recordings, examine_robot};

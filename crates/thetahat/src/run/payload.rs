@@ -55,7 +55,7 @@ impl Identification {
             });
         }
         let of_payload = problem.regression.layout.stack_matrices(blocks);
-        let problem = CaseProblem::new(setup.robot.friction, problem, setup.settings);
+        let problem = CaseProblem::new(setup.robot.friction, problem);
         let of_recordings: Vec<f64> = recordings.iter().map(|r| r.recording.weight).collect();
         let weights = problem.weights(setup.settings, Method::IDIM_WLS, &of_recordings);
         let problem = problem.problem;

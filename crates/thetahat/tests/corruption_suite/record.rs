@@ -53,6 +53,7 @@ impl Record {
             robot: &self.robot,
             model,
             base,
+            all: base,
             sample_rate_hz: self.rate_hz,
             time_s: self.time_s.as_deref(),
             position: &self.position,
