@@ -34,6 +34,8 @@ pub(crate) struct FilteredRecording {
     pub(crate) fixed_torque: Option<Series>,
     /// Samples of the recording.
     pub(crate) window: Range<usize>,
+    /// The channels that torque terms take, over the whole recording, filtered as the positions are.
+    pub(crate) channels: Option<Series>,
 }
 
 impl Setup<'_> {
@@ -43,8 +45,10 @@ impl Setup<'_> {
         let rate = recording.sample_rate_hz;
         self.require_periods(recording.position.len(), rate)?;
         let whole = self.band_pass(&recording.position, rate)?;
+        let channels = recording.channels_named(&self.robot.channels(), self.robot.coordinate_count())?;
+        let channels = channels.map(|c| self.band_pass(&c, rate)).transpose()?.map(|filtered| filtered.q);
         let payload_torque = self.payload_torque(&recording, &whole)?;
-        let fixed_torque = self.fixed_torque(&whole);
+        let fixed_torque = self.fixed_torque(&whole, channels.clone());
         let known = payload_torque.iter().chain(&fixed_torque);
         let recording = known.fold(recording, Recording::less_torque);
         let Motion { q, dq, ddq } = whole;
@@ -53,7 +57,7 @@ impl Setup<'_> {
         let window = window_of(moving, dq.len(), rate, &options)?;
         let cut = |series: &Series| series.window(window.clone());
         let motion = Motion { q: cut(&q), dq: cut(&dq), ddq: cut(&ddq) };
-        Ok(FilteredRecording { motion, payload_torque, fixed_torque, recording, window })
+        Ok(FilteredRecording { motion, payload_torque, fixed_torque, recording, window, channels })
     }
 
     /// The torques of the known payload that a recording carries: `phi(q, dq, ddq)` times what it adds to the parameters.
@@ -61,18 +65,18 @@ impl Setup<'_> {
         let Some(payload) = self.payload_of(recording)?.filter(|p| p.is_known()) else { return Ok(None) };
         let model = Model::new(self.robot);
         let theta = payload.standard_parameters(self.robot, model.parameter_table())?;
-        Ok(Some(torques(&model, &theta, motion)))
+        Ok(Some(torques(&model, &theta, motion, None)))
     }
 
     /// The torques of the parameters at a value; none where there are none.
-    fn fixed_torque(&self, motion: &Motion) -> Option<Series> {
+    fn fixed_torque(&self, motion: &Motion, channels: Option<Series>) -> Option<Series> {
         let fix = &self.settings.parameters.fix;
         if fix.is_empty() {
             return None;
         }
         let model = Model::new(self.robot);
         let theta = model.parameter_table().iter().map(|p| fix.get(&p.name()).copied().unwrap_or(0.0));
-        Some(torques(&model, &theta.collect::<Vec<_>>(), motion))
+        Some(torques(&model, &theta.collect::<Vec<_>>(), motion, channels))
     }
 
     /// The payload that a recording carries.
@@ -102,9 +106,9 @@ impl Setup<'_> {
 }
 
 /// The torques of standard parameters, of which few are not zero: `phi(q, dq, ddq) theta` in every sample.
-fn torques(model: &Model, theta: &[f64], motion: &Motion) -> Series {
+fn torques(model: &Model, theta: &[f64], motion: &Motion, channels: Option<Series>) -> Series {
     let columns: Vec<usize> = (0..theta.len()).filter(|&i| theta[i] != 0.0).collect();
-    let regressor = Regressor::new(model, &columns);
+    let regressor = Regressor::new(model, &columns).with_channels(channels);
     let phi = regressor.evaluate_series(model, &motion.q, &motion.dq, &motion.ddq, Sign::Exact);
     let mut torque = Series::zeros(motion.q.len(), motion.q.channels());
     for k in 0..torque.len() {
@@ -148,7 +152,13 @@ impl FilteredRecording {
     /// X of the measured motion.
     pub(crate) fn observation_matrix(&self, assembly: &Assembly<'_>) -> Result<Matrix, SignalError> {
         let Motion { q, dq, ddq } = &self.motion;
+        let assembly = assembly.clone().with_channels(self.channels_in_window());
         assembly.observation_matrix(q, dq, ddq, Sign::Exact)
+    }
+
+    /// The channels that torque terms take, in the window.
+    pub(crate) fn channels_in_window(&self) -> Option<Series> {
+        self.channels.as_ref().map(|channels| channels.window(self.window.clone()))
     }
 
     /// The torques in the window; zeros where they were not recorded.

@@ -8,6 +8,7 @@ use super::{
     sections,
     table::Table,
     tables::{self, Detail},
+    terms,
     wrap::wrap,
 };
 use crate::results::Results;
@@ -28,6 +29,7 @@ pub fn all(results: &Results, published: Option<&Published>) -> String {
     }
     parts.push(physical::text(results));
     parts.extend(payload::tables(results).iter().map(Table::to_text));
+    parts.push(terms::text(results));
     parts.extend(published.map(|p| published_runs(results, p)));
     parts.extend([joint_errors(results), tests(results), convergence(results), simulation_errors(results)]);
     parts.retain(|part| !part.is_empty());
