@@ -83,7 +83,7 @@ impl Twin {
             let mut workspace = Workspace::new(&model);
             let mut tau = vec![0.0; n * SAMPLES];
             for (k, tau) in tau.chunks_mut(n).enumerate() {
-                let state = State { q: q.sample(k), dq: dq.sample(k) };
+                let state = State::new(q.sample(k), dq.sample(k));
                 model.inverse_dynamics(&theta, state, ddq.sample(k), Sign::Exact, &mut workspace, tau);
             }
             tau

@@ -151,7 +151,7 @@ impl RecordingDescription {
     /// The channels that it names.
     fn sources(&self) -> impl Iterator<Item = &ChannelSource> {
         let optional = [&self.time, &self.velocity, &self.torque, &self.reference, &self.added_signal];
-        [&self.position].into_iter().chain(optional.into_iter().flatten())
+        [&self.position].into_iter().chain(optional.into_iter().flatten()).chain(self.channels.values())
     }
 }
 

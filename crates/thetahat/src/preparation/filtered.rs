@@ -49,8 +49,10 @@ impl Setup<'_> {
         let rate = recording.sample_rate_hz;
         self.require_periods(recording.position.len(), rate)?;
         let whole = self.band_pass(&recording.position, rate)?;
+        let channels = recording.channels_named(&self.robot.channels(), self.robot.coordinate_count())?;
+        let channels = channels.map(|c| self.band_pass(&c, rate)).transpose()?.map(|filtered| filtered.q);
         let payload_torque = self.payload_torque(&recording, &whole)?;
-        let fixed_torque = self.fixed_torque(&whole);
+        let fixed_torque = self.fixed_torque(&whole, channels.clone());
         let known = payload_torque.iter().chain(&fixed_torque);
         let recording = known.fold(recording, Recording::less_torque);
         let Motion { q, dq, ddq } = whole;
@@ -70,18 +72,18 @@ impl Setup<'_> {
         let Some(payload) = self.payload_of(recording)?.filter(|p| p.is_known()) else { return Ok(None) };
         let model = Model::new(self.robot);
         let theta = payload.standard_parameters(self.robot, model.parameter_table())?;
-        Ok(Some(torques(&model, &theta, motion)))
+        Ok(Some(torques(&model, &theta, motion, None)))
     }
 
     /// The torques of the parameters at a value; none where there are none.
-    fn fixed_torque(&self, motion: &Motion) -> Option<Series> {
+    fn fixed_torque(&self, motion: &Motion, channels: Option<Series>) -> Option<Series> {
         let fix = &self.settings.parameters.fix;
         if fix.is_empty() {
             return None;
         }
         let model = Model::new(self.robot);
         let theta = model.parameter_table().iter().map(|p| fix.get(&p.name()).copied().unwrap_or(0.0));
-        Some(torques(&model, &theta.collect::<Vec<_>>(), motion))
+        Some(torques(&model, &theta.collect::<Vec<_>>(), motion, channels))
     }
 
     /// The payload that a recording carries.
@@ -111,9 +113,9 @@ impl Setup<'_> {
 }
 
 /// The torques of standard parameters, of which few are not zero: `phi(q, dq, ddq) theta` in every sample.
-fn torques(model: &Model, theta: &[f64], motion: &Motion) -> Series {
+fn torques(model: &Model, theta: &[f64], motion: &Motion, channels: Option<Series>) -> Series {
     let columns: Vec<usize> = (0..theta.len()).filter(|&i| theta[i] != 0.0).collect();
-    let regressor = Regressor::new(model, &columns);
+    let regressor = Regressor::new(model, &columns).with_channels(channels);
     let phi = regressor.evaluate_series(model, &motion.q, &motion.dq, &motion.ddq, Sign::Exact);
     let mut torque = Series::zeros(motion.q.len(), motion.q.channels());
     for k in 0..torque.len() {

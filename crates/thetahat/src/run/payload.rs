@@ -146,7 +146,7 @@ impl Found {
 fn named(quantity: LinkQuantity, found: Option<One>) -> PayloadParameter {
     PayloadParameter {
         name: quantity.name().to_owned(),
-        unit: Quantity::Link(quantity).unit(JointKind::Revolute).to_owned(),
+        unit: Quantity::Link(quantity).unit(JointKind::Revolute).to_string(),
         estimate: found.map(|p| p.estimate),
         standard_deviation: found.and_then(|p| p.standard_deviation),
         interval_95: found.and_then(|p| p.interval_95),
