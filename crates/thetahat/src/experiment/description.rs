@@ -20,7 +20,7 @@ use crate::{
         SignalOptions, SimulationOptions,
     },
     recording::ChannelSource,
-    robot::{Robot, RobotSource},
+    robot::{Robot, RobotError, RobotSource, TermDescription},
     simulation::Sensors,
 };
 
@@ -48,6 +48,8 @@ pub struct ExperimentFile {
     pub title: String,
     /// The robot description, relative to the experiment file, or else to the folder of the data.
     pub robot: PathBuf,
+    /// Torque terms beside those of the robot's description: `[[term]]`.
+    pub terms: Vec<TermDescription>,
     /// The recordings to identify from: one `[recording]` or several `[[recording]]`.
     pub recording: Vec<RecordingDescription>,
     /// Recordings held back to validate on: one `[validation]` or several `[[validation]]`.
@@ -64,6 +66,8 @@ pub struct ExperimentFile {
 struct Tables {
     title: String,
     robot: PathBuf,
+    #[serde(default)]
+    term: Vec<TermDescription>,
     #[serde(default, deserialize_with = "one_or_several")]
     recording: Vec<RecordingDescription>,
     #[serde(default, deserialize_with = "one_or_several")]
@@ -85,7 +89,8 @@ struct Tables {
 impl Tables {
     fn split(self) -> (ExperimentFile, Settings) {
         let Self { title, robot, recording, validation, twin, signal, parameters, estimation, controller, .. } = self;
-        let file = ExperimentFile { title, robot, recording, validation, twin, published: self.published };
+        let (terms, published) = (self.term, self.published);
+        let file = ExperimentFile { title, robot, terms, recording, validation, twin, published };
         let (simulation, cases) = (self.simulation, self.case);
         (file, Settings { signal, parameters, estimation, controller, simulation, cases })
     }
@@ -123,6 +128,10 @@ pub struct RecordingDescription {
     pub reference_correction: Option<ReferenceCorrection>,
     /// A signal that was added to the drive signals behind the controller; the torque channel includes it.
     pub added_signal: Option<ChannelSource>,
+    /// Other channels by name, as the robot's torque terms take them, such as `temperature`: one column, or one for each
+    /// coordinate.
+    #[serde(default)]
+    pub channels: BTreeMap<String, ChannelSource>,
 }
 
 fn one() -> f64 {
@@ -255,7 +264,10 @@ impl Experiment {
         text: String,
         source: RobotSource,
     ) -> Result<Self, ExperimentError> {
-        let (robot, robot_text) = (source.robot()?, source.to_text());
+        let (mut robot, robot_text) = (source.robot()?, source.to_text());
+        robot
+            .add_terms(&file.terms)
+            .map_err(|source| RobotError::Term { path: path.to_owned(), source: Box::new(source) })?;
         let experiment = Self { path: path.to_owned(), file, settings, text, robot, robot_text };
         experiment.validate()?;
         Ok(experiment)

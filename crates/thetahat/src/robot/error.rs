@@ -1,6 +1,6 @@
 use std::path::{Path, PathBuf};
 
-use super::urdf::UrdfError;
+use super::{terms::TermError, urdf::UrdfError};
 
 /// Why a robot description cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -90,6 +90,14 @@ pub enum RobotError {
         expected: &'static str,
         /// What was found.
         found: String,
+    },
+    /// A torque term that cannot be used.
+    #[error("{}: {source}", path.display())]
+    Term {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: Box<TermError>,
     },
     /// A parameter name that this robot does not have.
     #[error("{}: [parameters] {name}: this robot has no such parameter; joint 1 has {}, and so on by number", path.display(), known.join(" "))]

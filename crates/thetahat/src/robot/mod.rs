@@ -22,6 +22,7 @@ mod parameters;
 mod physical;
 mod quantity;
 mod source;
+mod terms;
 mod toml_file;
 mod transmission;
 mod tree;
@@ -32,8 +33,14 @@ pub use error::RobotError;
 pub use joint::{DenavitHartenberg, Joint, JointKind, Limits, Mimic, Placement};
 pub use parameters::{Parameter, ParameterTable};
 pub use physical::NotPhysical;
-pub use quantity::{Bound, Friction, INERTIAL, JointQuantity, LinkQuantity, MotorQuantity, Quantity, Role};
+pub use quantity::{
+    Bound, Friction, INERTIAL, JointQuantity, LinkQuantity, MotorQuantity, Quantity, Role, TermQuantity,
+};
 pub use source::RobotSource;
+pub use terms::{
+    ChannelFactor, Cylinder, Direction, Expression, LinkPoint, PointDescription, Shape, Stribeck, StribeckLaw,
+    TermColumn, TermDescription, TermError, TwoPoints, Variable, channels_of,
+};
 pub use transmission::Transmission;
 pub use urdf::{Place, UrdfError};
 

@@ -5,6 +5,7 @@ use super::{
     uncertain,
 };
 use crate::{
+    base_parameters::BaseParameters,
     checks::{self, Finding, SignalSettings, Subject},
     identification::{Method, Needs},
     preparation::{Case, PreparationError, Problem, Recording, Setup},
@@ -21,11 +22,14 @@ pub(crate) fn examine(setup: Setup<'_>, prepared: &Prepared, problem: &Problem, 
     let is_used = !is_planned && !held_back;
     let reconstructed = reference.as_ref().filter(|r| matches!(r.reference, Reference::Moves(_)) && is_used);
     let deviation = reconstructed.map(|r| r.rms_deviation(filtered));
+    // The checks see positions and torques alone: what multiplies another channel is left out of what they fit.
+    let without_channels = |base: &BaseParameters| base.filtered(|kept| !problem.model.takes_channel(kept));
+    let (base, all) = (without_channels(&problem.estimated), without_channels(&problem.base));
     let subject = Subject {
         robot: setup.robot,
         model: &problem.model,
-        base: &problem.estimated,
-        all: &problem.base,
+        base: &base,
+        all: &all,
         sample_rate_hz: recording.sample_rate_hz,
         time_s: recording.time_stamps_s.as_deref(),
         position: &recording.position,

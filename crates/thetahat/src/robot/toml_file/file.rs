@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, de::IgnoredAny};
 use toml::Spanned;
 
-use crate::robot::{Friction, JointKind};
+use crate::robot::{Friction, JointKind, TermDescription};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -20,6 +20,8 @@ pub(super) struct RobotFile {
     #[serde(default)]
     pub(super) joint: Vec<Spanned<JointEntry>>,
     pub(super) transmission: Option<TransmissionEntry>,
+    #[serde(default)]
+    pub(super) term: Vec<TermDescription>,
     #[serde(default)]
     pub(super) parameters: BTreeMap<String, f64>,
 }

@@ -38,6 +38,8 @@ impl Reader<'_> {
             transmission: Transmission::direct(coordinates),
             friction: Friction::default(),
             a_priori: std::collections::BTreeMap::new(),
+            term_descriptions: Vec::new(),
+            terms: Vec::new(),
         })
     }
 
@@ -59,7 +61,7 @@ impl Reader<'_> {
 
     /// What the file says beside the joints, over what `robot` says.
     fn with_additions(&self, mut robot: Robot, file: RobotFile) -> Result<Robot, RobotError> {
-        let RobotFile { name, gravity, friction, transmission, parameters, .. } = file;
+        let RobotFile { name, gravity, friction, transmission, parameters, term, .. } = file;
         self.check_finite("gravity", gravity.into_iter().flatten())?;
         for (name, value) in &parameters {
             self.check_finite(&format!("[parameters] {name}"), [*value])?;
@@ -70,9 +72,14 @@ impl Reader<'_> {
             robot.transmission = self.transmission(entry, &robot.joints, &robot.transmission)?;
         }
         robot.set_friction(friction.unwrap_or(robot.friction));
-        self.check_parameter_names(&robot, parameters.keys())?;
-        robot.a_priori.extend(parameters);
-        Ok(robot)
+        // Terms may need a-priori values, and a-priori values may be of terms.
+        let mut described = robot.clone();
+        described.a_priori.extend(parameters.clone());
+        described
+            .add_terms(&term)
+            .map_err(|source| RobotError::Term { path: self.path.to_owned(), source: Box::new(source) })?;
+        self.check_parameter_names(&described, parameters.keys())?;
+        Ok(described)
     }
 
     fn check_parameter_names<'n>(

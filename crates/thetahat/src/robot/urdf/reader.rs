@@ -48,6 +48,8 @@ pub(in crate::robot) fn read(text: &str, path: &Path, transmissions: Transmissio
         Transmissions::Ignored => Transmission::direct(assembly.coordinates().count()),
     };
     Ok(Robot {
+        term_descriptions: Vec::new(),
+        terms: Vec::new(),
         name,
         gravity: GRAVITY,
         a_priori: assembly.a_priori(),
