@@ -67,6 +67,7 @@ fn run(case: &str, method: Method) -> RunResult {
         estimates: parameters().iter().map(|p| p.estimate).collect(),
     };
     RunResult {
+        findings: Vec::new(),
         case: case.to_owned(),
         method,
         weighting: Some(if method == Method::DIDIM { Weighting::PerJoint } else { Weighting::None }),

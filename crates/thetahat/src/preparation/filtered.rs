@@ -62,8 +62,6 @@ impl Setup<'_> {
         let cut = |series: &Series| series.window(window.clone());
         let motion = Motion { q: cut(&q), dq: cut(&dq), ddq: cut(&ddq) };
         let left_out = left_out(&recording.gaps, &window, rate, options.cutoff_hz);
-        let channels = recording.channels_named(&self.robot.channels(), self.robot.coordinate_count())?;
-        let channels = channels.map(|c| self.band_pass(&c, rate)).transpose()?.map(|filtered| filtered.q);
         Ok(FilteredRecording { motion, payload_torque, fixed_torque, recording, window, left_out, channels })
     }
 
