@@ -48,11 +48,9 @@ fn twins() -> Vec<(String, Twin)> {
 /// What is true of some twins: friction that the model does not have is not explained, and the offset of the branching
 /// robot's slide is nearly its weight.
 fn is_true(twin: &Twin, finding: &Finding) -> bool {
-    match finding.code {
-        Code::PoorFit => twin.friction.presliding > 0.0,
-        Code::NotExcited => twin.robot == "branching.urdf",
-        _ => false,
-    }
+    let code = finding.code;
+    (code == Code::PoorFit && twin.friction.presliding > 0.0)
+        || (code == Code::NotExcited && twin.robot == "branching.urdf")
 }
 
 fn is_clean(twin: &Twin) -> Result<(), Failed> {

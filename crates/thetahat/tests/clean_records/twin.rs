@@ -136,9 +136,9 @@ impl Twin {
         let deviation = (own.iter().map(|t| (t - mean).powi(2)).sum::<f64>() / own.len() as f64).sqrt();
         let span =
             own.iter().fold(f64::NEG_INFINITY, |p, t| p.max(*t)) - own.iter().fold(f64::INFINITY, |p, t| p.min(*t));
-        for k in 0..torque.len() {
+        for (k, own) in own.iter().enumerate() {
             let noise: f64 = StandardNormal.sample(rng);
-            let noisy = own[k] + self.noise * deviation * noise;
+            let noisy = own + self.noise * deviation * noise;
             let step = if self.torque_steps > 0.0 { span / self.torque_steps } else { 0.0 };
             torque.sample_mut(k)[j] = if step > 0.0 { step * (noisy / step).round() } else { noisy };
         }
