@@ -80,7 +80,7 @@ fn record(robot: &Robot, samples: usize) -> (Series, Series) {
                 (q + a * s, dq + a * w * c, ddq - a * w * w * s)
             });
         }
-        let state = State { q: positions.sample(k), dq: &dq };
+        let state = State::new(positions.sample(k), &dq);
         let tau = torques.sample_mut(k);
         model.inverse_dynamics(&parameters, state, &ddq, Sign::Exact, &mut workspace, tau);
         tau.iter_mut().for_each(|tau| *tau += rng.random_range(-0.05..0.05));

@@ -233,6 +233,8 @@ fn results() -> Results {
         },
         seed: Some(1),
         findings: vec![RecordingFindings { recording: "1".to_owned(), held_back: false, findings: vec![finding()] }],
+        profiled_terms: Vec::new(),
+        term_comparison: None,
         elimination: Some(EliminationResult {
             kept: vec!["zz1r".to_owned()],
             eliminated: vec!["fc6".to_owned(); 40],

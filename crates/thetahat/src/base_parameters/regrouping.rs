@@ -1,4 +1,4 @@
-use std::collections::BTreeSet;
+use std::{borrow::Cow, collections::BTreeSet};
 
 use super::{dependencies::Dependencies, error::BaseParametersError, joint_by_joint, whole};
 use crate::{
@@ -18,7 +18,7 @@ pub struct BaseParameter {
     /// Formula, such as `zz1 + ia1 + yy2 + 0.07*mz3`.
     pub expression: String,
     /// Unit in SI.
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
 }
 
 /// The base parameters of a robot, or a part of them: `X theta = X_b theta_b`.
@@ -91,6 +91,12 @@ impl BaseParameters {
         Ok(Self { parameters, standard_count: self.standard_count })
     }
 
+    /// Those whose kept standard parameter is wanted.
+    pub(crate) fn filtered(&self, is_wanted: impl Fn(usize) -> bool) -> Self {
+        let parameters = self.parameters.iter().filter(|p| is_wanted(p.kept)).cloned().collect();
+        Self { parameters, standard_count: self.standard_count }
+    }
+
     /// The base parameters that a vector of standard parameters has.
     #[must_use]
     pub fn from_standard(&self, theta: &[f64]) -> Vec<f64> {
@@ -128,7 +134,7 @@ impl BaseParameter {
         Self {
             name: format!("{}{suffix}", parameter.name()),
             expression: expression(table, parameter, &regrouped),
-            unit: parameter.unit,
+            unit: parameter.unit.clone(),
             kept,
             regrouped,
         }

@@ -211,7 +211,7 @@ impl CaseBasis {
         let (basis, estimated) = basis_and_estimated(experiment, case)?;
         let truth = (friction == experiment.robot.friction).then(|| estimated.from_standard(&twin.parameters));
         let value = |i: usize| truth.as_ref().map(|t| t[i]);
-        let add = |(i, p): (usize, &BaseParameter)| facts.place(&p.name, p.unit, value(i));
+        let add = |(i, p): (usize, &BaseParameter)| facts.place(&p.name, &p.unit, value(i));
         let places = estimated.parameters().iter().enumerate().map(add).collect();
         Ok(Self { friction, basis, truth, places })
     }

@@ -21,7 +21,7 @@ use crate::{
         SignalOptions, SimulationOptions,
     },
     recording::ChannelSource,
-    robot::{Locks, Robot, RobotSource},
+    robot::{Locks, Robot, RobotError, RobotSource, TermDescription},
     simulation::Sensors,
 };
 
@@ -51,6 +51,8 @@ pub struct ExperimentFile {
     pub robot: PathBuf,
     /// The joints of the robot that do not move in the recordings, beside those that its description locks.
     pub locks: Locks,
+    /// Torque terms beside those of the robot's description: `[[term]]`.
+    pub terms: Vec<TermDescription>,
     /// The recordings to identify from: one `[recording]` or several `[[recording]]`.
     pub recording: Vec<RecordingDescription>,
     /// Recordings held back to validate on: one `[validation]` or several `[[validation]]`.
@@ -71,6 +73,8 @@ struct Tables {
     locked: BTreeMap<String, f64>,
     #[serde(default, deserialize_with = "one_or_each::list")]
     until: Vec<String>,
+    #[serde(default)]
+    term: Vec<TermDescription>,
     #[serde(default, deserialize_with = "one_or_several")]
     recording: Vec<RecordingDescription>,
     #[serde(default, deserialize_with = "one_or_several")]
@@ -93,7 +97,8 @@ impl Tables {
     fn split(self) -> (ExperimentFile, Settings) {
         let Self { title, robot, recording, validation, twin, signal, parameters, estimation, controller, .. } = self;
         let locks = Locks { locked: self.locked, until: self.until };
-        let file = ExperimentFile { title, robot, locks, recording, validation, twin, published: self.published };
+        let (terms, published) = (self.term, self.published);
+        let file = ExperimentFile { title, robot, locks, terms, recording, validation, twin, published };
         let (simulation, cases) = (self.simulation, self.case);
         (file, Settings { signal, parameters, estimation, controller, simulation, cases })
     }
@@ -131,6 +136,10 @@ pub struct RecordingDescription {
     pub reference_correction: Option<ReferenceCorrection>,
     /// A signal that was added to the drive signals behind the controller; the torque channel includes it.
     pub added_signal: Option<ChannelSource>,
+    /// Other channels by name, as the robot's torque terms take them, such as `temperature`: one column, or one for each
+    /// coordinate.
+    #[serde(default)]
+    pub channels: BTreeMap<String, ChannelSource>,
 }
 
 fn one() -> f64 {
@@ -275,7 +284,10 @@ impl Experiment {
         text: String,
         source: RobotSource,
     ) -> Result<Self, ExperimentError> {
-        let (robot, robot_text) = (source.robot_with_locks(&file.locks, path)?, source.to_text());
+        let (mut robot, robot_text) = (source.robot_with_locks(&file.locks, path)?, source.to_text());
+        robot
+            .add_terms(&file.terms)
+            .map_err(|source| RobotError::Term { path: path.to_owned(), source: Box::new(source) })?;
         file.twin.iter_mut().for_each(|twin| twin.repeat_for(robot.coordinate_count()));
         let experiment = Self { path: path.to_owned(), file, settings, text, robot, robot_text };
         experiment.validate()?;

@@ -10,7 +10,7 @@ use crate::{
     identification::Method,
     preparation::Case,
     results::{Prediction, Results, RunResult},
-    run::{Identified, predict_torques},
+    run::{Identified, predict_torques, with_constants},
 };
 
 /// What to predict with which run.
@@ -34,11 +34,12 @@ pub struct PredictionRequest {
 /// [`ExperimentError`] for files that cannot be used.
 pub fn predict(request: &PredictionRequest) -> Result<Prediction, ExperimentError> {
     let results = Results::read(&request.results)?;
-    let experiment = Experiment::from_texts(
+    let mut experiment = Experiment::from_texts(
         &request.results,
         results.experiment_description.clone(),
         results.robot_description.clone(),
     )?;
+    experiment.robot = with_constants(&experiment.robot, &results.profiled_terms);
     let run = chosen_run(request, &results)?;
     let case = experiment.cases().into_iter().find(|c| c.name == run.case).unwrap_or_else(Case::nominal);
     let description = described(&experiment, request)?;
@@ -90,6 +91,10 @@ fn described(experiment: &Experiment, request: &PredictionRequest) -> Result<Rec
     if let Some(time) = &mut description.time {
         time.file.clone_from(&request.recording);
         time.anywhere = true;
+    }
+    for channel in description.channels.values_mut() {
+        channel.file.clone_from(&request.recording);
+        channel.anywhere = true;
     }
     description.velocity = None;
     description.reference = None;

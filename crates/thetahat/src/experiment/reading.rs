@@ -1,6 +1,6 @@
 //! Recordings read from their files, on the joint side and at equal time steps.
 
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
 
 use super::{
     description::{Experiment, RecordingDescription},
@@ -41,9 +41,11 @@ impl Experiment {
             let file = description.position.path(data);
             recording::same_length(&position, "position", &file, series, signal, &source.path(data))?;
         }
+        let channels = read_other_channels(description, data, &position)?;
         let clock = read_clock(description, data, &position)?;
         let recording = described(description, number, position, &clock);
-        let recording = Recording { torque, velocity, reference, added_signal, ..recording }.into_equal_steps(&clock);
+        let recording = Recording { torque, velocity, reference, added_signal, channels, ..recording };
+        let recording = recording.into_equal_steps(&clock);
         Ok(match &description.reference_correction {
             Some(correction) => recording.with_corrected_reference(correction),
             None => recording,
@@ -57,8 +59,9 @@ impl Experiment {
         data: &Path,
     ) -> Result<Recording, ExperimentError> {
         let position = self.read_joint_positions(&description.position, data)?;
+        let channels = read_other_channels(description, data, &position)?;
         let clock = read_clock(description, data, &position)?;
-        Ok(described(description, 1, position, &clock).into_equal_steps(&clock))
+        Ok(Recording { channels, ..described(description, 1, position, &clock) }.into_equal_steps(&clock))
     }
 
     fn read_joint_velocities(&self, source: &ChannelSource, data: &Path) -> Result<Series, ExperimentError> {
@@ -110,6 +113,21 @@ fn described(description: &RecordingDescription, number: usize, position: Series
             .any(|s| s.side == Side::Motor),
         ..Recording::without_torque(clock.sample_rate_hz(), position)
     }
+}
+
+/// The channels that the robot's torque terms take.
+fn read_other_channels(
+    description: &RecordingDescription,
+    data: &Path,
+    position: &Series,
+) -> Result<BTreeMap<String, Series>, ExperimentError> {
+    let read = |(name, source): (&String, &ChannelSource)| {
+        let series = recording::read_channels(source, data)?;
+        let file = description.position.path(data);
+        recording::same_length(position, "position", &file, &series, name, &source.path(data))?;
+        Ok((name.clone(), series))
+    };
+    description.channels.iter().map(read).collect()
 }
 
 fn read_clock(description: &RecordingDescription, data: &Path, position: &Series) -> Result<Clock, ExperimentError> {

@@ -29,6 +29,8 @@ pub(crate) struct FilteredRecording {
     pub(crate) motion: Motion,
     /// Samples of the recording.
     pub(crate) window: Range<usize>,
+    /// The channels that torque terms take, over the whole recording, filtered as the positions are.
+    pub(crate) channels: Option<Series>,
 }
 
 impl Setup<'_> {
@@ -57,7 +59,9 @@ impl Setup<'_> {
         let window = window_of(moving, dq.len(), rate, options)?;
         let cut = |series: &Series| series.window(window.clone());
         let motion = Motion { q: cut(&q), dq: cut(&dq), ddq: cut(&ddq) };
-        Ok(FilteredRecording { motion, recording, window })
+        let channels = recording.channels_named(&self.robot.channels(), self.robot.coordinate_count())?;
+        let channels = channels.map(|c| self.band_pass(&c, rate)).transpose()?.map(|filtered| filtered.q);
+        Ok(FilteredRecording { motion, recording, window, channels })
     }
 
     /// A record must be long beside the period of the position filter.
@@ -101,7 +105,13 @@ impl FilteredRecording {
     /// X of the measured motion.
     pub(crate) fn observation_matrix(&self, assembly: &Assembly<'_>) -> Result<Matrix, SignalError> {
         let Motion { q, dq, ddq } = &self.motion;
+        let assembly = assembly.clone().with_channels(self.channels_in_window());
         assembly.observation_matrix(q, dq, ddq, Sign::Exact)
+    }
+
+    /// The channels that torque terms take, in the window.
+    pub(crate) fn channels_in_window(&self) -> Option<Series> {
+        self.channels.as_ref().map(|channels| channels.window(self.window.clone()))
     }
 
     /// The torques in the window; zeros where they were not recorded.

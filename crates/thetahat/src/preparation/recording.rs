@@ -1,4 +1,4 @@
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
 
 use super::{error::PreparationError, reference_correction::ReferenceCorrection};
 use crate::{
@@ -34,6 +34,9 @@ pub struct Recording {
     pub reference: Option<Series>,
     /// A signal that was added to the drive signals of the motors behind the controller; the torques include it.
     pub added_signal: Option<Series>,
+    /// Other channels by name, as the robot's torque terms take them, such as temperatures: one channel, or one for each
+    /// coordinate.
+    pub channels: BTreeMap<String, Series>,
     /// Whether positions or torques came through the transmission.
     pub geared: bool,
     /// The moves of a simulated record.
@@ -65,6 +68,7 @@ impl Recording {
             velocity: None,
             reference: None,
             added_signal: None,
+            channels: BTreeMap::new(),
             geared: false,
             planned: None,
             truth: None,
@@ -98,6 +102,14 @@ impl Recording {
         Self { reference: self.reference.map(|reference| correction.apply(&reference, rate)), ..self }
     }
 
+    /// The same with a recorded channel that the robot's torque terms take, such as a temperature: one for all coordinates,
+    /// or one for each.
+    #[must_use]
+    pub fn with_channel(mut self, name: &str, channel: Series) -> Self {
+        self.channels.insert(name.to_owned(), channel);
+        self
+    }
+
     /// The same with a name for tables and messages.
     #[must_use]
     pub fn named(self, name: &str) -> Self {
@@ -114,6 +126,7 @@ impl Recording {
             velocity: even(self.velocity),
             reference: even(self.reference),
             added_signal: even(self.added_signal),
+            channels: self.channels.into_iter().map(|(name, s)| (name, clock.to_equal_steps(s))).collect(),
             ..self
         }
     }
@@ -151,7 +164,38 @@ impl Recording {
                 return Err(PreparationError::value(&place, "a finite number", series.values()[k]));
             }
         }
-        Ok(())
+        self.channels.iter().try_for_each(|(name, series)| self.validate_channel(name, series, coordinates))
+    }
+
+    fn validate_channel(&self, name: &str, series: &Series, coordinates: usize) -> Result<(), PreparationError> {
+        let place = |what: &str| format!("recording {}: {what} of channel {name}", self.name);
+        let (channels, length, samples) = (series.channels(), series.len(), self.position.len());
+        let expected = format!("1, or {coordinates}, one for each coordinate of the robot");
+        let fits = channels == 1 || channels == coordinates;
+        PreparationError::require(fits, &place("columns"), &expected, channels)?;
+        PreparationError::require(length == samples, &place("samples"), &format!("{samples}, as of position"), length)?;
+        match series.values().iter().find(|v| !v.is_finite()) {
+            Some(value) => Err(PreparationError::value(&place("a value"), "a finite number", value)),
+            None => Ok(()),
+        }
+    }
+
+    /// The channels of these names side by side, as the dynamics take them: one for each coordinate of each.
+    pub(crate) fn channels_named(
+        &self,
+        names: &[String],
+        coordinates: usize,
+    ) -> Result<Option<Series>, PreparationError> {
+        let mut columns = Vec::new();
+        for name in names {
+            let Some(series) = self.channels.get(name) else {
+                let key = format!("recording {}: channels.{name}", self.name);
+                let expected = "the recorded channel that a [[term]] of the robot takes";
+                return Err(PreparationError::value(&key, expected, "missing"));
+            };
+            columns.extend((0..coordinates).map(|c| series.channel(if series.channels() == 1 { 0 } else { c })));
+        }
+        Ok((!columns.is_empty()).then(|| Series::from_channels(&columns)))
     }
 }
 

@@ -178,6 +178,8 @@ pub struct EstimationOptions {
     pub gains: Gains,
     /// What CLIE and CLOE estimate of the loop beside the parameters; gains stay those of the start values then.
     pub loop_parameters: Vec<LoopParameter>,
+    /// Whether laws of torque terms are compared, for the user to accept.
+    pub compare_terms: bool,
     /// When the iterations stop.
     pub convergence: Convergence,
     /// What the squared residual is divided by.
@@ -192,6 +194,7 @@ impl Default for EstimationOptions {
             start: Start::default(),
             gains: Gains::default(),
             loop_parameters: Vec::new(),
+            compare_terms: false,
             convergence: Convergence::default(),
             variance: Divisor::default(),
         }

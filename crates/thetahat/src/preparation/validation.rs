@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::{
     error::PreparationError,
     physical::{PriorWeight, validate_known},
-    settings::{NamedChoice, ParameterChoice, ParameterSelection, Settings},
+    settings::{Case, NamedChoice, ParameterChoice, ParameterSelection, Settings},
 };
 use crate::{
     identification::{Design, Method, Needs, Response, Weighting},
@@ -29,6 +29,7 @@ impl Settings {
         self.validate_parameters()?;
         self.validate_physical(robot)?;
         self.validate_methods()?;
+        self.validate_terms(robot)?;
         self.validate_weighting()?;
         self.validate_convergence()?;
         if let Some(controller) = &self.controller {
@@ -93,6 +94,22 @@ impl Settings {
             self.validate_method_list(case.methods.as_ref().unwrap_or(&self.estimation.methods))?;
         }
         Ok(())
+    }
+
+    /// Simulations have no terms of accelerations.
+    fn validate_terms(&self, robot: &Robot) -> Checked {
+        let methods = |case: Case| case.methods.unwrap_or_else(|| self.estimation.methods.clone());
+        let Some(term) = robot.term_of_acceleration() else { return Ok(()) };
+        let simulates = |method: &Method| method.needs() != Needs::Measurement;
+        match self.all_cases().into_iter().flat_map(methods).find(simulates) {
+            None => Ok(()),
+            Some(method) => {
+                let expected = format!(
+                    "idim-ls or idim-wls: the torque term of {term} depends on ddq, which {method} does not simulate"
+                );
+                Err(PreparationError::value("methods", &expected, method))
+            }
+        }
     }
 
     /// The weights of joints are those of their torques.

@@ -86,6 +86,8 @@ impl Reduction {
             bandwidth: experiment.setup().measure_bandwidth(rate).map_err(|e| experiment.refuse(e))?,
             seed: experiment.file.twin.as_ref().map(|t| t.sensors.seed),
             findings: Vec::new(),
+            profiled_terms: Vec::new(),
+            term_comparison: None,
             elimination,
             advice: Vec::new(),
             diagnostics: Vec::new(),

@@ -45,6 +45,7 @@ mod series;
 mod status;
 mod table;
 mod tables;
+mod terms;
 pub mod text;
 mod units;
 mod wrap;

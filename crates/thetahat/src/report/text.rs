@@ -7,6 +7,7 @@ use super::{
     published::Published,
     sections,
     tables::{self, Detail},
+    terms,
     wrap::wrap,
 };
 use crate::results::Results;
@@ -26,6 +27,7 @@ pub fn all(results: &Results, published: Option<&Published>) -> String {
         parts.extend(published.map(|p| self::published(results, p, case)));
     }
     parts.push(physical::text(results));
+    parts.push(terms::text(results));
     parts.extend(published.map(|p| published_runs(results, p)));
     parts.extend([joint_errors(results), tests(results), convergence(results), simulation_errors(results)]);
     parts.retain(|part| !part.is_empty());

@@ -7,6 +7,7 @@ use super::{
     parameters::EliminationResult,
     recordings::{Bandwidth, RecordingFindings, RecordingResult},
     run::RunResult,
+    terms::{ProfiledTerm, TermComparison},
 };
 use crate::{
     identification::{Method, Status},
@@ -55,6 +56,12 @@ pub struct Results {
     pub findings: Vec<RecordingFindings>,
     /// The elimination, where essential parameters were sought.
     pub elimination: Option<EliminationResult>,
+    /// Constants of torque terms that were searched for.
+    #[serde(default)]
+    pub profiled_terms: Vec<ProfiledTerm>,
+    /// Laws of torque terms compared, where that was asked for.
+    #[serde(default)]
+    pub term_comparison: Option<TermComparison>,
     /// Which numbers of each case to take, and why.
     #[serde(default)]
     pub advice: Vec<Advice>,

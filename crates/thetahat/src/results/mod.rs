@@ -40,6 +40,7 @@ mod prediction;
 mod recordings;
 mod run;
 mod sensitivity;
+mod terms;
 mod twin;
 
 pub use campaign::{CampaignResults, Extent, MethodSummary, ParameterSummary, PublishedStatement, Quantiles};
@@ -57,6 +58,7 @@ pub use prediction::Prediction;
 pub use recordings::{Bandwidth, PeriodicResult, RecordingFindings, RecordingResult, ReferenceResult};
 pub use run::{IterationResult, LoopParameterResult, RunResult};
 pub use sensitivity::{Sensitivity, SensitivityPoint};
+pub use terms::{JointTermComparison, ProfiledTerm, TermComparison, TermLaw};
 pub use twin::TwinRecord;
 
 // The values of other rooms that results hold and reports show.

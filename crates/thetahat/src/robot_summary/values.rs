@@ -1,3 +1,5 @@
+use std::borrow::Cow;
+
 use serde::Serialize;
 
 use crate::robot::{Doubt, JointKind, LockedJoint, Parameter};
@@ -96,7 +98,7 @@ pub struct StandardParameterSummary {
     /// Its name.
     pub name: String,
     /// Its unit in SI.
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
     /// The value that the description gives; zero where it gives none.
     pub a_priori: f64,
     /// Whether it acts on any torque; none where the base parameters are not clear.
@@ -118,7 +120,7 @@ pub struct BaseParameterSummary {
     /// The standard parameters regrouped into it, with their coefficients.
     pub regrouped: Vec<(String, f64)>,
     /// Its unit in SI.
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
     /// Its value by the a-priori values.
     pub a_priori: f64,
 }
@@ -134,6 +136,8 @@ pub struct ParameterCount {
     pub friction: usize,
     /// Of torques.
     pub offset: usize,
+    /// Of terms that the description adds.
+    pub terms: usize,
 }
 
 /// Numbers of parameters.
@@ -151,7 +155,7 @@ impl ParameterCount {
     /// All kinds together.
     #[must_use]
     pub fn all(&self) -> usize {
-        self.inertial + self.motor_inertia + self.friction + self.offset
+        self.inertial + self.motor_inertia + self.friction + self.offset + self.terms
     }
 }
 

@@ -46,7 +46,12 @@ impl Identification {
             runs.extend(results);
             diagnostics.push(self.diagnose(&self.problem_of(&problems, case).problem, case, &estimated));
         }
-        self.results(&problems[0].problem, findings, runs, diagnostics)
+        let mut results = self.results(&problems[0].problem, findings, runs, diagnostics)?;
+        if self.setup().settings.estimation.compare_terms {
+            progress("comparing the laws of torque terms");
+            results.term_comparison = self.compare_terms(&problems[0])?;
+        }
+        Ok(results)
     }
 
     /// Every method of every case.
@@ -120,6 +125,8 @@ impl Identification {
             seed: None,
             findings,
             elimination: problem.elimination_result(),
+            profiled_terms: self.profiled.clone(),
+            term_comparison: None,
             advice: diagnostics.iter().map(|d| advise(d, &runs)).collect(),
             diagnostics,
             runs,

@@ -14,10 +14,12 @@ pub(crate) fn examine(setup: Setup<'_>, prepared: &Prepared, problem: &Problem, 
     let is_planned = recording.planned.is_some();
     let reconstructed = reference.as_ref().filter(|r| matches!(r.reference, Reference::Moves(_)) && !is_planned);
     let deviation = reconstructed.map(|r| r.rms_deviation(filtered));
+    // The checks see positions and torques alone: what multiplies another channel is left out of what they fit.
+    let base = problem.estimated.filtered(|kept| !problem.model.takes_channel(kept));
     let subject = Subject {
         robot: setup.robot,
         model: &problem.model,
-        base: &problem.estimated,
+        base: &base,
         sample_rate_hz: recording.sample_rate_hz,
         time_s: recording.time_stamps_s.as_deref(),
         position: &recording.position,

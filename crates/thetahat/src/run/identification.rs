@@ -1,6 +1,10 @@
 //! A robot with its recordings and settings, and what its estimations need.
 
-use super::prepared::{Prepared, filtered};
+use super::{
+    cross_validation::{Folds, folds_by_move, folds_by_part, folds_by_phase, folds_by_recording},
+    prepared::{Prepared, filtered},
+    profiled_robot::with_profiled_terms,
+};
 use crate::{
     base_parameters::BaseParameters,
     control::ControllerDescription,
@@ -8,8 +12,10 @@ use crate::{
     preparation::{
         Case, PreparationError, Problem, ProposedController, Recording, Settings, Setup, propose_controller,
     },
+    results::ProfiledTerm,
     robot::{Friction, Robot},
     scheduling::{EstimationJob, Simulator},
+    simulation::Reference,
 };
 
 /// Part by which the sample rates of recordings may differ: clocks differ by less, chosen rates by more.
@@ -21,6 +27,8 @@ pub struct Identification {
     settings: Settings,
     /// The controller that IV simulates where none is described.
     proposed: Option<ProposedController>,
+    /// The constants of torque terms that were searched for.
+    pub(super) profiled: Vec<ProfiledTerm>,
     pub(super) main: Vec<Prepared>,
     pub(super) validation: Vec<Prepared>,
 }
@@ -59,13 +67,18 @@ impl Identification {
     pub fn new(robot: &Robot, recordings: Vec<Recording>, settings: Settings) -> Result<Self, PreparationError> {
         settings.validate(robot)?;
         let robot = robot.clone();
-        let mut identification = Self { robot, settings, proposed: None, main: Vec::new(), validation: Vec::new() };
+        let mut identification =
+            Self { robot, settings, proposed: None, profiled: Vec::new(), main: Vec::new(), validation: Vec::new() };
         if recordings.is_empty() {
             let why = "a robot is identified from its motion and torques";
             return Err(PreparationError::Missing { missing: "a recording", why });
         }
         identification.main = identification.prepare(recordings)?;
         identification.require_torques()?;
+        let profiled = with_profiled_terms(identification.setup(), &filtered(&identification.main))?;
+        if let Some((robot, profiled)) = profiled {
+            (identification.robot, identification.profiled) = (robot, profiled);
+        }
         let lacks_controller = identification.settings.lacks_controller();
         identification.proposed = lacks_controller.then(|| propose_controller(&filtered(&identification.main)));
         Ok(identification)
@@ -179,6 +192,29 @@ impl Identification {
         let recordings =
             prepared.iter().map(|p| Some((&p.filtered, p.reference.as_ref()?))).collect::<Option<Vec<_>>>()?;
         Some(Simulator::new(self.setup(), problem, &recordings, controller, case))
+    }
+
+    /// What is left out in turn: a recording where there are several, else a move where three or more are known,
+    /// else the same fifth of every period, else a part.
+    pub(super) fn folds(&self, problem: &Problem) -> Option<Folds> {
+        let layout = &problem.regression.layout;
+        let rows_of_joint = layout.len() / layout.joints().max(1);
+        let [only] = &self.main[..] else {
+            let mut of_row = layout.spread(|b| b.recording);
+            of_row.truncate(rows_of_joint);
+            let names = self.main.iter().map(|p| format!("recording {}", p.filtered.recording.name));
+            return Some(Folds { of_row: folds_by_recording(of_row)?, names: names.collect() });
+        };
+        let by_move = match only.reference.as_ref().map(|r| &r.reference) {
+            Some(Reference::Moves(moves)) => folds_by_move(moves, &self.times(problem)),
+            Some(Reference::Periodic(periodic)) => {
+                let phases = folds_by_phase(periodic.series().base_frequency_hz(), &self.times(problem));
+                return Some(Folds::numbered("fifth of the period", phases));
+            }
+            Some(Reference::Sampled(_)) | None => None,
+        };
+        let by_part = || Folds::numbered("part", folds_by_part(rows_of_joint));
+        Some(by_move.map_or_else(by_part, |of_row| Folds::numbered("move", of_row)))
     }
 
     /// The time of each row of a joint; the recordings follow one another.

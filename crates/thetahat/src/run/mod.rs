@@ -17,6 +17,7 @@
 
 mod assessment;
 mod cases;
+mod column_source;
 mod consistent_data;
 mod cross_validation;
 mod examination;
@@ -27,10 +28,14 @@ mod parameters;
 mod physical;
 mod prediction;
 mod prepared;
+mod profile;
+mod profiled_robot;
 mod sensitivity;
+mod term_comparison;
 
 pub(crate) use examination::{check_recording, examine_robot};
 pub use identification::Identification;
 pub(crate) use identification::{CaseProblem, explain};
 pub(crate) use parameters::parameter_results;
 pub(crate) use prediction::{Identified, predict_torques};
+pub(crate) use profiled_robot::with_constants;

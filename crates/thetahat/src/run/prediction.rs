@@ -79,7 +79,7 @@ impl Predictor<'_> {
     fn torques(&self, filtered: &FilteredRecording) -> Result<Series, PreparationError> {
         let recording = &filtered.recording;
         let Motion { q, dq, ddq } = self.setup.band_pass(&recording.position, recording.sample_rate_hz)?;
-        let regressor = Regressor::new(&self.basis.model, &self.columns);
+        let regressor = Regressor::new(&self.basis.model, &self.columns).with_channels(filtered.channels.clone());
         let phi = regressor.evaluate_series(&self.basis.model, &q, &dq, &ddq, Sign::Exact);
         let mut torque = Series::zeros(q.len(), q.channels());
         for k in 0..q.len() {

@@ -30,6 +30,7 @@ pub(crate) fn closed_loop<'a>(
         controller,
         reference,
         added_signal,
+        channels: None,
         bias,
         solver: setup.settings.simulation.solver,
         sign_velocity_scale: setup.settings.simulation.sign_velocity_scale,
@@ -110,11 +111,13 @@ impl<'a> Simulator<'a> {
         let loop_of = |(number, (filtered, reference)): (usize, &(&'a FilteredRecording, &'a RecordedReference))| {
             let recording = &filtered.recording;
             let added = recording.added_signal.as_ref().map(|s| (s, recording.sample_rate_hz));
+            let channels = filtered.channels.as_ref().map(|s| (s, recording.sample_rate_hz));
             let of_settings =
                 closed_loop(setup, &problem.model, controller, &reference.reference, added, case.simulator);
             let sign_velocity_scale = case.sign_velocity_scale.unwrap_or(of_settings.sign_velocity_scale);
-            let closed_loop = ClosedLoop { sign_velocity_scale, ..of_settings };
-            RecordedLoop { filtered, assembly: problem.assembly(number), closed_loop }
+            let closed_loop = ClosedLoop { sign_velocity_scale, channels, ..of_settings };
+            let assembly = problem.assembly(number).with_channels(filtered.channels_in_window());
+            RecordedLoop { filtered, assembly, closed_loop }
         };
         let loops = recordings.iter().enumerate().map(loop_of).collect();
         let motors = problem.model.coordinate_count();

@@ -108,6 +108,7 @@ pub fn twin(change: impl FnOnce(&mut TwinDescription)) -> Record {
         controller: &controller,
         reference: &reference,
         added_signal: None,
+        channels: None,
         bias: SimulatorBias::NONE,
         solver: experiment.settings.simulation.solver,
         sign_velocity_scale: experiment.settings.simulation.sign_velocity_scale,

@@ -5,7 +5,7 @@ use toml::Spanned;
 
 use crate::{
     one_or_each::{self, OneOrEach},
-    robot::{Friction, JointKind},
+    robot::{Friction, JointKind, TermDescription},
 };
 
 #[derive(Deserialize)]
@@ -23,6 +23,8 @@ pub(super) struct RobotFile {
     #[serde(default)]
     pub(super) joint: Vec<Spanned<JointEntry>>,
     pub(super) transmission: Option<TransmissionEntry>,
+    #[serde(default)]
+    pub(super) term: Vec<TermDescription>,
     #[serde(default)]
     pub(super) parameters: BTreeMap<String, f64>,
     #[serde(default)]

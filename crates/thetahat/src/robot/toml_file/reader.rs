@@ -31,7 +31,7 @@ pub(in crate::robot) fn read(
     };
     let whole = reader.with_additions(below, file)?;
     let values = resolve_all(&whole.joints, &locks)?;
-    merged(&whole, &values).map_err(|source| RobotError::Lock { path: path.to_owned(), source })
+    merged(&whole, &values).map_err(|source| RobotError::lock(path, source))
 }
 
 /// Turns the parsed file into a robot; knows where in the file things stand.
@@ -54,6 +54,8 @@ impl Reader<'_> {
             a_priori: std::collections::BTreeMap::new(),
             locked: Vec::new(),
             doubts: Vec::new(),
+            term_descriptions: Vec::new(),
+            terms: Vec::new(),
         })
     }
 
@@ -80,7 +82,7 @@ impl Reader<'_> {
 
     /// What the file says beside the joints, over what `robot` says.
     fn with_additions(&self, mut robot: Robot, file: RobotFile) -> Result<Robot, RobotError> {
-        let RobotFile { name, gravity, friction, transmission, parameters, .. } = file;
+        let RobotFile { name, gravity, friction, transmission, parameters, term, .. } = file;
         self.check_finite("gravity", gravity.into_iter().flatten())?;
         for (name, value) in &parameters {
             self.check_finite(&format!("[parameters] {name}"), [*value])?;
@@ -92,10 +94,15 @@ impl Reader<'_> {
             robot.transmission = self.transmission(entry, &robot.joints, &robot.transmission)?;
         }
         robot.set_friction(friction.unwrap_or(robot.friction));
-        self.check_parameter_names(&robot, parameters.keys())?;
-        robot.a_priori.extend(parameters.clone());
-        self.check_parameters(&robot, &parameters)?;
-        Ok(robot)
+        // Terms may need a-priori values, and a-priori values may be of terms.
+        let mut described = robot.clone();
+        described.a_priori.extend(parameters.clone());
+        described
+            .add_terms(&term)
+            .map_err(|source| RobotError::Term { path: self.path.to_owned(), source: Box::new(source) })?;
+        self.check_parameter_names(&described, parameters.keys())?;
+        self.check_parameters(&described, &parameters)?;
+        Ok(described)
     }
 
     fn check_parameter_names<'n>(

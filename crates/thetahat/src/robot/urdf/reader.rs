@@ -61,6 +61,8 @@ pub(in crate::robot) fn read(
         Transmissions::Ignored => Transmission::direct(assembly.coordinates().count()),
     };
     Ok(Robot {
+        term_descriptions: Vec::new(),
+        terms: Vec::new(),
         name,
         gravity: GRAVITY,
         a_priori: assembly.a_priori(),
