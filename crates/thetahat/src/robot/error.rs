@@ -75,7 +75,7 @@ pub enum RobotError {
         /// The file that locks them.
         path: PathBuf,
         /// Why not.
-        source: LockError,
+        source: Box<LockError>,
     },
     /// The motor-joint matrix cannot be inverted.
     #[error("{}, line {line}: [transmission] matrix is singular: {reason}; every joint needs a motor that moves it", path.display())]
@@ -120,6 +120,10 @@ pub enum RobotError {
 }
 
 impl RobotError {
+    pub(super) fn lock(path: &Path, source: LockError) -> Self {
+        Self::Lock { path: path.to_owned(), source: Box::new(source) }
+    }
+
     pub(super) fn of_toml(error: &toml::de::Error, path: &Path) -> Self {
         Self::Syntax { path: path.to_owned(), message: error.to_string().trim_end().to_owned() }
     }

@@ -102,7 +102,7 @@ impl RobotSource {
         }
         let whole = urdf::read(&self.text, &self.path, transmissions, locks)?;
         let values = resolve_all(&whole.joints, locks)?;
-        merged(&whole, &values).map_err(|source| RobotError::Lock { path: self.path.clone(), source })
+        merged(&whole, &values).map_err(|source| RobotError::lock(&self.path, source))
     }
 
     /// One text with everything, from which [`Robot::parse`] makes the same robot without any file.

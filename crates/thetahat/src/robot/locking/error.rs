@@ -1,3 +1,5 @@
+use crate::robot::TermError;
+
 /// Why joints cannot be locked.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -41,6 +43,12 @@ pub enum LockError {
     /// No joint is left.
     #[error("locked: no joint is left that moves; leave out one that was recorded")]
     NothingMoves,
+    /// A torque term that needs a locked joint.
+    #[error("locked: {source}")]
+    Term {
+        /// Why.
+        source: Box<TermError>,
+    },
     /// A motor turns with locked and with moving joints.
     #[error(
         "locked: motor {motor} turns with `{locked}`, which is locked, and with `{moving}`, which moves; lock both or none of \

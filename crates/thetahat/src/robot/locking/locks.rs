@@ -51,9 +51,9 @@ pub(in crate::robot) struct LocksOf<'a> {
 pub(in crate::robot) fn resolve_all(joints: &[Joint], stated: &[LocksOf<'_>]) -> Result<Vec<Option<f64>>, RobotError> {
     let mut values = vec![None; joints.len()];
     for LocksOf { path, locks } in stated {
-        let found = locks.resolve(joints).map_err(|source| RobotError::Lock { path: (*path).to_owned(), source })?;
+        let found = locks.resolve(joints).map_err(|source| RobotError::lock(path, source))?;
         values.iter_mut().zip(found).for_each(|(value, found)| *value = found.or(*value));
-        refuse_standstill(&values).map_err(|source| RobotError::Lock { path: (*path).to_owned(), source })?;
+        refuse_standstill(&values).map_err(|source| RobotError::lock(path, source))?;
     }
     Ok(values)
 }

@@ -3,6 +3,7 @@ use std::collections::BTreeMap;
 use super::{
     error::LockError,
     locks::{LockedJoint, Locks},
+    terms::{a_priori_of_terms, remaining_terms},
     transmission::{Remaining, remaining},
 };
 use crate::{
@@ -49,10 +50,17 @@ pub(in crate::robot) fn merged(robot: &Robot, locked: &[Option<f64>]) -> Result<
         joints,
         transmission,
         a_priori: BTreeMap::new(),
+        terms: Vec::new(),
+        term_descriptions: Vec::new(),
         locked: robot.locked.iter().cloned().chain(names).collect(),
         ..robot.clone()
     };
-    merged.a_priori = a_priori(robot, &merged, &Renumbering { joints: numbers, motors, places });
+    let renumbering = Renumbering { joints: numbers, motors, places };
+    merged.a_priori = a_priori(robot, &merged, &renumbering);
+    let terms = remaining_terms(robot, &renumbering);
+    merged.add_terms(&terms).map_err(|source| LockError::Term { source: Box::new(source) })?;
+    let of_terms: Vec<(String, f64)> = a_priori_of_terms(robot, &merged, &renumbering).collect();
+    merged.a_priori.extend(of_terms);
     Ok(merged)
 }
 
@@ -64,8 +72,8 @@ fn new_indices(locked: &[Option<f64>]) -> Vec<Option<usize>> {
 
 /// The moving joint that carries a joint's link, none for the base, and the link's joint frame in the carrier's.
 #[derive(Clone, Copy)]
-struct Place {
-    carrier: Option<usize>,
+pub(super) struct Place {
+    pub(super) carrier: Option<usize>,
     frame: Frame,
 }
 
@@ -111,17 +119,18 @@ fn motion(kind: JointKind, value: f64) -> Frame {
 }
 
 /// What became of the joints and motors of the whole robot.
-struct Renumbering {
-    joints: Vec<Option<usize>>,
+pub(super) struct Renumbering {
+    pub(super) joints: Vec<Option<usize>>,
     /// The motors that are left.
     motors: Vec<usize>,
-    places: Vec<Place>,
+    pub(super) places: Vec<Place>,
 }
 
 impl Renumbering {
     /// The number, from one, that a quantity of joint or motor `number` has now; none where it is gone.
     fn number(&self, whole: &Robot, rest: &Robot, quantity: Quantity, number: usize) -> Option<usize> {
         match quantity {
+            Quantity::Term(_) => None,
             Quantity::Link(_) | Quantity::Joint(_) => self.joints[number - 1].map(|j| j + 1),
             // A robot with terms is not locked.
             Quantity::Term(_) => None,
@@ -143,22 +152,29 @@ fn a_priori(whole: &Robot, rest: &Robot, renumbering: &Renumbering) -> BTreeMap<
             values.insert(format!("{}{number}", parameter.quantity.name()), *value);
         }
     }
-    for (j, joint) in whole.joints.iter().enumerate() {
-        let Place { carrier: Some(carrier), frame } = renumbering.places[j] else { continue };
+    for j in 0..whole.joints.len() {
+        let place = renumbering.places[j];
+        let Some(carrier) = place.carrier else { continue };
         let body = body_of(whole, j);
         if carrier == j || body == Body::default() {
             continue;
         }
-        let axes = |joint: &Joint| joint.link_axes.unwrap_or(IDENTITY);
-        let into_link = Frame { rotation: transpose(&axes(&whole.joints[carrier])), origin: [0.0; 3] };
-        let from_link = Frame { rotation: axes(joint), origin: [0.0; 3] };
-        let seen = body.seen_in(&into_link.then(&frame).then(&from_link)).parameters();
+        let seen = body.seen_in(&frame_in_carrier(whole, j, &place)).parameters();
         let number = renumbering.joints[carrier].map_or(0, |j| j + 1);
         for (quantity, value) in INERTIAL.into_iter().zip(seen).filter(|(_, value)| *value != 0.0) {
             *values.entry(format!("{}{number}", quantity.name())).or_insert(0.0) += value;
         }
     }
     values
+}
+
+/// The frame of a link's axes in those of the link that carries it, or of the base.
+pub(super) fn frame_in_carrier(whole: &Robot, joint: usize, place: &Place) -> Frame {
+    let axes = |joint: usize| whole.joints[joint].link_axes.unwrap_or(IDENTITY);
+    let of_carrier = place.carrier.map_or(IDENTITY, axes);
+    let into_carrier = Frame { rotation: transpose(&of_carrier), origin: [0.0; 3] };
+    let from_link = Frame { rotation: axes(joint), origin: [0.0; 3] };
+    into_carrier.then(&place.frame).then(&from_link)
 }
 
 /// The a-priori body of a link, in the link's axes.

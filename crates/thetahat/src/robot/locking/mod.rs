@@ -5,6 +5,7 @@
 mod error;
 mod locks;
 mod merge;
+mod terms;
 mod transmission;
 
 pub use error::LockError;

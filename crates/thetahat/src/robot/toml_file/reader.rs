@@ -31,7 +31,7 @@ pub(in crate::robot) fn read(
     };
     let whole = reader.with_additions(below, file)?;
     let values = resolve_all(&whole.joints, &locks)?;
-    merged(&whole, &values).map_err(|source| RobotError::Lock { path: path.to_owned(), source })
+    merged(&whole, &values).map_err(|source| RobotError::lock(path, source))
 }
 
 /// Turns the parsed file into a robot; knows where in the file things stand.
