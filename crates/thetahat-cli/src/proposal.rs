@@ -2,20 +2,21 @@
 
 use std::{
     error::Error,
-    fs::File,
-    io::Write,
     path::{Path, PathBuf},
 };
 
 use thetahat::{
-    experiment::{ProposalRequest, propose},
+    experiment::{Experiment, Proposal, ProposalRequest, ProposedSignal, propose},
+    output::{OutputGuard, replace_file},
     recording::{Contents, RecordingError, inspect_with_time},
     report,
-    robot::Robot,
+    robot::RobotSource,
 };
 
 use crate::{
     arguments::{Columns, Init, Inspect},
+    inputs::threads,
+    progress::Progress,
     terminal::{Verdict, print},
 };
 
@@ -37,9 +38,9 @@ pub fn write_experiment(init: &Init) -> Result<Verdict, Box<dyn Error>> {
     let contents = contents(&init.recording, &init.columns)?;
     let folder = init.out.parent().map_or_else(PathBuf::new, Path::to_owned);
     let proposal = proposal(&init.robot, &init.recording, &init.columns, &contents, &folder)?;
-    let refuse = |e: std::io::Error| format!("{}: {e}; choose another file with --out", init.out.display());
-    let mut file = File::create_new(&init.out).map_err(refuse)?;
-    file.write_all(proposal.as_bytes()).map_err(refuse)?;
+    OutputGuard::new(init.recording.iter().chain([&init.robot]).cloned(), init.force.force).file(&init.out)?;
+    replace_file(&init.out, proposal.as_bytes())
+        .map_err(|e| format!("{}: cannot be written: {e}", init.out.display()))?;
     print(&format!(
         "written: {out}\nRead it: what could not be known is marked as a guess. Then: thetahat check {out}{options}\n",
         out = init.out.display(),
@@ -80,12 +81,29 @@ fn proposal(
         recording_files: recordings.iter().map(|r| within(r, &data).unwrap_or_else(|| name(r))).collect(),
         position: columns.position.clone(),
         torque: columns.torque.clone(),
+        joints: columns.joints.clone(),
         time: columns.time.clone(),
         sample_rate_hz: columns.rate,
         position_unit: columns.position_unit,
         torque_unit: columns.torque_unit,
     };
-    Ok(propose(&request, &Robot::read(robot)?, contents)?.text())
+    let source = RobotSource::read(robot)?;
+    let mut proposal = propose(&request, &source, contents)?;
+    proposal.signal = signal(&proposal, source.to_text(), &data)?;
+    Ok(proposal.text())
+}
+
+/// The filter chosen from the recordings, or the usual one with the reason why none was.
+fn signal(proposal: &Proposal, robot_text: String, data: &Path) -> Result<ProposedSignal, Box<dyn Error>> {
+    let experiment = Experiment::from_texts(Path::new("the proposed experiment"), proposal.text(), robot_text)?;
+    let _progress = Progress::of("choosing the filter on a twin of the record");
+    Ok(match experiment.choose_filter(data, false, threads(None)) {
+        Ok(choice) => ProposedSignal::chosen(&choice),
+        Err(error) => {
+            let rate_hz = proposal.recordings.first().map_or(0.0, |r| r.clock.rate_hz);
+            ProposedSignal::not_chosen(rate_hz, &error.to_string())
+        }
+    })
 }
 
 /// The folder against which the recordings are named: that of the experiment if they lie in it, or else the one that

@@ -6,23 +6,21 @@
 mod arguments;
 #[path = "../examples/robustness/cells.rs"]
 mod cells;
-#[path = "../examples/robustness/reference.rs"]
-mod reference;
-#[path = "../examples/robustness/robots.rs"]
-mod robots;
-#[path = "../examples/robustness/twin.rs"]
-mod twin;
+#[path = "../examples/twins/mod.rs"]
+mod twins;
 
 use arguments::{Arguments, FACTORS};
 use cells::{Cell, Start, run_cells, settings};
-use robots::robots;
 use thetahat::{
     Identification,
     identification::{Method, Status},
     preparation::Gains,
     results::RunResult,
 };
-use twin::{NOISE, Twin};
+use twins::{
+    robots::robots,
+    twin::{NOISE, RATE_HZ, Sampling, Twin},
+};
 
 /// Largest error in deviations that an honest interval allows.
 const WITHIN: f64 = 4.0;
@@ -35,7 +33,8 @@ fn arguments(robot: &str) -> Arguments {
 
 fn twin_of(robot: &str) -> Twin {
     let arguments = arguments(robot);
-    Twin::new(robots(&arguments).unwrap().remove(0), arguments.duration_s(), arguments.seed).unwrap()
+    let sampling = Sampling { duration_s: arguments.duration_s(), rate_hz: RATE_HZ };
+    Twin::new(robots(&arguments.robot, arguments.data.as_deref()).unwrap().remove(0), sampling, arguments.seed).unwrap()
 }
 
 fn iv(twin: &Twin, start: Start, change: impl FnOnce(&mut thetahat::Settings)) -> RunResult {

@@ -17,7 +17,7 @@ use thetahat::{
 
 use super::{
     arguments::Arguments,
-    twin::{BANDWIDTH_HZ, NOISE, Noise, SIGN_VELOCITY_SCALE, Twin},
+    twins::twin::{BANDWIDTH_HZ, NOISE, Noise, SIGN_VELOCITY_SCALE, Twin},
 };
 
 /// Deviation of the start values, relative.

@@ -12,19 +12,20 @@
 
 mod arguments;
 mod cells;
-mod reference;
-mod robots;
 mod table;
-mod twin;
+#[path = "../twins/mod.rs"]
+mod twins;
 
 use std::{error::Error, time::Instant};
 
 use arguments::{Arguments, FACTORS};
 use cells::{Cell, run_cells};
-use robots::robots;
 use table::{failures, robot_row, totals};
 use thetahat::identification::{Method, Needs};
-use twin::Twin;
+use twins::{
+    robots::robots,
+    twin::{RATE_HZ, Sampling, Twin},
+};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments = read_arguments()?;
@@ -35,8 +36,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
     println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
     let mut all: Vec<Cell> = Vec::new();
-    for robot in robots(&arguments)? {
-        let twin = Twin::new(robot, arguments.duration_s(), arguments.seed)?;
+    for robot in robots(&arguments.robot, arguments.data.as_deref())? {
+        let twin = Twin::new(robot, Sampling { duration_s: arguments.duration_s(), rate_hz: RATE_HZ }, arguments.seed)?;
         let cells = run_cells(&twin, &arguments)?;
         for method in &arguments.methods {
             println!("{}", robot_row(&twin, *method, &cells, &arguments.factors));

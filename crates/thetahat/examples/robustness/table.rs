@@ -1,6 +1,6 @@
 use thetahat::identification::Method;
 
-use super::{cells::Cell, twin::Twin};
+use super::{cells::Cell, twins::twin::Twin};
 
 /// Largest error in deviations that an honest interval allows.
 const WITHIN: f64 = 4.0;

@@ -119,7 +119,7 @@ impl<'a> Bench<'a> {
         let choice = &setup.settings.parameters.estimate;
         let problem = |b: &CaseBasis| {
             let problem = setup.problem_on(b.basis.clone(), &[&filtered], choice)?;
-            Ok(CaseProblem::new(b.friction, problem, setup.settings))
+            Ok(CaseProblem::new(b.friction, problem))
         };
         let problems = self.bases.iter().map(problem).collect::<Result<_, PreparationError>>()?;
         Ok(Prepared { filtered, reference, problems, seconds: stopwatch.seconds() })

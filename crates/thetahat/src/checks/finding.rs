@@ -59,6 +59,8 @@ pub enum Code {
     RepeatedSamples,
     /// The time stamps are not equally spaced.
     ClockJitter,
+    /// Another rate is stated than the time stamps have.
+    RateContradicted,
     /// A torque stays at its limit.
     TorqueSaturated,
     /// A torque does not change.
@@ -113,11 +115,13 @@ pub enum Code {
     RecordingsContradict,
     /// No robot made of bodies has the estimates.
     NotPhysical,
+    /// The robot's description says what no robot has.
+    RobotDescription,
 }
 
 impl Code {
     /// All codes, in order.
-    pub const ALL: [Self; 38] = [
+    pub const ALL: [Self; 40] = [
         Self::PositionScale,
         Self::PositionSign,
         Self::PositionZero,
@@ -129,6 +133,7 @@ impl Code {
         Self::DroppedSamples,
         Self::RepeatedSamples,
         Self::ClockJitter,
+        Self::RateContradicted,
         Self::TorqueSaturated,
         Self::TorqueConstant,
         Self::TorqueQuantised,
@@ -156,6 +161,7 @@ impl Code {
         Self::SameRecording,
         Self::RecordingsContradict,
         Self::NotPhysical,
+        Self::RobotDescription,
     ];
 
     /// Its stable name, lower case with hyphens.
@@ -173,6 +179,7 @@ impl Code {
             Self::DroppedSamples => "dropped-samples",
             Self::RepeatedSamples => "repeated-samples",
             Self::ClockJitter => "clock-jitter",
+            Self::RateContradicted => "rate-contradicted",
             Self::TorqueSaturated => "torque-saturated",
             Self::TorqueConstant => "torque-constant",
             Self::TorqueQuantised => "torque-quantised",
@@ -200,6 +207,7 @@ impl Code {
             Self::SameRecording => "same-recording",
             Self::RecordingsContradict => "recordings-contradict",
             Self::NotPhysical => "not-physical",
+            Self::RobotDescription => "robot-description",
         }
     }
 }

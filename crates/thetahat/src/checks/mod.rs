@@ -23,6 +23,7 @@ mod affine;
 mod contradiction;
 mod controller;
 mod cutoff;
+mod description;
 mod dither;
 mod drift;
 mod examination;
@@ -30,6 +31,7 @@ mod excitation;
 mod fault;
 mod finding;
 mod friction;
+mod friction_shapes;
 mod gear;
 mod hypotheses;
 mod lag;
@@ -58,6 +60,7 @@ mod wrong_robot;
 #[cfg(test)]
 mod tests;
 
+pub use description::examine_robot;
 pub use finding::{Code, Finding, Measure, Severity};
 pub use subject::{SignalSettings, Subject};
 pub use together::{Companion, compare, measure_together};
@@ -125,7 +128,8 @@ fn check_motion(exam: &mut Examination<'_>, signals: &Signals) {
 
 /// The fit. What a defect that was found makes meaningless is left out.
 fn check_fit(exam: &mut Examination<'_>, signals: &Signals, record: &mut ThinnedRecord<'_>) {
-    let blind = exam.has(&[Code::TorqueConstant, Code::JointStill, Code::JointDither]);
+    let blind = exam.has(&[Code::TorqueConstant, Code::JointStill, Code::JointDither])
+        || !record.has_rows_for(record.parameters());
     if !blind {
         fault::check(exam, record);
         if !exam.has(&[Code::PositionScale]) {
@@ -139,7 +143,7 @@ fn check_fit(exam: &mut Examination<'_>, signals: &Signals, record: &mut Thinned
         }
         cutoff::check(exam, record);
     }
-    excitation::check(exam, record);
+    excitation::check(exam, &record.of_estimated());
     if !blind && !exam.has(&[Code::PoorFit, Code::CutoffLow]) && record.has_full_rank() {
         lag::check(exam, record);
         gear::check(exam, record);

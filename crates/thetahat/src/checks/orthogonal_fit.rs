@@ -12,6 +12,9 @@ use crate::{
 /// Relative size of the last diagonal entries of R below which a column counts as dependent, as for the estimate.
 const RANK_TOLERANCE: f64 = 1e-10;
 
+/// Stretches of time, every other one of which is held out.
+const STRETCHES: usize = 10;
+
 /// Least squares with every coordinate's rows divided by the standard deviation of its torque. Columns may depend on one
 /// another.
 ///
@@ -38,7 +41,19 @@ pub(super) struct OrthogonalFit {
 impl OrthogonalFit {
     /// The fit of the rows of one recording, whatever their weights.
     pub(super) fn new(regression: &Regression) -> Self {
+        Self::with_weights(weighted(regression))
+    }
+
+    /// The same without some of the rows, which count for nothing.
+    pub(super) fn without(regression: &Regression, left_out: &[bool]) -> Self {
         let regression = weighted(regression);
+        let ones = vec![1.0; left_out.len()];
+        let weights = regression.weights().unwrap_or(&ones).iter().zip(left_out);
+        let weights = weights.map(|(w, left_out)| if *left_out { 0.0 } else { *w }).collect();
+        Self::with_weights(regression.with_weights(Some(weights)))
+    }
+
+    fn with_weights(regression: Regression) -> Self {
         let x = regression.whiten_matrix(&regression.x).into_owned();
         let y = regression.whiten(&regression.y).into_owned();
         let qr = PivotedQr::new(&x);
@@ -85,6 +100,25 @@ impl OrthogonalFit {
         let total = norm(&self.y) + own.clone().zip(&change).map(|(i, c)| c * (c + 2.0 * self.y[i])).sum::<f64>();
         let along = |c: usize| self.projection[c] + dot(&self.basis.column(c)[own.clone()], &change);
         total - (0..self.rank).map(|c| along(c).powi(2)).sum::<f64>()
+    }
+
+    /// Mean squared error, relative to the torques' variances, on every other stretch of time with the parameters of the
+    /// others. None where these do not separate the parameters.
+    pub(super) fn held_out_squares(&self) -> Option<f64> {
+        let rows = self.regression.layout.block(0, 0).len();
+        let half = |i: usize| ((i % rows) * STRETCHES / rows).is_multiple_of(2);
+        let squares = |own: &dyn Fn(usize) -> bool| {
+            let taken: Vec<bool> = (0..self.y.len()).map(own).collect();
+            let part = |y: bool| (0..self.y.len()).filter(move |i| own(*i) == y);
+            let qr = PivotedQr::new(&self.x.select_rows(&taken));
+            let theta = qr.solve(&part(true).map(|i| self.y[i]).collect::<Vec<_>>());
+            let error = |i: usize| self.y[i] - (0..self.x.columns()).map(|c| self.x.at(i, c) * theta[c]).sum::<f64>();
+            let separates = qr.rank(RANK_TOLERANCE) == self.x.columns();
+            separates.then(|| part(false).map(|i| error(i).powi(2)).sum::<f64>())
+        };
+        let enough = self.y.len() / 2 > self.x.columns() && rows > STRETCHES;
+        let both = enough.then(|| Some(squares(&half)? + squares(&|i| !half(i))?)).flatten()?;
+        Some(both / self.y.len() as f64)
     }
 
     /// Variance of the weighted residual.

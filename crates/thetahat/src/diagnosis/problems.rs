@@ -108,6 +108,7 @@ fn concern(code: Code) -> Concern {
         | Code::APrioriScale
         | Code::WrongRobot
         | Code::SameRecording
+        | Code::RateContradicted
         | Code::RecordingsContradict => Concern::All,
         Code::TorqueConstant
         | Code::TorqueIdle
@@ -135,6 +136,7 @@ fn concern(code: Code) -> Concern {
         | Code::ControllerMismatch
         | Code::GainDrift
         | Code::FrictionDrift
-        | Code::NotPhysical => Concern::None,
+        | Code::NotPhysical
+        | Code::RobotDescription => Concern::None,
     }
 }

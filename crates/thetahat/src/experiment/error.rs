@@ -1,8 +1,8 @@
 use std::path::PathBuf;
 
 use crate::{
-    preparation::PreparationError, recording::RecordingError, results::ResultsError, robot::RobotError,
-    simulation::SimulationError, trajectory::TrajectoryError,
+    filter_choice::FilterChoiceError, preparation::PreparationError, recording::RecordingError, results::ResultsError,
+    robot::RobotError, simulation::SimulationError, trajectory::TrajectoryError,
 };
 
 /// Why an experiment cannot be read or run.
@@ -32,6 +32,14 @@ pub enum ExperimentError {
         path: PathBuf,
         /// Why.
         source: PreparationError,
+    },
+    /// No filter can be chosen.
+    #[error("{}: no filter can be chosen from the recordings: {source}", path.display())]
+    Filter {
+        /// The experiment file.
+        path: PathBuf,
+        /// Why.
+        source: FilterChoiceError,
     },
     /// The robot description is not usable.
     #[error(transparent)]

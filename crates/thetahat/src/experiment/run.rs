@@ -7,9 +7,10 @@ use super::{
     error::ExperimentError,
 };
 use crate::{
+    filter_choice::choose_filter,
     preparation::{Case, Recording},
-    results::{RecordingFindings, Results, Sensitivity},
-    run::{Identification, check_recordings},
+    results::{FilterChoice, RecordingFindings, Results, Sensitivity},
+    run::{Identification, check_recordings, examine_robot},
 };
 
 impl Experiment {
@@ -54,9 +55,21 @@ impl Experiment {
     /// # Errors
     /// [`ExperimentError`] for input that cannot be used. What is used but looks wrong is a finding.
     pub fn check(&self, data: &Path) -> Result<Vec<RecordingFindings>, ExperimentError> {
-        let main = self.main_recordings(data)?.into_iter().map(|r| (r, false));
-        let held_back = self.read_all(&self.file.validation, data)?.into_iter().map(|r| (r, true));
-        check_recordings(self.setup(), main.chain(held_back).collect()).map_err(|e| self.refuse(e))
+        let held_back = self.read_all(&self.file.validation, data)?;
+        let of_recordings = check_recordings(self.setup(), self.main_recordings(data)?, held_back);
+        let of_robot = examine_robot(&self.robot).into_iter();
+        Ok(of_robot.chain(of_recordings.map_err(|e| self.refuse(e))?).collect())
+    }
+
+    /// The filter that is best for the estimates from the recordings, compared with the experiment's own where `own` says so. The
+    /// result does not depend on the number of `threads`.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] for input that cannot be used, and where no filter gives an estimate.
+    pub fn choose_filter(&self, data: &Path, own: bool, threads: usize) -> Result<FilterChoice, ExperimentError> {
+        let recordings = self.main_recordings(data)?;
+        choose_filter(&self.robot, &self.settings, &recordings, own, threads)
+            .map_err(|source| ExperimentError::Filter { path: self.path.clone(), source })
     }
 
     /// The recordings, read or made by the twin, with the settings.

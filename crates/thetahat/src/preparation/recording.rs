@@ -1,4 +1,4 @@
-use std::{collections::BTreeMap, path::Path};
+use std::{collections::BTreeMap, ops::Range, path::Path};
 
 use super::{error::PreparationError, reference_correction::ReferenceCorrection};
 use crate::{
@@ -22,6 +22,11 @@ pub struct Recording {
     pub time_stamps_s: Option<Vec<f64>>,
     /// How the record was brought to equal steps, where it had none.
     pub resampling: Option<Resampling>,
+    /// Samples that were not recorded, in ranges that rise: the series go on smoothly there. Their rows are left out of the
+    /// regression, with those that a filter made of them.
+    pub gaps: Vec<Range<usize>>,
+    /// A column of times in its file and their rate, Hz, where another rate is stated.
+    pub contradicting_times: Option<(String, f64)>,
     /// Start and end of its window, s, where it is another one than that of the settings.
     pub window_s: [Option<f64>; 2],
     /// Positions of the joints, rad or m.
@@ -39,6 +44,8 @@ pub struct Recording {
     pub channels: BTreeMap<String, Series>,
     /// Whether positions or torques came through the transmission.
     pub geared: bool,
+    /// The payload of the settings that the robot carries, by its name.
+    pub payload: Option<String>,
     /// The moves of a simulated record.
     pub planned: Option<Moves>,
     /// The true standard parameters of a simulated record.
@@ -62,6 +69,8 @@ impl Recording {
             sample_rate_hz,
             time_stamps_s: None,
             resampling: None,
+            gaps: Vec::new(),
+            contradicting_times: None,
             window_s: [None, None],
             position,
             torque: None,
@@ -70,16 +79,17 @@ impl Recording {
             added_signal: None,
             channels: BTreeMap::new(),
             geared: false,
+            payload: None,
             planned: None,
             truth: None,
         }
     }
 
-    /// Positions and torques of the joints at time stamps in s, whose steps may deviate from the mean one by up to half of
-    /// it.
+    /// Positions and torques of the joints at time stamps in s, whose steps may deviate from the usual one by up to half of
+    /// it; longer ones are gaps.
     ///
     /// # Errors
-    /// [`RecordingError`] for stamps that do not rise, or steps that deviate by more, and for series of other lengths.
+    /// [`RecordingError`] for stamps that do not rise, or without a usual step, and for series of other lengths.
     pub fn at_times(time_s: Vec<f64>, position: Series, torque: Series) -> Result<Self, RecordingError> {
         let (source, times) = (Path::new("arrays"), Series::from_values(1, time_s));
         same_length(&times, "time", source, &position, "position", source)?;
@@ -116,11 +126,22 @@ impl Recording {
         Self { name: name.to_owned(), ..self }
     }
 
+    /// The same with something taken off its torques, where it has any.
+    pub(crate) fn less_torque(mut self, part: &Series) -> Self {
+        if let Some(torque) = &mut self.torque {
+            for k in 0..torque.len() {
+                torque.sample_mut(k).iter_mut().zip(part.sample(k)).for_each(|(tau, part)| *tau -= part);
+            }
+        }
+        self
+    }
+
     /// Every series at the equal steps of a clock.
     pub(crate) fn into_equal_steps(self, clock: &Clock) -> Self {
         let even = |series: Option<Series>| series.map(|s| clock.to_equal_steps(s));
         Self {
             resampling: clock.resampling(),
+            gaps: clock.gaps().to_vec(),
             position: clock.to_equal_steps(self.position),
             torque: even(self.torque),
             velocity: even(self.velocity),
@@ -199,7 +220,7 @@ impl Recording {
     }
 }
 
-/// Largest deviation of a time step from the mean one, in steps, up to which a record is resampled to equal steps.
+/// Largest deviation of a time step from the usual one, in steps; a longer step is a gap.
 const LARGEST_JITTER: f64 = 0.5;
 
 #[cfg(test)]

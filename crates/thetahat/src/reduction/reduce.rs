@@ -301,6 +301,7 @@ impl Reduction {
                 robot: experiment.robot.name.clone(),
                 acting: acting(joints.len(), regressor),
                 joints,
+                locked: experiment.robot.locked.iter().map(|l| format!("{} {}", l.name, l.value)).collect(),
                 parameters: base.parameters().iter().map(|p| p.name.clone()).collect(),
                 expressions: base.parameters().iter().map(|p| p.expression.clone()).collect(),
                 filter_order: signal.filter_order,

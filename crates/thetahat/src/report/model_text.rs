@@ -6,7 +6,8 @@ use super::{
     wrap::wrap,
 };
 use crate::results::{
-    BaseParameterSummary, JointKind, JointSummary, ParameterCount, Quantity, RobotSummary, StandardParameterSummary,
+    BaseParameterSummary, Doubt, JointKind, JointSummary, LockedJoint, ParameterCount, Quantity, RobotSummary,
+    StandardParameterSummary,
 };
 
 /// Widest label of the head.
@@ -23,7 +24,16 @@ pub fn model_text(summary: &RobotSummary) -> String {
     parts.extend(terms(summary).map(|table| table.to_text()));
     parts.push(counts(summary).to_text());
     parts.push(base_parameters(summary));
+    parts.extend(doubts(summary));
     parts.join("\n")
+}
+
+/// What the description says that no robot has, and what to do.
+fn doubts(summary: &RobotSummary) -> Option<String> {
+    let doubt =
+        |d: &Doubt| wrap(&format!("{}: {}", d.place, d.what), "  ") + &wrap(&format!("-> {}", d.remedy), "     ");
+    let lines: String = summary.doubts.iter().map(doubt).collect();
+    (!lines.is_empty()).then(|| format!("Findings in the description\n{lines}"))
 }
 
 /// A number with four significant digits at most.
@@ -49,11 +59,18 @@ fn head(summary: &RobotSummary) -> String {
         ("gravity", format!("{x} {y} {z} m/s^2 in the base frame")),
         ("friction", summary.friction.to_owned()),
     ];
+    let locked = (!summary.locked.is_empty()).then(|| ("locked", locked(summary)));
     let line = |(label, value): (&str, String)| {
         let text = wrap(&value, &" ".repeat(LABEL));
         format!("{label:<LABEL$}{}", text.trim_start())
     };
-    facts.into_iter().map(line).collect()
+    facts.into_iter().chain(locked).map(line).collect()
+}
+
+fn locked(summary: &RobotSummary) -> String {
+    let at =
+        |joint: &LockedJoint| format!("{} at {} {}", joint.name, coordinate(joint.value, joint.kind), unit(joint.kind));
+    summary.locked.iter().map(at).collect::<Vec<_>>().join(", ")
 }
 
 /// A column of the structure: what it says of a joint, if anything.

@@ -5,7 +5,7 @@ use super::{
     facts::{facts, weights},
     figures, findings,
     number::significant,
-    physical,
+    payload, physical,
     published::Published,
     section::Section,
     table::Table,
@@ -25,6 +25,7 @@ pub(super) fn all(results: &Results, published: Option<&Published>) -> Vec<Secti
         diagnosis::section(results),
         estimates(results),
         physical::section(results),
+        payload::section(results),
         terms::section(results),
     ];
     sections.extend(published.map(|p| comparison(results, p)));

@@ -33,8 +33,10 @@ mod content;
 mod curves;
 mod diagnosis;
 mod file;
+mod filter;
 mod joints;
 mod parameters;
+mod payload;
 mod physical;
 mod prediction;
 mod recordings;
@@ -51,8 +53,10 @@ pub use diagnosis::{
     EndogeneityResult, Influence, InstrumentResult, JointResidual, ParameterDifference, ResidualResult, Verdict,
 };
 pub use file::ResultsError;
+pub use filter::{ComparedFilter, Filter, FilterChoice, FilterError};
 pub use joints::JointResult;
 pub use parameters::{EliminationResult, ParameterResult};
+pub use payload::{DriveGainResult, PayloadParameter, PayloadResult};
 pub use physical::{ConsistencyTest, ConsistentEstimate, ConsistentParameter, PhysicalResult};
 pub use prediction::Prediction;
 pub use recordings::{Bandwidth, PeriodicResult, RecordingFindings, RecordingResult, ReferenceResult};
@@ -67,7 +71,7 @@ pub use crate::{
     checks::{Code, Finding, Severity},
     identification::{Method, Status, Weighting},
     recording::{ChannelSummary, ColumnSummary, Contents, Resampling, TableSummary, TimeSummary},
-    robot::{JointKind, Parameter, Quantity},
+    robot::{Doubt, JointKind, LockedJoint, Parameter, Quantity},
     robot_summary::{BaseParameterSummary, JointSummary, ParameterCount, RobotSummary, StandardParameterSummary},
     simulation::BiasKind,
     statistics::{ChiSquaredTest, FTest},

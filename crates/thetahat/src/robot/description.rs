@@ -1,7 +1,10 @@
 use std::collections::BTreeMap;
 
+use serde::Serialize;
+
 use super::{
     joint::{Joint, JointKind},
+    locking::LockedJoint,
     parameters::ParameterTable,
     quantity::{Friction, JointQuantity},
     terms::{TermColumn, TermDescription, channels_of},
@@ -26,10 +29,29 @@ pub struct Robot {
     pub friction: Friction,
     /// A-priori values by parameter name, as from CAD; what is not listed is zero.
     pub a_priori: BTreeMap<String, f64>,
+    /// Joints of the description that were locked, and are no joints of this robot.
+    pub locked: Vec<LockedJoint>,
+    /// What its description says that no robot has.
+    pub doubts: Vec<Doubt>,
     /// Torque terms beside those of links and drives, as they are described; [`Robot::add_terms`] adds them.
     pub term_descriptions: Vec<TermDescription>,
     /// Their columns.
     pub terms: Vec<TermColumn>,
+}
+
+/// Something in a description that no robot has, and that is used as it is: a mass below zero in a URDF.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Doubt {
+    /// File, line and element.
+    pub place: String,
+    /// What stands there, in words.
+    pub what: String,
+    /// The number that cannot be.
+    pub value: f64,
+    /// Its unit.
+    pub unit: &'static str,
+    /// What to do.
+    pub remedy: &'static str,
 }
 
 impl Robot {

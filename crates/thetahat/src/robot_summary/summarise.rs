@@ -27,6 +27,8 @@ impl RobotSummary {
             gravity: robot.gravity,
             friction: robot.friction.name(),
             joints: joints(robot),
+            locked: robot.locked.clone(),
+            doubts: robot.doubts.clone(),
             transmission: transmission(robot),
             counts: counts(&model, &standard, base.as_ref()),
             standard_parameters: standard,

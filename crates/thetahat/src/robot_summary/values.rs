@@ -2,7 +2,7 @@ use std::borrow::Cow;
 
 use serde::Serialize;
 
-use crate::robot::{JointKind, Parameter};
+use crate::robot::{Doubt, JointKind, LockedJoint, Parameter};
 
 /// A robot as data for people and programs. Lengths in m, angles in rad, and so on in SI; joints, links and motors are
 /// numbered from one.
@@ -20,6 +20,10 @@ pub struct RobotSummary {
     pub friction: &'static str,
     /// The moving joints.
     pub joints: Vec<JointSummary>,
+    /// The joints of the description that are locked, and are none of `joints`.
+    pub locked: Vec<LockedJoint>,
+    /// What the description says that no robot has.
+    pub doubts: Vec<Doubt>,
     /// Motors to coordinates.
     pub transmission: TransmissionSummary,
     /// The standard parameters in order.

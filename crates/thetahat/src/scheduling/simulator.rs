@@ -6,7 +6,7 @@ use crate::{
     control::ControllerDescription,
     dynamics::{Model, Sign},
     identification::{Assembly, Method, Needs, Response},
-    linear_algebra::{Matrix, norm},
+    linear_algebra::Matrix,
     preparation::{Case, FilteredRecording, Gains, LoopParameters, LoopParts, Problem, RecordedReference, Setup},
     series::Series,
     signal::Motion,
@@ -281,8 +281,10 @@ impl<'a> Simulator<'a> {
                     continue;
                 }
                 let [difference, size] = squares.entry(name).or_default();
-                *difference += squared_difference(measured, simulated);
-                *size += norm(measured.values()).powi(2);
+                for k in l.filtered.used_samples() {
+                    *difference += squared_difference(measured.sample(k), simulated.sample(k));
+                    *size += measured.sample(k).iter().map(|v| v * v).sum::<f64>();
+                }
             }
         }
         squares.into_iter().map(|(name, [d, m])| (name.to_owned(), 100.0 * (d / m).sqrt())).collect()
@@ -327,6 +329,6 @@ impl RecordedLoop<'_> {
     }
 }
 
-fn squared_difference(measured: &Series, simulated: &Series) -> f64 {
-    measured.values().iter().zip(simulated.values()).map(|(m, s)| (m - s).powi(2)).sum()
+fn squared_difference(measured: &[f64], simulated: &[f64]) -> f64 {
+    measured.iter().zip(simulated).map(|(m, s)| (m - s).powi(2)).sum()
 }

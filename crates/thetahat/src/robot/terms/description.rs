@@ -214,6 +214,62 @@ impl TermDescription {
         toml::to_string(&File { term: [self] }).unwrap_or_default()
     }
 
+    /// The term without the joints for which `is_gone` holds; none where it acts on no other.
+    pub(in crate::robot) fn without_joints(mut self, is_gone: &dyn Fn(&str) -> bool) -> Option<Self> {
+        match &mut self {
+            Self::JointSpring { joints, .. }
+            | Self::ExponentialStribeck { joints, .. }
+            | Self::Stribeck { joints, .. }
+            | Self::PolynomialViscous { joints, .. }
+            | Self::AsymmetricViscous { joints }
+            | Self::LoadFriction { joints }
+            | Self::ChannelCoulomb { joints, .. }
+            | Self::ChannelViscous { joints, .. }
+            | Self::MotorHarmonics { joints, .. } => {
+                let Some(joints) = joints else { return Some(self) };
+                joints.retain(|joint| !is_gone(joint));
+                (!joints.is_empty()).then_some(self)
+            }
+            Self::Expression { joint, .. } => (!is_gone(joint)).then_some(self),
+            Self::Spring { .. } | Self::GasSpring { .. } | Self::Hydraulic { .. } => Some(self),
+        }
+    }
+
+    /// Its two points, where it acts between points.
+    pub(in crate::robot) fn points_mut(&mut self) -> Option<[&mut PointDescription; 2]> {
+        match self {
+            Self::Spring { from, to, .. } | Self::GasSpring { from, to, .. } | Self::Hydraulic { from, to, .. } => {
+                Some([from, to])
+            }
+            Self::JointSpring { .. }
+            | Self::ExponentialStribeck { .. }
+            | Self::Stribeck { .. }
+            | Self::PolynomialViscous { .. }
+            | Self::AsymmetricViscous { .. }
+            | Self::LoadFriction { .. }
+            | Self::ChannelCoulomb { .. }
+            | Self::ChannelViscous { .. }
+            | Self::MotorHarmonics { .. }
+            | Self::Expression { .. } => None,
+        }
+    }
+
+    /// Whether its parameter has a name of its own, and not one by the number of its joint.
+    pub(in crate::robot) fn has_own_name(&self) -> bool {
+        match self {
+            Self::Spring { .. } | Self::GasSpring { .. } | Self::Hydraulic { .. } | Self::Expression { .. } => true,
+            Self::JointSpring { .. }
+            | Self::ExponentialStribeck { .. }
+            | Self::Stribeck { .. }
+            | Self::PolynomialViscous { .. }
+            | Self::AsymmetricViscous { .. }
+            | Self::LoadFriction { .. }
+            | Self::ChannelCoulomb { .. }
+            | Self::ChannelViscous { .. }
+            | Self::MotorHarmonics { .. } => false,
+        }
+    }
+
     /// The joints that it names; none where it names none.
     pub(super) fn joints(&self) -> Option<&[String]> {
         match self {

@@ -2,8 +2,6 @@ use std::{error::Error, path::Path};
 
 use thetahat::Robot;
 
-use super::arguments::Arguments;
-
 /// A robot of the table.
 pub struct Subject {
     pub name: &'static str,
@@ -24,13 +22,13 @@ const ROBOTS: [(&str, &str, bool); 7] = [
 ];
 
 /// The robots that are asked for; one that is described in a data folder that is absent is left out with a word.
-pub fn robots(arguments: &Arguments) -> Result<Vec<Subject>, Box<dyn Error>> {
+pub fn robots(containing: &str, data: Option<&Path>) -> Result<Vec<Subject>, Box<dyn Error>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let mut found = Vec::new();
-    for (name, file, has_motor_inertias) in ROBOTS.into_iter().filter(|(name, ..)| name.contains(&arguments.robot)) {
+    for (name, file, has_motor_inertias) in ROBOTS.into_iter().filter(|(name, ..)| name.contains(containing)) {
         let path = match file.strip_prefix("data/") {
             None => root.join(file),
-            Some(file) => match &arguments.data {
+            Some(file) => match data {
                 Some(data) if data.join(file).exists() => data.join(file),
                 Some(_) | None => {
                     eprintln!("{name} is left out: --data has no {file}");

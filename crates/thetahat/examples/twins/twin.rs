@@ -14,6 +14,7 @@ use thetahat::{
 
 use super::{reference::periodic, robots::Subject};
 
+/// Rate of the references.
 pub const RATE_HZ: f64 = 500.0;
 /// Bandwidth of the true loop.
 pub const BANDWIDTH_HZ: f64 = 10.0;
@@ -39,6 +40,13 @@ pub struct Noise {
 pub const NOISE: [Noise; 2] =
     [Noise { name: "low", position: 1e-5, torque: 0.01 }, Noise { name: "high", position: 1e-4, torque: 0.05 }];
 
+/// How long a twin moves, and how it is sampled.
+#[derive(Debug, Clone, Copy)]
+pub struct Sampling {
+    pub duration_s: f64,
+    pub rate_hz: f64,
+}
+
 /// A simulated robot, its motion and its true parameters.
 pub struct Twin {
     pub name: &'static str,
@@ -47,13 +55,18 @@ pub struct Twin {
     pub cad: Vec<f64>,
     pub truth: Vec<f64>,
     reference: Series,
-    motion: SimulatedMotion,
+    pub rate_hz: f64,
+    pub motion: SimulatedMotion,
     /// What each motor sees, drive signal per acceleration.
     inertia: Vec<f64>,
 }
 
 impl Twin {
-    pub fn new(subject: Subject, duration_s: f64, seed: u64) -> Result<Self, Box<dyn Error>> {
+    pub fn new(
+        subject: Subject,
+        Sampling { duration_s, rate_hz }: Sampling,
+        seed: u64,
+    ) -> Result<Self, Box<dyn Error>> {
         let Subject { name, robot, has_motor_inertias } = subject;
         let cad = completed_a_priori(&robot, None);
         let reference = periodic(&robot, duration_s, RATE_HZ, seed);
@@ -70,8 +83,8 @@ impl Twin {
                 Quantity::Link(_) | Quantity::Joint(_) | Quantity::Motor(_) | Quantity::Term(_) => continue,
             };
         }
-        let (motion, inertia) = simulate(&robot, &model, &truth, &reference)?;
-        Ok(Self { name, robot, cad, truth, reference, motion, inertia })
+        let (motion, inertia) = simulate(&robot, &model, &truth, &reference, rate_hz)?;
+        Ok(Self { name, robot, cad, truth, reference, rate_hz, motion, inertia })
     }
 
     /// The loop with gains for so many times the true bandwidth.
@@ -85,7 +98,7 @@ impl Twin {
         }
     }
 
-    /// A record of the motion with noise.
+    /// A record of the motion with noise, with the reference where both have the same rate.
     pub fn record(&self, noise: Noise, seed: u64) -> Recording {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut add = |series: &mut Series, deviation: &[f64]| {
@@ -100,8 +113,8 @@ impl Twin {
         let torque: Vec<f64> = (0..tau.channels()).map(|j| noise.torque * rms(&tau.channel(j))).collect();
         add(&mut q, &vec![noise.position; torque.len()]);
         add(&mut tau, &torque);
-        let recording = Recording::new(RATE_HZ, q, tau).with_reference(self.reference.clone());
-        Recording { truth: Some(self.truth.clone()), ..recording }
+        let reference = (self.rate_hz == RATE_HZ).then(|| self.reference.clone());
+        Recording { truth: Some(self.truth.clone()), reference, ..Recording::new(self.rate_hz, q, tau) }
     }
 }
 
@@ -110,9 +123,10 @@ fn simulate(
     model: &Model,
     theta: &[f64],
     reference: &Series,
+    rate_hz: f64,
 ) -> Result<(SimulatedMotion, Vec<f64>), Box<dyn Error>> {
     let controller = ControllerDescription::pd(BANDWIDTH_HZ);
-    let samples = reference.len();
+    let duration_s = reference.len() as f64 / RATE_HZ;
     let reference = Reference::Sampled(SampledReference::new(reference.clone(), RATE_HZ));
     let closed_loop = ClosedLoop {
         model,
@@ -125,8 +139,8 @@ fn simulate(
         solver: TIGHT,
         sign_velocity_scale: SIGN_VELOCITY_SCALE,
     };
-    let inertia = closed_loop.motor_inertia(theta, samples as f64 / RATE_HZ);
-    let grid = OutputGrid { start_s: 0.0, sample_rate_hz: RATE_HZ, samples };
+    let inertia = closed_loop.motor_inertia(theta, duration_s);
+    let grid = OutputGrid { start_s: 0.0, sample_rate_hz: rate_hz, samples: (duration_s * rate_hz).round() as usize };
     Ok((closed_loop.simulate(theta, &inertia, &grid)?, inertia))
 }
 

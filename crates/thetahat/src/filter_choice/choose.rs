@@ -1,0 +1,310 @@
+//! The choice of the filter with the least error of the estimates.
+
+use std::{collections::BTreeMap, ops::Range};
+
+use super::{
+    bands,
+    grid::{FilterGrid, for_dynamics},
+    score::{Errors, Tried, relative_errors},
+    twin::{Mover, Noise, RecordTwin, left},
+};
+use crate::{
+    base_parameters::BaseParameters,
+    consistency::{SimulationOptions, nearest_to_simulate},
+    control::ControllerDescription,
+    identification::{Divisor, EstimationError, Method, idim_ls},
+    pool,
+    preparation::{
+        Basis, Case, FilteredRecording, ParameterChoice, ParameterSelection, PreparationError, Problem, Recording,
+        Settings, Setup, SignalOptions, propose_controller,
+    },
+    regression::Regression,
+    results::{ComparedFilter, Filter, FilterChoice, FilterError},
+    robot::Robot,
+    series::Series,
+    signal::{SignalError, Spectrum},
+};
+
+/// Records whose positions have other noise: as many as make so many samples of all joints, within limits.
+const RECORDS: [usize; 2] = [3, 10];
+const SAMPLES: usize = 600_000;
+/// Twins: each is made with the filter that those before chose.
+const TWINS: usize = 2;
+/// Errors up to this multiple of the least are as good: twins do not tell them apart.
+const AS_GOOD: f64 = 1.1;
+/// Longest stretch of a record of which a twin is made, in samples.
+const LONGEST: usize = 40_000;
+
+/// Why no filter can be chosen.
+#[derive(Debug, Clone, thiserror::Error)]
+#[non_exhaustive]
+pub enum FilterChoiceError {
+    /// The recording cannot be used.
+    #[error("{source}")]
+    Preparation {
+        /// Why.
+        #[from]
+        source: PreparationError,
+    },
+    /// The recording cannot be filtered.
+    #[error("{source}")]
+    Signal {
+        /// Why.
+        #[from]
+        source: SignalError,
+    },
+    /// No estimate.
+    #[error("{source}")]
+    Estimation {
+        /// Why.
+        #[from]
+        source: EstimationError,
+    },
+    /// Torque terms take recorded channels, which twins do not have.
+    #[error("torque terms take recorded channels, which a twin does not have; choose the filter without these terms")]
+    Channels,
+    /// There is no recording with torques.
+    #[error("no recording has torques: a filter is chosen from what it does to the estimates")]
+    NoTorque,
+}
+
+/// The filter with which IDIM-LS gives the estimates that are nearest to the truth, on twins of the longest recording.
+///
+/// Of the settings, everything but the filter counts: which parameters are estimated, the order of the filter, the window. The
+/// settings' own filter is compared with the others where `own` says so. The result does not depend on the number of `threads`.
+///
+/// # Errors
+/// [`FilterChoiceError`] where no recording can be filtered or gives an estimate.
+pub fn choose_filter(
+    robot: &Robot,
+    settings: &Settings,
+    recordings: &[Recording],
+    own: bool,
+    threads: usize,
+) -> Result<FilterChoice, FilterChoiceError> {
+    if !robot.channels().is_empty() {
+        return Err(FilterChoiceError::Channels);
+    }
+    let with_torque = recordings.iter().filter(|r| r.torque.is_some());
+    let longest = with_torque.max_by_key(|r| r.position.len()).ok_or(FilterChoiceError::NoTorque)?;
+    let own = own.then_some(Filter { cutoff_hz: settings.signal.cutoff_hz, decimation: settings.signal.decimation });
+    let whole = Study::new(robot, settings, longest.clone())?;
+    let stretch = whole.moving_stretch(for_dynamics(whole.dynamics_hz(), longest.sample_rate_hz))?;
+    let samples: usize = recordings.iter().map(|r| r.position.len()).sum();
+    let part = stretch.position.len() as f64 / samples as f64;
+    // The stretch is the window.
+    let signal = SignalOptions { window_start_s: None, window_end_s: None, ..settings.signal };
+    let study = Study { recording: stretch, part, settings: Settings { signal, ..whole.settings }, ..whole };
+    study.choose(own, threads)
+}
+
+/// The estimates of all base parameters by IDIM-LS behind a filter.
+///
+/// # Errors
+/// [`FilterChoiceError`] where the recording cannot be filtered or gives no estimate.
+pub fn estimate_behind(robot: &Robot, recording: &Recording, filter: Filter) -> Result<Vec<f64>, FilterChoiceError> {
+    let study = Study::new(robot, &Settings::new(filter.cutoff_hz, filter.decimation), recording.clone())?;
+    let settings = study.settings_with(filter);
+    let (problem, _) = study.problem(&settings, recording, &ParameterChoice::Base)?;
+    Ok(idim_ls(&problem.regression, Divisor::default())?.theta)
+}
+
+/// A stretch of a record of which twins are made.
+struct Study<'a> {
+    robot: &'a Robot,
+    settings: Settings,
+    recording: Recording,
+    /// Part of all samples that the stretch has: the noise of torques counts that much less in the whole record.
+    part: f64,
+    basis: Basis,
+}
+
+/// A twin with the parameters that are estimated from it.
+struct Twin {
+    record: RecordTwin,
+    names: ParameterChoice,
+    truth: Vec<f64>,
+}
+
+/// An estimate that a robot can have.
+struct Truth {
+    estimated: BaseParameters,
+    /// Standard parameters of a robot near the estimate.
+    standard: Vec<f64>,
+    /// What the estimate leaves of the torques.
+    left: Series,
+    controller: ControllerDescription,
+}
+
+impl<'a> Study<'a> {
+    fn new(robot: &'a Robot, settings: &Settings, recording: Recording) -> Result<Self, PreparationError> {
+        // What is fixed or carried is part of the twin.
+        let parameters = ParameterSelection { fix: BTreeMap::new(), ..settings.parameters.clone() };
+        let settings = Settings { parameters, payloads: Vec::new(), ..settings.clone() };
+        let basis = Setup { robot, settings: &settings }.basis(&Case::nominal())?;
+        Ok(Self { robot, settings, recording, part: 1.0, basis })
+    }
+
+    /// The settings with another filter.
+    fn settings_with(&self, filter: Filter) -> Settings {
+        let Filter { cutoff_hz, decimation } = filter;
+        let signal = SignalOptions { cutoff_hz, decimation, ..self.settings.signal };
+        Settings { signal, ..self.settings.clone() }
+    }
+
+    /// The frequency below which nearly all of each joint's velocity lies, Hz: no noise can be in it.
+    fn dynamics_hz(&self) -> f64 {
+        let rate = self.recording.sample_rate_hz;
+        let spectrum = Spectrum::of(&self.recording.position, rate);
+        let dynamics = |j| bands::dynamics_hz(&spectrum, j, rate);
+        (0..self.recording.position.channels()).map(dynamics).fold(0.0, f64::max)
+    }
+
+    /// The window of the recording, its middle where it is too long.
+    fn moving_stretch(&self, filter: Filter) -> Result<Recording, PreparationError> {
+        let settings = self.settings_with(filter);
+        let window = Setup { robot: self.robot, settings: &settings }.filter(self.recording.clone())?.window;
+        let kept = window.len().min(LONGEST);
+        let start = window.start + (window.len() - kept) / 2;
+        let cut = |series: &Series| series.window(start..start + kept);
+        let Recording { sample_rate_hz, position, torque, reference, gaps, .. } = &self.recording;
+        let gap = |gap: &Range<usize>| {
+            let (from, to) = (gap.start.max(start), gap.end.min(start + kept));
+            (from < to).then(|| from - start..to - start)
+        };
+        Ok(Recording {
+            gaps: gaps.iter().filter_map(gap).collect(),
+            torque: torque.as_ref().map(cut),
+            reference: reference.as_ref().map(cut),
+            ..Recording::without_torque(*sample_rate_hz, cut(position))
+        })
+    }
+
+    /// The best filter of a grid on several twins, each made with the filter that is the best on those before.
+    fn choose(&self, own: Option<Filter>, threads: usize) -> Result<FilterChoice, FilterChoiceError> {
+        let sample_rate_hz = self.recording.sample_rate_hz;
+        let dynamics_hz = self.dynamics_hz();
+        let first = for_dynamics(dynamics_hz, sample_rate_hz);
+        let grid = FilterGrid::around(dynamics_hz, sample_rate_hz).filters;
+        let filters: Vec<Filter> = grid.into_iter().chain(own).collect();
+        let of_grid = 0..filters.len() - own.iter().len();
+        let mut errors = self.relative_errors(&self.twin(first, first)?, &filters, threads);
+        for _ in 1..TWINS {
+            let twin = self.twin(best(&filters[of_grid.clone()], &errors).unwrap_or(first), first)?;
+            let others = self.relative_errors(&twin, &filters, threads);
+            errors = errors.iter().zip(&others).map(|(a, b)| Some(FilterError::mean((*a)?, (*b)?))).collect();
+        }
+        let best = best(&filters[of_grid], &errors).unwrap_or(first);
+        let with_error = |(&filter, error): (&Filter, _)| ComparedFilter { filter, error };
+        let mut compared: Vec<ComparedFilter> = filters.iter().zip(errors).map(with_error).collect();
+        let own = own.and_then(|_| compared.pop());
+        Ok(FilterChoice { best, own, sample_rate_hz, dynamics_hz, compared })
+    }
+
+    /// A twin with the parameters that a filter gives: its noise is what the estimate leaves, its motion that of a robot near
+    /// it that follows the recorded one behind the position filter of `motion`.
+    fn twin(&self, filter: Filter, motion: Filter) -> Result<Twin, FilterChoiceError> {
+        let Truth { estimated, standard, controller, left } = self.truth(filter)?;
+        let model = &self.basis.model;
+        let mover = Mover { robot: self.robot, model, theta: &standard, controller: &controller };
+        let record = RecordTwin::of(&self.recording, motion.cutoff_hz, &left, &mover)?;
+        let names = ParameterChoice::List(estimated.parameters().iter().map(|p| p.name.clone()).collect());
+        Ok(Twin { record, names, truth: estimated.from_standard(&standard) })
+    }
+
+    /// The errors of the estimates from a twin behind each filter.
+    fn relative_errors(&self, twin: &Twin, filters: &[Filter], threads: usize) -> Vec<Option<FilterError>> {
+        let position = &self.recording.position;
+        let count = (SAMPLES / (position.len() * position.channels())).clamp(RECORDS[0], RECORDS[1]);
+        let records: Vec<Recording> = (0..count).map(|seed| twin.record.record(seed as u64)).collect();
+        let noise = twin.record.torque_noise();
+        let tried = |i: usize| {
+            let filter = filters[i];
+            let errors = |record: &Recording| self.errors(record, &noise, filter, twin);
+            let errors = Errors::mean(&records.iter().map(errors).collect::<Vec<_>>())?;
+            Some(Tried { filter, estimates: self.estimates(filter, &twin.names)?, errors })
+        };
+        relative_errors(&pool::in_parallel(filters.len(), threads, tried), self.part)
+    }
+
+    /// The estimates from the record itself.
+    fn estimates(&self, filter: Filter, names: &ParameterChoice) -> Option<Vec<f64>> {
+        let (problem, _) = self.problem(&self.settings_with(filter), &self.recording, names).ok()?;
+        Some(idim_ls(&problem.regression, Divisor::default()).ok()?.theta)
+    }
+
+    /// The errors of the estimates from a record of a twin whose parameters are known.
+    fn errors(&self, record: &Recording, noise: &Noise, filter: Filter, twin: &Twin) -> Option<Errors> {
+        let Twin { names, truth, .. } = twin;
+        let settings = self.settings_with(filter);
+        let (problem, filtered) = self.problem(&settings, record, names).ok()?;
+        let influence = Method::IDIM_LS.influence(&problem.regression, None).ok()?;
+        let found = influence.transpose_times(&problem.regression.y);
+        let bias = found.iter().zip(truth).map(|(found, truth)| (found - truth).powi(2)).collect();
+        let mut variance = vec![0.0; truth.len()];
+        for draw in noise {
+            let rows = problem.assembly(0).measurement_vector(&draw.window(filtered.window.clone())).ok()?;
+            let errors = influence.transpose_times(&rows);
+            let share = self.part / noise.len() as f64;
+            variance.iter_mut().zip(errors).for_each(|(v, e)| *v += share * e * e);
+        }
+        Some(Errors { bias, variance })
+    }
+
+    /// The robot nearest to the estimate with a filter, with the parameters that the motion separates.
+    fn truth(&self, filter: Filter) -> Result<Truth, FilterChoiceError> {
+        let settings = self.settings_with(filter);
+        let (problem, filtered) = self.problem(&settings, &self.recording, &ParameterChoice::Base)?;
+        let (columns, theta) = separated(&problem.regression)?;
+        let name = |&c: &usize| problem.estimated.parameters()[c].name.clone();
+        let names: Vec<String> = columns.iter().map(name).collect();
+        let estimated = problem.base.select(problem.model.parameter_table(), &names).map_err(PreparationError::from)?;
+        let mut all = vec![0.0; problem.base.len()];
+        columns.iter().zip(theta).for_each(|(&c, value)| all[c] = value);
+        let set = problem.consistent_set(Setup { robot: self.robot, settings: &settings });
+        let r = problem.regression.x.triangular_factor();
+        let options = SimulationOptions::default();
+        let near = set.ok().and_then(|set| nearest_to_simulate(set, &problem.base, &r, &all, &options, None).ok());
+        let found = problem.base.to_standard(&all);
+        let left = left(&filtered.torque(), &filtered.motion, &problem.model, &found);
+        let standard = near.map_or(found, |fit| fit.standard);
+        Ok(Truth { estimated, standard, left, controller: propose_controller(&[&filtered]).description })
+    }
+
+    /// X and y of a recording behind a filter.
+    fn problem(
+        &self,
+        settings: &Settings,
+        recording: &Recording,
+        choice: &ParameterChoice,
+    ) -> Result<(Problem, FilteredRecording), PreparationError> {
+        let setup = Setup { robot: self.robot, settings };
+        let filtered = setup.filter(recording.clone())?;
+        Ok((setup.problem_on(self.basis.clone(), &[&filtered], choice)?, filtered))
+    }
+}
+
+/// The narrowest of the filters that are as good as the one with the least error: what a model leaves out, flexible joints and the
+/// ripple of gears, grows with frequency, and no twin has it.
+fn best(filters: &[Filter], errors: &[Option<FilterError>]) -> Option<Filter> {
+    let totals: Vec<(Filter, f64)> =
+        filters.iter().zip(errors).filter_map(|(filter, error)| Some((*filter, error.as_ref()?.total))).collect();
+    let least = totals.iter().map(|(_, total)| *total).fold(f64::INFINITY, f64::min);
+    let good = totals.into_iter().filter(|(_, total)| *total <= AS_GOOD * least);
+    let narrower = |a: &(Filter, f64), b: &(Filter, f64)| a.0.decimation.cmp(&b.0.decimation).then(b.1.total_cmp(&a.1));
+    good.max_by(narrower).map(|(filter, _)| filter)
+}
+
+/// The columns that the motion separates, and the estimate with them.
+fn separated(regression: &Regression) -> Result<(Vec<usize>, Vec<f64>), EstimationError> {
+    let all = 0..regression.x.columns();
+    match idim_ls(regression, Divisor::default()) {
+        Ok(fit) => Ok((all.collect(), fit.theta)),
+        Err(EstimationError::NotIdentifiable { dependent, .. }) => {
+            let columns: Vec<usize> = all.filter(|c| !dependent.contains(c)).collect();
+            let fit = idim_ls(&regression.with_columns(&columns), Divisor::default())?;
+            Ok((columns, fit.theta))
+        }
+        Err(error) => Err(error),
+    }
+}

@@ -1,0 +1,196 @@
+//! A twin of a record: its motion without noise, the torques of a model along it, and noise like the record's.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::bands;
+use crate::{
+    control::ControllerDescription,
+    dynamics::{DynamicParameters, Model, Sign, State, Workspace},
+    preparation::{Recording, STILL, SimulationOptions},
+    robot::Robot,
+    series::Series,
+    signal::{Motion, Padding, SecondOrderSections, SignalError, Spectrum, zero_phase},
+    simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatorBias, Solver},
+};
+
+/// Order of the low-pass that separates motion from noise.
+const ORDER: usize = 4;
+/// Noise below the band's end is as dense as between the end and this multiple of it.
+const BESIDE: f64 = 2.0;
+/// Central differences of eighth order, `f' ~ sum_i a_i (f_i - f_-i) / h` and `f'' ~ (b_0 f + sum_i b_i (f_i + f_-i)) / h^2`.
+const FIRST: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
+const SECOND: [f64; 5] = [-205.0 / 72.0, 8.0 / 5.0, -1.0 / 5.0, 8.0 / 315.0, -1.0 / 560.0];
+
+/// Draws of the noise of the torques.
+const TORQUE_DRAWS: usize = 12;
+const TORQUE_SEED: u64 = 1 << 32;
+
+/// The velocity scale of friction as a part of a joint's rms velocity.
+const OF_VELOCITY: f64 = 0.02;
+
+/// Torques that are noise, drawn several times.
+pub(super) type Noise = Vec<Series>;
+
+/// A record whose true parameters are known.
+pub(super) struct RecordTwin {
+    sample_rate_hz: f64,
+    position: Series,
+    torque: Series,
+    position_noise: Spectrum,
+    torque_noise: Spectrum,
+}
+
+/// What moves in a twin.
+pub(super) struct Mover<'a> {
+    pub(super) robot: &'a Robot,
+    pub(super) model: &'a Model,
+    /// Standard parameters.
+    pub(super) theta: &'a [f64],
+    pub(super) controller: &'a ControllerDescription,
+}
+
+impl RecordTwin {
+    /// The twin of a recording: a controlled robot follows its motion below `motion_hz`. Friction and loop leave in motion and
+    /// torques what that band does not hold. The noise of the torques is like `left`, what the model leaves of them.
+    pub(super) fn of(
+        recording: &Recording,
+        motion_hz: f64,
+        left: &Series,
+        mover: &Mover<'_>,
+    ) -> Result<Self, SignalError> {
+        let Recording { sample_rate_hz: rate, position: recorded, .. } = recording;
+        let positions = Spectrum::of(recorded, *rate);
+        let bands: Vec<f64> = (0..recorded.channels()).map(|j| bands::above_noise_hz(&positions, j, *rate)).collect();
+        let noise = less(recorded, &low_passed(recorded, &bands, *rate)?);
+        let reference = low_passed(recorded, &vec![motion_hz; recorded.channels()], *rate)?;
+        let (position, torque) = mover.follow(reference, *rate);
+        Ok(Self {
+            sample_rate_hz: *rate,
+            position,
+            torque,
+            position_noise: flat_below(Spectrum::of(&noise, *rate), &bands),
+            torque_noise: Spectrum::of(left, *rate),
+        })
+    }
+
+    /// The torques of the twin along its motion, whose positions are recorded with noise; another one for each seed.
+    pub(super) fn record(&self, seed: u64) -> Recording {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let noise = self.position_noise.draw(self.position.len(), self.sample_rate_hz, &mut rng);
+        Recording::new(self.sample_rate_hz, plus(&self.position, &noise), self.torque.clone())
+    }
+
+    /// Several draws of the noise of the torques.
+    pub(super) fn torque_noise(&self) -> Noise {
+        let mut rng = ChaCha8Rng::seed_from_u64(TORQUE_SEED);
+        let mut draw = |_| self.torque_noise.draw(self.position.len(), self.sample_rate_hz, &mut rng);
+        (0..TORQUE_DRAWS).map(&mut draw).collect()
+    }
+}
+
+impl Mover<'_> {
+    /// Motion and torques along a reference; the reference itself with its torques where the loop cannot be simulated.
+    fn follow(&self, reference: Series, rate: f64) -> (Series, Series) {
+        let samples = reference.len();
+        let sign_velocity_scale = sign_velocity_scale(&reference, rate);
+        let followed = Reference::Sampled(SampledReference::new(reference.clone(), rate));
+        let closed_loop = ClosedLoop {
+            model: self.model,
+            transmission: &self.robot.transmission,
+            controller: self.controller,
+            reference: &followed,
+            added_signal: None,
+            channels: None,
+            bias: SimulatorBias::NONE,
+            solver: Solver::default(),
+            sign_velocity_scale,
+        };
+        let inertia = closed_loop.motor_inertia(self.theta, samples as f64 / rate);
+        let grid = OutputGrid { start_s: 0.0, sample_rate_hz: rate, samples };
+        match closed_loop.simulate(self.theta, &inertia, &grid) {
+            Ok(motion) => (motion.q, motion.tau),
+            Err(_) => {
+                let torque = torques_along(&reference, rate, self.model, self.theta);
+                (reference, torque)
+            }
+        }
+    }
+}
+
+/// What a model leaves of torques.
+pub(super) fn left(torque: &Series, motion: &Motion, model: &Model, theta: &[f64]) -> Series {
+    let (parameters, mut workspace) = (DynamicParameters::new(model, theta), Workspace::new(model));
+    let mut left = torque.clone();
+    let mut tau = vec![0.0; torque.channels()];
+    for k in 0..torque.len() {
+        let state = State::new(motion.q.sample(k), motion.dq.sample(k));
+        let ddq = motion.ddq.sample(k);
+        model.inverse_dynamics(&parameters, state, ddq, Sign::Exact, &mut workspace, &mut tau);
+        left.sample_mut(k).iter_mut().zip(&tau).for_each(|(left, tau)| *left -= tau);
+    }
+    left
+}
+
+/// Each channel below its own frequency.
+fn low_passed(series: &Series, cutoffs_hz: &[f64], rate: f64) -> Result<Series, SignalError> {
+    let channel = |(j, cutoff): (usize, &f64)| {
+        let filter = SecondOrderSections::butterworth_lowpass(ORDER, *cutoff, rate)?;
+        Ok(zero_phase(&filter, &Series::from_values(1, series.channel(j)), Padding::Matlab)?.channel(0))
+    };
+    let channels = cutoffs_hz.iter().enumerate().map(channel).collect::<Result<Vec<_>, SignalError>>()?;
+    Ok(Series::from_channels(&channels))
+}
+
+/// The velocity scale of friction, rad/s or m/s: the usual one, or a part of the slowest joint's velocity, where that is less.
+fn sign_velocity_scale(q: &Series, rate: f64) -> f64 {
+    let rms_velocity = |j: usize| {
+        let steps: f64 = q.channel(j).windows(2).map(|w| (w[1] - w[0]).powi(2)).sum();
+        rate * (steps / q.len() as f64).sqrt()
+    };
+    let slowest = (0..q.channels()).map(rms_velocity).filter(|v| *v > STILL).fold(f64::INFINITY, f64::min);
+    (OF_VELOCITY * slowest).min(SimulationOptions::default().sign_velocity_scale)
+}
+
+/// The torques of a model along positions.
+fn torques_along(q: &Series, rate: f64, model: &Model, theta: &[f64]) -> Series {
+    let mut motion = Motion { q: q.clone(), dq: q.clone(), ddq: q.clone() };
+    for k in 0..q.len() {
+        differentiate(q, k, rate, motion.dq.sample_mut(k), motion.ddq.sample_mut(k));
+    }
+    let none = left(&Series::zeros(q.len(), q.channels()), &motion, model, theta);
+    Series::from_values(q.channels(), none.values().iter().map(|v| -v).collect())
+}
+
+/// First and second derivative at a sample; positions stand still beyond the ends.
+fn differentiate(q: &Series, k: usize, rate: f64, dq: &mut [f64], ddq: &mut [f64]) {
+    let last = q.len() - 1;
+    for j in 0..q.channels() {
+        let [mut first, mut second] = [0.0, SECOND[0] * q.sample(k)[j]];
+        for i in 1..=FIRST.len() {
+            let (before, after) = (q.sample(k.saturating_sub(i))[j], q.sample((k + i).min(last))[j]);
+            first += FIRST[i - 1] * (after - before);
+            second += SECOND[i] * (after + before);
+        }
+        (dq[j], ddq[j]) = (first * rate, second * rate * rate);
+    }
+}
+
+/// Noise that goes on below each channel's band as it is beside it.
+fn flat_below(noise: Spectrum, bands_hz: &[f64]) -> Spectrum {
+    let step_hz = noise.step_hz;
+    let flat = |(c, band): (usize, &f64)| {
+        let level = noise.median(c, *band..(BESIDE * band).max(band + 3.5 * step_hz)).unwrap_or(0.0);
+        let inside = |(i, density): (usize, &f64)| if i as f64 * step_hz < *band { level } else { *density };
+        noise.density[c].iter().enumerate().map(inside).collect()
+    };
+    Spectrum { step_hz, density: bands_hz.iter().enumerate().map(flat).collect() }
+}
+
+fn less(a: &Series, b: &Series) -> Series {
+    Series::from_values(a.channels(), a.values().iter().zip(b.values()).map(|(a, b)| a - b).collect())
+}
+
+fn plus(a: &Series, b: &Series) -> Series {
+    Series::from_values(a.channels(), a.values().iter().zip(b.values()).map(|(a, b)| a + b).collect())
+}
