@@ -75,6 +75,7 @@ struct Tables {
     locked: BTreeMap<String, f64>,
     #[serde(default, deserialize_with = "one_or_each::list")]
     until: Vec<String>,
+    #[serde(default)]
     term: Vec<TermDescription>,
     #[serde(default, deserialize_with = "one_or_several")]
     recording: Vec<RecordingDescription>,

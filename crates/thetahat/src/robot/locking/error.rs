@@ -34,12 +34,6 @@ pub enum LockError {
         /// What is allowed, and what to do.
         expected: String,
     },
-    /// The description has torque terms, which are of all its joints.
-    #[error(
-        "locked: the robot description has [[term]] tables, which are of all its joints; state them in the experiment file, \
-         where they are of the joints that are left"
-    )]
-    Terms,
     /// No joint is left.
     #[error("locked: no joint is left that moves; leave out one that was recorded")]
     NothingMoves,

@@ -30,9 +30,6 @@ pub(in crate::robot) fn merged(robot: &Robot, locked: &[Option<f64>]) -> Result<
     if locked.iter().all(Option::is_none) {
         return Ok(robot.clone());
     }
-    if !robot.term_descriptions.is_empty() {
-        return Err(LockError::Terms);
-    }
     let Remaining { motors, transmission } = remaining(robot, locked)?;
     let numbers = new_indices(locked);
     let places = places(&robot.joints, locked);
@@ -132,8 +129,6 @@ impl Renumbering {
         match quantity {
             Quantity::Term(_) => None,
             Quantity::Link(_) | Quantity::Joint(_) => self.joints[number - 1].map(|j| j + 1),
-            // A robot with terms is not locked.
-            Quantity::Term(_) => None,
             Quantity::Motor(_) => {
                 let motor = whole.coordinate_joints().iter().position(|&j| j + 1 == number)?;
                 Some(rest.joint_of(self.motors.iter().position(|&m| m == motor)?) + 1)
