@@ -5,11 +5,11 @@
 //! with rows counted by how independent their residuals are.
 
 use super::{
+    companion::Companion,
     finding::{Code, Finding, Severity},
     numbers::autocorrelation,
     subject::Subject,
     thinned_record::ThinnedRecord,
-    together::Companion,
 };
 use crate::{
     linear_algebra::{Matrix, PivotedQr, dot},

@@ -20,6 +20,7 @@
 
 mod a_priori;
 mod affine;
+mod companion;
 mod contradiction;
 mod controller;
 mod cutoff;
@@ -60,10 +61,11 @@ mod wrong_robot;
 #[cfg(test)]
 mod tests;
 
+pub use companion::Companion;
 pub use description::examine_robot;
 pub use finding::{Code, Finding, Measure, Severity};
 pub use subject::{SignalSettings, Subject};
-pub use together::{Companion, compare, measure_together};
+pub use together::{compare, measure_together};
 
 use examination::Examination;
 use signals::Signals;

@@ -6,9 +6,9 @@
 use std::collections::HashSet;
 
 use super::{
+    companion::Companion,
     finding::{Code, Finding, Severity},
     numbers::span,
-    together::Companion,
 };
 use crate::series::Series;
 
