@@ -76,6 +76,8 @@ pub struct Man {
     /// Folder for the manual pages of thetahat and of each command [default: the page of thetahat, printed]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub force: Force,
 }
 
 #[derive(Args)]
@@ -83,6 +85,16 @@ pub struct Output {
     /// Folder for results.json, parameters.csv and report.html [default: tables in the terminal only]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub force: Force,
+}
+
+/// What may be replaced.
+#[derive(Args)]
+pub struct Force {
+    /// Replace files that thetahat did not write; inputs and devices are never replaced
+    #[arg(long)]
+    pub force: bool,
 }
 
 #[derive(Args)]
@@ -110,9 +122,11 @@ pub struct Init {
     pub recording: Vec<PathBuf>,
     #[command(flatten)]
     pub columns: Columns,
-    /// The experiment file to write; never overwritten
+    /// The experiment file to write; one that is there stays
     #[arg(long, value_name = "FILE.toml", default_value = "experiment.toml")]
     pub out: PathBuf,
+    #[command(flatten)]
+    pub force: Force,
 }
 
 /// What the names of a recording's columns do not tell.
@@ -127,6 +141,9 @@ pub struct Columns {
     /// The time column
     #[arg(long, value_name = "NAME")]
     pub time: Option<String>,
+    /// The joints that the columns are of, in the robot's order, where names do not tell; the others are locked
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub joints: Vec<String>,
     /// Samples per second, where there is no time column
     #[arg(long, value_name = "HZ", conflicts_with = "time")]
     pub rate: Option<f64>,
@@ -157,6 +174,8 @@ pub struct Sensitivity {
     /// Folder for sensitivity.csv and sensitivity.html [default: a table in the terminal only]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub force: Force,
     /// Threads; the result does not depend on them [default: one for each core]
     #[arg(long, value_name = "N", value_parser = at_least_one)]
     pub threads: Option<usize>,
@@ -184,6 +203,8 @@ pub struct Campaign {
     /// Folder for runs.parquet, timing.parquet and campaign.html [default: tables in the terminal only]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub force: Force,
     /// Threads, each of which works on four records at a time [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = at_least_one)]
     pub threads: Option<usize>,
@@ -202,6 +223,8 @@ pub struct Reduce {
     /// The file to write
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
+    #[command(flatten)]
+    pub force: Force,
     /// A results.json with whose estimates instruments are simulated, for IDIM-IV: those of its idim-iv, or else idim-ls
     #[arg(long, value_name = "RESULTS.json")]
     pub instruments_from: Option<PathBuf>,
@@ -230,6 +253,8 @@ pub struct Simulate {
     /// CSV file for time, joint positions and joint torques
     #[arg(long, value_name = "FILE.csv")]
     pub out: PathBuf,
+    #[command(flatten)]
+    pub force: Force,
 }
 
 #[derive(Args)]
@@ -243,6 +268,17 @@ pub struct Model {
     /// Folder against which the robot's path is resolved [default: the current one]
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
+    /// The last joints that move; all that are not on the way to them are locked at their neutral values
+    #[arg(long, value_name = "JOINTS", value_delimiter = ',')]
+    pub until: Vec<String>,
+    /// Joints that do not move, in rad or m, such as head_joint=0.2
+    #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = lock)]
+    pub lock: Vec<(String, f64)>,
+}
+
+fn lock(text: &str) -> Result<(String, f64), String> {
+    let parts = text.rsplit_once('=').and_then(|(joint, value)| Some((joint.to_owned(), value.parse().ok()?)));
+    parts.ok_or_else(|| "expected JOINT=VALUE with a number in rad or m".to_owned())
 }
 
 #[derive(Args)]
@@ -255,16 +291,30 @@ pub struct Predict {
     pub recording: PathBuf,
     /// The file of its torques, where they are not in the same one
     #[arg(long, value_name = "FILE")]
-    pub torque: Option<PathBuf>,
+    pub torque_file: Option<PathBuf>,
+    /// Columns of the positions, where they have other names than in the experiment
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub position: Vec<String>,
+    /// Columns of the torques, likewise
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub torque: Vec<String>,
+    /// The time column, likewise
+    #[arg(long, value_name = "NAME")]
+    pub time: Option<String>,
+    /// Start and end of the window, s [default: that of the experiment, or else the moving part]
+    #[arg(long, value_names = ["START", "END"], num_args = 2)]
+    pub window_s: Option<Vec<f64>>,
     /// The case whose parameters are taken
     #[arg(long, default_value = "nominal")]
     pub case: String,
-    /// The method whose parameters are taken [default: the first of the case with an estimate]
+    /// The method whose parameters are taken [default: the one that the results advise]
     #[arg(long, value_parser = method())]
     pub method: Option<Method>,
     /// CSV file for the torques, sample by sample
     #[arg(long, value_name = "FILE.csv")]
     pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub force: Force,
 }
 
 /// The methods by their names, which the help and the completions list.

@@ -4,6 +4,7 @@ use std::error::Error;
 
 use thetahat::{
     campaign::{Campaign, CampaignRuns, Progress, Row, Store, Subset},
+    output::OutputGuard,
     report,
     results::CampaignResults,
 };
@@ -16,10 +17,11 @@ use crate::{
 };
 
 pub fn run(request: &arguments::Campaign) -> Result<Verdict, Box<dyn Error>> {
-    if let Some(directory) = &request.out {
-        report::check_folder(directory)?;
-    }
     let campaign = Campaign::read(&request.campaign)?;
+    if let Some(directory) = &request.out {
+        let guard = OutputGuard::new(campaign.input_files(), request.force.force);
+        guard.folder(directory, [report::CAMPAIGN_PAGE])?;
+    }
     let store = request.out.as_ref().map(|directory| Store::open(directory, &campaign)).transpose()?;
     let limits = Subset { starts: request.starts, seeds: request.seeds };
     let mut counter = Counter::new("records");

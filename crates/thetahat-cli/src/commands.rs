@@ -6,8 +6,9 @@ use std::{
 
 use thetahat::{
     experiment::{Experiment, PredictionRequest, predict},
+    output::OutputGuard,
     report::{self, Published},
-    robot::RobotSource,
+    robot::{Locks, RobotSource},
     robot_summary::RobotSummary,
 };
 
@@ -65,7 +66,7 @@ fn identify_experiment(identify: &Identify) -> Result<Verdict, Box<dyn Error>> {
 
 fn run_experiment(experiment: &Experiment, data: &Path, output: &Output) -> Result<Verdict, Box<dyn Error>> {
     if let Some(directory) = &output.out {
-        report::check_folder(directory)?;
+        OutputGuard::new(experiment.input_files(data), output.force.force).folder(directory, report::file_names())?;
     }
     let published = experiment.published_path().map(|path| Published::read(&path)).transpose()?;
     let mut progress = Progress::new();
@@ -85,10 +86,18 @@ fn run_experiment(experiment: &Experiment, data: &Path, output: &Output) -> Resu
 }
 
 fn predict_torques(request: &Predict) -> Result<Verdict, Box<dyn Error>> {
+    if let Some(path) = &request.out {
+        let inputs = [&request.results, &request.recording].into_iter().chain(&request.torque_file).cloned();
+        OutputGuard::new(inputs, request.force.force).file(path)?;
+    }
     let prediction = predict(&PredictionRequest {
         results: request.results.clone(),
         recording: request.recording.clone(),
+        torque_file: request.torque_file.clone(),
+        position: request.position.clone(),
         torque: request.torque.clone(),
+        time: request.time.clone(),
+        window_s: request.window_s.as_ref().map(|w| [w[0], w[1]]),
         case: request.case.clone(),
         method: request.method,
     })?;
@@ -103,7 +112,8 @@ fn predict_torques(request: &Predict) -> Result<Verdict, Box<dyn Error>> {
 fn sweep_errors(sensitivity: &Sensitivity) -> Result<Verdict, Box<dyn Error>> {
     let (experiment, data) = read_experiment(&sensitivity.described)?;
     if let Some(directory) = &sensitivity.out {
-        report::check_folder(directory)?;
+        let guard = OutputGuard::new(experiment.input_files(&data), sensitivity.force.force);
+        guard.folder(directory, report::SENSITIVITY_FILES)?;
     }
     let threads = threads(sensitivity.threads);
     let progress = Mutex::new(Progress::new());
@@ -123,7 +133,9 @@ fn sweep_errors(sensitivity: &Sensitivity) -> Result<Verdict, Box<dyn Error>> {
 }
 
 fn record_twin(simulate: &Simulate) -> Result<Verdict, Box<dyn Error>> {
-    let record = Experiment::read(&simulate.experiment, Path::new(""))?.record_twin()?;
+    let experiment = Experiment::read(&simulate.experiment, Path::new(""))?;
+    OutputGuard::new(experiment.input_files(Path::new("")), simulate.force.force).file(&simulate.out)?;
+    let record = experiment.record_twin()?;
     report::write_record(&record, &simulate.out)?;
     let (samples, rate) = (record.position.len(), record.sample_rate_hz);
     print(&format!(
@@ -138,7 +150,9 @@ fn record_twin(simulate: &Simulate) -> Result<Verdict, Box<dyn Error>> {
 fn show_model(request: &Model) -> Result<Verdict, Box<dyn Error>> {
     let folder = request.data.clone().unwrap_or_default();
     let source = RobotSource::read(&folder.join(&request.robot))?;
-    let summary = RobotSummary::new(&source, &source.robot()?);
+    let locks = Locks { locked: request.lock.iter().cloned().collect(), until: request.until.clone() };
+    let robot = source.robot_with_locks(&locks, Path::new("the command line"))?;
+    let summary = RobotSummary::new(&source, &robot);
     print(&if request.json { report::model_json(&summary)? } else { report::model_text(&summary) })?;
     Ok(if summary.problem.is_none() { Verdict::Good } else { Verdict::NotTrusted })
 }

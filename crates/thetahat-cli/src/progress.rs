@@ -6,6 +6,7 @@ use std::{
 };
 
 use indicatif::{ProgressBar, ProgressStyle};
+use thetahat::visible::visible;
 
 /// How long to be silent.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -35,12 +36,13 @@ impl Progress {
         if self.started.elapsed() < PATIENCE {
             return;
         }
+        let stage = visible(stage);
         if !std::io::stderr().is_terminal() {
             eprintln!("{:5.1} s  {stage}", self.started.elapsed().as_secs_f64());
             return;
         }
         let bar = self.bar.get_or_insert_with(spinner);
-        bar.set_message(stage.to_owned());
+        bar.set_message(stage.into_owned());
     }
 }
 

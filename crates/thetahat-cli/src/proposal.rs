@@ -2,13 +2,12 @@
 
 use std::{
     error::Error,
-    fs::File,
-    io::Write,
     path::{Path, PathBuf},
 };
 
 use thetahat::{
     experiment::{Experiment, Proposal, ProposalRequest, ProposedSignal, propose},
+    output::{OutputGuard, replace_file},
     recording::{Contents, RecordingError, inspect_with_time},
     report,
     robot::RobotSource,
@@ -39,9 +38,9 @@ pub fn write_experiment(init: &Init) -> Result<Verdict, Box<dyn Error>> {
     let contents = contents(&init.recording, &init.columns)?;
     let folder = init.out.parent().map_or_else(PathBuf::new, Path::to_owned);
     let proposal = proposal(&init.robot, &init.recording, &init.columns, &contents, &folder)?;
-    let refuse = |e: std::io::Error| format!("{}: {e}; choose another file with --out", init.out.display());
-    let mut file = File::create_new(&init.out).map_err(refuse)?;
-    file.write_all(proposal.as_bytes()).map_err(refuse)?;
+    OutputGuard::new(init.recording.iter().chain([&init.robot]).cloned(), init.force.force).file(&init.out)?;
+    replace_file(&init.out, proposal.as_bytes())
+        .map_err(|e| format!("{}: cannot be written: {e}", init.out.display()))?;
     print(&format!(
         "written: {out}\nRead it: what could not be known is marked as a guess. Then: thetahat check {out}{options}\n",
         out = init.out.display(),
@@ -82,13 +81,14 @@ fn proposal(
         recording_files: recordings.iter().map(|r| within(r, &data).unwrap_or_else(|| name(r))).collect(),
         position: columns.position.clone(),
         torque: columns.torque.clone(),
+        joints: columns.joints.clone(),
         time: columns.time.clone(),
         sample_rate_hz: columns.rate,
         position_unit: columns.position_unit,
         torque_unit: columns.torque_unit,
     };
     let source = RobotSource::read(robot)?;
-    let mut proposal = propose(&request, &source.robot()?, contents)?;
+    let mut proposal = propose(&request, &source, contents)?;
     proposal.signal = signal(&proposal, source.to_text(), &data)?;
     Ok(proposal.text())
 }

@@ -4,6 +4,7 @@ use std::{error::Error, path::Path};
 
 use thetahat::{
     experiment::Experiment,
+    output::OutputGuard,
     reduction::{ReduceOptions, ReduceProgress, ReducedRecording, Reduction, estimates_of_results},
     report::{self, Published},
 };
@@ -17,7 +18,8 @@ use crate::{
 
 pub fn reduce(request: &arguments::Reduce) -> Result<Verdict, Box<dyn Error>> {
     let (experiment, data) = read_experiment(&request.described)?;
-    check_place(&request.out)?;
+    let inputs = experiment.input_files(&data).into_iter().chain(request.instruments_from.clone());
+    OutputGuard::new(inputs, request.force.force).file(&request.out)?;
     let options = ReduceOptions { threads: threads(request.threads), ..Default::default() };
     let instruments =
         request.instruments_from.as_ref().map(|path| estimates_of_results(path, &experiment)).transpose()?;
@@ -43,23 +45,10 @@ fn line(r: &ReducedRecording) -> String {
     )
 }
 
-/// Refuses, before a long run, a place where no file can be.
-fn check_place(file: &Path) -> Result<(), Box<dyn Error>> {
-    let folder = file.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    match (folder.is_dir(), file.is_dir()) {
-        (true, false) => Ok(()),
-        (false, _) => {
-            Err(format!("{}: there is no such folder; make it, or choose another file", folder.display()).into())
-        }
-        (true, true) => Err(format!("{}: it is a folder; give the name of a file in it", file.display()).into()),
-    }
-}
-
 pub fn solve(request: &arguments::Solve) -> Result<Verdict, Box<dyn Error>> {
-    if let Some(directory) = &request.output.out {
-        report::check_folder(directory)?;
-    }
-    request.merged.iter().try_for_each(|file| check_place(file))?;
+    let guard = OutputGuard::new(request.reductions.iter().cloned(), request.output.force.force);
+    request.output.out.iter().try_for_each(|directory| guard.folder(directory, report::file_names()))?;
+    request.merged.iter().try_for_each(|file| guard.file(file))?;
     let reduction = Reduction::read_all(&request.reductions)?;
     let solution = reduction.solve()?;
     let published = published(&reduction);

@@ -4,6 +4,7 @@ use std::{error::Error, fs};
 
 use clap::CommandFactory;
 use clap_complete::Shell;
+use thetahat::output::OutputGuard;
 
 use crate::{
     arguments::{Arguments, Man},
@@ -26,6 +27,7 @@ pub fn write_manual(request: &Man) -> Result<Verdict, Box<dyn Error>> {
     match &request.out {
         Some(folder) => {
             let refuse = |e| format!("{}: {e}", folder.display());
+            OutputGuard::new([], request.force.force).folder(folder, pages().iter().map(String::as_str))?;
             fs::create_dir_all(folder).map_err(refuse)?;
             clap_mangen::generate_to(command, folder).map_err(refuse)?;
         }
@@ -36,4 +38,11 @@ pub fn write_manual(request: &Man) -> Result<Verdict, Box<dyn Error>> {
         }
     }
     Ok(Verdict::Good)
+}
+
+/// The files of the manual: thetahat, and each command.
+fn pages() -> Vec<String> {
+    let command = Arguments::command();
+    let of = |c: &clap::Command| format!("{NAME}-{}.1", c.get_name());
+    command.get_subcommands().map(of).chain([format!("{NAME}.1")]).collect()
 }

@@ -2,15 +2,17 @@
 
 use std::io::Write;
 
+use thetahat::visible::visible_lines;
+
 /// What a finished command says of its result.
 pub enum Verdict {
     Good,
     NotTrusted,
 }
 
-/// Prints. A reader that has gone away (`| head`) is no reason not to write the files.
+/// Prints; what names hold cannot steer the terminal. A reader that has gone away (`| head`) is no reason not to write the files.
 pub fn print(text: &str) -> Result<(), std::io::Error> {
-    match std::io::stdout().write_all(text.as_bytes()) {
+    match std::io::stdout().write_all(visible_lines(text).as_bytes()) {
         Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         result => result,
     }

@@ -100,7 +100,11 @@ fn a_description_on_the_urdf_and_a_folder() {
 fn the_built_in_robots_are_shown() {
     let gripper = Gripper::new();
     for robot in fs::read_dir(project("robots")).unwrap() {
-        let text = gripper.text(&[robot.unwrap().path().to_str().unwrap()]);
+        let path = robot.unwrap().path();
+        // The motors of its head are coupled by a transmission that only matters where the head moves.
+        let is_coupled = path.ends_with("mobile_manipulator.urdf");
+        let until: &[&str] = if is_coupled { &["--until", "arm_7_joint"] } else { &[] };
+        let text = gripper.text(&[&[path.to_str().unwrap()], until].concat());
         has(&text, &["Structure\n", "revolute"][..1]);
         assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
     }
@@ -119,4 +123,28 @@ fn what_cannot_be_used_is_refused_with_its_place() {
     has(&gripper.error(&["arm.xacro"]), &["xacro arm.xacro > robot.urdf"]);
     gripper.0.write("bad.toml", "urdf = \"gripper.urdf\"\n[parameters]\nzz9 = 1\n");
     has(&gripper.error(&["bad.toml", "--json"]), &["bad.toml", "zz9"]);
+}
+
+#[test]
+fn locked_joints_are_none_of_the_structure() {
+    let gripper = Gripper::new();
+    let text = gripper.text(&["gripper.urdf", "--lock", "finger_left=0.01"]);
+    has(&text, &["locked        finger_left at 0.01 m, finger_right at 0.04 m", "coordinates   1\n"]);
+    let until = gripper.text(&["gripper.urdf", "--until", "turn"]);
+    has(&until, &["locked        finger_left at 0 m, finger_right at 0.05 m"]);
+    has(
+        &gripper.error(&["gripper.urdf", "--until", "wrist"]),
+        &[
+            "the command line: until: the robot has no moving joint `wrist`; its moving joints are turn finger_left finger_right",
+        ],
+    );
+    has(&gripper.error(&["gripper.urdf", "--lock", "turn"]), &["expected JOINT=VALUE with a number in rad or m"]);
+}
+
+#[test]
+fn what_no_robot_has_is_a_finding_of_the_description() {
+    let gripper = Gripper::new();
+    gripper.0.write("light.urdf", GRIPPER.replace("<mass value=\"2\"/>", "<mass value=\"-2\"/>"));
+    let text = gripper.text(&["light.urdf"]);
+    has(&text, &["Findings in the description", "a mass of -2", "-> give the mass of the link"]);
 }

@@ -218,7 +218,7 @@ fn observations(model: &Model, base: &BaseParameters) -> Matrix {
     for k in 0..STATES {
         let [q, dq, ddq] =
             [3.0, 2.0, 10.0].map(|most: f64| (0..n).map(|_| rng.random_range(-most..most)).collect::<Vec<_>>());
-        regressor.evaluate(model, State { q: &q, dq: &dq }, &ddq, Sign::Exact, &mut workspace, &mut phi);
+        regressor.evaluate(model, State::new(&q, &dq), &ddq, Sign::Exact, &mut workspace, &mut phi);
         for (entry, value) in regressor.entries().iter().zip(&phi) {
             *x.at_mut(k * n + entry.joint, entry.column) = *value;
         }

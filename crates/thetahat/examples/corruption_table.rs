@@ -13,7 +13,7 @@ mod corruption_suite;
 use corruption_suite::{
     corruptions::{Beside, all, of_controllers, unseen},
     power::powers,
-    record::{Record, from_experiment, other_twin, twin, tx40_with_reference},
+    record::{Record, Which, from_experiment, other_twin, twin, tx40_with_reference},
     table::{Clean, markdown, row, short},
 };
 use thetahat::checks::{Code, measure};
@@ -27,8 +27,8 @@ fn main() {
     let records = [
         ("twin", twin.with(Beside::Reference)),
         ("TX40", tx40.clone()),
-        ("EMPS", from_experiment(&emps, &data, false)),
-        ("EMPS, pulses", from_experiment(&emps, &data, true)),
+        ("EMPS", from_experiment(&emps, &data, Which::Main(0))),
+        ("EMPS, pulses", from_experiment(&emps, &data, Which::Validation(0))),
     ];
     margins(&records);
     println!("\n## The corruption suite\n");

@@ -126,6 +126,7 @@ impl<'a> Study<'a> {
             controller: &self.controller,
             reference: &reference_of_loop,
             added_signal: None,
+            channels: None,
             bias: SimulatorBias::NONE,
             solver: Solver::Adaptive { relative_tolerance: 1e-6, absolute_tolerance: 1e-9 },
             sign_velocity_scale: SCALE,

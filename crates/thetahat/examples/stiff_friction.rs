@@ -57,6 +57,7 @@ impl Twin<'_> {
             controller: self.controller,
             reference: self.reference,
             added_signal: None,
+            channels: None,
             bias: SimulatorBias::NONE,
             solver,
             sign_velocity_scale: 0.01,

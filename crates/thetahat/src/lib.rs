@@ -65,6 +65,12 @@ mod pool;
 
 mod clock;
 
+pub mod visible;
+
+pub mod output;
+
+mod one_or_each;
+
 pub mod robot;
 
 pub mod dynamics;
@@ -118,6 +124,7 @@ pub mod report;
 pub use control::ControllerDescription;
 pub use experiment::Experiment;
 pub use identification::Method;
+pub use one_or_each::OneOrEach;
 pub use preparation::{Recording, Settings};
 pub use results::Results;
 pub use robot::Robot;

@@ -51,6 +51,7 @@ impl Bench {
             controller: &self.controller,
             reference: &self.reference,
             added_signal: None,
+            channels: None,
             bias: self.bias,
             solver: self.solver,
             sign_velocity_scale: 0.01,

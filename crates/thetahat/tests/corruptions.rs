@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 
 use corruption_suite::{
     corruptions::{Beside, Corruption, LATE, Unseen, all, late, of_controllers, unseen},
-    record::{Record, from_experiment, other_twin, quiet_twin, twin, tx40_with_reference},
+    record::{Record, Which, from_experiment, other_twin, quiet_twin, twin, tx40_with_reference},
     table::{Clean, cells, row, same},
 };
 use libtest_mimic::{Arguments, Failed, Trial};
@@ -29,13 +29,13 @@ fn the_tx40() -> &'static Clean {
     TX40.get_or_init(|| Clean::new(tx40_with_reference(&thetahat_testing::root(), &thetahat_testing::data())))
 }
 
-fn emps(validation: bool) -> Record {
-    from_experiment(&thetahat_testing::root().join("experiments/emps.toml"), &thetahat_testing::data(), validation)
+fn emps(which: Which) -> Record {
+    from_experiment(&thetahat_testing::root().join("experiments/emps.toml"), &thetahat_testing::data(), which)
 }
 
 fn the_emps() -> &'static Clean {
     static EMPS: OnceLock<Clean> = OnceLock::new();
-    EMPS.get_or_init(|| Clean::new(emps(false)))
+    EMPS.get_or_init(|| Clean::new(emps(Which::Main(0))))
 }
 
 fn raises(record: fn() -> &'static Clean, corruption: &Corruption) -> Result<(), Failed> {
@@ -180,7 +180,7 @@ fn main() {
     }
     recorded("TX40: clean".into(), Box::new(|| clean_with_everything_beside(the_tx40())));
     recorded("EMPS: clean".into(), Box::new(|| clean_with_everything_beside(the_emps())));
-    recorded("EMPS with pulses: clean".into(), Box::new(|| is_clean(&emps(true).findings())));
+    recorded("EMPS with pulses: clean".into(), Box::new(|| is_clean(&emps(Which::Validation(0)).findings())));
     recorded("TX40: lag beside noise".into(), Box::new(|| lag_of_the_suite(the_tx40())));
     libtest_mimic::run(&Arguments::from_args(), trials).exit()
 }

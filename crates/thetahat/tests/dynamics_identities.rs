@@ -138,7 +138,7 @@ impl Case {
     fn torques(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Vec<f64> {
         let mut tau = vec![0.0; self.n];
         let mut workspace = Workspace::new(&self.model);
-        self.model.inverse_dynamics(&self.parameters(), State { q, dq }, ddq, SMOOTH, &mut workspace, &mut tau);
+        self.model.inverse_dynamics(&self.parameters(), State::new(q, dq), ddq, SMOOTH, &mut workspace, &mut tau);
         tau
     }
 }
@@ -171,14 +171,7 @@ fn phi_theta_is_inverse_dynamics() {
         let all: Vec<usize> = (0..case.theta.len()).collect();
         let regressor = Regressor::new(&case.model, &all);
         let mut phi = vec![0.0; regressor.entries().len()];
-        regressor.evaluate(
-            &case.model,
-            State { q: &q, dq: &dq },
-            &ddq,
-            SMOOTH,
-            &mut Workspace::new(&case.model),
-            &mut phi,
-        );
+        regressor.evaluate(&case.model, State::new(&q, &dq), &ddq, SMOOTH, &mut Workspace::new(&case.model), &mut phi);
         let mut tau = vec![0.0; case.n];
         for (entry, value) in regressor.entries().iter().zip(&phi) {
             tau[entry.joint] += value * case.theta[entry.column];
@@ -214,7 +207,7 @@ fn forward_dynamics_undoes_inverse_dynamics() {
         let mut found = vec![0.0; case.n];
         let mut workspace = Workspace::new(&case.model);
         case.model
-            .forward_dynamics(&case.parameters(), State { q: &q, dq: &dq }, &tau, SMOOTH, &mut workspace, &mut found)
+            .forward_dynamics(&case.parameters(), State::new(&q, &dq), &tau, SMOOTH, &mut workspace, &mut found)
             .unwrap();
         for (a, b) in found.iter().zip(&ddq) {
             assert_close(*a, *b, 1e-9, "acceleration");
@@ -238,12 +231,12 @@ fn energy_balances() {
         let parameters = DynamicParameters::new(&case.model, &without_losses);
         let mut workspace = Workspace::new(&case.model);
         let mut tau = vec![0.0; case.n];
-        case.model.inverse_dynamics(&parameters, State { q: &q, dq: &dq }, &ddq, SMOOTH, &mut workspace, &mut tau);
+        case.model.inverse_dynamics(&parameters, State::new(&q, &dq), &ddq, SMOOTH, &mut workspace, &mut tau);
         let power: f64 = tau.iter().zip(&dq).map(|(t, v)| t * v).sum();
         let mut energy_at = |h: f64| {
             let q: Vec<f64> = (0..case.n).map(|i| q[i] + h * dq[i] + 0.5 * h * h * ddq[i]).collect();
             let dq: Vec<f64> = (0..case.n).map(|i| dq[i] + h * ddq[i]).collect();
-            case.model.energy(&parameters, State { q: &q, dq: &dq }, &mut workspace)
+            case.model.energy(&parameters, State::new(&q, &dq), &mut workspace)
         };
         let h = 1e-4;
         assert_close((energy_at(h) - energy_at(-h)) / (2.0 * h), power, 1e-5, "power");
@@ -344,6 +337,6 @@ fn a_mass_matrix_that_is_not_positive_definite_is_named() {
     let mut ddq = [0.0];
     let mut workspace = Workspace::new(&model);
     let result =
-        model.forward_dynamics(&parameters, State { q: &[0.0], dq: &[0.0] }, &[1.0], SMOOTH, &mut workspace, &mut ddq);
+        model.forward_dynamics(&parameters, State::new(&[0.0], &[0.0]), &[1.0], SMOOTH, &mut workspace, &mut ddq);
     assert!(matches!(result, Err(DynamicsError::MassMatrixNotPositiveDefinite { joint: 1, .. })));
 }

@@ -93,7 +93,7 @@ impl Case {
     fn inverse_dynamics(&self, [q, dq, ddq]: [&[f64]; 3], workspace: &mut Workspace) -> Vec<f64> {
         let parameters = DynamicParameters::new(&self.model, &self.theta);
         let mut tau = vec![0.0; q.len()];
-        self.model.inverse_dynamics(&parameters, dynamics::State { q, dq }, ddq, Sign::Exact, workspace, &mut tau);
+        self.model.inverse_dynamics(&parameters, dynamics::State::new(q, dq), ddq, Sign::Exact, workspace, &mut tau);
         tau
     }
 
@@ -125,7 +125,7 @@ impl Case {
         let regressor = Regressor::new(&self.model, &self.indices);
         let [q, dq, ddq] = [&s.q, &s.dq, &s.ddq].map(|x| self.ours(x));
         let mut phi = vec![0.0; regressor.entries().len()];
-        regressor.evaluate(&self.model, dynamics::State { q: &q, dq: &dq }, &ddq, Sign::Exact, workspace, &mut phi);
+        regressor.evaluate(&self.model, dynamics::State::new(&q, &dq), &ddq, Sign::Exact, workspace, &mut phi);
         let mut dense = vec![0.0; q.len() * columns];
         for (entry, value) in regressor.entries().iter().zip(&phi) {
             dense[entry.joint * columns + entry.column] = *value;

@@ -187,7 +187,9 @@ fn bad_input_is_refused_by_its_place() {
         assert!(words.iter().all(|w| error.contains(w)), "{error}");
     };
     says("physical = true\nfix = { m9 = 1 }", &["[parameters] fix.m9", "no standard parameter `m9`"]);
-    says("fix = { m2 = 1 }", &["[parameters] physical = true is missing"]);
+    says("known = [{ kind = 'mass', link = 2, kg = 1 }]", &["[parameters] physical = true is missing"]);
+    says("fix = { m9 = 1 }", &["[parameters] fix.m9", "no standard parameter `m9`"]);
+    says("fix = { m2 = 1 }\nexclude = ['m2']", &["[parameters] fix is m2", "not excluded"]);
     says("physical = true\nestimate = 'essential'", &["[parameters] estimate", "\"base\""]);
     says("physical = true\nfix = { m2 = -1 }", &["[parameters] fix and known", "link 2"]);
     says("physical = true\nprior = { weight = 0 }", &["[parameters] prior.weight"]);

@@ -124,6 +124,7 @@ fn sensitivities() -> Result<(), Failed> {
             controller: &controller,
             reference: &reference,
             added_signal: None,
+            channels: None,
             bias: SimulatorBias::NONE,
             solver: Solver::Fixed { step_s: 1e-3 / 16.0 },
             sign_velocity_scale: scale,

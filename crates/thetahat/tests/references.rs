@@ -62,6 +62,7 @@ fn record(reference: &Series, position_noise: f64) -> Recording {
         controller: &controller,
         reference: &followed,
         added_signal: None,
+        channels: None,
         bias: SimulatorBias::NONE,
         solver: Solver::Adaptive { relative_tolerance: 1e-6, absolute_tolerance: 1e-9 },
         sign_velocity_scale: 0.05,

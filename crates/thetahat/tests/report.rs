@@ -67,6 +67,7 @@ fn run(case: &str, method: Method) -> RunResult {
         estimates: parameters().iter().map(|p| p.estimate).collect(),
     };
     RunResult {
+        findings: Vec::new(),
         case: case.to_owned(),
         method,
         weighting: Some(if method == Method::DIDIM { Weighting::PerJoint } else { Weighting::None }),
@@ -205,6 +206,7 @@ fn results() -> Results {
             joint("shoulder", JointKind::Revolute, ["rad", "N m"]),
             joint("elbow", JointKind::Prismatic, ["m", "N"]),
         ],
+        robot_locked: Vec::new(),
         samples_used: 300,
         decimated_rows: 6,
         recordings: vec![RecordingResult {
@@ -214,6 +216,7 @@ fn results() -> Results {
             sample_rate_hz: 1000.0,
             window_s: [0.05, 0.35],
             resampling: None,
+            torque_ends_hz: None,
             reference: Some(ReferenceResult {
                 origin: "reconstructed".to_owned(),
                 moves: Some(13),
@@ -232,6 +235,8 @@ fn results() -> Results {
         },
         seed: Some(1),
         findings: vec![RecordingFindings { recording: "1".to_owned(), held_back: false, findings: vec![finding()] }],
+        profiled_terms: Vec::new(),
+        term_comparison: None,
         elimination: Some(EliminationResult {
             kept: vec!["zz1r".to_owned()],
             eliminated: vec!["fc6".to_owned(); 40],
@@ -240,6 +245,8 @@ fn results() -> Results {
         advice: ["nominal", LONG_CASE].map(advice).into(),
         diagnostics: ["nominal", LONG_CASE].map(diagnosis).into(),
         runs: runs.collect(),
+        payloads: Vec::new(),
+        drive_gains: Vec::new(),
         experiment_description: "title = \"<i>\"\n".to_owned(),
         robot_description: "name = \"A robot\"\n".to_owned(),
         plots: Plots {
@@ -406,7 +413,7 @@ fn the_report_knows_results_only() {
     );
 }
 
-/// The rooms that a source text names, but for `results`, `series` and `report` itself.
+/// The rooms that a source text names, but for `results`, the ground below it, and `report` itself.
 fn rooms_of(source: &str) -> Vec<String> {
     let room = |path: &str| path.split(|c: char| !(c.is_alphanumeric() || c == '_')).next().unwrap_or("").to_owned();
     let mut rooms: Vec<String> = Vec::new();
@@ -416,7 +423,7 @@ fn rooms_of(source: &str) -> Vec<String> {
             None => rooms.push(room(text)),
         }
     }
-    rooms.retain(|room| !["results", "series", "report", ""].contains(&room.as_str()));
+    rooms.retain(|room| !["results", "series", "output", "visible", "report", ""].contains(&room.as_str()));
     rooms
 }
 

@@ -76,6 +76,7 @@ impl Bench {
             controller: &self.controller,
             reference: &self.reference,
             added_signal: None,
+            channels: None,
             bias: self.bias,
             solver: self.solver,
             sign_velocity_scale: self.scale,

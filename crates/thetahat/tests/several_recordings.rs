@@ -180,3 +180,37 @@ fn what_is_wrong_inside_an_array_is_named_with_its_line() {
     let message = folder.identify(&wrong).unwrap_err().to_string();
     assert!(message.contains("line 5") && message.contains("`positions`"), "{message}");
 }
+
+/// Torques that are recorded 2.3 ms late, by a number of samples that is not whole, are moved to where they belong.
+#[test]
+fn a_signal_that_is_late_is_moved() {
+    let folder = Recordings::new();
+    folder.write("a.csv", 0.4, TRUTH[3], even);
+    folder.write("late.csv", 0.4, TRUTH[3], |k| (k as f64 - 2.3) / RATE);
+    let late =
+        recording("[recording]", "a.csv", "").replace("torque = { file = 'a.csv'", "torque = { file = 'late.csv'");
+    let told = late.replace("columns = ['tau']", "delay_s = 0.0023, columns = ['tau']");
+    let of = |text: &str| folder.identify(text).unwrap();
+    let (wrong, right) = (of(&late), of(&told));
+    assert_truth(&right, TRUTH[3], 2.0 * FILTER);
+    let error = |results: &Results| results.runs[0].relative_error_percent.unwrap();
+    assert!(error(&wrong) > 5.0 * error(&right), "{} {}", error(&wrong), error(&right));
+    let early = told.replace("0.0023", "-0.05");
+    let results = of(&early);
+    assert!(results.samples_used < right.samples_used && error(&results) > error(&right));
+    let message = folder.identify(&told.replace("0.0023", "100")).unwrap_err().to_string();
+    assert!(message.contains("[recording] delay_s is 100, expected from -60 to 60 s"), "{message}");
+}
+
+/// A rate that the times in the file contradict is a problem.
+#[test]
+fn a_rate_that_the_times_contradict_is_a_problem() {
+    let folder = Recordings::new();
+    folder.write("a.csv", 0.4, TRUTH[3], even);
+    let results = folder.identify(&recording("[recording]", "a.csv", "").replace("1000", "800")).unwrap();
+    let found = results.findings[0].findings.iter().find(|f| f.code.name() == "rate-contradicted").unwrap();
+    assert_eq!(found.message, "sample_rate_hz states 800 Hz, but the times in column \"t\" say 1000.000000 Hz");
+    assert!(results.findings[0].has_problem());
+    let right = folder.identify(&recording("[recording]", "a.csv", "")).unwrap();
+    assert!(right.findings[0].findings.iter().all(|f| f.code.name() != "rate-contradicted"));
+}

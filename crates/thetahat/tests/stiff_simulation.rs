@@ -51,6 +51,7 @@ impl Bench {
             controller: &self.controller,
             reference: &self.reference,
             added_signal: None,
+            channels: None,
             bias: SimulatorBias::NONE,
             solver,
             sign_velocity_scale: self.scale,

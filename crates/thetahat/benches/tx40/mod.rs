@@ -45,7 +45,7 @@ impl Tx40 {
 
 /// The state, hidden from the compiler.
 pub fn state() -> State<'static> {
-    State { q: std::hint::black_box(&Q), dq: &DQ }
+    State::new(std::hint::black_box(&Q), &DQ)
 }
 
 /// Positions, velocities and accelerations of a motion through the state.

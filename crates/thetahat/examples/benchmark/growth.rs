@@ -115,11 +115,11 @@ impl Chain {
         let Self { model, parameters, state: [q, dq, ddq] } = self;
         let (mut workspace, mut out) = (Workspace::new(model), vec![0.0; q.len()]);
         let inverse = per_call(|| {
-            model.inverse_dynamics(parameters, black_box(State { q, dq }), ddq, SIGN, &mut workspace, &mut out);
+            model.inverse_dynamics(parameters, black_box(State::new(q, dq)), ddq, SIGN, &mut workspace, &mut out);
             Ok(())
         })?;
         let forward = per_call(|| {
-            Ok(model.forward_dynamics(parameters, black_box(State { q, dq }), ddq, SIGN, &mut workspace, &mut out)?)
+            Ok(model.forward_dynamics(parameters, black_box(State::new(q, dq)), ddq, SIGN, &mut workspace, &mut out)?)
         })?;
         let regressor = Regressor::new(model, &(0..model.parameter_table().len()).collect::<Vec<_>>());
         let motion = [q, dq, ddq].map(|x| Series::from_values(x.len(), x.repeat(16)));

@@ -78,6 +78,7 @@ fn our_stages(data: &Path) -> Result<Stages, Box<dyn Error>> {
         controller: experiment.settings.controller.as_ref().ok_or("no controller")?,
         reference: &reference,
         added_signal: None,
+        channels: None,
         bias: SimulatorBias::NONE,
         solver: experiment.settings.simulation.solver,
         sign_velocity_scale: experiment.settings.simulation.sign_velocity_scale,

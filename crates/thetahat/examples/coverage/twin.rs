@@ -181,6 +181,7 @@ fn closed_loop<'a>(experiment: &'a Experiment, model: &'a Model, reference: &'a 
         controller: experiment.settings.controller.as_ref()?,
         reference,
         added_signal: None,
+        channels: None,
         bias: SimulatorBias::NONE,
         solver: experiment.settings.simulation.solver,
         sign_velocity_scale: experiment.settings.simulation.sign_velocity_scale,

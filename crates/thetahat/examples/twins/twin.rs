@@ -80,7 +80,7 @@ impl Twin {
                 Quantity::Joint(JointQuantity::Ia) if has_motor_inertias => MOTOR_PART * usual.inertia[j],
                 Quantity::Joint(JointQuantity::Fc) => FRICTION_PART * torque,
                 Quantity::Joint(JointQuantity::Fv) => FRICTION_PART * torque / usual.velocity[j],
-                Quantity::Link(_) | Quantity::Joint(_) | Quantity::Motor(_) => continue,
+                Quantity::Link(_) | Quantity::Joint(_) | Quantity::Motor(_) | Quantity::Term(_) => continue,
             };
         }
         let (motion, inertia) = simulate(&robot, &model, &truth, &reference, rate_hz)?;
@@ -134,6 +134,7 @@ fn simulate(
         controller: &controller,
         reference: &reference,
         added_signal: None,
+        channels: None,
         bias: SimulatorBias::NONE,
         solver: TIGHT,
         sign_velocity_scale: SIGN_VELOCITY_SCALE,
@@ -162,7 +163,7 @@ impl Usual {
             let (before, here, after) = (q.sample(k - 1), q.sample(k), q.sample(k + 1));
             let dq: Vec<f64> = before.iter().zip(after).map(|(b, a)| 0.5 * RATE_HZ * (a - b)).collect();
             let ddq: Vec<f64> = (0..n).map(|j| RATE_HZ * RATE_HZ * (before[j] - 2.0 * here[j] + after[j])).collect();
-            let state = State { q: here, dq: &dq };
+            let state = State::new(here, &dq);
             model.inverse_dynamics(&parameters, state, &ddq, Sign::Exact, &mut workspace, &mut tau);
             model.mass_matrix(&parameters, here, &mut workspace, &mut mass);
             for j in 0..n {

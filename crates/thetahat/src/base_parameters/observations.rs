@@ -19,8 +19,10 @@ const NO_EFFECT: f64 = 1e-12;
 /// Columns that are larger have one.
 const EFFECT: f64 = 1e-8;
 
-/// Positions, velocities and accelerations, the same at each call.
-pub(super) fn random_states(coordinates: usize, count: usize) -> [Series; 3] {
+/// Positions, velocities and accelerations, the same at each call. Torque terms may act at small velocities alone: of a robot
+/// with terms, every second velocity is smaller, by up to four orders of magnitude.
+pub(super) fn random_states(model: &Model, count: usize) -> [Series; 3] {
+    let coordinates = model.coordinate_count();
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
     let mut states = [(); 3].map(|()| Series::zeros(count, coordinates));
     for k in 0..count {
@@ -28,7 +30,22 @@ pub(super) fn random_states(coordinates: usize, count: usize) -> [Series; 3] {
             series.sample_mut(k).fill_with(|| rng.random_range(-range..range));
         }
     }
+    if !model.terms().is_empty() {
+        for velocity in states[1].values_mut() {
+            if rng.random_bool(0.5) {
+                *velocity *= 10.0_f64.powf(-rng.random_range(0.0..4.0));
+            }
+        }
+    }
     states
+}
+
+/// Values of the recorded channels that torque terms take, the same at each call; none where no term takes one.
+pub(super) fn random_channels(model: &Model, count: usize) -> Option<Series> {
+    let width = model.channels().len() * model.coordinate_count();
+    let mut rng = ChaCha8Rng::seed_from_u64(SEED + 2);
+    let values = (0..count * width).map(|_| rng.random_range(-50.0..50.0)).collect();
+    (width > 0).then(|| Series::from_values(width, values))
 }
 
 /// The entries of `phi` in random states, each column divided by its norm over all of them.
@@ -53,9 +70,9 @@ struct Observed {
 impl Observations {
     /// Those of the standard parameters at `indices`, in so many states; `None` where it is not clear which have an effect.
     pub(super) fn new(model: &Model, indices: &[usize], states: usize) -> Option<Self> {
-        let regressor = Regressor::new(model, indices);
+        let regressor = Regressor::new(model, indices).with_channels(random_channels(model, states + CHECKS));
         let (entries, all) = (regressor.entries().len(), states + CHECKS);
-        let [q, dq, ddq] = random_states(model.coordinate_count(), all);
+        let [q, dq, ddq] = random_states(model, all);
         let mut phi = vec![0.0; entries * all];
         regressor.evaluate_samples(model, [&q, &dq, &ddq], 0..all, Sign::Exact, &mut phi);
         let mut observations = Self { states, entries, phi, columns: Observed::of(&regressor, all) };

@@ -1,4 +1,7 @@
-use std::collections::BTreeSet;
+use std::{
+    borrow::Cow,
+    collections::{BTreeMap, BTreeSet},
+};
 
 use super::{dependencies::Dependencies, error::BaseParametersError, joint_by_joint, whole};
 use crate::{
@@ -18,7 +21,7 @@ pub struct BaseParameter {
     /// Formula, such as `zz1 + ia1 + yy2 + 0.07*mz3`.
     pub expression: String,
     /// Unit in SI.
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
 }
 
 /// The base parameters of a robot, or a part of them: `X theta = X_b theta_b`.
@@ -26,6 +29,8 @@ pub struct BaseParameter {
 pub struct BaseParameters {
     parameters: Vec<BaseParameter>,
     standard_count: usize,
+    /// Index and value of the standard parameters that are not estimated because they are given.
+    fixed: Vec<(usize, f64)>,
 }
 
 /// Random states to begin with, and once more where they are not enough or a decision is not clear.
@@ -45,6 +50,21 @@ impl BaseParameters {
         Ok(Self::from_dependencies(model.parameter_table(), &considered, &dependencies))
     }
 
+    /// The same with standard parameters at given values, by name, SI: their torques belong to the left side.
+    ///
+    /// # Errors
+    /// As [`BaseParameters::of`].
+    pub fn with_fixed(
+        model: &Model,
+        excluded: &[String],
+        fixed: &BTreeMap<String, f64>,
+    ) -> Result<Self, BaseParametersError> {
+        let absent: Vec<String> = excluded.iter().chain(fixed.keys()).cloned().collect();
+        let place = |(name, value): (&String, &f64)| Some((model.parameter_table().index_of(name)?, *value));
+        let fixed = fixed.iter().filter_map(place).collect();
+        Ok(Self { fixed, ..Self::of(model, &absent)? })
+    }
+
     fn from_dependencies(table: &ParameterTable, considered: &[usize], dependencies: &Dependencies) -> Self {
         let Dependencies { kept, spanned, coefficients } = dependencies;
         let parameters = kept.iter().enumerate().map(|(row, &column)| {
@@ -52,7 +72,7 @@ impl BaseParameters {
             let regrouped = spanned.iter().enumerate().map(of).filter(|(_, c)| c.abs() > NEGLIGIBLE).collect();
             BaseParameter::new(table, considered[column], regrouped)
         });
-        Self { parameters: parameters.collect(), standard_count: table.len() }
+        Self { parameters: parameters.collect(), standard_count: table.len(), fixed: Vec::new() }
     }
 
     /// The base parameters in order.
@@ -88,7 +108,13 @@ impl BaseParameters {
             return Err(self.unknown(table, name));
         }
         let parameters = self.parameters.iter().filter(|p| names.contains(&p.name)).cloned().collect();
-        Ok(Self { parameters, standard_count: self.standard_count })
+        Ok(Self { parameters, ..self.clone() })
+    }
+
+    /// Those whose kept standard parameter is wanted.
+    pub(crate) fn filtered(&self, is_wanted: impl Fn(usize) -> bool) -> Self {
+        let parameters = self.parameters.iter().filter(|p| is_wanted(p.kept)).cloned().collect();
+        Self { parameters, ..self.clone() }
     }
 
     /// The base parameters that a vector of standard parameters has.
@@ -98,10 +124,17 @@ impl BaseParameters {
         self.parameters.iter().map(value).collect()
     }
 
-    /// A vector of standard parameters with the same torques: the kept ones, zeros elsewhere.
+    /// Whether a vector of standard parameters has the values that are given.
+    #[must_use]
+    pub fn agrees_with_fixed(&self, theta: &[f64]) -> bool {
+        self.fixed.iter().all(|&(i, value)| theta[i] == value)
+    }
+
+    /// A vector of standard parameters with the same torques: the kept ones, those that are given, zeros elsewhere.
     #[must_use]
     pub fn to_standard(&self, base: &[f64]) -> Vec<f64> {
         let mut theta = vec![0.0; self.standard_count];
+        self.fixed.iter().for_each(|&(i, value)| theta[i] = value);
         self.parameters.iter().zip(base).for_each(|(p, &v)| theta[p.kept] = v);
         theta
     }
@@ -128,7 +161,7 @@ impl BaseParameter {
         Self {
             name: format!("{}{suffix}", parameter.name()),
             expression: expression(table, parameter, &regrouped),
-            unit: parameter.unit,
+            unit: parameter.unit.clone(),
             kept,
             regrouped,
         }

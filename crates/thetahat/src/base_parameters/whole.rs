@@ -1,6 +1,10 @@
 //! Dependencies of all columns at once: by the third power of the number of joints, for robots that are nearly special.
 
-use super::{dependencies::Dependencies, error::BaseParametersError, observations::random_states};
+use super::{
+    dependencies::Dependencies,
+    error::BaseParametersError,
+    observations::{random_channels, random_states},
+};
 use crate::{
     dynamics::{Model, Sign, State, Workspace},
     linear_algebra::{Matrix, PivotedQr, dot, norm},
@@ -37,13 +41,16 @@ pub(super) fn dependencies(model: &Model, considered: &[usize]) -> Result<Depend
 pub(super) fn random_observations(model: &Model, indices: &[usize]) -> Matrix {
     let n = model.coordinate_count();
     let regressor = Regressor::new(model, indices);
-    let [q, dq, ddq] = random_states(n, STATES);
+    let [q, dq, ddq] = random_states(model, STATES);
+    let channels = random_channels(model, STATES);
     let mut workspace = Workspace::new(model);
     let mut phi = vec![0.0; regressor.entries().len()];
     let mut x = Matrix::zeros(STATES * n, indices.len());
     for k in 0..STATES {
         let [q, dq, ddq] = [&q, &dq, &ddq].map(|x| x.sample(k));
-        regressor.evaluate(model, State { q, dq }, ddq, Sign::Exact, &mut workspace, &mut phi);
+        let recorded = channels.as_ref().map_or(&[][..], |channels| channels.sample(k));
+        let state = State::new(q, dq).with_channels(recorded);
+        regressor.evaluate(model, state, ddq, Sign::Exact, &mut workspace, &mut phi);
         for (entry, value) in regressor.entries().iter().zip(&phi) {
             *x.at_mut(k * n + entry.joint, entry.column) = *value;
         }

@@ -2,8 +2,11 @@
 
 use std::{collections::BTreeSet, fmt::Display};
 
-use super::{Campaign, CampaignError, Levels, NoiseLevel};
-use crate::preparation::{NamedChoice, ParameterChoice};
+use super::{Campaign, CampaignError, NoiseLevel};
+use crate::{
+    one_or_each::OneOrEach,
+    preparation::{NamedChoice, ParameterChoice},
+};
 
 /// Most runs along one axis: beyond it, places no longer fit into the numbers of the random streams.
 const MOST: u32 = 1 << 20;
@@ -35,11 +38,11 @@ impl Campaign {
         let joints = self.experiment.robot.coordinate_count();
         for (key, levels) in [("position_noise", &level.position_noise), ("torque_noise", &level.torque_noise)] {
             let key = format!("[[noise]] {}: {key}", level.name);
-            if let Levels::Each(values) = levels {
+            if let OneOrEach::Each(values) = levels {
                 let expected = format!("a number, or a list of {joints}, one for each joint");
                 self.require(values.len() == joints, &key, &expected, format!("a list of {}", values.len()))?;
             }
-            let wrong = levels.of_joints(joints).into_iter().find(|v| !(v.is_finite() && *v >= 0.0));
+            let wrong = levels.to_list(joints).into_iter().find(|v| !(v.is_finite() && *v >= 0.0));
             self.require(wrong.is_none(), &key, "finite and not below zero", wrong.unwrap_or_default())?;
         }
         Ok(())

@@ -6,7 +6,7 @@ use std::{
 use serde::Deserialize;
 
 use super::CampaignError;
-use crate::{experiment::Experiment, identification::Method};
+use crate::{experiment::Experiment, identification::Method, one_or_each::OneOrEach};
 
 /// A campaign with its experiment, ready to run.
 #[derive(Debug, Clone)]
@@ -59,33 +59,12 @@ pub struct NoiseLevel {
     /// Its name in the rows.
     pub name: String,
     /// On the positions, degrees or mm: one for all joints, or one for each.
-    pub position_noise: Levels,
+    pub position_noise: OneOrEach<f64>,
     /// On the torques, N m or N: one for all joints, or one for each.
-    pub torque_noise: Levels,
+    pub torque_noise: OneOrEach<f64>,
     /// Whether the twin's encoder and torque ripple act as well.
     #[serde(default)]
     pub sensors: bool,
-}
-
-/// One value for all joints, or one for each.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(untagged, expecting = "expected a number, or a list with one for each joint")]
-pub enum Levels {
-    /// The same for every joint.
-    All(f64),
-    /// One for each joint.
-    Each(Vec<f64>),
-}
-
-impl Levels {
-    /// The value of each of so many joints.
-    #[must_use]
-    pub fn of_joints(&self, joints: usize) -> Vec<f64> {
-        match self {
-            Self::All(value) => vec![*value; joints],
-            Self::Each(values) => values.clone(),
-        }
-    }
 }
 
 /// Start values: the a-priori standard parameters, each multiplied by its own N(1, deviation^2), drawn again until the
@@ -125,6 +104,12 @@ pub struct Subset {
 }
 
 impl Campaign {
+    /// Every file that it was read from.
+    #[must_use]
+    pub fn input_files(&self) -> Vec<PathBuf> {
+        [self.path.clone()].into_iter().chain(self.experiment.input_files(Path::new(""))).collect()
+    }
+
     /// Reads a campaign with its experiment and robot.
     ///
     /// # Errors

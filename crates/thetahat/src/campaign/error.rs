@@ -62,6 +62,14 @@ pub enum CampaignError {
         /// What changed: the campaign, the experiment, the robot or the version of the program.
         changed: String,
     },
+    /// The folder holds files, and none says that they are of a campaign.
+    #[error("{}: holds files but no {manifest}, so it is not the folder of a campaign; take another folder", folder.display())]
+    NoCampaign {
+        /// The folder.
+        folder: PathBuf,
+        /// The file that is missing.
+        manifest: &'static str,
+    },
     /// A file of the folder is not what this program writes.
     #[error("{}: {problem}; delete the file, and its runs are made again", path.display())]
     Damaged {

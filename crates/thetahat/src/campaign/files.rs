@@ -1,19 +1,11 @@
-use std::{fs, io, path::Path};
+use std::path::Path;
 
 use super::error::CampaignError;
+use crate::output;
 
-/// Extension of files that are being written.
-pub(super) const TEMPORARY: &str = "part";
-
-/// Writes under a temporary name and renames: the file is there as a whole, or as it was.
+/// Writes a file, whole or not at all.
 pub(super) fn replace_file(path: &Path, content: &[u8]) -> Result<(), CampaignError> {
-    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    let temporary = path.with_file_name(format!(".{name}.{}.{TEMPORARY}", std::process::id()));
-    let written: io::Result<()> = fs::write(&temporary, content).and_then(|()| fs::rename(&temporary, path));
-    written.map_err(|e| {
-        let _ = fs::remove_file(&temporary);
-        refuse(path, &e)
-    })
+    output::replace_file(path, content).map_err(|e| refuse(path, &e))
 }
 
 pub(super) fn refuse(path: &Path, reason: &dyn std::error::Error) -> CampaignError {

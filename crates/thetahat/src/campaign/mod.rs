@@ -33,7 +33,7 @@ mod starts;
 mod store;
 mod summary;
 
-pub use description::{Campaign, CampaignFile, Claim, Levels, NoiseLevel, Starts, Subset};
+pub use description::{Campaign, CampaignFile, Claim, NoiseLevel, Starts, Subset};
 pub use error::CampaignError;
 pub use facts::{CampaignParameter, Facts};
 #[cfg(not(feature = "parquet"))]

@@ -46,7 +46,7 @@ pub(super) fn measure(
         None => (twin.motion.q.clone(), twin.motion.tau.clone()),
     };
     add(&mut position, &position_deviations(experiment, level), rng);
-    add(&mut torque, &level.torque_noise.of_joints(joints), rng);
+    add(&mut torque, &level.torque_noise.to_list(joints), rng);
     (position, torque)
 }
 
@@ -58,7 +58,7 @@ fn sensors(experiment: &Experiment) -> Option<Sensors> {
 
 /// Standard deviations of the positions, rad or m.
 fn position_deviations(experiment: &Experiment, level: &NoiseLevel) -> Vec<f64> {
-    let given = level.position_noise.of_joints(experiment.robot.coordinate_count());
+    let given = level.position_noise.to_list(experiment.robot.coordinate_count());
     let convert = |(value, kind): (f64, JointKind)| match kind {
         JointKind::Revolute => value.to_radians(),
         JointKind::Prismatic => 1e-3 * value,

@@ -2,12 +2,14 @@
 
 use std::{fs::File, path::Path, sync::Arc};
 
+use flate2::Crc;
 use parquet::{
     basic::Compression,
     column::writer::ColumnWriter,
     data_type::ByteArray,
     errors::ParquetError,
     file::{
+        metadata::KeyValue,
         properties::WriterProperties,
         reader::{FileReader, SerializedFileReader},
         writer::SerializedFileWriter,
@@ -37,10 +39,22 @@ enum Column {
     Number(Vec<Option<f64>>),
 }
 
+impl Column {
+    fn len(&self) -> usize {
+        match self {
+            Self::Text(values) => values.len(),
+            Self::Whole(values) => values.len(),
+            Self::Number(values) => values.len(),
+        }
+    }
+}
+
 /// Names of the columns that say which run a row is.
 const TEXTS: [&str; 3] = ["case", "noise", "method"];
 const WHOLES: [&str; 2] = ["start", "seed"];
 const SECONDS: &str = "seconds";
+/// Key of the checksum of all values among the metadata of a file.
+const CHECKSUM: &str = "thetahat.checksum";
 
 /// Writes the rows to a temporary file and renames it: the file is there as a whole or not at all.
 pub(super) fn write(path: &Path, rows: &[Row], facts: &Facts, content: Content) -> Result<(), CampaignError> {
@@ -85,7 +99,11 @@ fn columns(rows: &[Row], facts: &Facts, content: Content) -> Vec<(String, Column
 }
 
 fn encode(columns: &[(String, Column)]) -> Result<Vec<u8>, ParquetError> {
-    let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
+    let sum = KeyValue::new(CHECKSUM.to_owned(), checksum_of_columns(columns).to_string());
+    let properties = WriterProperties::builder()
+        .set_compression(Compression::SNAPPY)
+        .set_key_value_metadata(Some(vec![sum]))
+        .build();
     let mut writer = SerializedFileWriter::new(Vec::new(), Arc::new(schema(columns)?), Arc::new(properties))?;
     let mut group = writer.next_row_group()?;
     for (_, column) in columns {
@@ -133,16 +151,72 @@ fn levels<T>(values: &[Option<T>]) -> Vec<i16> {
 
 /// Reads rows back.
 pub(super) fn read(path: &Path, facts: &Facts) -> Result<Vec<Row>, CampaignError> {
+    let row = |(number, record): (usize, &Record)| {
+        let problem = format!("row {} is not that of a run", number + 1);
+        row(record, facts).ok_or_else(|| CampaignError::Damaged { path: path.to_owned(), problem })
+    };
+    records(path)?.iter().enumerate().map(row).collect()
+}
+
+/// The records of a file, whose checksum is that of their values.
+fn records(path: &Path) -> Result<Vec<Record>, CampaignError> {
     let damaged = |problem: String| CampaignError::Damaged { path: path.to_owned(), problem };
     let file =
         File::open(path).map_err(|e| CampaignError::Unreadable { path: path.to_owned(), reason: e.to_string() })?;
     let reader = SerializedFileReader::new(file).map_err(|e| damaged(e.to_string()))?;
-    let records = reader.get_row_iter(None).map_err(|e| damaged(e.to_string()))?;
-    let row = |(number, record): (usize, Result<Record, ParquetError>)| {
-        let record = record.map_err(|e| damaged(e.to_string()))?;
-        row(&record, facts).ok_or_else(|| damaged(format!("row {} is not that of a run", number + 1)))
-    };
-    records.enumerate().map(row).collect()
+    let records = reader.get_row_iter(None).and_then(Iterator::collect::<Result<Vec<Record>, _>>);
+    let records = records.map_err(|e| damaged(e.to_string()))?;
+    let metadata = reader.metadata().file_metadata().key_value_metadata();
+    let stated = metadata.and_then(|all| all.iter().find(|entry| entry.key == CHECKSUM)?.value.as_ref());
+    let stated = stated.ok_or_else(|| damaged("it carries no checksum".to_owned()))?;
+    if *stated != checksum_of_records(&records).to_string() {
+        return Err(damaged("its checksum is not that of its values".to_owned()));
+    }
+    Ok(records)
+}
+
+/// Adds a value with the name of its column to a checksum.
+fn add_value(sum: &mut Crc, name: &str, bytes: Option<&[u8]>) {
+    sum.update(name.as_bytes());
+    sum.update(&[u8::from(bytes.is_some())]);
+    sum.update(bytes.unwrap_or_default());
+}
+
+/// The checksum of columns, row by row.
+fn checksum_of_columns(columns: &[(String, Column)]) -> u32 {
+    let rows = columns.iter().map(|(_, column)| column.len()).max().unwrap_or(0);
+    let mut sum = Crc::new();
+    for row in 0..rows {
+        for (name, column) in columns {
+            match column {
+                Column::Text(values) => add_value(&mut sum, name, values[row].as_ref().map(String::as_bytes)),
+                Column::Whole(values) => {
+                    add_value(&mut sum, name, values[row].map(i64::to_le_bytes).as_ref().map(|b| &b[..]))
+                }
+                Column::Number(values) => {
+                    add_value(&mut sum, name, values[row].map(f64::to_le_bytes).as_ref().map(|b| &b[..]))
+                }
+            }
+        }
+    }
+    sum.sum()
+}
+
+/// The same of records that were read back.
+fn checksum_of_records(records: &[Record]) -> u32 {
+    let mut sum = Crc::new();
+    for (name, field) in records.iter().flat_map(Record::get_column_iter) {
+        if let Field::Str(text) = field {
+            add_value(&mut sum, name, Some(text.as_bytes()));
+        } else if let Field::Long(value) = field {
+            add_value(&mut sum, name, Some(&value.to_le_bytes()));
+        } else if let Field::Double(value) = field {
+            add_value(&mut sum, name, Some(&value.to_le_bytes()));
+        } else {
+            add_value(&mut sum, name, None);
+        }
+    }
+    sum.sum()
 }
 
 /// The row of a record; its parameters stand in the order of the facts.
@@ -190,16 +264,11 @@ fn row(record: &Record, facts: &Facts) -> Option<Row> {
 
 /// The times of a file, in the order of its rows.
 pub(super) fn read_seconds(path: &Path) -> Result<Vec<Option<f64>>, CampaignError> {
-    let damaged = |e: ParquetError| CampaignError::Damaged { path: path.to_owned(), problem: e.to_string() };
-    let file =
-        File::open(path).map_err(|e| CampaignError::Unreadable { path: path.to_owned(), reason: e.to_string() })?;
-    let reader = SerializedFileReader::new(file).map_err(damaged)?;
-    let seconds = |record: Result<Record, ParquetError>| {
-        let record = record.map_err(damaged)?;
-        let field = record.get_column_iter().find(|(name, _)| *name == SECONDS).map(|(_, field)| field.clone());
-        Ok(if let Some(Field::Double(value)) = field { Some(value) } else { None })
+    let seconds = |record: &Record| {
+        let field = record.get_column_iter().find(|(name, _)| *name == SECONDS).map(|(_, field)| field);
+        if let Some(Field::Double(value)) = field { Some(*value) } else { None }
     };
-    reader.get_row_iter(None).map_err(damaged)?.map(seconds).collect()
+    Ok(records(path)?.iter().map(seconds).collect())
 }
 
 fn status_named(name: &str) -> Option<Status> {

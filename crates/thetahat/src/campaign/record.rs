@@ -119,7 +119,7 @@ impl<'a> Bench<'a> {
         let choice = &setup.settings.parameters.estimate;
         let problem = |b: &CaseBasis| {
             let problem = setup.problem_on(b.basis.clone(), &[&filtered], choice)?;
-            Ok(CaseProblem::new(b.friction, problem, setup.settings))
+            Ok(CaseProblem::new(b.friction, problem))
         };
         let problems = self.bases.iter().map(problem).collect::<Result<_, PreparationError>>()?;
         Ok(Prepared { filtered, reference, problems, seconds: stopwatch.seconds() })
@@ -211,7 +211,7 @@ impl CaseBasis {
         let (basis, estimated) = basis_and_estimated(experiment, case)?;
         let truth = (friction == experiment.robot.friction).then(|| estimated.from_standard(&twin.parameters));
         let value = |i: usize| truth.as_ref().map(|t| t[i]);
-        let add = |(i, p): (usize, &BaseParameter)| facts.place(&p.name, p.unit, value(i));
+        let add = |(i, p): (usize, &BaseParameter)| facts.place(&p.name, &p.unit, value(i));
         let places = estimated.parameters().iter().enumerate().map(add).collect();
         Ok(Self { friction, basis, truth, places })
     }

@@ -11,9 +11,10 @@ use serde::{Deserialize, Serialize};
 use super::{
     Campaign, CampaignError, Key, Row,
     facts::Facts,
-    files::{TEMPORARY, refuse, replace_file},
+    files::{refuse, replace_file},
     parquet_file::{self, Content},
 };
+use crate::output::TEMPORARY;
 
 const MANIFEST: &str = "campaign.json";
 const RUNS: &str = "runs.parquet";
@@ -59,20 +60,21 @@ impl Manifest {
 }
 
 impl Store {
-    /// Opens a folder, or makes it; it must be new, or hold runs of this very campaign.
+    /// Opens a folder, or makes it; it must be new or empty, or hold runs of this very campaign.
     ///
     /// # Errors
-    /// [`CampaignError`] for a folder of another campaign, or one that cannot be written.
+    /// [`CampaignError`] for a folder of another campaign or of other files, or one that cannot be written.
     pub fn open(folder: &Path, campaign: &Campaign) -> Result<Self, CampaignError> {
         let store = Self { folder: folder.to_owned() };
         let parts = store.parts();
-        fs::create_dir_all(&parts).map_err(|e| refuse(&parts, &e))?;
         let (path, manifest) = (folder.join(MANIFEST), Manifest::of(campaign));
         if !path.exists() {
+            require_empty(folder)?;
+            fs::create_dir_all(folder).map_err(|e| refuse(folder, &e))?;
             let text = serde_json::to_string_pretty(&manifest).map_err(|e| refuse(&path, &e))?;
             replace_file(&path, text.as_bytes())?;
-            return Ok(store);
         }
+        fs::create_dir_all(&parts).map_err(|e| refuse(&parts, &e))?;
         let text = fs::read_to_string(&path)
             .map_err(|e| CampaignError::Unreadable { path: path.clone(), reason: e.to_string() })?;
         let found: Manifest = serde_json::from_str(&text)
@@ -148,7 +150,7 @@ impl Store {
             let path = entry.map_err(|e| refuse(&parts, &e))?.path();
             if path.extension().is_some_and(|e| e == "parquet") {
                 files.push(path);
-            } else if path.extension().is_some_and(|e| e == TEMPORARY) {
+            } else if is_temporary(&path) {
                 fs::remove_file(&path).map_err(|e| refuse(&path, &e))?;
             }
         }
@@ -160,6 +162,21 @@ impl Store {
         let problem = format!("the noise level {:?} is not one of the campaign", row.noise);
         CampaignError::Damaged { path: self.folder.join(RUNS), problem }
     }
+}
+
+/// Refuses a folder with files of others; what a killed program left in part does not count.
+fn require_empty(folder: &Path) -> Result<(), CampaignError> {
+    let Ok(mut entries) = fs::read_dir(folder) else { return Ok(()) };
+    match entries.find(|entry| entry.as_ref().is_ok_and(|entry| !is_temporary(&entry.path()))) {
+        None => Ok(()),
+        Some(_) => Err(CampaignError::NoCampaign { folder: folder.to_owned(), manifest: MANIFEST }),
+    }
+}
+
+/// Whether a file is one that was being written.
+fn is_temporary(path: &Path) -> bool {
+    let hidden = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
+    hidden && path.extension().is_some_and(|e| e == TEMPORARY)
 }
 
 fn key_of(campaign: &Campaign, row: &Row) -> Option<Key> {

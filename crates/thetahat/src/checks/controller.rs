@@ -3,7 +3,8 @@
 use super::{
     examination::{Evidence, Examination, Words},
     finding::{Code, Severity},
-    numbers::{delay, deviation, rms},
+    numbers::{deviation, rms},
+    reference_fit::explanation,
     signals::Signals,
     subject::Subject,
 };
@@ -17,8 +18,6 @@ use crate::{
 /// Rms of the drive signal that the law does not give, in the band of the estimate's rows, percent of its standard
 /// deviation. EMPS has 0.3, the twin with its torque noise at most 13 (clean).
 const LIMIT_PERCENT: f64 = 25.0;
-/// Longest delay that is looked for, s.
-const LONGEST_S: f64 = 0.05;
 
 /// Nothing to compare where the reference is not recorded, or where a signal is added that the subject does not hold.
 pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
@@ -52,13 +51,11 @@ fn compare(exam: &mut Examination<'_>, command: &[f64], drive: &[f64], i: usize)
         limit: LIMIT_PERCENT,
     };
     exam.judge(evidence, Severity::Warning, || {
-        let late = delay(drive, command, (LONGEST_S * rate).ceil() as usize);
-        let size = dot(command, command);
-        let scale = if size > 0.0 { dot(command, drive) / size } else { 0.0 };
+        let cause = explanation(drive, command, rate).map_or(String::new(), |cause| format!("; {cause}"));
         Words::new(
             format!(
                 "motor {}: {value:.0} % of the drive signal is not what the controller gives for this reference and \
-                 motion; the best scale is {scale:.3}, the drive is {late:.1} samples late",
+                 motion{cause}",
                 i + 1
             ),
             "check [controller]'s law, gains and delay; IDIM-IV and DIDIM simulate the loop with it",

@@ -6,32 +6,46 @@ use super::{
     thinned_record::ThinnedRecord,
 };
 
-/// Rms torque that twice the cut-off explains and the experiment's does not, percent of the torques' deviation. The clean
-/// records have at most 1.9, twins with other noise and moves at most 4.0.
+/// Rms torque, percent of the torques' deviation, that twice the cut-off explains and the experiment's does not, on
+/// stretches of time that neither was fitted to. The clean records have at most 1.9, twins with other noise and moves at
+/// most 4.0.
 const LIMIT_PERCENT: f64 = 6.0;
+/// Part of the squared error that a further doubling must leave at most.
+const SMALLER: f64 = 0.8;
 /// Highest cut-off, part of the sample rate.
 const HIGHEST: f64 = 0.4;
 
 pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) {
     let cutoff = exam.subject.signal.cutoff_hz;
-    let twice = 2.0 * cutoff;
-    if record.is_corrected() || twice > HIGHEST * exam.subject.sample_rate_hz {
+    let highest = HIGHEST * exam.subject.sample_rate_hz;
+    if record.is_corrected() || 2.0 * cutoff > highest {
         return;
     }
-    let squares = |record: &ThinnedRecord<'_>| record.fit().map(|r| r.squares).ok();
-    let wider = ThinnedRecord::new(record.subject, twice).and_then(|c| squares(&c));
-    let (Some(narrow), Some(wide)) = (squares(record), wider) else { return };
-    let value = 100.0 * ((narrow - wide).max(0.0) / (record.rows() * record.coordinates()) as f64).sqrt();
+    let squares = |record: &ThinnedRecord<'_>| record.fit().ok()?.held_out_squares();
+    let at = |cutoff_hz: f64| record.with_cutoff(cutoff_hz).and_then(|wider| squares(&wider));
+    let (Some(narrow), Some(wide)) = (squares(record), at(2.0 * cutoff)) else { return };
+    let value = 100.0 * (narrow - wide).max(0.0).sqrt();
     let evidence =
         Evidence { code: Code::CutoffLow, coordinate: None, value, unit: "% of the torques", limit: LIMIT_PERCENT };
     exam.judge(evidence, Severity::Warning, || {
+        let (best, squares) = raised(2.0 * cutoff, wide, highest, &at);
         Words::new(
             format!(
-                "with the position filter at {twice} Hz in place of {cutoff} Hz the squared residual is {:.2} times \
-                 smaller, by {value:.0} % of the torques: the filter takes motion away",
-                narrow / wide
+                "with the position filter at {best} Hz in place of {cutoff} Hz the squared error of what was not fitted \
+                 is {:.2} times smaller, by {:.0} % of the torques: the filter takes motion away",
+                narrow / squares,
+                100.0 * (narrow - squares).sqrt()
             ),
-            "raise [signal] cutoff_hz to some five times the motion's bandwidth",
+            format!("raise [signal] cutoff_hz to {best}"),
         )
     });
+}
+
+/// The cut-off that is doubled for as long as the error becomes smaller, with its squared error.
+fn raised(cutoff_hz: f64, squares: f64, highest: f64, at: &dyn Fn(f64) -> Option<f64>) -> (f64, f64) {
+    let twice = 2.0 * cutoff_hz;
+    match at(twice).filter(|wider| twice <= highest && *wider < SMALLER * squares) {
+        Some(wider) => raised(twice, wider, highest, at),
+        None => (cutoff_hz, squares),
+    }
 }

@@ -11,8 +11,6 @@ use crate::linear_algebra::{Matrix, PivotedQr, norm};
 /// Variance inflation above which a parameter counts as confounded with others: 99.99 % of its column is spanned by them.
 /// The recorded KUKA, whose motion is one of few frequencies, has 7900 (clean).
 const INFLATION_LIMIT: f64 = 1e4;
-/// Relative standard deviation in percent above which a parameter is named in a note.
-const DEVIATION_LIMIT_PERCENT: f64 = 30.0;
 /// Most partners that a confounded parameter is named with.
 const PARTNERS: usize = 3;
 /// Smallest share of a partner that is named, relative to the strongest partner's.
@@ -25,7 +23,6 @@ pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) {
     let independent = &fit.qr.pivots()[..fit.rank];
     dependent(exam, &fit, &columns, &names);
     confounded(exam, &columns.select_columns(independent), &pick(&names, independent));
-    uncertain(exam, &fit, &names);
 }
 
 /// The matrix with columns of unit length; zero columns stay.
@@ -107,34 +104,4 @@ fn strongest<'n>(shares: impl Iterator<Item = (f64, &'n str)>) -> String {
     let largest = shares.first().map_or(0.0, |s| s.0);
     shares.retain(|s| s.0 >= WEAKEST_PARTNER * largest);
     shares.iter().take(PARTNERS).map(|s| s.1).collect::<Vec<_>>().join(" ")
-}
-
-/// Parameters with a large relative standard deviation.
-fn uncertain(exam: &mut Examination<'_>, fit: &OrthogonalFit, names: &[&str]) {
-    if fit.rank < names.len() {
-        return;
-    }
-    let theta = fit.theta();
-    let inverse = fit.qr.inverse_gram();
-    let relative = |c: usize| 100.0 * (fit.variance() * inverse.at(c, c)).sqrt() / theta[c].abs();
-    let bad: Vec<usize> = (0..names.len()).filter(|&c| relative(c) > DEVIATION_LIMIT_PERCENT).collect();
-    if bad.is_empty() {
-        return;
-    }
-    let evidence = Evidence {
-        code: Code::NotExcited,
-        coordinate: None,
-        value: bad.len() as f64,
-        unit: "parameters",
-        limit: f64::NAN,
-    };
-    let parameters = owned(names, &bad);
-    let message = format!(
-        "{} of {} parameters have a relative standard deviation above {DEVIATION_LIMIT_PERCENT} %: {}",
-        bad.len(),
-        names.len(),
-        parameters.join(" ")
-    );
-    let remedy = "estimate = \"essential\" leaves out those that do not matter; a more exciting motion finds them";
-    exam.raise(evidence, Severity::Note, Words::new(message, remedy).about(parameters));
 }

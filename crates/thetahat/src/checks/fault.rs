@@ -21,12 +21,19 @@ const SPANS_M: std::ops::RangeInclusive<f64> = 1e-3..=20.0;
 const BETTER: f64 = 0.9;
 /// Rows of all joints per parameter in the screening.
 const ROWS_PER_PARAMETER: usize = 8;
+/// Most work of trying all corrections: beyond, those of single joints and pairs are not tried. Twelve joints with 108
+/// parameters take a fifth of it.
+const MOST_WORK: f64 = 2e10;
 /// Faults that are looked for one after the other.
 const MOST_FAULTS: usize = 4;
 
 /// Corrects the record by every fault that is found.
 pub(super) fn check(exam: &mut Examination<'_>, record: &mut ThinnedRecord<'_>) {
-    let all = hypotheses(exam.subject.robot);
+    let mut all = hypotheses(exam.subject.robot);
+    let work = (ROWS_PER_PARAMETER * record.parameters().pow(3)) as f64;
+    if all.len() as f64 * work > MOST_WORK {
+        all.retain(|hypothesis| hypothesis.coordinate.is_none());
+    }
     for round in 0..MOST_FAULTS {
         let Some(gains) = gains(record, &all) else { return };
         if round == 0 {
@@ -103,7 +110,7 @@ fn is_plausible(hypothesis: &Hypothesis, record: &ThinnedRecord<'_>, spans: &[f6
 
 /// A single sign that is wrong makes friction negative.
 fn agrees_with_friction(hypothesis: &Hypothesis, record: &ThinnedRecord<'_>, power: &[f64]) -> bool {
-    let has_friction = (0..record.subject.base.len()).any(|c| record.is_friction(c));
+    let has_friction = (0..record.parameters()).any(|c| record.is_friction(c));
     let flipped = hypothesis.coordinate.filter(|_| hypothesis.flips_power && has_friction);
     flipped.is_none_or(|j| power[j] < -friction::NEGATIVE_LIMIT)
 }
@@ -118,7 +125,7 @@ struct Screening {
 
 impl Screening {
     fn new(record: &ThinnedRecord<'_>) -> Self {
-        let wanted = ROWS_PER_PARAMETER * record.subject.base.len() / record.coordinates() + 1;
+        let wanted = ROWS_PER_PARAMETER * record.parameters() / record.coordinates() + 1;
         let step = (record.rows() / wanted).max(1);
         let samples: Vec<usize> = record.kept.iter().step_by(step).copied().collect();
         let motion = motion_at(&record.motion, &samples);

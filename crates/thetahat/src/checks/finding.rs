@@ -59,6 +59,8 @@ pub enum Code {
     RepeatedSamples,
     /// The time stamps are not equally spaced.
     ClockJitter,
+    /// Another rate is stated than the time stamps have.
+    RateContradicted,
     /// A torque stays at its limit.
     TorqueSaturated,
     /// A torque does not change.
@@ -91,13 +93,35 @@ pub enum Code {
     ReferenceMismatch,
     /// The controller does not give the drive signals.
     ControllerMismatch,
+    /// The torque is one value for much of the time.
+    TorqueIdle,
+    /// The torque is noise.
+    TorqueNoise,
+    /// A joint is held and trembles.
+    JointDither,
+    /// Torques are far from those of the description's masses.
+    APrioriScale,
+    /// A joint's torque is predicted no better than by its mean.
+    WorseThanMean,
+    /// The recording is not of this robot.
+    WrongRobot,
+    /// The scale of a torque changes over the record.
+    GainDrift,
+    /// The friction of a joint changes over the record.
+    FrictionDrift,
+    /// Two recordings share samples.
+    SameRecording,
+    /// Recordings are explained apart, and not together.
+    RecordingsContradict,
     /// No robot made of bodies has the estimates.
     NotPhysical,
+    /// The robot's description says what no robot has.
+    RobotDescription,
 }
 
 impl Code {
     /// All codes, in order.
-    pub const ALL: [Self; 28] = [
+    pub const ALL: [Self; 40] = [
         Self::PositionScale,
         Self::PositionSign,
         Self::PositionZero,
@@ -109,6 +133,7 @@ impl Code {
         Self::DroppedSamples,
         Self::RepeatedSamples,
         Self::ClockJitter,
+        Self::RateContradicted,
         Self::TorqueSaturated,
         Self::TorqueConstant,
         Self::TorqueQuantised,
@@ -125,7 +150,18 @@ impl Code {
         Self::NotExcited,
         Self::ReferenceMismatch,
         Self::ControllerMismatch,
+        Self::TorqueIdle,
+        Self::TorqueNoise,
+        Self::JointDither,
+        Self::APrioriScale,
+        Self::WorseThanMean,
+        Self::WrongRobot,
+        Self::GainDrift,
+        Self::FrictionDrift,
+        Self::SameRecording,
+        Self::RecordingsContradict,
         Self::NotPhysical,
+        Self::RobotDescription,
     ];
 
     /// Its stable name, lower case with hyphens.
@@ -143,6 +179,7 @@ impl Code {
             Self::DroppedSamples => "dropped-samples",
             Self::RepeatedSamples => "repeated-samples",
             Self::ClockJitter => "clock-jitter",
+            Self::RateContradicted => "rate-contradicted",
             Self::TorqueSaturated => "torque-saturated",
             Self::TorqueConstant => "torque-constant",
             Self::TorqueQuantised => "torque-quantised",
@@ -159,7 +196,18 @@ impl Code {
             Self::NotExcited => "not-excited",
             Self::ReferenceMismatch => "reference-mismatch",
             Self::ControllerMismatch => "controller-mismatch",
+            Self::TorqueIdle => "torque-idle",
+            Self::TorqueNoise => "torque-noise",
+            Self::JointDither => "joint-dither",
+            Self::APrioriScale => "a-priori-scale",
+            Self::WorseThanMean => "worse-than-mean",
+            Self::WrongRobot => "wrong-robot",
+            Self::GainDrift => "gain-drift",
+            Self::FrictionDrift => "friction-drift",
+            Self::SameRecording => "same-recording",
+            Self::RecordingsContradict => "recordings-contradict",
             Self::NotPhysical => "not-physical",
+            Self::RobotDescription => "robot-description",
         }
     }
 }

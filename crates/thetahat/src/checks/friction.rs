@@ -49,7 +49,7 @@ pub(super) fn check(exam: &mut Examination<'_>, record: &mut ThinnedRecord<'_>) 
         exam.raise(evidence, Severity::Problem, words);
         correction.iter().for_each(|correction| record.correct(correction));
     }
-    poor_fit(exam, record);
+    poor_fit(exam, &record.of_estimated());
 }
 
 /// What makes a joint's friction negative: its torque's sign, its position's sign, or neither.
@@ -104,8 +104,9 @@ fn power_per_parameter(record: &ThinnedRecord<'_>, fit: &OrthogonalFit, j: usize
 }
 
 fn friction_parameters(record: &ThinnedRecord<'_>, j: usize) -> Vec<String> {
-    let own = record.subject.parameters_of(j).filter(|(c, _)| record.is_friction(*c));
-    own.map(|(_, p)| p.name.clone()).collect()
+    let own = record.subject.parameters_of(j);
+    let kind = |kept: usize| record.subject.model.parameter_table().get(kept).quantity;
+    own.filter(|(_, p)| kind(p.kept).is_friction()).map(|(_, p)| p.name.clone()).collect()
 }
 
 fn poor_fit(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) {

@@ -8,6 +8,7 @@ use super::{
     affine::Affine,
     examination::{Evidence, Examination, Words},
     finding::{Code, Severity},
+    numbers::block_score,
     orthogonal_fit::OrthogonalFit,
     thinned_record::{ThinnedRecord, motion_at},
 };
@@ -22,8 +23,6 @@ const SMALLEST: f64 = 0.05;
 /// Rms torque that the right scale must explain, percent of the torques' deviation, with the parameters estimated again.
 /// Friction that is not quite a sign gives up to 1.2 on the clean twins.
 const EFFECT_LIMIT_PERCENT: f64 = 1.5;
-/// Blocks of time.
-const BLOCKS: usize = 10;
 /// Relative step of the difference quotient.
 const STEP: f64 = 0.02;
 /// Steps of Gauss-Newton.
@@ -166,7 +165,7 @@ fn estimate(record: &ThinnedRecord<'_>, fit: &OrthogonalFit, theta: &[f64], scal
     let change = -dot(&direction, &fit.residual) / information;
     let deviation = (fit.variance() / information).sqrt();
     let rest: Vec<f64> = fit.residual.iter().zip(&direction).map(|(r, d)| r + change * d).collect();
-    let in_blocks = block_deviation(&direction, &rest, record.rows()) / information;
+    let in_blocks = block_score(&direction, &rest, record.rows()) / information;
     Some(Estimate { change, sure: change / deviation, sure_in_blocks: change / in_blocks })
 }
 
@@ -183,15 +182,6 @@ fn direction(record: &ThinnedRecord<'_>, theta: &[f64], scale: Scale) -> Option<
     };
     let (more, less) = (error(1.0 + STEP)?, error(1.0 - STEP)?);
     Some(more.iter().zip(&less).map(|(m, l)| (m - l) / (2.0 * STEP)).collect())
-}
-
-/// Root of the sum over blocks of time of the squared score.
-fn block_deviation(direction: &[f64], rest: &[f64], rows: usize) -> f64 {
-    let mut score = [0.0; BLOCKS];
-    for (i, (d, r)) in direction.iter().zip(rest).enumerate() {
-        score[(i % rows) * BLOCKS / rows] += d * r;
-    }
-    dot(&score, &score).sqrt()
 }
 
 /// The scale by further steps of Gauss-Newton, and the squared residual that it leaves.

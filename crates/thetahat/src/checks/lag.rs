@@ -1,49 +1,51 @@
-//! Lag between torque and position, joint by joint.
+//! Lag between torque and position.
 //!
 //! A torque that is late by `d` is `y(t) = y0(t - d)`, so the residual of the fit follows the derivative of the predicted
 //! torque. A search over whole steps starts Gauss-Newton, which shifts the torques until that part of the residual is
-//! gone.
-
-use std::ops::Range;
+//! gone. Friction that turns around later than the motion looks like a lag: the columns of [`friction_shapes`] are free
+//! beside the parameters, and the rows around its reversals are left out, so that inertia and gravity decide. Their lag
+//! must be one delay, of all joints or of a few that agree, and make the residual of the fit itself smaller: joints that
+//! each have a lag of their own are an error of the model.
 
 use super::{
     examination::{Evidence, Examination, Words},
     finding::{Code, Severity},
-    lag_search::{FrictionLag, LONGEST_S, Lags, Search, shifted},
+    friction_shapes::{friction_shapes, rows_of_reversals},
+    lag_search::{LONGEST_S, Lags, Search, shifted},
+    orthogonal_fit::OrthogonalFit,
     thinned_record::ThinnedRecord,
 };
 
 /// Part of the squared residual that a lag must explain, percent. The clean recordings stay below 18.
 const EXPLAINED_LIMIT_PERCENT: f64 = 25.0;
-/// Rms torque that it must explain, percent of the torque's deviation. The friction of the clean twins, which is not quite
-/// a sign, leaves up to 3.8.
+/// Rms torque that it must explain, percent of the torque's deviation.
 const EFFECT_LIMIT_PERCENT: f64 = 5.0;
-/// Standard deviations by which a lag must differ from zero.
+/// Part of the squared residual from which a common lag is worth a note, percent.
+const NOTE_PERCENT: f64 = 5.0;
+/// Standard deviations by which a lag must differ from zero: they come from ten blocks of time.
 const SURE: f64 = 6.0;
-/// Part of a lag by which friction alone may differ from it. Joints whose model is poor follow any shift with one part of
-/// their torque: joint 5 of the recorded KUKA differs by 0.9.
-const SAME: f64 = 0.35;
+/// Standard deviations within which lags of joints are the same, and part of the lag.
+const SAME_DEVIATIONS: f64 = 4.0;
+const SAME_PART: f64 = 0.35;
 /// Lag in samples below which it is noted only.
 const ONE_SAMPLE: f64 = 1.0;
-/// One lag for all joints is taken where it leaves no more than this times the squared residual of one lag per joint.
-const AS_GOOD: f64 = 1.05;
+/// Part of the information of a common lag that joints with another lag may hold.
+const DISAGREEING: f64 = 0.2;
+/// Deviation of a joint's friction, part of that of the rest of its torque, from which friction is most of it.
+const MOST_FRICTION: f64 = 0.8;
+/// Part of the range of the search beyond which an optimum is no measurement: the search ended there.
+const INSIDE: f64 = 0.95;
 
 /// Corrects the record by the lags that are found.
 pub(super) fn check(exam: &mut Examination<'_>, record: &mut ThinnedRecord<'_>) {
-    let Ok(fit) = record.fit() else { return };
-    let search = Search { record, fit: &fit };
-    let Some(each) = search.refined(search.coarse(), false) else { return };
-    let Some(common) = search.refined(search.coarse_common(), true) else { return };
-    let together = common.squares.iter().sum::<f64>() <= AS_GOOD * each.squares.iter().sum::<f64>();
-    let lags = if together { common } else { each };
-    let before = search.joint_squares(&fit.residual);
-    let size = if together { record.coordinates() } else { 1 };
+    let Some(delays) = measured(record) else { return };
+    if delays.is_empty() {
+        exam.note_measure(evidence(None, 0.0));
+    }
     let mut correction = vec![0.0; record.coordinates()];
-    for first in (0..record.coordinates()).step_by(size) {
-        let group = first..first + size;
-        let lag = Lag::new(&search, &lags, group.clone(), &before);
-        if lag.judge(exam, together) {
-            group.for_each(|j| correction[j] = lags.steps[j]);
+    for delay in &delays {
+        if delay.raise(exam) {
+            delay.joints.iter().for_each(|&j| correction[j] = delay.steps);
         }
     }
     if correction.iter().any(|s| *s != 0.0) {
@@ -51,85 +53,147 @@ pub(super) fn check(exam: &mut Examination<'_>, record: &mut ThinnedRecord<'_>) 
     }
 }
 
-/// The lag of one joint, or of all.
-struct Lag {
-    coordinate: usize,
-    /// Samples by which the torque is later, and the standard deviation.
-    samples: f64,
+/// The delay of all joints, or those of the joints that are late; none where the record does not tell.
+fn measured(record: &ThinnedRecord<'_>) -> Option<Vec<Delay>> {
+    let parameters = record.fit().ok()?;
+    let shapes = friction_shapes(record).ok()?;
+    if !record.has_rows_for(record.parameters() + shapes.columns()) {
+        return None;
+    }
+    let beside = record.fit_beside(&shapes, &rows_of_reversals(record)).ok()?;
+    let search = Search { record, parameters: &parameters, beside: &beside };
+    let (each, all) = (search.of_each()?, search.of_all()?);
+    let is_certain = |lags: &Lags, j: usize| {
+        let size = lags.steps[j].abs();
+        size > SURE * lags.deviation[j] && size < INSIDE * LONGEST_S * record.rate_hz
+    };
+    let joints = 0..record.coordinates();
+    if is_certain(&all, 0) && agree(&each, all.steps[0]) {
+        return Some(vec![Delay::new(&search, joints.collect(), &all)]);
+    }
+    // Where friction is most of a torque, a lag of that joint alone is one of friction.
+    let friction = record.friction_share(&parameters.theta());
+    let certain = joints.filter(|&j| is_certain(&each, j) && friction[j] < MOST_FRICTION);
+    let certain = certain.map(|j| Delay::new(&search, vec![j], &each));
+    let late: Vec<Delay> = certain.filter(|delay| delay.explained.strength() > 1.0).collect();
+    let is_one = late.iter().all(|delay| same(delay.steps, delay.deviation, late[0].steps));
+    Some(if is_one { late } else { Vec::new() })
+}
+
+/// Whether the joints that tell something of the lag have this one.
+fn agree(each: &Lags, steps: f64) -> bool {
+    let information = |j: usize| each.deviation[j].max(f64::MIN_POSITIVE).powi(-2);
+    let joints = 0..each.steps.len();
+    let others =
+        joints.clone().filter(|&j| !same(each.steps[j], each.deviation[j], steps)).map(information).sum::<f64>();
+    others <= DISAGREEING * joints.map(information).sum::<f64>()
+}
+
+/// Whether a lag may be this one.
+fn same(lag: f64, deviation: f64, steps: f64) -> bool {
+    (lag - steps).abs() < (SAME_DEVIATIONS * deviation).max(SAME_PART * steps.abs())
+}
+
+fn evidence(coordinate: Option<usize>, value: f64) -> Evidence {
+    Evidence { code: Code::Lag, coordinate, value, unit: "times the limits", limit: 1.0 }
+}
+
+/// What a delay explains.
+#[derive(Debug, Clone, Copy)]
+struct Explained {
+    /// Part of the squared residual, percent.
+    residual: f64,
+    /// Rms torque, percent of the torques' deviation.
+    torque: f64,
+}
+
+impl Explained {
+    /// The smaller of its two parts of their limits.
+    fn strength(self) -> f64 {
+        (self.residual / EXPLAINED_LIMIT_PERCENT).min(self.torque / EFFECT_LIMIT_PERCENT)
+    }
+}
+
+/// The delay of one torque or of all.
+struct Delay {
+    joints: Vec<usize>,
+    /// Steps of the record by which they are late, and the standard deviation.
+    steps: f64,
     deviation: f64,
-    /// Part of the squared residual that it explains, percent.
-    explained: f64,
-    /// Rms torque that it explains, percent of the torque's deviation.
-    effect: f64,
-    /// Further lag of friction alone, in samples; zero where friction says nothing.
-    friction: f64,
-    longest: f64,
+    explained: Explained,
+    of_all: bool,
+    samples_per_step: f64,
     rate: f64,
 }
 
-impl Lag {
-    fn new(search: &Search<'_, '_>, lags: &Lags, group: Range<usize>, before: &[f64]) -> Self {
-        let rate = search.record.subject.sample_rate_hz;
-        let per_step = rate / search.record.rate_hz;
-        let (was, is) = (before[group.clone()].iter().sum::<f64>(), lags.squares[group.clone()].iter().sum::<f64>());
-        let mut lag = Self {
-            coordinate: group.start,
-            samples: per_step * lags.steps[group.start],
-            deviation: per_step * lags.deviation[group.start],
-            explained: 100.0 * (1.0 - is / was),
-            effect: 100.0 * ((was - is).max(0.0) / (group.len() * search.record.rows()) as f64).sqrt(),
-            friction: 0.0,
-            longest: LONGEST_S * rate,
-            rate,
+impl Delay {
+    fn new(search: &Search<'_, '_>, joints: Vec<usize>, lags: &Lags) -> Self {
+        let record = search.record;
+        let steps = lags.steps[joints[0]];
+        let late = |j: usize| if joints.contains(&j) { steps } else { 0.0 };
+        let correction: Vec<f64> = (0..record.coordinates()).map(late).collect();
+        let corrected = record.stack(&shifted(&record.torque, &correction));
+        let squares = |rest: &[f64]| -> f64 {
+            let each = search.joint_squares(rest);
+            joints.iter().map(|&j| each[j]).sum()
         };
-        if lag.is_certain() {
-            let certain = |friction: &FrictionLag| per_step * friction.deviation < 0.5 * SAME * lag.samples.abs();
-            let friction = search.friction_lag(&lags.steps, group).filter(certain);
-            lag.friction = per_step * friction.map_or(0.0, |f| f.steps);
+        let rows = (joints.len() * record.rows()) as f64;
+        let of_all = joints.len() == record.coordinates();
+        let evidence = |fit: &OrthogonalFit| {
+            let (was, is) = (squares(&fit.residual), squares(&fit.unexplained(&corrected)));
+            Explained { residual: 100.0 * (1.0 - is / was), torque: 100.0 * ((was - is).max(0.0) / rows).sqrt() }
+        };
+        // Friction that the model does not have can hide a delay of all joints from the plain fit.
+        let (plain, beside) = (evidence(search.parameters), evidence(search.beside));
+        let explained = if of_all && beside.strength() > plain.strength() { beside } else { plain };
+        Self {
+            steps,
+            deviation: lags.deviation[joints[0]],
+            explained,
+            of_all,
+            samples_per_step: record.subject.sample_rate_hz / record.rate_hz,
+            rate: record.subject.sample_rate_hz,
+            joints,
         }
-        lag
     }
 
-    fn is_certain(&self) -> bool {
-        self.samples.abs() > SURE * self.deviation && self.samples.abs() < 0.99 * self.longest
+    fn samples(&self) -> f64 {
+        self.samples_per_step * self.steps
     }
 
-    /// Whether it is a lag: certain, inside the range of the search, and the same in friction as in the rest.
-    fn is_one(&self) -> bool {
-        self.is_certain() && self.friction.abs() < SAME * self.samples.abs()
-    }
-
-    /// Raises it where it is one; whether the record is to be put right.
-    fn judge(&self, exam: &mut Examination<'_>, together: bool) -> bool {
-        let coordinate = (!together).then_some(self.coordinate);
-        let strength = (self.explained / EXPLAINED_LIMIT_PERCENT).min(self.effect / EFFECT_LIMIT_PERCENT);
-        let value = if self.is_one() { strength } else { 0.0 };
-        let evidence = Evidence { code: Code::Lag, coordinate, value, unit: "times the limits", limit: 1.0 };
+    /// Raises it; whether the record is to be put right.
+    fn raise(&self, exam: &mut Examination<'_>) -> bool {
+        let matters = self.explained.strength() > 1.0 && self.samples().abs() >= ONE_SAMPLE;
+        let coordinate = (!self.of_all).then_some(self.joints[0]);
+        let evidence = evidence(coordinate, self.explained.strength());
         exam.note_measure(evidence);
-        if !self.is_one() {
-            return false;
+        if matters || self.explained.residual > NOTE_PERCENT {
+            let severity = if matters { Severity::Warning } else { Severity::Note };
+            let evidence = Evidence { value: self.samples(), unit: "samples", limit: f64::NAN, ..evidence };
+            let words = self.words(coordinate.map(|c| exam.subject.joint_number(c)), exam.subject.controller.is_some());
+            exam.raise(evidence, severity, words);
         }
-        let matters = strength > 1.0 && self.samples.abs() >= ONE_SAMPLE;
-        let severity = if matters { Severity::Warning } else { Severity::Note };
-        let evidence = Evidence { value: self.samples, unit: "samples", limit: f64::NAN, ..evidence };
-        let words = self.words(coordinate.map(|c| exam.subject.joint_number(c)));
-        exam.raise(evidence, severity, words);
         matters
     }
 
-    fn words(&self, joint_number: Option<usize>) -> Words {
-        let ms = |samples: f64| 1e3 * samples / self.rate;
-        let (size, order) = (self.samples.abs(), if self.samples > 0.0 { "later" } else { "earlier" });
+    fn words(&self, joint_number: Option<usize>, controlled: bool) -> Words {
+        let ms = |steps: f64| 1e3 * self.samples_per_step * steps / self.rate;
+        let (size, order) = (self.samples().abs(), if self.steps > 0.0 { "later" } else { "earlier" });
         let whose = joint_number
             .map_or_else(|| "the torques are".to_owned(), |number| format!("joint {number}: the torque is"));
         let message = format!(
             "{whose} {size:.1} samples ({:.2} ms, +- {:.2}) {order} than the position; without that the squared \
              residual is {:.0} % smaller",
-            ms(size),
+            ms(self.steps.abs()),
             ms(self.deviation),
-            self.explained
+            self.explained.residual
         );
-        let remedy = "shift the torque against the position before the estimate, and state the delay of [controller]";
+        let also = if controlled { ", and state the delay of [controller]" } else { "" };
+        let remedy = if size < ONE_SAMPLE {
+            "nothing to do: a drive signal that is held from sample to sample is half a sample early".to_owned()
+        } else {
+            format!("shift the torque against the position before the estimate{also}")
+        };
         Words::new(message, remedy)
     }
 }

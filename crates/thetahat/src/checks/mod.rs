@@ -18,38 +18,54 @@
 //! assert_eq!(names.len(), Code::ALL.len());
 //! ```
 
+mod a_priori;
 mod affine;
+mod companion;
+mod contradiction;
 mod controller;
 mod cutoff;
+mod description;
+mod dither;
+mod drift;
 mod examination;
 mod excitation;
 mod fault;
 mod finding;
 mod friction;
+mod friction_shapes;
 mod gear;
 mod hypotheses;
 mod lag;
 mod lag_search;
+mod levels;
 mod motion;
 mod numbers;
 mod orthogonal_fit;
+mod position_range;
 mod reference;
 mod reference_fit;
 mod repeats;
 mod resolution;
+mod same_recording;
 mod signals;
 mod spikes;
 mod stamps;
 mod subject;
 mod thinned_record;
+mod together;
 mod torque;
+mod unexplained;
 mod velocity;
+mod wrong_robot;
 
 #[cfg(test)]
 mod tests;
 
+pub use companion::Companion;
+pub use description::examine_robot;
 pub use finding::{Code, Finding, Measure, Severity};
 pub use subject::{SignalSettings, Subject};
+pub use together::{compare, measure_together};
 
 use examination::Examination;
 use signals::Signals;
@@ -83,7 +99,7 @@ fn examination<'a>(subject: &'a Subject<'a>) -> Examination<'a> {
     if let Ok(signals) = Signals::new(subject, subject.signal.cutoff_hz) {
         check_motion(&mut exam, &signals);
         if let Some(mut record) = ThinnedRecord::new(subject, subject.signal.cutoff_hz) {
-            check_fit(&mut exam, &mut record);
+            check_fit(&mut exam, &signals, &mut record);
         }
     }
     exam
@@ -99,6 +115,8 @@ fn check_samples(exam: &mut Examination<'_>) {
 /// The band-passed motion, and what was recorded beside it.
 fn check_motion(exam: &mut Examination<'_>, signals: &Signals) {
     motion::check(exam, signals);
+    dither::check(exam, signals);
+    levels::check(exam, signals);
     if !exam.has(&[Code::PositionSpikes]) {
         repeats::check(exam, signals);
     }
@@ -111,16 +129,28 @@ fn check_motion(exam: &mut Examination<'_>, signals: &Signals) {
 }
 
 /// The fit. What a defect that was found makes meaningless is left out.
-fn check_fit(exam: &mut Examination<'_>, record: &mut ThinnedRecord<'_>) {
-    let blind = exam.has(&[Code::TorqueConstant, Code::JointStill]);
+fn check_fit(exam: &mut Examination<'_>, signals: &Signals, record: &mut ThinnedRecord<'_>) {
+    let blind = exam.has(&[Code::TorqueConstant, Code::JointStill, Code::JointDither])
+        || !record.has_rows_for(record.parameters());
     if !blind {
         fault::check(exam, record);
+        if !exam.has(&[Code::PositionScale]) {
+            position_range::check(exam, signals);
+        }
         friction::check(exam, record);
+        if record.is_long_enough() {
+            unexplained::check(exam, record);
+            wrong_robot::check(exam, record);
+            a_priori::check(exam, record);
+        }
         cutoff::check(exam, record);
     }
-    excitation::check(exam, record);
+    excitation::check(exam, &record.of_estimated());
     if !blind && !exam.has(&[Code::PoorFit, Code::CutoffLow]) && record.has_full_rank() {
         lag::check(exam, record);
         gear::check(exam, record);
+        if record.is_long_enough() {
+            drift::check(exam, record);
+        }
     }
 }

@@ -32,6 +32,13 @@ pub(super) fn quantile_abs(x: impl Iterator<Item = f64>, part: f64) -> f64 {
     *sizes.select_nth_unstable_by(place, f64::total_cmp).1
 }
 
+/// The middle value; zero of nothing.
+pub(super) fn median(x: &[f64]) -> f64 {
+    let mut sorted = x.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
+}
+
 /// Normal standard deviation per median of absolute values.
 pub(super) const NORMAL_PER_MEDIAN: f64 = 1.4826;
 
@@ -43,14 +50,32 @@ pub(super) fn correlation(a: &[f64], b: &[f64]) -> f64 {
     if size > 0.0 { covariance / size } else { 0.0 }
 }
 
+/// Correlation of a series with itself one place later; zero where it is too short for one.
+pub(super) fn autocorrelation(x: &[f64]) -> f64 {
+    if x.len() < FEWEST { 0.0 } else { correlation(&x[1..], &x[..x.len() - 1]) }
+}
+
+/// Blocks of time.
+const BLOCKS: usize = 10;
+
+/// Root of the sum over blocks of time of the squared product of two vectors in each: the deviation of `dot(a, e)` where
+/// errors are correlated within a block. The vectors hold `rows` rows of each joint.
+pub(super) fn block_score(a: &[f64], e: &[f64], rows: usize) -> f64 {
+    let mut score = [0.0; BLOCKS];
+    for (i, (a, e)) in a.iter().zip(e).enumerate() {
+        score[(i % rows) * BLOCKS / rows] += a * e;
+    }
+    rms(&score) * (BLOCKS as f64).sqrt()
+}
+
 /// Fewest samples of which a delay is taken.
 const FEWEST: usize = 8;
 
 /// The delay in samples by which `a` is later than `b`, to a fraction of a sample: the parabola through the smallest sum of
-/// squared differences within `reach`.
-pub(super) fn delay(a: &[f64], b: &[f64], reach: usize) -> f64 {
+/// squared differences within `reach`. None where the smallest sum is at the end of the range: the search ended there.
+pub(super) fn delay(a: &[f64], b: &[f64], reach: usize) -> Option<f64> {
     if a.len() < FEWEST {
-        return 0.0;
+        return None;
     }
     let reach = reach.clamp(1, a.len() / 4) as isize;
     let (inside, stride) = (reach as usize..a.len() - reach as usize, (a.len() / 4000).max(1));
@@ -59,11 +84,11 @@ pub(super) fn delay(a: &[f64], b: &[f64], reach: usize) -> f64 {
     };
     let best = (-reach..=reach).map(|s| (s, mismatch(s))).min_by(|x, y| x.1.total_cmp(&y.1)).map_or(0, |b| b.0);
     if best.abs() == reach {
-        return best as f64;
+        return None;
     }
     let [before, at, after] = [-1, 0, 1].map(|d| mismatch(best + d));
     let bend = before - 2.0 * at + after;
-    best as f64 + if bend > 0.0 { 0.5 * (before - after) / bend } else { 0.0 }
+    Some(best as f64 + if bend > 0.0 { 0.5 * (before - after) / bend } else { 0.0 })
 }
 
 /// Differences smaller than this part of the span are rounding.
@@ -93,8 +118,15 @@ mod tests {
         let b: Vec<f64> = (0..500).map(|k| wave(f64::from(k))).collect();
         for expected in [-7.4, -0.3, 0.0, 2.6] {
             let a: Vec<f64> = (0..500).map(|k| wave(f64::from(k) - expected)).collect();
-            assert!((delay(&a, &b, 20) - expected).abs() < 0.01, "{expected}: {}", delay(&a, &b, 20));
+            let found = delay(&a, &b, 20).unwrap();
+            assert!((found - expected).abs() < 0.01, "{expected}: {found}");
         }
+    }
+
+    #[test]
+    fn a_delay_beyond_the_range_is_none() {
+        let ramp = |late: f64| (0..500).map(|k| (0.01 * (f64::from(k) - late)).tanh()).collect::<Vec<_>>();
+        assert_eq!(delay(&ramp(60.0), &ramp(0.0), 20), None);
     }
 
     #[test]

@@ -12,6 +12,9 @@ use crate::{
 /// Relative size of the last diagonal entries of R below which a column counts as dependent, as for the estimate.
 const RANK_TOLERANCE: f64 = 1e-10;
 
+/// Stretches of time, every other one of which is held out.
+const STRETCHES: usize = 10;
+
 /// Least squares with every coordinate's rows divided by the standard deviation of its torque. Columns may depend on one
 /// another.
 ///
@@ -38,7 +41,19 @@ pub(super) struct OrthogonalFit {
 impl OrthogonalFit {
     /// The fit of the rows of one recording, whatever their weights.
     pub(super) fn new(regression: &Regression) -> Self {
+        Self::with_weights(weighted(regression))
+    }
+
+    /// The same without some of the rows, which count for nothing.
+    pub(super) fn without(regression: &Regression, left_out: &[bool]) -> Self {
         let regression = weighted(regression);
+        let ones = vec![1.0; left_out.len()];
+        let weights = regression.weights().unwrap_or(&ones).iter().zip(left_out);
+        let weights = weights.map(|(w, left_out)| if *left_out { 0.0 } else { *w }).collect();
+        Self::with_weights(regression.with_weights(Some(weights)))
+    }
+
+    fn with_weights(regression: Regression) -> Self {
         let x = regression.whiten_matrix(&regression.x).into_owned();
         let y = regression.whiten(&regression.y).into_owned();
         let qr = PivotedQr::new(&x);
@@ -87,6 +102,25 @@ impl OrthogonalFit {
         total - (0..self.rank).map(|c| along(c).powi(2)).sum::<f64>()
     }
 
+    /// Mean squared error, relative to the torques' variances, on every other stretch of time with the parameters of the
+    /// others. None where these do not separate the parameters.
+    pub(super) fn held_out_squares(&self) -> Option<f64> {
+        let rows = self.regression.layout.block(0, 0).len();
+        let half = |i: usize| ((i % rows) * STRETCHES / rows).is_multiple_of(2);
+        let squares = |own: &dyn Fn(usize) -> bool| {
+            let taken: Vec<bool> = (0..self.y.len()).map(own).collect();
+            let part = |y: bool| (0..self.y.len()).filter(move |i| own(*i) == y);
+            let qr = PivotedQr::new(&self.x.select_rows(&taken));
+            let theta = qr.solve(&part(true).map(|i| self.y[i]).collect::<Vec<_>>());
+            let error = |i: usize| self.y[i] - (0..self.x.columns()).map(|c| self.x.at(i, c) * theta[c]).sum::<f64>();
+            let separates = qr.rank(RANK_TOLERANCE) == self.x.columns();
+            separates.then(|| part(false).map(|i| error(i).powi(2)).sum::<f64>())
+        };
+        let enough = self.y.len() / 2 > self.x.columns() && rows > STRETCHES;
+        let both = enough.then(|| Some(squares(&half)? + squares(&|i| !half(i))?)).flatten()?;
+        Some(both / self.y.len() as f64)
+    }
+
     /// Variance of the weighted residual.
     pub(super) fn variance(&self) -> f64 {
         self.squares / self.y.len().saturating_sub(self.rank).max(1) as f64
@@ -106,6 +140,19 @@ impl OrthogonalFit {
     /// Rms residual of coordinate `j`, relative to the standard deviation of its torque.
     pub(super) fn joint_error(&self, j: usize) -> f64 {
         rms(&self.residual[self.rows_of(j)])
+    }
+
+    /// The same per degree of freedom that the parameters leave to its rows.
+    pub(super) fn joint_error_per_freedom(&self, j: usize) -> f64 {
+        let rows = self.rows_of(j);
+        let taken: f64 = (0..self.rank).map(|c| &self.basis.column(c)[rows.clone()]).map(|b| dot(b, b)).sum();
+        let residual = &self.residual[rows.clone()];
+        (dot(residual, residual) / (rows.len() as f64 - taken).max(1.0)).sqrt()
+    }
+
+    /// The part of a vector of weighted rows that no parameters explain.
+    pub(super) fn project_out(&self, weighted: &[f64]) -> Vec<f64> {
+        project_out(&self.basis, weighted)
     }
 
     fn rows_of(&self, j: usize) -> Range<usize> {

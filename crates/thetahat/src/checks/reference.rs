@@ -3,8 +3,8 @@
 use super::{
     examination::{Evidence, Examination, Words},
     finding::{Code, Severity},
-    numbers::{correlation, delay, deviation, rms},
-    reference_fit::{Correction, proposed},
+    numbers::{correlation, deviation, rms},
+    reference_fit::{Correction, explanation, proposed},
     subject::Subject,
 };
 use crate::series::Series;
@@ -16,8 +16,6 @@ const LIMIT_PERCENT: f64 = 5.0;
 const STILL: f64 = 1e-4;
 /// A correlation with the reference of another joint that the own joint does not reach.
 const OTHER: f64 = 0.95;
-/// Longest delay that is looked for, s.
-const LONGEST_S: f64 = 0.2;
 
 /// The remedy where no correction of the reference would do.
 const CHECK_CHANNEL: &str = "check the reference's column, unit and side; IDIM-IV and DIDIM simulate the loop with it";
@@ -82,16 +80,14 @@ fn recorded(exam: &mut Examination<'_>, position: &Series, reference: &Series, j
 
 /// The most likely cause in words.
 fn cause(subject: &Subject<'_>, q: &[f64], reference: &Series, j: usize) -> String {
-    let rate = subject.sample_rate_hz;
     let own = correlation(q, &reference.channel(j));
     let others = (0..reference.channels()).filter(|&i| i != j).map(|i| (i, correlation(q, &reference.channel(i))));
     if let Some((i, r)) = others.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|o| o.1 > OTHER && own < OTHER) {
         return format!("it follows that of joint {} (correlation {r:.3})", subject.joint_number(i));
     }
     let r = reference.channel(j);
-    let scale = correlation(q, &r) * deviation(q) / deviation(&r);
-    let late = delay(q, &r, (LONGEST_S * rate).ceil() as usize);
-    format!("it is {late:.1} samples ({:.1} ms) late, scale {scale:.4}, correlation {own:.4}", 1e3 * late / rate)
+    let unexplained = || format!("no delay, scale, offset or other joint explains it (correlation {own:.4})");
+    explanation(q, &r, subject.sample_rate_hz).unwrap_or_else(unexplained)
 }
 
 fn reconstructed(exam: &mut Examination<'_>, q: &[f64], rms_deviation: f64, j: usize) {

@@ -15,6 +15,8 @@ const ITERATIONS: usize = 12;
 const AS_GOOD: f64 = 1.25;
 /// So is one that leaves no more than this part of the motion's deviation: clean records have up to 0.8 %.
 const CLEAN: f64 = 0.01;
+/// Part of the rms difference that an explanation may leave.
+const EXPLAINED: f64 = 0.5;
 /// Delays of joints that differ by less, in samples or as a part, are one delay of the record.
 const SAME: f64 = 0.25;
 
@@ -78,13 +80,28 @@ fn simplest(q: &[f64], r: &[f64]) -> Option<(JointCorrection, f64)> {
     fits.into_iter().find(|f| f.1 <= (AS_GOOD * best).max(CLEAN * deviation(q)))
 }
 
+/// What makes most of the difference of two signals: the simplest delay, scale and offset that leave less than half of its
+/// rms. None where there is none.
+pub(super) fn explanation(q: &[f64], r: &[f64], sample_rate_hz: f64) -> Option<String> {
+    let difference: Vec<f64> = q.iter().zip(r).map(|(q, r)| q - r).collect();
+    let (found, _) = simplest(q, r).filter(|(_, left)| *left < EXPLAINED * rms(&difference))?;
+    let JointCorrection { samples, scale, offset } = found;
+    let ms = 1e3 * samples.abs() / sample_rate_hz;
+    let order = if samples > 0.0 { "late" } else { "early" };
+    let late = (samples != 0.0).then(|| format!("{:.1} samples ({ms:.1} ms) {order}", samples.abs()));
+    let scaled = (scale != 1.0).then(|| format!("{scale:.4} times as large"));
+    let moved = (offset != 0.0).then(|| format!("off by {offset:.4}"));
+    let parts: Vec<String> = [late, scaled, moved].into_iter().flatten().collect();
+    Some(format!("it is {}", parts.join(", ")))
+}
+
 /// Least squares for the free ones, by Gauss-Newton from the best whole delay.
 fn fit(q: &[f64], r: &[f64], free: [bool; 3]) -> Option<(JointCorrection, f64)> {
     let reach = (q.len() / LONGEST_PART).max(1);
     let mut found = NONE;
     if free[0] {
         let about = |x: &[f64], size: f64| x.iter().map(|v| (v - mean(x)) / size).collect::<Vec<_>>();
-        found.samples = delay(&about(q, deviation(q)), &about(r, deviation(r)), reach);
+        found.samples = delay(&about(q, deviation(q)), &about(r, deviation(r)), reach)?;
     }
     for _ in 0..ITERATIONS {
         let (rest, columns) = linearised(q, r, found, free, reach);
@@ -180,5 +197,15 @@ mod tests {
     fn another_motion_has_no_correction() {
         let other = series(|t, _| (0.033 * t).sin());
         assert_eq!(text_of(&series(wave), &other, &[0, 1]), None);
+    }
+
+    /// It said "it is 205.0 samples (205.0 ms) late, scale 44.1213": the end of the range, and a scale of noise.
+    #[test]
+    fn the_end_of_the_search_is_no_explanation() {
+        let far = series(|t, j| 0.02 * wave(t - 205.0, j));
+        assert_eq!(explanation(&series(wave).channel(0), &far.channel(0), 1000.0), None);
+        let near = series(|t, j| wave(t + 12.0, j));
+        let found = explanation(&series(wave).channel(0), &near.channel(0), 1000.0);
+        assert_eq!(found.as_deref(), Some("it is 12.0 samples (12.0 ms) late"));
     }
 }

@@ -12,6 +12,10 @@ use crate::series::Series;
 const REPEATED_LIMIT_PERCENT: f64 = 0.05;
 /// Expected steps of a joint between two samples, from which on an equal position is no coincidence.
 const EXPECTED_STEPS: f64 = 4.0;
+/// Times the expected coincidences of channels that count in steps that repetitions must be.
+const BY_CHANCE: f64 = 1.5;
+/// Samples over which rates of repetition are taken.
+const STRETCH: usize = 64;
 /// A jump ahead by this part of a sample is a dropped sample.
 const JUMP: f64 = 0.5;
 /// Times the standard deviation that a jump must be.
@@ -42,7 +46,9 @@ pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
 fn repeated(exam: &mut Examination<'_>, signals: &Signals, series: &Series, what: &str) {
     let moving = moving_fast(exam.subject.sample_rate_hz, signals);
     let repeated: Vec<usize> = moving.iter().copied().filter(|&k| series.sample(k) == series.sample(k - 1)).collect();
-    let value = 100.0 * repeated.len() as f64 / moving.len().max(1) as f64;
+    // Positions are looked at where they are several steps apart.
+    let chance = if what == "torques" { BY_CHANCE * coincidences(series, &moving) } else { 0.0 };
+    let value = 100.0 * (repeated.len() as f64 - chance).max(0.0) / moving.len().max(1) as f64;
     let evidence = Evidence {
         code: Code::RepeatedSamples,
         coordinate: None,
@@ -61,6 +67,18 @@ fn repeated(exam: &mut Examination<'_>, signals: &Signals, series: &Series, what
             "the logger holds old values: record at the rate at which they are new, or drop the repeats and resample",
         )
     });
+}
+
+/// Samples at which all channels repeat by chance, each for itself, since they count in steps: the product of their own
+/// rates of repetition over short stretches.
+fn coincidences(series: &Series, moving: &[usize]) -> f64 {
+    let own = |stretch: &[usize], j: usize| {
+        let same = stretch.iter().filter(|&&k| series.sample(k)[j] == series.sample(k - 1)[j]).count();
+        same as f64 / stretch.len() as f64
+    };
+    let all = |stretch: &[usize]| (0..series.channels()).map(|j| own(stretch, j)).product::<f64>();
+    let counts = (0..series.channels()).all(|j| step_of(&series.channel(j)).is_some());
+    if counts { moving.chunks(STRETCH).map(|s| s.len() as f64 * all(s)).sum() } else { 0.0 }
 }
 
 /// Samples at which some joint is expected to be several steps of its position further than one sample before.

@@ -11,6 +11,10 @@ use crate::series::Series;
 const OUTLYING: f64 = 12.0;
 /// The same as part of the signal's span: smaller outliers do not matter.
 const VISIBLE: f64 = 0.01;
+/// The same in steps of the signal between its other samples around: a swing, a kink or a slip goes as far in one step.
+const STEPS: f64 = 3.0;
+/// Samples around to each side whose steps are looked at.
+const AROUND: usize = 8;
 /// Samples of which the median is taken.
 const NEIGHBOURS: usize = 5;
 
@@ -48,8 +52,18 @@ fn outliers(x: &[f64]) -> Vec<usize> {
     // The span without the outliers themselves.
     let (low, high) = (quantile(x, 0.005), quantile(x, 0.995));
     let limit = (OUTLYING * scale).max(VISIBLE * (high - low));
-    let outlying = |(_, d): &(usize, &f64)| d.abs() > limit && limit > 0.0;
-    off.iter().enumerate().filter(outlying).map(|(k, _)| k + NEIGHBOURS / 2).collect()
+    let is_far = |k: usize| limit > 0.0 && off[k].abs() > limit;
+    let stands_out = |k: &usize| off[*k].abs() > STEPS * largest_step_around(x, *k, &is_far);
+    (0..off.len()).filter(|k| is_far(*k)).filter(stands_out).map(|k| k + NEIGHBOURS / 2).collect()
+}
+
+/// The largest step between neighbours of the samples around, without those that are far off themselves. `k` is the
+/// place in the list of medians.
+fn largest_step_around(x: &[f64], k: usize, is_far: &dyn Fn(usize) -> bool) -> f64 {
+    let last = x.len() - NEIGHBOURS;
+    let around = k.saturating_sub(AROUND)..=(k + AROUND).min(last);
+    let near: Vec<f64> = around.filter(|i| !is_far(*i)).map(|i| x[i + NEIGHBOURS / 2]).collect();
+    near.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max)
 }
 
 fn median(mut window: [f64; NEIGHBOURS]) -> f64 {
@@ -61,4 +75,35 @@ fn quantile(x: &[f64], part: f64) -> f64 {
     let mut sorted = x.to_vec();
     let place = ((sorted.len().saturating_sub(1)) as f64 * part).round() as usize;
     if sorted.is_empty() { 0.0 } else { *sorted.select_nth_unstable_by(place, f64::total_cmp).1 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn noise(k: usize) -> f64 {
+        ((78.233 * k as f64).sin() * 43_758.545_3).fract()
+    }
+
+    /// It said "16 samples of the torque lie far off their neighbours".
+    #[test]
+    fn smooth_swings_and_stick_slip_have_no_outliers() {
+        let swing: Vec<f64> = (0..2000).map(|k| 50.0 * (1.1 * k as f64).sin().powi(3)).collect();
+        assert_eq!(outliers(&swing), [0; 0]);
+        let slow: Vec<f64> = (0..2000).map(|k| 10.0 * (0.002 * k as f64).sin() + 1e-3 * noise(k)).collect();
+        let slip: Vec<f64> = (0..2000).map(|k| slow[k] + 0.2 * (k % 25) as f64).collect();
+        assert_eq!(outliers(&slip), [0; 0]);
+        let reversal = |v: f64| v.signum() * (1.0 + 0.6 * (-(v / 0.05).powi(2)).exp());
+        let friction: Vec<f64> = (0..2000).map(|k| reversal((0.05 * k as f64 + 0.3).sin()) + 1e-3 * noise(k)).collect();
+        assert_eq!(outliers(&friction), [0; 0]);
+    }
+
+    #[test]
+    fn outliers_are_found_beside_noise_and_one_beside_another() {
+        let mut x: Vec<f64> = (0..2000).map(|k| 10.0 * (0.01 * k as f64).sin() + 0.1 * noise(k)).collect();
+        x[300] += 4.0;
+        x[1000] -= 5.0;
+        x[1001] -= 5.0;
+        assert_eq!(outliers(&x), [300, 1000, 1001]);
+    }
 }

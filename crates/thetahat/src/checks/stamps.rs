@@ -13,10 +13,13 @@ const JITTER_LIMIT_PERCENT: f64 = 5.0;
 const GAP: f64 = 0.75;
 /// A step that is later by less is no gap.
 const HALF_A_STEP: f64 = 0.5;
+/// Deviation of a stated rate from that of the times, percent.
+const RATE_LIMIT_PERCENT: f64 = 1.0;
 /// Steps around a gap over which late stamps make up for one another.
 const AROUND: usize = 2;
 
 pub(super) fn check(exam: &mut Examination<'_>) {
+    check_rate(exam);
     let Some(time) = exam.subject.time_s.filter(|t| t.len() > 2 * AROUND + 2) else { return };
     let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let median = quantile_abs(steps.iter().copied(), 0.5);
@@ -32,10 +35,11 @@ pub(super) fn check(exam: &mut Examination<'_>) {
         let first = gaps.first().map_or(0.0, |&k| time[k]);
         Words::new(
             format!(
-                "the time stamps have {} gaps, the first after {first:.4} s, where {missing:.0} samples are missing",
+                "the time stamps have {} gaps, the first after {first:.4} s, where {missing:.0} samples are missing in all; \
+                 rows in and beside them are left out",
                 gaps.len()
             ),
-            "cut the record at the gaps, or record again; a filter takes a gap for a jump",
+            "where much is left out, record again, with a logger that keeps up",
         )
     });
     let regular: Vec<f64> = late.iter().enumerate().filter(|(k, _)| !gaps.contains(k)).map(|(_, l)| *l).collect();
@@ -45,8 +49,32 @@ pub(super) fn check(exam: &mut Examination<'_>) {
     exam.judge(evidence, Severity::Warning, || {
         let largest = 100.0 * quantile_abs(regular.iter().copied(), 1.0);
         Words::new(
-            format!("the time between samples varies by {value:.1} % rms (at most {largest:.0} %) about {median:.6} s"),
-            "resample the record on equal steps by its stamps, or log by the controller's clock",
+            format!(
+                "the time between samples varies by {value:.1} % rms (at most {largest:.0} %) about {median:.6} s; the \
+                 record is brought to equal steps by its stamps"
+            ),
+            "nothing where the stamps are those of the samples; where they are of the arrival, log by the controller's \
+             clock",
+        )
+    });
+}
+
+/// A stated rate against the times in the file.
+fn check_rate(exam: &mut Examination<'_>) {
+    let Some((column, rate)) = exam.subject.contradicting_times else { return };
+    let stated = exam.subject.sample_rate_hz;
+    let value = 100.0 * (rate / stated - 1.0).abs();
+    let evidence = Evidence {
+        code: Code::RateContradicted,
+        coordinate: None,
+        value,
+        unit: "% of the rate",
+        limit: RATE_LIMIT_PERCENT,
+    };
+    exam.judge(evidence, Severity::Problem, || {
+        Words::new(
+            format!("sample_rate_hz states {stated} Hz, but the times in column {column:?} say {rate:.6} Hz"),
+            "name that column as time instead of stating the rate, or rename it where it is no time",
         )
     });
 }

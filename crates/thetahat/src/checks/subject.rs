@@ -32,6 +32,8 @@ pub struct Subject<'a> {
     pub model: &'a Model,
     /// The parameters that are to be estimated.
     pub base: &'a BaseParameters,
+    /// All base parameters: what is looked for in the fit is not what a smaller set leaves unexplained.
+    pub all: &'a BaseParameters,
     /// Samples per second.
     pub sample_rate_hz: f64,
     /// Time stamps as recorded, s, before any resampling.
@@ -51,6 +53,10 @@ pub struct Subject<'a> {
     pub reconstructed_deviation: Option<&'a [f64]>,
     /// Whether a signal was added to the drives behind the controller.
     pub added_signal: bool,
+    /// Samples, counted in the window, that make no rows, in ranges that rise: gaps and what the filter makes of them.
+    pub left_out: &'a [Range<usize>],
+    /// The rate that the times of the file have, where another is stated: the column and its rate, Hz.
+    pub contradicting_times: Option<(&'a str, f64)>,
     /// Filters, decimation and window.
     pub signal: SignalSettings,
     /// The controller that is simulated, if any.

@@ -4,13 +4,14 @@
 //! observation matrix then pass the same second decimation. On the TX40 that takes 10 ms instead of 110 and the relative
 //! error agrees to 0.01 %.
 
-use std::{cell::OnceCell, rc::Rc};
+use std::{cell::OnceCell, ops::Range, rc::Rc};
 
-use super::{affine::Affine, orthogonal_fit::OrthogonalFit, subject::Subject};
+use super::{affine::Affine, numbers::deviation, orthogonal_fit::OrthogonalFit, subject::Subject};
 use crate::{
+    base_parameters::BaseParameters,
     dynamics::Sign,
     identification::Assembly,
-    linear_algebra::Matrix,
+    linear_algebra::{Matrix, PivotedQr},
     regression::{Regression, RowLayout},
     regressor::Regressor,
     robot::Quantity,
@@ -22,15 +23,44 @@ use crate::{
 const SAMPLES_PER_PERIOD: f64 = 10.0;
 /// Most samples at which the motion is evaluated: the time of a check is bounded.
 const MOST_SAMPLES: usize = 20_000;
+/// Thinned samples beside a gap that the low-pass of the thinning makes of it.
+const AROUND: usize = 2;
 /// Rows of a coordinate beyond which more add nothing.
 const ENOUGH_ROWS: usize = 2_000;
 /// Most work of one factorisation, rows times squared columns: of more rows, every n-th is taken.
 const MOST_WORK: f64 = 2e7;
 
+/// Rows of a coordinate from which their statistics say something.
+const FEWEST_ROWS: usize = 40;
+/// Relative size of the last diagonal entries of R below which columns made of a motion depend on one another.
+const DEPENDENT: f64 = 1e-8;
+/// Fewest rows per column of a fit in which something is looked for.
+const ROWS_PER_COLUMN: usize = 2;
+/// Rows per parameter that are left of more: with as many rows as parameters any motion fits.
+const FEWEST_ROWS_PER_PARAMETER: usize = 6;
+
+/// Samples that are left out, among every so many samples kept, with what the low-pass of the thinning makes of them.
+fn thinned(left_out: &[Range<usize>], first: &Decimator, stride: usize) -> Vec<Range<usize>> {
+    let offset = first.kept().next().unwrap_or(0);
+    let place = |k: usize| k.saturating_sub(offset) / stride;
+    let around =
+        |gap: &Range<usize>| place(gap.start).saturating_sub(AROUND)..(place(gap.end) + 1 + AROUND).min(first.rows());
+    let mut thinned: Vec<Range<usize>> = Vec::new();
+    for gap in left_out.iter().map(around) {
+        match thinned.last_mut().filter(|last| last.end >= gap.start) {
+            Some(last) => last.end = last.end.max(gap.end),
+            None => thinned.push(gap),
+        }
+    }
+    thinned
+}
+
 /// Motion and torque between the two decimations, corrected as faults are found, with their fit.
 #[derive(Clone)]
 pub(super) struct ThinnedRecord<'a> {
     pub(super) subject: &'a Subject<'a>,
+    /// The parameters of the fit.
+    base: &'a BaseParameters,
     pub(super) motion: Motion,
     /// Low-passed as the rows are.
     pub(super) torque: Series,
@@ -40,20 +70,38 @@ pub(super) struct ThinnedRecord<'a> {
     /// Samples that become rows.
     pub(super) kept: Vec<usize>,
     every: usize,
+    /// Recorded samples from one row to the next, before rows are left out.
+    factor: usize,
     regressor: Regressor,
     fit: OnceCell<Rc<OrthogonalFit>>,
     corrected: bool,
 }
 
 impl<'a> ThinnedRecord<'a> {
-    /// The record of a subject; none where its torques were not recorded or it is too short for the filters.
+    /// The record of a subject, to be fitted by all base parameters; none where its torques were not recorded or it is too
+    /// short for the filters.
     pub(super) fn new(subject: &'a Subject<'a>, cutoff_hz: f64) -> Option<Self> {
-        Self::of_torque(subject, &subject.torque_in_window()?, cutoff_hz).ok()
+        let bounded = bounded_factor(subject.signal.window.len(), subject.sample_rate_hz, cutoff_hz);
+        Self::of_factor(subject, subject.signal.decimation.max(bounded), cutoff_hz)
     }
 
-    fn of_torque(subject: &'a Subject<'a>, torque: &Series, cutoff_hz: f64) -> Result<Self, SignalError> {
+    /// The record as it was, with another filter of the positions and the same of the torques.
+    pub(super) fn with_cutoff(&self, cutoff_hz: f64) -> Option<Self> {
+        Self::of_factor(self.subject, self.factor, cutoff_hz)
+    }
+
+    fn of_factor(subject: &'a Subject<'a>, factor: usize, cutoff_hz: f64) -> Option<Self> {
+        Self::of_torque(subject, &subject.torque_in_window()?, factor, cutoff_hz).ok()
+    }
+
+    fn of_torque(
+        subject: &'a Subject<'a>,
+        torque: &Series,
+        factor: usize,
+        cutoff_hz: f64,
+    ) -> Result<Self, SignalError> {
         let (window, rate) = (subject.signal.window.clone(), subject.sample_rate_hz);
-        let factor = subject.signal.decimation.max(bounded_factor(window.len(), rate, cutoff_hz));
+        let base = subject.all;
         let stride = ((rate / (SAMPLES_PER_PERIOD * cutoff_hz)) as usize).max(window.len().div_ceil(MOST_SAMPLES));
         let stride = stride.clamp(1, factor);
         let motion = band_pass(subject.position, rate, subject.signal.filter_order, cutoff_hz)?;
@@ -61,13 +109,44 @@ impl<'a> ThinnedRecord<'a> {
         let samples: Vec<usize> = first.kept().map(|k| k + window.start).collect();
         let motion = motion_at(&motion, &samples);
         let decimator = Decimator::new((factor as f64 / stride as f64).round() as usize, samples.len())?;
+        let decimator = decimator.leaving_out(&thinned(subject.left_out, &first, stride));
         let torque = decimator.filter(&first.decimate(torque)?)?;
-        let every = ((work(subject, decimator.rows()) / MOST_WORK).ceil() as usize).max(1);
+        let rows = decimator.rows() * subject.position.channels();
+        let work = rows as f64 * (base.len() as f64).powi(2);
+        let spare = rows / (FEWEST_ROWS_PER_PARAMETER * base.len()).max(1);
+        let every = ((work / MOST_WORK).ceil() as usize).min(spare).max(1);
         let kept = decimator.kept().step_by(every).collect();
-        let regressor = Regressor::new(subject.model, &subject.base.columns());
+        let regressor = Regressor::new(subject.model, &base.columns());
         let rate_hz = rate / stride as f64;
-        let fit = OnceCell::new();
-        Ok(Self { subject, motion, torque, decimator, rate_hz, kept, every, regressor, fit, corrected: false })
+        let (fit, corrected) = (OnceCell::new(), false);
+        Ok(Self { subject, base, motion, torque, decimator, rate_hz, kept, every, factor, regressor, fit, corrected })
+    }
+
+    /// The record as corrected so far, to be fitted by the parameters that are estimated.
+    pub(super) fn of_estimated(&self) -> Self {
+        let Subject { model, base, .. } = *self.subject;
+        if base.columns() == self.base.columns() {
+            return self.clone();
+        }
+        Self { base, regressor: Regressor::new(model, &base.columns()), fit: OnceCell::new(), ..self.clone() }
+    }
+
+    /// Whether there are enough rows for what is looked for in the fit of so many columns.
+    pub(super) fn has_rows_for(&self, columns: usize) -> bool {
+        self.rows() * self.coordinates() >= ROWS_PER_COLUMN * columns
+    }
+
+    /// Number of parameters.
+    pub(super) fn parameters(&self) -> usize {
+        self.base.len()
+    }
+
+    /// Samples of the thinned record from one row to the next, before rows are left out.
+    pub(super) fn steps_per_row(&self) -> usize {
+        match self.kept[..] {
+            [first, second, ..] => (second - first) / self.every,
+            _ => 1,
+        }
     }
 
     pub(super) fn coordinates(&self) -> usize {
@@ -77,6 +156,11 @@ impl<'a> ThinnedRecord<'a> {
     /// Rows of a coordinate.
     pub(super) fn rows(&self) -> usize {
         self.kept.len()
+    }
+
+    /// Whether its rows are enough for statistics of them.
+    pub(super) fn is_long_enough(&self) -> bool {
+        self.rows() >= FEWEST_ROWS
     }
 
     /// Puts the record right.
@@ -111,16 +195,27 @@ impl<'a> ThinnedRecord<'a> {
         if let Some(fit) = self.fit.get() {
             return Ok(Rc::clone(fit));
         }
-        let assembly = Assembly::new(self.subject.model, &self.subject.base.columns(), self.decimator.clone());
+        let fit = Rc::new(OrthogonalFit::new(&self.regression()?));
+        Ok(Rc::clone(self.fit.get_or_init(|| fit)))
+    }
+
+    /// The fit with further columns beside those of the parameters, without some rows.
+    pub(super) fn fit_beside(&self, columns: &Matrix, left_out: &[bool]) -> Result<OrthogonalFit, SignalError> {
+        let regression = self.regression()?;
+        let beside = Matrix::beside(&[&regression.x, columns]);
+        Ok(OrthogonalFit::without(&regression.with_matrix(beside), left_out))
+    }
+
+    /// The rows of the record as corrected so far, without weights.
+    pub(super) fn regression(&self) -> Result<Regression, SignalError> {
+        let assembly = Assembly::new(self.subject.model, &self.base.columns(), self.decimator.clone());
         let Motion { q, dq, ddq } = &self.motion;
         let x = assembly.observation_matrix(q, dq, ddq, Sign::Exact)?;
         let all = self.decimator.rows();
         let taken: Vec<bool> = (0..x.rows()).map(|i| (i % all).is_multiple_of(self.every)).collect();
         let x = if self.every == 1 { x } else { x.select_rows(&taken) };
         let layout = RowLayout::new(self.coordinates(), &[self.rows()]);
-        let regression = Regression::new(x, self.stack(&self.torque), layout);
-        let fit = Rc::new(OrthogonalFit::new(&regression));
-        Ok(Rc::clone(self.fit.get_or_init(|| fit)))
+        Ok(Regression::new(x, self.stack(&self.torque), layout))
     }
 
     /// Whether the motion separates all parameters.
@@ -131,6 +226,25 @@ impl<'a> ThinnedRecord<'a> {
     /// The rows of a series that is already low-passed, coordinate by coordinate.
     pub(super) fn stack(&self, series: &Series) -> Vec<f64> {
         (0..series.channels()).flat_map(|j| self.kept.iter().map(move |&k| series.sample(k)[j])).collect()
+    }
+
+    /// The rows of one channel of a series that is already low-passed.
+    pub(super) fn stack_channel(&self, series: &Series, channel: usize) -> Vec<f64> {
+        self.kept.iter().map(|&k| series.sample(k)[channel]).collect()
+    }
+
+    /// The channels of a series as columns, low-passed as the rows are; none where they depend on one another.
+    pub(super) fn columns_of(&self, series: &Series) -> Option<Matrix> {
+        let filtered = self.decimator.filter(series).ok()?;
+        let rows = self.stack(&filtered);
+        let height = self.rows();
+        let columns = Matrix::from_fn(height, series.channels(), |i, c| rows[c * height + i]);
+        (PivotedQr::new(&columns).rank(DEPENDENT) == series.channels()).then_some(columns)
+    }
+
+    /// The rows of coordinate `j` of all rows.
+    pub(super) fn rows_of<'r>(&self, rows: &'r [f64], j: usize) -> &'r [f64] {
+        &rows[j * self.rows()..(j + 1) * self.rows()]
     }
 
     /// The torques of a motion with parameters `theta`, not filtered.
@@ -146,9 +260,14 @@ impl<'a> ThinnedRecord<'a> {
         tau
     }
 
-    /// Whether a column is Coulomb friction.
-    pub(super) fn is_coulomb_friction(&self, column: usize) -> bool {
-        self.quantity(column).is_coulomb_friction()
+    /// Deviation of each joint's predicted friction, part of that of the rest of its torque.
+    pub(super) fn friction_share(&self, theta: &[f64]) -> Vec<f64> {
+        let part = |friction: bool| {
+            let own = |(c, t): (usize, &f64)| if self.is_friction(c) == friction { *t } else { 0.0 };
+            self.predict(&self.motion, &theta.iter().enumerate().map(own).collect::<Vec<_>>())
+        };
+        let (friction, rest) = (part(true), part(false));
+        (0..self.coordinates()).map(|j| deviation(&friction.channel(j)) / deviation(&rest.channel(j))).collect()
     }
 
     /// Whether a column is friction.
@@ -157,7 +276,7 @@ impl<'a> ThinnedRecord<'a> {
     }
 
     fn quantity(&self, column: usize) -> Quantity {
-        let kept = self.subject.base.parameters()[column].kept;
+        let kept = self.base.parameters()[column].kept;
         self.subject.model.parameter_table().get(kept).quantity
     }
 
@@ -180,11 +299,6 @@ impl<'a> ThinnedRecord<'a> {
 fn bounded_factor(samples: usize, rate: f64, cutoff_hz: f64) -> usize {
     let keeps_the_band = (0.4 * rate / (2.0 * cutoff_hz)) as usize;
     keeps_the_band.min(samples / ENOUGH_ROWS)
-}
-
-/// Rows times squared columns.
-fn work(subject: &Subject<'_>, rows: usize) -> f64 {
-    (rows * subject.position.channels()) as f64 * (subject.base.len() as f64).powi(2)
 }
 
 /// The samples of a motion at given places.

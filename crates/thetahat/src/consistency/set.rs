@@ -243,7 +243,7 @@ impl ConsistentSet {
         let given = self.a_priori[i].abs();
         let or_given = |usual: f64| if given > 0.0 { given } else { usual };
         match parameter.quantity.role() {
-            Role::Inertial => match parameter.unit {
+            Role::Inertial => match &*parameter.unit {
                 "kg" => m,
                 "kg m" => (m * moments).sqrt(),
                 _ => 2.0 * moments,

@@ -395,7 +395,7 @@ fn noisy_estimate(robot: &Robot, set: &ConsistentSet, noise: f64) -> (BaseParame
         let wave = |rate: f64, j: usize| (rate * k as f64 * (1.0 + 0.37 * j as f64) + j as f64).sin();
         let [q, dq, ddq] =
             [0.31, 0.53, 0.71].map(|rate: f64| (0..n).map(|j| 2.0 * wave(rate, j)).collect::<Vec<f64>>());
-        regressor.evaluate(&model, State { q: &q, dq: &dq }, &ddq, Sign::Exact, &mut workspace, &mut phi);
+        regressor.evaluate(&model, State::new(&q, &dq), &ddq, Sign::Exact, &mut workspace, &mut phi);
         for (entry, value) in regressor.entries().iter().zip(&phi) {
             *x.at_mut(k * n + entry.joint, entry.column) = *value;
         }

@@ -2,6 +2,8 @@ use std::f64::consts::TAU;
 
 use serde::Deserialize;
 
+use crate::one_or_each;
+
 /// The structure of the loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -30,16 +32,16 @@ pub struct ControllerDescription {
     /// The structure of the loop.
     pub law: Law,
     /// Natural frequency of each loop in Hz, one for all or one per motor: the gains follow from the inertia.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "one_or_each::list")]
     pub bandwidth_hz: Vec<f64>,
     /// Damping of the loops where they are given by their bandwidth.
     #[serde(default = "one")]
     pub damping: f64,
     /// Position gains, one for all or one per motor, where they are known.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "one_or_each::list")]
     pub position_gain: Vec<f64>,
     /// Velocity gains, one for all or one per motor, where they are known.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "one_or_each::list")]
     pub velocity_gain: Vec<f64>,
     /// Part of the reference velocity that is fed forward.
     #[serde(default)]
@@ -48,7 +50,7 @@ pub struct ControllerDescription {
     #[serde(default)]
     pub acceleration_feed_forward: f64,
     /// Largest drive signal, one for all or one per motor; none means no limit.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "one_or_each::list")]
     pub saturation: Vec<f64>,
     /// Time between samples in s; zero is a continuous controller.
     #[serde(default)]
@@ -326,6 +328,15 @@ mod tests {
         let (e, v) = (1e-4, 0.01);
         assert!((c.command(0, e, v, 5.0, 0.0) - 240.0 * (160.0 * e - v)).abs() < 1e-12);
         assert_eq!(c.command(0, 1.0, 0.0, 0.0, 0.0), 10.0);
+    }
+
+    #[test]
+    fn a_number_is_for_all_motors() {
+        let list = described("law = \"pd\"\nposition_gain = [5, 5]\nvelocity_gain = [2.0, 2.0]\nsaturation = [3, 3]");
+        let scalar = described("law = \"pd\"\nposition_gain = 5\nvelocity_gain = 2.0\nsaturation = 3");
+        scalar.validate(2).unwrap();
+        assert_eq!(list.resolve(&[1.0, 1.0], 1.0), scalar.resolve(&[1.0, 1.0], 1.0));
+        assert_eq!(described("law = \"pd\"\nbandwidth_hz = 20").bandwidth_hz, [20.0]);
     }
 
     #[test]

@@ -6,18 +6,22 @@ use super::{
 };
 use crate::{
     identification::{Design, Method, Needs},
-    results::{Advice, CaseDiagnosis, RunResult, Verdict},
+    results::{Advice, CaseDiagnosis, RecordingFindings, RunResult, Verdict},
 };
 
 /// The advice for one case, from its runs and its diagnosis.
-pub(crate) fn advise(diagnosis: &CaseDiagnosis, runs: &[RunResult]) -> Advice {
-    advice(&Evidence::of(diagnosis, runs))
+pub(crate) fn advise(diagnosis: &CaseDiagnosis, runs: &[RunResult], findings: &[RecordingFindings]) -> Advice {
+    advice(&Evidence::of(diagnosis, runs, findings))
 }
 
 fn advice(evidence: &Evidence<'_>) -> Advice {
     let distrust: Vec<Method> = evidence.runs.iter().map(|r| r.method).filter(|m| distrusts(evidence, *m)).collect();
     let take = take(evidence);
-    let sentences = [on_estimates(evidence, take), on_simulator(evidence)];
+    let sentences = if evidence.problems.refuse_all() {
+        [evidence.problems.refusal(), String::new(), String::new()]
+    } else {
+        [on_estimates(evidence, take), evidence.problems.on_joints(), on_simulator(evidence)]
+    };
     let said: Vec<&str> = sentences.iter().map(|s| s.trim()).filter(|s| !s.is_empty()).collect();
     Advice { case: evidence.diagnosis.case.clone(), take, distrust, text: said.join(" ") }
 }
@@ -29,14 +33,15 @@ fn distrusts(evidence: &Evidence<'_>, method: Method) -> bool {
     let by_ls = is_ls && evidence.ls_differs().is_some();
     let by_instruments = !is_ls && evidence.weak().is_some();
     let by_simulator = is_didim && evidence.verdict().is_some_and(Verdict::distrusts);
-    by_ls || by_instruments || by_simulator || !evidence.has_estimate(method)
+    evidence.problems.refuse_all() || by_ls || by_instruments || by_simulator || !evidence.has_estimate(method)
 }
 
 /// IV wherever its instruments are strong, since it needs no exact simulator; then LS, then the methods that fit the simulated
 /// loop, those with exact sensitivities first and torques before positions. None of them where
-/// DIDIM and IV differ and it cannot be told which is wrong.
+/// DIDIM and IV differ and it cannot be told which is wrong, or where the recordings have a problem that makes every number
+/// worthless.
 fn take(evidence: &Evidence<'_>) -> Option<Method> {
-    if evidence.verdict() == Some(Verdict::Undecided) {
+    if evidence.verdict() == Some(Verdict::Undecided) || evidence.problems.refuse_all() {
         return None;
     }
     [Method::IDIM_IV, Method::IDIM_LS, Method::CLIE, Method::DIDIM, Method::CLOE]
@@ -48,7 +53,7 @@ fn take(evidence: &Evidence<'_>) -> Option<Method> {
 pub(super) mod tests {
     use super::*;
     use crate::{
-        diagnosis::evidence::Ran,
+        diagnosis::{evidence::Ran, problems::Problems},
         identification::Status,
         results::{BiasExplanation, BiasedSimulatorResult, EndogeneityResult, InstrumentResult, ParameterDifference},
         simulation::BiasKind,
@@ -122,7 +127,7 @@ pub(super) mod tests {
                     instruments: converged(Method::IDIM_IV).then(|| instruments(f)),
                     biased_simulator: converged(Method::DIDIM).then(|| simulator(verdict)),
                 };
-                let evidence = Evidence { diagnosis: &diagnosis, runs: runs.clone() };
+                let evidence = Evidence { diagnosis: &diagnosis, runs: runs.clone(), problems: Problems::default() };
                 each(&evidence, &advice(&evidence));
             }
         }
@@ -139,6 +144,20 @@ pub(super) mod tests {
             }
             assert!(advice.distrust.iter().all(|m| evidence.ran(*m).is_some()), "{}", what());
             assert!(advice.text.ends_with('.') && !advice.text.contains("  "), "{}", what());
+        });
+    }
+
+    #[test]
+    fn nothing_is_taken_of_recordings_that_are_worthless() {
+        all(&mut |evidence, _| {
+            let problems = Problems::all_of("wrong-robot in recording 1");
+            let refused = advice(&Evidence { diagnosis: evidence.diagnosis, runs: evidence.runs.clone(), problems });
+            assert!(refused.take.is_none() && refused.distrust.len() == evidence.runs.len(), "{refused:?}");
+            assert_eq!(
+                refused.text,
+                "Take none of these estimates: the recordings have a problem that makes them false (wrong-robot in \
+                 recording 1). Solve it first."
+            );
         });
     }
 

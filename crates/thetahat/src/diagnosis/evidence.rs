@@ -1,6 +1,7 @@
+use super::problems::Problems;
 use crate::{
     identification::{Method, Status},
-    results::{CaseDiagnosis, EndogeneityResult, InstrumentResult, RunResult, Verdict},
+    results::{CaseDiagnosis, EndogeneityResult, InstrumentResult, RecordingFindings, RunResult, Verdict},
 };
 
 /// F statistic below which instruments are weak (D. Staiger, J. H. Stock, 1997).
@@ -30,17 +31,20 @@ impl Ran {
     }
 }
 
-/// What is known of a case: its runs, and the tests that compare them.
+/// What is known of a case: its runs, the tests that compare them, and the problems of the recordings.
 pub(super) struct Evidence<'a> {
     pub(super) diagnosis: &'a CaseDiagnosis,
     pub(super) runs: Vec<Ran>,
+    pub(super) problems: Problems,
 }
 
 impl<'a> Evidence<'a> {
     /// The runs of a case beside its diagnosis.
-    pub(super) fn of(diagnosis: &'a CaseDiagnosis, runs: &[RunResult]) -> Self {
-        let runs = runs.iter().filter(|r| r.case == diagnosis.case).map(Ran::of).collect();
-        Self { diagnosis, runs }
+    pub(super) fn of(diagnosis: &'a CaseDiagnosis, runs: &[RunResult], findings: &[RecordingFindings]) -> Self {
+        let own: Vec<&RunResult> = runs.iter().filter(|r| r.case == diagnosis.case).collect();
+        let joints = own.iter().map(|r| r.joint_relative_error_percent.len()).max().unwrap_or(0);
+        let runs = own.iter().map(|r| Ran::of(r)).collect();
+        Self { diagnosis, runs, problems: Problems::of(findings, joints) }
     }
 
     pub(super) fn ran(&self, method: Method) -> Option<&Ran> {

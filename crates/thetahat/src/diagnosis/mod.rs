@@ -8,6 +8,7 @@ mod endogeneity;
 mod estimated;
 mod evidence;
 mod instruments;
+mod problems;
 mod residual;
 mod sentences;
 mod verdict;

@@ -7,6 +7,7 @@ use crate::real::Dual;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct DampingWorkspace {
     q: Vec<Dual>,
+    channels: Vec<Dual>,
     dq: Vec<Dual>,
     zeros: Vec<Dual>,
     tau: Vec<Dual>,
@@ -16,7 +17,7 @@ impl Model {
     /// `D = d tau / d dq` of friction, n by n, row by row, in a state: by dual numbers, so that every term of the
     /// drives is in it.
     ///
-    /// Without coupled motors each coordinate's friction depends on its own velocity alone, and one pass gives the diagonal.
+    /// Without coupled motors and torque terms each coordinate's friction depends on its own velocity alone, and one pass gives the diagonal.
     pub(crate) fn damping_into(
         &self,
         parameters: &DynamicParameters,
@@ -26,11 +27,13 @@ impl Model {
         d: &mut [f64],
     ) {
         let n = state.dq.len();
-        let DampingWorkspace { q, dq, zeros, tau } = workspace;
+        let DampingWorkspace { q, channels, dq, zeros, tau } = workspace;
+        channels.clear();
+        channels.extend(state.channels.iter().map(|&value| Dual::constant(value)));
         q.clear();
         q.extend(state.q.iter().map(|&value| Dual::constant(value)));
         zeros.resize(n, Dual::constant(0.0));
-        let separable = self.coupled_motors().is_empty();
+        let separable = self.coupled_motors().is_empty() && self.terms().is_empty();
         d.fill(0.0);
         for k in 0..if separable { 1 } else { n } {
             let direction = |j: usize| if separable || j == k { 1.0 } else { 0.0 };
@@ -38,7 +41,7 @@ impl Model {
             dq.extend(state.dq.iter().enumerate().map(|(j, &value)| Dual { value, derivative: direction(j) }));
             tau.clear();
             tau.resize(n, Dual::constant(0.0));
-            self.add_drive_torques(parameters, State { q, dq }, zeros, sign, tau);
+            self.add_drive_torques(parameters, State::new(q, dq).with_channels(channels), zeros, sign, tau);
             for (j, torque) in tau.iter().enumerate() {
                 d[j * n + if separable { j } else { k }] = torque.derivative;
             }
@@ -68,21 +71,14 @@ mod tests {
         let mut workspace = Workspace::new(&model);
         let mut torques = |dq: &[f64]| {
             let mut tau = [0.0; 2];
-            model.inverse_dynamics(
-                &parameters,
-                State { q: &[0.3, 0.2], dq },
-                &[0.0; 2],
-                sign,
-                &mut workspace,
-                &mut tau,
-            );
+            model.inverse_dynamics(&parameters, State::new(&[0.3, 0.2], dq), &[0.0; 2], sign, &mut workspace, &mut tau);
             tau
         };
         for dq in [[0.0, 0.0], [0.03, -0.02], [0.5, -0.9]] {
             let mut d = [0.0; 4];
             model.damping_into(
                 &parameters,
-                State { q: &[0.3, 0.2], dq: &dq },
+                State::new(&[0.3, 0.2], &dq),
                 sign,
                 &mut DampingWorkspace::default(),
                 &mut d,

@@ -71,5 +71,8 @@ impl Model {
             let torque = term.torque(&moved_by.state(state, ddq, sign));
             tau[moved_by.coordinate] += torque * moved_by.ratio;
         }
+        if !parameters.terms.is_empty() {
+            self.add_term_torques(parameters, state, ddq, sign, tau);
+        }
     }
 }

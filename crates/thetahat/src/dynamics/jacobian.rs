@@ -34,11 +34,12 @@ impl Model {
         &self,
         parameters: &DynamicParameters,
         motion: [&Series; 3],
+        channels: Option<&Series>,
         samples: Range<usize>,
         sign: Sign,
         out: &mut [Jacobian],
     ) {
-        pulp::Arch::new().dispatch(Kernel { model: self, parameters, motion, samples, sign, out });
+        pulp::Arch::new().dispatch(Kernel { model: self, parameters, motion, channels, samples, sign, out });
     }
 }
 
@@ -46,6 +47,7 @@ struct Kernel<'a> {
     model: &'a Model,
     parameters: &'a DynamicParameters,
     motion: [&'a Series; 3],
+    channels: Option<&'a Series>,
     samples: Range<usize>,
     sign: Sign,
     out: &'a mut [Jacobian],
@@ -60,13 +62,18 @@ impl WithSimd for Kernel<'_> {
         let zero = Dual::constant(Lanes::splat(simd, 0.0));
         let mut workspace = Workspace::like(self.model, zero);
         let [mut q, mut dq, mut ddq, mut tau] = [(); 4].map(|()| vec![zero; n]);
+        let mut recorded = vec![zero; self.channels.map_or(0, Series::channels)];
         for (k, out) in self.samples.clone().zip(&mut self.out[self.samples]) {
             let [q_k, dq_k, ddq_k] = self.motion.map(|series| series.sample(k));
+            recorded
+                .iter_mut()
+                .zip(self.channels.map_or(&[][..], |channels| channels.sample(k)))
+                .for_each(|(to, value): (&mut Dual<Lanes<S>>, _)| *to = zero.like(*value));
             ddq.iter_mut().zip(ddq_k).for_each(|(to, value)| *to = zero.like(*value));
             for first in (0..2 * n).step_by(Lanes::<S>::COUNT) {
                 seed(simd, &mut q, q_k, first, 0);
                 seed(simd, &mut dq, dq_k, first, n);
-                let state = State { q: &q, dq: &dq };
+                let state = State::new(&q, &dq).with_channels(&recorded);
                 self.model.inverse_dynamics_of(self.parameters, state, &ddq, self.sign, &mut workspace, &mut tau);
                 for (i, torque) in tau.iter().enumerate() {
                     let derivatives = torque.derivative.to_array();
@@ -115,14 +122,14 @@ mod tests {
         let torques = |state: &[f64]| {
             let (mut tau, mut workspace) = ([0.0; 3], Workspace::new(&model));
             let (q, dq) = state.split_at(3);
-            model.inverse_dynamics(&parameters, State { q, dq }, &ddq, SIGN, &mut workspace, &mut tau);
+            model.inverse_dynamics(&parameters, State::new(q, dq), &ddq, SIGN, &mut workspace, &mut tau);
             tau
         };
         let (q, dq) = state.split_at(3);
         let motion = [&[q, q].concat(), &[dq, dq].concat(), &[ddq, ddq].concat()];
         let [q, dq, ddq] = motion.map(|values| Series::from_values(3, values.clone()));
         let mut found = [Jacobian::zeros(3), Jacobian::zeros(3)];
-        model.inverse_dynamics_jacobians(&parameters, [&q, &dq, &ddq], 0..2, SIGN, &mut found);
+        model.inverse_dynamics_jacobians(&parameters, [&q, &dq, &ddq], None, 0..2, SIGN, &mut found);
         assert_eq!(found[0], found[1]);
         for direction in 0..6 {
             let moved = |by: f64| {

@@ -51,6 +51,10 @@ mod series;
 mod sign;
 mod solve;
 mod state;
+mod term_columns;
+#[cfg(test)]
+mod term_tests;
+mod term_torques;
 mod terms;
 mod twist;
 mod workspace;

@@ -2,9 +2,10 @@ use super::{
     coupled_motor::{CoupledMotor, coupled_motors},
     geometry::JointGeometry,
     state::JointCoordinate,
+    term_columns::{ModelTerm, terms_of},
 };
 use crate::{
-    robot::{ParameterTable, Robot},
+    robot::{ParameterTable, Quantity, Robot},
     vector::{Mat3, Vec3},
 };
 
@@ -36,6 +37,8 @@ pub struct Model {
     support: Vec<Support>,
     motors: Vec<CoupledMotor>,
     table: ParameterTable,
+    pub(super) terms: Vec<ModelTerm>,
+    channels: Vec<String>,
 }
 
 /// The coordinates that move a link, those nearer to the base before, and where their twists stand in the workspace.
@@ -61,6 +64,8 @@ impl Model {
             motors: coupled_motors(&robot.transmission, &coordinates),
             gravity: robot.gravity,
             table: robot.parameter_table(),
+            terms: terms_of(robot, &joints),
+            channels: robot.channels(),
             joints,
             coordinates,
         }
@@ -88,6 +93,25 @@ impl Model {
     #[must_use]
     pub fn coupled_motors(&self) -> &[CoupledMotor] {
         &self.motors
+    }
+
+    /// The recorded channels that torque terms take. [`super::State::channels`] has one value for each coordinate of each.
+    #[must_use]
+    pub fn channels(&self) -> &[String] {
+        &self.channels
+    }
+
+    /// The columns of the robot's terms, in the order of their parameters.
+    pub(crate) fn terms(&self) -> &[ModelTerm] {
+        &self.terms
+    }
+
+    /// Whether a parameter of the table multiplies a recorded channel.
+    pub(crate) fn takes_channel(&self, parameter: usize) -> bool {
+        match self.table.get(parameter).quantity {
+            Quantity::Term(term) => self.terms[term.column].takes_channel(),
+            Quantity::Link(_) | Quantity::Joint(_) | Quantity::Motor(_) => false,
+        }
     }
 
     /// The coordinate that moves joint `j`: its own, or the coordinate of the joint that it follows.

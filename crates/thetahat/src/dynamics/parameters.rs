@@ -15,6 +15,8 @@ pub struct DynamicParameters<P = f64> {
     /// Terms of the joints beside those, joint by joint.
     pub(super) others: Vec<OtherTerm<P>>,
     pub(super) motors: Vec<MotorTerms<P>>,
+    /// Those of the robot's terms, column by column.
+    pub(super) terms: Vec<P>,
 }
 
 impl DynamicParameters {
@@ -30,7 +32,7 @@ impl DynamicParameters {
         let mut inertial = vec![[0.0; 10]; links];
         let mut joints = vec![JointTerms::default(); links];
         let mut motors = vec![MotorTerms::default(); model.coupled_motors().len()];
-        let mut others = Vec::new();
+        let (mut others, mut terms) = (Vec::new(), vec![0.0; model.terms().len()]);
         for (parameter, &value) in table.iter().zip(theta) {
             let own = parameter.number - 1;
             match parameter.quantity {
@@ -43,10 +45,11 @@ impl DynamicParameters {
                     let of_number = model.coupled_motors().iter().zip(&mut motors).filter(|(m, _)| m.motor == own);
                     of_number.for_each(|(_, terms)| terms.insert(quantity, value));
                 }
+                Quantity::Term(quantity) => terms[quantity.column] = value,
             }
         }
         let link = |(k, inertial)| Inertial::from_vector(inertial).in_joint_axes(model.link_axes(k));
-        Self { links: inertial.into_iter().enumerate().map(link).collect(), joints, others, motors }
+        Self { links: inertial.into_iter().enumerate().map(link).collect(), joints, others, motors, terms }
     }
 }
 
@@ -68,6 +71,7 @@ impl<S: Simd> DynamicParameters<Lanes<S>> {
             joints: (0..first.joints.len()).map(joint).collect(),
             others: first.others.iter().enumerate().map(other).collect(),
             motors: (0..first.motors.len()).map(motor).collect(),
+            terms: (0..first.terms.len()).map(|k| lanes(&|p| p.terms[k])).collect(),
         }
     }
 }
@@ -88,7 +92,7 @@ mod tests {
         [[joint]]\nname = \"c\"\nkind = \"revolute\"\na_m = 0.4\n";
 
     fn torques(model: &Model, parameters: &DynamicParameters) -> [f64; 2] {
-        let state = State { q: &[0.3, -0.7], dq: &[1.1, -0.4] };
+        let state = State::new(&[0.3, -0.7], &[1.1, -0.4]);
         let mut tau = [0.0; 2];
         let sign = Sign::Smooth { scale: 0.5 };
         model.inverse_dynamics(parameters, state, &[2.0, 3.0], sign, &mut Workspace::new(model), &mut tau);

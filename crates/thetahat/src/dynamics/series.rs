@@ -22,17 +22,30 @@ impl Model {
     pub fn forward_dynamics_series(
         &self,
         parameters: &DynamicParameters,
+        motion: [&Series; 3],
+        sign: Sign,
+    ) -> Result<Series, (usize, DynamicsError)> {
+        self.forward_dynamics_with_channels(parameters, motion, None, sign)
+    }
+
+    /// The same with the recorded channels that the robot's torque terms take.
+    pub(crate) fn forward_dynamics_with_channels(
+        &self,
+        parameters: &DynamicParameters,
         [q, dq, tau]: [&Series; 3],
+        channels: Option<&Series>,
         sign: Sign,
     ) -> Result<Series, (usize, DynamicsError)> {
         let mut ddq = Series::zeros(q.len(), q.channels());
+        let inputs = [q, dq, tau];
         let done =
-            pulp::Arch::new().dispatch(Batches { model: self, parameters, inputs: [q, dq, tau], sign, ddq: &mut ddq });
+            pulp::Arch::new().dispatch(Batches { model: self, parameters, inputs, channels, sign, ddq: &mut ddq });
         // What is left starts with a sample that has none, or is too short for a batch.
         let mut workspace = Workspace::new(self);
         for k in done..q.len() {
             let ddq = ddq.sample_mut(k);
-            let state = State { q: q.sample(k), dq: dq.sample(k) };
+            let recorded = channels.map_or(&[][..], |channels| channels.sample(k));
+            let state = State::new(q.sample(k), dq.sample(k)).with_channels(recorded);
             self.forward_dynamics(parameters, state, tau.sample(k), sign, &mut workspace, ddq)
                 .map_err(|error| (k, error))?;
         }
@@ -54,6 +67,7 @@ struct Batches<'a> {
     model: &'a Model,
     parameters: &'a DynamicParameters,
     inputs: [&'a Series; 3],
+    channels: Option<&'a Series>,
     sign: Sign,
     ddq: &'a mut Series,
 }
@@ -72,13 +86,17 @@ impl WithSimd for Batches<'_> {
         let n = self.model.coordinate_count();
         let mut workspace = Workspace::like(self.model, zero);
         let [mut q, mut dq, mut tau, mut ddq] = [(); 4].map(|()| vec![zero; n]);
+        let mut recorded = vec![zero; self.channels.map_or(0, Series::channels)];
         let mut done = 0;
         while done + Lanes::<S>::COUNT <= self.ddq.len() {
             let samples = done..done + Lanes::<S>::COUNT;
             for (series, channels) in self.inputs.into_iter().zip([&mut q, &mut dq, &mut tau]) {
                 gather(simd, series, samples.clone(), channels);
             }
-            let state = State { q: &q, dq: &dq };
+            if let Some(channels) = self.channels {
+                gather(simd, channels, samples.clone(), &mut recorded);
+            }
+            let state = State::new(&q, &dq).with_channels(&recorded);
             if self
                 .model
                 .forward_dynamics_of(self.parameters, state, &tau, self.sign, &mut workspace, &mut ddq)

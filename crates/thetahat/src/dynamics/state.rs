@@ -7,6 +7,25 @@ pub struct State<'a, T = f64> {
     pub q: &'a [T],
     /// Velocities, rad/s or m/s.
     pub dq: &'a [T],
+    /// The recorded channels that torque terms take, channel after channel with one value for each coordinate; empty where
+    /// no term takes one.
+    pub channels: &'a [T],
+}
+
+impl<'a, T> State<'a, T> {
+    /// A state of a robot whose torque terms take no recorded channel.
+    #[inline(always)]
+    #[must_use]
+    pub fn new(q: &'a [T], dq: &'a [T]) -> Self {
+        Self { q, dq, channels: &[] }
+    }
+
+    /// The same with the values of recorded channels.
+    #[inline(always)]
+    #[must_use]
+    pub fn with_channels(self, channels: &'a [T]) -> Self {
+        Self { channels, ..self }
+    }
 }
 
 impl<T> Clone for State<'_, T> {

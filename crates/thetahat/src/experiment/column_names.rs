@@ -66,6 +66,15 @@ pub(super) fn read(name: &str) -> Option<Reading> {
     Some(Reading { signal, number, unit: unit(&whole, signal).or_else(|| unit(&words, signal)) })
 }
 
+/// Whether a name has no words but those of signals, of files and of units, and numbers.
+pub(super) fn has_only_words_of_signals(name: &str) -> bool {
+    const UNITS: [&str; 8] = ["rad", "deg", "m", "mm", "nm", "n", "a", "ma"];
+    let lists: [&[&str]; 7] = [&TIME, &POSITION, &VELOCITY, &TORQUE, &WANTED, &FILLERS, &UNITS];
+    let is_known =
+        |word: &String| word.parse::<u64>().is_ok() || lists.iter().any(|list| list.contains(&word.as_str()));
+    words(name).iter().all(is_known)
+}
+
 /// Whether a name has no word of any signal, used or not: what the column holds must be told by something else.
 pub(super) fn is_silent(name: &str) -> bool {
     let words = words(name);

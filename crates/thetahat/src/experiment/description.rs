@@ -15,12 +15,13 @@ use serde::{
 use super::{error::ExperimentError, paths};
 use crate::{
     control::ControllerDescription,
+    one_or_each,
     preparation::{
-        Case, EstimationOptions, ParameterSelection, PreparationError, ReferenceCorrection, Settings, Setup,
+        Case, EstimationOptions, ParameterSelection, Payload, PreparationError, ReferenceCorrection, Settings, Setup,
         SignalOptions, SimulationOptions,
     },
     recording::ChannelSource,
-    robot::{Robot, RobotSource},
+    robot::{Locks, Robot, RobotError, RobotSource, TermDescription},
     simulation::Sensors,
 };
 
@@ -39,6 +40,8 @@ pub struct Experiment {
     pub robot: Robot,
     /// The text of the robot's description, with the text of a URDF below it, kept for the results.
     pub robot_text: String,
+    /// The files that the robot was read from.
+    robot_files: Vec<PathBuf>,
 }
 
 /// What an experiment file says beside its [`Settings`].
@@ -48,6 +51,10 @@ pub struct ExperimentFile {
     pub title: String,
     /// The robot description, relative to the experiment file, or else to the folder of the data.
     pub robot: PathBuf,
+    /// The joints of the robot that do not move in the recordings, beside those that its description locks.
+    pub locks: Locks,
+    /// Torque terms beside those of the robot's description: `[[term]]`.
+    pub terms: Vec<TermDescription>,
     /// The recordings to identify from: one `[recording]` or several `[[recording]]`.
     pub recording: Vec<RecordingDescription>,
     /// Recordings held back to validate on: one `[validation]` or several `[[validation]]`.
@@ -64,6 +71,12 @@ pub struct ExperimentFile {
 struct Tables {
     title: String,
     robot: PathBuf,
+    #[serde(default)]
+    locked: BTreeMap<String, f64>,
+    #[serde(default, deserialize_with = "one_or_each::list")]
+    until: Vec<String>,
+    #[serde(default)]
+    term: Vec<TermDescription>,
     #[serde(default, deserialize_with = "one_or_several")]
     recording: Vec<RecordingDescription>,
     #[serde(default, deserialize_with = "one_or_several")]
@@ -79,15 +92,19 @@ struct Tables {
     simulation: SimulationOptions,
     #[serde(default)]
     case: Vec<Case>,
+    #[serde(default)]
+    payload: Vec<Payload>,
     published: Option<PathBuf>,
 }
 
 impl Tables {
     fn split(self) -> (ExperimentFile, Settings) {
         let Self { title, robot, recording, validation, twin, signal, parameters, estimation, controller, .. } = self;
-        let file = ExperimentFile { title, robot, recording, validation, twin, published: self.published };
-        let (simulation, cases) = (self.simulation, self.case);
-        (file, Settings { signal, parameters, estimation, controller, simulation, cases })
+        let locks = Locks { locked: self.locked, until: self.until };
+        let (terms, published) = (self.term, self.published);
+        let file = ExperimentFile { title, robot, locks, terms, recording, validation, twin, published };
+        let (simulation, cases, payloads) = (self.simulation, self.case, self.payload);
+        (file, Settings { signal, parameters, estimation, controller, simulation, cases, payloads })
     }
 }
 
@@ -104,7 +121,7 @@ pub struct RecordingDescription {
     pub sample_rate_hz: Option<f64>,
     /// The time channel.
     pub time: Option<ChannelSource>,
-    /// Largest deviation of a time step from the mean one, in steps, up to which the record is resampled to equal steps.
+    /// Largest deviation of a time step from the usual one, in steps; a longer step is a gap.
     #[serde(default = "half")]
     pub largest_jitter: f64,
     /// Start of the window, s, where it is another one than the experiment's.
@@ -121,8 +138,22 @@ pub struct RecordingDescription {
     pub reference: Option<ChannelSource>,
     /// How that is put right, on the side of the joints, where it was recorded late, scaled or from another zero.
     pub reference_correction: Option<ReferenceCorrection>,
+    /// The `[[payload]]` that the robot carries, by its name.
+    pub payload: Option<String>,
     /// A signal that was added to the drive signals behind the controller; the torque channel includes it.
     pub added_signal: Option<ChannelSource>,
+    /// Other channels by name, as the robot's torque terms take them, such as `temperature`: one column, or one for each
+    /// coordinate.
+    #[serde(default)]
+    pub channels: BTreeMap<String, ChannelSource>,
+}
+
+impl RecordingDescription {
+    /// The channels that it names.
+    fn sources(&self) -> impl Iterator<Item = &ChannelSource> {
+        let optional = [&self.time, &self.velocity, &self.torque, &self.reference, &self.added_signal];
+        [&self.position].into_iter().chain(optional.into_iter().flatten()).chain(self.channels.values())
+    }
 }
 
 fn one() -> f64 {
@@ -169,6 +200,7 @@ pub struct TwinDescription {
     /// End points of the moves in degrees (or mm for prismatic joints), the first where the robot starts.
     pub points: Vec<Vec<f64>>,
     /// Largest velocity of each joint, degrees/s or mm/s.
+    #[serde(deserialize_with = "one_or_each::list")]
     pub max_velocity: Vec<f64>,
     /// Time in which the velocity rises, s.
     pub acceleration_time_s: f64,
@@ -178,6 +210,17 @@ pub struct TwinDescription {
     pub rest_s: f64,
     /// From the motion to its record.
     pub sensors: Sensors,
+}
+
+impl TwinDescription {
+    /// Lists of one value, which is for all joints, become lists with one for each.
+    fn repeat_for(&mut self, joints: usize) {
+        for list in [&mut self.max_velocity, &mut self.sensors.torque_noise, &mut self.sensors.torque_ripple] {
+            if let [value] = list[..] {
+                *list = vec![value; joints];
+            }
+        }
+    }
 }
 
 /// True values of base parameters that a twin does not list.
@@ -245,18 +288,32 @@ impl Experiment {
         self.file.published.as_ref().map(|published| folder.join(published))
     }
 
+    /// Every file that a run with this folder of data reads.
+    #[must_use]
+    pub fn input_files(&self, data: &Path) -> Vec<PathBuf> {
+        let recordings = self.file.recording.iter().chain(&self.file.validation);
+        let channels = recordings.flat_map(RecordingDescription::sources).map(|source| source.path(data));
+        let own = self.robot_files.iter().cloned().chain(self.published_path()).chain([self.path.clone()]);
+        own.chain(channels).collect()
+    }
+
     pub(crate) fn setup(&self) -> Setup<'_> {
         Setup { robot: &self.robot, settings: &self.settings }
     }
 
     fn assemble(
         path: &Path,
-        (file, settings): (ExperimentFile, Settings),
+        (mut file, settings): (ExperimentFile, Settings),
         text: String,
         source: RobotSource,
     ) -> Result<Self, ExperimentError> {
-        let (robot, robot_text) = (source.robot()?, source.to_text());
-        let experiment = Self { path: path.to_owned(), file, settings, text, robot, robot_text };
+        let (mut robot, robot_text) = (source.robot_with_locks(&file.locks, path)?, source.to_text());
+        robot
+            .add_terms(&file.terms)
+            .map_err(|source| RobotError::Term { path: path.to_owned(), source: Box::new(source) })?;
+        file.twin.iter_mut().for_each(|twin| twin.repeat_for(robot.coordinate_count()));
+        let robot_files = [Some(source.path()), source.urdf_path()].into_iter().flatten().map(Path::to_owned).collect();
+        let experiment = Self { path: path.to_owned(), file, settings, text, robot, robot_text, robot_files };
         experiment.validate()?;
         Ok(experiment)
     }

@@ -14,6 +14,7 @@
 //! ```
 
 mod column_names;
+mod delays;
 mod description;
 mod error;
 mod paths;
@@ -32,7 +33,7 @@ pub use error::ExperimentError;
 pub use power::PowerPoint;
 pub use predict::{PredictionRequest, predict};
 pub use proposal::{
-    Proposal, ProposalError, ProposalRequest, ProposedChannels, ProposedClock, ProposedRecording, ProposedSignal,
-    propose,
+    Proposal, ProposalError, ProposalRequest, ProposedChannels, ProposedClock, ProposedLock, ProposedRecording,
+    ProposedSignal, propose,
 };
 pub use twin::TwinMotion;

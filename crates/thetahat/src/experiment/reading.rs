@@ -1,16 +1,20 @@
 //! Recordings read from their files, on the joint side and at equal time steps.
 
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
 
 use super::{
+    delays::without_delays,
     description::{Experiment, RecordingDescription},
     error::ExperimentError,
 };
 use crate::{
     preparation::{PreparationError, Recording},
-    recording::{self, ChannelSource, Clock, Side},
+    recording::{self, ChannelSource, Clock, RecordingError, Side},
     series::Series,
 };
+
+/// Largest difference of the channels' times in a sample of a long table, in steps.
+const LARGEST_SPREAD: f64 = 0.5;
 
 impl Experiment {
     /// Reads a recording and brings it to the joint side and to equal time steps. `number` counts from one.
@@ -41,9 +45,11 @@ impl Experiment {
             let file = description.position.path(data);
             recording::same_length(&position, "position", &file, series, signal, &source.path(data))?;
         }
+        let channels = read_other_channels(description, data, &position)?;
         let clock = read_clock(description, data, &position)?;
-        let recording = described(description, number, position, &clock);
-        let recording = Recording { torque, velocity, reference, added_signal, ..recording }.into_equal_steps(&clock);
+        let recording = described(description, number, data, position, &clock);
+        let recording = Recording { torque, velocity, reference, added_signal, channels, ..recording };
+        let recording = without_delays(recording.into_equal_steps(&clock), description);
         Ok(match &description.reference_correction {
             Some(correction) => recording.with_corrected_reference(correction),
             None => recording,
@@ -57,8 +63,10 @@ impl Experiment {
         data: &Path,
     ) -> Result<Recording, ExperimentError> {
         let position = self.read_joint_positions(&description.position, data)?;
+        let channels = read_other_channels(description, data, &position)?;
         let clock = read_clock(description, data, &position)?;
-        Ok(described(description, 1, position, &clock).into_equal_steps(&clock))
+        let recording = Recording { channels, ..described(description, 1, data, position, &clock) };
+        Ok(without_delays(recording.into_equal_steps(&clock), description))
     }
 
     fn read_joint_velocities(&self, source: &ChannelSource, data: &Path) -> Result<Series, ExperimentError> {
@@ -98,11 +106,23 @@ impl Experiment {
 }
 
 /// A recording of positions with what its description says.
-fn described(description: &RecordingDescription, number: usize, position: Series, clock: &Clock) -> Recording {
+fn described(
+    description: &RecordingDescription,
+    number: usize,
+    data: &Path,
+    position: Series,
+    clock: &Clock,
+) -> Recording {
+    let stated = description.sample_rate_hz.filter(|_| description.time.is_none());
+    let sources = [Some(&description.position), description.torque.as_ref()];
+    let times = |stated| sources.into_iter().flatten().find_map(|s| recording::contradicting_times(s, data, stated));
+    let contradicting_times = stated.and_then(times);
     Recording {
         name: description.name.clone().unwrap_or_else(|| number.to_string()),
         weight: description.weight,
+        payload: description.payload.clone(),
         time_stamps_s: clock.stamps().map(<[f64]>::to_vec),
+        contradicting_times,
         window_s: [description.window_start_s, description.window_end_s],
         geared: [Some(&description.position), description.torque.as_ref()]
             .into_iter()
@@ -112,11 +132,48 @@ fn described(description: &RecordingDescription, number: usize, position: Series
     }
 }
 
+/// The times of the samples of a long table, in which each channel has its own: their mean, where they are of one instant.
+fn of_all_channels(times: Series, source: &ChannelSource, file: &Path) -> Result<Series, RecordingError> {
+    let samples = times.len();
+    if source.channel_column.is_none() || samples < 2 {
+        return Ok(times);
+    }
+    let step = (times.sample(samples - 1)[0] - times.sample(0)[0]) / (samples - 1) as f64;
+    let ends = |k: usize| {
+        let sample = times.sample(k).iter().copied();
+        (sample.clone().fold(f64::INFINITY, f64::min), sample.fold(f64::NEG_INFINITY, f64::max))
+    };
+    let spread = (0..samples).map(ends).map(|(least, most)| most - least).fold(0.0, f64::max);
+    if spread > LARGEST_SPREAD * step {
+        let problem =
+            format!("the times of the channels differ by {spread:.6} s within a sample: they are not of one instant");
+        return Err(RecordingError::NotLong { file: file.to_owned(), problem });
+    }
+    let mean = |k: usize| times.sample(k).iter().sum::<f64>() / times.channels() as f64;
+    Ok(Series::from_values(1, (0..samples).map(mean).collect()))
+}
+
+/// The channels that the robot's torque terms take.
+fn read_other_channels(
+    description: &RecordingDescription,
+    data: &Path,
+    position: &Series,
+) -> Result<BTreeMap<String, Series>, ExperimentError> {
+    let read = |(name, source): (&String, &ChannelSource)| {
+        let series = recording::read_channels(source, data)?;
+        let file = description.position.path(data);
+        recording::same_length(position, "position", &file, &series, name, &source.path(data))?;
+        Ok((name.clone(), series))
+    };
+    description.channels.iter().map(read).collect()
+}
+
 fn read_clock(description: &RecordingDescription, data: &Path, position: &Series) -> Result<Clock, ExperimentError> {
     let Some(source) = &description.time else {
         return Ok(Clock::uniform(description.sample_rate_hz.unwrap_or_default()));
     };
     let time = recording::read_channels(source, data)?;
+    let time = of_all_channels(time, source, &source.path(data))?;
     recording::one_channel(&time, "time", &source.path(data))?;
     recording::same_length(position, "position", &description.position.path(data), &time, "time", &source.path(data))?;
     let column = source.columns.first().map_or("time", String::as_str);

@@ -10,7 +10,7 @@ use crate::{
     filter_choice::choose_filter,
     preparation::{Case, Recording},
     results::{FilterChoice, RecordingFindings, Results, Sensitivity},
-    run::{Identification, check_recording},
+    run::{Identification, check_recordings, examine_robot},
 };
 
 impl Experiment {
@@ -55,10 +55,10 @@ impl Experiment {
     /// # Errors
     /// [`ExperimentError`] for input that cannot be used. What is used but looks wrong is a finding.
     pub fn check(&self, data: &Path) -> Result<Vec<RecordingFindings>, ExperimentError> {
-        let main = self.main_recordings(data)?.into_iter().map(|r| (r, false));
-        let held_back = self.read_all(&self.file.validation, data)?.into_iter().map(|r| (r, true));
-        let check = |(recording, held_back)| check_recording(self.setup(), recording, held_back);
-        main.chain(held_back).map(check).collect::<Result<_, _>>().map_err(|e| self.refuse(e))
+        let held_back = self.read_all(&self.file.validation, data)?;
+        let of_recordings = check_recordings(self.setup(), self.main_recordings(data)?, held_back);
+        let of_robot = examine_robot(&self.robot).into_iter();
+        Ok(of_robot.chain(of_recordings.map_err(|e| self.refuse(e))?).collect())
     }
 
     /// The filter that is best for the estimates from the recordings, compared with the experiment's own where `own` says so. The

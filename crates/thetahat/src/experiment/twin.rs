@@ -66,6 +66,11 @@ impl Experiment {
     /// # Errors
     /// [`ExperimentError`] for a description that cannot be used or a loop that diverges.
     pub fn twin_motion(&self, twin: &TwinDescription) -> Result<TwinMotion, ExperimentError> {
+        if let Some(term) = self.robot.term_of_acceleration().map(str::to_owned).or_else(|| self.robot.channels().pop())
+        {
+            let expected = "terms of positions and velocities alone, where a twin is simulated";
+            return Err(self.refuse(PreparationError::value("[[term]]", expected, term)));
+        }
         let model = Model::new(&self.robot);
         let moves = self.plan(twin)?;
         let samples = (moves.end_s() + twin.rest_s) * twin.sample_rate_hz;

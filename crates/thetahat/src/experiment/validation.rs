@@ -13,7 +13,13 @@ use crate::{
 /// Longest rest of a twin, s.
 const LONGEST_REST_S: f64 = 3600.0;
 
+/// Longest delay of a signal, s.
+const LONGEST_DELAY_S: f64 = 60.0;
+
+/// What is measured of a joint that turns, and of one that slides.
 const POSITION: [Dimension; 2] = [Dimension::Angle, Dimension::Length];
+const VELOCITY: [Dimension; 2] = [Dimension::AngularVelocity, Dimension::LinearVelocity];
+const EFFORT: [Dimension; 2] = [Dimension::Torque, Dimension::Force];
 const DRIVE: [Dimension; 5] =
     [Dimension::Torque, Dimension::Force, Dimension::Voltage, Dimension::Current, Dimension::Dimensionless];
 
@@ -34,9 +40,12 @@ impl Experiment {
     }
 
     fn validate_recording(&self, recording: &RecordingDescription) -> Result<(), ExperimentError> {
-        self.validate_unit(&recording.position, "position", &POSITION, [Dimension::Angle, Dimension::Length])?;
+        self.validate_unit(&recording.position, "position", &POSITION, POSITION)?;
         if let Some(torque) = &recording.torque {
-            self.validate_unit(torque, "torque", &DRIVE, [Dimension::Torque, Dimension::Force])?;
+            self.validate_unit(torque, "torque", &DRIVE, EFFORT)?;
+        }
+        if let Some(velocity) = &recording.velocity {
+            self.validate_unit(velocity, "velocity", &VELOCITY, VELOCITY)?;
         }
         self.require_positive("[recording] weight", recording.weight)?;
         let jitter = recording.largest_jitter;
@@ -44,7 +53,7 @@ impl Experiment {
         let window = [recording.window_start_s, recording.window_end_s];
         validate_window("[recording]", window).map_err(|e| self.refuse(e))?;
         if let Some(reference) = &recording.reference {
-            self.validate_unit(reference, "reference", &POSITION, [Dimension::Angle, Dimension::Length])?;
+            self.validate_unit(reference, "reference", &POSITION, POSITION)?;
         }
         if let Some(correction) = &recording.reference_correction {
             correction.validate(self.robot.coordinate_count()).map_err(|e| self.refuse(e))?;
@@ -54,7 +63,18 @@ impl Experiment {
         if let Some(signal) = &recording.added_signal {
             signal.require_dimension("added signal", &DRIVE)?;
         }
+        let sources = [&recording.torque, &recording.velocity, &recording.reference, &recording.added_signal];
+        for source in sources.into_iter().flatten().chain([&recording.position]).chain(recording.channels.values()) {
+            let delay = source.delay_s;
+            self.require(delay.abs() <= LONGEST_DELAY_S, "[recording] delay_s", "from -60 to 60 s", delay)?;
+        }
         if let Some(time) = &recording.time {
+            self.require(
+                time.delay_s == 0.0,
+                "[recording] time: delay_s",
+                "0: signals are late, not times",
+                time.delay_s,
+            )?;
             time.require_dimension("time", &[Dimension::Time])?;
         }
         match (recording.sample_rate_hz, &recording.time) {
@@ -76,13 +96,17 @@ impl Experiment {
         any: &[Dimension],
         joints: [Dimension; 2],
     ) -> Result<(), ExperimentError> {
-        if source.side == Side::Motor || !source.gain.is_empty() {
+        if source.side == Side::Motor || source.gain.is_some() {
             return Ok(source.require_dimension(signal, any)?);
         }
-        let has = |kind| self.robot.coordinates().any(|j| j.kind == kind);
-        let kinds = joints.into_iter().zip([JointKind::Revolute, JointKind::Prismatic]);
-        let expected: Vec<Dimension> = kinds.filter(|(_, kind)| has(*kind)).map(|(quantity, _)| quantity).collect();
-        Ok(source.require_dimension(signal, &expected)?)
+        let [angular, linear] = joints;
+        let dimension = |kind| match kind {
+            JointKind::Revolute => angular,
+            JointKind::Prismatic => linear,
+        };
+        let joints: Vec<(&str, Dimension)> =
+            self.robot.coordinates().map(|j| (j.name.as_str(), dimension(j.kind))).collect();
+        Ok(source.require_dimensions(signal, &joints)?)
     }
 
     fn validate_twin(&self, twin: &TwinDescription) -> Result<(), ExperimentError> {

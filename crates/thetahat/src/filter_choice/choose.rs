@@ -1,5 +1,7 @@
 //! The choice of the filter with the least error of the estimates.
 
+use std::{collections::BTreeMap, ops::Range};
+
 use super::{
     bands,
     grid::{FilterGrid, for_dynamics},
@@ -13,8 +15,8 @@ use crate::{
     identification::{Divisor, EstimationError, Method, idim_ls},
     pool,
     preparation::{
-        Basis, Case, FilteredRecording, ParameterChoice, PreparationError, Problem, Recording, Settings, Setup,
-        SignalOptions, propose_controller,
+        Basis, Case, FilteredRecording, ParameterChoice, ParameterSelection, PreparationError, Problem, Recording,
+        Settings, Setup, SignalOptions, propose_controller,
     },
     regression::Regression,
     results::{ComparedFilter, Filter, FilterChoice, FilterError},
@@ -58,6 +60,9 @@ pub enum FilterChoiceError {
         #[from]
         source: EstimationError,
     },
+    /// Torque terms take recorded channels, which twins do not have.
+    #[error("torque terms take recorded channels, which a twin does not have; choose the filter without these terms")]
+    Channels,
     /// There is no recording with torques.
     #[error("no recording has torques: a filter is chosen from what it does to the estimates")]
     NoTorque,
@@ -77,6 +82,9 @@ pub fn choose_filter(
     own: bool,
     threads: usize,
 ) -> Result<FilterChoice, FilterChoiceError> {
+    if !robot.channels().is_empty() {
+        return Err(FilterChoiceError::Channels);
+    }
     let with_torque = recordings.iter().filter(|r| r.torque.is_some());
     let longest = with_torque.max_by_key(|r| r.position.len()).ok_or(FilterChoiceError::NoTorque)?;
     let own = own.then_some(Filter { cutoff_hz: settings.signal.cutoff_hz, decimation: settings.signal.decimation });
@@ -84,7 +92,9 @@ pub fn choose_filter(
     let stretch = whole.moving_stretch(for_dynamics(whole.dynamics_hz(), longest.sample_rate_hz))?;
     let samples: usize = recordings.iter().map(|r| r.position.len()).sum();
     let part = stretch.position.len() as f64 / samples as f64;
-    let study = Study { recording: stretch, part, ..whole };
+    // The stretch is the window.
+    let signal = SignalOptions { window_start_s: None, window_end_s: None, ..settings.signal };
+    let study = Study { recording: stretch, part, settings: Settings { signal, ..whole.settings }, ..whole };
     study.choose(own, threads)
 }
 
@@ -128,14 +138,18 @@ struct Truth {
 
 impl<'a> Study<'a> {
     fn new(robot: &'a Robot, settings: &Settings, recording: Recording) -> Result<Self, PreparationError> {
-        let basis = Setup { robot, settings }.basis(&Case::nominal())?;
-        Ok(Self { robot, settings: settings.clone(), recording, part: 1.0, basis })
+        // What is fixed or carried is part of the twin.
+        let parameters = ParameterSelection { fix: BTreeMap::new(), ..settings.parameters.clone() };
+        let settings = Settings { parameters, payloads: Vec::new(), ..settings.clone() };
+        let basis = Setup { robot, settings: &settings }.basis(&Case::nominal())?;
+        Ok(Self { robot, settings, recording, part: 1.0, basis })
     }
 
     /// The settings with another filter.
     fn settings_with(&self, filter: Filter) -> Settings {
         let Filter { cutoff_hz, decimation } = filter;
-        Settings { signal: SignalOptions { cutoff_hz, decimation, ..self.settings.signal }, ..self.settings.clone() }
+        let signal = SignalOptions { cutoff_hz, decimation, ..self.settings.signal };
+        Settings { signal, ..self.settings.clone() }
     }
 
     /// The frequency below which nearly all of each joint's velocity lies, Hz: no noise can be in it.
@@ -153,8 +167,13 @@ impl<'a> Study<'a> {
         let kept = window.len().min(LONGEST);
         let start = window.start + (window.len() - kept) / 2;
         let cut = |series: &Series| series.window(start..start + kept);
-        let Recording { sample_rate_hz, position, torque, reference, .. } = &self.recording;
+        let Recording { sample_rate_hz, position, torque, reference, gaps, .. } = &self.recording;
+        let gap = |gap: &Range<usize>| {
+            let (from, to) = (gap.start.max(start), gap.end.min(start + kept));
+            (from < to).then(|| from - start..to - start)
+        };
         Ok(Recording {
+            gaps: gaps.iter().filter_map(gap).collect(),
             torque: torque.as_ref().map(cut),
             reference: reference.as_ref().map(cut),
             ..Recording::without_torque(*sample_rate_hz, cut(position))
@@ -260,7 +279,7 @@ impl<'a> Study<'a> {
         choice: &ParameterChoice,
     ) -> Result<(Problem, FilteredRecording), PreparationError> {
         let setup = Setup { robot: self.robot, settings };
-        let filtered = setup.filter_moving_part(recording.clone())?;
+        let filtered = setup.filter(recording.clone())?;
         Ok((setup.problem_on(self.basis.clone(), &[&filtered], choice)?, filtered))
     }
 }

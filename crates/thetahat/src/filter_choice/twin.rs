@@ -101,6 +101,7 @@ impl Mover<'_> {
             controller: self.controller,
             reference: &followed,
             added_signal: None,
+            channels: None,
             bias: SimulatorBias::NONE,
             solver: Solver::default(),
             sign_velocity_scale,
@@ -123,7 +124,7 @@ pub(super) fn left(torque: &Series, motion: &Motion, model: &Model, theta: &[f64
     let mut left = torque.clone();
     let mut tau = vec![0.0; torque.channels()];
     for k in 0..torque.len() {
-        let state = State { q: motion.q.sample(k), dq: motion.dq.sample(k) };
+        let state = State::new(motion.q.sample(k), motion.dq.sample(k));
         let ddq = motion.ddq.sample(k);
         model.inverse_dynamics(&parameters, state, ddq, Sign::Exact, &mut workspace, &mut tau);
         left.sample_mut(k).iter_mut().zip(&tau).for_each(|(left, tau)| *left -= tau);

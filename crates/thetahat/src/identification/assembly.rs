@@ -24,6 +24,12 @@ impl<'a> Assembly<'a> {
         Self { model, regressor: Regressor::new(model, indices), decimator }
     }
 
+    /// The same for motions along with which these channels were recorded, as the robot's torque terms take them.
+    #[must_use]
+    pub fn with_channels(self, channels: Option<Series>) -> Self {
+        Self { regressor: self.regressor.with_channels(channels), ..self }
+    }
+
     /// Rows of each joint.
     #[must_use]
     pub fn rows_per_joint(&self) -> usize {

@@ -40,25 +40,38 @@ pub struct Elimination {
 /// on until all are below the rule's limit or the F-test of the rest against the full model rejects (A. Janot, P. O.
 /// Vandanjon, M. Gautier, "A generic instrumental variable approach for industrial robot identification", 2014).
 ///
+/// A parameter stays where `is_possible` says no to the columns and estimates that are left without it: what a simulation
+/// cannot do without is essential, however uncertain it is.
+///
 /// # Errors
 /// [`EstimationError`] where the full set cannot be estimated.
-pub fn eliminate(regression: &Regression, rule: EliminationRule) -> Result<Elimination, EstimationError> {
+pub fn eliminate(
+    regression: &Regression,
+    rule: EliminationRule,
+    is_possible: &dyn Fn(&[usize], &[f64]) -> bool,
+) -> Result<Elimination, EstimationError> {
     let full = idim_ls(regression, Divisor::default())?;
     let mut state = Elimination { kept: (0..full.theta.len()).collect(), eliminated: Vec::new(), f_test: None };
     let mut fit = full.clone();
-    while let Some(worst) = worst_parameter(&fit, rule.relative_standard_deviation_percent) {
+    let mut held = Vec::new();
+    let limit = rule.relative_standard_deviation_percent;
+    while let Some(worst) = worst_parameter(&fit, limit, |i| !held.contains(&state.kept[i])) {
         if state.kept.len() == 1 {
             break;
         }
         let mut kept = state.kept.clone();
         let removed = kept.remove(worst);
-        fit = idim_ls(&regression.with_columns(&kept), Divisor::default())?;
-        let test = nested_f_test(regression, &fit, &full);
+        let without = idim_ls(&regression.with_columns(&kept), Divisor::default())?;
+        let test = nested_f_test(regression, &without, &full);
         if test.is_none_or(|t| t.p_value < rule.significance) {
             break;
         }
+        if !is_possible(&kept, &without.theta) {
+            held.push(removed);
+            continue;
+        }
         state.eliminated.push(removed);
-        (state.kept, state.f_test) = (kept, test);
+        (state.kept, state.f_test, fit) = (kept, test, without);
     }
     Ok(state)
 }
@@ -71,9 +84,11 @@ pub fn nested_f_test(regression: &Regression, reduced: &Fit, full: &Fit) -> Opti
     f_test(squares(reduced), reduced_count, squares(full), full_count, regression.rows_represented)
 }
 
-fn worst_parameter(fit: &Fit, limit_percent: f64) -> Option<usize> {
+/// The place of the most uncertain of the parameters that may go.
+fn worst_parameter(fit: &Fit, limit_percent: f64, may_go: impl Fn(usize) -> bool) -> Option<usize> {
     let relative = |i: usize| 100.0 * fit.standard_deviation[i] / fit.theta[i].abs();
-    (0..fit.theta.len()).filter(|&i| relative(i) > limit_percent).max_by(|&a, &b| relative(a).total_cmp(&relative(b)))
+    let uncertain = (0..fit.theta.len()).filter(|&i| relative(i) > limit_percent && may_go(i));
+    uncertain.max_by(|&a, &b| relative(a).total_cmp(&relative(b)))
 }
 
 #[cfg(test)]
@@ -86,8 +101,11 @@ mod tests {
         let noise = |k: usize| ((78.233 * k as f64).sin() * 43758.5453).fract();
         let x = Matrix::from_fn(300, 5, |k, j| (0.037 * (k * (j + 1)) as f64).sin());
         let y: Vec<f64> = (0..300).map(|k| 2.0 * x.at(k, 0) - x.at(k, 3) + 0.1 * noise(k)).collect();
-        let result = eliminate(&Regression::of_one_series(x, y), EliminationRule::default()).unwrap();
+        let regression = Regression::of_one_series(x, y);
+        let result = eliminate(&regression, EliminationRule::default(), &|_, _| true).unwrap();
         assert_eq!(result.kept, vec![0, 3]);
         assert!(result.f_test.unwrap().p_value > 0.05);
+        let result = eliminate(&regression, EliminationRule::default(), &|kept, _| kept.contains(&4)).unwrap();
+        assert_eq!(result.kept, vec![0, 3, 4]);
     }
 }

@@ -1,8 +1,8 @@
 use std::fmt::Display;
 
 use crate::{
-    base_parameters::BaseParametersError, consistency::ConsistencyError, control::ControllerError, signal::SignalError,
-    trajectory::TrajectoryError,
+    base_parameters::BaseParametersError, consistency::ConsistencyError, control::ControllerError, robot::NotARobot,
+    signal::SignalError, trajectory::TrajectoryError,
 };
 
 /// Why a robot cannot be identified from its recordings with these settings. Keys are those of an experiment file.
@@ -18,6 +18,13 @@ pub enum PreparationError {
         expected: String,
         /// What was found.
         found: String,
+    },
+    /// The robot cannot be computed with.
+    #[error("{source}")]
+    Robot {
+        /// Why.
+        #[from]
+        source: NotARobot,
     },
     /// Something that a method needs is not described.
     #[error("{missing} is missing: {why}")]

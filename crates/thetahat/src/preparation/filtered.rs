@@ -2,13 +2,14 @@
 
 use std::ops::Range;
 
-use super::{error::PreparationError, recording::Recording, settings::SignalOptions, setup::Setup};
+use super::{error::PreparationError, payload::Payload, recording::Recording, settings::SignalOptions, setup::Setup};
 use crate::{
-    dynamics::Sign,
+    dynamics::{Model, Sign},
     identification::Assembly,
     linear_algebra::Matrix,
+    regressor::Regressor,
     series::Series,
-    signal::{Motion, SignalError, moving_samples},
+    signal::{Decimator, Motion, SignalError, moving_samples, spectrum_end_hz},
 };
 
 /// Part of its peak velocity above which a joint counts as moving.
@@ -18,6 +19,8 @@ pub(crate) const STILL: f64 = 1e-3;
 /// Periods of the position filter's cut-off that are cut at both ends of a record: the reach of its transient, where a
 /// record starts or ends in motion.
 const EDGE_PERIODS: f64 = 5.0;
+/// Longest gap that is bridged, in periods of the cut-off: the motion lies a factor of five below.
+const SHORT_PERIODS: f64 = 0.5;
 /// Fewest periods of the position filter's cut-off in a record: with fewer, the ends are all that is left of it.
 const FEWEST_PERIODS: f64 = 10.0;
 
@@ -27,37 +30,75 @@ pub(crate) struct FilteredRecording {
     pub(crate) recording: Recording,
     /// The motion in the window.
     pub(crate) motion: Motion,
+    /// The torques of a known payload in the whole recording, which are taken off its torques.
+    pub(crate) payload_torque: Option<Series>,
+    /// The same of the parameters at a value.
+    pub(crate) fixed_torque: Option<Series>,
     /// Samples of the recording.
     pub(crate) window: Range<usize>,
+    /// Samples, counted in the window, that make no rows: gaps, and what the position filter made of them.
+    pub(crate) left_out: Vec<Range<usize>>,
+    /// The channels that torque terms take, over the whole recording, filtered as the positions are.
+    pub(crate) channels: Option<Series>,
 }
 
 impl Setup<'_> {
     /// Filters and differentiates the whole recording, then cuts it to its window: its own, or else that of the settings.
     pub(crate) fn filter(&self, recording: Recording) -> Result<FilteredRecording, PreparationError> {
         let options = self.settings.signal.in_window(recording.window_s);
-        self.filter_and_cut(recording, &options)
-    }
-
-    /// Filters and differentiates the whole recording, then cuts it to its moving part.
-    pub(crate) fn filter_moving_part(&self, recording: Recording) -> Result<FilteredRecording, PreparationError> {
-        let options = SignalOptions { window_start_s: None, window_end_s: None, ..self.settings.signal };
-        self.filter_and_cut(recording, &options)
-    }
-
-    fn filter_and_cut(
-        &self,
-        recording: Recording,
-        options: &SignalOptions,
-    ) -> Result<FilteredRecording, PreparationError> {
         let rate = recording.sample_rate_hz;
         self.require_periods(recording.position.len(), rate)?;
-        let Motion { q, dq, ddq } = self.band_pass(&recording.position, rate)?;
+        let whole = self.band_pass(&recording.position, rate)?;
+        let channels = recording.channels_named(&self.robot.channels(), self.robot.coordinate_count())?;
+        let channels = channels.map(|c| self.band_pass(&c, rate)).transpose()?.map(|filtered| filtered.q);
+        let payload_torque = self.payload_torque(&recording, &whole)?;
+        let fixed_torque = self.fixed_torque(&whole, channels.clone());
+        let known = payload_torque.iter().chain(&fixed_torque);
+        let recording = known.fold(recording, Recording::less_torque);
+        let Motion { q, dq, ddq } = whole;
         // A record without motion is refused with a stated window as well.
         let moving = moving_samples(&dq, MOVING, STILL)?;
-        let window = window_of(moving, dq.len(), rate, options)?;
+        let window = window_of(moving, dq.len(), rate, &options)?;
         let cut = |series: &Series| series.window(window.clone());
         let motion = Motion { q: cut(&q), dq: cut(&dq), ddq: cut(&ddq) };
-        Ok(FilteredRecording { motion, recording, window })
+        let left_out = left_out(&recording.gaps, &window, rate, options.cutoff_hz);
+        Ok(FilteredRecording { motion, payload_torque, fixed_torque, recording, window, left_out, channels })
+    }
+
+    /// The torques of the known payload that a recording carries: `phi(q, dq, ddq)` times what it adds to the parameters.
+    fn payload_torque(&self, recording: &Recording, motion: &Motion) -> Result<Option<Series>, PreparationError> {
+        let Some(payload) = self.payload_of(recording)?.filter(|p| p.is_known()) else { return Ok(None) };
+        let model = Model::new(self.robot);
+        let theta = payload.standard_parameters(self.robot, model.parameter_table())?;
+        Ok(Some(torques(&model, &theta, motion, None)))
+    }
+
+    /// The torques of the parameters at a value; none where there are none.
+    fn fixed_torque(&self, motion: &Motion, channels: Option<Series>) -> Option<Series> {
+        let fix = &self.settings.parameters.fix;
+        if fix.is_empty() {
+            return None;
+        }
+        let model = Model::new(self.robot);
+        let theta = model.parameter_table().iter().map(|p| fix.get(&p.name()).copied().unwrap_or(0.0));
+        Some(torques(&model, &theta.collect::<Vec<_>>(), motion, channels))
+    }
+
+    /// The payload that a recording carries.
+    ///
+    /// # Errors
+    /// [`PreparationError::Value`] for a name that no payload has.
+    pub(crate) fn payload_of(&self, recording: &Recording) -> Result<Option<&Payload>, PreparationError> {
+        let Some(name) = &recording.payload else { return Ok(None) };
+        let all = &self.settings.payloads;
+        let names = || all.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", ");
+        let found = all.iter().find(|p| p.name == *name);
+        let refuse = || {
+            let names = if all.is_empty() { "none".to_owned() } else { names() };
+            let key = format!("recording {}: payload", recording.name);
+            PreparationError::value(&key, &format!("one of [[payload]]: {names}"), name)
+        };
+        found.map(Some).ok_or_else(refuse)
     }
 
     /// A record must be long beside the period of the position filter.
@@ -67,6 +108,21 @@ impl Setup<'_> {
         let expected = format!("at least {slowest:.3}, {FEWEST_PERIODS} periods in the record");
         PreparationError::require(cutoff_hz >= slowest, "[signal] cutoff_hz", &expected, cutoff_hz)
     }
+}
+
+/// The torques of standard parameters, of which few are not zero: `phi(q, dq, ddq) theta` in every sample.
+fn torques(model: &Model, theta: &[f64], motion: &Motion, channels: Option<Series>) -> Series {
+    let columns: Vec<usize> = (0..theta.len()).filter(|&i| theta[i] != 0.0).collect();
+    let regressor = Regressor::new(model, &columns).with_channels(channels);
+    let phi = regressor.evaluate_series(model, &motion.q, &motion.dq, &motion.ddq, Sign::Exact);
+    let mut torque = Series::zeros(motion.q.len(), motion.q.channels());
+    for k in 0..torque.len() {
+        let tau = torque.sample_mut(k);
+        for (entry, value) in regressor.entries().iter().zip(phi.sample(k)) {
+            tau[entry.joint] += value * theta[columns[entry.column]];
+        }
+    }
+    torque
 }
 
 /// The window of a record of so many samples that moves in a range of them: the stated one, or the moving part without the
@@ -97,17 +153,63 @@ pub(crate) fn window_of(
     Ok(start..end)
 }
 
+/// The samples of a window that make no rows. A gap of at most half a period of the cut-off is bridged well: it is left out
+/// with as much beside it. Across a longer one the motion is not known: there the filter's transients are cut as at the ends
+/// of a record.
+fn left_out(gaps: &[Range<usize>], window: &Range<usize>, rate_hz: f64, cutoff_hz: f64) -> Vec<Range<usize>> {
+    let edge = (EDGE_PERIODS * rate_hz / cutoff_hz).ceil() as usize;
+    let mut left_out: Vec<Range<usize>> = Vec::new();
+    for gap in gaps {
+        let is_short = gap.len() as f64 <= SHORT_PERIODS * rate_hz / cutoff_hz;
+        let reach = if is_short { gap.len() } else { edge };
+        let start = gap.start.saturating_sub(reach).max(window.start);
+        let end = (gap.end + reach).min(window.end);
+        if start >= end {
+            continue;
+        }
+        match left_out.last_mut().filter(|last| last.end + window.start >= start) {
+            Some(last) => last.end = last.end.max(end - window.start),
+            None => left_out.push(start - window.start..end - window.start),
+        }
+    }
+    left_out
+}
+
 impl FilteredRecording {
+    /// The decimation of its window by a factor.
+    pub(crate) fn decimator(&self, factor: usize) -> Result<Decimator, SignalError> {
+        Ok(Decimator::new(factor, self.window.len())?.leaving_out(&self.left_out))
+    }
+
+    /// The samples of the window that make rows, counted in the window.
+    pub(crate) fn used_samples(&self) -> impl Iterator<Item = usize> + '_ {
+        let starts = [0].into_iter().chain(self.left_out.iter().map(|gap| gap.end));
+        let ends = self.left_out.iter().map(|gap| gap.start).chain([self.window.len()]);
+        starts.zip(ends).flat_map(|(start, end)| start..end)
+    }
+
     /// X of the measured motion.
     pub(crate) fn observation_matrix(&self, assembly: &Assembly<'_>) -> Result<Matrix, SignalError> {
         let Motion { q, dq, ddq } = &self.motion;
+        let assembly = assembly.clone().with_channels(self.channels_in_window());
         assembly.observation_matrix(q, dq, ddq, Sign::Exact)
+    }
+
+    /// The channels that torque terms take, in the window.
+    pub(crate) fn channels_in_window(&self) -> Option<Series> {
+        self.channels.as_ref().map(|channels| channels.window(self.window.clone()))
     }
 
     /// The torques in the window; zeros where they were not recorded.
     pub(crate) fn torque(&self) -> Series {
         let zeros = || Series::zeros(self.window.len(), self.recording.position.channels());
         self.recording.torque.as_ref().map_or_else(zeros, |torque| torque.window(self.window.clone()))
+    }
+
+    /// Where the torques end, if they were low-passed before they were recorded, Hz.
+    pub(crate) fn torque_ends_hz(&self) -> Option<f64> {
+        let torque = self.recording.torque.as_ref()?.window(self.window.clone());
+        spectrum_end_hz(&torque, self.recording.sample_rate_hz)
     }
 
     /// The recorded positions in the window, as they are.
@@ -123,5 +225,18 @@ impl FilteredRecording {
     /// Start and end of the window, s.
     pub(crate) fn window_s(&self) -> [f64; 2] {
         [self.start_s(), self.window.end as f64 / self.recording.sample_rate_hz]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// At 1 kHz and 50 Hz a gap of 10 samples is short, and 100 samples are an edge.
+    #[test]
+    fn short_gaps_are_left_out_with_as_much_beside_and_long_ones_with_edges() {
+        let at = |gaps: &[Range<usize>]| left_out(gaps, &(1000..5000), 1000.0, 50.0);
+        assert_eq!(at(&[2000..2003, 2004..2005, 3000..3011]), [997..1006, 1900..2111]);
+        assert_eq!(at(&[100..300, 990..1000, 4999..5000, 6000..6001]), [0..10, 3998..4000]);
     }
 }

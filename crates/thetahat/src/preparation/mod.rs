@@ -18,6 +18,7 @@ mod consistent_set;
 mod error;
 mod filtered;
 mod loop_parameters;
+mod payload;
 mod physical;
 mod problem;
 mod proposed_controller;
@@ -27,22 +28,25 @@ mod reference_correction;
 mod reference_of_motion;
 mod settings;
 mod setup;
+mod simulable;
 mod validation;
 
 pub use error::PreparationError;
 pub(crate) use filtered::{FilteredRecording, MOVING, STILL, window_of};
 pub use loop_parameters::LoopParameter;
 pub(crate) use loop_parameters::{LoopParameters, LoopParts};
+pub use payload::{Payload, PayloadFrame};
 pub(crate) use physical::known_in_words;
 pub use physical::{Axis, KnownQuantity, PriorKind, PriorOptions, PriorWeight, ValueOrRange, WeightRule};
 pub(crate) use problem::{Chosen, Problem, full_model_test, named_elimination};
 pub(crate) use proposed_controller::{ProposedController, propose_controller};
 pub use recording::Recording;
 pub(crate) use reference::RecordedReference;
-pub use reference_correction::{OneOrEach, ReferenceCorrection};
+pub use reference_correction::ReferenceCorrection;
 pub use settings::{
     Case, EstimationOptions, Gains, NamedChoice, ParameterChoice, ParameterSelection, Settings, SignalOptions,
     SimulationOptions, Start,
 };
 pub(crate) use setup::{Basis, Setup};
+pub(crate) use simulable::Simulable;
 pub(crate) use validation::validate_window;

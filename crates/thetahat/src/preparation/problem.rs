@@ -7,6 +7,7 @@ use super::{
     filtered::FilteredRecording,
     settings::{Case, NamedChoice, ParameterChoice},
     setup::{Basis, Setup},
+    simulable::Simulable,
 };
 use crate::{
     base_parameters::{BaseParameter, BaseParameters},
@@ -72,7 +73,7 @@ impl Setup<'_> {
         choice: &ParameterChoice,
     ) -> Result<Problem, PreparationError> {
         self.require_rows(recordings, choice, base.len())?;
-        let decimator = |r: &&FilteredRecording| Decimator::new(self.settings.signal.decimation, r.window.len());
+        let decimator = |r: &&FilteredRecording| r.decimator(self.settings.signal.decimation);
         let decimators = recordings.iter().map(decimator).collect::<Result<Vec<_>, _>>()?;
         let rows: Vec<usize> = decimators.iter().map(Decimator::rows).collect();
         let layout = RowLayout::new(model.coordinate_count(), &rows);
@@ -111,7 +112,7 @@ impl Setup<'_> {
             ParameterChoice::Base | ParameterChoice::Named(_) => base,
         };
         let decimation = self.settings.signal.decimation;
-        let rows_of = |r: &&FilteredRecording| r.motion.q.channels() * r.window.len().div_ceil(decimation);
+        let rows_of = |r: &&FilteredRecording| r.motion.q.channels() * r.used_samples().count().div_ceil(decimation);
         let rows: usize = recordings.iter().map(rows_of).sum();
         let expected = format!("a smaller factor or a longer window: {rows} rows are left for {parameters} parameters");
         PreparationError::require(rows > parameters, "[signal] decimation", &expected, decimation)
@@ -128,7 +129,11 @@ impl Setup<'_> {
         let elimination = match choice {
             ParameterChoice::Base | ParameterChoice::List(_) | ParameterChoice::Named(NamedChoice::Base) => None,
             // A set that cannot be estimated as a whole has nothing to start an elimination from; its runs say why.
-            ParameterChoice::Named(NamedChoice::Essential) => eliminate(all, self.settings.parameters.elimination).ok(),
+            ParameterChoice::Named(NamedChoice::Essential) => {
+                let rule = self.settings.parameters.elimination;
+                let simulable = Simulable::new(self.robot, (model, base), all);
+                eliminate(all, rule, &|kept, theta| simulable.is_possible(kept, theta)).ok()
+            }
         };
         let name = |i: usize| base.parameters()[i].name.clone();
         let names: Vec<String> = match (choice, &elimination) {

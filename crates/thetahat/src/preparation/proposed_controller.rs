@@ -111,7 +111,15 @@ mod tests {
         let dq = series(&|t| size * omega * (omega * t - late).cos());
         let ddq = series(&|t| -size * omega * omega * (omega * t - late).sin());
         let recording = Recording::new(rate, q.clone(), q.clone()).with_reference(series(&|t| (omega * t).sin()));
-        FilteredRecording { recording, motion: Motion { q, dq, ddq }, window: 0..1000 }
+        FilteredRecording {
+            recording,
+            motion: Motion { q, dq, ddq },
+            payload_torque: None,
+            fixed_torque: None,
+            window: 0..1000,
+            left_out: Vec::new(),
+            channels: None,
+        }
     }
 
     #[test]

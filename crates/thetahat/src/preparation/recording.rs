@@ -1,4 +1,4 @@
-use std::path::Path;
+use std::{collections::BTreeMap, ops::Range, path::Path};
 
 use super::{error::PreparationError, reference_correction::ReferenceCorrection};
 use crate::{
@@ -22,6 +22,11 @@ pub struct Recording {
     pub time_stamps_s: Option<Vec<f64>>,
     /// How the record was brought to equal steps, where it had none.
     pub resampling: Option<Resampling>,
+    /// Samples that were not recorded, in ranges that rise: the series go on smoothly there. Their rows are left out of the
+    /// regression, with those that a filter made of them.
+    pub gaps: Vec<Range<usize>>,
+    /// A column of times in its file and their rate, Hz, where another rate is stated.
+    pub contradicting_times: Option<(String, f64)>,
     /// Start and end of its window, s, where it is another one than that of the settings.
     pub window_s: [Option<f64>; 2],
     /// Positions of the joints, rad or m.
@@ -34,8 +39,13 @@ pub struct Recording {
     pub reference: Option<Series>,
     /// A signal that was added to the drive signals of the motors behind the controller; the torques include it.
     pub added_signal: Option<Series>,
+    /// Other channels by name, as the robot's torque terms take them, such as temperatures: one channel, or one for each
+    /// coordinate.
+    pub channels: BTreeMap<String, Series>,
     /// Whether positions or torques came through the transmission.
     pub geared: bool,
+    /// The payload of the settings that the robot carries, by its name.
+    pub payload: Option<String>,
     /// The moves of a simulated record.
     pub planned: Option<Moves>,
     /// The true standard parameters of a simulated record.
@@ -59,23 +69,27 @@ impl Recording {
             sample_rate_hz,
             time_stamps_s: None,
             resampling: None,
+            gaps: Vec::new(),
+            contradicting_times: None,
             window_s: [None, None],
             position,
             torque: None,
             velocity: None,
             reference: None,
             added_signal: None,
+            channels: BTreeMap::new(),
             geared: false,
+            payload: None,
             planned: None,
             truth: None,
         }
     }
 
-    /// Positions and torques of the joints at time stamps in s, whose steps may deviate from the mean one by up to half of
-    /// it.
+    /// Positions and torques of the joints at time stamps in s, whose steps may deviate from the usual one by up to half of
+    /// it; longer ones are gaps.
     ///
     /// # Errors
-    /// [`RecordingError`] for stamps that do not rise, or steps that deviate by more, and for series of other lengths.
+    /// [`RecordingError`] for stamps that do not rise, or without a usual step, and for series of other lengths.
     pub fn at_times(time_s: Vec<f64>, position: Series, torque: Series) -> Result<Self, RecordingError> {
         let (source, times) = (Path::new("arrays"), Series::from_values(1, time_s));
         same_length(&times, "time", source, &position, "position", source)?;
@@ -98,10 +112,28 @@ impl Recording {
         Self { reference: self.reference.map(|reference| correction.apply(&reference, rate)), ..self }
     }
 
+    /// The same with a recorded channel that the robot's torque terms take, such as a temperature: one for all coordinates,
+    /// or one for each.
+    #[must_use]
+    pub fn with_channel(mut self, name: &str, channel: Series) -> Self {
+        self.channels.insert(name.to_owned(), channel);
+        self
+    }
+
     /// The same with a name for tables and messages.
     #[must_use]
     pub fn named(self, name: &str) -> Self {
         Self { name: name.to_owned(), ..self }
+    }
+
+    /// The same with something taken off its torques, where it has any.
+    pub(crate) fn less_torque(mut self, part: &Series) -> Self {
+        if let Some(torque) = &mut self.torque {
+            for k in 0..torque.len() {
+                torque.sample_mut(k).iter_mut().zip(part.sample(k)).for_each(|(tau, part)| *tau -= part);
+            }
+        }
+        self
     }
 
     /// Every series at the equal steps of a clock.
@@ -109,11 +141,13 @@ impl Recording {
         let even = |series: Option<Series>| series.map(|s| clock.to_equal_steps(s));
         Self {
             resampling: clock.resampling(),
+            gaps: clock.gaps().to_vec(),
             position: clock.to_equal_steps(self.position),
             torque: even(self.torque),
             velocity: even(self.velocity),
             reference: even(self.reference),
             added_signal: even(self.added_signal),
+            channels: self.channels.into_iter().map(|(name, s)| (name, clock.to_equal_steps(s))).collect(),
             ..self
         }
     }
@@ -151,11 +185,42 @@ impl Recording {
                 return Err(PreparationError::value(&place, "a finite number", series.values()[k]));
             }
         }
-        Ok(())
+        self.channels.iter().try_for_each(|(name, series)| self.validate_channel(name, series, coordinates))
+    }
+
+    fn validate_channel(&self, name: &str, series: &Series, coordinates: usize) -> Result<(), PreparationError> {
+        let place = |what: &str| format!("recording {}: {what} of channel {name}", self.name);
+        let (channels, length, samples) = (series.channels(), series.len(), self.position.len());
+        let expected = format!("1, or {coordinates}, one for each coordinate of the robot");
+        let fits = channels == 1 || channels == coordinates;
+        PreparationError::require(fits, &place("columns"), &expected, channels)?;
+        PreparationError::require(length == samples, &place("samples"), &format!("{samples}, as of position"), length)?;
+        match series.values().iter().find(|v| !v.is_finite()) {
+            Some(value) => Err(PreparationError::value(&place("a value"), "a finite number", value)),
+            None => Ok(()),
+        }
+    }
+
+    /// The channels of these names side by side, as the dynamics take them: one for each coordinate of each.
+    pub(crate) fn channels_named(
+        &self,
+        names: &[String],
+        coordinates: usize,
+    ) -> Result<Option<Series>, PreparationError> {
+        let mut columns = Vec::new();
+        for name in names {
+            let Some(series) = self.channels.get(name) else {
+                let key = format!("recording {}: channels.{name}", self.name);
+                let expected = "the recorded channel that a [[term]] of the robot takes";
+                return Err(PreparationError::value(&key, expected, "missing"));
+            };
+            columns.extend((0..coordinates).map(|c| series.channel(if series.channels() == 1 { 0 } else { c })));
+        }
+        Ok((!columns.is_empty()).then(|| Series::from_channels(&columns)))
     }
 }
 
-/// Largest deviation of a time step from the mean one, in steps, up to which a record is resampled to equal steps.
+/// Largest deviation of a time step from the usual one, in steps; a longer step is a gap.
 const LARGEST_JITTER: f64 = 0.5;
 
 #[cfg(test)]

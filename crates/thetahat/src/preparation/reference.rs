@@ -57,11 +57,12 @@ impl RecordedReference {
         let joints = recording.position.channels();
         let [mut q, mut dq, mut ddq] = [(); 3].map(|()| vec![0.0; joints]);
         let mut squares = vec![0.0; joints];
-        for k in filtered.window.clone() {
+        let used = filtered.used_samples().count() as f64;
+        for k in filtered.used_samples().map(|k| k + filtered.window.start) {
             self.reference.evaluate(k as f64 / recording.sample_rate_hz, &mut q, &mut dq, &mut ddq);
             let measured = recording.position.sample(k);
             squares.iter_mut().zip(measured.iter().zip(&q)).for_each(|(s, (m, r))| *s += (m - r).powi(2));
         }
-        squares.iter().map(|s| (s / filtered.window.len() as f64).sqrt()).collect()
+        squares.iter().map(|s| (s / used).sqrt()).collect()
     }
 }

@@ -1,7 +1,7 @@
 use serde::Deserialize;
 
 use super::error::PreparationError;
-use crate::{series::Series, signal::delayed};
+use crate::{one_or_each::OneOrEach, series::Series, signal::delayed};
 
 /// How a recorded reference is put right: `r(t) = scale r_recorded(t - delay_s) + offset`, joint by joint.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -9,67 +9,38 @@ use crate::{series::Series, signal::delayed};
 pub struct ReferenceCorrection {
     /// How much later it is, s; negative where it was recorded too late.
     #[serde(default = "zero")]
-    pub delay_s: OneOrEach,
+    pub delay_s: OneOrEach<f64>,
     /// Its factor.
     #[serde(default = "one")]
-    pub scale: OneOrEach,
+    pub scale: OneOrEach<f64>,
     /// What is added, rad or m.
     #[serde(default = "zero")]
-    pub offset: OneOrEach,
+    pub offset: OneOrEach<f64>,
 }
 
-/// A number for all joints, or one for each coordinate of the robot.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(untagged)]
-pub enum OneOrEach {
-    /// The same for all.
-    One(f64),
-    /// One for each.
-    Each(Vec<f64>),
-}
-
-fn zero() -> OneOrEach {
+fn zero() -> OneOrEach<f64> {
     OneOrEach::One(0.0)
 }
 
-fn one() -> OneOrEach {
+fn one() -> OneOrEach<f64> {
     OneOrEach::One(1.0)
 }
 
 /// Longest delay to either side, s: a longer one is an error in the file.
 const LONGEST_S: f64 = 60.0;
 
-impl OneOrEach {
-    /// The number of a coordinate.
-    fn of(&self, coordinate: usize) -> f64 {
-        match self {
-            Self::One(value) => *value,
-            Self::Each(values) => values[coordinate],
-        }
-    }
-
-    fn validate(
-        &self,
-        key: &str,
-        coordinates: usize,
-        (expected, holds): (&str, fn(f64) -> bool),
-    ) -> Result<(), PreparationError> {
-        let key = format!("[recording] reference_correction.{key}");
-        let values = match self {
-            Self::One(value) => std::slice::from_ref(value),
-            Self::Each(values) => {
-                let list = format!("one number, or a list of {coordinates}, one for each coordinate of the robot");
-                PreparationError::require(
-                    values.len() == coordinates,
-                    &key,
-                    &list,
-                    format!("a list of {}", values.len()),
-                )?;
-                values
-            }
-        };
-        values.iter().try_for_each(|v| PreparationError::require(holds(*v), &key, expected, v))
-    }
+/// Refuses a list that does not fit, and values that cannot be.
+fn validate(
+    values: &OneOrEach<f64>,
+    key: &str,
+    coordinates: usize,
+    (expected, holds): (&str, fn(f64) -> bool),
+) -> Result<(), PreparationError> {
+    let key = format!("[recording] reference_correction.{key}");
+    let list = format!("one number, or a list of {coordinates}, one for each coordinate of the robot");
+    let found = values.given();
+    PreparationError::require(values.fits(coordinates), &key, &list, format!("a list of {}", found.len()))?;
+    found.iter().try_for_each(|v| PreparationError::require(holds(*v), &key, expected, v))
 }
 
 impl ReferenceCorrection {
@@ -78,10 +49,10 @@ impl ReferenceCorrection {
     /// # Errors
     /// [`PreparationError::Value`], which names the key.
     pub fn validate(&self, coordinates: usize) -> Result<(), PreparationError> {
-        self.delay_s.validate("delay_s", coordinates, ("from -60 to 60 s", |v| v.abs() <= LONGEST_S))?;
+        validate(&self.delay_s, "delay_s", coordinates, ("from -60 to 60 s", |v| v.abs() <= LONGEST_S))?;
         let scale = ("a finite number other than zero", (|v: f64| v.is_finite() && v != 0.0) as fn(f64) -> bool);
-        self.scale.validate("scale", coordinates, scale)?;
-        self.offset.validate("offset", coordinates, ("a finite number", f64::is_finite))
+        validate(&self.scale, "scale", coordinates, scale)?;
+        validate(&self.offset, "offset", coordinates, ("a finite number", f64::is_finite))
     }
 
     /// The reference put right, with as many samples; at its ends it stays at its first and last values.

@@ -4,6 +4,7 @@ use serde::Deserialize;
 
 use super::{
     loop_parameters::LoopParameter,
+    payload::Payload,
     physical::{KnownQuantity, PriorOptions},
 };
 use crate::{
@@ -29,6 +30,8 @@ pub struct Settings {
     pub simulation: SimulationOptions,
     /// Cases beside the nominal one.
     pub cases: Vec<Case>,
+    /// Payloads that recordings may carry.
+    pub payloads: Vec<Payload>,
 }
 
 impl Settings {
@@ -49,7 +52,14 @@ impl Settings {
             controller: None,
             simulation: SimulationOptions::default(),
             cases: Vec::new(),
+            payloads: Vec::new(),
         }
+    }
+
+    /// The same with payloads that recordings may carry.
+    #[must_use]
+    pub fn with_payloads(self, payloads: impl IntoIterator<Item = Payload>) -> Self {
+        Self { payloads: payloads.into_iter().collect(), ..self }
     }
 
     /// The same with these methods, in the order of tables.
@@ -69,6 +79,13 @@ impl Settings {
     #[must_use]
     pub fn all_cases(&self) -> Vec<Case> {
         std::iter::once(Case::nominal()).chain(self.cases.iter().cloned()).collect()
+    }
+
+    /// The methods of all cases.
+    #[must_use]
+    pub fn all_methods(&self) -> Vec<Method> {
+        let of_cases = self.cases.iter().filter_map(|case| case.methods.as_ref());
+        of_cases.chain([&self.estimation.methods]).flatten().copied().collect()
     }
 
     /// The weighting of a method: its own, or else the one that is asked for.
@@ -130,7 +147,7 @@ pub struct ParameterSelection {
     pub show: Vec<String>,
     /// Whether every estimate gets a physically consistent one beside it.
     pub physical: bool,
-    /// Standard parameters with a value that the consistent estimates keep, SI.
+    /// Standard parameters at a value, SI: their torques are taken off the recorded ones, and they are not estimated.
     pub fix: BTreeMap<String, f64>,
     /// What else is known of the robot and holds for the consistent estimates.
     pub known: Vec<KnownQuantity>,
@@ -178,6 +195,8 @@ pub struct EstimationOptions {
     pub gains: Gains,
     /// What CLIE and CLOE estimate of the loop beside the parameters; gains stay those of the start values then.
     pub loop_parameters: Vec<LoopParameter>,
+    /// Whether laws of torque terms are compared, for the user to accept.
+    pub compare_terms: bool,
     /// When the iterations stop.
     pub convergence: Convergence,
     /// What the squared residual is divided by.
@@ -192,6 +211,7 @@ impl Default for EstimationOptions {
             start: Start::default(),
             gains: Gains::default(),
             loop_parameters: Vec::new(),
+            compare_terms: false,
             convergence: Convergence::default(),
             variance: Divisor::default(),
         }

@@ -33,7 +33,8 @@ impl Setup<'_> {
     /// The model and base parameters of the robot with a case's friction model.
     pub(crate) fn basis(&self, case: &Case) -> Result<Basis, PreparationError> {
         let model = Model::new(&self.robot_for(case));
-        let base = BaseParameters::of(&model, &self.settings.parameters.exclude)?;
+        let base =
+            BaseParameters::with_fixed(&model, &self.settings.parameters.exclude, &self.settings.parameters.fix)?;
         Ok(Basis { model, base })
     }
 

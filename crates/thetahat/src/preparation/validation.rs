@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::{
     error::PreparationError,
     physical::{PriorWeight, validate_known},
-    settings::{NamedChoice, ParameterChoice, ParameterSelection, Settings},
+    settings::{Case, NamedChoice, ParameterChoice, ParameterSelection, Settings},
 };
 use crate::{
     identification::{Design, Method, Needs, Response, Weighting},
@@ -24,16 +24,30 @@ impl Settings {
     /// # Errors
     /// [`PreparationError`], which names the key.
     pub fn validate(&self, robot: &Robot) -> Checked {
+        robot.check_sound()?;
         self.validate_signal()?;
         self.validate_parameters()?;
         self.validate_physical(robot)?;
+        self.validate_fixed(robot)?;
         self.validate_methods()?;
+        self.validate_terms(robot)?;
         self.validate_weighting()?;
         self.validate_convergence()?;
         if let Some(controller) = &self.controller {
             controller.validate(robot.coordinate_count())?;
         }
+        self.validate_payloads(robot)?;
         self.validate_simulation()
+    }
+
+    fn validate_payloads(&self, robot: &Robot) -> Checked {
+        let mut names = BTreeSet::new();
+        for payload in &self.payloads {
+            let (key, expected) = ("[[payload]] name", "a name of its own for each payload");
+            PreparationError::require(names.insert(&payload.name), key, expected, &payload.name)?;
+            payload.validate(robot)?;
+        }
+        Ok(())
     }
 
     fn validate_signal(&self) -> Checked {
@@ -46,12 +60,28 @@ impl Settings {
         validate_window("[signal]", [signal.window_start_s, signal.window_end_s])
     }
 
+    /// Fixed parameters are taken off torques: what compares simulated signals with whole ones cannot have any.
+    fn validate_fixed(&self, robot: &Robot) -> Checked {
+        let ParameterSelection { fix, exclude, .. } = &self.parameters;
+        if fix.is_empty() {
+            return Ok(());
+        }
+        if let Some(name) = fix.keys().find(|name| exclude.contains(name)) {
+            return Err(PreparationError::value("[parameters] fix", "parameters that are not excluded", name));
+        }
+        if let Some(method) = self.all_methods().into_iter().find(|m| m.needs() == Needs::Sensitivities) {
+            let expected = "idim-ls, idim-wls, idim-iv or didim where [parameters] fix gives values";
+            return Err(PreparationError::value("methods", expected, method));
+        }
+        validate_known(robot, fix, &[])
+    }
+
     fn validate_physical(&self, robot: &Robot) -> Checked {
         let ParameterSelection { physical, fix, known, prior, estimate, .. } = &self.parameters;
         if !physical {
-            let why = "fixed and known values hold for the physically consistent estimates, which it asks for";
+            let why = "known values hold for the physically consistent estimates, which it asks for; fix holds for all";
             let missing = PreparationError::Missing { missing: "[parameters] physical = true", why };
-            return if fix.is_empty() && known.is_empty() { Ok(()) } else { Err(missing) };
+            return if known.is_empty() { Ok(()) } else { Err(missing) };
         }
         let all = matches!(estimate, ParameterChoice::Base | ParameterChoice::Named(NamedChoice::Base));
         let expected = "\"base\" where physical = true: a robot's parameters are consistent only all together";
@@ -92,6 +122,22 @@ impl Settings {
             self.validate_method_list(case.methods.as_ref().unwrap_or(&self.estimation.methods))?;
         }
         Ok(())
+    }
+
+    /// Simulations have no terms of accelerations.
+    fn validate_terms(&self, robot: &Robot) -> Checked {
+        let methods = |case: Case| case.methods.unwrap_or_else(|| self.estimation.methods.clone());
+        let Some(term) = robot.term_of_acceleration() else { return Ok(()) };
+        let simulates = |method: &Method| method.needs() != Needs::Measurement;
+        match self.all_cases().into_iter().flat_map(methods).find(simulates) {
+            None => Ok(()),
+            Some(method) => {
+                let expected = format!(
+                    "idim-ls or idim-wls: the torque term of {term} depends on ddq, which {method} does not simulate"
+                );
+                Err(PreparationError::value("methods", &expected, method))
+            }
+        }
     }
 
     /// The weights of joints are those of their torques.

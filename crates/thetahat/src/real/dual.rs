@@ -31,6 +31,8 @@ impl<T: Real> Dual<T> {
 }
 
 impl<T: Real> Real for Dual<T> {
+    const HAS_DERIVATIVE: bool = true;
+
     #[inline(always)]
     fn like(self, value: f64) -> Self {
         Self::constant(self.value.like(value))
@@ -56,6 +58,12 @@ impl<T: Real> Real for Dual<T> {
     #[inline(always)]
     fn map(self, f: impl Fn(f64) -> f64) -> Self {
         Self::constant(self.value.map(f))
+    }
+
+    #[inline(always)]
+    fn of_values(self, values: &[Self], f: impl Fn(&[f64]) -> f64) -> Self {
+        let values: Vec<T> = values.iter().map(|value| value.value).collect();
+        Self::constant(self.value.of_values(&values, f))
     }
 
     #[inline(always)]

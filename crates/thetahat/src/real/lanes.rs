@@ -64,6 +64,8 @@ impl<S: Simd> Lanes<S> {
 }
 
 impl<S: Simd> Real for Lanes<S> {
+    const HAS_DERIVATIVE: bool = false;
+
     #[inline(always)]
     fn like(self, value: f64) -> Self {
         Self::splat(self.simd, value)
@@ -90,6 +92,12 @@ impl<S: Simd> Real for Lanes<S> {
     fn map(self, f: impl Fn(f64) -> f64) -> Self {
         let array = self.to_array();
         Self::from_fn(self.simd, |lane| f(array[lane]))
+    }
+
+    #[inline(always)]
+    fn of_values(self, values: &[Self], f: impl Fn(&[f64]) -> f64) -> Self {
+        let arrays: Vec<[f64; MOST_LANES]> = values.iter().map(|value| value.to_array()).collect();
+        Self::from_fn(self.simd, |lane| f(&arrays.iter().map(|array| array[lane]).collect::<Vec<_>>()))
     }
 
     #[inline(always)]

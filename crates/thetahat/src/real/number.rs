@@ -16,6 +16,9 @@ pub(crate) trait Real:
     + AddAssign
     + SubAssign
 {
+    /// Whether the number carries a derivative.
+    const HAS_DERIVATIVE: bool;
+
     /// A constant, in every lane, of the kind of `self`.
     fn like(self, value: f64) -> Self;
 
@@ -30,6 +33,9 @@ pub(crate) trait Real:
 
     /// A function of each lane.
     fn map(self, f: impl Fn(f64) -> f64) -> Self;
+
+    /// In each lane a function of that lane of several numbers, as if it were constant.
+    fn of_values(self, values: &[Self], f: impl Fn(&[f64]) -> f64) -> Self;
 
     /// Sine and cosine.
     fn sin_cos(self) -> (Self, Self);

@@ -3,6 +3,8 @@
 use super::{number::Real, sin_cos::sin_cos};
 
 impl Real for f64 {
+    const HAS_DERIVATIVE: bool = false;
+
     #[inline(always)]
     fn like(self, value: f64) -> Self {
         value
@@ -26,6 +28,11 @@ impl Real for f64 {
     #[inline(always)]
     fn map(self, f: impl Fn(f64) -> f64) -> Self {
         f(self)
+    }
+
+    #[inline(always)]
+    fn of_values(self, values: &[Self], f: impl Fn(&[f64]) -> f64) -> Self {
+        f(values)
     }
 
     #[inline(always)]

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::error::RecordingError;
+use super::table::is_plausible;
 use crate::series::Series;
 
 /// Largest deviation of a time step from the mean step, relative to the mean step.
@@ -85,7 +86,7 @@ pub fn not_all_zero(series: &Series, what: &str, file: &Path) -> Result<(), Reco
 
 /// Checks that all values of a named column are finite.
 pub(super) fn require_finite(values: &[f64], file: &Path, column: &str) -> Result<(), RecordingError> {
-    match values.iter().position(|value| !value.is_finite()) {
+    match values.iter().position(|value| !is_plausible(*value)) {
         None => Ok(()),
         Some(sample) => Err(RecordingError::NotFiniteSample {
             file: file.into(),

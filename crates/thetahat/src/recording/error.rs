@@ -224,9 +224,65 @@ pub enum RecordingError {
         found: String,
     },
 
-    /// A cell of a CSV file is NaN or infinite.
+    /// The last line of a text is cut.
     #[error(
-        "{file}: line {line}, column {column:?}: expected a finite number, found {found}; \
+        "{file}: line {line}, the last one, is cut: it has {found} of {expected} columns and no end; leave it out with \
+         drop_cut_line = true"
+    )]
+    CutLine {
+        /// The file.
+        file: PathBuf,
+        /// The line, counted from 1.
+        line: u64,
+        /// The columns of the lines before it.
+        expected: usize,
+        /// The columns in it.
+        found: usize,
+    },
+
+    /// A line of a text has more values than a record has columns.
+    #[error(
+        "{file}: line {line} has {found} values, and at most {limit} are read as columns; write one sample a line, or one \
+         value a line with interleaved = CHANNELS"
+    )]
+    TooManyColumns {
+        /// The file.
+        file: PathBuf,
+        /// The line, counted from 1.
+        line: u64,
+        /// Its values.
+        found: usize,
+        /// Most columns.
+        limit: usize,
+    },
+
+    /// Values that follow one another are no whole number of samples.
+    #[error(
+        "{file}: {values} values in {columns} columns are no samples of {channels} interleaved channels; interleaved takes one column of values"
+    )]
+    NotInterleaved {
+        /// The file.
+        file: PathBuf,
+        /// The values.
+        values: usize,
+        /// The columns that hold them.
+        columns: usize,
+        /// The channels asked for.
+        channels: usize,
+    },
+
+    /// Rows that hold one channel each are no samples.
+    #[error("{file}: {problem} (`channel_column`)")]
+    NotLong {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong.
+        problem: String,
+    },
+
+    /// A cell of a CSV file is NaN, infinite or beyond all recorded values.
+    #[error(
+        "{file}: line {line}, column {column:?}: expected a finite number below 1e30, found {found:e}; \
          cut the record to the part without gaps, or fill the gap"
     )]
     NotFinite {
@@ -242,7 +298,7 @@ pub enum RecordingError {
 
     /// A sample of a variable or of a time axis is NaN or infinite.
     #[error(
-        "{file}: {column:?}, sample {sample} counted from 0: expected a finite number, found {found}; \
+        "{file}: {column:?}, sample {sample} counted from 0: expected a finite number below 1e30, found {found:e}; \
          cut the record to the part without gaps, or fill the gap"
     )]
     NotFiniteSample {
@@ -310,6 +366,35 @@ pub enum RecordingError {
         expected: Vec<Dimension>,
         /// The unit given.
         found: Unit,
+    },
+
+    /// There are neither one unit nor as many as channels.
+    #[error("{file}: unit lists {found} units for {expected} channels; give one for all, or one for each channel")]
+    UnitCount {
+        /// The file.
+        file: PathBuf,
+        /// Number of channels.
+        expected: usize,
+        /// Number of units.
+        found: usize,
+    },
+
+    /// One unit for joints that turn and joints that slide.
+    #[error(
+        "{file}: unit \"{unit}\" of {signal} is for all joints, but joint `{joint}` has {dimension}; give a list with one unit \
+         for each joint, such as unit = [\"m\", \"rad\"]"
+    )]
+    MixedUnit {
+        /// The file.
+        file: PathBuf,
+        /// The signal.
+        signal: String,
+        /// The unit.
+        unit: Unit,
+        /// A joint with values of another dimension.
+        joint: String,
+        /// That dimension.
+        dimension: Dimension,
     },
 
     /// The number of gains is not the number of channels.
@@ -407,11 +492,11 @@ pub enum RecordingError {
         found: f64,
     },
 
-    /// The time steps jitter too much to be made equal.
+    /// No time step is the usual one.
     #[error(
-        "{file}: {column:?}, sample {sample} counted from 0: the step is {found:.6} s where it is {expected:.6} s on \
-         average, which deviates by more than {largest} of a step (`largest_jitter`); samples were dropped or the clock \
-         is not that of the samples: cut the record there, or state sample_rate_hz instead of time"
+        "{file}: {column:?}: {irregular} of {steps} time steps deviate by more than {largest} of the usual one, {expected:.6} s \
+         (`largest_jitter`), most at sample {sample} counted from 0, {found:.6} s: the samples have no common clock; state \
+         sample_rate_hz instead of time, or record again"
     )]
     TooMuchJitter {
         /// The file.
@@ -420,12 +505,32 @@ pub enum RecordingError {
         column: String,
         /// The sample at the end of the step that deviates most, counted from 0.
         sample: usize,
-        /// The mean step, in seconds.
+        /// Steps that deviate by more than is allowed.
+        irregular: usize,
+        /// All steps.
+        steps: usize,
+        /// The usual step, in seconds.
         expected: f64,
         /// The step found, in seconds.
         found: f64,
         /// Largest deviation allowed, in steps.
         largest: f64,
+    },
+
+    /// A gap is far longer than the record.
+    #[error(
+        "{file}: {column:?}, sample {sample} counted from 0: {found:.3} s after the one before it, far longer than the rest of \
+         the record: make two recordings of it"
+    )]
+    GapTooLong {
+        /// The file.
+        file: PathBuf,
+        /// The name of the time column.
+        column: String,
+        /// The sample behind the gap, counted from 0.
+        sample: usize,
+        /// The length of the gap, in seconds.
+        found: f64,
     },
 
     /// The samples are not equally spaced in time.

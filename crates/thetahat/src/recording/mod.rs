@@ -13,10 +13,12 @@
 //! | `format`, `reader` | the formats, and the reader of each |
 //! | `csv`, `npy` with `npy_header`, `npz`, `mat`, `parquet`, `bag` | the readers |
 //! | `pieces` | signals of files that are longer than memory, piece by piece |
+//! | `layout` | channels in rows, one behind the other, or one a row |
 //! | `table`, `select` | the columns that readers return, and the selection from them |
 //! | `inspect` | what a file holds: columns, their ranges and resolution, rate, jitter and gaps |
 //! | `unit` | units, their factors to SI, and the dimensions they measure |
 //! | `checks` | the sample rate from a time column; signals of the same length |
+//! | `stretches` | gaps between time steps |
 //! | `clock` | the sampling instants, and equal steps where they jitter |
 //! | `error` | what can be wrong with a recording |
 //! | `fuzzing` | every reader on bytes, for fuzz tests |
@@ -43,6 +45,7 @@ mod format;
 #[doc(hidden)]
 pub mod fuzzing;
 mod inspect;
+mod layout;
 mod mat;
 mod npy;
 mod npy_header;
@@ -57,6 +60,7 @@ mod place;
 mod reader;
 mod select;
 mod source;
+mod stretches;
 mod table;
 mod unit;
 
@@ -70,7 +74,8 @@ pub use csv::{Decimal, Dialect};
 pub use error::RecordingError;
 pub use format::Format;
 pub use inspect::{
-    ChannelSummary, ColumnSummary, Contents, Gap, TableSummary, TimeSummary, inspect, inspect_with_time,
+    ChannelSummary, ColumnSummary, Contents, Gap, TableSummary, TimeSummary, contradicting_times, inspect,
+    inspect_with_time,
 };
 pub use pieces::SignalPieces;
 pub use source::{ChannelSource, Side, read_channels};

@@ -1,6 +1,6 @@
 //! NumPy archives: `.npz`, a zip file of arrays, stored or deflated.
 
-use std::io::Cursor;
+use std::io::{self, Cursor};
 use std::path::Path;
 
 use zip::read::ZipFile;
@@ -48,10 +48,14 @@ pub(super) fn stored_arrays(path: &Path, wanted: Wanted<'_>) -> Result<Option<Ve
     let Ok(mut archive) = ZipArchive::new(open(path)?) else { return Ok(None) };
     let mut arrays = Vec::new();
     for index in 0..archive.len() {
-        let Ok(entry) = archive.by_index(index) else { return Ok(None) };
+        let Ok(mut entry) = archive.by_index(index) else { return Ok(None) };
         let name = String::from_utf8_lossy(entry.name_raw()).into_owned();
         let Some(key) = name.strip_suffix(".npy").filter(|key| wanted.includes(key)) else { continue };
         let start = entry.data_start().filter(|_| entry.compression() == CompressionMethod::Stored);
+        // To the end, where the checksum is compared; the reader of whole files says what is wrong.
+        if start.is_some() && io::copy(&mut entry, &mut io::sink()).is_err() {
+            return Ok(None);
+        }
         let array = match start {
             Some(start) => ArrayPieces::open(path, key.to_owned(), start, entry.size())?,
             None => None,
@@ -107,6 +111,20 @@ mod tests {
         let bytes = archive(CompressionMethod::Stored, &[("q.npy", b"not an array")]);
         let asked = ["t".to_owned()];
         assert_eq!(read(&bytes, Path::new(FILE), Wanted::Named(&asked)).unwrap().columns[0].channels, 0);
+    }
+
+    /// The reader of pieces leaves a file with a wrong checksum to the reader of whole files, which names the array.
+    #[test]
+    fn a_wrong_checksum_is_found_by_both_readers() {
+        let mut bytes = valid(CompressionMethod::Stored);
+        let folder = thetahat_testing::Folder::with(FILE, &bytes);
+        assert_eq!(stored_arrays(&folder.path().join(FILE), Wanted::All).unwrap().unwrap().len(), 2);
+        let place = bytes.windows(4).position(|w| w == [1, 2, 3, 4]).unwrap();
+        bytes[place] = 9;
+        let folder = thetahat_testing::Folder::with(FILE, &bytes);
+        assert!(stored_arrays(&folder.path().join(FILE), Wanted::All).unwrap().is_none());
+        let error = loaded(&bytes).unwrap_err().to_string();
+        assert!(error.contains("array \"q\"") && error.to_lowercase().contains("checksum"), "{error}");
     }
 
     #[test]

@@ -46,6 +46,9 @@ impl SignalPieces {
     /// [`RecordingError`] as [`read_channels`](super::read_channels), as far as the beginnings of the files show it.
     pub fn open(sources: &[&ChannelSource], root: &Path) -> Result<Option<Self>, RecordingError> {
         let mut pieces = Self { files: Vec::new(), signals: Vec::new() };
+        if !sources.iter().all(|source| source.can_be_read_in_pieces()) {
+            return Ok(None);
+        }
         for &source in sources {
             source.refuse_repetition()?;
             let format = Format::of(&source.file)?;

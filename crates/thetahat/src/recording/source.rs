@@ -7,11 +7,12 @@ use serde::Deserialize;
 use super::csv::{Decimal, Dialect};
 use super::error::RecordingError;
 use super::format::Format;
+use super::layout::{self, Layout};
 use super::reader::table;
 use super::table::Wanted;
 use super::unit::{Dimension, Unit};
 use super::{bag, place, select};
-use crate::series::Series;
+use crate::{one_or_each::OneOrEach, series::Series};
 
 /// Where the channels of one signal are, and what they are.
 ///
@@ -24,7 +25,7 @@ use crate::series::Series;
 ///     side = "motor"
 /// "#;
 /// let source: ChannelSource = toml::from_str(text).unwrap();
-/// assert_eq!((source.unit, source.side), (Unit::MillinewtonMetre, Side::Motor));
+/// assert_eq!((source.unit.of(0), source.side), (&Unit::MillinewtonMetre, Side::Motor));
 /// ```
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -36,14 +37,14 @@ pub struct ChannelSource {
     /// numbers of another file. Joints of a bag are `elbow.position`, `elbow.velocity`, `elbow.effort`.
     #[serde(default)]
     pub columns: Vec<String>,
-    /// The unit of the values in the file.
-    pub unit: Unit,
+    /// The unit of the values in the file, of all channels or of each.
+    pub unit: OneOrEach<Unit>,
     /// The side of the transmission on which the values were measured.
     #[serde(default)]
     pub side: Side,
-    /// A factor per channel, applied after the unit; none means 1 for all.
+    /// A factor of all channels, or of each, applied after the unit; none means 1 for all.
     #[serde(default)]
-    pub gain: Vec<f64>,
+    pub gain: Option<OneOrEach<f64>>,
     /// The topic of a bag; needed where the bag holds several with joint states.
     #[serde(default)]
     pub topic: Option<String>,
@@ -58,6 +59,22 @@ pub struct ChannelSource {
     /// `1`, `2` and so on.
     #[serde(default)]
     pub header: Option<bool>,
+    /// Whether a last line of a text that is cut is left out.
+    #[serde(default)]
+    pub drop_cut_line: bool,
+    /// Whether a matrix has one row for each channel, and not one column.
+    #[serde(default)]
+    pub channels_in_rows: bool,
+    /// Number of channels whose values follow one another in one column, sample by sample.
+    #[serde(default)]
+    pub interleaved: Option<usize>,
+    /// A column of numbers that says of which channel each row is, where rows hold one channel each. Channels follow one
+    /// another as their numbers rise.
+    #[serde(default)]
+    pub channel_column: Option<String>,
+    /// How late the values are, s: the value at a time is the one recorded so much later. Negative where they are early.
+    #[serde(default)]
+    pub delay_s: f64,
     /// Whether the file may lie anywhere, because the user named it and not a file of descriptions. Not read from files.
     #[serde(skip)]
     pub anywhere: bool,
@@ -81,36 +98,83 @@ impl ChannelSource {
         root.join(&self.file)
     }
 
-    /// Checks that the unit measures what the `signal` (a word for the error's text) is.
+    /// Checks that the units measure what the `signal` (a word for the error's text) is.
     ///
     /// # Errors
-    /// [`RecordingError::WrongDimension`] if the dimension of the unit is not among the `expected` ones.
+    /// [`RecordingError::WrongDimension`] if the dimension of a unit is not among the `expected` ones.
     pub fn require_dimension(&self, signal: &str, expected: &[Dimension]) -> Result<(), RecordingError> {
-        if expected.contains(&self.unit.dimension()) {
+        match self.unit.given().iter().find(|unit| !expected.contains(&unit.dimension())) {
+            None => Ok(()),
+            Some(&found) => Err(self.wrong_dimension(signal.to_owned(), expected, found)),
+        }
+    }
+
+    /// Checks that the unit of each channel measures what `joints` say, a name and a dimension for each. One unit for all of
+    /// joints that turn and joints that slide stands for SI, as `"rad"` for rad and m.
+    ///
+    /// # Errors
+    /// [`RecordingError::UnitCount`], [`RecordingError::WrongDimension`], or [`RecordingError::MixedUnit`].
+    pub fn require_dimensions(&self, signal: &str, joints: &[(&str, Dimension)]) -> Result<(), RecordingError> {
+        let OneOrEach::Each(units) = &self.unit else {
+            let dimensions: Vec<Dimension> = joints.iter().map(|(_, dimension)| *dimension).collect();
+            return self.require_one_unit(signal, joints, &dimensions);
+        };
+        self.require_unit_count(joints.len())?;
+        match units.iter().zip(joints).find(|(unit, (_, dimension))| unit.dimension() != *dimension) {
+            None => Ok(()),
+            Some((&unit, (joint, dimension))) => {
+                Err(self.wrong_dimension(format!("{signal} of joint `{joint}`"), &[*dimension], unit))
+            }
+        }
+    }
+
+    fn require_one_unit(
+        &self,
+        signal: &str,
+        joints: &[(&str, Dimension)],
+        dimensions: &[Dimension],
+    ) -> Result<(), RecordingError> {
+        let unit = *self.unit.of(0);
+        let mut expected = dimensions.to_vec();
+        expected.dedup();
+        self.require_dimension(signal, &expected)?;
+        match joints.iter().find(|(_, dimension)| *dimension != unit.dimension()) {
+            Some((joint, dimension)) if unit.to_si() != 1.0 => Err(RecordingError::MixedUnit {
+                file: self.file.clone(),
+                signal: signal.to_owned(),
+                unit,
+                joint: (*joint).to_owned(),
+                dimension: *dimension,
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    fn wrong_dimension(&self, signal: String, expected: &[Dimension], found: Unit) -> RecordingError {
+        RecordingError::WrongDimension { file: self.file.clone(), signal, expected: expected.to_vec(), found }
+    }
+
+    fn require_unit_count(&self, channels: usize) -> Result<(), RecordingError> {
+        if self.unit.fits(channels) {
             return Ok(());
         }
-        Err(RecordingError::WrongDimension {
-            file: self.file.clone(),
-            signal: signal.to_owned(),
-            expected: expected.to_vec(),
-            found: self.unit,
-        })
+        let (file, found) = (self.file.clone(), self.unit.given().len());
+        Err(RecordingError::UnitCount { file, expected: channels, found })
     }
 
     /// The factor of each channel: unit times gain.
     pub(super) fn factors(&self, channels: usize) -> Result<Vec<f64>, RecordingError> {
-        if self.gain.is_empty() {
-            return Ok(vec![self.unit.to_si(); channels]);
-        }
-        if self.gain.len() != channels {
+        self.require_unit_count(channels)?;
+        let gain = self.gain.as_ref().unwrap_or(&OneOrEach::One(1.0));
+        if !gain.fits(channels) {
             let file = self.file.clone();
-            return Err(RecordingError::GainCount { file, expected: channels, found: self.gain.len() });
+            return Err(RecordingError::GainCount { file, expected: channels, found: gain.given().len() });
         }
-        if let Some(channel) = self.gain.iter().position(|&g| g == 0.0 || !g.is_finite()) {
+        if let Some(channel) = gain.given().iter().position(|&g| g == 0.0 || !g.is_finite()) {
             let file = self.file.clone();
-            return Err(RecordingError::BadGain { file, channel, found: self.gain[channel] });
+            return Err(RecordingError::BadGain { file, channel, found: *gain.of(channel) });
         }
-        Ok(self.gain.iter().map(|g| g * self.unit.to_si()).collect())
+        Ok((0..channels).map(|c| gain.of(c) * self.unit.of(c).to_si()).collect())
     }
 
     pub(super) fn refuse_repetition(&self) -> Result<(), RecordingError> {
@@ -128,6 +192,12 @@ impl ChannelSource {
             ("delimiter", self.delimiter.is_some() && text),
             ("decimal", self.decimal.is_some() && text),
             ("header", self.header.is_some() && text),
+            ("drop_cut_line", self.drop_cut_line && text),
+            ("channels_in_rows", self.channels_in_rows && format.is_one_table()),
+            ("channels_in_rows", self.channels_in_rows && format.is_bag()),
+            ("interleaved", self.interleaved.is_some() && (format.is_bag() || self.channels_in_rows)),
+            ("channel_column", self.channel_column.is_some() && (format.is_bag() || self.channels_in_rows)),
+            ("channel_column", self.channel_column.is_some() && self.interleaved.is_some()),
         ];
         match settings.into_iter().find(|(_, useless)| *useless) {
             None => Ok(()),
@@ -135,8 +205,28 @@ impl ChannelSource {
         }
     }
 
+    /// How its channels lie in their columns.
+    fn layout(&self) -> Layout {
+        match (self.channel_column.is_some(), self.interleaved) {
+            (true, _) => Layout::Long,
+            (false, Some(channels)) => Layout::Interleaved { channels },
+            (false, None) if self.channels_in_rows => Layout::Rows,
+            (false, None) => Layout::Columns,
+        }
+    }
+
+    /// Whether any samples of the signal can be read without the others.
+    pub(super) fn can_be_read_in_pieces(&self) -> bool {
+        self.layout() == Layout::Columns && !self.drop_cut_line && self.delay_s == 0.0
+    }
+
     pub(super) fn dialect(&self) -> Dialect {
-        Dialect { delimiter: self.delimiter, decimal: self.decimal, header: self.header }
+        Dialect {
+            delimiter: self.delimiter,
+            decimal: self.decimal,
+            header: self.header,
+            drop_cut_line: self.drop_cut_line,
+        }
     }
 
     /// The path to read from: inside the folder of the data, unless the file may lie anywhere.
@@ -170,9 +260,11 @@ fn read(source: &ChannelSource, format: Format, path: &Path) -> Result<Series, R
     if format.is_bag() {
         return bag::channels(path, format, source.topic.as_deref(), &source.columns);
     }
-    let wanted = if source.columns.is_empty() { Wanted::All } else { Wanted::Named(&source.columns) };
+    let mut columns = source.columns.clone();
+    columns.extend(source.channel_column.clone());
+    let wanted = if columns.is_empty() { Wanted::All } else { Wanted::Named(&columns) };
     let table = table(path, format, &source.dialect(), wanted)?;
-    select::series(&table, format, &source.columns, path)
+    layout::laid_out(source.layout(), select::series(&table, format, &columns, path)?, path)
 }
 
 #[cfg(test)]
@@ -184,18 +276,85 @@ mod tests {
     const TWO_JOINTS: &str = "a,b\n1,2\n3,4\n";
 
     fn source(file: &str, gain: &[f64]) -> ChannelSource {
+        let gain = (!gain.is_empty()).then(|| OneOrEach::Each(gain.to_vec()));
         ChannelSource {
             file: file.into(),
             columns: Vec::new(),
-            unit: Unit::Millimetre,
+            unit: Unit::Millimetre.into(),
             side: Side::Joint,
-            gain: gain.to_vec(),
+            gain,
             topic: None,
             delimiter: None,
             decimal: None,
             header: None,
+            drop_cut_line: false,
+            channels_in_rows: false,
+            interleaved: None,
+            channel_column: None,
+            delay_s: 0.0,
             anywhere: false,
         }
+    }
+
+    /// One value a line, joint by joint.
+    #[test]
+    fn interleaved_values_are_samples() {
+        let folder = Folder::with("q.csv", b"q\n1\n2\n3\n4\n5\n6\n");
+        let of = |channels: usize| {
+            let text = format!("file = 'q.csv'\nunit = 'rad'\ninterleaved = {channels}");
+            read_channels(&toml::from_str(&text).unwrap(), folder.path())
+        };
+        assert_eq!(of(3).unwrap(), Series::from_values(3, vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]));
+        let error = of(4).unwrap_err().to_string();
+        assert!(error.contains("6 values in 1 columns are no samples of 4 interleaved channels"), "{error}");
+    }
+
+    /// One row for each joint at each instant, in any order of the joints.
+    #[test]
+    fn long_tables() {
+        let folder = Folder::with("q.csv", b"t,joint,q\n0,2,20\n0,1,10\n1,1,11\n1,2,21\n");
+        let of = |extra: &str| {
+            read_channels(&toml::from_str(&format!("file = 'q.csv'\nunit = 'rad'\n{extra}")).unwrap(), folder.path())
+        };
+        let series = of("columns = ['q']\nchannel_column = 'joint'").unwrap();
+        assert_eq!(series, Series::from_values(2, vec![10.0, 20.0, 11.0, 21.0]));
+        let error = of("columns = ['q']\nchannel_column = 't'\ninterleaved = 2").unwrap_err();
+        assert!(matches!(error, RecordingError::UselessSetting { setting: "channel_column", .. }));
+        folder.write("q.csv", "t,joint,q\n0,2,20\n0,1,10\n1,1,11\n");
+        let error = of("columns = ['q']\nchannel_column = 'joint'").unwrap_err().to_string();
+        assert!(error.contains("channel 1 has 2 rows, channel 2 has 1"), "{error}");
+    }
+
+    /// A matrix with a row for each joint.
+    #[test]
+    fn channels_in_rows() {
+        let values: Vec<u8> = (0..8).flat_map(|k| f64::from(k).to_le_bytes()).collect();
+        let folder = Folder::with("q.npy", super::super::test_files::npy("<f8", false, "(2, 4)", &values));
+        let source: ChannelSource = toml::from_str("file = 'q.npy'\nunit = 'rad'\nchannels_in_rows = true").unwrap();
+        let series = read_channels(&source, folder.path()).unwrap();
+        assert_eq!(series, Series::from_channels(&[vec![0.0, 1.0, 2.0, 3.0], vec![4.0, 5.0, 6.0, 7.0]]));
+    }
+
+    #[test]
+    fn a_cut_last_line_is_left_out_where_that_is_asked_for() {
+        let folder = Folder::with("q.csv", b"a,b\n1,2\n3,4\n5");
+        let mut source = source("q.csv", &[]);
+        let error = read_channels(&source, folder.path()).unwrap_err().to_string();
+        assert!(
+            error.ends_with(
+                "line 4, the last one, is cut: it has 1 of 2 columns and no end; leave it out with drop_cut_line = true"
+            ),
+            "{error}"
+        );
+        source.drop_cut_line = true;
+        assert_eq!(read_channels(&source, folder.path()).unwrap().len(), 2);
+    }
+
+    #[test]
+    fn garbage_is_named_with_its_place() {
+        let folder = Folder::with("q.csv", b"a,b\n1,2\n3,1e305\n");
+        let error = read_channels(&source("q.csv", &[]), folder.path()).unwrap_err().to_string();
+        assert!(error.contains("line 3, column \"b\": expected a finite number below 1e30, found 1e305"), "{error}");
     }
 
     fn failure(source: &ChannelSource) -> RecordingError {
@@ -213,7 +372,39 @@ mod tests {
     #[test]
     fn side_is_the_joint_s_unless_said() {
         let source: ChannelSource = toml::from_str("file = 'q.csv'\nunit = 'rad'").unwrap();
-        assert_eq!((source.side, source.columns.len(), source.gain.len()), (Side::Joint, 0, 0));
+        assert_eq!((source.side, source.columns.len(), source.gain), (Side::Joint, 0, None));
+    }
+
+    #[test]
+    fn units_and_gains_are_of_all_channels_or_of_each() {
+        let folder = Folder::with("q.csv", TWO_JOINTS.as_bytes());
+        let read = |units: &str| {
+            let source: ChannelSource = toml::from_str(&format!("file = 'q.csv'\n{units}")).unwrap();
+            read_channels(&source, folder.path())
+        };
+        assert_eq!(read("unit = ['m', 'mm']").unwrap().values(), [1.0, 2e-3, 3.0, 4e-3]);
+        assert_eq!(read("unit = 'mm'\ngain = 1e3").unwrap().values(), [1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(
+            read("unit = ['m', 'mm', 'm']").unwrap_err().to_string(),
+            "q.csv: unit lists 3 units for 2 channels; give one for all, or one for each channel"
+        );
+    }
+
+    #[test]
+    fn units_measure_what_their_joints_do() {
+        let joints = [("lift", Dimension::Length), ("shoulder", Dimension::Angle)];
+        let message = |unit: &str| {
+            let source: ChannelSource = toml::from_str(&format!("file = 'q.csv'\nunit = {unit}")).unwrap();
+            source.require_dimensions("position", &joints).err().map(|e| e.to_string())
+        };
+        assert_eq!((message("['m', 'rad']"), message("['mm', 'deg']"), message("'rad'")), (None, None, None));
+        assert_eq!(
+            message("'deg'").unwrap(),
+            "q.csv: unit \"deg\" of position is for all joints, but joint `lift` has a length; give a list with one unit for \
+             each joint, such as unit = [\"m\", \"rad\"]"
+        );
+        assert!(message("['rad', 'm']").unwrap().contains("position of joint `lift`"), "{:?}", message("['rad', 'm']"));
+        assert!(message("['rad']").unwrap().contains("unit lists 1 units for 2 channels"));
     }
 
     #[test]
@@ -230,7 +421,7 @@ mod tests {
     fn position_in_a_unit_of_torque_is_refused() {
         let mut source = source("q.csv", &[]);
         source.require_dimension("position", &[Dimension::Angle, Dimension::Length]).unwrap();
-        source.unit = Unit::NewtonMetre;
+        source.unit = Unit::NewtonMetre.into();
         let error = source.require_dimension("position", &[Dimension::Angle, Dimension::Length]).unwrap_err();
         assert!(matches!(error, RecordingError::WrongDimension { found: Unit::NewtonMetre, .. }));
     }

@@ -22,6 +22,8 @@ pub(super) struct Column {
     /// Channel by channel: all samples of the first, then all of the second, and so on.
     pub(super) values: Vec<f64>,
     pub(super) flaw: Option<Flaw>,
+    /// Whether the channels are the rows of a matrix, which was turned.
+    pub(super) in_rows: bool,
 }
 
 /// What keeps a column from being read.
@@ -29,7 +31,7 @@ pub(super) struct Column {
 pub(super) enum Flaw {
     /// The first cell that is not a number; such cells are NaN among the values.
     Text { line: u64, found: String },
-    /// The first cell that is NaN or infinite, where the file has lines.
+    /// The first cell that is NaN, infinite or beyond all recorded values, where the file has lines.
     NotFinite { line: u64, found: f64 },
     /// The whole column is not numbers: a phrase such as `text` or `a cell array`. It has no values.
     Kind(String),
@@ -38,12 +40,12 @@ pub(super) enum Flaw {
 impl Column {
     /// A column of numbers: `channels` times equally many values.
     pub(super) fn of_numbers(name: String, channels: usize, values: Vec<f64>) -> Self {
-        Self { name, channels, values, flaw: None }
+        Self { name, channels, values, flaw: None, in_rows: false }
     }
 
     /// A column that holds no numbers that can be read.
     pub(super) fn of_kind(name: String, kind: impl Into<String>) -> Self {
-        Self { name, channels: 0, values: Vec::new(), flaw: Some(Flaw::Kind(kind.into())) }
+        Self { name, channels: 0, values: Vec::new(), flaw: Some(Flaw::Kind(kind.into())), in_rows: false }
     }
 
     /// Number of samples of each channel.
@@ -72,6 +74,14 @@ impl Column {
             Some(Flaw::Kind(found)) => Err(RecordingError::NotNumeric { file, column, found }),
         }
     }
+}
+
+/// What a recorded value stays below: counts, stamps in nanoseconds and torques do; memory that was never written does not.
+const LARGEST: f64 = 1e30;
+
+/// Whether a number can be a recorded value.
+pub(super) fn is_plausible(value: f64) -> bool {
+    value.abs() < LARGEST
 }
 
 /// Which columns are to be read, so that a reader can leave the others alone.

@@ -29,6 +29,19 @@ pub enum ReductionError {
         /// The step found, s.
         found: f64,
     },
+    /// A record has gaps.
+    #[error(
+        "recording {recording}: {gaps} gaps, the first at sample {sample}; a reduction takes records without gaps: cut the record \
+         there, or use `thetahat identify`"
+    )]
+    Gaps {
+        /// The recording.
+        recording: String,
+        /// Their number.
+        gaps: usize,
+        /// The first sample missing.
+        sample: usize,
+    },
     /// A recording without torque.
     #[error("recording {recording}: the torque is zero throughout its window; record it, or name another column")]
     NoTorque {

@@ -10,7 +10,7 @@ use std::{
 use serde::{Deserialize, Serialize};
 
 use super::{Identity, ReducedRecording, Reduction, ReductionError, Segment, fingerprint::scrambled};
-use crate::linear_algebra::Matrix;
+use crate::{linear_algebra::Matrix, output::replace_file};
 
 const MAGIC: &[u8] = b"thetahat reduction ";
 /// The form that is written and read.
@@ -48,16 +48,7 @@ impl Reduction {
     pub fn write(&self, path: &Path) -> Result<(), ReductionError> {
         let refuse = |source| ReductionError::Unwritable { path: path.to_owned(), source };
         let bytes = self.to_bytes().map_err(|e| refuse(e.into()))?;
-        let name = path.file_name().ok_or_else(|| refuse(std::io::ErrorKind::InvalidFilename.into()))?;
-        if path.is_dir() {
-            return Err(refuse(std::io::ErrorKind::IsADirectory.into()));
-        }
-        let temporary = path.with_file_name(format!(".{}.{}.part", name.to_string_lossy(), std::process::id()));
-        let written = fs::write(&temporary, bytes).and_then(|()| fs::rename(&temporary, path));
-        if written.is_err() {
-            let _ = fs::remove_file(&temporary);
-        }
-        written.map_err(refuse)
+        replace_file(path, &bytes).map_err(refuse)
     }
 
     /// Reads a file.

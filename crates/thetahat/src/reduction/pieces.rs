@@ -157,11 +157,11 @@ impl Rows<'_> {
             let (z, values) = values.split_at_mut(before);
             if let Some((sign, SimulatedPiece { motion: Motion { q, dq, ddq }, .. })) = &simulated {
                 let k = k - own.start;
-                let state = State { q: q.sample(k), dq: dq.sample(k) };
+                let state = State::new(q.sample(k), dq.sample(k));
                 self.regressor.evaluate(self.model, state, ddq.sample(k), *sign, &mut workspace, z);
             }
             let (phi, tau) = values.split_at_mut(entries);
-            let state = State { q: q.sample(i), dq: dq.sample(i) };
+            let state = State::new(q.sample(i), dq.sample(i));
             self.regressor.evaluate(self.model, state, ddq.sample(i), Sign::Exact, &mut workspace, phi);
             tau.copy_from_slice(torque.sample(i));
         });

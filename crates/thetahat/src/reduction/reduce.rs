@@ -14,7 +14,7 @@ use crate::{
     dynamics::Model,
     experiment::{Experiment, RecordingDescription},
     pool::in_order,
-    preparation::{Basis, Case, STILL, window_of},
+    preparation::{Basis, Case, PreparationError, STILL, window_of},
     regressor::Regressor,
     signal::{Decimator, Joiner, SignalError},
 };
@@ -80,6 +80,10 @@ impl Experiment {
         options: ReduceOptions,
         progress: &mut dyn FnMut(ReduceProgress),
     ) -> Result<Reduction, ReductionError> {
+        if let Some(channel) = self.robot.channels().pop() {
+            let expected = "no torque term of a recorded channel: a reduction does not read it; use thetahat identify";
+            return Err(self.refuse(PreparationError::value("[[term]]", expected, channel)).into());
+        }
         let Basis { model, base } = self.setup().basis(&Case::nominal()).map_err(|e| self.refuse(e))?;
         let theta = instruments.map(|named| self.base_values(&model, &base, named)).transpose()?;
         let mut reducer = Reducer::new(self, &model, &base, options);
@@ -297,6 +301,7 @@ impl Reduction {
                 robot: experiment.robot.name.clone(),
                 acting: acting(joints.len(), regressor),
                 joints,
+                locked: experiment.robot.locked.iter().map(|l| format!("{} {}", l.name, l.value)).collect(),
                 parameters: base.parameters().iter().map(|p| p.name.clone()).collect(),
                 expressions: base.parameters().iter().map(|p| p.expression.clone()).collect(),
                 filter_order: signal.filter_order,

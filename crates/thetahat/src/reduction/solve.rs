@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     experiment::Experiment,
-    identification::{EstimationError, Fit, Method, Needs, Outcome, Status, Uncertainty, Weighting, idim_ls},
+    identification::{EstimationError, Fit, JointWeights, Method, Needs, Outcome, Status, Uncertainty, Weighting},
     linear_algebra::Matrix,
     preparation::{Case, Chosen, Settings, full_model_test, named_elimination},
     regression::Regression,
@@ -78,6 +78,7 @@ impl Reduction {
             robot: experiment.robot.name.clone(),
             title: experiment.file.title.clone(),
             robot_joints: JointResult::of_coordinates(&experiment.robot),
+            robot_locked: experiment.robot.locked.clone(),
             samples_used: recordings.iter().map(|r| r.samples).sum(),
             decimated_rows: all.regression.rows_represented,
             recordings: recordings.iter().map(ReducedRecording::describe).collect(),
@@ -85,10 +86,14 @@ impl Reduction {
             bandwidth: experiment.setup().measure_bandwidth(rate).map_err(|e| experiment.refuse(e))?,
             seed: experiment.file.twin.as_ref().map(|t| t.sensors.seed),
             findings: Vec::new(),
+            profiled_terms: Vec::new(),
+            term_comparison: None,
             elimination,
             advice: Vec::new(),
             diagnostics: Vec::new(),
             runs,
+            payloads: Vec::new(),
+            drive_gains: Vec::new(),
             experiment_description: self.experiment_description.clone(),
             robot_description: self.robot_description.clone(),
             plots: Plots::default(),
@@ -105,6 +110,7 @@ impl ReducedRecording {
             sample_rate_hz: self.sample_rate_hz,
             window_s: self.window_s,
             resampling: None,
+            torque_ends_hz: None,
             reference: None,
         }
     }
@@ -153,8 +159,8 @@ impl Solver<'_> {
             Weighting::None => None,
             Weighting::PerJoint => {
                 let regression = self.all.regression.with_columns(&self.chosen.columns);
-                let fit = idim_ls(&regression, self.settings.estimation.variance).ok()?;
-                Some(regression.joint_weights(&fit.prediction))
+                let of_recordings: Vec<f64> = self.reduction.recordings.iter().map(|r| r.weight).collect();
+                Some(JointWeights::of(&regression, &of_recordings).ok()?.weights)
             }
         }
     }

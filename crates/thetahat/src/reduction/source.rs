@@ -54,6 +54,14 @@ impl<'a> Source<'a> {
         (number, data): (usize, &Path),
         simulated: bool,
     ) -> Result<Self, ReductionError> {
+        if description.payload.is_some() {
+            let why = "a reduction has no columns of payloads; `thetahat identify` takes recordings with one";
+            return Err(experiment.missing("[recording] without payload", why).into());
+        }
+        if !experiment.settings.parameters.fix.is_empty() {
+            let why = "a reduction has no torques of fixed parameters; `thetahat identify` has";
+            return Err(experiment.missing("[parameters] without fix", why).into());
+        }
         let Some(torque) = &description.torque else {
             let why = "a reduction is of torques; `thetahat identify` takes positions alone, with methods = [\"cloe\"]";
             return Err(experiment.missing("[recording] torque", why).into());
@@ -92,7 +100,14 @@ impl<'a> Source<'a> {
         description: &'a RecordingDescription,
         (number, data): (usize, &Path),
     ) -> Result<Self, ReductionError> {
-        Ok(Self::of_recording(experiment, experiment.read_recording(description, number, data)?))
+        let recording = experiment.read_recording(description, number, data)?;
+        match recording.gaps.first() {
+            None => Ok(Self::of_recording(experiment, recording)),
+            Some(first) => {
+                let (gaps, sample) = (recording.gaps.len(), first.start);
+                Err(ReductionError::Gaps { recording: recording.name, gaps, sample })
+            }
+        }
     }
 
     /// The record, where it is in memory.

@@ -23,6 +23,9 @@ pub struct Identity {
     pub parameters: Vec<String>,
     /// Their regrouping formulas, which hold the geometry.
     pub expressions: Vec<String>,
+    /// The joints that are locked, with their values.
+    #[serde(default)]
+    pub locked: Vec<String>,
     /// For each joint the base parameters, from zero, that act on it.
     pub acting: Vec<Vec<usize>>,
     /// Order of the position filter.
@@ -168,6 +171,7 @@ impl Identity {
         let list = |list: &[String]| list.join(" ");
         let texts = [
             ("the list of joints", list(&self.joints), list(&other.joints)),
+            ("the locked joints", list(&self.locked), list(&other.locked)),
             ("the list of base parameters", list(&self.parameters), list(&other.parameters)),
             ("the position filter's order", self.filter_order.to_string(), other.filter_order.to_string()),
             ("the position filter's cut-off in Hz", self.cutoff_hz.to_string(), other.cutoff_hz.to_string()),

@@ -35,7 +35,8 @@ impl Regressor {
         let mut workspace = Workspace::new(model);
         let rest = phi.chunks_exact_mut(self.entries().len().max(1)).skip(done);
         for (k, phi) in (range.start + done..range.end).zip(rest) {
-            let state = State { q: q.sample(k), dq: dq.sample(k) };
+            let recorded = self.channels().map_or(&[][..], |channels| channels.sample(k));
+            let state = State::new(q.sample(k), dq.sample(k)).with_channels(recorded);
             self.evaluate(model, state, ddq.sample(k), sign, &mut workspace, phi);
         }
     }
@@ -64,6 +65,7 @@ impl WithSimd for Batches<'_> {
         let mut workspace = Workspace::like(self.model, zero);
         let n = self.model.coordinate_count();
         let [mut q, mut dq, mut ddq] = [(); 3].map(|()| vec![zero; n]);
+        let mut recorded = vec![zero; self.regressor.channels().map_or(0, Series::channels)];
         let mut values = vec![zero; entries];
         let mut scratch = vec![0.0; entries * Lanes::<S>::COUNT];
         let batches = self.phi.chunks_exact_mut(entries.max(1) * Lanes::<S>::COUNT);
@@ -73,7 +75,10 @@ impl WithSimd for Batches<'_> {
             for (series, channels) in self.motion.into_iter().zip([&mut q, &mut dq, &mut ddq]) {
                 gather(simd, series, start..start + Lanes::<S>::COUNT, channels);
             }
-            let state = State { q: &q, dq: &dq };
+            if let Some(channels) = self.regressor.channels() {
+                gather(simd, channels, start..start + Lanes::<S>::COUNT, &mut recorded);
+            }
+            let state = State::new(&q, &dq).with_channels(&recorded);
             self.regressor.evaluate_of(self.model, state, &ddq, self.sign, &mut workspace, &mut values);
             scatter(&values, &mut scratch, phi);
         }

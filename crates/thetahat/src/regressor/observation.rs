@@ -2,7 +2,8 @@ use super::inertial::{InertialEntries, InertialEntry};
 use crate::{
     dynamics::{JointCoordinate, Model, Sign, State, Workspace},
     real::Real,
-    robot::{JointQuantity, MotorQuantity, Parameter, Quantity},
+    robot::{JointQuantity, MotorQuantity, Parameter, Quantity, TermQuantity},
+    series::Series,
 };
 
 /// One entry of `phi` that is not zero by structure.
@@ -23,6 +24,8 @@ pub struct Regressor {
     /// The entries behind them.
     drives: Vec<DriveEntry>,
     columns: usize,
+    /// The recorded channels that torque terms take, sample by sample of the motion.
+    channels: Option<Series>,
 }
 
 /// What an entry is computed from.
@@ -39,6 +42,8 @@ enum DriveEntry {
     Joint { quantity: JointQuantity, moved_by: JointCoordinate },
     /// A parameter of the coupled motor at this place among the model's, on one of the coordinates that move it.
     Motor { quantity: MotorQuantity, motor: usize, coordinate: usize },
+    /// A parameter of the term at this place among the model's, on one of the coordinates on which it acts.
+    Term { column: usize, coordinate: usize },
 }
 
 impl Regressor {
@@ -60,13 +65,28 @@ impl Regressor {
                 Source::Drive(entry) => drives.push(entry),
             }
         }
-        Self { entries, inertial, drives, columns: indices.len() }
+        Self { entries, inertial, drives, columns: indices.len(), channels: None }
     }
 
     /// The entries, in the order in which [`Regressor::evaluate`] writes them.
     #[must_use]
     pub fn entries(&self) -> &[Entry] {
         &self.entries
+    }
+
+    /// The same for a motion along with which these channels were recorded, as [`State::channels`] has them.
+    #[must_use]
+    pub fn with_channels(self, channels: Option<Series>) -> Self {
+        Self { channels, ..self }
+    }
+
+    /// Takes other channels.
+    pub(crate) fn set_channels(&mut self, channels: Option<&Series>) {
+        self.channels = channels.cloned();
+    }
+
+    pub(super) fn channels(&self) -> Option<&Series> {
+        self.channels.as_ref()
     }
 
     /// Number of columns of `phi`.
@@ -107,6 +127,9 @@ impl Regressor {
             *value = match entry {
                 DriveEntry::Motor { quantity, motor, coordinate } => {
                     quantity.torque(&model.coupled_motors()[motor], coordinate, state.dq, ddq, sign)
+                }
+                DriveEntry::Term { column, coordinate } => {
+                    model.term_torque(&model.terms()[column], coordinate, state, ddq, sign)
                 }
                 DriveEntry::Joint { quantity, moved_by } => {
                     quantity.torque(&moved_by.state(state, ddq, sign)) * moved_by.ratio
@@ -155,6 +178,12 @@ fn sources_of(model: &Model, parameter: &Parameter) -> Vec<(usize, Source)> {
                 motors.flat_map(|(motor, m)| m.weights.iter().map(move |&(coordinate, _)| (motor, coordinate)));
             let entry = |(motor, coordinate)| DriveEntry::Motor { quantity, motor, coordinate };
             weights.map(|place| (place.1, Source::Drive(entry(place)))).collect()
+        }
+        Quantity::Term(TermQuantity { column, .. }) => {
+            let coordinates = model.terms()[column].coordinates.iter();
+            coordinates
+                .map(|&coordinate| (coordinate, Source::Drive(DriveEntry::Term { column, coordinate })))
+                .collect()
         }
     }
 }

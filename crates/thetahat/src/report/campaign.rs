@@ -32,6 +32,9 @@ pub fn campaign_text(results: &CampaignResults) -> String {
     parts.join("\n")
 }
 
+/// The page of a campaign.
+pub const CAMPAIGN_PAGE: &str = "campaign.html";
+
 /// Writes `campaign.html` into a folder that is there. Returns its path.
 ///
 /// # Errors
@@ -57,7 +60,7 @@ pub fn write_campaign(results: &CampaignResults, directory: &Path) -> Result<Pat
     ];
     let shown: Vec<Section> = sections.into_iter().filter(|s| !s.is_empty()).collect();
     let page = html::page_of(&results.title, &facts(results), &shown)?;
-    write_one(directory, "campaign.html", page.into_bytes())
+    write_one(directory, CAMPAIGN_PAGE, page.into_bytes())
 }
 
 fn facts(results: &CampaignResults) -> Vec<(&'static str, String)> {

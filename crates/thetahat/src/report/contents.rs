@@ -3,6 +3,8 @@
 use super::{number::significant, table::Table, wrap::wrap};
 use crate::results::{ChannelSummary, ColumnSummary, Contents, TableSummary, TimeSummary};
 
+/// Most channels of a matrix that get a row each.
+const MOST_ROWS: usize = 40;
 /// Longest list of gaps that is shown.
 const GAPS: usize = 5;
 
@@ -10,6 +12,9 @@ const GAPS: usize = 5;
 #[must_use]
 pub fn contents_text(contents: &Contents) -> String {
     let mut text = wrap(&format!("{}: {}", contents.file.display(), contents.format), "");
+    if contents.dialect.is_some_and(|d| d.drop_cut_line) {
+        text += &wrap("the last line is cut and left out; to read the file, set drop_cut_line = true", "");
+    }
     for table in &contents.tables {
         text += "\n";
         text += &columns(table).to_text();
@@ -56,7 +61,19 @@ fn rows(column: &ColumnSummary) -> Vec<Vec<String>> {
         let note = missing.or_else(|| s.constant.then(|| "constant".to_owned())).unwrap_or_default();
         vec![name, number(s.min, 5), number(s.max, 5), number(s.rms, 4), number(s.resolution, 3), note]
     };
-    column.statistics.iter().enumerate().map(row).collect()
+    if column.statistics.len() > MOST_ROWS {
+        let ends = |of: fn(&ChannelSummary) -> Option<f64>, choose: fn(f64, f64) -> f64| {
+            column.statistics.iter().filter_map(of).reduce(choose)
+        };
+        let (least, most) = (ends(|s| s.min, f64::min), ends(|s| s.max, f64::max));
+        let note = format!("{} columns", column.channels);
+        return vec![vec![column.name.clone(), number(least, 5), number(most, 5), String::new(), String::new(), note]];
+    }
+    let mut rows: Vec<Vec<String>> = column.statistics.iter().enumerate().map(row).collect();
+    if column.in_rows {
+        rows.iter_mut().for_each(|row| row[5] = format!("a row {}", row[5]).trim_end().to_owned());
+    }
+    rows
 }
 
 fn times(time: &TimeSummary) -> String {

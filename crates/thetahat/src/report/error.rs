@@ -6,12 +6,6 @@ use crate::results::ResultsError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReportError {
-    /// What is to be the folder of the report is a file.
-    #[error("{}: expected a folder, found a file; give another folder for the report", path.display())]
-    NotAFolder {
-        /// The file.
-        path: PathBuf,
-    },
     /// The folder of the report cannot be made.
     #[error("{}: the folder cannot be made: {source}", path.display())]
     Directory {

@@ -5,7 +5,7 @@ use super::{
     number::{given, optional, significant},
     units,
 };
-use crate::results::{RecordingResult, ReferenceResult, Results};
+use crate::results::{JointKind, LockedJoint, RecordingResult, ReferenceResult, Results};
 
 /// The head: what to take, then what was recorded and how it was filtered.
 pub(super) fn head(results: &Results) -> Vec<(&'static str, String)> {
@@ -16,6 +16,7 @@ pub(super) fn head(results: &Results) -> Vec<(&'static str, String)> {
 pub(super) fn facts(results: &Results) -> Vec<(&'static str, String)> {
     let rows = format!("{} after decimation", results.decimated_rows);
     let mut facts = vec![("robot", results.robot.clone())];
+    facts.extend((!results.robot_locked.is_empty()).then(|| ("locked", locked(&results.robot_locked))));
     facts.extend(recordings("samples used", &results.recordings));
     facts.extend(recordings("held back", &results.validation_recordings));
     facts.push(("rows", rows));
@@ -26,6 +27,16 @@ pub(super) fn facts(results: &Results) -> Vec<(&'static str, String)> {
     facts
 }
 
+/// The joints that were locked, with their values.
+fn locked(joints: &[LockedJoint]) -> String {
+    let unit = |kind| match kind {
+        JointKind::Revolute => "rad",
+        JointKind::Prismatic => "m",
+    };
+    let at = |joint: &LockedJoint| format!("{} at {} {}", joint.name, significant(joint.value, 3), unit(joint.kind));
+    joints.iter().map(at).collect::<Vec<_>>().join(", ")
+}
+
 /// A line for each recording; its name is shown where there are several.
 fn recordings(label: &'static str, recordings: &[RecordingResult]) -> Vec<(&'static str, String)> {
     let line = |r: &RecordingResult| {
@@ -34,10 +45,17 @@ fn recordings(label: &'static str, recordings: &[RecordingResult]) -> Vec<(&'sta
         let weight = if r.weight == 1.0 { String::new() } else { format!(", weight {}", given(r.weight)) };
         let resampled = r.resampling.map(|j| {
             let [rms, largest] = [j.rms_deviation, j.largest_deviation].map(|d| significant(100.0 * d, 2));
-            format!("; resampled, its steps deviate by {rms} % rms, {largest} % at most")
+            let gaps = match j.gaps {
+                0 => String::new(),
+                gaps => format!(", {} samples missing in {gaps} gaps", j.missing),
+            };
+            format!("; resampled, its steps deviate by {rms} % rms, {largest} % at most{gaps}")
+        });
+        let ends = r.torque_ends_hz.map_or_else(String::new, |hz| {
+            format!("; filtered before it was recorded: the torques end at {} Hz", significant(hz, 2))
         });
         let window = format!("{} at {rate} Hz, window {start} s to {end} s", r.samples_used);
-        (label, format!("{name}{window}{weight}{}", resampled.unwrap_or_default()))
+        (label, format!("{name}{window}{weight}{}{ends}", resampled.unwrap_or_default()))
     };
     recordings.iter().map(line).collect()
 }

@@ -28,17 +28,6 @@ pub(super) fn write_one(directory: &Path, name: &str, content: Vec<u8>) -> Resul
     written.map(|()| file.path)
 }
 
-/// Checks, before a long run, that a folder can be where [`write_all`](super::write_all) will write.
-///
-/// # Errors
-/// [`ReportError::NotAFolder`] if a file is there.
-pub fn check_folder(directory: &Path) -> Result<(), ReportError> {
-    match directory.ancestors().find(|path| path.exists()) {
-        Some(path) if !path.is_dir() => Err(ReportError::NotAFolder { path: path.to_owned() }),
-        _ => Ok(()),
-    }
-}
-
 fn write_together(files: &[NewFile]) -> Result<(), ReportError> {
     files.iter().try_for_each(NewFile::write)?;
     files.iter().try_for_each(NewFile::rename)

@@ -1,6 +1,6 @@
 //! What the checks found, for the terminal and the page.
 
-use super::wrap::wrap;
+use super::{number::significant, wrap::wrap};
 use crate::results::{Filter, FilterChoice, Finding, RecordingFindings, RunResult, Severity};
 
 const SEVERITIES: [Severity; 3] = [Severity::Problem, Severity::Warning, Severity::Note];
@@ -13,9 +13,10 @@ pub fn findings_text(recordings: &[RecordingFindings]) -> String {
         if recordings.len() > 1 {
             text += &wrap(&format!("{}:", name(recording)), "");
         }
-        for finding in &recording.findings {
-            text += &wrap(&format!("{} [{}] {}", label(finding.severity), finding.code, seen(finding)), "  ");
-            text += &wrap(&format!("-> {}", finding.remedy), "     ");
+        for group in groups(&recording.findings) {
+            let first = group[0];
+            text += &wrap(&format!("{} [{}] {}", label(first.severity), first.code, seen_together(&group)), "  ");
+            text += &wrap(&format!("-> {}", first.remedy), "     ");
         }
     }
     text
@@ -61,12 +62,48 @@ pub(super) fn lines_of_runs(runs: &[RunResult]) -> Vec<String> {
 }
 
 fn of_run(run: &RunResult) -> impl Iterator<Item = &Finding> {
-    run.physical.iter().flat_map(|p| &p.findings)
+    run.findings.iter().chain(run.physical.iter().flat_map(|p| &p.findings))
 }
 
-/// How many findings there are of each severity, in words.
+/// Findings that are one line: the same of several joints, with the same remedy.
+fn groups(findings: &[Finding]) -> Vec<Vec<&Finding>> {
+    let mut groups: Vec<Vec<&Finding>> = Vec::new();
+    for finding in findings {
+        let same = |f: &Finding| {
+            let alike = (f.severity, f.code, &f.unit, &f.remedy);
+            f.joint.is_some() && alike == (finding.severity, finding.code, &finding.unit, &finding.remedy)
+        };
+        match groups.iter_mut().find(|group| finding.joint.is_some() && same(group[0])) {
+            Some(group) => group.push(finding),
+            None => groups.push(vec![finding]),
+        }
+    }
+    groups
+}
+
+/// The message; of several joints their numbers and values, and the message of the largest value.
+fn seen_together(group: &[&Finding]) -> String {
+    let by_size = |a: &&&Finding, b: &&&Finding| a.value.abs().total_cmp(&b.value.abs());
+    let (Some(least), Some(most)) = (group.iter().min_by(by_size), group.iter().max_by(by_size)) else {
+        return String::new();
+    };
+    if group.len() == 1 {
+        return seen(most);
+    }
+    let joints: Vec<String> = group.iter().filter_map(|f| f.joint).map(|j| j.to_string()).collect();
+    let [least, largest] = [least.value, most.value].map(|value| significant(value, 2));
+    let (joints, unit) = (joints.join(" "), &most.unit);
+    let sizes =
+        if least == largest { format!("{largest} {unit} each") } else { format!("{least} to {largest} {unit}") };
+    format!("joints {joints}: {sizes}; the most: {}", seen(most))
+}
+
+/// How many findings there are of each severity, in words: as many as there are lines.
 pub(super) fn count(recordings: &[RecordingFindings]) -> String {
-    let of = |severity| recordings.iter().flat_map(|r| &r.findings).filter(|f| f.severity == severity).count();
+    let of = |severity| {
+        let lines = recordings.iter().flat_map(|r| groups(&r.findings));
+        lines.filter(|group| group[0].severity == severity).count()
+    };
     let part = |severity: Severity| match of(severity) {
         0 => None,
         1 => Some(format!("1 {severity}")),
@@ -83,11 +120,12 @@ pub(super) fn count(recordings: &[RecordingFindings]) -> String {
 /// A paragraph for each finding, for the page: what was seen, and what to do.
 pub(super) fn lines(recordings: &[RecordingFindings]) -> Vec<String> {
     let several = recordings.len() > 1;
-    let line = |r: &RecordingFindings, f: &Finding| {
-        let place = if several { format!("{}: ", name(r)) } else { String::new() };
-        format!("{place}{} [{}] {}. \u{2192} {}.", label(f.severity), f.code, seen(f), f.remedy)
+    let line = |r: &RecordingFindings, group: Vec<&Finding>| {
+        let (place, first) = (if several { format!("{}: ", name(r)) } else { String::new() }, group[0]);
+        let seen = seen_together(&group);
+        format!("{place}{} [{}] {seen}. \u{2192} {}.", label(first.severity), first.code, first.remedy)
     };
-    recordings.iter().flat_map(|r| r.findings.iter().map(move |f| line(r, f))).collect()
+    recordings.iter().flat_map(|r| groups(&r.findings).into_iter().map(move |group| line(r, group))).collect()
 }
 
 fn label(severity: Severity) -> &'static str {
@@ -110,5 +148,43 @@ fn seen(finding: &Finding) -> String {
         (Some(joint), Some(name)) => format!("joint {joint} ({name}): {}", finding.message),
         (Some(joint), None) => format!("joint {joint}: {}", finding.message),
         (None, _) => finding.message.clone(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::Code;
+
+    fn of_joint(joint: usize, percent: f64) -> Finding {
+        Finding {
+            code: Code::ReferenceMismatch,
+            severity: Severity::Warning,
+            joint: Some(joint),
+            joint_name: Some(format!("j{joint}")),
+            value: percent,
+            unit: "% of the motion".to_owned(),
+            limit: Some(5.0),
+            message: format!("joint {joint}: the motion is 0.1 rad or m rms off its reference"),
+            remedy: "check the reference's column".to_owned(),
+            parameters: Vec::new(),
+        }
+    }
+
+    /// It was seven warnings of two lines each.
+    #[test]
+    fn the_same_finding_of_seven_joints_is_one_line() {
+        let mut findings: Vec<Finding> = (1..=7).map(|j| of_joint(j, 10.0 * j as f64)).collect();
+        let recording = |findings| RecordingFindings { recording: "1".to_owned(), held_back: false, findings };
+        let text = findings_text(&[recording(findings.clone())]);
+        let expected = "Checks: 1 warning\n  \
+            warning [reference-mismatch] joints 1 2 3 4 5 6 7: 10 to 70 % of the motion;\n  \
+            the most: joint 7: the motion is 0.1 rad or m rms off its reference\n     \
+            -> check the reference's column\n";
+        assert_eq!(text, expected);
+        findings[3].remedy = "another".to_owned();
+        assert_eq!(lines(&[recording(findings.clone())]).len(), 2);
+        findings[3].joint = None;
+        assert_eq!(count(&[recording(findings)]), "2 warnings");
     }
 }

@@ -6,7 +6,8 @@ use super::{
     wrap::wrap,
 };
 use crate::results::{
-    BaseParameterSummary, JointKind, JointSummary, ParameterCount, Quantity, RobotSummary, StandardParameterSummary,
+    BaseParameterSummary, Doubt, JointKind, JointSummary, LockedJoint, ParameterCount, Quantity, RobotSummary,
+    StandardParameterSummary,
 };
 
 /// Widest label of the head.
@@ -20,9 +21,19 @@ pub fn model_text(summary: &RobotSummary) -> String {
     let mut parts = vec![head(summary), structure(summary).to_text()];
     parts.extend(transmission(summary));
     parts.push(standard_parameters(summary).to_text());
+    parts.extend(terms(summary).map(|table| table.to_text()));
     parts.push(counts(summary).to_text());
     parts.push(base_parameters(summary));
+    parts.extend(doubts(summary));
     parts.join("\n")
+}
+
+/// What the description says that no robot has, and what to do.
+fn doubts(summary: &RobotSummary) -> Option<String> {
+    let doubt =
+        |d: &Doubt| wrap(&format!("{}: {}", d.place, d.what), "  ") + &wrap(&format!("-> {}", d.remedy), "     ");
+    let lines: String = summary.doubts.iter().map(doubt).collect();
+    (!lines.is_empty()).then(|| format!("Findings in the description\n{lines}"))
 }
 
 /// A number with four significant digits at most.
@@ -48,11 +59,18 @@ fn head(summary: &RobotSummary) -> String {
         ("gravity", format!("{x} {y} {z} m/s^2 in the base frame")),
         ("friction", summary.friction.to_owned()),
     ];
+    let locked = (!summary.locked.is_empty()).then(|| ("locked", locked(summary)));
     let line = |(label, value): (&str, String)| {
         let text = wrap(&value, &" ".repeat(LABEL));
         format!("{label:<LABEL$}{}", text.trim_start())
     };
-    facts.into_iter().map(line).collect()
+    facts.into_iter().chain(locked).map(line).collect()
+}
+
+fn locked(summary: &RobotSummary) -> String {
+    let at =
+        |joint: &LockedJoint| format!("{} at {} {}", joint.name, coordinate(joint.value, joint.kind), unit(joint.kind));
+    summary.locked.iter().map(at).collect::<Vec<_>>().join(", ")
 }
 
 /// A column of the structure: what it says of a joint, if anything.
@@ -199,7 +217,8 @@ fn transmission_notes(summary: &RobotSummary) -> Vec<String> {
 fn standard_parameters(summary: &RobotSummary) -> Table {
     let all = &summary.standard_parameters;
     let mut quantities: Vec<Quantity> = Vec::new();
-    for parameter in all.iter().filter(|p| p.a_priori != 0.0).map(|p| &p.parameter) {
+    let of_links = all.iter().filter(|p| p.a_priori != 0.0 && !p.parameter.quantity.is_term());
+    for parameter in of_links.map(|p| &p.parameter) {
         if !quantities.contains(&parameter.quantity) {
             quantities.push(parameter.quantity);
         }
@@ -227,22 +246,41 @@ fn standard_parameters(summary: &RobotSummary) -> Table {
     }
 }
 
+/// One row for each parameter of a torque term; none where the description has no terms.
+fn terms(summary: &RobotSummary) -> Option<Table> {
+    let all = summary.standard_parameters.iter().filter(|p| p.parameter.quantity.is_term());
+    let row = |p: &StandardParameterSummary| {
+        let joint = summary.joints.get(p.parameter.number - 1).map_or_else(String::new, |j| j.name.clone());
+        vec![p.name.clone(), joint, short(p.a_priori), p.unit.to_string()]
+    };
+    let rows: Vec<Vec<String>> = all.map(row).collect();
+    (!rows.is_empty()).then(|| Table {
+        title: format!("Parameters of torque terms: {}", rows.len()),
+        lead: 2,
+        head: ["parameter", "joint", "a priori", "unit"].map(str::to_owned).to_vec(),
+        rows,
+        ..Table::default()
+    })
+}
+
 fn names_of_link(all: &[StandardParameterSummary]) -> String {
-    let first = all.iter().filter(|p| p.parameter.number == 1 && !p.parameter.quantity.is_coupled_motor());
+    let first = all.iter().filter(|p| {
+        p.parameter.number == 1 && !p.parameter.quantity.is_coupled_motor() && !p.parameter.quantity.is_term()
+    });
     let names: Vec<&str> = first.map(|p| p.name.as_str()).collect();
     format!("link 1 and its joint have {}, and so on by number", names.join(" "))
 }
 
 fn counts(summary: &RobotSummary) -> Table {
     let row = |label: &str, count: &ParameterCount| {
-        let numbers = [count.inertial, count.motor_inertia, count.friction, count.offset, count.all()];
+        let numbers = [count.inertial, count.motor_inertia, count.friction, count.offset, count.terms, count.all()];
         std::iter::once(label.to_owned()).chain(numbers.iter().map(usize::to_string)).collect()
     };
     let counts = &summary.counts;
     Table {
         title: "Numbers of parameters".to_owned(),
         lead: 1,
-        head: ["", "inertial", "motor inertia", "friction", "offset", "all"].map(str::to_owned).to_vec(),
+        head: ["", "inertial", "motor inertia", "friction", "offset", "terms", "all"].map(str::to_owned).to_vec(),
         rows: vec![
             row("standard", &counts.standard),
             row("without effect", &counts.without_effect),

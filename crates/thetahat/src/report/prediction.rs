@@ -3,23 +3,23 @@
 use std::path::Path;
 
 use super::{error::ReportError, series::write_series};
-use crate::results::Prediction;
+use crate::{results::Prediction, visible::visible};
 
 /// Rms of each joint's prediction and, where torques were measured, its relative error.
 #[must_use]
 pub fn prediction_text(prediction: &Prediction) -> String {
     let [start, end] = prediction.window_s;
     let mut text = format!(
-        "prediction of {} ({}), moving part {start:.3} s to {end:.3} s\n\n{:<24}{:>16}{:>20}\n",
+        "prediction of {} ({}), window {start:.3} s to {end:.3} s\n\n{:<24}{:>16}{:>20}\n",
         prediction.method.name(),
-        prediction.case,
+        visible(&prediction.case),
         "joint",
         "rms torque",
         "relative error %"
     );
     for (j, (joint, rms)) in prediction.joints.iter().zip(&prediction.rms).enumerate() {
         let error = percent(prediction.joint_relative_error_percent.get(j).copied().flatten());
-        let joint: String = joint.chars().take(23).collect();
+        let joint: String = visible(joint).chars().take(23).collect();
         text += &format!("{joint:<24}{rms:>16.4}{error:>20}\n");
     }
     text + &format!("{:<24}{:>16}{:>20}\n", "all", "", percent(prediction.relative_error_percent))

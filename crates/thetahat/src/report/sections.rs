@@ -5,11 +5,12 @@ use super::{
     facts::{facts, weights},
     figures, findings,
     number::significant,
-    physical,
+    payload, physical,
     published::Published,
     section::Section,
     table::Table,
     tables::{self, Detail},
+    terms,
 };
 use crate::results::{FTest, Results, RunResult};
 
@@ -24,6 +25,8 @@ pub(super) fn all(results: &Results, published: Option<&Published>) -> Vec<Secti
         diagnosis::section(results),
         estimates(results),
         physical::section(results),
+        payload::section(results),
+        terms::section(results),
     ];
     sections.extend(published.map(|p| comparison(results, p)));
     sections.extend([truth(results), formulas(results), torques(results)]);

@@ -1,6 +1,9 @@
 //! The report of a sweep over the simulator's errors: a table for the terminal, a CSV file and a page.
 
-use std::path::{Path, PathBuf};
+use std::{
+    borrow::Cow,
+    path::{Path, PathBuf},
+};
 
 use super::{
     error::ReportError,
@@ -12,7 +15,10 @@ use super::{
     status::status_words,
     table::{Group, Table},
 };
-use crate::results::{BiasKind, Method, Sensitivity, SensitivityPoint, Status};
+use crate::{
+    results::{BiasKind, Method, Sensitivity, SensitivityPoint, Status},
+    visible::cell,
+};
 
 /// The methods of a sweep, in the order of the table's groups.
 fn methods(sensitivity: &Sensitivity) -> Vec<Method> {
@@ -25,6 +31,9 @@ pub fn sensitivity_text(sensitivity: &Sensitivity) -> String {
     table(sensitivity).to_text()
 }
 
+/// The files of a sweep.
+pub const SENSITIVITY_FILES: [&str; 2] = ["sensitivity.csv", "sensitivity.html"];
+
 /// Writes `sensitivity.csv`, with every estimate, and `sensitivity.html` into a folder, which is made where it is not
 /// there. Returns their paths.
 ///
@@ -32,10 +41,8 @@ pub fn sensitivity_text(sensitivity: &Sensitivity) -> String {
 /// [`ReportError`] for what cannot be rendered or written.
 pub fn write_sensitivity(sensitivity: &Sensitivity, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
     let page = html::page_of(&sensitivity.title, &facts(sensitivity), &sections(sensitivity))?;
-    files::write_files(
-        directory,
-        vec![("sensitivity.csv", csv_of(sensitivity)?), ("sensitivity.html", page.into_bytes())],
-    )
+    let [table, figures] = SENSITIVITY_FILES;
+    files::write_files(directory, vec![(table, csv_of(sensitivity)?), (figures, page.into_bytes())])
 }
 
 fn facts(sensitivity: &Sensitivity) -> Vec<(&'static str, String)> {
@@ -151,8 +158,8 @@ fn csv_of(sensitivity: &Sensitivity) -> Result<Vec<u8>, ReportError> {
     let refuse = |source| ReportError::Csv { source };
     let mut writer = csv::Writer::from_writer(Vec::new());
     let head = ["error", "value", "method", "status", "relative_error_percent", "rms_change_sd"];
-    let names = sensitivity.parameters.iter().map(String::as_str);
-    writer.write_record(head.into_iter().chain(names)).map_err(refuse)?;
+    let names = sensitivity.parameters.iter().map(|name| cell(name));
+    writer.write_record(head.into_iter().map(Cow::Borrowed).chain(names).map(Cow::into_owned)).map_err(refuse)?;
     for point in sensitivity.nominal.iter().map(|p| (p, "none")).chain(sensitivity.points.iter().map(|p| (p, ""))) {
         writer.write_record(record(point, sensitivity.parameters.len())).map_err(refuse)?;
     }

@@ -1,28 +1,33 @@
 //! Time series as a CSV file.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
 use super::error::ReportError;
-use crate::{results::TwinRecord, series::Series};
+use crate::{
+    output::{RECORD, replace_file},
+    results::TwinRecord,
+    series::Series,
+};
 
 /// Writes the record of a twin: `time_s`, `position_1` ... in rad or m, `torque_1` ... in N m or N; whole or not at all.
 ///
 /// # Errors
 /// [`ReportError`] where the file cannot be written.
 pub fn write_record(record: &TwinRecord, path: &Path) -> Result<(), ReportError> {
-    write_series(record.sample_rate_hz, &[("position", &record.position), ("torque", &record.torque)], path)
+    let columns = [("position", &record.position), ("torque", &record.torque)];
+    let mut content = table(record.sample_rate_hz, &columns).map_err(|source| ReportError::Csv { source })?;
+    let head = RECORD.replace('"', "").len();
+    content.splice(..head, RECORD.bytes());
+    write(&content, path)
 }
 
 /// Writes series of the same length beside their time, whole or not at all: `time_s`, then `name_1` ... of each.
 pub(super) fn write_series(sample_rate_hz: f64, columns: &[(&str, &Series)], path: &Path) -> Result<(), ReportError> {
-    let content = table(sample_rate_hz, columns).map_err(|source| ReportError::Csv { source })?;
-    let temporary = path.with_extension(format!("{}.part", std::process::id()));
-    let write = fs::write(&temporary, content).and_then(|()| fs::rename(&temporary, path));
-    write.map_err(|source| {
-        // Where there is no temporary file, nothing is to be taken away.
-        let _ = fs::remove_file(&temporary);
-        ReportError::Write { path: path.to_owned(), source }
-    })
+    write(&table(sample_rate_hz, columns).map_err(|source| ReportError::Csv { source })?, path)
+}
+
+fn write(content: &[u8], path: &Path) -> Result<(), ReportError> {
+    replace_file(path, content).map_err(|source| ReportError::Write { path: path.to_owned(), source })
 }
 
 fn table(sample_rate_hz: f64, columns: &[(&str, &Series)]) -> Result<Vec<u8>, csv::Error> {

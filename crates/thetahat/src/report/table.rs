@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::wrap::{TEXT_WIDTH, wrap};
+use crate::visible::visible;
 
 /// Longest text of a leading column, of a column under a group, and of any other column.
 const LEAD_CELL: usize = 24;
@@ -40,15 +41,33 @@ impl Table {
     /// leading columns.
     #[must_use]
     pub fn to_text(&self) -> String {
-        let mut text = wrap(&self.title, "");
-        let widths = self.widths();
-        for page in self.pages(&widths) {
-            page.write(self, &widths, &mut text);
+        let table = self.visible();
+        let mut text = wrap(&table.title, "");
+        let widths = table.widths();
+        for page in table.pages(&widths) {
+            page.write(&table, &widths, &mut text);
         }
-        for note in &self.notes {
+        for note in &table.notes {
             text.push_str(&wrap(note, "  "));
         }
         text
+    }
+
+    /// The same with names that cannot steer a terminal.
+    fn visible(&self) -> Self {
+        let all = |texts: &[String]| texts.iter().map(|text| visible(text).into_owned()).collect();
+        Self {
+            title: visible(&self.title).into_owned(),
+            lead: self.lead,
+            groups: self
+                .groups
+                .iter()
+                .map(|g| Group { label: visible(&g.label).into_owned(), columns: g.columns })
+                .collect(),
+            head: all(&self.head),
+            rows: self.rows.iter().map(|row| all(row)).collect(),
+            notes: all(&self.notes),
+        }
     }
 
     /// Characters of each column; those under a long heading are widened to hold it.

@@ -3,10 +3,12 @@
 use super::{
     closed_loop, diagnosis, facts,
     findings::{findings_text, of_runs_text},
-    physical,
+    payload, physical,
     published::Published,
     sections,
+    table::Table,
     tables::{self, Detail},
+    terms,
     wrap::wrap,
 };
 use crate::results::Results;
@@ -26,6 +28,8 @@ pub fn all(results: &Results, published: Option<&Published>) -> String {
         parts.extend(published.map(|p| self::published(results, p, case)));
     }
     parts.push(physical::text(results));
+    parts.extend(payload::tables(results).iter().map(Table::to_text));
+    parts.push(terms::text(results));
     parts.extend(published.map(|p| published_runs(results, p)));
     parts.extend([joint_errors(results), tests(results), convergence(results), simulation_errors(results)]);
     parts.retain(|part| !part.is_empty());

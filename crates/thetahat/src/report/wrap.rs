@@ -1,5 +1,7 @@
 //! Texts in lines that fit a terminal.
 
+use crate::visible::visible_lines;
+
 /// Columns of a terminal that no line exceeds.
 pub const TEXT_WIDTH: usize = 80;
 
@@ -7,7 +9,7 @@ pub const TEXT_WIDTH: usize = 80;
 pub(super) fn wrap(text: &str, indent: &str) -> String {
     let width = TEXT_WIDTH - indent.chars().count();
     let mut lines: Vec<String> = vec![String::new()];
-    for word in text.split_whitespace().flat_map(|word| pieces(word, width)) {
+    for word in visible_lines(text).split_whitespace().flat_map(|word| pieces(word, width)) {
         match lines.last_mut() {
             Some(line) if line.is_empty() => *line = word,
             Some(line) if line.chars().count() + 1 + word.chars().count() <= width => *line += &format!(" {word}"),

@@ -5,10 +5,16 @@ use super::{
     diagnosis::{Advice, CaseDiagnosis},
     joints::JointResult,
     parameters::EliminationResult,
+    payload::{DriveGainResult, PayloadResult},
     recordings::{Bandwidth, RecordingFindings, RecordingResult},
     run::RunResult,
+    terms::{ProfiledTerm, TermComparison},
 };
-use crate::identification::{Method, Status};
+use crate::{
+    checks::Severity,
+    identification::{Method, Status},
+    robot::LockedJoint,
+};
 
 /// Version of the form of `results.json`: it grows where a program of before would misread the file.
 pub const SCHEMA: u32 = 1;
@@ -32,6 +38,9 @@ pub struct Results {
     /// read from a file of schema 0.
     #[serde(default)]
     pub robot_joints: Vec<JointResult>,
+    /// The joints of the robot's description that were locked, rad or m.
+    #[serde(default)]
+    pub robot_locked: Vec<LockedJoint>,
     /// Samples in the windows of the recordings that were identified from.
     pub samples_used: usize,
     /// Rows of y.
@@ -49,6 +58,12 @@ pub struct Results {
     pub findings: Vec<RecordingFindings>,
     /// The elimination, where essential parameters were sought.
     pub elimination: Option<EliminationResult>,
+    /// Constants of torque terms that were searched for.
+    #[serde(default)]
+    pub profiled_terms: Vec<ProfiledTerm>,
+    /// Laws of torque terms compared, where that was asked for.
+    #[serde(default)]
+    pub term_comparison: Option<TermComparison>,
     /// Which numbers of each case to take, and why.
     #[serde(default)]
     pub advice: Vec<Advice>,
@@ -57,6 +72,12 @@ pub struct Results {
     pub diagnostics: Vec<CaseDiagnosis>,
     /// Every case and method.
     pub runs: Vec<RunResult>,
+    /// The payloads that were estimated.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub payloads: Vec<PayloadResult>,
+    /// The gains of the drives by a known payload, joint by joint; empty where no recording carries one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub drive_gains: Vec<DriveGainResult>,
     /// The text of the experiment file.
     pub experiment_description: String,
     /// The text of the robot description.
@@ -67,14 +88,19 @@ pub struct Results {
 }
 
 impl Results {
-    /// Whether every nominal run converged, and no check of a recording that was identified from found a problem.
+    /// Whether every nominal run converged and predicts every joint, no check of a recording that was identified from found a
+    /// problem, and no known payload contradicts the torques.
     #[must_use]
     pub fn is_trustworthy(&self) -> bool {
         if self.findings.iter().any(|r| !r.held_back && r.has_problem()) {
             return false;
         }
+        if self.drive_gains.iter().any(DriveGainResult::contradicts) {
+            return false;
+        }
         let nominal = |r: &&RunResult| r.case == NOMINAL;
-        self.runs.iter().filter(nominal).all(|r| r.status == Status::Converged)
+        let is_sound = |r: &RunResult| r.findings.iter().all(|f| f.severity != Severity::Problem);
+        self.runs.iter().filter(nominal).all(|r| r.status == Status::Converged && is_sound(r))
     }
 
     /// The run of a case and method.

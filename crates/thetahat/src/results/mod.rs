@@ -36,11 +36,13 @@ mod file;
 mod filter;
 mod joints;
 mod parameters;
+mod payload;
 mod physical;
 mod prediction;
 mod recordings;
 mod run;
 mod sensitivity;
+mod terms;
 mod twin;
 
 pub use campaign::{CampaignResults, Extent, MethodSummary, ParameterSummary, PublishedStatement, Quantiles};
@@ -54,11 +56,13 @@ pub use file::ResultsError;
 pub use filter::{ComparedFilter, Filter, FilterChoice, FilterError};
 pub use joints::JointResult;
 pub use parameters::{EliminationResult, ParameterResult};
+pub use payload::{DriveGainResult, PayloadParameter, PayloadResult};
 pub use physical::{ConsistencyTest, ConsistentEstimate, ConsistentParameter, PhysicalResult};
 pub use prediction::Prediction;
 pub use recordings::{Bandwidth, PeriodicResult, RecordingFindings, RecordingResult, ReferenceResult};
 pub use run::{IterationResult, LoopParameterResult, RunResult};
 pub use sensitivity::{Sensitivity, SensitivityPoint};
+pub use terms::{JointTermComparison, ProfiledTerm, TermComparison, TermLaw};
 pub use twin::TwinRecord;
 
 // The values of other rooms that results hold and reports show.
@@ -67,7 +71,7 @@ pub use crate::{
     checks::{Code, Finding, Severity},
     identification::{Method, Status, Weighting},
     recording::{ChannelSummary, ColumnSummary, Contents, Resampling, TableSummary, TimeSummary},
-    robot::{JointKind, Parameter, Quantity},
+    robot::{Doubt, JointKind, LockedJoint, Parameter, Quantity},
     robot_summary::{BaseParameterSummary, JointSummary, ParameterCount, RobotSummary, StandardParameterSummary},
     simulation::BiasKind,
     statistics::{ChiSquaredTest, FTest},

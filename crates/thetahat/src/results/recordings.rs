@@ -20,6 +20,9 @@ pub struct RecordingResult {
     pub window_s: [f64; 2],
     /// How far its time steps deviate, where it was resampled to equal ones.
     pub resampling: Option<Resampling>,
+    /// Where torques end that were low-passed before they were recorded, Hz; none where they are raw.
+    #[serde(default)]
+    pub torque_ends_hz: Option<f64>,
     /// The reference that its simulations follow.
     pub reference: Option<ReferenceResult>,
 }

@@ -9,6 +9,7 @@ use super::{
     physical::PhysicalResult,
 };
 use crate::{
+    checks::Finding,
     identification::{Method, Response, Status, Weighting},
     statistics::FTest,
 };
@@ -34,6 +35,9 @@ pub struct RunResult {
     /// Whether the estimates are those of a physical robot; none without an estimate.
     #[serde(default)]
     pub physical: Option<PhysicalResult>,
+    /// What the checks find in its predictions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub findings: Vec<Finding>,
     /// Iterations.
     pub iterations: usize,
     /// Closed-loop simulations of the iteration.
@@ -116,6 +120,7 @@ impl RunResult {
             reason: None,
             notes: Vec::new(),
             physical: None,
+            findings: Vec::new(),
             iterations: 0,
             simulations: 0,
             relative_error_percent: None,

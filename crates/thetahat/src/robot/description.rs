@@ -1,9 +1,13 @@
 use std::collections::BTreeMap;
 
+use serde::Serialize;
+
 use super::{
     joint::{Joint, JointKind},
+    locking::LockedJoint,
     parameters::ParameterTable,
     quantity::{Friction, JointQuantity},
+    terms::{TermColumn, TermDescription, channels_of},
     transmission::Transmission,
 };
 
@@ -25,6 +29,29 @@ pub struct Robot {
     pub friction: Friction,
     /// A-priori values by parameter name, as from CAD; what is not listed is zero.
     pub a_priori: BTreeMap<String, f64>,
+    /// Joints of the description that were locked, and are no joints of this robot.
+    pub locked: Vec<LockedJoint>,
+    /// What its description says that no robot has.
+    pub doubts: Vec<Doubt>,
+    /// Torque terms beside those of links and drives, as they are described; [`Robot::add_terms`] adds them.
+    pub term_descriptions: Vec<TermDescription>,
+    /// Their columns.
+    pub terms: Vec<TermColumn>,
+}
+
+/// Something in a description that no robot has, and that is used as it is: a mass below zero in a URDF.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Doubt {
+    /// File, line and element.
+    pub place: String,
+    /// What stands there, in words.
+    pub what: String,
+    /// The number that cannot be.
+    pub value: f64,
+    /// Its unit.
+    pub unit: &'static str,
+    /// What to do.
+    pub remedy: &'static str,
 }
 
 impl Robot {
@@ -67,7 +94,19 @@ impl Robot {
         let joints = self.coordinate_joints();
         let coupled = self.transmission.coupled_motors();
         let motors: Vec<usize> = coupled.into_iter().filter_map(|i| joints.get(i).copied()).collect();
-        ParameterTable::new(&kinds, self.friction, &motors)
+        ParameterTable::new(&kinds, self.friction, &motors).with_terms(&self.terms)
+    }
+
+    /// The recorded channels that its terms take, each once.
+    #[must_use]
+    pub fn channels(&self) -> Vec<String> {
+        channels_of(&self.terms)
+    }
+
+    /// The parameter of a term that depends on accelerations, so that no simulation can have it.
+    #[must_use]
+    pub fn term_of_acceleration(&self) -> Option<&str> {
+        self.terms.iter().find(|term| term.shape.needs_acceleration()).map(|term| term.parameter.as_str())
     }
 
     /// The a-priori values in the order of the robot's table, zero where nothing is given.

@@ -1,6 +1,6 @@
 use std::path::{Path, PathBuf};
 
-use super::urdf::UrdfError;
+use super::{locking::LockError, terms::TermError, urdf::UrdfError};
 
 /// Why a robot description cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -69,6 +69,14 @@ pub enum RobotError {
     /// A URDF that cannot be used.
     #[error(transparent)]
     Urdf(#[from] UrdfError),
+    /// Joints that cannot be locked.
+    #[error("{}: {source}", path.display())]
+    Lock {
+        /// The file that locks them.
+        path: PathBuf,
+        /// Why not.
+        source: Box<LockError>,
+    },
     /// The motor-joint matrix cannot be inverted.
     #[error("{}, line {line}: [transmission] matrix is singular: {reason}; every joint needs a motor that moves it", path.display())]
     SingularTransmission {
@@ -91,6 +99,14 @@ pub enum RobotError {
         /// What was found.
         found: String,
     },
+    /// A torque term that cannot be used.
+    #[error("{}: {source}", path.display())]
+    Term {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: Box<TermError>,
+    },
     /// A parameter name that this robot does not have.
     #[error("{}: [parameters] {name}: this robot has no such parameter; joint 1 has {}, and so on by number", path.display(), known.join(" "))]
     UnknownParameter {
@@ -104,6 +120,10 @@ pub enum RobotError {
 }
 
 impl RobotError {
+    pub(super) fn lock(path: &Path, source: LockError) -> Self {
+        Self::Lock { path: path.to_owned(), source: Box::new(source) }
+    }
+
     pub(super) fn of_toml(error: &toml::de::Error, path: &Path) -> Self {
         Self::Syntax { path: path.to_owned(), message: error.to_string().trim_end().to_owned() }
     }

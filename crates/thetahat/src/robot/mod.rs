@@ -15,25 +15,37 @@
 //! # Ok::<(), thetahat::robot::RobotError>(())
 //! ```
 
+mod body;
 mod description;
 mod error;
 mod joint;
+mod locking;
 mod parameters;
 mod physical;
 mod quantity;
+mod sound;
 mod source;
+mod terms;
 mod toml_file;
 mod transmission;
 mod tree;
 mod urdf;
 
-pub use description::Robot;
+pub use description::{Doubt, Robot};
 pub use error::RobotError;
 pub use joint::{DenavitHartenberg, Joint, JointKind, Limits, Mimic, Placement};
+pub use locking::{LockError, LockedJoint, Locks};
 pub use parameters::{Parameter, ParameterTable};
 pub use physical::NotPhysical;
-pub use quantity::{Bound, Friction, INERTIAL, JointQuantity, LinkQuantity, MotorQuantity, Quantity, Role};
+pub use quantity::{
+    Bound, Friction, INERTIAL, JointQuantity, LinkQuantity, MotorQuantity, Quantity, Role, TermQuantity,
+};
+pub use sound::NotARobot;
 pub use source::RobotSource;
+pub use terms::{
+    ChannelFactor, Cylinder, Direction, Expression, LinkPoint, PointDescription, Shape, Stribeck, StribeckLaw,
+    TermColumn, TermDescription, TermError, TwoPoints, Variable, channels_of,
+};
 pub use transmission::Transmission;
 pub use urdf::{Place, UrdfError};
 

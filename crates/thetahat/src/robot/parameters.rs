@@ -1,6 +1,9 @@
+use std::borrow::Cow;
+
 use super::{
     joint::JointKind,
-    quantity::{Friction, INERTIAL, JointQuantity, MotorQuantity, Quantity},
+    quantity::{Friction, INERTIAL, JointQuantity, MotorQuantity, Quantity, TermQuantity},
+    terms::TermColumn,
 };
 
 /// One standard parameter: a quantity and the number, from one, of its link, joint or motor.
@@ -11,14 +14,16 @@ pub struct Parameter {
     /// Number of the link, joint or motor, from one.
     pub number: usize,
     /// Unit in SI.
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
+    /// Its own name, where it does not follow from quantity and number.
+    pub own_name: Option<String>,
 }
 
 impl Parameter {
     /// Its name, such as `zz1` or `fcm6`.
     #[must_use]
     pub fn name(&self) -> String {
-        format!("{}{}", self.quantity.name(), self.number)
+        self.own_name.clone().unwrap_or_else(|| format!("{}{}", self.quantity.name(), self.number))
     }
 }
 
@@ -41,11 +46,25 @@ impl ParameterTable {
         let entry = |quantity: Quantity, joint: usize| Parameter {
             quantity,
             number: joint + 1,
-            unit: quantity.unit(kinds[joint]),
+            unit: Cow::Borrowed(quantity.unit(kinds[joint])),
+            own_name: None,
         };
         let joints = (0..kinds.len()).flat_map(|j| of_joint.iter().map(move |&quantity| (quantity, j)));
         let motors = coupled_motors.iter().flat_map(|&i| of_motor.iter().map(move |&quantity| (quantity, i)));
         Self { parameters: joints.chain(motors).map(|(quantity, j)| entry(quantity, j)).collect() }
+    }
+
+    /// The same with the parameters of terms behind.
+    #[must_use]
+    pub fn with_terms(mut self, terms: &[TermColumn]) -> Self {
+        let entry = |(column, term): (usize, &TermColumn)| Parameter {
+            quantity: Quantity::Term(TermQuantity { column, role: term.role, bound: term.bound }),
+            number: term.joint + 1,
+            unit: Cow::Owned(term.unit.clone()),
+            own_name: Some(term.parameter.clone()),
+        };
+        self.parameters.extend(terms.iter().enumerate().map(entry));
+        self
     }
 
     /// Number of parameters.
@@ -102,7 +121,7 @@ mod tests {
     #[test]
     fn units_follow_the_kind_of_joint() {
         let table = ParameterTable::new(&[JointKind::Prismatic], Friction::Asymmetric, &[]);
-        let unit = |name| table.get(table.index_of(name).unwrap()).unit;
-        assert_eq!((unit("fvp1"), unit("fcn1"), unit("ia1"), unit("zz1")), ("N s/m", "N", "kg", "kg m^2"));
+        let unit = |name| table.get(table.index_of(name).unwrap()).unit.to_string();
+        assert_eq!([unit("fvp1"), unit("fcn1"), unit("ia1"), unit("zz1")], ["N s/m", "N", "kg", "kg m^2"]);
     }
 }

@@ -69,10 +69,19 @@ fn check_link(link: usize, inertial: [f64; 10]) -> Result<(), NotPhysical> {
     if inertial.iter().all(|v| *v == 0.0) {
         return Ok(());
     }
-    let [xx, xy, xz, yy, yz, zz, mx, my, mz, mass] = inertial;
+    let mass = inertial[9];
     if mass <= 0.0 {
         return Err(NotPhysical::Mass { link, mass });
     }
+    let principal = principal_inertias(inertial);
+    let [smallest, middle, largest] = principal;
+    let body = smallest > 0.0 && smallest + middle >= largest * (1.0 - ROUNDING);
+    if body { Ok(()) } else { Err(NotPhysical::Inertia { link, principal }) }
+}
+
+/// Principal inertias about the centre of mass, rising, of a link with a mass, by its parameters in the order of
+/// [`INERTIAL`].
+pub(super) fn principal_inertias([xx, xy, xz, yy, yz, zz, mx, my, mz, mass]: [f64; 10]) -> [f64; 3] {
     // The inertia about the centre of mass, by the theorem of Huygens and Steiner.
     let square = mx * mx + my * my + mz * mz;
     let at = |i: usize, j: usize, about_origin: f64| {
@@ -80,10 +89,13 @@ fn check_link(link: usize, inertial: [f64; 10]) -> Result<(), NotPhysical> {
         about_origin - (if i == j { square } else { 0.0 } - s[i] * s[j]) / mass
     };
     let upper = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
-    let principal = symmetric_eigenvalues(&Matrix::from_fn(3, 3, |i, j| at(i, j, upper[i][j])));
-    let [smallest, middle, largest] = principal;
-    let body = smallest > 0.0 && smallest + middle >= largest * (1.0 - ROUNDING);
-    if body { Ok(()) } else { Err(NotPhysical::Inertia { link, principal }) }
+    symmetric_eigenvalues(&Matrix::from_fn(3, 3, |i, j| at(i, j, upper[i][j])))
+}
+
+/// Whether a body can have these principal inertias, rising, given with so many digits that they differ by the part
+/// `rounding` of the largest.
+pub(super) fn are_of_a_body([smallest, middle, largest]: [f64; 3], rounding: f64) -> bool {
+    smallest >= -rounding * largest.abs() && smallest + middle >= largest - rounding * largest.abs()
 }
 
 /// Eigenvalues of a symmetric matrix of three rows, rising, in closed form (O. K. Smith, "Eigenvalues of a symmetric

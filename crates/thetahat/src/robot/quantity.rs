@@ -16,6 +16,19 @@ pub enum Quantity {
     Joint(JointQuantity),
     /// Of a coupled motor: it acts on the coordinates that move the motor.
     Motor(MotorQuantity),
+    /// Of a torque term that the robot's description adds.
+    Term(TermQuantity),
+}
+
+/// The parameter of a torque term.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct TermQuantity {
+    /// Its column among the robot's terms, from zero.
+    pub column: usize,
+    /// What kind of torque it gives.
+    pub role: Role,
+    /// Which values it can physically have.
+    pub bound: Bound,
 }
 
 /// Inertial parameters of a link: inertia about the origin of its axes, first moments, mass.
@@ -78,7 +91,7 @@ pub enum Friction {
 }
 
 /// What kind of torque a parameter gives.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Role {
     /// Inertia, first moment or mass of a link.
     Inertial,
@@ -93,7 +106,7 @@ pub enum Role {
 }
 
 /// Which values a parameter can physically have.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Bound {
     /// Any.
     Free,
@@ -122,6 +135,7 @@ const FIRST_MOMENT: Unit = Unit { revolute: "kg m", prismatic: "kg m" };
 const MASS: Unit = Unit { revolute: "kg", prismatic: "kg" };
 const INERTIA: Unit = Unit { revolute: "kg m^2", prismatic: "kg" };
 const DAMPING: Unit = Unit { revolute: "N m s/rad", prismatic: "N s/m" };
+const UNKNOWN: Unit = Unit { revolute: "", prismatic: "" };
 const TORQUE: Unit = Unit { revolute: "N m", prismatic: "N" };
 
 /// The ten inertial parameters of a link, in order.
@@ -202,7 +216,7 @@ impl MotorQuantity {
 }
 
 impl Quantity {
-    /// The name without its number, lower case.
+    /// The name without its number, lower case; of a term, `term`: its parameter has a name of its own.
     #[must_use]
     pub fn name(self) -> &'static str {
         self.row().name
@@ -220,7 +234,7 @@ impl Quantity {
         self.row().bound
     }
 
-    /// Its unit in SI, for a joint of this kind.
+    /// Its unit in SI, for a joint of this kind; empty for a term, whose parameter has a unit of its own.
     #[must_use]
     pub fn unit(self, kind: JointKind) -> &'static str {
         let unit = self.row().unit;
@@ -263,11 +277,18 @@ impl Quantity {
         matches!(self, Self::Motor(_))
     }
 
+    /// Whether it belongs to a torque term that the robot's description adds.
+    #[must_use]
+    pub fn is_term(self) -> bool {
+        matches!(self, Self::Term(_))
+    }
+
     fn row(self) -> Row {
         match self {
             Self::Link(quantity) => quantity.row(),
             Self::Joint(quantity) => quantity.row(),
             Self::Motor(quantity) => quantity.row(),
+            Self::Term(TermQuantity { role, bound, .. }) => Row { name: "term", role, bound, unit: UNKNOWN },
         }
     }
 }

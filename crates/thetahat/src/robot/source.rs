@@ -4,7 +4,12 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{description::Robot, error::RobotError, toml_file, urdf};
+use super::{
+    description::Robot,
+    error::RobotError,
+    locking::{Locks, LocksOf, merged, resolve_all},
+    toml_file, urdf,
+};
 
 /// Longest robot description, bytes.
 const LONGEST: u64 = 16 << 20;
@@ -67,10 +72,37 @@ impl RobotSource {
     /// # Errors
     /// [`RobotError`], with the file and the line or key.
     pub fn robot(&self) -> Result<Robot, RobotError> {
-        if is_xml(&self.text) {
-            return Ok(urdf::read(&self.text, &self.path, urdf::Transmissions::Read)?);
+        self.read_with(&[])
+    }
+
+    /// The robot with joints locked, beside those that its description locks; `path` is the file that states `locks`, for
+    /// messages. Transmissions of a URDF that name only locked joints do not matter.
+    ///
+    /// # Errors
+    /// As [`RobotSource::robot`], and [`RobotError::Lock`].
+    pub fn robot_with_locks(&self, locks: &Locks, path: &Path) -> Result<Robot, RobotError> {
+        self.read_with(&[LocksOf { path, locks }])
+    }
+
+    /// The robot as far as it can be told without the transmissions of a URDF, which may couple joints.
+    ///
+    /// # Errors
+    /// As [`RobotSource::robot`].
+    pub fn robot_without_transmission(&self) -> Result<Robot, RobotError> {
+        self.read_as(urdf::Transmissions::Ignored, &[])
+    }
+
+    fn read_with(&self, locks: &[LocksOf<'_>]) -> Result<Robot, RobotError> {
+        self.read_as(urdf::Transmissions::Read, locks)
+    }
+
+    fn read_as(&self, transmissions: urdf::Transmissions, locks: &[LocksOf<'_>]) -> Result<Robot, RobotError> {
+        if !is_xml(&self.text) {
+            return toml_file::read(&self.text, &self.path, (self.urdf.as_ref(), transmissions), locks);
         }
-        toml_file::read(&self.text, &self.path, self.urdf.as_ref())
+        let whole = urdf::read(&self.text, &self.path, transmissions, locks)?;
+        let values = resolve_all(&whole.joints, locks)?;
+        merged(&whole, &values).map_err(|source| RobotError::lock(&self.path, source))
     }
 
     /// One text with everything, from which [`Robot::parse`] makes the same robot without any file.

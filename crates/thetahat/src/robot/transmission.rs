@@ -42,6 +42,12 @@ impl Transmission {
         &self.offset
     }
 
+    /// The drive gains, torque per unit of each motor's drive signal.
+    #[must_use]
+    pub fn drive_gain(&self) -> &[f64] {
+        &self.drive_gain
+    }
+
     /// Number of joints.
     #[must_use]
     pub fn joints(&self) -> usize {
@@ -80,6 +86,12 @@ impl Transmission {
     pub fn coupled_motors(&self) -> Vec<usize> {
         let moves = |i: usize| (0..self.joints()).filter(|&j| self.matrix.at(i, j) != 0.0).count();
         (0..self.joints()).filter(|&i| moves(i) > 1).collect()
+    }
+
+    /// Whether a joint's torque, from zero, is that of several motors.
+    #[must_use]
+    pub fn has_several_motors(&self, joint: usize) -> bool {
+        (0..self.joints()).filter(|&i| self.matrix.at(i, joint) != 0.0).count() > 1
     }
 
     /// `q = N^-1 q_motor + offset` for each sample.

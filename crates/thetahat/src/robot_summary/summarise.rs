@@ -27,6 +27,8 @@ impl RobotSummary {
             gravity: robot.gravity,
             friction: robot.friction.name(),
             joints: joints(robot),
+            locked: robot.locked.clone(),
+            doubts: robot.doubts.clone(),
             transmission: transmission(robot),
             counts: counts(&model, &standard, base.as_ref()),
             standard_parameters: standard,
@@ -83,7 +85,7 @@ fn standard_parameters(
     }
     let summary = |(i, parameter): (usize, &Parameter)| StandardParameterSummary {
         name: parameter.name(),
-        unit: parameter.unit,
+        unit: parameter.unit.clone(),
         a_priori: a_priori[i],
         has_effect: base.map(|_| acts[i]),
         parameter: parameter.clone(),
@@ -99,7 +101,7 @@ fn base_parameters(model: &Model, base: &BaseParameters, a_priori: &[f64]) -> Ve
         kept: name(parameter.kept),
         expression: parameter.expression.clone(),
         regrouped: parameter.regrouped.iter().map(|&(i, c)| (name(i), c)).collect(),
-        unit: parameter.unit,
+        unit: parameter.unit.clone(),
         a_priori,
     };
     base.parameters().iter().zip(values).map(summary).collect()
@@ -118,6 +120,10 @@ fn counts(model: &Model, standard: &[StandardParameterSummary], base: Option<&Ba
 fn count<'p>(parameters: impl Iterator<Item = &'p Parameter>) -> ParameterCount {
     let mut count = ParameterCount::default();
     for parameter in parameters {
+        if parameter.quantity.is_term() {
+            count.terms += 1;
+            continue;
+        }
         let of_role = match parameter.quantity.role() {
             Role::Inertial => &mut count.inertial,
             Role::MotorInertia => &mut count.motor_inertia,

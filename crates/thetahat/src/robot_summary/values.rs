@@ -1,6 +1,8 @@
+use std::borrow::Cow;
+
 use serde::Serialize;
 
-use crate::robot::{JointKind, Parameter};
+use crate::robot::{Doubt, JointKind, LockedJoint, Parameter};
 
 /// A robot as data for people and programs. Lengths in m, angles in rad, and so on in SI; joints, links and motors are
 /// numbered from one.
@@ -18,6 +20,10 @@ pub struct RobotSummary {
     pub friction: &'static str,
     /// The moving joints.
     pub joints: Vec<JointSummary>,
+    /// The joints of the description that are locked, and are none of `joints`.
+    pub locked: Vec<LockedJoint>,
+    /// What the description says that no robot has.
+    pub doubts: Vec<Doubt>,
     /// Motors to coordinates.
     pub transmission: TransmissionSummary,
     /// The standard parameters in order.
@@ -92,7 +98,7 @@ pub struct StandardParameterSummary {
     /// Its name.
     pub name: String,
     /// Its unit in SI.
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
     /// The value that the description gives; zero where it gives none.
     pub a_priori: f64,
     /// Whether it acts on any torque; none where the base parameters are not clear.
@@ -114,7 +120,7 @@ pub struct BaseParameterSummary {
     /// The standard parameters regrouped into it, with their coefficients.
     pub regrouped: Vec<(String, f64)>,
     /// Its unit in SI.
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
     /// Its value by the a-priori values.
     pub a_priori: f64,
 }
@@ -130,6 +136,8 @@ pub struct ParameterCount {
     pub friction: usize,
     /// Of torques.
     pub offset: usize,
+    /// Of terms that the description adds.
+    pub terms: usize,
 }
 
 /// Numbers of parameters.
@@ -147,7 +155,7 @@ impl ParameterCount {
     /// All kinds together.
     #[must_use]
     pub fn all(&self) -> usize {
-        self.inertial + self.motor_inertia + self.friction + self.offset
+        self.inertial + self.motor_inertia + self.friction + self.offset + self.terms
     }
 }
 

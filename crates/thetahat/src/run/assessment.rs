@@ -4,23 +4,21 @@
 use std::borrow::Cow;
 
 use super::{
-    cross_validation::{
-        CrossValidation, Folds, folds_by_move, folds_by_part, folds_by_phase, folds_by_recording, leave_folds_out,
-    },
+    cross_validation::{CrossValidation, Folds, leave_folds_out},
     identification::{Identification, explain},
     linear::Linear,
     parameters::{loop_parameter_results, parameter_results},
     physical::Examined,
     prepared::filtered,
+    worse_than_zero::{Data, worse_than_zero},
 };
 use crate::{
     diagnosis::{Estimated, residual},
     identification::{Fit, Method, Needs, Outcome, Response, uncertainty},
-    preparation::{Case, PreparationError, Problem},
+    preparation::{Case, PreparationError},
     regression::relative_error_percent,
     results::{Influence, IterationResult, LoopParameterResult, ParameterResult, RunResult},
     scheduling::{EstimationJob, Finished},
-    simulation::Reference,
 };
 
 /// An estimation of a case that is to be assessed.
@@ -45,10 +43,14 @@ impl Assessment<'_> {
                 simulator.as_ref().zip(motions.as_ref()).map(|(s, motions)| s.errors(motions));
             run.plots = problem.plots(&self.torque(fit), motions.as_deref().unwrap_or_default());
             let setup = self.identification.setup();
-            let folds = self.folds(problem).filter(|_| setup.settings.parameters.physical);
+            let folds = self.identification.folds(problem).filter(|_| setup.settings.parameters.physical);
             let linear = Linear::of(self.job, &outcome, fit);
             run.physical = Examined { setup, job: self.job, linear: &linear, run: &run, folds }.physical();
             run.residual = Some(residual(regression, &fit.prediction));
+            if method.response() == Response::Torque {
+                let robot = self.identification.setup().robot;
+                run.findings.extend(worse_than_zero(robot, regression, &fit.prediction, Data::Own));
+            }
             self.leave_parts_out(&outcome, &mut run);
             if !self.identification.validation.is_empty() {
                 run.cross_validation_interval_95_percent = None;
@@ -98,7 +100,9 @@ impl Assessment<'_> {
         let EstimationJob { problem, method, regression, .. } = self.job;
         let uncertainty = uncertainty(*method, regression, outcome.instruments.as_ref(), fit).ok();
         let recording = self.identification.main.first().map(|p| &p.filtered.recording);
-        let truth = recording.and_then(|r| r.truth.as_ref()).map(|t| problem.estimated.from_standard(t));
+        let truth = recording.and_then(|r| r.truth.as_ref());
+        let truth =
+            truth.filter(|t| problem.estimated.agrees_with_fixed(t)).map(|t| problem.estimated.from_standard(t));
         let settings = self.identification.setup().settings;
         parameter_results(settings, &problem.estimated, fit, uncertainty.as_ref(), truth.as_deref())
     }
@@ -118,34 +122,11 @@ impl Assessment<'_> {
     /// Leaves recordings, moves or parts out in turn, and predicts them from the others.
     fn leave_parts_out(&self, outcome: &Outcome, run: &mut RunResult) {
         let EstimationJob { problem, method, regression, .. } = self.job;
-        let Some(folds) = self.folds(problem) else { return };
+        let Some(folds) = self.identification.folds(problem) else { return };
         let Some(left_out) = leave_folds_out(regression, *method, outcome, &folds) else { return };
         run.influence = influence(run, &left_out, &folds);
         run.cross_validation_relative_error_percent = Some(left_out.relative_error_percent);
         run.cross_validation_interval_95_percent = left_out.interval_95_percent;
-    }
-
-    /// What is left out in turn: a recording where there are several, else a move where three or more are known,
-    /// else the same fifth of every period, else a part.
-    fn folds(&self, problem: &Problem) -> Option<Folds> {
-        let layout = &problem.regression.layout;
-        let rows_of_joint = layout.len() / layout.joints().max(1);
-        let [only] = &self.identification.main[..] else {
-            let mut of_row = layout.spread(|b| b.recording);
-            of_row.truncate(rows_of_joint);
-            let names = self.identification.main.iter().map(|p| format!("recording {}", p.filtered.recording.name));
-            return Some(Folds { of_row: folds_by_recording(of_row)?, names: names.collect() });
-        };
-        let by_move = match only.reference.as_ref().map(|r| &r.reference) {
-            Some(Reference::Moves(moves)) => folds_by_move(moves, &self.identification.times(problem)),
-            Some(Reference::Periodic(periodic)) => {
-                let phases = folds_by_phase(periodic.series().base_frequency_hz(), &self.identification.times(problem));
-                return Some(Folds::numbered("fifth of the period", phases));
-            }
-            Some(Reference::Sampled(_)) | None => None,
-        };
-        let by_part = || Folds::numbered("part", folds_by_part(rows_of_joint));
-        Some(by_move.map_or_else(by_part, |of_row| Folds::numbered("move", of_row)))
     }
 
     /// Predicts the recordings that were held back.
@@ -157,6 +138,7 @@ impl Assessment<'_> {
         let regression = &problem.regression;
         let prediction = regression.x.times(self.of_robot(fit));
         run.cross_validation_relative_error_percent = Some(relative_error_percent(&regression.y, &prediction));
+        run.findings.extend(worse_than_zero(setup.robot, regression, &prediction, Data::HeldBack));
         run.validation_condition_number = Some(regression.x.condition_number());
         if let Some(simulator) = identification.simulator(&identification.validation, &problem, self.case) {
             let motions = simulator.simulate(&fit.theta).ok();

@@ -2,13 +2,14 @@
 
 use super::{
     assessment::Assessment,
-    examination::examine,
+    examination::{compare, examine, examine_robot, with_note},
     identification::{CaseProblem, Identification},
     prepared::Prepared,
+    uncertain,
 };
 use crate::{
     diagnosis::{Estimated, advise, diagnose},
-    identification::Method,
+    identification::{Method, Status},
     pool::available_threads,
     preparation::{Case, PreparationError, Problem},
     results::{CaseDiagnosis, JointResult, Plots, RecordingFindings, Results, RunResult, SCHEMA},
@@ -35,8 +36,6 @@ impl Identification {
     /// As [`Identification::run`].
     pub fn run_with_progress(&self, progress: &mut dyn FnMut(&str)) -> Result<Results, PreparationError> {
         let problems = self.problems(progress)?;
-        progress("checking the recordings");
-        let findings = self.findings(&problems[0].problem);
         let cases = self.setup().settings.all_cases();
         let assessed = self.assess_all(&problems, &cases, progress)?;
         let (mut runs, mut diagnostics) = (Vec::new(), Vec::new());
@@ -46,7 +45,14 @@ impl Identification {
             runs.extend(results);
             diagnostics.push(self.diagnose(&self.problem_of(&problems, case).problem, case, &estimated));
         }
-        self.results(&problems[0].problem, findings, runs, diagnostics)
+        progress("checking the recordings");
+        let findings = self.findings(&problems[0].problem, &runs);
+        let mut results = self.results(&problems[0].problem, findings, runs, diagnostics)?;
+        if self.setup().settings.estimation.compare_terms {
+            progress("comparing the laws of torque terms");
+            results.term_comparison = self.compare_terms(&problems[0])?;
+        }
+        Ok(results)
     }
 
     /// Every method of every case.
@@ -69,7 +75,14 @@ impl Identification {
             |simulations| progress(&format!("simulating and estimating: {simulations} simulations side by side"));
         run_all(&jobs, options, &mut tell, &mut |k, finished| {
             let assessment = Assessment { identification: self, case: &cases[all[k].0], job: &jobs[k] };
-            assessed[k] = Some(assessment.assess(finished)?);
+            let (mut run, estimated) = assessment.assess(finished)?;
+            let problem = self.problem_of(problems, &cases[all[k].0]);
+            if let Some(reason) = problem.unsettled_weights(self.setup().settings, run.method)
+                && run.status == Status::Converged
+            {
+                (run.status, run.reason) = (Status::IterationLimit, Some(reason));
+            }
+            assessed[k] = Some((run, estimated));
             Ok::<(), PreparationError>(())
         })?;
         let mut by_case: Vec<Vec<_>> = cases.iter().map(|_| Vec::new()).collect();
@@ -88,10 +101,16 @@ impl Identification {
     }
 
     /// What is found in the recordings, those that are identified from and those held back.
-    fn findings(&self, nominal: &Problem) -> Vec<RecordingFindings> {
-        let examine = |prepared: &Prepared, held_back| examine(self.setup(), prepared, nominal, held_back);
-        let main = self.main.iter().map(|p| examine(p, false));
-        main.chain(self.validation.iter().map(|p| examine(p, true))).collect()
+    fn findings(&self, nominal: &Problem, runs: &[RunResult]) -> Vec<RecordingFindings> {
+        let setup = self.setup();
+        let of = |all: &[Prepared], held_back| -> Vec<RecordingFindings> {
+            all.iter().map(|p| examine(setup, p, nominal, held_back)).collect()
+        };
+        let main = with_note(of(&self.main, false), uncertain::of_runs(setup, nominal, runs));
+        let mut findings: Vec<_> = examine_robot(setup.robot).into_iter().chain(main).collect();
+        findings.extend(of(&self.validation, true));
+        findings.extend(compare(setup, [&self.main, &self.validation], (&nominal.model, &nominal.base)));
+        findings
     }
 
     fn results(
@@ -110,17 +129,22 @@ impl Identification {
             robot: self.setup().robot.name.clone(),
             title: String::new(),
             robot_joints: JointResult::of_coordinates(self.setup().robot),
-            samples_used: self.main.iter().map(|p| p.filtered.window.len()).sum(),
+            robot_locked: self.setup().robot.locked.clone(),
+            samples_used: self.main.iter().map(|p| p.filtered.used_samples().count()).sum(),
             decimated_rows: regression.y.len(),
             recordings: self.main.iter().map(Prepared::describe).collect(),
             validation_recordings: self.validation.iter().map(Prepared::describe).collect(),
             bandwidth: self.setup().measure_bandwidth(rate)?,
             seed: None,
-            findings,
             elimination: problem.elimination_result(),
-            advice: diagnostics.iter().map(|d| advise(d, &runs)).collect(),
+            profiled_terms: self.profiled.clone(),
+            term_comparison: None,
+            advice: diagnostics.iter().map(|d| advise(d, &runs, &findings)).collect(),
+            findings,
             diagnostics,
             runs,
+            payloads: self.payloads()?,
+            drive_gains: self.drive_gains(problem)?,
             experiment_description: String::new(),
             robot_description: String::new(),
             plots: Plots {

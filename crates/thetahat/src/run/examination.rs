@@ -1,30 +1,67 @@
-use super::prepared::Prepared;
+use super::{
+    identification::CaseProblem,
+    parameters::parameter_results,
+    prepared::{Prepared, filtered},
+    uncertain,
+};
 use crate::{
-    checks::{self, SignalSettings, Subject},
-    preparation::{Case, PreparationError, Problem, Recording, Setup},
+    base_parameters::BaseParameters,
+    checks::{self, Companion, Finding, SignalSettings, Subject},
+    dynamics::Model,
+    identification::{Method, Needs},
+    preparation::{Case, FilteredRecording, PreparationError, Problem, Recording, Setup},
     results::RecordingFindings,
+    robot::Robot,
     simulation::Reference,
 };
+
+/// The name under which findings of several recordings stand.
+const TOGETHER: &str = "all recordings";
 
 /// What the checks find in one recording.
 pub(crate) fn examine(setup: Setup<'_>, prepared: &Prepared, problem: &Problem, held_back: bool) -> RecordingFindings {
     let Prepared { filtered, reference } = prepared;
-    let (recording, options) = (&filtered.recording, &setup.settings.signal);
+    let recording = &filtered.recording;
     let is_planned = recording.planned.is_some();
-    let reconstructed = reference.as_ref().filter(|r| matches!(r.reference, Reference::Moves(_)) && !is_planned);
+    // What is simulated along a recording that is held back is no part of the estimate.
+    let is_used = !is_planned && !held_back;
+    let reconstructed = reference.as_ref().filter(|r| matches!(r.reference, Reference::Moves(_)) && is_used);
     let deviation = reconstructed.map(|r| r.rms_deviation(filtered));
+    // The checks see positions and torques alone: what multiplies another channel is left out of what they fit.
+    let [base, all] =
+        [&problem.estimated, &problem.base].map(|base| base.filtered(|kept| !problem.model.takes_channel(kept)));
     let subject = Subject {
+        reference: recording.reference.as_ref(),
+        reconstructed_deviation: deviation.as_deref(),
+        controller: setup.settings.controller.as_ref(),
+        ..subject_of(setup, filtered, &problem.model, (&base, &all))
+    };
+    RecordingFindings { recording: recording.name.clone(), held_back, findings: checks::examine(&subject) }
+}
+
+/// A recording with its signals as they are filtered, without reference and controller.
+fn subject_of<'a>(
+    setup: Setup<'a>,
+    filtered: &'a FilteredRecording,
+    model: &'a Model,
+    (base, all): (&'a BaseParameters, &'a BaseParameters),
+) -> Subject<'a> {
+    let (recording, options) = (&filtered.recording, &setup.settings.signal);
+    Subject {
         robot: setup.robot,
-        model: &problem.model,
-        base: &problem.estimated,
+        model,
+        base,
+        all,
         sample_rate_hz: recording.sample_rate_hz,
         time_s: recording.time_stamps_s.as_deref(),
         position: &recording.position,
         geared: recording.geared,
         velocity: recording.velocity.as_ref(),
         torque: recording.torque.as_ref(),
-        reference: recording.reference.as_ref(),
-        reconstructed_deviation: deviation.as_deref(),
+        reference: None,
+        reconstructed_deviation: None,
+        left_out: &filtered.left_out,
+        contradicting_times: recording.contradicting_times.as_ref().map(|(column, rate)| (column.as_str(), *rate)),
         added_signal: recording.added_signal.is_some(),
         signal: SignalSettings {
             filter_order: options.filter_order,
@@ -32,24 +69,89 @@ pub(crate) fn examine(setup: Setup<'_>, prepared: &Prepared, problem: &Problem, 
             decimation: options.decimation,
             window: filtered.window.clone(),
         },
-        controller: setup.settings.controller.as_ref(),
-    };
-    RecordingFindings { recording: recording.name.clone(), held_back, findings: checks::examine(&subject) }
+        controller: None,
+    }
 }
 
-/// What the checks find in a recording from which nothing is estimated.
+/// What the checks find in the robot's description, under its name; none where that is nothing.
+pub(crate) fn examine_robot(robot: &Robot) -> Option<RecordingFindings> {
+    let findings = checks::examine_robot(robot);
+    let recording = format!("robot {}", robot.name);
+    (!findings.is_empty()).then_some(RecordingFindings { recording, held_back: false, findings })
+}
+
+/// What the checks find in recordings beside one another: those to identify from, and those held back.
+pub(super) fn compare(
+    setup: Setup<'_>,
+    [main, held_back]: [&[Prepared]; 2],
+    (model, base): (&Model, &BaseParameters),
+) -> Option<RecordingFindings> {
+    let base = base.filtered(|kept| !model.takes_channel(kept));
+    let all = main.iter().map(|p| (p, false)).chain(held_back.iter().map(|p| (p, true)));
+    let mut companions = Vec::new();
+    for (Prepared { filtered, .. }, held_back) in all {
+        let subject = subject_of(setup, filtered, model, (&base, &base));
+        companions.push(Companion { name: &filtered.recording.name, held_back, subject });
+    }
+    let findings = checks::compare(&companions);
+    (!findings.is_empty()).then(|| RecordingFindings { recording: TOGETHER.to_owned(), held_back: false, findings })
+}
+
+/// What the checks find in recordings from which nothing is estimated yet: those to identify from, and those held back.
 ///
 /// # Errors
-/// [`PreparationError`] where it cannot be filtered or makes no regression. A motion that no reference describes is a
+/// [`PreparationError`] where one cannot be filtered or makes no regression. A motion that no reference describes is a
 /// finding, and not the end of the checks.
-pub(crate) fn check_recording(
+pub(crate) fn check_recordings(
     setup: Setup<'_>,
-    recording: Recording,
-    held_back: bool,
-) -> Result<RecordingFindings, PreparationError> {
-    let filtered = setup.filter(recording)?;
-    let problem = setup.problem(&Case::nominal(), &[&filtered])?;
-    let controller = setup.settings.controller.as_ref();
-    let reference = controller.and_then(|_| setup.reference(&filtered.recording).ok());
-    Ok(examine(setup, &Prepared { filtered, reference }, &problem, held_back))
+    main: Vec<Recording>,
+    held_back: Vec<Recording>,
+) -> Result<Vec<RecordingFindings>, PreparationError> {
+    let prepare = |recording: Recording| {
+        let filtered = setup.filter(recording)?;
+        let controller = setup.settings.controller.as_ref();
+        let reference = controller.and_then(|_| setup.reference(&filtered.recording).ok());
+        Ok(Prepared { filtered, reference })
+    };
+    let prepare_all = |all: Vec<Recording>| all.into_iter().map(prepare).collect::<Result<Vec<_>, PreparationError>>();
+    let (main, held_back) = (prepare_all(main)?, prepare_all(held_back)?);
+    let problem = setup.problem(&Case::nominal(), &filtered(&main))?;
+    let of = |prepared: &[Prepared], held_back| -> Vec<RecordingFindings> {
+        prepared.iter().map(|p| examine(setup, p, &problem, held_back)).collect()
+    };
+    let (found, beside) = (of(&main, false), of(&held_back, true));
+    let together = compare(setup, [&main, &held_back], (&problem.model, &problem.base));
+    let weights: Vec<f64> = main.iter().map(|p| p.filtered.recording.weight).collect();
+    let has_torques = main.iter().all(|p| p.filtered.recording.torque.is_some());
+    let note = has_torques.then(|| note_before_estimates(setup, problem, &weights)).flatten();
+    Ok(with_note(found, note).into_iter().chain(beside).chain(together).collect())
+}
+
+/// The note on the estimates of the method that needs the measured motion alone.
+fn note_before_estimates(setup: Setup<'_>, problem: Problem, weights: &[f64]) -> Option<Finding> {
+    let settings = setup.settings;
+    let mut methods = settings.estimation.methods.iter().copied();
+    let method = methods.find(|m| m.needs() == Needs::Measurement).unwrap_or(Method::IDIM_LS);
+    let problem = CaseProblem::new(setup.robot.friction, problem);
+    let weights = problem.weights(settings, method, weights);
+    let regression = problem.problem.regression.with_weights(weights);
+    let fit = method.estimate(&regression, None, settings.estimation.variance).ok()?;
+    let parameters = parameter_results(settings, &problem.problem.estimated, &fit, None, None);
+    uncertain::note(setup, &problem.problem, method, &parameters)
+}
+
+/// The findings with a note on what all recordings together say: that of the only recording, or one for itself.
+pub(super) fn with_note(mut found: Vec<RecordingFindings>, note: Option<Finding>) -> Vec<RecordingFindings> {
+    let Some(note) = note else { return found };
+    match &mut found[..] {
+        [only] => {
+            only.findings.push(note);
+            only.findings.sort_by_key(|f| (f.severity, f.code, f.joint));
+        }
+        _ => {
+            let recording = "all recordings together".to_owned();
+            found.push(RecordingFindings { recording, held_back: false, findings: vec![note] });
+        }
+    }
+    found
 }

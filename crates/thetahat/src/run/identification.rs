@@ -1,15 +1,23 @@
 //! A robot with its recordings and settings, and what its estimations need.
 
-use super::prepared::{Prepared, filtered};
+use std::sync::OnceLock;
+
+use super::{
+    cross_validation::{Folds, folds_by_move, folds_by_part, folds_by_phase, folds_by_recording},
+    prepared::{Prepared, filtered},
+    profiled_robot::with_profiled_terms,
+};
 use crate::{
     base_parameters::BaseParameters,
     control::ControllerDescription,
-    identification::{EstimationError, Method, Reason, Response, Weighting, idim_ls},
+    identification::{EstimationError, JointWeights, Method, Needs, Reason, Response, Weighting},
     preparation::{
-        Case, PreparationError, Problem, ProposedController, Recording, Settings, Setup, propose_controller,
+        Case, Payload, PreparationError, Problem, ProposedController, Recording, Settings, Setup, propose_controller,
     },
+    results::ProfiledTerm,
     robot::{Friction, Robot},
     scheduling::{EstimationJob, Simulator},
+    simulation::Reference,
 };
 
 /// Part by which the sample rates of recordings may differ: clocks differ by less, chosen rates by more.
@@ -21,7 +29,11 @@ pub struct Identification {
     settings: Settings,
     /// The controller that IV simulates where none is described.
     proposed: Option<ProposedController>,
+    /// The constants of torque terms that were searched for.
+    pub(super) profiled: Vec<ProfiledTerm>,
     pub(super) main: Vec<Prepared>,
+    /// Recordings with a payload that is to be estimated: nothing else is estimated from them.
+    pub(super) loaded: Vec<Prepared>,
     pub(super) validation: Vec<Prepared>,
 }
 
@@ -29,25 +41,38 @@ pub struct Identification {
 pub(crate) struct CaseProblem {
     friction: Friction,
     pub(crate) problem: Problem,
-    /// One over the standard deviation of each joint's LS residual, where LS has an estimate.
-    joint_weights: Option<Vec<f64>>,
+    /// The weights of the joints, once a method asked for them, where there is an estimate.
+    joint_weights: OnceLock<Option<JointWeights>>,
 }
 
 impl CaseProblem {
-    pub(crate) fn new(friction: Friction, problem: Problem, settings: &Settings) -> Self {
-        let fit = idim_ls(&problem.regression, settings.estimation.variance).ok();
-        let joint_weights = fit.map(|fit| problem.regression.joint_weights(&fit.prediction));
-        Self { friction, problem, joint_weights }
+    pub(crate) fn new(friction: Friction, problem: Problem) -> Self {
+        Self { friction, problem, joint_weights: OnceLock::new() }
     }
 
     /// The weight of each row: that of its recording, and where the method asks for it that of its joint. None where all
     /// are one.
     pub(crate) fn weights(&self, settings: &Settings, method: Method, of_recordings: &[f64]) -> Option<Vec<f64>> {
+        let regression = &self.problem.regression;
         let of_joints = match settings.weighting(method) {
             Weighting::None => None,
-            Weighting::PerJoint => self.joint_weights.as_deref(),
+            Weighting::PerJoint => {
+                let found = || JointWeights::of(regression, of_recordings).ok();
+                self.joint_weights.get_or_init(found).as_ref().map(|found| &found.weights[..])
+            }
         };
-        self.problem.regression.row_weights(of_recordings, of_joints)
+        regression.row_weights(of_recordings, of_joints)
+    }
+
+    /// Why the weights of a method are not those of its residual, where they did not settle.
+    pub(super) fn unsettled_weights(&self, settings: &Settings, method: Method) -> Option<String> {
+        let found = self.joint_weights.get()?.as_ref().filter(|found| !found.is_settled())?;
+        (settings.weighting(method) == Weighting::PerJoint).then(|| {
+            format!(
+                "the weights of the joints did not settle in {} estimates: one still changes by {:.1e} of itself",
+                found.steps, found.change
+            )
+        })
     }
 }
 
@@ -59,13 +84,26 @@ impl Identification {
     pub fn new(robot: &Robot, recordings: Vec<Recording>, settings: Settings) -> Result<Self, PreparationError> {
         settings.validate(robot)?;
         let robot = robot.clone();
-        let mut identification = Self { robot, settings, proposed: None, main: Vec::new(), validation: Vec::new() };
+        let mut identification = Self {
+            robot,
+            settings,
+            proposed: None,
+            profiled: Vec::new(),
+            main: Vec::new(),
+            loaded: Vec::new(),
+            validation: Vec::new(),
+        };
         if recordings.is_empty() {
             let why = "a robot is identified from its motion and torques";
             return Err(PreparationError::Missing { missing: "a recording", why });
         }
-        identification.main = identification.prepare(recordings)?;
+        let all = identification.prepare(recordings)?;
+        identification.take(all)?;
         identification.require_torques()?;
+        let profiled = with_profiled_terms(identification.setup(), &filtered(&identification.main))?;
+        if let Some((robot, profiled)) = profiled {
+            (identification.robot, identification.profiled) = (robot, profiled);
+        }
         let lacks_controller = identification.settings.lacks_controller();
         identification.proposed = lacks_controller.then(|| propose_controller(&filtered(&identification.main)));
         Ok(identification)
@@ -77,12 +115,40 @@ impl Identification {
     /// [`PreparationError`] for recordings that cannot be used.
     pub fn with_validation(mut self, recordings: Vec<Recording>) -> Result<Self, PreparationError> {
         self.validation = self.prepare(recordings)?;
+        for prepared in &self.validation {
+            let recording = &prepared.filtered.recording;
+            if let Some(payload) = self.setup().payload_of(recording)?.filter(|p| !p.is_known()) {
+                let key = format!("[[validation]] {}: payload", recording.name);
+                let expected = "none, or a known one: no robot is validated with a payload that is not known";
+                return Err(PreparationError::value(&key, expected, &payload.name));
+            }
+        }
         Ok(self)
+    }
+
+    /// Takes recordings: those with a payload that is to be estimated apart from the others.
+    fn take(&mut self, all: Vec<Prepared>) -> Result<(), PreparationError> {
+        let simulating = self.settings.all_methods().into_iter().find(|m| m.needs() != Needs::Measurement);
+        for prepared in all {
+            let recording = &prepared.filtered.recording;
+            let payload = self.setup().payload_of(recording)?.map(Payload::is_known);
+            if let (Some(_), Some(method)) = (payload, simulating) {
+                let place = format!("recording {}: methods", recording.name);
+                let expected = "idim-ls or idim-wls where a recording has a payload: simulations carry none";
+                return Err(PreparationError::value(&place, expected, method));
+            }
+            if payload == Some(false) { self.loaded.push(prepared) } else { self.main.push(prepared) }
+        }
+        if self.main.is_empty() {
+            let why = "a payload that is to be estimated is told from the robot by motion with and without it";
+            return Err(PreparationError::Missing { missing: "a recording without it", why });
+        }
+        Ok(())
     }
 
     /// Every method but those that fit positions alone needs torques.
     fn require_torques(&self) -> Result<(), PreparationError> {
-        let recordings = self.main.iter().map(|p| &p.filtered.recording);
+        let recordings = self.main.iter().chain(&self.loaded).map(|p| &p.filtered.recording);
         let Some(without) = recordings.clone().find(|r| r.torque.is_none()) else { return Ok(()) };
         let estimation = &self.settings.estimation;
         let asked = |case: Case| case.methods.unwrap_or_else(|| estimation.methods.clone());
@@ -146,7 +212,7 @@ impl Identification {
             }
             progress("building the observation matrix");
             let problem = self.setup().problem(&case, &filtered(&self.main))?;
-            problems.push(CaseProblem::new(friction, problem, &self.settings));
+            problems.push(CaseProblem::new(friction, problem));
         }
         Ok(problems)
     }
@@ -179,6 +245,29 @@ impl Identification {
         let recordings =
             prepared.iter().map(|p| Some((&p.filtered, p.reference.as_ref()?))).collect::<Option<Vec<_>>>()?;
         Some(Simulator::new(self.setup(), problem, &recordings, controller, case))
+    }
+
+    /// What is left out in turn: a recording where there are several, else a move where three or more are known,
+    /// else the same fifth of every period, else a part.
+    pub(super) fn folds(&self, problem: &Problem) -> Option<Folds> {
+        let layout = &problem.regression.layout;
+        let rows_of_joint = layout.len() / layout.joints().max(1);
+        let [only] = &self.main[..] else {
+            let mut of_row = layout.spread(|b| b.recording);
+            of_row.truncate(rows_of_joint);
+            let names = self.main.iter().map(|p| format!("recording {}", p.filtered.recording.name));
+            return Some(Folds { of_row: folds_by_recording(of_row)?, names: names.collect() });
+        };
+        let by_move = match only.reference.as_ref().map(|r| &r.reference) {
+            Some(Reference::Moves(moves)) => folds_by_move(moves, &self.times(problem)),
+            Some(Reference::Periodic(periodic)) => {
+                let phases = folds_by_phase(periodic.series().base_frequency_hz(), &self.times(problem));
+                return Some(Folds::numbered("fifth of the period", phases));
+            }
+            Some(Reference::Sampled(_)) | None => None,
+        };
+        let by_part = || Folds::numbered("part", folds_by_part(rows_of_joint));
+        Some(by_move.map_or_else(by_part, |of_row| Folds::numbered("move", of_row)))
     }
 
     /// The time of each row of a joint; the recordings follow one another.

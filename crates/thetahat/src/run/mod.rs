@@ -17,20 +17,29 @@
 
 mod assessment;
 mod cases;
+mod column_source;
 mod consistent_data;
 mod cross_validation;
+mod drive_gains;
 mod examination;
 mod identification;
 mod linear;
 mod not_physical;
 mod parameters;
+mod payload;
 mod physical;
 mod prediction;
 mod prepared;
+mod profile;
+mod profiled_robot;
 mod sensitivity;
+mod term_comparison;
+mod uncertain;
+mod worse_than_zero;
 
-pub(crate) use examination::check_recording;
+pub(crate) use examination::{check_recordings, examine_robot};
 pub use identification::Identification;
 pub(crate) use identification::{CaseProblem, explain};
 pub(crate) use parameters::parameter_results;
 pub(crate) use prediction::{Identified, predict_torques};
+pub(crate) use profiled_robot::with_constants;

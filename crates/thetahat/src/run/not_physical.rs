@@ -70,7 +70,7 @@ fn negative(
 /// Links and whatever else no robot can have together.
 fn outside(table: &ParameterTable, physical: &PhysicalResult, asked: bool) -> Option<Finding> {
     let lacking = |(name, lacking): (&String, &f64)| {
-        let unit = table.index_of(name).map_or("kg m^2", |i| table.get(i).unit);
+        let unit = table.index_of(name).map_or("kg m^2", |i| &*table.get(i).unit);
         format!("{name} lacks {lacking:.2e} {unit}")
     };
     let all: Vec<String> = physical.outside.iter().zip(&physical.lacking).map(lacking).collect();

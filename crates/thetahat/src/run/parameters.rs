@@ -20,7 +20,7 @@ pub(crate) fn parameter_results(
         standard_deviation: Some(fit.standard_deviation[i]),
         relative_standard_deviation_percent: relative(fit.standard_deviation[i], fit.theta[i]),
         true_value: truth.map(|t| t[i]),
-        unit: p.unit.to_owned(),
+        unit: p.unit.to_string(),
         expression: p.expression.clone(),
         shown: settings.shows(&p.name),
         standard_deviation_robust: uncertainty.map(|u| u.standard_deviation[i]),

@@ -162,7 +162,7 @@ impl Examined<'_> {
             let inside = |free: [f64; 2]| interval_in(bounds_of(set, p), free, theta[i]);
             ConsistentParameter {
                 name: p.name.clone(),
-                unit: p.unit.to_owned(),
+                unit: p.unit.to_string(),
                 estimate: theta[i],
                 beside: free.map(|f| f.estimate),
                 interval_95: free.and_then(|f| f.interval_95).map(inside),
@@ -191,7 +191,7 @@ fn standard_parameters(set: &ConsistentSet, standard: &[f64]) -> Vec<ConsistentP
     let parameters = set.parameter_table().iter().zip(standard).zip(set.a_priori());
     let parameter = |((p, value), a_priori): ((&crate::robot::Parameter, &f64), &f64)| ConsistentParameter {
         name: p.name(),
-        unit: p.unit.to_owned(),
+        unit: p.unit.to_string(),
         estimate: *value,
         beside: Some(*a_priori),
         interval_95: None,

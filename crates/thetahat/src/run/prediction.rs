@@ -8,7 +8,7 @@ use crate::{
     regressor::Regressor,
     results::Prediction,
     series::Series,
-    signal::{Decimator, Motion},
+    signal::Motion,
 };
 
 /// Base parameters of a case by name, and the method that gave them.
@@ -18,7 +18,7 @@ pub(crate) struct Identified<'a> {
     pub(crate) parameters: Vec<(String, f64)>,
 }
 
-/// Predicts the torques of the moving part of a recording; none where a parameter is not of the robot.
+/// Predicts the torques of a recording in its window; parameters that are not of the robot count for nothing.
 ///
 /// # Errors
 /// [`PreparationError`] where the recording cannot be filtered.
@@ -26,19 +26,22 @@ pub(crate) fn predict_torques(
     setup: Setup<'_>,
     identified: &Identified<'_>,
     recording: Recording,
-    has_torque: bool,
-) -> Result<Option<Prediction>, PreparationError> {
+) -> Result<Prediction, PreparationError> {
     let basis = setup.basis(identified.case)?;
     let column = |name: &String| basis.base.parameters().iter().find(|p| p.name == *name).map(|p| p.kept);
-    let columns: Option<Vec<usize>> = identified.parameters.iter().map(|(name, _)| column(name)).collect();
-    let Some(columns) = columns else { return Ok(None) };
-    let filtered = setup.filter_moving_part(recording)?;
-    let theta = identified.parameters.iter().map(|(_, value)| *value).collect();
+    let known = identified.parameters.iter().filter_map(|(name, value)| Some((column(name)?, *value)));
+    let (columns, theta) = known.unzip();
+    if let Some(payload) = setup.payload_of(&recording)?.filter(|p| !p.is_known()) {
+        let key = format!("[[payload]] {}: mass_kg", payload.name);
+        return Err(PreparationError::value(&key, "given, to predict the torques of a recording with it", "missing"));
+    }
+    let has_torque = recording.torque.is_some();
+    let filtered = setup.filter(recording)?;
     let predictor = Predictor { setup, basis, columns, theta };
-    let torque = predictor.torques(&filtered)?;
+    let torque = with_known(predictor.torques(&filtered)?, &filtered);
     let (rows, prediction) = predictor.rows(&filtered)?;
     let rms = |p: &Vec<f64>| (p.iter().map(|v| v * v).sum::<f64>() / p.len() as f64).sqrt();
-    Ok(Some(Prediction {
+    Ok(Prediction {
         method: identified.method,
         case: identified.case.name.clone(),
         sample_rate_hz: filtered.recording.sample_rate_hz,
@@ -49,11 +52,21 @@ pub(crate) fn predict_torques(
         } else {
             Vec::new()
         },
-        measured: filtered.recording.torque.clone(),
+        measured: filtered.recording.torque.clone().map(|measured| with_known(measured, &filtered)),
         rms: rows.layout.by_joint(&prediction).iter().map(rms).collect(),
         window_s: filtered.window_s(),
         joints: setup.robot.coordinates().map(|j| j.name.clone()).collect(),
-    }))
+    })
+}
+
+/// The torques of what is estimated with those of what is known: a payload, and parameters at a value.
+fn with_known(mut torque: Series, filtered: &FilteredRecording) -> Series {
+    for known in filtered.payload_torque.iter().chain(&filtered.fixed_torque) {
+        for k in 0..torque.len() {
+            torque.sample_mut(k).iter_mut().zip(known.sample(k)).for_each(|(tau, part)| *tau += part);
+        }
+    }
+    torque
 }
 
 struct Predictor<'a> {
@@ -66,7 +79,7 @@ struct Predictor<'a> {
 impl Predictor<'_> {
     /// The decimated rows of the window, and their prediction.
     fn rows(&self, filtered: &FilteredRecording) -> Result<(Regression, Vec<f64>), PreparationError> {
-        let decimator = Decimator::new(self.setup.settings.signal.decimation, filtered.window.len())?;
+        let decimator = filtered.decimator(self.setup.settings.signal.decimation)?;
         let layout = RowLayout::new(self.basis.model.coordinate_count(), &[decimator.rows()]);
         let assembly = Assembly::new(&self.basis.model, &self.columns, decimator);
         let x = filtered.observation_matrix(&assembly)?;
@@ -79,7 +92,7 @@ impl Predictor<'_> {
     fn torques(&self, filtered: &FilteredRecording) -> Result<Series, PreparationError> {
         let recording = &filtered.recording;
         let Motion { q, dq, ddq } = self.setup.band_pass(&recording.position, recording.sample_rate_hz)?;
-        let regressor = Regressor::new(&self.basis.model, &self.columns);
+        let regressor = Regressor::new(&self.basis.model, &self.columns).with_channels(filtered.channels.clone());
         let phi = regressor.evaluate_series(&self.basis.model, &q, &dq, &ddq, Sign::Exact);
         let mut torque = Series::zeros(q.len(), q.channels());
         for k in 0..q.len() {

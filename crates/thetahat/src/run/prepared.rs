@@ -22,10 +22,11 @@ impl Prepared {
         RecordingResult {
             name: recording.name.clone(),
             weight: recording.weight,
-            samples_used: self.filtered.window.len(),
+            samples_used: self.filtered.used_samples().count(),
             sample_rate_hz: recording.sample_rate_hz,
             window_s: self.filtered.window_s(),
             resampling: recording.resampling,
+            torque_ends_hz: self.filtered.torque_ends_hz(),
             reference: self.reference.as_ref().map(|r| r.describe(&self.filtered)),
         }
     }

@@ -6,7 +6,7 @@ use crate::{
     control::ControllerDescription,
     dynamics::{Model, Sign},
     identification::{Assembly, Method, Needs, Response},
-    linear_algebra::{Matrix, norm},
+    linear_algebra::Matrix,
     preparation::{Case, FilteredRecording, Gains, LoopParameters, LoopParts, Problem, RecordedReference, Setup},
     series::Series,
     signal::Motion,
@@ -30,6 +30,7 @@ pub(crate) fn closed_loop<'a>(
         controller,
         reference,
         added_signal,
+        channels: None,
         bias,
         solver: setup.settings.simulation.solver,
         sign_velocity_scale: setup.settings.simulation.sign_velocity_scale,
@@ -110,11 +111,13 @@ impl<'a> Simulator<'a> {
         let loop_of = |(number, (filtered, reference)): (usize, &(&'a FilteredRecording, &'a RecordedReference))| {
             let recording = &filtered.recording;
             let added = recording.added_signal.as_ref().map(|s| (s, recording.sample_rate_hz));
+            let channels = filtered.channels.as_ref().map(|s| (s, recording.sample_rate_hz));
             let of_settings =
                 closed_loop(setup, &problem.model, controller, &reference.reference, added, case.simulator);
             let sign_velocity_scale = case.sign_velocity_scale.unwrap_or(of_settings.sign_velocity_scale);
-            let closed_loop = ClosedLoop { sign_velocity_scale, ..of_settings };
-            RecordedLoop { filtered, assembly: problem.assembly(number), closed_loop }
+            let closed_loop = ClosedLoop { sign_velocity_scale, channels, ..of_settings };
+            let assembly = problem.assembly(number).with_channels(filtered.channels_in_window());
+            RecordedLoop { filtered, assembly, closed_loop }
         };
         let loops = recordings.iter().enumerate().map(loop_of).collect();
         let motors = problem.model.coordinate_count();
@@ -278,8 +281,10 @@ impl<'a> Simulator<'a> {
                     continue;
                 }
                 let [difference, size] = squares.entry(name).or_default();
-                *difference += squared_difference(measured, simulated);
-                *size += norm(measured.values()).powi(2);
+                for k in l.filtered.used_samples() {
+                    *difference += squared_difference(measured.sample(k), simulated.sample(k));
+                    *size += measured.sample(k).iter().map(|v| v * v).sum::<f64>();
+                }
             }
         }
         squares.into_iter().map(|(name, [d, m])| (name.to_owned(), 100.0 * (d / m).sqrt())).collect()
@@ -324,6 +329,6 @@ impl RecordedLoop<'_> {
     }
 }
 
-fn squared_difference(measured: &Series, simulated: &Series) -> f64 {
-    measured.values().iter().zip(simulated.values()).map(|(m, s)| (m - s).powi(2)).sum()
+fn squared_difference(measured: &[f64], simulated: &[f64]) -> f64 {
+    measured.iter().zip(simulated).map(|(m, s)| (m - s).powi(2)).sum()
 }

@@ -40,6 +40,10 @@ pub struct Decimator {
     samples: usize,
     kept: Kept,
     filter: Option<ParallelFilter>,
+    /// Samples that are not used.
+    gaps: Vec<Range<usize>>,
+    /// The places of the rows that are given among those of a record without gaps; empty without gaps.
+    rows: Vec<usize>,
 }
 
 /// The parallel filter: its sections, which give every sample, and its sums over poles, which give those kept.
@@ -62,18 +66,32 @@ impl Decimator {
         if samples < needed {
             return Err(SignalError::RecordTooShort { needed, found: samples });
         }
-        Ok(Self { samples, kept: Kept { first: (samples - 1) % factor, step: factor }, filter: low_pass(factor)? })
+        let kept = Kept { first: (samples - 1) % factor, step: factor };
+        Ok(Self { samples, kept, filter: low_pass(factor)?, gaps: Vec::new(), rows: Vec::new() })
     }
 
-    /// The indices of the samples kept, rising; the last one is the record's last.
+    /// The same for records of which some samples are not used, in ranges that rise. There every channel goes on at the mean
+    /// of its last samples, so that sums of channels stay sums: what holds of samples holds of rows. No row stands there.
+    #[must_use]
+    pub fn leaving_out(self, gaps: &[Range<usize>]) -> Self {
+        let is_used =
+            |k: &usize| !gaps.get(gaps.partition_point(|gap| gap.end <= *k)).is_some_and(|gap| gap.contains(k));
+        let kept = self.kept.indices(self.samples).enumerate();
+        let rows =
+            if gaps.is_empty() { Vec::new() } else { kept.filter(|(_, k)| is_used(k)).map(|(row, _)| row).collect() };
+        Self { gaps: gaps.to_vec(), rows, ..self }
+    }
+
+    /// The indices of the samples kept, rising; the last one is the record's last, unless that is left out.
     pub fn kept(&self) -> impl Iterator<Item = usize> {
-        self.kept.indices(self.samples)
+        let Kept { first, step } = self.kept;
+        (0..self.rows()).map(move |row| first + step * self.rows.get(row).copied().unwrap_or(row))
     }
 
-    /// The number of samples kept, `ceil(samples / factor)`.
+    /// The number of samples kept, `ceil(samples / factor)` less those left out.
     #[must_use]
     pub fn rows(&self) -> usize {
-        self.samples.div_ceil(self.kept.step)
+        if self.gaps.is_empty() { self.samples.div_ceil(self.kept.step) } else { self.rows.len() }
     }
 
     /// The samples [`Self::kept`] of the filtered series.
@@ -97,16 +115,31 @@ impl Decimator {
         channels: usize,
         mut fill: impl FnMut(usize, &mut [f64]),
     ) -> Result<Series, SignalError> {
+        if self.gaps.is_empty() {
+            return Ok(self.all_rows(channels, fill));
+        }
+        let mut bridge = Bridge::new(&self.gaps, channels, self.kept.step);
+        let all = self.all_rows(channels, |k, sample| {
+            fill(k, sample);
+            bridge.pass(k, sample);
+        });
+        let values = self.rows.iter().flat_map(|&row| all.sample(row)).copied().collect();
+        Ok(Series::from_values(channels, values))
+    }
+
+    /// The rows of a record without gaps.
+    fn all_rows(&self, channels: usize, mut fill: impl FnMut(usize, &mut [f64])) -> Series {
         if let Some(filter) = &self.filter {
             let shape = Shape { samples: self.samples, channels, padding: Padding::Matlab.samples(ORDER) };
-            return Ok(filter_and_keep(&filter.sums, shape, self.kept, fill));
+            return filter_and_keep(&filter.sums, shape, self.kept, fill);
         }
         let mut series = Series::zeros(self.samples, channels);
         (0..self.samples).for_each(|k| fill(k, series.sample_mut(k)));
-        Ok(series)
+        series
     }
 
-    /// The rows of a record cut into pieces of at least `rows` rows, which can be decimated one by one.
+    /// The rows of a record cut into pieces of at least `rows` rows, which can be decimated one by one. The record has no
+    /// samples that are left out.
     #[must_use]
     pub fn pieces(&self, rows: usize) -> Vec<Range<usize>> {
         let rows = rows.max(Padding::Matlab.samples(ORDER) + 1);
@@ -154,10 +187,42 @@ impl Decimator {
     /// # Errors
     /// If the series is not longer than the padding.
     pub fn filter(&self, series: &Series) -> Result<Series, SignalError> {
+        let mut series = series.clone();
+        let mut bridge = Bridge::new(&self.gaps, series.channels(), self.kept.step);
+        (0..series.len()).for_each(|k| bridge.pass(k, series.sample_mut(k)));
         match &self.filter {
-            Some(filter) => zero_phase(&filter.sections, series, Padding::Matlab),
-            None => Ok(series.clone()),
+            Some(filter) => zero_phase(&filter.sections, &series, Padding::Matlab),
+            None => Ok(series),
         }
+    }
+}
+
+/// What stands in the place of samples that are left out: the mean of the last ones before, channel by channel.
+struct Bridge<'a> {
+    gaps: &'a [Range<usize>],
+    mean: Vec<f64>,
+    seen: usize,
+    /// Samples in the mean.
+    length: usize,
+}
+
+impl<'a> Bridge<'a> {
+    fn new(gaps: &'a [Range<usize>], channels: usize, length: usize) -> Self {
+        Self { gaps, mean: vec![0.0; channels], seen: 0, length }
+    }
+
+    /// Takes the samples one after the other.
+    fn pass(&mut self, k: usize, sample: &mut [f64]) {
+        while self.gaps.first().is_some_and(|gap| gap.end <= k) {
+            self.gaps = &self.gaps[1..];
+        }
+        if self.gaps.first().is_some_and(|gap| gap.contains(&k)) {
+            sample.copy_from_slice(&self.mean);
+            return;
+        }
+        self.seen = (self.seen + 1).min(self.length);
+        let part = 1.0 / self.seen as f64;
+        self.mean.iter_mut().zip(sample).for_each(|(mean, value)| *mean += part * (*value - *mean));
     }
 }
 
@@ -314,6 +379,28 @@ mod tests {
     fn a_record_of_another_length_is_refused() -> Result<(), SignalError> {
         let result = Decimator::new(2, 100)?.decimate(&Series::zeros(99, 1));
         assert_eq!(result, Err(SignalError::LengthMismatch { expected: 100, found: 99 }));
+        Ok(())
+    }
+
+    /// What holds of samples holds of rows, also beside samples that are left out and hold anything.
+    #[test]
+    fn sums_of_channels_stay_sums_beside_gaps() -> Result<(), SignalError> {
+        let gaps = [40..55, 130..131, 390..500];
+        for factor in [1, 10] {
+            let decimator = Decimator::new(factor, 500)?.leaving_out(&gaps);
+            let value = |k: usize, c: usize| ((0.03 + 0.02 * c as f64) * k as f64).sin() + 0.1 * c as f64;
+            let sample = |k: usize| {
+                let (a, b) = (value(k, 0), value(k, 1));
+                if gaps.iter().any(|gap| gap.contains(&k)) { [1e6, -3.0, 7.0] } else { [a, b, 2.0 * a - 3.0 * b] }
+            };
+            let rows = decimator.decimate_computed(3, |k, s| s.copy_from_slice(&sample(k)))?;
+            assert_eq!((rows.len(), decimator.kept().count()), (decimator.rows(), decimator.rows()));
+            assert!(decimator.kept().all(|k| !gaps.iter().any(|gap| gap.contains(&k))));
+            for row in 0..rows.len() {
+                let [a, b, sum] = [0, 1, 2].map(|c| rows.sample(row)[c]);
+                assert!((sum - (2.0 * a - 3.0 * b)).abs() < 1e-9 && a.abs() < 2.0, "{factor} {row}");
+            }
+        }
         Ok(())
     }
 }

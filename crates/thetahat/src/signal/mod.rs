@@ -35,6 +35,7 @@ mod pieces;
 mod pole_sums;
 mod smoothing;
 mod spectrum;
+mod spectrum_end;
 mod zero_phase;
 
 pub use band_pass::{Motion, band_pass};
@@ -48,4 +49,5 @@ pub use motion::{moving_samples, moving_thresholds};
 pub use pieces::DecimatedPiece;
 pub use smoothing::{Smoothed, smooth};
 pub use spectrum::Spectrum;
+pub use spectrum_end::spectrum_end_hz;
 pub use zero_phase::{Padding, zero_phase};

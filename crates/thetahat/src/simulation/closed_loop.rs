@@ -20,6 +20,9 @@ pub struct ClosedLoop<'a> {
     pub reference: &'a Reference,
     /// A recorded signal added to the drive signals behind the saturation, held from sample to sample at its rate.
     pub added_signal: Option<(&'a Series, f64)>,
+    /// The recorded channels that the robot's torque terms take, as [`State::channels`](crate::dynamics::State::channels) has
+    /// them, from time zero at their rate; linear from sample to sample.
+    pub channels: Option<(&'a Series, f64)>,
     /// How the simulated robot and controller differ from the true ones.
     pub bias: SimulatorBias,
     /// How to integrate.

@@ -1,6 +1,6 @@
 //! The simulated robot seen from its motors.
 
-use super::{closed_loop::ClosedLoop, coupling::Coupling};
+use super::{closed_loop::ClosedLoop, coupling::Coupling, motion::OutputGrid};
 use crate::{
     dynamics::{DampingWorkspace, DynamicParameters, DynamicsError, Model, Sign, State, Workspace},
     linear_algebra::Matrix,
@@ -26,6 +26,9 @@ pub(super) struct Plant<'a> {
     pub(super) v: Vec<f64>,
     /// Joint torques, as last applied.
     pub(super) tau: Vec<f64>,
+    /// The recorded channels, as last observed.
+    pub(super) channels: Vec<f64>,
+    recorded: Option<(&'a Series, f64)>,
     /// Scratch: joint positions less the offset, and motor torques in joint units.
     scratch: Vec<f64>,
 }
@@ -49,6 +52,8 @@ impl<'a> Plant<'a> {
             p: vec![0.0; n],
             v: vec![0.0; n],
             tau: vec![0.0; n],
+            channels: setup.channels.map_or_else(Vec::new, |(series, _)| vec![0.0; series.channels()]),
+            recorded: setup.channels,
             scratch: vec![0.0; n],
         }
     }
@@ -74,15 +79,34 @@ impl<'a> Plant<'a> {
         self.coupling.transpose_to_joints(&self.scratch, &mut self.tau);
     }
 
-    /// The joint accelerations over a motion; the error names the first sample, from zero, that has none.
-    pub(super) fn accelerations_of(&self, motion: [&Series; 3]) -> Result<Series, (usize, DynamicsError)> {
-        self.model.forward_dynamics_series(&self.parameters, motion, self.sign)
+    /// Leaves the recorded channels at a time in `channels`.
+    #[inline]
+    pub(super) fn observe_channels(&mut self, t: f64) {
+        if let Some((series, rate)) = self.recorded {
+            interpolate(series, t * rate, &mut self.channels);
+        }
+    }
+
+    /// The joint accelerations over a motion on a grid of times; the error names the first sample, from zero, that has none.
+    pub(super) fn accelerations_of(
+        &self,
+        motion: [&Series; 3],
+        grid: &OutputGrid,
+    ) -> Result<Series, (usize, DynamicsError)> {
+        let at_grid = |(series, rate): (&Series, f64)| {
+            let mut channels = Series::zeros(motion[0].len(), series.channels());
+            (0..channels.len()).for_each(|k| interpolate(series, grid.time(k) * rate, channels.sample_mut(k)));
+            channels
+        };
+        let channels = self.recorded.map(at_grid);
+        self.model.forward_dynamics_with_channels(&self.parameters, motion, channels.as_ref(), self.sign)
     }
 
     /// The friction's part of the damping in a state.
     pub(super) fn friction_damping(&mut self, x: &[f64], d: &mut [f64]) {
         let (q, dq) = x.split_at(self.p.len());
-        self.model.damping_into(&self.parameters, State { q, dq }, self.sign, &mut self.damping, d);
+        let state = State::new(q, dq).with_channels(&self.channels);
+        self.model.damping_into(&self.parameters, state, self.sign, &mut self.damping, d);
     }
 
     /// Adds what drive signals that fall by `slopes` per motor position or velocity give the joints: a stiffness or a damping.
@@ -99,8 +123,19 @@ impl<'a> Plant<'a> {
     #[inline]
     pub(super) fn accelerations(&mut self, x: &[f64], ddq: &mut [f64]) -> Result<(), DynamicsError> {
         let (q, dq) = x.split_at(self.p.len());
-        self.model.forward_dynamics(&self.parameters, State { q, dq }, &self.tau, self.sign, &mut self.workspace, ddq)
+        let state = State::new(q, dq).with_channels(&self.channels);
+        self.model.forward_dynamics(&self.parameters, state, &self.tau, self.sign, &mut self.workspace, ddq)
     }
+}
+
+/// The value of a series between two samples, at a place counted in samples; the first and the last beyond the ends.
+pub(super) fn interpolate(series: &Series, place: f64, out: &mut [f64]) {
+    let last = series.len() - 1;
+    let place = place.clamp(0.0, last as f64);
+    let before = (place as usize).min(last.saturating_sub(1));
+    let part = place - before as f64;
+    let (from, to) = (series.sample(before), series.sample((before + 1).min(last)));
+    out.iter_mut().zip(from.iter().zip(to)).for_each(|(out, (from, to))| *out = from + part * (to - from));
 }
 
 /// Standard parameters with the friction of a biased simulator.

@@ -101,11 +101,11 @@ impl<'a> Running<'a> {
         true
     }
 
-    /// Positions, velocities and torques of the joints of which the accelerations are wanted.
-    pub(super) fn wanted(&mut self) -> [&[f64]; 3] {
+    /// Positions, velocities and torques of the joints of which the accelerations are wanted, and the recorded channels.
+    pub(super) fn wanted(&mut self) -> [&[f64]; 4] {
         let (_, x, _) = self.integrator.wanted();
         let (q, dq) = x.split_at(x.len() / 2);
-        [q, dq, &self.system.plant.tau]
+        [q, dq, &self.system.plant.tau, &self.system.plant.channels]
     }
 
     /// Where the accelerations go.

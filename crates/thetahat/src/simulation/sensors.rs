@@ -6,7 +6,7 @@ use rand_distr::{Distribution, StandardNormal};
 use serde::Deserialize;
 
 use super::motion::SimulatedMotion;
-use crate::{robot::Transmission, series::Series};
+use crate::{one_or_each, robot::Transmission, series::Series};
 
 /// What lies between a simulated motion and its record: encoders, torque ripple and torque noise.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -15,8 +15,10 @@ pub struct Sensors {
     /// Encoder counts per turn of each motor.
     pub encoder_counts_per_turn: f64,
     /// Standard deviation of the white noise on each joint torque, N m or N.
+    #[serde(deserialize_with = "one_or_each::list")]
     pub torque_noise: Vec<f64>,
     /// Amplitude of the ripple on each joint torque, N m or N.
+    #[serde(deserialize_with = "one_or_each::list")]
     pub torque_ripple: Vec<f64>,
     /// Periods of the ripple per turn of the motor.
     pub ripple_per_turn: f64,

@@ -40,12 +40,13 @@ impl WithSimd for SideBySide<'_> {
         let sign = Sign::Smooth { scale: sign_velocity_scale };
         let mut workspace = Workspace::like(model, zero);
         let [mut q, mut dq, mut tau, mut ddq] = [(); 4].map(|()| vec![zero; n]);
+        let mut channels = vec![zero; model.channels().len() * n];
         while work.fill() {
             let parameters = DynamicParameters::side_by_side(simd, |lane| work.of_lane(lane).parameters());
             let mut all_go_on = true;
             while all_go_on {
-                work.gather(simd, [&mut q, &mut dq, &mut tau]);
-                let state = State { q: &q, dq: &dq };
+                work.gather(simd, [&mut q, &mut dq, &mut tau, &mut channels]);
+                let state = State::new(&q, &dq).with_channels(&channels);
                 all_go_on = match model.forward_dynamics_of(&parameters, state, &tau, sign, &mut workspace, &mut ddq) {
                     Ok(()) => {
                         work.scatter(&ddq);
@@ -118,7 +119,7 @@ impl<'a> Work<'a> {
 
     /// The states that are wanted, and the torques there.
     #[inline(always)]
-    fn gather<S: Simd>(&mut self, simd: S, signals: [&mut [Lanes<S>]; 3]) {
+    fn gather<S: Simd>(&mut self, simd: S, signals: [&mut [Lanes<S>]; 4]) {
         let mut wanted = self.running.iter_mut().map(|(_, running)| running.wanted());
         let Some(first) = wanted.next() else { return };
         let mut of_lanes = [first; MOST_LANES];

@@ -1,6 +1,6 @@
 //! Which method a simulation asks for: how fast friction stops a joint, and what that costs an explicit method.
 
-use super::closed_loop::ClosedLoop;
+use super::{closed_loop::ClosedLoop, plant::interpolate};
 use crate::dynamics::{DampingWorkspace, DynamicParameters, Sign, State, Workspace, factorise, solve_factorised};
 
 /// Points of the reference at which the stiffness is looked at.
@@ -21,6 +21,7 @@ impl ClosedLoop<'_> {
         let mut workspace = Workspace::new(self.model);
         let [mut q, mut dq, mut ddq] = [(); 3].map(|()| vec![0.0; n]);
         let [mut mass, mut damping] = [(); 2].map(|()| vec![0.0; n * n]);
+        let mut channels = vec![0.0; self.channels.map_or(0, |(series, _)| series.channels())];
         let sign = Sign::Smooth { scale: self.sign_velocity_scale };
         let mut damping_workspace = DampingWorkspace::default();
         let mut fastest: f64 = 0.0;
@@ -28,7 +29,10 @@ impl ClosedLoop<'_> {
             let t = duration_s * point as f64 / (POINTS - 1) as f64;
             self.reference.evaluate(t, &mut q, &mut dq, &mut ddq);
             dq.fill(0.0);
-            let rest = State { q: &q, dq: &dq };
+            if let Some((series, rate)) = self.channels {
+                interpolate(series, t * rate, &mut channels);
+            }
+            let rest = State::new(&q, &dq).with_channels(&channels);
             self.model.damping_into(&parameters, rest, sign, &mut damping_workspace, &mut damping);
             self.model.mass_matrix(&parameters, &q, &mut workspace, &mut mass);
             if factorise(&mut mass, n).is_ok() {

@@ -95,6 +95,7 @@ impl<'a> Loop<'a> {
             return false;
         }
         self.apply_torques(t, x);
+        self.plant.observe_channels(t);
         let n = self.u.len();
         dx[..n].copy_from_slice(&x[n..]);
         true
@@ -105,6 +106,7 @@ impl<'a> Loop<'a> {
     pub(super) fn linearise(&mut self, t: f64, x: &[f64], step: f64, mass: &[f64], out: &mut Linearisation) {
         let n = self.u.len();
         multiply_factors(mass, n, &mut out.mass);
+        self.plant.observe_channels(t);
         self.plant.friction_damping(x, &mut out.damping);
         out.stiffness.fill(0.0);
         out.rate.fill(0.0);
@@ -172,7 +174,7 @@ impl<'a> Loop<'a> {
     pub(super) fn add_accelerations(&mut self) -> Result<(), SimulationError> {
         let SimulatedMotion { q, dq, tau, .. } = &self.motion;
         let error = |(k, source)| SimulationError::Dynamics { time_s: self.grid.time(k), source };
-        self.motion.ddq = self.plant.accelerations_of([q, dq, tau]).map_err(error)?;
+        self.motion.ddq = self.plant.accelerations_of([q, dq, tau], &self.grid).map_err(error)?;
         Ok(())
     }
 

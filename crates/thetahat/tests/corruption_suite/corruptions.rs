@@ -362,7 +362,7 @@ impl Record {
     }
 }
 
-fn set(series: &mut Series, joint: usize, value: impl Fn(usize, f64) -> f64) {
+pub fn set(series: &mut Series, joint: usize, value: impl Fn(usize, f64) -> f64) {
     for k in 0..series.len() {
         let old = series.sample(k)[joint - 1];
         series.sample_mut(k)[joint - 1] = value(k, old);

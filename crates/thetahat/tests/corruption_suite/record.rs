@@ -31,6 +31,8 @@ pub struct Record {
     pub reference: Option<Series>,
     pub reconstructed_deviation: Option<Vec<f64>>,
     pub added_signal: bool,
+    /// Whether positions or torques came through the transmission.
+    pub geared: bool,
     pub signal: SignalSettings,
     pub controller: Option<ControllerDescription>,
     /// The noise-free moves, for corruptions of a reference.
@@ -42,22 +44,30 @@ impl Record {
     pub fn with_subject<T>(&self, f: impl FnOnce(&Subject<'_>) -> T) -> T {
         let model = Model::new(&self.robot);
         let base = BaseParameters::of(&model, &self.excluded).unwrap();
-        f(&Subject {
+        f(&self.subject(&model, &base))
+    }
+
+    /// The record as a subject with a model and parameters that several records share.
+    pub fn subject<'a>(&'a self, model: &'a Model, base: &'a BaseParameters) -> Subject<'a> {
+        Subject {
             robot: &self.robot,
-            model: &model,
-            base: &base,
+            model,
+            base,
+            all: base,
             sample_rate_hz: self.rate_hz,
             time_s: self.time_s.as_deref(),
             position: &self.position,
-            geared: true,
+            geared: self.geared,
             velocity: self.velocity.as_ref(),
             torque: Some(&self.torque),
             reference: self.reference.as_ref(),
             reconstructed_deviation: self.reconstructed_deviation.as_deref(),
+            left_out: &[],
+            contradicting_times: None,
             added_signal: self.added_signal,
             signal: self.signal.clone(),
             controller: self.controller.as_ref(),
-        })
+        }
     }
 
     /// The band-passed velocity of the record's own positions: what a robot that records velocities would give.
@@ -108,6 +118,7 @@ pub fn twin(change: impl FnOnce(&mut TwinDescription)) -> Record {
         controller: &controller,
         reference: &reference,
         added_signal: None,
+        channels: None,
         bias: SimulatorBias::NONE,
         solver: experiment.settings.simulation.solver,
         sign_velocity_scale: experiment.settings.simulation.sign_velocity_scale,
@@ -128,6 +139,7 @@ pub fn twin(change: impl FnOnce(&mut TwinDescription)) -> Record {
         reference: None,
         reconstructed_deviation: None,
         added_signal: false,
+        geared: true,
         signal: SignalSettings {
             filter_order: signal.filter_order,
             cutoff_hz: signal.cutoff_hz,
@@ -144,14 +156,24 @@ pub fn twin(change: impl FnOnce(&mut TwinDescription)) -> Record {
 
 /// The recorded TX40 of the paper's experiment.
 pub fn tx40(root: &Path, data: &Path) -> Record {
-    from_experiment(&root.join("experiments/tx40_paper.toml"), data, false)
+    from_experiment(&root.join("experiments/tx40_paper.toml"), data, Which::Main(0))
 }
 
-/// The record of an experiment file, or its validation record.
-pub fn from_experiment(path: &Path, data: &Path, validation: bool) -> Record {
+/// A recording of an experiment file, from zero.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Which {
+    Main(usize),
+    Validation(usize),
+}
+
+/// The record of an experiment file.
+pub fn from_experiment(path: &Path, data: &Path, which: Which) -> Record {
     let experiment = Experiment::read(path, data).unwrap();
     let (file, settings) = (&experiment.file, &experiment.settings);
-    let description = if validation { file.validation[0].clone() } else { file.recording[0].clone() };
+    let description = match which {
+        Which::Main(i) => file.recording[i].clone(),
+        Which::Validation(i) => file.validation[i].clone(),
+    };
     let transmission = &experiment.robot.transmission;
     let motor = thetahat::recording::Side::Motor;
     let positions = |source: &thetahat::recording::ChannelSource| {
@@ -175,6 +197,7 @@ pub fn from_experiment(path: &Path, data: &Path, validation: bool) -> Record {
         reference: description.reference.as_ref().map(positions),
         reconstructed_deviation: None,
         added_signal: description.added_signal.is_some(),
+        geared: source.side == motor || description.position.side == motor,
         signal: SignalSettings {
             filter_order: settings.signal.filter_order,
             cutoff_hz: settings.signal.cutoff_hz,

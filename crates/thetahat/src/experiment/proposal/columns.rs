@@ -1,5 +1,6 @@
 use super::{
     super::column_names::{self, Signal},
+    joint_names::columns_of,
     source::{Chosen, Source, channels},
 };
 use crate::{recording::ColumnSummary, robot::Robot};
@@ -33,6 +34,9 @@ pub(super) fn silent<'a>(source: &Source<'a>) -> Vec<Numbered<'a>> {
 
 fn in_order<'a>(robot: &Robot, mut found: Vec<Numbered<'a>>) -> Result<Vec<Chosen<'a>>, String> {
     let joints = robot.coordinate_count();
+    if let Some(ordered) = in_order_of_joints(robot, &found) {
+        return Ok(ordered.into_iter().map(Chosen::of).collect());
+    }
     let chosen = |columns: &[&'a ColumnSummary]| columns.iter().map(|c| Chosen::of(c)).collect::<Vec<_>>();
     let all = chosen(&found.iter().map(|(c, _)| *c).collect::<Vec<_>>());
     if channels(&all) != joints {
@@ -42,9 +46,6 @@ fn in_order<'a>(robot: &Robot, mut found: Vec<Numbered<'a>>) -> Result<Vec<Chose
     if all.len() == 1 {
         return Ok(all);
     }
-    if let Some(ordered) = in_order_of_joints(robot, &found) {
-        return Ok(chosen(&ordered));
-    }
     found.sort_by_key(|(_, number)| *number);
     let numbers: Vec<Option<usize>> = found.iter().map(|(_, number)| *number).collect();
     if numbers.windows(2).all(|n| matches!(n, [Some(a), Some(b)] if b - a == 1)) {
@@ -53,22 +54,9 @@ fn in_order<'a>(robot: &Robot, mut found: Vec<Numbered<'a>>) -> Result<Vec<Chose
     Err("their names have neither the joints' names nor consecutive numbers".to_owned())
 }
 
-/// The columns by the names of the joints, where each joint's name is in exactly one of them.
+/// The columns by the names of the joints, where each joint has one; columns of other joints are left out.
 fn in_order_of_joints<'a>(robot: &Robot, found: &[Numbered<'a>]) -> Option<Vec<&'a ColumnSummary>> {
-    let of_joint = |name: &str| {
-        let matching: Vec<_> = found.iter().filter(|(c, _)| contains_name(&c.name, name)).collect();
-        match matching[..] {
-            [(only, _)] => Some(*only),
-            _ => None,
-        }
-    };
-    robot.coordinates().map(|joint| of_joint(&joint.name)).collect()
-}
-
-/// Whether a column's name holds a joint's name as a word of its own.
-fn contains_name(column: &str, joint: &str) -> bool {
-    let boundary = |c: Option<char>| c.is_none_or(|c| !c.is_alphanumeric());
-    column.match_indices(joint).any(|(start, found)| {
-        boundary(column[..start].chars().next_back()) && boundary(column[start + found.len()..].chars().next())
-    })
+    let names: Vec<&str> = robot.coordinates().map(|joint| joint.name.as_str()).collect();
+    let columns: Vec<&ColumnSummary> = found.iter().map(|(column, _)| *column).collect();
+    columns_of(&names, &columns).into_iter().collect()
 }

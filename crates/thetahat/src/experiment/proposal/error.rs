@@ -7,7 +7,8 @@ pub enum ProposalError {
     /// The columns of a signal cannot be told.
     #[error(
         "{}: the columns of the {signal} cannot be told from their names: {problem}; name them with --{signal} \
-         NAME,NAME,... (one for each of {joints} joints); the columns are: {}",
+         NAME,NAME,... (one for each of {joints} joints), or name the joints that the log has with --joints NAME,NAME,...: \
+         the others are locked; the columns are: {}",
         file.display(), columns.join(" ")
     )]
     UnclearColumns {
@@ -35,7 +36,10 @@ pub enum ProposalError {
         columns: Vec<String>,
     },
     /// The columns that were named for a signal are more or fewer than the joints.
-    #[error("--{signal} names {found} columns; {robot} has {joints} joints, and one is needed for each of them")]
+    #[error(
+        "--{signal} names {found} columns; {robot} has {joints} joints, and one is needed for each of them; \
+             where the log lacks joints, name those that it has with --joints NAME,NAME,...: the others are locked"
+    )]
     ColumnCount {
         /// `position` or `torque`.
         signal: &'static str,
@@ -54,6 +58,35 @@ pub enum ProposalError {
         file: PathBuf,
         /// The column.
         column: String,
+    },
+    /// The joints that were named are not those of the robot, or in another order.
+    #[error("--joints {}: expected joints of the robot, in its order: {}", found.join(","), known.join(","))]
+    Joints {
+        /// The names.
+        found: Vec<String>,
+        /// The joints of the robot that follow no other.
+        known: Vec<String>,
+    },
+    /// A joint moves whose torques are not in the log.
+    #[error(
+        "joint `{joint}` moves from {least:.4} to {most:.4} {unit}, and the log has no torque of it: locked, it would falsify the \
+         dynamics of the joints before it; record it with its torque, or cut the log to a part in which it rests"
+    )]
+    MovesWithoutTorque {
+        /// The joint.
+        joint: String,
+        /// Its least position.
+        least: f64,
+        /// Its largest position.
+        most: f64,
+        /// `rad` or `m`.
+        unit: &'static str,
+    },
+    /// The robot cannot be read.
+    #[error("{problem}")]
+    Robot {
+        /// Why.
+        problem: String,
     },
     /// There is no time column and no rate.
     #[error("{}: no time column is found; name it with --time NAME or state --rate HZ; the columns are: {}",

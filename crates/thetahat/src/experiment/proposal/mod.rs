@@ -5,6 +5,7 @@
 //! | `request`, `error` | what a proposal is made for, and why there is none |
 //! | `named` | the columns that the user named: `NAME`, `FILE` or `FILE:NAME` |
 //! | `source` | a file with the table of it that is used |
+//! | `joint_names`, `joints` | which column is of which joint; joints that the log lacks are locked |
 //! | `columns` | which columns of a file hold a signal, by their names or the file's |
 //! | `offer` | what each file offers |
 //! | `grouping` | which files are of one recording |
@@ -17,6 +18,8 @@ mod clock;
 mod columns;
 mod error;
 mod grouping;
+mod joint_names;
+mod joints;
 mod named;
 mod offer;
 mod recordings;
@@ -26,6 +29,7 @@ mod text;
 mod units;
 
 pub use error::ProposalError;
+pub use joints::ProposedLock;
 pub use recordings::propose;
 pub use request::ProposalRequest;
 pub use text::{Proposal, ProposedChannels, ProposedClock, ProposedRecording, ProposedSignal};

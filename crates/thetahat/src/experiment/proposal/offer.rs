@@ -29,20 +29,24 @@ impl Offer<'_> {
     }
 }
 
-/// What each of the files offers.
-pub(super) fn offers<'a>(
-    request: &'a ProposalRequest,
-    robot: &Robot,
-    contents: &'a [Contents],
-) -> Result<Vec<Offer<'a>>, ProposalError> {
+/// The files, each with the table of it that is used.
+pub(super) fn sources<'a>(request: &'a ProposalRequest, contents: &'a [Contents]) -> Vec<Source<'a>> {
     let source = |(contents, file): (&'a Contents, &'a PathBuf)| Source {
         contents,
         file: file.as_path(),
         table: chosen_table(request, contents),
     };
-    let sources: Vec<Source<'a>> = contents.iter().zip(&request.recording_files).map(source).collect();
-    let position = Named::new("position", &request.position, &sources).columns(robot)?;
-    let torque = Named::new("torque", &request.torque, &sources).columns(robot)?;
+    contents.iter().zip(&request.recording_files).map(source).collect()
+}
+
+/// What each of the files offers.
+pub(super) fn offers<'a>(
+    request: &'a ProposalRequest,
+    robot: &Robot,
+    sources: &[Source<'a>],
+) -> Result<Vec<Offer<'a>>, ProposalError> {
+    let position = Named::new("position", &request.position, sources).columns(robot)?;
+    let torque = Named::new("torque", &request.torque, sources).columns(robot)?;
     let offer = |(number, source): (usize, &Source<'a>)| {
         let found = |signal| columns::by_name(source, robot, signal);
         let or_found = |named: &Option<Vec<Option<Vec<Chosen<'a>>>>>, signal| match named {
@@ -65,7 +69,7 @@ pub(super) fn offers<'a>(
 /// The table with the most columns of the signals needed, the first of equals.
 fn chosen_table<'a>(request: &ProposalRequest, contents: &'a Contents) -> Option<&'a TableSummary> {
     let wanted = |c: &&ColumnSummary| {
-        let named = request.position.iter().chain(&request.torque).any(|name| names(name, &c.name));
+        let named = request.position.iter().chain(&request.torque).any(|name| is_named(name, &c.name));
         let read = column_names::read(&c.name);
         named || matches!(read, Some(r) if matches!(r.signal, Signal::Position | Signal::Torque))
     };
@@ -74,7 +78,7 @@ fn chosen_table<'a>(request: &ProposalRequest, contents: &'a Contents) -> Option
 }
 
 /// Whether an argument names a column: by itself, behind a file, or one channel of it.
-fn names(argument: &str, column: &str) -> bool {
+pub(super) fn is_named(argument: &str, column: &str) -> bool {
     argument == column
         || argument.strip_suffix(column).is_some_and(|file| file.ends_with(':'))
         || argument.strip_prefix(column).is_some_and(|index| index.starts_with('['))

@@ -13,6 +13,8 @@ pub struct ProposalRequest {
     pub position: Vec<String>,
     /// Columns of the torques, likewise.
     pub torque: Vec<String>,
+    /// The joints of the columns, in the robot's order, where names do not tell: the others are locked.
+    pub joints: Vec<String>,
     /// The time column, likewise.
     pub time: Option<String>,
     /// Samples per second, where there is no time column.

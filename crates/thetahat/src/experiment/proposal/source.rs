@@ -7,12 +7,14 @@ use crate::recording::{ChannelSummary, ColumnSummary, Contents, Format, TableSum
 pub(super) struct Chosen<'a> {
     pub(super) name: String,
     pub(super) channels: &'a [ChannelSummary],
+    /// Whether they are rows of a matrix.
+    pub(super) in_rows: bool,
 }
 
 impl<'a> Chosen<'a> {
     /// A whole column.
     pub(super) fn of(column: &'a ColumnSummary) -> Self {
-        Self { name: column.name.clone(), channels: &column.statistics }
+        Self { name: column.name.clone(), channels: &column.statistics, in_rows: column.in_rows }
     }
 }
 
@@ -60,6 +62,11 @@ impl<'a> Source<'a> {
         matches!(self.contents.format, Format::Db3 | Format::Mcap)
     }
 
+    /// Whether its last line is cut.
+    pub(super) fn is_cut(&self) -> bool {
+        self.contents.dialect.is_some_and(|d| d.drop_cut_line)
+    }
+
     /// Whether a column is its time, the likeliest of several.
     pub(super) fn is_time(&self, column: &str) -> bool {
         self.table.and_then(|t| t.times.first()).is_some_and(|t| t.column == column)
@@ -85,8 +92,8 @@ impl<'a> Source<'a> {
         }
         let (matrix, index) = name.strip_suffix(']')?.rsplit_once('[')?;
         let index: usize = index.parse().ok()?;
-        let column = self.columns().find(|c| c.name == matrix)?;
+        let column = self.columns().find(|c| c.name == matrix && !c.in_rows)?;
         let channel = column.statistics.get(index.checked_sub(1)?..index)?;
-        Some(Chosen { name: name.to_owned(), channels: channel })
+        Some(Chosen { name: name.to_owned(), channels: channel, in_rows: false })
     }
 }

@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use super::*;
-use crate::{recording::inspect_with_time, robot::Robot};
+use crate::{recording::inspect_with_time, robot::RobotSource};
 
 const ARM: &str = "name = 'arm'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n[[joint]]\nname = 'b'\nkind = 'revolute'\n";
 
@@ -15,7 +15,7 @@ fn proposed(header: &str, request: ProposalRequest) -> Result<String, ProposalEr
     let folder = thetahat_testing::Folder::new();
     folder.write("log.csv", format!("{header}\n{}", (0..300).map(row).collect::<String>()));
     let contents = inspect_with_time(&folder.at("log.csv"), request.time.as_deref()).unwrap();
-    let robot = Robot::parse(ARM, Path::new("arm.toml")).unwrap();
+    let robot = RobotSource::from_text(ARM.to_owned(), Path::new("arm.toml")).unwrap();
     propose(&request, &robot, &[contents]).map(|p| p.text())
 }
 
@@ -87,7 +87,7 @@ fn proposed_from(files: &[(&str, &str)], request: ProposalRequest, robot: &str) 
     let names: Vec<std::path::PathBuf> = files.iter().map(|(name, _)| name.into()).collect();
     let contents: Vec<_> =
         names.iter().map(|n| inspect_with_time(&folder.path().join(n), request.time.as_deref()).unwrap()).collect();
-    let robot = Robot::parse(robot, Path::new("arm.toml")).unwrap();
+    let robot = RobotSource::from_text(robot.to_owned(), Path::new("arm.toml")).unwrap();
     propose(&ProposalRequest { recording_files: names, ..request }, &robot, &contents)
 }
 
@@ -220,7 +220,7 @@ fn files_of_different_lengths_are_not_of_one_recording() {
     folder.write("q.csv", "t,j1,j2\n0,1,2\n0.1,2,3\n0.2,3,4\n");
     folder.write("tau.csv", "j1,j2\n1,2\n2,3\n");
     let contents = ["q.csv", "tau.csv"].map(|n| inspect_with_time(&folder.at(n), None).unwrap());
-    let robot = Robot::parse(ARM, Path::new("arm.toml")).unwrap();
+    let robot = RobotSource::from_text(ARM.to_owned(), Path::new("arm.toml")).unwrap();
     let request = ProposalRequest { recording_files: vec!["q.csv".into(), "tau.csv".into()], ..request() };
     let error = propose(&request, &robot, &contents).unwrap_err();
     assert_eq!(error.to_string(), "q.csv has 3 samples, tau.csv has 2: they are not of one recording");
@@ -235,7 +235,9 @@ fn motors_are_told_by_their_range_and_the_robot_s_gears() {
     folder.write("log.csv", format!("t,q1,q2,tau1,tau2\n{}", (0..300).map(row).collect::<String>()));
     let contents = [inspect_with_time(&folder.at("log.csv"), None).unwrap()];
     let text = |robot: &str| {
-        propose(&request(), &Robot::parse(robot, Path::new("arm.toml")).unwrap(), &contents).unwrap().text()
+        propose(&request(), &RobotSource::from_text(robot.to_owned(), Path::new("arm.toml")).unwrap(), &contents)
+            .unwrap()
+            .text()
     };
     assert!(text(&geared).contains("unit = \"rad\", side = \"motor\" }\n# From 1.0000 to 2.0000"), "{}", text(&geared));
     assert!(text(&geared).contains("unit = \"N m\", side = \"motor\""));
@@ -251,6 +253,47 @@ fn a_reference_of_another_scale_is_left_out() {
     };
     folder.write("log.csv", format!("t,q1,q2,q1_ref,q2_ref,tau1,tau2\n{}", (0..300).map(row).collect::<String>()));
     let contents = [inspect_with_time(&folder.at("log.csv"), None).unwrap()];
-    let text = propose(&request(), &Robot::parse(ARM, Path::new("arm.toml")).unwrap(), &contents).unwrap().text();
+    let text = propose(&request(), &RobotSource::from_text(ARM.to_owned(), Path::new("arm.toml")).unwrap(), &contents)
+        .unwrap()
+        .text();
     assert!(text.contains("\n# reference = {") && text.contains("Left out"), "{text}");
+}
+
+const LIFT: &str = "name = 'lift'\n[[joint]]\nname = 'lift_joint'\nkind = 'prismatic'\n[[joint]]\nname = 'arm_joint'\nkind = 'revolute'\n\
+                    [[joint]]\nname = 'head_joint'\nkind = 'revolute'\n";
+
+#[test]
+fn joints_that_the_log_lacks_are_locked_and_others_left_out() {
+    let header = "t,arm_joint.position,lift_pos,wheel.position,arm_joint.effort,lift_effort,wheel.effort";
+    let proposal = proposed_from(&[("log.csv", header)], request(), LIFT).unwrap();
+    let locked: Vec<_> = proposal.locks.iter().map(|lock| (lock.joint.as_str(), lock.value)).collect();
+    assert_eq!(
+        (locked, proposal.unused.join(" ")),
+        (vec![("head_joint", 0.0)], "wheel.position wheel.effort".to_owned())
+    );
+    let (_, position) = &proposal.recordings[0].channels[0];
+    assert_eq!(position.columns, ["lift_pos", "arm_joint.position"]);
+    let text = proposal.text();
+    assert!(text.contains(r#"unit = ["m", "rad"]"#) && text.contains(r#"unit = ["N", "N m"]"#), "{text}");
+    let experiment = super::super::Experiment::from_texts(Path::new("e.toml"), text, LIFT.to_owned()).unwrap();
+    assert_eq!((experiment.robot.coordinate_count(), experiment.robot.locked.len()), (2, 1));
+}
+
+#[test]
+fn a_joint_that_moves_without_a_torque_is_refused() {
+    let header = "t,arm_joint.position,lift_joint.position,head_joint.position,arm_joint.effort,lift_joint.effort";
+    let error = proposed_from(&[("log.csv", header)], request(), LIFT).unwrap_err();
+    assert!(matches!(&error, ProposalError::MovesWithoutTorque { joint, .. } if joint == "head_joint"), "{error}");
+}
+
+#[test]
+fn joints_may_be_named_where_columns_are_not() {
+    let named = ProposalRequest { joints: vec!["lift_joint".into(), "arm_joint".into()], ..request() };
+    let proposal = proposed_from(&[("log.csv", "t,q1,q2,tau1,tau2")], named, LIFT).unwrap();
+    assert_eq!(proposal.locks.len(), 1);
+    let message = proposed_from(&[("log.csv", "t,q1,q2,tau1,tau2")], request(), LIFT).unwrap_err().to_string();
+    assert!(message.contains("--joints NAME,NAME,...: the others are locked"), "{message}");
+    let wrong = ProposalRequest { joints: vec!["arm".into()], ..request() };
+    let message = proposed_from(&[("log.csv", "t,q1,q2,tau1,tau2")], wrong, LIFT).unwrap_err().to_string();
+    assert_eq!(message, "--joints arm: expected joints of the robot, in its order: lift_joint,arm_joint,head_joint");
 }

@@ -1,9 +1,15 @@
 use std::{fmt::Write as _, path::PathBuf};
 
+use super::joints::ProposedLock;
 use crate::{
+    one_or_each::OneOrEach,
     recording::{Side, Unit},
     results::{Filter, FilterChoice},
+    visible::visible,
 };
+
+/// Columns that are left out and shown by name.
+const SHOWN: usize = 8;
 
 /// An experiment as it is proposed. [`Proposal::text`] is its file.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,6 +18,10 @@ pub struct Proposal {
     pub title: String,
     /// The robot description.
     pub robot_file: PathBuf,
+    /// The joints that are locked, as the log lacks them.
+    pub locks: Vec<ProposedLock>,
+    /// Columns of positions and torques that are of no joint that is identified.
+    pub unused: Vec<String>,
     /// The recordings.
     pub recordings: Vec<ProposedRecording>,
     /// Filters, decimation and window.
@@ -47,10 +57,14 @@ pub struct ProposedChannels {
     pub topic: Option<String>,
     /// Their columns.
     pub columns: Vec<String>,
-    /// Their unit.
-    pub unit: Unit,
+    /// Their unit, or that of each joint where some turn and others slide.
+    pub unit: OneOrEach<Unit>,
     /// Their side of the gears.
     pub side: Side,
+    /// Whether the last line of their file is cut.
+    pub drop_cut_line: bool,
+    /// Whether they are rows of a matrix.
+    pub channels_in_rows: bool,
     /// What the user should know of them.
     pub comment: String,
     /// Whether they stand in a comment, for the user to put right.
@@ -117,7 +131,7 @@ impl ProposedSignal {
 
     fn text(&self) -> String {
         let mut text = String::from("\n");
-        self.comment.iter().for_each(|line| text += &format!("# {line}\n"));
+        self.comment.iter().for_each(|line| text += &format!("# {}\n", visible(line)));
         let _ = write!(text, "[signal]\ncutoff_hz = {}\ndecimation = {}\n", self.cutoff_hz, self.decimation);
         for (key, end) in ["window_start_s", "window_end_s"].into_iter().zip(self.window_s) {
             end.into_iter().for_each(|s| text += &format!("{key} = {s}\n"));
@@ -133,16 +147,43 @@ impl Proposal {
         let mut text = format!(
             "# Proposed from {}. Read every line, then run `thetahat check`: it examines the units and signs.\n\
              title = {}\nrobot = {}\n",
-            self.files(),
+            visible(&self.files()),
             quoted(&self.title),
             quoted(&self.robot_file.display().to_string()),
         );
+        text += &self.locks_text();
+        text += &self.unused_text();
         let head = if self.recordings.len() == 1 { "[recording]" } else { "[[recording]]" };
         self.recordings.iter().for_each(|recording| text += &format!("\n{head}\n{}", recording.text()));
         text += &self.signal.text();
         text += "\n# IDIM-IV and DIDIM simulate the closed loop: with the controller's law in [controller] \
                  (docs/experiments.md) add\n# \"idim-iv\" and \"didim\".\n[estimation]\nmethods = [\"idim-ls\"]\n";
         text
+    }
+
+    fn locks_text(&self) -> String {
+        if self.locks.is_empty() {
+            return String::new();
+        }
+        let line = |lock: &ProposedLock| format!("{} = {:?}  # {}\n", quoted_key(&lock.joint), lock.value, lock.why);
+        let lines: String = self.locks.iter().map(line).collect();
+        "\n# Joints without torques in the log, in rad or m: they do not move, and the links behind them are parts of those that\n\
+         # carry them. The other joints are numbered anew in the names of parameters.\n[locked]\n"
+            .to_owned()
+            + &lines
+    }
+
+    fn unused_text(&self) -> String {
+        match &self.unused[..] {
+            [] => String::new(),
+            some if some.len() <= SHOWN => {
+                format!("\n# Of no joint that is identified, and left out: {}.\n", some.join(" "))
+            }
+            some => {
+                let (shown, more) = (some[..SHOWN].join(" "), some.len() - SHOWN);
+                format!("\n# Of no joint that is identified, and left out: {shown} and {more} more.\n")
+            }
+        }
     }
 
     fn files(&self) -> String {
@@ -178,15 +219,31 @@ impl ProposedChannels {
             Side::Motor => ", side = \"motor\"",
             Side::Joint => "",
         };
+        let cut = if self.drop_cut_line { ", drop_cut_line = true" } else { "" };
+        let rows = if self.channels_in_rows { ", channels_in_rows = true" } else { "" };
         format!(
-            "# {}\n{}{name} = {{ file = {}{topic}, columns = [{}], unit = \"{}\"{side} }}\n",
+            "# {}\n{}{name} = {{ file = {}{topic}, columns = [{}], unit = {}{side}{rows}{cut} }}\n",
             self.comment,
             if self.left_out { "# " } else { "" },
             quoted(&self.file.display().to_string()),
             names.join(", "),
-            self.unit.symbol(),
+            unit_text(&self.unit),
         )
     }
+}
+
+fn unit_text(unit: &OneOrEach<Unit>) -> String {
+    let symbols: Vec<String> = unit.given().iter().map(|unit| quoted(unit.symbol())).collect();
+    match unit {
+        OneOrEach::One(_) => symbols.concat(),
+        OneOrEach::Each(_) => format!("[{}]", symbols.join(", ")),
+    }
+}
+
+/// A TOML key: bare where it may be.
+fn quoted_key(name: &str) -> String {
+    let is_bare = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
+    if is_bare { name.to_owned() } else { quoted(name) }
 }
 
 /// A TOML string.

@@ -42,7 +42,7 @@ pub enum Weighting {
     /// Equal weights.
     #[default]
     None,
-    /// One over the standard deviation of each joint's residual of LS.
+    /// One over the standard deviation of each joint's residual of LS with these weights.
     PerJoint,
 }
 

@@ -17,6 +17,9 @@ pub struct Dialect {
     pub decimal: Option<Decimal>,
     /// Whether the first line names the columns.
     pub header: Option<bool>,
+    /// Whether a last line that is cut is left out; of a detected dialect, whether one was.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub drop_cut_line: bool,
 }
 
 /// Delimiters that are detected.

@@ -12,7 +12,7 @@ use memchr::{memchr, memchr_iter};
 
 use super::super::error::RecordingError;
 use super::super::place::{open, unreadable};
-use super::super::table::{Column, Table, Wanted};
+use super::super::table::{Column, Table, Wanted, is_plausible};
 use super::dialect::Dialect;
 use super::number::Numbers;
 use super::read::{flaw, read_with_dialect};
@@ -127,7 +127,7 @@ impl TextPieces {
             if read.get(found) == Some(&true) {
                 let (value, column) = (numbers.read(cell), &mut columns[found]);
                 column.values.push(value.unwrap_or(f64::NAN));
-                if column.flaw.is_none() && !value.is_some_and(f64::is_finite) {
+                if column.flaw.is_none() && !value.is_some_and(is_plausible) {
                     column.flaw = Some(flaw(value, cell, number));
                 }
             }

@@ -4,12 +4,16 @@ use std::io;
 use std::path::Path;
 
 use csv::ByteRecord;
+use memchr::memchr;
 
 use super::super::error::RecordingError;
-use super::super::table::{Column, Flaw, Table, Wanted};
+use super::super::table::{Column, Flaw, Table, Wanted, is_plausible};
 use super::dialect::Dialect;
 use super::number::Numbers;
 use super::text::{Text, rows};
+
+/// Most columns of a text: a line of more is a matrix that lies on its side.
+const MOST_COLUMNS: usize = 10_000;
 
 /// The columns of a text. Those not wanted are there by name, without values.
 pub(in super::super) fn read(
@@ -35,19 +39,24 @@ pub(in super::super) fn read_with_dialect(
     let numbers = Numbers::new(dialect.decimal, delimiter);
     let mut columns = Columns { path, text: &text, delimiter, numbers, columns: Vec::new(), read: Vec::new() };
     let mut row = ByteRecord::new();
-    let mut first = true;
+    let (mut first, mut cut_line) = (true, false);
     while reader.read_byte_record(&mut row).map_err(|e| unreadable(path, e))? {
         if first {
-            columns.name(&row, header, wanted);
+            columns.name(&row, header, wanted)?;
         }
-        if !(first && header) {
+        if columns.is_cut(&row, &prepared) {
+            cut_line = true;
+            if !dialect.drop_cut_line {
+                return Err(columns.cut_line(&row));
+            }
+        } else if !(first && header) {
             columns.add(&row)?;
         }
         first = false;
     }
     let decimal = columns.numbers.decimal();
     let table = Table { name: String::new(), columns: columns.columns };
-    Ok((table, Dialect { delimiter: Some(delimiter.into()), decimal, header: Some(header) }))
+    Ok((table, Dialect { delimiter: Some(delimiter.into()), decimal, header: Some(header), drop_cut_line: cut_line }))
 }
 
 /// The columns while their rows are read.
@@ -63,11 +72,28 @@ struct Columns<'a> {
 
 impl Columns<'_> {
     /// Makes the columns, with the names in the first row or numbered from 1.
-    fn name(&mut self, first: &ByteRecord, header: bool, wanted: Wanted<'_>) {
+    fn name(&mut self, first: &ByteRecord, header: bool, wanted: Wanted<'_>) -> Result<(), RecordingError> {
+        if first.len() > MOST_COLUMNS {
+            let (file, line) = (self.path.to_owned(), self.text.line(first));
+            return Err(RecordingError::TooManyColumns { file, line, found: first.len(), limit: MOST_COLUMNS });
+        }
         let text = |cell| String::from_utf8_lossy(cell).trim().to_owned();
         let names = first.iter().enumerate().map(|(i, cell)| if header { text(cell) } else { (i + 1).to_string() });
         self.columns = names.map(|name| Column::of_numbers(name, 1, Vec::new())).collect();
         self.read = (0..self.columns.len()).filter(|&i| wanted.includes(&self.columns[i].name)).collect();
+        Ok(())
+    }
+
+    /// Whether a row is too short and the text ends in it.
+    fn is_cut(&self, row: &ByteRecord, text: &[u8]) -> bool {
+        let start = row.position().map_or(0, |place| place.byte() as usize);
+        row.len() < self.columns.len()
+            && text.get(start..).is_some_and(|rest| memchr(b'\n', rest.trim_ascii_start()).is_none())
+    }
+
+    fn cut_line(&self, row: &ByteRecord) -> RecordingError {
+        let (file, line) = (self.path.to_owned(), self.text.line(row));
+        RecordingError::CutLine { file, line, expected: self.columns.len(), found: row.len() }
     }
 
     fn add(&mut self, row: &ByteRecord) -> Result<(), RecordingError> {
@@ -78,7 +104,7 @@ impl Columns<'_> {
             let number = self.numbers.read(&row[place]);
             let column = &mut self.columns[place];
             column.values.push(number.unwrap_or(f64::NAN));
-            if column.flaw.is_none() && !number.is_some_and(f64::is_finite) {
+            if column.flaw.is_none() && !number.is_some_and(is_plausible) {
                 column.flaw = Some(flaw(number, &row[place], self.text.line(row)));
             }
         }

@@ -160,7 +160,7 @@ fn commas_alone_are_delimiters() {
     assert_eq!(values("1,2,3\n4,5,6\n"), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
     assert_eq!(
         detected("1,2\n3,4\n"),
-        Dialect { delimiter: Some(','), decimal: Some(Decimal::Point), header: Some(false) }
+        Dialect { delimiter: Some(','), decimal: Some(Decimal::Point), header: Some(false), drop_cut_line: false }
     );
 }
 
@@ -184,7 +184,7 @@ fn point_and_comma_in_one_file() {
 
 #[test]
 fn quoted_cells_with_decimal_commas() {
-    let dialect = Dialect { delimiter: Some(','), decimal: Some(Decimal::Comma), header: None };
+    let dialect = Dialect { delimiter: Some(','), decimal: Some(Decimal::Comma), header: None, drop_cut_line: false };
     assert_eq!(with(dialect, b"\"a\",\"b\"\n\"1,5\",\"2,5\"\n", &[]).unwrap().values(), [1.5, 2.5]);
 }
 

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use super::super::table::is_plausible;
+
 /// Range and resolution of a channel, over its finite values; none where there are none.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ChannelSummary {
@@ -17,13 +19,13 @@ pub struct ChannelSummary {
     pub resolution: Option<f64>,
     /// Whether all finite values are equal.
     pub constant: bool,
-    /// Number of values that are NaN, infinite, missing or text.
+    /// Number of values that are NaN, infinite, beyond all recorded values, missing or text.
     pub not_finite: usize,
 }
 
 impl ChannelSummary {
     pub(super) fn of(values: &[f64]) -> Self {
-        let finite = || values.iter().copied().filter(|value| value.is_finite());
+        let finite = || values.iter().copied().filter(|value| is_plausible(*value));
         let count = finite().count();
         let min = finite().reduce(f64::min);
         let max = finite().reduce(f64::max);

@@ -10,6 +10,7 @@ use super::super::error::RecordingError;
 use super::super::format::{Format, Holds};
 use super::super::place::file_bytes;
 use super::super::reader;
+use super::super::source::ChannelSource;
 use super::super::table::{Column, Flaw, Table, Wanted};
 use super::channel::ChannelSummary;
 use super::time::{TimeSummary, times};
@@ -50,6 +51,8 @@ pub struct ColumnSummary {
     pub name: String,
     /// Number of channels: columns of a matrix.
     pub channels: usize,
+    /// Whether the channels are the rows of the matrix: it is far wider than high.
+    pub in_rows: bool,
     /// Number of samples of each channel.
     pub samples: usize,
     /// What the column holds, if it is not numbers alone.
@@ -73,18 +76,7 @@ pub fn inspect(path: &Path) -> Result<Contents, RecordingError> {
 /// As [`inspect`].
 pub fn inspect_with_time(path: &Path, time: Option<&str>) -> Result<Contents, RecordingError> {
     let format = Format::of(path)?;
-    let (tables, dialect, other_topics) = match format.holds() {
-        Holds::Lines => {
-            let bytes = file_bytes(path)?;
-            let (table, dialect) = csv::read_with_dialect(&bytes, path, &Dialect::default(), Wanted::All)?;
-            (vec![table], Some(dialect), Vec::new())
-        }
-        Holds::Topics => {
-            let (tables, other_topics) = bag::tables(path, format)?;
-            (tables, None, other_topics)
-        }
-        Holds::Arrays => (by_samples(reader::table(path, format, &Dialect::default(), Wanted::All)?), None, Vec::new()),
-    };
+    let (tables, dialect, other_topics) = tables(path, format)?;
     Ok(Contents {
         file: path.to_owned(),
         format,
@@ -92,6 +84,67 @@ pub fn inspect_with_time(path: &Path, time: Option<&str>) -> Result<Contents, Re
         tables: tables.iter().map(|table| summary(table, format, time)).collect(),
         other_topics,
     })
+}
+
+/// Largest file that is looked through for times that nobody named.
+const SMALL_BYTES: u64 = 1 << 26;
+/// Part of the rate by which a stated one may differ from that of the times.
+const RATE_TOLERANCE: f64 = 0.01;
+
+/// A column of times in the file of a signal whose rate is another than the stated one, and its rate, Hz.
+///
+/// Only columns with the name of a time count, and only in files of at most 64 MiB; none where the file cannot be read.
+#[must_use]
+pub fn contradicting_times(source: &ChannelSource, root: &Path, stated_hz: f64) -> Option<(String, f64)> {
+    let path = source.path(root);
+    let format = Format::of(&path).ok()?;
+    if std::fs::metadata(&path).ok()?.len() > SMALL_BYTES {
+        return None;
+    }
+    let (tables, _, _) = tables(&path, format).ok()?;
+    let in_table = |table: &Table| times(&table.columns, format.is_bag(), None);
+    let named = tables.iter().flat_map(in_table).find(|time| time.is_named)?;
+    ((named.rate_hz / stated_hz - 1.0).abs() > RATE_TOLERANCE).then_some((named.column, named.rate_hz))
+}
+
+type Tables = (Vec<Table>, Option<Dialect>, Vec<OtherTopic>);
+
+fn tables(path: &Path, format: Format) -> Result<Tables, RecordingError> {
+    let (tables, dialect, other_topics) = match format.holds() {
+        Holds::Lines => {
+            let bytes = file_bytes(path)?;
+            let tolerant = Dialect { drop_cut_line: true, ..Dialect::default() };
+            let (table, dialect) = csv::read_with_dialect(&bytes, path, &tolerant, Wanted::All)?;
+            (vec![table], Some(dialect), Vec::new())
+        }
+        Holds::Topics => {
+            let (tables, other_topics) = bag::tables(path, format)?;
+            (tables, None, other_topics)
+        }
+        Holds::Arrays => {
+            let mut table = reader::table(path, format, &Dialect::default(), Wanted::All)?;
+            table.columns.iter_mut().for_each(set_upright);
+            (by_samples(table), None, Vec::new())
+        }
+    };
+    Ok((tables, dialect, other_topics))
+}
+
+/// Columns beyond which a matrix with far fewer rows has its channels in the rows.
+const WIDE: usize = 100;
+/// How many times as many columns as rows such a matrix has at least.
+const WIDER: usize = 4;
+
+/// Turns a matrix that lies on its side: its channels are its rows.
+fn set_upright(column: &mut Column) {
+    let (samples, channels) = (column.samples(), column.channels);
+    if channels <= WIDE || channels < WIDER * samples {
+        return;
+    }
+    let values = &column.values;
+    column.values = (0..samples).flat_map(|row| (0..channels).map(move |c| values[c * samples + row])).collect();
+    column.channels = samples;
+    column.in_rows = true;
 }
 
 /// Variables of equally many samples together.
@@ -129,6 +182,7 @@ fn column_summary(column: &Column) -> ColumnSummary {
     ColumnSummary {
         name: column.name.clone(),
         channels: column.channels,
+        in_rows: column.in_rows,
         samples: column.samples(),
         not_numeric,
         statistics: (0..column.channels).map(|channel| ChannelSummary::of(column.channel(channel))).collect(),

@@ -13,7 +13,7 @@ mod contents;
 mod time;
 
 pub use channel::ChannelSummary;
-pub use contents::{ColumnSummary, Contents, TableSummary, inspect, inspect_with_time};
+pub use contents::{ColumnSummary, Contents, TableSummary, contradicting_times, inspect, inspect_with_time};
 pub use time::{Gap, TimeSummary};
 
 #[cfg(test)]

@@ -14,6 +14,11 @@ use crate::results::Results;
 /// Every file, in the order in which they are told.
 const OUTPUTS: [Output; 3] = [results_json::OUTPUT, parameters_csv::OUTPUT, report_html::OUTPUT];
 
+/// The names of the files that [`write_all`] writes.
+pub fn file_names() -> impl Iterator<Item = &'static str> {
+    OUTPUTS.into_iter().map(|output| output.name)
+}
+
 /// Writes `results.json`, `parameters.csv` and `report.html` into a folder, which is made where it is not there.
 /// Returns their paths.
 ///

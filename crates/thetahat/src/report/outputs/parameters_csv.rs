@@ -4,6 +4,7 @@ use super::output::Output;
 use crate::{
     report::{error::ReportError, published::Published},
     results::{ParameterResult, Results, RunResult},
+    visible::cell,
 };
 
 pub(super) const OUTPUT: Output = Output { name: "parameters.csv", render };
@@ -38,15 +39,15 @@ fn render(results: &Results, _: Option<&Published>) -> Result<Vec<u8>, ReportErr
 fn parameter_record(run: &RunResult, parameter: &ParameterResult) -> [String; 12] {
     let number = |v: Option<f64>| v.map(|v| v.to_string()).unwrap_or_default();
     [
-        run.case.clone(),
+        cell(&run.case).into_owned(),
         run.method.name().to_owned(),
-        parameter.name.clone(),
+        cell(&parameter.name).into_owned(),
         number(Some(parameter.estimate)),
         number(parameter.standard_deviation),
         number(parameter.relative_standard_deviation_percent),
         number(parameter.true_value),
-        parameter.unit.clone(),
-        parameter.expression.clone(),
+        cell(&parameter.unit).into_owned(),
+        cell(&parameter.expression).into_owned(),
         number(parameter.standard_deviation_robust),
         number(parameter.interval_95.map(|[low, _]| low)),
         number(parameter.interval_95.map(|[_, high]| high)),

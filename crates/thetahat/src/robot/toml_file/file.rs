@@ -3,7 +3,10 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, de::IgnoredAny};
 use toml::Spanned;
 
-use crate::robot::{Friction, JointKind};
+use crate::{
+    one_or_each::{self, OneOrEach},
+    robot::{Friction, JointKind, TermDescription},
+};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -21,7 +24,13 @@ pub(super) struct RobotFile {
     pub(super) joint: Vec<Spanned<JointEntry>>,
     pub(super) transmission: Option<TransmissionEntry>,
     #[serde(default)]
+    pub(super) term: Vec<TermDescription>,
+    #[serde(default)]
     pub(super) parameters: BTreeMap<String, f64>,
+    #[serde(default)]
+    pub(super) locked: BTreeMap<String, f64>,
+    #[serde(default, deserialize_with = "one_or_each::list")]
+    pub(super) until: Vec<String>,
 }
 
 /// What the Denavit-Hartenberg numbers of a joint mean.
@@ -69,7 +78,7 @@ pub(super) struct MimicEntry {
 #[serde(deny_unknown_fields)]
 pub(super) struct TransmissionEntry {
     pub(super) matrix: Option<Spanned<Vec<Vec<f64>>>>,
-    pub(super) offset_deg: Option<Vec<f64>>,
-    pub(super) offset_m: Option<Vec<f64>>,
-    pub(super) drive_gain: Option<Vec<f64>>,
+    pub(super) offset_deg: Option<OneOrEach<f64>>,
+    pub(super) offset_m: Option<OneOrEach<f64>>,
+    pub(super) drive_gain: Option<OneOrEach<f64>>,
 }

@@ -44,11 +44,15 @@ impl Reader<'_> {
             let path = self.path.to_owned();
             return Err(RobotError::TooLarge { path, what: "moving joints", limit: MOST_JOINTS });
         }
-        let numbers = |e: &JointEntry| [e.a_m, e.alpha_deg, e.d_m, e.theta_deg, e.gamma_deg, e.b_m];
-        match entries.iter().find(|e| !numbers(e.as_ref()).iter().all(|v| v.abs() <= LARGEST)) {
-            Some(entry) => Err(self.joint(entry, "has a number that is not finite, or beyond 1e9")),
-            None => Ok(()),
-        }
+        entries.iter().try_for_each(|entry| {
+            let e = entry.as_ref();
+            let lengths = [("a_m", e.a_m), ("d_m", e.d_m), ("b_m", e.b_m)];
+            let angles = [("alpha_deg", e.alpha_deg), ("theta_deg", e.theta_deg), ("gamma_deg", e.gamma_deg)];
+            let wrong = |(_, v): &(&str, f64)| !(-LARGEST..=LARGEST).contains(v);
+            lengths.into_iter().chain(angles).find(wrong).map_or(Ok(()), |(key, v)| {
+                Err(self.joint(entry, &format!("has {key} = {v}, expected a finite number up to 1e9")))
+            })
+        })
     }
 
     fn check_names(&self, entries: &[Entry]) -> Result<(), RobotError> {

@@ -1,6 +1,7 @@
 //! Our TOML description: joints in Denavit-Hartenberg form, or a URDF, and what stands on either: transmission, friction
 //! model, gravity, a-priori parameters.
 
+mod bounds;
 mod embedding;
 mod file;
 mod joints;

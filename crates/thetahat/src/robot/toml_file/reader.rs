@@ -4,20 +4,34 @@ use std::{
 };
 
 use super::file::RobotFile;
-use crate::robot::{Friction, Parameter, Robot, RobotError, Transmission, urdf};
+use crate::robot::{
+    Friction, Locks, Parameter, Robot, RobotError, Transmission,
+    locking::{LocksOf, merged, resolve_all},
+    urdf,
+};
 
 /// Acceleration of gravity where none is given, m/s^2.
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
-/// The robot of a TOML description, which stands on the text of `urdf` where it names one.
-pub(in crate::robot) fn read(text: &str, path: &Path, urdf: Option<&(PathBuf, String)>) -> Result<Robot, RobotError> {
-    let file: RobotFile = toml::from_str(text).map_err(|e| RobotError::of_toml(&e, path))?;
+/// The robot of a TOML description, which stands on the text of `urdf` where it names one, with the joints locked that it
+/// names and then those that are `stated` elsewhere.
+pub(in crate::robot) fn read(
+    text: &str,
+    path: &Path,
+    (urdf, transmissions): (Option<&(PathBuf, String)>, urdf::Transmissions),
+    stated: &[LocksOf<'_>],
+) -> Result<Robot, RobotError> {
+    let mut file: RobotFile = toml::from_str(text).map_err(|e| RobotError::of_toml(&e, path))?;
+    let locks = Locks { locked: std::mem::take(&mut file.locked), until: std::mem::take(&mut file.until) };
+    let locks: Vec<LocksOf<'_>> = [LocksOf { path, locks: &locks }].into_iter().chain(stated.iter().copied()).collect();
     let reader = Reader { path, text };
     let below = match urdf {
-        Some((urdf_path, urdf_text)) => reader.on_urdf(&file, urdf_path, urdf_text)?,
+        Some((urdf_path, urdf_text)) => reader.on_urdf(&file, (urdf_path, urdf_text, transmissions), &locks)?,
         None => reader.alone(&file)?,
     };
-    reader.with_additions(below, file)
+    let whole = reader.with_additions(below, file)?;
+    let values = resolve_all(&whole.joints, &locks)?;
+    merged(&whole, &values).map_err(|source| RobotError::lock(path, source))
 }
 
 /// Turns the parsed file into a robot; knows where in the file things stand.
@@ -38,10 +52,19 @@ impl Reader<'_> {
             transmission: Transmission::direct(coordinates),
             friction: Friction::default(),
             a_priori: std::collections::BTreeMap::new(),
+            locked: Vec::new(),
+            doubts: Vec::new(),
+            term_descriptions: Vec::new(),
+            terms: Vec::new(),
         })
     }
 
-    fn on_urdf(&self, file: &RobotFile, urdf_path: &Path, urdf_text: &str) -> Result<Robot, RobotError> {
+    fn on_urdf(
+        &self,
+        file: &RobotFile,
+        (urdf_path, urdf_text, transmissions): (&Path, &str, urdf::Transmissions),
+        locks: &[LocksOf<'_>],
+    ) -> Result<Robot, RobotError> {
         if !file.joint.is_empty() {
             return Err(self.value("joint", "none where urdf gives the joints", "[[joint]]"));
         }
@@ -53,26 +76,33 @@ impl Reader<'_> {
             ));
         }
         let own = file.transmission.as_ref().is_some_and(|t| t.matrix.is_some());
-        let transmissions = if own { urdf::Transmissions::Ignored } else { urdf::Transmissions::Read };
-        Ok(urdf::read(urdf_text, urdf_path, transmissions)?)
+        let transmissions = if own { urdf::Transmissions::Ignored } else { transmissions };
+        urdf::read(urdf_text, urdf_path, transmissions, locks)
     }
 
     /// What the file says beside the joints, over what `robot` says.
     fn with_additions(&self, mut robot: Robot, file: RobotFile) -> Result<Robot, RobotError> {
-        let RobotFile { name, gravity, friction, transmission, parameters, .. } = file;
+        let RobotFile { name, gravity, friction, transmission, parameters, term, .. } = file;
         self.check_finite("gravity", gravity.into_iter().flatten())?;
         for (name, value) in &parameters {
             self.check_finite(&format!("[parameters] {name}"), [*value])?;
         }
         robot.name = name.unwrap_or(robot.name);
         robot.gravity = gravity.unwrap_or(robot.gravity);
+        self.check_gravity(robot.gravity)?;
         if let Some(entry) = transmission {
             robot.transmission = self.transmission(entry, &robot.joints, &robot.transmission)?;
         }
         robot.set_friction(friction.unwrap_or(robot.friction));
-        self.check_parameter_names(&robot, parameters.keys())?;
-        robot.a_priori.extend(parameters);
-        Ok(robot)
+        // Terms may need a-priori values, and a-priori values may be of terms.
+        let mut described = robot.clone();
+        described.a_priori.extend(parameters.clone());
+        described
+            .add_terms(&term)
+            .map_err(|source| RobotError::Term { path: self.path.to_owned(), source: Box::new(source) })?;
+        self.check_parameter_names(&described, parameters.keys())?;
+        self.check_parameters(&described, &parameters)?;
+        Ok(described)
     }
 
     fn check_parameter_names<'n>(

@@ -1,7 +1,8 @@
-use super::{file::TransmissionEntry, reader::Reader};
+use super::{bounds::is_nearly_singular, file::TransmissionEntry, reader::Reader};
 use crate::{
     linear_algebra::Matrix,
-    robot::{Joint, JointKind, RobotError, Transmission},
+    one_or_each::OneOrEach,
+    robot::{Joint, JointKind, LARGEST, RobotError, Transmission},
 };
 
 impl Reader<'_> {
@@ -28,7 +29,11 @@ impl Reader<'_> {
         if let Some(row) = rows.iter().position(|row| row.iter().all(|v| *v == 0.0)) {
             return Err(singular(format!("row {} is zero", row + 1)));
         }
-        Transmission::new(Matrix::from_fn(n, n, |i, j| rows[i][j]), offset, drive_gain)
+        let matrix = Matrix::from_fn(n, n, |i, j| rows[i][j]);
+        if is_nearly_singular(&matrix) {
+            return Err(singular("its rows depend on one another".to_owned()));
+        }
+        Transmission::new(matrix, offset, drive_gain)
             .ok_or_else(|| singular("its rows depend on one another".to_owned()))
     }
 
@@ -38,13 +43,16 @@ impl Reader<'_> {
             self.count(&format!("[transmission] matrix, row {}", i + 1), n, row.len())?;
         }
         self.check_finite("[transmission] matrix", rows.iter().flatten().copied())?;
-        Ok(rows)
+        match rows.iter().flatten().find(|v| v.abs() > LARGEST) {
+            None => Ok(rows),
+            Some(v) => Err(self.value("[transmission] matrix", "motor per joint positions up to 1e9", &v.to_string())),
+        }
     }
 
     fn offsets(
         &self,
-        degrees: Option<Vec<f64>>,
-        lengths: Option<Vec<f64>>,
+        degrees: Option<OneOrEach<f64>>,
+        lengths: Option<OneOrEach<f64>>,
         kinds: &[JointKind],
     ) -> Result<Vec<f64>, RobotError> {
         let degrees = self.list("offset_deg", degrees, kinds.len(), 0.0)?;
@@ -60,9 +68,9 @@ impl Reader<'_> {
         Ok(degrees.iter().zip(&lengths).map(|(deg, m)| deg.to_radians() + m).collect())
     }
 
-    fn list(&self, key: &str, list: Option<Vec<f64>>, n: usize, default: f64) -> Result<Vec<f64>, RobotError> {
+    fn list(&self, key: &str, given: Option<OneOrEach<f64>>, n: usize, default: f64) -> Result<Vec<f64>, RobotError> {
         let key = format!("[transmission] {key}");
-        let list = list.unwrap_or_else(|| vec![default; n]);
+        let list = given.unwrap_or(OneOrEach::One(default)).to_list(n);
         self.count(&key, n, list.len())?;
         self.check_finite(&key, list.iter().copied())?;
         Ok(list)

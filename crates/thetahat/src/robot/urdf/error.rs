@@ -158,7 +158,9 @@ pub enum UrdfError {
         problem: &'static str,
     },
     /// A transmission cannot be expressed by one ratio for each joint.
-    #[error("{place} {problem}; give [transmission] matrix in a TOML with urdf = \"...\" instead")]
+    #[error(
+        "{place} {problem}; lock all of its joints, or give [transmission] matrix in a TOML with urdf = \"...\" instead"
+    )]
     Transmission {
         /// The transmission.
         place: Place,

@@ -1,6 +1,6 @@
-use super::{UrdfError, element::Element, links::Frame};
+use super::{UrdfError, element::Element, links};
 use crate::{
-    robot::{JointKind, Limits},
+    robot::{JointKind, Limits, body::Frame},
     vector::{IDENTITY, Mat3, Vec3, add, cross, dot, norm, scale},
 };
 
@@ -49,7 +49,7 @@ impl<'a> JointElement<'a> {
             name,
             parent: link("parent")?,
             child: link("child")?,
-            frame: Frame::of(element)?,
+            frame: links::origin_of(element)?,
             moving: Moving::read(element)?,
         })
     }

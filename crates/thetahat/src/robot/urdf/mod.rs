@@ -10,6 +10,7 @@
 //! independent.
 
 mod document;
+mod doubts;
 mod element;
 mod error;
 mod joints;

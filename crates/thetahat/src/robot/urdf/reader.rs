@@ -1,16 +1,21 @@
 use std::{collections::BTreeMap, path::Path};
 
 use super::{
-    UrdfError, document,
+    UrdfError, document, doubts,
     element::Element,
     joints::{JointElement, Moving},
-    links::{Body, Frame},
+    links,
     structure::{Structure, unknown},
     transmissions,
 };
 use crate::{
     linear_algebra::Matrix,
-    robot::{Friction, INERTIAL, Joint, MOST_JOINTS, Mimic, Placement, Robot, Transmission, tree},
+    robot::{
+        Friction, INERTIAL, Joint, MOST_JOINTS, Mimic, Placement, Robot, RobotError, Transmission,
+        body::{Body, Frame},
+        locking::{LocksOf, resolve_all},
+        tree,
+    },
     vector::{product, times, transpose},
 };
 
@@ -26,11 +31,17 @@ pub(in crate::robot) enum Transmissions {
     Ignored,
 }
 
-/// The robot of a URDF; `path` is its name in messages.
+/// The robot of a URDF; `path` is its name in messages. No joint is locked yet: `locks` say whose transmissions do not
+/// matter.
 ///
 /// # Errors
-/// [`UrdfError`] with file, line and element.
-pub(in crate::robot) fn read(text: &str, path: &Path, transmissions: Transmissions) -> Result<Robot, UrdfError> {
+/// [`UrdfError`] with file, line and element; [`RobotError::Lock`] for joints that cannot be locked.
+pub(in crate::robot) fn read(
+    text: &str,
+    path: &Path,
+    transmissions: Transmissions,
+    locks: &[LocksOf<'_>],
+) -> Result<Robot, RobotError> {
     let document = document::parse(text, path)?;
     let element = document::robot(&document, path)?;
     let name = element.required("name", "give it one: <robot name=\"my_robot\">")?.to_owned();
@@ -40,20 +51,26 @@ pub(in crate::robot) fn read(text: &str, path: &Path, transmissions: Transmissio
         assembly.add(&structure.joints[joint], structure.ends[joint])?;
     }
     if assembly.joints.len() > MOST_JOINTS {
-        return Err(UrdfError::TooLarge { path: path.to_owned(), what: "moving joints", limit: MOST_JOINTS });
+        let path = path.to_owned();
+        return Err(UrdfError::TooLarge { path, what: "moving joints", limit: MOST_JOINTS }.into());
     }
     assembly.follow()?;
+    let locked = resolve_all(&assembly.joints, locks)?;
     let transmission = match transmissions {
-        Transmissions::Read => assembly.transmission(element, &structure)?,
+        Transmissions::Read => assembly.transmission(element, &structure, &locked)?,
         Transmissions::Ignored => Transmission::direct(assembly.coordinates().count()),
     };
     Ok(Robot {
+        term_descriptions: Vec::new(),
+        terms: Vec::new(),
         name,
         gravity: GRAVITY,
         a_priori: assembly.a_priori(),
         joints: assembly.joints,
         transmission,
         friction: Friction::Symmetric,
+        locked: Vec::new(),
+        doubts: doubts::of(&structure.links, &structure.joints)?,
     })
 }
 
@@ -88,7 +105,7 @@ impl<'s, 'a> Assembly<'s, 'a> {
     fn add(&mut self, joint: &'s JointElement<'a>, (parent, child): (usize, usize)) -> Result<(), UrdfError> {
         let Some(LinkPlace { carrier, frame }) = self.places[parent] else { return Ok(()) };
         let frame = frame.then(&joint.frame);
-        let body = Body::of(self.links[child])?;
+        let body = links::body_of(self.links[child])?;
         self.places[child] = Some(match &joint.moving {
             None => {
                 if let Some(carrier) = carrier {
@@ -158,9 +175,15 @@ impl<'s, 'a> Assembly<'s, 'a> {
         self.joints.iter().filter(|joint| joint.mimic.is_none())
     }
 
-    fn transmission(&self, robot: Element<'_>, structure: &Structure<'_>) -> Result<Transmission, UrdfError> {
+    fn transmission(
+        &self,
+        robot: Element<'_>,
+        structure: &Structure<'_>,
+        locked: &[Option<f64>],
+    ) -> Result<Transmission, UrdfError> {
         let names: Vec<&str> = structure.joints.iter().map(|joint| joint.name).collect();
-        let reductions = transmissions::reductions(robot, &names)?;
+        let is_locked = |name: &str| self.joints.iter().zip(locked).any(|(j, v)| v.is_some() && j.name == name);
+        let reductions = transmissions::reductions(robot, &names, &is_locked)?;
         let of = |joint: &Joint| names.iter().position(|name| *name == joint.name).map_or(1.0, |i| reductions[i]);
         let diagonal: Vec<f64> = self.coordinates().map(of).collect();
         let n = diagonal.len();

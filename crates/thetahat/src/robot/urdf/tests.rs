@@ -338,3 +338,29 @@ fn mutilated_files_are_read_or_refused() {
         }
     }
 }
+
+#[test]
+fn what_no_robot_has_is_used_and_doubted() {
+    assert_eq!(Robot::parse(ARM, Path::new("arm.urdf")).unwrap().doubts, []);
+    let doubts = |from: &str, to: &str| {
+        assert!(ARM.contains(from));
+        let robot = Robot::parse(&ARM.replacen(from, to, 1), Path::new("arm.urdf")).unwrap();
+        robot.doubts.into_iter().map(|d| format!("{}: {}", d.place, d.what)).collect::<Vec<_>>()
+    };
+    assert_eq!(
+        doubts("<mass value=\"2\"/>", "<mass value=\"-2\"/>"),
+        ["arm.urdf, line 8: <inertial> of <link name=\"upper\">: a mass of -2 kg, below zero"]
+    );
+    assert_eq!(
+        doubts("damping=\"0.7\"", "damping=\"-0.7\""),
+        ["arm.urdf, line 18: <joint name=\"shoulder\">: a damping of -0.7 N m s/rad, below zero: friction that drives"]
+    );
+    assert!(doubts("friction=\"0.4\"", "friction=\"-0.4\"")[0].contains("a friction of -0.4 N m, below zero"));
+    let inertia = doubts("ixx=\"0.3\"", "ixx=\"0.5\"");
+    assert!(inertia[0].contains(
+        "<link name=\"upper\">: principal inertias 1.000e-1, 2.000e-1 and 5.000e-1 kg m^2, which no body has"
+    ));
+    assert!(doubts("<mass value=\"2\"/>", "<mass value=\"0\"/>")[0].contains("inertia without a mass"));
+    // Three printed digits of a thin plate.
+    assert_eq!(doubts("ixx=\"0.3\"", "ixx=\"0.302\""), Vec::<String>::new());
+}

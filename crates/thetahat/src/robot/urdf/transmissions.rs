@@ -1,9 +1,16 @@
 use super::{UrdfError, element::Element, structure};
 
-/// The reduction of each joint named, one where none is given.
-pub(super) fn reductions(robot: Element<'_>, joints: &[&str]) -> Result<Vec<f64>, UrdfError> {
+/// The reduction of each joint named, one where none is given. Transmissions whose joints are all locked do not matter.
+pub(super) fn reductions(
+    robot: Element<'_>,
+    joints: &[&str],
+    is_locked: &dyn Fn(&str) -> bool,
+) -> Result<Vec<f64>, UrdfError> {
     let mut found: Vec<Option<f64>> = vec![None; joints.len()];
     for transmission in robot.elements().filter(|e| e.tag() == "transmission") {
+        if refuse_coupling_with_locked(transmission, is_locked)? {
+            continue;
+        }
         let Some((joint, element)) = joint_of(transmission)? else { continue };
         let place = joints.iter().position(|name| *name == joint);
         let place = place.ok_or_else(|| structure::unknown(element, "joint", joint, joints.iter()))?;
@@ -14,6 +21,18 @@ pub(super) fn reductions(robot: Element<'_>, joints: &[&str]) -> Result<Vec<f64>
         }
     }
     Ok(found.into_iter().map(|reduction| reduction.unwrap_or(1.0)).collect())
+}
+
+/// Whether all joints of a transmission are locked.
+fn refuse_coupling_with_locked(transmission: Element<'_>, is_locked: &dyn Fn(&str) -> bool) -> Result<bool, UrdfError> {
+    let names = || transmission.elements().filter(|e| e.tag() == "joint").filter_map(|e| e.attribute("name"));
+    match (names().find(|name| is_locked(name)), names().find(|name| !is_locked(name))) {
+        (Some(locked), Some(moving)) => Err(UrdfError::Transmission {
+            place: transmission.place(),
+            problem: format!("couples `{locked}`, which is locked, with `{moving}`, which moves: lock both or none"),
+        }),
+        (locked, _) => Ok(locked.is_some()),
+    }
 }
 
 /// The one joint of a transmission; transmissions of old files that drive no joint are passed over.

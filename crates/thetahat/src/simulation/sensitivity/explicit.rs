@@ -28,15 +28,15 @@ impl StageSlopes {
     ) {
         self.slopes.swap(0, STAGES - 1);
         let unknown = usize::from(!first)..STAGES;
+        let time = |stage: usize| if stage == 0 { step.start_s } else { step.start_s + C[stage] * step.step };
         for stage in unknown.clone() {
-            self.place(step, stage, A[stage], &stages[stage]);
+            self.place((step, &mut system.plant), (stage, time(stage)), A[stage], &stages[stage]);
         }
         slopes.evaluate_stages(system, &self.motion, unknown.clone());
         for stage in unknown {
-            let time = if stage == 0 { step.start_s } else { step.start_s + C[stage] * step.step };
             let (before, here) = self.slopes.split_at_mut(stage);
             combine(Some(start), before, A[stage].iter().map(|a| step.step * a), end);
-            let terms = slopes.accelerations(system, time, &self.motion, stage);
+            let terms = slopes.accelerations(system, time(stage), &self.motion, stage);
             terms.slopes(end, &stages[stage].mass, &mut here[0]);
         }
     }

@@ -27,15 +27,15 @@ impl StageSlopes {
         end: &mut ColumnBlocks,
     ) {
         let scaled = step.step * GAMMA;
+        let time = |stage: usize| step.start_s + ALPHA[stage].iter().sum::<f64>() * step.step;
         for stage in 0..STAGES {
-            self.place(step, stage, &ALPHA[stage], &stages[stage]);
+            self.place((step, &mut system.plant), (stage, time(stage)), &ALPHA[stage], &stages[stage]);
         }
         slopes.evaluate_stages(system, &self.motion, 0..STAGES);
         for stage in 0..STAGES {
-            let time = step.start_s + ALPHA[stage].iter().sum::<f64>() * step.step;
             let (earlier, here) = self.slopes.split_at_mut(stage);
             combine(Some(start), earlier, ALPHA[stage].map(|a| step.step * a), end);
-            let terms = slopes.accelerations(system, time, &self.motion, stage);
+            let terms = slopes.accelerations(system, time(stage), &self.motion, stage);
             terms.slopes(end, &stages[stage].mass, &mut here[0]);
             combine(None, earlier, COUPLING[stage].map(|c| c / GAMMA), &mut self.before);
             let (before, slope) = (&self.before, &mut here[0]);

@@ -74,8 +74,15 @@ impl LoopSlopes {
     /// Finds what [`Self::accelerations`] needs of the robot in these stages.
     pub(super) fn evaluate_stages(&mut self, system: &Loop<'_>, motion: &StageMotion, stages: Range<usize>) {
         let (plant, series) = (&system.plant, motion.series());
-        self.parameters.evaluate(plant, series);
-        plant.model.inverse_dynamics_jacobians(&plant.parameters, series, stages, plant.sign, &mut self.jacobians);
+        self.parameters.evaluate(plant, series, motion.channels());
+        plant.model.inverse_dynamics_jacobians(
+            &plant.parameters,
+            series,
+            motion.channels(),
+            stages,
+            plant.sign,
+            &mut self.jacobians,
+        );
     }
 
     /// The terms of `M d ddq/dp` in a stage at time `t`.

@@ -28,8 +28,11 @@ impl ParameterColumns {
         Self { places: places.collect(), phi: Vec::new(), regressor }
     }
 
-    /// Computes the entries at each sample of a motion.
-    pub(super) fn evaluate(&mut self, plant: &Plant<'_>, motion: [&Series; 3]) {
+    /// Computes the entries at each sample of a motion, along which channels were recorded.
+    pub(super) fn evaluate(&mut self, plant: &Plant<'_>, motion: [&Series; 3], channels: Option<&Series>) {
+        if channels.is_some() {
+            self.regressor.set_channels(channels);
+        }
         let stages = motion[0].len();
         self.phi.resize(stages * self.places.len(), 0.0);
         self.regressor.evaluate_samples(plant.model, motion, 0..stages, plant.sign, &mut self.phi);

@@ -94,6 +94,7 @@ impl<'a> Sensitivities<'a> {
         let start = start_of(&running, to);
         let slopes = LoopSlopes::new(job, &mut running, to, inertia_slopes, &start);
         let n = start.rows() / 2;
+        let channels = running.system.plant.channels.len();
         let stages = match running.integrator {
             Integrator::Explicit(_) => explicit::STAGES,
             Integrator::Implicit(_) => rosenbrock_w::STAGES,
@@ -103,7 +104,7 @@ impl<'a> Sensitivities<'a> {
             running,
             slopes,
             stages: StageRecord::of_stages(stages, n),
-            stage_slopes: StageSlopes::new(stages, &start),
+            stage_slopes: StageSlopes::new(stages, &start, channels),
             end: start.clone(),
             output: Output::new(n, to.len()),
             start,

@@ -1,7 +1,10 @@
 //! The stages of a step, as the sensitivities see them.
 
 use super::columns::{ColumnBlocks, combine};
-use crate::{series::Series, simulation::step_control::AcceptedStep};
+use crate::{
+    series::Series,
+    simulation::{plant::Plant, step_control::AcceptedStep},
+};
 
 /// What a simulation knows of a stage.
 pub(super) struct StageRecord {
@@ -23,6 +26,8 @@ pub(super) struct StageMotion {
     q: Series,
     dq: Series,
     ddq: Series,
+    /// The recorded channels that torque terms take.
+    channels: Option<Series>,
 }
 
 /// Samples that are computed side by side.
@@ -30,14 +35,19 @@ const SIDE_BY_SIDE: usize = 4;
 
 impl StageMotion {
     /// Zeros for `stages` of `n` coordinates, and for what fills up the last samples side by side.
-    fn zeros(stages: usize, n: usize) -> Self {
-        let zeros = || Series::zeros(stages.next_multiple_of(SIDE_BY_SIDE), n);
-        Self { q: zeros(), dq: zeros(), ddq: zeros() }
+    fn zeros(stages: usize, n: usize, channels: usize) -> Self {
+        let zeros = |width| Series::zeros(stages.next_multiple_of(SIDE_BY_SIDE), width);
+        Self { q: zeros(n), dq: zeros(n), ddq: zeros(n), channels: (channels > 0).then(|| zeros(channels)) }
     }
 
     /// Positions, velocities and accelerations.
     pub(super) fn series(&self) -> [&Series; 3] {
         [&self.q, &self.dq, &self.ddq]
+    }
+
+    /// The recorded channels that torque terms take.
+    pub(super) fn channels(&self) -> Option<&Series> {
+        self.channels.as_ref()
     }
 
     /// Writes the state of a stage, positions before velocities.
@@ -57,14 +67,25 @@ pub(super) struct StageSlopes {
 }
 
 impl StageSlopes {
-    pub(super) fn new(stages: usize, zeros: &ColumnBlocks) -> Self {
-        let motion = StageMotion::zeros(stages, zeros.rows() / 2);
+    pub(super) fn new(stages: usize, zeros: &ColumnBlocks, channels: usize) -> Self {
+        let motion = StageMotion::zeros(stages, zeros.rows() / 2, channels);
         Self { slopes: vec![zeros.clone(); stages], motion, before: zeros.clone() }
     }
 
-    /// Leaves a stage in the motion: its state has these weights of the slopes before.
-    pub(super) fn place(&mut self, step: &AcceptedStep<'_>, stage: usize, weights: &[f64], record: &StageRecord) {
-        let StageMotion { q, dq, ddq } = &mut self.motion;
+    /// Leaves a stage in the motion: its state has these weights of the slopes before, and the recorded channels are those at
+    /// its time.
+    pub(super) fn place(
+        &mut self,
+        (step, plant): (&AcceptedStep<'_>, &mut Plant<'_>),
+        (stage, time): (usize, f64),
+        weights: &[f64],
+        record: &StageRecord,
+    ) {
+        let StageMotion { q, dq, ddq, channels } = &mut self.motion;
+        if let Some(channels) = channels {
+            plant.observe_channels(time);
+            channels.sample_mut(stage).copy_from_slice(&plant.channels);
+        }
         let n = q.channels();
         q.sample_mut(stage).copy_from_slice(&step.from[..n]);
         dq.sample_mut(stage).copy_from_slice(&step.from[n..]);

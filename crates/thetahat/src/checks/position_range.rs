@@ -1,0 +1,36 @@
+//! Motions that are larger than the joints allow: positions of motors, or in another unit.
+
+use super::{
+    examination::{Evidence, Examination, Words},
+    finding::{Code, Severity},
+    numbers::span,
+    signals::Signals,
+};
+
+/// How many times larger than its range a joint's motion is. Clean records stay within the range.
+const LIMIT: f64 = 1.5;
+const REMEDY: &str =
+    "set the unit of position in [recording], or side = \"motor\" with the ratios in [transmission] matrix";
+
+/// Joints whose limits the description states.
+pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
+    for j in 0..signals.coordinates() {
+        let limits = &exam.subject.joint(j).limits;
+        let Some(range) = limits.lower.zip(limits.upper).map(|(l, u)| u - l).filter(|r| *r > 0.0) else { continue };
+        let spanned = span(&signals.raw.channel(j));
+        let value = spanned / range;
+        let evidence = Evidence {
+            code: Code::PositionScale,
+            coordinate: Some(j),
+            value,
+            unit: "times the joint's range",
+            limit: LIMIT,
+        };
+        let number = exam.subject.joint_number(j);
+        exam.judge(evidence, Severity::Problem, || {
+            let message =
+                format!("joint {number}: the position spans {spanned:.1} rad or m, its limits allow {range:.1}");
+            Words::new(message, REMEDY)
+        });
+    }
+}

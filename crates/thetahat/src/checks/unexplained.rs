@@ -1,0 +1,47 @@
+//! Torques of which the model explains no more than their mean: noise, or the torques of something else.
+
+use super::{
+    examination::{Evidence, Examination, Words},
+    finding::{Code, Severity},
+    numbers::autocorrelation,
+    thinned_record::ThinnedRecord,
+};
+
+/// Rms residual of a joint per degree of freedom, percent of its torque's deviation. The clean records have at most 48
+/// (recorded KUKA), twins with noise, heavy friction or Stribeck friction 9.
+const LIMIT_PERCENT: f64 = 95.0;
+/// Correlation of neighbouring rows below which a torque is noise: white noise behind the parallel filter has 0.23.
+const NOISE_CORRELATION: f64 = 0.4;
+
+pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) {
+    let Ok(fit) = record.fit() else { return };
+    for j in 0..record.coordinates() {
+        let torque = record.rows_of(&fit.y, j);
+        let is_noise = autocorrelation(torque) < NOISE_CORRELATION;
+        let code = if is_noise { Code::TorqueNoise } else { Code::WorseThanMean };
+        let value = 100.0 * fit.joint_error_per_freedom(j);
+        let evidence =
+            Evidence { code, coordinate: Some(j), value, unit: "% of the torque's deviation", limit: LIMIT_PERCENT };
+        let (number, parameters) = (exam.subject.joint_number(j), exam.subject.parameter_names_of(j));
+        exam.judge(evidence, Severity::Problem, || {
+            let (message, remedy) = if is_noise {
+                (
+                    format!(
+                        "joint {number}: the torque is noise: rows beside one another do not agree, and the model leaves \
+                         {value:.0} % of its deviation"
+                    ),
+                    "check the torque's column, its scale and its digits: the motion is not in it",
+                )
+            } else {
+                (
+                    format!(
+                        "joint {number}: the model predicts the torque no better than its mean does ({value:.0} % of its \
+                         deviation is left)"
+                    ),
+                    "check that this column is this joint's torque, that it belongs to this motion, and the robot's geometry",
+                )
+            };
+            Words::new(message, remedy).about(parameters)
+        });
+    }
+}

@@ -1,0 +1,65 @@
+//! Which column is of which joint, by the joints' names in the columns' names.
+
+use super::super::column_names;
+use crate::recording::ColumnSummary;
+
+/// The column of each joint, of one channel: the one with the joint's name that has least beside it. None where no column
+/// has the name, or several are as near.
+pub(super) fn columns_of<'c>(joints: &[&str], columns: &[&'c ColumnSummary]) -> Vec<Option<&'c ColumnSummary>> {
+    let owner = |column: &str| {
+        let near = (0..joints.len()).filter_map(|j| Some((nearness(column, joints[j])?, j)));
+        near.max().map(|(_, j)| j)
+    };
+    let owners: Vec<Option<usize>> =
+        columns.iter().map(|c| if c.channels == 1 { owner(&c.name) } else { None }).collect();
+    let of_joint = |joint: usize| {
+        let own = || columns.iter().zip(&owners).filter(move |(_, owner)| **owner == Some(joint)).map(|(c, _)| *c);
+        let shortest = own().map(|c| c.name.len()).min()?;
+        let mut nearest = own().filter(|c| c.name.len() == shortest);
+        nearest.next().filter(|_| nearest.next().is_none())
+    };
+    (0..joints.len()).map(of_joint).collect()
+}
+
+/// Letters of a joint's name that a column's name holds as words of its own; none where it does not. The whole name goes
+/// before one without its word `joint`, beside which only words of signals may stand.
+fn nearness(column: &str, joint: &str) -> Option<(bool, usize)> {
+    if contains_name(column, joint) {
+        return Some((true, joint.len()));
+    }
+    let bare: Vec<&str> = joint.split('_').filter(|word| *word != "joint").collect();
+    let bare = bare.join("_");
+    let says_more = bare.chars().filter(|c| c.is_alphabetic()).count() > 1;
+    if !says_more || bare.len() == joint.len() || !contains_name(column, &bare) {
+        return None;
+    }
+    column_names::has_only_words_of_signals(&column.replacen(&bare, "_", 1)).then_some((false, bare.len()))
+}
+
+/// Whether a column's name holds a joint's name as a word of its own.
+fn contains_name(column: &str, joint: &str) -> bool {
+    let boundary = |c: Option<char>| c.is_none_or(|c| !c.is_alphanumeric());
+    column.match_indices(joint).any(|(start, found)| {
+        boundary(column[..start].chars().next_back()) && boundary(column[start + found.len()..].chars().next())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_words_and_may_lack_the_word_joint() {
+        for (column, joint, expected) in [
+            ("arm_1_joint.position", "arm_1_joint", Some((true, 11))),
+            ("/joint_states/arm_1_joint/position", "arm_1_joint", Some((true, 11))),
+            ("arm_1_joint.position", "arm_1", Some((true, 5))),
+            ("arm_10_joint.position", "arm_1", None),
+            ("shoulder_pan_pos", "shoulder_pan_joint", Some((false, 12))),
+            ("left_wheel.position", "left_joint", None),
+            ("q_1", "joint_1", None),
+        ] {
+            assert_eq!(nearness(column, joint), expected, "{column} {joint}");
+        }
+    }
+}

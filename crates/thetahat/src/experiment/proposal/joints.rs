@@ -1,0 +1,204 @@
+//! Which joints of the robot a log has; the others are proposed to be locked.
+
+use super::{
+    super::column_names::{self, Signal},
+    columns,
+    error::ProposalError,
+    joint_names::columns_of,
+    offer::is_named,
+    request::ProposalRequest,
+    source::{Chosen, Source},
+    units::Units,
+};
+use crate::{
+    recording::{ChannelSummary, ColumnSummary, Dimension, Side},
+    robot::{Joint, JointKind, Locks, Robot, RobotSource},
+};
+
+/// Travel of a joint without torques from which it cannot be taken as at rest, rad and m.
+const MOVES: [f64; 2] = [0.1, 0.02];
+
+/// A joint that is proposed to be locked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProposedLock {
+    /// Its name.
+    pub joint: String,
+    /// Its coordinate, rad or m.
+    pub value: f64,
+    /// Where the value is from.
+    pub why: String,
+}
+
+/// The robot whose joints are those of the log, and the joints that are locked for that.
+pub(super) struct JointsOfLog {
+    pub(super) robot: Robot,
+    pub(super) locks: Vec<ProposedLock>,
+}
+
+impl JointsOfLog {
+    pub(super) fn find(
+        request: &ProposalRequest,
+        description: &RobotSource,
+        sources: &[Source<'_>],
+    ) -> Result<Self, ProposalError> {
+        let refuse = |e: crate::robot::RobotError| ProposalError::Robot { problem: e.to_string() };
+        let whole = description.robot_without_transmission().map_err(refuse)?;
+        let search = Search { request, robot: &whole, sources };
+        let locks = match search.moving()? {
+            Some(moving) => search.locks(&moving)?,
+            None => Vec::new(),
+        };
+        let locked = locks.iter().map(|lock| (lock.joint.clone(), lock.value)).collect();
+        let locked = Locks { locked, until: Vec::new() };
+        let robot = match description.robot_with_locks(&locked, &request.robot_file) {
+            Ok(robot) => robot,
+            // Transmissions that cannot be read do not matter to a proposal; the experiment refuses them.
+            Err(_) if locks.is_empty() => whole,
+            Err(error) => return Err(refuse(error)),
+        };
+        Ok(Self { robot, locks })
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Search<'s, 'a> {
+    request: &'s ProposalRequest,
+    robot: &'s Robot,
+    sources: &'s [Source<'a>],
+}
+
+/// What a file has of a joint.
+type OfJoint<'a> = Vec<Option<&'a ColumnSummary>>;
+
+impl<'a> Search<'_, 'a> {
+    /// Whether each coordinate moves and has its torque in the log; none where the log has all, or names tell nothing.
+    fn moving(&self) -> Result<Option<Vec<bool>>, ProposalError> {
+        if !self.request.joints.is_empty() {
+            return self.stated().map(Some);
+        }
+        let [position, torque] = [Signal::Position, Signal::Torque].map(|signal| self.by_name(signal));
+        let has = |found: &[OfJoint<'a>], j: usize| !found.is_empty() && found.iter().all(|of| of[j].is_some());
+        let named: Vec<bool> =
+            (0..self.robot.coordinate_count()).map(|j| has(&position, j) && has(&torque, j)).collect();
+        let by_number = |signal| self.sources.iter().any(|s| columns::by_name(s, self.robot, signal).is_ok());
+        let all_named = named.iter().all(|named| *named);
+        let all_numbered = by_number(Signal::Position) && by_number(Signal::Torque);
+        if !named.contains(&true) || (!all_named && all_numbered) {
+            return Ok(None);
+        }
+        let idle = |j: usize| {
+            let constant = torque.iter().flat_map(|of| of[j]).all(|c| c.statistics.iter().all(|s| s.constant));
+            constant && self.travel(j).is_some_and(|(least, most)| !self.moves(j, most - least))
+        };
+        let moving: Vec<bool> = named.iter().enumerate().map(|(j, named)| *named && !idle(j)).collect();
+        Ok((moving.contains(&true) && moving.contains(&false)).then_some(moving))
+    }
+
+    /// The joints that the user named as those of the columns.
+    fn stated(&self) -> Result<Vec<bool>, ProposalError> {
+        let names: Vec<&str> = self.joints().map(|joint| joint.name.as_str()).collect();
+        let place = |name: &String| names.iter().position(|known| known == name);
+        let places: Option<Vec<usize>> = self.request.joints.iter().map(place).collect();
+        let places = places.filter(|places| places.windows(2).all(|pair| pair[0] < pair[1]));
+        let places = places.ok_or_else(|| ProposalError::Joints {
+            found: self.request.joints.clone(),
+            known: names.iter().map(|name| (*name).to_owned()).collect(),
+        })?;
+        Ok((0..names.len()).map(|j| places.contains(&j)).collect())
+    }
+
+    fn joints(&self) -> impl Iterator<Item = &Joint> {
+        self.robot.coordinates()
+    }
+
+    /// The columns of a signal, joint by joint, in each file that has any with a joint's name.
+    fn by_name(&self, signal: Signal) -> Vec<OfJoint<'a>> {
+        let names: Vec<&str> = self.joints().map(|joint| joint.name.as_str()).collect();
+        let asked = match signal {
+            Signal::Position => &self.request.position,
+            Signal::Torque => &self.request.torque,
+            Signal::Time | Signal::Velocity | Signal::Reference => return Vec::new(),
+        };
+        let is_of = |column: &&ColumnSummary| match asked.is_empty() {
+            true => column_names::read(&column.name).is_some_and(|r| r.signal == signal),
+            false => asked.iter().any(|argument| is_named(argument, &column.name)),
+        };
+        let of_file = |source: &Source<'a>| columns_of(&names, &source.columns().filter(is_of).collect::<Vec<_>>());
+        self.sources.iter().map(of_file).filter(|of| of.iter().any(Option::is_some)).collect()
+    }
+
+    /// The least and the largest recorded position of a coordinate, rad or m; none where it was not recorded behind the
+    /// gears.
+    fn travel(&self, coordinate: usize) -> Option<(f64, f64)> {
+        let ends = |summary: fn(&ChannelSummary) -> Option<f64>, pick: fn(f64, f64) -> f64| {
+            let of_files = self.by_name(Signal::Position);
+            let values = of_files.iter().filter_map(|of| of[coordinate]).flat_map(|c| &c.statistics);
+            values.filter_map(summary).reduce(pick)
+        };
+        let factor = self.factor(coordinate)?;
+        Some((factor * ends(|s| s.min, f64::min)?, factor * ends(|s| s.max, f64::max)?))
+    }
+
+    /// From the file's unit to rad or m; none for positions of motors.
+    fn factor(&self, coordinate: usize) -> Option<f64> {
+        let kind = self.joints().nth(coordinate)?.kind;
+        let of_kind: Vec<usize> =
+            self.joints().enumerate().filter(|(_, joint)| joint.kind == kind).map(|(j, _)| j).collect();
+        let (source, columns): (Source<'a>, Vec<Chosen<'a>>) = self.sources.iter().find_map(|source| {
+            let one = Search { sources: std::slice::from_ref(source), ..*self }.by_name(Signal::Position);
+            let of_file = one.into_iter().next()?;
+            of_file[coordinate]?;
+            let columns: Vec<Chosen<'a>> = of_kind.iter().filter_map(|&j| of_file[j]).map(Chosen::of).collect();
+            Some((*source, columns))
+        })?;
+        let measured = Units { request: self.request, robot: self.robot, source }.of_position(&columns);
+        let own = match kind {
+            JointKind::Revolute => Dimension::Angle,
+            JointKind::Prismatic => Dimension::Length,
+        };
+        match (measured.side, measured.unit.dimension() == own) {
+            (Side::Motor, _) => None,
+            (Side::Joint, true) => Some(measured.unit.to_si()),
+            (Side::Joint, false) => Some(1.0),
+        }
+    }
+
+    fn moves(&self, coordinate: usize, travel: f64) -> bool {
+        let [angle, length] = MOVES;
+        self.joints().nth(coordinate).is_some_and(|joint| match joint.kind {
+            JointKind::Revolute => travel > angle,
+            JointKind::Prismatic => travel > length,
+        })
+    }
+
+    /// The locks of the coordinates that do not move.
+    fn locks(&self, moving: &[bool]) -> Result<Vec<ProposedLock>, ProposalError> {
+        let still = self.joints().enumerate().filter(|(j, _)| !moving[*j]);
+        still.map(|(j, joint)| self.lock(j, joint)).collect()
+    }
+
+    fn lock(&self, coordinate: usize, joint: &Joint) -> Result<ProposedLock, ProposalError> {
+        let name = joint.name.clone();
+        let Some((least, most)) = self.travel(coordinate) else {
+            let value = joint.limits.neutral();
+            let from = if value == 0.0 { "0" } else { "the middle of its limits, as 0 is outside of them" };
+            let why = format!("not in the log, so a guess: {from}");
+            return Ok(ProposedLock { joint: name, value, why });
+        };
+        if self.moves(coordinate, most - least) {
+            let unit = match joint.kind {
+                JointKind::Revolute => "rad",
+                JointKind::Prismatic => "m",
+            };
+            return Err(ProposalError::MovesWithoutTorque { joint: name, least, most, unit });
+        }
+        let mean = rounded(0.5 * (least + most));
+        let why = format!("in the log from {least:.4} to {most:.4}, without a torque that changes");
+        Ok(ProposedLock { joint: name, value: mean, why })
+    }
+}
+
+/// With six decimals: a micrometre, or a microradian.
+fn rounded(value: f64) -> f64 {
+    (1e6 * value).round() / 1e6
+}

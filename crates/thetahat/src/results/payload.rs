@@ -1,0 +1,69 @@
+//! What recordings with a payload give.
+
+use serde::{Deserialize, Serialize};
+
+/// A payload that was estimated.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PayloadResult {
+    /// Its name.
+    pub name: String,
+    /// The joint whose link carries it.
+    pub joint: String,
+    /// The recordings that carry it.
+    pub recordings: Vec<String>,
+    /// `100 |y - y_hat| / |y|` of robot and payload together, over the rows of its recordings.
+    pub relative_error_percent: f64,
+    /// Its ten parameters in its frame, about the frame's origin.
+    pub parameters: Vec<PayloadParameter>,
+    /// The centre of mass in its frame, m; none where mass or first moments are not identified.
+    pub centre_m: Option<[f64; 3]>,
+    /// Whether some body has these parameters; none where some of them are not identified.
+    pub is_physical: Option<bool>,
+    /// The parameters of the body nearest to them in the metric of their covariance.
+    pub physical: Option<Vec<f64>>,
+}
+
+/// A parameter of a payload.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PayloadParameter {
+    /// Name: `xx` to `zz`, `mx` to `mz`, `m`.
+    pub name: String,
+    /// Unit in SI.
+    pub unit: String,
+    /// The estimate; none where the motion does not identify it.
+    pub estimate: Option<f64>,
+    /// Its standard deviation with correlated errors.
+    pub standard_deviation: Option<f64>,
+    /// Its 95 % interval.
+    pub interval_95: Option<[f64; 2]>,
+}
+
+/// The gain of a joint's drive from recordings with and without a known payload.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DriveGainResult {
+    /// The joint.
+    pub joint: String,
+    /// True torque over the torque as recorded with the stated gain; none where it is not identifiable.
+    pub factor: Option<f64>,
+    /// Its standard deviation with correlated errors.
+    pub standard_deviation: Option<f64>,
+    /// Its 95 % interval.
+    pub interval_95: Option<[f64; 2]>,
+    /// Root mean square of the torque that the payload needs of it, N m or N.
+    pub payload_rms: f64,
+    /// Why there is no factor.
+    pub reason: Option<String>,
+}
+
+impl DriveGainResult {
+    /// Whether the recorded torque is clearly not the joint's torque.
+    #[must_use]
+    pub fn contradicts(&self) -> bool {
+        let far = |factor: f64| (factor - 1.0).abs() > MATTERS;
+        let outside = self.interval_95.is_some_and(|[low, high]| low > 1.0 || high < 1.0);
+        outside && self.factor.is_some_and(far)
+    }
+}
+
+/// Deviation of a gain from one that matters: friction that grows with the load gives as much.
+const MATTERS: f64 = 0.1;

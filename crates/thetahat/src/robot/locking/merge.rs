@@ -1,0 +1,179 @@
+use std::collections::BTreeMap;
+
+use super::{
+    error::LockError,
+    locks::{LockedJoint, Locks},
+    terms::{a_priori_of_terms, remaining_terms},
+    transmission::{Remaining, remaining},
+};
+use crate::{
+    robot::{
+        INERTIAL, Joint, JointKind, Mimic, Placement, Quantity, Robot,
+        body::{Body, Frame},
+    },
+    vector::{IDENTITY, transpose},
+};
+
+impl Robot {
+    /// The robot with these joints fixed at their values: the links behind them are part of the links that carry them, their
+    /// inertia included. Joints that follow a locked one are locked with it. The joints that are left are numbered anew.
+    ///
+    /// # Errors
+    /// [`LockError`] for unknown names, values that a joint cannot have, and motors that couple locked and moving joints.
+    pub fn with_locks(&self, locks: &Locks) -> Result<Self, LockError> {
+        merged(self, &locks.resolve(&self.joints)?)
+    }
+}
+
+/// The robot with the joints locked that have a value.
+pub(in crate::robot) fn merged(robot: &Robot, locked: &[Option<f64>]) -> Result<Robot, LockError> {
+    if locked.iter().all(Option::is_none) {
+        return Ok(robot.clone());
+    }
+    let Remaining { motors, transmission } = remaining(robot, locked)?;
+    let numbers = new_indices(locked);
+    let places = places(&robot.joints, locked);
+    let joint = |(j, joint): (usize, &Joint)| {
+        let _moves = numbers[j]?;
+        let mimic = joint.mimic.and_then(|m| Some(Mimic { of: numbers[m.of]?, ..m }));
+        let (parent, placement) = placement(joint, &places, locked);
+        Some(Joint { parent: parent.and_then(|p| numbers[p]), placement, mimic, ..joint.clone() })
+    };
+    let joints = robot.joints.iter().enumerate().filter_map(joint).collect();
+    let names = robot.joints.iter().zip(locked).filter_map(|(joint, value)| {
+        value.map(|value| LockedJoint { name: joint.name.clone(), kind: joint.kind, value })
+    });
+    let mut merged = Robot {
+        joints,
+        transmission,
+        a_priori: BTreeMap::new(),
+        terms: Vec::new(),
+        term_descriptions: Vec::new(),
+        locked: robot.locked.iter().cloned().chain(names).collect(),
+        ..robot.clone()
+    };
+    let renumbering = Renumbering { joints: numbers, motors, places };
+    merged.a_priori = a_priori(robot, &merged, &renumbering);
+    let terms = remaining_terms(robot, &renumbering);
+    merged.add_terms(&terms).map_err(|source| LockError::Term { source: Box::new(source) })?;
+    let of_terms: Vec<(String, f64)> = a_priori_of_terms(robot, &merged, &renumbering).collect();
+    merged.a_priori.extend(of_terms);
+    Ok(merged)
+}
+
+/// The index of each joint among those that are left.
+fn new_indices(locked: &[Option<f64>]) -> Vec<Option<usize>> {
+    let mut next = 0..;
+    locked.iter().map(|value| if value.is_none() { next.next() } else { None }).collect()
+}
+
+/// The moving joint that carries a joint's link, none for the base, and the link's joint frame in the carrier's.
+#[derive(Clone, Copy)]
+pub(super) struct Place {
+    pub(super) carrier: Option<usize>,
+    frame: Frame,
+}
+
+fn places(joints: &[Joint], locked: &[Option<f64>]) -> Vec<Place> {
+    let mut places: Vec<Place> = Vec::with_capacity(joints.len());
+    for (j, joint) in joints.iter().enumerate() {
+        places.push(match locked[j] {
+            None => Place { carrier: Some(j), frame: Frame::SAME },
+            Some(value) => {
+                let before = joint.parent.map_or(Place { carrier: None, frame: Frame::SAME }, |p| places[p]);
+                let frame = before.frame.then(&frame_of(&joint.placement)).then(&motion(joint.kind, value));
+                Place { frame, ..before }
+            }
+        });
+    }
+    places
+}
+
+/// The moving joint that carries a joint that is left, and the joint's frame there; what does not change keeps its bits.
+fn placement(joint: &Joint, places: &[Place], locked: &[Option<f64>]) -> (Option<usize>, Placement) {
+    match joint.parent {
+        Some(parent) if locked[parent].is_some() => {
+            let Place { carrier, frame } = places[parent];
+            let Frame { rotation, origin } = frame.then(&frame_of(&joint.placement));
+            (carrier, Placement::new(&rotation, origin))
+        }
+        parent => (parent, joint.placement),
+    }
+}
+
+fn frame_of(placement: &Placement) -> Frame {
+    Frame { rotation: placement.rotation(), origin: placement.origin }
+}
+
+fn motion(kind: JointKind, value: f64) -> Frame {
+    match kind {
+        JointKind::Prismatic => Frame { rotation: IDENTITY, origin: [0.0, 0.0, value] },
+        JointKind::Revolute => {
+            let (s, c) = value.sin_cos();
+            Frame { rotation: [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]], origin: [0.0; 3] }
+        }
+    }
+}
+
+/// What became of the joints and motors of the whole robot.
+pub(super) struct Renumbering {
+    pub(super) joints: Vec<Option<usize>>,
+    /// The motors that are left.
+    motors: Vec<usize>,
+    pub(super) places: Vec<Place>,
+}
+
+impl Renumbering {
+    /// The number, from one, that a quantity of joint or motor `number` has now; none where it is gone.
+    fn number(&self, whole: &Robot, rest: &Robot, quantity: Quantity, number: usize) -> Option<usize> {
+        match quantity {
+            Quantity::Term(_) => None,
+            Quantity::Link(_) | Quantity::Joint(_) => self.joints[number - 1].map(|j| j + 1),
+            Quantity::Motor(_) => {
+                let motor = whole.coordinate_joints().iter().position(|&j| j + 1 == number)?;
+                Some(rest.joint_of(self.motors.iter().position(|&m| m == motor)?) + 1)
+            }
+        }
+    }
+}
+
+/// The a-priori values of the joints and motors that are left, with the bodies behind locked joints in those of their
+/// carriers. What rotors and friction of locked joints had is gone: it acts on no motion.
+fn a_priori(whole: &Robot, rest: &Robot, renumbering: &Renumbering) -> BTreeMap<String, f64> {
+    let mut values = BTreeMap::new();
+    for parameter in whole.parameter_table().iter() {
+        let Some(value) = whole.a_priori.get(&parameter.name()) else { continue };
+        if let Some(number) = renumbering.number(whole, rest, parameter.quantity, parameter.number) {
+            values.insert(format!("{}{number}", parameter.quantity.name()), *value);
+        }
+    }
+    for j in 0..whole.joints.len() {
+        let place = renumbering.places[j];
+        let Some(carrier) = place.carrier else { continue };
+        let body = body_of(whole, j);
+        if carrier == j || body == Body::default() {
+            continue;
+        }
+        let seen = body.seen_in(&frame_in_carrier(whole, j, &place)).parameters();
+        let number = renumbering.joints[carrier].map_or(0, |j| j + 1);
+        for (quantity, value) in INERTIAL.into_iter().zip(seen).filter(|(_, value)| *value != 0.0) {
+            *values.entry(format!("{}{number}", quantity.name())).or_insert(0.0) += value;
+        }
+    }
+    values
+}
+
+/// The frame of a link's axes in those of the link that carries it, or of the base.
+pub(super) fn frame_in_carrier(whole: &Robot, joint: usize, place: &Place) -> Frame {
+    let axes = |joint: usize| whole.joints[joint].link_axes.unwrap_or(IDENTITY);
+    let of_carrier = place.carrier.map_or(IDENTITY, axes);
+    let into_carrier = Frame { rotation: transpose(&of_carrier), origin: [0.0; 3] };
+    let from_link = Frame { rotation: axes(joint), origin: [0.0; 3] };
+    into_carrier.then(&place.frame).then(&from_link)
+}
+
+/// The a-priori body of a link, in the link's axes.
+fn body_of(robot: &Robot, joint: usize) -> Body {
+    let value = |name: &str| robot.a_priori.get(&format!("{name}{}", joint + 1)).copied().unwrap_or(0.0);
+    Body::from_parameters(INERTIAL.map(|quantity| value(quantity.name())))
+}

@@ -1,0 +1,289 @@
+use serde::{Deserialize, Serialize};
+
+/// One `[[term]]` of a robot or experiment file.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum TermDescription {
+    /// `k (q - rest)`.
+    JointSpring {
+        /// The joints; all where none is named.
+        joints: Option<Vec<String>>,
+        /// The angle without torque of a revolute joint; without any it is estimated as well.
+        rest_deg: Option<f64>,
+        /// The same of a prismatic joint.
+        rest_m: Option<f64>,
+    },
+    /// `fs s exp(-|dq / vs|^delta)`.
+    ExponentialStribeck {
+        /// The joints; all where none is named.
+        joints: Option<Vec<String>>,
+        /// `vs`, rad/s or m/s.
+        velocity: f64,
+        /// `delta`.
+        #[serde(default = "two")]
+        exponent: f64,
+        /// Whether `vs` and `delta` are searched for.
+        #[serde(default)]
+        profile: bool,
+    },
+    /// `fs s / (1 + |dq / vs|^delta)`.
+    Stribeck {
+        /// The joints; all where none is named.
+        joints: Option<Vec<String>>,
+        /// `vs`, rad/s or m/s.
+        velocity: f64,
+        /// `delta`.
+        #[serde(default = "two")]
+        exponent: f64,
+        /// Whether `vs` and `delta` are searched for.
+        #[serde(default)]
+        profile: bool,
+    },
+    /// `fvq s |dq|^2`, `fvc s |dq|^3`.
+    PolynomialViscous {
+        /// The joints; all where none is named.
+        joints: Option<Vec<String>>,
+        /// The powers, 2 and 3.
+        #[serde(default = "square")]
+        powers: Vec<u8>,
+    },
+    /// `fva s dq`: viscous friction that differs with the direction.
+    AsymmetricViscous {
+        /// The joints; all where none is named.
+        joints: Option<Vec<String>>,
+    },
+    /// `fl s |gravity torque|`.
+    LoadFriction {
+        /// The joints; all where none is named.
+        joints: Option<Vec<String>>,
+    },
+    /// `fc_CHANNEL s (value - reference)`.
+    ChannelCoulomb {
+        /// The joints; all where none is named.
+        joints: Option<Vec<String>>,
+        /// The recorded channel.
+        channel: String,
+        /// The value at which the term is zero.
+        reference: f64,
+    },
+    /// `fv_CHANNEL dq (value - reference)`.
+    ChannelViscous {
+        /// The joints; all where none is named.
+        joints: Option<Vec<String>>,
+        /// The recorded channel.
+        channel: String,
+        /// The value at which the term is zero.
+        reference: f64,
+    },
+    /// `hs sin(k motor angle) + hc cos(k motor angle)` for each k.
+    MotorHarmonics {
+        /// The joints whose motors are meant; all where none is named.
+        joints: Option<Vec<String>>,
+        /// The multiples k.
+        harmonics: Vec<f64>,
+    },
+    /// A linear spring between two points.
+    Spring {
+        /// Its name.
+        name: String,
+        /// One end.
+        from: PointDescription,
+        /// The other.
+        to: PointDescription,
+        /// Length without force; without any the preload is estimated as well.
+        free_length_m: Option<f64>,
+    },
+    /// A gas spring between two points: it pushes with a constant force, and with a stiffness where its length is given.
+    GasSpring {
+        /// Its name.
+        name: String,
+        /// One end.
+        from: PointDescription,
+        /// The other.
+        to: PointDescription,
+        /// Length at which it pushes with the constant force alone.
+        extended_length_m: Option<f64>,
+    },
+    /// A cylinder between two points on an accumulator of gas: a counterbalance.
+    Hydraulic {
+        /// Its name.
+        name: String,
+        /// One end.
+        from: PointDescription,
+        /// The other.
+        to: PointDescription,
+        /// Whether it pulls the points together or pushes them apart.
+        direction: Direction,
+        /// Length at which the force is the parameter.
+        length_m: f64,
+        /// Volume of the gas at that length over the area of the piston.
+        gas_length_m: f64,
+        /// The polytropic exponent; none takes a force affine in the length.
+        exponent: Option<f64>,
+    },
+    /// A user's own column.
+    Expression {
+        /// Name of the parameter.
+        name: String,
+        /// The joint on which it acts.
+        joint: String,
+        /// The torque for a unit of the parameter.
+        expression: String,
+        /// Unit of the parameter.
+        #[serde(default)]
+        unit: String,
+        /// Whether the parameter is physically never below zero.
+        #[serde(default)]
+        not_negative: bool,
+    },
+}
+
+/// A point of a link.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct PointDescription {
+    /// The joint in front of the link; none for the base.
+    pub link_of: Option<String>,
+    /// The point in the link's frame.
+    pub point_m: [f64; 3],
+}
+
+/// What a cylinder does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Direction {
+    /// It pulls the points together.
+    Pull,
+    /// It pushes them apart.
+    Push,
+}
+
+fn two() -> f64 {
+    2.0
+}
+
+fn square() -> Vec<u8> {
+    vec![2]
+}
+
+impl TermDescription {
+    /// Its kind, as in files.
+    #[must_use]
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::JointSpring { .. } => "joint-spring",
+            Self::ExponentialStribeck { .. } => "exponential-stribeck",
+            Self::Stribeck { .. } => "stribeck",
+            Self::PolynomialViscous { .. } => "polynomial-viscous",
+            Self::AsymmetricViscous { .. } => "asymmetric-viscous",
+            Self::LoadFriction { .. } => "load-friction",
+            Self::ChannelCoulomb { .. } => "channel-coulomb",
+            Self::ChannelViscous { .. } => "channel-viscous",
+            Self::MotorHarmonics { .. } => "motor-harmonics",
+            Self::Spring { .. } => "spring",
+            Self::GasSpring { .. } => "gas-spring",
+            Self::Hydraulic { .. } => "hydraulic",
+            Self::Expression { .. } => "expression",
+        }
+    }
+
+    /// The same with other constants, where it is Stribeck friction.
+    #[must_use]
+    pub fn with_constants(mut self, vs: f64, delta: f64) -> Self {
+        if let Self::ExponentialStribeck { velocity, exponent, profile, .. }
+        | Self::Stribeck { velocity, exponent, profile, .. } = &mut self
+        {
+            (*velocity, *exponent, *profile) = (vs, delta, false);
+        }
+        self
+    }
+
+    /// Whether constants of it are to be searched for.
+    #[must_use]
+    pub fn is_profiled(&self) -> bool {
+        matches!(self, Self::ExponentialStribeck { profile: true, .. } | Self::Stribeck { profile: true, .. })
+    }
+
+    /// The `[[term]]` of a file.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        #[derive(Serialize)]
+        struct File<'a> {
+            term: [&'a TermDescription; 1],
+        }
+        toml::to_string(&File { term: [self] }).unwrap_or_default()
+    }
+
+    /// The term without the joints for which `is_gone` holds; none where it acts on no other.
+    pub(in crate::robot) fn without_joints(mut self, is_gone: &dyn Fn(&str) -> bool) -> Option<Self> {
+        match &mut self {
+            Self::JointSpring { joints, .. }
+            | Self::ExponentialStribeck { joints, .. }
+            | Self::Stribeck { joints, .. }
+            | Self::PolynomialViscous { joints, .. }
+            | Self::AsymmetricViscous { joints }
+            | Self::LoadFriction { joints }
+            | Self::ChannelCoulomb { joints, .. }
+            | Self::ChannelViscous { joints, .. }
+            | Self::MotorHarmonics { joints, .. } => {
+                let Some(joints) = joints else { return Some(self) };
+                joints.retain(|joint| !is_gone(joint));
+                (!joints.is_empty()).then_some(self)
+            }
+            Self::Expression { joint, .. } => (!is_gone(joint)).then_some(self),
+            Self::Spring { .. } | Self::GasSpring { .. } | Self::Hydraulic { .. } => Some(self),
+        }
+    }
+
+    /// Its two points, where it acts between points.
+    pub(in crate::robot) fn points_mut(&mut self) -> Option<[&mut PointDescription; 2]> {
+        match self {
+            Self::Spring { from, to, .. } | Self::GasSpring { from, to, .. } | Self::Hydraulic { from, to, .. } => {
+                Some([from, to])
+            }
+            Self::JointSpring { .. }
+            | Self::ExponentialStribeck { .. }
+            | Self::Stribeck { .. }
+            | Self::PolynomialViscous { .. }
+            | Self::AsymmetricViscous { .. }
+            | Self::LoadFriction { .. }
+            | Self::ChannelCoulomb { .. }
+            | Self::ChannelViscous { .. }
+            | Self::MotorHarmonics { .. }
+            | Self::Expression { .. } => None,
+        }
+    }
+
+    /// Whether its parameter has a name of its own, and not one by the number of its joint.
+    pub(in crate::robot) fn has_own_name(&self) -> bool {
+        match self {
+            Self::Spring { .. } | Self::GasSpring { .. } | Self::Hydraulic { .. } | Self::Expression { .. } => true,
+            Self::JointSpring { .. }
+            | Self::ExponentialStribeck { .. }
+            | Self::Stribeck { .. }
+            | Self::PolynomialViscous { .. }
+            | Self::AsymmetricViscous { .. }
+            | Self::LoadFriction { .. }
+            | Self::ChannelCoulomb { .. }
+            | Self::ChannelViscous { .. }
+            | Self::MotorHarmonics { .. } => false,
+        }
+    }
+
+    /// The joints that it names; none where it names none.
+    pub(super) fn joints(&self) -> Option<&[String]> {
+        match self {
+            Self::JointSpring { joints, .. }
+            | Self::ExponentialStribeck { joints, .. }
+            | Self::Stribeck { joints, .. }
+            | Self::PolynomialViscous { joints, .. }
+            | Self::AsymmetricViscous { joints }
+            | Self::LoadFriction { joints }
+            | Self::ChannelCoulomb { joints, .. }
+            | Self::ChannelViscous { joints, .. }
+            | Self::MotorHarmonics { joints, .. } => joints.as_deref(),
+            Self::Spring { .. } | Self::GasSpring { .. } | Self::Hydraulic { .. } => None,
+            Self::Expression { joint, .. } => Some(std::slice::from_ref(joint)),
+        }
+    }
+}

@@ -1,0 +1,58 @@
+use crate::robot::MOST_JOINTS;
+
+/// Why a torque term cannot be used.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TermError {
+    /// A joint that the robot does not have.
+    #[error("{term}: the robot has no joint `{joint}`; its joints are {}", known.join(", "))]
+    UnknownJoint {
+        /// The term.
+        term: String,
+        /// The name found.
+        joint: String,
+        /// The names of the joints.
+        known: Vec<String>,
+    },
+    /// A value that cannot be used.
+    #[error("{term}: {key} is {found}, expected {expected}")]
+    Value {
+        /// The term.
+        term: String,
+        /// The key.
+        key: String,
+        /// What is allowed.
+        expected: String,
+        /// What was found.
+        found: String,
+    },
+    /// Two parameters of one name.
+    #[error("{term}: its parameter {parameter} is there already; {remedy}")]
+    Twice {
+        /// The term.
+        term: String,
+        /// The name.
+        parameter: String,
+        /// What to do.
+        remedy: String,
+    },
+    /// An expression that cannot be read.
+    #[error("{term}: expression `{expression}`: {reason}")]
+    Expression {
+        /// The term.
+        term: String,
+        /// The text.
+        expression: String,
+        /// Why, and what to do.
+        reason: String,
+    },
+    /// Too many columns.
+    #[error("the terms have more than {limit} parameters, the most that is read")]
+    TooMany {
+        /// The limit.
+        limit: usize,
+    },
+}
+
+/// Parameters of terms: more than any robot needs.
+pub(super) const MOST_COLUMNS: usize = 20 * MOST_JOINTS;

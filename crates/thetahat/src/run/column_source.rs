@@ -1,0 +1,55 @@
+//! Columns of torque terms that the robot does not have yet, in the rows of a problem.
+
+use crate::{
+    dynamics::{Model, Sign},
+    identification::Assembly,
+    linear_algebra::Matrix,
+    preparation::{FilteredRecording, PreparationError, Problem, Setup},
+    robot::{Quantity, Robot, TermColumn},
+    signal::Motion,
+};
+
+/// A problem with what its rows were made of.
+#[derive(Clone, Copy)]
+pub(super) struct ColumnSource<'a> {
+    pub(super) setup: Setup<'a>,
+    pub(super) recordings: &'a [&'a FilteredRecording],
+    pub(super) problem: &'a Problem,
+}
+
+impl ColumnSource<'_> {
+    /// The robot.
+    pub(super) fn robot(&self) -> &Robot {
+        self.setup.robot
+    }
+
+    /// The observation matrix of columns that stand behind the robot's terms.
+    pub(super) fn columns(&self, columns: Vec<TermColumn>) -> Result<Matrix, PreparationError> {
+        let before = self.robot().terms.len();
+        let mut robot = self.robot().clone();
+        robot.terms.extend(columns);
+        let model = Model::new(&robot);
+        let is_new = |quantity| matches!(quantity, Quantity::Term(term) if term.column >= before);
+        let parameters = model.parameter_table().iter().enumerate();
+        let indices: Vec<usize> = parameters.filter(|(_, p)| is_new(p.quantity)).map(|(i, _)| i).collect();
+        let names = robot.channels();
+        let mut matrices = Vec::new();
+        for (filtered, decimator) in self.recordings.iter().zip(&self.problem.decimators) {
+            let recorded = filtered.recording.channels_named(&names, robot.coordinate_count())?;
+            let rate = filtered.recording.sample_rate_hz;
+            let recorded = recorded.map(|c| self.setup.band_pass(&c, rate)).transpose()?;
+            let channels = recorded.map(|motion| motion.q.window(filtered.window.clone()));
+            let assembly = Assembly::new(&model, &indices, decimator.clone()).with_channels(channels);
+            let Motion { q, dq, ddq } = &filtered.motion;
+            matrices.push(assembly.observation_matrix(q, dq, ddq, Sign::Exact)?);
+        }
+        Ok(self.problem.regression.layout.stack_matrices(matrices))
+    }
+
+    /// The largest velocity of a coordinate in the windows.
+    pub(super) fn peak_velocity(&self, coordinate: usize) -> f64 {
+        let velocities = self.recordings.iter().map(|r| &r.motion.dq);
+        let peak = velocities.flat_map(|dq| (0..dq.len()).map(move |k| dq.sample(k)[coordinate].abs()));
+        peak.fold(0.0, f64::max)
+    }
+}

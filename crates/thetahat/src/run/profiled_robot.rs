@@ -1,0 +1,78 @@
+//! A robot whose terms say `profile = true`, with the constants that the recordings give them.
+
+use super::{column_source::ColumnSource, profile::Projection};
+use crate::{
+    identification::idim_ls,
+    linear_algebra::Matrix,
+    preparation::{Case, FilteredRecording, PreparationError, Setup},
+    results::ProfiledTerm,
+    robot::{Robot, Shape, TermColumn},
+};
+
+/// Rounds over all terms: the constants of one depend little on those of another.
+const ROUNDS: usize = 2;
+
+/// The robot of a setup with the constants of its profiled terms, and what they are. Nothing is done where no term asks for it.
+pub(super) fn with_profiled_terms(
+    setup: Setup<'_>,
+    recordings: &[&FilteredRecording],
+) -> Result<Option<(Robot, Vec<ProfiledTerm>)>, PreparationError> {
+    let robot = setup.robot;
+    let is_asked = |column: &&TermColumn| robot.term_descriptions[column.term].is_profiled();
+    let asked: Vec<TermColumn> = robot.terms.iter().filter(is_asked).cloned().collect();
+    if asked.is_empty() {
+        return Ok(None);
+    }
+    let problem = setup.problem(&Case::nominal(), recordings)?;
+    let regression = problem.all_columns();
+    let Ok(fit) = idim_ls(regression, Default::default()) else { return Ok(None) };
+    let of_recordings: Vec<f64> = recordings.iter().map(|r| r.recording.weight).collect();
+    let of_joints = regression.joint_weights(&fit.prediction);
+    let weights =
+        regression.row_weights(&of_recordings, Some(&of_joints)).unwrap_or_else(|| vec![1.0; regression.y.len()]);
+    let source = ColumnSource { setup, recordings, problem: &problem };
+    let table = problem.model.parameter_table();
+    let is_profiled = |kept: usize| asked.iter().any(|c| table.get(kept).own_name.as_deref() == Some(&c.parameter));
+    let others: Vec<usize> =
+        problem.base.columns().iter().enumerate().filter(|(_, kept)| !is_profiled(**kept)).map(|(c, _)| c).collect();
+    let others = regression.x.select_columns(&others);
+    let mut found = asked.clone();
+    let mut profiled = Vec::new();
+    for _ in 0..ROUNDS {
+        profiled.clear();
+        for k in 0..found.len() {
+            let Shape::Stribeck(stribeck) = found[k].shape else { continue };
+            let rest: Vec<TermColumn> = (0..found.len()).filter(|&i| i != k).map(|i| renamed(&found[i], i)).collect();
+            let beside = if rest.is_empty() { None } else { Some(source.columns(rest)?) };
+            let all = Matrix::beside(&[&others].into_iter().chain(&beside).collect::<Vec<_>>());
+            let best = Projection::new(source, weights.clone(), &all).profile(&found[k], stribeck.law)?;
+            found[k].shape = Shape::Stribeck(best.stribeck);
+            profiled.push(ProfiledTerm {
+                term: found[k].term,
+                joint: robot.joints[found[k].joint].name.clone(),
+                velocity: best.stribeck.velocity,
+                exponent: best.stribeck.exponent,
+                at_limit: best.at_limit,
+            });
+        }
+    }
+    Ok(Some((with_constants(robot, &profiled), profiled)))
+}
+
+/// A column under a name that no other has.
+fn renamed(column: &TermColumn, place: usize) -> TermColumn {
+    TermColumn { parameter: format!("beside_{place}"), ..column.clone() }
+}
+
+/// The robot with other constants of its terms, one description for each joint.
+pub(crate) fn with_constants(robot: &Robot, profiled: &[ProfiledTerm]) -> Robot {
+    let mut robot = robot.clone();
+    let joints: Vec<String> = robot.joints.iter().map(|j| j.name.clone()).collect();
+    for column in &mut robot.terms {
+        let own = |p: &&ProfiledTerm| p.term == column.term && p.joint == joints[column.joint];
+        if let (Some(found), Shape::Stribeck(stribeck)) = (profiled.iter().find(own), &mut column.shape) {
+            (stribeck.velocity, stribeck.exponent) = (found.velocity, found.exponent);
+        }
+    }
+    robot
+}
