@@ -113,7 +113,8 @@ fn a_log_of_eight_joints_of_twelve_is_identified_with_the_others_locked() {
     succeeded(&manipulator.run("init --robot mobile_manipulator.urdf --recording log.csv"));
     let text = manipulator.0.text("experiment.toml");
     for line in [
-        "[locked]\nhead_1_joint = 0.0  # in the log from 0.0000 to 0.0000, without a torque that changes",
+        "[locked]\n",
+        "head_1_joint = 0.0  # in the log from 0.0000 to 0.0000, without a torque that changes",
         "head_2_joint = 0.5  # in the log from 0.5000 to 0.5000",
         "left_finger_joint = 0.0  # not in the log, so a guess: 0\n",
         "columns = [\"torso_lift_joint.position\", \"arm_1_joint.position\", \"arm_2_joint.position\"",

@@ -76,7 +76,9 @@ const LATE: Twin = Twin {
 /// A lag beside wrists with hysteresis is measured, to a fraction of a sample where the noise lets it.
 fn lag_is_measured(samples: f64) -> Result<(), Failed> {
     let findings = Twin { late: samples, ..LATE }.record().findings();
-    let found = findings.iter().find(|f| f.code == Code::Lag).ok_or("no lag is found")?;
+    let all = || findings.iter().map(|f| format!("[{}] {}", f.code, f.message)).collect::<Vec<_>>().join("\n");
+    let found =
+        findings.iter().find(|f| f.code == Code::Lag).ok_or_else(|| format!("no lag is found, but {}", all()))?;
     ensure(found.joint.is_none(), format!("of joint {:?}", found.joint))?;
     let close = (found.value - samples).abs() < 0.5 + 0.02 * samples.abs();
     ensure(close, format!("{} samples, made with {samples}", found.value))

@@ -6,7 +6,7 @@ use std::{fmt::Write, path::Path};
 use thetahat::{
     dynamics::{DynamicParameters, DynamicsError, Model, Sign, State, Workspace},
     regressor::Regressor,
-    robot::{Friction, Robot},
+    robot::{Friction, Parameter, Robot},
 };
 use thetahat_testing::assert_close;
 
@@ -327,13 +327,13 @@ fn a_planar_arm_of_two_links_has_its_closed_form() {
 
 #[test]
 fn a_mass_matrix_that_is_not_positive_definite_is_named() {
-    let robot = Robot::parse(
-        "name = \"p\"\n[[joint]]\nname = \"j\"\nkind = \"revolute\"\n[parameters]\nia1 = -0.1\n",
-        Path::new("p.toml"),
-    )
-    .unwrap();
+    let robot =
+        Robot::parse("name = \"p\"\n[[joint]]\nname = \"j\"\nkind = \"revolute\"\n", Path::new("p.toml")).unwrap();
     let model = Model::new(&robot);
-    let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters());
+    let is_motor_inertia = |p: &Parameter| p.quantity.is_motor_inertia();
+    let theta: Vec<f64> =
+        model.parameter_table().iter().map(|p| if is_motor_inertia(p) { -0.1 } else { 0.0 }).collect();
+    let parameters = DynamicParameters::new(&model, &theta);
     let mut ddq = [0.0];
     let mut workspace = Workspace::new(&model);
     let result =

@@ -22,6 +22,8 @@ const EXPLAINED_LIMIT_PERCENT: f64 = 25.0;
 const EFFECT_LIMIT_PERCENT: f64 = 5.0;
 /// Part of the squared residual from which a common lag is worth a note, percent.
 const NOTE_PERCENT: f64 = 5.0;
+/// Relative error of the fit beside the friction shapes, percent, from which something else than friction and a lag is wrong.
+const POOR_PERCENT: f64 = 20.0;
 /// Standard deviations by which a lag must differ from zero: they come from ten blocks of time.
 const SURE: f64 = 6.0;
 /// Standard deviations within which lags of joints are the same, and part of the lag.
@@ -31,8 +33,11 @@ const SAME_PART: f64 = 0.35;
 const ONE_SAMPLE: f64 = 1.0;
 /// Part of the information of a common lag that joints with another lag may hold.
 const DISAGREEING: f64 = 0.2;
-/// Deviation of a joint's friction, part of that of the rest of its torque, from which friction is most of it.
-const MOST_FRICTION: f64 = 0.8;
+/// Deviation of a joint's friction, relative to that of the rest of its torque, from which a lag of the joint alone is one of
+/// friction.
+const MOST_FRICTION: f64 = 1.1;
+/// How many times more the lag of a joint must be, for the friction that it has, than that of any joint with more friction.
+const STANDS_OUT: f64 = 2.0;
 /// Part of the range of the search beyond which an optimum is no measurement: the search ended there.
 const INSIDE: f64 = 0.95;
 
@@ -61,6 +66,9 @@ fn measured(record: &ThinnedRecord<'_>) -> Option<Vec<Delay>> {
         return None;
     }
     let beside = record.fit_beside(&shapes, &rows_of_reversals(record)).ok()?;
+    if 100.0 * beside.relative_error() > POOR_PERCENT {
+        return None;
+    }
     let search = Search { record, parameters: &parameters, beside: &beside };
     let (each, all) = (search.of_each()?, search.of_all()?);
     let is_certain = |lags: &Lags, j: usize| {
@@ -68,25 +76,32 @@ fn measured(record: &ThinnedRecord<'_>) -> Option<Vec<Delay>> {
         size > SURE * lags.deviation[j] && size < INSIDE * LONGEST_S * record.rate_hz
     };
     let joints = 0..record.coordinates();
-    if is_certain(&all, 0) && agree(&each, all.steps[0]) {
+    let friction = record.friction_share(&parameters.theta());
+    if is_certain(&all, 0) && agree(&each, &friction, all.steps[0]) {
         return Some(vec![Delay::new(&search, joints.collect(), &all)]);
     }
-    // Where friction is most of a torque, a lag of that joint alone is one of friction.
-    let friction = record.friction_share(&parameters.theta());
-    let certain = joints.filter(|&j| is_certain(&each, j) && friction[j] < MOST_FRICTION);
+    let certain = joints.filter(|&j| is_certain(&each, j) && stands_out(&each, &friction, j));
     let certain = certain.map(|j| Delay::new(&search, vec![j], &each));
     let late: Vec<Delay> = certain.filter(|delay| delay.explained.strength() > 1.0).collect();
     let is_one = late.iter().all(|delay| same(delay.steps, delay.deviation, late[0].steps));
     Some(if is_one { late } else { Vec::new() })
 }
 
-/// Whether the joints that tell something of the lag have this one.
-fn agree(each: &Lags, steps: f64) -> bool {
-    let information = |j: usize| each.deviation[j].max(f64::MIN_POSITIVE).powi(-2);
+/// Whether the joints that tell something of the lag have this one. What a joint tells is less by its friction, relative to
+/// the rest of its torque: friction of a law that no column has looks like a lag.
+fn agree(each: &Lags, friction: &[f64], steps: f64) -> bool {
+    let information = |j: usize| 1.0 / (each.deviation[j].powi(2) * (1.0 + friction[j].powi(2))).max(f64::MIN_POSITIVE);
     let joints = 0..each.steps.len();
     let others =
         joints.clone().filter(|&j| !same(each.steps[j], each.deviation[j], steps)).map(information).sum::<f64>();
     others <= DISAGREEING * joints.map(information).sum::<f64>()
+}
+
+/// Whether the lag of a joint is more than its friction can be thought to make, by what it makes of joints that have more.
+fn stands_out(each: &Lags, friction: &[f64], j: usize) -> bool {
+    let others = (0..friction.len()).filter(|&i| friction[i] > friction[j] && each.deviation[i].is_finite());
+    let by_friction = others.map(|i| each.steps[i].abs() / friction[i]).fold(0.0, f64::max);
+    friction[j] < MOST_FRICTION && each.steps[j].abs() > STANDS_OUT * friction[j] * by_friction
 }
 
 /// Whether a lag may be this one.

@@ -146,8 +146,11 @@ fn check_fit(exam: &mut Examination<'_>, signals: &Signals, record: &mut Thinned
         cutoff::check(exam, record);
     }
     excitation::check(exam, &record.of_estimated());
-    if !blind && !exam.has(&[Code::PoorFit, Code::CutoffLow]) && record.has_full_rank() {
-        lag::check(exam, record);
+    if blind || exam.has(&[Code::CutoffLow]) || !record.has_full_rank() {
+        return;
+    }
+    lag::check(exam, record);
+    if !exam.has(&[Code::PoorFit]) {
         gear::check(exam, record);
         if record.is_long_enough() {
             drift::check(exam, record);

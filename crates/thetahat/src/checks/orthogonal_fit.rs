@@ -126,7 +126,7 @@ impl OrthogonalFit {
         self.squares / self.y.len().saturating_sub(self.rank).max(1) as f64
     }
 
-    /// Rms residual relative to the rms torque, without weights.
+    /// Rms residual relative to the rms torque, without weights, of the rows that count.
     pub(super) fn relative_error(&self) -> f64 {
         let squares = |rows: &[f64]| self.unweighted(rows).map(|v| v.powi(2)).sum::<f64>();
         (squares(&self.residual) / squares(&self.y)).sqrt()
@@ -134,7 +134,7 @@ impl OrthogonalFit {
 
     fn unweighted(&self, rows: &[f64]) -> impl Iterator<Item = f64> {
         let weights = self.regression.weights().into_iter().flatten();
-        rows.iter().zip(weights).map(|(r, w)| r / w)
+        rows.iter().zip(weights).filter(|(_, w)| **w > 0.0).map(|(r, w)| r / w)
     }
 
     /// Rms residual of coordinate `j`, relative to the standard deviation of its torque.

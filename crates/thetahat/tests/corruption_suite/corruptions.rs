@@ -118,7 +118,7 @@ fn ratios_and_lags() -> Vec<Corruption> {
         with("drive gain of motor 2 taken 40 % too large", GearRatio, 2, |r| scale(&mut r.torque, 2, 1.4)),
         with("all torques 60.3 samples late", Lag, None, |r| (1..=6).for_each(|j| late(&mut r.torque, j, LATE))),
         with("all torques 60.3 samples early", Lag, None, |r| (1..=6).for_each(|j| late(&mut r.torque, j, -LATE))),
-        with("torque 3 60.3 samples late", Lag, 3, |r| late(&mut r.torque, 3, LATE)),
+        with("torque 2 60.3 samples late", Lag, 2, |r| late(&mut r.torque, 2, LATE)),
     ]
 }
 
@@ -245,6 +245,11 @@ pub struct Unseen {
 pub fn unseen() -> Vec<Unseen> {
     let by = |name, why, apply| Unseen { name, why, apply };
     vec![
+        by(
+            "torque 3 60.3 samples (12 ms) late",
+            "the friction of joint 3 is twice the rest of its torque, and friction that follows no simple law looks like a lag",
+            |r| late(&mut r.torque, 3, LATE),
+        ),
         by(
             "all torques 30 % too large",
             "every parameter is 30 % larger and nothing contradicts it; compare the masses with a scale or with CAD",

@@ -31,10 +31,12 @@ impl Offer<'_> {
 
 /// The files, each with the table of it that is used.
 pub(super) fn sources<'a>(request: &'a ProposalRequest, contents: &'a [Contents]) -> Vec<Source<'a>> {
+    let folders = contents.windows(2).any(|pair| pair[0].file.parent() != pair[1].file.parent());
     let source = |(contents, file): (&'a Contents, &'a PathBuf)| Source {
         contents,
         file: file.as_path(),
         table: chosen_table(request, contents),
+        in_several_folders: folders,
     };
     contents.iter().zip(&request.recording_files).map(source).collect()
 }

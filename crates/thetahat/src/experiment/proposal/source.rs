@@ -30,6 +30,8 @@ pub(super) struct Source<'a> {
     pub(super) file: &'a Path,
     pub(super) contents: &'a Contents,
     pub(super) table: Option<&'a TableSummary>,
+    /// Whether the files are in several folders, whose names may say what they hold.
+    pub(super) in_several_folders: bool,
 }
 
 impl<'a> Source<'a> {
@@ -51,9 +53,9 @@ impl<'a> Source<'a> {
         self.contents.file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
     }
 
-    /// The name of the folder of the file.
+    /// The name of the folder of the file; empty where all files are in one.
     pub(super) fn folder(&self) -> String {
-        let folder = self.contents.file.parent().and_then(Path::file_name);
+        let folder = self.contents.file.parent().and_then(Path::file_name).filter(|_| self.in_several_folders);
         folder.unwrap_or_default().to_string_lossy().into_owned()
     }
 

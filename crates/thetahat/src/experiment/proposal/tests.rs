@@ -182,7 +182,8 @@ const SAME: &str = "log.csv: column \"tau1\" is taken for the positions and for 
 fn too_few_columns_and_the_torque_s_are_refused_at_once() {
     let named = ProposalRequest { position: vec!["q1".into()], ..request() };
     let error = proposed("t,q1,q2,tau1,tau2", named).unwrap_err();
-    let expected = "--position names 1 columns; arm has 2 joints, and one is needed for each of them";
+    let expected = "--position names 1 columns; arm has 2 joints, and one is needed for each of them; where the log lacks \
+                    joints, name those that it has with --joints NAME,NAME,...: the others are locked";
     assert_eq!(error.to_string(), expected);
     let same = vec!["tau1".to_owned(), "tau2".to_owned()];
     let named = ProposalRequest { position: same.clone(), torque: same, ..request() };

@@ -5,6 +5,7 @@
 mod error;
 mod locks;
 mod merge;
+mod places;
 mod terms;
 mod transmission;
 

@@ -1,6 +1,6 @@
 //! What torque terms are on a robot some of whose joints are locked.
 
-use super::merge::{Place, Renumbering, frame_in_carrier};
+use super::places::{Place, Renumbering, frame_in_carrier};
 use crate::{
     robot::{Robot, TermDescription},
     vector::{add, times},
