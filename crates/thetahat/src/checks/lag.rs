@@ -35,7 +35,7 @@ const ONE_SAMPLE: f64 = 1.0;
 const DISAGREEING: f64 = 0.2;
 /// Deviation of a joint's friction, relative to that of the rest of its torque, from which a lag of the joint alone is one of
 /// friction.
-const MOST_FRICTION: f64 = 1.1;
+const MOST_FRICTION: f64 = 1.3;
 /// How many times more the lag of a joint must be, for the friction that it has, than that of any joint with more friction.
 const STANDS_OUT: f64 = 2.0;
 /// Part of the range of the search beyond which an optimum is no measurement: the search ended there.
