@@ -10,15 +10,18 @@ const FLOOR: Range<f64> = 0.1..0.48;
 const FLOOR_BANDS: usize = 6;
 /// Density over that of the noise up to which a band holds noise alone.
 const OF_NOISE: f64 = 3.0;
+/// The same for a single frequency, whose density is random: one of a million noisy ones is more.
+const NOT_BY_CHANCE: f64 = 20.0;
 /// Part of the variance of a velocity.
 const NEARLY_ALL: f64 = 0.98;
 /// Width of a band, part of its lowest frequency.
 const WIDTH: f64 = 0.4;
 /// Part of the sample rate above which nothing counts as motion.
 const HIGHEST: f64 = 0.4;
+
 /// The frequency, Hz, below which nearly all of the variance of a joint's velocity lies that is not noise.
 pub(super) fn dynamics_hz(positions: &Spectrum, channel: usize, sample_rate_hz: f64) -> f64 {
-    let noise = OF_NOISE * floor(positions, channel, sample_rate_hz);
+    let noise = NOT_BY_CHANCE * floor(positions, channel, sample_rate_hz);
     let velocity = |(f, density): (f64, &f64)| if *density > noise { f * f * density } else { 0.0 };
     let powers: Vec<f64> = positions.frequencies_hz().zip(&positions.density[channel]).map(velocity).collect();
     let wanted = NEARLY_ALL * powers.iter().sum::<f64>();

@@ -31,7 +31,7 @@ const SAMPLES: usize = 600_000;
 /// Twins: each is made with the filter that those before chose.
 const TWINS: usize = 2;
 /// Errors up to this multiple of the least are as good: twins do not tell them apart.
-const AS_GOOD: f64 = 1.1;
+const AS_GOOD: f64 = 1.05;
 /// Longest stretch of a record of which a twin is made, in samples.
 const LONGEST: usize = 40_000;
 

@@ -5,7 +5,7 @@ use crate::results::Filter;
 /// Filters of one octave.
 const PER_OCTAVE: f64 = 2.0;
 /// Octaves of the parallel filter below and above the dynamics.
-const OCTAVES: [f64; 2] = [1.5, 4.5];
+const OCTAVES: [f64; 2] = [1.5, 3.5];
 /// Cut-offs of the position filter in multiples of the parallel filter's.
 const POSITION_FACTORS: [f64; 6] = [0.7, 1.0, 1.4, 2.0, 2.8, 4.0];
 /// The parallel filter cuts at this part of the sample rate over the factor.
