@@ -42,7 +42,8 @@ pub fn write_experiment(init: &Init) -> Result<Verdict, Box<dyn Error>> {
     replace_file(&init.out, proposal.as_bytes())
         .map_err(|e| format!("{}: cannot be written: {e}", init.out.display()))?;
     print(&format!(
-        "written: {out}\nRead it: what could not be known is marked as a guess. Then: thetahat check {out}{options}\n",
+        "written: {out}\nRead it: what could not be known is marked as a guess. Then:\n  thetahat check {out}{options}\n  \
+         thetahat identify {out}{options}\n",
         out = init.out.display(),
         options = options_for(&init.robot, &init.recording, &folder),
     ))?;
