@@ -4,7 +4,7 @@ use crate::results::Filter;
 
 /// Filters of one octave.
 const PER_OCTAVE: f64 = 2.0;
-/// Octaves of the parallel filter below and above the dynamics.
+/// Octaves of the parallel filter below and above the dynamics. Further above, flexible joints and the ripple of gears decide.
 const OCTAVES: [f64; 2] = [1.5, 3.5];
 /// Cut-offs of the position filter in multiples of the parallel filter's.
 const POSITION_FACTORS: [f64; 6] = [0.7, 1.0, 1.4, 2.0, 2.8, 4.0];
@@ -22,7 +22,7 @@ pub struct FilterGrid {
 
 impl FilterGrid {
     /// The filters for dynamics of some frequency, sampled at `sample_rate_hz`: parallel filters from a third of the frequency to
-    /// more than twenty times it, and for each position filters from 0.7 to 4 times that, all below 0.4 of the sample rate.
+    /// eleven times it, and for each position filters from 0.7 to 4 times that, all below 0.4 of the sample rate.
     #[must_use]
     pub fn around(dynamics_hz: f64, sample_rate_hz: f64) -> Self {
         let steps = ((OCTAVES[0] + OCTAVES[1]) * PER_OCTAVE) as i32;

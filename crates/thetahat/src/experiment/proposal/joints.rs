@@ -182,7 +182,9 @@ impl<'a> Search<'_, 'a> {
         let Some((least, most)) = self.travel(coordinate) else {
             let value = joint.limits.neutral();
             let from = if value == 0.0 { "0" } else { "the middle of its limits, as 0 is outside of them" };
-            let why = format!("not in the log, so a guess: {from}");
+            let is_recorded = self.by_name(Signal::Position).iter().any(|of| of[coordinate].is_some());
+            let place = if is_recorded { "in the log as its motor's position" } else { "not in the log" };
+            let why = format!("{place}, so a guess: {from}");
             return Ok(ProposedLock { joint: name, value, why });
         };
         if self.moves(coordinate, most - least) {
