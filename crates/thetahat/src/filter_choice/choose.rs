@@ -32,6 +32,9 @@ const SAMPLES: usize = 600_000;
 const TWINS: usize = 2;
 /// Errors up to this multiple of the least are as good: twins do not tell them apart.
 const AS_GOOD: f64 = 1.05;
+/// Rows for each parameter that a chosen filter keeps, where the record has them: behind fewer it is chance which motions they show,
+/// and a twin of slightly other parameters does not foretell the errors.
+const ROWS_PER_PARAMETER: f64 = 10.0;
 /// Longest stretch of a record of which a twin is made, in samples.
 const LONGEST: usize = 40_000;
 
@@ -185,7 +188,7 @@ impl<'a> Study<'a> {
         let sample_rate_hz = self.recording.sample_rate_hz;
         let dynamics_hz = self.dynamics_hz();
         let first = for_dynamics(dynamics_hz, sample_rate_hz);
-        let grid = FilterGrid::around(dynamics_hz, sample_rate_hz).filters;
+        let grid = self.with_rows(FilterGrid::around(dynamics_hz, sample_rate_hz).filters);
         let filters: Vec<Filter> = grid.into_iter().chain(own).collect();
         let of_grid = 0..filters.len() - own.iter().len();
         let mut errors = self.relative_errors(&self.twin(first, first)?, &filters, threads);
@@ -199,6 +202,14 @@ impl<'a> Study<'a> {
         let mut compared: Vec<ComparedFilter> = filters.iter().zip(errors).map(with_error).collect();
         let own = own.and_then(|_| compared.pop());
         Ok(FilterChoice { best, own, sample_rate_hz, dynamics_hz, compared })
+    }
+
+    /// The filters that keep enough rows; those that keep the most where none does.
+    fn with_rows(&self, filters: Vec<Filter>) -> Vec<Filter> {
+        let samples = self.recording.position.values().len() as f64 / self.part;
+        let most = samples / (ROWS_PER_PARAMETER * self.basis.base.len() as f64);
+        let least = filters.iter().map(|f| f.decimation).min().unwrap_or(1);
+        filters.into_iter().filter(|f| f.decimation as f64 <= most.max(least as f64)).collect()
     }
 
     /// A twin with the parameters that a filter gives: its noise is what the estimate leaves, its motion that of a robot near
