@@ -5,7 +5,7 @@
 //! the columns here are free beside the parameters, what is left of a lag is one of inertia and gravity.
 
 use super::{numbers::span, thinned_record::ThinnedRecord};
-use crate::{linear_algebra::Matrix, series::Series, signal::SignalError};
+use crate::{linear_algebra::Matrix, series::Series};
 
 /// Travels over which friction turns around, part of the joint's span.
 const PRESLIDING: [f64; 4] = [0.002, 0.008, 0.03, 0.12];
@@ -17,18 +17,20 @@ const SLOW: f64 = 0.03;
 /// Rows around a slow sample that its friction reaches through the filter.
 const REACH: f64 = 1.5;
 
-/// The columns of all joints that move, filtered as the rows are; a row for each of the record's.
-pub(super) fn friction_shapes(record: &ThinnedRecord<'_>) -> Result<Matrix, SignalError> {
+/// The columns of all joints that move, filtered as the rows are; a row for each of the record's. None where the record has too few
+/// rows for them beside the parameters.
+pub(super) fn friction_shapes(record: &ThinnedRecord<'_>) -> Option<Matrix> {
     let rows = record.rows();
     let mut columns: Vec<Vec<f64>> = Vec::new();
     for (motion, acts_on) in rubbing(record) {
-        let filtered = record.decimator.filter(&Series::from_channels(&shapes(&motion)))?;
+        let filtered = record.decimator.filter(&Series::from_channels(&shapes(&motion))).ok()?;
         for shape in record.stack(&filtered).chunks(rows) {
             let torques = acts_on.iter().flat_map(|n| shape.iter().map(move |s| n * s));
             columns.push(torques.collect());
         }
     }
-    Ok(Matrix::from_fn(rows * record.coordinates(), columns.len(), |i, c| columns[c][i]))
+    let all = Matrix::from_fn(rows * record.coordinates(), columns.len(), |i, c| columns[c][i]);
+    record.has_rows_for(record.parameters() + all.columns()).then_some(all)
 }
 
 /// The rows in which a joint, or a motor that it shares, turns around or hardly moves: no law says what friction is there.

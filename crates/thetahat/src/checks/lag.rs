@@ -2,7 +2,8 @@
 //!
 //! A torque that is late by `d` is `y(t) = y0(t - d)`, so the residual of the fit follows the derivative of the predicted
 //! torque. A search over whole steps starts Gauss-Newton, which shifts the torques until that part of the residual is
-//! gone. Friction that turns around later than the motion looks like a lag: the columns of [`friction_shapes`] are free
+//! gone. Friction that turns around later than the motion looks like a lag: the columns of
+//! [`friction_shapes`](super::friction_shapes) are free
 //! beside the parameters, and the rows around its reversals are left out, so that inertia and gravity decide. Their lag
 //! must be one delay, of all joints or of a few that agree, and make the residual of the fit itself smaller: joints that
 //! each have a lag of their own are an error of the model.
@@ -10,11 +11,12 @@
 use super::{
     examination::{Evidence, Examination, Words},
     finding::{Code, Severity},
-    friction_shapes::{friction_shapes, rows_of_reversals},
+    friction_shapes::rows_of_reversals,
     lag_search::{LONGEST_S, Lags, Search, shifted},
     orthogonal_fit::OrthogonalFit,
     thinned_record::ThinnedRecord,
 };
+use crate::linear_algebra::Matrix;
 
 /// Part of the squared residual that a lag must explain, percent. The clean recordings stay below 18.
 const EXPLAINED_LIMIT_PERCENT: f64 = 25.0;
@@ -41,9 +43,9 @@ const STANDS_OUT: f64 = 2.0;
 /// Part of the range of the search beyond which an optimum is no measurement: the search ended there.
 const INSIDE: f64 = 0.95;
 
-/// Corrects the record by the lags that are found.
-pub(super) fn check(exam: &mut Examination<'_>, record: &mut ThinnedRecord<'_>) {
-    let Some(delays) = measured(record) else { return };
+/// Corrects the record by the lags that are found beside the shapes of friction.
+pub(super) fn check(exam: &mut Examination<'_>, record: &mut ThinnedRecord<'_>, shapes: &Matrix) {
+    let Some(delays) = measured(record, shapes) else { return };
     if delays.is_empty() {
         exam.note_measure(evidence(None, 0.0));
     }
@@ -59,13 +61,9 @@ pub(super) fn check(exam: &mut Examination<'_>, record: &mut ThinnedRecord<'_>) 
 }
 
 /// The delay of all joints, or those of the joints that are late; none where the record does not tell.
-fn measured(record: &ThinnedRecord<'_>) -> Option<Vec<Delay>> {
+fn measured(record: &ThinnedRecord<'_>, shapes: &Matrix) -> Option<Vec<Delay>> {
     let parameters = record.fit().ok()?;
-    let shapes = friction_shapes(record).ok()?;
-    if !record.has_rows_for(record.parameters() + shapes.columns()) {
-        return None;
-    }
-    let beside = record.fit_beside(&shapes, &rows_of_reversals(record)).ok()?;
+    let beside = record.fit_beside(shapes, &rows_of_reversals(record)).ok()?;
     if 100.0 * beside.relative_error() > POOR_PERCENT {
         return None;
     }

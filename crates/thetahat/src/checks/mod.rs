@@ -132,24 +132,30 @@ fn check_motion(exam: &mut Examination<'_>, signals: &Signals) {
 fn check_fit(exam: &mut Examination<'_>, signals: &Signals, record: &mut ThinnedRecord<'_>) {
     let blind = exam.has(&[Code::TorqueConstant, Code::JointStill, Code::JointDither])
         || !record.has_rows_for(record.parameters());
-    if !blind {
-        fault::check(exam, record);
-        if !exam.has(&[Code::PositionScale]) {
-            position_range::check(exam, signals);
-        }
-        friction::check(exam, record);
-        if record.is_long_enough() {
-            unexplained::check(exam, record);
-            wrong_robot::check(exam, record);
-            a_priori::check(exam, record);
-        }
-        cutoff::check(exam, record);
+    if blind {
+        return excitation::check(exam, &record.of_estimated());
     }
+    fault::check(exam, record);
+    if !exam.has(&[Code::PositionScale]) {
+        position_range::check(exam, signals);
+    }
+    friction::check(exam, record);
+    let shapes = friction_shapes::friction_shapes(record);
+    if record.is_long_enough() {
+        unexplained::check(exam, record);
+        if let Some(shapes) = &shapes {
+            wrong_robot::check(exam, record, shapes);
+        }
+        a_priori::check(exam, record);
+    }
+    cutoff::check(exam, record);
     excitation::check(exam, &record.of_estimated());
-    if blind || exam.has(&[Code::CutoffLow]) || !record.has_full_rank() {
+    if exam.has(&[Code::CutoffLow]) || !record.has_full_rank() {
         return;
     }
-    lag::check(exam, record);
+    if let Some(shapes) = &shapes {
+        lag::check(exam, record, shapes);
+    }
     if !exam.has(&[Code::PoorFit]) {
         gear::check(exam, record);
         if record.is_long_enough() {

@@ -2,12 +2,11 @@
 //!
 //! The rival of the robot's model knows nothing of the geometry: each joint has an inertia, friction, an offset and a
 //! pendulum of its own. A geometry that explains no more than that is not this robot's. Both have the columns of
-//! [`friction_shapes`] beside them: where friction is most of the torques and its law is not the model's, no geometry fits.
+//! [`friction_shapes`](super::friction_shapes) beside them: where friction is most of the torques and its law is not the model's, no geometry fits.
 
 use super::{
     examination::{Evidence, Examination, Words},
     finding::{Code, Severity},
-    friction_shapes::friction_shapes,
     numbers::{autocorrelation, rms},
     thinned_record::ThinnedRecord,
 };
@@ -42,11 +41,11 @@ const DRIVE: usize = 4;
 /// The same with the sine and cosine of its position.
 const PENDULUM: usize = 6;
 
-pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) {
+pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>, shapes: &Matrix) {
     if record.coordinates() < 2 || exam.has(&CAUSES) {
         return;
     }
-    let Some(Left { model, pendulums, drives, whole, structure }) = Left::of(record) else { return };
+    let Some(Left { model, pendulums, drives, whole, structure }) = Left::of(record, shapes) else { return };
     let is_tested = whole > POOR_PERCENT && drives > GEOMETRY_PERCENT && structure > STRUCTURE;
     let value = if is_tested { 100.0 * model / pendulums } else { 0.0 };
     let evidence = Evidence {
@@ -82,15 +81,11 @@ struct Left {
 }
 
 impl Left {
-    /// None where the record has too few rows for it.
-    fn of(record: &ThinnedRecord<'_>) -> Option<Self> {
+    /// None where the columns of a joint's own motion depend on one another.
+    fn of(record: &ThinnedRecord<'_>, shapes: &Matrix) -> Option<Self> {
         let joints = 0..record.coordinates();
         let rivals = joints.clone().map(|j| own_motion(record, j)).collect::<Option<Vec<_>>>()?;
-        let shapes = friction_shapes(record).ok()?;
-        if !record.has_rows_for(record.parameters() + shapes.columns()) {
-            return None;
-        }
-        let fit = record.fit_beside(&shapes, &vec![false; shapes.rows()]).ok()?;
+        let fit = record.fit_beside(shapes, &vec![false; shapes.rows()]).ok()?;
         let by_own = |columns: usize, j: usize| {
             let own = rivals[j].select_columns(&(0..columns).collect::<Vec<_>>());
             let rows = j * record.rows()..(j + 1) * record.rows();
