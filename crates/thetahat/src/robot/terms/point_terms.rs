@@ -9,19 +9,19 @@ use super::{
 use crate::robot::{Bound, LARGEST};
 
 impl Resolver<'_> {
-    /// The columns of a force between two points; none of another term.
-    pub(super) fn between_points(&self) -> Result<Vec<TermColumn>, TermError> {
-        match self.description {
+    /// The columns of a force between two points; none where the term is another.
+    pub(super) fn between_points(&self) -> Result<Option<Vec<TermColumn>>, TermError> {
+        let columns = match self.description {
             TermDescription::Spring { name, from, to, free_length_m } => {
                 let ends = self.ends(name, [from, to])?;
                 let stiffness = |length| self.force(&ends, "k", STIFFNESS, Cylinder::Linear { length });
-                Ok(match free_length_m {
+                match free_length_m {
                     Some(length) => vec![stiffness(self.length("free_length_m", *length)?)],
                     None => {
                         let preload = Meaning { bound: Bound::Free, ..FORCE };
                         vec![stiffness(0.0), self.force(&ends, "p", preload, Cylinder::Constant(-1.0))]
                     }
-                })
+                }
             }
             TermDescription::GasSpring { name, from, to, extended_length_m } => {
                 let ends = self.ends(name, [from, to])?;
@@ -30,7 +30,7 @@ impl Resolver<'_> {
                     let length = self.length("extended_length_m", *length)?;
                     columns.push(self.force(&ends, "k", STIFFNESS, Cylinder::Linear { length }));
                 }
-                Ok(columns)
+                columns
             }
             TermDescription::Hydraulic { name, from, to, direction, length_m, gas_length_m, exponent } => {
                 let ends = self.ends(name, [from, to])?;
@@ -42,11 +42,11 @@ impl Resolver<'_> {
                 };
                 let Some(exponent) = *exponent else {
                     let force = self.force(&ends, "f", FORCE, Cylinder::Constant(sign));
-                    return Ok(vec![force, self.force(&ends, "k", STIFFNESS, Cylinder::Linear { length })]);
+                    return Ok(Some(vec![force, self.force(&ends, "k", STIFFNESS, Cylinder::Linear { length })]));
                 };
                 self.require((0.5..=3.0).contains(&exponent), "exponent", "from 0.5 to 3, such as 1.2", exponent)?;
                 let gas = Cylinder::Gas { sign, length, gas_length, exponent };
-                Ok(vec![self.force(&ends, "f", FORCE, gas)])
+                vec![self.force(&ends, "f", FORCE, gas)]
             }
             TermDescription::JointSpring { .. }
             | TermDescription::ExponentialStribeck { .. }
@@ -57,8 +57,9 @@ impl Resolver<'_> {
             | TermDescription::ChannelCoulomb { .. }
             | TermDescription::ChannelViscous { .. }
             | TermDescription::MotorHarmonics { .. }
-            | TermDescription::Expression { .. } => Ok(Vec::new()),
-        }
+            | TermDescription::Expression { .. } => return Ok(None),
+        };
+        Ok(Some(columns))
     }
 
     fn ends(&self, name: &str, ends: [&PointDescription; 2]) -> Result<Ends, TermError> {

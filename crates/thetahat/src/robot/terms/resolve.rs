@@ -42,20 +42,9 @@ impl Robot {
 
 impl Resolver<'_> {
     fn columns(&self) -> Result<Vec<TermColumn>, TermError> {
-        let columns = match self.description {
-            TermDescription::Spring { .. } | TermDescription::GasSpring { .. } | TermDescription::Hydraulic { .. } => {
-                self.between_points()?
-            }
-            TermDescription::JointSpring { .. }
-            | TermDescription::ExponentialStribeck { .. }
-            | TermDescription::Stribeck { .. }
-            | TermDescription::PolynomialViscous { .. }
-            | TermDescription::AsymmetricViscous { .. }
-            | TermDescription::LoadFriction { .. }
-            | TermDescription::ChannelCoulomb { .. }
-            | TermDescription::ChannelViscous { .. }
-            | TermDescription::MotorHarmonics { .. }
-            | TermDescription::Expression { .. } => {
+        let columns = match self.between_points()? {
+            Some(columns) => columns,
+            None => {
                 let of_joints = self.joints()?.into_iter().map(|j| self.of_joint(j)).collect::<Result<Vec<_>, _>>()?;
                 of_joints.concat()
             }
