@@ -2,7 +2,7 @@
 
 use super::{column_source::ColumnSource, profile::Projection};
 use crate::{
-    identification::idim_ls,
+    identification::JointWeights,
     linear_algebra::Matrix,
     preparation::{Case, FilteredRecording, PreparationError, Setup},
     results::ProfiledTerm,
@@ -25,11 +25,11 @@ pub(super) fn with_profiled_terms(
     }
     let problem = setup.problem(&Case::nominal(), recordings)?;
     let regression = problem.all_columns();
-    let Ok(fit) = idim_ls(regression, Default::default()) else { return Ok(None) };
     let of_recordings: Vec<f64> = recordings.iter().map(|r| r.recording.weight).collect();
-    let of_joints = regression.joint_weights(&fit.prediction);
-    let weights =
-        regression.row_weights(&of_recordings, Some(&of_joints)).unwrap_or_else(|| vec![1.0; regression.y.len()]);
+    let Ok(of_joints) = JointWeights::of(regression, &of_recordings) else { return Ok(None) };
+    let weights = regression
+        .row_weights(&of_recordings, Some(&of_joints.weights))
+        .unwrap_or_else(|| vec![1.0; regression.y.len()]);
     let source = ColumnSource { setup, recordings, problem: &problem };
     let table = problem.model.parameter_table();
     let is_profiled = |kept: usize| asked.iter().any(|c| table.get(kept).own_name.as_deref() == Some(&c.parameter));
