@@ -3,7 +3,7 @@
 use super::{
     examination::{Evidence, Examination, Words},
     finding::{Code, Severity},
-    numbers::{NORMAL_PER_MEDIAN, quantile_abs},
+    numbers::{NORMAL_PER_MEDIAN, quantile, quantile_abs},
 };
 use crate::series::Series;
 
@@ -69,12 +69,6 @@ fn largest_step_around(x: &[f64], k: usize, is_far: &dyn Fn(usize) -> bool) -> f
 fn median(mut window: [f64; NEIGHBOURS]) -> f64 {
     window.sort_unstable_by(f64::total_cmp);
     window[NEIGHBOURS / 2]
-}
-
-fn quantile(x: &[f64], part: f64) -> f64 {
-    let mut sorted = x.to_vec();
-    let place = ((sorted.len().saturating_sub(1)) as f64 * part).round() as usize;
-    if sorted.is_empty() { 0.0 } else { *sorted.select_nth_unstable_by(place, f64::total_cmp).1 }
 }
 
 #[cfg(test)]
