@@ -1,30 +1,16 @@
 //! Records with lost samples: estimates within their intervals of the truth, and near those of the whole record.
 
+mod followed_twin;
+
 use std::{f64::consts::TAU, ops::Range};
 
+use followed_twin::{RATE_HZ, controller, record, robot};
 use thetahat::{
-    Identification, Method, Recording, Results, Settings,
-    checks::Code,
-    control::ControllerDescription,
-    dynamics::Model,
-    identification::Status,
-    robot::Robot,
-    series::Series,
-    simulation::{ClosedLoop, Job, OutputGrid, Reference, SampledReference, SimulatorBias, Solver, simulate_all},
+    Identification, Method, Recording, Results, Settings, checks::Code, identification::Status, series::Series,
 };
 
-const RATE_HZ: f64 = 500.0;
 const SECONDS: f64 = 16.0;
 const METHODS: [Method; 3] = [Method::IDIM_LS, Method::IDIM_IV, Method::DIDIM];
-
-fn robot() -> Robot {
-    Robot::read(&thetahat_testing::root().join("robots/two_joint.toml")).unwrap()
-}
-
-fn controller() -> ControllerDescription {
-    toml::from_str("law = 'pd'\nbandwidth_hz = [20]\nvelocity_feed_forward = 1.0\nacceleration_feed_forward = 1.0")
-        .unwrap()
-}
 
 /// A wave that does not repeat, of three sines for each joint.
 fn wave() -> Series {
@@ -35,48 +21,11 @@ fn wave() -> Series {
     Series::from_values(2, time.flat_map(|t| [of(t, 0.0), of(t, 1.0)]).collect())
 }
 
-/// White noise from a linear congruential generator, the sum of four uniform numbers.
-fn noise(count: usize, deviation: f64) -> Vec<f64> {
-    let mut state = 7_u64;
-    let mut uniform = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-    };
-    (0..count).map(|_| 3_f64.sqrt() * deviation * (uniform() + uniform() + uniform() + uniform())).collect()
-}
-
-/// Positions and torques of a twin that follows a reference.
-fn record(reference: &Series) -> (Series, Series) {
-    let robot = robot();
-    let (model, controller, theta) = (Model::new(&robot), controller(), robot.a_priori_parameters());
-    let followed = Reference::Sampled(SampledReference::new(reference.clone(), RATE_HZ));
-    let closed_loop = ClosedLoop {
-        model: &model,
-        transmission: &robot.transmission,
-        controller: &controller,
-        reference: &followed,
-        added_signal: None,
-        channels: None,
-        bias: SimulatorBias::NONE,
-        solver: Solver::Adaptive { relative_tolerance: 1e-6, absolute_tolerance: 1e-9 },
-        sign_velocity_scale: 0.05,
-    };
-    let motor_inertia = closed_loop.motor_inertia(&theta, 5.0);
-    let grid = OutputGrid { start_s: 0.0, sample_rate_hz: RATE_HZ, samples: reference.len() };
-    let motion =
-        simulate_all(&[Job { closed_loop, theta: &theta, motor_inertia: &motor_inertia, grid }]).remove(0).unwrap();
-    let noisy = |series: &Series, deviation: f64| {
-        let noise = noise(series.values().len(), deviation);
-        let values = series.values().iter().zip(noise).map(|(v, e)| v + e).collect();
-        Series::from_values(series.channels(), values)
-    };
-    (noisy(&motion.q, 1e-5), noisy(&motion.tau, 0.05))
-}
-
 /// The record with its reference, without the samples of some ranges.
 fn without(lost: &[Range<usize>]) -> Recording {
     let reference = wave();
-    let (q, tau) = record(&reference);
+    let whole = record(&reference, 1e-5);
+    let (q, tau) = (whole.position, whole.torque.unwrap());
     let kept: Vec<usize> = (0..q.len()).filter(|k| !lost.iter().any(|range| range.contains(k))).collect();
     let take = |series: &Series| {
         Series::from_values(series.channels(), kept.iter().flat_map(|&k| series.sample(k)).copied().collect())
@@ -84,7 +33,7 @@ fn without(lost: &[Range<usize>]) -> Recording {
     let time: Vec<f64> = kept.iter().map(|&k| k as f64 / RATE_HZ).collect();
     let with_reference = Recording::at_times(time.clone(), take(&reference), take(&tau)).unwrap().position;
     let recording = Recording::at_times(time, take(&q), take(&tau)).unwrap();
-    Recording { truth: Some(robot().a_priori_parameters()), ..recording.with_reference(with_reference) }
+    Recording { truth: whole.truth, ..recording.with_reference(with_reference) }
 }
 
 fn identify(recording: Recording) -> Results {
