@@ -17,7 +17,7 @@ use thetahat::{
     results::{Results, RunResult},
     robot::Robot,
     series::Series,
-    signal::{band_pass, smooth},
+    signal::{Derivative, band_pass, smooth},
     simulation::{ClosedLoop, Job, OutputGrid, Reference, SampledReference, SimulatorBias, Solver, simulate_all},
 };
 
@@ -155,7 +155,7 @@ impl<'a> Study<'a> {
 
     fn identify(&self, record: Recording, way: Follows) -> Result<Results, Box<dyn Error>> {
         let order = self.settings.signal.filter_order;
-        let filtered = band_pass(&record.position, RATE_HZ, order, CUTOFF_HZ)?.q;
+        let filtered = band_pass(&record.position, RATE_HZ, order, CUTOFF_HZ, Derivative::Central)?.q;
         let edge = (5.0 * RATE_HZ / CUTOFF_HZ) as usize;
         let window = edge..record.position.len() - edge;
         let reference = match way {

@@ -4,6 +4,8 @@
 
 #[path = "../examples/coverage/noise.rs"]
 mod noise;
+#[path = "../examples/coverage/stage.rs"]
+mod stage;
 #[path = "../examples/coverage/tally.rs"]
 mod tally;
 #[path = "../examples/coverage/trial.rs"]
@@ -12,8 +14,10 @@ mod trial;
 mod twin;
 
 use noise::{Colour, Level, Noise};
+use stage::Stage;
 use tally::{INTERVAL, Tally, run_seeds};
-use trial::{ASSUMED, Scope, Trials};
+use thetahat::Method;
+use trial::{ASSUMED, Estimate, Outcome, Scope, Trials, place};
 use twin::Twin;
 
 const SEEDS: u64 = 60;
@@ -26,15 +30,22 @@ const STANDARD_ERRORS: f64 = 2.0;
 fn check(twin: &Twin, measured_every: u64) {
     for colour in Colour::ALL {
         let noise = Noise { level: Level::High, colour };
-        let trials = Trials::new(twin, noise, Scope { measured_every, simulated_every: None }).unwrap();
-        let outcomes = run_seeds(&trials, SEEDS, 2).unwrap();
-        for (m, method) in ASSUMED.into_iter().enumerate() {
-            let tally = Tally::new(outcomes.iter().map(|o| o.0[m].as_ref())).unwrap();
+        let scope = Scope { measured_every, stages: &[Stage::Derivative], simulated_every: None };
+        let outcomes = run_seeds(&Trials::new(twin, noise, scope).unwrap(), SEEDS, 2).unwrap();
+        let holds = |method: &str, of: &dyn Fn(&Outcome) -> Option<&Estimate>| {
+            let tally = Tally::new(outcomes.iter().map(of)).unwrap();
             let (found, error) = (tally.pooled(INTERVAL), tally.pooled_error(INTERVAL));
             let what = format!("{} {} {method}: {found:.3} ± {error:.3}", twin.name, colour.name());
+            println!("{what}");
             assert!((found - 0.95).abs() < TOLERANCE + STANDARD_ERRORS * error, "{what}");
             // Correlated rows are what the classical intervals do not know of.
             assert!(colour == Colour::White || tally.pooled(0) < 0.85, "{what}: classical {}", tally.pooled(0));
+        };
+        for (m, method) in ASSUMED.into_iter().enumerate() {
+            holds(method, &|o| o.assumed[m].as_ref());
+        }
+        for method in [Method::IDIM_LS, Method::IDIM_IV] {
+            holds(&format!("{method} through the filters"), &|o| o.chain[place(method, Stage::Derivative)].as_ref());
         }
     }
 }
@@ -53,6 +64,7 @@ fn intervals_of_emps_hold_the_truth() {
 fn the_number_of_threads_changes_nothing() {
     let twin = Twin::emps().unwrap();
     let noise = Noise { level: Level::Low, colour: Colour::Coloured };
-    let trials = Trials::new(&twin, noise, Scope { measured_every: 2, simulated_every: None }).unwrap();
+    let trials =
+        Trials::new(&twin, noise, Scope { measured_every: 2, stages: &Stage::ALL, simulated_every: None }).unwrap();
     assert_eq!(run_seeds(&trials, 7, 1).unwrap(), run_seeds(&trials, 7, 3).unwrap());
 }

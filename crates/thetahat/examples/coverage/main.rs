@@ -2,10 +2,11 @@
 //!
 //! `cargo run --release -p thetahat --example coverage -- [--seeds 500] [--threads 2]`
 //!
-//! Two twins, two levels of noise, white and coloured. First the methods where their assumptions hold, then the same
-//! through the program's filters.
+//! Two twins, two levels of noise, white and coloured. First the methods where their assumptions hold, then the same through
+//! what the program does with a record, step by step.
 
 mod noise;
+mod stage;
 mod tally;
 mod trial;
 mod twin;
@@ -13,8 +14,10 @@ mod twin;
 use std::{error::Error, time::Instant};
 
 use noise::{Colour, Level, Noise};
+use stage::Stage;
 use tally::{INTERVAL, Tally, run_seeds};
-use trial::{ASSUMED, CHAIN, Estimate, KINDS, Outcome, Scope, Trials};
+use thetahat::Method;
+use trial::{ASSUMED, DIDIM, Estimate, KINDS, Outcome, Scope, Trials, place};
 use twin::Twin;
 
 /// DIDIM is iterated over the simulator on one seed of so many: TX40, EMPS.
@@ -24,7 +27,8 @@ struct Condition<'a> {
     twin: &'a Twin,
     noise: Noise,
     outcomes: Vec<Outcome>,
-    noise_free: [[Vec<f64>; 2]; 2],
+    noise_free: [[Vec<f64>; 2]; 4],
+    bound: Vec<f64>,
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -36,15 +40,25 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (twin, every) in twins.iter().zip(SIMULATED_EVERY) {
         for (level, colour) in Level::ALL.into_iter().flat_map(|l| Colour::ALL.map(|c| (l, c))) {
             let noise = Noise { level, colour };
-            let trials = Trials::new(twin, noise, Scope { measured_every: 1, simulated_every: Some(every) })?;
+            let scope = Scope { measured_every: 1, stages: &Stage::ALL, simulated_every: Some(every) };
+            let trials = Trials::new(twin, noise, scope)?;
             let outcomes = run_seeds(&trials, seeds, threads as usize)?;
-            conditions.push(Condition { twin, noise, outcomes, noise_free: trials.noise_free()? });
+            let (noise_free, bound) = (trials.noise_free()?, trials.bound());
+            conditions.push(Condition { twin, noise, outcomes, noise_free, bound });
             eprintln!("{} {} {}: {:.0} s", twin.name, level.name(), colour.name(), started.elapsed().as_secs_f64());
         }
     }
-    pooled("Where the assumptions hold", &conditions, &ASSUMED, |o| &o.0);
-    pooled("Through the program's filters", &conditions, &CHAIN, |o| &o.1);
-    conditions.iter().filter(|c| c.noise.colour == Colour::White).for_each(each_parameter);
+    println!("\n### Where the assumptions hold\n");
+    heading();
+    for condition in &conditions {
+        (0..ASSUMED.len()).for_each(|m| condition.row(ASSUMED[m], |o| o.assumed[m].as_ref()));
+    }
+    println!("\n### Through the program's filters\n");
+    heading();
+    for condition in &conditions {
+        condition.rows_of_chain();
+    }
+    conditions.iter().filter(|c| c.noise.colour == Colour::White).for_each(Condition::each_parameter);
     Ok(())
 }
 
@@ -60,53 +74,62 @@ fn percent(part: f64) -> String {
     format!("{:.1}", 100.0 * part)
 }
 
-fn pooled(title: &str, conditions: &[Condition<'_>], methods: &[&str], of: fn(&Outcome) -> &[Option<Estimate>]) {
-    println!("\n### {title}\n");
-    println!("| twin | noise | method | seeds | {} | one parameter | largest bias, sd |", KINDS.join(" | "));
-    println!("| --- | --- | --- | --- |{} --- | --- |", " --- |".repeat(KINDS.len()));
-    for Condition { twin, noise, outcomes, .. } in conditions {
-        for (m, method) in methods.iter().enumerate() {
-            let Some(tally) = Tally::new(outcomes.iter().map(|o| of(o)[m].as_ref())) else { continue };
-            let kinds: Vec<String> = (0..KINDS.len()).map(|kind| percent(tally.pooled(kind))).collect();
-            let (least, most) = tally.extremes(INTERVAL);
-            println!(
-                "| {} | {}, {} | {method} | {} | {} ± {} | {} to {} | {:.2} |",
-                twin.name,
-                noise.level.name(),
-                noise.colour.name(),
-                tally.seeds(),
-                kinds.join(" | "),
-                percent(tally.pooled_error(INTERVAL)),
-                percent(least),
-                percent(most),
-                tally.largest_bias(),
-            );
-        }
-    }
+fn heading() {
+    let kinds = KINDS.join(" | ");
+    println!("| twin | noise | method | seeds | {kinds} | one parameter | largest bias, sd | error over bound |");
+    println!("| --- | --- | --- | --- |{} --- | --- | --- |", " --- |".repeat(KINDS.len()));
 }
 
-/// Bias and coverage of each shown parameter through the filters.
-fn each_parameter(condition: &Condition<'_>) {
-    let Condition { twin, noise, outcomes, noise_free } = condition;
-    let tallies = [0, 1, 2, 3].map(|m| Tally::new(outcomes.iter().map(|o| o.1[m].as_ref())));
-    println!(
-        "\n### {}, {} {} noise, through the program's filters\n",
-        twin.name,
-        noise.level.name(),
-        noise.colour.name()
-    );
-    println!(
-        "| parameter | truth | LS: filters | sign | cover % | noise | cover % | IV: filters | sign | noise | cover % | DIDIM: noise | cover % |"
-    );
-    println!("| --- |{}", " --- |".repeat(12));
-    for (i, p) in twin.base.parameters().iter().enumerate().filter(|(_, p)| twin.shown(&p.name)) {
-        let cover = |m: usize| tallies[m].as_ref().map_or("-".to_owned(), |t| percent(t.coverage(INTERVAL, i)));
-        // Biases in standard deviations of the method's estimates.
-        let deviation = |m: usize| tallies[m].as_ref().map_or(f64::NAN, |t| t.bias_and_deviation(i).1);
-        let bias = |m: usize| tallies[m].as_ref().map_or(f64::NAN, |t| t.bias_and_deviation(i).0 / deviation(m));
-        let free = |stage: usize, m: usize| noise_free[stage][m][i] / deviation(m);
-        let ls = format!("{:+.2} | {:+.2} | {} | {:+.2} | {}", free(0, 0), free(1, 0), cover(3), bias(0), cover(0));
-        let iv = format!("{:+.2} | {:+.2} | {:+.2} | {}", free(0, 1), free(1, 1), bias(1), cover(1));
-        println!("| {} | {} | {ls} | {iv} | {:+.2} | {} |", p.name, twin.theta[i], bias(2), cover(2));
+impl Condition<'_> {
+    /// One line: how often the intervals of each kind contain the true values.
+    fn row(&self, method: &str, of: impl Fn(&Outcome) -> Option<&Estimate>) {
+        let Some(tally) = Tally::new(self.outcomes.iter().map(of)) else { return };
+        let kinds: Vec<String> = (0..KINDS.len()).map(|kind| percent(tally.pooled(kind))).collect();
+        let (least, most) = tally.extremes(INTERVAL);
+        println!(
+            "| {} | {}, {} | {method} | {} | {} ± {} | {} to {} | {:.2} | {:.2} |",
+            self.twin.name,
+            self.noise.level.name(),
+            self.noise.colour.name(),
+            tally.seeds(),
+            kinds.join(" | "),
+            percent(tally.pooled_error(INTERVAL)),
+            percent(least),
+            percent(most),
+            tally.largest_bias(),
+            tally.over_bound(&self.bound),
+        );
+    }
+
+    fn rows_of_chain(&self) {
+        for (method, name) in [(Method::IDIM_LS, "IDIM-LS"), (Method::IDIM_IV, "IDIM-IV")] {
+            for stage in Stage::ALL {
+                self.row(&format!("{name} {}", stage.name()), |o| o.chain[place(method, stage)].as_ref());
+            }
+        }
+        self.row("DIDIM", |o| o.chain[DIDIM].as_ref());
+    }
+
+    /// Bias of each shown parameter at every stage, and its coverage behind the last.
+    fn each_parameter(&self) {
+        let of = |place: usize| Tally::new(self.outcomes.iter().map(|o| o.chain[place].as_ref()));
+        let methods = [Method::IDIM_LS, Method::IDIM_IV].map(|m| of(place(m, Stage::Derivative)));
+        println!("\n### {}, {} {} noise\n", self.twin.name, self.noise.level.name(), self.noise.colour.name());
+        println!(
+            "| parameter | truth | LS: as recorded | + hold | + mask | + derivative | + noise | cover % | \
+             IV: as recorded | + hold | + mask | + derivative | + noise | cover % |"
+        );
+        println!("| --- |{}", " --- |".repeat(13));
+        for (i, p) in self.twin.base.parameters().iter().enumerate().filter(|(_, p)| self.twin.shown(&p.name)) {
+            let of_method = |(m, tally): (usize, &Option<Tally<'_>>)| {
+                let Some(tally) = tally else { return "-".to_owned() };
+                let (bias, deviation) = tally.bias_and_deviation(i);
+                let free =
+                    self.noise_free.each_ref().map(|stage| format!("{:+.2}", stage[m][i] / deviation)).join(" | ");
+                format!("{free} | {:+.2} | {}", bias / deviation, percent(tally.coverage(INTERVAL, i)))
+            };
+            let cells: Vec<String> = methods.iter().enumerate().map(of_method).collect();
+            println!("| {} | {} | {} |", p.name, self.twin.theta[i], cells.join(" | "));
+        }
     }
 }

@@ -88,6 +88,15 @@ impl<'a> Tally<'a> {
         all.fold((1.0, 0.0), |(low, high), c| (c.min(low), c.max(high)))
     }
 
+    /// Root mean square, over the parameters, of the rms error over a bound.
+    pub fn over_bound(&self, bound: &[f64]) -> f64 {
+        let squares = |i: usize| {
+            let (bias, deviation) = self.bias_and_deviation(i);
+            (bias * bias + deviation * deviation) / (bound[i] * bound[i])
+        };
+        ((0..self.parameters).map(squares).sum::<f64>() / self.parameters as f64).sqrt()
+    }
+
     /// Largest bias of a parameter in standard deviations of its estimates.
     pub fn largest_bias(&self) -> f64 {
         let ratio = |i| {

@@ -1,15 +1,16 @@
 //! One seed in one condition: estimates and their standard deviations by every method.
 
-use std::error::Error;
+use std::{error::Error, sync::Arc};
 
 use thetahat::{
-    identification::{Design, Divisor, Fit, Method, Uncertainty, idim_iv, idim_ls, uncertainty},
+    dynamics::Sign,
+    identification::{Design, Divisor, Fit, Method, RowMask, Uncertainty, idim_iv, idim_ls, uncertainty},
     linear_algebra::Matrix,
     regression::Regression,
     statistics::Sandwich,
 };
 
-use super::{noise::Noise, twin::Twin};
+use super::{noise::Noise, stage::Stage, twin::Twin};
 
 /// Two-sided 95 % of the normal distribution, for the covariances without degrees of freedom of their own.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
@@ -98,18 +99,31 @@ pub fn as_the_program(
 
 /// The methods where their assumptions hold, in the order of [`ASSUMED`].
 pub const ASSUMED: [&str; 3] = ["IDIM-LS, exact X", "IDIM-IV, noise-free Z", "DIDIM, exact simulator"];
-/// The methods through the program's filters, in the order in which [`Trials::run`] gives them.
-pub const CHAIN: [&str; 4] = ["IDIM-LS", "IDIM-IV", "DIDIM", "IDIM-LS, noise-free positions"];
+/// Methods through the chain: LS and IV at every stage, then DIDIM at the last.
+pub const CHAIN: usize = 2 * Stage::ALL.len() + 1;
+/// The place of DIDIM in the chain.
+pub const DIDIM: usize = CHAIN - 1;
+
+/// The place of LS or IV at a stage in the chain.
+pub fn place(method: Method, stage: Stage) -> usize {
+    stage as usize + if method == Method::IDIM_IV { Stage::ALL.len() } else { 0 }
+}
 
 /// What a seed gives: with the assumptions, and through the chain; none where it was not run.
-pub type Outcome = ([Option<Estimate>; 3], [Option<Estimate>; 4]);
+#[derive(Debug, Default, PartialEq)]
+pub struct Outcome {
+    pub assumed: [Option<Estimate>; 3],
+    pub chain: [Option<Estimate>; CHAIN],
+}
 
-/// Which methods are run.
+/// What is run.
 #[derive(Debug, Clone, Copy)]
 pub struct Scope {
-    /// IV with errors in X, and LS and IV through the filters, on one seed of so many.
+    /// IV with errors in X, and LS and IV through the chain, on one seed of so many.
     pub measured_every: u64,
-    /// DIDIM with simulations, on one seed of so many; none for not at all.
+    /// The stages of the chain.
+    pub stages: &'static [Stage],
+    /// DIDIM with simulations, behind the last stage, on one seed of so many; none for not at all.
     pub simulated_every: Option<u64>,
 }
 
@@ -142,57 +156,70 @@ impl<'a> Trials<'a> {
     pub fn run(&self, seed: u64) -> Result<Outcome, Box<dyn Error>> {
         let twin = self.twin;
         let mut generator = self.noise.generator(seed);
-        let e = twin.decimate(&self.noise.torque(twin, &mut generator))?;
-        let mut assumed = [Some(self.unweighted.estimate(&e)?), None, Some(self.weighted.estimate(&e)?)];
-        let y = plus(&twin.y_true, &e);
-        let mut chain = [None, None, None, Some(self.ls(&twin.x_filtered, &y)?)];
-        if seed.is_multiple_of(self.scope.measured_every) {
-            let positions = self.noise.positions(twin, &mut generator);
-            assumed[1] = Some(self.iv(&twin.matrix_with_errors(&positions)?, &y)?);
-            let x = twin.measured_matrix(&positions)?;
-            chain[0] = Some(self.ls(&x, &y)?);
-            chain[1] = Some(self.iv(&x, &y)?);
+        let noise = self.noise.torque(twin, &mut generator);
+        let e = twin.decimate(&noise)?;
+        let mut outcome = Outcome::default();
+        outcome.assumed[0] = Some(self.unweighted.estimate(&e)?);
+        outcome.assumed[2] = Some(self.weighted.estimate(&e)?);
+        if !seed.is_multiple_of(self.scope.measured_every) {
+            return Ok(outcome);
         }
-        if self.scope.simulated_every.is_some_and(|n| seed.is_multiple_of(n)) {
-            chain[2] = self.didim(&y)?;
+        let positions = self.noise.positions(twin, &mut generator);
+        let y: Vec<f64> = twin.y_true.iter().zip(&e).map(|(y, e)| y + e).collect();
+        let with_errors = twin.regression(&twin.matrix_with_errors(&positions)?, &y);
+        outcome.assumed[1] = Some(self.iv(&with_errors, &twin.x_true)?);
+        let torque = twin.torque_with(&noise);
+        for &stage in self.scope.stages {
+            let measured = stage.measured(twin, &positions)?;
+            let z = measured.instruments()?;
+            let regression = measured.regression(measured.matrix(Sign::Exact)?, &torque)?;
+            outcome.chain[place(Method::IDIM_LS, stage)] = Some(self.ls(&regression)?);
+            outcome.chain[place(Method::IDIM_IV, stage)] = Some(self.iv(&regression, &z)?);
+            let simulated = self.scope.simulated_every.is_some_and(|every| seed.is_multiple_of(every));
+            if stage == Stage::Derivative && simulated {
+                let weighted = regression.with_weights(Some(self.weights.clone()));
+                outcome.chain[DIDIM] = self.didim(&weighted, measured.mask.as_ref())?;
+            }
         }
-        Ok((assumed, chain))
+        Ok(outcome)
     }
 
-    fn ls(&self, x: &Matrix, y: &[f64]) -> Result<Estimate, Box<dyn Error>> {
-        let regression = self.twin.regression(x, y);
-        let fit = idim_ls(&regression, Divisor::default())?;
-        as_the_program(self.twin, Method::IDIM_LS, &regression, None, &fit)
+    fn ls(&self, regression: &Regression) -> Result<Estimate, Box<dyn Error>> {
+        let fit = idim_ls(regression, Divisor::default())?;
+        as_the_program(self.twin, Method::IDIM_LS, regression, None, &fit)
     }
 
-    fn iv(&self, x: &Matrix, y: &[f64]) -> Result<Estimate, Box<dyn Error>> {
-        let (regression, z) = (self.twin.regression(x, y), &self.twin.x_true);
-        let fit = idim_iv(&regression, z, Divisor::default())?;
-        as_the_program(self.twin, Method::IDIM_IV, &regression, Some(z), &fit)
+    fn iv(&self, regression: &Regression, z: &Matrix) -> Result<Estimate, Box<dyn Error>> {
+        let fit = idim_iv(regression, z, Divisor::default())?;
+        as_the_program(self.twin, Method::IDIM_IV, regression, Some(z), &fit)
     }
 
     /// None where the iteration does not converge.
-    fn didim(&self, y: &[f64]) -> Result<Option<Estimate>, Box<dyn Error>> {
-        let regression = self.twin.regression(&self.twin.x_true, y).with_weights(Some(self.weights.clone()));
-        let outcome = self.twin.iterate_didim(&regression);
+    fn didim(&self, regression: &Regression, mask: Option<&Arc<RowMask>>) -> Result<Option<Estimate>, Box<dyn Error>> {
+        let outcome = self.twin.iterate_didim(regression, mask);
         let (Some(fit), Some(z)) = (outcome.fit, outcome.instruments) else { return Ok(None) };
-        as_the_program(self.twin, Method::DIDIM, &regression, Some(&z), &fit).map(Some)
+        as_the_program(self.twin, Method::DIDIM, regression, Some(&z), &fit).map(Some)
     }
 
-    /// What noise-free positions give less the truth, with LS and with IV: first by the filters alone, then with the sign
-    /// of the velocity in place of the smooth one of the simulated friction.
-    pub fn noise_free(&self) -> Result<[[Vec<f64>; 2]; 2], Box<dyn Error>> {
+    /// What noise-free positions and torques give less the truth at each stage, with LS and with IV.
+    pub fn noise_free(&self) -> Result<[[Vec<f64>; 2]; 4], Box<dyn Error>> {
         let twin = self.twin;
-        let of = |x: &Matrix| -> Result<_, Box<dyn Error>> {
-            let regression = twin.regression(x, &twin.y_true);
+        let mut of_stages: [[Vec<f64>; 2]; 4] = Default::default();
+        for stage in Stage::ALL {
+            let measured = stage.measured(twin, &twin.motion.q)?;
+            let regression = measured.regression(measured.matrix(Sign::Exact)?, &twin.motion.tau)?;
             let ls = idim_ls(&regression, Divisor::default())?;
-            let iv = idim_iv(&regression, &twin.x_true, Divisor::default())?;
-            Ok([ls, iv].map(|fit| fit.theta.iter().zip(&twin.theta).map(|(found, exact)| found - exact).collect()))
-        };
-        Ok([of(&twin.x_smooth)?, of(&twin.x_filtered)?])
+            let iv = idim_iv(&regression, &measured.instruments()?, Divisor::default())?;
+            let error = |fit: Fit| fit.theta.iter().zip(&twin.theta).map(|(found, exact)| found - exact).collect();
+            of_stages[stage as usize] = [ls, iv].map(error);
+        }
+        Ok(of_stages)
     }
-}
 
-fn plus(a: &[f64], b: &[f64]) -> Vec<f64> {
-    a.iter().zip(b).map(|(a, b)| a + b).collect()
+    /// The bound of Cramer and Rao for white noise of the torques: the deviations of weighted least squares on the true motion
+    /// with all samples, whose number is that of the rows times the decimation.
+    pub fn bound(&self) -> Vec<f64> {
+        let decimation = self.twin.experiment.settings.signal.decimation as f64;
+        self.weighted.inverse_gram.iter().map(|g| (g / decimation).sqrt()).collect()
+    }
 }

@@ -1,16 +1,18 @@
 //! A robot with known parameters: its true motion, what the program makes of it, and what an exact simulator gives.
 
-use std::{error::Error, ops::Range, path::Path};
+use std::{error::Error, ops::Range, path::Path, sync::Arc};
+
+use super::stage::Stage;
 
 use thetahat::{
     base_parameters::BaseParameters,
     dynamics::{Model, Sign},
     experiment::{Experiment, TwinMotion},
-    identification::{Assembly, IterationOptions, Method, Outcome, iterate},
+    identification::{Assembly, IterationOptions, Method, Outcome, RowMask, iterate},
     linear_algebra::Matrix,
     regression::{Regression, RowLayout},
     series::Series,
-    signal::{Decimator, Padding, SecondOrderSections, SignalError, central_difference, moving_samples, zero_phase},
+    signal::{Decimator, SignalError, moving_samples},
     simulation::{ClosedLoop, OutputGrid, Reference, Sensors, SimulatedMotion, SimulationError, SimulatorBias},
     trajectory::Moves,
 };
@@ -31,20 +33,17 @@ pub struct Twin {
     pub motion: SimulatedMotion,
     pub window: Range<usize>,
     pub sample_rate_hz: f64,
+    /// Part of a step for which the controller holds a torque.
+    pub held_part_of_step: f64,
     /// Standard deviation of the white noise on the positions at the high level, rad or m.
     pub position_noise: f64,
     /// X of the true motion: with `theta`, the true torques. It is also Z of an exact simulator.
     pub x_true: Matrix,
-    /// X that the program makes of noise-free positions.
-    pub x_filtered: Matrix,
-    /// The same with the smooth sign of the simulated friction: the filters alone.
-    pub x_smooth: Matrix,
     /// The decimated true torques.
     pub y_true: Vec<f64>,
     reference: Reference,
     inertia: Vec<f64>,
     decimator: Decimator,
-    filter: SecondOrderSections,
 }
 
 impl Twin {
@@ -72,23 +71,24 @@ impl Twin {
             theta: base.from_standard(&parameters),
             window: window.clone(),
             sample_rate_hz: rate,
+            held_part_of_step: experiment
+                .settings
+                .controller
+                .as_ref()
+                .map_or(0.0, |c| (c.sample_time_s * rate).clamp(0.0, 1.0)),
             position_noise,
             x_true: Matrix::zeros(0, 0),
-            x_filtered: Matrix::zeros(0, 0),
-            x_smooth: Matrix::zeros(0, 0),
             y_true: Vec::new(),
             inertia: motor_inertia(&experiment, &model, &moves, &parameters)?,
             reference: Reference::Moves(moves),
             decimator: Decimator::new(signal.decimation, window.len())?,
-            filter: SecondOrderSections::butterworth_lowpass(signal.filter_order, signal.cutoff_hz, rate)?,
             experiment,
             model,
             base,
             motion,
         };
-        twin.x_true = twin.matrix_of(&twin.cut_motion(), twin.smooth_sign())?;
-        twin.x_filtered = twin.measured_matrix(&twin.motion.q)?;
-        twin.x_smooth = twin.filtered_matrix(&twin.motion.q, twin.smooth_sign())?;
+        let [q, dq, ddq] = twin.cut_motion();
+        twin.x_true = twin.assembly(None).observation_matrix(&q, &dq, &ddq, twin.smooth_sign())?;
         twin.y_true = twin.decimate(&twin.motion.tau.window(window))?;
         Ok(twin)
     }
@@ -101,10 +101,14 @@ impl Twin {
         }
     }
 
-    /// The regression of y on a matrix with its rows.
+    /// The regression of y on a matrix with its rows, every sample used.
     pub fn regression(&self, x: &Matrix, y: &[f64]) -> Regression {
-        let layout = RowLayout::new(self.model.coordinate_count(), &[self.decimator.rows()]);
-        Regression::new(x.clone(), y.to_vec(), layout)
+        Regression::new(x.clone(), y.to_vec(), self.layout())
+    }
+
+    /// The rows without a mask.
+    pub fn layout(&self) -> RowLayout {
+        RowLayout::new(self.model.coordinate_count(), &[self.decimator.rows()])
     }
 
     /// Whether the tables show a parameter.
@@ -113,64 +117,66 @@ impl Twin {
         show.is_empty() || show.iter().any(|s| s == name)
     }
 
-    /// Rows of y from torques in the window.
-    pub fn decimate(&self, torque: &Series) -> Result<Vec<f64>, SignalError> {
-        self.assembly().measurement_vector(torque)
+    /// The torques of the whole motion with noise in the window.
+    pub fn torque_with(&self, noise: &Series) -> Series {
+        let mut torque = self.motion.tau.clone();
+        for (k, sample) in self.window.clone().enumerate() {
+            torque.sample_mut(sample).iter_mut().zip(noise.sample(k)).for_each(|(tau, e)| *tau += e);
+        }
+        torque
     }
 
-    /// X as the program makes it of recorded positions.
-    pub fn measured_matrix(&self, positions: &Series) -> Result<Matrix, SignalError> {
-        self.filtered_matrix(positions, Sign::Exact)
+    /// Rows of y from torques in the window, every sample used.
+    pub fn decimate(&self, torque: &Series) -> Result<Vec<f64>, SignalError> {
+        self.assembly(None).measurement_vector(torque)
     }
 
     /// X of the true motion with the errors of recorded positions, and these zero on average: half the difference of what
     /// the filters make of positions with the errors added, and with the errors taken away.
-    pub fn matrix_with_errors(&self, positions: &Series) -> Result<Matrix, SignalError> {
+    pub fn matrix_with_errors(&self, positions: &Series) -> Result<Matrix, Box<dyn Error>> {
         let mut mirrored = self.motion.q.clone();
         mirrored.values_mut().iter_mut().zip(positions.values()).for_each(|(q, p)| *q = 2.0 * *q - p);
-        let [with, without] = [self.measured_matrix(positions)?, self.measured_matrix(&mirrored)?];
+        let plain = |positions: &Series| Stage::Recorded.measured(self, positions)?.matrix(Sign::Exact);
+        let [with, without] = [plain(positions)?, plain(&mirrored)?];
         let entry = |k, i| self.x_true.at(k, i) + 0.5 * (with.at(k, i) - without.at(k, i));
         Ok(Matrix::from_fn(with.rows(), with.columns(), entry))
     }
 
-    fn filtered_matrix(&self, positions: &Series, sign: Sign) -> Result<Matrix, SignalError> {
-        let q = zero_phase(&self.filter, positions, Padding::Matlab)?;
-        let dq = central_difference(&q, self.sample_rate_hz);
-        let ddq = central_difference(&dq, self.sample_rate_hz);
-        let cut = |s: &Series| s.window(self.window.clone());
-        self.matrix_of(&[cut(&q), cut(&dq), cut(&ddq)], sign)
-    }
-
-    /// DIDIM, iterated from the true parameters with an exact simulator.
-    pub fn iterate_didim(&self, regression: &Regression) -> Outcome {
+    /// DIDIM, iterated from the true parameters with an exact simulator, on the rows that a mask leaves.
+    pub fn iterate_didim(&self, regression: &Regression, mask: Option<&Arc<RowMask>>) -> Outcome {
         let options = IterationOptions::default();
-        iterate(Method::DIDIM, regression, options, &self.theta, &mut |theta| self.instruments(theta))
+        iterate(Method::DIDIM, regression, options, &self.theta, &mut |theta| self.instruments(theta, mask))
     }
 
-    fn instruments(&self, theta: &[f64]) -> Result<Matrix, SimulationError> {
+    fn instruments(&self, theta: &[f64], mask: Option<&Arc<RowMask>>) -> Result<Matrix, SimulationError> {
         let rate = self.sample_rate_hz;
         let grid =
             OutputGrid { start_s: self.window.start as f64 / rate, sample_rate_hz: rate, samples: self.window.len() };
         let missing = SimulationError::TooShortToFilter;
         let closed_loop = closed_loop(&self.experiment, &self.model, &self.reference).ok_or(missing.clone())?;
         let m = closed_loop.simulate(&self.base.to_standard(theta), &self.inertia, &grid)?;
-        self.matrix_of(&[m.q, m.dq, m.ddq], self.smooth_sign()).map_err(|_| missing)
+        let assembly = self.assembly(mask.cloned()).of_held_torques(self.held_part_of_step);
+        assembly.observation_matrix(&m.q, &m.dq, &m.ddq, self.smooth_sign()).map_err(|_| missing)
     }
 
-    fn smooth_sign(&self) -> Sign {
+    pub fn smooth_sign(&self) -> Sign {
         Sign::Smooth { scale: self.experiment.settings.simulation.sign_velocity_scale }
     }
 
-    fn cut_motion(&self) -> [Series; 3] {
+    /// The true motion in the window.
+    pub fn cut_motion(&self) -> [Series; 3] {
         [&self.motion.q, &self.motion.dq, &self.motion.ddq].map(|s| s.window(self.window.clone()))
     }
 
-    fn matrix_of(&self, [q, dq, ddq]: &[Series; 3], sign: Sign) -> Result<Matrix, SignalError> {
-        self.assembly().observation_matrix(q, dq, ddq, sign)
+    /// What makes rows of the samples that a mask leaves.
+    pub fn assembly(&self, mask: Option<Arc<RowMask>>) -> Assembly<'_> {
+        Assembly::new(&self.model, &self.base.columns(), self.decimator.clone()).masked(mask)
     }
 
-    fn assembly(&self) -> Assembly<'_> {
-        Assembly::new(&self.model, &self.base.columns(), self.decimator.clone())
+    /// The parts of rows that a mask leaves.
+    pub fn masked_layout(&self, mask: Option<&Arc<RowMask>>) -> Result<RowLayout, SignalError> {
+        let shares = mask.map(|mask| mask.shares(&self.decimator)).transpose()?;
+        Ok(self.layout().with_shares(shares))
     }
 }
 

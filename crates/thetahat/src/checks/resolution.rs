@@ -7,7 +7,10 @@ use super::{
     signals::Signals,
     subject::Subject,
 };
-use crate::{series::Series, signal::band_pass};
+use crate::{
+    series::Series,
+    signal::{Derivative, band_pass},
+};
 
 /// Noise of the acceleration by the position's steps, percent of the acceleration's rms. The clean records have at most
 /// 0.3.
@@ -82,6 +85,8 @@ fn noise_gain(subject: &Subject<'_>, cutoff_hz: f64) -> Option<f64> {
     let half = (PERIODS * subject.sample_rate_hz / cutoff_hz).ceil() as usize + 50;
     let mut impulse = Series::zeros(2 * half + 1, 1);
     impulse.values_mut()[half] = 1.0;
-    let motion = band_pass(&impulse, subject.sample_rate_hz, subject.signal.filter_order, cutoff_hz).ok()?;
+    let motion =
+        band_pass(&impulse, subject.sample_rate_hz, subject.signal.filter_order, cutoff_hz, Derivative::Central)
+            .ok()?;
     Some(crate::linear_algebra::norm(motion.ddq.values()))
 }

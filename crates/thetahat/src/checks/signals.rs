@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     series::Series,
-    signal::{SignalError, band_pass},
+    signal::{Derivative, SignalError, band_pass},
 };
 
 /// Peak velocity in rad/s or m/s below which a coordinate counts as still, as in the choice of the window.
@@ -30,7 +30,7 @@ impl Signals {
         let window = subject.signal.window.clone();
         let raw = subject.position.window(window.clone());
         let order = subject.signal.filter_order;
-        let motion = band_pass(subject.position, subject.sample_rate_hz, order, cutoff_hz)?;
+        let motion = band_pass(subject.position, subject.sample_rate_hz, order, cutoff_hz, Derivative::Central)?;
         let [dq, ddq] = [motion.dq, motion.ddq].map(|s| s.window(window.clone()));
         let coordinates = 0..raw.channels();
         let peak = coordinates.clone().map(|j| quantile_abs(dq.channel(j).into_iter(), 1.0)).collect();

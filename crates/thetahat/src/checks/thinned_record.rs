@@ -16,7 +16,7 @@ use crate::{
     regressor::Regressor,
     robot::Quantity,
     series::Series,
-    signal::{Decimator, Motion, SignalError, band_pass},
+    signal::{Decimator, Derivative, Motion, SignalError, band_pass},
 };
 
 /// Samples per period of the cut-off at which the motion is evaluated.
@@ -104,7 +104,7 @@ impl<'a> ThinnedRecord<'a> {
         let base = subject.all;
         let stride = ((rate / (SAMPLES_PER_PERIOD * cutoff_hz)) as usize).max(window.len().div_ceil(MOST_SAMPLES));
         let stride = stride.clamp(1, factor);
-        let motion = band_pass(subject.position, rate, subject.signal.filter_order, cutoff_hz)?;
+        let motion = band_pass(subject.position, rate, subject.signal.filter_order, cutoff_hz, Derivative::Central)?;
         let first = Decimator::new(stride, window.len())?;
         let samples: Vec<usize> = first.kept().map(|k| k + window.start).collect();
         let motion = motion_at(&motion, &samples);

@@ -8,11 +8,13 @@ use crate::{
 /// The tests of one run's residual.
 pub(crate) fn residual(regression: &Regression, prediction: &[f64]) -> ResidualResult {
     let residual = regression.residual(prediction);
-    let joints = regression.layout.split(&residual);
-    let joint = |(j, blocks): (usize, &Vec<&[f64]>)| joint_residual(j + 1, blocks);
+    let joints = regression.layout.runs(&residual);
+    let shortest = regression.layout.blocks().iter().map(|b| b.rows.len()).min().unwrap_or(0);
+    let joint = |(j, runs): (usize, &Vec<&[f64]>)| joint_residual(j + 1, runs, usual_lags(shortest));
     // A joint that is fitted exactly, as one that is locked and without torque, has no residual to test.
     let is_left = |joint: &JointResidual| joint.rms > 0.0;
-    let whitened = regression.layout.by_joint(&regression.whiten(&residual));
+    let whitened = regression.whiten(&residual);
+    let whitened: Vec<Vec<f64>> = regression.layout.runs(&whitened).iter().map(|runs| runs.concat()).collect();
     let groups: Vec<&[f64]> =
         whitened.iter().map(Vec::as_slice).filter(|joint| joint.iter().any(|r| *r != 0.0)).collect();
     ResidualResult {
@@ -21,14 +23,13 @@ pub(crate) fn residual(regression: &Regression, prediction: &[f64]) -> ResidualR
     }
 }
 
-fn joint_residual(joint: usize, blocks: &[&[f64]]) -> JointResidual {
-    let all = blocks.concat();
-    let shortest = blocks.iter().map(|s| s.len()).min().unwrap_or(0);
+fn joint_residual(joint: usize, runs: &[&[f64]], lags: usize) -> JointResidual {
+    let all = runs.concat();
     JointResidual {
         joint,
         rms: norm(&all) / (all.len().max(1) as f64).sqrt(),
-        autocorrelation: autocorrelation(blocks, 1)[0],
-        whiteness: ljung_box(blocks, usual_lags(shortest)),
+        autocorrelation: autocorrelation(runs, 1)[0],
+        whiteness: ljung_box(runs, lags),
         normality: jarque_bera(&all),
     }
 }

@@ -40,6 +40,7 @@ mod geometry;
 mod inertial;
 mod inverse_dynamics;
 mod jacobian;
+mod jump;
 mod mass_matrix;
 mod model;
 mod motion;
@@ -60,6 +61,7 @@ mod twist;
 mod workspace;
 
 pub use coupled_motor::CoupledMotor;
+pub use jump::Jump;
 pub use model::{DynamicsError, Model};
 pub use parameters::DynamicParameters;
 pub use sign::Sign;

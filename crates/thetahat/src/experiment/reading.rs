@@ -48,6 +48,8 @@ impl Experiment {
         let channels = read_other_channels(description, data, &position)?;
         let clock = read_clock(description, data, &position)?;
         let recording = described(description, number, data, position, &clock);
+        let is_held = description.torque.as_ref().is_some_and(|torque| torque.held);
+        let recording = if is_held { recording.with_held_torque() } else { recording };
         let recording = Recording { torque, velocity, reference, added_signal, channels, ..recording };
         let recording = without_delays(recording.into_equal_steps(&clock), description);
         Ok(match &description.reference_correction {

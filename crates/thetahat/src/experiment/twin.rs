@@ -95,7 +95,9 @@ impl Experiment {
         let (positions, drive_signals) = sensors.record(&twin.motion, &self.robot.transmission);
         let position = self.robot.transmission.joint_positions(&positions);
         let torque = self.robot.transmission.joint_torques(&drive_signals);
-        twin.recording(sample_rate_hz, position, torque)
+        let sample_time_s = self.settings.controller.as_ref().map_or(0.0, |c| c.sample_time_s);
+        let recording = twin.recording(sample_rate_hz, position, torque);
+        Recording { torque_hold_s: sample_time_s.min(1.0 / sample_rate_hz), ..recording }
     }
 
     fn plan(&self, twin: &TwinDescription) -> Result<Moves, ExperimentError> {

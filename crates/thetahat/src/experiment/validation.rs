@@ -68,6 +68,9 @@ impl Experiment {
             let delay = source.delay_s;
             self.require(delay.abs() <= LONGEST_DELAY_S, "[recording] delay_s", "from -60 to 60 s", delay)?;
         }
+        let others = [&recording.velocity, &recording.reference, &recording.added_signal].into_iter().flatten();
+        let held = others.chain([&recording.position]).chain(recording.channels.values()).any(|source| source.held);
+        self.require(!held, "[recording] held", "for the torque alone", held)?;
         if let Some(time) = &recording.time {
             self.require(
                 time.delay_s == 0.0,

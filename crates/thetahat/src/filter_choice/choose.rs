@@ -178,6 +178,7 @@ impl<'a> Study<'a> {
         Ok(Recording {
             gaps: gaps.iter().filter_map(gap).collect(),
             torque: torque.as_ref().map(cut),
+            torque_hold_s: self.recording.torque_hold_s,
             reference: reference.as_ref().map(cut),
             ..Recording::without_torque(*sample_rate_hz, cut(position))
         })
@@ -277,7 +278,7 @@ impl<'a> Study<'a> {
         let options = SimulationOptions::default();
         let near = set.ok().and_then(|set| nearest_to_simulate(set, &problem.base, &r, &all, &options, None).ok());
         let found = problem.base.to_standard(&all);
-        let left = left(&filtered.torque(), &filtered.motion, &problem.model, &found);
+        let left = left(&filtered.centred_torque(), &filtered.motion, &problem.model, &found);
         let standard = near.map_or(found, |fit| fit.standard);
         Ok(Truth { estimated, standard, left, controller: propose_controller(&[&filtered]).description })
     }

@@ -1,10 +1,12 @@
-use super::fit::SimulatedResponse;
+use std::sync::Arc;
+
+use super::{fit::SimulatedResponse, row_mask::RowMask};
 use crate::{
     dynamics::{Model, Sign},
     linear_algebra::Matrix,
     regressor::{BufferedRegressor, Regressor},
     series::Series,
-    signal::{Decimator, SignalError},
+    signal::{CentredHold, Decimator, SignalError},
     simulation::SimulationError,
 };
 
@@ -15,19 +17,35 @@ pub struct Assembly<'a> {
     model: &'a Model,
     regressor: Regressor,
     decimator: Decimator,
+    mask: Option<Arc<RowMask>>,
+    held_part_of_step: f64,
 }
 
 impl<'a> Assembly<'a> {
     /// An assembly of the columns at `indices` of the model's table, for records that `decimator` fits.
     #[must_use]
     pub fn new(model: &'a Model, indices: &[usize], decimator: Decimator) -> Self {
-        Self { model, regressor: Regressor::new(model, indices), decimator }
+        Self { model, regressor: Regressor::new(model, indices), decimator, mask: None, held_part_of_step: 0.0 }
+    }
+
+    /// The same with samples of each joint that are zero in y, X and Z; none takes every sample.
+    #[must_use]
+    pub fn masked(self, mask: Option<Arc<RowMask>>) -> Self {
+        Self { mask, ..self }
     }
 
     /// The same for motions along with which these channels were recorded, as the robot's torque terms take them.
     #[must_use]
     pub fn with_channels(self, channels: Option<Series>) -> Self {
         Self { regressor: self.regressor.with_channels(channels), ..self }
+    }
+
+    /// The same for a simulated motion whose torques hold for a part of a step: its accelerations are those just behind each
+    /// sample, as its torques are. Its rows are centred on the samples as [`centred_hold`](crate::signal::centred_hold)
+    /// centres torques.
+    #[must_use]
+    pub fn of_held_torques(self, part_of_step: f64) -> Self {
+        Self { held_part_of_step: part_of_step, ..self }
     }
 
     /// Rows of each joint.
@@ -47,7 +65,10 @@ impl<'a> Assembly<'a> {
     /// # Errors
     /// [`SignalError`] where the record is too short for the filter.
     pub fn measurement_vector(&self, tau: &Series) -> Result<Vec<f64>, SignalError> {
-        let decimated = self.decimator.decimate(tau)?;
+        let decimated = match &self.mask {
+            None => self.decimator.decimate(tau)?,
+            Some(mask) => self.decimator.decimate(&mask.applied_to(tau))?,
+        };
         Ok((0..tau.channels()).flat_map(|j| decimated.channel(j)).collect())
     }
 
@@ -63,10 +84,17 @@ impl<'a> Assembly<'a> {
     ) -> Result<SimulatedResponse, SimulationError> {
         let (joints, rows) = (self.model.coordinate_count(), self.rows_per_joint());
         let mut failure = None;
-        let decimated = self.decimator.decimate_computed(joints * (1 + parameters), |_, sample| {
+        let [mut centred_values, mut centred_slopes] = [0, 1].map(|_| CentredHold::new(self.held_part_of_step));
+        let decimated = self.decimator.decimate_computed(joints * (1 + parameters), |k, sample| {
             let (values, slopes) = sample.split_at_mut(joints);
             if failure.is_none() {
                 failure = fill(values, slopes).err();
+            }
+            centred_values.pass(values);
+            centred_slopes.pass(slopes);
+            if let Some(mask) = &self.mask {
+                mask.scale(k, values, |joint| joint);
+                mask.scale(k, slopes, |slope| slope / parameters);
             }
         });
         if let Some(failure) = failure {
@@ -86,11 +114,18 @@ impl<'a> Assembly<'a> {
     /// [`SignalError`] where the record is too short for the filter.
     pub fn observation_matrix(&self, q: &Series, dq: &Series, ddq: &Series, sign: Sign) -> Result<Matrix, SignalError> {
         let mut samples = BufferedRegressor::new(&self.regressor, self.model, [q, dq, ddq], sign);
-        let decimated =
-            self.decimator.decimate_computed(self.regressor.entries().len(), |k, phi| samples.write(k, phi))?;
+        let entries = self.regressor.entries();
+        let mut centred = CentredHold::new(self.held_part_of_step);
+        let decimated = self.decimator.decimate_computed(entries.len(), |k, phi| {
+            samples.write(k, phi);
+            centred.pass(phi);
+            if let Some(mask) = &self.mask {
+                mask.scale(k, phi, |entry| entries[entry].joint);
+            }
+        })?;
         let rows = self.rows_per_joint();
         let mut x = Matrix::zeros(rows * self.model.coordinate_count(), self.regressor.columns());
-        for (e, entry) in self.regressor.entries().iter().enumerate() {
+        for (e, entry) in entries.iter().enumerate() {
             let column = &mut x.column_mut(entry.column)[entry.joint * rows..][..rows];
             for (k, value) in column.iter_mut().enumerate() {
                 *value = decimated.sample(k)[e];

@@ -34,6 +34,7 @@ mod joint_weights;
 mod linearised;
 mod outcome;
 mod prediction_error;
+mod row_mask;
 mod steps;
 mod uncertainty;
 
@@ -46,4 +47,5 @@ pub use joint_weights::JointWeights;
 pub use linearised::{Admit, GaussNewtonStep};
 pub use outcome::{Iteration, Outcome, Reason, Status};
 pub use prediction_error::{PredictionErrorEstimation, Wanted};
+pub use row_mask::{NearRest, RowMask};
 pub use uncertainty::{Uncertainty, uncertainty};

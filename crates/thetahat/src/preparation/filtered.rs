@@ -1,15 +1,18 @@
 //! The band-passed motion of a recording, and the window in which it is used.
 
-use std::ops::Range;
+use std::{ops::Range, sync::Arc};
 
-use super::{error::PreparationError, payload::Payload, recording::Recording, settings::SignalOptions, setup::Setup};
+use super::{
+    error::PreparationError, near_rest::near_rest, payload::Payload, recording::Recording, settings::SignalOptions,
+    setup::Setup,
+};
 use crate::{
-    dynamics::{Model, Sign},
-    identification::Assembly,
+    dynamics::{Jump, Model, Sign},
+    identification::{Assembly, NearRest, RowMask},
     linear_algebra::Matrix,
     regressor::Regressor,
     series::Series,
-    signal::{Decimator, Motion, SignalError, moving_samples, spectrum_end_hz},
+    signal::{Decimator, Motion, SignalError, centred_hold, moving_samples, spectrum_end_hz},
 };
 
 /// Part of its peak velocity above which a joint counts as moving.
@@ -38,6 +41,8 @@ pub(crate) struct FilteredRecording {
     pub(crate) window: Range<usize>,
     /// Samples, counted in the window, that make no rows: gaps, and what the position filter made of them.
     pub(crate) left_out: Vec<Range<usize>>,
+    /// What counts as near rest; none where every sample makes rows.
+    pub(crate) near_rest: Option<NearRest>,
     /// The channels that torque terms take, over the whole recording, filtered as the positions are.
     pub(crate) channels: Option<Series>,
 }
@@ -60,9 +65,12 @@ impl Setup<'_> {
         let moving = moving_samples(&dq, MOVING, STILL)?;
         let window = window_of(moving, dq.len(), rate, &options)?;
         let cut = |series: &Series| series.window(window.clone());
+        let scale = self.settings.simulation.sign_velocity_scale;
+        let recorded = [&recording.position, &q].map(cut);
+        let near_rest = near_rest(&options, scale, recorded.each_ref(), rate);
         let motion = Motion { q: cut(&q), dq: cut(&dq), ddq: cut(&ddq) };
         let left_out = left_out(&recording.gaps, &window, rate, options.cutoff_hz);
-        Ok(FilteredRecording { motion, payload_torque, fixed_torque, recording, window, left_out, channels })
+        Ok(FilteredRecording { motion, payload_torque, fixed_torque, recording, window, left_out, near_rest, channels })
     }
 
     /// The torques of the known payload that a recording carries: `phi(q, dq, ddq)` times what it adds to the parameters.
@@ -181,6 +189,12 @@ impl FilteredRecording {
         Ok(Decimator::new(factor, self.window.len())?.leaving_out(&self.left_out))
     }
 
+    /// The samples of its window that are near rest, of a model with these parameters; none where all make rows.
+    pub(crate) fn mask(&self, model: &Model, parameters: &[usize]) -> Option<Arc<RowMask>> {
+        let rule = self.near_rest.as_ref()?;
+        RowMask::near_rest(&Jump::among(model, parameters), &self.motion.dq, rule).map(Arc::new)
+    }
+
     /// The samples of the window that make rows, counted in the window.
     pub(crate) fn used_samples(&self) -> impl Iterator<Item = usize> + '_ {
         let starts = [0].into_iter().chain(self.left_out.iter().map(|gap| gap.end));
@@ -204,6 +218,16 @@ impl FilteredRecording {
     pub(crate) fn torque(&self) -> Series {
         let zeros = || Series::zeros(self.window.len(), self.recording.position.channels());
         self.recording.torque.as_ref().map_or_else(zeros, |torque| torque.window(self.window.clone()))
+    }
+
+    /// The torques that act around each sample of the window: the mean over the step, where recorded torques hold.
+    pub(crate) fn centred_torque(&self) -> Series {
+        let part = self.recording.held_part_of_step();
+        let centred = |torque: &Series| centred_hold(torque, part).window(self.window.clone());
+        match &self.recording.torque {
+            Some(torque) if part > 0.0 => centred(torque),
+            Some(_) | None => self.torque(),
+        }
     }
 
     /// Where the torques end, if they were low-passed before they were recorded, Hz.

@@ -18,6 +18,7 @@ mod consistent_set;
 mod error;
 mod filtered;
 mod loop_parameters;
+mod near_rest;
 mod payload;
 mod physical;
 mod problem;
@@ -35,6 +36,7 @@ pub use error::PreparationError;
 pub(crate) use filtered::{FilteredRecording, MOVING, STILL, window_of};
 pub use loop_parameters::LoopParameter;
 pub(crate) use loop_parameters::{LoopParameters, LoopParts};
+pub use near_rest::near_rest;
 pub use payload::{Payload, PayloadFrame};
 pub(crate) use physical::known_in_words;
 pub use physical::{Axis, KnownQuantity, PriorKind, PriorOptions, PriorWeight, ValueOrRange, WeightRule};
@@ -44,8 +46,8 @@ pub use recording::Recording;
 pub(crate) use reference::RecordedReference;
 pub use reference_correction::ReferenceCorrection;
 pub use settings::{
-    Case, EstimationOptions, Gains, NamedChoice, ParameterChoice, ParameterSelection, Settings, SignalOptions,
-    SimulationOptions, Start,
+    Case, EstimationOptions, Gains, Mask, NamedChoice, NamedMask, ParameterChoice, ParameterSelection, Settings,
+    SignalOptions, SimulationOptions, Start, StatedMask,
 };
 pub(crate) use setup::{Basis, Setup};
 pub(crate) use simulable::Simulable;

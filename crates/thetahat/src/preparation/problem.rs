@@ -1,6 +1,6 @@
 //! The regression problem of one friction model over all recordings: base parameters, decimation, y and X.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use super::{
     error::PreparationError,
@@ -13,11 +13,11 @@ use crate::{
     base_parameters::{BaseParameter, BaseParameters},
     consistency::{ConsistencyError, ConsistentSet},
     dynamics::Model,
-    identification::{Assembly, Elimination, Fit, eliminate, idim_ls, nested_f_test},
+    identification::{Assembly, Elimination, Fit, RowMask, eliminate, idim_ls, nested_f_test},
     regression::{Regression, RowLayout},
     results::{EliminationResult, RunPlots},
     series::Series,
-    signal::Decimator,
+    signal::{Decimator, SignalError},
     simulation::SimulatedMotion,
     statistics::FTest,
 };
@@ -32,6 +32,8 @@ pub(crate) struct Problem {
     pub(crate) elimination: Option<Elimination>,
     /// The parallel filter of each recording.
     pub(crate) decimators: Vec<Decimator>,
+    /// The samples of each recording that make no rows because a joint is near rest; none where all make rows.
+    pub(crate) masks: Vec<Option<Arc<RowMask>>>,
     /// The rows without weights.
     pub(crate) regression: Regression,
     /// The same with X of all base parameters, where fewer are estimated.
@@ -76,12 +78,14 @@ impl Setup<'_> {
         let decimator = |r: &&FilteredRecording| r.decimator(self.settings.signal.decimation);
         let decimators = recordings.iter().map(decimator).collect::<Result<Vec<_>, _>>()?;
         let rows: Vec<usize> = decimators.iter().map(Decimator::rows).collect();
+        let masks: Vec<_> = recordings.iter().map(|r| r.mask(&model, &base.columns())).collect();
         let layout = RowLayout::new(model.coordinate_count(), &rows);
+        let layout = with_shares(layout, &decimators, &masks)?;
         let (mut matrices, mut vectors) = (Vec::new(), Vec::new());
-        for (recording, decimator) in recordings.iter().zip(&decimators) {
-            let assembly = Assembly::new(&model, &base.columns(), decimator.clone());
+        for (recording, (decimator, mask)) in recordings.iter().zip(decimators.iter().zip(&masks)) {
+            let assembly = Assembly::new(&model, &base.columns(), decimator.clone()).masked(mask.clone());
             matrices.push(recording.observation_matrix(&assembly)?);
-            vectors.push(assembly.measurement_vector(&recording.torque())?);
+            vectors.push(assembly.measurement_vector(&recording.centred_torque())?);
         }
         let (x, y) = (layout.stack_matrices(matrices), layout.stack_vectors(vectors));
         let all = Regression::new(x, y, layout);
@@ -89,7 +93,7 @@ impl Setup<'_> {
         let (regression, full) =
             if columns.len() == base.len() { (all, None) } else { (all.with_columns(&columns), Some(all)) };
         let consistent_set = OnceLock::new();
-        Ok(Problem { model, base, estimated, elimination, decimators, regression, full, consistent_set })
+        Ok(Problem { model, base, estimated, elimination, decimators, masks, regression, full, consistent_set })
     }
 
     /// The parameters of a base that are estimated, where no recording has to choose them.
@@ -156,7 +160,13 @@ impl Problem {
 
     /// The assembly of one recording.
     pub(crate) fn assembly(&self, recording: usize) -> Assembly<'_> {
-        Assembly::new(&self.model, &self.estimated.columns(), self.decimators[recording].clone())
+        self.assembly_of(recording, &self.model, &self.estimated.columns())
+    }
+
+    /// The assembly of other columns in the rows of one recording.
+    pub(crate) fn assembly_of<'m>(&self, recording: usize, model: &'m Model, columns: &[usize]) -> Assembly<'m> {
+        let mask = self.masks[recording].clone();
+        Assembly::new(model, columns, self.decimators[recording].clone()).masked(mask)
     }
 
     /// One series for each recording at the decimated instants, one vector per joint.
@@ -184,6 +194,24 @@ impl Problem {
     pub(crate) fn elimination_result(&self) -> Option<EliminationResult> {
         self.elimination.as_ref().map(|e| named_elimination(e, &self.base))
     }
+}
+
+/// The layout with the parts of its rows that the masks of the recordings leave.
+fn with_shares(
+    layout: RowLayout,
+    decimators: &[Decimator],
+    masks: &[Option<Arc<RowMask>>],
+) -> Result<RowLayout, SignalError> {
+    if masks.iter().all(Option::is_none) {
+        return Ok(layout);
+    }
+    let shares = |(decimator, mask): (&Decimator, &Option<Arc<RowMask>>)| match mask {
+        Some(mask) => mask.shares(decimator),
+        None => Ok(vec![1.0; decimator.rows() * layout.joints()]),
+    };
+    let shares = decimators.iter().zip(masks).map(shares).collect::<Result<_, _>>()?;
+    let stacked = layout.stack_vectors(shares);
+    Ok(layout.with_shares(Some(stacked)))
 }
 
 /// The F-test of a fit against least squares with all columns.

@@ -117,6 +117,7 @@ mod tests {
             payload_torque: None,
             fixed_torque: None,
             window: 0..1000,
+            near_rest: None,
             left_out: Vec::new(),
             channels: None,
         }

@@ -33,6 +33,9 @@ pub struct Recording {
     pub position: Series,
     /// Torques of the joints, N m or N, where they were recorded.
     pub torque: Option<Series>,
+    /// Time for which a recorded torque holds, s, as that of a sampled controller does: the time between its samples. Zero for a
+    /// torque that was measured at its instant.
+    pub torque_hold_s: f64,
     /// Velocities of the joints, rad/s or m/s, which the checks compare with the positions; nothing else uses them.
     pub velocity: Option<Series>,
     /// The reference of the positions.
@@ -74,6 +77,7 @@ impl Recording {
             window_s: [None, None],
             position,
             torque: None,
+            torque_hold_s: 0.0,
             velocity: None,
             reference: None,
             added_signal: None,
@@ -97,6 +101,18 @@ impl Recording {
         let clock = Clock::from_stamps(times.channel(0), LARGEST_JITTER, source, "time_s")?;
         let recording = Self::new(clock.sample_rate_hz(), position, torque);
         Ok(Self { time_stamps_s: clock.stamps().map(<[f64]>::to_vec), ..recording.into_equal_steps(&clock) })
+    }
+
+    /// The same with torques that hold until the next sample, as a sampled controller's drive signals do: what acts around a
+    /// sample is the mean of its own torque and the one before.
+    #[must_use]
+    pub fn with_held_torque(self) -> Self {
+        Self { torque_hold_s: 1.0 / self.sample_rate_hz, ..self }
+    }
+
+    /// The part of a step for which its torque holds, at most one.
+    pub(crate) fn held_part_of_step(&self) -> f64 {
+        (self.torque_hold_s * self.sample_rate_hz).clamp(0.0, 1.0)
     }
 
     /// The same with the reference of the positions.
@@ -159,6 +175,8 @@ impl Recording {
     pub(crate) fn validate(&self, coordinates: usize) -> Result<(), PreparationError> {
         PreparationError::require_positive("sample_rate_hz", self.sample_rate_hz)?;
         PreparationError::require_positive("weight", self.weight)?;
+        let (hold, expected) = (self.torque_hold_s, "zero or a finite number above it");
+        PreparationError::require(hold >= 0.0 && hold.is_finite(), "torque_hold_s", expected, hold)?;
         let named = |what: &str| format!("recording {}: {what}", self.name);
         let samples = self.position.len();
         for (what, series) in [

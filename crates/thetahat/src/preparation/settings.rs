@@ -12,6 +12,7 @@ use crate::{
     identification::{Convergence, Divisor, EliminationRule, IterationOptions, Method, Weighting},
     results::NOMINAL,
     robot::Friction,
+    signal::Derivative,
     simulation::{SimulatorBias, Solver},
 };
 
@@ -44,6 +45,8 @@ impl Settings {
             decimation,
             window_start_s: None,
             window_end_s: None,
+            derivative: Derivative::default(),
+            mask: Mask::default(),
         };
         Self {
             signal,
@@ -118,6 +121,48 @@ pub struct SignalOptions {
     pub window_start_s: Option<f64>,
     /// End of the window, s; with a start alone, the end of the record.
     pub window_end_s: Option<f64>,
+    /// How positions are differentiated.
+    #[serde(default)]
+    pub derivative: Derivative,
+    /// Which samples make no rows because a joint is near rest.
+    #[serde(default)]
+    pub mask: Mask,
+}
+
+/// Which samples of a joint make no rows: near rest, a wrong sign of the velocity makes a wrong sign of its friction.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(untagged, expecting = "expected \"near-rest\", \"none\" or { velocity, widened_s }")]
+pub enum Mask {
+    /// `"near-rest"`, whose limits follow from the record and the simulator, or `"none"`.
+    Named(NamedMask),
+    /// The same limits for all joints.
+    Stated(StatedMask),
+}
+
+impl Default for Mask {
+    fn default() -> Self {
+        Self::Named(NamedMask::NearRest)
+    }
+}
+
+/// A mask by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum NamedMask {
+    /// Samples near rest are left out.
+    NearRest,
+    /// Every sample makes rows.
+    None,
+}
+
+/// A mask with stated limits.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StatedMask {
+    /// Velocity of a joint or coupled motor below which it is near rest, rad/s or m/s.
+    pub velocity: f64,
+    /// Time on either side that is left out as well, s.
+    pub widened_s: f64,
 }
 
 fn default_filter_order() -> usize {

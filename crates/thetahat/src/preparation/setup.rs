@@ -41,7 +41,7 @@ impl Setup<'_> {
     /// Position, velocity and acceleration of recorded positions (III-A).
     pub(crate) fn band_pass(&self, position: &Series, sample_rate_hz: f64) -> Result<Motion, SignalError> {
         let options = &self.settings.signal;
-        signal::band_pass(position, sample_rate_hz, options.filter_order, options.cutoff_hz)
+        signal::band_pass(position, sample_rate_hz, options.filter_order, options.cutoff_hz, options.derivative)
     }
 
     /// Standard parameters with which the iterations start.

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::{
     error::PreparationError,
     physical::{PriorWeight, validate_known},
-    settings::{Case, NamedChoice, ParameterChoice, ParameterSelection, Settings},
+    settings::{Case, Mask, NamedChoice, ParameterChoice, ParameterSelection, Settings, StatedMask},
 };
 use crate::{
     identification::{Design, Method, Needs, Response, Weighting},
@@ -15,6 +15,8 @@ use crate::{
 
 /// Highest order of the position filter: beyond it, its transients are longer than what it is to keep.
 const HIGHEST_ORDER: usize = 20;
+/// Longest time by which a mask is widened, s.
+const LONGEST_WIDENING_S: f64 = 10.0;
 
 type Checked = Result<(), PreparationError>;
 
@@ -57,6 +59,11 @@ impl Settings {
         PreparationError::require(orders.contains(&signal.filter_order), key, &expected, signal.filter_order)?;
         PreparationError::require_positive("[signal] cutoff_hz", signal.cutoff_hz)?;
         PreparationError::require(signal.decimation > 0, "[signal] decimation", "at least 1", signal.decimation)?;
+        if let Mask::Stated(StatedMask { velocity, widened_s }) = signal.mask {
+            PreparationError::require_positive("[signal] mask.velocity", velocity)?;
+            let (key, expected) = ("[signal] mask.widened_s", "from 0 to 10 s");
+            PreparationError::require((0.0..=LONGEST_WIDENING_S).contains(&widened_s), key, expected, widened_s)?;
+        }
         validate_window("[signal]", [signal.window_start_s, signal.window_end_s])
     }
 

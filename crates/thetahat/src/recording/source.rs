@@ -75,6 +75,10 @@ pub struct ChannelSource {
     /// How late the values are, s: the value at a time is the one recorded so much later. Negative where they are early.
     #[serde(default)]
     pub delay_s: f64,
+    /// Whether a torque holds until the next sample, as a sampled controller's does: then it acts half a step later than it
+    /// was recorded.
+    #[serde(default)]
+    pub held: bool,
     /// Whether the file may lie anywhere, because the user named it and not a file of descriptions. Not read from files.
     #[serde(skip)]
     pub anywhere: bool,
@@ -217,7 +221,7 @@ impl ChannelSource {
 
     /// Whether any samples of the signal can be read without the others.
     pub(super) fn can_be_read_in_pieces(&self) -> bool {
-        self.layout() == Layout::Columns && !self.drop_cut_line && self.delay_s == 0.0
+        self.layout() == Layout::Columns && !self.drop_cut_line && self.delay_s == 0.0 && !self.held
     }
 
     pub(super) fn dialect(&self) -> Dialect {
@@ -292,6 +296,7 @@ mod tests {
             interleaved: None,
             channel_column: None,
             delay_s: 0.0,
+            held: false,
             anywhere: false,
         }
     }

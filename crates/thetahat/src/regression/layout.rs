@@ -18,11 +18,13 @@ pub struct RowBlock {
 }
 
 /// Where the rows of each joint, recording and stretch of time stand in y, X and Z.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct RowLayout {
     joints: usize,
     recordings: usize,
     blocks: Vec<RowBlock>,
+    /// The part of each row that a mask leaves; none where there is no mask.
+    shares: Option<Vec<f64>>,
 }
 
 impl RowLayout {
@@ -30,7 +32,7 @@ impl RowLayout {
     /// in each recording. A recording is one stretch of time.
     #[must_use]
     pub fn new(joints: usize, rows_of_recordings: &[usize]) -> Self {
-        let mut layout = Self { joints, recordings: rows_of_recordings.len(), blocks: Vec::new() };
+        let mut layout = Self { joints, recordings: rows_of_recordings.len(), blocks: Vec::new(), shares: None };
         for joint in 0..joints {
             for (recording, &rows) in rows_of_recordings.iter().enumerate() {
                 layout.push(joint, (recording, recording), rows);
@@ -42,7 +44,32 @@ impl RowLayout {
     /// A layout without rows, to which blocks are added.
     #[must_use]
     pub fn empty(joints: usize, recordings: usize) -> Self {
-        Self { joints, recordings, blocks: Vec::new() }
+        Self { joints, recordings, blocks: Vec::new(), shares: None }
+    }
+
+    /// The same with the part of each row that a mask leaves: errors and columns of a row count as that part of what they
+    /// would be without. None for rows without a mask.
+    #[must_use]
+    pub fn with_shares(self, shares: Option<Vec<f64>>) -> Self {
+        Self { shares, ..self }
+    }
+
+    /// The part of each row of a range that a mask leaves; none where there is no mask.
+    #[must_use]
+    pub fn shares(&self, rows: Range<usize>) -> Option<&[f64]> {
+        self.shares.as_ref().map(|shares| &shares[rows])
+    }
+
+    /// Whether a mask leaves parts of rows.
+    #[must_use]
+    pub fn is_masked(&self) -> bool {
+        self.shares.is_some()
+    }
+
+    /// The number of rows, each counted by the part of it that a mask leaves.
+    #[must_use]
+    pub fn counted(&self, rows: Range<usize>) -> f64 {
+        self.shares(rows.clone()).map_or(rows.len() as f64, |shares| shares.iter().map(|s| s * s).sum())
     }
 
     /// Adds a block of so many rows behind the last one.
@@ -96,6 +123,20 @@ impl RowLayout {
     pub fn block(&self, joint: usize, recording: usize) -> Range<usize> {
         let found = self.blocks.iter().find(|b| b.joint == joint && b.recording == recording);
         found.map_or(0..0, |b| b.rows.clone())
+    }
+
+    /// The values of each joint in runs of rows that follow one another: its blocks, cut where a mask leaves less than half
+    /// of a row.
+    #[must_use]
+    pub fn runs<'a>(&self, rows: &'a [f64]) -> Vec<Vec<&'a [f64]>> {
+        let used = |row: &usize| self.shares.as_ref().is_none_or(|shares| shares[*row] >= 0.5);
+        let of_block = |block: Range<usize>| {
+            let ends: Vec<usize> = block.clone().filter(|row| !used(row)).chain([block.end]).collect();
+            let starts = std::iter::once(block.start).chain(ends.clone().into_iter().map(|end| end + 1));
+            let runs = starts.zip(ends).filter(|(start, end)| start < end);
+            runs.map(|(start, end)| &rows[start..end]).collect::<Vec<_>>()
+        };
+        (0..self.joints).map(|joint| self.of_joint(joint).flat_map(of_block).collect()).collect()
     }
 
     /// The values of each joint, block by block.

@@ -2,7 +2,6 @@
 
 use crate::{
     dynamics::{Model, Sign},
-    identification::Assembly,
     linear_algebra::Matrix,
     preparation::{FilteredRecording, PreparationError, Problem, Setup},
     robot::{Quantity, Robot, TermColumn},
@@ -34,12 +33,12 @@ impl ColumnSource<'_> {
         let indices: Vec<usize> = parameters.filter(|(_, p)| is_new(p.quantity)).map(|(i, _)| i).collect();
         let names = robot.channels();
         let mut matrices = Vec::new();
-        for (filtered, decimator) in self.recordings.iter().zip(&self.problem.decimators) {
+        for (number, filtered) in self.recordings.iter().enumerate() {
             let recorded = filtered.recording.channels_named(&names, robot.coordinate_count())?;
             let rate = filtered.recording.sample_rate_hz;
             let recorded = recorded.map(|c| self.setup.band_pass(&c, rate)).transpose()?;
             let channels = recorded.map(|motion| motion.q.window(filtered.window.clone()));
-            let assembly = Assembly::new(&model, &indices, decimator.clone()).with_channels(channels);
+            let assembly = self.problem.assembly_of(number, &model, &indices).with_channels(channels);
             let Motion { q, dq, ddq } = &filtered.motion;
             matrices.push(assembly.observation_matrix(q, dq, ddq, Sign::Exact)?);
         }

@@ -8,7 +8,7 @@
 
 use super::identification::Identification;
 use crate::{
-    identification::{Assembly, Method, idim_ls, uncertainty},
+    identification::{Method, idim_ls, uncertainty},
     linear_algebra::{Matrix, PivotedQr},
     preparation::{PreparationError, Problem},
     regression::{Regression, RowLayout},
@@ -31,11 +31,11 @@ impl Identification {
             return Ok(Vec::new());
         }
         let mut vectors = Vec::with_capacity(self.main.len());
-        for (prepared, decimator) in self.main.iter().zip(&problem.decimators) {
+        for (number, prepared) in self.main.iter().enumerate() {
             let filtered = &prepared.filtered;
             let none = || Series::zeros(filtered.window.len(), problem.model.coordinate_count());
             let torque = filtered.payload_torque.as_ref().map_or_else(none, |t| t.window(filtered.window.clone()));
-            let assembly = Assembly::new(&problem.model, &[], decimator.clone());
+            let assembly = problem.assembly_of(number, &problem.model, &[]);
             vectors.push(assembly.measurement_vector(&torque)?);
         }
         let payload = problem.regression.layout.stack_vectors(vectors);

@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{
     consistency::{ConsistentSet, Known, LeastSquares, Prior, completed_a_priori, fit, pseudo_inertia},
-    identification::{Assembly, Method, idim_ls, uncertainty},
+    identification::{Method, idim_ls, uncertainty},
     linear_algebra::{Matrix, PivotedQr, norm},
     preparation::{Case, ParameterChoice, Payload, PreparationError},
     regression::{Regression, relative_error_percent},
@@ -45,8 +45,8 @@ impl Identification {
         let problem = setup.problem_on(setup.basis(&Case::nominal())?, &recordings, &ParameterChoice::Base)?;
         let columns = payload.columns(setup.robot, problem.model.parameter_table())?;
         let mut blocks = Vec::with_capacity(recordings.len());
-        for (i, (recording, decimator)) in recordings.iter().zip(&problem.decimators).enumerate() {
-            let assembly = Assembly::new(&problem.model, &columns, decimator.clone());
+        for (i, recording) in recordings.iter().enumerate() {
+            let assembly = problem.assembly_of(i, &problem.model, &columns);
             let rows = assembly.rows_per_joint() * problem.model.coordinate_count();
             blocks.push(if i < unloaded {
                 Matrix::zeros(rows, INERTIAL.len())

@@ -81,9 +81,10 @@ impl Predictor<'_> {
     fn rows(&self, filtered: &FilteredRecording) -> Result<(Regression, Vec<f64>), PreparationError> {
         let decimator = filtered.decimator(self.setup.settings.signal.decimation)?;
         let layout = RowLayout::new(self.basis.model.coordinate_count(), &[decimator.rows()]);
-        let assembly = Assembly::new(&self.basis.model, &self.columns, decimator);
+        let mask = filtered.mask(&self.basis.model, &self.columns);
+        let assembly = Assembly::new(&self.basis.model, &self.columns, decimator).masked(mask);
         let x = filtered.observation_matrix(&assembly)?;
-        let y = assembly.measurement_vector(&filtered.torque())?;
+        let y = assembly.measurement_vector(&filtered.centred_torque())?;
         let prediction = x.times(&self.theta);
         Ok((Regression::new(x, y, layout), prediction))
     }

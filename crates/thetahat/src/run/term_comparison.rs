@@ -230,7 +230,7 @@ fn effective_samples(regression: &Regression, residual: &[f64]) -> Vec<f64> {
         let sum: f64 = lags.iter().take_while(|r| **r > INDEPENDENT).sum();
         rows as f64 / (1.0 + 2.0 * sum)
     };
-    regression.layout.split(residual).iter().map(of_joint).collect()
+    regression.layout.runs(residual).iter().map(of_joint).collect()
 }
 
 /// Marks the law with the best criterion, where that is very strong and the joint is predicted better.

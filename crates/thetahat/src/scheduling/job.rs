@@ -32,7 +32,7 @@ impl<'a> EstimationJob<'a> {
         let regression = match (method.response(), &simulator) {
             (Response::Position, Some(simulator)) => simulator
                 .measured(Response::Position)
-                .map_or_else(|_| regression.clone(), |y| regression.with_measured(y)),
+                .map_or_else(|_| regression.clone(), |y| regression.with_measured(y).without_mask()),
             (Response::Position, None) | (Response::Torque, _) => regression,
         };
         Self { problem, method, regression, simulator, start }

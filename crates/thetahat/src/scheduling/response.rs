@@ -2,8 +2,9 @@
 
 use super::simulator::{Output, Parameters, RecordedLoop, Simulator};
 use crate::{
-    identification::{Response, SimulatedResponse},
+    identification::{Assembly, Response, SimulatedResponse},
     series::Series,
+    signal::centred_hold,
     simulation::{Job, SensitiveTo, Sensitivities, SimulatedMotion, SimulationError},
 };
 
@@ -11,8 +12,8 @@ impl Simulator<'_> {
     /// The response of the record in the rows of y: raw torques, or raw positions through the same parallel filter.
     pub(super) fn measured(&self, response: Response) -> Result<Vec<f64>, SimulationError> {
         let of_loop = |l: &RecordedLoop<'_>| match response {
-            Response::Torque => l.in_rows(&l.filtered.torque()),
-            Response::Position => l.in_rows(&l.filtered.position()),
+            Response::Torque => l.in_rows(&l.filtered.centred_torque(), response),
+            Response::Position => l.in_rows(&l.filtered.position(), response),
         };
         Ok(self.problem.regression.layout.stack_vectors(self.loops.iter().map(of_loop).collect::<Result<_, _>>()?))
     }
@@ -24,8 +25,8 @@ impl Simulator<'_> {
         response: Response,
     ) -> Result<Vec<f64>, SimulationError> {
         let of_loop = |(l, motion): (&RecordedLoop<'_>, &SimulatedMotion)| match response {
-            Response::Torque => l.in_rows(&motion.tau),
-            Response::Position => l.in_rows(&motion.q),
+            Response::Torque => l.in_rows(&centred_hold(&motion.tau, l.held_part_of_step()), response),
+            Response::Position => l.in_rows(&motion.q, response),
         };
         let vectors = self.loops.iter().zip(motions).map(of_loop).collect::<Result<_, _>>()?;
         Ok(self.problem.regression.layout.stack_vectors(vectors))
@@ -76,7 +77,7 @@ impl RecordedLoop<'_> {
         response: Response,
     ) -> Result<SimulatedResponse, SimulationError> {
         let mut simulation = Sensitivities::new(job, to, inertia_slopes)?;
-        self.assembly.response_with_sensitivities(to.len(), |values, slopes| {
+        self.assembly_for(response).response_with_sensitivities(to.len(), |values, slopes| {
             let end = SimulationError::TooShortToFilter;
             let sample = simulation.next_sample()?.ok_or(end)?;
             let (of_joints, of_parameters) = match response {
@@ -89,8 +90,21 @@ impl RecordedLoop<'_> {
         })
     }
 
+    /// The part of a step for which recorded torques hold: simulated ones are compared with them.
+    pub(super) fn held_part_of_step(&self) -> f64 {
+        self.filtered.recording.held_part_of_step()
+    }
+
+    /// The rows of a response: of positions every sample, since no sign of a velocity is in them.
+    fn assembly_for(&self, response: Response) -> Assembly<'_> {
+        match response {
+            Response::Torque => self.assembly.clone().of_held_torques(self.held_part_of_step()),
+            Response::Position => self.assembly.clone().masked(None),
+        }
+    }
+
     /// A series of the window in the rows of y.
-    fn in_rows(&self, series: &Series) -> Result<Vec<f64>, SimulationError> {
-        self.assembly.measurement_vector(series).map_err(|_| SimulationError::TooShortToFilter)
+    fn in_rows(&self, series: &Series, response: Response) -> Result<Vec<f64>, SimulationError> {
+        self.assembly_for(response).measurement_vector(series).map_err(|_| SimulationError::TooShortToFilter)
     }
 }

@@ -296,7 +296,8 @@ impl RecordedLoop<'_> {
         let sign = Sign::Smooth { scale: self.closed_loop.sign_velocity_scale };
         let unfiltered = |_| SimulationError::TooShortToFilter;
         if !setup.settings.simulation.band_pass {
-            return self.assembly.observation_matrix(&motion.q, &motion.dq, &motion.ddq, sign).map_err(unfiltered);
+            let assembly = self.assembly.clone().of_held_torques(self.held_part_of_step());
+            return assembly.observation_matrix(&motion.q, &motion.dq, &motion.ddq, sign).map_err(unfiltered);
         }
         // Filtered as the record is: the whole of it, then cut to the window.
         let rate = self.filtered.recording.sample_rate_hz;

@@ -82,6 +82,12 @@ impl Decimator {
         Self { gaps: gaps.to_vec(), rows, ..self }
     }
 
+    /// What the filter makes of a constant one.
+    #[must_use]
+    pub fn constant_gain(&self) -> f64 {
+        if self.filter.is_some() { 10_f64.powf(-2.0 * RIPPLE_DB / 20.0) } else { 1.0 }
+    }
+
     /// The indices of the samples kept, rising; the last one is the record's last, unless that is left out.
     pub fn kept(&self) -> impl Iterator<Item = usize> {
         let Kept { first, step } = self.kept;

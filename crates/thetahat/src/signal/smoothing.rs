@@ -57,7 +57,13 @@ pub fn smooth(
 }
 
 /// Variance per Hz of what is above the cut-off, per channel.
-fn noise_densities(position: &Series, motion: &Series, window: &Range<usize>, rate: f64, cutoff_hz: f64) -> Vec<f64> {
+pub fn noise_densities(
+    position: &Series,
+    motion: &Series,
+    window: &Range<usize>,
+    rate: f64,
+    cutoff_hz: f64,
+) -> Vec<f64> {
     let above = 0.5 * rate - cutoff_hz;
     rms_differences(position, motion, window).into_iter().map(|rms| rms * rms / above).collect()
 }

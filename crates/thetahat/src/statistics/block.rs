@@ -1,4 +1,4 @@
-use std::ops::Range;
+use std::{borrow::Cow, ops::Range};
 
 use super::{
     Sandwich,
@@ -13,6 +13,10 @@ const LARGEST_BANDWIDTH: f64 = 1.0 / 3.0;
 /// The error of one joint in one recording.
 pub(super) struct Block {
     pub(super) rows: Range<usize>,
+    /// The part of each row that a mask leaves: the error of a row is that part of a stationary one.
+    shares: Option<Vec<f64>>,
+    /// `sum_t m(t) m(t + l)` of these parts m, by lag: `n - l` without a mask.
+    pub(super) pairs: Vec<f64>,
     /// Columns of X that differ from zero here.
     pub(super) acting: Vec<usize>,
     /// Parzen's window by lag.
@@ -29,25 +33,51 @@ impl Block {
         let window = parzen(bandwidth(residual), residual.len());
         let mut observed = vec![0.0; window.len()];
         add_lagged_products(residual, residual, &mut observed);
-        let freedom = (residual.len() as f64 - leverage[rows.clone()].iter().sum::<f64>()).max(1.0);
-        let covariance = observed.iter().zip(&window).map(|(r, w)| w * r / freedom).collect();
+        let shares = sandwich.rows.shares(rows.clone()).map(<[f64]>::to_vec);
+        let pairs = pairs(shares.as_deref(), residual.len(), window.len());
+        let counted = sandwich.rows.counted(rows.clone()).max(1.0);
+        let freedom = (counted - leverage[rows.clone()].iter().sum::<f64>()).max(1.0);
+        // Divided alike at every lag but for what a mask takes there: so the autocovariance stays that of a series.
+        let left = |l: usize| pairs[l] / counted * residual.len() as f64 / (residual.len() - l) as f64;
+        let covariance = (0..window.len()).map(|l| window[l] * observed[l] / (freedom * left(l))).collect();
         let acts = |i: &usize| sandwich.design.column(*i)[rows.clone()].iter().any(|x| *x != 0.0);
         let acting = (0..sandwich.design.columns()).filter(acts).collect();
-        Self { rows, acting, window, observed, covariance }
+        Self { rows, acting, shares, pairs, window, observed, covariance }
     }
 
-    fn len(&self) -> usize {
-        self.rows.len()
+    /// The rows of a column of A in this block, each times the part of it that a mask leaves.
+    pub(super) fn part_of<'a>(&self, influence: &'a [f64]) -> Cow<'a, [f64]> {
+        let own = &influence[self.rows.clone()];
+        match &self.shares {
+            Some(shares) => own.iter().zip(shares).map(|(a, m)| a * m).collect(),
+            None => Cow::Borrowed(own),
+        }
+    }
+
+    /// The rows in which masks leave both blocks, `sum_t m_a(t) m_b(t)`.
+    pub(super) fn counted_with(&self, other: &Self) -> f64 {
+        match (&self.shares, &other.shares) {
+            (Some(a), Some(b)) => a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>().max(1.0),
+            (Some(_), None) | (None, Some(_)) | (None, None) => self.rows.len() as f64,
+        }
     }
 
     /// `sum_t a(t) a(t + l)` of each column of A: lags by parameters.
     pub(super) fn influence_correlation(&self, influence: &Matrix) -> Matrix {
         let mut sums = Matrix::zeros(self.window.len(), influence.columns());
         for i in 0..influence.columns() {
-            let a = &influence.column(i)[self.rows.clone()];
-            add_lagged_products(a, a, sums.column_mut(i));
+            let a = self.part_of(influence.column(i));
+            add_lagged_products(&a, &a, sums.column_mut(i));
         }
         sums
+    }
+
+    /// `Gamma a` of a column of A, in the rows of the block.
+    pub(super) fn times_covariance(&self, influence: &[f64], out: &mut [f64]) {
+        convolve(&self.covariance, &self.part_of(influence), out);
+        if let Some(shares) = &self.shares {
+            out.iter_mut().zip(shares).for_each(|(o, m)| *o *= m);
+        }
     }
 
     pub(super) fn correct(&mut self, design: &Matrix, c: &Matrix) {
@@ -57,8 +87,7 @@ impl Block {
             add_lagged_products(x, c, &mut bias);
             add_lagged_products(c, x, &mut bias);
         }
-        let n = self.len();
-        let corrected = |l: usize| self.window[l] * (self.observed[l] - bias[l]) / (n - l) as f64;
+        let corrected = |l: usize| self.window[l] * (self.observed[l] - bias[l]) / self.pairs[l];
         self.covariance = (0..bias.len()).map(corrected).collect();
     }
 
@@ -78,8 +107,17 @@ impl Block {
         padded[lags - 1..][..both_sides.len()].copy_from_slice(&both_sides);
         let mut convolved = vec![0.0; padded.len()];
         convolve(&self.covariance, &padded, &mut convolved);
-        squares(&convolved) / self.len() as f64
+        squares(&convolved) / self.pairs.first().copied().unwrap_or(1.0)
     }
+}
+
+/// `sum_t m(t) m(t + l)` of the parts m that a mask leaves of rows; `n - l` without one. At least one row: where a mask leaves
+/// no pair of rows at a lag, no product is found there either.
+fn pairs(shares: Option<&[f64]>, rows: usize, lags: usize) -> Vec<f64> {
+    let Some(shares) = shares else { return (0..lags).map(|l| (rows - l) as f64).collect() };
+    let mut pairs = vec![0.0; lags];
+    add_lagged_products(shares, shares, &mut pairs);
+    pairs.iter().map(|p| p.max(1.0)).collect()
 }
 
 /// The bandwidth of Andrews for Parzen's window and a series that is autoregressive of the first order, but at least the

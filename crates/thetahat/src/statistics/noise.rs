@@ -20,7 +20,7 @@ impl RowNoise {
     /// The noise of a residual.
     #[must_use]
     pub fn of(residual: &[f64], layout: &RowLayout) -> Self {
-        let segments = layout.split(residual);
+        let segments = layout.runs(residual);
         let joints = segments.iter().map(|s| Autoregressive::fit(s, HIGHEST_ORDER)).collect();
         Self { layout: layout.clone(), joints }
     }
@@ -31,7 +31,8 @@ impl RowNoise {
     pub fn covariances(&self, q: &Matrix) -> Vec<Matrix> {
         let of_joint = |(joint, process): (usize, &Autoregressive)| {
             let autocovariance = process.autocovariance();
-            let of_blocks = self.layout.of_joint(joint).map(|rows| covariance_of_rows(q, &rows, &autocovariance));
+            let of_blocks =
+                self.layout.of_joint(joint).map(|rows| covariance_of_rows(&self.part_of(q, rows), &autocovariance));
             of_blocks.fold(Matrix::zeros(q.columns(), q.columns()), |sum, block| sum.plus(&block, 1.0))
         };
         self.joints.iter().enumerate().map(of_joint).collect()
@@ -49,6 +50,18 @@ impl RowNoise {
         for ((joint, process), memory) in self.joints.iter().enumerate().zip(memory) {
             self.layout.of_joint(joint).for_each(|rows| process.draw(*memory, rng, &mut out[rows]));
         }
+        if let Some(shares) = self.layout.shares(0..out.len()) {
+            out.iter_mut().zip(shares).for_each(|(e, share)| *e *= share);
+        }
+    }
+
+    /// Some rows of a matrix, each times the part of it that a mask leaves.
+    fn part_of(&self, q: &Matrix, rows: Range<usize>) -> Matrix {
+        let part = q.row_range(rows.clone());
+        match self.layout.shares(rows) {
+            Some(shares) => part.scale_rows(shares),
+            None => part,
+        }
     }
 
     /// Rows after which each joint's process has forgotten how it started.
@@ -61,7 +74,7 @@ impl RowNoise {
     /// orders; one where this residual's is zero.
     #[must_use]
     pub fn relative_long_run_variances(&self, residual: &[f64]) -> Vec<f64> {
-        let segments = self.layout.split(residual);
+        let segments = self.layout.runs(residual);
         let ratio = |(process, segments): (&Autoregressive, &Vec<&[f64]>)| {
             let other = Autoregressive::fit_order(segments, process.coefficients.len());
             let own = process.long_run_variance();
@@ -71,9 +84,8 @@ impl RowNoise {
     }
 }
 
-/// `Q^T S Q` over one range of rows with the Toeplitz matrix S of an autocovariance.
-fn covariance_of_rows(q: &Matrix, range: &Range<usize>, autocovariance: &[f64]) -> Matrix {
-    let rows = q.row_range(range.clone());
+/// `Q^T S Q` over rows that follow one another, with the Toeplitz matrix S of an autocovariance.
+fn covariance_of_rows(rows: &Matrix, autocovariance: &[f64]) -> Matrix {
     let mut filtered = Matrix::zeros(rows.rows(), rows.columns());
     for c in 0..rows.columns() {
         convolve(rows.column(c), autocovariance, filtered.column_mut(c));

@@ -33,7 +33,7 @@ impl Sandwich<'_> {
         let leverage = self.leverage();
         let mut variances = vec![0.0; self.influence.columns()];
         for block in self.rows.blocks().iter().map(|b| b.rows.clone()) {
-            let freedom = (block.len() as f64 - leverage[block.clone()].iter().sum::<f64>()).max(1.0);
+            let freedom = (self.rows.counted(block.clone()) - leverage[block.clone()].iter().sum::<f64>()).max(1.0);
             let error = squares(&self.residual[block.clone()]) / freedom;
             self.each(&mut variances, |a| error * squares(&a[block.clone()]));
         }

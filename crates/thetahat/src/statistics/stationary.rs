@@ -1,12 +1,7 @@
 //! Errors that are, in each joint and recording, a stationary series of whatever spectrum: the covariance behind the
 //! intervals.
 
-use super::{
-    Sandwich,
-    block::Block,
-    lagged::{add_lagged_products, convolve},
-    t_quantile,
-};
+use super::{Sandwich, block::Block, lagged::add_lagged_products, t_quantile};
 use crate::linear_algebra::Matrix;
 
 /// A variance that is itself estimated.
@@ -92,8 +87,7 @@ impl Sandwich<'_> {
         let mut b = Matrix::zeros(self.influence.rows(), self.influence.columns());
         for i in 0..b.columns() {
             for block in blocks.iter() {
-                let rows = block.rows.clone();
-                convolve(&block.covariance, &self.influence.column(i)[rows.clone()], &mut b.column_mut(i)[rows]);
+                block.times_covariance(self.influence.column(i), &mut b.column_mut(i)[block.rows.clone()]);
             }
         }
         let v = self.influence.transposed_times(&b);
@@ -121,16 +115,18 @@ impl Sandwich<'_> {
     fn cross_covariance(&self, a: &Block, b: &Block) -> Option<CrossCovariance> {
         let (x, y) = (&self.residual[a.rows.clone()], &self.residual[b.rows.clone()]);
         let window = if a.window.len() >= b.window.len() { &a.window } else { &b.window };
+        // Rows in which a mask leaves both.
+        let both = a.counted_with(b);
         let lagged = |x: &[f64], y: &[f64]| {
             let mut sums = vec![0.0; window.len()];
             add_lagged_products(x, y, &mut sums);
-            sums.iter().zip(window).map(|(s, w)| w * s / x.len() as f64).collect::<Vec<f64>>()
+            sums.iter().zip(window).map(|(s, w)| w * s / both).collect::<Vec<f64>>()
         };
         let later = lagged(x, y);
         // Of two uncorrelated series, n var(correlation) is the sum over all lags of the product of their correlations.
         let products = a.covariance.iter().zip(&b.covariance).map(|(a, b)| a * b);
         let sum: f64 = products.enumerate().map(|(l, p)| if l == 0 { p } else { 2.0 * p }).sum();
-        let deviation = (sum.max(0.0) / x.len() as f64).sqrt();
+        let deviation = (sum.max(0.0) / both).sqrt();
         (later[0].abs() > CORRELATED * deviation).then(|| CrossCovariance { later, earlier: lagged(y, x) })
     }
 }
@@ -145,13 +141,13 @@ struct CrossCovariance {
 
 /// `a^T Gamma_ab b` for a parameter's influence in two blocks.
 fn cross_sum(covariance: &CrossCovariance, influence: &[f64], a: &Block, b: &Block) -> f64 {
-    let (x, y) = (&influence[a.rows.clone()], &influence[b.rows.clone()]);
+    let (x, y) = (a.part_of(influence), b.part_of(influence));
     let sum = |covariance: &[f64], x: &[f64], y: &[f64]| {
         let mut sums = vec![0.0; covariance.len()];
         add_lagged_products(x, y, &mut sums);
         sums.iter().zip(covariance).map(|(s, c)| s * c).collect::<Vec<f64>>()
     };
-    let (later, earlier) = (sum(&covariance.later, x, y), sum(&covariance.earlier, y, x));
+    let (later, earlier) = (sum(&covariance.later, &x, &y), sum(&covariance.earlier, &y, &x));
     later.iter().sum::<f64>() + earlier.iter().skip(1).sum::<f64>()
 }
 

@@ -4,7 +4,7 @@ use thetahat::{
     base_parameters::BaseParameters,
     checks::{Code, Companion, Finding, compare, measure_together},
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
-    signal::band_pass,
+    signal::{Derivative, band_pass},
 };
 
 use super::{
@@ -99,7 +99,9 @@ pub fn payload(record: &mut Record) {
     }
     let parameters = DynamicParameters::new(&model, &theta);
     let signal = &record.signal;
-    let motion = band_pass(&record.position, record.rate_hz, signal.filter_order, signal.cutoff_hz).unwrap();
+    let motion =
+        band_pass(&record.position, record.rate_hz, signal.filter_order, signal.cutoff_hz, Derivative::Central)
+            .unwrap();
     let (mut workspace, mut added) = (Workspace::new(&model), vec![0.0; record.torque.channels()]);
     for k in 0..record.torque.len() {
         let state = State::new(motion.q.sample(k), motion.dq.sample(k));

@@ -13,7 +13,7 @@ use thetahat::{
     recording::read_channels,
     robot::{JointKind, Robot},
     series::Series,
-    signal::{band_pass, moving_samples},
+    signal::{Derivative, band_pass, moving_samples},
     simulation::{ClosedLoop, OutputGrid, Reference, SimulatorBias},
     trajectory::{self, MotionLimits, Moves},
 };
@@ -73,7 +73,7 @@ impl Record {
     /// The band-passed velocity of the record's own positions: what a robot that records velocities would give.
     pub fn own_velocity(&self) -> Series {
         let SignalSettings { filter_order, cutoff_hz, .. } = self.signal;
-        band_pass(&self.position, self.rate_hz, filter_order, cutoff_hz).unwrap().dq
+        band_pass(&self.position, self.rate_hz, filter_order, cutoff_hz, Derivative::Central).unwrap().dq
     }
 }
 

@@ -1,0 +1,148 @@
+//! Which samples of each joint make rows: those near rest, where the sign of the velocity is not known, do not.
+
+use crate::{
+    dynamics::Jump,
+    series::Series,
+    signal::{Decimator, SignalError},
+};
+
+/// Samples of each joint that are zero in y, X and Z. Decimation is linear, so what holds of the samples left holds of rows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RowMask {
+    /// One where a sample is used, zero where it is not: a channel for each coordinate.
+    used: Series,
+}
+
+/// What counts as near rest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NearRest {
+    /// Velocity of each coordinate, rad/s or m/s, below which the sign of its friction is not known.
+    pub velocity: Vec<f64>,
+    /// Samples on either side that are left out as well.
+    pub widened: usize,
+}
+
+/// Largest part of a joint's samples that is left out: a joint that hardly moves keeps all.
+const LARGEST_PART: f64 = 0.5;
+
+impl RowMask {
+    /// Leaves out the samples of each coordinate on which a jump acts near rest. None where nothing is left out.
+    #[must_use]
+    pub fn near_rest(jumps: &[Jump], dq: &Series, rule: &NearRest) -> Option<Self> {
+        let mut channels = vec![vec![1.0; dq.len()]; dq.channels()];
+        for jump in jumps {
+            let limit = jump.velocity.iter().map(|&(j, w)| (w * rule.velocity[j]).powi(2)).sum::<f64>().sqrt();
+            let velocity: Vec<f64> = (0..dq.len()).map(|k| jump.velocity(dq.sample(k))).collect();
+            let near = near_rest(&velocity, limit, rule.widened);
+            for &coordinate in &jump.acts_on {
+                let used = channels[coordinate].iter_mut().zip(&near);
+                used.filter(|(_, near)| **near).for_each(|(used, _)| *used = 0.0);
+            }
+        }
+        for used in &mut channels {
+            let left_out = used.iter().filter(|u| **u == 0.0).count() as f64;
+            if left_out > LARGEST_PART * used.len() as f64 {
+                used.fill(1.0);
+            }
+        }
+        let mask = Self { used: Series::from_channels(&channels) };
+        mask.used.values().contains(&0.0).then_some(mask)
+    }
+
+    /// A series with one channel for each coordinate, zero where a sample is not used.
+    pub(super) fn applied_to(&self, series: &Series) -> Series {
+        let values = series.values().iter().zip(self.used.values()).map(|(value, used)| value * used);
+        Series::from_values(series.channels(), values.collect())
+    }
+
+    /// Makes the values of a sample zero whose coordinates are not used there.
+    pub(super) fn scale(&self, sample: usize, values: &mut [f64], coordinate_of: impl Fn(usize) -> usize) {
+        let used = self.used.sample(sample);
+        values.iter_mut().enumerate().for_each(|(i, value)| *value *= used[coordinate_of(i)]);
+    }
+
+    /// Part of each coordinate's samples that is left out.
+    #[must_use]
+    pub fn left_out(&self) -> Vec<f64> {
+        let part = |used: Vec<f64>| 1.0 - used.iter().sum::<f64>() / used.len() as f64;
+        (0..self.used.channels()).map(|j| part(self.used.channel(j))).collect()
+    }
+
+    /// The part of each row that is used, coordinate by coordinate: what the parallel filter makes of the mask.
+    ///
+    /// # Errors
+    /// [`SignalError`] where the decimator is for another number of samples.
+    pub fn shares(&self, decimator: &Decimator) -> Result<Vec<f64>, SignalError> {
+        let shares = decimator.decimate(&self.used)?;
+        // The filter rings where the mask jumps.
+        let share = |decimated: f64| (decimated / decimator.constant_gain()).clamp(0.0, 1.0);
+        Ok((0..shares.channels()).flat_map(|j| shares.channel(j)).map(share).collect())
+    }
+}
+
+/// The samples whose velocity is below a limit or about to change its sign, and so many on either side.
+fn near_rest(velocity: &[f64], limit: f64, widened: usize) -> Vec<bool> {
+    let mut near = vec![false; velocity.len()];
+    for (k, v) in velocity.iter().enumerate() {
+        let changes = velocity.get(k + 1).is_some_and(|next| v * next <= 0.0);
+        if v.abs() < limit || changes {
+            let end = (k + widened + 1).min(near.len());
+            near[k.saturating_sub(widened)..end].fill(true);
+        }
+    }
+    near
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn own(coordinate: usize) -> Jump {
+        Jump { velocity: vec![(coordinate, 1.0)], acts_on: vec![coordinate] }
+    }
+
+    #[test]
+    fn samples_near_rest_and_beside_it_are_left_out_of_their_own_joint() {
+        let first: Vec<f64> = (0..20).map(|k| f64::from(k) - 9.5).collect();
+        let dq = Series::from_channels(&[first, vec![3.0; 20]]);
+        let rule = NearRest { velocity: vec![1.0, 1.0], widened: 2 };
+        let mask = RowMask::near_rest(&[own(0), own(1)], &dq, &rule).unwrap();
+        let used: Vec<usize> = (0..20).filter(|&k| mask.used.sample(k)[0] == 1.0).collect();
+        assert_eq!(used, [0, 1, 2, 3, 4, 5, 6, 13, 14, 15, 16, 17, 18, 19]);
+        assert_eq!(mask.left_out(), [0.3, 0.0]);
+    }
+
+    #[test]
+    fn a_motor_near_rest_takes_all_joints_that_move_it() {
+        let dq = Series::from_channels(&[vec![2.0, 2.0, 2.0, 2.0, 2.0], vec![-3.0, 1.0, -2.0, 1.0, 1.0]]);
+        let motor = Jump { velocity: vec![(0, 1.0), (1, 1.0)], acts_on: vec![0, 1] };
+        let rule = NearRest { velocity: vec![0.1, 0.1], widened: 0 };
+        let mask = RowMask::near_rest(&[motor], &dq, &rule);
+        // The motor's velocity is -1, 3, 0, 3, 3: it changes its sign behind the first sample and at the third.
+        assert_eq!(mask, None, "three of five samples are more than half");
+        let dq = Series::from_channels(&[vec![2.0; 8], vec![-3.0, 1.0, -2.0, 1.0, 1.0, 1.0, 1.0, 1.0]]);
+        let motor = Jump { velocity: vec![(0, 1.0), (1, 1.0)], acts_on: vec![0, 1] };
+        let mask = RowMask::near_rest(&[motor], &dq, &rule).unwrap();
+        assert_eq!(mask.left_out(), [0.375, 0.375]);
+    }
+
+    #[test]
+    fn a_joint_that_hardly_moves_keeps_all_samples() {
+        let dq = Series::from_channels(&[vec![1e-3; 30]]);
+        let rule = NearRest { velocity: vec![0.1], widened: 1 };
+        assert_eq!(RowMask::near_rest(&[own(0)], &dq, &rule), None);
+    }
+
+    #[test]
+    fn shares_are_one_away_from_what_is_left_out_and_zero_inside() {
+        let velocity: Vec<f64> = (0..4000).map(|k| if (1000..1600).contains(&k) { 0.0 } else { 1.0 }).collect();
+        let dq = Series::from_channels(&[velocity]);
+        let mask = RowMask::near_rest(&[own(0)], &dq, &NearRest { velocity: vec![0.1], widened: 0 }).unwrap();
+        let decimator = Decimator::new(10, 4000).unwrap();
+        let shares = mask.shares(&decimator).unwrap();
+        assert!(shares[..90].iter().chain(&shares[170..]).all(|s| (s - 1.0).abs() < 0.03), "{shares:?}");
+        assert!(shares[110..150].iter().all(|s| *s < 0.01));
+        let total: f64 = shares.iter().sum();
+        assert!((total - 340.0).abs() < 1.0, "{total}");
+    }
+}
