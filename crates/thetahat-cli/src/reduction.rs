@@ -5,6 +5,7 @@ use std::{error::Error, path::Path};
 use thetahat::{
     experiment::Experiment,
     output::OutputGuard,
+    preparation::{Mask, NamedMask},
     reduction::{ReduceOptions, ReduceProgress, ReducedRecording, Reduction, estimates_of_results},
     report::{self, Published},
 };
@@ -32,7 +33,13 @@ pub fn reduce(request: &arguments::Reduce) -> Result<Verdict, Box<dyn Error>> {
     reduction.write(&request.out)?;
     let recordings: String = reduction.recordings.iter().map(line).collect();
     let out = request.out.display();
-    print(&format!("{recordings}written: {out}\nThen: thetahat solve {out}\n"))?;
+    let note = match experiment.settings.signal.mask {
+        Mask::Named(NamedMask::None) => "",
+        Mask::Named(NamedMask::NearRest) | Mask::Stated(_) => {
+            "near rest: every sample makes rows; identify leaves samples near rest out ([signal] mask)\n"
+        }
+    };
+    print(&format!("{recordings}{note}written: {out}\nThen: thetahat solve {out}\n"))?;
     Ok(Verdict::Good)
 }
 

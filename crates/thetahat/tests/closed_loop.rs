@@ -153,6 +153,24 @@ fn smaller_gear_ratios_move_the_joints_further() {
     }
 }
 
+/// The motors start where the true gears put them for the reference: wrong gears put the joints elsewhere, about the motors'
+/// zero.
+#[test]
+fn smaller_gear_ratios_start_the_joints_further_from_the_motors_zero() {
+    let start = vec![20f64.to_radians(), -10f64.to_radians()];
+    let end = vec![start[0] + 0.3, start[1] - 0.2];
+    let mut bench = Bench::new(COUPLED, "law = \"pd\"\nbandwidth_hz = [60.0]", Reference::Moves(one_move(start, end)));
+    let nominal = bench.run(1);
+    bench.bias = SimulatorBias { gear_ratio: 0.9, ..SimulatorBias::NONE };
+    let biased = bench.run(1);
+    let offset = bench.robot.transmission.offset().to_vec();
+    for (j, offset) in offset.iter().enumerate() {
+        let from_zero = |motion: &SimulatedMotion| motion.q.sample(0)[j] - offset;
+        assert!(from_zero(&nominal).abs() > 0.05, "joint {j}");
+        assert!((from_zero(&biased) * 0.9 / from_zero(&nominal) - 1.0).abs() < 1e-12, "joint {j}");
+    }
+}
+
 /// q_0 + scale (q_ref - q_0) + offset, that much later: where the motors track well.
 #[test]
 fn a_biased_reference_is_scaled_moved_and_late() {

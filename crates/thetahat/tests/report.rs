@@ -217,6 +217,8 @@ fn results() -> Results {
             window_s: [0.05, 0.35],
             resampling: None,
             torque_ends_hz: None,
+            torque_hold_s: 0.0,
+            near_rest: None,
             reference: Some(ReferenceResult {
                 origin: "reconstructed".to_owned(),
                 moves: Some(13),
@@ -235,6 +237,7 @@ fn results() -> Results {
         },
         seed: Some(1),
         findings: vec![RecordingFindings { recording: "1".to_owned(), held_back: false, findings: vec![finding()] }],
+        with_rest: None,
         profiled_terms: Vec::new(),
         term_comparison: None,
         elimination: Some(EliminationResult {

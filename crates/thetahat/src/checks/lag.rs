@@ -14,6 +14,7 @@ use super::{
     friction_shapes::rows_of_reversals,
     lag_search::{LONGEST_S, Lags, Search, shifted},
     orthogonal_fit::OrthogonalFit,
+    subject::Subject,
     thinned_record::ThinnedRecord,
 };
 use crate::linear_algebra::Matrix;
@@ -33,6 +34,8 @@ const SAME_DEVIATIONS: f64 = 4.0;
 const SAME_PART: f64 = 0.35;
 /// Lag in samples below which it is noted only.
 const ONE_SAMPLE: f64 = 1.0;
+/// Lag in samples that torques have which hold until the next sample: half a sample, as well as it is measured.
+const HELD: std::ops::RangeInclusive<f64> = -0.85..=-0.2;
 /// Part of the information of a common lag that joints with another lag may hold.
 const DISAGREEING: f64 = 0.2;
 /// Deviation of a joint's friction, relative to that of the rest of its torque, from which a lag of the joint alone is one of
@@ -183,13 +186,19 @@ impl Delay {
         if matters || self.explained.residual > NOTE_PERCENT {
             let severity = if matters { Severity::Warning } else { Severity::Note };
             let evidence = Evidence { value: self.samples(), unit: "samples", limit: f64::NAN, ..evidence };
-            let words = self.words(coordinate.map(|c| exam.subject.joint_number(c)), exam.subject.controller.is_some());
+            let number = coordinate.map(|c| exam.subject.joint_number(c));
+            let words = self.words(number, exam.subject);
             exam.raise(evidence, severity, words);
         }
         matters
     }
 
-    fn words(&self, joint_number: Option<usize>, controlled: bool) -> Words {
+    /// Whether it is that of torques that hold until the next sample, and nothing says that they do.
+    fn is_held(&self, subject: &Subject<'_>) -> bool {
+        self.of_all && subject.held_part_of_step == 0.0 && HELD.contains(&self.samples())
+    }
+
+    fn words(&self, joint_number: Option<usize>, subject: &Subject<'_>) -> Words {
         let ms = |steps: f64| 1e3 * self.samples_per_step * steps / self.rate;
         let (size, order) = (self.samples().abs(), if self.steps > 0.0 { "later" } else { "earlier" });
         let whose = joint_number
@@ -201,9 +210,13 @@ impl Delay {
             ms(self.deviation),
             self.explained.residual
         );
-        let also = if controlled { ", and state the delay of [controller]" } else { "" };
-        let remedy = if size < ONE_SAMPLE {
-            "nothing to do: a drive signal that is held from sample to sample is half a sample early".to_owned()
+        let also = if subject.controller.is_some() { ", and state the delay of [controller]" } else { "" };
+        let remedy = if self.is_held(subject) {
+            "if the torque is a drive signal that the controller holds until its next sample, say so by held = true \
+             beside its columns: it is half a sample early"
+                .to_owned()
+        } else if size < ONE_SAMPLE {
+            "nothing to do: it is less than a sample".to_owned()
         } else {
             format!("shift the torque against the position before the estimate{also}")
         };

@@ -6,6 +6,7 @@ use crate::{
     dynamics::Model,
     robot::{Joint, Robot},
     series::Series,
+    signal::centred_hold,
 };
 
 /// How the record is filtered, decimated and cut for the estimate.
@@ -46,6 +47,8 @@ pub struct Subject<'a> {
     pub velocity: Option<&'a Series>,
     /// Torques as recorded, if any, N m or N: without them there is no fit to check.
     pub torque: Option<&'a Series>,
+    /// Part of a sample period for which a torque is said to hold.
+    pub held_part_of_step: f64,
     /// The recorded reference, if any, rad or m.
     pub reference: Option<&'a Series>,
     /// Rms deviation of the motion from the reconstructed reference, if there is one, per coordinate, rad
@@ -67,6 +70,12 @@ impl Subject<'_> {
     /// The recorded torques in the window.
     pub(super) fn torque_in_window(&self) -> Option<Series> {
         self.torque.map(|torque| torque.window(self.signal.window.clone()))
+    }
+
+    /// The torques that act around the samples of the window: those recorded, or their means where they hold.
+    pub(super) fn centred_torque_in_window(&self) -> Option<Series> {
+        let centred = |torque: &Series| centred_hold(torque, self.held_part_of_step);
+        self.torque.map(|torque| centred(torque).window(self.signal.window.clone()))
     }
 
     /// The joint of a coordinate, both from zero.

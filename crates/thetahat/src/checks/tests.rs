@@ -104,6 +104,7 @@ impl Crane {
             torque: Some(&self.torque),
             reference: None,
             reconstructed_deviation: Some(&self.reconstructed_deviation),
+            held_part_of_step: 0.0,
             left_out: &[],
             contradicting_times: None,
             added_signal: false,

@@ -91,7 +91,7 @@ impl<'a> ThinnedRecord<'a> {
     }
 
     fn of_factor(subject: &'a Subject<'a>, factor: usize, cutoff_hz: f64) -> Option<Self> {
-        Self::of_torque(subject, &subject.torque_in_window()?, factor, cutoff_hz).ok()
+        Self::of_torque(subject, &subject.centred_torque_in_window()?, factor, cutoff_hz).ok()
     }
 
     fn of_torque(

@@ -90,7 +90,7 @@ impl<'a> Simulated<'a> {
         if !self.experiment.settings.simulation.band_pass {
             return self.simulate_piece(range);
         }
-        let ahead = self.reach + 2;
+        let ahead = self.reach + 2 * self.experiment.settings.signal.derivative.reach();
         let extended = range.start.saturating_sub(ahead)..(range.end + ahead).min(self.source.samples);
         let piece = self.simulate_piece(&extended)?;
         self.filtered(&piece.motion.q, range.start - extended.start..range.end - extended.start)

@@ -67,10 +67,10 @@ impl<'a> Pieces<'a> {
         decimator.pieces((self.samples / decimation).min(fitting).max(1))
     }
 
-    /// What is read for a range of samples, so that two differences of its filtered positions agree with the whole
+    /// What is read for a range of samples, so that two derivatives of its filtered positions agree with the whole
     /// record.
     fn extended(&self, range: &Range<usize>) -> Range<usize> {
-        let ahead = self.reach + 2;
+        let ahead = self.reach + 2 * self.experiment.settings.signal.derivative.reach();
         range.start.saturating_sub(ahead)..(range.end + ahead).min(self.source.samples)
     }
 

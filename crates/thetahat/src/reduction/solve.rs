@@ -86,6 +86,7 @@ impl Reduction {
             bandwidth: experiment.setup().measure_bandwidth(rate).map_err(|e| experiment.refuse(e))?,
             seed: experiment.file.twin.as_ref().map(|t| t.sensors.seed),
             findings: Vec::new(),
+            with_rest: None,
             profiled_terms: Vec::new(),
             term_comparison: None,
             elimination,
@@ -111,6 +112,8 @@ impl ReducedRecording {
             window_s: self.window_s,
             resampling: None,
             torque_ends_hz: None,
+            torque_hold_s: 0.0,
+            near_rest: None,
             reference: None,
         }
     }

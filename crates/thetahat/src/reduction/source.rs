@@ -147,7 +147,7 @@ impl<'a> Source<'a> {
             samples: recording.position.len(),
             sample_rate_hz: recording.sample_rate_hz,
             truth: recording.truth.clone(),
-            values: Values::Whole(Box::new(recording)),
+            values: Values::Whole(Box::new(recording.with_centred_torque())),
             places: Places::default(),
         }
     }

@@ -127,8 +127,12 @@ impl Regression {
     /// much as the best of the others.
     #[must_use]
     pub fn joint_weights(&self, prediction: &[f64]) -> Vec<f64> {
+        self.joint_weights_of(prediction, &self.rows_represented_by_joint())
+    }
+
+    /// The same where the rows of each joint stand for so many.
+    pub(crate) fn joint_weights_of(&self, prediction: &[f64], rows: &[f64]) -> Vec<f64> {
         let joints = self.layout.joints();
-        let rows = self.rows_represented_by_joint();
         let acts = |c: usize, joint: usize| self.layout.rows_of_joint(joint).any(|k| self.x.at(k, c) != 0.0);
         let deviation = |joint: usize| {
             let residual: f64 = self.layout.rows_of_joint(joint).map(|k| (self.y[k] - prediction[k]).powi(2)).sum();
@@ -142,7 +146,7 @@ impl Regression {
     }
 
     /// The rows of each joint among those that these stand for.
-    fn rows_represented_by_joint(&self) -> Vec<f64> {
+    pub(crate) fn rows_represented_by_joint(&self) -> Vec<f64> {
         let joints = self.layout.joints();
         if !self.layout.is_masked() {
             return vec![self.rows_represented as f64 / joints.max(1) as f64; joints];

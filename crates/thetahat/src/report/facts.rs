@@ -5,7 +5,7 @@ use super::{
     number::{given, optional, significant},
     units,
 };
-use crate::results::{JointKind, LockedJoint, RecordingResult, ReferenceResult, Results};
+use crate::results::{JointKind, LockedJoint, NearRestResult, RecordingResult, ReferenceResult, Results};
 
 /// The head: what to take, then what was recorded and how it was filtered.
 pub(super) fn head(results: &Results) -> Vec<(&'static str, String)> {
@@ -21,6 +21,7 @@ pub(super) fn facts(results: &Results) -> Vec<(&'static str, String)> {
     facts.extend(recordings("held back", &results.validation_recordings));
     facts.push(("rows", rows));
     facts.extend(filters(results));
+    facts.extend(near_rest(results));
     facts.extend(references(results).map(|r| ("reference", r)));
     facts.extend(results.seed.map(|seed| ("seed", seed.to_string())));
     facts.push(("thetahat", results.thetahat.clone()));
@@ -54,8 +55,12 @@ fn recordings(label: &'static str, recordings: &[RecordingResult]) -> Vec<(&'sta
         let ends = r.torque_ends_hz.map_or_else(String::new, |hz| {
             format!("; filtered before it was recorded: the torques end at {} Hz", significant(hz, 2))
         });
+        let held = match r.torque_hold_s {
+            0.0 => String::new(),
+            hold => format!("; torques hold for {} ms and are centred", significant(1e3 * hold, 3)),
+        };
         let window = format!("{} at {rate} Hz, window {start} s to {end} s", r.samples_used);
-        (label, format!("{name}{window}{weight}{}{ends}", resampled.unwrap_or_default()))
+        (label, format!("{name}{window}{weight}{}{ends}{held}", resampled.unwrap_or_default()))
     };
     recordings.iter().map(line).collect()
 }
@@ -67,6 +72,27 @@ fn references(results: &Results) -> impl Iterator<Item = String> {
         let text = reference(results, r.reference.as_ref()?);
         Some(if several { format!("{}: {text}", r.name) } else { text })
     })
+}
+
+/// The samples near rest that make no rows, and what they would change; none where all make rows.
+fn near_rest(results: &Results) -> Option<(&'static str, String)> {
+    let masks: Vec<&NearRestResult> = results.recordings.iter().filter_map(|r| r.near_rest.as_ref()).collect();
+    let percents = || masks.iter().flat_map(|mask| mask.left_out_percent.iter().copied().enumerate());
+    let least = percents().map(|(_, percent)| percent).fold(f64::INFINITY, f64::min);
+    let (joint, most) = percents().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let widened = masks.iter().map(|mask| mask.widened_s).fold(0.0, f64::max);
+    let left_out = format!(
+        "{} to {} % of a joint's samples left out, most of joint {}, with {} ms on either side",
+        significant(least, 2),
+        significant(most, 2),
+        joint + 1,
+        significant(1e3 * widened, 2),
+    );
+    let with = results.with_rest.as_ref().map(|with| {
+        let [error, deviations] = [with.relative_error_percent, with.deviations].map(|v| significant(v, 2));
+        format!("; with them idim-ls has an error of {error} %, and {} is {deviations} deviations off", with.parameter)
+    });
+    Some(("near rest", left_out + &with.unwrap_or_default()))
 }
 
 fn filters(results: &Results) -> [(&'static str, String); 2] {

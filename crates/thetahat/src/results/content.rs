@@ -6,7 +6,7 @@ use super::{
     joints::JointResult,
     parameters::EliminationResult,
     payload::{DriveGainResult, PayloadResult},
-    recordings::{Bandwidth, RecordingFindings, RecordingResult},
+    recordings::{Bandwidth, RecordingFindings, RecordingResult, WithRestResult},
     run::RunResult,
     terms::{ProfiledTerm, TermComparison},
 };
@@ -58,6 +58,9 @@ pub struct Results {
     pub findings: Vec<RecordingFindings>,
     /// The elimination, where essential parameters were sought.
     pub elimination: Option<EliminationResult>,
+    /// What samples near rest would change, where they were left out.
+    #[serde(default)]
+    pub with_rest: Option<WithRestResult>,
     /// Constants of torque terms that were searched for.
     #[serde(default)]
     pub profiled_terms: Vec<ProfiledTerm>,

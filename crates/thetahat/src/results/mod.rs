@@ -59,7 +59,9 @@ pub use parameters::{EliminationResult, ParameterResult};
 pub use payload::{DriveGainResult, PayloadParameter, PayloadResult};
 pub use physical::{ConsistencyTest, ConsistentEstimate, ConsistentParameter, PhysicalResult};
 pub use prediction::Prediction;
-pub use recordings::{Bandwidth, PeriodicResult, RecordingFindings, RecordingResult, ReferenceResult};
+pub use recordings::{
+    Bandwidth, NearRestResult, PeriodicResult, RecordingFindings, RecordingResult, ReferenceResult, WithRestResult,
+};
 pub use run::{IterationResult, LoopParameterResult, RunResult};
 pub use sensitivity::{Sensitivity, SensitivityPoint};
 pub use terms::{JointTermComparison, ProfiledTerm, TermComparison, TermLaw};

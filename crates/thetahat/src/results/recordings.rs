@@ -23,8 +23,37 @@ pub struct RecordingResult {
     /// Where torques end that were low-passed before they were recorded, Hz; none where they are raw.
     #[serde(default)]
     pub torque_ends_hz: Option<f64>,
+    /// Time for which its torques hold, s, over which they were centred; zero where they were measured at their instants.
+    #[serde(default)]
+    pub torque_hold_s: f64,
+    /// Samples near rest that make no rows; none where all make rows.
+    #[serde(default)]
+    pub near_rest: Option<NearRestResult>,
     /// The reference that its simulations follow.
     pub reference: Option<ReferenceResult>,
+}
+
+/// Samples that make no rows because the sign of a velocity is not known there.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct NearRestResult {
+    /// Velocity of each coordinate below which it is near rest, rad/s or m/s.
+    pub velocity: Vec<f64>,
+    /// Time on either side that is left out as well, s.
+    pub widened_s: f64,
+    /// Part of each coordinate's samples that is left out, percent; zero for one that hardly moves, which keeps all.
+    pub left_out_percent: Vec<f64>,
+}
+
+/// What IDIM-LS gives where samples near rest make rows too.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WithRestResult {
+    /// Its relative error, percent.
+    pub relative_error_percent: f64,
+    /// The parameter that differs most, and its difference in standard deviations of the nominal estimate, with correlated
+    /// errors.
+    pub parameter: String,
+    /// The difference.
+    pub deviations: f64,
 }
 
 /// Where the simulations' reference comes from, and how well it describes the record.

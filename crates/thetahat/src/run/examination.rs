@@ -60,6 +60,7 @@ fn subject_of<'a>(
         torque: recording.torque.as_ref(),
         reference: None,
         reconstructed_deviation: None,
+        held_part_of_step: recording.held_part_of_step(),
         left_out: &filtered.left_out,
         contradicting_times: recording.contradicting_times.as_ref().map(|(column, rate)| (column.as_str(), *rate)),
         added_signal: recording.added_signal.is_some(),

@@ -35,6 +35,7 @@ mod profiled_robot;
 mod sensitivity;
 mod term_comparison;
 mod uncertain;
+mod with_rest;
 mod worse_than_zero;
 
 pub(crate) use examination::{check_recordings, examine_robot};

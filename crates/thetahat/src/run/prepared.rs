@@ -1,6 +1,6 @@
 use crate::{
-    preparation::{FilteredRecording, PreparationError, RecordedReference, Recording, Setup},
-    results::RecordingResult,
+    preparation::{FilteredRecording, PreparationError, Problem, RecordedReference, Recording, Setup},
+    results::{NearRestResult, RecordingResult},
 };
 
 /// A recording ready for every case: filtered, with its reference where a method or report needs one.
@@ -17,7 +17,7 @@ impl Prepared {
         Ok(Self { filtered, reference })
     }
 
-    pub(super) fn describe(&self) -> RecordingResult {
+    pub(super) fn describe(&self, problem: &Problem) -> RecordingResult {
         let recording = &self.filtered.recording;
         RecordingResult {
             name: recording.name.clone(),
@@ -27,9 +27,22 @@ impl Prepared {
             window_s: self.filtered.window_s(),
             resampling: recording.resampling,
             torque_ends_hz: self.filtered.torque_ends_hz(),
+            torque_hold_s: recording.torque_hold_s,
+            near_rest: near_rest(&self.filtered, problem),
             reference: self.reference.as_ref().map(|r| r.describe(&self.filtered)),
         }
     }
+}
+
+/// The samples near rest that a recording leaves out.
+fn near_rest(filtered: &FilteredRecording, problem: &Problem) -> Option<NearRestResult> {
+    let mask = filtered.mask(&problem.model, &problem.base.columns())?;
+    let rule = filtered.near_rest.as_ref()?;
+    Some(NearRestResult {
+        velocity: rule.velocity.clone(),
+        widened_s: rule.widened as f64 / filtered.recording.sample_rate_hz,
+        left_out_percent: mask.left_out().into_iter().map(|part| 100.0 * part).collect(),
+    })
 }
 
 /// Their filtered recordings.

@@ -14,6 +14,9 @@ use crate::{
 /// Part of the a-priori mass matrix above which that of start values is simulated as it is: they are the user's.
 const PART_AT_START: f64 = 0.01;
 
+/// Simulations for IV of a robot in the place of its estimate that have viscous friction.
+const WITH_VISCOUS: usize = 6;
+
 /// How close to the boundary of the physical set a method goes.
 struct Margin {
     /// Part of the a-priori mass matrix above which that of an estimate is simulated as it is.
@@ -46,6 +49,8 @@ pub(super) struct Physical<'a> {
     /// Triangular factor of the regression in all base parameters: of X, or of Z for DIDIM.
     r: Option<Matrix>,
     before: Option<ConsistentFit>,
+    /// Simulations for IV of a robot in the place of its estimate.
+    simulations: usize,
     /// Once an estimate could not be simulated, physical parameters are, to the end.
     is_needed: bool,
     /// An estimate in the physical set with its standard parameters.
@@ -65,6 +70,7 @@ impl<'a> Physical<'a> {
             set: problem.consistent_set(simulator.setup()),
             r: None,
             before: None,
+            simulations: 0,
             is_needed: false,
             constrained: None,
             failure: None,
@@ -94,7 +100,7 @@ impl<'a> Physical<'a> {
         let ls = idim_ls(self.regression, Default::default()).ok()?;
         let standard = self.nearest(&ls.theta)?;
         let start = self.problem.estimated.from_standard(&standard);
-        self.current = Parameters::Standard { theta: standard, tolerance: 1.0 };
+        self.current = Parameters::Standard { theta: self.followed(standard), tolerance: 1.0 };
         Some(start)
     }
 
@@ -160,7 +166,7 @@ impl<'a> Physical<'a> {
         self.before.as_ref()?;
         let note = match self.design {
             Design::Measured => {
-                "simulates the physically consistent parameters nearest to its estimate, which are no robot's"
+                "simulates the physically consistent robot nearest to its estimate, which is no robot's, without Coulomb friction"
             }
             Design::Simulated if self.is_needed => {
                 "estimates in the physically consistent set, since its free estimates could not be simulated; deviations \
@@ -181,7 +187,32 @@ impl<'a> Physical<'a> {
         }
         let standard = self.problem.estimated.to_standard(estimate);
         self.is_needed |= !self.is_safe(&standard, margin(self.design).part);
-        if self.is_needed { self.nearest(estimate).unwrap_or(standard) } else { standard }
+        if !self.is_needed {
+            return standard;
+        }
+        match self.nearest(estimate) {
+            Some(nearest) => self.followed(nearest),
+            None => standard,
+        }
+    }
+
+    /// The robot whose motion IV takes for instruments in the place of an estimate that is none: without Coulomb friction, so
+    /// that the simulated loop follows the reference. A wrist with little inertia and much friction sticks where its
+    /// controller is weak, and what does not move is no instrument. Where that has not settled the estimates, viscous
+    /// friction holds it back too. DIDIM fits the torques of the robot as it is.
+    fn followed(&mut self, mut standard: Vec<f64>) -> Vec<f64> {
+        if self.design == Design::Simulated {
+            return standard;
+        }
+        self.simulations += 1;
+        let without_viscous = self.simulations > WITH_VISCOUS;
+        let table = self.problem.model.parameter_table();
+        let is_left_out = |i: &usize| {
+            let quantity = table.get(*i).quantity;
+            quantity.role() == Role::CoulombFriction || (without_viscous && quantity.is_friction())
+        };
+        (0..standard.len()).filter(is_left_out).for_each(|i| standard[i] = 0.0);
+        standard
     }
 
     /// The estimate of the physical set nearest to a free one, in the metric of its own Z.

@@ -67,6 +67,15 @@ impl Derivative {
         }
     }
 
+    /// Samples on either side that it takes.
+    #[must_use]
+    pub fn reach(self) -> usize {
+        match self {
+            Self::Central => 1,
+            Self::NinePoint => NINE_POINT.len(),
+        }
+    }
+
     /// Its gain at a frequency, per second: the ideal one is `2 pi f`.
     #[must_use]
     pub fn gain(self, hz: f64, sample_rate_hz: f64) -> f64 {

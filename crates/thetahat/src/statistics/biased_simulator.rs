@@ -207,6 +207,16 @@ mod tests {
         }
     }
 
+    /// The noise is estimated again in each draw, so that its size does not matter.
+    #[test]
+    fn a_draw_is_judged_by_its_own_noise() {
+        let compared = example(1.0, 2);
+        let u = coloured(&mut ChaCha8Rng::seed_from_u64(11), 0.1);
+        let louder: Vec<f64> = u.iter().map(|u| 10.0 * u).collect();
+        let [one, ten] = [&u, &louder].map(|u| compared.statistic_of(u).unwrap());
+        assert!((ten / one - 1.0).abs() < 1e-9, "{one} {ten}");
+    }
+
     #[test]
     fn without_bias_it_rejects_as_often_as_it_says() {
         let rejects = |seed: u64| {

@@ -211,6 +211,7 @@ impl Record {
             torque: Some(&self.torque),
             reference: None,
             reconstructed_deviation: None,
+            held_part_of_step: 0.0,
             left_out: &[],
             contradicting_times: None,
             added_signal: false,

@@ -62,6 +62,7 @@ impl Record {
             torque: Some(&self.torque),
             reference: self.reference.as_ref(),
             reconstructed_deviation: self.reconstructed_deviation.as_deref(),
+            held_part_of_step: 0.0,
             left_out: &[],
             contradicting_times: None,
             added_signal: self.added_signal,
