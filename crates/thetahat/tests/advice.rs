@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use thetahat::{experiment::Experiment, identification::Method, results::Verdict};
+use thetahat::{experiment::Experiment, identification::Method, results::Comparison};
 
 /// The band-pass and the sign of small velocities move IV by several standard deviations, and DIDIM by none: the simulator
 /// is not to be blamed.
@@ -12,7 +12,7 @@ fn an_exact_simulator_beside_a_wrong_measured_motion_is_not_blamed() {
     let experiment = Experiment::read(&path, path.parent().unwrap()).unwrap();
     let results = experiment.run(path.parent().unwrap(), &mut |_| {}).unwrap();
     let test = results.diagnostics[0].biased_simulator.as_ref().unwrap();
-    assert_eq!(test.verdict, Verdict::Undecided, "{test:?}");
+    assert_eq!(test.verdict, Comparison::Undecided, "{test:?}");
     let advice = &results.advice[0];
     assert_eq!(advice.take, None, "{advice:?}");
     assert!(!advice.distrust.contains(&Method::DIDIM) && !advice.text.contains("later"), "{advice:?}");

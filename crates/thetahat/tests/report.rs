@@ -9,10 +9,11 @@ use std::{
 use thetahat::{
     report::{self, Agreement, Published, ReportError, TEXT_WIDTH, text, write_all},
     results::{
-        Advice, Bandwidth, BiasExplanation, BiasKind, BiasedSimulatorResult, CaseDiagnosis, Code, EliminationResult,
-        EndogeneityResult, FTest, Finding, Influence, IterationResult, JointKind, JointResidual, JointResult, Method,
-        ParameterDifference, ParameterResult, Plots, RecordingFindings, RecordingResult, ReferenceResult,
-        ResidualResult, Results, ResultsError, RunPlots, RunResult, SCHEMA, Severity, Status, Verdict, Weighting,
+        Advice, Bandwidth, BiasExplanation, BiasKind, BiasedSimulatorResult, CaseDiagnosis, Code, Comparison,
+        EliminationResult, EndogeneityResult, FTest, Finding, Influence, IterationResult, JointKind, JointResidual,
+        JointResult, Method, ParameterDifference, ParameterResult, Plots, RecordingFindings, RecordingResult,
+        ReferenceResult, ResidualResult, Results, ResultsError, RunPlots, RunResult, SCHEMA, Severity, Status,
+        Weighting,
     },
     statistics::chi_squared_test,
 };
@@ -122,7 +123,7 @@ fn diagnosis(case: &str) -> CaseDiagnosis {
             robust: chi_squared_test(3.2, 4).unwrap(),
             average_difference: 0.19,
             parameters: parameters.clone(),
-            verdict: Verdict::Agree,
+            verdict: Comparison::Agree,
         }),
         instruments: None,
         biased_simulator: Some(BiasedSimulatorResult {
@@ -135,7 +136,7 @@ fn diagnosis(case: &str) -> CaseDiagnosis {
             average_difference: 3.76,
             residual_ratio: 1.08,
             harmless_below: 0.5,
-            verdict: Verdict::Alarm,
+            verdict: Comparison::Alarm,
             parameters,
             joint_percent: vec![70.0, 30.0],
             explanations: vec![BiasExplanation {

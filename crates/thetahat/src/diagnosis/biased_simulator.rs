@@ -8,7 +8,7 @@ use super::{
 use crate::{
     linear_algebra::{Matrix, PivotedQr},
     preparation::{Case, Problem},
-    results::{BiasExplanation, BiasedSimulatorResult, Verdict},
+    results::{BiasExplanation, BiasedSimulatorResult, Comparison},
     simulation::{BiasKind, SimulatorBias},
     statistics::SimulatorComparison,
 };
@@ -41,14 +41,17 @@ pub(super) fn biased_simulator(
     let threshold = statistics.get(fifth).copied().filter(|t| t.is_finite())?;
     let larger = statistics.iter().filter(|s| **s >= compared.statistic).count();
     let verdict = match verdict(compared.statistic > threshold, compared.average_difference) {
-        Verdict::Agree if compared.average_difference >= HARMLESS_BELOW && compared.residual_ratio > 1.0 => {
-            Verdict::Unclear
+        Comparison::Agree if compared.average_difference >= HARMLESS_BELOW && compared.residual_ratio > 1.0 => {
+            Comparison::Unclear
         }
-        Verdict::Alarm if compared.residual_ratio < EXPLAINS_BETTER => Verdict::Undecided,
-        other
-        @ (Verdict::Agree | Verdict::SmallDifference | Verdict::Alarm | Verdict::Unclear | Verdict::Undecided) => other,
+        Comparison::Alarm if compared.residual_ratio < EXPLAINS_BETTER => Comparison::Undecided,
+        other @ (Comparison::Agree
+        | Comparison::SmallDifference
+        | Comparison::Alarm
+        | Comparison::Unclear
+        | Comparison::Undecided) => other,
     };
-    let alarm = verdict == Verdict::Alarm;
+    let alarm = verdict == Comparison::Alarm;
     let all: f64 = compared.joint_squares.iter().sum();
     Some(BiasedSimulatorResult {
         statistic: compared.statistic,

@@ -1,7 +1,7 @@
 use super::problems::Problems;
 use crate::{
     identification::{Method, Status},
-    results::{CaseDiagnosis, EndogeneityResult, InstrumentResult, RecordingFindings, RunResult, Verdict},
+    results::{CaseDiagnosis, Comparison, EndogeneityResult, InstrumentResult, RecordingFindings, RunResult},
 };
 
 /// F statistic below which instruments are weak (D. Staiger, J. H. Stock, 1997).
@@ -59,11 +59,11 @@ impl<'a> Evidence<'a> {
         self.diagnosis.instruments.as_ref().filter(|i| i.smallest_f < WEAK)
     }
 
-    pub(super) fn verdict(&self) -> Option<Verdict> {
+    pub(super) fn verdict(&self) -> Option<Comparison> {
         self.diagnosis.biased_simulator.as_ref().map(|b| b.verdict)
     }
 
     pub(super) fn ls_differs(&self) -> Option<&EndogeneityResult> {
-        self.diagnosis.endogeneity.as_ref().filter(|e| self.weak().is_none() && e.verdict == Verdict::Alarm)
+        self.diagnosis.endogeneity.as_ref().filter(|e| self.weak().is_none() && e.verdict == Comparison::Alarm)
     }
 }

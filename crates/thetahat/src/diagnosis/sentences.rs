@@ -3,7 +3,7 @@
 use super::evidence::{Evidence, Ran, WEAK};
 use crate::{
     identification::{Method, Status},
-    results::{BiasExplanation, BiasedSimulatorResult, EndogeneityResult, InstrumentResult, Verdict},
+    results::{BiasExplanation, BiasedSimulatorResult, Comparison, EndogeneityResult, InstrumentResult},
     simulation::BiasKind,
 };
 
@@ -20,7 +20,7 @@ pub(super) fn on_estimates(evidence: &Evidence<'_>, take: Option<Method>) -> Str
         Some(method) => {
             format!("Take {method} with care: no other method has an estimate that can be trusted.")
         }
-        None if evidence.verdict() == Some(Verdict::Undecided) => {
+        None if evidence.verdict() == Some(Comparison::Undecided) => {
             "Take no method's numbers as they are: the measured motion or the simulator is wrong.".to_owned()
         }
         None if evidence.runs.iter().any(|r| r.status == Status::Converged) => {
@@ -37,7 +37,7 @@ fn take_iv(evidence: &Evidence<'_>) -> String {
         .unwrap_or_else(|| "it needs no exact simulator".to_owned());
     let ls = evidence.has_estimate(Method::IDIM_LS);
     match (&evidence.diagnosis.endogeneity, ls) {
-        (Some(e), true) if e.verdict == Verdict::Alarm => format!(
+        (Some(e), true) if e.verdict == Comparison::Alarm => format!(
             "Take idim-iv, distrust idim-ls: they differ by {} standard deviations on average, most in {} \
              (Durbin-Wu-Hausman {}), and {strong}.",
             short(e.average_difference),
@@ -49,7 +49,7 @@ fn take_iv(evidence: &Evidence<'_>) -> String {
              (Durbin-Wu-Hausman {}), {}; {strong}.",
             short(e.average_difference),
             p_value(e.robust.p_value),
-            if e.verdict == Verdict::Agree { "no more than chance" } else { "too little to matter" },
+            if e.verdict == Comparison::Agree { "no more than chance" } else { "too little to matter" },
         ),
         (None, true) => format!("Take idim-iv or idim-ls; {strong}."),
         (_, false) => format!("Take idim-iv; {strong}."),
@@ -116,23 +116,25 @@ fn simulator_text(test: &BiasedSimulatorResult) -> String {
     );
     let ratio = short(test.residual_ratio);
     match test.verdict {
-        Verdict::Agree => format!("didim differs from idim-iv by {numbers}: no more than noise, the simulator passes."),
-        Verdict::SmallDifference => format!(
+        Comparison::Agree => {
+            format!("didim differs from idim-iv by {numbers}: no more than noise, the simulator passes.")
+        }
+        Comparison::SmallDifference => format!(
             "didim differs from idim-iv by {numbers}: the simulator is not exact, but the difference stays below the {} that \
              would matter.",
             test.harmless_below
         ),
-        Verdict::Unclear => format!(
+        Comparison::Unclear => format!(
             "Distrust didim: it differs from idim-iv by {numbers}, no more than chance, but only because the simulated \
              motion is so far from the measured one: its residual is {ratio} times that of idim-iv."
         ),
-        Verdict::Undecided => format!(
+        Comparison::Undecided => format!(
             "didim differs from idim-iv by {numbers}, most in {}, and explains the torques better, with {ratio} times its \
              residual: so it may be the filter, or the sign of small velocities. Raise [signal] cutoff_hz or leave out \
              stretches at rest, and compare again.",
             names(test)
         ),
-        Verdict::Alarm => {
+        Comparison::Alarm => {
             format!("Distrust didim: it differs from idim-iv by {numbers}, most in {}{}.", names(test), cause(test))
         }
     }
@@ -202,7 +204,8 @@ mod tests {
     #[test]
     fn a_cause_is_named_where_it_explains_the_difference_and_no_other_does() {
         let named = |explanations: Vec<BiasExplanation>| {
-            cause(&BiasedSimulatorResult { explanations, ..simulator(Verdict::Alarm) }).contains("gear ratios at 0.900")
+            cause(&BiasedSimulatorResult { explanations, ..simulator(Comparison::Alarm) })
+                .contains("gear ratios at 0.900")
         };
         assert!(named(vec![explanation(Some(0.9), 97.0), explanation(Some(0.5), 60.0)]));
         assert!(!named(vec![explanation(Some(0.9), 70.0)]));

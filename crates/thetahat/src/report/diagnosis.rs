@@ -7,8 +7,8 @@ use super::{
     table::Table,
 };
 use crate::results::{
-    BiasExplanation, BiasedSimulatorResult, CaseDiagnosis, ChiSquaredTest, EndogeneityResult, InstrumentResult,
-    JointResidual, ParameterDifference, ResidualResult, Results, RunResult, Verdict,
+    BiasExplanation, BiasedSimulatorResult, CaseDiagnosis, ChiSquaredTest, Comparison, EndogeneityResult,
+    InstrumentResult, JointResidual, ParameterDifference, ResidualResult, Results, RunResult,
 };
 
 /// Probability below which a test of a residual rejects.
@@ -46,13 +46,13 @@ fn strings(texts: &[&str]) -> Vec<String> {
     texts.iter().map(|t| (*t).to_owned()).collect()
 }
 
-fn verdict(verdict: Verdict) -> &'static str {
+fn verdict(verdict: Comparison) -> &'static str {
     match verdict {
-        Verdict::Agree => "agree",
-        Verdict::SmallDifference => "small",
-        Verdict::Alarm => "* alarm",
-        Verdict::Unclear => "* unclear",
-        Verdict::Undecided => "* undecided",
+        Comparison::Agree => "agree",
+        Comparison::SmallDifference => "small",
+        Comparison::Alarm => "* alarm",
+        Comparison::Unclear => "* unclear",
+        Comparison::Undecided => "* undecided",
     }
 }
 

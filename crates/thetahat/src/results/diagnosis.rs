@@ -96,7 +96,7 @@ pub struct EndogeneityResult {
     /// The parameters that differ most.
     pub parameters: Vec<ParameterDifference>,
     /// What follows.
-    pub verdict: Verdict,
+    pub verdict: Comparison,
 }
 
 /// How strong the instruments are.
@@ -136,7 +136,7 @@ pub struct BiasedSimulatorResult {
     /// The average difference below which a bias does little.
     pub harmless_below: f64,
     /// What follows.
-    pub verdict: Verdict,
+    pub verdict: Comparison,
     /// The parameters that differ most, in standard deviations of IV.
     pub parameters: Vec<ParameterDifference>,
     /// The part of each joint in the squared torques that the difference stands for, percent.
@@ -148,7 +148,7 @@ pub struct BiasedSimulatorResult {
 /// What a comparison of two estimates says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Verdict {
+pub enum Comparison {
     /// The difference is no more than noise.
     Agree,
     /// It is more than noise, but too small to matter beside the standard deviations.
@@ -163,7 +163,7 @@ pub enum Verdict {
     Unclear,
 }
 
-impl Verdict {
+impl Comparison {
     /// Whether the estimates that were compared with IV are not to be trusted.
     #[must_use]
     pub fn distrusts(self) -> bool {

@@ -50,7 +50,7 @@ pub use content::{NOMINAL, Results, SCHEMA};
 pub use curves::{Plots, RunPlots};
 pub use diagnosis::{
     Advice, ApproximatedParameter, ApproximationResult, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis,
-    EndogeneityResult, Influence, InstrumentResult, JointResidual, ParameterDifference, ResidualResult, Verdict,
+    Comparison, EndogeneityResult, Influence, InstrumentResult, JointResidual, ParameterDifference, ResidualResult,
 };
 pub use file::ResultsError;
 pub use filter::{ComparedFilter, Filter, FilterChoice, FilterError};
