@@ -5,7 +5,7 @@ use std::{path::Path, sync::OnceLock};
 use thetahat::{
     experiment::Experiment,
     identification::{Method, Status},
-    results::{Advice, BiasedSimulatorResult, Comparison, Results},
+    results::{Advice, BiasedSimulatorResult, Comparison, ReasonCode, Results, Verdict},
     simulation::BiasKind,
 };
 
@@ -58,6 +58,13 @@ fn the_exact_simulator_passes() {
     assert!(test.explanations.is_empty());
     let advice = advice("nominal");
     assert_eq!((advice.take, advice.distrust.as_slice()), (Some(Method::IDIM_IV), &[][..]), "{advice:?}");
+}
+
+/// The estimates are outside what a robot can have by more than two deviations: sums of many small errors. Nothing else is said.
+#[test]
+fn the_verdict_is_care_for_links_that_no_robot_has() {
+    let codes: Vec<ReasonCode> = results().verdict_reasons.iter().map(|r| r.code).collect();
+    assert_eq!((results().verdict, &codes[..]), (Some(Verdict::Care), &[ReasonCode::NotPhysical][..]));
 }
 
 #[test]

@@ -2,8 +2,8 @@
 //! difference.
 
 use super::{
+    comparison::{HARMLESS_BELOW, SIGNIFICANCE, comparison, largest},
     estimated::{Estimated, Whitened},
-    verdict::{HARMLESS_BELOW, SIGNIFICANCE, largest, verdict},
 };
 use crate::{
     linear_algebra::{Matrix, PivotedQr},
@@ -40,7 +40,7 @@ pub(super) fn biased_simulator(
     let fifth = ((1.0 - SIGNIFICANCE) * (DRAWS + 1) as f64) as usize - 1;
     let threshold = statistics.get(fifth).copied().filter(|t| t.is_finite())?;
     let larger = statistics.iter().filter(|s| **s >= compared.statistic).count();
-    let verdict = match verdict(compared.statistic > threshold, compared.average_difference) {
+    let verdict = match comparison(compared.statistic > threshold, compared.average_difference) {
         Comparison::Agree if compared.average_difference >= HARMLESS_BELOW && compared.residual_ratio > 1.0 => {
             Comparison::Unclear
         }

@@ -42,9 +42,8 @@ impl<'a> Evidence<'a> {
     /// The runs of a case beside its diagnosis.
     pub(super) fn of(diagnosis: &'a CaseDiagnosis, runs: &[RunResult], findings: &[RecordingFindings]) -> Self {
         let own: Vec<&RunResult> = runs.iter().filter(|r| r.case == diagnosis.case).collect();
-        let joints = own.iter().map(|r| r.joint_relative_error_percent.len()).max().unwrap_or(0);
-        let runs = own.iter().map(|r| Ran::of(r)).collect();
-        Self { diagnosis, runs, problems: Problems::of(findings, joints) }
+        let problems = Problems::of(findings, &own);
+        Self { diagnosis, runs: own.iter().map(|r| Ran::of(r)).collect(), problems }
     }
 
     pub(super) fn ran(&self, method: Method) -> Option<&Ran> {

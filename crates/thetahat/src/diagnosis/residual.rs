@@ -1,3 +1,4 @@
+use super::explained::explained;
 use crate::{
     linear_algebra::norm,
     regression::Regression,
@@ -9,7 +10,10 @@ use crate::{
 pub(crate) fn residual(regression: &Regression, prediction: &[f64]) -> ResidualResult {
     let residual = regression.residual(prediction);
     let joints = regression.layout.split(&residual);
-    let joint = |(j, blocks): (usize, &Vec<&[f64]>)| joint_residual(j + 1, blocks);
+    let joint = |(j, blocks): (usize, &Vec<&[f64]>)| JointResidual {
+        explained: explained(regression, j, blocks),
+        ..joint_residual(j + 1, blocks)
+    };
     // A joint that is fitted exactly, as one that is locked and without torque, has no residual to test.
     let is_left = |joint: &JointResidual| joint.rms > 0.0;
     let whitened = regression.layout.by_joint(&regression.whiten(&residual));
@@ -30,5 +34,6 @@ fn joint_residual(joint: usize, blocks: &[&[f64]]) -> JointResidual {
         autocorrelation: autocorrelation(blocks, 1)[0],
         whiteness: ljung_box(blocks, usual_lags(shortest)),
         normality: jarque_bera(&all),
+        explained: None,
     }
 }

@@ -30,6 +30,34 @@ pub struct JointResidual {
     pub whiteness: Option<ChiSquaredTest>,
     /// The Jarque-Bera test of normal rows.
     pub normality: Option<ChiSquaredTest>,
+    /// Whether the model explains the torque better than a constant.
+    #[serde(default)]
+    pub explained: Option<Explained>,
+}
+
+/// The model of a joint against one constant.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Explained {
+    /// The F-test, with as many rows as independent ones of the residual are worth.
+    #[serde(flatten)]
+    pub test: FTest,
+    /// Where the F-test is not certain: robust deviations by which the torque is explained better than the same torque shifted
+    /// against the motion.
+    #[serde(default)]
+    pub stands_out: Option<f64>,
+}
+
+impl Explained {
+    /// Probability of the F-test from which chance is not excluded.
+    pub const LIMIT: f64 = 1e-4;
+    /// Deviations from the shifted torques up to which it is not either.
+    pub const LIMIT_DEVIATIONS: f64 = 4.0;
+
+    /// Whether chance is enough to explain what the model explains.
+    #[must_use]
+    pub fn is_by_chance(&self) -> bool {
+        self.test.p_value > Self::LIMIT && self.stands_out.is_none_or(|z| z < Self::LIMIT_DEVIATIONS)
+    }
 }
 
 /// The part of the record without which the estimates change most.

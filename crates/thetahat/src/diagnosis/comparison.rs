@@ -12,7 +12,7 @@ pub(super) const HARMLESS_BELOW: f64 = 0.5;
 const NAMED: usize = 5;
 
 /// The verdict of a test and of the size of the difference that it found.
-pub(super) fn verdict(rejected: bool, average_difference: f64) -> Comparison {
+pub(super) fn comparison(rejected: bool, average_difference: f64) -> Comparison {
     match (rejected, average_difference >= HARMLESS_BELOW) {
         (false, _) => Comparison::Agree,
         (true, false) => Comparison::SmallDifference,
