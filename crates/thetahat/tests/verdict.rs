@@ -9,7 +9,8 @@ use rand_distr::{Distribution, StandardNormal};
 use thetahat::{
     Identification, Recording, Robot, Settings,
     experiment::Experiment,
-    results::{ReasonCode, Results, TwinRecord, Verdict},
+    identification::Method,
+    results::{Comparison, ReasonCode, Results, TwinRecord, Verdict},
     series::Series,
 };
 
@@ -58,6 +59,22 @@ fn torques_of_noise_are_not_used() {
         reasons.iter().all(|r| !of_joints.contains(&r.code)) && clean.verdict < Some(Verdict::DoNotUse),
         "{reasons:?}"
     );
+}
+
+/// A tenth of the noise beside an exact simulator: the test does not reject, since the noise of the comparison is the error of
+/// the measured motion, and idim-iv was taken with its Coulomb friction three deviations off.
+#[test]
+fn a_simulated_motion_that_explains_much_better_speaks_against_the_measured_one() {
+    let (folder, mut experiment) = experiment("emps_twin.toml");
+    let sensors = &mut experiment.file.twin.as_mut().unwrap().sensors;
+    sensors.torque_noise.iter_mut().for_each(|noise| *noise *= 0.1);
+    let results = experiment.run(&folder, &mut |_| {}).unwrap();
+    let test = results.diagnostics[0].biased_simulator.as_ref().unwrap();
+    assert_eq!(test.verdict, Comparison::Undecided, "{test:?}");
+    assert!(test.residual_ratio < 0.9 && results.advice[0].take.is_none(), "{test:?}");
+    assert!(!results.advice[0].distrust.contains(&Method::DIDIM));
+    assert_eq!(results.verdict, Some(Verdict::DoNotUse));
+    assert_eq!(results.verdict_reasons[0].code, ReasonCode::Undecided, "{:?}", results.verdict_reasons);
 }
 
 #[test]

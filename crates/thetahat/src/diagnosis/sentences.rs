@@ -109,10 +109,11 @@ fn weak_text(weak: &InstrumentResult) -> String {
 
 fn simulator_text(test: &BiasedSimulatorResult) -> String {
     let numbers = format!(
-        "{} standard deviations on average (biased simulator test {}, 5 % threshold {})",
+        "{} standard deviations on average (biased simulator test {}, 5 % threshold {}, {})",
         short(test.average_difference),
         short(test.statistic),
-        short(test.threshold)
+        short(test.threshold),
+        bootstrap_p_value(test)
     );
     let ratio = short(test.residual_ratio);
     match test.verdict {
@@ -130,8 +131,9 @@ fn simulator_text(test: &BiasedSimulatorResult) -> String {
         ),
         Comparison::Undecided => format!(
             "didim differs from idim-iv by {numbers}, most in {}, and explains the torques better, with {ratio} times its \
-             residual: so it may be the filter, or the sign of small velocities. Raise [signal] cutoff_hz or leave out \
-             stretches at rest, and compare again.",
+             residual: the measured motion may be wrong as well as the simulator. A drive signal that is held from sample to \
+             sample is half a sample late against the motion: say so with held = true in its [recording]. Rows near rest have \
+             the wrong sign of friction: leave them out with [signal] mask. Then compare again.",
             names(test)
         ),
         Comparison::Alarm => {
@@ -188,6 +190,12 @@ fn short(value: f64) -> String {
     }
     let rounded = (value * 10_f64.powf(places)).round() / 10_f64.powf(places);
     format!("{rounded}")
+}
+
+/// The bootstrap knows no probability below that of one of its draws and the record itself.
+fn bootstrap_p_value(test: &BiasedSimulatorResult) -> String {
+    let least = 1.0 / (test.draws + 1) as f64;
+    if test.p_value > least { format!("p = {}", short(test.p_value)) } else { format!("p <= {}", short(least)) }
 }
 
 fn p_value(p: f64) -> String {
