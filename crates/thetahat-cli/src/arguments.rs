@@ -10,7 +10,7 @@ use thetahat::{identification::Method, recording::Unit};
 
 /// Identifies the dynamic parameters of a robot from its recorded motion and torques.
 ///
-/// Exit codes: 0 good; 1 finished, but a nominal run is not to be trusted; 2 error.
+/// Exit codes: 0 the verdict is good, or care; 1 finished, but the numbers are not to be used; 2 error.
 #[derive(Parser)]
 #[command(name = "thetahat", version)]
 pub struct Arguments {

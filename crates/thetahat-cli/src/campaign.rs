@@ -13,10 +13,10 @@ use crate::{
     arguments,
     inputs::threads,
     progress::Counter,
-    terminal::{Verdict, print},
+    terminal::{Ending, print},
 };
 
-pub fn run(request: &arguments::Campaign) -> Result<Verdict, Box<dyn Error>> {
+pub fn run(request: &arguments::Campaign) -> Result<Ending, Box<dyn Error>> {
     let campaign = Campaign::read(&request.campaign)?;
     if let Some(directory) = &request.out {
         let guard = OutputGuard::new(campaign.input_files(), request.force.force);
@@ -33,7 +33,7 @@ pub fn run(request: &arguments::Campaign) -> Result<Verdict, Box<dyn Error>> {
     let results = campaign.results(&runs);
     print(&report::campaign_text(&results))?;
     print(&files(request, &results, &runs)?)?;
-    Ok(if runs.rows.iter().any(Row::has_converged) { Verdict::Good } else { Verdict::NotTrusted })
+    Ok(if runs.rows.iter().any(Row::has_converged) { Ending::Good } else { Ending::NotTrusted })
 }
 
 /// Writes the page, and says which files there are.

@@ -18,10 +18,10 @@ use crate::{
     inputs::{read_experiment, threads},
     progress::Progress,
     proposal, reduction, shell,
-    terminal::{Verdict, print},
+    terminal::{Ending, print},
 };
 
-pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
+pub fn run(arguments: Arguments) -> Result<Ending, Box<dyn Error>> {
     match arguments.command {
         Command::Demo(output) => run_experiment(&Experiment::demo()?, Path::new(""), &output),
         Command::Inspect(inspect) => proposal::inspect_recordings(&inspect),
@@ -40,7 +40,7 @@ pub fn run(arguments: Arguments) -> Result<Verdict, Box<dyn Error>> {
     }
 }
 
-fn check_experiment(described: &Described) -> Result<Verdict, Box<dyn Error>> {
+fn check_experiment(described: &Described) -> Result<Ending, Box<dyn Error>> {
     let (experiment, data) = read_experiment(described)?;
     let findings = experiment.check(&data)?;
     print(&report::findings_text(&findings))?;
@@ -48,7 +48,7 @@ fn check_experiment(described: &Described) -> Result<Verdict, Box<dyn Error>> {
     if !problem {
         compare_filters(&experiment, &data)?;
     }
-    Ok(if problem { Verdict::NotTrusted } else { Verdict::Good })
+    Ok(if problem { Ending::NotTrusted } else { Ending::Good })
 }
 
 /// What the experiment's filter and others do to the estimates; nothing where no estimate tells.
@@ -59,12 +59,12 @@ fn compare_filters(experiment: &Experiment, data: &Path) -> Result<(), Box<dyn E
     Ok(choice.iter().try_for_each(|choice| print(&report::filter_text(choice)))?)
 }
 
-fn identify_experiment(identify: &Identify) -> Result<Verdict, Box<dyn Error>> {
+fn identify_experiment(identify: &Identify) -> Result<Ending, Box<dyn Error>> {
     let (experiment, data) = read_experiment(&identify.described)?;
     run_experiment(&experiment, &data, &identify.output)
 }
 
-fn run_experiment(experiment: &Experiment, data: &Path, output: &Output) -> Result<Verdict, Box<dyn Error>> {
+fn run_experiment(experiment: &Experiment, data: &Path, output: &Output) -> Result<Ending, Box<dyn Error>> {
     if let Some(directory) = &output.out {
         OutputGuard::new(experiment.input_files(data), output.force.force).folder(directory, report::file_names())?;
     }
@@ -82,10 +82,10 @@ fn run_experiment(experiment: &Experiment, data: &Path, output: &Output) -> Resu
         }
         None => print("\nno files written; with --out DIR: results.json, parameters.csv, report.html\n")?,
     }
-    Ok(if results.is_trustworthy() { Verdict::Good } else { Verdict::NotTrusted })
+    Ok(Ending::of(results.verdict))
 }
 
-fn predict_torques(request: &Predict) -> Result<Verdict, Box<dyn Error>> {
+fn predict_torques(request: &Predict) -> Result<Ending, Box<dyn Error>> {
     if let Some(path) = &request.out {
         let inputs = [&request.results, &request.recording].into_iter().chain(&request.torque_file).cloned();
         OutputGuard::new(inputs, request.force.force).file(path)?;
@@ -106,10 +106,10 @@ fn predict_torques(request: &Predict) -> Result<Verdict, Box<dyn Error>> {
         report::write_prediction(&prediction, path)?;
         print(&format!("\nwritten: {}\n", path.display()))?;
     }
-    Ok(Verdict::Good)
+    Ok(Ending::of(Some(prediction.verdict)))
 }
 
-fn sweep_errors(sensitivity: &Sensitivity) -> Result<Verdict, Box<dyn Error>> {
+fn sweep_errors(sensitivity: &Sensitivity) -> Result<Ending, Box<dyn Error>> {
     let (experiment, data) = read_experiment(&sensitivity.described)?;
     if let Some(directory) = &sensitivity.out {
         let guard = OutputGuard::new(experiment.input_files(&data), sensitivity.force.force);
@@ -129,10 +129,10 @@ fn sweep_errors(sensitivity: &Sensitivity) -> Result<Verdict, Box<dyn Error>> {
         let names: String = files.iter().map(|f| format!("  {}\n", f.display())).collect();
         print(&format!("\nwritten:\n{names}"))?;
     }
-    Ok(Verdict::Good)
+    Ok(Ending::Good)
 }
 
-fn record_twin(simulate: &Simulate) -> Result<Verdict, Box<dyn Error>> {
+fn record_twin(simulate: &Simulate) -> Result<Ending, Box<dyn Error>> {
     let experiment = Experiment::read(&simulate.experiment, Path::new(""))?;
     OutputGuard::new(experiment.input_files(Path::new("")), simulate.force.force).file(&simulate.out)?;
     let record = experiment.record_twin()?;
@@ -144,15 +144,15 @@ fn record_twin(simulate: &Simulate) -> Result<Verdict, Box<dyn Error>> {
         record.joints.len(),
         simulate.out.display()
     ))?;
-    Ok(Verdict::Good)
+    Ok(Ending::Good)
 }
 
-fn show_model(request: &Model) -> Result<Verdict, Box<dyn Error>> {
+fn show_model(request: &Model) -> Result<Ending, Box<dyn Error>> {
     let folder = request.data.clone().unwrap_or_default();
     let source = RobotSource::read(&folder.join(&request.robot))?;
     let locks = Locks { locked: request.lock.iter().cloned().collect(), until: request.until.clone() };
     let robot = source.robot_with_locks(&locks, Path::new("the command line"))?;
     let summary = RobotSummary::new(&source, &robot);
     print(&if request.json { report::model_json(&summary)? } else { report::model_text(&summary) })?;
-    Ok(if summary.problem.is_none() { Verdict::Good } else { Verdict::NotTrusted })
+    Ok(if summary.problem.is_none() { Ending::Good } else { Ending::NotTrusted })
 }

@@ -26,8 +26,8 @@ fn main() -> ExitCode {
         Err(error) => refuse_arguments(&error),
     };
     match commands::run(arguments) {
-        Ok(terminal::Verdict::Good) => ExitCode::SUCCESS,
-        Ok(terminal::Verdict::NotTrusted) => ExitCode::from(NOT_TRUSTED),
+        Ok(terminal::Ending::Good) => ExitCode::SUCCESS,
+        Ok(terminal::Ending::NotTrusted) => ExitCode::from(NOT_TRUSTED),
         Err(error) => {
             eprintln!("error: {}", visible_lines(&error.to_string()));
             ExitCode::from(ERROR)

@@ -17,10 +17,10 @@ use crate::{
     arguments::{Columns, Init, Inspect},
     inputs::threads,
     progress::Progress,
-    terminal::{Verdict, print},
+    terminal::{Ending, print},
 };
 
-pub fn inspect_recordings(request: &Inspect) -> Result<Verdict, Box<dyn Error>> {
+pub fn inspect_recordings(request: &Inspect) -> Result<Ending, Box<dyn Error>> {
     let files = [&request.files[..], &request.recording[..]].concat();
     let contents = contents(&files, &request.columns)?;
     for (number, contents) in contents.iter().enumerate() {
@@ -31,10 +31,10 @@ pub fn inspect_recordings(request: &Inspect) -> Result<Verdict, Box<dyn Error>> 
         let proposal = proposal(robot, &files, &request.columns, &contents, &data)?;
         print(&format!("\nproposed experiment; `thetahat init` writes it:\n\n{proposal}"))?;
     }
-    Ok(Verdict::Good)
+    Ok(Ending::Good)
 }
 
-pub fn write_experiment(init: &Init) -> Result<Verdict, Box<dyn Error>> {
+pub fn write_experiment(init: &Init) -> Result<Ending, Box<dyn Error>> {
     let contents = contents(&init.recording, &init.columns)?;
     let folder = init.out.parent().map_or_else(PathBuf::new, Path::to_owned);
     let proposal = proposal(&init.robot, &init.recording, &init.columns, &contents, &folder)?;
@@ -47,7 +47,7 @@ pub fn write_experiment(init: &Init) -> Result<Verdict, Box<dyn Error>> {
         out = init.out.display(),
         options = options_for(&init.robot, &init.recording, &folder),
     ))?;
-    Ok(Verdict::Good)
+    Ok(Ending::Good)
 }
 
 fn contents(files: &[PathBuf], columns: &Columns) -> Result<Vec<Contents>, RecordingError> {

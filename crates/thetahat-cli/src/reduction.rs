@@ -14,10 +14,10 @@ use crate::{
     arguments,
     inputs::{read_experiment, threads},
     progress::Counter,
-    terminal::{Verdict, print},
+    terminal::{Ending, print},
 };
 
-pub fn reduce(request: &arguments::Reduce) -> Result<Verdict, Box<dyn Error>> {
+pub fn reduce(request: &arguments::Reduce) -> Result<Ending, Box<dyn Error>> {
     let (experiment, data) = read_experiment(&request.described)?;
     let inputs = experiment.input_files(&data).into_iter().chain(request.instruments_from.clone());
     OutputGuard::new(inputs, request.force.force).file(&request.out)?;
@@ -40,7 +40,7 @@ pub fn reduce(request: &arguments::Reduce) -> Result<Verdict, Box<dyn Error>> {
         }
     };
     print(&format!("{recordings}{note}written: {out}\nThen: thetahat solve {out}\n"))?;
-    Ok(Verdict::Good)
+    Ok(Ending::Good)
 }
 
 /// What was reduced of a recording.
@@ -52,7 +52,7 @@ fn line(r: &ReducedRecording) -> String {
     )
 }
 
-pub fn solve(request: &arguments::Solve) -> Result<Verdict, Box<dyn Error>> {
+pub fn solve(request: &arguments::Solve) -> Result<Ending, Box<dyn Error>> {
     let guard = OutputGuard::new(request.reductions.iter().cloned(), request.output.force.force);
     request.output.out.iter().try_for_each(|directory| guard.folder(directory, report::file_names()))?;
     request.merged.iter().try_for_each(|file| guard.file(file))?;
@@ -79,7 +79,7 @@ pub fn solve(request: &arguments::Solve) -> Result<Verdict, Box<dyn Error>> {
         }
         None => print("\nno files written; with --out DIR: results.json, parameters.csv, report.html\n")?,
     }
-    Ok(if solution.results.is_trustworthy() { Verdict::Good } else { Verdict::NotTrusted })
+    Ok(Ending::of(solution.results.verdict))
 }
 
 /// The published figures that the experiment names, where they are still where it was read.

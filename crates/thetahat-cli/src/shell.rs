@@ -8,21 +8,21 @@ use thetahat::output::OutputGuard;
 
 use crate::{
     arguments::{Arguments, Man},
-    terminal::{Verdict, print},
+    terminal::{Ending, print},
 };
 
 /// Name of the program.
 const NAME: &str = "thetahat";
 
-pub fn print_completions(shell: Shell) -> Result<Verdict, Box<dyn Error>> {
+pub fn print_completions(shell: Shell) -> Result<Ending, Box<dyn Error>> {
     // In memory first: the generator panics where it cannot write, as into a closed pipe.
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut Arguments::command(), NAME, &mut script);
     print(&String::from_utf8(script)?)?;
-    Ok(Verdict::Good)
+    Ok(Ending::Good)
 }
 
-pub fn write_manual(request: &Man) -> Result<Verdict, Box<dyn Error>> {
+pub fn write_manual(request: &Man) -> Result<Ending, Box<dyn Error>> {
     let command = Arguments::command();
     match &request.out {
         Some(folder) => {
@@ -37,7 +37,7 @@ pub fn write_manual(request: &Man) -> Result<Verdict, Box<dyn Error>> {
             print(&String::from_utf8(page)?)?;
         }
     }
-    Ok(Verdict::Good)
+    Ok(Ending::Good)
 }
 
 /// The files of the manual: thetahat, and each command.

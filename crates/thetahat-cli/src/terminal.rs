@@ -2,12 +2,22 @@
 
 use std::io::Write;
 
-use thetahat::visible::visible_lines;
+use thetahat::{results::Verdict, visible::visible_lines};
 
-/// What a finished command says of its result.
-pub enum Verdict {
+/// What a finished command says of its result: its exit code.
+pub enum Ending {
     Good,
     NotTrusted,
+}
+
+impl Ending {
+    /// Of results with this verdict; those without one were not judged.
+    pub fn of(verdict: Option<Verdict>) -> Self {
+        match verdict {
+            Some(Verdict::Good | Verdict::Care) => Self::Good,
+            Some(Verdict::DoNotUse) | None => Self::NotTrusted,
+        }
+    }
 }
 
 /// Prints; what names hold cannot steer the terminal. A reader that has gone away (`| head`) is no reason not to write the files.

@@ -5,7 +5,7 @@ use std::path::Path;
 use thetahat::{
     experiment::Experiment,
     identification::Method,
-    results::{Results, Verdict},
+    results::{Comparison, Results},
 };
 
 /// The twin of EMPS with changes of its experiment.
@@ -40,7 +40,7 @@ fn all_methods_agree_with_the_truth_where_the_simulator_is_exact() {
         }
     }
     let (test, advice) = (results.diagnostics[0].biased_simulator.as_ref().unwrap(), &results.advice[0]);
-    assert!(!test.verdict.distrusts() && test.verdict != Verdict::Undecided, "{test:?}");
+    assert!(!test.verdict.distrusts() && test.verdict != Comparison::Undecided, "{test:?}");
     assert!(advice.take.is_some() && advice.distrust.is_empty(), "{advice:?}");
 }
 
@@ -53,7 +53,7 @@ fn an_exact_simulator_beside_a_wrong_measured_motion_is_not_blamed() {
     let (test, advice) = (results.diagnostics[0].biased_simulator.as_ref().unwrap(), &results.advice[0]);
     let [didim, iv] = [Method::DIDIM, Method::IDIM_IV].map(|m| away(&results, m, "fv1"));
     assert!(didim.abs() < 3.0 && iv.abs() > 4.0, "{didim} {iv}");
-    assert_eq!(test.verdict, Verdict::Undecided, "{test:?}");
+    assert_eq!(test.verdict, Comparison::Undecided, "{test:?}");
     assert_eq!(advice.take, None, "{advice:?}");
     assert!(!advice.distrust.contains(&Method::DIDIM) && !advice.text.contains("later"), "{advice:?}");
 }

@@ -5,7 +5,7 @@ use std::{path::Path, sync::OnceLock};
 use thetahat::{
     experiment::Experiment,
     identification::{Method, Status},
-    results::{Advice, BiasedSimulatorResult, Results, Verdict},
+    results::{Advice, BiasedSimulatorResult, Comparison, ReasonCode, Results, Verdict},
     simulation::BiasKind,
 };
 
@@ -54,16 +54,23 @@ fn advice(case: &str) -> &'static Advice {
 #[test]
 fn the_exact_simulator_passes() {
     let test = simulator_test("nominal");
-    assert_eq!(test.verdict, Verdict::Agree, "{test:?}");
+    assert_eq!(test.verdict, Comparison::Agree, "{test:?}");
     assert!(test.explanations.is_empty());
     let advice = advice("nominal");
     assert_eq!((advice.take, advice.distrust.as_slice()), (Some(Method::IDIM_IV), &[][..]), "{advice:?}");
 }
 
+/// The estimates are outside what a robot can have by more than two deviations: sums of many small errors. Nothing else is said.
+#[test]
+fn the_verdict_is_care_for_links_that_no_robot_has() {
+    let codes: Vec<ReasonCode> = results().verdict_reasons.iter().map(|r| r.code).collect();
+    assert_eq!((results().verdict, &codes[..]), (Some(Verdict::Care), &[ReasonCode::NotPhysical][..]));
+}
+
 #[test]
 fn the_biased_simulator_is_found_and_measured() {
     let test = simulator_test("gear_ratio_0.9");
-    assert_eq!(test.verdict, Verdict::Alarm, "{test:?}");
+    assert_eq!(test.verdict, Comparison::Alarm, "{test:?}");
     let best = test.explanations[0];
     assert_eq!(best.kind, BiasKind::GearRatio);
     let (value, deviation) = best.simulator_to_true.zip(best.standard_deviation).unwrap();

@@ -6,7 +6,7 @@ use thetahat::{
     control::ControllerDescription,
     experiment::Experiment,
     identification::{Method, Status},
-    results::Results,
+    results::{ReasonCode, Results, Verdict},
     robot::INERTIAL,
 };
 use thetahat_testing::ensure;
@@ -92,6 +92,17 @@ fn ur10_iv() -> Result<(), Failed> {
     [None, Some(20.0), Some(80.0)].into_iter().try_for_each(|hz| ensure_iv("ur10.toml", hz, 6.6))
 }
 
+/// Recordings that others published estimates from ask for care: every one has a residual that is no noise.
+fn verdicts() -> Result<(), Failed> {
+    for name in ["tx40_paper.toml", "emps.toml", "kuka_lwr4.toml", "ur10.toml"] {
+        let results = identify(name);
+        let codes: Vec<ReasonCode> = results.verdict_reasons.iter().map(|r| r.code).collect();
+        let said = format!("{name}: {:?}", results.verdict_reasons);
+        ensure(results.verdict == Some(Verdict::Care) && codes.contains(&ReasonCode::CorrelatedResidual), said)?;
+    }
+    Ok(())
+}
+
 fn main() {
     thetahat_testing::run_with_shared_data(vec![
         ("kuka_is_fitted_to_two_percent", kuka_error),
@@ -100,5 +111,6 @@ fn main() {
         ("kuka_by_iv_converges_with_any_controller", kuka_iv),
         ("ur10_by_iv_converges_with_any_controller", ur10_iv),
         ("ur10_has_the_friction_that_others_found", ur10_friction),
+        ("the_verdict_on_recordings_of_others_is_care", verdicts),
     ]);
 }

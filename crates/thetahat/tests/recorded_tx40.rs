@@ -9,7 +9,7 @@ use libtest_mimic::Failed;
 use thetahat::{
     experiment::Experiment,
     identification::{Method, Status},
-    results::{BiasedSimulatorResult, ParameterResult, Results, RunResult, Verdict},
+    results::{BiasedSimulatorResult, Comparison, ParameterResult, Results, RunResult},
     simulation::BiasKind,
 };
 use thetahat_testing::ensure;
@@ -121,7 +121,7 @@ fn simulator_test(case: &str) -> Result<&'static BiasedSimulatorResult, Failed> 
 
 fn advice_is_quiet_nominally() -> Result<(), Failed> {
     let test = simulator_test("nominal")?;
-    ensure(test.verdict != Verdict::Alarm, format!("{test:?}"))?;
+    ensure(test.verdict != Comparison::Alarm, format!("{test:?}"))?;
     let advice = &results().advice[0];
     ensure(advice.take == Some(Method::IDIM_IV) && advice.distrust.is_empty(), format!("{advice:?}"))
 }
@@ -129,7 +129,7 @@ fn advice_is_quiet_nominally() -> Result<(), Failed> {
 /// The alarm of the 90 % case, and gear ratios near 0.9 as its cause.
 fn advice_distrusts_didim_with_wrong_gear_ratios() -> Result<(), Failed> {
     let test = simulator_test("gear_ratio_0.9")?;
-    ensure(test.verdict == Verdict::Alarm && test.statistic > 20.0 * test.threshold, format!("{test:?}"))?;
+    ensure(test.verdict == Comparison::Alarm && test.statistic > 20.0 * test.threshold, format!("{test:?}"))?;
     let best = test.explanations[0];
     ensure(best.kind == BiasKind::GearRatio && best.explained_percent > 95.0, format!("{best:?}"))?;
     ensure(best.simulator_to_true.is_some_and(|v| (v - 0.9).abs() < 0.005), format!("{best:?}"))?;

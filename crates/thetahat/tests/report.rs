@@ -9,10 +9,11 @@ use std::{
 use thetahat::{
     report::{self, Agreement, Published, ReportError, TEXT_WIDTH, text, write_all},
     results::{
-        Advice, Bandwidth, BiasExplanation, BiasKind, BiasedSimulatorResult, CaseDiagnosis, Code, EliminationResult,
-        EndogeneityResult, FTest, Finding, Influence, IterationResult, JointKind, JointResidual, JointResult, Method,
-        ParameterDifference, ParameterResult, Plots, RecordingFindings, RecordingResult, ReferenceResult,
-        ResidualResult, Results, ResultsError, RunPlots, RunResult, SCHEMA, Severity, Status, Verdict, Weighting,
+        Advice, Bandwidth, BiasExplanation, BiasKind, BiasedSimulatorResult, CaseDiagnosis, Code, Comparison,
+        Concerned, EliminationResult, EndogeneityResult, FTest, Finding, Influence, IterationResult, JointKind,
+        JointResidual, JointResult, Method, ParameterDifference, ParameterResult, Plots, ReasonCode, RecordingFindings,
+        RecordingResult, ReferenceResult, ResidualResult, Results, ResultsError, RunPlots, RunResult, SCHEMA, Severity,
+        Status, Verdict, VerdictReason, Weighting,
     },
     statistics::chi_squared_test,
 };
@@ -107,8 +108,19 @@ fn residual() -> ResidualResult {
         autocorrelation: 0.62,
         whiteness: test(170.0, 10),
         normality: test(1.3, 2),
+        explained: None,
     };
     ResidualResult { joints: vec![joint(1), joint(2)], homoscedasticity: Some(f_test()) }
+}
+
+fn reason() -> VerdictReason {
+    VerdictReason {
+        code: ReasonCode::CheckProblem,
+        verdict: Verdict::DoNotUse,
+        numbers: BTreeMap::from([("value".to_owned(), 2.4)]),
+        concerned: Concerned { recording: Some("1".to_owned()), finding: Some(Code::Lag), ..Concerned::default() },
+        text: "recording 1 has a problem for joint 2, lag: the torque is 2.4 samples later; shift it.".to_owned(),
+    }
 }
 
 /// DIDIM differs by nearly 4 standard deviations, and gear ratios at 90 % explain it; LS differs by chance.
@@ -122,7 +134,7 @@ fn diagnosis(case: &str) -> CaseDiagnosis {
             robust: chi_squared_test(3.2, 4).unwrap(),
             average_difference: 0.19,
             parameters: parameters.clone(),
-            verdict: Verdict::Agree,
+            verdict: Comparison::Agree,
         }),
         instruments: None,
         biased_simulator: Some(BiasedSimulatorResult {
@@ -135,7 +147,7 @@ fn diagnosis(case: &str) -> CaseDiagnosis {
             average_difference: 3.76,
             residual_ratio: 1.08,
             harmless_below: 0.5,
-            verdict: Verdict::Alarm,
+            verdict: Comparison::Alarm,
             parameters,
             joint_percent: vec![70.0, 30.0],
             explanations: vec![BiasExplanation {
@@ -202,6 +214,8 @@ fn results() -> Results {
         thetahat: "0.1.0".to_owned(),
         robot: "A robot".to_owned(),
         title: TITLE.to_owned(),
+        verdict: Some(Verdict::DoNotUse),
+        verdict_reasons: vec![reason()],
         robot_joints: vec![
             joint("shoulder", JointKind::Revolute, ["rad", "N m"]),
             joint("elbow", JointKind::Prismatic, ["m", "N"]),
@@ -612,12 +626,15 @@ fn findings_are_said_with_their_joint_and_remedy() {
     assert_eq!(report::findings_text(&[]), "Checks: none made\n");
 }
 
-/// The estimate is not to be trusted where a recording that it came from has a problem.
+/// The verdict is the first thing that is said, and its reasons follow before the advice.
 #[test]
-fn a_problem_of_a_recording_is_one_of_the_results() {
-    let mut results = results();
-    results.runs.retain(|r| r.status == Status::Converged);
-    assert!(!results.is_trustworthy());
-    results.findings[0].held_back = true;
-    assert!(results.is_trustworthy());
+fn the_verdict_comes_first() {
+    let head = text::head(&results());
+    let [verdict, because, advice] =
+        ["verdict", "because", "advice"].map(|label| head.find(&format!("\n{label} ")).unwrap());
+    assert!(verdict < because && because < advice, "{head}");
+    assert!(head.contains("DO NOT USE the numbers, for one reason"), "{head}");
+    assert!(head.contains("PROBLEM [check-problem] recording 1 has a problem"), "{head}");
+    let without = Results { verdict: None, verdict_reasons: Vec::new(), ..results() };
+    assert!(!text::head(&without).contains("\nverdict "));
 }

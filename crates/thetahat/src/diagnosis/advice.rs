@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     identification::{Design, Method, Needs},
-    results::{Advice, CaseDiagnosis, RecordingFindings, RunResult, Verdict},
+    results::{Advice, CaseDiagnosis, Comparison, RecordingFindings, RunResult},
 };
 
 /// The advice for one case, from its runs and its diagnosis.
@@ -32,7 +32,7 @@ fn distrusts(evidence: &Evidence<'_>, method: Method) -> bool {
     let is_didim = method.needs() != Needs::Measurement && method.design() == Design::Simulated;
     let by_ls = is_ls && evidence.ls_differs().is_some();
     let by_instruments = !is_ls && evidence.weak().is_some();
-    let by_simulator = is_didim && evidence.verdict().is_some_and(Verdict::distrusts);
+    let by_simulator = is_didim && evidence.verdict().is_some_and(Comparison::distrusts);
     evidence.problems.refuse_all() || by_ls || by_instruments || by_simulator || !evidence.has_estimate(method)
 }
 
@@ -41,7 +41,7 @@ fn distrusts(evidence: &Evidence<'_>, method: Method) -> bool {
 /// DIDIM and IV differ and it cannot be told which is wrong, or where the recordings have a problem that makes every number
 /// worthless.
 fn take(evidence: &Evidence<'_>) -> Option<Method> {
-    if evidence.verdict() == Some(Verdict::Undecided) || evidence.problems.refuse_all() {
+    if evidence.verdict() == Some(Comparison::Undecided) || evidence.problems.refuse_all() {
         return None;
     }
     [Method::IDIM_IV, Method::IDIM_LS, Method::CLIE, Method::DIDIM, Method::CLOE]
@@ -61,14 +61,14 @@ pub(super) mod tests {
     };
 
     const METHODS: [Method; 3] = [Method::IDIM_LS, Method::IDIM_IV, Method::DIDIM];
-    const VERDICTS: [Verdict; 5] =
-        [Verdict::Agree, Verdict::SmallDifference, Verdict::Alarm, Verdict::Unclear, Verdict::Undecided];
+    const VERDICTS: [Comparison; 5] =
+        [Comparison::Agree, Comparison::SmallDifference, Comparison::Alarm, Comparison::Unclear, Comparison::Undecided];
 
     fn differing() -> Vec<ParameterDifference> {
         vec![ParameterDifference { name: "fv1".to_owned(), difference: 1.0, deviations: 2.0 }]
     }
 
-    fn endogeneity(verdict: Verdict) -> EndogeneityResult {
+    fn endogeneity(verdict: Comparison) -> EndogeneityResult {
         EndogeneityResult {
             classical: FTest { statistic: 5.0, numerator_freedom: 3, denominator_freedom: 100, p_value: 0.01 },
             robust: ChiSquaredTest { statistic: 5.0, freedom: 3, p_value: 0.01 },
@@ -83,7 +83,7 @@ pub(super) mod tests {
         InstrumentResult { f_statistics, smallest_f, weakest, rank: 1, condition_number: 1.0 }
     }
 
-    pub(in crate::diagnosis) fn simulator(verdict: Verdict) -> BiasedSimulatorResult {
+    pub(in crate::diagnosis) fn simulator(verdict: Comparison) -> BiasedSimulatorResult {
         BiasedSimulatorResult {
             statistic: 50.0,
             freedom: 1,

@@ -1,6 +1,6 @@
 use super::{
+    comparison::{SIGNIFICANCE, comparison, largest},
     estimated::Whitened,
-    verdict::{SIGNIFICANCE, largest, verdict},
 };
 use crate::{preparation::Problem, results::EndogeneityResult, statistics::wu_hausman};
 
@@ -12,6 +12,6 @@ pub(super) fn endogeneity(problem: &Problem, iv: &Whitened<'_>) -> Option<Endoge
         robust: test.robust,
         average_difference: test.average_difference,
         parameters: largest(problem, &test.difference, &test.iv_deviation),
-        verdict: verdict(test.robust.p_value < SIGNIFICANCE, test.average_difference),
+        verdict: comparison(test.robust.p_value < SIGNIFICANCE, test.average_difference),
     })
 }

@@ -1,7 +1,7 @@
 use super::problems::Problems;
 use crate::{
     identification::{Method, Status},
-    results::{CaseDiagnosis, EndogeneityResult, InstrumentResult, RecordingFindings, RunResult, Verdict},
+    results::{CaseDiagnosis, Comparison, EndogeneityResult, InstrumentResult, RecordingFindings, RunResult},
 };
 
 /// F statistic below which instruments are weak (D. Staiger, J. H. Stock, 1997).
@@ -42,9 +42,8 @@ impl<'a> Evidence<'a> {
     /// The runs of a case beside its diagnosis.
     pub(super) fn of(diagnosis: &'a CaseDiagnosis, runs: &[RunResult], findings: &[RecordingFindings]) -> Self {
         let own: Vec<&RunResult> = runs.iter().filter(|r| r.case == diagnosis.case).collect();
-        let joints = own.iter().map(|r| r.joint_relative_error_percent.len()).max().unwrap_or(0);
-        let runs = own.iter().map(|r| Ran::of(r)).collect();
-        Self { diagnosis, runs, problems: Problems::of(findings, joints) }
+        let problems = Problems::of(findings, &own);
+        Self { diagnosis, runs: own.iter().map(|r| Ran::of(r)).collect(), problems }
     }
 
     pub(super) fn ran(&self, method: Method) -> Option<&Ran> {
@@ -59,11 +58,11 @@ impl<'a> Evidence<'a> {
         self.diagnosis.instruments.as_ref().filter(|i| i.smallest_f < WEAK)
     }
 
-    pub(super) fn verdict(&self) -> Option<Verdict> {
+    pub(super) fn verdict(&self) -> Option<Comparison> {
         self.diagnosis.biased_simulator.as_ref().map(|b| b.verdict)
     }
 
     pub(super) fn ls_differs(&self) -> Option<&EndogeneityResult> {
-        self.diagnosis.endogeneity.as_ref().filter(|e| self.weak().is_none() && e.verdict == Verdict::Alarm)
+        self.diagnosis.endogeneity.as_ref().filter(|e| self.weak().is_none() && e.verdict == Comparison::Alarm)
     }
 }

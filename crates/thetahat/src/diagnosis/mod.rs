@@ -4,9 +4,12 @@
 mod advice;
 mod approximation;
 mod biased_simulator;
+mod comparison;
 mod endogeneity;
 mod estimated;
 mod evidence;
+mod explained;
+mod independent;
 mod instruments;
 mod problems;
 mod residual;
@@ -18,7 +21,9 @@ use crate::{identification::Method, preparation::Case, preparation::Problem, res
 pub(crate) use advice::advise;
 pub(crate) use biased_simulator::Simulate;
 pub(crate) use estimated::Estimated;
+pub(crate) use independent::independent_rows;
 pub(crate) use residual::residual;
+pub(crate) use verdict::judge;
 
 use approximation::approximation;
 use biased_simulator::biased_simulator;

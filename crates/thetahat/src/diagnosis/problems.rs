@@ -2,7 +2,7 @@
 
 use crate::{
     checks::{Code, Finding, Severity},
-    results::RecordingFindings,
+    results::{JointResidual, NOMINAL, RecordingFindings, Results, RunResult},
 };
 
 /// What a problem makes worthless.
@@ -26,13 +26,18 @@ pub(super) struct Problems {
 }
 
 impl Problems {
-    /// The problems of all recordings of a robot with so many joints. Problems of more than half of them are problems of all.
-    pub(super) fn of(findings: &[RecordingFindings], joint_count: usize) -> Self {
+    /// The problems of all recordings, and of what the runs of a case make of them. Problems of more than half of the joints are
+    /// problems of all.
+    pub(super) fn of(findings: &[RecordingFindings], runs: &[&RunResult]) -> Self {
+        let joint_count = runs.iter().map(|r| r.joint_relative_error_percent.len()).max().unwrap_or(0);
         let used = findings.iter().filter(|r| !r.held_back);
         let all = used.flat_map(|r| r.findings.iter().map(move |f| (r.recording.as_str(), f)));
         let mut problems = Self::default();
         for (recording, finding) in all.filter(|(_, f)| f.severity == Severity::Problem) {
             problems.add(recording, finding);
+        }
+        if explain_nothing(runs) {
+            problems.all.push("no torque is explained better than by a constant".to_owned());
         }
         if 2 * problems.joints.len() > joint_count {
             problems.joints.iter().for_each(|(joint, codes)| {
@@ -88,8 +93,23 @@ impl Problems {
     }
 }
 
-fn place(recording: &str) -> String {
-    if recording.starts_with("all ") { recording.to_owned() } else { format!("recording {recording}") }
+/// A recording in words, as it stands in findings.
+pub(super) fn place(recording: &str) -> String {
+    let is_said = recording.starts_with("all ") || recording.starts_with("robot ");
+    if is_said { recording.to_owned() } else { format!("recording {recording}") }
+}
+
+/// Whether the findings of results make every number worthless.
+pub(super) fn refuse_all(results: &Results) -> bool {
+    let nominal: Vec<&RunResult> = results.runs.iter().filter(|r| r.case == NOMINAL).collect();
+    Problems::of(&results.findings, &nominal).refuse_all()
+}
+
+/// Whether chance is enough to explain what the runs explain of any joint.
+fn explain_nothing(runs: &[&RunResult]) -> bool {
+    let by_chance = |joint: &JointResidual| joint.explained.is_some_and(|e| e.is_by_chance());
+    let mut tested = runs.iter().flat_map(|r| &r.residual).flat_map(|r| &r.joints).peekable();
+    tested.peek().is_some() && tested.all(by_chance)
 }
 
 fn names(codes: &[Code]) -> String {

@@ -1,3 +1,4 @@
+use super::explained::explained;
 use crate::{
     linear_algebra::norm,
     regression::Regression,
@@ -10,7 +11,10 @@ pub(crate) fn residual(regression: &Regression, prediction: &[f64]) -> ResidualR
     let residual = regression.residual(prediction);
     let joints = regression.layout.runs(&residual);
     let shortest = regression.layout.blocks().iter().map(|b| b.rows.len()).min().unwrap_or(0);
-    let joint = |(j, runs): (usize, &Vec<&[f64]>)| joint_residual(j + 1, runs, usual_lags(shortest));
+    let joint = |(j, runs): (usize, &Vec<&[f64]>)| JointResidual {
+        explained: explained(regression, j, runs),
+        ..joint_residual(j + 1, runs, usual_lags(shortest))
+    };
     // A joint that is fitted exactly, as one that is locked and without torque, has no residual to test.
     let is_left = |joint: &JointResidual| joint.rms > 0.0;
     let whitened = regression.whiten(&residual);
@@ -31,5 +35,6 @@ fn joint_residual(joint: usize, runs: &[&[f64]], lags: usize) -> JointResidual {
         autocorrelation: autocorrelation(runs, 1)[0],
         whiteness: ljung_box(runs, lags),
         normality: jarque_bera(&all),
+        explained: None,
     }
 }

@@ -3,7 +3,7 @@
 use super::evidence::{Evidence, Ran, WEAK};
 use crate::{
     identification::{Method, Status},
-    results::{BiasExplanation, BiasedSimulatorResult, EndogeneityResult, InstrumentResult, Verdict},
+    results::{BiasExplanation, BiasedSimulatorResult, Comparison, EndogeneityResult, InstrumentResult},
     simulation::BiasKind,
 };
 
@@ -20,7 +20,7 @@ pub(super) fn on_estimates(evidence: &Evidence<'_>, take: Option<Method>) -> Str
         Some(method) => {
             format!("Take {method} with care: no other method has an estimate that can be trusted.")
         }
-        None if evidence.verdict() == Some(Verdict::Undecided) => {
+        None if evidence.verdict() == Some(Comparison::Undecided) => {
             "Take no method's numbers as they are: the measured motion or the simulator is wrong.".to_owned()
         }
         None if evidence.runs.iter().any(|r| r.status == Status::Converged) => {
@@ -37,7 +37,7 @@ fn take_iv(evidence: &Evidence<'_>) -> String {
         .unwrap_or_else(|| "it needs no exact simulator".to_owned());
     let ls = evidence.has_estimate(Method::IDIM_LS);
     match (&evidence.diagnosis.endogeneity, ls) {
-        (Some(e), true) if e.verdict == Verdict::Alarm => format!(
+        (Some(e), true) if e.verdict == Comparison::Alarm => format!(
             "Take idim-iv, distrust idim-ls: they differ by {} standard deviations on average, most in {} \
              (Durbin-Wu-Hausman {}), and {strong}.",
             short(e.average_difference),
@@ -49,7 +49,7 @@ fn take_iv(evidence: &Evidence<'_>) -> String {
              (Durbin-Wu-Hausman {}), {}; {strong}.",
             short(e.average_difference),
             p_value(e.robust.p_value),
-            if e.verdict == Verdict::Agree { "no more than chance" } else { "too little to matter" },
+            if e.verdict == Comparison::Agree { "no more than chance" } else { "too little to matter" },
         ),
         (None, true) => format!("Take idim-iv or idim-ls; {strong}."),
         (_, false) => format!("Take idim-iv; {strong}."),
@@ -109,30 +109,34 @@ fn weak_text(weak: &InstrumentResult) -> String {
 
 fn simulator_text(test: &BiasedSimulatorResult) -> String {
     let numbers = format!(
-        "{} standard deviations on average (biased simulator test {}, 5 % threshold {})",
+        "{} standard deviations on average (biased simulator test {}, 5 % threshold {}, {})",
         short(test.average_difference),
         short(test.statistic),
-        short(test.threshold)
+        short(test.threshold),
+        bootstrap_p_value(test)
     );
     let ratio = short(test.residual_ratio);
     match test.verdict {
-        Verdict::Agree => format!("didim differs from idim-iv by {numbers}: no more than noise, the simulator passes."),
-        Verdict::SmallDifference => format!(
+        Comparison::Agree => {
+            format!("didim differs from idim-iv by {numbers}: no more than noise, the simulator passes.")
+        }
+        Comparison::SmallDifference => format!(
             "didim differs from idim-iv by {numbers}: the simulator is not exact, but the difference stays below the {} that \
              would matter.",
             test.harmless_below
         ),
-        Verdict::Unclear => format!(
+        Comparison::Unclear => format!(
             "Distrust didim: it differs from idim-iv by {numbers}, no more than chance, but only because the simulated \
              motion is so far from the measured one: its residual is {ratio} times that of idim-iv."
         ),
-        Verdict::Undecided => format!(
+        Comparison::Undecided => format!(
             "didim differs from idim-iv by {numbers}, most in {}, and explains the torques better, with {ratio} times its \
-             residual: so it may be the filter, or the sign of small velocities. Raise [signal] cutoff_hz or leave out \
-             stretches at rest, and compare again.",
+             residual: the measured motion may be wrong as well as the simulator. A drive signal that is held from sample to \
+             sample is half a sample late against the motion: say so with held = true in its [recording]. Rows near rest have \
+             the wrong sign of friction: leave them out with [signal] mask. Then compare again.",
             names(test)
         ),
-        Verdict::Alarm => {
+        Comparison::Alarm => {
             format!("Distrust didim: it differs from idim-iv by {numbers}, most in {}{}.", names(test), cause(test))
         }
     }
@@ -188,6 +192,12 @@ fn short(value: f64) -> String {
     format!("{rounded}")
 }
 
+/// The bootstrap knows no probability below that of one of its draws and the record itself.
+fn bootstrap_p_value(test: &BiasedSimulatorResult) -> String {
+    let least = 1.0 / (test.draws + 1) as f64;
+    if test.p_value > least { format!("p = {}", short(test.p_value)) } else { format!("p <= {}", short(least)) }
+}
+
 fn p_value(p: f64) -> String {
     if p < 1e-4 { "p < 0.0001".to_owned() } else { format!("p = {p:.4}") }
 }
@@ -202,7 +212,8 @@ mod tests {
     #[test]
     fn a_cause_is_named_where_it_explains_the_difference_and_no_other_does() {
         let named = |explanations: Vec<BiasExplanation>| {
-            cause(&BiasedSimulatorResult { explanations, ..simulator(Verdict::Alarm) }).contains("gear ratios at 0.900")
+            cause(&BiasedSimulatorResult { explanations, ..simulator(Comparison::Alarm) })
+                .contains("gear ratios at 0.900")
         };
         assert!(named(vec![explanation(Some(0.9), 97.0), explanation(Some(0.5), 60.0)]));
         assert!(!named(vec![explanation(Some(0.9), 70.0)]));

@@ -6,7 +6,7 @@ use crate::{
     identification::{Convergence, IterationOptions, Method, Outcome, Status},
     pool::in_parallel,
     preparation::Case,
-    results::Verdict,
+    results::Comparison,
     scheduling::{EstimationJob, RunOptions, run_all},
     simulation::{BiasKind, SimulatorBias},
 };
@@ -36,7 +36,7 @@ pub struct PowerPoint {
 /// The test on one record.
 #[derive(Debug, Clone, Copy)]
 struct Seen {
-    verdict: Verdict,
+    verdict: Comparison,
     average_difference: f64,
 }
 
@@ -104,14 +104,14 @@ impl PowerPoint {
     fn of(kind: BiasKind, value: f64, seen: impl Iterator<Item = Option<Seen>>) -> Self {
         let all: Vec<Option<Seen>> = seen.collect();
         let good: Vec<Seen> = all.iter().flatten().copied().collect();
-        let count = |wanted: fn(Verdict) -> bool| good.iter().filter(|s| wanted(s.verdict)).count();
+        let count = |wanted: fn(Comparison) -> bool| good.iter().filter(|s| wanted(s.verdict)).count();
         Self {
             kind,
             value,
             records: all.len(),
             failures: all.len() - good.len(),
-            rejections: count(|v| matches!(v, Verdict::SmallDifference | Verdict::Alarm | Verdict::Undecided)),
-            distrusted: count(Verdict::distrusts),
+            rejections: count(|v| matches!(v, Comparison::SmallDifference | Comparison::Alarm | Comparison::Undecided)),
+            distrusted: count(Comparison::distrusts),
             average_difference: good.iter().map(|s| s.average_difference).sum::<f64>() / good.len().max(1) as f64,
         }
     }

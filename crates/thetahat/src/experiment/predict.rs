@@ -8,6 +8,7 @@ use super::{
 };
 use crate::{
     base_parameters::BaseParameters,
+    diagnosis::judge,
     identification::Method,
     one_or_each::OneOrEach,
     preparation::{Case, ParameterChoice, PreparationError},
@@ -44,7 +45,9 @@ pub struct PredictionRequest {
 /// # Errors
 /// [`ExperimentError`] for files that cannot be used.
 pub fn predict(request: &PredictionRequest) -> Result<Prediction, ExperimentError> {
-    let results = Results::read(&request.results)?;
+    let mut results = Results::read(&request.results)?;
+    // Results of before the verdict get it now, by the same rules.
+    let verdict = results.verdict.unwrap_or_else(|| judge(&mut results));
     let mut experiment = Experiment::from_texts(
         &request.results,
         results.experiment_description.clone(),
@@ -64,7 +67,8 @@ pub fn predict(request: &PredictionRequest) -> Result<Prediction, ExperimentErro
         experiment.read_motion(&description, Path::new(""))?
     };
     let parameters = run.parameters.iter().map(|p| (p.name.clone(), p.estimate)).collect();
-    let identified = Identified { case: &case, method: run.method, parameters };
+    let verdict = (verdict, results.verdict_reasons.clone());
+    let identified = Identified { case: &case, method: run.method, parameters, verdict };
     predict_torques(experiment.setup(), &identified, recording).map_err(|e| experiment.refuse(e))
 }
 

@@ -7,6 +7,7 @@ use super::{
     value::{ReducedRecording, Reduction},
 };
 use crate::{
+    diagnosis::judge,
     experiment::Experiment,
     identification::{EstimationError, Fit, JointWeights, Method, Needs, Outcome, Status, Uncertainty, Weighting},
     linear_algebra::Matrix,
@@ -59,7 +60,8 @@ impl Reduction {
         if solver.all.z.is_some() {
             runs.push(solver.run(Method::IDIM_IV).0);
         }
-        let results = self.results(&experiment, &solver.all, runs, elimination)?;
+        let mut results = self.results(&experiment, &solver.all, runs, elimination)?;
+        judge(&mut results);
         Ok(Solution { results, segments })
     }
 
@@ -77,6 +79,8 @@ impl Reduction {
             thetahat: env!("CARGO_PKG_VERSION").to_owned(),
             robot: experiment.robot.name.clone(),
             title: experiment.file.title.clone(),
+            verdict: None,
+            verdict_reasons: Vec::new(),
             robot_joints: JointResult::of_coordinates(&experiment.robot),
             robot_locked: experiment.robot.locked.clone(),
             samples_used: recordings.iter().map(|r| r.samples).sum(),

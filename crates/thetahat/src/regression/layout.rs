@@ -118,6 +118,16 @@ impl RowLayout {
         self.of_joint(joint).flatten()
     }
 
+    /// Whether a mask leaves at least half of a row.
+    fn is_used(&self, row: usize) -> bool {
+        self.shares.as_ref().is_none_or(|shares| shares[row] >= 0.5)
+    }
+
+    /// The indices of the rows of a joint of which a mask leaves at least half.
+    pub fn used_rows_of_joint(&self, joint: usize) -> impl Iterator<Item = usize> + '_ {
+        self.rows_of_joint(joint).filter(|row| self.is_used(*row))
+    }
+
     /// The rows of a joint in a recording; empty where it has none.
     #[must_use]
     pub fn block(&self, joint: usize, recording: usize) -> Range<usize> {
@@ -129,7 +139,7 @@ impl RowLayout {
     /// of a row.
     #[must_use]
     pub fn runs<'a>(&self, rows: &'a [f64]) -> Vec<Vec<&'a [f64]>> {
-        let used = |row: &usize| self.shares.as_ref().is_none_or(|shares| shares[*row] >= 0.5);
+        let used = |row: &usize| self.is_used(*row);
         let of_block = |block: Range<usize>| {
             let ends: Vec<usize> = block.clone().filter(|row| !used(row)).chain([block.end]).collect();
             let starts = std::iter::once(block.start).chain(ends.clone().into_iter().map(|end| end + 1));

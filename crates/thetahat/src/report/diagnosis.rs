@@ -7,8 +7,8 @@ use super::{
     table::Table,
 };
 use crate::results::{
-    BiasExplanation, BiasedSimulatorResult, CaseDiagnosis, ChiSquaredTest, EndogeneityResult, InstrumentResult,
-    JointResidual, ParameterDifference, ResidualResult, Results, RunResult, Verdict,
+    BiasExplanation, BiasedSimulatorResult, CaseDiagnosis, ChiSquaredTest, Comparison, EndogeneityResult,
+    InstrumentResult, JointResidual, ParameterDifference, ResidualResult, Results, RunResult,
 };
 
 /// Probability below which a test of a residual rejects.
@@ -46,18 +46,24 @@ fn strings(texts: &[&str]) -> Vec<String> {
     texts.iter().map(|t| (*t).to_owned()).collect()
 }
 
-fn verdict(verdict: Verdict) -> &'static str {
+fn verdict(verdict: Comparison) -> &'static str {
     match verdict {
-        Verdict::Agree => "agree",
-        Verdict::SmallDifference => "small",
-        Verdict::Alarm => "* alarm",
-        Verdict::Unclear => "* unclear",
-        Verdict::Undecided => "* undecided",
+        Comparison::Agree => "agree",
+        Comparison::SmallDifference => "small",
+        Comparison::Alarm => "* alarm",
+        Comparison::Unclear => "* unclear",
+        Comparison::Undecided => "* undecided",
     }
 }
 
 fn probability(p: f64) -> String {
     if p < 1e-4 { "< 1e-4".to_owned() } else { significant(p, 2) }
+}
+
+/// The bootstrap knows no probability below that of one of its draws and the record itself.
+fn bootstrap_probability(b: &BiasedSimulatorResult) -> String {
+    let least = 1.0 / (b.draws + 1) as f64;
+    if b.p_value > least { probability(b.p_value) } else { format!("<= {}", significant(least, 2)) }
 }
 
 fn differing(parameters: &[ParameterDifference]) -> String {
@@ -76,8 +82,8 @@ pub(super) fn comparisons(results: &Results) -> Option<Table> {
         notes: strings(&[
             "idim-ls: Durbin-Wu-Hausman test. didim: biased simulator test, same instruments and weights.",
             "mean sd: average difference in standard deviations of idim-iv; below 0.5 it is small, above it an alarm where \
-             p <= 0.05, undecided where didim explains the torques better than idim-iv, and unclear where it does \
-             too badly to tell.",
+             p <= 0.05; undecided where the simulated motion explains the torques much better than the measured one, and \
+             unclear where it does so too badly to tell.",
         ]),
         ..Table::default()
     })
@@ -108,7 +114,7 @@ fn simulator_row(case: &str, b: &BiasedSimulatorResult) -> Vec<String> {
         "didim".to_owned(),
         significant(b.statistic, 3),
         significant(b.threshold, 3),
-        probability(b.p_value),
+        bootstrap_probability(b),
         significant(b.average_difference, 2),
         verdict(b.verdict).to_owned(),
         differing(&b.parameters),

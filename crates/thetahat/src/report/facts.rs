@@ -3,13 +3,13 @@
 use super::{
     diagnosis,
     number::{given, optional, significant},
-    units,
+    units, verdict,
 };
 use crate::results::{JointKind, LockedJoint, NearRestResult, RecordingResult, ReferenceResult, Results};
 
-/// The head: what to take, then what was recorded and how it was filtered.
+/// The head: the verdict, what to take, then what was recorded and how it was filtered.
 pub(super) fn head(results: &Results) -> Vec<(&'static str, String)> {
-    diagnosis::advice(results).chain(facts(results)).collect()
+    verdict::lines(results).into_iter().chain(diagnosis::advice(results)).chain(facts(results)).collect()
 }
 
 /// What was recorded and how it was filtered, as labels and texts.

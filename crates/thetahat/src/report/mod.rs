@@ -49,6 +49,7 @@ mod tables;
 mod terms;
 pub mod text;
 mod units;
+mod verdict;
 mod wrap;
 
 pub use campaign::{CAMPAIGN_PAGE, campaign_text, write_campaign};

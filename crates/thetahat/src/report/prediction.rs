@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use super::{error::ReportError, series::write_series};
+use super::{error::ReportError, series::write_series, verdict};
 use crate::{results::Prediction, visible::visible};
 
-/// Rms of each joint's prediction and, where torques were measured, its relative error.
+/// Rms of each joint's prediction and, where torques were measured, its relative error; and the verdict on its parameters.
 #[must_use]
 pub fn prediction_text(prediction: &Prediction) -> String {
     let [start, end] = prediction.window_s;
@@ -22,7 +22,8 @@ pub fn prediction_text(prediction: &Prediction) -> String {
         let joint: String = visible(joint).chars().take(23).collect();
         text += &format!("{joint:<24}{rms:>16.4}{error:>20}\n");
     }
-    text + &format!("{:<24}{:>16}{:>20}\n", "all", "", percent(prediction.relative_error_percent))
+    text += &format!("{:<24}{:>16}{:>20}\n", "all", "", percent(prediction.relative_error_percent));
+    text + "\n" + &verdict::carried(prediction.verdict, &prediction.verdict_reasons)
 }
 
 fn percent(value: Option<f64>) -> String {

@@ -364,7 +364,10 @@ pub(super) fn convergence(results: &Results) -> Option<Table> {
         lead: 2,
         head: strings(&["case", "method", "iteration", "error %", "parameter change", "error change"]),
         rows,
-        notes: vec!["changes are relative: the largest of an estimate, and that of the error.".to_owned()],
+        notes: vec![
+            "parameter change: the largest of an estimate, in its standard deviations; error change: relative."
+                .to_owned(),
+        ],
         ..Table::default()
     })
 }

@@ -9,12 +9,9 @@ use super::{
     recordings::{Bandwidth, RecordingFindings, RecordingResult, WithRestResult},
     run::RunResult,
     terms::{ProfiledTerm, TermComparison},
+    verdict::{Verdict, VerdictReason},
 };
-use crate::{
-    checks::Severity,
-    identification::{Method, Status},
-    robot::LockedJoint,
-};
+use crate::{identification::Method, robot::LockedJoint};
 
 /// Version of the form of `results.json`: it grows where a program of before would misread the file.
 pub const SCHEMA: u32 = 1;
@@ -34,6 +31,12 @@ pub struct Results {
     pub robot: String,
     /// Title of the experiment.
     pub title: String,
+    /// What the results are good for; none where they were read from a file of before that key.
+    #[serde(default)]
+    pub verdict: Option<Verdict>,
+    /// Why they are not good, the gravest first.
+    #[serde(default)]
+    pub verdict_reasons: Vec<VerdictReason>,
     /// The joints, one for each coordinate: the order of all numbers that are given joint by joint. Empty where it was
     /// read from a file of schema 0.
     #[serde(default)]
@@ -91,21 +94,6 @@ pub struct Results {
 }
 
 impl Results {
-    /// Whether every nominal run converged and predicts every joint, no check of a recording that was identified from found a
-    /// problem, and no known payload contradicts the torques.
-    #[must_use]
-    pub fn is_trustworthy(&self) -> bool {
-        if self.findings.iter().any(|r| !r.held_back && r.has_problem()) {
-            return false;
-        }
-        if self.drive_gains.iter().any(DriveGainResult::contradicts) {
-            return false;
-        }
-        let nominal = |r: &&RunResult| r.case == NOMINAL;
-        let is_sound = |r: &RunResult| r.findings.iter().all(|f| f.severity != Severity::Problem);
-        self.runs.iter().filter(nominal).all(|r| r.status == Status::Converged && is_sound(r))
-    }
-
     /// The run of a case and method.
     #[must_use]
     pub fn run(&self, case: &str, method: Method) -> Option<&RunResult> {

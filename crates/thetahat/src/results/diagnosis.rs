@@ -30,6 +30,34 @@ pub struct JointResidual {
     pub whiteness: Option<ChiSquaredTest>,
     /// The Jarque-Bera test of normal rows.
     pub normality: Option<ChiSquaredTest>,
+    /// Whether the model explains the torque better than a constant.
+    #[serde(default)]
+    pub explained: Option<Explained>,
+}
+
+/// The model of a joint against one constant.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Explained {
+    /// The F-test, with as many rows as independent ones of the residual are worth.
+    #[serde(flatten)]
+    pub test: FTest,
+    /// Where the F-test is not certain: robust deviations by which the torque is explained better than the same torque shifted
+    /// against the motion.
+    #[serde(default)]
+    pub stands_out: Option<f64>,
+}
+
+impl Explained {
+    /// Probability of the F-test from which chance is not excluded.
+    pub const LIMIT: f64 = 1e-4;
+    /// Deviations from the shifted torques up to which it is not either.
+    pub const LIMIT_DEVIATIONS: f64 = 4.0;
+
+    /// Whether chance is enough to explain what the model explains.
+    #[must_use]
+    pub fn is_by_chance(&self) -> bool {
+        self.test.p_value > Self::LIMIT && self.stands_out.is_none_or(|z| z < Self::LIMIT_DEVIATIONS)
+    }
 }
 
 /// The part of the record without which the estimates change most.
@@ -96,7 +124,7 @@ pub struct EndogeneityResult {
     /// The parameters that differ most.
     pub parameters: Vec<ParameterDifference>,
     /// What follows.
-    pub verdict: Verdict,
+    pub verdict: Comparison,
 }
 
 /// How strong the instruments are.
@@ -136,7 +164,7 @@ pub struct BiasedSimulatorResult {
     /// The average difference below which a bias does little.
     pub harmless_below: f64,
     /// What follows.
-    pub verdict: Verdict,
+    pub verdict: Comparison,
     /// The parameters that differ most, in standard deviations of IV.
     pub parameters: Vec<ParameterDifference>,
     /// The part of each joint in the squared torques that the difference stands for, percent.
@@ -148,7 +176,7 @@ pub struct BiasedSimulatorResult {
 /// What a comparison of two estimates says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Verdict {
+pub enum Comparison {
     /// The difference is no more than noise.
     Agree,
     /// It is more than noise, but too small to matter beside the standard deviations.
@@ -163,7 +191,7 @@ pub enum Verdict {
     Unclear,
 }
 
-impl Verdict {
+impl Comparison {
     /// Whether the estimates that were compared with IV are not to be trusted.
     #[must_use]
     pub fn distrusts(self) -> bool {

@@ -44,13 +44,15 @@ mod run;
 mod sensitivity;
 mod terms;
 mod twin;
+mod verdict;
 
 pub use campaign::{CampaignResults, Extent, MethodSummary, ParameterSummary, PublishedStatement, Quantiles};
 pub use content::{NOMINAL, Results, SCHEMA};
 pub use curves::{Plots, RunPlots};
 pub use diagnosis::{
     Advice, ApproximatedParameter, ApproximationResult, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis,
-    EndogeneityResult, Influence, InstrumentResult, JointResidual, ParameterDifference, ResidualResult, Verdict,
+    Comparison, EndogeneityResult, Explained, Influence, InstrumentResult, JointResidual, ParameterDifference,
+    ResidualResult,
 };
 pub use file::ResultsError;
 pub use filter::{ComparedFilter, Filter, FilterChoice, FilterError};
@@ -66,6 +68,7 @@ pub use run::{IterationResult, LoopParameterResult, RunResult};
 pub use sensitivity::{Sensitivity, SensitivityPoint};
 pub use terms::{JointTermComparison, ProfiledTerm, TermComparison, TermLaw};
 pub use twin::TwinRecord;
+pub use verdict::{Concerned, ReasonCode, Verdict, VerdictReason};
 
 // The values of other rooms that results hold and reports show.
 #[doc(no_inline)]

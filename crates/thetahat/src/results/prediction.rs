@@ -1,3 +1,4 @@
+use super::verdict::{Verdict, VerdictReason};
 use crate::{identification::Method, series::Series};
 
 /// Predicted torques over the whole record, and how they compare with the measured ones.
@@ -23,4 +24,8 @@ pub struct Prediction {
     pub window_s: [f64; 2],
     /// Names of the joints.
     pub joints: Vec<String>,
+    /// The verdict on the results that the parameters come from.
+    pub verdict: Verdict,
+    /// Why it is not good.
+    pub verdict_reasons: Vec<VerdictReason>,
 }

@@ -8,7 +8,7 @@ use super::{
     uncertain,
 };
 use crate::{
-    diagnosis::{Estimated, advise, diagnose},
+    diagnosis::{Estimated, advise, diagnose, judge},
     identification::{Method, Status},
     pool::available_threads,
     preparation::{Case, PreparationError, Problem},
@@ -52,6 +52,7 @@ impl Identification {
             progress("comparing the laws of torque terms");
             results.term_comparison = self.compare_terms(&problems[0])?;
         }
+        judge(&mut results);
         Ok(results)
     }
 
@@ -128,6 +129,8 @@ impl Identification {
             thetahat: env!("CARGO_PKG_VERSION").to_owned(),
             robot: self.setup().robot.name.clone(),
             title: String::new(),
+            verdict: None,
+            verdict_reasons: Vec::new(),
             robot_joints: JointResult::of_coordinates(self.setup().robot),
             robot_locked: self.setup().robot.locked.clone(),
             samples_used: self.main.iter().map(|p| p.filtered.used_samples().count()).sum(),

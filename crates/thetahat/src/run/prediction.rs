@@ -6,16 +6,18 @@ use crate::{
     preparation::{Basis, Case, FilteredRecording, PreparationError, Recording, Setup},
     regression::{Regression, RowLayout, relative_error_percent},
     regressor::Regressor,
-    results::Prediction,
+    results::{Prediction, Verdict, VerdictReason},
     series::Series,
     signal::Motion,
 };
 
-/// Base parameters of a case by name, and the method that gave them.
+/// Base parameters of a case by name, the method that gave them, and the verdict on them.
 pub(crate) struct Identified<'a> {
     pub(crate) case: &'a Case,
     pub(crate) method: Method,
     pub(crate) parameters: Vec<(String, f64)>,
+    /// The verdict on them, and why it is not good.
+    pub(crate) verdict: (Verdict, Vec<VerdictReason>),
 }
 
 /// Predicts the torques of a recording in its window; parameters that are not of the robot count for nothing.
@@ -56,6 +58,8 @@ pub(crate) fn predict_torques(
         rms: rows.layout.by_joint(&prediction).iter().map(rms).collect(),
         window_s: filtered.window_s(),
         joints: setup.robot.coordinates().map(|j| j.name.clone()).collect(),
+        verdict: identified.verdict.0,
+        verdict_reasons: identified.verdict.1.clone(),
     })
 }
 

@@ -9,22 +9,18 @@ use super::{
     profile::{Found, Projection},
 };
 use crate::{
+    diagnosis::independent_rows,
     identification::{Method, idim_ls},
     linear_algebra::{Matrix, PivotedQr},
     preparation::PreparationError,
     regression::Regression,
     results::{JointTermComparison, TermComparison, TermLaw},
     robot::{Shape, Stribeck, StribeckLaw, TermColumn, TermDescription},
-    statistics::autocorrelation,
 };
 
 /// Change of the criterion below which the evidence for a law is very strong (R. E. Kass, A. E. Raftery, "Bayes factors",
 /// Journal of the American Statistical Association 90, 1995, p. 777).
 const VERY_STRONG: f64 = -10.0;
-/// Autocorrelation of residuals below which they count as independent, and the part of the rows that is looked at.
-const INDEPENDENT: f64 = 0.05;
-const ROWS_PER_LAG: usize = 5;
-
 /// The model as described, or with another law.
 struct Judged {
     estimates: Vec<f64>,
@@ -61,7 +57,8 @@ impl Identification {
         let regression = problem.regression.with_weights(Some(weights.clone()));
         let folds = self.folds(problem);
         let Some(as_described) = judge(&regression, folds.as_ref()) else { return Ok(None) };
-        let effective = effective_samples(&regression, &as_described.residual);
+        let of_joints = regression.layout.runs(&as_described.residual);
+        let effective = of_joints.iter().map(|stretches| independent_rows(stretches)).collect();
         let recordings = filtered(&self.main);
         let source = ColumnSource { setup: self.setup(), recordings: &recordings, problem };
         let comparison = Comparison { source, regression, weights, folds, as_described, effective };
@@ -220,17 +217,6 @@ fn left_out(regression: &Regression, folds: &Folds) -> Vec<f64> {
         others.rows.iter().for_each(|&row| prediction[row] = all[row]);
     }
     prediction
-}
-
-/// Rows of each joint over `1 + 2 sum_k r_k`, with the autocorrelations r of its residual until they are small.
-fn effective_samples(regression: &Regression, residual: &[f64]) -> Vec<f64> {
-    let of_joint = |segments: &Vec<&[f64]>| {
-        let rows: usize = segments.iter().map(|s| s.len()).sum();
-        let lags = autocorrelation(segments, rows / segments.len().max(1) / ROWS_PER_LAG);
-        let sum: f64 = lags.iter().take_while(|r| **r > INDEPENDENT).sum();
-        rows as f64 / (1.0 + 2.0 * sum)
-    };
-    regression.layout.runs(residual).iter().map(of_joint).collect()
 }
 
 /// Marks the law with the best criterion, where that is very strong and the joint is predicted better.

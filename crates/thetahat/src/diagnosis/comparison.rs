@@ -1,6 +1,6 @@
 use crate::{
     preparation::Problem,
-    results::{ParameterDifference, Verdict},
+    results::{Comparison, ParameterDifference},
 };
 
 /// Level of the tests.
@@ -12,11 +12,11 @@ pub(super) const HARMLESS_BELOW: f64 = 0.5;
 const NAMED: usize = 5;
 
 /// The verdict of a test and of the size of the difference that it found.
-pub(super) fn verdict(rejected: bool, average_difference: f64) -> Verdict {
+pub(super) fn comparison(rejected: bool, average_difference: f64) -> Comparison {
     match (rejected, average_difference >= HARMLESS_BELOW) {
-        (false, _) => Verdict::Agree,
-        (true, false) => Verdict::SmallDifference,
-        (true, true) => Verdict::Alarm,
+        (false, _) => Comparison::Agree,
+        (true, false) => Comparison::SmallDifference,
+        (true, true) => Comparison::Alarm,
     }
 }
 

@@ -1,0 +1,79 @@
+//! Which methods ended with an estimate, and whether one of them can be taken.
+
+use super::{
+    judged::{nominal_advice, nominal_diagnosis, nominal_runs},
+    reason::reason,
+};
+use crate::{
+    diagnosis::problems::refuse_all,
+    identification::{Design, Method, Needs, Status},
+    results::{BiasedSimulatorResult, Comparison, Concerned, ReasonCode, Results, RunResult, Verdict, VerdictReason},
+};
+
+pub(super) fn reasons(results: &Results) -> Vec<VerdictReason> {
+    let taken = nominal_advice(results).and_then(|a| a.take);
+    let failed = nominal_runs(results).filter(|r| r.status != Status::Converged);
+    failed.map(|run| not_converged(run, taken)).chain(undecided(results)).chain(last_resort(taken)).collect()
+}
+
+fn not_converged(run: &RunResult, taken: Option<Method>) -> VerdictReason {
+    let why = run.reason.clone().unwrap_or_else(|| "no reason is known".to_owned());
+    let then = match taken {
+        Some(method) => format!(
+            "the numbers of {method}, which the advice takes, hold: look at what is said of {}, or leave it \
+             out of methods",
+            run.method
+        ),
+        None => "take none of its numbers".to_owned(),
+    };
+    let concerned = Concerned { method: Some(run.method), ..Concerned::default() };
+    let numbers = [
+        ("iterations", Some(run.iterations as f64)),
+        ("parameter_change_deviations", run.convergence.last().and_then(|i| i.parameter_change)),
+    ];
+    let text = format!("{} did not converge ({why}); {then}.", run.method);
+    reason(ReasonCode::NotConverged, Verdict::DoNotUse, &numbers, concerned, text)
+}
+
+/// No method to take, where it is not a problem of the recordings that says so.
+fn undecided(results: &Results) -> Option<VerdictReason> {
+    let advice = nominal_advice(results).filter(|a| a.take.is_none())?;
+    let test = nominal_diagnosis(results).and_then(|d| d.biased_simulator.as_ref());
+    let test = test.filter(|t| t.verdict == Comparison::Undecided);
+    if let Some(test) = test {
+        return Some(differing(test));
+    }
+    let text = format!("No method has numbers to take. {}", advice.text);
+    let is_said = refuse_all(results) || nominal_runs(results).all(|r| r.status != Status::Converged);
+    (!is_said).then(|| reason(ReasonCode::Undecided, Verdict::DoNotUse, &[], Concerned::default(), text))
+}
+
+fn differing(test: &BiasedSimulatorResult) -> VerdictReason {
+    let numbers = [
+        ("average_difference", Some(test.average_difference)),
+        ("residual_ratio", Some(test.residual_ratio)),
+        ("p_value", Some(test.p_value)),
+    ];
+    let most = test.parameters.first();
+    let text = format!(
+        "idim-iv and didim differ by {:.2} standard deviations on average, most in {}, and didim leaves {:.2} times the residual \
+         of idim-iv: the measured motion or the simulator is wrong; set held = true where the torque is held from sample to \
+         sample, and [signal] mask for rows near rest, and compare again.",
+        test.average_difference,
+        most.map_or("no parameter", |p| &p.name),
+        test.residual_ratio
+    );
+    let concerned = Concerned { parameter: most.map(|p| p.name.clone()), ..Concerned::default() };
+    reason(ReasonCode::Undecided, Verdict::DoNotUse, &numbers, concerned, text)
+}
+
+/// A method that fits the simulated loop is taken where no other can be: nothing tests its simulator.
+fn last_resort(taken: Option<Method>) -> Option<VerdictReason> {
+    let method = taken.filter(|m| m.needs() != Needs::Measurement && m.design() == Design::Simulated)?;
+    let concerned = Concerned { method: Some(method), ..Concerned::default() };
+    let text = format!(
+        "Only {method} has numbers to take, and nothing tests the simulator that it believes: record torques for idim-iv, or \
+         compare with a second recording."
+    );
+    Some(reason(ReasonCode::LastResort, Verdict::Care, &[], concerned, text))
+}

@@ -1,0 +1,218 @@
+//! What the numbers that are taken say of themselves.
+
+use super::{
+    judged::{judged_runs, nominal_runs},
+    reason::reason,
+};
+use crate::{
+    checks::{Finding, Severity},
+    results::{Concerned, Explained, JointResidual, ReasonCode, Results, RunResult, Verdict, VerdictReason},
+};
+
+/// Relative error of a joint, percent, from which its torque is not explained where there are no rows to test. Clean: 54 (KUKA).
+const UNEXPLAINED_PERCENT: f64 = 95.0;
+/// The error of what was left out over that of the fit, from which it is much above it. Clean: 1.5 (EMPS), 1.2 (TX40); the KUKA
+/// has 4.5, and care.
+const CROSS_VALIDATION: f64 = 2.0;
+/// The same from which it is far above it, and with less where it is larger than so many percent of the torque.
+const CROSS_VALIDATION_FAR: f64 = 10.0;
+const USELESS_PERCENT: f64 = 50.0;
+/// Change of an estimate without one part of the record, in its deviations with correlated errors, from which that part decides.
+/// Clean: 2.2 (UR10), 1.6 (TX40); the KUKA has 34, and care.
+const INFLUENCE: f64 = 4.0;
+/// Correlation of neighbouring rows of white noise behind the parallel filter, and how many deviations of it, one over the root of
+/// the rows of a joint, a residual may have more. Twins of the model have 0.1 to 0.25 where 0.28 to 0.33 is the limit; every
+/// recorded robot has 0.65 to 0.97, and care.
+const WHITE: f64 = 0.23;
+const MORE_DEVIATIONS: f64 = 2.0;
+
+pub(super) fn reasons(results: &Results) -> Vec<VerdictReason> {
+    let mut reasons: Vec<VerdictReason> = Vec::new();
+    for run in judged_runs(results) {
+        let mut of_run = not_explained(results, run);
+        of_run.extend(cross_validation(run));
+        of_run.extend(run.physical.iter().flat_map(|p| &p.findings).filter_map(|f| not_physical(results, run, f)));
+        of_run.extend(influence(run));
+        of_run.extend(correlated_residual(results, run));
+        add(&mut reasons, of_run);
+    }
+    let worse = nominal_runs(results).flat_map(|run| run.findings.iter().filter_map(|f| worse_than_zero(run, f)));
+    add(&mut reasons, worse.collect());
+    reasons
+}
+
+/// Adds reasons; what is said of one method is not said of the next one too.
+fn add(reasons: &mut Vec<VerdictReason>, more: Vec<VerdictReason>) {
+    for reason in more {
+        let about = |r: &VerdictReason| (r.code, r.concerned.joint.clone(), r.concerned.parameter.clone());
+        if reasons.iter().all(|r| about(r) != about(&reason)) {
+            reasons.push(reason);
+        }
+    }
+}
+
+fn of_method(run: &RunResult) -> Concerned {
+    Concerned { method: Some(run.method), ..Concerned::default() }
+}
+
+/// The name of a coordinate's joint, from one.
+fn joint_name(results: &Results, joint: usize) -> String {
+    results.robot_joints.get(joint - 1).map_or_else(|| joint.to_string(), |j| j.name.clone())
+}
+
+/// A joint whose torque the model explains no better than a constant.
+struct NotExplained {
+    joint: usize,
+    error_percent: Option<f64>,
+    /// None where there are no rows to test.
+    test: Option<Explained>,
+}
+
+impl NotExplained {
+    fn numbers(&self) -> [(&'static str, Option<f64>); 4] {
+        let limit = self.test.map_or(UNEXPLAINED_PERCENT, |_| Explained::LIMIT);
+        [
+            ("relative_error_percent", self.error_percent),
+            ("p_value", self.test.map(|t| t.test.p_value)),
+            ("stands_out_deviations", self.test.and_then(|t| t.stands_out)),
+            ("limit", Some(limit)),
+        ]
+    }
+}
+
+fn not_explained(results: &Results, run: &RunResult) -> Vec<VerdictReason> {
+    let (joints, tested) = match &run.residual {
+        Some(residual) => (by_test(run, &residual.joints), residual.joints.len()),
+        None => (by_error(run), run.joint_relative_error_percent.len()),
+    };
+    match joints.as_slice() {
+        [] => Vec::new(),
+        [first, ..] if joints.len() == tested => vec![nothing_explained(run, first)],
+        some => some.iter().map(|j| joint_not_explained(results, run, j)).collect(),
+    }
+}
+
+fn by_test(run: &RunResult, joints: &[JointResidual]) -> Vec<NotExplained> {
+    let by_chance = |joint: &JointResidual| {
+        let test = joint.explained.filter(Explained::is_by_chance)?;
+        let error_percent = run.joint_relative_error_percent.get(joint.joint - 1).copied().flatten();
+        Some(NotExplained { joint: joint.joint, error_percent, test: Some(test) })
+    };
+    joints.iter().filter_map(by_chance).collect()
+}
+
+/// Where the rows are not at hand: estimates from a reduction.
+fn by_error(run: &RunResult) -> Vec<NotExplained> {
+    let errors = run.joint_relative_error_percent.iter().enumerate();
+    let large = |(j, error): (usize, &Option<f64>)| {
+        let error_percent = error.filter(|e| *e > UNEXPLAINED_PERCENT)?;
+        Some(NotExplained { joint: j + 1, error_percent: Some(error_percent), test: None })
+    };
+    errors.filter_map(large).collect()
+}
+
+fn nothing_explained(run: &RunResult, first: &NotExplained) -> VerdictReason {
+    let text = format!(
+        "The model explains no torque better than a constant does, {} leaves {:.0} % of them: check that the torques belong to \
+         this motion and this robot.",
+        run.method,
+        run.relative_error_percent.unwrap_or(f64::NAN)
+    );
+    reason(ReasonCode::NothingExplained, Verdict::DoNotUse, &first.numbers(), of_method(run), text)
+}
+
+fn joint_not_explained(results: &Results, run: &RunResult, found: &NotExplained) -> VerdictReason {
+    let name = joint_name(results, found.joint);
+    let text = format!(
+        "{} explains the torque of joint {name} no better than a constant does, and leaves {:.0} % of it: check its column, and \
+         take none of its parameters.",
+        run.method,
+        found.error_percent.unwrap_or(f64::NAN)
+    );
+    let concerned = Concerned { joint: Some(name), ..of_method(run) };
+    reason(ReasonCode::JointNotExplained, Verdict::DoNotUse, &found.numbers(), concerned, text)
+}
+
+/// The run's own finding about joints that it predicts worse than zero.
+fn worse_than_zero(run: &RunResult, finding: &Finding) -> Option<VerdictReason> {
+    let verdict = match finding.severity {
+        Severity::Problem => Verdict::DoNotUse,
+        Severity::Warning => Verdict::Care,
+        Severity::Note => return None,
+    };
+    Some(of_finding(ReasonCode::JointNotExplained, verdict, run, finding))
+}
+
+fn of_finding(code: ReasonCode, verdict: Verdict, run: &RunResult, finding: &Finding) -> VerdictReason {
+    let concerned = Concerned {
+        joint: finding.joint_name.clone(),
+        parameter: finding.parameters.first().cloned(),
+        finding: Some(finding.code),
+        ..of_method(run)
+    };
+    let text = format!("{}: {}; {}.", run.method, finding.message, finding.remedy);
+    reason(code, verdict, &[("value", Some(finding.value)), ("limit", finding.limit)], concerned, text)
+}
+
+fn cross_validation(run: &RunResult) -> Option<VerdictReason> {
+    let (unseen, fit) = (run.cross_validation_relative_error_percent?, run.relative_error_percent?);
+    let ratio = unseen / fit;
+    let is_far = ratio > CROSS_VALIDATION_FAR || unseen > USELESS_PERCENT;
+    let verdict = if is_far { Verdict::DoNotUse } else { Verdict::Care };
+    let numbers = [("unseen_percent", Some(unseen)), ("fit_percent", Some(fit)), ("limit", Some(CROSS_VALIDATION))];
+    let text = format!(
+        "{} has an error of {unseen:.3} % on what it has not seen, {ratio:.1} times the {fit:.3} % of its fit: estimate fewer \
+         parameters (estimate = \"essential\"), or record more motion.",
+        run.method
+    );
+    (ratio > CROSS_VALIDATION).then(|| reason(ReasonCode::CrossValidation, verdict, &numbers, of_method(run), text))
+}
+
+/// An interval that excludes zero says that noise does not explain a negative inertia or friction. It says nothing where the
+/// residual of the joint is no noise: what the model lacks may explain it.
+fn not_physical(results: &Results, run: &RunResult, finding: &Finding) -> Option<VerdictReason> {
+    let named = |joint: &&JointResidual| Some(joint_name(results, joint.joint)) == finding.joint_name;
+    let of_joint = run.residual.iter().flat_map(|r| &r.joints).find(named);
+    let limit = correlated_from(results, run);
+    let interval_holds = of_joint.is_none_or(|joint| joint.autocorrelation <= limit);
+    let verdict = match finding.severity {
+        Severity::Problem if interval_holds => Verdict::DoNotUse,
+        Severity::Problem | Severity::Warning => Verdict::Care,
+        Severity::Note => return None,
+    };
+    Some(of_finding(ReasonCode::NotPhysical, verdict, run, finding))
+}
+
+fn influence(run: &RunResult) -> Option<VerdictReason> {
+    let found = run.influence.as_ref().filter(|i| i.change.abs() > INFLUENCE)?;
+    let concerned =
+        Concerned { parameter: Some(found.parameter.clone()), part: Some(found.part.clone()), ..of_method(run) };
+    let numbers = [("change_deviations", Some(found.change)), ("limit", Some(INFLUENCE))];
+    let text = format!(
+        "{} of {} changes by {:.1} standard deviations without {}: look at that part of the record, and record more like it.",
+        found.parameter, run.method, found.change, found.part
+    );
+    Some(reason(ReasonCode::Influence, Verdict::Care, &numbers, concerned, text))
+}
+
+/// The correlation of neighbouring rows from which a residual is no noise.
+fn correlated_from(results: &Results, run: &RunResult) -> f64 {
+    let rows = results.decimated_rows as f64 / run.joint_relative_error_percent.len().max(1) as f64;
+    WHITE + MORE_DEVIATIONS / rows.sqrt()
+}
+
+fn correlated_residual(results: &Results, run: &RunResult) -> Option<VerdictReason> {
+    let joints = run.residual.iter().flat_map(|r| &r.joints);
+    let worst = joints.max_by(|a, b| a.autocorrelation.abs().total_cmp(&b.autocorrelation.abs()))?;
+    let (r1, limit) = (worst.autocorrelation, correlated_from(results, run));
+    let name = joint_name(results, worst.joint);
+    let text = format!(
+        "The residual of joint {name} is no noise, neighbouring rows of {} correlate by {r1:.2} where {limit:.2} is chance: something \
+         is missing in the model (a law of friction, elasticity, a length) or in the processing (a torque that is held, friction's \
+         sign near rest), and no interval holds its bias; try compare_terms = true in [estimation].",
+        run.method
+    );
+    let concerned = Concerned { joint: Some(name), ..of_method(run) };
+    let numbers = [("autocorrelation", Some(r1)), ("limit", Some(limit))];
+    (r1 > limit).then(|| reason(ReasonCode::CorrelatedResidual, Verdict::Care, &numbers, concerned, text))
+}

@@ -1,0 +1,31 @@
+//! The one verdict on all results, by the rules of `docs/diagnostics.md`: from the results alone, so that it can be repeated
+//! on any `results.json`.
+
+mod comparisons;
+mod estimates;
+mod judged;
+mod reason;
+mod recordings;
+
+use std::cmp::Reverse;
+
+use crate::results::{Results, Verdict, VerdictReason};
+
+/// Writes the verdict and its reasons into results: the gravest first, and among them problems of the checks.
+pub(crate) fn judge(results: &mut Results) -> Verdict {
+    results.verdict_reasons = reasons(results);
+    let verdict = results.verdict_reasons.iter().map(|r| r.verdict).max().unwrap_or(Verdict::Good);
+    results.verdict = Some(verdict);
+    verdict
+}
+
+fn reasons(results: &Results) -> Vec<VerdictReason> {
+    let mut reasons = recordings::reasons(results);
+    reasons.extend(comparisons::reasons(results));
+    reasons.extend(estimates::reasons(results));
+    reasons.sort_by_key(|r| (Reverse(r.verdict), r.code));
+    reasons
+}
+
+#[cfg(test)]
+mod tests;

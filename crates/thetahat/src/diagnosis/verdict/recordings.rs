@@ -1,0 +1,96 @@
+//! What the checks say of the recordings.
+
+use super::{judged::judged_runs, reason::reason};
+use crate::{
+    checks::{Code, Finding, Severity},
+    diagnosis::problems::place,
+    results::{Concerned, DriveGainResult, ReasonCode, RecordingFindings, Results, Verdict, VerdictReason},
+};
+
+/// Rows for each parameter below which chance decides much of the estimates: filters are chosen with as many.
+const FEWEST_ROWS: f64 = 10.0;
+
+/// Lag, in samples, that is not the half of one by which a torque that is held is early; the check raises none that it is not sure of
+/// by six deviations. Clean: 0.8 (EMPS).
+const ONE_SAMPLE: f64 = 1.0;
+
+pub(super) fn reasons(results: &Results) -> Vec<VerdictReason> {
+    let of_checks = results.findings.iter().flat_map(of_recording);
+    let of_gains = results.drive_gains.iter().filter(|g| g.contradicts()).map(drive_gain);
+    of_checks.chain(of_gains).chain(few_rows(results)).collect()
+}
+
+/// One reason for each code, with the finding of the largest evidence in words.
+fn of_recording(recording: &RecordingFindings) -> Vec<VerdictReason> {
+    let mut all: Vec<(ReasonCode, Verdict, Vec<&Finding>)> = Vec::new();
+    for finding in &recording.findings {
+        let Some((code, verdict)) = demanded(finding, recording.held_back) else { continue };
+        match all.iter_mut().find(|(_, v, same)| *v == verdict && same[0].code == finding.code) {
+            Some((.., same)) => same.push(finding),
+            None => all.push((code, verdict, vec![finding])),
+        }
+    }
+    all.iter().map(|(code, verdict, same)| of_findings(&recording.recording, (*code, *verdict), same)).collect()
+}
+
+/// The rule of a finding, and what it demands; none where it says nothing of the estimate.
+fn demanded(finding: &Finding, held_back: bool) -> Option<(ReasonCode, Verdict)> {
+    let disagree = finding.code == Code::RecordingsContradict;
+    let is_lag = finding.code == Code::Lag;
+    match finding.severity {
+        Severity::Problem if disagree => Some((ReasonCode::RecordingsDisagree, Verdict::DoNotUse)),
+        Severity::Warning if disagree => Some((ReasonCode::RecordingsDisagree, Verdict::Care)),
+        Severity::Problem | Severity::Warning if held_back => None,
+        Severity::Problem => Some((ReasonCode::CheckProblem, Verdict::DoNotUse)),
+        Severity::Warning | Severity::Note if is_lag && !held_back && finding.value.abs() >= ONE_SAMPLE => {
+            Some((ReasonCode::Lag, Verdict::Care))
+        }
+        Severity::Warning => Some((ReasonCode::CheckWarning, Verdict::Care)),
+        Severity::Note => None,
+    }
+}
+
+fn of_findings(recording: &str, (code, verdict): (ReasonCode, Verdict), same: &[&Finding]) -> VerdictReason {
+    let worst = same.iter().max_by(|a, b| a.value.abs().total_cmp(&b.value.abs())).unwrap_or(&same[0]);
+    let joints: Vec<String> = same.iter().filter_map(|f| f.joint).map(|j| j.to_string()).collect();
+    let of_joints = match joints.as_slice() {
+        [] => String::new(),
+        [joint] => format!(" for joint {joint}"),
+        [_, ..] => format!(" for joints {}", joints.join(" ")),
+    };
+    let found = if code == ReasonCode::CheckProblem { "a problem" } else { "a warning" };
+    let text =
+        format!("{} has {found}{of_joints}, {}: {}; {}.", place(recording), worst.code, worst.message, worst.remedy);
+    let concerned = Concerned {
+        joint: worst.joint_name.clone(),
+        recording: Some(recording.to_owned()),
+        finding: Some(worst.code),
+        ..Concerned::default()
+    };
+    reason(code, verdict, &[("value", Some(worst.value)), ("limit", worst.limit)], concerned, text)
+}
+
+fn drive_gain(gain: &DriveGainResult) -> VerdictReason {
+    let text = format!(
+        "The known payload says that the torque of {} is {:.3} times what was recorded: correct the drive's gain, or the \
+         payload's mass.",
+        gain.joint,
+        gain.factor.unwrap_or(f64::NAN)
+    );
+    let concerned = Concerned { joint: Some(gain.joint.clone()), ..Concerned::default() };
+    let [low, high] = gain.interval_95.map_or([None; 2], |interval| interval.map(Some));
+    let numbers = [("factor", gain.factor), ("low", low), ("high", high)];
+    reason(ReasonCode::DriveGain, Verdict::DoNotUse, &numbers, concerned, text)
+}
+
+fn few_rows(results: &Results) -> Option<VerdictReason> {
+    let parameters = judged_runs(results).iter().map(|r| r.parameters.len()).max().filter(|n| *n > 0)?;
+    let each = results.decimated_rows as f64 / parameters as f64;
+    let numbers = [("rows_per_parameter", Some(each)), ("limit", Some(FEWEST_ROWS))];
+    let text = format!(
+        "{} rows after decimation are {each:.1} for each of {parameters} parameters, where {FEWEST_ROWS:.0} are few: record \
+         longer, or lower [signal] decimation.",
+        results.decimated_rows
+    );
+    (each < FEWEST_ROWS).then(|| reason(ReasonCode::FewRows, Verdict::Care, &numbers, Concerned::default(), text))
+}

@@ -1,0 +1,34 @@
+//! The verdict and its reasons: the first lines of a report.
+
+use super::wrap::wrap;
+use crate::results::{ReasonCode, Results, Verdict, VerdictReason};
+
+/// The verdict, and a line for each reason; none where the results have no verdict.
+pub(super) fn lines(results: &Results) -> Vec<(&'static str, String)> {
+    let Some(verdict) = results.verdict else { return Vec::new() };
+    let reasons = results.verdict_reasons.iter().map(|r| ("because", because(r)));
+    std::iter::once(("verdict", in_words(verdict, results.verdict_reasons.len()))).chain(reasons).collect()
+}
+
+/// The verdict on the results that something else rests on, for the terminal.
+pub(super) fn carried(verdict: Verdict, reasons: &[VerdictReason]) -> String {
+    let head = wrap(&format!("verdict on its results: {}", in_words(verdict, reasons.len())), "");
+    reasons.iter().map(|r| wrap(&because(r), "  ")).fold(head, |text, line| text + &line)
+}
+
+fn in_words(verdict: Verdict, reasons: usize) -> String {
+    let count = if reasons == 1 { "one reason".to_owned() } else { format!("{reasons} reasons") };
+    match verdict {
+        Verdict::Good => "good: take the numbers as advised".to_owned(),
+        Verdict::Care => format!("take the numbers as advised with care, for {count}"),
+        Verdict::DoNotUse => format!("DO NOT USE the numbers, for {count}"),
+    }
+}
+
+fn because(reason: &VerdictReason) -> String {
+    let mark = match (reason.verdict, reason.code) {
+        (Verdict::DoNotUse, ReasonCode::CheckProblem) => "PROBLEM ",
+        (Verdict::Good | Verdict::Care | Verdict::DoNotUse, _) => "",
+    };
+    format!("{mark}[{}] {}", reason.code, reason.text)
+}
