@@ -44,15 +44,15 @@ fn all_methods_agree_with_the_truth_where_the_simulator_is_exact() {
     assert!(advice.take.is_some() && advice.distrust.is_empty(), "{advice:?}");
 }
 
-/// The signs of small velocities move IV by several standard deviations, and DIDIM by none: the simulator is not to be
+/// The signs of small velocities move IV by more than two standard deviations, and DIDIM by one at most: the simulator is not to be
 /// blamed.
 #[test]
 fn an_exact_simulator_beside_a_wrong_measured_motion_is_not_blamed() {
-    let quiet = ("torque_noise = [6]", "torque_noise = [0.5]");
+    let quiet = ("torque_noise = [6]", "torque_noise = [0.1]");
     let results = run(&[("decimation = 10", "decimation = 10\nmask = \"none\""), quiet]);
     let (test, advice) = (results.diagnostics[0].biased_simulator.as_ref().unwrap(), &results.advice[0]);
     let [didim, iv] = [Method::DIDIM, Method::IDIM_IV].map(|m| away(&results, m, "fv1"));
-    assert!(didim.abs() < 3.0 && iv.abs() > 4.0, "{didim} {iv}");
+    assert!(didim.abs() < 1.5 && iv.abs() > 2.0, "{didim} {iv}");
     assert_eq!(test.verdict, Comparison::Undecided, "{test:?}");
     assert_eq!(advice.take, None, "{advice:?}");
     assert!(!advice.distrust.contains(&Method::DIDIM) && !advice.text.contains("later"), "{advice:?}");

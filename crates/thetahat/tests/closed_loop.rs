@@ -157,7 +157,7 @@ fn smaller_gear_ratios_move_the_joints_further() {
 /// zero.
 #[test]
 fn smaller_gear_ratios_start_the_joints_further_from_the_motors_zero() {
-    let start = vec![20f64.to_radians(), -10f64.to_radians()];
+    let start = vec![45f64.to_radians(), -30f64.to_radians()];
     let end = vec![start[0] + 0.3, start[1] - 0.2];
     let mut bench = Bench::new(COUPLED, "law = \"pd\"\nbandwidth_hz = [60.0]", Reference::Moves(one_move(start, end)));
     let nominal = bench.run(1);

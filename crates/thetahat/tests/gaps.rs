@@ -47,8 +47,11 @@ fn identify(recording: Recording) -> Results {
 fn assert_near(results: &Results, whole: &Results) {
     for method in METHODS {
         let [run, of_whole] = [results, whole].map(|r| r.run("nominal", method).unwrap());
-        let is_settled = run.status == Status::Converged || (method == Method::DIDIM && run.status == of_whole.status);
-        assert!(is_settled, "{method}: {:?}", run.status);
+        // With errors of 0.1 % the simulator's own tolerance moves DIDIM by a tenth of a deviation from step to step.
+        let last = run.convergence.last().and_then(|i| i.parameter_change);
+        let is_settled =
+            run.status == Status::Converged || (method == Method::DIDIM && last.is_some_and(|change| change < 0.2));
+        assert!(is_settled, "{method}: {:?}, {:?}", run.status, run.reason);
         for (p, w) in run.parameters.iter().zip(&of_whole.parameters) {
             let deviation = p.standard_deviation_robust.unwrap();
             let from_truth = (p.estimate - p.true_value.unwrap()).abs() / deviation;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use thetahat::{
-    experiment::Experiment,
+    experiment::{Experiment, ExperimentError},
     identification::Method,
     results::{Results, RunResult},
 };
@@ -11,7 +11,7 @@ use thetahat::{
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
 /// The demonstration with a key in `[signal]`, and LS and IV alone.
-fn experiment(key: &str) -> Experiment {
+fn read(key: &str) -> Result<Experiment, ExperimentError> {
     let root = Path::new(ROOT);
     let read = |path: &str| std::fs::read_to_string(root.join(path)).unwrap();
     let quarter = |line: &str| match line.split_once("torque_noise = ") {
@@ -25,11 +25,11 @@ fn experiment(key: &str) -> Experiment {
     let text = text.join("\n").replacen("[signal]\n", &format!("[signal]\n{key}\n"), 1);
     let text =
         text.replacen("methods = [\"idim-ls\", \"idim-iv\", \"didim\"]", "methods = [\"idim-ls\", \"idim-iv\"]", 1);
-    Experiment::from_texts(&root.join("experiments/demo.toml"), text, read("robots/tx40.toml")).unwrap()
+    Experiment::from_texts(&root.join("experiments/demo.toml"), text, read("robots/tx40.toml"))
 }
 
 fn run(key: &str) -> Results {
-    experiment(key).run(Path::new(ROOT), &mut |_| {}).unwrap()
+    read(key).unwrap().run(Path::new(ROOT), &mut |_| {}).unwrap()
 }
 
 /// The largest error of an estimate in its standard deviations with correlated errors.
@@ -63,7 +63,7 @@ fn limits_can_be_stated_and_are_checked() {
     let results = run("mask = { velocity = 0.05, widened_s = 0.01 }");
     let near_rest = results.recordings[0].near_rest.as_ref().unwrap();
     assert_eq!((near_rest.velocity.clone(), near_rest.widened_s), (vec![0.05; 6], 0.01));
-    let refused = |key: &str| experiment(key).run(Path::new(ROOT), &mut |_| {}).unwrap_err().to_string();
+    let refused = |key: &str| read(key).unwrap_err().to_string();
     let message = refused("mask = { velocity = 0, widened_s = 0.01 }");
     assert!(message.contains("[signal] mask.velocity is 0, expected a finite number above zero"), "{message}");
     let message = refused("mask = { velocity = 0.1, widened_s = -1 }");

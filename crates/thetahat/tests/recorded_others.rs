@@ -6,6 +6,7 @@ use thetahat::{
     control::ControllerDescription,
     experiment::Experiment,
     identification::{Method, Status},
+    preparation::{Mask, NamedMask},
     results::{ReasonCode, Results, Verdict},
     robot::INERTIAL,
 };
@@ -57,8 +58,12 @@ fn ur10_error() -> Result<(), Failed> {
 }
 
 /// fv about 20.6 25.1 9.3 3.3 3.3 3.3, fc about 11.9 13.7 7.6 2.8 2.3 2.5.
+/// The others' estimates are from all samples, those near rest among them.
 fn ur10_friction() -> Result<(), Failed> {
-    let results = identify("ur10.toml");
+    let path = thetahat_testing::root().join("experiments/ur10.toml");
+    let mut experiment = Experiment::read(&path, &thetahat_testing::data()).unwrap();
+    experiment.settings.signal.mask = Mask::Named(NamedMask::None);
+    let results = experiment.run(&thetahat_testing::data(), &mut |_| {}).unwrap();
     ensure_friction(&results, "fv", &[20.6, 25.1, 9.3, 3.3, 3.3, 3.3])?;
     ensure_friction(&results, "fc", &[11.9, 13.7, 7.6, 2.8, 2.3, 2.5])
 }
@@ -89,7 +94,7 @@ fn kuka_iv() -> Result<(), Failed> {
 }
 
 fn ur10_iv() -> Result<(), Failed> {
-    [None, Some(20.0), Some(80.0)].into_iter().try_for_each(|hz| ensure_iv("ur10.toml", hz, 6.6))
+    [None, Some(5.0), Some(20.0), Some(80.0)].into_iter().try_for_each(|hz| ensure_iv("ur10.toml", hz, 3.3))
 }
 
 /// Recordings that others published estimates from ask for care: every one has a residual that is no noise.

@@ -13,7 +13,7 @@ use thetahat::{
 use thetahat_testing::Folder;
 
 const ROBOT: &str = "name = 'joint'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n";
-const SIGNAL: &str = "[signal]\ncutoff_hz = 60\ndecimation = 10\n";
+const SIGNAL: &str = "[signal]\ncutoff_hz = 60\ndecimation = 10\nmask = 'none'\n";
 const METHODS: &str = "[estimation]\nmethods = ['idim-ls']\n";
 const RATE: f64 = 1000.0;
 /// Between ways to one estimate, in the larger of the estimate and its standard deviation.

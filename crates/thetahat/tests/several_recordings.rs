@@ -8,7 +8,7 @@ use thetahat::results::Results;
 use thetahat_testing::Folder;
 
 const ROBOT: &str = "name = 'joint'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n";
-const SIGNAL: &str = "[signal]\ncutoff_hz = 60\ndecimation = 10\n[estimation]\nmethods = ['idim-ls']\n";
+const SIGNAL: &str = "[signal]\ncutoff_hz = 60\ndecimation = 10\nmask = 'none'\n[estimation]\nmethods = ['idim-ls']\n";
 const RATE: f64 = 1000.0;
 /// ia, fv, fc, off.
 const TRUTH: [f64; 4] = [0.7, 3.0, 1.5, 0.2];

@@ -267,7 +267,8 @@ fn a_law_that_fits_is_recommended_and_no_other() {
         let law = |name: &str| joint.laws.iter().find(|law| law.law == name).unwrap().criterion_change;
         assert!(recommended[0].law.ends_with("stribeck"), "{:?}", joint.laws);
         assert!(law("exponential-stribeck") - recommended[0].criterion_change < 10.0, "{:?}", joint.laws);
-        assert!(law("motor-harmonics") > 0.0 && law("load-friction") > 0.0, "{:?}", joint.laws);
+        // Without the samples near rest a friction by load takes some of what falls with the velocity, far less than the law.
+        assert!(law("motor-harmonics") > 0.0 && law("load-friction") > -10.0, "{:?}", joint.laws);
         assert!(recommended[0].description.starts_with("[[term]]\nkind = \""));
     }
     // What is recommended can be pasted, and then nothing else is.

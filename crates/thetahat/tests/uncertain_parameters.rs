@@ -42,7 +42,7 @@ fn motor_inertias_are_essential_in_any_noise() {
     let mut experiment = Experiment::read(&path, folder).unwrap();
     experiment.settings.cases.clear();
     experiment.settings.estimation.methods = vec![Method::IDIM_LS];
-    experiment.file.twin.as_mut().unwrap().sensors.torque_noise = vec![20.0, 20.0];
+    experiment.file.twin.as_mut().unwrap().sensors.torque_noise = vec![25.0, 25.0];
     let whole = experiment.run(folder, &mut |_| {}).unwrap();
     let percent = whole.runs[0].parameter("ia2").unwrap().relative_standard_deviation_percent.unwrap();
     assert!(percent > 30.0, "{percent}");
