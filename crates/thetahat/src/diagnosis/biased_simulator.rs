@@ -39,8 +39,7 @@ pub(super) fn biased_simulator(
     let whitened = Whitened::new(didim)?;
     let compared = SimulatorComparison::new(&whitened.z, &whitened.x, &whitened.y, whitened.layout)?;
     let statistics = compared.bootstrap(DRAWS, SEED);
-    let fifth = ((1.0 - SIGNIFICANCE) * (DRAWS + 1) as f64) as usize - 1;
-    let threshold = statistics.get(fifth).copied().filter(|t| t.is_finite())?;
+    let threshold = threshold(&statistics)?;
     let larger = statistics.iter().filter(|s| **s >= compared.statistic).count();
     let parameters = largest(problem, &compared.difference, &compared.iv_deviation);
     let verdict = compare(&compared, compared.statistic > threshold, parameters.first());
@@ -74,6 +73,12 @@ fn compare(compared: &SimulatorComparison, rejected: bool, most: Option<&Paramet
         return Comparison::Undecided;
     }
     if !rejected && matters && ratio > 1.0 { Comparison::Unclear } else { comparison(rejected, average) }
+}
+
+/// The statistic, of sorted ones of so many draws, that 5 % of them and the record's own exceed; none where it is infinite.
+fn threshold(statistics: &[f64]) -> Option<f64> {
+    let place = ((1.0 - SIGNIFICANCE) * (statistics.len() + 1) as f64).round() as usize;
+    statistics.get(place - 1).copied().filter(|t| t.is_finite())
 }
 
 /// One DIDIM step with each error of the simulator, and how far its change explains the difference; the best first.
@@ -116,4 +121,17 @@ fn explanation(kind: BiasKind, compared: &SimulatorComparison, change: &[f64]) -
         standard_deviation: setting.map(|(_, deviation)| deviation),
         explained_percent: 100.0 * fit.explained,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn five_percent_of_the_draws_and_the_record_are_above_the_threshold() {
+        let statistics: Vec<f64> = (1..=DRAWS).map(|k| k as f64).collect();
+        assert_eq!((DRAWS, threshold(&statistics)), (199, Some(190.0)));
+        let unbounded: Vec<f64> = (1..=DRAWS).map(|k| if k < 190 { 1.0 } else { f64::INFINITY }).collect();
+        assert_eq!(threshold(&unbounded), None);
+    }
 }
