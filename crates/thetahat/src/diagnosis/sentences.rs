@@ -60,7 +60,7 @@ fn take_ls(evidence: &Evidence<'_>) -> String {
     let why = match (evidence.weak(), evidence.ran(Method::IDIM_IV)) {
         (Some(weak), _) => weak_text(weak),
         (None, Some(_)) => "idim-iv has no converged estimate to test it.".to_owned(),
-        (None, None) => "Nothing tests it: idim-iv, which needs [controller], was not run.".to_owned(),
+        (None, None) => "Nothing tests it: idim-iv was not run; add it to methods.".to_owned(),
     };
     let numbers = evidence.ran(Method::IDIM_LS).map(ls_numbers).unwrap_or_default();
     format!("Take idim-ls{numbers}. {why}")

@@ -22,8 +22,9 @@ pub struct NearRest {
     pub widened: usize,
 }
 
-/// Largest part of a joint's samples that is left out: a joint that hardly moves keeps all.
-const LARGEST_PART: f64 = 0.5;
+/// Largest part of a joint's samples that is left out: a joint that hardly moves keeps all, so that what gravity and the other
+/// joints do to it is told.
+const LARGEST_PART: f64 = 0.8;
 
 impl RowMask {
     /// Leaves out the samples of each coordinate on which a jump acts near rest. None where nothing is left out.
@@ -114,12 +115,8 @@ mod tests {
 
     #[test]
     fn a_motor_near_rest_takes_all_joints_that_move_it() {
-        let dq = Series::from_channels(&[vec![2.0, 2.0, 2.0, 2.0, 2.0], vec![-3.0, 1.0, -2.0, 1.0, 1.0]]);
-        let motor = Jump { velocity: vec![(0, 1.0), (1, 1.0)], acts_on: vec![0, 1] };
         let rule = NearRest { velocity: vec![0.1, 0.1], widened: 0 };
-        let mask = RowMask::near_rest(&[motor], &dq, &rule);
-        // The motor's velocity is -1, 3, 0, 3, 3: it changes its sign behind the first sample and at the third.
-        assert_eq!(mask, None, "three of five samples are more than half");
+        // The motor's velocity is -1, 3, 0, 3, 3 ...: it changes its sign behind the first sample and at the third.
         let dq = Series::from_channels(&[vec![2.0; 8], vec![-3.0, 1.0, -2.0, 1.0, 1.0, 1.0, 1.0, 1.0]]);
         let motor = Jump { velocity: vec![(0, 1.0), (1, 1.0)], acts_on: vec![0, 1] };
         let mask = RowMask::near_rest(&[motor], &dq, &rule).unwrap();

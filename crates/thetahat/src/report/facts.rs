@@ -89,8 +89,12 @@ fn near_rest(results: &Results) -> Option<(&'static str, String)> {
         significant(1e3 * widened, 2),
     );
     let with = results.with_rest.as_ref().map(|with| {
-        let [error, deviations] = [with.relative_error_percent, with.deviations].map(|v| significant(v, 2));
-        format!("; with them idim-ls has an error of {error} %, and {} is {deviations} deviations off", with.parameter)
+        let [error, deviations] = [with.relative_error_percent, with.deviations.abs()].map(|v| significant(v, 2));
+        let order = if with.deviations < 0.0 { "lower" } else { "higher" };
+        format!(
+            "; with them idim-ls has an error of {error} %, and {} is {deviations} deviations {order}",
+            with.parameter
+        )
     });
     Some(("near rest", left_out + &with.unwrap_or_default()))
 }
