@@ -14,8 +14,9 @@ const UNEXPLAINED_PERCENT: f64 = 95.0;
 /// The error of what was left out over that of the fit, from which it is much above it. Clean: 1.5 (EMPS), 1.2 (TX40); the KUKA
 /// has 4.5, and care.
 const CROSS_VALIDATION: f64 = 2.0;
+/// The same from which what was left out contradicts the fit. Clean: 18 (KUKA by IV, each of two recordings left out).
+const CROSS_VALIDATION_FAR: f64 = 30.0;
 /// The error of what was left out, percent of the torque, from which an estimate that fits twice as well is not to be used.
-/// What is far above a fit of 1 or 2 % can still be a useful prediction: a part that was left out may hold motion of its own.
 const USELESS_PERCENT: f64 = 50.0;
 /// Change of an estimate without one part of the record, in its deviations with correlated errors, from which that part decides.
 /// Clean: 2.2 (UR10), 1.6 (TX40); the KUKA has 34, and care.
@@ -157,7 +158,7 @@ fn of_finding(code: ReasonCode, verdict: Verdict, run: &RunResult, finding: &Fin
 fn cross_validation(run: &RunResult) -> Option<VerdictReason> {
     let (unseen, fit) = (run.cross_validation_relative_error_percent?, run.relative_error_percent?);
     let ratio = unseen / fit;
-    let is_far = unseen > USELESS_PERCENT;
+    let is_far = ratio > CROSS_VALIDATION_FAR || unseen > USELESS_PERCENT;
     let verdict = if is_far { Verdict::DoNotUse } else { Verdict::Care };
     let numbers = [("unseen_percent", Some(unseen)), ("fit_percent", Some(fit)), ("limit", Some(CROSS_VALIDATION))];
     let text = format!(
