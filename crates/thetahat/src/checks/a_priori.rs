@@ -7,7 +7,6 @@
 use super::{
     examination::{Evidence, Examination, Words},
     finding::{Code, Severity},
-    numbers::median,
     thinned_record::ThinnedRecord,
 };
 use crate::{
@@ -17,6 +16,7 @@ use crate::{
     robot::{Quantity, Robot},
     series::Series,
     signal::Motion,
+    statistics::median,
 };
 
 /// Factor between a torque and that of the a-priori masses, either way. Clean: recorded TX40 at most 1.1, KUKA 1.4, twins

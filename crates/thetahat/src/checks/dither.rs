@@ -3,10 +3,10 @@
 use super::{
     examination::{Evidence, Examination, Words},
     finding::{Code, Severity},
-    numbers::{median, quantile_abs},
+    numbers::quantile_abs,
     signals::Signals,
 };
-use crate::robot::JointKind;
+use crate::{robot::JointKind, statistics::median};
 
 /// Spans of a motion below which a joint is held and trembles, rad and m: gravity and coupling do not change over it. The
 /// clean records span at least 1.2 rad or 0.12 m.

@@ -1,5 +1,7 @@
 //! Small statistics of the checks.
 
+use crate::statistics::quantile;
+
 /// The mean.
 pub(super) fn mean(x: &[f64]) -> f64 {
     x.iter().sum::<f64>() / x.len().max(1) as f64
@@ -25,18 +27,6 @@ pub(super) fn span(x: &[f64]) -> f64 {
 /// The quantile of absolute values at `part` from 0 to 1; zero of nothing.
 pub(super) fn quantile_abs(x: impl Iterator<Item = f64>, part: f64) -> f64 {
     quantile(&x.map(f64::abs).collect::<Vec<_>>(), part)
-}
-
-/// The value below which a part of the values lies; zero of nothing.
-pub(super) fn quantile(x: &[f64], part: f64) -> f64 {
-    let mut sorted = x.to_vec();
-    let place = (sorted.len().saturating_sub(1) as f64 * part).round() as usize;
-    if sorted.is_empty() { 0.0 } else { *sorted.select_nth_unstable_by(place, f64::total_cmp).1 }
-}
-
-/// The middle value; zero of nothing.
-pub(super) fn median(x: &[f64]) -> f64 {
-    quantile(x, 0.5)
 }
 
 /// Normal standard deviation per median of absolute values.

@@ -3,9 +3,9 @@
 use super::{
     examination::{Evidence, Examination, Words},
     finding::{Code, Severity},
-    numbers::{NORMAL_PER_MEDIAN, quantile, quantile_abs},
+    numbers::{NORMAL_PER_MEDIAN, quantile_abs},
 };
-use crate::series::Series;
+use crate::{series::Series, statistics::quantile};
 
 /// Distance of a sample from the median of the five around it, in robust standard deviations.
 const OUTLYING: f64 = 12.0;

@@ -5,7 +5,7 @@ use crate::{
     linear_algebra::{Matrix, PivotedQr, norm},
     regression::Regression,
     results::Explained,
-    statistics::f_test,
+    statistics::{f_test, median},
 };
 
 /// Shifts of the torque against the motion, at the most.
@@ -58,16 +58,11 @@ fn stands_out(x: &Matrix, y: &[f64]) -> Option<f64> {
         (1.0 - norm(&q.transpose_times(&shifted)).powi(2) / all).max(f64::MIN_POSITIVE).ln()
     };
     let shifts = SHIFTS.min(y.len() - 1);
-    let mut shifted: Vec<f64> = (1..=shifts).map(|s| left(s * y.len() / (shifts + 1))).collect();
-    let centre = median(&mut shifted);
-    let mut distances: Vec<f64> = shifted.iter().map(|l| (l - centre).abs()).collect();
-    let deviation = median(&mut distances) / MEDIAN_DISTANCE;
+    let shifted: Vec<f64> = (1..=shifts).map(|s| left(s * y.len() / (shifts + 1))).collect();
+    let centre = median(&shifted);
+    let distances: Vec<f64> = shifted.iter().map(|l| (l - centre).abs()).collect();
+    let deviation = median(&distances) / MEDIAN_DISTANCE;
     Some((centre - left(0)) / deviation).filter(|z| z.is_finite())
-}
-
-fn median(values: &mut [f64]) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
 #[cfg(test)]

@@ -132,8 +132,8 @@ fn simulator_text(test: &BiasedSimulatorResult) -> String {
         Comparison::Undecided => format!(
             "didim differs from idim-iv by {numbers}, most in {}, and explains the torques better, with {ratio} times its \
              residual: the measured motion may be wrong as well as the simulator. A drive signal that is held from sample to \
-             sample is half a sample late against the motion: say so with held = true in its [recording]. Rows near rest have \
-             the wrong sign of friction: leave them out with [signal] mask. Then compare again.",
+             sample is recorded half a sample early: say so by held = true beside its columns. Samples near rest have the wrong \
+             sign of friction: leave more of them out by a larger velocity in [signal] mask. Then compare again.",
             names(test)
         ),
         Comparison::Alarm => {

@@ -57,8 +57,8 @@ fn differing(test: &BiasedSimulatorResult) -> VerdictReason {
     let most = test.parameters.first();
     let text = format!(
         "idim-iv and didim differ by {:.2} standard deviations on average, most in {}, and didim leaves {:.2} times the residual \
-         of idim-iv: the measured motion or the simulator is wrong; set held = true where the torque is held from sample to \
-         sample, and [signal] mask for rows near rest, and compare again.",
+         of idim-iv: the measured motion or the simulator is wrong; say held = true where the torque is held from sample to \
+         sample, leave out more samples near rest by a larger velocity in [signal] mask, and compare again.",
         test.average_difference,
         most.map_or("no parameter", |p| &p.name),
         test.residual_ratio
