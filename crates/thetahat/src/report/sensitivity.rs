@@ -14,6 +14,7 @@ use super::{
     section::Section,
     status::status_words,
     table::{Group, Table},
+    wrap::TextWidth,
 };
 use crate::{
     results::{BiasKind, Method, Sensitivity, SensitivityPoint, Status},
@@ -27,8 +28,8 @@ fn methods(sensitivity: &Sensitivity) -> Vec<Method> {
 
 /// The table of a sweep for the terminal.
 #[must_use]
-pub fn sensitivity_text(sensitivity: &Sensitivity) -> String {
-    table(sensitivity).to_text()
+pub fn sensitivity_text(sensitivity: &Sensitivity, width: TextWidth) -> String {
+    table(sensitivity).to_text(width)
 }
 
 /// The files of a sweep.
