@@ -127,7 +127,7 @@ fn experiment(files: &[&str]) -> String {
     };
     let recordings: String = files.iter().map(recording).collect();
     format!(
-        "title = \"arm\"\nrobot = \"robot.toml\"\n{recordings}\n[signal]\nmask = 'none'{rest}\n\
+        "title = \"arm\"\nrobot = \"robot.toml\"\n{recordings}\n[signal]{rest}\n\
          [estimation]\nmethods = [\"idim-ls\", \"idim-iv\"]\n"
     )
 }

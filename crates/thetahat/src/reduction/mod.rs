@@ -14,7 +14,10 @@
 //! | file | what it does |
 //! | --- | --- |
 //! | `source` | a recording of which any part can be had, on the joint side |
-//! | `pieces` | the window, and one piece on its way to rows |
+//! | `pieces` | its pieces, and what their positions tell |
+//! | `survey` | what must be known before rows are made: the window, and what counts as near rest |
+//! | `near_rest` | which samples of a piece make no rows |
+//! | `rows` | one piece on its way to rows |
 //! | `instruments` | the simulated motion of a piece |
 //! | `reduce` | all of it, recording by recording |
 //! | `factors` | rows to factors, stretch by stretch |
@@ -42,11 +45,14 @@ mod factors;
 mod file;
 mod fingerprint;
 mod instruments;
+mod near_rest;
 mod pieces;
 mod reduce;
+mod rows;
 mod segments;
 mod solve;
 mod source;
+mod survey;
 mod value;
 
 pub use error::ReductionError;

@@ -6,6 +6,10 @@ use super::{
     ReductionError,
     factors::{MOST_SEGMENTS, Segment, coarsened},
 };
+use crate::{
+    preparation::{Mask, NamedMask},
+    results::NearRestResult,
+};
 
 /// Part by which the sample rates of recordings may differ, as in an experiment with several.
 const RATE_TOLERANCE: f64 = 0.01;
@@ -34,6 +38,12 @@ pub struct Identity {
     pub cutoff_hz: f64,
     /// Every how many samples a row was kept.
     pub decimation: usize,
+    /// How positions were differentiated; a file of form 1 does not say.
+    #[serde(default = "not_stated")]
+    pub derivative: String,
+    /// Which samples near rest make no rows; a file of form 1 has rows of all.
+    #[serde(default = "every_sample")]
+    pub mask: String,
 }
 
 /// Recordings as far as least squares need them: the triangular factors of their rows, and what must be known to solve.
@@ -72,6 +82,10 @@ pub struct ReducedRecording {
     pub sample_rate_hz: f64,
     /// Start and end of the window, s.
     pub window_s: [f64; 2],
+    /// Time for which its torques hold, s, over which they were centred; zero where they were measured at their instants.
+    pub torque_hold_s: f64,
+    /// Samples near rest that make no rows; none where all make rows.
+    pub near_rest: Option<NearRestResult>,
     /// True base parameters, for a twin.
     pub truth: Option<Vec<f64>>,
     /// Its stretches of time, one after the other.
@@ -176,6 +190,8 @@ impl Identity {
             ("the position filter's order", self.filter_order.to_string(), other.filter_order.to_string()),
             ("the position filter's cut-off in Hz", self.cutoff_hz.to_string(), other.cutoff_hz.to_string()),
             ("the decimation", self.decimation.to_string(), other.decimation.to_string()),
+            ("the derivative", self.derivative.clone(), other.derivative.clone()),
+            ("the mask near rest", self.mask.clone(), other.mask.clone()),
         ];
         if let Some((what, first, other)) = texts.into_iter().find(|(_, first, other)| first != other) {
             return Err(ReductionError::Unlike { what, first, other });
@@ -188,6 +204,14 @@ impl Identity {
             None => Ok(()),
         }
     }
+}
+
+fn not_stated() -> String {
+    "not stated".to_owned()
+}
+
+fn every_sample() -> String {
+    Mask::Named(NamedMask::None).to_string()
 }
 
 fn unlike(what: &'static str, first: &dyn ToString, other: &dyn ToString) -> ReductionError {
