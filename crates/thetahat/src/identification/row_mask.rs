@@ -42,7 +42,7 @@ impl RowMask {
     }
 
     /// A series with one channel for each coordinate, zero where a sample is not used.
-    pub(super) fn applied_to(&self, series: &Series) -> Series {
+    pub(crate) fn applied_to(&self, series: &Series) -> Series {
         let values = series.values().iter().zip(self.used.values()).map(|(value, used)| value * used);
         Series::from_values(series.channels(), values.collect())
     }
