@@ -1,6 +1,7 @@
 use super::{
     factors::{Segment, coarsened},
-    value::{Identity, Reduction},
+    identity::Identity,
+    value::Reduction,
 };
 use crate::{
     linear_algebra::Matrix,

@@ -22,6 +22,7 @@
 //! | `reduce` | all of it, recording by recording |
 //! | `factors` | rows to factors, stretch by stretch |
 //! | `value`, `file`, `fingerprint` | the reduction, its merging and its file; by what a recording is known again |
+//! | `identity` | what must agree between reductions that are merged |
 //! | `compressed`, `solve` | the factors as a regression, its estimates and results |
 //! | `segments` | intervals from the scores of the stretches of time |
 //! | `estimates` | estimates of a `results.json`, for instruments |
@@ -44,6 +45,7 @@ mod estimates;
 mod factors;
 mod file;
 mod fingerprint;
+mod identity;
 mod instruments;
 mod near_rest;
 mod pieces;
@@ -58,6 +60,7 @@ mod value;
 pub use error::ReductionError;
 pub use estimates::estimates_of_results;
 pub use factors::Segment;
+pub use identity::Identity;
 pub use reduce::{ReduceOptions, ReduceProgress};
 pub use solve::Solution;
-pub use value::{Identity, ReducedRecording, Reduction};
+pub use value::{ReducedRecording, Reduction};

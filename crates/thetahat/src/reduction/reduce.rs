@@ -4,20 +4,21 @@ use super::{
     error::ReductionError,
     factors::{Accumulator, JointColumns},
     fingerprint::Fingerprint,
+    identity::Identity,
     instruments::Simulated,
     near_rest::NearRestMask,
     pieces::{Pieces, refuse},
     rows::{Channels, Piece, Rows},
     source::Source,
     survey::{Survey, Surveyed},
-    value::{Identity, ReducedRecording, Reduction},
+    value::{ReducedRecording, Reduction},
 };
 use crate::{
     base_parameters::BaseParameters,
     dynamics::{Jump, Model},
     experiment::{Experiment, RecordingDescription},
     pool::in_order,
-    preparation::{Basis, Case, Mask, NamedMask, PreparationError, STILL},
+    preparation::{Basis, Case, PreparationError, STILL},
     regressor::Regressor,
     signal::{Decimator, Joiner, SignalError},
 };
@@ -261,40 +262,14 @@ impl<'a> Reducer<'a> {
 
     /// The reduction of no recording.
     fn nothing_yet(&self) -> Reduction {
-        let (experiment, base) = (self.experiment, self.base);
-        let signal = experiment.settings.signal;
-        let joints: Vec<String> = experiment.robot.coordinates().map(|j| j.name.clone()).collect();
+        let Self { experiment, base, regressor, .. } = self;
         Reduction {
-            identity: Identity {
-                robot: experiment.robot.name.clone(),
-                acting: acting(joints.len(), &self.regressor),
-                joints,
-                locked: experiment.robot.locked.iter().map(|l| format!("{} {}", l.name, l.value)).collect(),
-                parameters: base.parameters().iter().map(|p| p.name.clone()).collect(),
-                expressions: base.parameters().iter().map(|p| p.expression.clone()).collect(),
-                filter_order: signal.filter_order,
-                cutoff_hz: signal.cutoff_hz,
-                decimation: signal.decimation,
-                derivative: signal.derivative.to_string(),
-                mask: self.mask_in_words(),
-            },
+            identity: Identity::of(experiment, base, regressor, !self.jumps().is_empty()),
             experiment_name: experiment.path.display().to_string(),
             experiment_description: experiment.text.clone(),
             robot_description: experiment.robot_text.clone(),
             instruments: self.theta.clone(),
             recordings: Vec::new(),
-        }
-    }
-
-    /// What decides which samples make no rows, but for the noise of each recording.
-    fn mask_in_words(&self) -> String {
-        let mask = self.experiment.settings.signal.mask;
-        match mask {
-            _ if self.jumps().is_empty() => Mask::Named(NamedMask::None).to_string(),
-            Mask::Named(NamedMask::None) | Mask::Stated(_) => mask.to_string(),
-            Mask::Named(NamedMask::NearRest) => {
-                format!("{mask}, sign_velocity_scale {}", self.experiment.settings.simulation.sign_velocity_scale)
-            }
         }
     }
 }
@@ -313,14 +288,4 @@ fn joint_columns(regressor: &Regressor, channels: Channels) -> JointColumns {
     };
     let joints = 0..channels.joints();
     JointColumns { channels: joints.map(of_joint).collect(), mask: channels.mask() }
-}
-
-/// The columns that act on each joint, in order.
-fn acting(joints: usize, regressor: &Regressor) -> Vec<Vec<usize>> {
-    let of_joint = |joint: usize| {
-        let mut own: Vec<usize> = regressor.entries().iter().filter(|e| e.joint == joint).map(|e| e.column).collect();
-        own.sort_unstable();
-        own
-    };
-    (0..joints).map(of_joint).collect()
 }
