@@ -40,10 +40,10 @@ for (const { name, file, results } of pagesOf(process.env.PAGES)) {
 function placesOf(parameter) {
   const top = (element) => (element ? element.getBoundingClientRect().top + scrollY : Infinity);
   const first = (selector, matches) => top([...document.querySelectorAll(selector)].find(matches));
-  const says = (pattern) => (element) => pattern.test(element.textContent);
+  const ownText = (element) => [...element.childNodes].filter((n) => n.nodeType === Node.TEXT_NODE).map((n) => n.data).join(" ");
   return {
-    verdict: first("body *", (e) => !e.children.length && /\b(good|care|do not use)\b/i.test(e.textContent)),
-    torques: first("figure", (e) => says(/torque/i)(e.querySelector("figcaption") ?? e)),
+    verdict: first("body *", (e) => /\b(good|care|do not use)\b/i.test(ownText(e))),
+    torques: first("figure", (e) => /torque/i.test((e.querySelector("figcaption") ?? e).textContent)),
     estimates: first("td, tbody th, svg text", (e) => e.textContent.trim() === parameter),
   };
 }

@@ -11,6 +11,7 @@ export function structureOf(page) {
       drawings: count("svg[role=img]"),
       tables: count("table"),
       folds: count("details"),
+      scripts: count("script"),
       headings: [...document.querySelectorAll("h1, h2, h3")].map((h) => `${h.localName} ${text(h)}`),
     };
   });
