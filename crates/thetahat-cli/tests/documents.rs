@@ -17,24 +17,7 @@ struct Document {
 impl Document {
     fn read(path: &Path) -> Self {
         let text = fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-        let mut document = Self { path: path.to_owned(), links: Vec::new(), headings: Vec::new() };
-        let mut heading: Option<String> = None;
-        for event in Parser::new_ext(&text, Options::ENABLE_TABLES) {
-            match event {
-                Event::Start(Tag::Link { dest_url, .. } | Tag::Image { dest_url, .. }) => {
-                    document.links.push(dest_url.into_string());
-                }
-                Event::Start(Tag::Heading { .. }) => heading = Some(String::new()),
-                Event::Text(text) | Event::Code(text) => {
-                    if let Some(heading) = &mut heading {
-                        heading.push_str(&text);
-                    }
-                }
-                Event::End(TagEnd::Heading(_)) => document.headings.extend(heading.take()),
-                other => drop(other),
-            }
-        }
-        document
+        Self { path: path.to_owned(), links: links(&text), headings: headings(&text) }
     }
 
     /// The names that code hosts and mdBook give the headings; the second of the same name has `-1` behind it.
@@ -56,6 +39,36 @@ impl Document {
             (if file.is_empty() { self.path.clone() } else { folder.join(file) }, anchor, link.as_str())
         })
     }
+}
+
+fn events(text: &str) -> Parser<'_> {
+    Parser::new_ext(text, Options::ENABLE_TABLES)
+}
+
+fn links(text: &str) -> Vec<String> {
+    let link = |event| {
+        if let Event::Start(Tag::Link { dest_url, .. } | Tag::Image { dest_url, .. }) = event {
+            Some(dest_url.into_string())
+        } else {
+            None
+        }
+    };
+    events(text).filter_map(link).collect()
+}
+
+fn headings(text: &str) -> Vec<String> {
+    let mut headings = Vec::new();
+    let mut heading: Option<String> = None;
+    for event in events(text) {
+        if let Event::Start(Tag::Heading { .. }) = event {
+            heading = Some(String::new());
+        } else if let Event::End(TagEnd::Heading(_)) = event {
+            headings.extend(heading.take());
+        } else if let (Event::Text(part) | Event::Code(part), Some(heading)) = (event, &mut heading) {
+            heading.push_str(&part);
+        }
+    }
+    headings
 }
 
 fn anchor_of(heading: &str) -> String {
