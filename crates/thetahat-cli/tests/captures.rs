@@ -7,7 +7,7 @@ use thetahat_testing::{Folder, project, run, succeeded};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_thetahat");
 /// Columns of the terminals.
-const WIDTHS: [usize; 1] = [80];
+const WIDTHS: [usize; 3] = [40, 80, 130];
 /// What begins a sequence that colours text or moves the cursor.
 const ESCAPE: char = '\u{1b}';
 
@@ -61,6 +61,6 @@ fn without_a_terminal_or_with_no_color_nothing_is_coloured() {
     let folder = experiments();
     let piped = succeeded(&run(PROGRAM, folder.path(), ["identify", "experiment.toml"]));
     assert!(!piped.contains(ESCAPE), "{piped}");
-    let Some(shown) = captured(&folder, WIDTHS[0], "NO_COLOR=1", "identify experiment.toml") else { return };
-    assert!(shown.contains("good") && !shown.contains(ESCAPE), "{shown}");
+    let Some(shown) = captured(&folder, WIDTHS[1], "NO_COLOR=1", "identify experiment.toml") else { return };
+    assert!(shown.contains("GOOD") && !shown.contains(ESCAPE), "{shown}");
 }

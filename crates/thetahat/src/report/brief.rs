@@ -3,7 +3,7 @@
 use super::{
     findings,
     number::{NONE, estimate, optional},
-    payload,
+    payload, physical,
     status::status_words,
     table::Table,
     tables, terms,
@@ -21,6 +21,7 @@ const GAP: usize = 3;
 #[must_use]
 pub fn brief(results: &Results, width: TextWidth) -> String {
     let mut parts = vec![head(results, width), findings::brief(results, width), runs(results, width)];
+    parts.push(physical::brief(results, width));
     parts.extend(payload::tables(results).iter().map(|table| table.to_text(width)));
     parts.push(terms::profiled(results).map(|line| wrap(&line, "", width)).collect());
     parts.extend(results.taken().map(|run| estimates(run, width)));

@@ -78,6 +78,7 @@ fn because(results: &Results, width: TextWidth) -> Vec<String> {
     let mut lines: Vec<String> =
         reasons.iter().take(REASONS).map(|r| line(&format!("[{}] {}", r.code, r.seen()))).collect();
     let more = reasons.len().saturating_sub(REASONS);
-    lines.extend((more > 0).then(|| format!("{more} more reasons, with --full")));
+    let plural = if more == 1 { "" } else { "s" };
+    lines.extend((more > 0).then(|| format!("{more} more reason{plural}, with --full")));
     lines
 }

@@ -27,11 +27,18 @@ pub(super) fn section(results: &Results) -> Section {
     }
 }
 
+fn asked(results: &Results) -> bool {
+    results.runs.iter().any(|r| r.physical.as_ref().is_some_and(|p| p.estimate.is_some() || p.reason.is_some()))
+}
+
+/// What the data say of consistency in short; empty where it was not asked for.
+pub(super) fn brief(results: &Results, width: TextWidth) -> String {
+    if asked(results) { lines(results).iter().map(|line| wrap(line, "", width)).collect() } else { String::new() }
+}
+
 /// The consistent estimates for the terminal; empty where none were asked for.
 pub(super) fn text(results: &Results, width: TextWidth) -> String {
-    let asked =
-        results.runs.iter().any(|r| r.physical.as_ref().is_some_and(|p| p.estimate.is_some() || p.reason.is_some()));
-    if !asked {
+    if !asked(results) {
         return String::new();
     }
     let tables = [examined(results), consistent(results)].into_iter().flatten().map(|t| t.to_text(width));

@@ -36,7 +36,7 @@ impl fmt::Display for Verdict {
     }
 }
 
-/// The rule by which a verdict is not good. Reasons that demand the same are sorted in this order.
+/// The rule by which a verdict is not good. Reasons that demand the same are sorted in this order: causes before what they cause.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
@@ -55,6 +55,10 @@ pub enum ReasonCode {
     NothingExplained,
     /// A joint is explained no better than by zero or a constant.
     JointNotExplained,
+    /// Torques are later or earlier than positions.
+    Lag,
+    /// The checks warn of a recording that was used.
+    CheckWarning,
     /// The estimate predicts what it has not seen much worse than what it was made from.
     CrossValidation,
     /// No robot has the estimates.
@@ -65,10 +69,6 @@ pub enum ReasonCode {
     CorrelatedResidual,
     /// One move or recording decides an estimate.
     Influence,
-    /// Torques are later or earlier than positions.
-    Lag,
-    /// The checks warn of a recording that was used.
-    CheckWarning,
     /// There are few rows for the parameters.
     FewRows,
 }
@@ -83,13 +83,13 @@ impl ReasonCode {
         Self::Undecided,
         Self::NothingExplained,
         Self::JointNotExplained,
+        Self::Lag,
+        Self::CheckWarning,
         Self::CrossValidation,
         Self::NotPhysical,
         Self::LastResort,
         Self::CorrelatedResidual,
         Self::Influence,
-        Self::Lag,
-        Self::CheckWarning,
         Self::FewRows,
     ];
 
