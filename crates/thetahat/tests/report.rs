@@ -96,6 +96,7 @@ fn run(case: &str, method: Method) -> RunResult {
         plots: RunPlots {
             predicted: vec![vec![1.0, 2.0, 3.0], vec![0.0, 0.0, 0.0]],
             simulated_position: vec![vec![0.1, 0.2, 0.3], vec![0.0, 0.0, f64::NAN]],
+            ..RunPlots::default()
         },
     }
 }
@@ -270,6 +271,7 @@ fn results() -> Results {
             time_s: vec![0.1, 0.2, 0.3],
             measured: vec![vec![1.1, 2.1, 2.9], vec![0.0, 0.0, 0.0]],
             position: vec![vec![0.1, 0.2, 0.3], vec![0.0, 0.0, 0.0]],
+            ..Plots::default()
         },
     }
 }

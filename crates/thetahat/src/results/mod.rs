@@ -48,7 +48,7 @@ mod verdict;
 
 pub use campaign::{CampaignResults, Extent, MethodSummary, ParameterSummary, PublishedStatement, Quantiles};
 pub use content::{NOMINAL, Results, SCHEMA};
-pub use curves::{Plots, RunPlots};
+pub use curves::{Bin, Frame, HeldBackPlots, Plots, RecordStart, ResidualCurves, RunPlots, Skeleton};
 pub use diagnosis::{
     Advice, ApproximatedParameter, ApproximationResult, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis,
     Comparison, EndogeneityResult, Explained, Influence, InstrumentResult, JointResidual, ParameterDifference,
