@@ -121,6 +121,7 @@ fn reason() -> VerdictReason {
         numbers: BTreeMap::from([("value".to_owned(), 2.4)]),
         concerned: Concerned { recording: Some("1".to_owned()), finding: Some(Code::Lag), ..Concerned::default() },
         text: "recording 1 has a problem for joint 2, lag: the torque is 2.4 samples later; shift it.".to_owned(),
+        remedy: "shift it".to_owned(),
     }
 }
 

@@ -29,11 +29,13 @@
 //! ```
 
 mod campaign;
+mod card;
 mod content;
 mod curves;
 mod diagnosis;
 mod file;
 mod filter;
+mod grade;
 mod joints;
 mod parameters;
 mod payload;
@@ -47,6 +49,7 @@ mod twin;
 mod verdict;
 
 pub use campaign::{CampaignResults, Extent, MethodSummary, ParameterSummary, PublishedStatement, Quantiles};
+pub use card::{Card, Unseen};
 pub use content::{NOMINAL, Results, SCHEMA};
 pub use curves::{Bin, Frame, HeldBackPlots, Plots, RecordStart, ResidualCurves, RunPlots, Skeleton};
 pub use diagnosis::{
@@ -56,6 +59,7 @@ pub use diagnosis::{
 };
 pub use file::ResultsError;
 pub use filter::{ComparedFilter, Filter, FilterChoice, FilterError};
+pub use grade::Grade;
 pub use joints::JointResult;
 pub use parameters::{EliminationResult, ParameterResult};
 pub use payload::{DriveGainResult, PayloadParameter, PayloadResult};

@@ -159,4 +159,7 @@ pub struct VerdictReason {
     pub concerned: Concerned,
     /// The same in words, with what to do.
     pub text: String,
+    /// What to do, alone; empty where it was read from a file of before that key.
+    #[serde(default)]
+    pub remedy: String,
 }

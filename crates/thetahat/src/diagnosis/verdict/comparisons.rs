@@ -2,7 +2,7 @@
 
 use super::{
     judged::{nominal_advice, nominal_diagnosis, nominal_runs},
-    reason::reason,
+    reason::{Said, reason},
 };
 use crate::{
     diagnosis::problems::refuse_all,
@@ -31,8 +31,8 @@ fn not_converged(run: &RunResult, taken: Option<Method>) -> VerdictReason {
         ("iterations", Some(run.iterations as f64)),
         ("parameter_change_deviations", run.convergence.last().and_then(|i| i.parameter_change)),
     ];
-    let text = format!("{} did not converge ({why}); {then}.", run.method);
-    reason(ReasonCode::NotConverged, Verdict::DoNotUse, &numbers, concerned, text)
+    let said = Said::new(format!("{} did not converge ({why})", run.method), then);
+    reason(ReasonCode::NotConverged, Verdict::DoNotUse, &numbers, concerned, said)
 }
 
 /// No method to take, where it is not a problem of the recordings that says so.
@@ -43,9 +43,9 @@ fn undecided(results: &Results) -> Option<VerdictReason> {
     if let Some(test) = test {
         return Some(differing(test));
     }
-    let text = format!("No method has numbers to take. {}", advice.text);
+    let said = Said::new("No method has numbers to take", advice.text.trim_end_matches('.'));
     let is_said = refuse_all(results) || nominal_runs(results).all(|r| r.status != Status::Converged);
-    (!is_said).then(|| reason(ReasonCode::Undecided, Verdict::DoNotUse, &[], Concerned::default(), text))
+    (!is_said).then(|| reason(ReasonCode::Undecided, Verdict::DoNotUse, &[], Concerned::default(), said))
 }
 
 fn differing(test: &BiasedSimulatorResult) -> VerdictReason {
@@ -55,25 +55,26 @@ fn differing(test: &BiasedSimulatorResult) -> VerdictReason {
         ("p_value", Some(test.p_value)),
     ];
     let most = test.parameters.first();
-    let text = format!(
+    let seen = format!(
         "idim-iv and didim differ by {:.2} standard deviations on average, most in {}, and didim leaves {:.2} times the residual \
-         of idim-iv: the measured motion or the simulator is wrong; say held = true where the torque is held from sample to \
-         sample, leave out more samples near rest by a larger velocity in [signal] mask, and compare again.",
+         of idim-iv: the measured motion or the simulator is wrong",
         test.average_difference,
         most.map_or("no parameter", |p| &p.name),
         test.residual_ratio
     );
+    let remedy = "say held = true where the torque is held from sample to sample, leave out more samples near rest by a larger \
+                  velocity in [signal] mask, and compare again";
     let concerned = Concerned { parameter: most.map(|p| p.name.clone()), ..Concerned::default() };
-    reason(ReasonCode::Undecided, Verdict::DoNotUse, &numbers, concerned, text)
+    reason(ReasonCode::Undecided, Verdict::DoNotUse, &numbers, concerned, Said::new(seen, remedy))
 }
 
 /// A method that fits the simulated loop is taken where no other can be: nothing tests its simulator.
 fn last_resort(taken: Option<Method>) -> Option<VerdictReason> {
     let method = taken.filter(|m| m.needs() != Needs::Measurement && m.design() == Design::Simulated)?;
     let concerned = Concerned { method: Some(method), ..Concerned::default() };
-    let text = format!(
-        "Only {method} has numbers to take, and nothing tests the simulator that it believes: record torques for idim-iv, or \
-         compare with a second recording."
+    let said = Said::new(
+        format!("Only {method} has numbers to take, and nothing tests the simulator that it believes"),
+        "record torques for idim-iv, or compare with a second recording",
     );
-    Some(reason(ReasonCode::LastResort, Verdict::Care, &[], concerned, text))
+    Some(reason(ReasonCode::LastResort, Verdict::Care, &[], concerned, said))
 }

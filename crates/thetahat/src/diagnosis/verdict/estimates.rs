@@ -2,7 +2,7 @@
 
 use super::{
     judged::{judged_runs, nominal_runs},
-    reason::reason,
+    reason::{Said, reason},
 };
 use crate::{
     checks::{Finding, Severity},
@@ -113,25 +113,25 @@ fn by_error(run: &RunResult) -> Vec<NotExplained> {
 }
 
 fn nothing_explained(run: &RunResult, first: &NotExplained) -> VerdictReason {
-    let text = format!(
-        "The model explains no torque better than a constant does, {} leaves {:.0} % of them: check that the torques belong to \
-         this motion and this robot.",
+    let seen = format!(
+        "The model explains no torque better than a constant does, {} leaves {:.0} % of them",
         run.method,
         run.relative_error_percent.unwrap_or(f64::NAN)
     );
-    reason(ReasonCode::NothingExplained, Verdict::DoNotUse, &first.numbers(), of_method(run), text)
+    let said = Said::new(seen, "check that the torques belong to this motion and this robot");
+    reason(ReasonCode::NothingExplained, Verdict::DoNotUse, &first.numbers(), of_method(run), said)
 }
 
 fn joint_not_explained(results: &Results, run: &RunResult, found: &NotExplained) -> VerdictReason {
     let name = joint_name(results, found.joint);
-    let text = format!(
-        "{} explains the torque of joint {name} no better than a constant does, and leaves {:.0} % of it: check its column, and \
-         take none of its parameters.",
+    let seen = format!(
+        "{} explains the torque of joint {name} no better than a constant does, and leaves {:.0} % of it",
         run.method,
         found.error_percent.unwrap_or(f64::NAN)
     );
+    let said = Said::new(seen, format!("check the torque column of {name}, and take none of its parameters"));
     let concerned = Concerned { joint: Some(name), ..of_method(run) };
-    reason(ReasonCode::JointNotExplained, Verdict::DoNotUse, &found.numbers(), concerned, text)
+    reason(ReasonCode::JointNotExplained, Verdict::DoNotUse, &found.numbers(), concerned, said)
 }
 
 /// The run's own finding about joints that it predicts worse than zero.
@@ -151,8 +151,8 @@ fn of_finding(code: ReasonCode, verdict: Verdict, run: &RunResult, finding: &Fin
         finding: Some(finding.code),
         ..of_method(run)
     };
-    let text = format!("{}: {}; {}.", run.method, finding.message, finding.remedy);
-    reason(code, verdict, &[("value", Some(finding.value)), ("limit", finding.limit)], concerned, text)
+    let said = Said::new(format!("{}: {}", run.method, finding.message), &finding.remedy);
+    reason(code, verdict, &[("value", Some(finding.value)), ("limit", finding.limit)], concerned, said)
 }
 
 fn cross_validation(run: &RunResult) -> Option<VerdictReason> {
@@ -161,12 +161,12 @@ fn cross_validation(run: &RunResult) -> Option<VerdictReason> {
     let is_far = ratio > CROSS_VALIDATION_FAR || unseen > USELESS_PERCENT;
     let verdict = if is_far { Verdict::DoNotUse } else { Verdict::Care };
     let numbers = [("unseen_percent", Some(unseen)), ("fit_percent", Some(fit)), ("limit", Some(CROSS_VALIDATION))];
-    let text = format!(
-        "{} has an error of {unseen:.3} % on what it has not seen, {ratio:.1} times the {fit:.3} % of its fit: estimate fewer \
-         parameters (estimate = \"essential\"), or record more motion.",
+    let seen = format!(
+        "{} has an error of {unseen:.3} % on what it has not seen, {ratio:.1} times the {fit:.3} % of its fit",
         run.method
     );
-    (ratio > CROSS_VALIDATION).then(|| reason(ReasonCode::CrossValidation, verdict, &numbers, of_method(run), text))
+    let said = Said::new(seen, "estimate fewer parameters (estimate = \"essential\"), or record more motion");
+    (ratio > CROSS_VALIDATION).then(|| reason(ReasonCode::CrossValidation, verdict, &numbers, of_method(run), said))
 }
 
 /// An interval that excludes zero says that noise does not explain a negative inertia or friction. It says nothing where the
@@ -189,11 +189,14 @@ fn influence(run: &RunResult) -> Option<VerdictReason> {
     let concerned =
         Concerned { parameter: Some(found.parameter.clone()), part: Some(found.part.clone()), ..of_method(run) };
     let numbers = [("change_deviations", Some(found.change)), ("limit", Some(INFLUENCE))];
-    let text = format!(
-        "{} of {} changes by {:.1} standard deviations without {}: look at that part of the record, and record more like it.",
-        found.parameter, run.method, found.change, found.part
+    let said = Said::new(
+        format!(
+            "{} of {} changes by {:.1} standard deviations without {}",
+            found.parameter, run.method, found.change, found.part
+        ),
+        format!("look at {} of the record, and record more like it", found.part),
     );
-    Some(reason(ReasonCode::Influence, Verdict::Care, &numbers, concerned, text))
+    Some(reason(ReasonCode::Influence, Verdict::Care, &numbers, concerned, said))
 }
 
 /// The correlation of neighbouring rows from which a residual is no noise.
@@ -207,13 +210,14 @@ fn correlated_residual(results: &Results, run: &RunResult) -> Option<VerdictReas
     let worst = joints.max_by(|a, b| a.autocorrelation.abs().total_cmp(&b.autocorrelation.abs()))?;
     let (r1, limit) = (worst.autocorrelation, correlated_from(results, run));
     let name = joint_name(results, worst.joint);
-    let text = format!(
+    let seen = format!(
         "The residual of joint {name} is no noise, neighbouring rows of {} correlate by {r1:.2} where {limit:.2} is chance: something \
          is missing in the model (a law of friction, elasticity, a length) or in the processing (a torque that is held, friction's \
-         sign near rest), and no interval holds its bias; try compare_terms = true in [estimation].",
+         sign near rest), and no interval holds its bias",
         run.method
     );
+    let said = Said::new(seen, "compare laws of friction by compare_terms = true in [estimation]");
     let concerned = Concerned { joint: Some(name), ..of_method(run) };
     let numbers = [("autocorrelation", Some(r1)), ("limit", Some(limit))];
-    (r1 > limit).then(|| reason(ReasonCode::CorrelatedResidual, Verdict::Care, &numbers, concerned, text))
+    (r1 > limit).then(|| reason(ReasonCode::CorrelatedResidual, Verdict::Care, &numbers, concerned, said))
 }

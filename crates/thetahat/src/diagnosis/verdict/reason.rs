@@ -1,13 +1,26 @@
 use crate::results::{Concerned, ReasonCode, Verdict, VerdictReason};
 
+/// What a reason says: what was seen, and what to do about it.
+pub(super) struct Said {
+    pub(super) seen: String,
+    pub(super) remedy: String,
+}
+
+impl Said {
+    pub(super) fn new(seen: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self { seen: seen.into(), remedy: remedy.into() }
+    }
+}
+
 /// A reason with its numbers by name; those that are none are left out, since JSON has no form for them.
 pub(super) fn reason(
     code: ReasonCode,
     verdict: Verdict,
     numbers: &[(&str, Option<f64>)],
     concerned: Concerned,
-    text: String,
+    Said { seen, remedy }: Said,
 ) -> VerdictReason {
     let finite = |(name, value): &(&str, Option<f64>)| Some(((*name).to_owned(), value.filter(|v| v.is_finite())?));
-    VerdictReason { code, verdict, numbers: numbers.iter().filter_map(finite).collect(), concerned, text }
+    let numbers = numbers.iter().filter_map(finite).collect();
+    VerdictReason { code, verdict, numbers, concerned, text: format!("{seen}; {remedy}."), remedy }
 }

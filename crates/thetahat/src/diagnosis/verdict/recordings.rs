@@ -1,6 +1,9 @@
 //! What the checks say of the recordings.
 
-use super::{judged::judged_runs, reason::reason};
+use super::{
+    judged::judged_runs,
+    reason::{Said, reason},
+};
 use crate::{
     checks::{Code, Finding, Severity},
     diagnosis::problems::place,
@@ -59,38 +62,37 @@ fn of_findings(recording: &str, (code, verdict): (ReasonCode, Verdict), same: &[
         [_, ..] => format!(" for joints {}", joints.join(" ")),
     };
     let found = if code == ReasonCode::CheckProblem { "a problem" } else { "a warning" };
-    let text =
-        format!("{} has {found}{of_joints}, {}: {}; {}.", place(recording), worst.code, worst.message, worst.remedy);
+    let seen = format!("{} has {found}{of_joints}, {}: {}", place(recording), worst.code, worst.message);
+    let said = Said::new(seen, &worst.remedy);
     let concerned = Concerned {
         joint: worst.joint_name.clone(),
         recording: Some(recording.to_owned()),
         finding: Some(worst.code),
         ..Concerned::default()
     };
-    reason(code, verdict, &[("value", Some(worst.value)), ("limit", worst.limit)], concerned, text)
+    reason(code, verdict, &[("value", Some(worst.value)), ("limit", worst.limit)], concerned, said)
 }
 
 fn drive_gain(gain: &DriveGainResult) -> VerdictReason {
-    let text = format!(
-        "The known payload says that the torque of {} is {:.3} times what was recorded: correct the drive's gain, or the \
-         payload's mass.",
-        gain.joint,
-        gain.factor.unwrap_or(f64::NAN)
+    let factor = gain.factor.unwrap_or(f64::NAN);
+    let said = Said::new(
+        format!("The known payload says that the torque of {} is {factor:.3} times what was recorded", gain.joint),
+        format!("correct the drive's gain of {}, or the payload's mass", gain.joint),
     );
     let concerned = Concerned { joint: Some(gain.joint.clone()), ..Concerned::default() };
     let [low, high] = gain.interval_95.map_or([None; 2], |interval| interval.map(Some));
     let numbers = [("factor", gain.factor), ("low", low), ("high", high)];
-    reason(ReasonCode::DriveGain, Verdict::DoNotUse, &numbers, concerned, text)
+    reason(ReasonCode::DriveGain, Verdict::DoNotUse, &numbers, concerned, said)
 }
 
 fn few_rows(results: &Results) -> Option<VerdictReason> {
     let parameters = judged_runs(results).iter().map(|r| r.parameters.len()).max().filter(|n| *n > 0)?;
     let each = results.decimated_rows as f64 / parameters as f64;
     let numbers = [("rows_per_parameter", Some(each)), ("limit", Some(FEWEST_ROWS))];
-    let text = format!(
-        "{} rows after decimation are {each:.1} for each of {parameters} parameters, where {FEWEST_ROWS:.0} are few: record \
-         longer, or lower [signal] decimation.",
+    let seen = format!(
+        "{} rows after decimation are {each:.1} for each of {parameters} parameters, where {FEWEST_ROWS:.0} are few",
         results.decimated_rows
     );
-    (each < FEWEST_ROWS).then(|| reason(ReasonCode::FewRows, Verdict::Care, &numbers, Concerned::default(), text))
+    let said = Said::new(seen, "record longer, or lower [signal] decimation");
+    (each < FEWEST_ROWS).then(|| reason(ReasonCode::FewRows, Verdict::Care, &numbers, Concerned::default(), said))
 }

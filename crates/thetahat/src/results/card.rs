@@ -1,0 +1,170 @@
+//! The results at a glance: is it good, which numbers, what next.
+
+use super::{
+    content::{NOMINAL, Results},
+    grade::Grade,
+    run::RunResult,
+    verdict::{Verdict, VerdictReason},
+};
+use crate::{checks::Code, identification::Method};
+
+/// Most actions on a card.
+const ACTIONS: usize = 3;
+
+/// The verdict and what it rests on. Nothing here is new: it is what the results hold, gathered.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Card {
+    /// What the results are good for; none where they were read from a file of before that key.
+    pub verdict: Option<Verdict>,
+    /// The method whose numbers to take; none where none has numbers to take.
+    pub method: Option<Method>,
+    /// Its relative error, percent of the torques (of the positions for `cloe`).
+    pub relative_error_percent: Option<f64>,
+    /// Its relative error on what it has not seen.
+    pub unseen: Option<Unseen>,
+    /// Name and relative error in percent of the joint with the largest error.
+    pub worst_joint: Option<(String, f64)>,
+    /// How many of its parameters have each grade, in the order of [`Grade::ALL`].
+    pub grades: [usize; 3],
+    /// What to do next, the most urgent first; at most three.
+    pub actions: Vec<String>,
+}
+
+/// The relative error on data that the estimate was not made from, percent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Unseen {
+    /// On recordings that were held back.
+    HeldBack(f64),
+    /// On parts of the record, each left out in turn.
+    LeftOut(f64),
+}
+
+impl Results {
+    /// The results at a glance, of the nominal case.
+    #[must_use]
+    pub fn card(&self) -> Card {
+        let run = self.taken();
+        Card {
+            verdict: self.verdict,
+            method: run.map(|r| r.method),
+            relative_error_percent: run.and_then(|r| r.relative_error_percent),
+            unseen: run.and_then(|r| self.unseen(r)),
+            worst_joint: run.and_then(|r| self.worst_joint(r)),
+            grades: Grade::ALL
+                .map(|grade| run.map_or(0, |r| r.parameters.iter().filter(|p| p.grade() == grade).count())),
+            actions: self.actions(),
+        }
+    }
+
+    /// The run of the nominal case whose numbers the advice takes.
+    #[must_use]
+    pub fn taken(&self) -> Option<&RunResult> {
+        let advice = self.advice.iter().find(|a| a.case == NOMINAL)?;
+        self.run(NOMINAL, advice.take?)
+    }
+
+    /// The error of a run on what it has not seen.
+    #[must_use]
+    pub fn unseen(&self, run: &RunResult) -> Option<Unseen> {
+        let kind = if self.validation_recordings.is_empty() { Unseen::LeftOut } else { Unseen::HeldBack };
+        run.cross_validation_relative_error_percent.map(kind)
+    }
+
+    fn worst_joint(&self, run: &RunResult) -> Option<(String, f64)> {
+        let errors = run.joint_relative_error_percent.iter().enumerate().filter_map(|(j, e)| Some((j, (*e)?)));
+        let (joint, error) = errors.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let name = self.robot_joints.get(joint).map_or_else(|| (joint + 1).to_string(), |j| j.name.clone());
+        (run.joint_relative_error_percent.len() > 1).then_some((name, error))
+    }
+
+    /// The remedies of the reasons, then that of parameters which the motion does not show.
+    fn actions(&self) -> Vec<String> {
+        let of_checks = self.findings.iter().filter(|r| !r.held_back).flat_map(|r| &r.findings);
+        let not_excited = of_checks.filter(|f| f.code == Code::NotExcited).map(|f| &f.remedy);
+        let mut actions: Vec<String> = Vec::new();
+        for remedy in self.verdict_reasons.iter().map(|r| &r.remedy).chain(not_excited) {
+            if !remedy.is_empty() && !actions.contains(remedy) && actions.len() < ACTIONS {
+                actions.push(remedy.clone());
+            }
+        }
+        actions
+    }
+}
+
+impl VerdictReason {
+    /// What was seen: the text without what to do.
+    #[must_use]
+    pub fn seen(&self) -> &str {
+        let text = self.text.trim_end_matches('.');
+        let seen = text.strip_suffix(self.remedy.as_str()).filter(|_| !self.remedy.is_empty()).unwrap_or(text);
+        seen.trim_end_matches([' ', ';', ':'])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::{collections::BTreeMap, path::Path};
+
+    use super::*;
+    use crate::results::{Concerned, ReasonCode};
+
+    fn results() -> Results {
+        let text = r#"{
+            "schema": 1, "thetahat": "0.1.0", "robot": "A", "title": "T", "samples_used": 100, "decimated_rows": 10,
+            "recordings": [], "validation_recordings": [], "seed": null, "elimination": null, "verdict": "care",
+            "robot_joints": [
+              { "name": "base", "kind": "revolute", "position_unit": "rad", "torque_unit": "N m" },
+              { "name": "elbow", "kind": "revolute", "position_unit": "rad", "torque_unit": "N m" }],
+            "bandwidth": { "position_cutoff_hz": 50.0, "decimation_cutoff_hz": 20.0 },
+            "experiment_description": "", "robot_description": "",
+            "advice": [{ "case": "nominal", "take": "idim-ls", "distrust": [], "text": "Take idim-ls." }],
+            "runs": [{
+              "case": "nominal", "method": "idim-ls", "status": "converged", "iterations": 0, "simulations": 0,
+              "relative_error_percent": 4.0, "joint_relative_error_percent": [3.0, 7.5],
+              "cross_validation_relative_error_percent": 5.0, "seconds": 0.1, "convergence": [],
+              "parameters": [
+                { "name": "a", "estimate": 1.0, "interval_95": [0.9, 1.1], "unit": "", "expression": "a", "shown": true },
+                { "name": "b", "estimate": 1.0, "interval_95": [0.5, 1.5], "unit": "", "expression": "b", "shown": true },
+                { "name": "c", "estimate": 1.0, "interval_95": [-1, 3.0], "unit": "", "expression": "c", "shown": true }]
+            }]
+        }"#;
+        Results::from_json(Path::new("results.json"), text).unwrap()
+    }
+
+    fn reason(remedy: &str) -> VerdictReason {
+        VerdictReason {
+            code: ReasonCode::FewRows,
+            verdict: Verdict::Care,
+            numbers: BTreeMap::new(),
+            concerned: Concerned::default(),
+            text: format!("Rows are few; {remedy}."),
+            remedy: remedy.to_owned(),
+        }
+    }
+
+    #[test]
+    fn it_gathers_what_the_results_hold() {
+        let mut results = results();
+        results.verdict_reasons = ["one", "two", "one", "three", "four"].map(reason).into();
+        let card = results.card();
+        assert_eq!(card.method, Some(Method::IDIM_LS));
+        assert_eq!((card.relative_error_percent, card.unseen), (Some(4.0), Some(Unseen::LeftOut(5.0))));
+        assert_eq!((card.worst_joint, card.grades), (Some(("elbow".to_owned(), 7.5)), [1, 1, 1]));
+        assert_eq!(card.actions, ["one", "two", "three"]);
+    }
+
+    #[test]
+    fn without_a_method_to_take_it_has_no_numbers() {
+        let mut results = results();
+        results.advice[0].take = None;
+        let card = results.card();
+        assert_eq!((card.method, card.relative_error_percent, card.grades), (None, None, [0; 3]));
+    }
+
+    #[test]
+    fn what_was_seen_is_the_text_without_the_remedy() {
+        assert_eq!(reason("record longer").seen(), "Rows are few");
+        let of_before = VerdictReason { remedy: String::new(), text: "Rows are few: record.".to_owned(), ..reason("") };
+        assert_eq!(of_before.seen(), "Rows are few: record");
+    }
+}

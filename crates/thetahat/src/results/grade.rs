@@ -1,0 +1,85 @@
+//! How well a parameter is known.
+
+use serde::{Deserialize, Serialize};
+
+use super::parameters::ParameterResult;
+
+/// Half width of a 95 % interval, of the estimate's size, up to which a parameter is sure.
+const SURE: f64 = 0.2;
+
+/// Standard deviations in half of a 95 % interval of normal errors.
+const HALF_WIDTH: f64 = 1.96;
+
+/// How well a parameter is known, by its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Grade {
+    /// The half of its interval is at most a fifth of the estimate.
+    Sure,
+    /// Its interval is wider, and excludes zero.
+    Rough,
+    /// Its interval holds zero, or there is none: the record does not tell it from zero.
+    NotIdentified,
+}
+
+impl Grade {
+    /// All grades, the best first.
+    pub const ALL: [Self; 3] = [Self::Sure, Self::Rough, Self::NotIdentified];
+
+    /// Its name in words.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sure => "sure",
+            Self::Rough => "rough",
+            Self::NotIdentified => "not identified",
+        }
+    }
+}
+
+impl ParameterResult {
+    /// How well it is known: by `interval_95`, or by 1.96 classical deviations where there is no interval.
+    #[must_use]
+    pub fn grade(&self) -> Grade {
+        let of_deviation = || self.standard_deviation.map(|sd| HALF_WIDTH * sd);
+        let half = self.interval_95.map(|[low, high]| 0.5 * (high - low)).or_else(of_deviation);
+        match half {
+            Some(half) if half <= SURE * self.estimate.abs() => Grade::Sure,
+            Some(half) if half < self.estimate.abs() => Grade::Rough,
+            Some(_) | None => Grade::NotIdentified,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn graded(estimate: f64, interval_95: Option<[f64; 2]>, standard_deviation: Option<f64>) -> Grade {
+        let parameter = ParameterResult {
+            name: "zz1r".to_owned(),
+            estimate,
+            standard_deviation,
+            relative_standard_deviation_percent: None,
+            true_value: None,
+            unit: "kg m^2".to_owned(),
+            expression: "zz1".to_owned(),
+            shown: true,
+            standard_deviation_robust: None,
+            interval_95,
+        };
+        parameter.grade()
+    }
+
+    #[test]
+    fn the_interval_decides_and_the_deviation_where_there_is_none() {
+        assert_eq!(graded(-2.0, Some([-2.4, -1.6]), None), Grade::Sure);
+        assert_eq!(graded(2.0, Some([1.5, 2.5]), Some(1e-9)), Grade::Rough);
+        assert_eq!(graded(2.0, Some([-0.1, 4.1]), Some(1e-9)), Grade::NotIdentified);
+        assert_eq!(graded(2.0, None, Some(0.2)), Grade::Sure);
+        assert_eq!(graded(2.0, None, Some(1.0)), Grade::Rough);
+        assert_eq!(graded(2.0, None, None), Grade::NotIdentified);
+        assert_eq!(graded(f64::NAN, Some([0.0, 1.0]), None), Grade::NotIdentified);
+        assert_eq!(graded(0.8, None, Some(0.0)), Grade::Sure);
+    }
+}
