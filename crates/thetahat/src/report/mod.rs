@@ -20,6 +20,7 @@
 
 mod box_plot;
 mod campaign;
+mod campaign_figures;
 mod campaign_tables;
 mod closed_loop;
 mod contents;
@@ -29,11 +30,11 @@ mod facts;
 mod figures;
 mod files;
 mod findings;
-mod html;
 mod model_json;
 mod model_text;
 mod number;
 mod outputs;
+mod page;
 mod payload;
 mod physical;
 mod plot;

@@ -77,7 +77,9 @@ impl Assessment<'_> {
     fn plots(&self, fit: &Fit, motions: &[SimulatedMotion]) -> RunPlots {
         let problem = self.job.problem;
         let main = &self.identification.main;
-        let at_rows = |of: fn(&Motion) -> &Series| problem.at_rows(&main.iter().map(|p| of(&p.filtered.motion)).collect::<Vec<_>>());
+        let at_rows = |of: fn(&Motion) -> &Series| {
+            problem.at_rows(&main.iter().map(|p| of(&p.filtered.motion)).collect::<Vec<_>>())
+        };
         let motion = residual_curves::Motion {
             position: at_rows(|m| &m.q),
             velocity: at_rows(|m| &m.dq),

@@ -68,13 +68,21 @@ fn spectrum(residual: &[f64], rate_hz: f64) -> Vec<[f64; 2]> {
 
 /// The residual in equal ranges of another quantity.
 fn bins(quantity: &[f64], residual: &[f64], used: &[bool]) -> Vec<Bin> {
-    let rows: Vec<(f64, f64)> = quantity.iter().copied().zip(residual.iter().copied()).zip(used).filter(|(_, u)| **u).map(|(row, _)| row).collect();
+    let rows: Vec<(f64, f64)> = quantity
+        .iter()
+        .copied()
+        .zip(residual.iter().copied())
+        .zip(used)
+        .filter(|(_, u)| **u)
+        .map(|(row, _)| row)
+        .collect();
     let (low, high) = rows.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), (q, _)| (l.min(*q), h.max(*q)));
     if low >= high {
         return Vec::new();
     }
     let mut parts: Vec<Vec<(f64, f64)>> = vec![Vec::new(); BINS];
-    rows.iter().for_each(|row| parts[((row.0 - low) / (high - low) * BINS as f64).min(BINS as f64 - 1.0) as usize].push(*row));
+    rows.iter()
+        .for_each(|row| parts[((row.0 - low) / (high - low) * BINS as f64).min(BINS as f64 - 1.0) as usize].push(*row));
     parts.iter().filter(|part| part.len() >= ROWS_OF_BIN).map(|part| bin(part)).collect()
 }
 
