@@ -296,7 +296,7 @@ mod tests {
                 .map(|s| s.data.split('L').nth(1).unwrap().starts_with(&(MARGIN - 9.0).to_string()))
                 .collect::<Vec<_>>()
         };
-        assert_eq!(arrows([0.9, 1.1]), []);
+        assert!(arrows([0.9, 1.1]).is_empty());
         assert_eq!(arrows([-5.0, 7.0]), [true, false], "left, then right");
         assert_eq!(arrows([0.0, 3.5]), [false]);
         assert_eq!(mark("truth", 1.0, 9.0).unwrap().class, "arrow truth");
