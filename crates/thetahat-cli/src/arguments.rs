@@ -29,7 +29,9 @@ pub enum Command {
     /// Write an experiment file for a robot and its recordings.
     Init(Init),
     /// Look for what is wrong with the recordings of an experiment.
-    Check(Described),
+    Check(Check),
+    /// Compare results side by side: settings that differ, parameters in deviations, errors.
+    Compare(Compare),
     /// Identify the robot of an experiment file.
     Identify(Identify),
     /// Predict the torques of another motion with identified parameters.
@@ -80,8 +82,24 @@ pub struct Man {
     pub force: Force,
 }
 
+/// How results are shown.
+#[derive(Args)]
+pub struct Shown {
+    /// Print every table: all methods and cases, diagnosis, convergence
+    #[arg(long, conflicts_with_all = ["quiet", "json"])]
+    pub full: bool,
+    /// Print the verdict card only
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+    /// Print results.json to stdout, and nothing else
+    #[arg(long)]
+    pub json: bool,
+}
+
 #[derive(Args)]
 pub struct Output {
+    #[command(flatten)]
+    pub shown: Shown,
     /// Folder for results.json, parameters.csv and report.html [default: tables in the terminal only]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -153,6 +171,33 @@ pub struct Columns {
     /// Unit of the torques, such as "mN m"
     #[arg(long, value_name = "UNIT")]
     pub torque_unit: Option<Unit>,
+}
+
+#[derive(Args)]
+pub struct Check {
+    #[command(flatten)]
+    pub described: Described,
+    /// Print the findings as one JSON array, and nothing else
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args)]
+pub struct Compare {
+    /// Files of `identify --out` or `solve --out`; the others are compared with the first
+    #[arg(value_name = "RESULTS.json", required = true, num_args = 2..)]
+    pub results: Vec<PathBuf>,
+    /// The method whose parameters are compared [default: the one that each file's advice takes]
+    #[arg(long, value_parser = method())]
+    pub method: Option<Method>,
+    /// The case
+    #[arg(long, default_value = "nominal")]
+    pub case: String,
+    /// HTML file for the comparison
+    #[arg(long, value_name = "FILE.html")]
+    pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub force: Force,
 }
 
 #[derive(Args)]

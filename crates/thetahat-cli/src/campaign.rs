@@ -13,7 +13,7 @@ use crate::{
     arguments,
     inputs::threads,
     progress::Counter,
-    terminal::{Ending, print},
+    terminal::{Ending, print, width},
 };
 
 pub fn run(request: &arguments::Campaign) -> Result<Ending, Box<dyn Error>> {
@@ -31,7 +31,7 @@ pub fn run(request: &arguments::Campaign) -> Result<Ending, Box<dyn Error>> {
     let runs = campaign.run(limits, threads(request.threads), store.as_ref(), &mut tell)?;
     drop(counter);
     let results = campaign.results(&runs);
-    print(&report::campaign_text(&results))?;
+    print(&report::campaign_text(&results, width()))?;
     print(&files(request, &results, &runs)?)?;
     Ok(if runs.rows.iter().any(Row::has_converged) { Ending::Good } else { Ending::NotTrusted })
 }

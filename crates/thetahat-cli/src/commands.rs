@@ -1,6 +1,6 @@
 use std::{
     error::Error,
-    path::Path,
+    path::{Path, PathBuf},
     sync::{Mutex, PoisonError},
 };
 
@@ -8,17 +8,19 @@ use thetahat::{
     experiment::{Experiment, PredictionRequest, predict},
     output::OutputGuard,
     report::{self, Published},
+    results::{Results, ResultsError, SideBySide},
     robot::{Locks, RobotSource},
     robot_summary::RobotSummary,
 };
 
 use crate::{
-    arguments::{Arguments, Command, Described, Identify, Model, Output, Predict, Sensitivity, Simulate},
+    arguments::{Arguments, Check, Command, Compare, Identify, Model, Output, Predict, Sensitivity, Simulate},
     campaign,
     inputs::{read_experiment, threads},
     progress::Progress,
     proposal, reduction, shell,
-    terminal::{Ending, print},
+    shown::show,
+    terminal::{Ending, print, width},
 };
 
 pub fn run(arguments: Arguments) -> Result<Ending, Box<dyn Error>> {
@@ -26,7 +28,8 @@ pub fn run(arguments: Arguments) -> Result<Ending, Box<dyn Error>> {
         Command::Demo(output) => run_experiment(&Experiment::demo()?, Path::new(""), &output),
         Command::Inspect(inspect) => proposal::inspect_recordings(&inspect),
         Command::Init(init) => proposal::write_experiment(&init),
-        Command::Check(described) => check_experiment(&described),
+        Command::Check(check) => check_experiment(&check),
+        Command::Compare(request) => compare_results(&request),
         Command::Identify(identify) => identify_experiment(&identify),
         Command::Predict(request) => predict_torques(&request),
         Command::Campaign(request) => campaign::run(&request),
@@ -40,12 +43,16 @@ pub fn run(arguments: Arguments) -> Result<Ending, Box<dyn Error>> {
     }
 }
 
-fn check_experiment(described: &Described) -> Result<Ending, Box<dyn Error>> {
-    let (experiment, data) = read_experiment(described)?;
+fn check_experiment(check: &Check) -> Result<Ending, Box<dyn Error>> {
+    let (experiment, data) = read_experiment(&check.described)?;
     let findings = experiment.check(&data)?;
-    print(&report::findings_text(&findings))?;
     let problem = findings.iter().any(|r| !r.held_back && r.has_problem());
-    if !problem {
+    if check.json {
+        print(&report::findings_json(&findings)?)?;
+    } else {
+        print(&report::findings_text(&findings, width()))?;
+    }
+    if !problem && !check.json {
         compare_filters(&experiment, &data)?;
     }
     Ok(if problem { Ending::NotTrusted } else { Ending::Good })
@@ -56,7 +63,22 @@ fn compare_filters(experiment: &Experiment, data: &Path) -> Result<(), Box<dyn E
     let progress = Progress::of("comparing filters on a twin of the record");
     let choice = experiment.choose_filter(data, true, threads(None));
     drop(progress);
-    Ok(choice.iter().try_for_each(|choice| print(&report::filter_text(choice)))?)
+    Ok(choice.iter().try_for_each(|choice| print(&report::filter_text(choice, width())))?)
+}
+
+fn compare_results(request: &Compare) -> Result<Ending, Box<dyn Error>> {
+    if let Some(path) = &request.out {
+        OutputGuard::new(request.results.iter().cloned(), request.force.force).file(path)?;
+    }
+    let read = |path: &PathBuf| Ok((path.clone(), Results::read(path)?));
+    let results = request.results.iter().map(read).collect::<Result<Vec<_>, ResultsError>>()?;
+    let compared = SideBySide::new(&results, &request.case, request.method)?;
+    print(&report::comparison_text(&compared, width()))?;
+    if let Some(path) = &request.out {
+        report::write_comparison(&compared, path)?;
+        print(&format!("\nwritten: {}\n", path.display()))?;
+    }
+    Ok(Ending::Good)
 }
 
 fn identify_experiment(identify: &Identify) -> Result<Ending, Box<dyn Error>> {
@@ -72,17 +94,7 @@ fn run_experiment(experiment: &Experiment, data: &Path, output: &Output) -> Resu
     let mut progress = Progress::new();
     let results = experiment.run(data, &mut |stage| progress.tell(stage))?;
     drop(progress);
-    let text = report::text::all(&results, published.as_ref());
-    print(&text)?;
-    match &output.out {
-        Some(directory) => {
-            let files = report::write_all(&results, published.as_ref(), directory)?;
-            let names: String = files.iter().map(|f| format!("  {}\n", f.display())).collect();
-            print(&format!("\nwritten:\n{names}"))?;
-        }
-        None => print("\nno files written; with --out DIR: results.json, parameters.csv, report.html\n")?,
-    }
-    Ok(Ending::of(results.verdict))
+    show(&results, published.as_ref(), output, "")
 }
 
 fn predict_torques(request: &Predict) -> Result<Ending, Box<dyn Error>> {
@@ -101,7 +113,7 @@ fn predict_torques(request: &Predict) -> Result<Ending, Box<dyn Error>> {
         case: request.case.clone(),
         method: request.method,
     })?;
-    print(&report::prediction_text(&prediction))?;
+    print(&report::prediction_text(&prediction, width()))?;
     if let Some(path) = &request.out {
         report::write_prediction(&prediction, path)?;
         print(&format!("\nwritten: {}\n", path.display()))?;
@@ -123,7 +135,7 @@ fn sweep_errors(sensitivity: &Sensitivity) -> Result<Ending, Box<dyn Error>> {
     };
     let found = experiment.sensitivity(&data, threads, &tell)?;
     drop(progress);
-    print(&report::sensitivity_text(&found))?;
+    print(&report::sensitivity_text(&found, width()))?;
     if let Some(directory) = &sensitivity.out {
         let files = report::write_sensitivity(&found, directory)?;
         let names: String = files.iter().map(|f| format!("  {}\n", f.display())).collect();
@@ -153,6 +165,6 @@ fn show_model(request: &Model) -> Result<Ending, Box<dyn Error>> {
     let locks = Locks { locked: request.lock.iter().cloned().collect(), until: request.until.clone() };
     let robot = source.robot_with_locks(&locks, Path::new("the command line"))?;
     let summary = RobotSummary::new(&source, &robot);
-    print(&if request.json { report::model_json(&summary)? } else { report::model_text(&summary) })?;
+    print(&if request.json { report::model_json(&summary)? } else { report::model_text(&summary, width()) })?;
     Ok(if summary.problem.is_none() { Ending::Good } else { Ending::NotTrusted })
 }

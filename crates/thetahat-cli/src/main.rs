@@ -8,6 +8,7 @@ mod progress;
 mod proposal;
 mod reduction;
 mod shell;
+mod shown;
 mod terminal;
 
 use std::{borrow::Cow, process::ExitCode};

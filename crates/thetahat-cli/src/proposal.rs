@@ -17,14 +17,14 @@ use crate::{
     arguments::{Columns, Init, Inspect},
     inputs::threads,
     progress::Progress,
-    terminal::{Ending, print},
+    terminal::{Ending, print, width},
 };
 
 pub fn inspect_recordings(request: &Inspect) -> Result<Ending, Box<dyn Error>> {
     let files = [&request.files[..], &request.recording[..]].concat();
     let contents = contents(&files, &request.columns)?;
     for (number, contents) in contents.iter().enumerate() {
-        print(&format!("{}{}", if number > 0 { "\n" } else { "" }, report::contents_text(contents)))?;
+        print(&format!("{}{}", if number > 0 { "\n" } else { "" }, report::contents_text(contents, width())))?;
     }
     if let Some(robot) = &request.robot {
         let data = common_folder(&files);

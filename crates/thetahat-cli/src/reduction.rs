@@ -6,7 +6,7 @@ use thetahat::{
     experiment::Experiment,
     output::OutputGuard,
     preparation::{Mask, NamedMask},
-    reduction::{ReduceOptions, ReduceProgress, ReducedRecording, Reduction, estimates_of_results},
+    reduction::{ReduceOptions, ReduceProgress, ReducedRecording, Reduction, Solution, estimates_of_results},
     report::{self, Published},
 };
 
@@ -14,6 +14,7 @@ use crate::{
     arguments,
     inputs::{read_experiment, threads},
     progress::Counter,
+    shown::show,
     terminal::{Ending, print},
 };
 
@@ -59,27 +60,20 @@ pub fn solve(request: &arguments::Solve) -> Result<Ending, Box<dyn Error>> {
     let reduction = Reduction::read_all(&request.reductions)?;
     let solution = reduction.solve()?;
     let published = published(&reduction);
-    let mut text = report::text::all(&solution.results, published.as_ref());
-    text += &match solution.segments {
-        Some(segments) => {
-            format!("\nIntervals from {segments} stretches of time, cluster-robust (docs/long_records.md).\n")
-        }
+    request.merged.iter().try_for_each(|path| reduction.write(path))?;
+    show(&solution.results, published.as_ref(), &request.output, &note(&solution, request.merged.as_deref()))
+}
+
+/// Where the intervals come from, and where the merged reductions are.
+fn note(solution: &Solution, merged: Option<&Path>) -> String {
+    let intervals = match solution.segments {
+        Some(segments) => format!(
+            "\nIntervals from {segments} stretches of time, cluster-robust; identify takes them from the correlation of rows, \
+             and they differ (docs/long_records.md).\n"
+        ),
         None => "\nNo intervals: fewer than two stretches of time.\n".to_owned(),
     };
-    print(&text)?;
-    if let Some(path) = &request.merged {
-        reduction.write(path)?;
-        print(&format!("\nwritten: {}\n", path.display()))?;
-    }
-    match &request.output.out {
-        Some(directory) => {
-            let files = report::write_all(&solution.results, published.as_ref(), directory)?;
-            let names: String = files.iter().map(|f| format!("  {}\n", f.display())).collect();
-            print(&format!("\nwritten:\n{names}"))?;
-        }
-        None => print("\nno files written; with --out DIR: results.json, parameters.csv, report.html\n")?,
-    }
-    Ok(Ending::of(solution.results.verdict))
+    merged.map_or(intervals.clone(), |path| format!("{intervals}\nwritten: {}\n", path.display()))
 }
 
 /// The published figures that the experiment names, where they are still where it was read.

@@ -1,8 +1,13 @@
 //! What a command prints, and what it says of its result.
 
-use std::io::Write;
+use std::io::{self, Write};
 
-use thetahat::{results::Verdict, visible::visible_lines};
+use anstyle::{AnsiColor, Style};
+use thetahat::{
+    report::{self, TextWidth},
+    results::{Results, Verdict},
+    visible::visible_lines,
+};
 
 /// What a finished command says of its result: its exit code.
 pub enum Ending {
@@ -20,10 +25,35 @@ impl Ending {
     }
 }
 
+/// The columns that texts are laid out for: those of the terminal, or 80 where there is none.
+pub fn width() -> TextWidth {
+    terminal_size::terminal_size_of(io::stdout())
+        .map_or_else(TextWidth::default, |(columns, _)| TextWidth::new(columns.0.into()))
+}
+
 /// Prints; what names hold cannot steer the terminal. A reader that has gone away (`| head`) is no reason not to write the files.
-pub fn print(text: &str) -> Result<(), std::io::Error> {
-    match std::io::stdout().write_all(visible_lines(text).as_bytes()) {
-        Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+pub fn print(text: &str) -> Result<(), io::Error> {
+    whole(io::stdout().write_all(visible_lines(text).as_bytes()))
+}
+
+/// Prints the verdict in its colour, where stdout is a terminal that shows colours and NO_COLOR is not set.
+pub fn print_verdict(results: &Results) -> Result<(), io::Error> {
+    let (headline, style) = (report::headline(results), style(results.verdict));
+    whole(writeln!(anstream::stdout(), "{style}{}{style:#}", visible_lines(&headline)))
+}
+
+fn style(verdict: Option<Verdict>) -> Style {
+    let colour = match verdict {
+        Some(Verdict::Good) => AnsiColor::Green,
+        Some(Verdict::Care) | None => AnsiColor::Yellow,
+        Some(Verdict::DoNotUse) => AnsiColor::Red,
+    };
+    colour.on_default().bold()
+}
+
+fn whole(written: Result<(), io::Error>) -> Result<(), io::Error> {
+    match written {
+        Err(e) if e.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         result => result,
     }
 }

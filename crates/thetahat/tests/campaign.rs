@@ -99,7 +99,7 @@ fn failures_are_counted_and_in_no_figure() {
     }
     let failed = runs.rows.iter().find(|r| r.status == Status::Stalled).unwrap();
     assert!(failed.reason.as_ref().unwrap().contains("1 iterations"));
-    let text = report::campaign_text(&campaign.results(&runs));
+    let text = report::campaign_text(&campaign.results(&runs), report::TextWidth::DEFAULT);
     assert!(text.contains("0/4") && text.contains("didim: 4 stalled"), "{text}");
 }
 
@@ -109,8 +109,8 @@ fn the_report_fits_the_terminal_and_the_page_needs_nothing_else() {
     let claim = ("[[noise]]", "[[claim]]\nsource = 'A <b>book</b>'\nsays = 'IV wins.'\n[[noise]]");
     let campaign = changed(claim, ("", "")).unwrap();
     let runs = run(&campaign, Subset::default(), 2, None);
-    let text = report::campaign_text(&campaign.results(&runs));
-    assert!(text.lines().all(|line| line.chars().count() <= report::TEXT_WIDTH), "{text}");
+    let text = report::campaign_text(&campaign.results(&runs), report::TextWidth::DEFAULT);
+    assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
     assert!(text.contains("IV wins. (A <b>book</b>)"));
     let page = fs::read_to_string(report::write_campaign(&campaign.results(&runs), folder.path()).unwrap()).unwrap();
     assert!(page.contains("class=\"box didim\"") && page.contains("&lt;b&gt;book"), "no boxes or not escaped");

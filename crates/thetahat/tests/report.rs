@@ -7,7 +7,7 @@ use std::{
 };
 
 use thetahat::{
-    report::{self, Agreement, Published, ReportError, TEXT_WIDTH, text, write_all},
+    report::{self, Agreement, Published, ReportError, TextWidth, text, write_all},
     results::{
         Advice, Bandwidth, BiasExplanation, BiasKind, BiasedSimulatorResult, Bin, CaseDiagnosis, Code, Comparison,
         Concerned, EliminationResult, EndogeneityResult, FTest, Finding, Frame, HeldBackPlots, Influence,
@@ -18,6 +18,9 @@ use thetahat::{
     },
     statistics::chi_squared_test,
 };
+
+/// Of a terminal that does not tell.
+const WIDTH: TextWidth = TextWidth::DEFAULT;
 
 const METHODS: [Method; 3] = [Method::IDIM_LS, Method::IDIM_IV, Method::DIDIM];
 const LONG_CASE: &str = "controller_bandwidth_of_the_second_motor_0.5";
@@ -306,27 +309,39 @@ fn written(name: &str, results: &Results) -> BTreeMap<String, String> {
 fn no_line_of_the_terminal_is_too_long() {
     let mut results = results();
     results.runs.push(diverged("last"));
-    let text = text::all(&results, Some(&published("width", FIGURES).unwrap()));
-    let too_long = |line: &&str| line.chars().count() > TEXT_WIDTH;
-    assert_eq!(text.lines().find(too_long), None, "{text}");
+    let published = published("width", FIGURES).unwrap();
+    for columns in [40, 57, 80, 133, 200] {
+        let width = TextWidth::new(columns);
+        let texts = [
+            text::all(&results, Some(&published), width),
+            report::brief(&results, width),
+            report::card_text(&results, width),
+            report::headline(&results),
+        ];
+        let too_long = |line: &&str| line.chars().count() > columns;
+        for text in texts {
+            assert_eq!(text.lines().find(too_long), None, "{columns}: {text}");
+        }
+    }
+    assert_eq!([0, 39, 201, usize::MAX].map(|columns| TextWidth::new(columns).columns()), [40, 40, 200, 200]);
 }
 
 #[test]
 fn the_terminal_shows_only_the_parameters_asked_for() {
-    let text = text::parameters(&results(), "nominal");
+    let text = text::parameters(&results(), "nominal", WIDTH);
     assert!(text.contains("1.260 (0.794 %)") && !text.contains("xy2"), "{text}");
 }
 
 #[test]
 fn the_truth_is_counted() {
-    let text = text::truth(&results(), "nominal");
+    let text = text::truth(&results(), "nominal", WIDTH);
     assert!(text.contains("within 3 standard deviations: idim-ls 2 of 3, idim-iv 2 of 3"), "{text}");
     assert!(text.contains("of all parameters: idim-ls 3 of 4"), "{text}");
 }
 
 #[test]
 fn tests_are_told_where_they_reject() {
-    let text = text::tests(&results());
+    let text = text::tests(&results(), WIDTH);
     assert!(text.contains("F(32, 2148) = 12.50, p = 1.0e-40: rejected"), "{text}");
 }
 
@@ -641,9 +656,9 @@ fn the_page_says_what_was_done() {
 #[test]
 fn advice_stands_in_the_head_and_the_tests_behind_it_follow() {
     let results = results();
-    let head = text::head(&results);
+    let head = text::head(&results, WIDTH);
     assert!(head.contains("advice           nominal: Take idim-iv. Distrust didim"), "{head}");
-    let diagnosis = text::diagnosis(&results);
+    let diagnosis = text::diagnosis(&results, WIDTH);
     assert!(diagnosis.contains("* alarm") && diagnosis.contains("fv1 -8.4"), "{diagnosis}");
     assert!(diagnosis.contains("gear ratios") && diagnosis.contains("0.8999"), "{diagnosis}");
     assert!(diagnosis.contains("move 10") && diagnosis.contains("zz1r"), "{diagnosis}");
@@ -657,11 +672,11 @@ fn advice_stands_in_the_head_and_the_tests_behind_it_follow() {
 fn a_diverged_run_has_a_status_and_no_numbers() {
     let mut results = results();
     results.runs[2] = diverged("nominal");
-    let table = text::parameters(&results, "nominal");
+    let table = text::parameters(&results, "nominal", WIDTH);
     let row = table.lines().find(|l| l.starts_with("fc1")).unwrap();
     assert!(row.ends_with("diverged"), "{table}");
     assert!(table.contains("didim diverged: the simulation failed at 0.25 s"), "{table}");
-    let summary = text::summary(&results);
+    let summary = text::summary(&results, WIDTH);
     let row = summary.lines().find(|l| l.contains("diverged")).unwrap();
     let cells: Vec<&str> = row.split_whitespace().collect();
     assert_eq!(cells[5..8], ["-", "-", "-"], "{summary}");
@@ -672,7 +687,7 @@ fn a_diverged_run_has_a_status_and_no_numbers() {
 fn results_without_runs_are_a_report_too() {
     let mut results = results();
     results.runs.clear();
-    assert!(text::all(&results, None).starts_with("<b>&"));
+    assert!(text::all(&results, None, WIDTH).starts_with("<b>&"));
     assert!(written("no_runs", &results)["report.html"].contains("</html>"));
 }
 
@@ -702,9 +717,9 @@ fn agreement_is_counted() {
     assert_eq!(published.source, "Somebody, \"A title\"");
     assert_eq!(published.agreement(&results.runs[0]), Agreement { within: 2, compared: 3 });
     assert_eq!(published.agreement(&results.runs[1]), Agreement { within: 0, compared: 0 });
-    let text = text::published(&results, &published, "nominal");
+    let text = text::published(&results, &published, "nominal", WIDTH);
     assert!(text.contains("idim-ls 2 of 3") && text.contains("* +29.0"), "{text}");
-    assert!(text::published_runs(&results, &published).contains("5.75  5.530"));
+    assert!(text::published_runs(&results, &published, WIDTH).contains("5.75  5.530"));
 }
 
 #[test]
@@ -752,24 +767,24 @@ fn the_published_tables_of_the_project_can_be_read() {
 
 #[test]
 fn findings_are_said_with_their_joint_and_remedy() {
-    let text = report::findings_text(&results().findings);
+    let text = report::findings_text(&results().findings, WIDTH);
     for words in ["Checks: 1 problem", "PROBLEM [lag] joint 2 (elbow): the torque is 2.4 samples later", "-> shift it"]
     {
         assert!(text.contains(words), "no {words:?} in: {text}");
     }
     // Only a reduction gives a list without recordings: no checks are made on it.
-    assert_eq!(report::findings_text(&[]), "Checks: none made\n");
+    assert_eq!(report::findings_text(&[], WIDTH), "Checks: none made\n");
 }
 
 /// The verdict is the first thing that is said, and its reasons follow before the advice.
 #[test]
 fn the_verdict_comes_first() {
-    let head = text::head(&results());
+    let head = text::head(&results(), WIDTH);
     let [verdict, because, advice] =
         ["verdict", "because", "advice"].map(|label| head.find(&format!("\n{label} ")).unwrap());
     assert!(verdict < because && because < advice, "{head}");
     assert!(head.contains("DO NOT USE the numbers, for one reason"), "{head}");
     assert!(head.contains("PROBLEM [check-problem] recording 1 has a problem"), "{head}");
     let without = Results { verdict: None, verdict_reasons: Vec::new(), ..results() };
-    assert!(!text::head(&without).contains("\nverdict "));
+    assert!(!text::head(&without, WIDTH).contains("\nverdict "));
 }

@@ -259,7 +259,7 @@ fn a_law_that_fits_is_recommended_and_no_other() {
     let recording = Recording { truth: None, ..recording };
     let results = compared(&robot(SPRING, ""), recording.clone());
     let comparison = results.term_comparison.as_ref().unwrap();
-    println!("{}", thetahat::report::text::all(&results, None));
+    println!("{}", thetahat::report::text::all(&results, None, thetahat::report::TextWidth::DEFAULT));
     for joint in &comparison.joints {
         let recommended: Vec<_> = joint.laws.iter().filter(|law| law.recommended).collect();
         assert_eq!(recommended.len(), 1, "{}: {:?}", joint.joint, joint.laws);
@@ -282,7 +282,7 @@ fn a_law_that_fits_is_recommended_and_no_other() {
     let accepted = robot(&format!("{SPRING}{}", pasted.join("\n")), "");
     let results = compared(&accepted, recording);
     let again = results.term_comparison.as_ref().unwrap();
-    println!("{}", thetahat::report::text::all(&results, None));
+    println!("{}", thetahat::report::text::all(&results, None, thetahat::report::TextWidth::DEFAULT));
     let left = again.joints.iter().flat_map(|j| &j.laws).filter(|l| l.recommended).count();
     assert_eq!(left, 0, "{again:?}");
 }

@@ -57,7 +57,7 @@ fn whole_paper(data: &Path) -> Result<Row, Box<dyn Error>> {
         let experiment = Experiment::read(&file, data)?;
         let published = experiment.published_path().map(|path| Published::read(&path)).transpose()?;
         let results = experiment.run(data, &mut |_| {})?;
-        black_box(report::text::all(&results, published.as_ref()));
+        black_box(report::text::all(&results, published.as_ref(), report::TextWidth::DEFAULT));
         Ok(report::write_all(&results, published.as_ref(), &directory)?)
     })?;
     std::fs::remove_dir_all(&directory)?;

@@ -12,21 +12,20 @@ use super::{
     number::{given, significant},
     page::{Page, render},
     section::Section,
-    table::Table,
-    wrap::wrap,
+    wrap::{TextWidth, wrap},
 };
 use crate::results::{CampaignResults, Extent, Method, MethodSummary, Quantiles};
 
 /// The tables for the terminal.
 #[must_use]
-pub fn campaign_text(results: &CampaignResults) -> String {
-    let facts = facts(results).into_iter().map(|(label, text)| wrap(&format!("{label}: {text}"), "  "));
-    let head = [wrap(&results.title, "")].into_iter().chain(facts).collect::<String>();
+pub fn campaign_text(results: &CampaignResults, width: TextWidth) -> String {
+    let facts = facts(results).into_iter().map(|(label, text)| wrap(&format!("{label}: {text}"), "  ", width));
+    let head = [wrap(&results.title, "", width)].into_iter().chain(facts).collect::<String>();
     let tables = comparison(&results.summaries);
-    let claims: String = claims(results).iter().map(|line| wrap(line, "  ")).collect();
+    let claims: String = claims(results).iter().map(|line| wrap(line, "  ", width)).collect();
     let mut parts = vec![head];
-    parts.extend(tables.iter().map(Table::to_text));
-    parts.push(wrap(LEGEND, ""));
+    parts.extend(tables.iter().map(|table| table.to_text(width)));
+    parts.push(wrap(LEGEND, "", width));
     if !claims.is_empty() {
         parts.push(format!("Published statements:\n{claims}"));
     }

@@ -1,6 +1,10 @@
 //! What is in a recording, for the terminal.
 
-use super::{number::significant, table::Table, wrap::wrap};
+use super::{
+    number::significant,
+    table::Table,
+    wrap::{TextWidth, wrap},
+};
 use crate::results::{ChannelSummary, ColumnSummary, Contents, TableSummary, TimeSummary};
 
 /// Most channels of a matrix that get a row each.
@@ -10,18 +14,18 @@ const GAPS: usize = 5;
 
 /// Format, columns with their ranges, rate, jitter and gaps.
 #[must_use]
-pub fn contents_text(contents: &Contents) -> String {
-    let mut text = wrap(&format!("{}: {}", contents.file.display(), contents.format), "");
+pub fn contents_text(contents: &Contents, width: TextWidth) -> String {
+    let mut text = wrap(&format!("{}: {}", contents.file.display(), contents.format), "", width);
     if contents.dialect.is_some_and(|d| d.drop_cut_line) {
-        text += &wrap("the last line is cut and left out; to read the file, set drop_cut_line = true", "");
+        text += &wrap("the last line is cut and left out; to read the file, set drop_cut_line = true", "", width);
     }
     for table in &contents.tables {
         text += "\n";
-        text += &columns(table).to_text();
-        table.times.iter().take(1).for_each(|time| text += &times(time));
+        text += &columns(table).to_text(width);
+        table.times.iter().take(1).for_each(|time| text += &times(time, width));
     }
     for topic in &contents.other_topics {
-        text += &wrap(&format!("not read: topic {} ({})", topic.name, topic.kind), "");
+        text += &wrap(&format!("not read: topic {} ({})", topic.name, topic.kind), "", width);
     }
     text
 }
@@ -76,7 +80,7 @@ fn rows(column: &ColumnSummary) -> Vec<Vec<String>> {
     rows
 }
 
-fn times(time: &TimeSummary) -> String {
+fn times(time: &TimeSummary, width: TextWidth) -> String {
     let [rms, largest] = [time.jitter_rms, time.jitter_max].map(|j| significant(100.0 * j, 3));
     let mut text = wrap(
         &format!(
@@ -86,13 +90,14 @@ fn times(time: &TimeSummary) -> String {
             significant(time.rate_hz, 7),
         ),
         "",
+        width,
     );
     let places: Vec<String> = time.gaps.iter().take(GAPS).map(|g| format!("sample {}", g.sample)).collect();
     if !places.is_empty() {
-        text += &wrap(&format!("gaps: {}, at {} ...", time.gaps.len(), places.join(", ")), "");
+        text += &wrap(&format!("gaps: {}, at {} ...", time.gaps.len(), places.join(", ")), "", width);
     }
     if time.repeated + time.backwards > 0 {
-        text += &wrap(&format!("times repeated: {}; times that go back: {}", time.repeated, time.backwards), "");
+        text += &wrap(&format!("times repeated: {}; times that go back: {}", time.repeated, time.backwards), "", width);
     }
     text
 }

@@ -1,30 +1,82 @@
 //! What the checks found, for the terminal and the page.
 
-use super::{number::significant, wrap::wrap};
-use crate::results::{Filter, FilterChoice, Finding, RecordingFindings, RunResult, Severity};
+use super::{
+    number::significant,
+    wrap::{TextWidth, shortened, wrap},
+};
+use crate::{
+    results::{Filter, FilterChoice, Finding, RecordingFindings, Results, RunResult, Severity},
+    visible::visible_lines,
+};
 
 const SEVERITIES: [Severity; 3] = [Severity::Problem, Severity::Warning, Severity::Note];
 
 /// The findings of every recording: what was seen, and what to do.
 #[must_use]
-pub fn findings_text(recordings: &[RecordingFindings]) -> String {
+pub fn findings_text(recordings: &[RecordingFindings], width: TextWidth) -> String {
     let mut text = format!("Checks: {}\n", count(recordings));
     for recording in recordings.iter().filter(|r| !r.findings.is_empty()) {
         if recordings.len() > 1 {
-            text += &wrap(&format!("{}:", name(recording)), "");
+            text += &wrap(&format!("{}:", name(recording)), "", width);
         }
         for group in groups(&recording.findings) {
             let first = group[0];
-            text += &wrap(&format!("{} [{}] {}", label(first.severity), first.code, seen_together(&group)), "  ");
-            text += &wrap(&format!("-> {}", first.remedy), "     ");
+            text +=
+                &wrap(&format!("{} [{}] {}", label(first.severity), first.code, seen_together(&group)), "  ", width);
+            text += &wrap(&format!("-> {}", first.remedy), "     ", width);
         }
     }
     text
 }
 
+/// One line for each code of the recordings and of the estimates; empty where nothing was found.
+pub(super) fn brief(results: &Results, width: TextWidth) -> String {
+    let several = results.findings.len() > 1;
+    let of_recordings = results.findings.iter().flat_map(|r| {
+        let place = if several { format!("{}: ", name(r)) } else { String::new() };
+        groups(&r.findings).into_iter().map(move |group| (group[0], format!("{place}{}", in_short(&group))))
+    });
+    let mut lines: Vec<(Severity, String)> = Vec::new();
+    for (finding, text) in of_recordings.chain(of_estimates(&results.runs)) {
+        let line = format!("{:<8} {:<20} {text}", label(finding.severity), finding.code.to_string());
+        lines.push((finding.severity, format!("  {}\n", shortened(&visible_lines(&line), width.columns() - 2))));
+    }
+    lines.sort_by_key(|(severity, _)| SEVERITIES.iter().position(|s| s == severity));
+    let lines: String = lines.into_iter().map(|(_, line)| line).collect();
+    if lines.is_empty() { "Findings: none\n".to_owned() } else { format!("Findings (whole with --full)\n{lines}") }
+}
+
+/// The joints, and the message of the largest value without them.
+fn in_short(group: &[&Finding]) -> String {
+    let most = group.iter().max_by(|a, b| a.value.abs().total_cmp(&b.value.abs())).unwrap_or(&group[0]);
+    let joints: Vec<String> = group.iter().filter_map(|f| f.joint).map(|j| j.to_string()).collect();
+    match joints.as_slice() {
+        [] | [_] => seen(most),
+        [_, ..] => format!("joints {}: {}", joints.join(" "), most.message),
+    }
+}
+
+/// The gravest finding of the runs for each code, with the methods that have one as grave.
+fn of_estimates(runs: &[RunResult]) -> Vec<(&Finding, String)> {
+    let mut all: Vec<(&Finding, Vec<&str>)> = Vec::new();
+    for severity in SEVERITIES {
+        let found = runs.iter().flat_map(|r| of_run(r).map(move |f| (r.method.name(), f)));
+        for (method, finding) in found.filter(|(_, f)| f.severity == severity) {
+            match all.iter_mut().find(|(first, _)| first.code == finding.code) {
+                Some((first, methods)) if first.severity == severity && !methods.contains(&method) => {
+                    methods.push(method)
+                }
+                Some(_) => {}
+                None => all.push((finding, vec![method])),
+            }
+        }
+    }
+    all.into_iter().map(|(finding, methods)| (finding, format!("{}: {}", methods.join(" "), seen(finding)))).collect()
+}
+
 /// What the experiment's filter and others do to the estimates.
 #[must_use]
-pub fn filter_text(choice: &FilterChoice) -> String {
+pub fn filter_text(choice: &FilterChoice, width: TextWidth) -> String {
     let mut text = String::from("\nFilter: ");
     let own = choice.own.and_then(|own| Some((own.filter, choice.over_best(own.error?)?)));
     text += &match own {
@@ -38,16 +90,16 @@ pub fn filter_text(choice: &FilterChoice) -> String {
         "least with cutoff_hz = {cutoff_hz}, decimation = {decimation}, found on a twin of the record with its noise; errors \
          over the least, by decimation and cutoff_hz:"
     );
-    text += &wrap(&best, "  ");
+    text += &wrap(&best, "  ", width);
     choice.lines().iter().for_each(|line| text += &format!("    {line}\n"));
     text
 }
 
 /// What was found in the estimates of the runs, for the terminal; empty where nothing was.
-pub(super) fn of_runs_text(runs: &[RunResult]) -> String {
+pub(super) fn of_runs_text(runs: &[RunResult], width: TextWidth) -> String {
     let line = |r: &RunResult, f: &Finding| {
         let seen = format!("{} [{}] {} {}: {}", label(f.severity), f.code, r.case, r.method, seen(f));
-        wrap(&seen, "  ") + &wrap(&format!("-> {}", f.remedy), "     ")
+        wrap(&seen, "  ", width) + &wrap(&format!("-> {}", f.remedy), "     ", width)
     };
     let lines: String = runs.iter().flat_map(|r| of_run(r).map(move |f| line(r, f))).collect();
     if lines.is_empty() { lines } else { format!("Found in the estimates:\n{lines}") }
@@ -176,7 +228,7 @@ mod tests {
     fn the_same_finding_of_seven_joints_is_one_line() {
         let mut findings: Vec<Finding> = (1..=7).map(|j| of_joint(j, 10.0 * j as f64)).collect();
         let recording = |findings| RecordingFindings { recording: "1".to_owned(), held_back: false, findings };
-        let text = findings_text(&[recording(findings.clone())]);
+        let text = findings_text(&[recording(findings.clone())], TextWidth::default());
         let expected = "Checks: 1 warning\n  \
             warning [reference-mismatch] joints 1 2 3 4 5 6 7: 10 to 70 % of the motion;\n  \
             the most: joint 7: the motion is 0.1 rad or m rms off its reference\n     \

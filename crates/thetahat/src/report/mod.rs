@@ -5,7 +5,7 @@
 //! from [`results`](crate::results) alone.
 //!
 //! ```
-//! use thetahat::report::{TEXT_WIDTH, Table};
+//! use thetahat::report::{TextWidth, Table};
 //!
 //! let table = Table {
 //!     title: "nominal: estimates".to_owned(),
@@ -14,15 +14,18 @@
 //!     rows: vec![["zz1r", "1.250 (1.04 %)"].map(str::to_owned).into()],
 //!     ..Table::default()
 //! };
-//! let text = table.to_text();
-//! assert!(text.contains("zz1r") && text.lines().all(|line| line.chars().count() <= TEXT_WIDTH));
+//! let text = table.to_text(TextWidth::default());
+//! assert!(text.contains("zz1r") && text.lines().all(|line| line.chars().count() <= 80));
 //! ```
 
 mod box_plot;
+mod brief;
 mod campaign;
 mod campaign_figures;
 mod campaign_tables;
+mod card;
 mod closed_loop;
+mod comparison;
 mod contents;
 mod diagnosis;
 mod error;
@@ -30,6 +33,7 @@ mod facts;
 mod figures;
 mod files;
 mod findings;
+mod findings_json;
 mod model_json;
 mod model_text;
 mod number;
@@ -53,10 +57,14 @@ mod units;
 mod verdict;
 mod wrap;
 
+pub use brief::brief;
 pub use campaign::{CAMPAIGN_PAGE, campaign_text, write_campaign};
+pub use card::{card_text, headline};
+pub use comparison::{comparison_text, write_comparison};
 pub use contents::contents_text;
 pub use error::ReportError;
 pub use findings::{filter_text, findings_text};
+pub use findings_json::findings_json;
 pub use model_json::model_json;
 pub use model_text::model_text;
 pub use outputs::{file_names, write_all};
@@ -65,4 +73,4 @@ pub use published::{Agreement, Published, PublishedValue};
 pub use sensitivity::{SENSITIVITY_FILES, sensitivity_text, write_sensitivity};
 pub use series::write_record;
 pub use table::{Group, Table};
-pub use wrap::TEXT_WIDTH;
+pub use wrap::TextWidth;

@@ -3,7 +3,7 @@
 use super::{
     number::{NONE, given, significant},
     table::Table,
-    wrap::wrap,
+    wrap::{TextWidth, labelled, wrap},
 };
 use crate::results::{
     BaseParameterSummary, Doubt, JointKind, JointSummary, LockedJoint, ParameterCount, Quantity, RobotSummary,
@@ -15,23 +15,24 @@ const LABEL: usize = 14;
 /// Digits of a-priori values.
 const DIGITS: usize = 4;
 
-/// The robot as text of at most 80 columns.
+/// The robot as text.
 #[must_use]
-pub fn model_text(summary: &RobotSummary) -> String {
-    let mut parts = vec![head(summary), structure(summary).to_text()];
-    parts.extend(transmission(summary));
-    parts.push(standard_parameters(summary).to_text());
-    parts.extend(terms(summary).map(|table| table.to_text()));
-    parts.push(counts(summary).to_text());
-    parts.push(base_parameters(summary));
-    parts.extend(doubts(summary));
+pub fn model_text(summary: &RobotSummary, width: TextWidth) -> String {
+    let mut parts = vec![head(summary, width), structure(summary).to_text(width)];
+    parts.extend(transmission(summary, width));
+    parts.push(standard_parameters(summary).to_text(width));
+    parts.extend(terms(summary).map(|table| table.to_text(width)));
+    parts.push(counts(summary).to_text(width));
+    parts.push(base_parameters(summary, width));
+    parts.extend(doubts(summary, width));
     parts.join("\n")
 }
 
 /// What the description says that no robot has, and what to do.
-fn doubts(summary: &RobotSummary) -> Option<String> {
-    let doubt =
-        |d: &Doubt| wrap(&format!("{}: {}", d.place, d.what), "  ") + &wrap(&format!("-> {}", d.remedy), "     ");
+fn doubts(summary: &RobotSummary, width: TextWidth) -> Option<String> {
+    let doubt = |d: &Doubt| {
+        wrap(&format!("{}: {}", d.place, d.what), "  ", width) + &wrap(&format!("-> {}", d.remedy), "     ", width)
+    };
     let lines: String = summary.doubts.iter().map(doubt).collect();
     (!lines.is_empty()).then(|| format!("Findings in the description\n{lines}"))
 }
@@ -45,7 +46,7 @@ fn short(value: f64) -> String {
     }
 }
 
-fn head(summary: &RobotSummary) -> String {
+fn head(summary: &RobotSummary, width: TextWidth) -> String {
     let [x, y, z] = summary.gravity.map(given);
     let (links, coordinates) = (summary.joints.len(), summary.coordinates());
     let follow = match links - coordinates {
@@ -60,10 +61,7 @@ fn head(summary: &RobotSummary) -> String {
         ("friction", summary.friction.to_owned()),
     ];
     let locked = (!summary.locked.is_empty()).then(|| ("locked", locked(summary)));
-    let line = |(label, value): (&str, String)| {
-        let text = wrap(&value, &" ".repeat(LABEL));
-        format!("{label:<LABEL$}{}", text.trim_start())
-    };
+    let line = |(label, value): (&str, String)| labelled(label, &value, LABEL, width);
     facts.into_iter().chain(locked).map(line).collect()
 }
 
@@ -165,15 +163,15 @@ fn follows(joint: &JointSummary) -> Option<String> {
 }
 
 /// The ratios, or the matrix where motors are coupled, and the offsets; nothing where motors and joints are the same.
-fn transmission(summary: &RobotSummary) -> Option<String> {
+fn transmission(summary: &RobotSummary, width: TextWidth) -> Option<String> {
     let transmission = &summary.transmission;
     let notes = transmission_notes(summary);
     let ratios: Vec<String> = transmission.matrix.iter().enumerate().map(|(i, row)| given(row[i])).collect();
     if transmission.coupled_motors.is_empty() {
         let direct = ratios.iter().all(|ratio| ratio == "1");
-        let lines = wrap(&format!("motor positions per joint positions: {}", ratios.join(" ")), "  ");
+        let lines = wrap(&format!("motor positions per joint positions: {}", ratios.join(" ")), "  ", width);
         let lines = if direct { String::new() } else { lines };
-        let lines = lines + &notes.iter().map(|note| wrap(note, "  ")).collect::<String>();
+        let lines = lines + &notes.iter().map(|note| wrap(note, "  ", width)).collect::<String>();
         return (!lines.is_empty()).then(|| format!("Transmission\n{lines}"));
     }
     let rows = transmission.matrix.iter().enumerate();
@@ -187,7 +185,7 @@ fn transmission(summary: &RobotSummary) -> Option<String> {
         notes,
         ..Table::default()
     };
-    Some(table.to_text())
+    Some(table.to_text(width))
 }
 
 fn transmission_notes(summary: &RobotSummary) -> Vec<String> {
@@ -291,38 +289,38 @@ fn counts(summary: &RobotSummary) -> Table {
 }
 
 /// Name, a-priori value and unit, and the formula where something is regrouped.
-fn base_parameters(summary: &RobotSummary) -> String {
+fn base_parameters(summary: &RobotSummary, width: TextWidth) -> String {
     if let Some(problem) = &summary.problem {
-        return wrap(&format!("No base parameters: {problem}"), "");
+        return wrap(&format!("No base parameters: {problem}"), "", width);
     }
     let all = &summary.base_parameters;
-    let width = |text: fn(&BaseParameterSummary) -> usize| all.iter().map(text).max().unwrap_or(0);
-    let (names, units) = (width(|p| p.name.len()), width(|p| p.unit.len()));
+    let longest = |text: fn(&BaseParameterSummary) -> usize| all.iter().map(text).max().unwrap_or(0);
+    let (names, units) = (longest(|p| p.name.len()), longest(|p| p.unit.len()));
     let line = |p: &BaseParameterSummary| {
         let lead = format!("{:<names$} {:>10} {:<units$}", p.name, short(p.a_priori), p.unit);
         if p.regrouped.is_empty() {
             return format!("{}\n", lead.trim_end());
         }
-        let formula = formula(&p.expression, &" ".repeat(lead.chars().count() + 2));
+        let formula = formula(&p.expression, &" ".repeat(lead.chars().count() + 2), width);
         format!("{lead}  {}", formula.trim_start())
     };
     let title = format!("Base parameters: {}, with their a-priori values and formulas\n", all.len());
-    title + &all.iter().map(line).collect::<String>() + &without_effect(summary)
+    title + &all.iter().map(line).collect::<String>() + &without_effect(summary, width)
 }
 
 /// A formula in lines; a sign stays with the term behind it.
-fn formula(expression: &str, indent: &str) -> String {
+fn formula(expression: &str, indent: &str, width: TextWidth) -> String {
     let joined = expression.replace(" + ", " +~").replace(" - ", " -~");
-    wrap(&joined, indent).replace('~', " ")
+    wrap(&joined, indent, width).replace('~', " ")
 }
 
-fn without_effect(summary: &RobotSummary) -> String {
+fn without_effect(summary: &RobotSummary, width: TextWidth) -> String {
     let idle = summary.standard_parameters.iter().filter(|p| p.has_effect == Some(false));
     let names: Vec<&str> = idle.map(|p| p.name.as_str()).collect();
     if names.is_empty() {
         String::new()
     } else {
-        format!("\n{}", wrap(&format!("Without effect on any torque: {}", names.join(" ")), ""))
+        format!("\n{}", wrap(&format!("Without effect on any torque: {}", names.join(" ")), "", width))
     }
 }
 

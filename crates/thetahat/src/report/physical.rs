@@ -6,7 +6,7 @@ use super::{
     section::Section,
     table::{Group, Table},
     tables::runs_of,
-    wrap::wrap,
+    wrap::{TextWidth, wrap},
 };
 use crate::results::{ConsistentEstimate, ConsistentParameter, PhysicalResult, Results, RunResult};
 
@@ -28,16 +28,16 @@ pub(super) fn section(results: &Results) -> Section {
 }
 
 /// The consistent estimates for the terminal; empty where none were asked for.
-pub(super) fn text(results: &Results) -> String {
+pub(super) fn text(results: &Results, width: TextWidth) -> String {
     let asked =
         results.runs.iter().any(|r| r.physical.as_ref().is_some_and(|p| p.estimate.is_some() || p.reason.is_some()));
     if !asked {
         return String::new();
     }
-    let tables = [examined(results), consistent(results)].into_iter().flatten().map(|t| t.to_text());
-    let lines: String = lines(results).iter().map(|line| wrap(line, "")).collect();
+    let tables = [examined(results), consistent(results)].into_iter().flatten().map(|t| t.to_text(width));
+    let lines: String = lines(results).iter().map(|line| wrap(line, "", width)).collect();
     let cases = results.cases();
-    let parameters = cases.iter().filter_map(|case| base_parameters(results, case)).map(|t| t.to_text());
+    let parameters = cases.iter().filter_map(|case| base_parameters(results, case)).map(|t| t.to_text(width));
     tables.chain([lines]).chain(parameters).filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")
 }
 

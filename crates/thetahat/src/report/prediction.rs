@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use super::{error::ReportError, series::write_series, verdict};
+use super::{error::ReportError, series::write_series, verdict, wrap::TextWidth};
 use crate::{results::Prediction, visible::visible};
 
 /// Rms of each joint's prediction and, where torques were measured, its relative error; and the verdict on its parameters.
 #[must_use]
-pub fn prediction_text(prediction: &Prediction) -> String {
+pub fn prediction_text(prediction: &Prediction, width: TextWidth) -> String {
     let [start, end] = prediction.window_s;
     let mut text = format!(
         "prediction of {} ({}), window {start:.3} s to {end:.3} s\n\n{:<24}{:>16}{:>20}\n",
@@ -23,7 +23,7 @@ pub fn prediction_text(prediction: &Prediction) -> String {
         text += &format!("{joint:<24}{rms:>16.4}{error:>20}\n");
     }
     text += &format!("{:<24}{:>16}{:>20}\n", "all", "", percent(prediction.relative_error_percent));
-    text + "\n" + &verdict::carried(prediction.verdict, &prediction.verdict_reasons)
+    text + "\n" + &verdict::carried(prediction.verdict, &prediction.verdict_reasons, width)
 }
 
 fn percent(value: Option<f64>) -> String {

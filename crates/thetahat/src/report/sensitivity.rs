@@ -15,7 +15,7 @@ use super::{
     section::Section,
     status::status_words,
     table::{Group, Table},
-    wrap::wrap,
+    wrap::{TextWidth, wrap},
 };
 use crate::{
     results::{BiasKind, Method, Sensitivity, SensitivityPoint, Status},
@@ -29,9 +29,9 @@ fn methods(sensitivity: &Sensitivity) -> Vec<Method> {
 
 /// The table of a sweep for the terminal.
 #[must_use]
-pub fn sensitivity_text(sensitivity: &Sensitivity) -> String {
-    let lines: String = conclusions(sensitivity).iter().map(|line| wrap(line, "")).collect();
-    table(sensitivity).to_text() + &lines
+pub fn sensitivity_text(sensitivity: &Sensitivity, width: TextWidth) -> String {
+    let lines: String = conclusions(sensitivity).iter().map(|line| wrap(line, "", width)).collect();
+    table(sensitivity).to_text(width) + &lines
 }
 
 /// The files of a sweep.

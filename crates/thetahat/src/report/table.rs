@@ -2,13 +2,16 @@
 
 use serde::Serialize;
 
-use super::wrap::{TEXT_WIDTH, wrap};
+use super::wrap::{TextWidth, shortened, wrap};
 use crate::visible::visible;
 
 /// Longest text of a leading column, of a column under a group, and of any other column.
 const LEAD_CELL: usize = 24;
 const GROUP_CELL: usize = 15;
 const CELL: usize = 26;
+
+/// Characters below which no column is narrowed to fit a terminal.
+const NARROWEST: usize = 3;
 
 /// Columns under one heading.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -37,18 +40,18 @@ pub struct Table {
 }
 
 impl Table {
-    /// The table as lines of at most [`TEXT_WIDTH`] characters; what is wider is cut into several tables with the same
+    /// The table as lines that fit; what is wider is cut into several tables with the same
     /// leading columns.
     #[must_use]
-    pub fn to_text(&self) -> String {
+    pub fn to_text(&self, width: TextWidth) -> String {
         let table = self.visible();
-        let mut text = wrap(&table.title, "");
-        let widths = table.widths();
-        for page in table.pages(&widths) {
+        let mut text = wrap(&table.title, "", width);
+        let widths = table.widths(width);
+        for page in table.pages(&widths, width) {
             page.write(&table, &widths, &mut text);
         }
         for note in &table.notes {
-            text.push_str(&wrap(note, "  "));
+            text.push_str(&wrap(note, "  ", width));
         }
         text
     }
@@ -70,8 +73,24 @@ impl Table {
         }
     }
 
-    /// Characters of each column; those under a long heading are widened to hold it.
-    fn widths(&self) -> Vec<usize> {
+    /// Characters of each column, such that the leading columns with any one block fit.
+    fn widths(&self, width: TextWidth) -> Vec<usize> {
+        let mut widths = self.full_widths();
+        for (_, block) in self.blocks() {
+            let beside = || (0..self.lead).chain(block.iter().copied());
+            let line = |widths: &[usize]| beside().map(|c| widths[c] + 1).sum::<usize>().saturating_sub(1);
+            while line(&widths) > width.columns() {
+                let Some(widest) = beside().max_by_key(|&c| widths[c]).filter(|&c| widths[c] > NARROWEST) else {
+                    break;
+                };
+                widths[widest] -= 1;
+            }
+        }
+        widths
+    }
+
+    /// Characters that each column would have; those under a long heading are widened to hold it.
+    fn full_widths(&self) -> Vec<usize> {
         let mut widths: Vec<usize> = (0..self.head.len()).map(|c| self.width(c)).collect();
         for (label, columns) in self.blocks() {
             let beneath: usize = columns.iter().map(|&c| widths[c] + 1).sum();
@@ -112,14 +131,14 @@ impl Table {
     }
 
     /// As many blocks side by side as fit.
-    fn pages(&self, widths: &[usize]) -> Vec<Page<'_>> {
+    fn pages(&self, widths: &[usize], width: TextWidth) -> Vec<Page<'_>> {
         let lead: Vec<usize> = (0..self.lead).collect();
         let whole = Page { gap: 2, lead: lead.clone(), blocks: self.blocks() };
-        let gap = if whole.width(widths) <= TEXT_WIDTH { 2 } else { 1 };
+        let gap = if whole.width(widths) <= width.columns() { 2 } else { 1 };
         let mut pages: Vec<Page<'_>> = Vec::new();
         for block in whole.blocks {
             match pages.last_mut() {
-                Some(page) if page.width_with(&block.1, widths) <= TEXT_WIDTH => page.blocks.push(block),
+                Some(page) if page.width_with(&block.1, widths) <= width.columns() => page.blocks.push(block),
                 _ => pages.push(Page { gap, lead: lead.clone(), blocks: vec![block] }),
             }
         }
@@ -186,12 +205,4 @@ impl Page<'_> {
 fn push_line(text: &mut String, line: &str) {
     text.push_str(line.trim_end());
     text.push('\n');
-}
-
-/// A text of at most so many characters.
-fn shortened(text: &str, width: usize) -> String {
-    if text.chars().count() <= width {
-        return text.to_owned();
-    }
-    text.chars().take(width.saturating_sub(1)).chain(['…']).collect()
 }

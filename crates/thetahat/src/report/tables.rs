@@ -6,7 +6,7 @@ use super::{
     status::status_words,
     table::{Group, Table},
 };
-use crate::results::{IterationResult, ParameterResult, Results, RunResult, Status};
+use crate::results::{Grade, IterationResult, ParameterResult, Results, RunResult, Status, Unseen};
 
 /// Errors in standard deviations that count as within.
 const WITHIN: f64 = 3.0;
@@ -47,11 +47,24 @@ pub(super) fn summary(results: &Results) -> Table {
     Table {
         title: "Runs".to_owned(),
         lead: 3,
-        head: strings(&["case", "method", "status", "iter", "sims", "error %", "cv %", "cond", "s"]),
+        head: strings(&["case", "method", "status", "iter", "sims", "error %", "unseen %", "cond", "s"]),
         rows: results.runs.iter().map(row).collect(),
-        notes: vec!["error: relative error 100 |y - y_hat| / |y|; cv: the same on data not used.".to_owned()],
+        notes: vec![format!("error: relative error 100 |y - y_hat| / |y|{}.", unseen_note(results))],
         ..Table::default()
     }
+}
+
+/// What the estimates are validated on; none where they are not.
+pub(super) fn unseen(results: &Results) -> Option<&'static str> {
+    let unseen = results.runs.iter().find_map(|r| results.unseen(r))?;
+    Some(match unseen {
+        Unseen::HeldBack(_) => "the error on the recordings that were held back",
+        Unseen::LeftOut(_) => "the error on parts of the record, each left out in turn",
+    })
+}
+
+fn unseen_note(results: &Results) -> String {
+    unseen(results).map_or_else(String::new, |text| format!("; unseen: {text}"))
 }
 
 /// The parameters of some runs, in the order in which they appear.
@@ -82,7 +95,13 @@ pub(super) fn reasons(runs: &[&RunResult]) -> Vec<String> {
     runs.iter().filter_map(reason).chain(runs.iter().flat_map(noted)).collect()
 }
 
+/// Classical relative deviation, percent, from which an estimate says nothing.
+const NOTHING: f64 = 100.0;
+
 fn estimate_with_percent(p: &ParameterResult) -> String {
+    if p.relative_standard_deviation_percent.is_some_and(|percent| percent > NOTHING) {
+        return Grade::NotIdentified.name().to_owned();
+    }
     with_percent(&estimate(p.estimate, p.standard_deviation), p.relative_standard_deviation_percent)
 }
 
@@ -209,7 +228,7 @@ fn truth_counts(runs: &[&RunResult]) -> Vec<String> {
 }
 
 /// How many intervals hold the true value; none where there are no intervals.
-fn interval_counts(runs: &[&RunResult]) -> Option<String> {
+pub(super) fn interval_counts(runs: &[&RunResult]) -> Option<String> {
     let holds = |p: &ParameterResult| p.interval_95.zip(p.true_value).map(|([a, b], t)| (a..=b).contains(&t));
     let count = |r: &&RunResult| {
         let held: Vec<bool> = r.parameters.iter().filter_map(holds).collect();

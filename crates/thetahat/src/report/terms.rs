@@ -4,7 +4,7 @@ use super::{
     number::{NONE, optional, significant},
     section::Section,
     table::Table,
-    wrap::wrap,
+    wrap::{TextWidth, wrap},
 };
 use crate::results::{JointTermComparison, ProfiledTerm, Results, TermComparison, TermLaw};
 
@@ -24,12 +24,12 @@ pub(super) fn section(results: &Results) -> Section {
 }
 
 /// The same for the terminal; empty where nothing was compared or searched for.
-pub(super) fn text(results: &Results) -> String {
-    let lines: String = profiled(results).map(|line| wrap(&line, "")).collect();
+pub(super) fn text(results: &Results, width: TextWidth) -> String {
+    let lines: String = profiled(results).map(|line| wrap(&line, "", width)).collect();
     let compared = results.term_comparison.as_ref().map(|c| {
         let accepted = accepted(c);
         let gap = if accepted.is_empty() { "" } else { "\n" };
-        format!("{}{}{gap}{accepted}", comparison(c, LISTED).to_text(), wrap(&advice(c), ""))
+        format!("{}{}{gap}{accepted}", comparison(c, LISTED).to_text(width), wrap(&advice(c), "", width))
     });
     [lines].into_iter().chain(compared).filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")
 }
@@ -107,7 +107,7 @@ fn accepted(comparison: &TermComparison) -> String {
 }
 
 /// The constants that were searched for.
-fn profiled(results: &Results) -> impl Iterator<Item = String> + '_ {
+pub(super) fn profiled(results: &Results) -> impl Iterator<Item = String> + '_ {
     results.profiled_terms.iter().map(|ProfiledTerm { term, joint, velocity, exponent, at_limit }| {
         let found = format!(
             "Term {}, {joint}: velocity = {velocity}, exponent = {exponent} leave the smallest residual; intervals take them as known.",

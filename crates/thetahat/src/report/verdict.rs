@@ -1,6 +1,6 @@
 //! The verdict and its reasons: the first lines of a report.
 
-use super::wrap::wrap;
+use super::wrap::{TextWidth, wrap};
 use crate::results::{ReasonCode, Results, Verdict, VerdictReason};
 
 /// The verdict, and a line for each reason; none where the results have no verdict.
@@ -11,9 +11,9 @@ pub(super) fn lines(results: &Results) -> Vec<(&'static str, String)> {
 }
 
 /// The verdict on the results that something else rests on, for the terminal.
-pub(super) fn carried(verdict: Verdict, reasons: &[VerdictReason]) -> String {
-    let head = wrap(&format!("verdict on its results: {}", in_words(verdict, reasons.len())), "");
-    reasons.iter().map(|r| wrap(&because(r), "  ")).fold(head, |text, line| text + &line)
+pub(super) fn carried(verdict: Verdict, reasons: &[VerdictReason], width: TextWidth) -> String {
+    let head = wrap(&format!("verdict on its results: {}", in_words(verdict, reasons.len())), "", width);
+    reasons.iter().map(|r| wrap(&because(r), "  ", width)).fold(head, |text, line| text + &line)
 }
 
 fn in_words(verdict: Verdict, reasons: usize) -> String {

@@ -3,11 +3,39 @@
 use crate::visible::visible_lines;
 
 /// Columns of a terminal that no line exceeds.
-pub const TEXT_WIDTH: usize = 80;
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct TextWidth(usize);
 
-/// Cuts a text into indented lines of at most [`TEXT_WIDTH`] characters, at spaces where it can.
-pub(super) fn wrap(text: &str, indent: &str) -> String {
-    let width = TEXT_WIDTH - indent.chars().count();
+impl TextWidth {
+    /// The least columns that texts are laid out for, and the most.
+    pub const RANGE: [usize; 2] = [40, 200];
+
+    /// Of a terminal that does not tell: 80 columns.
+    pub const DEFAULT: Self = Self(80);
+
+    /// So many columns, as far as texts can be laid out for them.
+    #[must_use]
+    pub fn new(columns: usize) -> Self {
+        let [least, most] = Self::RANGE;
+        Self(columns.clamp(least, most))
+    }
+
+    /// The number of columns.
+    #[must_use]
+    pub fn columns(self) -> usize {
+        self.0
+    }
+}
+
+impl Default for TextWidth {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+/// Cuts a text into indented lines that fit, at spaces where it can.
+pub(super) fn wrap(text: &str, indent: &str, width: TextWidth) -> String {
+    let width = width.columns().saturating_sub(indent.chars().count()).max(1);
     let mut lines: Vec<String> = vec![String::new()];
     for word in visible_lines(text).split_whitespace().flat_map(|word| pieces(word, width)) {
         match lines.last_mut() {
@@ -17,6 +45,20 @@ pub(super) fn wrap(text: &str, indent: &str) -> String {
         }
     }
     lines.iter().map(|line| format!("{indent}{line}\n")).collect()
+}
+
+/// A label in a column of so many characters, and its text beside it, in as many lines as it takes.
+pub(super) fn labelled(label: &str, text: &str, column: usize, width: TextWidth) -> String {
+    let lines = wrap(text, &" ".repeat(column), width);
+    format!("{label:<column$}{}", lines.trim_start())
+}
+
+/// A text of at most so many characters.
+pub(super) fn shortened(text: &str, width: usize) -> String {
+    if text.chars().count() <= width {
+        return text.to_owned();
+    }
+    text.chars().take(width.saturating_sub(1)).chain(['…']).collect()
 }
 
 /// A word, cut where it is longer than a line.

@@ -39,6 +39,16 @@ pub enum Unseen {
     LeftOut(f64),
 }
 
+impl Unseen {
+    /// The error, percent.
+    #[must_use]
+    pub fn percent(self) -> f64 {
+        match self {
+            Self::HeldBack(error) | Self::LeftOut(error) => error,
+        }
+    }
+}
+
 impl Results {
     /// The results at a glance, of the nominal case.
     #[must_use]

@@ -38,12 +38,17 @@ impl Grade {
 }
 
 impl ParameterResult {
-    /// How well it is known: by `interval_95`, or by 1.96 classical deviations where there is no interval.
+    /// Half of `interval_95`, or 1.96 classical deviations where there is no interval.
+    #[must_use]
+    pub fn half_width(&self) -> Option<f64> {
+        let of_deviation = || self.standard_deviation.map(|sd| HALF_WIDTH * sd);
+        self.interval_95.map(|[low, high]| 0.5 * (high - low)).or_else(of_deviation)
+    }
+
+    /// How well it is known.
     #[must_use]
     pub fn grade(&self) -> Grade {
-        let of_deviation = || self.standard_deviation.map(|sd| HALF_WIDTH * sd);
-        let half = self.interval_95.map(|[low, high]| 0.5 * (high - low)).or_else(of_deviation);
-        match half {
+        match self.half_width() {
             Some(half) if half <= SURE * self.estimate.abs() => Grade::Sure,
             Some(half) if half < self.estimate.abs() => Grade::Rough,
             Some(_) | None => Grade::NotIdentified,

@@ -44,6 +44,7 @@ mod prediction;
 mod recordings;
 mod run;
 mod sensitivity;
+mod side_by_side;
 mod terms;
 mod twin;
 mod verdict;
@@ -70,6 +71,7 @@ pub use recordings::{
 };
 pub use run::{IterationResult, LoopParameterResult, RunResult};
 pub use sensitivity::{Sensitivity, SensitivityPoint};
+pub use side_by_side::{ComparedParameter, SettingDifference, Side, SideBySide, SideBySideError};
 pub use terms::{JointTermComparison, ProfiledTerm, TermComparison, TermLaw};
 pub use twin::TwinRecord;
 pub use verdict::{Concerned, ReasonCode, Verdict, VerdictReason};

@@ -1,0 +1,49 @@
+//! How results are shown: the screen and the files, and last the verdict card.
+
+use std::{error::Error, path::Path};
+
+use thetahat::{
+    report::{self, Published},
+    results::Results,
+};
+
+use crate::{
+    arguments::Output,
+    terminal::{Ending, print, print_verdict, width},
+};
+
+/// Shows results in the way that was asked for and writes their files; `note` is what else there is to say.
+pub fn show(
+    results: &Results,
+    published: Option<&Published>,
+    output: &Output,
+    note: &str,
+) -> Result<Ending, Box<dyn Error>> {
+    let files = output.out.as_ref().map(|directory| report::write_all(results, published, directory)).transpose()?;
+    if output.shown.json {
+        print(&results.to_json()?)?;
+        return Ok(Ending::of(results.verdict));
+    }
+    if !output.shown.quiet {
+        print_verdict(results)?;
+        print(&format!("\n{}{note}\n", tables(results, published, output.shown.full)))?;
+        print(&written(files.as_deref()))?;
+        print(&format!("{}\n", "-".repeat(width().columns())))?;
+    }
+    print_verdict(results)?;
+    print(&report::card_text(results, width()))?;
+    Ok(Ending::of(results.verdict))
+}
+
+fn tables(results: &Results, published: Option<&Published>, full: bool) -> String {
+    if full { report::text::all(results, published, width()) } else { report::brief(results, width()) }
+}
+
+/// The files that were written.
+fn written(files: Option<&[impl AsRef<Path>]>) -> String {
+    let Some(files) = files else {
+        return "no files written; with --out DIR: results.json, parameters.csv, report.html\n".to_owned();
+    };
+    let names: String = files.iter().map(|f| format!("  {}\n", f.as_ref().display())).collect();
+    format!("written:\n{names}")
+}

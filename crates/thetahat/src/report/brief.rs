@@ -1,0 +1,136 @@
+//! The results on one screen: findings, runs and the estimates of the method taken.
+
+use super::{
+    findings,
+    number::{NONE, estimate, optional},
+    payload,
+    status::status_words,
+    table::Table,
+    tables, terms,
+    wrap::{TextWidth, shortened, wrap},
+};
+use crate::{
+    results::{Grade, ParameterResult, Results, RunResult},
+    visible::visible,
+};
+
+/// Columns between two estimates in a line.
+const GAP: usize = 3;
+
+/// What was identified, what is wrong with it, and the estimates to take. The verdict card belongs under it.
+#[must_use]
+pub fn brief(results: &Results, width: TextWidth) -> String {
+    let mut parts = vec![head(results, width), findings::brief(results, width), runs(results, width)];
+    parts.extend(payload::tables(results).iter().map(|table| table.to_text(width)));
+    parts.push(terms::profiled(results).map(|line| wrap(&line, "", width)).collect());
+    parts.extend(results.taken().map(|run| estimates(run, width)));
+    parts.retain(|part| !part.is_empty());
+    parts.join("\n")
+}
+
+fn head(results: &Results, width: TextWidth) -> String {
+    let rates: Vec<String> = results.recordings.iter().map(|r| format!("{} Hz", r.sample_rate_hz)).collect();
+    let rate = rates
+        .first()
+        .filter(|first| rates.iter().all(|r| r == *first))
+        .map_or_else(String::new, |r| format!(" at {r}"));
+    let several =
+        if results.recordings.len() > 1 { format!("{} recordings, ", results.recordings.len()) } else { String::new() };
+    let used = format!(
+        "{}: {several}{} samples{rate}, {} rows after decimation",
+        results.robot, results.samples_used, results.decimated_rows
+    );
+    wrap(&results.title, "", width) + &wrap(&used, "", width)
+}
+
+/// One row for each run; the cases where there are several.
+fn runs(results: &Results, width: TextWidth) -> String {
+    let several = results.cases().len() > 1;
+    let row = |r: &RunResult| {
+        let case = several.then(|| r.case.clone());
+        let figures = [
+            r.method.name().to_owned(),
+            status_words(r.status).to_owned(),
+            optional(r.relative_error_percent, 3),
+            optional(r.cross_validation_relative_error_percent, 3),
+        ];
+        case.into_iter().chain(figures).collect()
+    };
+    let head = several.then_some("case").into_iter().chain(["method", "status", "error %", "unseen %"]);
+    let unseen = tables::unseen(results);
+    let table = Table {
+        title: "Runs".to_owned(),
+        lead: if several { 3 } else { 2 },
+        head: head.map(str::to_owned).collect(),
+        rows: results.runs.iter().map(row).collect(),
+        notes: unseen.map(|text| format!("unseen: {text}.")).into_iter().collect(),
+        ..Table::default()
+    };
+    table.to_text(width)
+}
+
+/// The estimates of a run by grade, as many side by side as fit; of those that are not identified the names.
+fn estimates(run: &RunResult, width: TextWidth) -> String {
+    let of = |grade| run.parameters.iter().filter(move |p| p.grade() == grade).collect::<Vec<_>>();
+    let mut text = wrap(&format!("Estimates of {} \u{b1} half of the 95 % interval", run.method), "", width);
+    for (grade, what) in [
+        (Grade::Sure, "sure: the interval is within 20 % of the estimate"),
+        (Grade::Rough, "rough: the interval is wider, and excludes zero"),
+    ] {
+        let known = of(grade);
+        if !known.is_empty() {
+            text += &wrap(what, "  ", width);
+            text += &side_by_side(&cells(&known), width);
+        }
+    }
+    let names: Vec<&str> = of(Grade::NotIdentified).iter().map(|p| p.name.as_str()).collect();
+    if !names.is_empty() {
+        text += &wrap("not identified: the interval holds zero", "  ", width);
+        text += &wrap(&names.join(" "), "    ", width);
+    }
+    let held = tables::interval_counts(&[run]);
+    text + &held.map_or_else(String::new, |line| wrap(&line, "  ", width))
+}
+
+/// Name, value, half of the interval and unit of each parameter, in columns of the same width.
+fn cells(parameters: &[&ParameterResult]) -> Vec<String> {
+    let texts: Vec<[String; 4]> = parameters.iter().map(|p| texts(p)).collect();
+    let widest = |c: usize| texts.iter().map(|t| t[c].chars().count()).max().unwrap_or(0);
+    let [name, value, half, unit] = [0, 1, 2, 3].map(widest);
+    let cell = |[n, v, h, u]: &[String; 4]| format!("{n:<name$} {v:>value$} \u{b1}{h:<half$} {u:<unit$}");
+    texts.iter().map(cell).collect()
+}
+
+fn texts(p: &ParameterResult) -> [String; 4] {
+    let half = p.half_width();
+    let width = half.map_or_else(|| NONE.to_owned(), |half| estimate(half, Some(half)));
+    [visible(&p.name).into_owned(), estimate(p.estimate, half), width, p.unit.clone()]
+}
+
+/// Texts of the same width in as many columns as fit, to be read downwards.
+fn side_by_side(texts: &[String], width: TextWidth) -> String {
+    const INDENT: &str = "    ";
+    let room = width.columns() - INDENT.len();
+    let each = texts.iter().map(|t| t.chars().count()).max().unwrap_or(1).max(1);
+    let columns = ((room + GAP) / (each + GAP)).max(1);
+    let rows = texts.len().div_ceil(columns);
+    let line = |row: usize| {
+        let cells: Vec<&str> = texts.iter().skip(row).step_by(rows).map(String::as_str).collect();
+        shortened(cells.join(&" ".repeat(GAP)).trim_end(), room)
+    };
+    (0..rows).map(|row| format!("{INDENT}{}\n", line(row))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_stand_in_as_many_columns_as_fit() {
+        let texts: Vec<String> = ["a1234567", "b1234567", "c1234567", "d1234567", "e1234567"].map(str::to_owned).into();
+        let expected = "    a1234567   c1234567   e1234567\n    b1234567   d1234567\n";
+        assert_eq!(side_by_side(&texts, TextWidth::new(40)), expected);
+        let long = vec!["x".repeat(60)];
+        assert_eq!(side_by_side(&long, TextWidth::new(40)), format!("    {}…\n", "x".repeat(35)));
+    }
+}

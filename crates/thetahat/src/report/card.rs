@@ -1,0 +1,83 @@
+//! The verdict card for the terminal.
+
+use super::{
+    number::significant,
+    wrap::{TextWidth, labelled, shortened},
+};
+use crate::results::{Card, Grade, Results, Unseen, Verdict};
+
+/// Columns of the labels.
+const LABEL: usize = 12;
+
+/// Reasons on the card.
+const REASONS: usize = 3;
+
+/// Lines of a reason on the card.
+const LINES: usize = 2;
+
+/// The verdict in a few words, with a symbol that tells it without colour.
+#[must_use]
+pub fn headline(results: &Results) -> String {
+    headline_of(&results.card())
+}
+
+fn headline_of(card: &Card) -> String {
+    let take = card.method.map_or_else(|| "no method has numbers to take".to_owned(), |m| format!("take {m}"));
+    match card.verdict {
+        Some(Verdict::Good) => format!("\u{2713} GOOD: {take}"),
+        Some(Verdict::Care) => format!("! CARE: {take}, and read why"),
+        Some(Verdict::DoNotUse) => "\u{2717} DO NOT USE these numbers".to_owned(),
+        None => format!("? NOT JUDGED: {take}"),
+    }
+}
+
+/// What the verdict rests on, and what to do next: the lines under the headline.
+#[must_use]
+pub fn card_text(results: &Results, width: TextWidth) -> String {
+    let card = results.card();
+    let because = because(results, width).into_iter().map(|text| ("because", text));
+    let numbered = |(number, action): (usize, &String)| {
+        let label = if number == 0 { "next" } else { "" };
+        (label, format!("{}. {action}", number + 1))
+    };
+    let lines = facts(&card).into_iter().chain(because).chain(card.actions.iter().enumerate().map(numbered));
+    lines.map(|(label, text)| labelled(label, &text, LABEL, width)).collect()
+}
+
+/// Errors, the worst joint and what is known of the parameters; nothing where no method has numbers to take.
+fn facts(card: &Card) -> Vec<(&'static str, String)> {
+    let Some(method) = card.method else { return Vec::new() };
+    let worst = |(name, percent): &(String, f64)| format!("{name}, {} %", significant(*percent, 3));
+    let facts = [
+        card.relative_error_percent.map(|error| ("error", format!("{} %{}", significant(error, 3), unseen(card)))),
+        card.worst_joint.as_ref().map(|joint| ("worst joint", worst(joint))),
+        Some(("parameters", known(card))),
+    ];
+    let method = (card.verdict == Some(Verdict::DoNotUse)).then(|| ("method", format!("{method}, of those that ran")));
+    method.into_iter().chain(facts.into_iter().flatten()).collect()
+}
+
+fn unseen(card: &Card) -> String {
+    match card.unseen {
+        Some(Unseen::HeldBack(error)) => format!("; {} % on what was held back", significant(error, 3)),
+        Some(Unseen::LeftOut(error)) => format!("; {} % on parts left out in turn", significant(error, 3)),
+        None => "; not validated".to_owned(),
+    }
+}
+
+fn known(card: &Card) -> String {
+    let counts: Vec<String> = Grade::ALL.iter().zip(card.grades).map(|(g, n)| format!("{n} {}", g.name())).collect();
+    format!("{} of {}", counts.join(", "), card.grades.iter().sum::<usize>())
+}
+
+/// The gravest reasons in two lines each, and how many more there are.
+fn because(results: &Results, width: TextWidth) -> Vec<String> {
+    let reasons = &results.verdict_reasons;
+    let most = LINES * (width.columns() - LABEL);
+    let line = |text: &str| shortened(text, most);
+    let mut lines: Vec<String> =
+        reasons.iter().take(REASONS).map(|r| line(&format!("[{}] {}", r.code, r.seen()))).collect();
+    let more = reasons.len().saturating_sub(REASONS);
+    lines.extend((more > 0).then(|| format!("{more} more reasons, with --full")));
+    lines
+}
