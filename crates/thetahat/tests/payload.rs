@@ -282,7 +282,7 @@ fn joints_that_the_payload_does_not_load_are_named() {
         let [low, high] = gain.interval_95.unwrap_or_else(|| panic!("{gain:?}"));
         assert!(low < 1.2 && 1.2 < high && high - low < 0.3, "{gain:?}");
     }
-    let text = thetahat::report::text::all(&results, None);
+    let text = thetahat::report::text::all(&results, None, thetahat::report::TextWidth::DEFAULT);
     let row = text.lines().find(|line| line.starts_with("shoulder_pan_joint ")).unwrap();
     assert!(row.contains("not identifiable"), "{text}");
     assert!(text.contains("PROBLEM: the torques of shoulder_lift_joint"), "{text}");
