@@ -17,7 +17,7 @@ use crate::{
     arguments::{Arguments, Check, Command, Compare, Identify, Model, Output, Predict, Sensitivity, Simulate},
     campaign,
     inputs::{read_experiment, threads},
-    progress::Progress,
+    progress::{Counter, Progress},
     proposal, reduction, shell,
     shown::show,
     terminal::{Ending, print, width},
@@ -128,13 +128,12 @@ fn sweep_errors(sensitivity: &Sensitivity) -> Result<Ending, Box<dyn Error>> {
         guard.folder(directory, report::SENSITIVITY_FILES)?;
     }
     let threads = threads(sensitivity.threads);
-    let progress = Mutex::new(Progress::new());
+    let counter = Mutex::new(Counter::new("estimations"));
     let tell = |done: usize, of: usize| {
-        let mut progress = progress.lock().unwrap_or_else(PoisonError::into_inner);
-        progress.tell(&format!("{done} of {of} estimations"));
+        counter.lock().unwrap_or_else(PoisonError::into_inner).tell(done, of, String::new());
     };
     let found = experiment.sensitivity(&data, threads, &tell)?;
-    drop(progress);
+    drop(counter);
     print(&report::sensitivity_text(&found, width()))?;
     if let Some(directory) = &sensitivity.out {
         let files = report::write_sensitivity(&found, directory)?;

@@ -5,7 +5,6 @@ use std::{error::Error, path::Path};
 use thetahat::{
     experiment::Experiment,
     output::OutputGuard,
-    preparation::{Mask, NamedMask},
     reduction::{ReduceOptions, ReduceProgress, ReducedRecording, Reduction, Solution, estimates_of_results},
     report::{self, Published},
 };
@@ -34,21 +33,19 @@ pub fn reduce(request: &arguments::Reduce) -> Result<Ending, Box<dyn Error>> {
     reduction.write(&request.out)?;
     let recordings: String = reduction.recordings.iter().map(line).collect();
     let out = request.out.display();
-    let note = match experiment.settings.signal.mask {
-        Mask::Named(NamedMask::None) => "",
-        Mask::Named(NamedMask::NearRest) | Mask::Stated(_) => {
-            "near rest: every sample makes rows; identify leaves samples near rest out ([signal] mask)\n"
-        }
-    };
-    print(&format!("{recordings}{note}written: {out}\nThen: thetahat solve {out}\n"))?;
+    print(&format!("{recordings}written: {out}\nThen: thetahat solve {out}\n"))?;
     Ok(Ending::Good)
 }
 
 /// What was reduced of a recording.
 fn line(r: &ReducedRecording) -> String {
     let [start, end] = r.window_s;
+    let near_rest = r.near_rest.as_ref().map_or_else(String::new, |near_rest| {
+        let most = near_rest.left_out_percent.iter().copied().fold(0.0, f64::max);
+        format!(", samples near rest left out (up to {most:.1} % of a joint's)")
+    });
     format!(
-        "recording {}: {} samples at {:.6} Hz, {start:.4} to {end:.4} s, {} rows of each joint\n",
+        "recording {}: {} samples at {:.6} Hz, {start:.4} to {end:.4} s, {} rows of each joint{near_rest}\n",
         r.name, r.samples, r.sample_rate_hz, r.rows
     )
 }

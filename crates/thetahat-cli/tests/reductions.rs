@@ -127,7 +127,7 @@ fn experiment(files: &[&str]) -> String {
     };
     let recordings: String = files.iter().map(recording).collect();
     format!(
-        "title = \"arm\"\nrobot = \"robot.toml\"\n{recordings}\n[signal]\nmask = 'none'{rest}\n\
+        "title = \"arm\"\nrobot = \"robot.toml\"\n{recordings}\n[signal]{rest}\n\
          [estimation]\nmethods = [\"idim-ls\", \"idim-iv\"]\n"
     )
 }
@@ -166,9 +166,10 @@ fn a_reduction_solved_is_the_identification() {
     let folder = Records::new();
     folder.succeeds("identify a.toml --out identified");
     let told = folder.succeeds("reduce a.toml --out a.reduction");
-    assert!(told.contains("1536 samples at 500") && told.contains("thetahat solve a.reduction"), "{told}");
+    let words = ["1536 samples at 500", "samples near rest left out (up to ", "thetahat solve a.reduction"];
+    words.iter().for_each(|word| assert!(told.contains(word), "no {word:?} in: {told}"));
     let told = folder.succeeds("solve a.reduction --out solved");
-    assert!(told.contains("stretches of time"), "{told}");
+    assert!(told.contains("stretches of time") && told.contains("near rest "), "{told}");
     assert_same(&folder.estimates("solved", "idim-ls"), &folder.estimates("identified", "idim-ls"), EQUAL);
     for file in ["parameters.csv", "report.html"] {
         assert!(folder.path("solved").join(file).is_file(), "{file}");
@@ -298,11 +299,13 @@ fn reductions_of_other_robots_and_filters() {
     folder.with("b.toml", "robot.toml", "renamed.toml", "joint.toml");
     folder.with("b.toml", "cutoff_hz = 40", "cutoff_hz = 50", "cutoff.toml");
     folder.with("b.toml", "decimation = 10", "decimation = 5", "decimation.toml");
+    folder.with("b.toml", "[signal]", "[signal]\nmask = 'none'", "mask.toml");
     for (name, what) in [
         ("geometry", "formula"),
         ("joint", "joints"),
         ("cutoff", "cut-off in Hz differs: 40 in the first, 50 in the other"),
         ("decimation", "decimation differs: 10"),
+        ("mask", "mask near rest differs: near-rest, sign_velocity_scale 0.05 in the first, none in the other"),
     ] {
         folder.succeeds(&format!("reduce {name}.toml --out {name}.reduction"));
         let solve = format!("solve a.reduction {name}.reduction --out out --merged m");

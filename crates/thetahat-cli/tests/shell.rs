@@ -5,9 +5,10 @@ use std::{
     process::{Command, Output},
 };
 
-const COMMANDS: [&str; 14] = [
+const COMMANDS: [&str; 15] = [
     "campaign",
     "check",
+    "compare",
     "completions",
     "demo",
     "identify",

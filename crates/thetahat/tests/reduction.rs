@@ -6,9 +6,9 @@ use libtest_mimic::Failed;
 use thetahat::{
     experiment::Experiment,
     identification::{Method, Status},
-    preparation::{Mask, NamedMask},
+    preparation::{Mask, NamedMask, StatedMask},
     reduction::{ReduceOptions, Reduction},
-    results::{ParameterResult, RunResult},
+    results::{ParameterResult, Results, RunResult},
 };
 use thetahat_testing::{Folder, ensure};
 
@@ -21,15 +21,23 @@ const IV_IN_PIECES: f64 = 0.02;
 /// The same between reductions of one record: rounding of filters that start elsewhere, through two derivatives.
 const EQUAL_PIECES: f64 = 5e-10;
 
-/// An experiment with every sample, as a reduction takes it.
+/// An experiment with the mask that it states, or else near rest.
 fn experiment(name: &str) -> Experiment {
     let path = thetahat_testing::root().join("experiments").join(name);
-    every_sample(Experiment::read(&path, &thetahat_testing::data()).unwrap())
+    Experiment::read(&path, &thetahat_testing::data()).unwrap()
 }
 
-fn every_sample(mut experiment: Experiment) -> Experiment {
-    experiment.settings.signal.mask = Mask::Named(NamedMask::None);
+fn masked(mut experiment: Experiment, mask: Mask) -> Experiment {
+    experiment.settings.signal.mask = mask;
     experiment
+}
+
+fn near_rest(experiment: Experiment) -> Experiment {
+    masked(experiment, Mask::Named(NamedMask::NearRest))
+}
+
+fn every_sample(experiment: Experiment) -> Experiment {
+    masked(experiment, Mask::Named(NamedMask::None))
 }
 
 fn reduce(experiment: &Experiment, threads: usize, piece_samples: usize) -> Reduction {
@@ -64,6 +72,7 @@ fn equals_identify(mut experiment: Experiment) -> Result<(), Failed> {
     let solved = whole.solve()?.results;
     ensure(solved.samples_used == results.samples_used, "as many samples")?;
     ensure(solved.decimated_rows == results.decimated_rows, "as many rows")?;
+    same_mask(&solved, &results)?;
     same(&solved.runs[0], expected, EQUAL)?;
     for piece_samples in [100, 3000, 8191] {
         let pieces = reduce(&experiment, 2, piece_samples).solve()?.results;
@@ -76,16 +85,54 @@ fn equals_identify(mut experiment: Experiment) -> Result<(), Failed> {
     Ok(())
 }
 
+/// What is told of samples near rest and of torques that hold.
+fn same_mask(found: &Results, expected: &Results) -> Result<(), Failed> {
+    for (f, e) in found.recordings.iter().zip(&expected.recordings) {
+        ensure(f.torque_hold_s == e.torque_hold_s, "as long a hold")?;
+        ensure(f.near_rest.is_some() == e.near_rest.is_some(), "a mask or none")?;
+        let Some((f, e)) = f.near_rest.as_ref().zip(e.near_rest.as_ref()) else { continue };
+        close(f.widened_s, e.widened_s, e.widened_s, EQUAL, "widened")?;
+        for (f, e) in f.velocity.iter().zip(&e.velocity) {
+            close(*f, *e, *e, EQUAL, "limit")?;
+        }
+        for (f, e) in f.left_out_percent.iter().zip(&e.left_out_percent) {
+            close(*f, *e, 100.0, EQUAL, "left out")?;
+        }
+    }
+    Ok(())
+}
+
 fn the_demonstration() -> Result<(), Failed> {
-    equals_identify(every_sample(Experiment::demo()?))
+    equals_identify(every_sample(Experiment::demo()?))?;
+    equals_identify(near_rest(Experiment::demo()?))?;
+    equals_identify(masked(Experiment::demo()?, Mask::Stated(StatedMask { velocity: 0.05, widened_s: 0.03 })))
+}
+
+/// A limit below which some joints are for more than four fifths of the time: they keep all samples, and their rows are made
+/// a second time.
+fn joints_that_hardly_move() -> Result<(), Failed> {
+    let experiment = masked(Experiment::demo()?, Mask::Stated(StatedMask { velocity: 2.2, widened_s: 0.03 }));
+    let solved = reduce(&experiment, 1, 3000).solve()?.results;
+    let left_out = &solved.recordings[0].near_rest.as_ref().ok_or("no mask")?.left_out_percent;
+    ensure(left_out.contains(&0.0) && left_out.iter().any(|percent| *percent > 10.0), format!("{left_out:?}"))?;
+    equals_identify(experiment)
 }
 
 fn emps() -> Result<(), Failed> {
-    equals_identify(experiment("emps.toml"))
+    equals_identify(experiment("emps.toml"))?;
+    equals_identify(near_rest(experiment("emps.toml")))
+}
+
+/// With torques that hold and without samples near rest.
+fn emps_aligned() -> Result<(), Failed> {
+    let experiment = experiment("emps_aligned.toml");
+    ensure(experiment.settings.signal.mask == Mask::Named(NamedMask::NearRest), "a mask near rest")?;
+    equals_identify(experiment)
 }
 
 fn tx40() -> Result<(), Failed> {
-    equals_identify(experiment("tx40_paper.toml"))
+    equals_identify(experiment("tx40_paper.toml"))?;
+    equals_identify(near_rest(experiment("tx40_paper.toml")))
 }
 
 fn tx40_essential() -> Result<(), Failed> {
@@ -97,11 +144,13 @@ fn tx40_moving_part() -> Result<(), Failed> {
     let mut experiment = experiment("tx40_paper.toml");
     experiment.settings.signal.window_start_s = None;
     experiment.settings.signal.window_end_s = None;
-    equals_identify(experiment)
+    equals_identify(experiment.clone())?;
+    equals_identify(near_rest(experiment))
 }
 
 fn kuka() -> Result<(), Failed> {
-    equals_identify(experiment("kuka_lwr4.toml"))
+    equals_identify(every_sample(experiment("kuka_lwr4.toml")))?;
+    equals_identify(near_rest(experiment("kuka_lwr4.toml")))
 }
 
 /// Instruments from the last iterate before the end of an identification give its estimate.
@@ -119,17 +168,23 @@ fn equals_last_step(mut experiment: Experiment) -> Result<(), Failed> {
     let solved = reduction.solve()?.results;
     let iv = solved.run("nominal", Method::IDIM_IV).unwrap();
     same(iv, expected, EQUAL_IV)?;
+    same_mask(&solved, &results)?;
     ensure(iv.status == Status::Converged, format!("{:?}", iv.reason))?;
     let ls = reduce(&experiment, 1, 3000).solve()?.results;
     same(solved.run("nominal", Method::IDIM_LS).unwrap(), &ls.runs[0], EQUAL_PIECES)
 }
 
 fn iv_of_the_demonstration() -> Result<(), Failed> {
-    equals_last_step(every_sample(Experiment::demo()?))
+    equals_last_step(every_sample(Experiment::demo()?))?;
+    equals_last_step(near_rest(Experiment::demo()?))
 }
 
 fn iv_of_emps() -> Result<(), Failed> {
     equals_last_step(experiment("emps.toml"))
+}
+
+fn iv_of_emps_aligned() -> Result<(), Failed> {
+    equals_last_step(experiment("emps_aligned.toml"))
 }
 
 fn iv_of_tx40() -> Result<(), Failed> {
@@ -137,7 +192,7 @@ fn iv_of_tx40() -> Result<(), Failed> {
 }
 
 /// The demonstration's record with its reference, as a file that is read and simulated in pieces.
-fn recorded_demonstration(folder: &Path) -> Experiment {
+fn recorded_demonstration(folder: &Path, mask: &str, held: bool) -> Experiment {
     let demo = Experiment::demo().unwrap();
     let twin = demo.file.twin.as_ref().unwrap();
     let (record, moves) = (demo.record_twin().unwrap(), demo.twin_motion(twin).unwrap().moves);
@@ -152,15 +207,16 @@ fn recorded_demonstration(folder: &Path) -> Experiment {
     std::fs::write(folder.join("record.csv"), text).unwrap();
     let (_, rest) = demo.text.split_once("[signal]").unwrap();
     let (rest, _) = rest.split_once("[[case]]").unwrap();
-    let source =
-        |name: &str, unit: &str| format!("{{ file = 'record.csv', columns = {:?}, unit = '{unit}' }}", columns(name));
+    let source = |name: &str, unit: &str, held: bool| {
+        format!("{{ file = 'record.csv', columns = {:?}, unit = '{unit}', held = {held} }}", columns(name))
+    };
     let text = format!(
         "title = 'recorded'\nrobot = 'tx40.toml'\n[recording]\nsample_rate_hz = {}\nposition = {}\ntorque = {}\n\
-         reference = {}\n[signal]\nmask = 'none'{rest}",
+         reference = {}\n[signal]\nmask = '{mask}'{rest}",
         record.sample_rate_hz,
-        source("q", "rad"),
-        source("tau", "N m"),
-        source("r", "rad"),
+        source("q", "rad", false),
+        source("tau", "N m", held),
+        source("r", "rad", false),
     );
     Experiment::from_texts(&folder.join("recorded.toml"), text, demo.robot_text).unwrap()
 }
@@ -168,8 +224,12 @@ fn recorded_demonstration(folder: &Path) -> Experiment {
 /// IV with a simulation in pieces, each started 2 s early, agrees with IV from one simulation of the whole record to
 /// two hundredths of a standard deviation.
 fn iv_in_pieces() -> Result<(), Failed> {
+    ["none", "near-rest"].into_iter().zip([false, true]).try_for_each(|(mask, held)| iv_in_pieces_with(mask, held))
+}
+
+fn iv_in_pieces_with(mask: &str, held: bool) -> Result<(), Failed> {
     let folder = Folder::new();
-    let mut experiment = recorded_demonstration(folder.path());
+    let mut experiment = recorded_demonstration(folder.path(), mask, held);
     experiment.settings.estimation.methods = vec![Method::IDIM_IV];
     let results = experiment.run(folder.path(), &mut |_| {})?;
     let expected = results.run("nominal", Method::IDIM_IV).unwrap();
@@ -202,13 +262,16 @@ fn threads_change_no_byte() -> Result<(), Failed> {
 fn main() {
     thetahat_testing::run_with_shared_data(vec![
         ("the demonstration", the_demonstration),
+        ("joints that hardly move", joints_that_hardly_move),
         ("EMPS", emps),
+        ("EMPS, aligned", emps_aligned),
         ("TX40", tx40),
         ("TX40, essential parameters", tx40_essential),
         ("TX40, moving part", tx40_moving_part),
         ("KUKA", kuka),
         ("IV of the demonstration", iv_of_the_demonstration),
         ("IV of EMPS", iv_of_emps),
+        ("IV of EMPS, aligned", iv_of_emps_aligned),
         ("IV of TX40", iv_of_tx40),
         ("IV in pieces", iv_in_pieces),
         ("threads change no byte", threads_change_no_byte),

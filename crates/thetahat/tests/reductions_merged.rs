@@ -133,6 +133,9 @@ fn unlike_reductions_are_refused_with_what_differs() {
         (SIGNAL.replace("10", "20"), "decimation"),
         (SIGNAL.replace("cutoff", "filter_order = 5\ncutoff"), "order"),
         (format!("[parameters]\nexclude = ['off1']\n{SIGNAL}"), "base parameters"),
+        (SIGNAL.replace("mask = 'none'", "derivative = 'central'\nmask = 'none'"), "derivative"),
+        (SIGNAL.replace("'none'", "'near-rest'"), "mask"),
+        (SIGNAL.replace("'none'", "{ velocity = 0.1, widened_s = 0 }"), "mask"),
     ] {
         let other = folder.reduce(&recordings[1], &signal).unwrap();
         match first.clone().merge(other) {
@@ -140,6 +143,12 @@ fn unlike_reductions_are_refused_with_what_differs() {
             other => panic!("{expected}: {other:?}"),
         }
     }
+    // Below four of its scales the simulator's sign is not known, which is what the mask near rest begins with.
+    let near_rest = SIGNAL.replace("'none'", "'near-rest'");
+    let finer = format!("{near_rest}[simulation]\nsign_velocity_scale = 0.001\n");
+    let [first, other] = [&near_rest, &finer].map(|signal| signal.as_str());
+    let [first, other] = [(0, first), (1, other)].map(|(i, signal)| folder.reduce(&recordings[i], signal).unwrap());
+    assert!(matches!(first.merge(other), Err(ReductionError::Unlike { what: "the mask near rest", .. })));
     assert!(matches!(Reduction::merge_all([]), Err(ReductionError::Nothing)));
 }
 
@@ -164,11 +173,72 @@ fn a_file_is_read_as_it_was_written_or_refused() {
         let error = refused(&damaged);
         assert!(matches!(error, ReductionError::Damaged { .. } | ReductionError::Version { .. }), "{place}: {error}");
     }
-    let next = [b"thetahat reduction 2\n", &bytes[21..]].concat();
-    assert!(matches!(refused(&next), ReductionError::Version { expected: 1, .. }));
+    let next = [b"thetahat reduction 3\n", &bytes[21..]].concat();
+    assert!(matches!(refused(&next), ReductionError::Version { newest: 2, .. }));
     assert!(matches!(refused(b"a,b\n1,2\n"), ReductionError::Damaged { .. }));
     assert!(matches!(Reduction::read(&folder.0.at("none")), Err(ReductionError::Unreadable { .. })));
     assert!(matches!(reduction.write(folder.0.path()), Err(ReductionError::Unwritable { .. })));
+}
+
+/// A file that was written before masks, with what was estimated from it then.
+#[test]
+fn a_file_of_form_1_is_read_with_rows_of_every_sample() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/forms/form_1.reduction");
+    let old = Reduction::read(&path).unwrap();
+    assert_eq!((old.identity.mask.as_str(), old.identity.derivative.as_str()), ("none", "not stated"));
+    let solved = old.solve().unwrap().results;
+    assert_eq!((solved.decimated_rows, solved.recordings[0].near_rest.is_none()), (71, true));
+    let then = [
+        ("zz1r", 0.699_994_057_280_985_7, 2.144_885_236_492_954_5e-5),
+        ("fv1", 2.999_943_709_598_439, 3.355_800_621_927_45e-4),
+        ("fc1", 1.500_233_115_689_466_6, 1.047_566_263_635_211_7e-3),
+        ("off1", 0.200_468_924_372_047_44, 5.270_357_350_951_321e-4),
+    ];
+    for (p, (name, estimate, deviation)) in parameters(&solved).iter().zip(then) {
+        assert_eq!(p.name, name);
+        assert!((p.estimate / estimate - 1.0).abs() < EQUAL_ORDERS, "{name}");
+        assert!((p.standard_deviation.unwrap() / deviation - 1.0).abs() < EQUAL_ORDERS, "sd of {name}");
+    }
+    // Written again it is of the new form, and says as much as before.
+    let folder = Folder::new();
+    old.write(&folder.at("again")).unwrap();
+    assert_eq!(Reduction::read(&folder.at("again")).unwrap(), old);
+    let (folder, recordings) = three();
+    let new = folder.reduce(&recordings[0], &SIGNAL.replace("decimation = 10", "decimation = 40")).unwrap();
+    assert!(matches!(old.merge(new), Err(ReductionError::Unlike { what: "the derivative", .. })));
+}
+
+/// Torques that hold are centred in pieces as in the whole record; the same samples are known again, held or not.
+#[test]
+fn torques_that_hold_are_centred_in_pieces() {
+    let (folder, recordings) = three();
+    let held = recordings[0].replace("unit = 'N m' }", "unit = 'N m', held = true }");
+    for signal in [SIGNAL.to_owned(), SIGNAL.replace("'none'", "'near-rest'")] {
+        let expected = folder.experiment(&held, &signal).run(folder.0.path(), &mut |_| {}).unwrap();
+        let solution = folder.reduce(&held, &signal).unwrap().solve().unwrap();
+        assert_same(&solution.results, &expected, EQUAL);
+        assert_eq!(solution.results.recordings[0].torque_hold_s, expected.recordings[0].torque_hold_s);
+        let instant = folder.reduce(&recordings[0], &signal).unwrap();
+        let [with, without] =
+            [&solution.results, &instant.solve().unwrap().results].map(|results| parameters(results)[1].estimate);
+        assert!((with / without - 1.0).abs() > 1e-4, "{with} {without}");
+        let held = folder.reduce(&held, &signal).unwrap();
+        assert!(matches!(held.merge(instant), Err(ReductionError::SameRecording { .. })));
+    }
+}
+
+/// Merged, recordings without their samples near rest are the identification of all.
+#[test]
+fn masked_reductions_are_merged() {
+    let (folder, recordings) = three();
+    let signal = SIGNAL.replace("'none'", "'near-rest'");
+    let expected = folder.experiment(&recordings.concat(), &signal).run(folder.0.path(), &mut |_| {}).unwrap();
+    let own = recordings.each_ref().map(|r| folder.reduce(r, &signal).unwrap());
+    let merged = Reduction::merge_all(own).unwrap();
+    assert_same(&merged.solve().unwrap().results, &expected, EQUAL);
+    let counted: f64 = merged.recordings.iter().flat_map(|r| &r.segments).map(|s| s.counted[0]).sum();
+    let rows: usize = merged.recordings.iter().map(|r| r.rows).sum();
+    assert!(counted > 0.5 * rows as f64 && counted < 0.95 * rows as f64, "{counted} of {rows}");
 }
 
 #[test]

@@ -86,3 +86,38 @@ fn check(observations: &Observations, factors: &[f64]) -> Option<()> {
     let seen = norm(&observations.check(&combination));
     (seen <= SEEN * combination.values().map(|f| f.abs()).sum::<f64>()).then_some(())
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::{dynamics::Model, robot::Robot};
+
+    const STATES: usize = 12;
+
+    /// Inertia of the link, of the motor, and viscous friction of a joint without gravity: in this order, scaled columns 0 and 1
+    /// are the same.
+    fn observations() -> Observations {
+        let text = "name = 'r'\ngravity = [0, 0, 0]\n[[joint]]\nname = 'a'\nkind = 'revolute'\n";
+        let model = Model::new(&Robot::parse(text, Path::new("r.toml")).unwrap());
+        let index = |name: &str| model.parameter_table().iter().position(|p| p.name() == name).unwrap();
+        Observations::new(&model, &["zz1", "ia1", "fv1"].map(index), STATES).unwrap()
+    }
+
+    fn dependencies(combination: &[(usize, f64)]) -> Option<Dependencies> {
+        let mut space = NullSpace::new(3);
+        space.insert(&combination.iter().copied().collect()).unwrap();
+        space.dependencies(&observations())
+    }
+
+    #[test]
+    fn a_combination_that_the_states_to_check_by_show_is_no_dependency() {
+        let equal = dependencies(&[(0, -1.0), (1, 1.0)]).unwrap();
+        assert_eq!((equal.kept, equal.spanned), (vec![0, 2], vec![1]));
+        assert!((equal.coefficients.at(0, 0) - 1.0).abs() < 1e-12 && equal.coefficients.at(1, 0) == 0.0);
+        for wrong in [[(0, -1.0), (2, 1.0)], [(0, -1.0), (1, 1.0 + 1e-9)], [(1, 1e-9), (2, 1.0)]] {
+            assert!(dependencies(&wrong).is_none(), "{wrong:?}");
+        }
+    }
+}

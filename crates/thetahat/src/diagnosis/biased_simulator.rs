@@ -8,7 +8,7 @@ use super::{
 use crate::{
     linear_algebra::{Matrix, PivotedQr},
     preparation::{Case, Problem},
-    results::{BiasExplanation, BiasedSimulatorResult, Comparison, ParameterDifference},
+    results::{BiasExplanation, BiasedSimulatorResult, Comparison},
     simulation::{BiasKind, SimulatorBias},
     statistics::SimulatorComparison,
 };
@@ -19,6 +19,8 @@ use crate::{
 const EXPLAINS_BETTER: f64 = 0.9;
 /// Difference of one parameter, in deviations of IV, that matters by itself: among many parameters the average hides it.
 const ONE_MATTERS: f64 = 2.0;
+/// How many times what chance makes of the difference it has to be where nothing is rejected. Clean twins reach 1.5 times.
+const BEYOND_CHANCE: f64 = 2.0;
 /// Draws and seed of the bootstrap. With 199, the 190th statistic is the threshold of an exact test at 5 %.
 const DRAWS: usize = 199;
 const SEED: u64 = 1;
@@ -42,7 +44,9 @@ pub(super) fn biased_simulator(
     let threshold = threshold(&statistics)?;
     let larger = statistics.iter().filter(|s| **s >= compared.statistic).count();
     let parameters = largest(problem, &compared.difference, &compared.iv_deviation);
-    let verdict = compare(&compared, compared.statistic > threshold, parameters.first());
+    let most = parameters.first().map_or(0.0, |p| p.deviations.abs());
+    let rejected = compared.statistic > threshold;
+    let verdict = compare(rejected, compared.average_difference, most, compared.residual_ratio);
     let alarm = verdict == Comparison::Alarm;
     let all: f64 = compared.joint_squares.iter().sum();
     Some(BiasedSimulatorResult {
@@ -64,12 +68,13 @@ pub(super) fn biased_simulator(
 
 /// What the test, the difference, the residuals and the parameter that differs most say together. A simulated motion that explains
 /// the torques much better than the measured one speaks against the measured one whether or not the test rejects: its noise is
-/// then that of the measured motion, and hides the difference.
-fn compare(compared: &SimulatorComparison, rejected: bool, most: Option<&ParameterDifference>) -> Comparison {
-    let (average, ratio) = (compared.average_difference, compared.residual_ratio);
-    let one_matters = most.is_some_and(|p| p.deviations.abs() >= ONE_MATTERS);
+/// then that of the measured motion, and hides the difference. Without a rejection the difference has to be larger than chance
+/// makes it: of estimates whose residuals have the ratio r, one efficient, it is `sqrt(1 - r^2)` deviations of the other.
+fn compare(rejected: bool, average: f64, most: f64, ratio: f64) -> Comparison {
     let matters = average >= HARMLESS_BELOW;
-    if ratio < EXPLAINS_BETTER && (matters || one_matters) {
+    let chance = if rejected { 0.0 } else { BEYOND_CHANCE * (1.0 - ratio * ratio).max(0.0).sqrt() };
+    let one_matters = most >= ONE_MATTERS.max(2.0 * chance);
+    if ratio < EXPLAINS_BETTER && (average >= HARMLESS_BELOW.max(chance) || one_matters) {
         return Comparison::Undecided;
     }
     if !rejected && matters && ratio > 1.0 { Comparison::Unclear } else { comparison(rejected, average) }
@@ -126,6 +131,18 @@ fn explanation(kind: BiasKind, compared: &SimulatorComparison, change: &[f64]) -
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// What twins gave: exact simulators beside noise in the measured motion, and a torque that was held.
+    #[test]
+    fn a_difference_that_chance_makes_of_a_larger_residual_is_none() {
+        for (average, ratio) in [(0.56, 0.842), (0.63, 0.888), (0.67, 0.895), (0.54, 0.871), (0.59, 0.884)] {
+            assert_eq!(compare(false, average, 1.5, ratio), Comparison::Agree, "{average} {ratio}");
+            assert_eq!(compare(true, average, 1.5, ratio), Comparison::Undecided, "{average} {ratio}");
+        }
+        assert_eq!(compare(false, 2.0, 3.0, 0.35), Comparison::Undecided);
+        assert_eq!(compare(false, 0.8, 4.0, 0.89), Comparison::Undecided);
+        assert_eq!(compare(false, 0.8, 1.0, 1.2), Comparison::Unclear);
+    }
 
     #[test]
     fn five_percent_of_the_draws_and_the_record_are_above_the_threshold() {

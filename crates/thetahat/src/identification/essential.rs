@@ -81,7 +81,7 @@ pub fn eliminate(
 pub fn nested_f_test(regression: &Regression, reduced: &Fit, full: &Fit) -> Option<FTest> {
     let squares = |fit: &Fit| regression.residual_sum_of_squares(&fit.prediction);
     let (reduced_count, full_count) = (reduced.theta.len(), full.theta.len());
-    f_test(squares(reduced), reduced_count, squares(full), full_count, regression.rows_represented)
+    f_test(squares(reduced), reduced_count, squares(full), full_count, regression.rows_represented())
 }
 
 /// The place of the most uncertain of the parameters that may go.

@@ -145,7 +145,7 @@ impl Fit {
         let rows = regression.y.len();
         let variance = squares / divisor.freedom(rows, size);
         // One, but for triangular factors: the same squares over the freedom of all rows that they stand for.
-        let represented = divisor.freedom(rows, size) / divisor.freedom(regression.rows_represented, size);
+        let represented = divisor.freedom(rows, size) / divisor.freedom(regression.rows_represented(), size);
         let fit = Self {
             standard_deviation: (0..size)
                 .map(|i| (variance * unit_covariance.at(i, i)).sqrt() * represented.sqrt())

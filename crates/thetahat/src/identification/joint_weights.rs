@@ -32,12 +32,12 @@ impl JointWeights {
     /// # Errors
     /// [`EstimationError`] where there is no estimate.
     pub fn of(regression: &Regression, weights_of_recordings: &[f64]) -> Result<Self, EstimationError> {
-        let (rows, of_joints) = (compressed(regression), regression.rows_represented_by_joint());
+        let rows = compressed(regression);
         let mut found = Self { weights: vec![1.0; regression.layout.joints()], steps: 0, change: f64::INFINITY };
         while found.steps < MOST_STEPS && !found.is_settled() {
             let weights = rows.row_weights(weights_of_recordings, Some(&found.weights));
             let fit = idim_ls(&rows.with_weights(weights), Divisor::default())?;
-            let next = rows.joint_weights_of(&fit.prediction, &of_joints);
+            let next = rows.joint_weights(&fit.prediction);
             let change = |(new, old): (&f64, &f64)| (new / old - 1.0).abs();
             let steps = found.steps + 1;
             // The first step is from weights that are none.
@@ -70,10 +70,8 @@ fn compressed(regression: &Regression) -> Regression {
     let stacked = Matrix::stack(&factors.iter().collect::<Vec<_>>());
     let columns = regression.x.columns();
     let x = stacked.select_columns(&(0..columns).collect::<Vec<_>>());
-    Regression {
-        rows_represented: regression.rows_represented,
-        ..Regression::new(x, stacked.column(columns).to_vec(), few)
-    }
+    let represented = regression.represented.clone();
+    Regression { represented, ..Regression::new(x, stacked.column(columns).to_vec(), few) }
 }
 
 #[cfg(test)]

@@ -48,4 +48,5 @@ pub use linearised::{Admit, GaussNewtonStep};
 pub use outcome::{Iteration, Outcome, Reason, Status};
 pub use prediction_error::{PredictionErrorEstimation, Wanted};
 pub use row_mask::{NearRest, RowMask};
+pub(crate) use row_mask::{hardly_moves, share_of_row};
 pub use uncertainty::{Uncertainty, uncertainty};

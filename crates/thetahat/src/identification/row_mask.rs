@@ -30,19 +30,10 @@ impl RowMask {
     /// Leaves out the samples of each coordinate on which a jump acts near rest. None where nothing is left out.
     #[must_use]
     pub fn near_rest(jumps: &[Jump], dq: &Series, rule: &NearRest) -> Option<Self> {
-        let mut channels = vec![vec![1.0; dq.len()]; dq.channels()];
-        for jump in jumps {
-            let limit = jump.velocity.iter().map(|&(j, w)| (w * rule.velocity[j]).powi(2)).sum::<f64>().sqrt();
-            let velocity: Vec<f64> = (0..dq.len()).map(|k| jump.velocity(dq.sample(k))).collect();
-            let near = near_rest(&velocity, limit, rule.widened);
-            for &coordinate in &jump.acts_on {
-                let used = channels[coordinate].iter_mut().zip(&near);
-                used.filter(|(_, near)| **near).for_each(|(used, _)| *used = 0.0);
-            }
-        }
+        let mut channels = rule.used(jumps, dq);
         for used in &mut channels {
-            let left_out = used.iter().filter(|u| **u == 0.0).count() as f64;
-            if left_out > LARGEST_PART * used.len() as f64 {
+            let left_out = used.iter().filter(|u| **u == 0.0).count();
+            if hardly_moves(left_out, used.len()) {
                 used.fill(1.0);
             }
         }
@@ -51,7 +42,7 @@ impl RowMask {
     }
 
     /// A series with one channel for each coordinate, zero where a sample is not used.
-    pub(super) fn applied_to(&self, series: &Series) -> Series {
+    pub(crate) fn applied_to(&self, series: &Series) -> Series {
         let values = series.values().iter().zip(self.used.values()).map(|(value, used)| value * used);
         Series::from_values(series.channels(), values.collect())
     }
@@ -75,10 +66,37 @@ impl RowMask {
     /// [`SignalError`] where the decimator is for another number of samples.
     pub fn shares(&self, decimator: &Decimator) -> Result<Vec<f64>, SignalError> {
         let shares = decimator.decimate(&self.used)?;
-        // The filter rings where the mask jumps.
-        let share = |decimated: f64| (decimated / decimator.constant_gain()).clamp(0.0, 1.0);
+        let share = |decimated: f64| share_of_row(decimated, decimator);
         Ok((0..shares.channels()).flat_map(|j| shares.channel(j)).map(share).collect())
     }
+}
+
+impl NearRest {
+    /// One at a sample where no jump acts on a coordinate near rest, else zero, for each coordinate.
+    pub(crate) fn used(&self, jumps: &[Jump], dq: &Series) -> Vec<Vec<f64>> {
+        let mut channels = vec![vec![1.0; dq.len()]; dq.channels()];
+        for jump in jumps {
+            let limit = jump.velocity.iter().map(|&(j, w)| (w * self.velocity[j]).powi(2)).sum::<f64>().sqrt();
+            let velocity: Vec<f64> = (0..dq.len()).map(|k| jump.velocity(dq.sample(k))).collect();
+            let near = near_rest(&velocity, limit, self.widened);
+            for &coordinate in &jump.acts_on {
+                let used = channels[coordinate].iter_mut().zip(&near);
+                used.filter(|(_, near)| **near).for_each(|(used, _)| *used = 0.0);
+            }
+        }
+        channels
+    }
+}
+
+/// Whether a coordinate keeps all its samples, of which so many are near rest.
+pub(crate) fn hardly_moves(near_rest: usize, samples: usize) -> bool {
+    near_rest as f64 > LARGEST_PART * samples as f64
+}
+
+/// The part of a row that is used, from its sample of the decimated mask.
+pub(crate) fn share_of_row(decimated: f64, decimator: &Decimator) -> f64 {
+    // The filter rings where the mask jumps.
+    (decimated / decimator.constant_gain()).clamp(0.0, 1.0)
 }
 
 /// The samples whose velocity is below a limit or about to change its sign, and so many on either side.

@@ -37,6 +37,7 @@ pub(crate) use filtered::{FilteredRecording, MOVING, STILL, window_of};
 pub use loop_parameters::LoopParameter;
 pub(crate) use loop_parameters::{LoopParameters, LoopParts};
 pub use near_rest::near_rest;
+pub(crate) use near_rest::near_rest_of_noise;
 pub use payload::{Payload, PayloadFrame};
 pub(crate) use physical::known_in_words;
 pub use physical::{Axis, KnownQuantity, PriorKind, PriorOptions, PriorWeight, ValueOrRange, WeightRule};

@@ -1,5 +1,7 @@
 //! From which velocity on the sign of a joint's friction is known.
 
+use std::convert::Infallible;
+
 use super::settings::{Mask, NamedMask, SignalOptions, StatedMask};
 use crate::{
     identification::NearRest,
@@ -25,20 +27,34 @@ pub fn near_rest(
     [position, q]: [&Series; 2],
     sample_rate_hz: f64,
 ) -> Option<NearRest> {
-    let joints = position.channels();
+    let densities = || noise_densities(position, q, &(0..position.len()), sample_rate_hz, signal.cutoff_hz);
+    let Ok(rule) = near_rest_of_noise(signal, sign_velocity_scale, (position.channels(), sample_rate_hz), || {
+        Ok::<_, Infallible>(densities())
+    });
+    rule
+}
+
+/// The same from the noise densities of so many joints' positions (variance per Hz), which are asked for only where the mask
+/// depends on them.
+pub(crate) fn near_rest_of_noise<E>(
+    signal: &SignalOptions,
+    sign_velocity_scale: f64,
+    (joints, sample_rate_hz): (usize, f64),
+    densities: impl FnOnce() -> Result<Vec<f64>, E>,
+) -> Result<Option<NearRest>, E> {
     let samples = |time_s: f64| (time_s * sample_rate_hz).ceil() as usize;
     match signal.mask {
-        Mask::Named(NamedMask::None) => None,
+        Mask::Named(NamedMask::None) => Ok(None),
         Mask::Stated(StatedMask { velocity, widened_s }) => {
-            Some(NearRest { velocity: vec![velocity; joints], widened: samples(widened_s) })
+            Ok(Some(NearRest { velocity: vec![velocity; joints], widened: samples(widened_s) }))
         }
         Mask::Named(NamedMask::NearRest) => {
             let SignalOptions { filter_order, cutoff_hz, derivative, .. } = *signal;
             let per_density = velocity_noise_per_density(filter_order, cutoff_hz, sample_rate_hz, derivative);
-            let densities = noise_densities(position, q, &(0..position.len()), sample_rate_hz, cutoff_hz);
             let of_friction = SCALES * sign_velocity_scale;
             let limit = |density: f64| (DEVIATIONS * (density * per_density).sqrt()).max(of_friction);
-            Some(NearRest { velocity: densities.into_iter().map(limit).collect(), widened: samples(1.0 / cutoff_hz) })
+            let velocity = densities()?.into_iter().map(limit).collect();
+            Ok(Some(NearRest { velocity, widened: samples(1.0 / cutoff_hz) }))
         }
     }
 }

@@ -4,7 +4,6 @@ use super::{error::PreparationError, reference_correction::ReferenceCorrection};
 use crate::{
     recording::{Clock, RecordingError, Resampling, same_length},
     series::Series,
-    signal::centred_hold,
     trajectory::Moves,
 };
 
@@ -109,12 +108,6 @@ impl Recording {
     #[must_use]
     pub fn with_held_torque(self) -> Self {
         Self { torque_hold_s: 1.0 / self.sample_rate_hz, ..self }
-    }
-
-    /// The same with the torques that act around each sample in the place of torques that hold.
-    pub(crate) fn with_centred_torque(self) -> Self {
-        let part = self.held_part_of_step();
-        Self { torque: self.torque.map(|torque| centred_hold(&torque, part)), torque_hold_s: 0.0, ..self }
     }
 
     /// The part of a step for which its torque holds, at most one.

@@ -1,4 +1,4 @@
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, fmt};
 
 use serde::Deserialize;
 
@@ -142,6 +142,18 @@ pub enum Mask {
 impl Default for Mask {
     fn default() -> Self {
         Self::Named(NamedMask::NearRest)
+    }
+}
+
+impl fmt::Display for Mask {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Named(NamedMask::NearRest) => f.write_str("near-rest"),
+            Self::Named(NamedMask::None) => f.write_str("none"),
+            Self::Stated(StatedMask { velocity, widened_s }) => {
+                write!(f, "{{ velocity = {velocity}, widened_s = {widened_s} }}")
+            }
+        }
     }
 }
 

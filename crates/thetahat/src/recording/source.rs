@@ -221,7 +221,7 @@ impl ChannelSource {
 
     /// Whether any samples of the signal can be read without the others.
     pub(super) fn can_be_read_in_pieces(&self) -> bool {
-        self.layout() == Layout::Columns && !self.drop_cut_line && self.delay_s == 0.0 && !self.held
+        self.layout() == Layout::Columns && !self.drop_cut_line && self.delay_s == 0.0
     }
 
     pub(super) fn dialect(&self) -> Dialect {

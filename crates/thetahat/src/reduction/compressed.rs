@@ -1,6 +1,7 @@
 use super::{
     factors::{Segment, coarsened},
-    value::{Identity, Reduction},
+    identity::Identity,
+    value::Reduction,
 };
 use crate::{
     linear_algebra::Matrix,
@@ -33,7 +34,7 @@ impl Compressed {
     fn of(identity: &Identity, recordings: &[&[Segment]]) -> Self {
         let (mut measured, mut instruments, mut y) = (Vec::new(), Vec::new(), Vec::new());
         let mut layout = RowLayout::empty(identity.joints.len(), recordings.len());
-        let (mut rows, mut stretch) = (0, 0);
+        let (mut represented, mut stretch) = (vec![0.0; identity.joints.len()], 0);
         for (recording, segments) in recordings.iter().enumerate() {
             for segment in *segments {
                 for (joint, factor) in segment.factors.iter().enumerate() {
@@ -43,13 +44,13 @@ impl Compressed {
                     y.extend_from_slice(factor.y());
                     layout.push(joint, (recording, stretch), factor.matrix.rows());
                 }
-                rows += segment.rows * segment.factors.len();
+                represented.iter_mut().zip(&segment.counted).for_each(|(sum, counted)| *sum += counted);
                 stretch += 1;
             }
         }
         let stack = |parts: &[Matrix]| Matrix::stack(&parts.iter().collect::<Vec<_>>());
         let z = (instruments.len() == measured.len()).then(|| stack(&instruments));
-        let regression = Regression { rows_represented: rows, ..Regression::new(stack(&measured), y, layout) };
+        let regression = Regression { represented, ..Regression::new(stack(&measured), y, layout) };
         Self { regression, z }
     }
 }

@@ -137,14 +137,14 @@ pub enum ReductionError {
         reason: String,
     },
     /// The file is of another version of its form.
-    #[error("{}: a reduction of form {found}, this program reads form {expected}; run `thetahat reduce` again", path.display())]
+    #[error("{}: a reduction of form {found}, this program reads forms up to {newest}; run `thetahat reduce` again", path.display())]
     Version {
         /// The file.
         path: PathBuf,
         /// The form of the file.
         found: String,
-        /// The form that is read.
-        expected: u32,
+        /// The newest form that is read.
+        newest: u32,
     },
     /// The file cannot be read.
     #[error("{}: cannot be read: {source}", path.display())]

@@ -1,4 +1,4 @@
-use crate::{linear_algebra::Matrix, series::Series};
+use crate::{identification::share_of_row, linear_algebra::Matrix, series::Series, signal::Decimator};
 
 /// Segments of one recording, of which none is shorter than [`SHORTEST`] rows where there are several.
 pub(super) const MOST_SEGMENTS: usize = 32;
@@ -9,6 +9,8 @@ const SHORTEST: usize = 16;
 pub struct Segment {
     /// Rows of each joint.
     pub rows: usize,
+    /// The same of each joint, each row counted by the square of the part of it that a mask leaves.
+    pub counted: Vec<f64>,
     /// R of each joint, with a column for each base parameter that acts on the joint and one for y: as many rows as the
     /// segment has, but no more than columns.
     pub factors: Vec<Matrix>,
@@ -18,7 +20,11 @@ impl Segment {
     /// Two segments that follow one another, as one.
     pub(super) fn joined(&self, next: &Self) -> Self {
         let factor = |(a, b): (&Matrix, &Matrix)| Matrix::stack(&[a, b]).triangular_factor();
-        Self { rows: self.rows + next.rows, factors: self.factors.iter().zip(&next.factors).map(factor).collect() }
+        Self {
+            rows: self.rows + next.rows,
+            counted: self.counted.iter().zip(&next.counted).map(|(a, b)| a + b).collect(),
+            factors: self.factors.iter().zip(&next.factors).map(factor).collect(),
+        }
     }
 }
 
@@ -28,7 +34,7 @@ pub(super) fn coarsened(mut segments: Vec<Segment>, most: usize) -> Vec<Segment>
         let pair = |pair: &[Segment]| match pair {
             [first, second] => first.joined(second),
             [first, ..] => first.clone(),
-            [] => Segment { rows: 0, factors: Vec::new() },
+            [] => Segment { rows: 0, counted: Vec::new(), factors: Vec::new() },
         };
         segments = segments.chunks(2).map(pair).collect();
     }
@@ -40,31 +46,42 @@ pub(super) fn coarsened(mut segments: Vec<Segment>, most: usize) -> Vec<Segment>
 pub(super) struct JointColumns {
     /// For each joint: the channel of each base parameter that acts on it, and last the channel of its torque.
     pub channels: Vec<Vec<usize>>,
+    /// The channel of the first joint's mask, before those of the others; none where every sample makes rows.
+    pub mask: Option<usize>,
+}
+
+impl JointColumns {
+    /// What a joint's row counts: the square of the part of it that the mask leaves.
+    fn counted(&self, row: &[f64], joint: usize, decimator: &Decimator) -> f64 {
+        self.mask.map_or(1.0, |first| share_of_row(row[first + joint], decimator).powi(2))
+    }
 }
 
 /// Takes the rows of a recording as they come and keeps their factors.
-pub(super) struct Accumulator {
+pub(super) struct Accumulator<'a> {
     columns: JointColumns,
+    /// What the rows were decimated by.
+    decimator: &'a Decimator,
     /// Rows of each segment but the last.
     rows: usize,
     current: Segment,
     finished: Vec<Segment>,
 }
 
-impl Accumulator {
-    /// For a recording of so many rows per joint. The length of the segments follows from it.
-    pub(super) fn new(columns: JointColumns, rows: usize) -> Self {
+impl<'a> Accumulator<'a> {
+    /// For a recording's rows behind its decimator. The length of the segments follows from their number.
+    pub(super) fn new(columns: JointColumns, decimator: &'a Decimator) -> Self {
         let mut length = SHORTEST;
-        while rows.div_ceil(length) > MOST_SEGMENTS {
+        while decimator.rows().div_ceil(length) > MOST_SEGMENTS {
             length *= 2;
         }
         let current = Self::empty(&columns);
-        Self { columns, rows: length, current, finished: Vec::new() }
+        Self { columns, decimator, rows: length, current, finished: Vec::new() }
     }
 
     fn empty(columns: &JointColumns) -> Segment {
         let factors = columns.channels.iter().map(|channels| Matrix::zeros(0, channels.len())).collect();
-        Segment { rows: 0, factors }
+        Segment { rows: 0, counted: vec![0.0; columns.channels.len()], factors }
     }
 
     /// Takes rows: for each, all channels.
@@ -75,6 +92,11 @@ impl Accumulator {
             for (factor, channels) in self.current.factors.iter_mut().zip(&self.columns.channels) {
                 let block = Matrix::from_fn(count, channels.len(), |i, j| rows.sample(first + i)[channels[j]]);
                 *factor = Matrix::stack(&[factor, &block]).triangular_factor();
+            }
+            for (joint, counted) in self.current.counted.iter_mut().enumerate() {
+                *counted += (first..first + count)
+                    .map(|k| self.columns.counted(rows.sample(k), joint, self.decimator))
+                    .sum::<f64>();
             }
             self.current.rows += count;
             first += count;
@@ -132,7 +154,9 @@ mod tests {
         let x = Matrix::from_fn(ROWS, COLUMNS, |k, j| rows.sample(k)[j]);
         let y = rows.channel(COLUMNS);
         let condition = x.condition_number();
-        let mut accumulator = Accumulator::new(JointColumns { channels: vec![(0..=COLUMNS).collect()] }, ROWS);
+        let decimator = Decimator::new(1, ROWS).unwrap();
+        let mut accumulator =
+            Accumulator::new(JointColumns { channels: vec![(0..=COLUMNS).collect()], mask: None }, &decimator);
         (0..ROWS).step_by(50).for_each(|k| accumulator.take(&rows.window(k..k + 50)));
         let merged = coarsened(accumulator.finish(), 1);
         let r = &merged[0].factors[0];
@@ -148,16 +172,32 @@ mod tests {
         assert!(of_products < 2.5, "{of_products}");
     }
 
+    /// The second joint's mask leaves a half of each row, and a ring above one counts as one.
+    #[test]
+    fn rows_count_by_the_square_of_what_a_mask_leaves() {
+        let decimator = Decimator::new(1, 40).unwrap();
+        let columns = JointColumns { channels: vec![vec![0], vec![0]], mask: Some(1) };
+        let mut accumulator = Accumulator::new(columns, &decimator);
+        accumulator.take(&Series::from_channels(&[vec![1.0; 40], vec![1.02; 40], vec![0.5; 40]]));
+        let segments = accumulator.finish();
+        assert_eq!(segments.iter().map(|s| s.rows).collect::<Vec<_>>(), [16, 16, 8]);
+        assert_eq!(segments[0].counted, [16.0, 4.0]);
+        assert_eq!(coarsened(segments, 1)[0].counted, [40.0, 10.0]);
+    }
+
     #[test]
     fn segments_are_few_and_hold_all_rows() {
         for rows in [1, 15, 16, 17, 368, 512, 513, 100_000] {
-            let mut accumulator = Accumulator::new(JointColumns { channels: vec![vec![0, 1]] }, rows);
+            let decimator = Decimator::new(1, rows).unwrap();
+            let columns = JointColumns { channels: vec![vec![0, 1]], mask: None };
+            let mut accumulator = Accumulator::new(columns, &decimator);
             let series = Series::from_values(2, (0..2 * rows).map(|k| (k as f64).sin()).collect());
             for first in (0..rows).step_by(37) {
                 accumulator.take(&series.window(first..(first + 37).min(rows)));
             }
             let segments = accumulator.finish();
             assert_eq!(segments.iter().map(|s| s.rows).sum::<usize>(), rows);
+            assert_eq!(segments.iter().map(|s| s.counted[0]).sum::<f64>(), rows as f64);
             assert!(segments.len() <= MOST_SEGMENTS && (rows < 272 || segments.len() > 16), "{rows}");
         }
     }

@@ -1,5 +1,7 @@
-//! The file of a reduction: a line that names its form, a line of JSON, the upper triangles of the factors as doubles in
-//! little-endian order, and a checksum.
+//! The file of a reduction: a line that names its form, a line of JSON, of each segment the counted rows and the upper
+//! triangles of the factors of all joints as doubles in little-endian order, and a checksum.
+//!
+//! Form 1 has no counted rows: there every sample makes rows.
 
 use std::{
     fs::{self, File},
@@ -10,11 +12,13 @@ use std::{
 use serde::{Deserialize, Serialize};
 
 use super::{Identity, ReducedRecording, Reduction, ReductionError, Segment, fingerprint::scrambled};
-use crate::{linear_algebra::Matrix, output::replace_file};
+use crate::{linear_algebra::Matrix, output::replace_file, results::NearRestResult};
 
 const MAGIC: &[u8] = b"thetahat reduction ";
-/// The form that is written and read.
-const FORM: u32 = 1;
+/// The form that is written.
+const FORM: u32 = 2;
+/// The form without counted rows, which is read as well.
+const UNCOUNTED: u32 = 1;
 const CHECKSUM: usize = 8;
 
 #[derive(Serialize, Deserialize)]
@@ -35,6 +39,10 @@ struct RecordingHeader {
     samples: usize,
     sample_rate_hz: f64,
     window_s: [f64; 2],
+    #[serde(default)]
+    torque_hold_s: f64,
+    #[serde(default)]
+    near_rest: Option<NearRestResult>,
     truth: Option<Vec<f64>>,
     /// Rows of each joint in each segment.
     segment_rows: Vec<usize>,
@@ -68,6 +76,8 @@ impl Reduction {
             samples: r.samples,
             sample_rate_hz: r.sample_rate_hz,
             window_s: r.window_s,
+            torque_hold_s: r.torque_hold_s,
+            near_rest: r.near_rest.clone(),
             truth: r.truth.clone(),
             segment_rows: r.segments.iter().map(|s| s.rows).collect(),
         };
@@ -83,8 +93,11 @@ impl Reduction {
         bytes.extend(format!("{FORM}\n").bytes());
         serde_json::to_writer(&mut bytes, &header)?;
         bytes.push(b'\n');
-        for factor in self.recordings.iter().flat_map(|r| &r.segments).flat_map(|s| &s.factors) {
-            upper(factor.rows(), factor.columns()).for_each(|(i, j)| bytes.extend(factor.at(i, j).to_le_bytes()));
+        for segment in self.recordings.iter().flat_map(|r| &r.segments) {
+            segment.counted.iter().for_each(|counted| bytes.extend(counted.to_le_bytes()));
+            for factor in &segment.factors {
+                upper(factor.rows(), factor.columns()).for_each(|(i, j)| bytes.extend(factor.at(i, j).to_le_bytes()));
+            }
         }
         let sum = checksum(&bytes);
         bytes.extend(sum.to_le_bytes());
@@ -95,10 +108,10 @@ impl Reduction {
         let damaged = |reason: &str| ReductionError::Damaged { path: path.to_owned(), reason: reason.to_owned() };
         let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| damaged("it does not begin as one does"))?;
         let (form, rest) = line(rest).ok_or_else(|| damaged("it ends in its first line"))?;
-        if form != FORM.to_string().as_bytes() {
+        let Some(form) = [FORM, UNCOUNTED].into_iter().find(|known| form == known.to_string().as_bytes()) else {
             let found = String::from_utf8_lossy(&form[..form.len().min(20)]).into_owned();
-            return Err(ReductionError::Version { path: path.to_owned(), found, expected: FORM });
-        }
+            return Err(ReductionError::Version { path: path.to_owned(), found, newest: FORM });
+        };
         let Some((content, sum)) = bytes.split_last_chunk::<CHECKSUM>() else { return Err(damaged("it is cut short")) };
         if checksum(content) != u64::from_le_bytes(*sum) {
             return Err(damaged("its checksum is not that of its content"));
@@ -107,7 +120,9 @@ impl Reduction {
         let header: Header = serde_json::from_slice(header).map_err(|e| damaged(&e.to_string()))?;
         header.identity.check().ok_or_else(|| damaged("its description contradicts itself"))?;
         let values = &rest[..rest.len() - CHECKSUM];
-        header.with_values(values).ok_or_else(|| damaged("it holds more or fewer values than it says"))
+        header
+            .with_values(values, form != UNCOUNTED)
+            .ok_or_else(|| damaged("it holds more or fewer values than it says"))
     }
 }
 
@@ -123,27 +138,27 @@ impl Identity {
 
 impl Header {
     /// The reduction, if there are as many values as it says.
-    fn with_values(self, bytes: &[u8]) -> Option<Reduction> {
+    fn with_values(self, bytes: &[u8], is_counted: bool) -> Option<Reduction> {
         let parameters = self.identity.parameters.len();
         if self.instruments.as_ref().is_some_and(|theta| theta.len() != parameters) {
             return None;
         }
         let matrices = if self.instruments.is_some() { 2 } else { 1 };
         let sizes: Vec<usize> = self.identity.acting.iter().map(|acting| matrices * acting.len() + 1).collect();
-        let of_segment = |rows: &usize| total(sizes.iter().map(|&n| upper_count((*rows).min(n), n)));
+        let counts = if is_counted { sizes.len() } else { 0 };
+        let of_segment = |rows: &usize| total(sizes.iter().map(|&n| upper_count((*rows).min(n), n)).chain([counts]));
         let segments = self.recordings.iter().flat_map(|r| &r.segment_rows);
         let needed = segments.map(of_segment).try_fold(0_usize, |sum, count| sum.checked_add(count?))?;
         if bytes.len() != needed.checked_mul(8)? || self.recordings.iter().any(|r| total_rows(r).is_none()) {
             return None;
         }
         let mut values = bytes.as_chunks::<8>().0.iter().map(|bytes| f64::from_le_bytes(*bytes));
-        let mut factor = |rows: usize, columns: usize| {
-            let mut factor = Matrix::zeros(rows.min(columns), columns);
-            upper(rows.min(columns), columns).for_each(|(i, j)| *factor.at_mut(i, j) = values.next().unwrap_or(0.0));
-            factor
+        let mut next = || values.next().unwrap_or(0.0);
+        let mut segment = |rows: usize| Segment {
+            rows,
+            counted: sizes.iter().map(|_| if is_counted { next() } else { rows as f64 }).collect(),
+            factors: sizes.iter().map(|columns| triangle(rows, *columns, &mut next)).collect(),
         };
-        let mut segment =
-            |rows: usize| Segment { rows, factors: sizes.iter().map(|columns| factor(rows, *columns)).collect() };
         let recordings = self.recordings.into_iter().map(|r| ReducedRecording {
             rows: total_rows(&r).unwrap_or_default(),
             segments: r.segment_rows.iter().map(|rows| segment(*rows)).collect(),
@@ -153,6 +168,8 @@ impl Header {
             samples: r.samples,
             sample_rate_hz: r.sample_rate_hz,
             window_s: r.window_s,
+            torque_hold_s: r.torque_hold_s,
+            near_rest: r.near_rest,
             truth: r.truth,
         });
         Some(Reduction {
@@ -188,6 +205,13 @@ fn line(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
 /// The places of the upper triangle, row by row.
 fn upper(rows: usize, columns: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..rows).flat_map(move |i| (i..columns).map(move |j| (i, j)))
+}
+
+/// The upper triangle of so many rows, or of as many as columns, of values one by one.
+fn triangle(rows: usize, columns: usize, next: &mut impl FnMut() -> f64) -> Matrix {
+    let mut triangle = Matrix::zeros(rows.min(columns), columns);
+    upper(rows.min(columns), columns).for_each(|(i, j)| *triangle.at_mut(i, j) = next());
+    triangle
 }
 
 fn total_rows(recording: &RecordingHeader) -> Option<usize> {

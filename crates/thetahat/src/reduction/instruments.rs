@@ -81,6 +81,12 @@ impl<'a> Simulated<'a> {
         Sign::Smooth { scale: self.experiment.settings.simulation.sign_velocity_scale }
     }
 
+    /// The part of a step over which its rows are centred: that for which the recorded torques hold. A motion that is filtered
+    /// as the record is has accelerations that are centred already.
+    pub(super) fn held_part_of_step(&self) -> f64 {
+        if self.experiment.settings.simulation.band_pass { 0.0 } else { self.source.held_part_of_step() }
+    }
+
     /// The motion in a range of samples of the record.
     pub(super) fn motion(&self, range: &Range<usize>) -> Result<SimulatedPiece, ReductionError> {
         if let Some((start, whole)) = &self.whole {

@@ -14,11 +14,15 @@
 //! | file | what it does |
 //! | --- | --- |
 //! | `source` | a recording of which any part can be had, on the joint side |
-//! | `pieces` | the window, and one piece on its way to rows |
+//! | `pieces` | its pieces, and what their positions tell |
+//! | `survey` | what must be known before rows are made: the window, and what counts as near rest |
+//! | `near_rest` | which samples of a piece make no rows |
+//! | `rows` | one piece on its way to rows |
 //! | `instruments` | the simulated motion of a piece |
 //! | `reduce` | all of it, recording by recording |
 //! | `factors` | rows to factors, stretch by stretch |
 //! | `value`, `file`, `fingerprint` | the reduction, its merging and its file; by what a recording is known again |
+//! | `identity` | what must agree between reductions that are merged |
 //! | `compressed`, `solve` | the factors as a regression, its estimates and results |
 //! | `segments` | intervals from the scores of the stretches of time |
 //! | `estimates` | estimates of a `results.json`, for instruments |
@@ -41,17 +45,22 @@ mod estimates;
 mod factors;
 mod file;
 mod fingerprint;
+mod identity;
 mod instruments;
+mod near_rest;
 mod pieces;
 mod reduce;
+mod rows;
 mod segments;
 mod solve;
 mod source;
+mod survey;
 mod value;
 
 pub use error::ReductionError;
 pub use estimates::estimates_of_results;
 pub use factors::Segment;
+pub use identity::Identity;
 pub use reduce::{ReduceOptions, ReduceProgress};
 pub use solve::Solution;
-pub use value::{Identity, ReducedRecording, Reduction};
+pub use value::{ReducedRecording, Reduction};

@@ -1,20 +1,24 @@
-use std::{collections::BTreeMap, ops::Range, path::Path};
+use std::{collections::BTreeMap, path::Path};
 
 use super::{
     error::ReductionError,
     factors::{Accumulator, JointColumns},
     fingerprint::Fingerprint,
+    identity::Identity,
     instruments::Simulated,
-    pieces::{Piece, Pieces, Rows, refuse},
+    near_rest::NearRestMask,
+    pieces::{Pieces, refuse},
+    rows::{Channels, Piece, Rows},
     source::Source,
-    value::{Identity, ReducedRecording, Reduction},
+    survey::{Survey, Surveyed},
+    value::{ReducedRecording, Reduction},
 };
 use crate::{
     base_parameters::BaseParameters,
-    dynamics::Model,
+    dynamics::{Jump, Model},
     experiment::{Experiment, RecordingDescription},
     pool::in_order,
-    preparation::{Basis, Case, PreparationError, STILL, window_of},
+    preparation::{Basis, Case, PreparationError, STILL},
     regressor::Regressor,
     signal::{Decimator, Joiner, SignalError},
 };
@@ -42,9 +46,9 @@ pub struct ReduceProgress {
     pub recording: usize,
     /// Recordings in all.
     pub recordings: usize,
-    /// Pieces read, including the pass that looks for the moving part.
+    /// Pieces read, including the pass that looks for the moving part and for what counts as near rest.
     pub done: usize,
-    /// Pieces to read.
+    /// Pieces to read; more than before where a joint hardly moves, so that the rows are made again.
     pub to_do: usize,
 }
 
@@ -87,9 +91,8 @@ impl Experiment {
         let Basis { model, base } = self.setup().basis(&Case::nominal()).map_err(|e| self.refuse(e))?;
         let theta = instruments.map(|named| self.base_values(&model, &base, named)).transpose()?;
         let mut reducer = Reducer::new(self, &model, &base, options);
-        reducer.theta.clone_from(&theta);
-        let mut reduction = Reduction::empty(self, &base, &reducer.regressor);
-        reduction.instruments = theta;
+        reducer.theta = theta;
+        let mut reduction = reducer.nothing_yet();
         let recordings = self.file.recording.len().max(1);
         for (i, description) in self.file.recording.iter().enumerate() {
             let source = Source::open(self, description, (i + 1, data), reducer.theta.is_some())?;
@@ -120,19 +123,22 @@ impl Experiment {
 /// What the pieces taken so far have given.
 struct Taken<'a> {
     joiner: Joiner<'a>,
-    accumulator: Accumulator,
+    accumulator: Accumulator<'a>,
     fingerprint: Fingerprint,
     /// Largest velocity.
     peak: f64,
     has_torque: bool,
+    /// Samples of each coordinate that make no rows.
+    left_out: Vec<usize>,
     /// Simulated positions behind the last sample.
     seam: Option<Vec<f64>>,
 }
 
 impl<'a> Taken<'a> {
-    fn new(decimator: &'a Decimator, accumulator: Accumulator) -> Self {
-        let (joiner, fingerprint) = (decimator.joiner(), Fingerprint::EMPTY);
-        Self { joiner, accumulator, fingerprint, peak: 0.0, has_torque: false, seam: None }
+    fn new(decimator: &'a Decimator, columns: JointColumns) -> Self {
+        let (joiner, left_out) = (decimator.joiner(), vec![0; columns.channels.len()]);
+        let (accumulator, fingerprint) = (Accumulator::new(columns, decimator), Fingerprint::EMPTY);
+        Self { joiner, accumulator, fingerprint, peak: 0.0, has_torque: false, left_out, seam: None }
     }
 
     /// Takes the next piece, which starts at sample `start` of the recording.
@@ -140,6 +146,7 @@ impl<'a> Taken<'a> {
         self.fingerprint = self.fingerprint.followed_by(piece.fingerprint);
         self.peak = self.peak.max(piece.peak);
         self.has_torque |= piece.has_torque;
+        self.left_out.iter_mut().zip(&piece.left_out).for_each(|(sum, samples)| *sum += samples);
         if let Some((simulated, (first, next))) = simulated.zip(piece.seam) {
             self.seam.iter().try_for_each(|before| simulated.require_seam(before, &first, start))?;
             self.seam = next;
@@ -183,31 +190,33 @@ impl<'a> Reducer<'a> {
         tell: &mut dyn FnMut(usize, usize),
     ) -> Result<ReducedRecording, ReductionError> {
         let pieces = Pieces::new(self.experiment, source, self.options.piece_samples)?;
-        let (window, before) = self.window(&pieces, description, tell)?;
-        let decimation = self.experiment.settings.signal.decimation;
-        let decimator = Decimator::new(decimation, window.len()).map_err(|e| refuse(self.experiment, e))?;
+        let own = description.map_or([None, None], |d| [d.window_start_s, d.window_end_s]);
+        let signal = self.experiment.settings.signal.in_window(own);
+        let jumps = self.jumps();
+        let surveyed = Survey::new(&pieces, self.options.threads, tell).run(&signal, !jumps.is_empty())?;
+        let Surveyed { window, near_rest, pieces: mut before } = surveyed;
+        let decimator = Decimator::new(signal.decimation, window.len()).map_err(|e| refuse(self.experiment, e))?;
         let simulated = |theta: &Vec<f64>| {
             Simulated::new(self.experiment, (self.model, self.base), source, theta, (pieces.reach, &window))
         };
         let simulated = self.theta.as_ref().map(simulated).transpose()?;
-        let rows = Rows {
-            pieces: &pieces,
-            window: window.clone(),
-            decimator: &decimator,
-            model: self.model,
-            regressor: &self.regressor,
-            simulated: simulated.as_ref(),
+        let mut mask = near_rest.map(|rule| NearRestMask::new(jumps, rule, window.clone()));
+        let taken = loop {
+            let rows = Rows {
+                pieces: &pieces,
+                window: window.clone(),
+                decimator: &decimator,
+                model: self.model,
+                regressor: &self.regressor,
+                simulated: simulated.as_ref(),
+                mask: mask.as_ref(),
+            };
+            let taken = self.take_all(&rows, &mut before, tell)?;
+            match mask.as_ref().and_then(|mask| mask.after(&taken.left_out)) {
+                None => break taken,
+                Some(next) => mask = Some(next),
+            }
         };
-        let parts = pieces.parts(&decimator, decimation, rows.channels());
-        let joints = joint_columns(self.model, &self.regressor, simulated.is_some());
-        let mut taken = Taken::new(&decimator, Accumulator::new(joints, decimator.rows()));
-        let work = |number: usize| rows.piece(parts[number].clone());
-        in_order(parts.len(), self.options.threads, work, |number, piece| {
-            let start = window.start + decimator.samples_of(&parts[number]).start;
-            taken.take(piece?, simulated.as_ref(), start)?;
-            tell(before + number + 1, before + parts.len());
-            Ok::<(), ReductionError>(())
-        })?;
         taken.require_motion_and_torque(self.experiment, &source.name)?;
         let rate = source.sample_rate_hz;
         Ok(ReducedRecording {
@@ -218,101 +227,65 @@ impl<'a> Reducer<'a> {
             rows: decimator.rows(),
             sample_rate_hz: rate,
             window_s: [window.start as f64 / rate, window.end as f64 / rate],
+            torque_hold_s: source.torque_hold_s,
+            near_rest: mask.as_ref().and_then(|mask| mask.describe(&taken.left_out, rate)),
             truth: source.truth.as_ref().map(|truth| self.base.from_standard(truth)),
             segments: taken.accumulator.finish(),
         })
     }
 
-    /// The window of a recording, and how many pieces were read to find it.
-    fn window(
+    /// Takes the rows of all pieces, behind so many pieces that were read before.
+    fn take_all<'r>(
         &self,
-        pieces: &Pieces<'_>,
-        description: Option<&RecordingDescription>,
+        rows: &Rows<'r>,
+        before: &mut usize,
         tell: &mut dyn FnMut(usize, usize),
-    ) -> Result<(Range<usize>, usize), ReductionError> {
-        let source = pieces.source;
-        let own = description.map_or([None, None], |d| [d.window_start_s, d.window_end_s]);
-        let signal = self.experiment.settings.signal.in_window(own);
-        let (all, threads) = (pieces.all(), self.options.threads);
-        let of = |moving| {
-            let window = window_of(moving, source.samples, source.sample_rate_hz, &signal);
-            window.map_err(|e| ReductionError::from(self.experiment.refuse(e)))
-        };
-        if signal.window_start_s.is_none() {
-            let mut peaks = Vec::with_capacity(all.len());
-            in_order(
-                all.len(),
-                threads,
-                |piece| pieces.peaks(&all[piece]),
-                |piece, of_piece| {
-                    peaks.push(of_piece?);
-                    tell(piece + 1, 2 * all.len());
-                    Ok::<(), ReductionError>(())
-                },
-            )?;
-            return Ok((of(pieces.moving(&peaks)?)?, all.len()));
+    ) -> Result<Taken<'r>, ReductionError> {
+        let Rows { pieces, decimator, simulated, .. } = *rows;
+        let parts = pieces.parts(decimator, self.experiment.settings.signal.decimation, rows.channels().count());
+        let mut taken = Taken::new(decimator, joint_columns(&self.regressor, rows.channels()));
+        let work = |number: usize| rows.piece(parts[number].clone());
+        in_order(parts.len(), self.options.threads, work, |number, piece| {
+            let start = rows.window.start + decimator.samples_of(&parts[number]).start;
+            taken.take(piece?, simulated, start)?;
+            tell(*before + number + 1, *before + parts.len());
+            Ok::<(), ReductionError>(())
+        })?;
+        *before += parts.len();
+        Ok(taken)
+    }
+
+    /// Where torques of the parameters jump.
+    fn jumps(&self) -> Vec<Jump> {
+        Jump::among(self.model, &self.base.columns())
+    }
+
+    /// The reduction of no recording.
+    fn nothing_yet(&self) -> Reduction {
+        let Self { experiment, base, regressor, .. } = self;
+        Reduction {
+            identity: Identity::of(experiment, base, regressor, !self.jumps().is_empty()),
+            experiment_name: experiment.path.display().to_string(),
+            experiment_description: experiment.text.clone(),
+            robot_description: experiment.robot_text.clone(),
+            instruments: self.theta.clone(),
+            recordings: Vec::new(),
         }
-        let window = of(0..source.samples)?;
-        if source.has_stamps() {
-            // Outside the window only the stamps are read: they too must be equally spaced.
-            let outside = [0..window.start + 1, window.end - 1..source.samples];
-            let check = |range: &Range<usize>| {
-                let starts = range.clone().step_by(pieces.samples);
-                starts.into_iter().try_for_each(|s| source.check_stamps(s..(s + pieces.samples + 1).min(range.end)))
-            };
-            outside.iter().try_for_each(check)?;
-        }
-        Ok((window, 0))
     }
 }
 
 /// The channels of each joint: its entries of phi in the order of the columns, of the simulated motion and of the measured
 /// one, then its torque.
-fn joint_columns(model: &Model, regressor: &Regressor, simulated: bool) -> JointColumns {
+fn joint_columns(regressor: &Regressor, channels: Channels) -> JointColumns {
     let entries = regressor.entries();
     let of_joint = |joint: usize| {
         let mut own: Vec<usize> = (0..entries.len()).filter(|&e| entries[e].joint == joint).collect();
         own.sort_by_key(|&e| entries[e].column);
-        let matrices = if simulated { 2 } else { 1 };
-        let mut channels: Vec<usize> =
-            (0..matrices).flat_map(|m| own.iter().map(move |e| e + m * entries.len())).collect();
-        channels.push(matrices * entries.len() + joint);
-        channels
+        let of_matrix = |first: &usize| own.iter().map(move |e| e + first).collect::<Vec<_>>();
+        let mut of_joint: Vec<usize> = channels.matrices().iter().flat_map(of_matrix).collect();
+        of_joint.push(channels.torque() + joint);
+        of_joint
     };
-    JointColumns { channels: (0..model.coordinate_count()).map(of_joint).collect() }
-}
-
-/// The columns that act on each joint, in order.
-fn acting(joints: usize, regressor: &Regressor) -> Vec<Vec<usize>> {
-    let of_joint = |joint: usize| {
-        let mut own: Vec<usize> = regressor.entries().iter().filter(|e| e.joint == joint).map(|e| e.column).collect();
-        own.sort_unstable();
-        own
-    };
-    (0..joints).map(of_joint).collect()
-}
-
-impl Reduction {
-    fn empty(experiment: &Experiment, base: &BaseParameters, regressor: &Regressor) -> Self {
-        let signal = experiment.settings.signal;
-        let joints: Vec<String> = experiment.robot.coordinates().map(|j| j.name.clone()).collect();
-        Self {
-            identity: Identity {
-                robot: experiment.robot.name.clone(),
-                acting: acting(joints.len(), regressor),
-                joints,
-                locked: experiment.robot.locked.iter().map(|l| format!("{} {}", l.name, l.value)).collect(),
-                parameters: base.parameters().iter().map(|p| p.name.clone()).collect(),
-                expressions: base.parameters().iter().map(|p| p.expression.clone()).collect(),
-                filter_order: signal.filter_order,
-                cutoff_hz: signal.cutoff_hz,
-                decimation: signal.decimation,
-            },
-            experiment_name: experiment.path.display().to_string(),
-            experiment_description: experiment.text.clone(),
-            robot_description: experiment.robot_text.clone(),
-            instruments: None,
-            recordings: Vec::new(),
-        }
-    }
+    let joints = 0..channels.joints();
+    JointColumns { channels: joints.map(of_joint).collect(), mask: channels.mask() }
 }

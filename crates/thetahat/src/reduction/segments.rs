@@ -96,7 +96,7 @@ mod tests {
 
     use super::super::factors::{Accumulator, JointColumns};
     use super::*;
-    use crate::{identification::idim_ls, regression::RowLayout, series::Series};
+    use crate::{identification::idim_ls, regression::RowLayout, series::Series, signal::Decimator};
 
     /// Percentage of 95 % intervals that contain the true value, with errors autoregressive of the first order; each
     /// trial has its own errors.
@@ -114,8 +114,9 @@ mod tests {
                 values.extend((0..columns).map(|j| wave(k, j)));
                 values.push(error);
             }
-            let channels = JointColumns { channels: vec![(0..=columns).collect()] };
-            let mut accumulator = Accumulator::new(channels, rows);
+            let channels = JointColumns { channels: vec![(0..=columns).collect()], mask: None };
+            let decimator = Decimator::new(1, rows).unwrap();
+            let mut accumulator = Accumulator::new(channels, &decimator);
             accumulator.take(&Series::from_values(columns + 1, values));
             let (mut parts, mut y, mut layout) = (Vec::new(), Vec::new(), RowLayout::empty(1, 1));
             for (g, stretch) in accumulator.finish().iter().enumerate() {

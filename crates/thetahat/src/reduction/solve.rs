@@ -60,7 +60,7 @@ impl Reduction {
         if solver.all.z.is_some() {
             runs.push(solver.run(Method::IDIM_IV).0);
         }
-        let mut results = self.results(&experiment, &solver.all, runs, elimination)?;
+        let mut results = self.results(&experiment, runs, elimination)?;
         judge(&mut results);
         Ok(Solution { results, segments })
     }
@@ -68,7 +68,6 @@ impl Reduction {
     fn results(
         &self,
         experiment: &Experiment,
-        all: &Compressed,
         runs: Vec<RunResult>,
         elimination: Option<EliminationResult>,
     ) -> Result<Results, ReductionError> {
@@ -84,7 +83,7 @@ impl Reduction {
             robot_joints: JointResult::of_coordinates(&experiment.robot),
             robot_locked: experiment.robot.locked.clone(),
             samples_used: recordings.iter().map(|r| r.samples).sum(),
-            decimated_rows: all.regression.rows_represented,
+            decimated_rows: recordings.iter().map(|r| r.rows * self.identity.joints.len()).sum(),
             recordings: recordings.iter().map(ReducedRecording::describe).collect(),
             validation_recordings: Vec::new(),
             bandwidth: experiment.setup().measure_bandwidth(rate).map_err(|e| experiment.refuse(e))?,
@@ -116,8 +115,8 @@ impl ReducedRecording {
             window_s: self.window_s,
             resampling: None,
             torque_ends_hz: None,
-            torque_hold_s: 0.0,
-            near_rest: None,
+            torque_hold_s: self.torque_hold_s,
+            near_rest: self.near_rest.clone(),
             reference: None,
         }
     }

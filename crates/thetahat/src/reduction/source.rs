@@ -27,6 +27,8 @@ pub(super) struct Source<'a> {
     pub weight: f64,
     pub samples: usize,
     pub sample_rate_hz: f64,
+    /// Time for which its torques hold, s; zero where they were measured at their instants.
+    pub torque_hold_s: f64,
     /// True standard parameters, for a twin.
     pub truth: Option<Vec<f64>>,
     values: Values<'a>,
@@ -77,6 +79,7 @@ impl<'a> Source<'a> {
             weight: description.weight,
             samples: signals.samples(POSITION),
             sample_rate_hz: description.sample_rate_hz.unwrap_or_default(),
+            torque_hold_s: 0.0,
             truth: None,
             values: Values::Pieces { signals: Box::new(signals), description },
             places,
@@ -87,6 +90,9 @@ impl<'a> Source<'a> {
             if source.samples <= SHORT && !source.has_equal_steps()? {
                 return Self::whole(experiment, description, (number, data));
             }
+        }
+        if torque.held {
+            source.torque_hold_s = 1.0 / source.sample_rate_hz;
         }
         match (simulated, source.places.reference) {
             (true, None) if source.samples <= SHORT => Self::whole(experiment, description, (number, data)),
@@ -146,10 +152,16 @@ impl<'a> Source<'a> {
             weight: recording.weight,
             samples: recording.position.len(),
             sample_rate_hz: recording.sample_rate_hz,
+            torque_hold_s: recording.torque_hold_s,
             truth: recording.truth.clone(),
-            values: Values::Whole(Box::new(recording.with_centred_torque())),
+            values: Values::Whole(Box::new(recording)),
             places: Places::default(),
         }
+    }
+
+    /// The part of a step for which its torque holds, at most one.
+    pub(super) fn held_part_of_step(&self) -> f64 {
+        (self.torque_hold_s * self.sample_rate_hz).clamp(0.0, 1.0)
     }
 
     fn has_equal_steps(&self) -> Result<bool, ReductionError> {
@@ -177,7 +189,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Positions and torques of the joints in a range of samples; the stamps there are checked.
+    /// Positions and torques of the joints, as they were recorded, in a range of samples; the stamps there are checked.
     pub(super) fn motion(&self, range: Range<usize>) -> Result<(Series, Series), ReductionError> {
         match &self.values {
             Values::Whole(record) => {

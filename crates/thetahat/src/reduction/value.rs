@@ -1,40 +1,16 @@
 use std::path::PathBuf;
 
-use serde::{Deserialize, Serialize};
-
 use super::{
     ReductionError,
     factors::{MOST_SEGMENTS, Segment, coarsened},
+    identity::{Identity, unlike},
 };
+use crate::results::NearRestResult;
 
 /// Part by which the sample rates of recordings may differ, as in an experiment with several.
 const RATE_TOLERANCE: f64 = 0.01;
 /// Segments of all recordings of a reduction: with more recordings, each keeps fewer.
 const MOST_IN_ALL: usize = 256;
-
-/// What must agree before reductions can be solved together.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Identity {
-    /// Name of the robot.
-    pub robot: String,
-    /// Names of the joints, in the order of the factors.
-    pub joints: Vec<String>,
-    /// Names of all base parameters, in the order of the columns.
-    pub parameters: Vec<String>,
-    /// Their regrouping formulas, which hold the geometry.
-    pub expressions: Vec<String>,
-    /// The joints that are locked, with their values.
-    #[serde(default)]
-    pub locked: Vec<String>,
-    /// For each joint the base parameters, from zero, that act on it.
-    pub acting: Vec<Vec<usize>>,
-    /// Order of the position filter.
-    pub filter_order: usize,
-    /// Its cut-off, Hz.
-    pub cutoff_hz: f64,
-    /// Every how many samples a row was kept.
-    pub decimation: usize,
-}
 
 /// Recordings as far as least squares need them: the triangular factors of their rows, and what must be known to solve.
 ///
@@ -72,6 +48,10 @@ pub struct ReducedRecording {
     pub sample_rate_hz: f64,
     /// Start and end of the window, s.
     pub window_s: [f64; 2],
+    /// Time for which its torques hold, s, over which they were centred; zero where they were measured at their instants.
+    pub torque_hold_s: f64,
+    /// Samples near rest that make no rows; none where all make rows.
+    pub near_rest: Option<NearRestResult>,
     /// True base parameters, for a twin.
     pub truth: Option<Vec<f64>>,
     /// Its stretches of time, one after the other.
@@ -164,32 +144,4 @@ impl Reduction {
             recording.segments = coarsened(std::mem::take(&mut recording.segments), most);
         }
     }
-}
-
-impl Identity {
-    fn require_like(&self, other: &Self) -> Result<(), ReductionError> {
-        let list = |list: &[String]| list.join(" ");
-        let texts = [
-            ("the list of joints", list(&self.joints), list(&other.joints)),
-            ("the locked joints", list(&self.locked), list(&other.locked)),
-            ("the list of base parameters", list(&self.parameters), list(&other.parameters)),
-            ("the position filter's order", self.filter_order.to_string(), other.filter_order.to_string()),
-            ("the position filter's cut-off in Hz", self.cutoff_hz.to_string(), other.cutoff_hz.to_string()),
-            ("the decimation", self.decimation.to_string(), other.decimation.to_string()),
-        ];
-        if let Some((what, first, other)) = texts.into_iter().find(|(_, first, other)| first != other) {
-            return Err(ReductionError::Unlike { what, first, other });
-        }
-        match self.expressions.iter().zip(&other.expressions).find(|(a, b)| a != b) {
-            Some((first, other)) => Err(unlike("a base parameter's formula (the robot's geometry)", first, other)),
-            None if self.acting != other.acting => {
-                Err(unlike("which parameters act on which joint", &"one", &"another"))
-            }
-            None => Ok(()),
-        }
-    }
-}
-
-fn unlike(what: &'static str, first: &dyn ToString, other: &dyn ToString) -> ReductionError {
-    ReductionError::Unlike { what, first: first.to_string(), other: other.to_string() }
 }

@@ -72,6 +72,12 @@ impl RowLayout {
         self.shares(rows.clone()).map_or(rows.len() as f64, |shares| shares.iter().map(|s| s * s).sum())
     }
 
+    /// The same of each joint.
+    #[must_use]
+    pub fn counted_by_joint(&self) -> Vec<f64> {
+        (0..self.joints).map(|joint| self.of_joint(joint).map(|rows| self.counted(rows)).sum()).collect()
+    }
+
     /// Adds a block of so many rows behind the last one.
     pub fn push(&mut self, joint: usize, (recording, stretch): (usize, usize), rows: usize) {
         let start = self.len();

@@ -16,17 +16,17 @@ pub struct Regression {
     pub weights: Option<Arc<Vec<f64>>>,
     /// Joint, recording and stretch of time of each row.
     pub layout: Arc<RowLayout>,
-    /// Rows that these stand for: their own number, fewer where a mask leaves parts of them, more where they are triangular
-    /// factors.
-    pub rows_represented: usize,
+    /// Rows of each joint that these stand for: their own number, fewer where a mask leaves parts of them, more where they are
+    /// triangular factors.
+    pub represented: Vec<f64>,
 }
 
 impl Regression {
     /// Rows that stand for themselves, without weights.
     #[must_use]
     pub fn new(x: Matrix, y: Vec<f64>, layout: RowLayout) -> Self {
-        let rows_represented = layout.counted(0..y.len()).round() as usize;
-        Self { x: Arc::new(x), y: Arc::new(y), weights: None, layout: Arc::new(layout), rows_represented }
+        let represented = layout.counted_by_joint();
+        Self { x: Arc::new(x), y: Arc::new(y), weights: None, layout: Arc::new(layout), represented }
     }
 
     /// Rows of one joint in one recording, without weights.
@@ -74,7 +74,13 @@ impl Regression {
             return self.clone();
         }
         let layout = RowLayout::clone(&self.layout).with_shares(None);
-        Self { layout: Arc::new(layout), rows_represented: self.y.len(), ..self.clone() }
+        Self { represented: layout.counted_by_joint(), layout: Arc::new(layout), ..self.clone() }
+    }
+
+    /// Rows that these stand for, of all joints.
+    #[must_use]
+    pub fn rows_represented(&self) -> usize {
+        self.represented.iter().sum::<f64>().round() as usize
     }
 
     /// Number of parameters.
@@ -127,31 +133,17 @@ impl Regression {
     /// much as the best of the others.
     #[must_use]
     pub fn joint_weights(&self, prediction: &[f64]) -> Vec<f64> {
-        self.joint_weights_of(prediction, &self.rows_represented_by_joint())
-    }
-
-    /// The same where the rows of each joint stand for so many.
-    pub(crate) fn joint_weights_of(&self, prediction: &[f64], rows: &[f64]) -> Vec<f64> {
         let joints = self.layout.joints();
         let acts = |c: usize, joint: usize| self.layout.rows_of_joint(joint).any(|k| self.x.at(k, c) != 0.0);
         let deviation = |joint: usize| {
             let residual: f64 = self.layout.rows_of_joint(joint).map(|k| (self.y[k] - prediction[k]).powi(2)).sum();
             let acting = (0..self.x.columns()).filter(|&c| acts(c, joint)).count();
-            (residual / (rows[joint] - acting as f64).max(1.0)).sqrt()
+            (residual / (self.represented[joint] - acting as f64).max(1.0)).sqrt()
         };
         let deviations: Vec<f64> = (0..joints).map(deviation).collect();
         let smallest = deviations.iter().copied().filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min);
         let smallest = if smallest.is_finite() { smallest } else { 1.0 };
         deviations.iter().map(|d| 1.0 / d.max(smallest)).collect()
-    }
-
-    /// The rows of each joint among those that these stand for.
-    pub(crate) fn rows_represented_by_joint(&self) -> Vec<f64> {
-        let joints = self.layout.joints();
-        if !self.layout.is_masked() {
-            return vec![self.rows_represented as f64 / joints.max(1) as f64; joints];
-        }
-        (0..joints).map(|joint| self.layout.of_joint(joint).map(|rows| self.layout.counted(rows)).sum()).collect()
     }
 
     /// The weight of each row from the weights of its recording and its joint; none where all recordings weigh one and

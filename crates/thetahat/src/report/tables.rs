@@ -322,9 +322,7 @@ fn agreements(published: &Published, runs: &[&RunResult]) -> Vec<String> {
     };
     let counts: Vec<String> = runs.iter().filter(|r| !r.parameters.is_empty()).map(count).collect();
     let rule = "within 3 printed standard deviations or one unit of the last printed digit";
-    let mut notes = vec![format!("{rule}: {}", counts.join(", ")), "* not within.".to_owned()];
-    notes.extend(reasons(runs));
-    notes
+    [format!("{rule}: {}; * marks those that are not", counts.join(", "))].into_iter().chain(reasons(runs)).collect()
 }
 
 /// Published figures of the runs beside ours: relative errors and the like.
@@ -406,8 +404,8 @@ pub(super) fn simulation_errors(results: &Results) -> Option<Table> {
 
 fn simulation_rows(run: &RunResult) -> Vec<Vec<String>> {
     let records = [
-        ("first", &run.simulation_relative_error_percent),
-        ("second", &run.validation_simulation_relative_error_percent),
+        ("identified", &run.simulation_relative_error_percent),
+        ("held back", &run.validation_simulation_relative_error_percent),
     ];
     let row = |(record, errors): (&str, &Option<std::collections::BTreeMap<String, f64>>)| {
         let errors = errors.as_ref()?;

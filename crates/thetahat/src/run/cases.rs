@@ -1,5 +1,7 @@
 //! Every case, every method, on all recordings.
 
+use std::cell::Cell;
+
 use super::{
     assessment::Assessment,
     curves,
@@ -72,9 +74,13 @@ impl Identification {
         let options =
             RunOptions { iteration: estimation.iteration(), motion_step: Some(1), threads: available_threads() };
         let mut assessed: Vec<Option<(RunResult, Estimated)>> = all.iter().map(|_| None).collect();
-        let mut tell =
-            |simulations| progress(&format!("simulating and estimating: {simulations} simulations side by side"));
+        let done = Cell::new(0);
+        let mut tell = |simulations| {
+            let (done, of) = (done.get(), all.len());
+            progress(&format!("{done} of {of} estimates, {simulations} simulations side by side"));
+        };
         run_all(&jobs, options, &mut tell, &mut |k, finished| {
+            done.set(done.get() + 1);
             let assessment = Assessment { identification: self, case: &cases[all[k].0], job: &jobs[k] };
             let (mut run, estimated) = assessment.assess(finished)?;
             let problem = self.problem_of(problems, &cases[all[k].0]);

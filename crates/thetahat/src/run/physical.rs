@@ -125,7 +125,7 @@ impl Examined<'_> {
 
     fn freedom(&self) -> f64 {
         let regression = &self.linear.regression;
-        regression.rows_represented.saturating_sub(self.linear.fit.theta.len()).max(1) as f64
+        regression.rows_represented().saturating_sub(self.linear.fit.theta.len()).max(1) as f64
     }
 
     fn result(&self, set: &ConsistentSet, metric: &Metric<'_>, found: &ConsistentFit) -> ConsistentEstimate {

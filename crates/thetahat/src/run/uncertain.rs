@@ -85,7 +85,7 @@ impl Trial {
             return None;
         }
         let fifths = Fifths::new(regression);
-        let few = fifths.all(regression.rows_represented);
+        let few = fifths.all(regression.rows_represented());
         let simulable = Simulable::new(setup.robot, (&problem.model, &problem.base), &few);
         let rule = setup.settings.parameters.elimination;
         let found = eliminate(&few, rule, &|kept, theta| simulable.is_possible(kept, theta)).ok()?;
@@ -115,7 +115,8 @@ impl Fifths {
         let rows = Matrix::stack(&self.0.iter().collect::<Vec<_>>()).triangular_factor();
         let columns = rows.columns() - 1;
         let x = rows.select_columns(&(0..columns).collect::<Vec<_>>());
-        Regression { rows_represented, ..Regression::of_one_series(x, rows.column(columns).to_vec()) }
+        let represented = vec![rows_represented as f64];
+        Regression { represented, ..Regression::of_one_series(x, rows.column(columns).to_vec()) }
     }
 
     /// The length of the error of the fifths, each with the parameters of the others.

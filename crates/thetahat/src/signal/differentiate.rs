@@ -1,5 +1,7 @@
 //! Differentiation.
 
+use std::fmt;
+
 use serde::Deserialize;
 
 use crate::series::Series;
@@ -41,6 +43,15 @@ pub enum Derivative {
     /// Four samples on either side, of order eight: it loses `(2 pi f h)^8 / 630`.
     #[default]
     NinePoint,
+}
+
+impl fmt::Display for Derivative {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Central => "central",
+            Self::NinePoint => "nine-point",
+        })
+    }
 }
 
 /// Weights of the differences across one to four steps on either side.

@@ -64,16 +64,26 @@ pub fn noise_densities(
     rate: f64,
     cutoff_hz: f64,
 ) -> Vec<f64> {
-    let above = 0.5 * rate - cutoff_hz;
-    rms_differences(position, motion, window).into_iter().map(|rms| rms * rms / above).collect()
+    densities_of_squares(&squared_differences(position, motion, window), window.len(), rate, cutoff_hz)
 }
 
-fn rms_differences(a: &Series, b: &Series, window: &Range<usize>) -> Vec<f64> {
+/// The same from the sums of squares, over so many samples, of what the filter takes away.
+pub(crate) fn densities_of_squares(squares: &[f64], samples: usize, rate: f64, cutoff_hz: f64) -> Vec<f64> {
+    let above = 0.5 * rate - cutoff_hz;
+    squares.iter().map(|s| s / samples as f64 / above).collect()
+}
+
+/// The sum of the squares of the difference of each channel in a window.
+pub(crate) fn squared_differences(a: &Series, b: &Series, window: &Range<usize>) -> Vec<f64> {
     let mut squares = vec![0.0; a.channels()];
     for k in window.clone() {
         squares.iter_mut().zip(a.sample(k).iter().zip(b.sample(k))).for_each(|(s, (a, b))| *s += (a - b).powi(2));
     }
-    squares.iter().map(|s| (s / window.len() as f64).sqrt()).collect()
+    squares
+}
+
+fn rms_differences(a: &Series, b: &Series, window: &Range<usize>) -> Vec<f64> {
+    squared_differences(a, b, window).iter().map(|s| (s / window.len() as f64).sqrt()).collect()
 }
 
 fn deviation(x: &[f64]) -> f64 {

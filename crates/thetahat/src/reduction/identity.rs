@@ -1,0 +1,120 @@
+//! What must agree between reductions that are solved together.
+
+use serde::{Deserialize, Serialize};
+
+use super::ReductionError;
+use crate::{
+    base_parameters::BaseParameters,
+    experiment::Experiment,
+    preparation::{Mask, NamedMask, Settings},
+    regressor::Regressor,
+};
+
+/// What must agree before reductions can be solved together.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Identity {
+    /// Name of the robot.
+    pub robot: String,
+    /// Names of the joints, in the order of the factors.
+    pub joints: Vec<String>,
+    /// Names of all base parameters, in the order of the columns.
+    pub parameters: Vec<String>,
+    /// Their regrouping formulas, which hold the geometry.
+    pub expressions: Vec<String>,
+    /// The joints that are locked, with their values.
+    #[serde(default)]
+    pub locked: Vec<String>,
+    /// For each joint the base parameters, from zero, that act on it.
+    pub acting: Vec<Vec<usize>>,
+    /// Order of the position filter.
+    pub filter_order: usize,
+    /// Its cut-off, Hz.
+    pub cutoff_hz: f64,
+    /// Every how many samples a row was kept.
+    pub decimation: usize,
+    /// How positions were differentiated; a file of form 1 does not say.
+    #[serde(default = "not_stated")]
+    pub derivative: String,
+    /// Which samples near rest make no rows; a file of form 1 has rows of all.
+    #[serde(default = "every_sample")]
+    pub mask: String,
+}
+
+impl Identity {
+    /// That of an experiment's reductions. Without jumps of its torques at changes of velocity, a robot has no mask.
+    pub(super) fn of(experiment: &Experiment, base: &BaseParameters, regressor: &Regressor, has_jumps: bool) -> Self {
+        let signal = experiment.settings.signal;
+        let joints: Vec<String> = experiment.robot.coordinates().map(|j| j.name.clone()).collect();
+        Self {
+            robot: experiment.robot.name.clone(),
+            acting: acting(joints.len(), regressor),
+            joints,
+            locked: experiment.robot.locked.iter().map(|l| format!("{} {}", l.name, l.value)).collect(),
+            parameters: base.parameters().iter().map(|p| p.name.clone()).collect(),
+            expressions: base.parameters().iter().map(|p| p.expression.clone()).collect(),
+            filter_order: signal.filter_order,
+            cutoff_hz: signal.cutoff_hz,
+            decimation: signal.decimation,
+            derivative: signal.derivative.to_string(),
+            mask: if has_jumps { mask_in_words(&experiment.settings) } else { every_sample() },
+        }
+    }
+
+    /// Refuses another with which it cannot be merged, and says what differs.
+    pub(super) fn require_like(&self, other: &Self) -> Result<(), ReductionError> {
+        let list = |list: &[String]| list.join(" ");
+        let texts = [
+            ("the list of joints", list(&self.joints), list(&other.joints)),
+            ("the locked joints", list(&self.locked), list(&other.locked)),
+            ("the list of base parameters", list(&self.parameters), list(&other.parameters)),
+            ("the position filter's order", self.filter_order.to_string(), other.filter_order.to_string()),
+            ("the position filter's cut-off in Hz", self.cutoff_hz.to_string(), other.cutoff_hz.to_string()),
+            ("the decimation", self.decimation.to_string(), other.decimation.to_string()),
+            ("the derivative", self.derivative.clone(), other.derivative.clone()),
+            ("the mask near rest", self.mask.clone(), other.mask.clone()),
+        ];
+        if let Some((what, first, other)) = texts.into_iter().find(|(_, first, other)| first != other) {
+            return Err(ReductionError::Unlike { what, first, other });
+        }
+        match self.expressions.iter().zip(&other.expressions).find(|(a, b)| a != b) {
+            Some((first, other)) => Err(unlike("a base parameter's formula (the robot's geometry)", first, other)),
+            None if self.acting != other.acting => {
+                Err(unlike("which parameters act on which joint", &"one", &"another"))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+/// What decides which samples make no rows, but for the noise of each recording.
+fn mask_in_words(settings: &Settings) -> String {
+    let mask = settings.signal.mask;
+    match mask {
+        Mask::Named(NamedMask::None) | Mask::Stated(_) => mask.to_string(),
+        Mask::Named(NamedMask::NearRest) => {
+            format!("{mask}, sign_velocity_scale {}", settings.simulation.sign_velocity_scale)
+        }
+    }
+}
+
+/// The columns that act on each joint, in order.
+fn acting(joints: usize, regressor: &Regressor) -> Vec<Vec<usize>> {
+    let of_joint = |joint: usize| {
+        let mut own: Vec<usize> = regressor.entries().iter().filter(|e| e.joint == joint).map(|e| e.column).collect();
+        own.sort_unstable();
+        own
+    };
+    (0..joints).map(of_joint).collect()
+}
+
+fn not_stated() -> String {
+    "not stated".to_owned()
+}
+
+fn every_sample() -> String {
+    Mask::Named(NamedMask::None).to_string()
+}
+
+pub(super) fn unlike(what: &'static str, first: &dyn ToString, other: &dyn ToString) -> ReductionError {
+    ReductionError::Unlike { what, first: first.to_string(), other: other.to_string() }
+}
