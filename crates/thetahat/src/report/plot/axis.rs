@@ -173,7 +173,7 @@ mod tests {
             ticks.into_iter().map(|t| t.label).collect::<Vec<_>>()
         };
         assert_eq!(labels(2.0, 4.0), ["2", "3", "4"]);
-        assert_eq!(labels(1.0, 9.0), ["1", "2", "5"]);
+        assert_eq!(labels(1.0, 8.0), ["1", "2", "5"]);
         assert!(labels(1e-12, 1e12).len() <= 8);
     }
 }
