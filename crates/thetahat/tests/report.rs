@@ -9,11 +9,12 @@ use std::{
 use thetahat::{
     report::{self, Agreement, Published, ReportError, TextWidth, text, write_all},
     results::{
-        Advice, Bandwidth, BiasExplanation, BiasKind, BiasedSimulatorResult, CaseDiagnosis, Code, Comparison,
-        Concerned, EliminationResult, EndogeneityResult, FTest, Finding, Influence, IterationResult, JointKind,
-        JointResidual, JointResult, Method, ParameterDifference, ParameterResult, Plots, ReasonCode, RecordingFindings,
-        RecordingResult, ReferenceResult, ResidualResult, Results, ResultsError, RunPlots, RunResult, SCHEMA, Severity,
-        Status, Verdict, VerdictReason, Weighting,
+        Advice, Bandwidth, BiasExplanation, BiasKind, BiasedSimulatorResult, Bin, CaseDiagnosis, Code, Comparison,
+        Concerned, EliminationResult, EndogeneityResult, FTest, Finding, Frame, HeldBackPlots, Influence,
+        IterationResult, JointKind, JointResidual, JointResult, Method, ParameterDifference, ParameterResult, Plots,
+        ReasonCode, RecordStart, RecordingFindings, RecordingResult, ReferenceResult, ResidualCurves, ResidualResult,
+        Results, ResultsError, RunPlots, RunResult, SCHEMA, Severity, Skeleton, Status, Verdict, VerdictReason,
+        Weighting,
     },
     statistics::chi_squared_test,
 };
@@ -99,6 +100,7 @@ fn run(case: &str, method: Method) -> RunResult {
         plots: RunPlots {
             predicted: vec![vec![1.0, 2.0, 3.0], vec![0.0, 0.0, 0.0]],
             simulated_position: vec![vec![0.1, 0.2, 0.3], vec![0.0, 0.0, f64::NAN]],
+            ..RunPlots::default()
         },
     }
 }
@@ -274,6 +276,7 @@ fn results() -> Results {
             time_s: vec![0.1, 0.2, 0.3],
             measured: vec![vec![1.1, 2.1, 2.9], vec![0.0, 0.0, 0.0]],
             position: vec![vec![0.1, 0.2, 0.3], vec![0.0, 0.0, 0.0]],
+            ..Plots::default()
         },
     }
 }
@@ -499,17 +502,147 @@ fn the_page_is_whole_escaped_and_needs_nothing_else() {
     let page = &written("html", &results())["report.html"];
     assert!(page.starts_with("<!DOCTYPE html>") && page.trim_end().ends_with("</html>"));
     assert!(page.contains("&lt;b&gt;&amp;") && !page.contains("<b>") && !page.contains("<i>"));
-    for reference in ["http://", "https://", "<script", "<link", "src=", "@import", "url("] {
+    for reference in ["http://", "https://", "<link", "src=", "@import", "url("] {
         assert!(!page.contains(reference), "{reference}");
     }
-    let svgs = page.matches("<svg viewBox=\"0 0 340").count();
+    let script = between(page, "<script>", "</script>");
+    assert!(page.matches("<script").count() == 1 && script.len() < 20_000, "{}", script.len());
+    let charts = page.matches("<svg class=\"chart\"").count();
     assert_eq!(
-        svgs,
-        2 * (3 * 2 + 4),
-        "torque, residual and tracking of two joints, four of convergence, for two cases"
+        charts,
+        2 + 2 * (2 + 5),
+        "torques with residuals of two joints once, since the other case repeats them; tracking of two joints and five of \
+         convergence for each case"
     );
-    let numbers = page.replace("influence", "");
-    assert!(!numbers.contains("NaN") && !numbers.contains("inf"), "a value that is none is not drawn");
+    let drawn = page.replace(script, "").replace(between(page, "<style>", "</style>"), "").replace("influence", "");
+    assert!(!drawn.contains("NaN") && !drawn.contains("inf"), "a value that is none is not drawn");
+}
+
+/// The text between two marks, the first time they occur.
+fn between<'a>(text: &'a str, start: &str, end: &str) -> &'a str {
+    let rest = &text[text.find(start).unwrap_or_else(|| panic!("no {start}")) + start.len()..];
+    &rest[..rest.find(end).unwrap_or_else(|| panic!("no {end}"))]
+}
+
+/// The order in which it is read: verdict, torques, estimates; then everything else on demand.
+#[test]
+fn the_page_opens_with_the_verdict_then_the_torques_then_the_estimates() {
+    let page = &written("order", &results())["report.html"];
+    let places =
+        ["class=\"verdict\"", "<section id=\"torques\"", "<section id=\"estimates\"", "<details class=\"section\""];
+    let places = places.map(|mark| page.find(mark).unwrap_or_else(|| panic!("no {mark}")));
+    assert!(places.is_sorted(), "{places:?}");
+    let opened = page[places[0]..].matches("<section id=").count();
+    assert_eq!(opened, 2, "nothing but torques and estimates is open");
+    assert!(between(page, "<style>", "</style>").contains("details:not([open])"), "print opens folds");
+}
+
+/// A broken run says so in red before anything else, and nothing in it looks like advice or success.
+#[test]
+fn a_broken_run_cannot_be_taken_for_good() {
+    let page = &written("broken", &results())["report.html"];
+    assert!(page.contains("<body class=\"is-do-not-use"));
+    let card = between(page, "<section class=\"card\"", "</section>");
+    let verdict = card.find("Do not use").expect("the word");
+    let reason = card.find("Recording 1 has a problem for joint 2, lag").expect("the first reason");
+    assert!(verdict < reason, "{card}");
+    assert!(card.contains("none; the numbers below are of idim-iv"), "{card}");
+    for praise in ["Take idim", "take the numbers", "Method to take", "Take with care", "taken</span>"] {
+        assert!(!page.contains(praise), "{praise}");
+    }
+    assert!(between(page, "<style>", "</style>").contains(".is-do-not-use { --good: var(--ink)"), "no green");
+}
+
+#[test]
+fn a_good_run_names_the_method_and_what_its_parameters_are_worth() {
+    let good = Results { verdict: Some(Verdict::Good), verdict_reasons: Vec::new(), ..results() };
+    let page = &written("good", &good)["report.html"];
+    assert!(page.contains("<body class=\"is-good takes-idim-iv\">") && page.contains("<dd>idim-iv</dd>"));
+    let card = between(page, "<section class=\"card\"", "</section>");
+    // Half of the interval of off1, 0.398, is 0.156; of xy2 it is a fifth of the estimate at most.
+    assert!(card.contains("3 sure") && card.contains("1 rough") && card.contains("0 not identified"), "{card}");
+    assert!(page.contains("Take idim-iv. Distrust didim"), "the advice stands in the diagnosis");
+}
+
+/// The curves of two recordings, of which the second begins in the third of four rows, and of one that was held back.
+fn with_records() -> Results {
+    let mut results = results();
+    let rows = || vec![vec![1.0, 2.0, 3.0, 4.0], vec![0.5, 0.0, 0.5, 1.0]];
+    let start = |name: &str, row| RecordStart { name: name.to_owned(), row };
+    results.plots = Plots {
+        time_s: vec![0.0, 1.0, 5.0, 10.0],
+        measured: rows(),
+        position: rows(),
+        recordings: vec![start("first", 0), start("second", 2)],
+        held_back: HeldBackPlots { time_s: vec![0.0, 2.0], measured: rows(), recordings: vec![start("third", 0)] },
+        skeleton: Some(Skeleton {
+            frames: [[0.0, 0.0, 0.4], [0.3, 0.0, 0.4]]
+                .into_iter()
+                .zip([None, Some(0)])
+                .map(|(origin, parent)| Frame { parent, origin, axis: [0.0, 1.0, 0.0] })
+                .collect(),
+            tool_path: vec![[0.3, 0.0, 0.4], [0.2, 0.0, 0.5]],
+            gravity: [0.0, 0.0, -9.81],
+        }),
+    };
+    let bins = vec![Bin { at: -1.0, mean: -0.5, spread: [-0.6, -0.4] }, Bin { at: 1.0, mean: 0.5, spread: [0.4, 0.6] }];
+    for run in results.runs.iter_mut().filter(|r| !r.parameters.is_empty()) {
+        let curves = ResidualCurves {
+            autocorrelation: vec![0.8, 0.4, 0.1],
+            band: 0.3,
+            spectrum: vec![[1.0, 1e-3], [10.0, 1e-5]],
+            over_velocity: bins.clone(),
+            over_position: bins.clone(),
+            over_torque: bins.clone(),
+        };
+        run.plots = RunPlots {
+            predicted: rows(),
+            held_back: rows(),
+            residual: vec![curves.clone(), curves],
+            correlation: (0..4).map(|i| (0..4).map(|j| if i == j { 1.0 } else { -0.95 }).collect()).collect(),
+            numbers: vec![1, 1, 2, 2],
+            a_priori: vec![Some(1.0), None, None, None],
+            ..RunPlots::default()
+        };
+    }
+    results
+}
+
+#[test]
+fn the_figures_show_borders_held_back_records_misfits_and_confounded_pairs() {
+    let page = &written("figures", &with_records())["report.html"];
+    // The panels are 324 pixels wide: 5 s of 10 s lies at 1620 tenths.
+    assert!(page.contains("class=\"border\" d=\"M1620 0v"), "the border of the second recording");
+    assert!(page.contains(">second</text>") && page.contains("held back, not used for the estimate"));
+    assert!(page.contains("Neighbouring rows of 2 of 2 joints&#x27; residuals are correlated (up to 0.80)"));
+    assert!(page.contains("The velocity matters most for Joint"), "a step in the velocity is friction");
+    assert!(page.contains("zz1r and fc1 are confounded (correlation -0.95): only their weighted sum is known well"));
+    assert!(page.contains("One more pair is correlated by 0.9 or more."));
+    assert!(page.contains("class=\"a-priori\"") && page.contains("class=\"truth\"") && page.contains("class=\"link\""));
+    assert!(page.contains(">Joint 2</th>"), "estimates are grouped by joint");
+    let wide = page.contains("The cut-off of the position filter, 50.0 Hz, lies beyond the picture.");
+    assert!(wide, "a cut-off that is not in the picture is told");
+}
+
+/// Screen readers list regions and pictures by their labels.
+#[test]
+fn labels_are_unique_and_headers_have_a_scope() {
+    let page = &written("labels", &with_records())["report.html"];
+    let mut labels: Vec<&str> =
+        page.split(" aria-label=\"").skip(1).map(|rest| &rest[..rest.find('"').unwrap()]).collect();
+    let count = labels.len();
+    labels.sort_unstable();
+    let twice: Vec<_> = labels.windows(2).filter(|w| w[0] == w[1]).map(|w| w[0]).collect();
+    assert!(count > 30 && twice.is_empty(), "{twice:?}");
+    let headers = page.matches("<th ").count();
+    assert_eq!(page.matches("<th>").count() + headers, page.matches("<th ").count());
+    let scoped = page.split("<th ").skip(1).filter(|rest| rest[..rest.find('>').unwrap()].contains("scope=")).count();
+    assert_eq!(scoped, headers);
+    let boxes = page.matches("class=\"scroll").count();
+    assert_eq!(
+        page.matches("tabindex=\"0\" role=\"region\" aria-label=").count() - page.matches("<pre ").count(),
+        boxes
+    );
 }
 
 #[test]
@@ -517,7 +650,7 @@ fn the_page_says_what_was_done() {
     let page = &written("method", &results())["report.html"];
     assert!(page.contains("idim-ls none, idim-iv none, didim per-joint"));
     assert!(page.contains("reconstructed, 13 moves; worst rms deviation 1.24 mm, joint 2"));
-    assert!(page.contains("Joint 1, N m") && page.contains("Joint 2, N<"));
+    assert!(page.contains("Joint 1 (shoulder): rms ") && page.contains("Joint 2 (elbow), mm"));
 }
 
 #[test]
@@ -530,8 +663,9 @@ fn advice_stands_in_the_head_and_the_tests_behind_it_follow() {
     assert!(diagnosis.contains("gear ratios") && diagnosis.contains("0.8999"), "{diagnosis}");
     assert!(diagnosis.contains("move 10") && diagnosis.contains("zz1r"), "{diagnosis}");
     let page = &written("advice", &results)["report.html"];
-    assert!(page.contains("<dt>advice</dt>") && page.contains("Residuals, joint by joint"));
-    assert!(page.contains("Estimates less those of idim-iv"));
+    assert!(
+        page.contains("Residuals, joint by joint") && page.contains("estimates of idim-iv with their 95 % intervals")
+    );
 }
 
 #[test]

@@ -169,11 +169,11 @@ fn explained_by(best: &BiasExplanation, value: f64) -> String {
         let (decimals, value, deviation) = (decimals.saturating_sub(3), 1e3 * value, 1e3 * deviation);
         return format!(
             "; a simulator that is {value:.decimals$} ± {deviation:.decimals$} ms later than the robot would explain \
-             {part} % of it"
+             {part} % of the difference"
         );
     }
     format!(
-        "; {} at {value:.decimals$} ± {deviation:.decimals$} of the true ones in the simulator would explain {part} % of it",
+        "; {} at {value:.decimals$} ± {deviation:.decimals$} of the true ones in the simulator would explain {part} % of the difference",
         best.kind.name()
     )
 }

@@ -36,6 +36,7 @@ mod coupled_motor;
 mod damping;
 mod energy;
 mod forward_dynamics;
+mod frames;
 mod geometry;
 mod inertial;
 mod inverse_dynamics;

@@ -182,6 +182,7 @@ impl Problem {
         RunPlots {
             predicted: self.regression.layout.by_joint(prediction),
             simulated_position: if positions.is_empty() { Vec::new() } else { self.at_rows(&positions) },
+            ..RunPlots::default()
         }
     }
 

@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 
 use super::{
     box_plot::{BoxGroup, BoxOf, box_chart},
+    campaign_figures::{bias, coverage},
     campaign_tables::{LEGEND, comparison, parameters},
     error::ReportError,
-    figures::Figure,
+    figures::{Figure, Key},
     files::write_one,
-    html,
-    number::given,
+    number::{given, significant},
+    page::{Page, render},
     section::Section,
     wrap::{TextWidth, wrap},
 };
@@ -39,7 +40,14 @@ pub const CAMPAIGN_PAGE: &str = "campaign.html";
 /// # Errors
 /// [`ReportError`] where the page cannot be rendered or written.
 pub fn write_campaign(results: &CampaignResults, directory: &Path) -> Result<PathBuf, ReportError> {
-    let sections = [
+    let sections = vec![
+        Section {
+            id: "coverage",
+            title: "What the methods get right",
+            figures: [coverage(&results.summaries), bias(&results.summaries)].into_iter().flatten().collect(),
+            ..Section::default()
+        },
+        Section { id: "boxes", title: "Distributions", figures: figures(results), ..Section::default() },
         Section {
             id: "comparison",
             title: "Comparison",
@@ -47,7 +55,6 @@ pub fn write_campaign(results: &CampaignResults, directory: &Path) -> Result<Pat
             tables: comparison(&results.summaries),
             ..Section::default()
         },
-        Section { id: "boxes", title: "Distributions", figures: figures(results), ..Section::default() },
         Section { id: "claims", title: "Published statements", lines: claims(results), ..Section::default() },
         Section {
             id: "parameters",
@@ -55,11 +62,17 @@ pub fn write_campaign(results: &CampaignResults, directory: &Path) -> Result<Pat
             folded: parameters(&results.summaries),
             ..Section::default()
         },
-        Section { id: "files", title: "What was done", files: files(results), ..Section::default() },
+        Section { id: "files", title: "What was done", files: files(results), ..Section::default() }
+            .folded("campaign, experiment and robot files"),
     ];
-    let shown: Vec<Section> = sections.into_iter().filter(|s| !s.is_empty()).collect();
-    let page = html::page_of(&results.title, &facts(results), &shown)?;
-    write_one(directory, CAMPAIGN_PAGE, page.into_bytes())
+    let page = Page {
+        title: &results.title,
+        facts: facts(results),
+        sections: sections.into_iter().filter(|s| !s.is_empty()).collect(),
+        footer: "All figures but the counts of runs are of the runs that converged.",
+        ..Page::default()
+    };
+    write_one(directory, CAMPAIGN_PAGE, render(&page)?.into_bytes())
 }
 
 fn facts(results: &CampaignResults) -> Vec<(&'static str, String)> {
@@ -114,18 +127,42 @@ fn figures(results: &CampaignResults) -> Vec<Figure> {
         let of_case: Vec<&MethodSummary> = results.summaries.iter().filter(|s| s.case == *case).collect();
         let chart = |(title, metric): &(&str, Metric)| box_chart((*title).to_owned(), &groups(&of_case, *metric));
         Figure {
+            conclusion: closest(case, &of_case),
             caption: format!("{case}: converged runs; whiskers to the extremes, boxes over the middle half"),
             legend: legend_of(&of_case),
             charts: metrics.iter().map(chart).collect(),
+            ..Figure::default()
         }
     };
     cases.iter().map(figure).collect()
 }
 
+/// The method with the smallest median distance to the truth, at each noise.
+fn closest(case: &str, summaries: &[&MethodSummary]) -> String {
+    let mut noises: Vec<&str> = Vec::new();
+    for summary in summaries {
+        if !noises.contains(&summary.noise.as_str()) {
+            noises.push(&summary.noise);
+        }
+    }
+    let best = |noise: &&str| {
+        let distances =
+            summaries.iter().filter(|s| s.noise == **noise).filter_map(|s| Some((s.distance_percent?.median, s)));
+        let (distance, best) = distances.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(format!("{} with {} % at {noise}", best.method, significant(distance, 3)))
+    };
+    let best: Vec<String> = noises.iter().filter_map(best).collect();
+    if best.is_empty() {
+        String::new()
+    } else {
+        format!("{case}: the estimates of these are closest to the truth: {}.", best.join("; "))
+    }
+}
+
 /// The methods that some summaries are of.
-fn legend_of(summaries: &[&MethodSummary]) -> Vec<(&'static str, &'static str)> {
+fn legend_of(summaries: &[&MethodSummary]) -> Vec<Key> {
     let shown = Method::all().map(Method::name).filter(|name| summaries.iter().any(|s| s.method == *name));
-    shown.map(|name| (name, name)).collect()
+    shown.map(|name| Key::new(name, name)).collect()
 }
 
 /// A group for each noise level, a box for each method.

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use super::{
     error::ReportError,
-    html,
     number::{NONE, optional, signed, with_deviation},
+    page::{Page, render},
     section::Section,
     table::{Group, Table},
     wrap::{TextWidth, wrap},
@@ -39,8 +39,8 @@ pub fn write_comparison(compared: &SideBySide, path: &Path) -> Result<(), Report
         tables: tables(compared),
         ..Section::default()
     };
-    let page = html::page_of("Results beside each other", &[], &[section])?;
-    replace_file(path, page.as_bytes()).map_err(|source| ReportError::Write { path: path.to_owned(), source })
+    let page = Page { title: "Results beside each other", sections: vec![section], ..Page::default() };
+    replace_file(path, render(&page)?.as_bytes()).map_err(|source| ReportError::Write { path: path.to_owned(), source })
 }
 
 fn tables(compared: &SideBySide) -> Vec<Table> {

@@ -77,11 +77,12 @@ pub(super) fn comparisons(results: &Results) -> Option<Table> {
     (!rows.is_empty()).then(|| Table {
         title: "Methods against idim-iv".to_owned(),
         lead: 2,
-        head: strings(&["case", "method", "statistic", "5 %", "p", "mean sd", "verdict", "most, sd"]),
+        head: strings(&["case", "method", "statistic", "limit", "p", "mean, sd", "verdict", "most, sd"]),
         rows,
         notes: strings(&[
             "idim-ls: Durbin-Wu-Hausman test. didim: biased simulator test, same instruments and weights.",
-            "mean sd: average difference in standard deviations of idim-iv; below 0.5 it is small, above it an alarm where \
+            "limit: what 5 % of the statistics of a right simulator exceed. mean, sd: average difference in standard deviations (sd) of \
+             idim-iv; most, sd: the parameter that differs most, with its difference. A mean below 0.5 is small, above it an alarm where \
              p <= 0.05; undecided where the simulated motion explains the torques much better than the measured one, and \
              unclear where it does so too badly to tell.",
         ]),
@@ -159,12 +160,13 @@ pub(super) fn residuals(results: &Results) -> Option<Table> {
     (!rows.is_empty()).then(|| Table {
         title: "Residuals, cross-validation and influence".to_owned(),
         lead: 2,
-        head: strings(&["case", "method", "r1", "white", "normal", "Levene p", "cv 95 %", "without", "changes", "sd"]),
+        head: strings(&["case", "method", "r1", "white", "normal", "Levene p", "cv 95 %", "left out", "moves", "by, sd"]),
         rows,
         notes: strings(&[
             "r1: largest correlation of neighbouring rows of a joint; white, normal: joints that pass Ljung-Box and \
-             Jarque-Bera at 5 %; Levene: equal variances of the joints, as weighted; influence: the part without which \
-             a parameter changes most, in its standard deviations with correlated errors.",
+             Jarque-Bera at 5 %; Levene: equal variances of the joints, as weighted; cv 95 %: interval of the \
+             cross-validation error, %; left out: the part of the record without which an estimate moves most, which one it is, \
+             and by how many of its standard deviations with correlated errors.",
         ]),
         ..Table::default()
     })

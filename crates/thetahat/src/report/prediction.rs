@@ -14,7 +14,7 @@ pub fn prediction_text(prediction: &Prediction, width: TextWidth) -> String {
         prediction.method.name(),
         visible(&prediction.case),
         "joint",
-        "rms torque",
+        "rms, N m or N",
         "relative error %"
     );
     for (j, (joint, rms)) in prediction.joints.iter().zip(&prediction.rms).enumerate() {

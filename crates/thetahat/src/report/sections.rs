@@ -1,4 +1,4 @@
-//! The sections of the page.
+//! The sections of the page: the torques and the estimates, then everything else on demand.
 
 use super::{
     diagnosis,
@@ -12,7 +12,7 @@ use super::{
     tables::{self, Detail},
     terms,
 };
-use crate::results::{FTest, Results, RunResult};
+use crate::results::{FTest, Results, RunResult, Verdict};
 
 /// Probability below which an F-test rejects.
 const SIGNIFICANCE: f64 = 0.05;
@@ -20,49 +20,128 @@ const SIGNIFICANCE: f64 = 0.05;
 /// Every section that has something to show.
 pub(super) fn all(results: &Results, published: Option<&Published>) -> Vec<Section> {
     let mut sections = vec![
+        torques(results),
+        estimates(results, published),
         summary(results),
         findings(results),
-        diagnosis::section(results),
-        estimates(results),
-        physical::section(results),
-        payload::section(results),
-        terms::section(results),
+        residuals(results),
+        correlations(results),
+        diagnosis(results),
+        physical::section(results).folded(""),
+        payload::section(results).folded(""),
+        terms::section(results).folded(""),
     ];
     sections.extend(published.map(|p| comparison(results, p)));
-    sections.extend([truth(results), formulas(results), torques(results)]);
-    sections.extend([convergence(results), tracking(results), elimination(results), method(results)]);
+    sections.extend([truth(results), formulas(results), convergence(results), tracking(results)]);
+    sections.extend([elimination(results), method(results)]);
     sections.retain(|s| !s.is_empty());
     sections
 }
 
-fn summary(results: &Results) -> Section {
-    let runs: Vec<&RunResult> = results.runs.iter().collect();
-    let tables = [Some(tables::summary(results)), tables::joint_errors(results)];
+/// The case whose figures are shown at once, and the others.
+fn cases(results: &Results) -> (Option<&str>, Vec<&str>) {
+    let mut cases = results.cases().into_iter();
+    (cases.next(), cases.collect())
+}
+
+/// What stands before numbers that are not to be used.
+fn warning(results: &Results) -> Vec<String> {
+    match results.verdict {
+        Some(Verdict::DoNotUse) => {
+            vec!["Do not use these numbers: they are shown to find out what is wrong.".to_owned()]
+        }
+        Some(Verdict::Good | Verdict::Care) | None => Vec::new(),
+    }
+}
+
+fn torques(results: &Results) -> Section {
+    let (first, others) = cases(results);
+    let figures = |case: &str| [figures::torques(results, case), figures::held_back(results, case)];
     Section {
-        id: "summary",
-        title: "Summary",
-        lines: tables::reasons(&runs),
-        tables: tables.into_iter().flatten().collect(),
+        id: "torques",
+        title: "Torques",
+        lines: warning(results),
+        figures: first.into_iter().flat_map(figures).flatten().collect(),
+        heats: figures::errors(results).into_iter().collect(),
+        folded_figures: others.into_iter().filter_map(|case| figures::torques(results, case)).collect(),
         ..Section::default()
     }
+}
+
+fn estimates(results: &Results, published: Option<&Published>) -> Section {
+    let (first, others) = cases(results);
+    let further = first.and_then(|case| figures::other_parameters(results, case));
+    Section {
+        id: "estimates",
+        title: "Estimates",
+        lines: warning(results),
+        forests: first.and_then(|case| figures::forest(results, published, case)).into_iter().collect(),
+        folded_forests: further
+            .into_iter()
+            .chain(others.into_iter().filter_map(|case| figures::forest(results, published, case)))
+            .collect(),
+        folded: results.cases().into_iter().map(|case| tables::parameters(results, case)).collect(),
+        ..Section::default()
+    }
+}
+
+fn summary(results: &Results) -> Section {
+    let runs: Vec<&RunResult> = results.runs.iter().collect();
+    let section = Section {
+        id: "summary",
+        title: "Runs",
+        lines: tables::reasons(&runs),
+        tables: vec![tables::summary(results)],
+        ..Section::default()
+    };
+    let plural = if runs.len() == 1 { "" } else { "s" };
+    section.folded(format!("{} run{plural}", runs.len()))
 }
 
 fn findings(results: &Results) -> Section {
-    Section {
-        id: "checks",
-        title: "Checks of the recordings",
-        lines: [findings::count(&results.findings) + "."]
-            .into_iter()
-            .chain(findings::lines(&results.findings))
-            .collect(),
-        ..Section::default()
-    }
+    let count = findings::count(&results.findings);
+    let lines = findings::lines(&results.findings);
+    let lines = if lines.is_empty() { vec![format!("{count}.")] } else { lines };
+    Section { id: "checks", title: "Checks of the recordings", lines, ..Section::default() }.folded(count)
 }
 
-fn estimates(results: &Results) -> Section {
-    let tables = results.cases().into_iter().map(|case| tables::parameters(results, case)).collect();
-    let figures = results.cases().into_iter().filter_map(|case| figures::coefficients(results, case)).collect();
-    Section { id: "estimates", title: "Estimates", tables, figures, ..Section::default() }
+fn residuals(results: &Results) -> Section {
+    let (first, _) = cases(results);
+    Section {
+        id: "residuals",
+        title: "What the residual depends on",
+        figures: first.map(|case| figures::misfit(results, case)).unwrap_or_default(),
+        ..Section::default()
+    }
+    .folded("autocorrelation, spectrum, velocity, position, load")
+}
+
+fn correlations(results: &Results) -> Section {
+    let (first, _) = cases(results);
+    let run = results.taken();
+    let hint = match run.map(|r| figures::confounded(r).len()) {
+        None => "",
+        Some(0) => "no two are confounded",
+        Some(_) => "some are confounded",
+    };
+    Section {
+        id: "correlations",
+        title: "Parameters that the motion does not tell apart",
+        figures: first.and_then(|case| figures::correlation(results, case)).into_iter().collect(),
+        ..Section::default()
+    }
+    .folded(hint)
+}
+
+/// The advice is to take a method: it is not given where no number is to be used.
+fn diagnosis(results: &Results) -> Section {
+    let advice: Vec<String> = match results.verdict {
+        Some(Verdict::DoNotUse) => Vec::new(),
+        Some(Verdict::Good | Verdict::Care) | None => diagnosis::advice(results).map(|(_, text)| text).collect(),
+    };
+    let section = diagnosis::section(results);
+    let lines = advice.into_iter().chain(section.lines).collect();
+    Section { lines, ..section }.folded("what tells the methods apart")
 }
 
 fn comparison(results: &Results, published: &Published) -> Section {
@@ -70,39 +149,34 @@ fn comparison(results: &Results, published: &Published) -> Section {
     let tables = results.cases().into_iter().filter_map(of_case).chain(tables::published_runs(results, published));
     let tables: Vec<Table> = tables.collect();
     let lines = if tables.is_empty() { Vec::new() } else { vec![published.source.clone()] };
-    Section { id: "published", title: "Published figures and ours", lines, tables, ..Section::default() }
+    Section { id: "published", title: "Published figures and ours", lines, tables, ..Section::default() }.folded("")
 }
 
 fn truth(results: &Results) -> Section {
     let tables = results.cases().into_iter().filter_map(|case| tables::truth(results, case)).collect();
-    Section { id: "truth", title: "Estimates and true values", tables, ..Section::default() }
+    Section { id: "truth", title: "Estimates and true values", tables, ..Section::default() }.folded("")
 }
 
 fn formulas(results: &Results) -> Section {
-    let folded = results.cases().into_iter().map(|case| tables::formulas(results, case)).collect();
-    Section { id: "formulas", title: "All parameters, with their formulas", folded, ..Section::default() }
-}
-
-fn torques(results: &Results) -> Section {
-    let of_case = |case| [figures::torques(results, case), figures::residuals(results, case)];
-    let figures = results.cases().into_iter().flat_map(of_case).flatten().collect();
-    Section { id: "torques", title: "Torques and residuals", figures, ..Section::default() }
+    let tables = results.cases().into_iter().map(|case| tables::formulas(results, case)).collect();
+    Section { id: "formulas", title: "All parameters, with their formulas", tables, ..Section::default() }.folded("")
 }
 
 fn convergence(results: &Results) -> Section {
     let figures = results.cases().into_iter().filter_map(|case| figures::convergence(results, case)).collect();
     let folded = tables::convergence(results).into_iter().collect();
-    Section { id: "convergence", title: "Convergence", figures, folded, ..Section::default() }
+    Section { id: "convergence", title: "Convergence", figures, folded, ..Section::default() }.folded("")
 }
 
 fn tracking(results: &Results) -> Section {
-    let figures = results.cases().into_iter().filter_map(|case| figures::tracking(results, case)).collect();
+    let (first, _) = cases(results);
+    let figures = first.and_then(|case| figures::tracking(results, case)).into_iter().collect();
     let tables = tables::simulation_errors(results).into_iter().collect();
-    Section { id: "simulation", title: "Closed-loop simulation", tables, figures, ..Section::default() }
+    Section { id: "simulation", title: "Closed-loop simulation", tables, figures, ..Section::default() }.folded("")
 }
 
 fn elimination(results: &Results) -> Section {
-    Section { id: "tests", title: "Elimination and F-tests", lines: tests(results), ..Section::default() }
+    Section { id: "tests", title: "Elimination and F-tests", lines: tests(results), ..Section::default() }.folded("")
 }
 
 fn method(results: &Results) -> Section {
@@ -114,8 +188,8 @@ fn method(results: &Results) -> Section {
         files: files.map(|(title, text)| (title, text.clone())).into(),
         ..Section::default()
     }
+    .folded("record, filters, weights, files")
 }
-
 /// What the elimination did and what the F-tests say, whether they reject or not.
 pub(super) fn tests(results: &Results) -> Vec<String> {
     let mut lines = Vec::new();

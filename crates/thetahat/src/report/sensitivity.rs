@@ -7,14 +7,15 @@ use std::{
 
 use super::{
     error::ReportError,
-    figures::{Figure, legend_of},
-    files, html,
+    figures::{Figure, keys_of},
+    files,
     number::{NONE, given, optional, significant},
-    plot::{Chart, Curve},
+    page::{Page, render},
+    plot::{Chart, Curve, NARROW},
     section::Section,
     status::status_words,
     table::{Group, Table},
-    wrap::TextWidth,
+    wrap::{TextWidth, wrap},
 };
 use crate::{
     results::{BiasKind, Method, Sensitivity, SensitivityPoint, Status},
@@ -29,7 +30,8 @@ fn methods(sensitivity: &Sensitivity) -> Vec<Method> {
 /// The table of a sweep for the terminal.
 #[must_use]
 pub fn sensitivity_text(sensitivity: &Sensitivity, width: TextWidth) -> String {
-    table(sensitivity).to_text(width)
+    let lines: String = conclusions(sensitivity).iter().map(|line| wrap(line, "", width)).collect();
+    table(sensitivity).to_text(width) + &lines
 }
 
 /// The files of a sweep.
@@ -41,9 +43,15 @@ pub const SENSITIVITY_FILES: [&str; 2] = ["sensitivity.csv", "sensitivity.html"]
 /// # Errors
 /// [`ReportError`] for what cannot be rendered or written.
 pub fn write_sensitivity(sensitivity: &Sensitivity, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
-    let page = html::page_of(&sensitivity.title, &facts(sensitivity), &sections(sensitivity))?;
+    let page = Page {
+        title: &sensitivity.title,
+        facts: facts(sensitivity),
+        sections: sections(sensitivity),
+        footer: "Changes are root mean squares over the shown estimates, in their standard deviations.",
+        ..Page::default()
+    };
     let [table, figures] = SENSITIVITY_FILES;
-    files::write_files(directory, vec![(table, csv_of(sensitivity)?), (figures, page.into_bytes())])
+    files::write_files(directory, vec![(table, csv_of(sensitivity)?), (figures, render(&page)?.into_bytes())])
 }
 
 fn facts(sensitivity: &Sensitivity) -> Vec<(&'static str, String)> {
@@ -58,11 +66,7 @@ fn sections(sensitivity: &Sensitivity) -> Vec<Section> {
     let picture = Section {
         id: "sensitivity",
         title: "What errors of the simulator do",
-        lines: vec![
-            "Root mean square change of the shown estimates, in their standard deviations, over the error of the \
-             simulator; cut off at 100."
-                .to_owned(),
-        ],
+        lines: conclusions(sensitivity),
         figures: vec![figure(sensitivity)],
         ..Section::default()
     };
@@ -70,26 +74,72 @@ fn sections(sensitivity: &Sensitivity) -> Vec<Section> {
     vec![picture, all]
 }
 
-/// Changes beyond these standard deviations are cut off in the picture.
-const LARGEST_CHANGE: f64 = 100.0;
+/// What a small error of each kind does to each method, by the smallest one that was tried.
+pub(super) fn conclusions(sensitivity: &Sensitivity) -> Vec<String> {
+    let of_kind = |kind: BiasKind| {
+        let per_method = methods(sensitivity).into_iter().filter_map(|method| {
+            let change = change_per_unit(sensitivity, kind, method)?;
+            Some(format!("{} by {}", method.name(), significant(change, 2)))
+        });
+        let changes: Vec<String> = per_method.collect();
+        (!changes.is_empty()).then(|| format!("{} moves {} deviations.", unit_of_error(kind), changes.join(", ")))
+    };
+    BiasKind::ALL.into_iter().filter_map(of_kind).collect()
+}
+
+/// The change for 1 % of a factor, or for one unit of what is added: that of the smallest error, in proportion.
+fn change_per_unit(sensitivity: &Sensitivity, kind: BiasKind, method: Method) -> Option<f64> {
+    let of_kind = sensitivity.points.iter().filter(|p| p.kind == kind && p.method == method);
+    let size =
+        |p: &SensitivityPoint| if kind.is_factor() { 100.0 * (p.value - 1.0).abs() } else { shown_value(p).abs() };
+    let changes = of_kind.filter_map(|p| Some((size(p), p.rms_change?))).filter(|(size, _)| *size > 0.0);
+    let (size, change) = changes.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(change / size)
+}
+
+fn unit_of_error(kind: BiasKind) -> String {
+    match kind {
+        BiasKind::Delay => "1 ms of delay".to_owned(),
+        BiasKind::ReferenceOffset => "1 mrad or mm of the reference's offset".to_owned(),
+        BiasKind::GearRatio
+        | BiasKind::DriveGain
+        | BiasKind::ControllerGain
+        | BiasKind::ReferenceScale
+        | BiasKind::Friction => format!("1 % of error of the {}", kind.name()),
+    }
+}
+
+const HEIGHT: f64 = 140.0;
 
 fn figure(sensitivity: &Sensitivity) -> Figure {
     let methods = methods(sensitivity);
     let chart = |kind: BiasKind| {
         let curves: Vec<Curve> = methods.iter().map(|m| curve(sensitivity, kind, *m)).collect();
-        Chart::over_values(axis(kind), &curves)
+        Chart::new(axis(kind), &axis(kind), NARROW).with(HEIGHT, |panel| {
+            let changes = curves.iter().flat_map(|c| c.points.iter().map(|p| p.1));
+            let panel = panel.around(curves.iter(), 0.0).up_by_powers(changes);
+            let none = if kind.is_factor() { 1.0 } else { 0.0 };
+            curves.iter().fold(panel.upright("nominal", none, ""), |panel, curve| panel.line(curve).dots(curve))
+        })
     };
-    let charts = BiasKind::ALL.into_iter().map(chart).collect();
-    let names: Vec<&str> = methods.iter().map(|m| m.name()).collect();
-    Figure::new(format!("{} by kind of error", names.join(" and ")), legend_of(&methods), charts)
+    Figure {
+        caption: "change of the estimates, standard deviations, over the error of the simulator".to_owned(),
+        legend: keys_of(methods.iter().copied()),
+        charts: BiasKind::ALL.into_iter().map(chart).collect(),
+        notes: vec![
+            "Changes are root mean squares over the shown estimates. The upright line is the simulator without error, \
+                     where nothing changes: zero has no place on an axis of powers of ten."
+                .to_owned(),
+        ],
+        ..Figure::default()
+    }
 }
 
-/// The changes of one method over one kind of error, with none where there is no error.
+/// The changes of one method over one kind of error.
 fn curve(sensitivity: &Sensitivity, kind: BiasKind, method: Method) -> Curve {
     let of_kind = sensitivity.points.iter().filter(|p| p.kind == kind && p.method == method);
-    let swept = of_kind.map(|p| (shown_value(p), p.rms_change.map_or(f64::NAN, |c| c.min(LARGEST_CHANGE))));
-    let none = if kind.is_factor() { 1.0 } else { 0.0 };
-    let mut points: Vec<(f64, f64)> = swept.chain([(none, 0.0)]).collect();
+    let change = |p: &SensitivityPoint| p.rms_change.filter(|c| *c > 0.0).unwrap_or(f64::NAN);
+    let mut points: Vec<(f64, f64)> = of_kind.map(|p| (shown_value(p), change(p))).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     Curve::new(method.name(), points)
 }
@@ -128,7 +178,7 @@ fn table(sensitivity: &Sensitivity) -> Table {
         rows: sensitivity.points.iter().filter(first).map(row).collect(),
         notes: strings(&[
             "rms and most: of the shown estimates, against those without error; offset: of the reference.",
-            "* has not converged.",
+            "*: has not converged.",
         ]),
     }
 }

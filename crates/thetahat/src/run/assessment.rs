@@ -5,11 +5,13 @@ use std::borrow::Cow;
 
 use super::{
     cross_validation::{CrossValidation, Folds, leave_folds_out},
+    curves,
     identification::{Identification, explain},
     linear::Linear,
     parameters::{loop_parameter_results, parameter_results},
     physical::Examined,
     prepared::filtered,
+    residual_curves,
     worse_than_zero::{Data, worse_than_zero},
 };
 use crate::{
@@ -17,8 +19,11 @@ use crate::{
     identification::{Fit, Method, Needs, Outcome, Response, uncertainty},
     preparation::{Case, PreparationError},
     regression::relative_error_percent,
-    results::{Influence, IterationResult, LoopParameterResult, ParameterResult, RunResult},
+    results::{Influence, IterationResult, LoopParameterResult, ParameterResult, RunPlots, RunResult},
     scheduling::{EstimationJob, Finished},
+    series::Series,
+    signal::Motion,
+    simulation::SimulatedMotion,
 };
 
 /// An estimation of a case that is to be assessed.
@@ -41,7 +46,7 @@ impl Assessment<'_> {
         if let Some(fit) = &outcome.fit {
             run.simulation_relative_error_percent =
                 simulator.as_ref().zip(motions.as_ref()).map(|(s, motions)| s.errors(motions));
-            run.plots = problem.plots(&self.torque(fit), motions.as_deref().unwrap_or_default());
+            run.plots = self.plots(fit, motions.as_deref().unwrap_or_default());
             let setup = self.identification.setup();
             let folds = self.identification.folds(problem).filter(|_| setup.settings.parameters.physical);
             let linear = Linear::of(self.job, &outcome, fit);
@@ -66,6 +71,34 @@ impl Assessment<'_> {
             Response::Torque => Cow::Borrowed(&fit.prediction),
             Response::Position => Cow::Owned(self.job.problem.regression.x.times(self.of_robot(fit))),
         }
+    }
+
+    /// The curves of the run.
+    fn plots(&self, fit: &Fit, motions: &[SimulatedMotion]) -> RunPlots {
+        let problem = self.job.problem;
+        let main = &self.identification.main;
+        let at_rows = |of: fn(&Motion) -> &Series| {
+            problem.at_rows(&main.iter().map(|p| of(&p.filtered.motion)).collect::<Vec<_>>())
+        };
+        let motion = residual_curves::Motion {
+            position: at_rows(|m| &m.q),
+            velocity: at_rows(|m| &m.dq),
+            rate_hz: main.first().map_or(0.0, |p| p.filtered.recording.sample_rate_hz) / self.decimation(),
+        };
+        let torque = self.torque(fit);
+        let of_robot = self.job.problem.estimated.len();
+        let correlations = residual_curves::correlations(&fit.covariance);
+        RunPlots {
+            residual: residual_curves::residual_curves(&problem.regression, &torque, &motion),
+            correlation: correlations.into_iter().take(of_robot).map(|row| row[..of_robot].to_vec()).collect(),
+            numbers: curves::numbers(&problem.model, &problem.estimated),
+            a_priori: curves::a_priori(self.identification.setup().robot, &problem.model, &problem.estimated),
+            ..problem.plots(&torque, motions)
+        }
+    }
+
+    fn decimation(&self) -> f64 {
+        self.identification.setup().settings.signal.decimation as f64
     }
 
     fn summarise(&self, outcome: &Outcome) -> RunResult {
@@ -139,6 +172,7 @@ impl Assessment<'_> {
         let prediction = regression.x.times(self.of_robot(fit));
         run.cross_validation_relative_error_percent = Some(relative_error_percent(&regression.y, &prediction));
         run.findings.extend(worse_than_zero(setup.robot, regression, &prediction, Data::HeldBack));
+        run.plots.held_back = regression.layout.by_joint(&prediction);
         run.validation_condition_number = Some(regression.x.condition_number());
         if let Some(simulator) = identification.simulator(&identification.validation, &problem, self.case) {
             let motions = simulator.simulate(&fit.theta).ok();

@@ -4,9 +4,10 @@ use std::cell::Cell;
 
 use super::{
     assessment::Assessment,
+    curves,
     examination::{compare, examine, examine_robot, with_note},
     identification::{CaseProblem, Identification},
-    prepared::Prepared,
+    prepared::{Prepared, filtered},
     uncertain,
 };
 use crate::{
@@ -16,7 +17,6 @@ use crate::{
     preparation::{Case, PreparationError, Problem},
     results::{CaseDiagnosis, JointResult, Plots, RecordingFindings, Results, RunResult, SCHEMA},
     scheduling::{EstimationJob, RunOptions, instruments_side_by_side, run_all},
-    series::Series,
     simulation::SimulatorBias,
 };
 
@@ -127,7 +127,6 @@ impl Identification {
         runs: Vec<RunResult>,
         diagnostics: Vec<CaseDiagnosis>,
     ) -> Result<Results, PreparationError> {
-        let positions: Vec<&Series> = self.main.iter().map(|p| &p.filtered.motion.q).collect();
         let rate = self.main.first().map_or(0.0, |p| p.filtered.recording.sample_rate_hz);
         let regression = &problem.regression;
         Ok(Results {
@@ -157,11 +156,18 @@ impl Identification {
             drive_gains: self.drive_gains(problem)?,
             experiment_description: String::new(),
             robot_description: String::new(),
-            plots: Plots {
-                time_s: self.times(problem),
-                measured: regression.layout.by_joint(&regression.y),
-                position: problem.at_rows(&positions),
-            },
+            plots: self.plots(problem)?,
         })
+    }
+
+    /// The curves that all runs share.
+    fn plots(&self, problem: &Problem) -> Result<Plots, PreparationError> {
+        let shared = curves::shared(self.setup().robot, &self.main, problem);
+        if self.validation.is_empty() {
+            return Ok(shared);
+        }
+        let nominal = Case::nominal();
+        let validation = self.setup().validation_problem(&nominal, &filtered(&self.validation), &problem.estimated)?;
+        Ok(Plots { held_back: curves::held_back(&self.validation, &validation), ..shared })
     }
 }

@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use super::{
     cross_validation::{Folds, folds_by_move, folds_by_part, folds_by_phase, folds_by_recording},
-    prepared::{Prepared, filtered},
+    prepared::{Prepared, filtered, times},
     profiled_robot::with_profiled_terms,
 };
 use crate::{
@@ -259,27 +259,15 @@ impl Identification {
             return Some(Folds { of_row: folds_by_recording(of_row)?, names: names.collect() });
         };
         let by_move = match only.reference.as_ref().map(|r| &r.reference) {
-            Some(Reference::Moves(moves)) => folds_by_move(moves, &self.times(problem)),
+            Some(Reference::Moves(moves)) => folds_by_move(moves, &times(&self.main, problem)),
             Some(Reference::Periodic(periodic)) => {
-                let phases = folds_by_phase(periodic.series().base_frequency_hz(), &self.times(problem));
+                let phases = folds_by_phase(periodic.series().base_frequency_hz(), &times(&self.main, problem));
                 return Some(Folds::numbered("fifth of the period", phases));
             }
             Some(Reference::Sampled(_)) | None => None,
         };
         let by_part = || Folds::numbered("part", folds_by_part(rows_of_joint));
         Some(by_move.map_or_else(by_part, |of_row| Folds::numbered("move", of_row)))
-    }
-
-    /// The time of each row of a joint; the recordings follow one another.
-    pub(super) fn times(&self, problem: &Problem) -> Vec<f64> {
-        let mut times = Vec::new();
-        let mut before_s = 0.0;
-        for (Prepared { filtered, .. }, decimator) in self.main.iter().zip(&problem.decimators) {
-            let rate = filtered.recording.sample_rate_hz;
-            times.extend(decimator.kept().map(|k| before_s + filtered.start_s() + k as f64 / rate));
-            before_s += filtered.recording.position.len() as f64 / rate;
-        }
-        times
     }
 }
 

@@ -49,3 +49,15 @@ fn near_rest(filtered: &FilteredRecording, problem: &Problem) -> Option<NearRest
 pub(super) fn filtered(prepared: &[Prepared]) -> Vec<&FilteredRecording> {
     prepared.iter().map(|p| &p.filtered).collect()
 }
+
+/// The time of each row of a joint; the recordings follow one another.
+pub(super) fn times(prepared: &[Prepared], problem: &Problem) -> Vec<f64> {
+    let mut times = Vec::new();
+    let mut before_s = 0.0;
+    for (Prepared { filtered, .. }, decimator) in prepared.iter().zip(&problem.decimators) {
+        let rate = filtered.recording.sample_rate_hz;
+        times.extend(decimator.kept().map(|k| before_s + filtered.start_s() + k as f64 / rate));
+        before_s += filtered.recording.position.len() as f64 / rate;
+    }
+    times
+}

@@ -1,14 +1,31 @@
-//! `report.html`: every section on one page.
+//! `report.html`: the verdict, the torques, the estimates, and everything else on demand.
 
 use super::output::Output;
 use crate::{
-    report::{error::ReportError, facts, html, published::Published, sections},
+    report::{
+        error::ReportError,
+        figures,
+        page::{HeadCard, Page, render},
+        published::Published,
+        sections,
+    },
     results::Results,
 };
 
-pub(super) const OUTPUT: Output = Output { name: "report.html", render };
+pub(super) const OUTPUT: Output = Output { name: "report.html", render: report };
 
-fn render(results: &Results, published: Option<&Published>) -> Result<Vec<u8>, ReportError> {
-    let page = html::page_of(&results.title, &facts::head(results), &sections::all(results, published))?;
-    Ok(page.into_bytes())
+const FOOTER: &str = "Relative errors are 100 |y - y_hat| / |y| in the decimated rows, unweighted; standard deviations (sd) are the \
+    classical ones, for independent rows, unless it says otherwise; intervals allow for correlated errors.";
+
+fn report(results: &Results, published: Option<&Published>) -> Result<Vec<u8>, ReportError> {
+    let page = Page {
+        title: &results.title,
+        card: HeadCard::of(results),
+        takes: results.taken().map_or("", |run| run.method.name()),
+        picture: figures::skeleton(results),
+        facts: vec![("robot", results.robot.clone())],
+        sections: sections::all(results, published),
+        footer: FOOTER,
+    };
+    Ok(render(&page)?.into_bytes())
 }

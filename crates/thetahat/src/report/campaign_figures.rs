@@ -1,0 +1,179 @@
+//! Whether intervals hold the truth, and how far estimates lie off, noise by noise.
+
+use super::{
+    box_plot::under_groups,
+    figures::{Figure, Key},
+    number::{fixed, significant},
+    plot::{Area, Chart, Curve, Panel, Range, WIDE},
+};
+use crate::results::{Method, MethodSummary};
+
+const HEIGHT: f64 = 150.0;
+/// What an interval of 95 % promises, percent.
+const PROMISED: f64 = 95.0;
+/// Standard deviations on both sides that hold 95 % of a normal distribution.
+const NORMAL_95: f64 = 1.96;
+/// Part of a place that its methods take.
+const PART: f64 = 0.6;
+
+/// A number of each method at each place: a case and a noise.
+struct Places<'a> {
+    summaries: &'a [MethodSummary],
+    labels: Vec<String>,
+    methods: Vec<Method>,
+}
+
+impl<'a> Places<'a> {
+    fn of(summaries: &'a [MethodSummary]) -> Self {
+        let several = summaries.iter().any(|s| s.case != summaries[0].case);
+        let mut places = Self { summaries, labels: Vec::new(), methods: Vec::new() };
+        for summary in summaries {
+            let label = label(summary, several);
+            if !places.labels.contains(&label) {
+                places.labels.push(label);
+            }
+        }
+        places.methods = Method::all().filter(|m| summaries.iter().any(|s| s.method == m.name())).collect();
+        places
+    }
+
+    /// The values of a method, each beside those of the others at its place.
+    fn curve(&self, method: Method, value: fn(&MethodSummary) -> Option<f64>) -> Curve {
+        let several = self.summaries.iter().any(|s| s.case != self.summaries[0].case);
+        let lane = self.methods.iter().position(|m| *m == method).unwrap_or(0) as f64 + 0.5;
+        let offset = PART * (lane / self.methods.len().max(1) as f64 - 0.5);
+        let point = |s: &MethodSummary| {
+            let place = self.labels.iter().position(|l| *l == label(s, several))?;
+            Some((place as f64 + 0.5 + offset, value(s)?))
+        };
+        let of_method = self.summaries.iter().filter(|s| s.method == method.name());
+        Curve::new(method.name(), of_method.filter_map(point).collect())
+    }
+
+    fn keys(&self) -> Vec<Key> {
+        self.methods.iter().map(|m| Key::new(m.name(), m.name())).collect()
+    }
+
+    fn panel(&self, panel: Panel) -> Panel {
+        let width = panel.width;
+        let panel = panel.over(Range { low: 0.0, high: self.labels.len() as f64 }, 0.0);
+        Panel { x_ticks: under_groups(self.labels.iter().map(String::as_str), width), ..panel }
+    }
+}
+
+fn label(summary: &MethodSummary, several_cases: bool) -> String {
+    if several_cases { format!("{} {}", summary.case, summary.noise) } else { summary.noise.clone() }
+}
+
+/// How often intervals hold the truth; none where no summary says it.
+pub(super) fn coverage(summaries: &[MethodSummary]) -> Option<Figure> {
+    let runs = summaries.iter().filter(|s| s.coverage_percent.is_some()).map(|s| s.converged).min()?;
+    let places = Places::of(summaries);
+    let half = 100.0 * NORMAL_95 * (0.95 * 0.05 / runs.max(1) as f64).sqrt();
+    let curves: Vec<Curve> = places.methods.iter().map(|m| places.curve(*m, |s| s.coverage_percent)).collect();
+    let found = Range::of(curves.iter().flat_map(|c| c.points.iter().map(|p| p.1)));
+    let shown = found.with(PROMISED - 1.2 * half).with(100.0).padded(0.04);
+    let ends = [0.0, places.labels.len() as f64];
+    let band = Area {
+        class: "band".to_owned(),
+        points: ends.map(|x| (x, [PROMISED - half, (PROMISED + half).min(100.0)])).into(),
+    };
+    let chart =
+        Chart::new("Intervals of 95 % that hold the true value, %".to_owned(), "noise", WIDE).with(HEIGHT, |p| {
+            let panel = places.panel(p).up(shown).area(&band).level("nominal", PROMISED);
+            curves.iter().fold(panel, Panel::dots)
+        });
+    Some(Figure {
+        conclusion: conclusion(summaries, &places.methods, half),
+        caption: "coverage of the 95 % intervals".to_owned(),
+        legend: places.keys().into_iter().chain([Key::new("band", "what chance alone gives")]).collect(),
+        charts: vec![chart],
+        notes: vec![format!(
+            "The band holds 95 % of what {runs} runs of independent errors give; parameters of one run are not \
+                             independent, so that it is wide rather than narrow."
+        )],
+    })
+}
+
+fn conclusion(summaries: &[MethodSummary], methods: &[Method], half: f64) -> String {
+    let worst = |method: &Method| {
+        let of_method = summaries.iter().filter(|s| s.method == method.name());
+        let all = of_method.filter_map(|s| Some((s.coverage_percent?, s)));
+        let (coverage, at) = all.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let verdict = if coverage < PROMISED - half { "less than promised" } else { "as promised" };
+        Some(format!("those of {method} {} % at worst, {verdict} ({}, {})", fixed(coverage, 1), at.case, at.noise))
+    };
+    let all: Vec<String> = methods.iter().filter_map(worst).collect();
+    format!("Intervals of 95 % hold the truth: {}.", all.join("; "))
+}
+
+/// Rms of the bias in deviations; none where no summary says it.
+pub(super) fn bias(summaries: &[MethodSummary]) -> Option<Figure> {
+    summaries.iter().find_map(|s| s.bias)?;
+    let places = Places::of(summaries);
+    let curves: Vec<Curve> = places.methods.iter().map(|m| places.curve(*m, |s| s.bias.filter(|b| *b > 0.0))).collect();
+    let chart = Chart::new("Bias, classical standard deviations".to_owned(), "noise", WIDE).with(HEIGHT, |p| {
+        let biases = curves.iter().flat_map(|c| c.points.iter().map(|p| p.1));
+        let panel = places.panel(p).up_by_powers(biases.chain([1.0])).level("nominal", 1.0);
+        curves.iter().fold(panel, Panel::dots)
+    });
+    let largest = |method: &Method| {
+        let of_method = summaries.iter().filter(|s| s.method == method.name());
+        let bias = of_method.filter_map(|s| s.bias).max_by(f64::total_cmp)?;
+        Some(format!("{method} {}", significant(bias, 2)))
+    };
+    let all: Vec<String> = places.methods.iter().filter_map(largest).collect();
+    Some(Figure {
+        conclusion: format!("Largest bias of the mean estimates, in standard deviations: {}.", all.join(", ")),
+        caption: "bias of the estimates over the noise, on an axis of powers of ten".to_owned(),
+        legend: places.keys(),
+        charts: vec![chart],
+        notes: vec!["The line is one deviation: above it an error is more than the numbers say.".to_owned()],
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::MethodSummary;
+
+    fn summary(method: &str, noise: &str, coverage: f64) -> MethodSummary {
+        MethodSummary {
+            case: "nominal".to_owned(),
+            noise: noise.to_owned(),
+            method: method.to_owned(),
+            runs: 100,
+            converged: 100,
+            bias: Some(0.1),
+            spread: None,
+            coverage_percent: Some(coverage),
+            classical_coverage_percent: None,
+            iterations: None,
+            simulations: None,
+            seconds: None,
+            distance_percent: None,
+            position_error_percent: None,
+            torque_error_percent: None,
+            parameters: Vec::new(),
+            failures: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn the_conclusion_names_the_method_whose_intervals_are_too_narrow() {
+        let summaries =
+            [summary("idim-ls", "low", 94.0), summary("idim-ls", "high", 40.0), summary("idim-iv", "low", 95.5)];
+        let figure = coverage(&summaries).unwrap();
+        assert!(
+            figure.conclusion.contains("idim-ls 40.0 % at worst, less than promised (nominal, high)"),
+            "{}",
+            figure.conclusion
+        );
+        assert!(figure.conclusion.contains("idim-iv 95.5 % at worst, as promised"), "{}", figure.conclusion);
+        let panel = &figure.charts[0].panels[0];
+        assert_eq!(panel.x_ticks.len(), 2);
+        let nominal = panel.paths.iter().find(|p| p.class == "nominal").unwrap();
+        let line = (10.0 * panel.y_axis().position(95.0)).round();
+        assert!(nominal.data.starts_with(&format!("M0 {line}h")), "{}", nominal.data);
+    }
+}

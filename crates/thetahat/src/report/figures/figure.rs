@@ -1,0 +1,62 @@
+//! Charts with one caption and one legend.
+
+use serde::Serialize;
+
+use crate::{
+    report::plot::Chart,
+    results::{Advice, Method, Results, RunResult},
+};
+
+/// Charts with one legend.
+#[derive(Debug, Default, Serialize)]
+pub(in crate::report) struct Figure {
+    /// What the pictures say, as a sentence.
+    pub(in crate::report) conclusion: String,
+    pub(in crate::report) caption: String,
+    pub(in crate::report) legend: Vec<Key>,
+    pub(in crate::report) charts: Vec<Chart>,
+    /// What the marks are.
+    pub(in crate::report) notes: Vec<String>,
+}
+
+/// An entry of a legend.
+#[derive(Debug, Serialize)]
+pub(in crate::report) struct Key {
+    /// The class that colours it.
+    pub(in crate::report) class: &'static str,
+    pub(in crate::report) name: String,
+    /// Whether it is shown at first, where a switch shows and hides it.
+    pub(in crate::report) switch: Option<bool>,
+}
+
+impl Key {
+    pub(in crate::report) fn new(class: &'static str, name: impl Into<String>) -> Self {
+        Self { class, name: name.into(), switch: None }
+    }
+
+    /// The same with a switch.
+    pub(in crate::report) fn switched(self, on: bool) -> Self {
+        Self { switch: Some(on), ..self }
+    }
+}
+
+/// The legend of some methods.
+pub(in crate::report) fn keys_of(methods: impl IntoIterator<Item = Method>) -> Vec<Key> {
+    methods.into_iter().map(|m| Key::new(m.name(), m.name())).collect()
+}
+
+/// The run of a case whose numbers the advice takes; the first one with curves where it takes none.
+pub(super) fn main_run<'a>(results: &'a Results, case: &str) -> Option<&'a RunResult> {
+    let advice: Option<&Advice> = results.advice.iter().find(|a| a.case == case);
+    let taken = advice.and_then(|a| results.run(case, a.take?)).filter(|r| !r.parameters.is_empty());
+    taken.or_else(|| results.runs.iter().find(|r| r.case == case && !r.parameters.is_empty()))
+}
+
+/// How a run is named where a figure is of it alone.
+pub(super) fn named(results: &Results, run: &RunResult) -> String {
+    if results.cases().len() > 1 {
+        format!("{}, {}", run.case, run.method.name())
+    } else {
+        run.method.name().to_owned()
+    }
+}

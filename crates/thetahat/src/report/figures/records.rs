@@ -1,0 +1,60 @@
+//! Curves over the time of records: measured values, what runs predict of them, and where recordings begin.
+
+use crate::{
+    report::plot::{Curve, Panel},
+    results::RecordStart,
+};
+
+/// Values joint by joint over the time of records.
+pub(super) struct Records<'a> {
+    pub(super) time_s: &'a [f64],
+    pub(super) measured: &'a [Vec<f64>],
+    pub(super) starts: &'a [RecordStart],
+}
+
+impl Records<'_> {
+    /// A curve with a gap between recordings.
+    pub(super) fn curve(&self, class: &str, values: impl Iterator<Item = f64>) -> Curve {
+        let mut points = Vec::with_capacity(self.time_s.len() + self.starts.len());
+        for (row, point) in self.time_s.iter().copied().zip(values).enumerate() {
+            if row > 0 && self.starts.iter().any(|s| s.row == row) {
+                points.push((f64::NAN, f64::NAN));
+            }
+            points.push(point);
+        }
+        Curve::new(class, points)
+    }
+
+    /// `values - reference`, scaled, with a gap between recordings.
+    pub(super) fn difference(&self, class: &str, [values, reference]: [&[f64]; 2], scale: f64) -> Curve {
+        self.curve(class, values.iter().zip(reference).map(|(v, r)| scale * (v - r)))
+    }
+
+    /// Marks where each recording but the first begins; the names stand in one panel only.
+    pub(super) fn borders(&self, panel: Panel, with_names: bool) -> Panel {
+        let all = self.starts.iter().filter_map(|s| Some((self.time_s.get(s.row)?, s)));
+        all.filter(|(_, s)| s.row > 0).fold(panel, |panel, (time, start)| {
+            panel.upright("border", *time, if with_names { &start.name } else { "" })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::plot::{Chart, NARROW, Range};
+
+    #[test]
+    fn the_second_recording_begins_at_its_border() {
+        let starts = [("a", 0), ("b", 2)].map(|(name, row)| RecordStart { name: name.to_owned(), row });
+        let records = Records { time_s: &[0.0, 1.0, 5.0, 10.0], measured: &[], starts: &starts };
+        let curve = records.curve("measured", [1.0, 2.0, 3.0, 4.0].into_iter());
+        assert!(curve.points.len() == 5 && curve.points[2].0.is_nan());
+        let range = Range { low: 0.0, high: 10.0 };
+        let chart = Chart::new(String::new(), "", NARROW).with(80.0, |p| records.borders(p.over(range, 0.0), true));
+        let panel = &chart.panels[0];
+        // 5 s of 10 s: the middle of the panel, in tenths of a pixel.
+        assert_eq!(panel.paths[0].data, format!("M{} 0v800", 5.0 * panel.width));
+        assert_eq!((panel.paths.len(), panel.texts[0].text.as_str()), (1, "b"));
+    }
+}

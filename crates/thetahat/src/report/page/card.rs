@@ -1,0 +1,109 @@
+//! The verdict at the top of the page.
+
+use serde::Serialize;
+
+use crate::{
+    report::number::significant,
+    results::{Card, Grade, Method, Results, Unseen, Verdict},
+};
+
+/// The verdict with what it rests on and what to do next.
+#[derive(Debug, Serialize)]
+pub(in crate::report) struct HeadCard {
+    /// The class that colours it.
+    pub(in crate::report) class: &'static str,
+    pub(in crate::report) symbol: &'static str,
+    pub(in crate::report) word: &'static str,
+    /// The gravest reason.
+    pub(in crate::report) reason: String,
+    /// Labels and texts.
+    pub(in crate::report) facts: Vec<(&'static str, String)>,
+    pub(in crate::report) grades: Vec<GradeCount>,
+    pub(in crate::report) actions: Vec<String>,
+    /// Every reason, with its code.
+    pub(in crate::report) reasons: Vec<(&'static str, String)>,
+}
+
+/// How many parameters have a grade.
+#[derive(Debug, Serialize)]
+pub(in crate::report) struct GradeCount {
+    pub(in crate::report) class: &'static str,
+    pub(in crate::report) name: &'static str,
+    pub(in crate::report) count: usize,
+}
+
+impl HeadCard {
+    /// The card of results; none where they have no verdict.
+    pub(in crate::report) fn of(results: &Results) -> Option<Self> {
+        let card = results.card();
+        let verdict = card.verdict?;
+        let (class, symbol, word) = match verdict {
+            Verdict::Good => ("good", "\u{2713}", "Good"),
+            Verdict::Care => ("care", "!", "Take with care"),
+            Verdict::DoNotUse => ("do-not-use", "\u{2715}", "Do not use"),
+        };
+        Some(Self {
+            class,
+            symbol,
+            word,
+            reason: results.verdict_reasons.first().map(|r| sentence(r.seen())).unwrap_or_default(),
+            facts: facts(&card, verdict),
+            grades: grades(&card),
+            reasons: results.verdict_reasons.iter().map(|r| (r.code.name(), sentence(&r.text))).collect(),
+            actions: card.actions.iter().map(|action| sentence(action)).collect(),
+        })
+    }
+}
+
+fn facts(card: &Card, verdict: Verdict) -> Vec<(&'static str, String)> {
+    let percent = |e: f64| format!("{} %", significant(e, 3));
+    let method = card.method.map(|m| match verdict {
+        Verdict::Good | Verdict::Care => ("Method to take", m.name().to_owned()),
+        Verdict::DoNotUse => ("Method", format!("none; the numbers below are of {}", m.name())),
+    });
+    let unseen = card.unseen.map(|unseen| match unseen {
+        Unseen::HeldBack(error) => ("Error on the held-back record", percent(error)),
+        Unseen::LeftOut(error) => ("Error on parts left out", percent(error)),
+    });
+    let worst = card.worst_joint.as_ref().map(|(name, error)| ("Worst joint", format!("{name}, {}", percent(*error))));
+    let error = card.relative_error_percent.map(|error| ("Error of the torque", percent(error)));
+    [method, error, unseen, worst].into_iter().flatten().collect()
+}
+
+fn grades(card: &Card) -> Vec<GradeCount> {
+    if card.grades.iter().sum::<usize>() == 0 {
+        return Vec::new();
+    }
+    let class = |grade| match grade {
+        Grade::Sure => "sure",
+        Grade::Rough => "rough",
+        Grade::NotIdentified => "lost",
+    };
+    let count = |(grade, count): (Grade, usize)| GradeCount { class: class(grade), name: grade.name(), count };
+    Grade::ALL.into_iter().zip(card.grades).map(count).collect()
+}
+
+/// A text that begins with a capital letter and ends with a full stop.
+///
+/// The name of a method keeps its letters.
+fn sentence(text: &str) -> String {
+    let begins_with_method = Method::all().any(|m| text.trim().starts_with(m.name()));
+    let mut letters = text.trim().chars();
+    let upper = |c: char| if begins_with_method { c.to_string() } else { c.to_uppercase().collect() };
+    let first: String = letters.next().map(upper).unwrap_or_default();
+    let end = if text.trim_end().ends_with(['.', '!', '?']) || text.is_empty() { "" } else { "." };
+    format!("{first}{}{end}", letters.as_str())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sentence_begins_with_a_capital_letter_and_ends_once() {
+        assert_eq!(sentence("shift it by 2 ms"), "Shift it by 2 ms.");
+        assert_eq!(sentence("Done."), "Done.");
+        assert_eq!(sentence("idim-ls differs"), "idim-ls differs.");
+        assert_eq!(sentence(""), "");
+    }
+}
