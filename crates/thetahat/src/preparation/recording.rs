@@ -96,11 +96,24 @@ impl Recording {
     /// # Errors
     /// [`RecordingError`] for stamps that do not rise, or without a usual step, and for series of other lengths.
     pub fn at_times(time_s: Vec<f64>, position: Series, torque: Series) -> Result<Self, RecordingError> {
+        Self::new(1.0, position, torque).with_time_stamps(time_s)
+    }
+
+    /// The same with every series at these time stamps in s, as of [`Recording::at_times`], in the place of equal steps.
+    ///
+    /// # Errors
+    /// As [`Recording::at_times`].
+    pub fn with_time_stamps(self, time_s: Vec<f64>) -> Result<Self, RecordingError> {
         let (source, times) = (Path::new("arrays"), Series::from_values(1, time_s));
-        same_length(&times, "time", source, &position, "position", source)?;
-        same_length(&times, "time", source, &torque, "torque", source)?;
+        let optional = [("torque", &self.torque), ("velocity", &self.velocity), ("reference", &self.reference)];
+        let named = optional.into_iter().chain([("added signal", &self.added_signal)]);
+        let channels = self.channels.iter().map(|(name, series)| (name.as_str(), series));
+        let all = named.filter_map(|(name, series)| Some((name, series.as_ref()?))).chain(channels);
+        for (name, series) in [("position", &self.position)].into_iter().chain(all) {
+            same_length(&times, "time", source, series, name, source)?;
+        }
         let clock = Clock::from_stamps(times.channel(0), LARGEST_JITTER, source, "time_s")?;
-        let recording = Self::new(clock.sample_rate_hz(), position, torque);
+        let recording = Self { sample_rate_hz: clock.sample_rate_hz(), ..self };
         Ok(Self { time_stamps_s: clock.stamps().map(<[f64]>::to_vec), ..recording.into_equal_steps(&clock) })
     }
 

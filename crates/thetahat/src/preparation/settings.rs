@@ -16,22 +16,28 @@ use crate::{
     simulation::{SimulatorBias, Solver},
 };
 
-/// How a robot is identified from its recordings.
-#[derive(Debug, Clone, PartialEq)]
+/// How a robot is identified from its recordings. Its form as data is that of an experiment file's tables of these names.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Settings {
     /// Filters, decimation and window.
     pub signal: SignalOptions,
     /// Which parameters are estimated and shown.
+    #[serde(default)]
     pub parameters: ParameterSelection,
     /// Methods and their options.
+    #[serde(default)]
     pub estimation: EstimationOptions,
     /// The simulated controller, for methods that simulate the closed loop.
     pub controller: Option<ControllerDescription>,
     /// The simulator's options.
+    #[serde(default)]
     pub simulation: SimulationOptions,
     /// Cases beside the nominal one.
+    #[serde(default, rename = "case")]
     pub cases: Vec<Case>,
     /// Payloads that recordings may carry.
+    #[serde(default, rename = "payload")]
     pub payloads: Vec<Payload>,
 }
 

@@ -42,6 +42,33 @@ impl Regressor {
     }
 }
 
+impl Regressor {
+    /// The whole of `phi` of the samples in `range`: sample by sample, coordinate by coordinate, column by column. What is zero
+    /// by structure is not written, and must be zero in `rows`.
+    pub fn evaluate_rows(
+        &self,
+        model: &Model,
+        motion: [&Series; 3],
+        range: Range<usize>,
+        sign: Sign,
+        rows: &mut [f64],
+    ) {
+        let (entries, size) = (self.entries().len(), model.coordinate_count() * self.columns());
+        let mut phi = vec![0.0; AHEAD.min(range.len()) * entries];
+        let starts = range.clone().step_by(AHEAD);
+        for (start, rows) in starts.zip(rows.chunks_mut((AHEAD * size).max(1))) {
+            let samples = start..range.end.min(start + AHEAD);
+            let phi = &mut phi[..samples.len() * entries];
+            self.evaluate_samples(model, motion, samples, sign, phi);
+            for (row, values) in rows.chunks_exact_mut(size.max(1)).zip(phi.chunks_exact(entries.max(1))) {
+                for (entry, value) in self.entries().iter().zip(values) {
+                    row[entry.joint * self.columns() + entry.column] = *value;
+                }
+            }
+        }
+    }
+}
+
 struct Batches<'a> {
     regressor: &'a Regressor,
     model: &'a Model,
