@@ -4,8 +4,8 @@
 use std::ops::Range;
 
 use numpy::{
-    PyArray2, PyArray3, PyReadonlyArray2,
-    ndarray::{Array2, Array3, ArrayView2, Axis, ShapeBuilder, Slice},
+    PyArray2, PyReadonlyArray2,
+    ndarray::{Array2, ArrayView2, Axis, ShapeBuilder, Slice},
 };
 use pyo3::prelude::*;
 use thetahat::{dynamics::DynamicsError, linear_algebra::Matrix, series::Series};
@@ -30,12 +30,6 @@ pub fn array_of(py: Python<'_>, series: Series) -> PyResult<Bound<'_, PyArray2<f
 pub fn rows(py: Python<'_>, rows: usize, columns: usize, values: Vec<f64>) -> PyResult<Bound<'_, PyArray2<f64>>> {
     let array = Array2::from_shape_vec((rows, columns), values).map_err(shape_error)?;
     Ok(PyArray2::from_owned_array(py, array))
-}
-
-/// The same with three indices.
-pub fn blocks(py: Python<'_>, shape: [usize; 3], values: Vec<f64>) -> PyResult<Bound<'_, PyArray3<f64>>> {
-    let array = Array3::from_shape_vec(shape, values).map_err(shape_error)?;
-    Ok(PyArray3::from_owned_array(py, array))
 }
 
 /// A matrix as an array in Fortran order, in the memory that it has.
@@ -72,15 +66,17 @@ impl<'a, const N: usize> Samples<'a, N> {
         self.arrays[0].nrows()
     }
 
-    /// Fills `out`, which has `size` values for each sample, piece by piece: without the interpreter's lock, which is taken
-    /// between pieces to look at signals.
+    /// Fills `out`, an array in C order with as many values for each sample, piece by piece: without the interpreter's lock,
+    /// which is taken between pieces to look at signals.
+    ///
+    /// The package makes these arrays: NumPy asks for memory in large pages, which are soon there.
     pub fn fill(
         &self,
         py: Python<'_>,
-        size: usize,
+        out: &mut [f64],
         work: impl Fn([&Series; N], &mut [f64]) -> Result<(), Failed> + Sync,
-    ) -> PyResult<Vec<f64>> {
-        let mut out = vec![0.0; self.len() * size];
+    ) -> PyResult<()> {
+        let size = out.len() / self.len().max(1);
         for (number, part) in out.chunks_mut((PIECE * size).max(1)).enumerate() {
             let start = number * PIECE;
             let range = start..self.len().min(start + PIECE);
@@ -88,7 +84,7 @@ impl<'a, const N: usize> Samples<'a, N> {
             done.map_err(|(k, error)| Raised::from((start + k, error)))?;
             py.check_signals()?;
         }
-        Ok(out)
+        Ok(())
     }
 
     fn fill_piece(

@@ -5,7 +5,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{
+    IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray2, PyReadwriteArray3,
+};
 use pyo3::prelude::*;
 use thetahat::{
     Experiment,
@@ -20,7 +22,7 @@ use thetahat::{
 };
 
 use crate::{
-    arrays::{Samples, array_of, blocks, rows, series_of},
+    arrays::{Samples, array_of, series_of},
     raised::Raised,
 };
 
@@ -201,7 +203,8 @@ impl Robot {
         Ok(base.to_standard(&values).into_pyarray(py))
     }
 
-    /// phi over a motion, samples by coordinates by columns.
+    /// Fills `phi`, samples by coordinates by columns, over a motion.
+    #[expect(clippy::too_many_arguments, reason = "the arguments of the package, which names them")]
     fn regressor<'py>(
         &self,
         py: Python<'py>,
@@ -210,18 +213,18 @@ impl Robot {
         ddq: PyReadonlyArray2<'py, f64>,
         columns: Vec<usize>,
         sign_velocity_scale: Option<f64>,
-    ) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        mut phi: PyReadwriteArray3<'py, f64>,
+    ) -> PyResult<()> {
         let regressor = Regressor::new(&self.model, &columns);
-        let (samples, sign) = (Samples::of([&q, &dq, &ddq]), sign_of(sign_velocity_scale));
-        let (n, columns) = (self.model.coordinate_count(), columns.len());
-        let phi = samples.fill(py, n * columns, |motion, phi| {
+        let sign = sign_of(sign_velocity_scale);
+        Samples::of([&q, &dq, &ddq]).fill(py, phi.as_slice_mut()?, |motion, phi| {
             regressor.evaluate_rows(&self.model, motion, 0..motion[0].len(), sign, phi);
             Ok(())
-        })?;
-        blocks(py, [samples.len(), n, columns], phi)
+        })
     }
 
-    /// The torques of a motion, sample by sample.
+    /// Fills `tau`, samples by coordinates, with the torques of a motion.
+    #[expect(clippy::too_many_arguments, reason = "the arguments of the package, which names them")]
     fn inverse_dynamics<'py>(
         &self,
         py: Python<'py>,
@@ -230,22 +233,22 @@ impl Robot {
         ddq: PyReadonlyArray2<'py, f64>,
         theta: Vec<f64>,
         sign_velocity_scale: Option<f64>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        mut tau: PyReadwriteArray2<'py, f64>,
+    ) -> PyResult<()> {
         let (n, sign) = (self.model.coordinate_count(), sign_of(sign_velocity_scale));
         let parameters = DynamicParameters::new(&self.model, &theta);
-        let samples = Samples::of([&q, &dq, &ddq]);
-        let tau = samples.fill(py, n, |[q, dq, ddq], tau| {
+        Samples::of([&q, &dq, &ddq]).fill(py, tau.as_slice_mut()?, |[q, dq, ddq], tau| {
             let mut workspace = Workspace::new(&self.model);
             for (k, tau) in tau.chunks_exact_mut(n).enumerate() {
                 let state = State::new(q.sample(k), dq.sample(k));
                 self.model.inverse_dynamics(&parameters, state, ddq.sample(k), sign, &mut workspace, tau);
             }
             Ok(())
-        })?;
-        rows(py, samples.len(), n, tau)
+        })
     }
 
-    /// The accelerations that torques give, sample by sample.
+    /// Fills `ddq`, samples by coordinates, with the accelerations that torques give.
+    #[expect(clippy::too_many_arguments, reason = "the arguments of the package, which names them")]
     fn forward_dynamics<'py>(
         &self,
         py: Python<'py>,
@@ -254,36 +257,34 @@ impl Robot {
         tau: PyReadonlyArray2<'py, f64>,
         theta: Vec<f64>,
         sign_velocity_scale: Option<f64>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let (n, sign) = (self.model.coordinate_count(), sign_of(sign_velocity_scale));
+        mut ddq: PyReadwriteArray2<'py, f64>,
+    ) -> PyResult<()> {
+        let sign = sign_of(sign_velocity_scale);
         let parameters = DynamicParameters::new(&self.model, &theta);
-        let samples = Samples::of([&q, &dq, &tau]);
-        let ddq = samples.fill(py, n, |inputs, ddq| {
+        Samples::of([&q, &dq, &tau]).fill(py, ddq.as_slice_mut()?, |inputs, ddq| {
             let found = self.model.forward_dynamics_series(&parameters, inputs, sign)?;
             ddq.copy_from_slice(found.values());
             Ok(())
-        })?;
-        rows(py, samples.len(), n, ddq)
+        })
     }
 
-    /// The mass matrix of each sample.
+    /// Fills `masses`, samples by coordinates by coordinates, with the mass matrices.
     fn mass_matrix<'py>(
         &self,
         py: Python<'py>,
         q: PyReadonlyArray2<'py, f64>,
         theta: Vec<f64>,
-    ) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        mut masses: PyReadwriteArray3<'py, f64>,
+    ) -> PyResult<()> {
         let n = self.model.coordinate_count();
         let parameters = DynamicParameters::new(&self.model, &theta);
-        let samples = Samples::of([&q]);
-        let masses = samples.fill(py, n * n, |[q], masses| {
+        Samples::of([&q]).fill(py, masses.as_slice_mut()?, |[q], masses| {
             let mut workspace = Workspace::new(&self.model);
             for (k, m) in masses.chunks_exact_mut(n * n).enumerate() {
                 self.model.mass_matrix(&parameters, q.sample(k), &mut workspace, m);
             }
             Ok(())
-        })?;
-        blocks(py, [samples.len(), n, n], masses)
+        })
     }
 
     /// Joint torques from drive signals of the motors.

@@ -31,6 +31,19 @@ def test_the_regressor_times_the_parameters_is_inverse_dynamics():
     np.testing.assert_array_equal(some[..., 0], phi[..., ARM.parameter_names.index("fc2")])
 
 
+def test_the_regressor_is_written_where_it_is_wanted():
+    q, dq, ddq = motion(300)
+    out = np.full((300, 2, 3), np.nan)
+    phi = ARM.regressor(q, dq, ddq, parameters=["zz1", "fc2", "m2"], out=out)
+    assert phi is out
+    np.testing.assert_array_equal(phi, ARM.regressor(q, dq, ddq, parameters=["zz1", "fc2", "m2"]))
+    fixed = out.copy()
+    fixed.flags.writeable = False
+    for bad in [out[:-1], out.astype(np.float32), np.asfortranarray(out), fixed]:
+        with pytest.raises(ValueError, match="out must be a writable float64 array"):
+            ARM.regressor(q, dq, ddq, parameters=["zz1", "fc2", "m2"], out=bad)
+
+
 def test_forward_dynamics_undoes_inverse_dynamics():
     q, dq, ddq = motion(1000, seed=1)
     theta = ARM.a_priori

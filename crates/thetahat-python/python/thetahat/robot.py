@@ -205,6 +205,7 @@ class Robot:
         *,
         parameters: _Columns = "standard",
         sign_velocity_scale: float | None = None,
+        out: Array | None = None,
     ) -> Array:
         """The matrix ``phi`` with ``tau = phi(q, dq, ddq) theta``.
 
@@ -218,6 +219,8 @@ class Robot:
             standard parameters by name.
         sign_velocity_scale : float, optional
             ``sign(v)`` becomes ``tanh(v / scale)`` in Coulomb friction.
+        out : ndarray (samples, n, p), optional
+            Where to write it, in C order and float64: the memory of large arrays takes longer to get than to fill.
 
         Returns
         -------
@@ -232,7 +235,12 @@ class Robot:
         """
         self._refuse_channels()
         single, (q_, dq_, ddq_) = states(self.n, q=q, dq=dq, ddq=ddq)
-        phi = self._native.regressor(q_, dq_, ddq_, self.columns(parameters), sign_velocity_scale)
+        columns = self.columns(parameters)
+        shape = (q_.shape[0], self.n, len(columns))
+        phi = np.empty(shape) if out is None else out
+        if phi.shape != shape or phi.dtype != np.float64 or not phi.flags.c_contiguous or not phi.flags.writeable:
+            raise ValueError(f"out must be a writable float64 array of shape {shape} in C order")
+        self._native.regressor(q_, dq_, ddq_, columns, sign_velocity_scale, phi)
         return phi[0] if single else phi
 
     def inverse_dynamics(
@@ -262,7 +270,8 @@ class Robot:
         """
         self._refuse_channels()
         single, (q_, dq_, ddq_) = states(self.n, q=q, dq=dq, ddq=ddq)
-        tau = self._native.inverse_dynamics(q_, dq_, ddq_, self._theta(theta), sign_velocity_scale)
+        tau = np.empty(q_.shape)
+        self._native.inverse_dynamics(q_, dq_, ddq_, self._theta(theta), sign_velocity_scale, tau)
         return tau[0] if single else tau
 
     def forward_dynamics(
@@ -283,13 +292,15 @@ class Robot:
         """
         self._refuse_channels()
         single, (q_, dq_, tau_) = states(self.n, q=q, dq=dq, tau=tau)
-        ddq = self._native.forward_dynamics(q_, dq_, tau_, self._theta(theta), sign_velocity_scale)
+        ddq = np.empty(q_.shape)
+        self._native.forward_dynamics(q_, dq_, tau_, self._theta(theta), sign_velocity_scale, ddq)
         return ddq[0] if single else ddq
 
     def mass_matrix(self, q: ArrayLike, *, theta: ArrayLike | None = None) -> Array:
         """The mass matrix, shape (n, n) or (samples, n, n), motor inertias included."""
         single, (q_,) = states(self.n, q=q)
-        masses = self._native.mass_matrix(q_, self._theta(theta))
+        masses = np.empty((q_.shape[0], self.n, self.n))
+        self._native.mass_matrix(q_, self._theta(theta), masses)
         return masses[0] if single else masses
 
     def joint_torques(self, drive_signals: ArrayLike) -> Array:

@@ -295,4 +295,17 @@ mod tests {
         let steps: Vec<f64> = recording.position.values().windows(2).map(|w| w[1] - w[0]).collect();
         assert!(steps[1..198].iter().all(|s| (s - steps[100]).abs() < 1e-9));
     }
+
+    #[test]
+    fn every_series_goes_along_with_the_time_stamps() {
+        let time: Vec<f64> = (0..200).map(|k| 0.01 * (f64::from(k) + 0.2 * f64::from(k).sin())).collect();
+        let ramp = series(&time);
+        let recording = Recording::new(1.0, ramp.clone(), ramp.clone()).with_reference(ramp.clone());
+        let recording = recording.with_channel("temperature", ramp.clone()).with_time_stamps(time.clone()).unwrap();
+        assert_eq!(recording.reference.as_ref(), Some(&recording.position));
+        assert_eq!(recording.channels["temperature"], recording.position);
+        assert_ne!(recording.position, ramp);
+        let short = Recording::new(1.0, ramp.clone(), ramp.clone()).with_reference(ramp.window(0..199));
+        assert!(matches!(short.with_time_stamps(time), Err(RecordingError::DifferentLengths { .. })));
+    }
 }

@@ -353,3 +353,18 @@ impl Case {
         Self { simulator, ..self }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_are_read_from_the_tables_of_an_experiment() {
+        let text = "estimation.methods = ['idim-ls']\n[signal]\ncutoff_hz = 20\ndecimation = 10";
+        assert_eq!(toml::from_str(text), Ok(Settings::new(20.0, 10)));
+        let more: Settings = toml::from_str(&format!("{text}\n[[case]]\nname = 'a'")).unwrap();
+        assert_eq!(more.cases, [Case { name: "a".to_owned(), ..Case::nominal() }]);
+        let error = toml::from_str::<Settings>(&format!("{text}\n[twin]")).unwrap_err();
+        assert!(error.message().starts_with("unknown field `twin`"), "{error}");
+    }
+}
