@@ -8,6 +8,7 @@ use std::{
 use numpy::PyReadonlyArray2;
 use pyo3::{prelude::*, types::PyBytes};
 use thetahat::{
+    Experiment,
     output::replace_file,
     report::{self, Published},
     results::{Plots, RunPlots},
@@ -16,6 +17,7 @@ use thetahat::{
 use crate::{
     arrays::{rows, series_of},
     raised::Raised,
+    robot::Robot,
 };
 
 /// Curves of joints over the same times, one array with a column for each joint.
@@ -48,10 +50,17 @@ impl Results {
 
 #[pymethods]
 impl Results {
-    /// Results of a `results.json`, without curves.
+    /// Results of a `results.json`, without curves, and the robot of their experiment, where they are of one.
     #[staticmethod]
-    fn read(path: PathBuf) -> Result<Self, Raised> {
-        Ok(Self::new(thetahat::Results::read(&path)?, Vec::new(), BTreeMap::new(), None))
+    fn read(path: PathBuf) -> Result<(Self, Option<Robot>), Raised> {
+        let results = thetahat::Results::read(&path)?;
+        let (text, robot_text) = (&results.experiment_description, &results.robot_description);
+        if text.is_empty() {
+            return Ok((Self::new(results, Vec::new(), BTreeMap::new(), None), None));
+        }
+        let parameters = Experiment::from_texts(&path, text.clone(), robot_text.clone())?.settings.parameters;
+        let robot = Robot::of_experiment(&path, text, robot_text, &results.profiled_terms)?;
+        Ok((Self::new(results, parameters.exclude, parameters.fix, None), Some(robot)))
     }
 
     /// What [`Results::state`] gave.

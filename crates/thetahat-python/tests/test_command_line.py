@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 import thetahat as th
@@ -28,6 +29,9 @@ def same_bytes(experiment, data, folder):
     assert result.to_csv() == (folder / "parameters.csv").read_text()
     assert without_times(result.to_json()) == without_times((folder / "results.json").read_text())
     assert done.returncode == (result.verdict == "do-not-use")
+    state = np.full(result.robot.n, 0.3)
+    read = th.Result.read(folder / "results.json")
+    np.testing.assert_array_equal(read.predict(state, state, state), result.predict(state, state, state))
     return result
 
 
@@ -44,8 +48,6 @@ def test_the_recorded_axis(checkout, shared, tmp_path):
 def test_arrays_give_what_the_file_gives(tmp_path, twin):
     """An experiment on a file, and the same recording and settings through arrays."""
     (tmp_path / "arm.toml").write_text(twin.robot._native.text())
-    import numpy as np
-
     log = twin.recording
     table = np.column_stack([log.position, log.torque])
     head = "position_1,position_2,torque_1,torque_2"

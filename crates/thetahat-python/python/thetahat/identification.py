@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from . import _thetahat
@@ -44,7 +44,7 @@ def identify(
     cases: Sequence[_Table] = (),
     payloads: Sequence[_Table] = (),
     title: str | None = None,
-    progress: bool | Callable[[str], object] = False,
+    progress: bool | Progress = False,
 ) -> Result:
     """Identify the dynamic parameters of a robot.
 
@@ -94,9 +94,10 @@ def identify(
         "payload": [dict(payload) for payload in payloads],
     }
     all_recordings = _list(recordings)
-    if cutoff_hz is None and decimation is None:
-        cutoff_hz, decimation, _ = _chosen(robot, all_recordings, {**settings, "signal": dict(signal or {})})
     settings["signal"] = {"cutoff_hz": cutoff_hz, "decimation": decimation, **(signal or {})}
+    if settings["signal"]["cutoff_hz"] is None and settings["signal"]["decimation"] is None:
+        chosen = _chosen(robot, all_recordings, settings)
+        settings["signal"].update(cutoff_hz=chosen.cutoff_hz, decimation=chosen.decimation)
     with telling(progress) as tell:
         native = _thetahat.identify(
             robot._native, all_recordings, _list(validation), settings, title or robot.name, tell
@@ -121,7 +122,7 @@ def choose_filter(robot: Robot, recordings: _Recordings, *, parameters: _Table |
 
 def _chosen(robot: Robot, recordings: list[Recording], settings: dict[str, Any]) -> Filter:
     # The filter of the settings does not matter to the choice, and must be one.
-    signal = {"cutoff_hz": 1.0, "decimation": 1, **settings["signal"]}
+    signal = {**settings["signal"], "cutoff_hz": 1.0, "decimation": 1}
     cutoff_hz, decimation, reasons = _thetahat.choose_filter(robot._native, recordings, {**settings, "signal": signal})
     return Filter(cutoff_hz, decimation, tuple(reasons))
 

@@ -182,21 +182,29 @@ class Result:
 
     def __init__(self, native: _thetahat.Results, robot: Robot | None) -> None:
         self._native = native
-        self.robot = robot
+        self._known_robot = robot
         self._data: dict[str, Any] = json.loads(native.to_json())
         time, measured, _ = native.curves()
         self._curves = time[:, 0] if time.shape[1] else np.empty(0), measured
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Result:
-        """The results of a ``results.json``, without curves and without the robot.
+        """The results of a ``results.json``, without curves.
+
+        Results of arrays come without the robot, and predict nothing: pickle them instead.
 
         Raises
         ------
         ResultsError
             For a file that is none.
         """
-        return cls(_thetahat.Results.read(os.fspath(path)), None)
+        native, robot = _thetahat.Results.read(os.fspath(path))
+        return cls(native, None if robot is None else Robot(robot))
+
+    @property
+    def robot(self) -> Robot | None:
+        """The robot, where it is known."""
+        return self._known_robot
 
     @property
     def verdict(self) -> str:
@@ -338,7 +346,7 @@ class Result:
         return len(self._data["runs"])
 
     def __reduce__(self) -> tuple[type[Result], tuple[_thetahat.Results, Robot | None]]:
-        return Result, (self._native, self.robot)
+        return Result, (self._native, self._known_robot)
 
     def __repr__(self) -> str:
         return f"<thetahat.Result {self._data['title']}: verdict {self.verdict}, {len(self)} runs>"
@@ -359,9 +367,9 @@ class Result:
         return Run(self._data["runs"][number], (time, measured, predicted))
 
     def _robot(self) -> Robot:
-        if self.robot is None:
-            raise ResultsError("results that were read from a file know no robot: set `result.robot`")
-        return self.robot
+        if self._known_robot is None:
+            raise ResultsError("results of arrays that were read from results.json know no robot: pickle the result instead")
+        return self._known_robot
 
 
 def _parameter(data: dict[str, Any]) -> Parameter:

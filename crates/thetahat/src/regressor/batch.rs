@@ -183,9 +183,8 @@ mod tests {
         let regressor = Regressor::new(&model, &[5, 11, 19, 25]);
         // More than two batches, and a rest.
         let (samples, range) = (2 * AHEAD + 7, 3..2 * AHEAD + 7);
-        let motion = [0.1, 0.7, 1.3].map(|w| {
-            Series::from_values(2, (0..2 * samples).map(|k| (w * k as f64).sin()).collect())
-        });
+        let motion =
+            [0.1, 0.7, 1.3].map(|w| Series::from_values(2, (0..2 * samples).map(|k| (w * k as f64).sin()).collect()));
         let [q, dq, ddq] = [0, 1, 2].map(|i: usize| &motion[i]);
         let entries = regressor.evaluate_series(&model, q, dq, ddq, Sign::Exact);
         let mut rows = vec![f64::NAN; range.len() * 2 * 4];
