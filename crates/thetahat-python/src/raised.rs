@@ -65,7 +65,14 @@ impl From<ExperimentError> for Raised {
             ExperimentError::Robot(error) => error.into(),
             ExperimentError::Recording(error) => error.into(),
             ExperimentError::Results(error) => error.into(),
-            error => Self::new("ExperimentError", error),
+            error @ (ExperimentError::Unreadable { .. }
+            | ExperimentError::Syntax { .. }
+            | ExperimentError::Preparation { .. }
+            | ExperimentError::Filter { .. }
+            | ExperimentError::Plan { .. }
+            | ExperimentError::Twin { .. }
+            | ExperimentError::ResultsFile { .. }
+            | _) => Self::new("ExperimentError", error),
         }
     }
 }

@@ -20,6 +20,7 @@ use crate::{
 /// Simulates a robot under control along a sampled reference: positions, velocities, accelerations and joint torques at its
 /// samples.
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "the arguments of the package, which names them")]
 pub fn simulate<'py>(
     py: Python<'py>,
     robot: &Robot,
