@@ -18,18 +18,15 @@ use crate::{
 
 /// The decimated observation matrix of a motion: joint by joint, each joint's rows in time order.
 #[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "the arguments of the package, which names them")]
 pub fn observation_matrix<'py>(
     py: Python<'py>,
     robot: &Robot,
-    q: PyReadonlyArray2<'py, f64>,
-    dq: PyReadonlyArray2<'py, f64>,
-    ddq: PyReadonlyArray2<'py, f64>,
+    motion: [PyReadonlyArray2<'py, f64>; 3],
     decimation: usize,
     columns: Vec<usize>,
     sign_velocity_scale: Option<f64>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let [q, dq, ddq] = [q, dq, ddq].map(|array| series_of(array.as_array()));
+    let [q, dq, ddq] = motion.map(|array| series_of(array.as_array()));
     let sign: Sign = sign_of(sign_velocity_scale);
     let x = py.detach(|| {
         let decimator = Decimator::new(decimation, q.len())?;

@@ -203,41 +203,35 @@ impl Robot {
         Ok(base.to_standard(&values).into_pyarray(py))
     }
 
-    /// Fills `phi`, samples by coordinates by columns, over a motion.
-    #[expect(clippy::too_many_arguments, reason = "the arguments of the package, which names them")]
+    /// Fills `phi`, samples by coordinates by columns, over a motion `[q, dq, ddq]`.
     fn regressor<'py>(
         &self,
         py: Python<'py>,
-        q: PyReadonlyArray2<'py, f64>,
-        dq: PyReadonlyArray2<'py, f64>,
-        ddq: PyReadonlyArray2<'py, f64>,
+        motion: [PyReadonlyArray2<'py, f64>; 3],
         columns: Vec<usize>,
         sign_velocity_scale: Option<f64>,
         mut phi: PyReadwriteArray3<'py, f64>,
     ) -> PyResult<()> {
         let regressor = Regressor::new(&self.model, &columns);
         let sign = sign_of(sign_velocity_scale);
-        Samples::of([&q, &dq, &ddq]).fill(py, phi.as_slice_mut()?, |motion, phi| {
+        Samples::of(motion.each_ref()).fill(py, phi.as_slice_mut()?, |motion, phi| {
             regressor.evaluate_rows(&self.model, motion, 0..motion[0].len(), sign, phi);
             Ok(())
         })
     }
 
-    /// Fills `tau`, samples by coordinates, with the torques of a motion.
-    #[expect(clippy::too_many_arguments, reason = "the arguments of the package, which names them")]
+    /// Fills `tau`, samples by coordinates, with the torques of a motion `[q, dq, ddq]`.
     fn inverse_dynamics<'py>(
         &self,
         py: Python<'py>,
-        q: PyReadonlyArray2<'py, f64>,
-        dq: PyReadonlyArray2<'py, f64>,
-        ddq: PyReadonlyArray2<'py, f64>,
+        motion: [PyReadonlyArray2<'py, f64>; 3],
         theta: Vec<f64>,
         sign_velocity_scale: Option<f64>,
         mut tau: PyReadwriteArray2<'py, f64>,
     ) -> PyResult<()> {
         let (n, sign) = (self.model.coordinate_count(), sign_of(sign_velocity_scale));
         let parameters = DynamicParameters::new(&self.model, &theta);
-        Samples::of([&q, &dq, &ddq]).fill(py, tau.as_slice_mut()?, |[q, dq, ddq], tau| {
+        Samples::of(motion.each_ref()).fill(py, tau.as_slice_mut()?, |[q, dq, ddq], tau| {
             let mut workspace = Workspace::new(&self.model);
             for (k, tau) in tau.chunks_exact_mut(n).enumerate() {
                 let state = State::new(q.sample(k), dq.sample(k));
@@ -247,21 +241,18 @@ impl Robot {
         })
     }
 
-    /// Fills `ddq`, samples by coordinates, with the accelerations that torques give.
-    #[expect(clippy::too_many_arguments, reason = "the arguments of the package, which names them")]
+    /// Fills `ddq`, samples by coordinates, with the accelerations of `[q, dq, tau]`.
     fn forward_dynamics<'py>(
         &self,
         py: Python<'py>,
-        q: PyReadonlyArray2<'py, f64>,
-        dq: PyReadonlyArray2<'py, f64>,
-        tau: PyReadonlyArray2<'py, f64>,
+        inputs: [PyReadonlyArray2<'py, f64>; 3],
         theta: Vec<f64>,
         sign_velocity_scale: Option<f64>,
         mut ddq: PyReadwriteArray2<'py, f64>,
     ) -> PyResult<()> {
         let sign = sign_of(sign_velocity_scale);
         let parameters = DynamicParameters::new(&self.model, &theta);
-        Samples::of([&q, &dq, &tau]).fill(py, ddq.as_slice_mut()?, |inputs, ddq| {
+        Samples::of(inputs.each_ref()).fill(py, ddq.as_slice_mut()?, |inputs, ddq| {
             let found = self.model.forward_dynamics_series(&parameters, inputs, sign)?;
             ddq.copy_from_slice(found.values());
             Ok(())

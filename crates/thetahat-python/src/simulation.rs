@@ -2,6 +2,7 @@
 
 use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
+use serde::Deserialize;
 use thetahat::{
     ControllerDescription,
     preparation::SimulationOptions,
@@ -20,25 +21,20 @@ use crate::{
 /// Simulates a robot under control along a sampled reference: positions, velocities, accelerations and joint torques at its
 /// samples.
 #[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "the arguments of the package, which names them")]
 pub fn simulate<'py>(
     py: Python<'py>,
     robot: &Robot,
     reference: PyReadonlyArray2<'py, f64>,
     sample_rate_hz: f64,
-    controller: &Bound<'py, PyAny>,
     theta: Vec<f64>,
-    options: &Bound<'py, PyAny>,
-    bias: &Bound<'py, PyAny>,
+    settings: &Bound<'py, PyAny>,
 ) -> PyResult<[Bound<'py, PyArray2<f64>>; 4]> {
     let simulation = Simulation {
         robot: robot.clone(),
         reference: series_of(reference.as_array()),
         sample_rate_hz,
-        controller: values::read(controller)?,
         theta,
-        options: values::read(options)?,
-        bias: values::read(bias)?,
+        settings: values::read(settings)?,
     };
     let motion = interruptible::run(py, None, move |_| simulation.run())?;
     let SimulatedMotion { q, dq, ddq, tau, .. } = motion;
@@ -49,28 +45,37 @@ struct Simulation {
     robot: Robot,
     reference: Series,
     sample_rate_hz: f64,
-    controller: ControllerDescription,
     theta: Vec<f64>,
-    options: SimulationOptions,
+    settings: LoopSettings,
+}
+
+/// What is simulated of the loop beside the robot.
+#[derive(Deserialize)]
+struct LoopSettings {
+    controller: ControllerDescription,
+    #[serde(default)]
+    simulation: SimulationOptions,
+    #[serde(default)]
     bias: SimulatorBias,
 }
 
 impl Simulation {
     fn run(self) -> Result<SimulatedMotion, Raised> {
+        let LoopSettings { controller, simulation, bias } = self.settings;
         let samples = self.reference.len();
         let motors = self.robot.robot.coordinate_count();
-        self.controller.validate(motors).map_err(|e| Raised::new("SettingsError", e))?;
+        controller.validate(motors).map_err(|e| Raised::new("SettingsError", e))?;
         let reference = Reference::Sampled(SampledReference::new(self.reference, self.sample_rate_hz));
         let closed_loop = ClosedLoop {
             model: self.robot.model(),
             transmission: &self.robot.robot.transmission,
-            controller: &self.controller,
+            controller: &controller,
             reference: &reference,
             added_signal: None,
             channels: None,
-            bias: self.bias,
-            solver: self.options.solver,
-            sign_velocity_scale: self.options.sign_velocity_scale,
+            bias,
+            solver: simulation.solver,
+            sign_velocity_scale: simulation.sign_velocity_scale,
         };
         let inertia = closed_loop.motor_inertia(&self.theta, samples as f64 / self.sample_rate_hz);
         let grid = OutputGrid { start_s: 0.0, sample_rate_hz: self.sample_rate_hz, samples };

@@ -30,13 +30,13 @@ class Robot:
     def base_of(self, theta: Array) -> Array: ...
     def standard_of(self, estimates: dict[str, float], excluded: list[str], fixed: dict[str, float]) -> Array: ...
     def regressor(
-        self, q: Array, dq: Array, ddq: Array, columns: list[int], sign_velocity_scale: float | None, phi: Array
+        self, motion: list[Array], columns: list[int], sign_velocity_scale: float | None, phi: Array
     ) -> None: ...
     def inverse_dynamics(
-        self, q: Array, dq: Array, ddq: Array, theta: Array, sign_velocity_scale: float | None, tau: Array
+        self, motion: list[Array], theta: Array, sign_velocity_scale: float | None, tau: Array
     ) -> None: ...
     def forward_dynamics(
-        self, q: Array, dq: Array, tau: Array, theta: Array, sign_velocity_scale: float | None, ddq: Array
+        self, inputs: list[Array], theta: Array, sign_velocity_scale: float | None, ddq: Array
     ) -> None: ...
     def mass_matrix(self, q: Array, theta: Array, masses: Array) -> None: ...
     def joint_torques(self, drive: Array) -> Array: ...
@@ -98,9 +98,7 @@ def derivative(array: Array, sample_rate_hz: float, kind: str) -> Array: ...
 def decimate(array: Array, factor: int) -> Array: ...
 def observation_matrix(
     robot: Robot,
-    q: Array,
-    dq: Array,
-    ddq: Array,
+    motion: list[Array],
     decimation: int,
     columns: Sequence[int],
     sign_velocity_scale: float | None,
@@ -113,8 +111,6 @@ def simulate(
     robot: Robot,
     reference: Array,
     sample_rate_hz: float,
-    controller: dict[str, Any],
     theta: Array,
-    options: dict[str, Any],
-    bias: dict[str, Any],
+    settings: dict[str, Any],
 ) -> tuple[Array, Array, Array, Array]: ...

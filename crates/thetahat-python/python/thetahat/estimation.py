@@ -54,9 +54,9 @@ def observation_matrix(
         Joint by joint, each joint's rows in time order; in Fortran order.
     """
     robot._refuse_channels()
-    _, (q, dq, ddq) = states(robot.n, position=position, velocity=velocity, acceleration=acceleration)
+    _, motion = states(robot.n, position=position, velocity=velocity, acceleration=acceleration)
     columns = robot.columns(parameters)
-    return _thetahat.observation_matrix(robot._native, q, dq, ddq, decimation, columns, sign_velocity_scale)
+    return _thetahat.observation_matrix(robot._native, motion, decimation, columns, sign_velocity_scale)
 
 
 def measurement_vector(torque: ArrayLike, *, decimation: int) -> Array:

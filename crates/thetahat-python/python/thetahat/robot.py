@@ -234,13 +234,13 @@ class Robot:
         array([[0.3, 0.2, 1. ]])
         """
         self._refuse_channels()
-        single, (q_, dq_, ddq_) = states(self.n, q=q, dq=dq, ddq=ddq)
+        single, motion = states(self.n, q=q, dq=dq, ddq=ddq)
         columns = self.columns(parameters)
-        shape = (q_.shape[0], self.n, len(columns))
+        shape = (motion[0].shape[0], self.n, len(columns))
         phi = np.empty(shape) if out is None else out
         if phi.shape != shape or phi.dtype != np.float64 or not phi.flags.c_contiguous or not phi.flags.writeable:
             raise ValueError(f"out must be a writable float64 array of shape {shape} in C order")
-        self._native.regressor(q_, dq_, ddq_, columns, sign_velocity_scale, phi)
+        self._native.regressor(motion, columns, sign_velocity_scale, phi)
         return phi[0] if single else phi
 
     def inverse_dynamics(
@@ -269,9 +269,9 @@ class Robot:
             Torques, N m or N.
         """
         self._refuse_channels()
-        single, (q_, dq_, ddq_) = states(self.n, q=q, dq=dq, ddq=ddq)
-        tau = np.empty(q_.shape)
-        self._native.inverse_dynamics(q_, dq_, ddq_, self._theta(theta), sign_velocity_scale, tau)
+        single, motion = states(self.n, q=q, dq=dq, ddq=ddq)
+        tau = np.empty(motion[0].shape)
+        self._native.inverse_dynamics(motion, self._theta(theta), sign_velocity_scale, tau)
         return tau[0] if single else tau
 
     def forward_dynamics(
@@ -291,9 +291,9 @@ class Robot:
             Where the parameters have no positive definite mass matrix.
         """
         self._refuse_channels()
-        single, (q_, dq_, tau_) = states(self.n, q=q, dq=dq, tau=tau)
-        ddq = np.empty(q_.shape)
-        self._native.forward_dynamics(q_, dq_, tau_, self._theta(theta), sign_velocity_scale, ddq)
+        single, inputs = states(self.n, q=q, dq=dq, tau=tau)
+        ddq = np.empty(inputs[0].shape)
+        self._native.forward_dynamics(inputs, self._theta(theta), sign_velocity_scale, ddq)
         return ddq[0] if single else ddq
 
     def mass_matrix(self, q: ArrayLike, *, theta: ArrayLike | None = None) -> Array:

@@ -67,14 +67,10 @@ def simulate(
     """
     robot._refuse_channels()
     followed = samples("reference", reference, robot.n)
-    table = controller.settings() if isinstance(controller, Controller) else dict(controller)
-    motion = _thetahat.simulate(
-        robot._native,
-        followed,
-        float(sample_rate_hz),
-        table,
-        robot._theta(theta),
-        dict(simulation or {}),
-        dict(bias or {}),
-    )
+    settings = {
+        "controller": controller.settings() if isinstance(controller, Controller) else dict(controller),
+        "simulation": dict(simulation or {}),
+        "bias": dict(bias or {}),
+    }
+    motion = _thetahat.simulate(robot._native, followed, float(sample_rate_hz), robot._theta(theta), settings)
     return Simulated(np.arange(followed.shape[0]) / sample_rate_hz, *motion)
