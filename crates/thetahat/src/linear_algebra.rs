@@ -74,6 +74,12 @@ impl Matrix {
         self.values[j * self.rows + i]
     }
 
+    /// All values, column by column, taken out.
+    #[must_use]
+    pub fn into_values(self) -> Vec<f64> {
+        self.values
+    }
+
     /// The entry at row `i`, column `j`, to write.
     pub fn at_mut(&mut self, i: usize, j: usize) -> &mut f64 {
         &mut self.values[j * self.rows + i]

@@ -77,6 +77,12 @@ impl Series {
         &self.values
     }
 
+    /// All values, sample by sample, taken out.
+    #[must_use]
+    pub fn into_values(self) -> Vec<f64> {
+        self.values
+    }
+
     /// All values, sample by sample, to write.
     pub fn values_mut(&mut self) -> &mut [f64] {
         &mut self.values

@@ -56,7 +56,7 @@ impl Experiment {
     /// [`ExperimentError`] for input that cannot be used. What is used but looks wrong is a finding.
     pub fn check(&self, data: &Path) -> Result<Vec<RecordingFindings>, ExperimentError> {
         let held_back = self.read_all(&self.file.validation, data)?;
-        let of_recordings = check_recordings(self.setup(), self.main_recordings(data)?, held_back);
+        let of_recordings = check_recordings(self.setup(), self.recordings(data)?, held_back);
         let of_robot = examine_robot(&self.robot).into_iter();
         Ok(of_robot.chain(of_recordings.map_err(|e| self.refuse(e))?).collect())
     }
@@ -67,14 +67,14 @@ impl Experiment {
     /// # Errors
     /// [`ExperimentError`] for input that cannot be used, and where no filter gives an estimate.
     pub fn choose_filter(&self, data: &Path, own: bool, threads: usize) -> Result<FilterChoice, ExperimentError> {
-        let recordings = self.main_recordings(data)?;
+        let recordings = self.recordings(data)?;
         choose_filter(&self.robot, &self.settings, &recordings, own, threads)
             .map_err(|source| ExperimentError::Filter { path: self.path.clone(), source })
     }
 
     /// The recordings, read or made by the twin, with the settings.
     fn identification(&self, data: &Path) -> Result<Identification, ExperimentError> {
-        let main = self.identification_of(self.main_recordings(data)?)?;
+        let main = self.identification_of(self.recordings(data)?)?;
         main.with_validation(self.read_all(&self.file.validation, data)?).map_err(|e| self.refuse(e))
     }
 
@@ -83,7 +83,11 @@ impl Experiment {
         Identification::new(&self.robot, recordings, self.settings.clone()).map_err(|e| self.refuse(e))
     }
 
-    fn main_recordings(&self, data: &Path) -> Result<Vec<Recording>, ExperimentError> {
+    /// The recordings to identify from, on the joint side and at equal time steps, or the record of the twin.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] for files that cannot be used, or a twin that cannot be simulated.
+    pub fn recordings(&self, data: &Path) -> Result<Vec<Recording>, ExperimentError> {
         match &self.file.twin {
             Some(twin) => Ok(vec![self.simulate_twin(twin)?]),
             None => self.read_all(&self.file.recording, data),

@@ -95,11 +95,24 @@ impl Recording {
     /// # Errors
     /// [`RecordingError`] for stamps that do not rise, or without a usual step, and for series of other lengths.
     pub fn at_times(time_s: Vec<f64>, position: Series, torque: Series) -> Result<Self, RecordingError> {
+        Self::new(1.0, position, torque).with_time_stamps(time_s)
+    }
+
+    /// The same with every series at these time stamps in s, as of [`Recording::at_times`], in the place of equal steps.
+    ///
+    /// # Errors
+    /// As [`Recording::at_times`].
+    pub fn with_time_stamps(self, time_s: Vec<f64>) -> Result<Self, RecordingError> {
         let (source, times) = (Path::new("arrays"), Series::from_values(1, time_s));
-        same_length(&times, "time", source, &position, "position", source)?;
-        same_length(&times, "time", source, &torque, "torque", source)?;
+        let optional = [("torque", &self.torque), ("velocity", &self.velocity), ("reference", &self.reference)];
+        let named = optional.into_iter().chain([("added signal", &self.added_signal)]);
+        let channels = self.channels.iter().map(|(name, series)| (name.as_str(), series));
+        let all = named.filter_map(|(name, series)| Some((name, series.as_ref()?))).chain(channels);
+        for (name, series) in [("position", &self.position)].into_iter().chain(all) {
+            same_length(&times, "time", source, series, name, source)?;
+        }
         let clock = Clock::from_stamps(times.channel(0), LARGEST_JITTER, source, "time_s")?;
-        let recording = Self::new(clock.sample_rate_hz(), position, torque);
+        let recording = Self { sample_rate_hz: clock.sample_rate_hz(), ..self };
         Ok(Self { time_stamps_s: clock.stamps().map(<[f64]>::to_vec), ..recording.into_equal_steps(&clock) })
     }
 
@@ -274,5 +287,18 @@ mod tests {
         assert!((recording.sample_rate_hz - 100.0).abs() < 0.5 && recording.resampling.is_some());
         let steps: Vec<f64> = recording.position.values().windows(2).map(|w| w[1] - w[0]).collect();
         assert!(steps[1..198].iter().all(|s| (s - steps[100]).abs() < 1e-9));
+    }
+
+    #[test]
+    fn every_series_goes_along_with_the_time_stamps() {
+        let time: Vec<f64> = (0..200).map(|k| 0.01 * (f64::from(k) + 0.2 * f64::from(k).sin())).collect();
+        let ramp = series(&time);
+        let recording = Recording::new(1.0, ramp.clone(), ramp.clone()).with_reference(ramp.clone());
+        let recording = recording.with_channel("temperature", ramp.clone()).with_time_stamps(time.clone()).unwrap();
+        assert_eq!(recording.reference.as_ref(), Some(&recording.position));
+        assert_eq!(recording.channels["temperature"], recording.position);
+        assert_ne!(recording.position, ramp);
+        let short = Recording::new(1.0, ramp.clone(), ramp.clone()).with_reference(ramp.window(0..199));
+        assert!(matches!(short.with_time_stamps(time), Err(RecordingError::DifferentLengths { .. })));
     }
 }

@@ -16,22 +16,28 @@ use crate::{
     simulation::{SimulatorBias, Solver},
 };
 
-/// How a robot is identified from its recordings.
-#[derive(Debug, Clone, PartialEq)]
+/// How a robot is identified from its recordings. Its form as data is that of an experiment file's tables of these names.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Settings {
     /// Filters, decimation and window.
     pub signal: SignalOptions,
     /// Which parameters are estimated and shown.
+    #[serde(default)]
     pub parameters: ParameterSelection,
     /// Methods and their options.
+    #[serde(default)]
     pub estimation: EstimationOptions,
     /// The simulated controller, for methods that simulate the closed loop.
     pub controller: Option<ControllerDescription>,
     /// The simulator's options.
+    #[serde(default)]
     pub simulation: SimulationOptions,
     /// Cases beside the nominal one.
+    #[serde(default, rename = "case")]
     pub cases: Vec<Case>,
     /// Payloads that recordings may carry.
+    #[serde(default, rename = "payload")]
     pub payloads: Vec<Payload>,
 }
 
@@ -357,5 +363,20 @@ impl Case {
     #[must_use]
     pub fn with_simulator(self, simulator: SimulatorBias) -> Self {
         Self { simulator, ..self }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_are_read_from_the_tables_of_an_experiment() {
+        let text = "estimation.methods = ['idim-ls']\n[signal]\ncutoff_hz = 20\ndecimation = 10";
+        assert_eq!(toml::from_str(text), Ok(Settings::new(20.0, 10)));
+        let more: Settings = toml::from_str(&format!("{text}\n[[case]]\nname = 'a'")).unwrap();
+        assert_eq!(more.cases, [Case { name: "a".to_owned(), ..Case::nominal() }]);
+        let error = toml::from_str::<Settings>(&format!("{text}\n[twin]")).unwrap_err();
+        assert!(error.message().starts_with("unknown field `twin`"), "{error}");
     }
 }

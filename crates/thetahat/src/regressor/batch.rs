@@ -42,6 +42,34 @@ impl Regressor {
     }
 }
 
+impl Regressor {
+    /// The whole of `phi` of the samples in `range`, zeros included: sample by sample, coordinate by coordinate, column by
+    /// column.
+    pub fn evaluate_rows(
+        &self,
+        model: &Model,
+        motion: [&Series; 3],
+        range: Range<usize>,
+        sign: Sign,
+        rows: &mut [f64],
+    ) {
+        let (entries, size) = (self.entries().len(), model.coordinate_count() * self.columns());
+        let mut phi = vec![0.0; AHEAD.min(range.len()) * entries];
+        let starts = range.clone().step_by(AHEAD);
+        for (start, rows) in starts.zip(rows.chunks_mut((AHEAD * size).max(1))) {
+            let samples = start..range.end.min(start + AHEAD);
+            let phi = &mut phi[..samples.len() * entries];
+            self.evaluate_samples(model, motion, samples, sign, phi);
+            rows.fill(0.0);
+            for (row, values) in rows.chunks_exact_mut(size.max(1)).zip(phi.chunks_exact(entries.max(1))) {
+                for (entry, value) in self.entries().iter().zip(values) {
+                    row[entry.joint * self.columns() + entry.column] = *value;
+                }
+            }
+        }
+    }
+}
+
 struct Batches<'a> {
     regressor: &'a Regressor,
     model: &'a Model,
@@ -138,5 +166,35 @@ impl<'a> BufferedRegressor<'a> {
         self.start = start;
         self.phi.resize((end - start) * entries, 0.0);
         self.regressor.evaluate_samples(self.model, self.motion, start..end, self.sign, &mut self.phi);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::robot::Robot;
+
+    #[test]
+    fn rows_hold_the_entries_in_their_places_and_zeros() {
+        let text = "name = 'r'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n[[joint]]\nname = 'b'\nkind = 'prismatic'\nalpha_deg = 90";
+        let model = Model::new(&Robot::parse(text, Path::new("r.toml")).unwrap());
+        let regressor = Regressor::new(&model, &[5, 11, 19, 25]);
+        // More than two batches, and a rest.
+        let (samples, range) = (2 * AHEAD + 7, 3..2 * AHEAD + 7);
+        let motion =
+            [0.1, 0.7, 1.3].map(|w| Series::from_values(2, (0..2 * samples).map(|k| (w * k as f64).sin()).collect()));
+        let [q, dq, ddq] = [0, 1, 2].map(|i: usize| &motion[i]);
+        let entries = regressor.evaluate_series(&model, q, dq, ddq, Sign::Exact);
+        let mut rows = vec![f64::NAN; range.len() * 2 * 4];
+        regressor.evaluate_rows(&model, [q, dq, ddq], range.clone(), Sign::Exact, &mut rows);
+        let mut expected = vec![0.0; rows.len()];
+        for (row, k) in expected.chunks_exact_mut(8).zip(range) {
+            for (entry, value) in regressor.entries().iter().zip(entries.sample(k)) {
+                row[4 * entry.joint + entry.column] = *value;
+            }
+        }
+        assert_eq!(rows, expected);
     }
 }

@@ -67,7 +67,7 @@ pub use findings::{filter_text, findings_text};
 pub use findings_json::findings_json;
 pub use model_json::model_json;
 pub use model_text::model_text;
-pub use outputs::{file_names, write_all};
+pub use outputs::{file_names, render, write_all};
 pub use prediction::{prediction_text, write_prediction};
 pub use published::{Agreement, Published, PublishedValue};
 pub use sensitivity::{SENSITIVITY_FILES, sensitivity_text, write_sensitivity};

@@ -45,4 +45,4 @@ pub use identification::Identification;
 pub(crate) use identification::{CaseProblem, explain};
 pub(crate) use parameters::parameter_results;
 pub(crate) use prediction::{Identified, predict_torques};
-pub(crate) use profiled_robot::with_constants;
+pub use profiled_robot::with_constants;

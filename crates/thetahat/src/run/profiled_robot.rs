@@ -65,7 +65,8 @@ fn renamed(column: &TermColumn, place: usize) -> TermColumn {
 }
 
 /// The robot with other constants of its terms, one description for each joint.
-pub(crate) fn with_constants(robot: &Robot, profiled: &[ProfiledTerm]) -> Robot {
+#[must_use]
+pub fn with_constants(robot: &Robot, profiled: &[ProfiledTerm]) -> Robot {
     let mut robot = robot.clone();
     let joints: Vec<String> = robot.joints.iter().map(|j| j.name.clone()).collect();
     for column in &mut robot.terms {

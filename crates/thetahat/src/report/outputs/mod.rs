@@ -19,6 +19,15 @@ pub fn file_names() -> impl Iterator<Item = &'static str> {
     OUTPUTS.into_iter().map(|output| output.name)
 }
 
+/// The content of one of the files that [`write_all`] writes; none where it writes no file of this name.
+///
+/// # Errors
+/// [`ReportError`] for what cannot be rendered.
+pub fn render(name: &str, results: &Results, published: Option<&Published>) -> Result<Option<Vec<u8>>, ReportError> {
+    let output = OUTPUTS.into_iter().find(|output| output.name == name);
+    output.map(|output| (output.render)(results, published)).transpose()
+}
+
 /// Writes `results.json`, `parameters.csv` and `report.html` into a folder, which is made where it is not there.
 /// Returns their paths.
 ///

@@ -1,0 +1,52 @@
+//! The thetahat command line: arguments in, exit code out. The program `thetahat` and the Python package both run it.
+
+mod arguments;
+mod campaign;
+mod commands;
+mod inputs;
+mod progress;
+mod proposal;
+mod reduction;
+mod shell;
+mod shown;
+mod terminal;
+
+use std::{borrow::Cow, ffi::OsString};
+
+use clap::Parser;
+use thetahat::visible::visible_lines;
+
+/// Finished, but a nominal run is not to be trusted.
+const NOT_TRUSTED: u8 = 1;
+/// Stopped by an error.
+const ERROR: u8 = 2;
+
+/// Runs the command that the arguments ask for, the first of which is the name of the program; returns its exit code: 0 the
+/// verdict is good, or care; 1 finished, but the numbers are not to be used; 2 error.
+#[must_use]
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let arguments = match arguments::Arguments::try_parse_from(arguments) {
+        Ok(arguments) => arguments,
+        Err(error) => return refuse_arguments(&error),
+    };
+    match commands::run(arguments) {
+        Ok(terminal::Ending::Good) => 0,
+        Ok(terminal::Ending::NotTrusted) => NOT_TRUSTED,
+        Err(error) => {
+            eprintln!("error: {}", visible_lines(&error.to_string()));
+            ERROR
+        }
+    }
+}
+
+/// Says what is wrong with the arguments, without what they hold for the terminal, or prints the help that they ask for.
+fn refuse_arguments(error: &clap::Error) -> u8 {
+    let text = error.to_string();
+    if let Cow::Owned(visible) = visible_lines(&text) {
+        eprint!("{visible}");
+        return ERROR;
+    }
+    // A reader that has gone away (`| head`) does not matter.
+    let _ = error.print();
+    if error.use_stderr() { ERROR } else { 0 }
+}

@@ -1,0 +1,88 @@
+"""Identification of the dynamic parameters of robots from recorded motion and torques.
+
+From a robot description and arrays to estimates with intervals:
+
+>>> import thetahat as th
+>>> twin = th.testing.twin(seconds=10, seed=1)  # a simulated arm: robot, recording, true parameters
+>>> result = th.identify(
+...     twin.robot, twin.recording, methods=["idim-ls", "idim-iv"],
+...     controller=twin.controller, cutoff_hz=40, decimation=10,
+... )
+>>> result.verdict
+'good'
+>>> run = result["idim-iv"]
+>>> bool(abs(run["fv1"].estimate - twin.truth["fv1"]) < 0.1)
+True
+
+Arrays have a row for each sample and a column for each joint, in rad, rad/s, rad/s^2 and N m (m, m/s, m/s^2 and N for
+prismatic joints). Errors are exceptions of :mod:`thetahat.errors`.
+"""
+
+from . import errors, pinocchio, testing
+from ._thetahat import VERSION as __version__
+from .controllers import PD, Cascaded, Controller
+from .errors import (
+    EstimationError,
+    ExperimentError,
+    PrecisionWarning,
+    RecordingError,
+    ReportError,
+    ResultsError,
+    RobotError,
+    SettingsError,
+    SignalError,
+    SimulationError,
+    ThetahatError,
+)
+from .estimation import Fit, estimate, measurement_vector, observation_matrix
+from .identification import Filter, choose_filter, identify, run
+from .recording import Recording, read, read_all
+from .results import Advice, Parameter, Result, Run
+from .robot import BaseParameter, Robot
+from .signal import Motion, band_pass, decimate, derivative, zero_phase
+from .simulation import Simulated, simulate
+
+__all__ = [
+    "PD",
+    "Advice",
+    "BaseParameter",
+    "Cascaded",
+    "Controller",
+    "EstimationError",
+    "ExperimentError",
+    "Filter",
+    "Fit",
+    "Motion",
+    "Parameter",
+    "PrecisionWarning",
+    "Recording",
+    "RecordingError",
+    "ReportError",
+    "Result",
+    "ResultsError",
+    "Robot",
+    "RobotError",
+    "Run",
+    "SettingsError",
+    "SignalError",
+    "Simulated",
+    "SimulationError",
+    "ThetahatError",
+    "__version__",
+    "band_pass",
+    "choose_filter",
+    "decimate",
+    "derivative",
+    "errors",
+    "estimate",
+    "identify",
+    "measurement_vector",
+    "observation_matrix",
+    "pinocchio",
+    "read",
+    "read_all",
+    "run",
+    "simulate",
+    "testing",
+    "zero_phase",
+]

@@ -1,0 +1,45 @@
+"""What thetahat raises: one class for each thing that can be wrong, with the texts of the library and the command line."""
+
+
+class ThetahatError(Exception):
+    """What every error of thetahat is."""
+
+
+class RobotError(ThetahatError, ValueError):
+    """A robot description that cannot be used; the message names file, line and remedy."""
+
+
+class RecordingError(ThetahatError, ValueError):
+    """A recording that cannot be used."""
+
+
+class SettingsError(ThetahatError, ValueError):
+    """Settings that cannot be used, or that do not fit robot and recordings; keys are those of an experiment file."""
+
+
+class ExperimentError(ThetahatError, ValueError):
+    """An experiment file that cannot be read or run."""
+
+
+class SignalError(ThetahatError, ValueError):
+    """A filter or decimation that the samples do not allow."""
+
+
+class EstimationError(ThetahatError, ValueError):
+    """A regression that gives no estimate."""
+
+
+class SimulationError(ThetahatError, RuntimeError):
+    """A simulated loop that diverges, or has no accelerations."""
+
+
+class ResultsError(ThetahatError, ValueError):
+    """A ``results.json`` that cannot be read, or results that lack what is asked for."""
+
+
+class ReportError(ThetahatError, OSError):
+    """A report that cannot be written."""
+
+
+class PrecisionWarning(UserWarning):
+    """An array of less than double precision was converted: its resolution stays what it was."""

@@ -1,0 +1,163 @@
+"""From recordings, or an experiment file, to results."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+from . import _thetahat
+from ._progress import Progress, telling
+from .controllers import Controller
+from .recording import Recording
+from .results import Result
+from .robot import Robot
+
+_Table = Mapping[str, Any]
+_Recordings = Recording | Sequence[Recording]
+
+
+class Filter(NamedTuple):
+    """A cut-off of the position filter with a decimation, and why it was chosen."""
+
+    cutoff_hz: float
+    """Cut-off of the Butterworth filter of the positions, Hz."""
+    decimation: int
+    """Every how many samples one is kept, behind the parallel filter."""
+    reasons: tuple[str, ...] = ()
+    """What the choice rests on, line by line."""
+
+
+def identify(
+    robot: Robot,
+    recordings: _Recordings,
+    *,
+    methods: Sequence[str] = ("idim-ls",),
+    controller: Controller | _Table | None = None,
+    cutoff_hz: float | None = None,
+    decimation: int | None = None,
+    validation: _Recordings = (),
+    signal: _Table | None = None,
+    parameters: _Table | None = None,
+    estimation: _Table | None = None,
+    simulation: _Table | None = None,
+    cases: Sequence[_Table] = (),
+    payloads: Sequence[_Table] = (),
+    title: str | None = None,
+    progress: bool | Progress = False,
+) -> Result:
+    """Identify the dynamic parameters of a robot.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    recordings : Recording or sequence of Recording
+        What to identify from; several are one regression.
+    methods : sequence of str
+        ``"idim-ls"``, ``"idim-wls"``, ``"idim-iv"``, ``"didim"``, ``"clie"``, ``"cloe"``.
+    controller : Controller, optional
+        The controller of the simulated loop, which all methods but the first two need; ``"idim-iv"`` guesses one without it.
+    cutoff_hz, decimation : float and int, optional
+        The position filter and the decimation. Without both, :func:`choose_filter` chooses them, which takes seconds.
+    validation : Recording or sequence of Recording
+        Held back to validate on.
+    signal, parameters, estimation, simulation : mapping, optional
+        Further keys of the tables of these names in an experiment file, such as ``parameters={"physical": True}`` or
+        ``estimation={"weighting": {"idim-iv": "per-joint"}}``.
+    cases, payloads : sequence of mapping
+        The ``[[case]]`` and ``[[payload]]`` tables of an experiment file.
+    title : str, optional
+        A line that says what it is; without it the robot's name.
+    progress : bool or callable
+        True shows what is being done, by tqdm where it is installed; a callable is told each stage.
+
+    Returns
+    -------
+    Result
+        A method that does not converge is not an error: its run says so.
+
+    Raises
+    ------
+    SettingsError
+        For settings or recordings that cannot be used; keys are those of an experiment file.
+    RecordingError
+        For time stamps that cannot be used.
+    """
+    table = {"methods": list(methods), **(estimation or {})}
+    settings: dict[str, Any] = {
+        "parameters": dict(parameters or {}),
+        "estimation": table,
+        "simulation": dict(simulation or {}),
+        "controller": controller.settings() if isinstance(controller, Controller) else controller,
+        "case": [dict(case) for case in cases],
+        "payload": [dict(payload) for payload in payloads],
+    }
+    all_recordings = _list(recordings)
+    settings["signal"] = {"cutoff_hz": cutoff_hz, "decimation": decimation, **(signal or {})}
+    if settings["signal"]["cutoff_hz"] is None and settings["signal"]["decimation"] is None:
+        chosen = _chosen(robot, all_recordings, settings)
+        settings["signal"].update(cutoff_hz=chosen.cutoff_hz, decimation=chosen.decimation)
+    with telling(progress) as tell:
+        native = _thetahat.identify(
+            robot._native, all_recordings, _list(validation), settings, title or robot.name, tell
+        )
+    return Result(native, robot)
+
+
+def choose_filter(robot: Robot, recordings: _Recordings, *, parameters: _Table | None = None) -> Filter:
+    """The filter behind which IDIM-LS estimates come nearest to the truth, on twins of the longest recording.
+
+    It is what ``thetahat init`` proposes: where no filter can be chosen, the usual one with the reason.
+
+    Parameters
+    ----------
+    robot, recordings
+        As of :func:`identify`.
+    parameters : mapping, optional
+        Which parameters are estimated: the table of that name in an experiment file.
+    """
+    return _chosen(robot, _list(recordings), {"parameters": dict(parameters or {}), "signal": {}})
+
+
+def _chosen(robot: Robot, recordings: list[Recording], settings: dict[str, Any]) -> Filter:
+    # The filter of the settings does not matter to the choice, and must be one.
+    signal = {**settings["signal"], "cutoff_hz": 1.0, "decimation": 1}
+    cutoff_hz, decimation, reasons = _thetahat.choose_filter(robot._native, recordings, {**settings, "signal": signal})
+    return Filter(cutoff_hz, decimation, tuple(reasons))
+
+
+def run(
+    experiment: str | os.PathLike[str],
+    *,
+    data: str | os.PathLike[str] | None = None,
+    robot: str | os.PathLike[str] | None = None,
+    progress: bool | Progress = False,
+) -> Result:
+    """Run an experiment file, as ``thetahat identify`` does: the results are the same to the last bit.
+
+    Parameters
+    ----------
+    experiment : path
+        The experiment file.
+    data : path, optional
+        The folder of the data; without it that of the experiment file.
+    robot : path, optional
+        Another robot description than the one that the experiment names.
+    progress : bool or callable
+        As of :func:`identify`.
+
+    Raises
+    ------
+    ExperimentError, RobotError, RecordingError
+        With file, place and remedy.
+    """
+    path = os.fspath(experiment)
+    folder = os.path.dirname(path) if data is None else os.fspath(data)
+    with telling(progress) as tell:
+        native, native_robot = _thetahat.run(path, folder, None if robot is None else os.fspath(robot), tell)
+    return Result(native, Robot(native_robot))
+
+
+def _list(recordings: _Recordings) -> list[Recording]:
+    return [recordings] if isinstance(recordings, Recording) else list(recordings)

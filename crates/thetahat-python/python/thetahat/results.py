@@ -1,0 +1,405 @@
+"""Results: the verdict, the advice, and the estimates of every method."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator
+from html import escape
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _thetahat
+from ._arrays import Array
+from .errors import ResultsError
+from .robot import Robot
+
+if TYPE_CHECKING:
+    import pandas
+    from matplotlib.figure import Figure
+
+_NOMINAL = "nominal"
+
+
+class Parameter(NamedTuple):
+    """One estimate; numbers that a method does not give are None."""
+
+    name: str
+    """Name of the base parameter."""
+    estimate: float
+    """SI."""
+    standard_deviation: float | None
+    """Classical, as papers print it."""
+    standard_deviation_robust: float | None
+    """With errors that are correlated in time and differ between joints."""
+    interval_95: tuple[float, float] | None
+    """The interval of 95 % with such errors."""
+    unit: str
+    """SI unit."""
+    expression: str
+    """Regrouping formula."""
+    true_value: float | None
+    """Of a twin."""
+
+
+class Advice(NamedTuple):
+    """Which numbers of a case to take."""
+
+    case: str
+    """The case."""
+    take: str | None
+    """The method to take; None where no method has an estimate."""
+    distrust: tuple[str, ...]
+    """Methods whose estimates are not to be trusted."""
+    text: str
+    """Why, with the numbers."""
+
+    def __str__(self) -> str:
+        return self.text
+
+
+class Run:
+    """One case and method: estimates with their statistics. ``run["fv1"]`` is one parameter."""
+
+    def __init__(self, data: dict[str, Any], curves: tuple[Array, Array, Array]) -> None:
+        self._data = data
+        self._curves = curves
+
+    @property
+    def case(self) -> str:
+        """The case, such as ``"nominal"``."""
+        return str(self._data["case"])
+
+    @property
+    def method(self) -> str:
+        """The method, such as ``"idim-iv"``."""
+        return str(self._data["method"])
+
+    @property
+    def status(self) -> str:
+        """``"converged"``, ``"stalled"``, ``"iteration_limit"``, ``"diverged"`` or ``"not_identifiable"``."""
+        return str(self._data["status"])
+
+    @property
+    def reason(self) -> str | None:
+        """Why it has not converged."""
+        reason: str | None = self._data["reason"]
+        return reason
+
+    @property
+    def relative_error_percent(self) -> float | None:
+        """``100 |y - y_hat| / |y|``."""
+        error: float | None = self._data["relative_error_percent"]
+        return error
+
+    @property
+    def parameters(self) -> list[Parameter]:
+        """The estimates in order."""
+        return [_parameter(data) for data in self._data["parameters"]]
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the parameters."""
+        return [data["name"] for data in self._data["parameters"]]
+
+    @property
+    def estimates(self) -> Array:
+        """The estimates, shape (parameters,), SI."""
+        return self._column("estimate")
+
+    @property
+    def standard_deviations(self) -> Array:
+        """Their robust standard deviations, shape (parameters,); NaN where there is none."""
+        return self._column("standard_deviation_robust")
+
+    @property
+    def intervals_95(self) -> Array:
+        """Their 95 % intervals, shape (parameters, 2); NaN where there is none."""
+        ends = [data["interval_95"] or (np.nan, np.nan) for data in self._data["parameters"]]
+        return np.array(ends, dtype=np.float64).reshape(-1, 2)
+
+    @property
+    def time(self) -> Array:
+        """Times of the decimated rows of a joint, shape (rows,), s; empty for results that were read from a file."""
+        return self._curves[0]
+
+    @property
+    def measured(self) -> Array:
+        """Decimated torques, shape (rows, n), N m or N."""
+        return self._curves[1]
+
+    @property
+    def predicted(self) -> Array:
+        """What the estimates predict of them, shape (rows, n)."""
+        return self._curves[2]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything that ``results.json`` holds of the run."""
+        return dict(self._data)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The estimates as a table with a row for each parameter. Needs pandas (``pip install thetahat[pandas]``)."""
+        import pandas
+
+        table = pandas.DataFrame.from_records(
+            [parameter._asdict() for parameter in self.parameters], columns=list(Parameter._fields)
+        )
+        table["interval_95_low"], table["interval_95_high"] = self.intervals_95.T
+        return table.drop(columns="interval_95").set_index("name")
+
+    def __getitem__(self, name: str) -> Parameter:
+        for data in self._data["parameters"]:
+            if data["name"] == name:
+                return _parameter(data)
+        raise KeyError(f"{self.method} estimates no {name}; it estimates {' '.join(self.names)}")
+
+    def __iter__(self) -> Iterator[Parameter]:
+        return iter(self.parameters)
+
+    def __len__(self) -> int:
+        return len(self._data["parameters"])
+
+    def __repr__(self) -> str:
+        error = self.relative_error_percent
+        fit = "no estimate" if error is None else f"{len(self)} parameters, relative error {error:.2f} %"
+        return f"<thetahat.Run {self.case} {self.method}: {self.status}, {fit}>"
+
+    def _repr_html_(self) -> str:
+        return f"<p>{escape(repr(self)[1:-1])}</p>" + _table([self])
+
+    def _column(self, key: str) -> Array:
+        values = [data[key] for data in self._data["parameters"]]
+        return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
+
+
+class Result:
+    """What an identification yields. ``result["idim-iv"]`` is the nominal run of a method, ``result["idim-iv", case]`` another's.
+
+    Results can be pickled; reports of the copy are the same to the byte.
+    """
+
+    def __init__(self, native: _thetahat.Results, robot: Robot | None) -> None:
+        self._native = native
+        self._known_robot = robot
+        self._data: dict[str, Any] = json.loads(native.to_json())
+        time, measured, _ = native.curves()
+        self._curves = time[:, 0] if time.shape[1] else np.empty(0), measured
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str]) -> Result:
+        """The results of a ``results.json``, without curves.
+
+        Results of arrays come without the robot, and predict nothing: pickle them instead.
+
+        Raises
+        ------
+        ResultsError
+            For a file that is none.
+        """
+        native, robot = _thetahat.Results.read(os.fspath(path))
+        return cls(native, None if robot is None else Robot(robot))
+
+    @property
+    def robot(self) -> Robot | None:
+        """The robot, where it is known."""
+        return self._known_robot
+
+    @property
+    def verdict(self) -> str:
+        """``"good"``, ``"care"`` or ``"do-not-use"``."""
+        return str(self._data["verdict"])
+
+    @property
+    def reasons(self) -> list[str]:
+        """Why the verdict is not good, the gravest first."""
+        return [reason["text"] for reason in self._data["verdict_reasons"]]
+
+    @property
+    def advice(self) -> list[Advice]:
+        """Which numbers of each case to take, and why."""
+        return [
+            Advice(advice["case"], advice["take"], tuple(advice["distrust"]), advice["text"])
+            for advice in self._data["advice"]
+        ]
+
+    @property
+    def findings(self) -> list[dict[str, Any]]:
+        """What the checks found, recording by recording."""
+        findings: list[dict[str, Any]] = self._data["findings"]
+        return findings
+
+    @property
+    def runs(self) -> list[Run]:
+        """Every case and method."""
+        return [self._run(number) for number in range(len(self._data["runs"]))]
+
+    @property
+    def best(self) -> Run:
+        """The nominal run that the advice takes.
+
+        Raises
+        ------
+        ResultsError
+            Where no method has an estimate.
+        """
+        take = next((advice.take for advice in self.advice if advice.case == _NOMINAL), None)
+        if take is None:
+            raise ResultsError("no method has an estimate to take; see `reasons` and `advice`")
+        return self[take]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The content of ``results.json``."""
+        return dict(self._data)
+
+    def to_json(self) -> str:
+        """The text of ``results.json``."""
+        return self._native.to_json()
+
+    def to_csv(self) -> str:
+        """The text of ``parameters.csv``."""
+        return self._native.render("parameters.csv").decode()
+
+    def text(self) -> str:
+        """The tables that the command line prints."""
+        return self._native.text()
+
+    def report(self, path: str | os.PathLike[str]) -> None:
+        """Write the report, one HTML file that opens offline, as a whole or not at all.
+
+        Raises
+        ------
+        ReportError
+            Where it cannot be written.
+        """
+        self._native.write_file("report.html", os.fspath(path))
+
+    def write(self, folder: str | os.PathLike[str]) -> list[str]:
+        """Write ``results.json``, ``parameters.csv`` and ``report.html`` into a folder; returns their paths."""
+        return [os.fspath(path) for path in self._native.write(os.fspath(folder))]
+
+    def predict(self, q: ArrayLike, dq: ArrayLike, ddq: ArrayLike, *, run: Run | None = None) -> Array:
+        """The torques that the estimates predict for a motion.
+
+        Parameters
+        ----------
+        q, dq, ddq : array_like (n,) or (samples, n)
+            The motion.
+        run : Run, optional
+            Whose estimates; without it those of :attr:`best`.
+
+        Returns
+        -------
+        ndarray, as `q`
+            Torques, N m or N.
+        """
+        robot = self._robot()
+        return robot.inverse_dynamics(q, dq, ddq, theta=self.standard_parameters(run=run))
+
+    def standard_parameters(self, *, run: Run | None = None) -> Array:
+        """Standard parameters with the torques of the estimates: regrouped ones are zero, fixed ones at their values.
+
+        Returns
+        -------
+        ndarray (p,)
+        """
+        robot, run = self._robot(), run or self.best
+        estimates = dict(zip(run.names, run.estimates.tolist(), strict=True))
+        known = set(robot._native.base_parameters(self._native.excluded, self._native.fixed)[1])
+        foreign = [name for name in estimates if name not in known]
+        if foreign:
+            raise ResultsError(f"the case {run.case} has another friction model than the robot: it has no {foreign[0]}")
+        return robot._native.standard_of(estimates, self._native.excluded, self._native.fixed)
+
+    def plot_torques(self, *, run: Run | None = None) -> Figure:
+        """Measured and predicted torques over time, joint by joint. Needs matplotlib (``pip install thetahat[plot]``)."""
+        from matplotlib.figure import Figure
+
+        run = run or self.best
+        if not len(run.time):
+            raise ResultsError("results that were read from a file have no curves; identify again")
+        joints = run.measured.shape[1]
+        figure = Figure(figsize=(8.0, 1.0 + 1.8 * joints), layout="constrained")
+        axes = figure.subplots(joints, 1, sharex=True, squeeze=False)[:, 0]
+        for joint, axis in enumerate(axes):
+            axis.plot(run.time, run.measured[:, joint], label="measured", linewidth=1.0)
+            axis.plot(run.time, run.predicted[:, joint], label=run.method, linewidth=1.0)
+            described = self._data["robot_joints"][joint]
+            axis.set_ylabel(f"{described['name']} [{'N m' if described['kind'] == 'revolute' else 'N'}]")
+        axes[0].legend(loc="upper right")
+        axes[-1].set_xlabel("time [s]")
+        return figure
+
+    def __getitem__(self, key: str | tuple[str, str]) -> Run:
+        method, case = (key, _NOMINAL) if isinstance(key, str) else key
+        for number, data in enumerate(self._data["runs"]):
+            if (data["method"], data["case"]) == (method, case):
+                return self._run(number)
+        known = ", ".join(f"({data['method']!r}, {data['case']!r})" for data in self._data["runs"])
+        raise KeyError(f"there is no run of {method} in the case {case}; runs are {known}")
+
+    def __iter__(self) -> Iterator[Run]:
+        return iter(self.runs)
+
+    def __len__(self) -> int:
+        return len(self._data["runs"])
+
+    def __reduce__(self) -> tuple[type[Result], tuple[_thetahat.Results, Robot | None]]:
+        return Result, (self._native, self._known_robot)
+
+    def __repr__(self) -> str:
+        return f"<thetahat.Result {self._data['title']}: verdict {self.verdict}, {len(self)} runs>"
+
+    def __str__(self) -> str:
+        return self.text()
+
+    def _repr_html_(self) -> str:
+        head = f"<h4>{escape(self._data['title'])}: {escape(self.verdict)}</h4>"
+        reasons = "".join(f"<li>{escape(reason)}</li>" for reason in self.reasons)
+        advice = "".join(f"<p><b>{escape(advice.case)}</b>: {escape(advice.text)}</p>" for advice in self.advice)
+        nominal = [run for run in self.runs if run.case == _NOMINAL]
+        return head + (f"<ul>{reasons}</ul>" if reasons else "") + advice + _table(nominal)
+
+    def _run(self, number: int) -> Run:
+        time, measured = self._curves
+        predicted, _ = self._native.run_curves(number)
+        return Run(self._data["runs"][number], (time, measured, predicted))
+
+    def _robot(self) -> Robot:
+        if self._known_robot is None:
+            raise ResultsError("results of arrays that were read from results.json know no robot: pickle the result instead")
+        return self._known_robot
+
+
+def _parameter(data: dict[str, Any]) -> Parameter:
+    interval = data["interval_95"]
+    return Parameter(
+        name=data["name"],
+        estimate=data["estimate"],
+        standard_deviation=data["standard_deviation"],
+        standard_deviation_robust=data["standard_deviation_robust"],
+        interval_95=None if interval is None else (interval[0], interval[1]),
+        unit=data["unit"],
+        expression=data["expression"],
+        true_value=data["true_value"],
+    )
+
+
+def _table(runs: list[Run]) -> str:
+    """The estimates of runs side by side, with half of their 95 % intervals."""
+    names = list(dict.fromkeys(name for run in runs for name in run.names))
+    units = {parameter.name: parameter.unit for run in runs for parameter in run}
+    head = "".join(f"<th>{escape(run.method)}</th>" for run in runs)
+    rows = ""
+    for name in names:
+        cells = "".join(f"<td>{_cell(run[name]) if name in run.names else ''}</td>" for run in runs)
+        rows += f"<tr><th>{escape(name)}</th><td>{escape(units[name])}</td>{cells}</tr>"
+    return f"<table><thead><tr><th>parameter</th><th>unit</th>{head}</tr></thead><tbody>{rows}</tbody></table>"
+
+
+def _cell(parameter: Parameter) -> str:
+    if parameter.interval_95 is None:
+        return f"{parameter.estimate:.4g}"
+    low, high = parameter.interval_95
+    return f"{parameter.estimate:.4g} &plusmn; {0.5 * (high - low):.2g}"

@@ -1,0 +1,84 @@
+//! The whole way: recordings and settings, or an experiment file, to results.
+
+use std::path::PathBuf;
+
+use pyo3::prelude::*;
+use thetahat::{Experiment, Identification, Settings, experiment::ProposedSignal, filter_choice};
+
+use crate::{
+    interruptible,
+    raised::Raised,
+    recording::{Recording, into_library},
+    results::Results,
+    robot::Robot,
+    values,
+};
+
+/// Identifies a robot from recordings.
+#[pyfunction]
+pub fn identify(
+    py: Python<'_>,
+    robot: &Robot,
+    recordings: Vec<Recording<'_>>,
+    validation: Vec<Recording<'_>>,
+    settings: &Bound<'_, PyAny>,
+    title: String,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<Results> {
+    let settings: Settings = values::read(settings)?;
+    let (recordings, validation) = (into_library(recordings)?, into_library(validation)?);
+    let (parameters, robot) = (settings.parameters.clone(), robot.clone());
+    let description = robot.description();
+    let results = interruptible::run(py, progress, move |tell| {
+        tell("reading and filtering the recordings");
+        let identification = Identification::new(&robot.robot, recordings, settings)?.with_validation(validation)?;
+        Ok(identification.run_with_progress(tell)?)
+    })?;
+    let results = thetahat::Results { title, robot_description: description, ..results };
+    Ok(Results::new(results, parameters.exclude, parameters.fix, None))
+}
+
+/// Runs an experiment file.
+#[pyfunction]
+pub fn run(
+    py: Python<'_>,
+    path: PathBuf,
+    data: PathBuf,
+    robot: Option<PathBuf>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<(Results, Robot)> {
+    interruptible::run(py, progress, move |tell| {
+        let experiment = match robot {
+            Some(robot) => Experiment::read_with_robot(&path, &robot)?,
+            None => Experiment::read(&path, &data)?,
+        };
+        let results = experiment.run(&data, tell)?;
+        let (text, robot_text) = (&results.experiment_description, &results.robot_description);
+        let robot = Robot::of_experiment(&path, text, robot_text, &results.profiled_terms)?;
+        let parameters = &experiment.settings.parameters;
+        let (excluded, fixed) = (parameters.exclude.clone(), parameters.fix.clone());
+        Ok((Results::new(results, excluded, fixed, experiment.published_path()), robot))
+    })
+}
+
+/// The filter with the least error of the estimates, and why it was chosen: that of `thetahat init`.
+#[pyfunction]
+pub fn choose_filter(
+    py: Python<'_>,
+    robot: &Robot,
+    recordings: Vec<Recording<'_>>,
+    settings: &Bound<'_, PyAny>,
+) -> PyResult<(f64, usize, Vec<String>)> {
+    let settings: Settings = values::read(settings)?;
+    let (recordings, robot) = (into_library(recordings)?, robot.robot.clone());
+    interruptible::run(py, None, move |_| {
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        let rate_hz = recordings.iter().map(|r| r.sample_rate_hz).fold(f64::INFINITY, f64::min);
+        let signal = match filter_choice::choose_filter(&robot, &settings, &recordings, false, threads) {
+            Ok(choice) => ProposedSignal::chosen(&choice),
+            Err(filter_choice::FilterChoiceError::Preparation { source }) => return Err(Raised::from(source)),
+            Err(reason) => ProposedSignal::not_chosen(rate_hz, &reason.to_string()),
+        };
+        Ok((signal.cutoff_hz, signal.decimation, signal.comment))
+    })
+}

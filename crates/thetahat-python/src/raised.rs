@@ -1,0 +1,84 @@
+//! Errors of the library as exceptions of the package, with the same texts.
+
+use pyo3::prelude::*;
+use thetahat::{
+    base_parameters::BaseParametersError, dynamics::DynamicsError, experiment::ExperimentError,
+    experiment::ProposalError, filter_choice::FilterChoiceError, identification::EstimationError,
+    identification::UnknownMethod, preparation::PreparationError, recording::RecordingError, report::ReportError,
+    results::ResultsError, robot::RobotError, signal::SignalError, simulation::SimulationError,
+};
+
+/// An exception to be raised: the name of its class in `thetahat.errors`, and its text.
+#[derive(Debug)]
+pub struct Raised {
+    class: &'static str,
+    text: String,
+}
+
+impl Raised {
+    pub fn new(class: &'static str, text: impl ToString) -> Self {
+        Self { class, text: text.to_string() }
+    }
+}
+
+impl From<Raised> for PyErr {
+    fn from(raised: Raised) -> Self {
+        Python::attach(|py| {
+            let error = py
+                .import("thetahat.errors")
+                .and_then(|errors| errors.getattr(raised.class))
+                .and_then(|class| class.call1((raised.text,)));
+            error.map_or_else(|failed| failed, PyErr::from_value)
+        })
+    }
+}
+
+macro_rules! raised_as {
+    ($($error:ty => $class:literal),* $(,)?) => {$(
+        impl From<$error> for Raised {
+            fn from(error: $error) -> Self {
+                Self::new($class, error)
+            }
+        }
+    )*};
+}
+
+raised_as! {
+    BaseParametersError => "RobotError",
+    RobotError => "RobotError",
+    RecordingError => "RecordingError",
+    ProposalError => "RecordingError",
+    PreparationError => "SettingsError",
+    FilterChoiceError => "SettingsError",
+    UnknownMethod => "SettingsError",
+    SignalError => "SignalError",
+    EstimationError => "EstimationError",
+    SimulationError => "SimulationError",
+    ReportError => "ReportError",
+    ResultsError => "ResultsError",
+}
+
+impl From<ExperimentError> for Raised {
+    /// What is wrong with the robot or a recording of an experiment is what would be wrong without it.
+    fn from(error: ExperimentError) -> Self {
+        match error {
+            ExperimentError::Robot(error) => error.into(),
+            ExperimentError::Recording(error) => error.into(),
+            ExperimentError::Results(error) => error.into(),
+            error @ (ExperimentError::Unreadable { .. }
+            | ExperimentError::Syntax { .. }
+            | ExperimentError::Preparation { .. }
+            | ExperimentError::Filter { .. }
+            | ExperimentError::Plan { .. }
+            | ExperimentError::Twin { .. }
+            | ExperimentError::ResultsFile { .. }
+            | _) => Self::new("ExperimentError", error),
+        }
+    }
+}
+
+impl From<(usize, DynamicsError)> for Raised {
+    fn from((sample, error): (usize, DynamicsError)) -> Self {
+        Self::new("SimulationError", format!("at sample {sample}: {error}"))
+    }
+}

@@ -1,0 +1,173 @@
+//! Results: their JSON, the files of the report, and curves as arrays.
+
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
+
+use numpy::PyReadonlyArray2;
+use pyo3::{prelude::*, types::PyBytes};
+use thetahat::{
+    Experiment,
+    output::replace_file,
+    report::{self, Published},
+    results::{Plots, RunPlots},
+};
+
+use crate::{
+    arrays::{rows, series_of},
+    raised::Raised,
+    robot::Robot,
+};
+
+/// Curves of joints over the same times, one array with a column for each joint.
+type Curves<'py> = Bound<'py, numpy::PyArray2<f64>>;
+
+/// What a run yields.
+#[pyclass(frozen, module = "thetahat._thetahat")]
+#[derive(Debug)]
+pub struct Results {
+    results: thetahat::Results,
+    excluded: Vec<String>,
+    fixed: BTreeMap<String, f64>,
+    published: Option<PathBuf>,
+}
+
+impl Results {
+    pub fn new(
+        results: thetahat::Results,
+        excluded: Vec<String>,
+        fixed: BTreeMap<String, f64>,
+        published: Option<PathBuf>,
+    ) -> Self {
+        Self { results, excluded, fixed, published }
+    }
+
+    fn published(&self) -> Result<Option<Published>, Raised> {
+        Ok(self.published.as_deref().map(Published::read).transpose()?)
+    }
+}
+
+#[pymethods]
+impl Results {
+    /// Results of a `results.json`, without curves, and the robot of their experiment, where they are of one.
+    #[staticmethod]
+    fn read(path: PathBuf) -> Result<(Self, Option<Robot>), Raised> {
+        let results = thetahat::Results::read(&path)?;
+        let (text, robot_text) = (&results.experiment_description, &results.robot_description);
+        if text.is_empty() {
+            return Ok((Self::new(results, Vec::new(), BTreeMap::new(), None), None));
+        }
+        let parameters = Experiment::from_texts(&path, text.clone(), robot_text.clone())?.settings.parameters;
+        let robot = Robot::of_experiment(&path, text, robot_text, &results.profiled_terms)?;
+        Ok((Self::new(results, parameters.exclude, parameters.fix, None), Some(robot)))
+    }
+
+    /// What [`Results::state`] gave.
+    #[staticmethod]
+    fn from_state(
+        json: &str,
+        curves: [PyReadonlyArray2<'_, f64>; 3],
+        runs: Vec<[PyReadonlyArray2<'_, f64>; 2]>,
+        excluded: Vec<String>,
+        fixed: BTreeMap<String, f64>,
+        published: Option<PathBuf>,
+    ) -> Result<Self, Raised> {
+        let mut results = thetahat::Results::from_json(Path::new("a pickled result"), json)?;
+        let [time, measured, position] = curves.map(|array| columns(&array));
+        let time_s = time.into_iter().next().unwrap_or_default();
+        results.plots = Plots { time_s, measured, position };
+        for (run, arrays) in results.runs.iter_mut().zip(runs) {
+            let [predicted, simulated_position] = arrays.map(|array| columns(&array));
+            run.plots = RunPlots { predicted, simulated_position };
+        }
+        Ok(Self::new(results, excluded, fixed, published))
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let (py, own) = (slf.py(), slf.get());
+        let runs = (0..own.results.runs.len()).map(|run| own.run_curves(py, run)).collect::<PyResult<Vec<_>>>()?;
+        let state = (own.to_json()?, own.curves(py)?, runs, &own.excluded, &own.fixed, &own.published);
+        Ok((slf.get_type().getattr("from_state")?, state.into_pyobject(py)?.into_any()))
+    }
+
+    fn to_json(&self) -> Result<String, Raised> {
+        Ok(self.results.to_json()?)
+    }
+
+    #[getter]
+    fn excluded(&self) -> Vec<String> {
+        self.excluded.clone()
+    }
+
+    #[getter]
+    fn fixed(&self) -> BTreeMap<String, f64> {
+        self.fixed.clone()
+    }
+
+    /// The tables that the command line prints.
+    fn text(&self) -> Result<String, Raised> {
+        Ok(report::text::all(&self.results, self.published()?.as_ref()))
+    }
+
+    /// The content of one of the report's files.
+    fn render<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyBytes>> {
+        let content = py.detach(|| self.rendered(name))?;
+        Ok(PyBytes::new(py, &content))
+    }
+
+    /// Writes one of the report's files, as a whole or not at all.
+    fn write_file(&self, py: Python<'_>, name: &str, path: PathBuf) -> PyResult<()> {
+        py.detach(|| {
+            let content = self.rendered(name)?;
+            replace_file(&path, &content)
+                .map_err(|e| Raised::new("ReportError", format!("{}: cannot be written: {e}", path.display())))
+        })?;
+        Ok(())
+    }
+
+    /// Writes all files of the report into a folder; returns their paths.
+    fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<Vec<PathBuf>> {
+        py.detach(|| Ok(report::write_all(&self.results, self.published()?.as_ref(), &folder)?))
+            .map_err(|e: Raised| e.into())
+    }
+
+    /// Times, measured torques and filtered positions of the decimated rows.
+    fn curves<'py>(&self, py: Python<'py>) -> PyResult<[Curves<'py>; 3]> {
+        let Plots { time_s, measured, position } = &self.results.plots;
+        Ok([array(py, std::slice::from_ref(time_s))?, array(py, measured)?, array(py, position)?])
+    }
+
+    /// Predicted torques and simulated positions of a run.
+    fn run_curves<'py>(&self, py: Python<'py>, run: usize) -> PyResult<[Curves<'py>; 2]> {
+        let RunPlots { predicted, simulated_position } = &self.results.runs[run].plots;
+        Ok([array(py, predicted)?, array(py, simulated_position)?])
+    }
+}
+
+impl Results {
+    fn rendered(&self, name: &str) -> Result<Vec<u8>, Raised> {
+        let content = report::render(name, &self.results, self.published()?.as_ref())?;
+        content.ok_or_else(|| {
+            let known: Vec<&str> = report::file_names().collect();
+            Raised::new("ReportError", format!("the report has no file {name}; its files are {}", known.join(", ")))
+        })
+    }
+}
+
+/// Curves side by side.
+fn array<'py>(py: Python<'py>, curves: &[Vec<f64>]) -> PyResult<Curves<'py>> {
+    let samples = curves.first().map_or(0, Vec::len);
+    let values = (0..samples).flat_map(|k| curves.iter().map(move |curve| curve[k])).collect();
+    rows(py, samples, curves.len(), values)
+}
+
+/// The curves of an array.
+fn columns(array: &PyReadonlyArray2<'_, f64>) -> Vec<Vec<f64>> {
+    let view = array.as_array();
+    if view.ncols() == 0 {
+        return Vec::new();
+    }
+    let series = series_of(view);
+    (0..series.channels()).map(|channel| series.channel(channel)).collect()
+}
