@@ -67,7 +67,7 @@ fn json_is_the_file_and_nothing_else() {
 #[test]
 fn a_broken_record_cannot_be_taken_for_good() {
     let folder = Folder::new();
-    folder.write("robot.toml", &project("robots/two_joint.toml"));
+    folder.write("robot.toml", project("robots/two_joint.toml"));
     let twin = project("experiments/two_joint.toml").replace("../robots/two_joint.toml", "robot.toml");
     folder.write("twin.toml", &twin);
     printed(&folder, "simulate twin.toml --out record.csv", 0);
@@ -83,11 +83,11 @@ fn a_broken_record_cannot_be_taken_for_good() {
 #[test]
 fn results_are_compared_by_settings_and_in_deviations() {
     let folder = Folder::new();
-    folder.write("robot.toml", &project("robots/two_joint.toml"));
+    folder.write("robot.toml", project("robots/two_joint.toml"));
     let twin = project("experiments/two_joint.toml").replace("../robots/two_joint.toml", "robot.toml");
     folder.write("a.toml", &twin);
     let seed = twin.lines().find(|line| line.starts_with("seed")).unwrap();
-    folder.write("b.toml", &twin.replace(seed, "seed = 78"));
+    folder.write("b.toml", twin.replace(seed, "seed = 78"));
     printed(&folder, "identify a.toml --quiet --out a", 0);
     printed(&folder, "identify b.toml --quiet --out b", 0);
     let text = printed(&folder, "compare a/results.json b/results.json --out compared.html", 0);
