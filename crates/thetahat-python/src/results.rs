@@ -5,20 +5,15 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use numpy::PyReadonlyArray2;
 use pyo3::{prelude::*, types::PyBytes};
 use thetahat::{
     Experiment,
     output::replace_file,
-    report::{self, Published},
+    report::{self, Published, TextWidth},
     results::{Plots, RunPlots},
 };
 
-use crate::{
-    arrays::{rows, series_of},
-    raised::Raised,
-    robot::Robot,
-};
+use crate::{arrays::rows, raised::Raised, robot::Robot};
 
 /// Curves of joints over the same times, one array with a column for each joint.
 type Curves<'py> = Bound<'py, numpy::PyArray2<f64>>;
@@ -63,31 +58,28 @@ impl Results {
         Ok((Self::new(results, parameters.exclude, parameters.fix, None), Some(robot)))
     }
 
-    /// What [`Results::state`] gave.
+    /// The results of their JSON and packed curves, which [`Results::__reduce__`] gives.
     #[staticmethod]
     fn from_state(
         json: &str,
-        curves: [PyReadonlyArray2<'_, f64>; 3],
-        runs: Vec<[PyReadonlyArray2<'_, f64>; 2]>,
+        packed_curves: &[u8],
         excluded: Vec<String>,
         fixed: BTreeMap<String, f64>,
         published: Option<PathBuf>,
     ) -> Result<Self, Raised> {
         let mut results = thetahat::Results::from_json(Path::new("a pickled result"), json)?;
-        let [time, measured, position] = curves.map(|array| columns(&array));
-        let time_s = time.into_iter().next().unwrap_or_default();
-        results.plots = Plots { time_s, measured, position };
-        for (run, arrays) in results.runs.iter_mut().zip(runs) {
-            let [predicted, simulated_position] = arrays.map(|array| columns(&array));
-            run.plots = RunPlots { predicted, simulated_position };
-        }
+        let unpacked: Result<(Plots, Vec<RunPlots>), _> = rmp_serde::from_slice(packed_curves);
+        let (plots, runs) =
+            unpacked.map_err(|e| Raised::new("ResultsError", format!("a pickled result's curves: {e}")))?;
+        results.plots = plots;
+        results.runs.iter_mut().zip(runs).for_each(|(run, plots)| run.plots = plots);
         Ok(Self::new(results, excluded, fixed, published))
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         let (py, own) = (slf.py(), slf.get());
-        let runs = (0..own.results.runs.len()).map(|run| own.run_curves(py, run)).collect::<PyResult<Vec<_>>>()?;
-        let state = (own.to_json()?, own.curves(py)?, runs, &own.excluded, &own.fixed, &own.published);
+        let curves = PyBytes::new(py, &own.packed_curves()?);
+        let state = (own.to_json()?, curves, &own.excluded, &own.fixed, &own.published);
         Ok((slf.get_type().getattr("from_state")?, state.into_pyobject(py)?.into_any()))
     }
 
@@ -107,7 +99,7 @@ impl Results {
 
     /// The tables that the command line prints.
     fn text(&self) -> Result<String, Raised> {
-        Ok(report::text::all(&self.results, self.published()?.as_ref()))
+        Ok(report::text::all(&self.results, self.published()?.as_ref(), TextWidth::DEFAULT))
     }
 
     /// The content of one of the report's files.
@@ -134,18 +126,25 @@ impl Results {
 
     /// Times, measured torques and filtered positions of the decimated rows.
     fn curves<'py>(&self, py: Python<'py>) -> PyResult<[Curves<'py>; 3]> {
-        let Plots { time_s, measured, position } = &self.results.plots;
+        let Plots { time_s, measured, position, .. } = &self.results.plots;
         Ok([array(py, std::slice::from_ref(time_s))?, array(py, measured)?, array(py, position)?])
     }
 
     /// Predicted torques and simulated positions of a run.
     fn run_curves<'py>(&self, py: Python<'py>, run: usize) -> PyResult<[Curves<'py>; 2]> {
-        let RunPlots { predicted, simulated_position } = &self.results.runs[run].plots;
+        let RunPlots { predicted, simulated_position, .. } = &self.results.runs[run].plots;
         Ok([array(py, predicted)?, array(py, simulated_position)?])
     }
 }
 
 impl Results {
+    /// The curves, which `results.json` has not, as MessagePack: numbers that are none stay so.
+    fn packed_curves(&self) -> Result<Vec<u8>, Raised> {
+        let runs: Vec<&RunPlots> = self.results.runs.iter().map(|run| &run.plots).collect();
+        rmp_serde::to_vec(&(&self.results.plots, runs))
+            .map_err(|e| Raised::new("ResultsError", format!("the curves cannot be packed: {e}")))
+    }
+
     fn rendered(&self, name: &str) -> Result<Vec<u8>, Raised> {
         let content = report::render(name, &self.results, self.published()?.as_ref())?;
         content.ok_or_else(|| {
@@ -160,14 +159,4 @@ fn array<'py>(py: Python<'py>, curves: &[Vec<f64>]) -> PyResult<Curves<'py>> {
     let samples = curves.first().map_or(0, Vec::len);
     let values = (0..samples).flat_map(|k| curves.iter().map(move |curve| curve[k])).collect();
     rows(py, samples, curves.len(), values)
-}
-
-/// The curves of an array.
-fn columns(array: &PyReadonlyArray2<'_, f64>) -> Vec<Vec<f64>> {
-    let view = array.as_array();
-    if view.ncols() == 0 {
-        return Vec::new();
-    }
-    let series = series_of(view);
-    (0..series.channels()).map(|channel| series.channel(channel)).collect()
 }

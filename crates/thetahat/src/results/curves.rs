@@ -1,5 +1,7 @@
+use serde::{Deserialize, Serialize};
+
 /// Curves that all runs share; joint by joint as in y.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Plots {
     /// Time of each decimated row of a joint, s; the recordings follow one another.
     pub time_s: Vec<f64>,
@@ -16,7 +18,7 @@ pub struct Plots {
 }
 
 /// Where a recording begins in the curves.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RecordStart {
     /// Its name.
     pub name: String,
@@ -25,7 +27,7 @@ pub struct RecordStart {
 }
 
 /// Curves of the recordings that were held back.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct HeldBackPlots {
     /// Time of each decimated row of a joint, s; the recordings follow one another.
     pub time_s: Vec<f64>,
@@ -36,7 +38,7 @@ pub struct HeldBackPlots {
 }
 
 /// The frames of a robot, in the frame of its base.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Skeleton {
     /// One frame for each joint, in the order of the joints, at the mean of the recorded positions.
     pub frames: Vec<Frame>,
@@ -47,7 +49,7 @@ pub struct Skeleton {
 }
 
 /// The frame of a joint.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
     /// The joint that carries it; none for the base.
     pub parent: Option<usize>,
@@ -58,7 +60,7 @@ pub struct Frame {
 }
 
 /// Curves of one run.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct RunPlots {
     /// `y_hat`, one vector per joint.
     pub predicted: Vec<Vec<f64>>,
@@ -77,7 +79,7 @@ pub struct RunPlots {
 }
 
 /// What the residual of one joint depends on.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct ResidualCurves {
     /// Correlation of rows that are 1, 2, 3, ... rows apart.
     pub autocorrelation: Vec<f64>,
@@ -94,7 +96,7 @@ pub struct ResidualCurves {
 }
 
 /// The residual where another quantity lies within a range.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Bin {
     /// Mean of the other quantity.
     pub at: f64,
