@@ -133,6 +133,9 @@ fn conclusion(compared: &SideBySide, side: usize) -> String {
     let of = |p: &'_ ComparedParameter| p.deviations[side].map(f64::abs);
     let differences: Vec<(f64, &str)> =
         compared.parameters.iter().filter_map(|p| Some((of(p)?, p.name.as_str()))).collect();
+    if differences.is_empty() {
+        return format!("{} against A: no parameter that both have has deviations to compare by.", label(side));
+    }
     let far = differences.iter().filter(|(d, _)| *d > FAR).count();
     let most = differences.iter().max_by(|a, b| a.0.total_cmp(&b.0));
     let most =

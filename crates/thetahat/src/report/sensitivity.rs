@@ -74,7 +74,7 @@ fn sections(sensitivity: &Sensitivity) -> Vec<Section> {
     vec![picture, all]
 }
 
-/// What a small error of each kind does to each method, by the smallest one that was tried.
+/// What a small error of each kind does to each method, by the smallest one that was tried and with which it converged.
 pub(super) fn conclusions(sensitivity: &Sensitivity) -> Vec<String> {
     let of_kind = |kind: BiasKind| {
         let per_method = methods(sensitivity).into_iter().filter_map(|method| {
@@ -89,7 +89,8 @@ pub(super) fn conclusions(sensitivity: &Sensitivity) -> Vec<String> {
 
 /// The change for 1 % of a factor, or for one unit of what is added: that of the smallest error, in proportion.
 fn change_per_unit(sensitivity: &Sensitivity, kind: BiasKind, method: Method) -> Option<f64> {
-    let of_kind = sensitivity.points.iter().filter(|p| p.kind == kind && p.method == method);
+    let is_of = |p: &&SensitivityPoint| p.kind == kind && p.method == method && p.status == Status::Converged;
+    let of_kind = sensitivity.points.iter().filter(is_of);
     let size =
         |p: &SensitivityPoint| if kind.is_factor() { 100.0 * (p.value - 1.0).abs() } else { shown_value(p).abs() };
     let changes = of_kind.filter_map(|p| Some((size(p), p.rms_change?))).filter(|(size, _)| *size > 0.0);

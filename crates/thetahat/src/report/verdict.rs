@@ -1,4 +1,4 @@
-//! The verdict and its reasons: the first lines of a report.
+//! The verdict and its reasons, as lines of the head of a report.
 
 use super::wrap::{TextWidth, wrap};
 use crate::results::{ReasonCode, Results, Verdict, VerdictReason};

@@ -1,6 +1,10 @@
 //! Several results beside each other: what was set otherwise, and by how much the estimates differ.
 
-use std::{collections::BTreeMap, path::PathBuf};
+use std::{
+    collections::BTreeMap,
+    hash::{DefaultHasher, Hash, Hasher},
+    path::PathBuf,
+};
 
 use super::{card::Unseen, content::Results, parameters::ParameterResult, run::RunResult, verdict::Verdict};
 use crate::identification::Method;
@@ -182,13 +186,16 @@ fn settings_of(results: &Results) -> BTreeMap<String, String> {
     settings
 }
 
-/// The keys of a TOML text with their values; the text's size where it is none, such as a URDF.
+/// The keys of a TOML text with their values; where it is none, such as a URDF, its size, and a sum that tells texts apart.
 fn flattened(prefix: &str, text: &str) -> BTreeMap<String, String> {
     let mut all = BTreeMap::new();
     match text.parse::<toml::Table>() {
         Ok(table) => table.iter().for_each(|(key, value)| flatten(format!("{prefix}{key}"), value, &mut all)),
         Err(_) => {
-            all.insert(format!("{prefix}description"), format!("{} characters, no TOML", text.chars().count()));
+            let mut sum = DefaultHasher::new();
+            text.hash(&mut sum);
+            let told = format!("sum {:016x}, {} characters", sum.finish(), text.chars().count());
+            all.insert(format!("{prefix}description"), told);
         }
     }
     all

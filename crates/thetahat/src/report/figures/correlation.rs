@@ -37,8 +37,9 @@ pub(in crate::report) fn correlation(results: &Results, case: &str) -> Option<Fi
         caption: format!("correlations of the estimates' errors ({})", named(results, run)),
         legend: LEVELS.map(key).into_iter().chain([Key::new("negative", "of unlike sign")]).collect(),
         charts: vec![map(run)],
-        notes: vec!["By the classical covariance. A pair is correlated where the torque hardly changes when one grows and the other shrinks: \
-                     their sum or difference is known better than each of them."
+        notes: vec!["By the classical covariance. A pair is correlated where the torque hardly changes when one grows and the other \
+                     shrinks (a negative correlation) or grows too (a positive one): their sum or their difference is known better \
+                     than each of them."
             .to_owned()],
     })
 }

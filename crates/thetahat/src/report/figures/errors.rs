@@ -7,7 +7,7 @@ use crate::{
         number::{NONE, significant},
         units,
     },
-    results::{Results, RunResult, Verdict},
+    results::{Method, Results, RunResult, Verdict},
 };
 
 /// Relative error, percent, from which a cell has its full colour.
@@ -53,14 +53,17 @@ pub(in crate::report) fn errors(results: &Results) -> Option<Heat> {
         cells: cells(r, joints),
     };
     let of_joint = |j| format!("joint {}", j + 1);
+    let of_positions = runs.iter().any(|r| r.method == Method::CLOE);
     (joints > 1 || runs.len() > 1).then(|| Heat {
         conclusion: taken.and_then(|r| conclusion(results, r)).unwrap_or_default(),
-        title: "Relative errors of the torque, %".to_owned(),
+        title: if of_positions { "Relative errors, %" } else { "Relative errors of the torque, %" }.to_owned(),
         head: ["all".to_owned()].into_iter().chain((0..joints).map(of_joint)).chain(["not seen".to_owned()]).collect(),
         rows: runs.iter().map(row).collect(),
-        note: "100 |y - y_hat| / |y|; not seen: cross-validation, on what the estimate was not made from. The darker, the larger; \
-               the full colour is 100 % or more."
-            .to_owned(),
+        note: format!(
+            "100 |y - y_hat| / |y|{}; not seen: cross-validation, on what the estimate was not made from. The darker, the larger; \
+             the full colour is 100 % or more.",
+            if of_positions { ", of the positions for cloe, of the torque for the others" } else { "" }
+        ),
     })
 }
 
@@ -92,5 +95,6 @@ fn conclusion(results: &Results, run: &RunResult) -> Option<String> {
     let several = run.joint_relative_error_percent.len() > 1;
     let at =
         if several { format!("; {} is the worst with {worst} %", units::joint(results, joint)) } else { String::new() };
-    Some(format!("{method} leaves {all} % of the torque unexplained{at}."))
+    let of = if run.method == Method::CLOE { "positions" } else { "torque" };
+    Some(format!("{method} leaves {all} % of the {of} unexplained{at}."))
 }

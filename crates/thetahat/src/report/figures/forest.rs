@@ -123,8 +123,8 @@ fn notes(run: &RunResult, groups: &[ForestGroup]) -> Vec<String> {
     let is_off = |row: &&ForestRow| row.shapes.iter().any(|s| s.class.starts_with("arrow"));
     let off = groups.iter().flat_map(|g| &g.rows).filter(is_off).count();
     let axis = format!(
-        "The picture shows differences from the estimate of {}, in percent of its size, on an axis that widens small differences: \
-         an interval that reaches -100 % holds zero.",
+        "The picture shows differences from the estimate of {}, in percent of its size, on an axis that widens small differences. \
+         Zero lies at -100 %, of a negative estimate at +100 %: an interval that reaches it holds zero.",
         run.method.name()
     );
     let arrows = (off > 0).then(|| format!("An arrow marks what lies beyond {FARTHEST} %, in {off} rows."));

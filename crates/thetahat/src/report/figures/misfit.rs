@@ -12,10 +12,10 @@ use crate::{
 
 const HEIGHT: f64 = 110.0;
 
-/// Part of a residual's variance that its mean over another quantity explains, above which it is said.
+/// Spread of a residual's mean over another quantity, in half of the range of 80 % of it, above which it is said.
 const TELLING: f64 = 0.2;
 
-/// Five figures of the run whose numbers are taken; none where it has no residual.
+/// Five figures of the run whose numbers are taken; none where it has no residual, or nothing was measured.
 pub(in crate::report) fn misfit(results: &Results, case: &str) -> Vec<Figure> {
     let Some(run) = main_run(results, case).filter(|r| !r.plots.residual.is_empty()) else { return Vec::new() };
     let velocity: [Over; 3] = [
@@ -39,7 +39,8 @@ pub(in crate::report) fn misfit(results: &Results, case: &str) -> Vec<Figure> {
         },
     ];
     let over = velocity.iter().map(|o| o.figure(results, run));
-    [autocorrelation(results, run), spectrum(results, run)].into_iter().chain(over).collect()
+    let all = [autocorrelation(results, run), spectrum(results, run)].into_iter().chain(over);
+    all.filter(|figure| !figure.charts.is_empty()).collect()
 }
 
 fn charts(results: &Results, run: &RunResult, chart: impl Fn(usize, &ResidualCurves) -> Chart) -> Vec<Chart> {
@@ -160,10 +161,11 @@ impl Over {
     }
 }
 
-/// The rms of the means over the half of the mean spread.
+/// The rms of the means about their own mean, over the half of the mean spread.
 fn explained(bins: &[Bin]) -> f64 {
     let count = bins.len().max(1) as f64;
-    let rms = (bins.iter().map(|b| b.mean * b.mean).sum::<f64>() / count).sqrt();
+    let centre = bins.iter().map(|b| b.mean).sum::<f64>() / count;
+    let rms = (bins.iter().map(|b| (b.mean - centre).powi(2)).sum::<f64>() / count).sqrt();
     let scatter = bins.iter().map(|b| 0.5 * (b.spread[1] - b.spread[0])).sum::<f64>() / count;
     if scatter > 0.0 { rms / scatter } else { 0.0 }
 }

@@ -58,7 +58,7 @@ fn figure(
         caption: format!("{which}measured and predicted torque, residual beneath ({case}, {})", taken.method.name()),
         legend: [Key::new(MEASURED, MEASURED).switched(true)].into_iter().chain(runs.iter().map(key)).collect(),
         charts: charts.collect(),
-        notes: notes(results, case, taken, &runs),
+        notes: notes(results, case, (taken, &runs, prediction)),
         ..Figure::default()
     })
 }
@@ -72,9 +72,13 @@ fn repeats_nominal(results: &Results, run: &RunResult, prediction: Prediction) -
     ours.len() == theirs.len() && ours.iter().flatten().zip(theirs.iter().flatten()).all(same)
 }
 
-fn notes(results: &Results, case: &str, taken: &RunResult, runs: &[&RunResult]) -> Vec<String> {
+fn notes(
+    results: &Results,
+    case: &str,
+    (taken, runs, prediction): (&RunResult, &[&RunResult], Prediction),
+) -> Vec<String> {
     let residual = format!("Residual: measured less predicted. The titles are those of {}.", taken.method.name());
-    let all = results.runs.iter().filter(|r| r.case == case && !r.plots.predicted.is_empty());
+    let all = results.runs.iter().filter(|r| r.case == case && !prediction(r).is_empty());
     let left_out: Vec<&str> =
         all.filter(|r| runs.iter().all(|s| s.method != r.method)).map(|r| r.method.name()).collect();
     let same = (!left_out.is_empty()).then(|| format!("As in the first case: {}.", left_out.join(", ")));

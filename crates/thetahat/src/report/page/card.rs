@@ -66,7 +66,8 @@ fn facts(card: &Card, verdict: Verdict) -> Vec<(&'static str, String)> {
         Unseen::LeftOut(error) => ("Error on parts left out", percent(error)),
     });
     let worst = card.worst_joint.as_ref().map(|(name, error)| ("Worst joint", format!("{name}, {}", percent(*error))));
-    let error = card.relative_error_percent.map(|error| ("Error of the torque", percent(error)));
+    let of = if card.method == Some(Method::CLOE) { "Error of the positions" } else { "Error of the torque" };
+    let error = card.relative_error_percent.map(|error| (of, percent(error)));
     [method, error, unseen, worst].into_iter().flatten().collect()
 }
 
