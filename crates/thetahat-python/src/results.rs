@@ -97,7 +97,7 @@ impl Results {
         self.fixed.clone()
     }
 
-    /// The tables that the command line prints.
+    /// The tables that the command line prints with `--full`.
     fn text(&self) -> Result<String, Raised> {
         Ok(report::text::all(&self.results, self.published()?.as_ref(), TextWidth::DEFAULT))
     }

@@ -35,6 +35,24 @@ def test_a_result_is_read_by_its_keys(result):
         run["m1"]
 
 
+def test_what_is_in_a_result_is_told_by_its_keys(result):
+    assert "idim-iv" in result and ("idim-iv", "nominal") in result
+    assert "didim" not in result and ("idim-iv", "other") not in result
+    assert "fv1" in result["idim-iv"] and "m1" not in result["idim-iv"]
+
+
+def test_one_method_is_named_by_its_name(twin):
+    assert [run.method for run in identify(twin, methods="idim-ls")] == ["idim-ls"]
+
+
+def test_a_run_without_estimate_is_not_replaced_by_another(twin, result):
+    data = {**result["idim-ls"].to_dict(), "parameters": [], "reason": "it diverged"}
+    without = th.Run(data, (np.zeros(1), np.zeros((1, 2)), np.zeros((0, 0))))
+    motion = [array[0] for array in (twin.motion.position, twin.motion.velocity, twin.motion.acceleration)]
+    with pytest.raises(th.ResultsError, match="idim-ls has no estimate in the case nominal: it diverged"):
+        result.predict(*motion, run=without)
+
+
 def test_a_table_has_a_row_for_each_parameter(result):
     pytest.importorskip("pandas")
     run = result["idim-iv"]

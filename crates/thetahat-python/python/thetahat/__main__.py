@@ -14,7 +14,7 @@ def main() -> int:
     int
         The exit code: 0 the verdict is good, or care; 1 finished, but the numbers are not to be used; 2 error.
     """
-    # Ctrl-C and a closed pipe end the command as they end any other program.
+    # Ctrl-C ends the command as it ends any other program.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     return command(["thetahat", *sys.argv[1:]])
 

@@ -54,7 +54,7 @@ def identify(
         The robot.
     recordings : Recording or sequence of Recording
         What to identify from; several are one regression.
-    methods : sequence of str
+    methods : str or sequence of str
         ``"idim-ls"``, ``"idim-wls"``, ``"idim-iv"``, ``"didim"``, ``"clie"``, ``"cloe"``.
     controller : Controller, optional
         The controller of the simulated loop, which all methods but the first two need; ``"idim-iv"`` guesses one without it.
@@ -84,7 +84,8 @@ def identify(
     RecordingError
         For time stamps that cannot be used.
     """
-    table = {"methods": list(methods), **(estimation or {})}
+    names = [methods] if isinstance(methods, str) else list(methods)
+    table = {"methods": names, **(estimation or {})}
     settings: dict[str, Any] = {
         "parameters": dict(parameters or {}),
         "estimation": table,

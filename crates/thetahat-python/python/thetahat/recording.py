@@ -133,6 +133,11 @@ def _long(name: str, array: Array, count: int) -> Array:
     return read_only(array)
 
 
+def _names(names: Sequence[str]) -> list[str]:
+    """Names as a list; a text is one name."""
+    return [names] if isinstance(names, str) else list(names)
+
+
 def read_all(
     *files: str | os.PathLike[str],
     robot: Robot,
@@ -155,7 +160,7 @@ def read_all(
         Several files of one recording, or of several.
     robot : Robot
         Whose joints were recorded.
-    position, torque : sequence of str
+    position, torque : str or sequence of str
         Columns, one for each joint, or one of a matrix: NAME, FILE or FILE:NAME.
     joints : sequence of str
         The joints that the columns are of, in the robot's order.
@@ -176,9 +181,9 @@ def read_all(
     paths = [os.path.abspath(os.fspath(file)) for file in files]
     folder = os.path.commonpath([os.path.dirname(path) for path in paths])
     columns = {
-        "position": list(position),
-        "torque": list(torque),
-        "joints": list(joints),
+        "position": _names(position),
+        "torque": _names(torque),
+        "joints": _names(joints),
         "time": time,
         "sample_rate_hz": sample_rate_hz,
         "position_unit": position_unit,

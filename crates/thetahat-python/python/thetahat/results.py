@@ -155,6 +155,9 @@ class Run:
                 return _parameter(data)
         raise KeyError(f"{self.method} estimates no {name}; it estimates {' '.join(self.names)}")
 
+    def __contains__(self, name: object) -> bool:
+        return name in self.names
+
     def __iter__(self) -> Iterator[Parameter]:
         return iter(self.parameters)
 
@@ -208,8 +211,8 @@ class Result:
 
     @property
     def verdict(self) -> str:
-        """``"good"``, ``"care"`` or ``"do-not-use"``."""
-        return str(self._data["verdict"])
+        """``"good"``, ``"care"`` or ``"do-not-use"``; ``"not-judged"`` for files of before verdicts."""
+        return str(self._data["verdict"] or "not-judged")
 
     @property
     def reasons(self) -> list[str]:
@@ -262,7 +265,7 @@ class Result:
         return self._native.render("parameters.csv").decode()
 
     def text(self) -> str:
-        """The tables that the command line prints."""
+        """The tables that ``thetahat identify --full`` prints."""
         return self._native.text()
 
     def report(self, path: str | os.PathLike[str]) -> None:
@@ -304,8 +307,10 @@ class Result:
         -------
         ndarray (p,)
         """
-        robot, run = self._robot(), run or self.best
+        robot, run = self._robot(), self.best if run is None else run
         estimates = dict(zip(run.names, run.estimates.tolist(), strict=True))
+        if not estimates:
+            raise ResultsError(f"{run.method} has no estimate in the case {run.case}: {run.reason or run.status}")
         known = set(robot._native.base_parameters(self._native.excluded, self._native.fixed)[1])
         foreign = [name for name in estimates if name not in known]
         if foreign:
@@ -316,9 +321,11 @@ class Result:
         """Measured and predicted torques over time, joint by joint. Needs matplotlib (``pip install thetahat[plot]``)."""
         from matplotlib.figure import Figure
 
-        run = run or self.best
+        run = self.best if run is None else run
         if not len(run.time):
             raise ResultsError("results that were read from a file have no curves; identify again")
+        if not len(run.predicted):
+            raise ResultsError(f"{run.method} has no estimate in the case {run.case}: {run.reason or run.status}")
         joints = run.measured.shape[1]
         figure = Figure(figsize=(8.0, 1.0 + 1.8 * joints), layout="constrained")
         axes = figure.subplots(joints, 1, sharex=True, squeeze=False)[:, 0]
@@ -338,6 +345,10 @@ class Result:
                 return self._run(number)
         known = ", ".join(f"({data['method']!r}, {data['case']!r})" for data in self._data["runs"])
         raise KeyError(f"there is no run of {method} in the case {case}; runs are {known}")
+
+    def __contains__(self, key: object) -> bool:
+        wanted = key if isinstance(key, tuple) else (key, _NOMINAL)
+        return wanted in [(data["method"], data["case"]) for data in self._data["runs"]]
 
     def __iter__(self) -> Iterator[Run]:
         return iter(self.runs)
