@@ -5,7 +5,7 @@ use thetahat::results::{Results, RunResult, Verdict};
 
 /// What `results` say, for the page; their report is in `folder`, with a picture or without.
 pub fn entry(folder: &str, results: &Results, has_picture: bool) -> Value {
-    let taken = taken(results);
+    let taken = results.taken();
     let percent = |of: fn(&RunResult) -> Option<f64>| taken.and_then(of).map(|error| format!("{error:.2}"));
     let reasons: Vec<String> = results.verdict_reasons.iter().map(|reason| reason.text.clone()).collect();
     context! {
@@ -18,12 +18,6 @@ pub fn entry(folder: &str, results: &Results, has_picture: bool) -> Value {
         unseen_error_percent => percent(|run| run.cross_validation_relative_error_percent),
         has_picture => has_picture,
     }
-}
-
-/// The run of the first case that the advice takes.
-fn taken(results: &Results) -> Option<&RunResult> {
-    let advice = results.advice.first()?;
-    results.runs.iter().find(|run| run.case == advice.case && Some(run.method) == advice.take)
 }
 
 fn words(verdict: Verdict) -> &'static str {

@@ -56,7 +56,7 @@ pub struct ComparedParameter {
     /// Its estimate in each; none where it has none.
     pub estimates: Vec<Option<ParameterResult>>,
     /// What the estimate of each is above the first one, in deviations of the difference; zero of the first itself, none where
-    /// one of them has no deviation.
+    /// one of them has no deviation or another unit.
     pub deviations: Vec<Option<f64>>,
 }
 
@@ -152,8 +152,11 @@ fn parameters(runs: &[&RunResult]) -> Vec<ComparedParameter> {
     all.into_iter().map(compared).collect()
 }
 
-/// Difference over its deviation, as of independent estimates; zero of equal ones.
+/// Difference over its deviation, as of independent estimates; zero of equal ones, none in other units.
 fn deviations_above(first: &ParameterResult, other: &ParameterResult) -> Option<f64> {
+    if first.unit != other.unit {
+        return None;
+    }
     let deviation = |p: &ParameterResult| p.standard_deviation_robust.or(p.standard_deviation);
     let (difference, of_difference) = (other.estimate - first.estimate, deviation(first)?.hypot(deviation(other)?));
     match (difference == 0.0, of_difference > 0.0) {
