@@ -42,7 +42,7 @@ fn tables(results: &Results, published: Option<&Published>, full: bool) -> Strin
 /// The files that were written.
 fn written(files: Option<&[impl AsRef<Path>]>) -> String {
     let Some(files) = files else {
-        return "no files written; with --out DIR: results.json, parameters.csv, report.html\n".to_owned();
+        return "no files written (--out DIR writes them)\n".to_owned();
     };
     let names: String = files.iter().map(|f| format!("  {}\n", f.as_ref().display())).collect();
     format!("written:\n{names}")

@@ -26,7 +26,7 @@ fn experiments() -> Folder {
 
 /// What a terminal of so many columns shows of a run; none where there is no `script` to make one.
 fn captured(folder: &Folder, width: usize, environment: &str, arguments: &str) -> Option<String> {
-    let command = format!("stty cols {width}; {environment} {PROGRAM} {arguments} 2>/dev/null");
+    let command = format!("stty rows 24 cols {width}; {environment} {PROGRAM} {arguments} 2>/dev/null");
     let output = Command::new("script").args(["-qec", &command, "/dev/null"]).current_dir(folder.path()).output();
     let Ok(output) = output else {
         eprintln!("*** SKIPPED: there is no `script` to make a terminal ***");

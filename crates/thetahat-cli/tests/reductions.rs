@@ -168,7 +168,7 @@ fn a_reduction_solved_is_the_identification() {
     let told = folder.succeeds("reduce a.toml --out a.reduction");
     let words = ["1536 samples at 500", "samples near rest left out (up to ", "thetahat solve a.reduction"];
     words.iter().for_each(|word| assert!(told.contains(word), "no {word:?} in: {told}"));
-    let told = folder.succeeds("solve a.reduction --out solved");
+    let told = folder.succeeds("solve a.reduction --full --out solved");
     assert!(told.contains("stretches of time") && told.contains("near rest "), "{told}");
     assert_same(&folder.estimates("solved", "idim-ls"), &folder.estimates("identified", "idim-ls"), EQUAL);
     for file in ["parameters.csv", "report.html"] {

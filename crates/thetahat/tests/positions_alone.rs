@@ -4,21 +4,30 @@ use thetahat::{
     experiment::Experiment,
     identification::{Method, Status},
     preparation::LoopParameter,
-    results::RunResult,
+    report,
+    results::{Results, RunResult},
 };
 use thetahat_testing::root;
 
-fn cloe(change: impl Fn(&mut Experiment)) -> RunResult {
+fn all(change: impl Fn(&mut Experiment)) -> Results {
     let path = root().join("experiments/quadruped_positions.toml");
     let mut experiment = Experiment::read(&path, path.parent().unwrap()).unwrap();
     change(&mut experiment);
-    let results = experiment.run(path.parent().unwrap(), &mut |_| {}).unwrap();
-    results.run("nominal", Method::CLOE).unwrap().clone()
+    experiment.run(path.parent().unwrap(), &mut |_| {}).unwrap()
+}
+
+fn cloe(change: impl Fn(&mut Experiment)) -> RunResult {
+    all(change).run("nominal", Method::CLOE).unwrap().clone()
 }
 
 #[test]
 fn inertias_frictions_gain_and_delay_are_found_with_intervals_that_hold_the_truth() {
-    let run = cloe(|_| {});
+    let results = all(|_| {});
+    for name in report::file_names() {
+        let content = report::render(name, &results, None).unwrap();
+        assert!(content.is_some_and(|content| !content.is_empty()), "{name}");
+    }
+    let run = results.run("nominal", Method::CLOE).unwrap();
     assert_eq!(run.status, Status::Converged, "{:?}", run.reason);
     let holds = |interval: [f64; 2], truth: f64| interval[0] <= truth && truth <= interval[1];
     let [gain, delay] = &run.loop_parameters[..] else { panic!("{:?}", run.loop_parameters) };

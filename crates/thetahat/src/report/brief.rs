@@ -1,7 +1,7 @@
 //! The results on one screen: findings, runs and the estimates of the method taken.
 
 use super::{
-    findings,
+    facts, findings,
     number::{NONE, estimate, optional},
     payload, physical,
     status::status_words,
@@ -41,7 +41,9 @@ fn head(results: &Results, width: TextWidth) -> String {
         "{}: {several}{} samples{rate}, {} rows after decimation",
         results.robot, results.samples_used, results.decimated_rows
     );
-    wrap(&results.title, "", width) + &wrap(&used, "", width)
+    let locked = facts::locked_joints(results).map(|joints| format!("locked: {joints}"));
+    let lines = [Some(results.title.clone()), Some(used), locked];
+    lines.iter().flatten().map(|line| wrap(line, "", width)).collect()
 }
 
 /// One row for each run; the cases where there are several.
@@ -59,12 +61,13 @@ fn runs(results: &Results, width: TextWidth) -> String {
     };
     let head = several.then_some("case").into_iter().chain(["method", "status", "error %", "unseen %"]);
     let unseen = tables::unseen(results);
+    let runs: Vec<&RunResult> = results.runs.iter().collect();
     let table = Table {
         title: "Runs".to_owned(),
         lead: if several { 3 } else { 2 },
         head: head.map(str::to_owned).collect(),
         rows: results.runs.iter().map(row).collect(),
-        notes: unseen.map(|text| format!("unseen: {text}.")).into_iter().collect(),
+        notes: unseen.map(|text| format!("unseen: {text}.")).into_iter().chain(tables::reasons(&runs)).collect(),
         ..Table::default()
     };
     table.to_text(width)

@@ -2,7 +2,7 @@
 
 use super::{
     number::significant,
-    wrap::{TextWidth, labelled, shortened},
+    wrap::{TextWidth, labelled, wrap_to},
 };
 use crate::results::{Card, Grade, Results, Unseen, Verdict};
 
@@ -11,9 +11,6 @@ const LABEL: usize = 12;
 
 /// Reasons on the card.
 const REASONS: usize = 3;
-
-/// Lines of a reason on the card.
-const LINES: usize = 2;
 
 /// The verdict in a few words, with a symbol that tells it without colour.
 #[must_use]
@@ -70,11 +67,19 @@ fn known(card: &Card) -> String {
     format!("{} of {}", counts.join(", "), card.grades.iter().sum::<usize>())
 }
 
+/// As much of a text as stands in two lines of so many characters.
+fn first_lines(text: &str, columns: usize) -> String {
+    let lines: Vec<String> = wrap_to(text, columns);
+    match lines.as_slice() {
+        [first, second, _, ..] => format!("{first} {}…", wrap_to(second, columns - 1).swap_remove(0)),
+        [] | [_] | [_, _] => lines.join(" "),
+    }
+}
+
 /// The gravest reasons in two lines each, and how many more there are.
 fn because(results: &Results, width: TextWidth) -> Vec<String> {
     let reasons = &results.verdict_reasons;
-    let most = LINES * (width.columns() - LABEL);
-    let line = |text: &str| shortened(text, most);
+    let line = |text: &str| first_lines(text, width.columns() - LABEL);
     let mut lines: Vec<String> =
         reasons.iter().take(REASONS).map(|r| line(&format!("[{}] {}", r.code, r.seen()))).collect();
     let more = reasons.len().saturating_sub(REASONS);

@@ -16,7 +16,7 @@ pub(super) fn head(results: &Results) -> Vec<(&'static str, String)> {
 pub(super) fn facts(results: &Results) -> Vec<(&'static str, String)> {
     let rows = format!("{} after decimation", results.decimated_rows);
     let mut facts = vec![("robot", results.robot.clone())];
-    facts.extend((!results.robot_locked.is_empty()).then(|| ("locked", locked(&results.robot_locked))));
+    facts.extend(locked_joints(results).map(|joints| ("locked", joints)));
     facts.extend(recordings("samples used", &results.recordings));
     facts.extend(recordings("held back", &results.validation_recordings));
     facts.push(("rows", rows));
@@ -28,7 +28,11 @@ pub(super) fn facts(results: &Results) -> Vec<(&'static str, String)> {
     facts
 }
 
-/// The joints that were locked, with their values.
+/// The joints that were locked, with their values; none where none were.
+pub(super) fn locked_joints(results: &Results) -> Option<String> {
+    (!results.robot_locked.is_empty()).then(|| locked(&results.robot_locked))
+}
+
 fn locked(joints: &[LockedJoint]) -> String {
     let unit = |kind| match kind {
         JointKind::Revolute => "rad",

@@ -46,14 +46,20 @@ pub(super) fn brief(results: &Results, width: TextWidth) -> String {
     if lines.is_empty() { "Findings: none\n".to_owned() } else { format!("Findings (whole with --full)\n{lines}") }
 }
 
-/// The joints, and the message of the largest value without them.
+/// The joints, and the message of the largest value without its joint.
 fn in_short(group: &[&Finding]) -> String {
     let most = group.iter().max_by(|a, b| a.value.abs().total_cmp(&b.value.abs())).unwrap_or(&group[0]);
     let joints: Vec<String> = group.iter().filter_map(|f| f.joint).map(|j| j.to_string()).collect();
     match joints.as_slice() {
         [] | [_] => seen(most),
-        [_, ..] => format!("joints {}: {}", joints.join(" "), most.message),
+        [_, ..] => format!("joints {}: {}", joints.join(" "), without_joint(&most.message)),
     }
+}
+
+/// A message without the joint that it begins with.
+fn without_joint(message: &str) -> &str {
+    let named = message.split_once(": ").filter(|(place, _)| place.starts_with("joint "));
+    named.map_or(message, |(_, text)| text)
 }
 
 /// The gravest finding of the runs for each code, with the methods that have one as grave.

@@ -36,6 +36,11 @@ impl Default for TextWidth {
 /// Cuts a text into indented lines that fit, at spaces where it can.
 pub(super) fn wrap(text: &str, indent: &str, width: TextWidth) -> String {
     let width = width.columns().saturating_sub(indent.chars().count()).max(1);
+    wrap_to(text, width).iter().map(|line| format!("{indent}{line}\n")).collect()
+}
+
+/// The lines of a text of at most so many characters, cut at spaces where it can.
+pub(super) fn wrap_to(text: &str, width: usize) -> Vec<String> {
     let mut lines: Vec<String> = vec![String::new()];
     for word in visible_lines(text).split_whitespace().flat_map(|word| pieces(word, width)) {
         match lines.last_mut() {
@@ -44,7 +49,7 @@ pub(super) fn wrap(text: &str, indent: &str, width: TextWidth) -> String {
             _ => lines.push(word),
         }
     }
-    lines.iter().map(|line| format!("{indent}{line}\n")).collect()
+    lines
 }
 
 /// A label in a column of so many characters, and its text beside it, in as many lines as it takes.

@@ -6,7 +6,10 @@ use super::{
     run::RunResult,
     verdict::{Verdict, VerdictReason},
 };
-use crate::{checks::Code, identification::Method};
+use crate::{
+    checks::Code,
+    identification::{Method, Status},
+};
 
 /// Most actions on a card.
 const ACTIONS: usize = 3;
@@ -66,11 +69,15 @@ impl Results {
         }
     }
 
-    /// The run of the nominal case whose numbers the advice takes.
+    /// The run of the nominal case whose numbers the advice takes; without advice, as from reductions, that of idim-iv or
+    /// else idim-ls, if it converged.
     #[must_use]
     pub fn taken(&self) -> Option<&RunResult> {
-        let advice = self.advice.iter().find(|a| a.case == NOMINAL)?;
-        self.run(NOMINAL, advice.take?)
+        let converged = |method| self.run(NOMINAL, method).filter(|run| run.status == Status::Converged);
+        match self.advice.iter().find(|a| a.case == NOMINAL) {
+            Some(advice) => self.run(NOMINAL, advice.take?),
+            None => [Method::IDIM_IV, Method::IDIM_LS].into_iter().find_map(converged),
+        }
     }
 
     /// The error of a run on what it has not seen.
@@ -169,6 +176,8 @@ mod tests {
         results.advice[0].take = None;
         let card = results.card();
         assert_eq!((card.method, card.relative_error_percent, card.grades), (None, None, [0; 3]));
+        results.advice.clear();
+        assert_eq!(results.card().method, Some(Method::IDIM_LS), "a reduction is solved without advice");
     }
 
     #[test]

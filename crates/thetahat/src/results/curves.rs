@@ -74,7 +74,7 @@ pub struct RunPlots {
     pub correlation: Vec<Vec<f64>>,
     /// The number of the link, joint or motor that each parameter is of, from one.
     pub numbers: Vec<usize>,
-    /// The a-priori value of each parameter; none where nothing is known a priori of what it is made of.
+    /// The a-priori value of each parameter; none where one of those that it is made of is not known a priori.
     pub a_priori: Vec<Option<f64>>,
 }
 

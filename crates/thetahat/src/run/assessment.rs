@@ -170,8 +170,11 @@ impl Assessment<'_> {
         let problem = setup.validation_problem(self.case, &recordings, &self.job.problem.estimated)?;
         let regression = &problem.regression;
         let prediction = regression.x.times(self.of_robot(fit));
-        run.cross_validation_relative_error_percent = Some(relative_error_percent(&regression.y, &prediction));
-        run.findings.extend(worse_than_zero(setup.robot, regression, &prediction, Data::HeldBack));
+        // The error of a run that fits positions is of positions: that of its torques does not belong beside it.
+        if !run.is_of_positions() {
+            run.cross_validation_relative_error_percent = Some(relative_error_percent(&regression.y, &prediction));
+            run.findings.extend(worse_than_zero(setup.robot, regression, &prediction, Data::HeldBack));
+        }
         run.plots.held_back = regression.layout.by_joint(&prediction);
         run.validation_condition_number = Some(regression.x.condition_number());
         if let Some(simulator) = identification.simulator(&identification.validation, &problem, self.case) {

@@ -72,11 +72,11 @@ pub(super) fn numbers(model: &Model, estimated: &BaseParameters) -> Vec<usize> {
     estimated.parameters().iter().map(|p| model.parameter_table().get(p.kept).number).collect()
 }
 
-/// The a-priori value of each parameter; none where nothing is known a priori of what it is made of.
+/// The a-priori value of each parameter; none where one of those that it is made of is not known a priori.
 pub(super) fn a_priori(robot: &Robot, model: &Model, estimated: &BaseParameters) -> Vec<Option<f64>> {
     let table = model.parameter_table();
     let values = estimated.from_standard(&robot.a_priori_parameters_for(table));
     let is_known = |i: usize| robot.a_priori.contains_key(&table.get(i).name());
-    let known = estimated.parameters().iter().map(|p| is_known(p.kept) || p.regrouped.iter().any(|r| is_known(r.0)));
+    let known = estimated.parameters().iter().map(|p| is_known(p.kept) && p.regrouped.iter().all(|r| is_known(r.0)));
     known.zip(values).map(|(known, value)| known.then_some(value)).collect()
 }

@@ -194,7 +194,7 @@ fn influence(run: &RunResult) -> Option<VerdictReason> {
             "{} of {} changes by {:.1} standard deviations without {}",
             found.parameter, run.method, found.change, found.part
         ),
-        format!("look at {} of the record, and record more like it", found.part),
+        format!("look at {}, and record more like it", found.part),
     );
     Some(reason(ReasonCode::Influence, Verdict::Care, &numbers, concerned, said))
 }

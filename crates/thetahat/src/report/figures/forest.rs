@@ -110,7 +110,9 @@ fn conclusion(run: &RunResult, wanted: fn(&ParameterResult) -> bool) -> String {
     let all = || run.parameters.iter().filter(|p| wanted(p));
     let count = |grade: Grade| all().filter(|p| p.grade() == grade).count();
     let [sure, rough, lost] = Grade::ALL.map(count);
-    format!("{} parameters: {sure} sure, {rough} rough, {lost} not identified.", all().count())
+    let (shown, estimated) = (all().count(), run.parameters.len());
+    let of = if shown < estimated { format!(" of {estimated}") } else { String::new() };
+    format!("{shown}{of} parameters: {sure} sure, {rough} rough, {lost} not identified.")
 }
 
 /// A name that an attribute can hold.
