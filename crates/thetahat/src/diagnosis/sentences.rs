@@ -49,7 +49,7 @@ fn take_iv(evidence: &Evidence<'_>) -> String {
              (Durbin-Wu-Hausman {}), {}; {strong}.",
             short(e.average_difference),
             p_value(e.robust.p_value),
-            if e.verdict == Comparison::Agree { "no more than chance" } else { "too little to matter" },
+            if e.verdict == Comparison::Agree { "no more than chance" } else { "detectable but negligible" },
         ),
         (None, true) => format!("Take idim-iv or idim-ls; {strong}."),
         (_, false) => format!("Take idim-iv; {strong}."),

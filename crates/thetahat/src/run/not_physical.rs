@@ -115,7 +115,7 @@ fn link_remedy(asked: bool, is_noise: bool) -> &'static str {
 fn inertia_remedy(asked: bool, name: &str) -> String {
     let physical = if asked { "" } else { "physical = true and " };
     format!(
-        "give it from the data sheet, with {physical}fix = {{ {name} = ... }} in [parameters], or record faster changes of \
+        "give {name} from the data sheet, with {physical}fix = {{ {name} = ... }} in [parameters], or record faster changes of \
          velocity of this joint"
     )
 }
