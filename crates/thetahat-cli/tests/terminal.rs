@@ -3,7 +3,7 @@
 use std::{fs, process::Output};
 
 use serde_json::Value;
-use thetahat_testing::{Folder, run};
+use thetahat_testing::{Folder, project, run};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_thetahat");
 
@@ -13,8 +13,13 @@ const COLUMNS: usize = 80;
 /// Most lines of the default output for the demonstration's 60 parameters and two cases.
 const LINES: usize = 60;
 
-fn project(file: &str) -> String {
-    fs::read_to_string(format!("{}/../../{file}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+/// The two-joint arm and its twin, which is `twin.toml`.
+fn two_joint_arm() -> Folder {
+    let folder = Folder::new();
+    folder.copy(&project("robots/two_joint.toml"));
+    let twin = fs::read_to_string(project("experiments/two_joint.toml")).unwrap();
+    folder.write("twin.toml", twin.replace("../robots/", ""));
+    folder
 }
 
 fn printed(folder: &Folder, arguments: &str, code: i32) -> String {
@@ -66,12 +71,9 @@ fn json_is_the_file_and_nothing_else() {
 /// The torque of the other joint in each column: nothing of it may look like a result.
 #[test]
 fn a_broken_record_cannot_be_taken_for_good() {
-    let folder = Folder::new();
-    folder.write("robot.toml", project("robots/two_joint.toml"));
-    let twin = project("experiments/two_joint.toml").replace("../robots/two_joint.toml", "robot.toml");
-    folder.write("twin.toml", &twin);
+    let folder = two_joint_arm();
     printed(&folder, "simulate twin.toml --out record.csv", 0);
-    printed(&folder, "init --robot robot.toml --recording record.csv --torque torque_2,torque_1", 0);
+    printed(&folder, "init --robot two_joint.toml --recording record.csv --torque torque_2,torque_1", 0);
     let text = printed(&folder, "identify experiment.toml", 1);
     assert!(text.starts_with("\u{2717} DO NOT USE these numbers\n"), "{text}");
     let card = card(&text);
@@ -82,13 +84,9 @@ fn a_broken_record_cannot_be_taken_for_good() {
 
 #[test]
 fn results_are_compared_by_settings_and_in_deviations() {
-    let folder = Folder::new();
-    folder.write("robot.toml", project("robots/two_joint.toml"));
-    let twin = project("experiments/two_joint.toml").replace("../robots/two_joint.toml", "robot.toml");
-    folder.write("a.toml", &twin);
-    let seed = twin.lines().find(|line| line.starts_with("seed")).unwrap();
-    folder.write("b.toml", twin.replace(seed, "seed = 78"));
-    printed(&folder, "identify a.toml --quiet --out a", 0);
+    let folder = two_joint_arm();
+    folder.replace("twin.toml", "seed = 1\n", "seed = 78\n", "b.toml");
+    printed(&folder, "identify twin.toml --quiet --out a", 0);
     printed(&folder, "identify b.toml --quiet --out b", 0);
     let text = printed(&folder, "compare a/results.json b/results.json --out compared.html", 0);
     assert!(text.contains("Settings that differ") && text.contains("78"), "{text}");

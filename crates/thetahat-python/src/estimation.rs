@@ -4,7 +4,6 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2}
 use pyo3::prelude::*;
 use thetahat::{
     Method,
-    dynamics::Sign,
     identification::{Assembly, uncertainty},
     regression::{Regression, RowLayout},
     signal::Decimator,
@@ -27,7 +26,7 @@ pub fn observation_matrix<'py>(
     sign_velocity_scale: Option<f64>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let [q, dq, ddq] = motion.map(|array| series_of(array.as_array()));
-    let sign: Sign = sign_of(sign_velocity_scale);
+    let sign = sign_of(sign_velocity_scale)?;
     let x = py.detach(|| {
         let decimator = Decimator::new(decimation, q.len())?;
         Assembly::new(robot.model(), &columns, decimator).observation_matrix(&q, &dq, &ddq, sign)

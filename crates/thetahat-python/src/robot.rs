@@ -8,7 +8,7 @@ use std::{
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray2, PyReadwriteArray3,
 };
-use pyo3::prelude::*;
+use pyo3::{exceptions::PyValueError, prelude::*};
 use thetahat::{
     Experiment,
     base_parameters::BaseParameters,
@@ -213,7 +213,7 @@ impl Robot {
         mut phi: PyReadwriteArray3<'py, f64>,
     ) -> PyResult<()> {
         let regressor = Regressor::new(&self.model, &columns);
-        let sign = sign_of(sign_velocity_scale);
+        let sign = sign_of(sign_velocity_scale)?;
         Samples::of(motion.each_ref()).fill(py, phi.as_slice_mut()?, |motion, phi| {
             regressor.evaluate_rows(&self.model, motion, 0..motion[0].len(), sign, phi);
             Ok(())
@@ -229,7 +229,7 @@ impl Robot {
         sign_velocity_scale: Option<f64>,
         mut tau: PyReadwriteArray2<'py, f64>,
     ) -> PyResult<()> {
-        let (n, sign) = (self.model.coordinate_count(), sign_of(sign_velocity_scale));
+        let (n, sign) = (self.model.coordinate_count(), sign_of(sign_velocity_scale)?);
         let parameters = DynamicParameters::new(&self.model, &theta);
         Samples::of(motion.each_ref()).fill(py, tau.as_slice_mut()?, |[q, dq, ddq], tau| {
             let mut workspace = Workspace::new(&self.model);
@@ -250,7 +250,7 @@ impl Robot {
         sign_velocity_scale: Option<f64>,
         mut ddq: PyReadwriteArray2<'py, f64>,
     ) -> PyResult<()> {
-        let sign = sign_of(sign_velocity_scale);
+        let sign = sign_of(sign_velocity_scale)?;
         let parameters = DynamicParameters::new(&self.model, &theta);
         Samples::of(inputs.each_ref()).fill(py, ddq.as_slice_mut()?, |inputs, ddq| {
             let found = self.model.forward_dynamics_series(&parameters, inputs, sign)?;
@@ -298,8 +298,14 @@ impl Robot {
 }
 
 /// How the sign of a velocity is taken: as it is, or regularised with this velocity.
-pub fn sign_of(scale: Option<f64>) -> Sign {
-    scale.map_or(Sign::Exact, |scale| Sign::Smooth { scale })
+pub fn sign_of(scale: Option<f64>) -> PyResult<Sign> {
+    match scale {
+        None => Ok(Sign::Exact),
+        Some(scale) if scale.is_finite() && scale > 0.0 => Ok(Sign::Smooth { scale }),
+        Some(scale) => {
+            Err(PyValueError::new_err(format!("sign_velocity_scale is {scale}; it is a velocity above zero, or None")))
+        }
+    }
 }
 
 /// A vector as it was given.

@@ -114,8 +114,7 @@ fn require_same_parameters(
 
 /// The run of the request's case and method.
 fn chosen_run<'r>(request: &PredictionRequest, results: &'r Results) -> Result<&'r RunResult, ExperimentError> {
-    let advised = results.advice.iter().find(|a| a.case == request.case).and_then(|a| a.take);
-    let wanted = request.method.or(advised);
+    let wanted = request.method.or_else(|| Some(results.taken_in(&request.case)?.method));
     let fits =
         |r: &&RunResult| r.case == request.case && wanted.is_none_or(|m| m == r.method) && !r.parameters.is_empty();
     results.runs.iter().find(fits).ok_or_else(|| {

@@ -1,11 +1,9 @@
 //! Box plots on a logarithmic axis.
 
-use super::plot::{Axis, Chart, Panel, Path, Tick, WIDE, pixel};
+use super::plot::{Axis, Chart, Panel, Path, Tick, UNITS, WIDE, pixel};
 use crate::results::Quantiles;
 
 const HEIGHT: f64 = 190.0;
-/// Units of a path in a pixel.
-const UNITS: f64 = 10.0;
 /// Part of a group's width that its boxes take, and of a box's place that the box takes.
 const GROUP: f64 = 0.7;
 const BOX: f64 = 0.6;

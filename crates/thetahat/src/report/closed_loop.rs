@@ -2,16 +2,12 @@
 
 use super::{
     number::{NONE, estimate, significant},
-    table::Table,
+    table::{Table, strings},
 };
 use crate::results::{ApproximatedParameter, LoopParameterResult, Results, RunResult};
 
 /// Parameters that a table lists.
 const LISTED: usize = 6;
-
-fn strings(texts: &[&str]) -> Vec<String> {
-    texts.iter().map(|t| (*t).to_owned()).collect()
-}
 
 /// What was estimated of the simulated loop, one row for each quantity.
 pub(super) fn loop_parameters(results: &Results) -> Option<Table> {

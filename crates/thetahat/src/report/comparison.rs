@@ -7,7 +7,7 @@ use super::{
     number::{NONE, optional, signed, with_deviation},
     page::{Page, render},
     section::Section,
-    table::{Group, Table},
+    table::{Group, Table, strings},
     wrap::{TextWidth, wrap},
 };
 use crate::output::replace_file;
@@ -50,10 +50,6 @@ fn tables(compared: &SideBySide) -> Vec<Table> {
 /// A, B, C ...; numbers behind Z.
 fn label(side: usize) -> String {
     u8::try_from(side).ok().filter(|s| *s < 26).map_or_else(|| side.to_string(), |s| char::from(b'A' + s).to_string())
-}
-
-fn strings(texts: &[&str]) -> Vec<String> {
-    texts.iter().map(|t| (*t).to_owned()).collect()
 }
 
 fn sides(compared: &SideBySide) -> Table {

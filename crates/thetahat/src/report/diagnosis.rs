@@ -4,7 +4,7 @@ use super::{
     closed_loop,
     number::{NONE, optional, significant},
     section::Section,
-    table::Table,
+    table::{Table, strings},
 };
 use crate::results::{
     BiasExplanation, BiasedSimulatorResult, CaseDiagnosis, ChiSquaredTest, Comparison, EndogeneityResult,
@@ -40,10 +40,6 @@ pub(super) fn section(results: &Results) -> Section {
         folded: folded.into_iter().flatten().collect(),
         ..Section::default()
     }
-}
-
-fn strings(texts: &[&str]) -> Vec<String> {
-    texts.iter().map(|t| (*t).to_owned()).collect()
 }
 
 fn verdict(verdict: Comparison) -> &'static str {

@@ -22,9 +22,9 @@ pub enum ReportError {
         /// What the system says.
         source: io::Error,
     },
-    /// A robot cannot be turned into JSON.
-    #[error("the robot as JSON: {source}")]
-    ModelJson {
+    /// What a command prints does not go into JSON.
+    #[error("the output as JSON: {source}")]
+    PrintedJson {
         /// Why.
         source: serde_json::Error,
     },

@@ -3,13 +3,9 @@
 use super::{
     number::{NONE, optional, significant},
     section::Section,
-    table::Table,
+    table::{Table, strings},
 };
 use crate::results::{DriveGainResult, PayloadResult, Results};
-
-fn strings(texts: &[&str]) -> Vec<String> {
-    texts.iter().map(|t| (*t).to_owned()).collect()
-}
 
 /// A table for each payload that was estimated, and one of the gains.
 pub(super) fn tables(results: &Results) -> Vec<Table> {

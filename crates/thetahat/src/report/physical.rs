@@ -4,7 +4,7 @@ use super::{
     findings,
     number::{NONE, estimate, optional, significant},
     section::Section,
-    table::{Group, Table},
+    table::{Group, Table, strings},
     tables::runs_of,
     wrap::{TextWidth, wrap},
 };
@@ -46,10 +46,6 @@ pub(super) fn text(results: &Results, width: TextWidth) -> String {
     let cases = results.cases();
     let parameters = cases.iter().filter_map(|case| base_parameters(results, case)).map(|t| t.to_text(width));
     tables.chain([lines]).chain(parameters).filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")
-}
-
-fn strings(texts: &[&str]) -> Vec<String> {
-    texts.iter().map(|t| (*t).to_owned()).collect()
 }
 
 fn with_estimate(results: &Results) -> impl Iterator<Item = (&RunResult, &ConsistentEstimate)> {

@@ -202,6 +202,11 @@ impl Page<'_> {
     }
 }
 
+/// Headings and the like as the table holds them.
+pub(super) fn strings(texts: &[&str]) -> Vec<String> {
+    texts.iter().map(|t| (*t).to_owned()).collect()
+}
+
 fn push_line(text: &mut String, line: &str) {
     text.push_str(line.trim_end());
     text.push('\n');

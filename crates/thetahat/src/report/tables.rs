@@ -4,7 +4,7 @@ use super::{
     number::{NONE, estimate, fixed, given, optional, signed, significant, with_deviation, with_percent},
     published::{Agreement, Published, PublishedValue},
     status::status_words,
-    table::{Group, Table},
+    table::{Group, Table, strings},
 };
 use crate::results::{Grade, IterationResult, ParameterResult, Results, RunResult, Status, Unseen};
 
@@ -23,10 +23,6 @@ const RUN_FIGURES: [(&str, &str); 3] = [
 
 pub(super) fn runs_of<'a>(results: &'a Results, case: &str) -> Vec<&'a RunResult> {
     results.runs.iter().filter(|r| r.case == case).collect()
-}
-
-fn strings(texts: &[&str]) -> Vec<String> {
-    texts.iter().map(|t| (*t).to_owned()).collect()
 }
 
 /// One row for each run.

@@ -69,13 +69,19 @@ impl Results {
         }
     }
 
-    /// The run of the nominal case whose numbers the advice takes; without advice, as from reductions, that of idim-iv or
-    /// else idim-ls, if it converged.
+    /// The run of the nominal case whose numbers to take.
     #[must_use]
     pub fn taken(&self) -> Option<&RunResult> {
-        let converged = |method| self.run(NOMINAL, method).filter(|run| run.status == Status::Converged);
-        match self.advice.iter().find(|a| a.case == NOMINAL) {
-            Some(advice) => self.run(NOMINAL, advice.take?),
+        self.taken_in(NOMINAL)
+    }
+
+    /// The run of a case whose numbers the advice takes; without advice, as from reductions, that of idim-iv or else
+    /// idim-ls, if it converged.
+    #[must_use]
+    pub fn taken_in(&self, case: &str) -> Option<&RunResult> {
+        let converged = |method| self.run(case, method).filter(|run| run.status == Status::Converged);
+        match self.advice.iter().find(|a| a.case == case) {
+            Some(advice) => self.run(case, advice.take?),
             None => [Method::IDIM_IV, Method::IDIM_LS].into_iter().find_map(converged),
         }
     }

@@ -112,9 +112,10 @@ fn run_of(
     method: Option<Method>,
 ) -> Result<usize, SideBySideError> {
     let estimated = || results.runs.iter().filter(|r| !r.parameters.is_empty());
-    let advised = || results.advice.iter().find(|a| a.case == case).and_then(|a| a.take);
+    let advised = || results.taken_in(case).map(|r| r.method);
+    let wanted = method.or_else(advised);
     let (file, case) = (file.to_owned(), case.to_owned());
-    let Some(method) = method.or_else(advised) else {
+    let Some(method) = wanted else {
         let methods = estimated().filter(|r| r.case == case).map(|r| r.method.to_string()).collect();
         return Err(SideBySideError::NoMethod { file, case, methods });
     };
@@ -256,6 +257,15 @@ mod tests {
         let [only] = compared.settings.as_slice() else { panic!("{:?}", compared.settings) };
         let values = vec![Some("10.5".to_owned()), Some("20.5".to_owned())];
         assert_eq!((only.key.as_str(), &only.values), ("signal.cutoff_hz", &values));
+    }
+
+    /// As `solve` writes them.
+    #[test]
+    fn results_without_advice_are_compared_too() {
+        let mut two = [results(LS, 1.0, 1.5), results(LS, 2.0, 1.5)];
+        two.iter_mut().for_each(|(_, results)| results.advice.clear());
+        let compared = SideBySide::new(&two, "nominal", None).unwrap();
+        assert!(compared.sides.iter().all(|side| side.method == Method::IDIM_LS), "{:?}", compared.sides);
     }
 
     #[test]

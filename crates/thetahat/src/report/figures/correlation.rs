@@ -4,7 +4,7 @@ use super::figure::{Figure, Key, main_run, named};
 use crate::{
     report::{
         number::fixed,
-        plot::{Chart, Panel, Path, Text, WIDE, pixel},
+        plot::{Chart, Panel, Path, Text, UNITS, WIDE, pixel},
     },
     results::{Results, RunResult},
 };
@@ -19,8 +19,6 @@ const SIDE: f64 = 630.0;
 const CELL: f64 = 24.0;
 /// Space for the names, pixels.
 const NAMES: f64 = 74.0;
-/// Tenths of a pixel.
-const UNITS: f64 = 10.0;
 
 /// The map of a case; none with a single parameter.
 pub(in crate::report) fn correlation(results: &Results, case: &str) -> Option<Figure> {

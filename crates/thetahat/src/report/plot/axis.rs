@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::report::number::{fixed, significant};
 
 /// Units of a path in a pixel: paths hold whole numbers.
-pub(super) const UNITS: f64 = 10.0;
+pub(in crate::report) const UNITS: f64 = 10.0;
 
 /// To a tenth of a pixel.
 pub(in crate::report) fn pixel(position: f64) -> f64 {

@@ -4,6 +4,6 @@ mod axis;
 mod chart;
 mod curve;
 
-pub(super) use axis::{Axis, Range, Tick, pixel};
+pub(super) use axis::{Axis, Range, Tick, UNITS, pixel};
 pub(super) use chart::{Chart, NARROW, Panel, Text, WIDE};
 pub(super) use curve::{Area, Curve, Path};
