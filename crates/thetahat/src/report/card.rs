@@ -63,8 +63,10 @@ fn unseen(card: &Card) -> String {
 }
 
 fn known(card: &Card) -> String {
-    let counts: Vec<String> = Grade::ALL.iter().zip(card.grades).map(|(g, n)| format!("{n} {}", g.name())).collect();
-    format!("{} of {}", counts.join(", "), card.grades.iter().sum::<usize>())
+    let count = |(grade, names): (&Grade, &Vec<String>)| format!("{} {}", names.len(), grade.name());
+    let counts: Vec<String> = Grade::ALL.iter().zip(&card.parameters).map(count).collect();
+    let doubt = if card.model_is_doubted { ", if the model holds" } else { "" };
+    format!("{} of {}{doubt}", counts.join(", "), card.parameters.iter().map(Vec::len).sum::<usize>())
 }
 
 /// As much of a text as stands in two lines of so many characters.

@@ -4,7 +4,7 @@ use super::{
     content::{NOMINAL, Results},
     grade::Grade,
     run::RunResult,
-    verdict::{Verdict, VerdictReason},
+    verdict::{ReasonCode, Verdict, VerdictReason},
 };
 use crate::{
     checks::Code,
@@ -27,8 +27,10 @@ pub struct Card {
     pub unseen: Option<Unseen>,
     /// Name and relative error in percent of the joint with the largest error.
     pub worst_joint: Option<(String, f64)>,
-    /// How many of its parameters have each grade, in the order of [`Grade::ALL`].
-    pub grades: [usize; 3],
+    /// The names of its parameters by grade, in the order of [`Grade::ALL`].
+    pub parameters: [Vec<String>; 3],
+    /// Whether something that the model lacks shows in the residual: grades then hold if the model does.
+    pub model_is_doubted: bool,
     /// What to do next, the most urgent first; at most three.
     pub actions: Vec<String>,
 }
@@ -63,8 +65,8 @@ impl Results {
             relative_error_percent: run.and_then(|r| r.relative_error_percent),
             unseen: run.and_then(|r| self.unseen(r)),
             worst_joint: run.and_then(|r| self.worst_joint(r)),
-            grades: Grade::ALL
-                .map(|grade| run.map_or(0, |r| r.parameters.iter().filter(|p| p.grade() == grade).count())),
+            parameters: Grade::ALL.map(|grade| run.map_or_else(Vec::new, |r| r.names_of(grade))),
+            model_is_doubted: self.verdict_reasons.iter().any(|r| r.code == ReasonCode::CorrelatedResidual),
             actions: self.actions(),
         }
     }
@@ -114,6 +116,13 @@ impl Results {
     }
 }
 
+impl RunResult {
+    /// The names of the parameters with a grade.
+    fn names_of(&self, grade: Grade) -> Vec<String> {
+        self.parameters.iter().filter(|p| p.grade() == grade).map(|p| p.name.clone()).collect()
+    }
+}
+
 impl VerdictReason {
     /// What was seen: the text without what to do.
     #[must_use]
@@ -129,7 +138,7 @@ mod tests {
     use std::{collections::BTreeMap, path::Path};
 
     use super::*;
-    use crate::results::{Concerned, ReasonCode};
+    use crate::results::Concerned;
 
     fn results() -> Results {
         let text = r#"{
@@ -172,7 +181,8 @@ mod tests {
         let card = results.card();
         assert_eq!(card.method, Some(Method::IDIM_LS));
         assert_eq!((card.relative_error_percent, card.unseen), (Some(4.0), Some(Unseen::LeftOut(5.0))));
-        assert_eq!((card.worst_joint, card.grades), (Some(("elbow".to_owned(), 7.5)), [1, 1, 1]));
+        assert_eq!(card.worst_joint, Some(("elbow".to_owned(), 7.5)));
+        assert_eq!(card.parameters, ["a", "b", "c"].map(|name| vec![name.to_owned()]));
         assert_eq!(card.actions, ["one", "two", "three"]);
     }
 
@@ -181,7 +191,8 @@ mod tests {
         let mut results = results();
         results.advice[0].take = None;
         let card = results.card();
-        assert_eq!((card.method, card.relative_error_percent, card.grades), (None, None, [0; 3]));
+        assert_eq!((card.method, card.relative_error_percent), (None, None));
+        assert!(card.parameters.iter().all(Vec::is_empty), "{card:?}");
         results.advice.clear();
         assert_eq!(results.card().method, Some(Method::IDIM_LS), "a reduction is solved without advice");
     }

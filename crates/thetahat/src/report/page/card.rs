@@ -18,18 +18,22 @@ pub(in crate::report) struct HeadCard {
     pub(in crate::report) reason: String,
     /// Labels and texts.
     pub(in crate::report) facts: Vec<(&'static str, String)>,
-    pub(in crate::report) grades: Vec<GradeCount>,
+    pub(in crate::report) grades: Vec<Graded>,
+    /// Whether grades hold only if the model does.
+    pub(in crate::report) model_is_doubted: bool,
     pub(in crate::report) actions: Vec<String>,
     /// Every reason, with its code.
     pub(in crate::report) reasons: Vec<(&'static str, String)>,
 }
 
-/// How many parameters have a grade.
+/// The parameters that have a grade.
 #[derive(Debug, Serialize)]
-pub(in crate::report) struct GradeCount {
+pub(in crate::report) struct Graded {
     pub(in crate::report) class: &'static str,
     pub(in crate::report) name: &'static str,
     pub(in crate::report) count: usize,
+    /// Of those that are sure.
+    pub(in crate::report) names: String,
 }
 
 impl HeadCard {
@@ -49,6 +53,7 @@ impl HeadCard {
             reason: results.verdict_reasons.first().map(|r| sentence(r.seen())).unwrap_or_default(),
             facts: facts(&card, verdict),
             grades: grades(&card),
+            model_is_doubted: card.model_is_doubted,
             reasons: results.verdict_reasons.iter().map(|r| (r.code.name(), sentence(&r.text))).collect(),
             actions: card.actions.iter().map(|action| sentence(action)).collect(),
         })
@@ -71,8 +76,8 @@ fn facts(card: &Card, verdict: Verdict) -> Vec<(&'static str, String)> {
     [method, error, unseen, worst].into_iter().flatten().collect()
 }
 
-fn grades(card: &Card) -> Vec<GradeCount> {
-    if card.grades.iter().sum::<usize>() == 0 {
+fn grades(card: &Card) -> Vec<Graded> {
+    if card.parameters.iter().all(Vec::is_empty) {
         return Vec::new();
     }
     let class = |grade| match grade {
@@ -80,8 +85,17 @@ fn grades(card: &Card) -> Vec<GradeCount> {
         Grade::Rough => "rough",
         Grade::NotIdentified => "lost",
     };
-    let count = |(grade, count): (Grade, usize)| GradeCount { class: class(grade), name: grade.name(), count };
-    Grade::ALL.into_iter().zip(card.grades).map(count).collect()
+    let names = |grade, names: &[String]| match grade {
+        Grade::Sure => names.join(" "),
+        Grade::Rough | Grade::NotIdentified => String::new(),
+    };
+    let graded = |(grade, of): (Grade, &Vec<String>)| Graded {
+        class: class(grade),
+        name: grade.name(),
+        count: of.len(),
+        names: names(grade, of),
+    };
+    Grade::ALL.into_iter().zip(&card.parameters).map(graded).collect()
 }
 
 /// A text that begins with a capital letter and ends with a full stop.
