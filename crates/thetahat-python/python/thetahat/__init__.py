@@ -18,14 +18,17 @@ Arrays have a row for each sample and a column for each joint, in rad, rad/s, ra
 prismatic joints). Errors are exceptions of :mod:`thetahat.errors`.
 """
 
-from . import errors, pinocchio, testing
+from . import distributed, errors, pinocchio, testing
 from ._thetahat import VERSION as __version__
 from .controllers import PD, Cascaded, Controller
 from .errors import (
+    CampaignError,
+    EngineError,
     EstimationError,
     ExperimentError,
     PrecisionWarning,
     RecordingError,
+    ReductionError,
     ReportError,
     ResultsError,
     RobotError,
@@ -46,8 +49,10 @@ __all__ = [
     "PD",
     "Advice",
     "BaseParameter",
+    "CampaignError",
     "Cascaded",
     "Controller",
+    "EngineError",
     "EstimationError",
     "ExperimentError",
     "Filter",
@@ -57,6 +62,7 @@ __all__ = [
     "PrecisionWarning",
     "Recording",
     "RecordingError",
+    "ReductionError",
     "ReportError",
     "Result",
     "ResultsError",
@@ -73,6 +79,7 @@ __all__ = [
     "choose_filter",
     "decimate",
     "derivative",
+    "distributed",
     "errors",
     "estimate",
     "identify",
