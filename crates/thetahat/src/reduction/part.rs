@@ -5,12 +5,12 @@ use std::path::Path;
 use super::{error::ReductionError, source::Source};
 use crate::{
     experiment::{Experiment, RecordingDescription},
-    preparation::PreparationError,
+    preparation::{PreparationError, window_of},
 };
 
 impl Experiment {
-    /// The start and end, s, of what [`Experiment::reduce`] may read of each recording: its stated window, or the whole record; of a
-    /// twin none, since it is not simulated here.
+    /// The start and end, s, of what [`Experiment::reduce`] may read of each recording: its stated window, or the whole record without
+    /// the edges of the filter; of a twin none, since it is not simulated here.
     ///
     /// Of a text the line ends are counted, of other files the header says the length.
     ///
@@ -20,9 +20,9 @@ impl Experiment {
         let span = |(i, description): (usize, &RecordingDescription)| {
             let source = Source::open(self, description, (i + 1, data), false)?;
             let signal = self.settings.signal.in_window([description.window_start_s, description.window_end_s]);
-            let length = source.samples as f64 / source.sample_rate_hz;
-            let end = signal.window_end_s.map_or(length, |end| end.min(length));
-            Ok([signal.window_start_s.unwrap_or(0.0), end])
+            let rate = source.sample_rate_hz;
+            let window = window_of(0..source.samples, source.samples, rate, &signal).map_err(|e| self.refuse(e))?;
+            Ok([window.start as f64 / rate, window.end as f64 / rate])
         };
         self.file.recording.iter().enumerate().map(span).collect()
     }
@@ -30,8 +30,7 @@ impl Experiment {
     /// The same experiment with recording `number` alone, from zero, and of that, where it is given, the time from and to, s. It keeps
     /// its text, so that reductions of its parts merge to one that is solved as the whole.
     ///
-    /// A stretch of time is filtered as a part of the whole record and decimated as a record of its own: its rows near both ends are
-    /// those of an end.
+    /// A stretch of time is filtered as a part of the whole record, and decimated as a record of its own.
     ///
     /// # Errors
     /// [`ReductionError`] where there is no such recording.

@@ -145,7 +145,7 @@ class Fleet:
     drifts: tuple[RobotResult, ...]
     """Slopes of friction parameters over time, robot by robot, unit per unit of time."""
     deviations: tuple[RobotResult, ...]
-    """Each robot's distance from the mean of the others."""
+    """Each robot's distance from the median of all."""
 
     @property
     def differing(self) -> list[str]:
@@ -313,7 +313,7 @@ def compare(
     """The tests of :func:`fleet` on sessions that were identified."""
     ordered = sorted(sessions, key=lambda session: (session.robot, session.time))
     units: dict[str, str] = {p.name: p.unit for s in ordered if s.is_used for p in s.parameters}
-    lines = {name: _lines(ordered, name) for name in units}
+    lines = _lines(ordered)
     dispersions = {name: _statistics.dispersion_of(list(of.values())) for name, of in lines.items()}
     drifts: list[tuple[str, str, Estimate]] = []
     deviations: list[tuple[str, str, Estimate]] = []
@@ -321,7 +321,7 @@ def compare(
         if name.startswith(tuple(friction)):
             drifts += [(r, name, _statistics.slope(line, dispersions[name])) for r, line in of.items() if line.has_slope]
         if len(of) > 1:
-            found = _statistics.from_the_others(list(of.values()), dispersions[name])
+            found = _statistics.from_the_median(list(of.values()), dispersions[name])
             deviations += [(robot, name, estimate) for robot, estimate in zip(of, found, strict=True)]
     return Fleet(
         place,
@@ -367,15 +367,15 @@ def _of_robots(found: list[tuple[str, str, Estimate]], units: dict[str, str]) ->
     )
 
 
-def _lines(sessions: Sequence[SessionResult], name: str) -> dict[str, Line]:
-    """The line of each robot that has the parameter."""
-    points: dict[str, list[tuple[float, float, float]]] = {}
+def _lines(sessions: Sequence[SessionResult]) -> dict[str, dict[str, Line]]:
+    """Of each parameter the line of each robot that has it."""
+    points: dict[str, dict[str, list[tuple[float, float, float]]]] = {}
     for session in sessions:
         for parameter in session.parameters if session.is_used else ():
-            if parameter.name == name:
-                point = (session.time, parameter.estimate, parameter.standard_deviation)
-                points.setdefault(session.robot, []).append(point)
-    return {robot: _statistics.line_of(*np.array(of).T) for robot, of in points.items()}
+            point = (session.time, parameter.estimate, parameter.standard_deviation)
+            points.setdefault(parameter.name, {}).setdefault(session.robot, []).append(point)
+    line = _statistics.line_of
+    return {name: {robot: line(*np.array(of).T) for robot, of in robots.items()} for name, robots in points.items()}
 
 
 def _job(store: Store, session: Session, method: str | None) -> _SessionPart:

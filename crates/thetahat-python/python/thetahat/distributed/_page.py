@@ -97,7 +97,7 @@ def _tables(fleet: Fleet) -> list[_Table]:
             fleet,
             fleet.deviations,
             "Robots beside the others",
-            "Distance of each robot's mean from the mean of the others.",
+            "Distance of each robot's mean from the median of all.",
             "distance",
         ),
         _left_out(fleet),

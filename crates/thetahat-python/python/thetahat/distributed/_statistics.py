@@ -135,16 +135,16 @@ def slope(line: Line, dispersion: Dispersion) -> Estimate:
     return _estimate(line.slope, dispersion.scale * line.slope_variance, dispersion)
 
 
-def from_the_others(lines: list[Line], dispersion: Dispersion) -> list[Estimate]:
-    """How far each robot's mean is from that of the others."""
+def from_the_median(lines: list[Line], dispersion: Dispersion) -> list[Estimate]:
+    """How far each robot's mean is from the median of all, which a few robots that differ do not move.
+
+    The variance of the median is taken as that of normal means, and its covariance with the robot's own mean as zero: tests reject less
+    than they may, most of all in fleets of few robots.
+    """
     means, variances = _means(lines, dispersion)
-    w = 1.0 / variances
-    found = []
-    for k in range(len(lines)):
-        rest = np.sum(w) - w[k]
-        others = (np.sum(w * means) - w[k] * means[k]) / rest
-        found.append(_estimate(float(means[k] - others), float(variances[k] + 1.0 / rest), dispersion))
-    return found
+    median, variance = float(np.median(means)), 0.5 * math.pi * float(np.mean(variances)) / len(lines)
+    pairs = zip(means.tolist(), variances.tolist(), strict=True)
+    return [_estimate(mean - median, own + variance, dispersion) for mean, own in pairs]
 
 
 def holm(p_values: list[float]) -> list[float]:
