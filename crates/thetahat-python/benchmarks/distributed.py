@@ -117,10 +117,10 @@ def below() -> dict[int, str]:
 def kill_one(engine: str, parts: pathlib.Path, killed: list[int]) -> None:
     while not parts.is_dir() or len(list(parts.glob("*.parquet"))) < 8:
         time.sleep(0.005)
-    mark = {"dask": "spawn_main", "ray": "ray::"}[engine]
-    pid = next(pid for pid, line in below().items() if mark in line)
-    os.kill(pid, signal.SIGKILL)
-    killed.append(pid)
+    mark = {"dask": "spawn_main", "ray": "ray::work"}[engine]
+    while not killed:
+        killed.extend([pid for pid, line in below().items() if mark in line][:1])
+    os.kill(killed[0], signal.SIGKILL)
 
 
 def killed() -> None:

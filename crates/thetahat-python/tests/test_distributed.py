@@ -151,21 +151,22 @@ def worker_pids(engine):
     lines = {process.pid: " ".join(process.cmdline()) for process in below if process.is_running()}
     if engine == "dask":
         return [pid for pid, line in lines.items() if "spawn_main" in line]
-    return [pid for pid, line in lines.items() if line.startswith("ray::")]
+    return [pid for pid, line in lines.items() if line.startswith("ray::work")]
 
 
 @pytest.mark.parametrize("engine", ["dask", "ray"])
 def test_a_killed_worker_is_replaced_and_its_jobs_done_again(engine, slow, tmp_path):
     module_of(engine)
     path, rows = slow
-    before = set(worker_pids(engine))
+    # Ray may run already, as Dask of another test may, whose workers do not count.
+    before = set(worker_pids("dask"))
     killed = []
 
     def kill():
         wait_for_parts(tmp_path / "out" / "parts")
-        own = [pid for pid in worker_pids(engine) if pid not in before]
-        os.kill(own[0], signal.SIGKILL)
-        killed.append(own[0])
+        while not killed:
+            killed.extend([pid for pid in worker_pids(engine) if pid not in before][:1])
+        os.kill(killed[0], signal.SIGKILL)
 
     killer = threading.Thread(target=kill)
     killer.start()

@@ -186,7 +186,7 @@ class _Ray:
             return self._ray.get(handle)
         except self._ray.exceptions.RayTaskError as error:
             raise error.cause or error from None
-        except (self._ray.exceptions.WorkerCrashedError, self._ray.exceptions.NodeDiedError) as lost:
+        except self._ray.exceptions.RayError as lost:
             raise _lost() from lost
 
     def close(self) -> None:
