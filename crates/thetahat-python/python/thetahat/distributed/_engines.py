@@ -114,7 +114,7 @@ class _Dask:
 
     def __init__(self, workers: int, address: str | None, retries: int) -> None:
         dask, distributed = _module("dask", "dask"), _module("dask", "distributed")
-        self._killed: type[Exception] = distributed.scheduler.KilledWorker
+        self._killed: type[Exception] = _module("dask", "distributed.scheduler").KilledWorker
         self._cluster: Any = None
         if address is None:
             with dask.config.set({"distributed.scheduler.allowed-failures": retries}):

@@ -1,6 +1,6 @@
 """What engines cost, and what they survive: the figures of docs/fleets.md.
 
-    python crates/thetahat-python/benchmarks/distributed.py [overhead|campaign|killed|reduce|sizes|scale ...]
+    python crates/thetahat-python/benchmarks/fleets.py [overhead|campaign|killed|reduce|sizes|scale ...]
 
 runs in the checkout, with two workers of each engine that is installed, all on this machine. Without a name everything is run.
 """
@@ -31,7 +31,8 @@ from thetahat.distributed import _engines
 
 CHECKOUT = pathlib.Path(__file__).resolve().parents[3]
 WORKERS = 2
-SEEDS = 16  # 64 records, 512 runs
+# Seeds of the campaigns: 64 records with 512 runs, and ten times as many.
+SHORT, LONG = 16, 160
 
 
 def engines() -> list[str]:
@@ -59,22 +60,22 @@ def overhead() -> None:
             context = _engines.started(engine, WORKERS, None, 3)
             driver = context.__enter__()
             list(driver.each(nothing, [texts] * 20))
-        for count in (2000,):
-            with clock() as taken:
-                list(driver.each(nothing, [texts] * count))
-            print(f"overhead {engine}: {1e3 * taken[0] / count:.3f} ms for each of {count} jobs")
+        count = 2000
+        with clock() as taken:
+            list(driver.each(nothing, [texts] * count))
+        print(f"overhead {engine}: {1e3 * taken[0] / count:.3f} ms for each of {count} jobs")
         with clock() as ended:
             context.__exit__(None, None, None)
-        print(f"overhead {engine}: begun and first jobs {begun[0] if begun else 0:.2f} s, ended {ended[0]:.2f} s")
+        print(f"overhead {engine}: begun and first jobs {begun[0]:.2f} s, ended {ended[0]:.2f} s")
 
 
-def campaign_file(folder: pathlib.Path) -> pathlib.Path:
+def campaign_file(folder: pathlib.Path, seeds: int) -> pathlib.Path:
     path = folder / "campaigns" / "runs.toml"
     path.parent.mkdir()
     for name in ("experiments", "robots"):
         shutil.copytree(CHECKOUT / name, folder / name)
     text = (CHECKOUT / "campaigns/two_joint.toml").read_text()
-    path.write_text(text.replace("seeds = 2", f"seeds = {SEEDS}"))
+    path.write_text(text.replace("seeds = 2", f"seeds = {seeds}"))
     return path
 
 
@@ -86,10 +87,10 @@ def command(path: pathlib.Path, out: pathlib.Path) -> float:
 
 
 def campaign() -> None:
-    """512 runs: the command, then every engine with one and two workers."""
+    """5120 runs: the command, then every engine with one and two workers."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        path = campaign_file(folder)
+        path = campaign_file(folder, LONG)
         print(f"campaign, the command with {WORKERS} threads: {command(path, folder / 'command'):.2f} s")
         rows = (folder / "command/runs.parquet").read_bytes()
         for engine in engines():
@@ -127,7 +128,7 @@ def killed() -> None:
     """A worker, then the driver, killed in the middle of 512 runs."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        path = campaign_file(folder)
+        path = campaign_file(folder, SHORT)
         command(path, folder / "command")
         rows = (folder / "command/runs.parquet").read_bytes()
         for engine in engines()[1:]:
