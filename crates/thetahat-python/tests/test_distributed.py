@@ -307,7 +307,7 @@ def test_a_fleet_has_the_same_bytes_on_any_engine(engine, running, tmp_path):
     options = running(engine)["options"]
     sessions = list(sessions_of(robots=2, times=2))
     found = distributed.fleet(sessions, tmp_path / "a", workers=1)
-    other = distributed.fleet(reversed(sessions), tmp_path / "b", **options)
+    other = distributed.fleet(reversed(sessions), tmp_path / "b", sessions_per_job=3, **options)
     assert found.to_json() == other.to_json()
     assert (tmp_path / "a/fleet.html").read_bytes() == (tmp_path / "b/fleet.html").read_bytes()
     parts = [sorted((path.name, path.read_bytes()) for path in (tmp_path / f / "sessions").iterdir()) for f in "ab"]
@@ -430,7 +430,7 @@ def test_files_are_whole_or_not_there(tmp_path):
     assert store.read("a/b") == b"22" and store.names("a") == {"a/b"} and store.names("none") == set()
     assert [path.name for path in (tmp_path / "a").iterdir()] == ["b"]
     with pytest.raises(th.EngineError, match="workers have another folder"):
-        store.require("a/c")
+        store.require(["a/b", "a/c"])
 
 
 @pytest.fixture(scope="module")
@@ -460,3 +460,6 @@ def test_objects_of_s3_are_kept_like_files(bucket, described, rows, recorded, tm
     assert store.read("runs.parquet") == rows and store.names("parts") == set()
     found = distributed.reduce(recorded / "all.toml", bucket("reduction"), fan_in=2)
     assert found.content == distributed.reduce(recorded / "all.toml", tmp_path, fan_in=2).content
+    sessions = list(sessions_of(robots=2, times=1))
+    fleet = distributed.fleet(sessions, bucket("fleet"))
+    assert fleet.to_json() == distributed.fleet(sessions, tmp_path / "fleet").to_json()

@@ -60,7 +60,7 @@ def identify(
     controller : Controller, optional
         The controller of the simulated loop, which all methods but the first two need; ``"idim-iv"`` guesses one without it.
     cutoff_hz, decimation : float and int, optional
-        The position filter and the decimation. Without both, :func:`choose_filter` chooses them, which takes seconds.
+        The position filter and the decimation: both, or neither, and :func:`choose_filter` chooses them, which takes seconds.
     validation : Recording or sequence of Recording
         Held back to validate on.
     signal, parameters, estimation, simulation : mapping, optional

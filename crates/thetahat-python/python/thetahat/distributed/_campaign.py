@@ -90,7 +90,7 @@ def campaign(
         jobs = [CampaignPart(store, name, texts, starts, group) for name, group in zip(names, groups, strict=True)]
         if jobs:
             with _engines.started(engine, workers, address, retries) as driver:
-                for done in run_missing(driver, CampaignPart, jobs, store, _PARTS):
+                for done in run_missing(driver, CampaignPart.work, jobs, store, _PARTS):
                     if tell is not None:
                         tell(f"{done} of {len(jobs)} jobs")
         store.bring_parts(folder, _PARTS)

@@ -253,6 +253,7 @@ def fleet(
     engine: Engine = "threads",
     workers: int | None = None,
     address: str | None = None,
+    sessions_per_job: int = 1,
     retries: int = 3,
     progress: bool | Progress = False,
 ) -> Fleet:
@@ -278,6 +279,8 @@ def fleet(
         Beginnings of the names of the parameters whose drifts are told robot by robot.
     level : float
         The level of the tests.
+    sessions_per_job : int
+        Sessions that are handed over together: some tens where there are many workers and sessions are short.
     engine, workers, address, retries, progress
         As of :func:`campaign`.
 
@@ -290,6 +293,8 @@ def fleet(
     """
     if not 0.0 < level < 1.0:
         raise ValueError(f"level is {level}; it is between 0 and 1")
+    if sessions_per_job < 1:
+        raise ValueError(f"sessions_per_job is {sessions_per_job}; at least one is needed")
     store, asked = Store(out), list(sessions)
     if not asked:
         raise ValueError("no session is given")
@@ -297,10 +302,11 @@ def fleet(
     if len({job.name for job in jobs}) < len(jobs):
         raise ValueError("two sessions are of the same robot, time and recordings: give each only once")
     with _engines.started(engine, workers, address, retries) as driver, telling(progress) as tell:
-        for done in run_missing(driver, _SessionPart, jobs, store, _PARTS):
+        for done in run_missing(driver, _SessionPart.work, jobs, store, _PARTS, sessions_per_job):
             if tell is not None:
                 tell(f"{done} of {len(jobs)} sessions")
-    found = [_read(job) for job in jobs]
+    contents = store.read_all([job.name for job in jobs])
+    found = [_result(job.session, content) for job, content in zip(jobs, contents, strict=True)]
     compared = compare(found, str(store), friction=friction, level=level)
     store.write("fleet.json", compared.to_json().encode())
     store.write("fleet.html", compared.to_html().encode())
@@ -407,11 +413,11 @@ def _digest(session: Session) -> str:
     return digest.hexdigest()
 
 
-def _read(job: _SessionPart) -> SessionResult:
-    found = json.loads(job.store.read(job.name))
+def _result(session: Session, content: bytes) -> SessionResult:
+    found = json.loads(content)
     return SessionResult(
-        robot=job.session.robot,
-        time=job.session.days,
+        robot=session.robot,
+        time=session.days,
         verdict=found["verdict"],
         reasons=tuple(found["reasons"]),
         method=found["method"],

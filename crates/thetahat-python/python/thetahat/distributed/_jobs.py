@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import functools
 import threading
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 from .. import _thetahat
+from ._engines import Driver
 from ._store import Store
 
 _building = threading.Lock()
@@ -85,13 +87,38 @@ class Merge(NamedTuple):
         return job.name
 
 
-def run_missing(driver: Any, kind: Any, jobs: list[Any], store: Store, folder: str) -> Any:
-    """Do the jobs whose files are not there yet; an iterator over how many are done."""
+class _Named(Protocol):
+    """A job that leaves a file of this name."""
+
+    @property
+    def name(self) -> str: ...
+
+
+_Job = TypeVar("_Job", bound=_Named)
+
+
+class _Several(NamedTuple):
+    """Jobs that are handed over together, since handing over takes time."""
+
+    function: Callable[[Any], str]
+    jobs: list[Any]
+
+    @staticmethod
+    def work(job: _Several) -> list[str]:
+        """Do them one by one."""
+        return [job.function(each) for each in job.jobs]
+
+
+def run_missing(
+    driver: Driver, function: Callable[[_Job], str], jobs: list[_Job], store: Store, folder: str, together: int = 1
+) -> Iterator[int]:
+    """Do the jobs whose files are not there yet, so many handed over together; an iterator over how many are done."""
     there = store.names(folder)
     missing = [job for job in jobs if job.name not in there]
     done = len(jobs) - len(missing)
     yield done
-    for _, name in driver.each(kind.work, missing):
-        store.require(name)
-        done += 1
+    groups = (_Several(function, missing[k : k + together]) for k in range(0, len(missing), together))
+    for _, names in driver.each(_Several.work, groups):
+        store.require(names)
+        done += len(names)
         yield done

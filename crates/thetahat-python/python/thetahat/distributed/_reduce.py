@@ -102,7 +102,7 @@ def reduce(
     with _engines.started(engine, workers, address, retries) as driver, telling(progress) as tell:
         described = [_described(os.fspath(path), data, robot, instruments_from) for path in paths]
         jobs = _parts(driver, store, described, stretch_s)
-        for done in run_missing(driver, ReductionPart, jobs, store, _PARTS):
+        for done in run_missing(driver, ReductionPart.work, jobs, store, _PARTS):
             if tell is not None:
                 tell(f"{done} of {len(jobs)} parts")
         merged = _merged(driver, store, [job.name for job in jobs], fan_in)
@@ -181,7 +181,7 @@ def _merged(driver: Driver, store: Store, names: list[str], fan_in: int) -> str:
         groups = [names[k : k + fan_in] for k in range(0, len(names), fan_in)]
         named = [(group[0] if len(group) == 1 else _name(group), group) for group in groups]
         jobs = [Merge(store, name, group) for name, group in named if len(group) > 1]
-        for _ in run_missing(driver, Merge, jobs, store, _PARTS):
+        for _ in run_missing(driver, Merge.work, jobs, store, _PARTS):
             pass
         names = [name for name, _ in named]
     return names[0]
