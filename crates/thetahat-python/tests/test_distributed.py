@@ -15,7 +15,7 @@ import pytest
 
 import thetahat as th
 from thetahat import distributed
-from thetahat.distributed import _engines, _statistics, _store
+from thetahat.distributed import _campaign, _engines, _fleet, _statistics, _store
 
 ENGINES = ["threads", "dask", "ray"]
 
@@ -381,6 +381,15 @@ def test_reports_of_a_fleet_escape_what_they_show(tmp_path):
         found.report(tmp_path / "absent" / "fleet.md")
 
 
+def test_a_locked_joint_makes_another_session():
+    """Two robots of one description are not the same session where a joint is locked elsewhere."""
+    text = th.testing.arm()._native.text()
+    log = th.Recording(sample_rate_hz=100, position=np.zeros((10, 1)))
+    models = [th.Robot.from_text(text, locked={"elbow": angle}) for angle in (0.0, 0.5, 0.5)]
+    digests = [_fleet._digest(distributed.Session("R1", model=model, recordings=log)) for model in models]
+    assert digests[0] != digests[1] == digests[2]
+
+
 def test_a_session_that_is_refused_is_listed_and_left_out(tmp_path):
     good = next(sessions_of(robots=1, times=1))
     one = good.recordings.position[:, :1]
@@ -452,12 +461,32 @@ def bucket():
         os.environ.pop(key, None) if value is None else os.environ.update({key: value})
 
 
+def test_a_killed_driver_goes_on_from_its_objects(bucket, described, rows, checkout, monkeypatch):
+    """It is killed before it puts the parts together, and so leaves what is there when a driver dies."""
+    place, finish = bucket("killed"), th._thetahat.finish_campaign
+
+    def die(*arguments):
+        raise RuntimeError("killed")
+
+    monkeypatch.setattr(th._thetahat, "finish_campaign", die)
+    with pytest.raises(RuntimeError, match="^killed$"):
+        distributed.campaign(described, place, seeds=1)
+    monkeypatch.setattr(th._thetahat, "finish_campaign", finish)
+    with pytest.raises(th.CampaignError, match="holds runs of another campaign"):
+        distributed.campaign(checkout / "campaigns/birdy.toml", place)
+    told = []
+    distributed.campaign(described, place, records_per_job=1, progress=told.append)
+    assert told[-1] == "4 of 4 jobs"
+    assert _store.Store(place).read("runs.parquet") == rows
+
+
 def test_objects_of_s3_are_kept_like_files(bucket, described, rows, recorded, tmp_path):
     place = bucket("campaign")
     distributed.campaign(described, place, seeds=1)
     distributed.campaign(described, place)
     store = _store.Store(place)
     assert store.read("runs.parquet") == rows and store.names("parts") == set()
+    assert store.names("") == {f"/{name}" for name in _campaign._FILES}
     found = distributed.reduce(recorded / "all.toml", bucket("reduction"), fan_in=2)
     assert found.content == distributed.reduce(recorded / "all.toml", tmp_path, fan_in=2).content
     sessions = list(sessions_of(robots=2, times=1))

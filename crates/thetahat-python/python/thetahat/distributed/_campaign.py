@@ -13,7 +13,8 @@ from ._jobs import CampaignPart, bench, run_missing
 from ._store import Store, content_name
 
 _PARTS = "parts"
-_FILES = ("campaign.json", "timing.parquet", "runs.parquet", "campaign.html")
+_MANIFEST = "campaign.json"
+_FILES = (_MANIFEST, "timing.parquet", "runs.parquet", "campaign.html")
 # Records whose simulations run side by side.
 _RECORDS = 4
 
@@ -85,6 +86,8 @@ def campaign(
     store, texts, limits = Store(out), _thetahat.campaign_texts(os.fspath(path)), (starts, seeds)
     with store.as_folder(*_FILES, parts=_PARTS) as folder, telling(progress) as tell:
         places = bench(texts, starts).missing(texts, folder, limits)
+        # Parts are nothing without the file that says what they are of.
+        store.send(folder, _MANIFEST)
         groups = [places[k : k + records_per_job] for k in range(0, len(places), records_per_job)]
         names = [f"{_PARTS}/{content_name('campaign', texts[1], *texts[3:], starts, group)}.parquet" for group in groups]
         jobs = [CampaignPart(store, name, texts, starts, group) for name, group in zip(names, groups, strict=True)]

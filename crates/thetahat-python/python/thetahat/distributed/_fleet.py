@@ -7,8 +7,9 @@ import hashlib
 import json
 import math
 import os
+import sys
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -164,9 +165,12 @@ class Fleet:
 
     def to_json(self) -> str:
         """Everything, as JSON; numbers that there are not are null."""
-        content = asdict(self)
-        del content["place"]
-        return json.dumps(_without_nan(content), indent=1, allow_nan=False) + "\n"
+        lists = {"sessions": self.sessions, "parameters": self.parameters, "drifts": self.drifts, "deviations": self.deviations}
+        text = f'{{\n"level": {self.level}'
+        for key, items in lists.items():
+            lines = ",\n".join(json.dumps(_plain(item), allow_nan=False) for item in items)
+            text += f',\n"{key}": [\n{lines}\n]'
+        return text + "\n}\n"
 
     def to_markdown(self) -> str:
         """The report as Markdown."""
@@ -400,7 +404,8 @@ def _digest(session: Session) -> str:
     """A name of a session's arrays and settings."""
     assert session.model is not None
     recordings = [session.recordings] if isinstance(session.recordings, Recording) else session.recordings
-    digest = hashlib.sha256(session.model._native.text().encode())
+    # What a robot is pickled as: its description, and where its locked joints stand.
+    digest = hashlib.sha256(repr(session.model._native.__reduce__()[1]).encode())
     for recording in recordings:
         for key, value in sorted(vars(recording).items()):
             arrays = value if isinstance(value, dict) else {"": value}
@@ -421,15 +426,22 @@ def _result(session: Session, content: bytes) -> SessionResult:
         verdict=found["verdict"],
         reasons=tuple(found["reasons"]),
         method=found["method"],
-        parameters=tuple(ParameterEstimate(*parameter) for parameter in found["parameters"]),
+        # Names and units are the same in all sessions: each is kept once.
+        parameters=tuple(
+            ParameterEstimate(sys.intern(name), estimate, deviation, sys.intern(unit))
+            for name, estimate, deviation, unit in found["parameters"]
+        ),
     )
 
 
-def _without_nan(value: Any) -> Any:
+def _plain(value: Any) -> Any:
+    """What JSON can hold."""
+    if is_dataclass(value):
+        return {each.name: _plain(getattr(value, each.name)) for each in fields(value)}
     if hasattr(value, "_asdict"):
-        return _without_nan(value._asdict())
+        return _plain(value._asdict())
     if isinstance(value, dict):
-        return {key: _without_nan(each) for key, each in value.items()}
+        return {key: _plain(each) for key, each in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_without_nan(each) for each in value]
+        return [_plain(each) for each in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import hashlib
 import importlib
 import json
@@ -120,12 +121,17 @@ class Store:
             copy = Store(folder)
             self._bring(copy, files, parts)
             yield folder
-            there = copy.names(".")
-            for name in files:
-                if f"./{name}" in there:
-                    self.write(name, copy.read(name))
+            self.send(folder, *files)
             for name in self.names(parts) - copy.names(parts):
                 self.delete(name)
+
+    def send(self, folder: str, *files: str) -> None:
+        """Copy files that a folder of this machine has, where the store is another."""
+        if self._system:
+            for name in files:
+                path = pathlib.Path(folder, name)
+                if path.exists():
+                    self.write(name, path.read_bytes())
 
     def bring_parts(self, folder: str, parts: str) -> None:
         """Copy the parts that a folder of this machine does not have."""
@@ -146,7 +152,9 @@ class Store:
         return f"{self._root}/{name}" if name else self._root
 
 
+@functools.lru_cache(maxsize=8)
 def _remote(place: str) -> tuple[Any, str]:
+    """The file system of a place, made once in a process, and the path in it."""
     system, root = _pyarrow_fs(place).FileSystem.from_uri(place)
     return system, root.rstrip("/")
 
