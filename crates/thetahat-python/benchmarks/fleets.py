@@ -275,18 +275,19 @@ def driver_costs() -> dict[str, float]:
     return costs
 
 
-def makespan(jobs: int, workers: int, seconds: float, driver_s: float, store_s: float, rng: np.random.Generator) -> float:
-    """Time of jobs that one driver hands to workers: each waits for the driver, works, and puts its part into the store."""
+def makespan(sessions: int, together: int, workers: int, seconds: float, driver_s: float) -> float:
+    """Time of sessions that one driver hands to workers, so many together: a worker waits for the driver, works, and stores its parts."""
     # Times of sessions differ: log-normal, with a standard deviation of half the mean.
-    spread = np.sqrt(np.log(1.25))
-    work = rng.lognormal(np.log(seconds) - spread**2 / 2, spread, jobs) + store_s
+    spread = np.sqrt(np.log(1.0 + 0.25 / together))
+    rng, mean = np.random.default_rng(0), together * seconds
+    work = rng.lognormal(np.log(mean) - spread**2 / 2, spread, sessions // together) + together * STORE_S
     free = [0.0] * workers
     driver = last = 0.0
     for each in work.tolist():
-        driver = max(driver, 0.0) + driver_s
-        start = max(heapq.heappop(free), driver)
-        heapq.heappush(free, start + each)
-        last = max(last, start + each)
+        driver += driver_s
+        end = max(heapq.heappop(free), driver) + each
+        heapq.heappush(free, end)
+        last = max(last, end)
     return last
 
 
@@ -296,12 +297,11 @@ def scale() -> None:
     for key, value in costs.items():
         print(f"scale, measured for a session, {key}: {value:.6g}")
     sessions = 1_000_000
-    rng = np.random.default_rng(0)
-    for seconds in (costs["session"], 10.0):
+    for seconds in (0.1, 10.0):
         for together, driver_s in ((1, 0.0006), (1, 0.0035), (100, 0.0035)):
             line = []
             for workers in (2, 64, 1024, 4096, 16384):
-                taken = makespan(sessions // together, workers, together * seconds, driver_s, together * STORE_S, rng)
+                taken = makespan(sessions, together, workers, seconds, driver_s)
                 ideal = sessions * (seconds + STORE_S) / workers
                 line.append(f"{workers}: {taken / 3600:.2f} h ({100 * ideal / taken:.0f} %)")
             what = f"sessions of {seconds:.3g} s, {together} a job, driver {1e3 * driver_s:g} ms a job"
