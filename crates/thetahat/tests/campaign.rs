@@ -74,7 +74,7 @@ fn parts_made_elsewhere_are_those_of_the_store() {
     let parts = store("parts");
     assert_eq!(campaign.missing(&bench, all, &parts).unwrap(), keys);
     for (name, part) in [("a", &keys[5..8]), ("b", &keys[..1]), ("c", &keys[1..5])] {
-        fs::write(folder.at(&format!("parts/parts/{name}.parquet")), bench.part(part).unwrap()).unwrap();
+        fs::write(folder.at(format!("parts/parts/{name}.parquet")), bench.part(part).unwrap()).unwrap();
     }
     assert!(campaign.missing(&bench, all, &parts).unwrap().is_empty());
     assert_eq!(run(&campaign, all, 1, Some(&parts)).rows.len(), 64);
