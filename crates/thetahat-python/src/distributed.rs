@@ -62,7 +62,7 @@ impl Bench {
     ) -> Result<Vec<Place>, Raised> {
         py.detach(|| {
             let campaign = campaign_of(texts)?;
-            OutputGuard::new(campaign.input_files(), true)
+            OutputGuard::new(campaign.input_files(), false)
                 .folder(&folder, [report::CAMPAIGN_PAGE])
                 .map_err(|e| Raised::new("CampaignError", e))?;
             let store = Store::open(&folder, &campaign)?;

@@ -70,7 +70,7 @@ def campaign(
     records_per_job : int
         Records of a job: what is lost where a worker is killed.
     retries : int
-        How often a job may lose its worker.
+        How often a job may lose its worker; of a Dask scheduler at `address` its own setting holds.
     progress : bool or callable
         True shows how many jobs are done; a callable is told.
 

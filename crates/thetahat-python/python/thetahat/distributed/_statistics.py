@@ -88,7 +88,7 @@ def line_of(t: Array, x: Array, s: Array) -> Line:
     w = s**-2.0
     mean, middle = float(np.sum(w * x) / np.sum(w)), np.sum(w * t) / np.sum(w)
     spread = float(np.sum(w * (t - middle) ** 2))
-    moves = spread > 1e-12 * float(np.sum(w)) * max(1.0, float(np.ptp(t))) ** 2 and np.ptp(t) > 0
+    moves = np.ptp(t) > 0.0
     slope = float(np.sum(w * (t - middle) * (x - mean)) / spread) if moves else 0.0
     squares = float(np.sum(w * (x - mean - slope * (t - middle)) ** 2))
     freedom = len(x) - (2 if moves else 1)
