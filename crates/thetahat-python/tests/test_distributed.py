@@ -413,8 +413,11 @@ def test_an_engine_that_is_not_installed_says_how_to_get_it(described, tmp_path,
 
 
 def test_engines_are_imported_only_when_they_are_asked_for():
-    code = "import sys, thetahat; print([m for m in ('dask', 'distributed', 'ray', 'pyarrow') if m in sys.modules])"
-    assert subprocess.check_output([sys.executable, "-c", code], text=True).strip() == "[]"
+    modules = ["thetahat.distributed", "dask", "distributed", "ray", "pyarrow"]
+    code = f"import sys, thetahat; print([m for m in {modules} if m in sys.modules], thetahat.distributed.Session.__name__)"
+    assert subprocess.check_output([sys.executable, "-c", code], text=True).strip() == "[] Session"
+    with pytest.raises(AttributeError, match="has no attribute 'distribute'"):
+        th.distribute  # noqa: B018
 
 
 def test_jobs_are_taken_as_workers_get_free():
