@@ -41,7 +41,7 @@ pub use quantity::{
     Bound, Friction, INERTIAL, JointQuantity, LinkQuantity, MotorQuantity, Quantity, Role, TermQuantity,
 };
 pub use sound::NotARobot;
-pub use source::RobotSource;
+pub use source::{RobotFile, RobotSource};
 pub use terms::{
     ChannelFactor, Cylinder, Direction, Expression, LinkPoint, PointDescription, Shape, Stribeck, StribeckLaw,
     TermColumn, TermDescription, TermError, TwoPoints, Variable, channels_of,
