@@ -34,6 +34,7 @@ mod urdf;
 pub use description::{Doubt, Robot};
 pub use error::RobotError;
 pub use joint::{DenavitHartenberg, Joint, JointKind, Limits, Mimic, Placement};
+pub(crate) use locking::LinkPart;
 pub use locking::{LockError, LockedJoint, Locks};
 pub use parameters::{Parameter, ParameterTable};
 pub use physical::NotPhysical;

@@ -1,0 +1,55 @@
+//! The file of a robot in each format.
+
+use super::{error::ExportError, format::Format, header, mjcf::mjcf, said::{Said, said}, urdf_edit, urdf_new};
+use crate::robot::Robot;
+
+/// An exported robot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Export {
+    /// The format.
+    pub format: Format,
+    /// The content of the file.
+    pub text: String,
+    /// What the format cannot say of the robot, a sentence each; it is in the file as well.
+    pub unsaid: Vec<String>,
+    /// What was done beside, as how bodies were split; it is in the file as well.
+    pub notes: Vec<String>,
+    pub(super) said: Said,
+}
+
+/// A robot with these standard parameters, SI and in the order of its table, as a file. `urdf` is the text of the URDF that
+/// it was read from: it is edited, and all that is no inertia and no friction stays byte for byte. `about` are lines for the
+/// comment at the start of the file.
+///
+/// Links need a mass above zero; whether they are bodies is not checked.
+///
+/// # Errors
+/// [`ExportError::Robot`] for a URDF that is not that of the robot.
+pub fn export_robot(
+    robot: &Robot,
+    urdf: Option<&str>,
+    parameters: &[f64],
+    format: Format,
+    about: &[String],
+) -> Result<Export, ExportError> {
+    let said = said(robot, parameters, format);
+    let mut notes = Vec::new();
+    let head = |notes: &[String]| header::comment(robot, &said, about, notes);
+    let text = match (format, urdf) {
+        (Format::Urdf, Some(text)) => {
+            // The notes are in the header, and known when the file is edited.
+            notes = urdf_edit::edited(text, &said, "")?.notes;
+            urdf_edit::edited(text, &said, &head(&notes))?.text
+        }
+        (Format::Urdf, None) => urdf_new::urdf(&said, &head(&[]), reductions(robot).as_deref()),
+        (Format::Mjcf, _) => mjcf(&said, &head(&[])),
+    };
+    Ok(Export { format, text, unsaid: said.unsaid.clone(), notes, said })
+}
+
+/// The gear ratio of each coordinate's motor; none where motors are coupled.
+fn reductions(robot: &Robot) -> Option<Vec<f64>> {
+    let matrix = robot.transmission.matrix();
+    let diagonal = (0..matrix.rows()).map(|i| matrix.at(i, i)).collect();
+    robot.transmission.coupled_motors().is_empty().then_some(diagonal)
+}
