@@ -34,10 +34,14 @@ pub enum Command {
     Compare(Compare),
     /// Identify the robot of an experiment file.
     Identify(Identify),
-    /// Write the identified robot as URDF or MJCF, with physically consistent inertias.
+    /// Write the identified robot as URDF, MJCF, SDF or JSON, with physically consistent inertias.
+    ///
+    /// Beside the file goes FILE.covariance.json, which says how sure its parameters are.
     ///
     /// Exit code 1 where the verdict on the results is that they are not to be used, and --force exports them.
     Export(Export),
+    /// Write robots drawn from the distribution of the estimates, each physically consistent: for domain randomisation.
+    Sample(Sample),
     /// Predict the torques of another motion with identified parameters.
     Predict(Predict),
     /// Run a Monte Carlo campaign on a simulated robot and compare the methods.
@@ -363,6 +367,21 @@ pub struct Export {
     /// Read the export back and compare inverse dynamics at 1000 random states
     #[arg(long)]
     pub check: bool,
+}
+
+#[derive(Args)]
+pub struct Sample {
+    #[command(flatten)]
+    pub exported: Exported,
+    /// Number of robots
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=100_000))]
+    pub count: u32,
+    /// Folder for the files, named by their numbers
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Seed of the random numbers
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub seed: u64,
 }
 
 #[derive(Args)]

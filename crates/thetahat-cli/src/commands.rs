@@ -32,6 +32,7 @@ pub fn run(arguments: Arguments) -> Result<Ending, Box<dyn Error>> {
         Command::Compare(request) => compare_results(&request),
         Command::Identify(identify) => identify_experiment(&identify),
         Command::Export(request) => export::export_robot(&request),
+        Command::Sample(request) => export::sample_robots(&request),
         Command::Predict(request) => predict_torques(&request),
         Command::Campaign(request) => campaign::run(&request),
         Command::Sensitivity(sensitivity) => sweep_errors(&sensitivity),

@@ -29,7 +29,7 @@ impl Export {
     pub fn check(&self) -> Result<f64, ExportError> {
         match self.format {
             Format::Urdf => compare(&self.said, &read_back(&self.text, &self.said.robot)?),
-            Format::Mjcf => Err(ExportError::NoReader { format: self.format }),
+            Format::Mjcf | Format::Sdf | Format::Json => Err(ExportError::NoReader { format: self.format }),
         }
     }
 }

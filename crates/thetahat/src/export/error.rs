@@ -110,6 +110,9 @@ pub enum ExportError {
     /// The consistent set cannot be used.
     #[error(transparent)]
     Consistency(#[from] ConsistencyError),
+    /// Something has no form in JSON.
+    #[error("the export cannot be written as JSON: {0}")]
+    Unwritable(#[from] serde_json::Error),
     /// No reader for a check.
     #[error("{} cannot be read back: thetahat reads URDF alone; leave out --check", format.title())]
     NoReader {

@@ -7,11 +7,15 @@ pub enum Format {
     Urdf,
     /// MJCF, MuJoCo's.
     Mjcf,
+    /// SDF, as Gazebo and Drake read it.
+    Sdf,
+    /// Plain JSON, which holds everything that the torques depend on.
+    Json,
 }
 
 impl Format {
     /// Every format.
-    pub const ALL: [Self; 2] = [Self::Urdf, Self::Mjcf];
+    pub const ALL: [Self; 4] = [Self::Urdf, Self::Mjcf, Self::Sdf, Self::Json];
 
     /// Its name in commands.
     #[must_use]
@@ -19,6 +23,8 @@ impl Format {
         match self {
             Self::Urdf => "urdf",
             Self::Mjcf => "mjcf",
+            Self::Sdf => "sdf",
+            Self::Json => "json",
         }
     }
 
@@ -28,6 +34,8 @@ impl Format {
         match self {
             Self::Urdf => "URDF",
             Self::Mjcf => "MJCF",
+            Self::Sdf => "SDF",
+            Self::Json => "JSON",
         }
     }
 
@@ -37,6 +45,8 @@ impl Format {
         match self {
             Self::Urdf => "urdf",
             Self::Mjcf => "xml",
+            Self::Sdf => "sdf",
+            Self::Json => "json",
         }
     }
 }

@@ -14,7 +14,7 @@ use super::{
 use crate::{
     experiment::{Experiment, require_same_parameters},
     identification::Method,
-    preparation::{Case, Settings, Setup},
+    preparation::{Case, ParameterSelection, Settings, Setup},
     results::{NOMINAL, Results, RunResult, Verdict},
     robot::{Locks, Robot, RobotSource},
 };
@@ -33,6 +33,8 @@ pub struct ExportRequest {
     pub data: Option<PathBuf>,
     /// Whether results whose verdict is do-not-use are exported.
     pub force: bool,
+    /// Which parameters were estimated, where the results are of arrays and hold no experiment.
+    pub parameters: ParameterSelection,
 }
 
 /// An identified robot with the standard parameters that are exported.
@@ -67,7 +69,7 @@ impl IdentifiedModel {
         if results.robot_description.is_empty() {
             return Err(ExportError::NoRobot { path: path.to_owned() });
         }
-        let (robot, settings) = robot_and_settings(path, results)?;
+        let (robot, settings) = robot_and_settings(path, results, &request.parameters)?;
         if let Some(file) = description_file(results, request) {
             require_same(results, &robot, &file)?;
         }
@@ -111,6 +113,11 @@ impl IdentifiedModel {
     /// As [`export_robot`].
     pub fn export(&self, format: Format) -> Result<Export, ExportError> {
         export_robot(&self.robot, self.urdf.as_deref(), &self.standard, format, &self.about())
+    }
+
+    /// The text of the URDF that the robot was read from; none where a TOML gives the joints.
+    pub(super) fn urdf_text(&self) -> Option<&str> {
+        self.urdf.as_deref()
     }
 
     /// What there is to say of the exported parameters, a sentence each: how they were chosen, what moved, and what was not
@@ -197,7 +204,11 @@ fn chosen_run<'r>(path: &Path, results: &'r Results, method: Option<Method>) -> 
 }
 
 /// The robot with its settings: those of the experiment in the results, or the usual ones where they are of arrays.
-fn robot_and_settings(path: &Path, results: &Results) -> Result<(Robot, Settings), ExportError> {
+fn robot_and_settings(
+    path: &Path,
+    results: &Results,
+    parameters: &ParameterSelection,
+) -> Result<(Robot, Settings), ExportError> {
     if !results.experiment_description.is_empty() {
         let experiment = Experiment::of_results(path, results)?;
         return Ok((experiment.robot, experiment.settings));
@@ -207,7 +218,7 @@ fn robot_and_settings(path: &Path, results: &Results) -> Result<(Robot, Settings
     let is_free = |name: &str| whole.joints.iter().any(|j| j.name == name && j.mimic.is_none());
     let locked = results.robot_locked.iter().filter(|l| is_free(&l.name)).map(|l| (l.name.clone(), l.value)).collect();
     let robot = source.robot_with_locks(&Locks { locked, until: Vec::new() }, path)?;
-    Ok((robot, Settings::new(1.0, 1)))
+    Ok((robot, Settings { parameters: parameters.clone(), ..Settings::new(1.0, 1) }))
 }
 
 /// The description that is to be compared with that of the results.

@@ -2,6 +2,7 @@
 
 use super::{
     body::{Body, inertial_of},
+    coupling::beside,
     frames::LinkFrame,
     said::Said,
     xml::{escaped, number, numbers},
@@ -20,6 +21,7 @@ pub(super) fn mjcf(said: &Said, header: &str) -> String {
     (0..robot.joints.len()).filter(|&k| robot.joints[k].parent.is_none()).for_each(|k| add_body(said, k, 2, &mut lines));
     lines.push("  </worldbody>".to_owned());
     lines.extend(followers(robot));
+    lines.extend(coupled_motors(said));
     lines.push("</mujoco>".to_owned());
     format!("{header}{}\n", lines.join("\n"))
 }
@@ -62,14 +64,37 @@ fn joint(said: &Said, k: usize, frame: &LinkFrame) -> String {
         Some((lower, upper)) if lower < upper => format!(" range=\"{} {}\"", number(lower), number(upper)),
         Some(_) | None => String::new(),
     };
-    let [armature, damping, friction] =
-        [JointQuantity::Ia, JointQuantity::Fv, JointQuantity::Fc].map(|q| number(said.of_joint(q, k)));
+    let [armature, damping] = beside(&said.robot, &said.parameters, &said.tendons, k).map(number);
+    let friction = number(said.of_joint(JointQuantity::Fc, k));
     format!(
         "<joint name=\"{}\" type=\"{kind}\" axis=\"{}\"{range} armature=\"{armature}\" damping=\"{damping}\" \
          frictionloss=\"{friction}\"/>",
         escaped(&joint.name),
         numbers(&frame.axis)
     )
+}
+
+/// Motors that turn with several joints, as fixed tendons.
+fn coupled_motors(said: &Said) -> Vec<String> {
+    if said.tendons.is_empty() {
+        return Vec::new();
+    }
+    let mut lines = vec!["  <tendon>".to_owned()];
+    for tendon in &said.tendons {
+        let [armature, damping, friction] = [tendon.armature, tendon.damping, tendon.friction_loss].map(number);
+        lines.push(format!(
+            "    <fixed name=\"motor_{}\" armature=\"{armature}\" damping=\"{damping}\" frictionloss=\"{friction}\">",
+            tendon.motor + 1
+        ));
+        let joint = |(j, weight): &(usize, f64)| {
+            let name = escaped(&said.robot.joints[*j].name);
+            format!("      <joint joint=\"{name}\" coef=\"{}\"/>", number(*weight))
+        };
+        lines.extend(tendon.joints.iter().map(joint));
+        lines.push("    </fixed>".to_owned());
+    }
+    lines.push("  </tendon>".to_owned());
+    lines
 }
 
 /// Joints that follow others, which MuJoCo holds by constraints.

@@ -22,17 +22,22 @@
 
 mod body;
 mod check;
+mod coupling;
 mod error;
 mod format;
 mod frames;
 mod header;
 mod identified;
+mod json;
 mod mjcf;
 mod posterior;
 mod provenance;
 mod render;
 mod robot_file;
 mod said;
+mod samples;
+mod sdf;
+mod sidecar;
 mod split;
 mod urdf_edit;
 mod urdf_new;
@@ -43,3 +48,4 @@ pub use format::Format;
 pub use identified::{ExportRequest, IdentifiedModel};
 pub use provenance::{MovedParameter, Provenance};
 pub use render::{Export, export_robot};
+pub use samples::Sample;

@@ -1,6 +1,16 @@
 //! The file of a robot in each format.
 
-use super::{error::ExportError, format::Format, header, mjcf::mjcf, said::{Said, said}, urdf_edit, urdf_new};
+use super::{
+    error::ExportError,
+    format::Format,
+    header,
+    json::json,
+    mjcf::mjcf,
+    said::{Said, said},
+    sdf::sdf,
+    urdf_edit::edited,
+    urdf_new,
+};
 use crate::robot::Robot;
 
 /// An exported robot.
@@ -34,15 +44,18 @@ pub fn export_robot(
 ) -> Result<Export, ExportError> {
     let said = said(robot, parameters, format);
     let mut notes = Vec::new();
-    let head = |notes: &[String]| header::comment(robot, &said, about, notes);
+    let header = |notes: &[String]| header::comment(robot, &said, about, notes);
     let text = match (format, urdf) {
         (Format::Urdf, Some(text)) => {
-            // The notes are in the header, and known when the file is edited.
-            notes = urdf_edit::edited(text, &said, "")?.notes;
-            urdf_edit::edited(text, &said, &head(&notes))?.text
+            let edited = edited(text, &said)?;
+            let text = edited.with_header(&header(&edited.notes));
+            notes = edited.notes;
+            text
         }
-        (Format::Urdf, None) => urdf_new::urdf(&said, &head(&[]), reductions(robot).as_deref()),
-        (Format::Mjcf, _) => mjcf(&said, &head(&[])),
+        (Format::Urdf, None) => urdf_new::urdf(&said, &header(&[]), reductions(robot).as_deref()),
+        (Format::Mjcf, _) => mjcf(&said, &header(&[])),
+        (Format::Sdf, _) => sdf(&said, &header(&[])),
+        (Format::Json, _) => json(&said, about)?,
     };
     Ok(Export { format, text, unsaid: said.unsaid.clone(), notes, said })
 }

@@ -23,14 +23,22 @@ struct Edit {
 
 /// An edited URDF.
 pub(super) struct Edited {
-    pub(super) text: String,
+    text: String,
     /// What was done beside replacing numbers, a sentence each.
     pub(super) notes: Vec<String>,
 }
 
-/// The URDF `text`, from which the robot was read, with the inertias and the friction of `said`; `header` becomes a comment
-/// at its start.
-pub(super) fn edited(text: &str, said: &Said, header: &str) -> Result<Edited, RobotError> {
+impl Edited {
+    /// The text with a comment at its start, behind the XML declaration.
+    pub(super) fn with_header(&self, comment: &str) -> String {
+        let (before, behind) = self.text.split_at(start_of_content(&self.text));
+        let comment = if self.text.contains("\r\n") { comment.replace('\n', "\r\n") } else { comment.to_owned() };
+        format!("{before}{comment}{behind}")
+    }
+}
+
+/// The URDF `text`, from which the robot was read, with the inertias and the friction of `said`.
+pub(super) fn edited(text: &str, said: &Said) -> Result<Edited, RobotError> {
     let parts = said.robot.parts_of_urdf(text, Path::new("the URDF of the results"))?;
     let (bodies, notes) = bodies(said, &parts);
     let document = Document::parse(text).map_err(|e| RobotError::Unreadable {
@@ -49,7 +57,6 @@ pub(super) fn edited(text: &str, said: &Said, header: &str) -> Result<Edited, Ro
             _ => {}
         }
     }
-    editor.insert(start_of_content(text), format!("{header}"));
     Ok(Edited { text: editor.finished(), notes })
 }
 
