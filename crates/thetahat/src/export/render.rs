@@ -27,6 +27,20 @@ pub struct Export {
     pub(super) said: Said,
 }
 
+impl Export {
+    /// The robot as the format says it: the torques of the file are those of this robot.
+    #[must_use]
+    pub fn robot(&self) -> &Robot {
+        &self.said.robot
+    }
+
+    /// Its standard parameters, SI, in the order of its table.
+    #[must_use]
+    pub fn parameters(&self) -> &[f64] {
+        &self.said.parameters
+    }
+}
+
 /// A robot with these standard parameters, SI and in the order of its table, as a file. `urdf` is the text of the URDF that
 /// it was read from: it is edited, and all that is no inertia and no friction stays byte for byte. `about` are lines for the
 /// comment at the start of the file.

@@ -1,0 +1,107 @@
+"""Inverse dynamics of other programs on exported robots, beside thetahat's: called by `.ci/export`."""
+
+import json
+import sys
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pinocchio
+
+TOLERANCE = 1e-9
+
+
+class Expected:
+    """What thetahat says: states of the coordinates, their torques, and how joints follow coordinates."""
+
+    def __init__(self, path: Path) -> None:
+        data = json.loads(path.read_text())
+        self.gravity = np.array(data["gravity"])
+        self.joints = data["joints"]
+        self.q, self.dq, self.ddq, self.tau = (np.array(data["states"][k]) for k in ("q", "dq", "ddq", "tau"))
+
+    def of_joints(self, state: int):
+        """Position, velocity and acceleration of each joint."""
+        c = [joint["coordinate"] for joint in self.joints]
+        ratio = np.array([joint["ratio"] for joint in self.joints])
+        offset = np.array([joint["offset"] for joint in self.joints])
+        return ratio * self.q[state, c] + offset, ratio * self.dq[state, c], ratio * self.ddq[state, c]
+
+    def of_coordinates(self, torques) -> np.ndarray:
+        """Torques of joints on coordinates."""
+        tau = np.zeros(self.tau.shape[1])
+        for joint, torque in zip(self.joints, torques):
+            tau[joint["coordinate"]] += joint["ratio"] * torque
+        return tau
+
+    def worst(self, inverse_dynamics) -> float:
+        """The largest difference, relative to the largest torque of its state."""
+        worst = 0.0
+        for state, tau in enumerate(self.tau):
+            found = self.of_coordinates(inverse_dynamics(*self.of_joints(state)))
+            difference = np.max(np.abs(found - tau)) / np.max(np.abs(tau))
+            worst = max(worst, difference if np.isfinite(difference) else np.inf)
+        return worst
+
+
+def of_pinocchio(path: Path, expected: Expected) -> float:
+    """Rigid torques by rnea, with the damping and friction that Pinocchio has read."""
+    model = pinocchio.buildModelFromUrdf(str(path))
+    model.gravity.linear = expected.gravity
+    data = model.createData()
+    places = [model.joints[model.getJointId(joint["name"])] for joint in expected.joints]
+    damping = np.asarray(model.damping)
+    # Named anew in version 4.
+    friction = np.asarray(model.upperDryFrictionLimit if hasattr(model, "upperDryFrictionLimit") else model.friction)
+
+    def inverse_dynamics(q, dq, ddq):
+        position, velocity, acceleration = pinocchio.neutral(model), np.zeros(model.nv), np.zeros(model.nv)
+        for place, angle, rate, change in zip(places, q, dq, ddq):
+            # A continuous joint has its cosine and sine.
+            position[place.idx_q : place.idx_q + place.nq] = [angle] if place.nq == 1 else [np.cos(angle), np.sin(angle)]
+            velocity[place.idx_v], acceleration[place.idx_v] = rate, change
+        tau = pinocchio.rnea(model, data, position, velocity, acceleration)
+        tau = tau + damping * velocity + friction * np.sign(velocity)
+        return [tau[place.idx_v] for place in places]
+
+    return expected.worst(inverse_dynamics)
+
+
+def of_mujoco(path: Path, expected: Expected) -> float:
+    """mj_inverse without constraints, and friction losses by their attributes: MuJoCo makes constraints of them."""
+    model = mujoco.MjModel.from_xml_path(str(path))
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+    data = mujoco.MjData(model)
+    places = [model.joint(joint["name"]).dofadr[0] for joint in expected.joints]
+    dense = np.zeros((model.ntendon, model.nv))
+
+    def inverse_dynamics(q, dq, ddq):
+        data.qpos[places], data.qvel[places], data.qacc[places] = q, dq, ddq
+        mujoco.mj_inverse(model, data)
+        tau = data.qfrc_inverse + model.dof_frictionloss * np.sign(data.qvel)
+        for tendon in range(model.ntendon):
+            first, count = model.tendon_adr[tendon], model.tendon_num[tendon]
+            dense[tendon] = 0.0
+            for wrap in range(first, first + count):
+                dense[tendon, model.jnt_dofadr[model.wrap_objid[wrap]]] = model.wrap_prm[wrap]
+            row = dense[tendon]
+            tau = tau + row * model.tendon_frictionloss[tendon] * np.sign(row @ data.qvel)
+        return tau[places]
+
+    return expected.worst(inverse_dynamics)
+
+
+def main() -> int:
+    """Compares every export of a folder; one if any differs."""
+    folder, failed = Path(sys.argv[1]), 0
+    programs = {".urdf": ("Pinocchio", pinocchio.__version__, of_pinocchio), ".xml": ("MuJoCo", mujoco.__version__, of_mujoco)}
+    for path in sorted(folder.glob("*.urdf")) + sorted(folder.glob("*.xml")):
+        name, version, inverse_dynamics = programs[path.suffix]
+        worst = inverse_dynamics(path, Expected(path.with_name(path.name + ".json")))
+        failed += worst > TOLERANCE
+        print(f"{name} {version}, {path.name}: {worst:.1e} of the largest torque{'' if worst <= TOLERANCE else ' TOO MUCH'}")
+    return min(failed, 1)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
