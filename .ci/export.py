@@ -3,6 +3,7 @@
 import json
 import sys
 from pathlib import Path
+from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
@@ -19,6 +20,7 @@ class Expected:
         self.gravity = np.array(data["gravity"])
         self.joints = data["joints"]
         self.q, self.dq, self.ddq, self.tau = (np.array(data["states"][k]) for k in ("q", "dq", "ddq", "tau"))
+        self.frictionless_tau = np.array(data["states"]["frictionless_tau"])
 
     def of_joints(self, state: int):
         """Position, velocity and acceleration of each joint."""
@@ -34,10 +36,10 @@ class Expected:
             tau[joint["coordinate"]] += joint["ratio"] * torque
         return tau
 
-    def worst(self, inverse_dynamics) -> float:
+    def worst(self, inverse_dynamics, expected) -> float:
         """The largest difference, relative to the largest torque of its state."""
         worst = 0.0
-        for state, tau in enumerate(self.tau):
+        for state, tau in enumerate(expected):
             found = self.of_coordinates(inverse_dynamics(*self.of_joints(state)))
             difference = np.max(np.abs(found - tau)) / np.max(np.abs(tau))
             worst = max(worst, difference if np.isfinite(difference) else np.inf)
@@ -64,7 +66,7 @@ def of_pinocchio(path: Path, expected: Expected) -> float:
         tau = tau + damping * velocity + friction * np.sign(velocity)
         return [tau[place.idx_v] for place in places]
 
-    return expected.worst(inverse_dynamics)
+    return expected.worst(inverse_dynamics, expected.tau)
 
 
 def of_mujoco(path: Path, expected: Expected) -> float:
@@ -88,18 +90,67 @@ def of_mujoco(path: Path, expected: Expected) -> float:
             tau = tau + row * model.tendon_frictionloss[tendon] * np.sign(row @ data.qvel)
         return tau[places]
 
-    return expected.worst(inverse_dynamics)
+    return expected.worst(inverse_dynamics, expected.tau)
+
+
+def of_drake(path: Path, expected: Expected) -> float:
+    """CalcInverseDynamics, which has no friction."""
+    from pydrake.multibody.parsing import Parser
+    from pydrake.multibody.plant import MultibodyPlant
+    from pydrake.multibody.tree import MultibodyForces
+
+    plant = MultibodyPlant(0.0)
+    (model,) = Parser(plant).AddModels(str(path))
+    plant.mutable_gravity_field().set_gravity_vector(expected.gravity)
+    if path.suffix == ".urdf":
+        plant.WeldFrames(plant.world_frame(), plant.GetBodyByName(root_of(path), model).body_frame())
+    plant.Finalize()
+    context = plant.CreateDefaultContext()
+    joints = [plant.GetJointByName(joint["name"], model) for joint in expected.joints]
+
+    def inverse_dynamics(q, dq, ddq):
+        change = np.zeros(plant.num_velocities())
+        for joint, angle, rate, acceleration in zip(joints, q, dq, ddq):
+            plant.SetPositions(context, with_entry(plant.GetPositions(context), joint.position_start(), angle))
+            plant.SetVelocities(context, with_entry(plant.GetVelocities(context), joint.velocity_start(), rate))
+            change[joint.velocity_start()] = acceleration
+        forces = MultibodyForces(plant)
+        plant.CalcForceElementsContribution(context, forces)
+        tau = plant.CalcInverseDynamics(context, change, forces)
+        return [tau[joint.velocity_start()] for joint in joints]
+
+    return expected.worst(inverse_dynamics, expected.frictionless_tau)
+
+
+def with_entry(values: np.ndarray, place: int, value: float) -> np.ndarray:
+    """An array with one entry replaced."""
+    values = values.copy()
+    values[place] = value
+    return values
+
+
+def root_of(path: Path) -> str:
+    """The link of a URDF that is no joint's child."""
+    robot = ElementTree.parse(path).getroot()
+    children = {joint.find("child").get("link") for joint in robot.findall("joint")}
+    return next(link.get("name") for link in robot.findall("link") if link.get("name") not in children)
 
 
 def main() -> int:
     """Compares every export of a folder; one if any differs."""
     folder, failed = Path(sys.argv[1]), 0
-    programs = {".urdf": ("Pinocchio", pinocchio.__version__, of_pinocchio), ".xml": ("MuJoCo", mujoco.__version__, of_mujoco)}
-    for path in sorted(folder.glob("*.urdf")) + sorted(folder.glob("*.xml")):
-        name, version, inverse_dynamics = programs[path.suffix]
-        worst = inverse_dynamics(path, Expected(path.with_name(path.name + ".json")))
-        failed += worst > TOLERANCE
-        print(f"{name} {version}, {path.name}: {worst:.1e} of the largest torque{'' if worst <= TOLERANCE else ' TOO MUCH'}")
+    programs = [
+        (f"Pinocchio {pinocchio.__version__}", of_pinocchio, [".urdf"]),
+        (f"MuJoCo {mujoco.__version__}", of_mujoco, [".xml"]),
+    ]
+    if "--drake" in sys.argv:
+        programs = [("Drake", of_drake, [".urdf", ".sdf"])]
+    for name, inverse_dynamics, suffixes in programs:
+        for path in sorted(path for path in folder.iterdir() if path.suffix in suffixes):
+            worst = inverse_dynamics(path, Expected(path.with_name(path.name + ".json")))
+            failed += worst > TOLERANCE
+            too_much = "" if worst <= TOLERANCE else " TOO MUCH"
+            print(f"{name}, {path.name}: {worst:.1e} of the largest torque{too_much}")
     return min(failed, 1)
 
 

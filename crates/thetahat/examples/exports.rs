@@ -1,12 +1,12 @@
-//! Exports robots as URDF and MJCF with the torques that thetahat computes for them, for other programs to compute:
+//! Exports robots as URDF, MJCF and SDF with the torques that thetahat computes for them, for other programs to compute:
 //! `.ci/export` compares.
 //!
 //! ```text
 //! cargo run --release -p thetahat --example exports -- DIR
 //! ```
 //!
-//! DIR gets NAME.urdf and NAME.xml with NAME.urdf.json and NAME.xml.json each: 1000 random states, and the torques of the
-//! robot as the format says it.
+//! DIR gets NAME.urdf, NAME.xml and NAME.sdf with NAME.urdf.json and so on: 1000 random states, and the torques of the robot as
+//! the format says it, with friction and without.
 
 use std::{
     collections::BTreeMap,
@@ -23,7 +23,7 @@ use thetahat::{
     consistency::completed_a_priori,
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     export::{Export, Format, export_robot},
-    robot::{Quantity, RobotSource, Role},
+    robot::{Parameter, Quantity, RobotSource, Role},
 };
 use thetahat_testing::{data, project, shared};
 
@@ -52,10 +52,11 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 fn export(file: &Path, folder: &Path) -> Result<(), Box<dyn Error>> {
     let source = RobotSource::read(file)?;
-    let robot = source.robot()?;
+    // What a URDF says of transmissions does not matter to its torques, and may couple joints.
+    let robot = if source.urdf_text().is_some() { source.robot_without_transmission()? } else { source.robot()? };
     let parameters = parameters(&robot);
     let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    for format in [Format::Urdf, Format::Mjcf] {
+    for format in [Format::Urdf, Format::Mjcf, Format::Sdf] {
         let export = export_robot(&robot, source.urdf_text(), &parameters, format, &[])?;
         let path = folder.join(format!("{name}.{}", format.extension()));
         fs::write(&path, &export.text)?;
@@ -69,7 +70,12 @@ fn parameters(robot: &Robot) -> Vec<f64> {
     let mut parameters = completed_a_priori(robot, None);
     for (value, parameter) in parameters.iter_mut().zip(robot.parameter_table().iter()) {
         let joint = parameter.number as f64;
-        if *value != 0.0 || matches!(parameter.quantity, Quantity::Motor(_)) {
+        if *value != 0.0 {
+            continue;
+        }
+        if let Quantity::Motor(_) = parameter.quantity {
+            // Less than the joints that it turns with have.
+            *value = 0.01;
             continue;
         }
         match parameter.quantity.role() {
@@ -87,15 +93,21 @@ fn torques(export: &Export) -> serde_json::Value {
     let robot = export.robot();
     let model = Model::new(robot);
     let parameters = DynamicParameters::new(&model, export.parameters());
+    let without = |(p, v): (&Parameter, &f64)| if p.quantity.is_friction() { 0.0 } else { *v };
+    let frictionless: Vec<f64> = robot.parameter_table().iter().zip(export.parameters()).map(without).collect();
+    let frictionless = DynamicParameters::new(&model, &frictionless);
     let mut workspace = Workspace::new(&model);
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let n = robot.coordinate_count();
     let mut all: BTreeMap<&str, Vec<Vec<f64>>> = BTreeMap::new();
     for _ in 0..STATES {
         let [q, dq, ddq] = [3.0, 3.0, 10.0].map(|r| (0..n).map(|_| rng.random_range(-r..r)).collect::<Vec<f64>>());
-        let mut tau = vec![0.0; n];
-        model.inverse_dynamics(&parameters, State::new(&q, &dq), &ddq, Sign::Exact, &mut workspace, &mut tau);
-        for (key, values) in [("q", q), ("dq", dq), ("ddq", ddq), ("tau", tau)] {
+        let [tau, without_friction] = [&parameters, &frictionless].map(|parameters| {
+            let mut tau = vec![0.0; n];
+            model.inverse_dynamics(parameters, State::new(&q, &dq), &ddq, Sign::Exact, &mut workspace, &mut tau);
+            tau
+        });
+        for (key, values) in [("q", q), ("dq", dq), ("ddq", ddq), ("tau", tau), ("frictionless_tau", without_friction)] {
             all.entry(key).or_default().push(values);
         }
     }

@@ -14,7 +14,7 @@ use super::{
 use crate::{
     experiment::{Experiment, require_same_parameters},
     identification::Method,
-    preparation::{Case, ParameterSelection, Settings, Setup},
+    preparation::{Case, ParameterChoice, ParameterSelection, Settings, Setup},
     results::{NOMINAL, Results, RunResult, Verdict},
     robot::{Locks, Robot, RobotSource},
 };
@@ -69,7 +69,7 @@ impl IdentifiedModel {
         if results.robot_description.is_empty() {
             return Err(ExportError::NoRobot { path: path.to_owned() });
         }
-        let (robot, settings) = robot_and_settings(path, results, &request.parameters)?;
+        let (robot, settings) = robot_and_settings(path, results, run, &request.parameters)?;
         if let Some(file) = description_file(results, request) {
             require_same(results, &robot, &file)?;
         }
@@ -207,6 +207,7 @@ fn chosen_run<'r>(path: &Path, results: &'r Results, method: Option<Method>) -> 
 fn robot_and_settings(
     path: &Path,
     results: &Results,
+    run: &RunResult,
     parameters: &ParameterSelection,
 ) -> Result<(Robot, Settings), ExportError> {
     if !results.experiment_description.is_empty() {
@@ -218,7 +219,9 @@ fn robot_and_settings(
     let is_free = |name: &str| whole.joints.iter().any(|j| j.name == name && j.mimic.is_none());
     let locked = results.robot_locked.iter().filter(|l| is_free(&l.name)).map(|l| (l.name.clone(), l.value)).collect();
     let robot = source.robot_with_locks(&Locks { locked, until: Vec::new() }, path)?;
-    Ok((robot, Settings { parameters: parameters.clone(), ..Settings::new(1.0, 1) }))
+    let estimate = ParameterChoice::List(run.parameters.iter().map(|p| p.name.clone()).collect());
+    let parameters = ParameterSelection { estimate, ..parameters.clone() };
+    Ok((robot, Settings { parameters, ..Settings::new(1.0, 1) }))
 }
 
 /// The description that is to be compared with that of the results.
