@@ -1,6 +1,8 @@
 """Inverse dynamics of other programs on exported robots, beside thetahat's: called by `.ci/export`."""
 
 import json
+import logging
+import re
 import sys
 from pathlib import Path
 from xml.etree import ElementTree
@@ -48,7 +50,7 @@ class Expected:
 
 def of_pinocchio(path: Path, expected: Expected) -> float:
     """Rigid torques by rnea, with the damping and friction that Pinocchio has read."""
-    model = pinocchio.buildModelFromUrdf(str(path))
+    model = pinocchio.buildModelFromXML(with_right_angles(path.read_text()))
     model.gravity.linear = expected.gravity
     data = model.createData()
     places = [model.joints[model.getJointId(joint["name"])] for joint in expected.joints]
@@ -67,6 +69,18 @@ def of_pinocchio(path: Path, expected: Expected) -> float:
         return [tau[place.idx_v] for place in places]
 
     return expected.worst(inverse_dynamics, expected.tau)
+
+
+def with_right_angles(urdf: str) -> str:
+    """A URDF whose rounded right angles, such as 1.5708, are right angles: thetahat takes them as such."""
+    right = np.pi / 2
+
+    def angle(text: str) -> str:
+        value, decimals = float(text), len(text.partition(".")[2])
+        nearest = round(value / right) * right
+        return repr(nearest) if decimals >= 4 and abs(value - nearest) <= 10.0**-decimals else text
+
+    return re.sub(r'rpy="([^"]*)"', lambda found: f'rpy="{" ".join(map(angle, found[1].split()))}"', urdf)
 
 
 def of_mujoco(path: Path, expected: Expected) -> float:
@@ -94,19 +108,23 @@ def of_mujoco(path: Path, expected: Expected) -> float:
 
 
 def of_drake(path: Path, expected: Expected) -> float:
-    """CalcInverseDynamics, which has no friction."""
+    """CalcInverseDynamics without damping; Drake reads no dry friction, and warns of it."""
+    logging.getLogger("drake").setLevel(logging.ERROR)
     from pydrake.multibody.parsing import Parser
     from pydrake.multibody.plant import MultibodyPlant
     from pydrake.multibody.tree import MultibodyForces
 
     plant = MultibodyPlant(0.0)
-    (model,) = Parser(plant).AddModels(str(path))
+    text = with_right_angles(path.read_text()) if path.suffix == ".urdf" else path.read_text()
+    (model,) = Parser(plant).AddModelsFromString(text, path.suffix[1:])
     plant.mutable_gravity_field().set_gravity_vector(expected.gravity)
     if path.suffix == ".urdf":
         plant.WeldFrames(plant.world_frame(), plant.GetBodyByName(root_of(path), model).body_frame())
+    joints = [plant.GetJointByName(joint["name"], model) for joint in expected.joints]
+    for joint in joints:
+        joint.set_default_damping_vector(np.zeros(1))
     plant.Finalize()
     context = plant.CreateDefaultContext()
-    joints = [plant.GetJointByName(joint["name"], model) for joint in expected.joints]
 
     def inverse_dynamics(q, dq, ddq):
         change = np.zeros(plant.num_velocities())

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     base_parameters::BaseParameters,
-    linear_algebra::Matrix,
+    linear_algebra::{Matrix, PivotedQr},
     robot::{Quantity, Role},
 };
 
@@ -47,7 +47,10 @@ pub fn dependence_on_base(
     };
     let system = Matrix::from_fn(unknowns + bases, unknowns + bases, entry);
     let right = Matrix::from_fn(unknowns + bases, bases, |i, j| if i == unknowns + j { 1.0 } else { 0.0 });
-    let solved = system.inverse_times_matrix(&right).ok_or(ConsistencyError::NotFinite)?;
+    let solved = PivotedQr::new(&system).solve_matrix(&right);
+    if !(0..bases).all(|j| solved.column(j).iter().all(|v| v.is_finite())) {
+        return Err(ConsistencyError::NotFinite);
+    }
     Ok(n.times_matrix(&Matrix::from_fn(unknowns, bases, |i, j| scale[i] * solved.at(i, j))))
 }
 

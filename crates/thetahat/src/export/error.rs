@@ -22,6 +22,12 @@ pub enum ExportError {
         /// The results.
         path: PathBuf,
     },
+    /// The results do not say which file the robot was read from.
+    #[error("{}: does not say which file its robot was read from; name it with --robot instead of --data", path.display())]
+    UnknownFile {
+        /// The results.
+        path: PathBuf,
+    },
     /// The results are not to be used.
     #[error(
         "{}: the verdict on these results is do-not-use: {}; put that right and identify again, or export them all the \

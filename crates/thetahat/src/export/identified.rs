@@ -69,8 +69,8 @@ impl IdentifiedModel {
         if results.robot_description.is_empty() {
             return Err(ExportError::NoRobot { path: path.to_owned() });
         }
-        let (robot, settings) = robot_and_settings(path, results, run, &request.parameters)?;
-        if let Some(file) = description_file(results, request) {
+        let Subject { robot, settings, file } = Subject::of(path, results, run, &request.parameters)?;
+        if let Some(file) = description_file(path, request, file.as_deref())? {
             require_same(results, &robot, &file)?;
         }
         let source = RobotSource::from_text(results.robot_description.clone(), path)?;
@@ -203,29 +203,50 @@ fn chosen_run<'r>(path: &Path, results: &'r Results, method: Option<Method>) -> 
     })
 }
 
-/// The robot with its settings: those of the experiment in the results, or the usual ones where they are of arrays.
-fn robot_and_settings(
-    path: &Path,
-    results: &Results,
-    run: &RunResult,
-    parameters: &ParameterSelection,
-) -> Result<(Robot, Settings), ExportError> {
-    if !results.experiment_description.is_empty() {
-        let experiment = Experiment::of_results(path, results)?;
-        return Ok((experiment.robot, experiment.settings));
-    }
-    let source = RobotSource::from_text(results.robot_description.clone(), path)?;
-    let whole = source.robot_without_transmission()?;
-    let is_free = |name: &str| whole.joints.iter().any(|j| j.name == name && j.mimic.is_none());
-    let locked = results.robot_locked.iter().filter(|l| is_free(&l.name)).map(|l| (l.name.clone(), l.value)).collect();
-    let robot = source.robot_with_locks(&Locks { locked, until: Vec::new() }, path)?;
-    let estimate = ParameterChoice::List(run.parameters.iter().map(|p| p.name.clone()).collect());
-    let parameters = ParameterSelection { estimate, ..parameters.clone() };
-    Ok((robot, Settings { parameters, ..Settings::new(1.0, 1) }))
+/// What was identified, and how.
+struct Subject {
+    robot: Robot,
+    settings: Settings,
+    /// Name of the file of the robot's description.
+    file: Option<PathBuf>,
 }
 
-/// The description that is to be compared with that of the results.
-fn description_file(results: &Results, request: &ExportRequest) -> Option<PathBuf> {
-    let named = || results.robot_files.first().map(|file| file.name.clone());
-    request.robot.clone().or_else(|| Some(request.data.as_ref()?.join(named()?)))
+impl Subject {
+    /// Those of the experiment in the results, or the usual settings where they are of arrays.
+    fn of(
+        path: &Path,
+        results: &Results,
+        run: &RunResult,
+        parameters: &ParameterSelection,
+    ) -> Result<Self, ExportError> {
+        if !results.experiment_description.is_empty() {
+            let experiment = Experiment::of_results(path, results)?;
+            let file = experiment.file.robot.file_name().map(PathBuf::from);
+            return Ok(Self { robot: experiment.robot, settings: experiment.settings, file });
+        }
+        let source = RobotSource::from_text(results.robot_description.clone(), path)?;
+        let whole = source.robot_without_transmission()?;
+        let is_free = |name: &str| whole.joints.iter().any(|j| j.name == name && j.mimic.is_none());
+        let locked = results.robot_locked.iter().filter(|l| is_free(&l.name));
+        let locked = locked.map(|l| (l.name.clone(), l.value)).collect();
+        let robot = source.robot_with_locks(&Locks { locked, until: Vec::new() }, path)?;
+        let estimate = ParameterChoice::List(run.parameters.iter().map(|p| p.name.clone()).collect());
+        let parameters = ParameterSelection { estimate, ..parameters.clone() };
+        let file = results.robot_files.first().map(|file| PathBuf::from(&file.name));
+        Ok(Self { robot, settings: Settings { parameters, ..Settings::new(1.0, 1) }, file })
+    }
+}
+
+/// The description that is to be compared with that of the results, where one is asked for.
+fn description_file(
+    path: &Path,
+    request: &ExportRequest,
+    name: Option<&Path>,
+) -> Result<Option<PathBuf>, ExportError> {
+    match (&request.robot, &request.data, name) {
+        (Some(file), _, _) => Ok(Some(file.clone())),
+        (None, Some(folder), Some(name)) => Ok(Some(folder.join(name))),
+        (None, Some(_), None) => Err(ExportError::UnknownFile { path: path.to_owned() }),
+        (None, None, _) => Ok(None),
+    }
 }
