@@ -109,6 +109,7 @@ fn in_words(model: &IdentifiedModel, export: &Export, checked: Option<f64>) -> S
     let checked = checked.map(|difference| {
         format!("read back: torques at 1000 random states differ by {difference:.1e} of the largest at most")
     });
-    let lines = [vec![first], model.about(), export.notes.clone(), export.unsaid.clone(), checked.into_iter().collect()];
+    let lines =
+        [vec![first], model.about(), export.notes.clone(), export.unsaid.clone(), checked.into_iter().collect()];
     lines.concat().into_iter().map(|line| line + "\n").collect()
 }

@@ -26,7 +26,13 @@ fn a_robot_is_exported_checked_and_sampled() {
         thetahat(folder.path(), ["export", "results.json"].into_iter().chain(arguments.iter().copied()))
     };
     let said = succeeded(&export(&["--to", "urdf", "--out", "arm.urdf", "--check", "--data", "."]));
-    for word in ["every base parameter is at its estimate", "ia1 = ", "read back", "written: arm.urdf", "arm.urdf.covariance.json"] {
+    for word in [
+        "every base parameter is at its estimate",
+        "ia1 = ",
+        "read back",
+        "written: arm.urdf",
+        "arm.urdf.covariance.json",
+    ] {
         assert!(said.contains(word), "{word}: {said}");
     }
     assert_eq!(folder.json("arm.urdf.covariance.json")["method"], "idim-ls");

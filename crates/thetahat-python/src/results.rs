@@ -146,7 +146,8 @@ impl Results {
         let request = ExportRequest { method, force, parameters, ..ExportRequest::default() };
         py.detach(|| {
             let refused = |e: ExportError| Raised::new("ResultsError", e);
-            let model = IdentifiedModel::of_results(Path::new("the results"), &self.results, &request).map_err(refused)?;
+            let model =
+                IdentifiedModel::of_results(Path::new("the results"), &self.results, &request).map_err(refused)?;
             let export = model.export(format).map_err(refused)?;
             replace_file(&path, export.text.as_bytes())
                 .map_err(|e| Raised::new("ReportError", format!("{}: cannot be written: {e}", path.display())))?;

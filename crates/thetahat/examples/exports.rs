@@ -41,8 +41,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         "mobile_manipulator.urdf",
         "quadruped.urdf",
     ];
-    let recorded =
-        [data().join("kuka_lwr4/kuka_lwr4.urdf"), data().join("tx40/tx40_mdh_modified.urdf"), shared().join("reference/tree8.urdf")];
+    let recorded = [
+        data().join("kuka_lwr4/kuka_lwr4.urdf"),
+        data().join("tx40/tx40_mdh_modified.urdf"),
+        shared().join("reference/tree8.urdf"),
+    ];
     let files = own.map(|name| project("robots").join(name)).into_iter().chain(recorded);
     for file in files.filter(|file| file.is_file()) {
         export(&file, &folder)?;
@@ -107,7 +110,8 @@ fn torques(export: &Export) -> serde_json::Value {
             model.inverse_dynamics(parameters, State::new(&q, &dq), &ddq, Sign::Exact, &mut workspace, &mut tau);
             tau
         });
-        for (key, values) in [("q", q), ("dq", dq), ("ddq", ddq), ("tau", tau), ("frictionless_tau", without_friction)] {
+        for (key, values) in [("q", q), ("dq", dq), ("ddq", ddq), ("tau", tau), ("frictionless_tau", without_friction)]
+        {
             all.entry(key).or_default().push(values);
         }
     }

@@ -168,7 +168,11 @@ fn what_a_format_cannot_say_is_listed_with_its_values() {
     let robot = source.robot().unwrap();
     let of = |format| export_robot(&robot, None, &robot.a_priori_parameters(), format, &[]).unwrap();
     let urdf = of(Format::Urdf);
-    assert!(urdf.unsaid.iter().any(|line| line.contains("motor inertia") && line.contains("ia1 = ")), "{:?}", urdf.unsaid);
+    assert!(
+        urdf.unsaid.iter().any(|line| line.contains("motor inertia") && line.contains("ia1 = ")),
+        "{:?}",
+        urdf.unsaid
+    );
     let escaped = |line: &String| urdf.text.contains(&line.replace("--", "- -"));
     assert!(urdf.unsaid.iter().all(escaped));
     assert!(of(Format::Json).unsaid.is_empty());
@@ -260,7 +264,8 @@ fn the_sidecar_has_the_covariance_of_base_and_standard_parameters() {
     let model = model(two_joint(), &ExportRequest::default()).unwrap();
     let sidecar: serde_json::Value = serde_json::from_str(&model.covariance_json().unwrap()).unwrap();
     let standard = sidecar["standard_parameters"].as_array().unwrap();
-    let deviation = |name: &str| standard.iter().find(|p| p["name"] == name).unwrap()["standard_deviation"].as_f64().unwrap();
+    let deviation =
+        |name: &str| standard.iter().find(|p| p["name"] == name).unwrap()["standard_deviation"].as_f64().unwrap();
     let run = two_joint().run(NOMINAL, Method::IDIM_LS).unwrap();
     let of_base = run.parameter("fv2").unwrap().standard_deviation_robust.unwrap();
     assert!((deviation("fv2") / of_base - 1.0).abs() < 1e-9);

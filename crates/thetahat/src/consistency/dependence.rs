@@ -1,10 +1,7 @@
 //! How the standard parameters nearest to the a-priori ones move with the base parameters that they keep.
 
 use super::{
-    elimination::Elimination,
-    error::ConsistencyError,
-    pseudo_inertia::entries,
-    set::ConsistentSet,
+    elimination::Elimination, error::ConsistencyError, pseudo_inertia::entries, set::ConsistentSet,
     symmetric::Symmetric,
 };
 use crate::{
@@ -157,8 +154,9 @@ mod tests {
             let slope: Vec<f64> =
                 moved(1.0).iter().zip(moved(-1.0)).map(|(up, down)| (up - down) / (2.0 * step)).collect();
             let size = slope.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-            for i in 0..count {
-                assert!((slope[i] - g.at(i, j)).abs() < 2e-3 * size, "{} {i}: {} {}", parameter.name, slope[i], g.at(i, j));
+            for (i, slope) in slope.iter().enumerate() {
+                let found = g.at(i, j);
+                assert!((slope - found).abs() < 2e-3 * size, "{} {i}: {slope} {found}", parameter.name);
             }
         }
     }

@@ -316,7 +316,8 @@ impl Experiment {
         file.twin.iter_mut().for_each(|twin| twin.repeat_for(robot.coordinate_count()));
         let robot_files = [Some(source.path()), source.urdf_path()].into_iter().flatten().map(Path::to_owned).collect();
         let robot_hashes = source.files();
-        let experiment = Self { path: path.to_owned(), file, settings, text, robot, robot_text, robot_files, robot_hashes };
+        let experiment =
+            Self { path: path.to_owned(), file, settings, text, robot, robot_text, robot_files, robot_hashes };
         experiment.validate()?;
         Ok(experiment)
     }

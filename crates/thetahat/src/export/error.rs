@@ -1,8 +1,6 @@
 use std::path::PathBuf;
 
-use crate::{
-    consistency::ConsistencyError, experiment::ExperimentError, identification::Method, robot::RobotError,
-};
+use crate::{consistency::ConsistencyError, experiment::ExperimentError, identification::Method, robot::RobotError};
 
 use super::format::Format;
 

@@ -62,6 +62,8 @@ impl FromStr for Format {
 
     fn from_str(name: &str) -> Result<Self, Self::Err> {
         let found = Self::ALL.into_iter().find(|format| format.name() == name);
-        found.ok_or_else(|| format!("there is no format {name}; the formats are {}", Self::ALL.map(Self::name).join(", ")))
+        found.ok_or_else(|| {
+            format!("there is no format {name}; the formats are {}", Self::ALL.map(Self::name).join(", "))
+        })
     }
 }

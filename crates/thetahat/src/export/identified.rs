@@ -238,11 +238,7 @@ impl Subject {
 }
 
 /// The description that is to be compared with that of the results, where one is asked for.
-fn description_file(
-    path: &Path,
-    request: &ExportRequest,
-    name: Option<&Path>,
-) -> Result<Option<PathBuf>, ExportError> {
+fn description_file(path: &Path, request: &ExportRequest, name: Option<&Path>) -> Result<Option<PathBuf>, ExportError> {
     match (&request.robot, &request.data, name) {
         (Some(file), _, _) => Ok(Some(file.clone())),
         (None, Some(folder), Some(name)) => Ok(Some(folder.join(name))),

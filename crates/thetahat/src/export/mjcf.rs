@@ -18,7 +18,9 @@ pub(super) fn mjcf(said: &Said, header: &str) -> String {
         format!("  <option gravity=\"{}\"/>", numbers(&robot.gravity)),
         "  <worldbody>".to_owned(),
     ];
-    (0..robot.joints.len()).filter(|&k| robot.joints[k].parent.is_none()).for_each(|k| add_body(said, k, 2, &mut lines));
+    (0..robot.joints.len())
+        .filter(|&k| robot.joints[k].parent.is_none())
+        .for_each(|k| add_body(said, k, 2, &mut lines));
     lines.push("  </worldbody>".to_owned());
     lines.extend(followers(robot));
     lines.extend(coupled_motors(said));

@@ -4,9 +4,7 @@
 use super::error::ExportError;
 use crate::{
     base_parameters::BaseParameters,
-    consistency::{
-        ConsistencyError, ConsistentFit, ConsistentSet, Known, LeastSquares, Prior, fit, mass_factor,
-    },
+    consistency::{ConsistencyError, ConsistentFit, ConsistentSet, Known, LeastSquares, Prior, fit, mass_factor},
     identification::Method,
     linear_algebra::Matrix,
     preparation::{Setup, consistent_set_of},
@@ -130,7 +128,9 @@ impl Posterior {
     pub(super) fn nearest(&self, base: &[f64]) -> Result<Vec<f64>, ExportError> {
         match self.keeping(base) {
             Ok(fit) => Ok(fit.standard),
-            Err(ConsistencyError::NoInterior { .. }) => Ok(fit(&self.set, &self.distance(base)?, PRIOR, None)?.standard),
+            Err(ConsistencyError::NoInterior { .. }) => {
+                Ok(fit(&self.set, &self.distance(base)?, PRIOR, None)?.standard)
+            }
             Err(error) => Err(error.into()),
         }
     }

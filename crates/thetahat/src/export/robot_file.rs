@@ -15,7 +15,8 @@ use crate::{
 pub(super) fn require_same(results: &Results, robot: &Robot, path: &Path) -> Result<(), ExportError> {
     let source = RobotSource::read(path)?;
     let files = source.files();
-    let changed = files.iter().find_map(|file| Some((file, hash_in(results, &file.name).filter(|h| *h != file.sha256)?)));
+    let changed =
+        files.iter().find_map(|file| Some((file, hash_in(results, &file.name).filter(|h| *h != file.sha256)?)));
     let is_same = if results.robot_files.is_empty() {
         source.to_text() == results.robot_description
     } else {
@@ -37,7 +38,7 @@ pub(super) fn require_same(results: &Results, robot: &Robot, path: &Path) -> Res
     let (file, then) = changed.map_or((files.first(), None), |(file, then)| (Some(file), Some(then)));
     let unknown = || "not known".to_owned();
     Err(ExportError::RobotChanged {
-        path: file.and_then(|f| Some(path.with_file_name(&f.name))).unwrap_or_else(|| path.to_owned()),
+        path: file.map_or_else(|| path.to_owned(), |f| path.with_file_name(&f.name)),
         found: file.map_or_else(unknown, |f| f.sha256.clone()),
         identified: then.or_else(|| results.robot_files.first().map(|f| f.sha256.clone())).unwrap_or_else(unknown),
     })

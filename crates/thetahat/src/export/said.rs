@@ -5,9 +5,7 @@ use super::{
     format::Format,
     xml::number,
 };
-use crate::robot::{
-    Friction, JointQuantity, MotorQuantity, Parameter, Quantity, Robot, Transmission,
-};
+use crate::robot::{Friction, JointQuantity, MotorQuantity, Parameter, Quantity, Robot, Transmission};
 
 /// Gravity of simulators where a file does not say it, m/s^2.
 const USUAL_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
@@ -133,7 +131,8 @@ impl Saying<'_> {
             ("torque terms of a user's own", terms),
         ];
         let verb = |what: &str| if what == both { "has" } else { "has no" };
-        let line = |(what, list): (&str, String)| (!list.is_empty()).then(|| format!("{title} {} {what}: {list}", verb(what)));
+        let line =
+            |(what, list): (&str, String)| (!list.is_empty()).then(|| format!("{title} {} {what}: {list}", verb(what)));
         all.into_iter().filter_map(line).chain(self.unsaid_of_the_tree()).collect()
     }
 

@@ -70,14 +70,9 @@ fn joint(said: &Said, k: usize) -> Vec<String> {
 /// What is not known is left out, and unlimited then.
 fn limit(joint: &crate::robot::Joint) -> String {
     let limits = &joint.limits;
-    let given = [
-        ("lower", limits.lower),
-        ("upper", limits.upper),
-        ("effort", limits.effort),
-        ("velocity", limits.velocity),
-    ];
-    let inside: String =
-        given.into_iter().filter_map(|(k, v)| Some(format!("<{k}>{}</{k}>", number(v?)))).collect();
+    let given =
+        [("lower", limits.lower), ("upper", limits.upper), ("effort", limits.effort), ("velocity", limits.velocity)];
+    let inside: String = given.into_iter().filter_map(|(k, v)| Some(format!("<{k}>{}</{k}>", number(v?)))).collect();
     format!("        <limit>{inside}</limit>")
 }
 

@@ -41,10 +41,8 @@ impl Edited {
 pub(super) fn edited(text: &str, said: &Said) -> Result<Edited, RobotError> {
     let parts = said.robot.parts_of_urdf(text, Path::new("the URDF of the results"))?;
     let (bodies, notes) = bodies(said, &parts);
-    let document = Document::parse(text).map_err(|e| RobotError::Unreadable {
-        path: "the URDF of the results".into(),
-        reason: e.to_string(),
-    })?;
+    let document = Document::parse(text)
+        .map_err(|e| RobotError::Unreadable { path: "the URDF of the results".into(), reason: e.to_string() })?;
     let mut editor = Editor { text, edits: Vec::new() };
     for child in document.root_element().children().filter(Node::is_element) {
         let name = child.attribute("name").map(str::trim).unwrap_or_default();
@@ -81,7 +79,11 @@ fn bodies(said: &Said, parts: &[LinkPart]) -> (BTreeMap<String, Body>, Vec<Strin
             bodies.extend(scaled);
             format!("have {} of theirs", number(shares.factor))
         };
-        notes.push(format!("{} {kept}; `{}`, to which they are fixed, has the rest of the identified link", names.join(", "), carrier.name));
+        notes.push(format!(
+            "{} {kept}; `{}`, to which they are fixed, has the rest of the identified link",
+            names.join(", "),
+            carrier.name
+        ));
     }
     (bodies, notes)
 }
@@ -155,7 +157,7 @@ impl Editor<'_> {
             self.set(dynamics, "friction", &coulomb);
         } else if damping != 0.0 || friction != 0.0 {
             let element = format!("<dynamics damping=\"{viscous}\" friction=\"{coulomb}\"/>");
-            let last = joint.children().filter(Node::is_element).last();
+            let last = joint.children().filter(Node::is_element).next_back();
             if let Some(last) = last {
                 let before = self.space_before(last);
                 self.insert(last.range().end, format!("{before}{element}"));

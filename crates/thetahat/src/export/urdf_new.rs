@@ -16,7 +16,8 @@ const UNKNOWN: f64 = 1e9;
 /// motors are coupled.
 pub(super) fn urdf(said: &Said, header: &str, reductions: Option<&[f64]>) -> String {
     let robot = &said.robot;
-    let mut lines = vec![format!("<robot name=\"{}\">", escaped(&robot.name)), "  <link name=\"base_link\"/>".to_owned()];
+    let mut lines =
+        vec![format!("<robot name=\"{}\">", escaped(&robot.name)), "  <link name=\"base_link\"/>".to_owned()];
     for k in 0..robot.joints.len() {
         let body = Body::new(inertial_of(robot, &said.parameters, k));
         lines.push(format!("  <link name=\"{}\">", link_name(k)));

@@ -11,7 +11,10 @@ use super::{
     terms::{ProfiledTerm, TermComparison},
     verdict::{Verdict, VerdictReason},
 };
-use crate::{identification::Method, robot::{LockedJoint, RobotFile}};
+use crate::{
+    identification::Method,
+    robot::{LockedJoint, RobotFile},
+};
 
 /// Version of the form of `results.json`: it grows where a program of before would misread the file.
 pub const SCHEMA: u32 = 1;

@@ -97,7 +97,8 @@ pub(in crate::robot) fn link_bodies(text: &str, path: &Path) -> Result<Vec<LinkB
     for &joint in &structure.order {
         assembly.add(&structure.joints[joint], structure.ends[joint])?;
     }
-    let moved = |link: usize| structure.ends.iter().zip(&structure.joints).any(|(e, j)| e.1 == link && j.moving.is_some());
+    let moved =
+        |link: usize| structure.ends.iter().zip(&structure.joints).any(|(e, j)| e.1 == link && j.moving.is_some());
     let link = |(k, element): (usize, &Element<'_>)| {
         let place = assembly.places[k].unwrap_or(LinkPlace { carrier: None, frame: Frame::SAME });
         Ok(LinkBody {
