@@ -84,11 +84,11 @@ fn model(request: &Exported) -> Result<IdentifiedModel, Box<dyn Error>> {
 }
 
 /// The covariance, where the results have one: those of before that key have none.
-fn covariance(model: &IdentifiedModel) -> Result<Option<String>, ExportError> {
+fn covariance(model: &IdentifiedModel) -> Result<Option<String>, Box<dyn Error>> {
     match model.covariance_json() {
         Ok(text) => Ok(Some(text)),
         Err(ExportError::NoDeviations { .. }) => Ok(None),
-        Err(error) => Err(error),
+        Err(error) => Err(error.into()),
     }
 }
 

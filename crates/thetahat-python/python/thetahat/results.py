@@ -313,7 +313,7 @@ class Result:
         Examples
         --------
         >>> import os, tempfile, thetahat as th
-        >>> twin = th.testing.twin(seconds=4)
+        >>> twin = th.testing.twin(seconds=10)
         >>> result = th.identify(twin.robot, twin.recording, cutoff_hz=40, decimation=10)
         >>> said = result.export(os.path.join(tempfile.mkdtemp(), "arm_identified.urdf"))
         >>> said[0].startswith("identified by")

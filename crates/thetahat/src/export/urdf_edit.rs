@@ -157,7 +157,7 @@ impl Editor<'_> {
             self.set(dynamics, "friction", &coulomb);
         } else if damping != 0.0 || friction != 0.0 {
             let element = format!("<dynamics damping=\"{viscous}\" friction=\"{coulomb}\"/>");
-            let last = joint.children().filter(Node::is_element).next_back();
+            let last = joint.children().rfind(Node::is_element);
             if let Some(last) = last {
                 let before = self.space_before(last);
                 self.insert(last.range().end, format!("{before}{element}"));
