@@ -9,8 +9,9 @@ use std::{
 };
 
 /// What files of this program have among their first bytes.
-const MARKS: [&[u8]; 9] = [
+const MARKS: [&[u8]; 10] = [
     b"\"thetahat\": \"",
+    b"\"thetahat\":\"",
     b"<meta name=\"generator\" content=\"thetahat\">",
     b".TH thetahat",
     b"thetahat reduction ",

@@ -269,8 +269,19 @@ fn the_sidecar_has_the_covariance_of_base_and_standard_parameters() {
     let run = two_joint().run(NOMINAL, Method::IDIM_LS).unwrap();
     let of_base = run.parameter("fv2").unwrap().standard_deviation_robust.unwrap();
     assert!((deviation("fv2") / of_base - 1.0).abs() < 1e-9);
-    // What the data leave free has none of its own.
-    assert!(deviation("m1") < 1e-3 && deviation("xy1") < 1e-9);
+    // What is regrouped varies together such that the sum has its own variance.
+    let base = sidecar["base_parameters"].as_array().unwrap().iter().find(|p| p["name"] == "zz1r").unwrap();
+    assert_eq!(base["expression"], "zz1 + ia1 + 0.16*m2");
+    let place = |name: &str| standard.iter().position(|p| p["name"] == name).unwrap();
+    let covariance = |a: &str, b: &str| {
+        let (row, column) = (place(a).max(place(b)), place(a).min(place(b)));
+        sidecar["standard_covariance"][row][column].as_f64().unwrap()
+    };
+    let sum = [("zz1", 1.0), ("ia1", 1.0), ("m2", 0.16)];
+    let covariance = &covariance;
+    let variance: f64 = sum.iter().flat_map(|a| sum.iter().map(move |b| a.1 * b.1 * covariance(a.0, b.0))).sum();
+    let of_base = base["standard_deviation"].as_f64().unwrap();
+    assert!((variance.sqrt() / of_base - 1.0).abs() < 1e-6, "{variance} {of_base}");
     assert_eq!(sidecar["standard_covariance"].as_array().unwrap().len(), standard.len());
 }
 

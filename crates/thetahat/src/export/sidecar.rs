@@ -41,8 +41,8 @@ struct Standard {
 
 const ABOUT: &str = "SI. Covariances are lower triangles, row by row, of the free estimates: standard deviations with errors \
                      that are correlated in time, correlations classical. That of the standard parameters is how the consistent \
-                     set nearest to the a-priori parameters follows the base parameters, to first order: what the data leave \
-                     free has none of its own.";
+                     set nearest to the a-priori parameters follows the base parameters, to first order: the a-priori values \
+                     themselves have no uncertainty here.";
 
 impl IdentifiedModel {
     /// The covariance of the exported parameters as JSON: base parameters, and to first order standard parameters.
