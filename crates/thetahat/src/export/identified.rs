@@ -130,6 +130,12 @@ impl IdentifiedModel {
             format!("identified by {}{title}, {NOMINAL} case; verdict: {verdict}", self.method),
             self.choice().to_owned(),
         ];
+        if self.posterior.rejects == Some(true) {
+            lines.push(
+                "the data reject every robot made of bodies at 5 %: something is wrong that no parameters repair"
+                    .to_owned(),
+            );
+        }
         lines.extend(self.moved_in_words());
         let of = |wanted: Provenance| {
             let table = self.robot.parameter_table();

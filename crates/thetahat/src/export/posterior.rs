@@ -33,6 +33,8 @@ pub(super) struct Posterior {
     pub(super) covariance: Option<Matrix>,
     /// Deviations by which the estimate is outside of the set.
     outside: Option<f64>,
+    /// Whether the data reject every consistent robot; none where that was not tested.
+    pub(super) rejects: Option<bool>,
     /// The consistent estimate in the results.
     consistent: Option<Vec<f64>>,
 }
@@ -72,6 +74,7 @@ impl Posterior {
             method: run.method,
             intervals: names.iter().map(|name| found(name).and_then(|p| p.interval_95)).collect(),
             outside: physical.and_then(|p| p.deviations),
+            rejects: physical.and_then(|p| p.rejects()),
             set,
             base,
             estimate,
