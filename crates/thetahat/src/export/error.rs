@@ -10,10 +10,10 @@ use super::format::Format;
 pub enum ExportError {
     /// The experiment in the results cannot be used.
     #[error(transparent)]
-    Experiment(#[from] ExperimentError),
+    Experiment(Box<ExperimentError>),
     /// A robot description cannot be used.
     #[error(transparent)]
-    Robot(#[from] RobotError),
+    Robot(Box<RobotError>),
     /// The results have no robot description.
     #[error("{}: holds no robot description; identify again with this version", path.display())]
     NoRobot {
@@ -134,4 +134,16 @@ pub enum ExportError {
         /// The difference, relative.
         difference: f64,
     },
+}
+
+impl From<ExperimentError> for ExportError {
+    fn from(error: ExperimentError) -> Self {
+        Self::Experiment(Box::new(error))
+    }
+}
+
+impl From<RobotError> for ExportError {
+    fn from(error: RobotError) -> Self {
+        Self::Robot(Box::new(error))
+    }
 }
