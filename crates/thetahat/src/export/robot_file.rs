@@ -20,7 +20,9 @@ pub(super) fn require_same(results: &Results, robot: &Robot, path: &Path) -> Res
     let is_same = if results.robot_files.is_empty() {
         source.to_text() == results.robot_description
     } else {
-        changed.is_none() && files.iter().all(|file| results.robot_files.contains(file))
+        // By content: a file may have another name by now.
+        let is_there = |then: &RobotFile| files.iter().any(|now| now.sha256 == then.sha256);
+        results.robot_files.iter().all(is_there)
     };
     if is_same {
         return Ok(());
