@@ -119,6 +119,8 @@ pub mod campaign;
 
 pub mod reduction;
 
+pub mod export;
+
 pub mod report;
 
 pub use control::ControllerDescription;

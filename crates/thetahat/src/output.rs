@@ -9,8 +9,9 @@ use std::{
 };
 
 /// What files of this program have among their first bytes.
-const MARKS: [&[u8]; 8] = [
+const MARKS: [&[u8]; 10] = [
     b"\"thetahat\": \"",
+    b"\"thetahat\":\"",
     b"<meta name=\"generator\" content=\"thetahat\">",
     b".TH thetahat",
     b"thetahat reduction ",
@@ -18,10 +19,14 @@ const MARKS: [&[u8]; 8] = [
     b"error,value,method,status,relative_error_percent,rms_change_sd",
     b"time_s,predicted_1",
     RECORD.as_bytes(),
+    EXPORT.as_bytes(),
 ];
 
 /// How a simulated record begins: the quotes tell it from a record of others with the same columns, and no reader sees them.
 pub(crate) const RECORD: &str = "time_s,\"position_1\"";
+
+/// How the comment of an exported robot begins.
+pub(crate) const EXPORT: &str = "thetahat export ";
 
 /// First bytes among which a mark stands.
 const HEAD: u64 = 512;
