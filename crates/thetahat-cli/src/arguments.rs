@@ -6,7 +6,11 @@ use clap::{
     value_parser,
 };
 use clap_complete::Shell;
-use thetahat::{identification::Method, recording::Unit};
+use thetahat::{
+    identification::Method,
+    recording::Unit,
+    symbolic::{Language, ModelKind},
+};
 
 /// Identifies the dynamic parameters of a robot from its recorded motion and torques.
 ///
@@ -58,6 +62,10 @@ pub enum Command {
     ///
     /// Exit code 1 where the base parameters are not clear: a length or an angle is nearly special.
     Model(Model),
+    /// Generate code of a robot's model: C, Rust, Python, MATLAB or LaTeX.
+    ///
+    /// For example: thetahat generate robots/two_joint.toml --model idm --to c --out two_joint_idm.h
+    Generate(Generate),
     /// Print the completions of a shell.
     ///
     /// For example: thetahat completions bash > ~/.local/share/bash-completion/completions/thetahat
@@ -319,6 +327,48 @@ pub struct Model {
     /// Joints that do not move, in rad or m, such as head_joint=0.2
     #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = lock)]
     pub lock: Vec<(String, f64)>,
+}
+
+#[derive(Args)]
+pub struct Generate {
+    /// The robot (a URDF or a TOML description), or the results.json of an identification
+    #[arg(value_name = "ROBOT|RESULTS.json")]
+    pub source: PathBuf,
+    /// The model
+    #[arg(long, value_parser = named(&ModelKind::ALL))]
+    pub model: ModelKind,
+    /// The language
+    #[arg(long, value_parser = named(&Language::ALL))]
+    pub to: Language,
+    /// The base parameters instead of the standard ones
+    #[arg(long)]
+    pub base: bool,
+    /// Without friction and offsets
+    #[arg(long)]
+    pub without_friction: bool,
+    /// What the names in the code begin with [default: the robot's name]
+    #[arg(long, value_name = "NAME")]
+    pub name: Option<String>,
+    /// The file to write [default: the code is printed]
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub force: Force,
+    /// Folder against which the path is resolved [default: the current one]
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
+    /// The last joints that move; all that are not on the way to them are locked at their neutral values
+    #[arg(long, value_name = "JOINTS", value_delimiter = ',')]
+    pub until: Vec<String>,
+    /// Joints that do not move, in rad or m, such as head_joint=0.2
+    #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = lock)]
+    pub lock: Vec<(String, f64)>,
+}
+
+/// Values by their names, which the help and the completions list.
+fn named<T: Copy + Send + Sync + 'static>(all: &'static [(&'static str, T)]) -> impl TypedValueParser<Value = T> {
+    let value = |name: String| all.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
+    PossibleValuesParser::new(all.iter().map(|(name, _)| *name)).try_map(move |name| value(name).ok_or("no such name"))
 }
 
 fn lock(text: &str) -> Result<(String, f64), String> {

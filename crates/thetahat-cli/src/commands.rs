@@ -15,7 +15,7 @@ use thetahat::{
 
 use crate::{
     arguments::{Arguments, Check, Command, Compare, Identify, Model, Output, Predict, Sensitivity, Simulate},
-    campaign,
+    campaign, generate,
     inputs::{read_experiment, threads},
     progress::{Counter, Progress},
     proposal, reduction, shell,
@@ -38,6 +38,7 @@ pub fn run(arguments: Arguments) -> Result<Ending, Box<dyn Error>> {
         Command::Solve(request) => reduction::solve(&request),
         Command::Simulate(simulate) => record_twin(&simulate),
         Command::Model(request) => show_model(&request),
+        Command::Generate(request) => generate::run(&request),
         Command::Completions(request) => shell::print_completions(request.shell),
         Command::Man(request) => shell::write_manual(&request),
     }
