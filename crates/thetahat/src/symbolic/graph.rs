@@ -209,7 +209,9 @@ impl Graph {
             let factor = self.constant(if a.negative == b.negative { 2.0 } else { 0.0 });
             return self.multiply(factor, a);
         }
-        if let Some(sum) = self.with_common_factor(a, b).or_else(|| self.with_fixed_part(a, b)) {
+        let simpler = self.without_opposite(a, b).or_else(|| self.without_opposite(b, a));
+        let simpler = simpler.or_else(|| self.with_common_factor(a, b)).or_else(|| self.with_fixed_part(a, b));
+        if let Some(sum) = simpler {
             return sum;
         }
         let (first, second) = if a.node < b.node { (a, b) } else { (b, a) };
@@ -218,10 +220,10 @@ impl Graph {
         self.intern(node).times_sign(first.negative)
     }
 
-    /// `x p + x r = x (p + r)` where `p + r` is known once the parameters are.
+    /// `x p + x r = x (p + r)` where `p + r` is known before `x`.
     fn with_common_factor(&mut self, a: Signed, b: Signed) -> Option<Signed> {
-        let (x, p) = self.fixed_factor(a)?;
-        let (y, r) = self.fixed_factor(b)?;
+        let (x, p) = self.earlier_factor(a);
+        let (y, r) = self.earlier_factor(b);
         if x != y {
             return None;
         }
@@ -229,20 +231,17 @@ impl Graph {
         Some(self.multiply(factor, x.positive()))
     }
 
-    /// A value that depends on the state as what does, times what does not.
-    fn fixed_factor(&mut self, of: Signed) -> Option<(NodeId, Signed)> {
-        if self.is_fixed(of.node) {
-            return None;
-        }
-        if let Node::Product(p, x) = self.node(of.node) {
-            match (self.is_fixed(p), self.is_fixed(x)) {
-                (true, _) => return Some((x, p.positive().times_sign(of.negative))),
-                (_, true) => return Some((p, x.positive().times_sign(of.negative))),
+    /// A value as what is known late times what is known earlier: the parameters, or a number.
+    fn earlier_factor(&mut self, of: Signed) -> (NodeId, Signed) {
+        if let Node::Product(a, b) = self.node(of.node) {
+            match (self.level(a) < self.level(of.node), self.level(b) < self.level(of.node)) {
+                (true, _) => return (b, a.positive().times_sign(of.negative)),
+                (_, true) => return (a, b.positive().times_sign(of.negative)),
                 (false, false) => {}
             }
         }
         let one = self.constant(1.0);
-        Some((of.node, one.times_sign(of.negative)))
+        (of.node, one.times_sign(of.negative))
     }
 
     /// `(x + p) + r = x + (p + r)` where `p` and `r` are known once the parameters are.
@@ -260,6 +259,17 @@ impl Graph {
         };
         let fixed = self.add(p, part);
         Some(self.add(x, fixed))
+    }
+
+    /// `(x + y) - y = x`.
+    fn without_opposite(&self, sum: Signed, other: Signed) -> Option<Signed> {
+        let [first, second] = self.parts(sum)?;
+        let opposite = other.times_sign(true);
+        match (first == opposite, second == opposite) {
+            (true, _) => Some(second),
+            (_, true) => Some(first),
+            (false, false) => None,
+        }
     }
 
     /// The signed operands of a sum or difference.
@@ -301,19 +311,23 @@ impl Graph {
         self.product(factor, of)
     }
 
-    /// Of two values that are not both numbers, factors that are known before the state together.
+    /// Of two values that are not both numbers: what is known early is taken together.
     fn product(&mut self, a: Signed, b: Signed) -> Signed {
-        let (x, p) = match (self.is_fixed(a.node), self.is_fixed(b.node)) {
-            (true, false) => (b, a),
-            (false, true) => (a, b),
-            (true, true) | (false, false) => return self.ordered_product(a, b),
-        };
-        match self.fixed_factor(x) {
-            Some((y, r)) if y != x.node => {
-                let factor = self.multiply(p, r);
-                self.multiply(factor, y.positive())
+        let (early, late) = if self.level(a.node) <= self.level(b.node) { (a, b) } else { (b, a) };
+        if self.level(late.node) == Level::State && self.level(early.node) == Level::State {
+            return self.ordered_product(a, b);
+        }
+        let (x, p) = self.earlier_factor(late);
+        if x != late.node {
+            let factor = self.multiply(early, p);
+            return self.multiply(factor, x.positive());
+        }
+        match self.earlier_factor(early) {
+            (y, r) if y != early.node && self.level(early.node) == self.level(late.node) => {
+                let rest = self.ordered_product(y.positive(), late);
+                self.multiply(r, rest)
             }
-            Some(_) | None => self.ordered_product(p, x),
+            _ => self.ordered_product(early, late),
         }
     }
 
