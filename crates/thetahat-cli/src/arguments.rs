@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 
 use clap::{
-    Args, Parser, Subcommand,
+    Args, Parser, Subcommand, ValueEnum,
     builder::{PossibleValuesParser, TypedValueParser},
     value_parser,
 };
@@ -340,9 +340,22 @@ pub struct Generate {
     /// The language
     #[arg(long, value_parser = named(&Language::ALL))]
     pub to: Language,
+    /// Whether parameters are an input, or values in the code: of a robot the a-priori ones, of results the estimates
+    /// [default: symbolic for a robot, values for results]
+    #[arg(long, value_enum)]
+    pub parameters: Option<GeneratedParameters>,
     /// The base parameters instead of the standard ones
     #[arg(long)]
     pub base: bool,
+    /// The method whose estimates are taken [default: the one that the results advise]
+    #[arg(long, value_parser = method())]
+    pub method: Option<Method>,
+    /// The case whose estimates are taken [default: nominal]
+    #[arg(long)]
+    pub case: Option<String>,
+    /// The robot that the results must be of
+    #[arg(long, value_name = "FILE")]
+    pub robot: Option<PathBuf>,
     /// Without friction and offsets
     #[arg(long)]
     pub without_friction: bool,
@@ -363,6 +376,15 @@ pub struct Generate {
     /// Joints that do not move, in rad or m, such as head_joint=0.2
     #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = lock)]
     pub lock: Vec<(String, f64)>,
+}
+
+/// What generated code does with parameters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum GeneratedParameters {
+    /// They are an input.
+    Symbolic,
+    /// Their values are in the code.
+    Values,
 }
 
 /// Values by their names, which the help and the completions list.

@@ -58,7 +58,20 @@ impl<'g> PseudoInertia<'g> {
     fn out_of_tilted(&self, joint: &Joint<'g>) -> Self {
         let half = transpose(&self.second.map(|row| joint.tilted_back(row)));
         let second = half.map(|column| joint.tilted_back(column));
-        Self { second, first: joint.tilted_back(self.first), mass: self.mass }.shifted(joint.origin)
+        Self { second, first: joint.tilted_back(self.first), mass: self.mass }.shifted(joint.foot)
+    }
+
+    /// About a point of the z axis, from which its origin is so far along it.
+    fn shifted_along(&self, length: Expression<'g>) -> Self {
+        let mut moved = *self;
+        let [x, y, z] = self.first;
+        moved.first[2] = z + self.mass * length;
+        for (i, first) in [(0, x), (1, y)] {
+            moved.second[i][2] = self.second[i][2] + first * length;
+            moved.second[2][i] = moved.second[i][2];
+        }
+        moved.second[2][2] = self.second[2][2] + (z + moved.first[2]) * length;
+        moved
     }
 
     /// About a point in which its origin stands at `p`.
@@ -73,10 +86,11 @@ impl<'g> PseudoInertia<'g> {
 
     /// From a joint's frame to the frame before.
     pub(super) fn moved_to_parent(&self, joint: &Joint<'g>) -> Self {
-        let [xx, yy, xy] = turned_in_plane(joint, self.second);
-        let z = joint.turned_back([self.second[0][2], self.second[1][2], self.second[2][2]]);
+        let here = self.shifted_along(joint.along);
+        let [xx, yy, xy] = turned_in_plane(joint, here.second);
+        let z = joint.turned_back(transpose(&here.second)[2]);
         let second = [[xx, xy, z[0]], [xy, yy, z[1]], z];
-        Self { second, first: joint.turned_back(self.first), mass: self.mass }.out_of_tilted(joint)
+        Self { second, first: joint.turned_back(here.first), mass: self.mass }.out_of_tilted(joint)
     }
 
     /// What stays with a link behind a joint, and what belongs to the link before as well, in the joint's tilted frame.
@@ -120,7 +134,7 @@ pub(super) fn links<'g>(chain: &Chain<'g>, robot: &Robot, theta: &[Expression<'g
         let (own, given) = links[j].split(joint, chain);
         links[j] = own;
         if let Some(parent) = joint.parent {
-            let moved = if joint.is_revolute { given.out_of_tilted(joint) } else { turned_only(&given, joint) };
+            let moved = if joint.is_revolute { given.shifted_along(joint.along).out_of_tilted(joint) } else { turned_only(&given, joint) };
             links[parent] = links[parent].plus(&moved);
         }
     }

@@ -1,11 +1,14 @@
 //! The joints of a robot as the recursions need them.
 
 use super::{
-    expression::{Builder, Expression, Matrix, Vector, add, times},
+    expression::{Builder, Expression, Matrix, Vector, times},
     graph::Array,
     snapping::exact_sin_cos,
 };
 use crate::robot::{JointKind, Robot};
+
+/// Part of a length below which what is left of it is rounding.
+const ROUNDING: f64 = 1e-14;
 
 /// A joint, with its frame in the frame before. All lengths are in the unit of length of the [`Chain`].
 #[derive(Debug)]
@@ -20,8 +23,10 @@ pub(super) struct Joint<'g> {
     alpha: (f64, f64),
     /// `Rot(z, theta)`, which a revolute joint turns.
     theta: (Expression<'g>, Expression<'g>),
-    /// Its origin in the frame before.
-    pub(super) origin: Vector<'g>,
+    /// Where its axis passes the origin of the frame before, in that frame.
+    pub(super) foot: Vector<'g>,
+    /// From there to its own origin, along its axis.
+    pub(super) along: Expression<'g>,
 }
 
 /// The joints of a robot in a unit of length.
@@ -77,6 +82,7 @@ impl<'g> Joint<'g> {
         };
         let theta = exact_sin_cos(joint.placement.theta + if is_revolute { offset } else { 0.0 });
         let fixed = (builder.constant(theta.0), builder.constant(theta.1));
+        let (foot, along) = split(joint.placement.origin, joint.placement.gamma, joint.placement.alpha);
         let mut made = Self {
             is_revolute,
             parent: joint.parent,
@@ -85,13 +91,13 @@ impl<'g> Joint<'g> {
             gamma: exact_sin_cos(joint.placement.gamma),
             alpha: exact_sin_cos(joint.placement.alpha),
             theta: fixed,
-            origin: builder.constants(joint.placement.origin.map(|length| length / unit)),
+            foot: builder.constants(foot.map(|length| length / unit)),
+            along: builder.constant(along / unit),
         };
         if is_revolute {
             made.theta = turned(builder.input(Array::Position, coordinate) * ratio, fixed);
         } else {
-            let z = made.axis(builder).map(|entry| entry * (q * (1.0 / unit)));
-            made.origin = add(made.origin, z);
+            made.along = made.along + q * (1.0 / unit);
         }
         made
     }
@@ -160,6 +166,18 @@ impl<'g> Joint<'g> {
     pub(super) fn sine_and_cosine(&self) -> (Expression<'g>, Expression<'g>) {
         self.theta
     }
+}
+
+/// An origin as the foot of the axis and the length along it.
+fn split(origin: [f64; 3], gamma: f64, alpha: f64) -> ([f64; 3], f64) {
+    let ((sin_gamma, cos_gamma), (sin_alpha, cos_alpha)) = (exact_sin_cos(gamma), exact_sin_cos(alpha));
+    let axis = [sin_gamma * sin_alpha, -cos_gamma * sin_alpha, cos_alpha];
+    let along: f64 = axis.iter().zip(origin).map(|(a, p)| a * p).sum();
+    let rest = |i: usize| {
+        let length = origin[i] - along * axis[i];
+        if length.abs() <= ROUNDING * origin[i].abs() { 0.0 } else { length }
+    };
+    ([0, 1, 2].map(rest), along)
 }
 
 pub(super) fn transpose<'g>(a: &Matrix<'g>) -> Matrix<'g> {

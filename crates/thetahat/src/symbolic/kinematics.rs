@@ -1,7 +1,7 @@
 //! Where the tips of a robot are, and how they move with the coordinates.
 
 use super::{
-    expression::{Expression, Matrix, Vector, add, cross},
+    expression::{Expression, Matrix, Vector, add, cross, times},
     joints::{Chain, transpose},
 };
 
@@ -19,10 +19,11 @@ pub(super) fn poses<'g>(chain: &Chain<'g>) -> Vec<Pose<'g>> {
     let mut poses: Vec<Pose<'g>> = Vec::with_capacity(chain.joints.len());
     for joint in &chain.joints {
         let before = joint.parent.map_or(base, |parent| poses[parent]);
-        let shift = before.rotation.map(|row| super::expression::dot(row, joint.origin));
+        let foot = times(&before.rotation, joint.foot);
         // Each row of the rotation is an axis of the base, seen from the frame.
         let rotation = before.rotation.map(|row| joint.seen(row));
-        poses.push(Pose { rotation, origin: add(before.origin, shift) });
+        let along = rotation.map(|row| row[2] * joint.along);
+        poses.push(Pose { rotation, origin: add(before.origin, add(foot, along)) });
     }
     poses
 }

@@ -50,17 +50,20 @@ impl<'g> Motion<'g> {
 
     /// Of the link behind a joint.
     fn next(&self, chain: &Chain<'g>, joint: &Joint<'g>, rates: Rates<'_, 'g>) -> Self {
-        let dv = joint.seen(add(self.dv, times(&self.a, joint.origin)));
+        let column = joint.turned(joint.axis_column(&self.a, chain.builder));
+        let at_foot = joint.seen(add(self.dv, times(&self.a, joint.foot)));
+        let dv = add(at_foot, column.map(|entry| entry * joint.along));
         let dq = joint.rate(rates.dq, chain.unit);
         let ddq = joint.rate(rates.ddq, chain.unit);
-        if joint.is_revolute { self.turned(chain, joint, [dq, ddq], dv) } else { self.slid(joint, [dq, ddq], dv) }
+        if joint.is_revolute { self.turned(joint, [dq, ddq], column, dv) } else { self.slid(joint, [dq, ddq], dv) }
     }
 
-    fn turned(&self, chain: &Chain<'g>, joint: &Joint<'g>, [dq, ddq]: [Expression<'g>; 2], dv: Vector<'g>) -> Self {
+    /// Behind a revolute joint, `a` of whose axis is `column`.
+    fn turned(&self, joint: &Joint<'g>, [dq, ddq]: [Expression<'g>; 2], column: Vector<'g>, dv: Vector<'g>) -> Self {
         let [x, y, z] = joint.seen(self.w);
         let z = z + dq;
         let dz = joint.tilted(self.dw)[2] + ddq;
-        let [xz, yz, zz] = joint.turned(joint.axis_column(&self.a, chain.builder));
+        let [xz, yz, zz] = column;
         let (xx2, zz2) = (x * x, z * z);
         let yy2 = -(zz + xx2);
         let products = [y * z, x * z, x * y];
@@ -111,7 +114,9 @@ impl<'g> Wrench<'g> {
     /// About the origin of the frame before.
     pub(super) fn moved_to_parent(&self, joint: &Joint<'g>) -> Self {
         let force = joint.seen_back(self.force);
-        Self { force, moment: add(joint.seen_back(self.moment), cross(joint.origin, force)) }
+        let [x, y, z] = self.moment;
+        let at_foot = [x - joint.along * self.force[1], y + joint.along * self.force[0], z];
+        Self { force, moment: add(joint.seen_back(at_foot), cross(joint.foot, force)) }
     }
 
     /// The torque or force that the joint's drive gives.

@@ -1,5 +1,7 @@
 //! A list of operations: the one source of all languages, of the counts, and of values.
 
+use std::fmt;
+
 use super::graph::{Array, Graph, Level, Node, NodeId, Signed};
 
 /// A function as a list of operations, each of operands before it.
@@ -73,6 +75,19 @@ pub struct Inputs<'a> {
     pub tau: &'a [f64],
     /// Parameters.
     pub theta: &'a [f64],
+}
+
+impl fmt::Display for OperationCount {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { multiplications, additions, divisions, sines, signs } = self;
+        write!(f, "{multiplications} multiplications, {additions} additions")?;
+        for (number, what) in [(divisions, "divisions"), (sines, "sines and cosines"), (signs, "signs")] {
+            if *number > 0 {
+                write!(f, ", {number} {what}")?;
+            }
+        }
+        write!(f, " in each state")
+    }
 }
 
 impl Kind {

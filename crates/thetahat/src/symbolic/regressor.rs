@@ -28,7 +28,9 @@ impl<'g> Twist<'g> {
     }
 
     fn seen_from(&self, next: &Joint<'g>) -> Self {
-        Self { z: next.seen(self.z), v: next.seen(add(self.v, cross(self.z, next.origin))) }
+        let z = next.seen(self.z);
+        let at_foot = next.seen(add(self.v, cross(self.z, next.foot)));
+        Self { z, v: [at_foot[0] + z[1] * next.along, at_foot[1] - z[0] * next.along, at_foot[2]] }
     }
 
     fn plus(&self, other: &Self) -> Self {

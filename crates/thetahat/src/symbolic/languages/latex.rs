@@ -52,7 +52,9 @@ pub(super) fn code(function: &Function) -> String {
         }
     }
     let body = equations.join(" \\\\\n");
-    format!("{comment}% Needs \\usepackage{{amsmath}}. Entries of the output that are not here are zero.\n\\begingroup\n\\allowdisplaybreaks\n\\begin{{align*}}\n{body}\n\\end{{align*}}\n\\endgroup\n")
+    format!(
+        "{comment}% Needs \\usepackage{{amsmath}}. Entries of the output that are not here are zero.\n\\begingroup\n\\allowdisplaybreaks\n\\begin{{align*}}\n{body}\n\\end{{align*}}\n\\endgroup\n"
+    )
 }
 
 fn signed(texts: &HashMap<usize, Text>, function: &Function, operand: Operand) -> String {
@@ -92,15 +94,18 @@ impl<'a> Writer<'a> {
     fn operation(&self, kind: Kind) -> Text {
         let of = |value: Value| written(&self.texts, self.function, value);
         let call = |name: &str, a: Value| Text::atom(format!("{name} {}", of(a).at_least(Strength::Atom)));
-        let product = |a: Value, b: Value| format!("{} \\, {}", of(a).at_least(Strength::Product), of(b).at_least(Strength::Product));
+        let product = |a: Value, b: Value| {
+            format!("{} \\, {}", of(a).at_least(Strength::Product), of(b).at_least(Strength::Product))
+        };
         match kind {
             Kind::Sine(a) => call("\\sin", a),
             Kind::Cosine(a) => call("\\cos", a),
             Kind::Sign(a) => call("\\operatorname{sign}", a),
             Kind::Sum(a, b) => Text { text: format!("{} + {}", of(a).text, of(b).text), strength: Strength::Sum },
-            Kind::Difference(a, b) => {
-                Text { text: format!("{} - {}", of(a).text, of(b).at_least(Strength::Product)), strength: Strength::Sum }
-            }
+            Kind::Difference(a, b) => Text {
+                text: format!("{} - {}", of(a).text, of(b).at_least(Strength::Product)),
+                strength: Strength::Sum,
+            },
             Kind::Product(a, b) => Text { text: product(a, b), strength: Strength::Product },
             Kind::Quotient(a, b) => Text::atom(format!("\\frac{{{}}}{{{}}}", of(a).text, of(b).text)),
         }

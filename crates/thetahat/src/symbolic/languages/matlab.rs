@@ -61,7 +61,11 @@ pub(super) fn code(function: &Function, prefix: &str) -> String {
     parts.all(&Matlab).iter().for_each(|line| text += &format!("{line}\n"));
     let single = columns == 1;
     let states = format!("size({}, 1)", arguments[0]);
-    text += &if single { format!("    {output} = zeros({states}, {rows});\n") } else { format!("    {output} = zeros({rows}, {columns}, {states});\n") };
+    text += &if single {
+        format!("    {output} = zeros({states}, {rows});\n")
+    } else {
+        format!("    {output} = zeros({rows}, {columns}, {states});\n")
+    };
     for (place, value) in parts.outputs_of_all(&Matlab).iter().enumerate() {
         let (row, column) = (place / columns + 1, place % columns + 1);
         let entry = if single { format!("(:, {row})") } else { format!("({row}, {column}, :)") };

@@ -48,7 +48,11 @@ pub(super) fn code(function: &Function, prefix: &str) -> String {
     let mut text = format!("\"\"\"{}\n\"\"\"\n\nimport numpy as np\n\n\n", documentation(function));
     let theta = if takes_parameters { ", theta" } else { "" };
     text += &format!("def {prefix}_{}({}{theta}):\n", function.model.identifier(), inputs.join(", "));
-    text += &format!("    \"\"\"Arrays of shape (..., {}) give one of shape {}.\"\"\"\n", function.coordinates.len(), shape(function));
+    text += &format!(
+        "    \"\"\"Arrays of shape (..., {}) give one of shape {}.\"\"\"\n",
+        function.coordinates.len(),
+        shape(function)
+    );
     inputs.iter().for_each(|name| text += &format!("    {name} = np.asarray({name}, dtype=float)\n"));
     if takes_parameters {
         text += "    theta = np.asarray(theta, dtype=float)\n";

@@ -39,8 +39,13 @@ impl Syntax for Rust {
 }
 
 pub(super) fn code(function: &Function, prefix: &str) -> String {
-    let file = File { function, name: format!("{prefix}_{}", function.model.identifier()), parts: Parts::new(&function.program) };
-    let comment: String = lines(function).iter().map(|line| format!("// {line}").trim_end().to_owned() + "\n").collect();
+    let file = File {
+        function,
+        name: format!("{prefix}_{}", function.model.identifier()),
+        parts: Parts::new(&function.program),
+    };
+    let comment: String =
+        lines(function).iter().map(|line| format!("// {line}").trim_end().to_owned() + "\n").collect();
     let mut text = format!("{comment}\n/// The numbers: `f64`, or `f32`.\npub type Real = f64;\n\n");
     if function.program.count().signs > 0 {
         text += "/// -1, 0 or 1.\nfn sign(x: Real) -> Real {\n    f64::from(i8::from(x > 0.0) - i8::from(x < 0.0)) as Real\n}\n\n";
@@ -82,9 +87,15 @@ impl File<'_> {
             return String::new();
         }
         let (count, name) = (self.constants_name(), &self.name);
-        let mut text = format!("/// Number of values that the parameters decide.\npub const {count}: usize = {};\n\n", self.parts.constants.len());
+        let mut text = format!(
+            "/// Number of values that the parameters decide.\npub const {count}: usize = {};\n\n",
+            self.parts.constants.len()
+        );
         text += "/// What the parameters decide, once for all states.\n#[must_use]\n";
-        text += &format!("pub fn {name}_prepare(theta: &[Real; {}]) -> [Real; {count}] {{\n", self.function.parameters.len());
+        text += &format!(
+            "pub fn {name}_prepare(theta: &[Real; {}]) -> [Real; {count}] {{\n",
+            self.function.parameters.len()
+        );
         self.parts.prepare(&Rust).iter().for_each(|line| text += &format!("{line}\n"));
         text + &format!("    [\n{}    ]\n}}\n\n", listed(&self.parts.prepared(&Rust)))
     }
