@@ -67,9 +67,9 @@ impl IdentifiedRobot {
     /// [`ExperimentError::ResultsFile`] with the first formula that differs; `path` is the file of the results.
     pub fn require_robot(&self, path: &Path, robot: &Robot) -> Result<(), ExperimentError> {
         let refuse = |problem: String| ExperimentError::ResultsFile { path: path.to_owned(), problem };
-        let formulas = |robot: &Robot| {
+        let formulas = |robot: &Robot| -> Result<Vec<String>, ExperimentError> {
             let base = BaseParameters::of(&Model::new(robot), &[]).map_err(|error| refuse(error.to_string()))?;
-            Ok(base.parameters().iter().map(|p| p.expression.clone()).collect::<Vec<_>>())
+            Ok(base.parameters().iter().map(|p| p.expression.clone()).collect())
         };
         let (own, other) = (formulas(&self.robot)?, formulas(robot)?);
         let differs = (0..own.len().max(other.len())).find(|&i| own.get(i) != other.get(i));

@@ -65,13 +65,14 @@ impl<'g> Motion<'g> {
         let dz = joint.tilted(self.dw)[2] + ddq;
         let [xz, yz, zz] = column;
         let (xx2, zz2) = (x * x, z * z);
-        let yy2 = -(zz + xx2);
+        let yy = -(xx2 + zz2);
         let products = [y * z, x * z, x * y];
         let (dx, dy) = (products[0] - yz, xz - products[1]);
-        let differences = [zz2 - yy2, xx2 - zz2, yy2 - xx2];
+        let (zz_yy, xx_zz) = (zz - yy, xx2 - zz2);
+        let differences = [zz_yy, xx_zz, -(zz_yy + xx_zz)];
         let a = [
             [zz + differences[1], products[2] - dz, xz],
-            [products[2] + dz, -(xx2 + zz2), yz],
+            [products[2] + dz, yy, yz],
             [products[1] - dy, products[0] + dx, zz],
         ];
         Self { w: [x, y, z], dw: [dx, dy, dz], a, differences, products, dv }
