@@ -9,7 +9,7 @@ use clap_complete::Shell;
 use thetahat::{
     identification::Method,
     recording::Unit,
-    symbolic::{Language, ModelKind},
+    symbolic::{DriveTorques, Language, ModelKind},
 };
 
 /// Identifies the dynamic parameters of a robot from its recorded motion and torques.
@@ -318,6 +318,9 @@ pub struct Model {
     /// Print one JSON object, in SI units
     #[arg(long)]
     pub json: bool,
+    /// Print the base parameters as formulas in the names of the geometry, such as d3, and nothing else
+    #[arg(long, conflicts_with = "json")]
+    pub symbolic: bool,
     /// Folder against which the robot's path is resolved [default: the current one]
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
@@ -356,9 +359,9 @@ pub struct Generate {
     /// The robot that the results must be of
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
-    /// Without friction and offsets
-    #[arg(long)]
-    pub without_friction: bool,
+    /// The torques of the drives: all, the inertia of the motors alone, or none
+    #[arg(long, default_value = "all", value_parser = named(&DriveTorques::ALL))]
+    pub drives: DriveTorques,
     /// What the names in the code begin with [default: the robot's name]
     #[arg(long, value_name = "NAME")]
     pub name: Option<String>,

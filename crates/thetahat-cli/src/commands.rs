@@ -11,6 +11,7 @@ use thetahat::{
     results::{Results, ResultsError, SideBySide},
     robot::{Locks, RobotSource},
     robot_summary::RobotSummary,
+    symbolic::BaseFormulas,
 };
 
 use crate::{
@@ -164,6 +165,10 @@ fn show_model(request: &Model) -> Result<Ending, Box<dyn Error>> {
     let source = RobotSource::read(&folder.join(&request.robot))?;
     let locks = Locks { locked: request.lock.iter().cloned().collect(), until: request.until.clone() };
     let robot = source.robot_with_locks(&locks, Path::new("the command line"))?;
+    if request.symbolic {
+        print(&BaseFormulas::of(&robot)?.to_string())?;
+        return Ok(Ending::Good);
+    }
     let summary = RobotSummary::new(&source, &robot);
     print(&if request.json { report::model_json(&summary)? } else { report::model_text(&summary, width()) })?;
     Ok(if summary.problem.is_none() { Ending::Good } else { Ending::NotTrusted })

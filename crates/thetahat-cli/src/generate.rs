@@ -37,7 +37,7 @@ pub fn run(request: &Generate) -> Result<Ending, Box<dyn Error>> {
     }
     let parameters = if request.base { ParameterSet::Base } else { ParameterSet::Standard };
     let values = theta.map(|theta| values(&robot, &theta, parameters)).transpose()?;
-    let asked = Request { model: request.model, parameters, values, with_drives: !request.without_friction };
+    let asked = Request { model: request.model, parameters, values, drives: request.drives };
     let function = Function::new(&robot, &asked)?;
     let code = request.to.code(&function, request.name.as_deref())?;
     let Some(path) = &request.out else {

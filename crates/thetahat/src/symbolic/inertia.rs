@@ -134,7 +134,11 @@ pub(super) fn links<'g>(chain: &Chain<'g>, robot: &Robot, theta: &[Expression<'g
         let (own, given) = links[j].split(joint, chain);
         links[j] = own;
         if let Some(parent) = joint.parent {
-            let moved = if joint.is_revolute { given.shifted_along(joint.along).out_of_tilted(joint) } else { turned_only(&given, joint) };
+            let moved = if joint.is_revolute {
+                given.shifted_along(joint.along).out_of_tilted(joint)
+            } else {
+                turned_only(&given, joint)
+            };
             links[parent] = links[parent].plus(&moved);
         }
     }

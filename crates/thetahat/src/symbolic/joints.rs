@@ -168,7 +168,7 @@ impl<'g> Joint<'g> {
     }
 }
 
-/// An origin as the foot of the axis and the length along it.
+/// An origin as a point of the axis and the length along it, with as few lengths that are not zero as there are.
 fn split(origin: [f64; 3], gamma: f64, alpha: f64) -> ([f64; 3], f64) {
     let ((sin_gamma, cos_gamma), (sin_alpha, cos_alpha)) = (exact_sin_cos(gamma), exact_sin_cos(alpha));
     let axis = [sin_gamma * sin_alpha, -cos_gamma * sin_alpha, cos_alpha];
@@ -177,7 +177,10 @@ fn split(origin: [f64; 3], gamma: f64, alpha: f64) -> ([f64; 3], f64) {
         let length = origin[i] - along * axis[i];
         if length.abs() <= ROUNDING * origin[i].abs() { 0.0 } else { length }
     };
-    ([0, 1, 2].map(rest), along)
+    let foot = [0, 1, 2].map(rest);
+    let lengths = |of: &[f64]| of.iter().filter(|length| **length != 0.0).count();
+    // An axis that is askew to the frame before would only add lengths.
+    if lengths(&foot) + lengths(&[along]) > lengths(&origin) { (origin, 0.0) } else { (foot, along) }
 }
 
 pub(super) fn transpose<'g>(a: &Matrix<'g>) -> Matrix<'g> {

@@ -1,5 +1,6 @@
 //! Symbolic models of a robot, and code of them.
 
+mod base_formulas;
 mod drives;
 mod error;
 mod expression;
@@ -18,9 +19,10 @@ mod snapping;
 #[cfg(test)]
 mod tests;
 
+pub use base_formulas::{BaseFormula, BaseFormulas, GeometrySymbol};
 pub use error::SymbolicError;
 pub use graph::Array;
 pub use languages::Language;
-pub use model::{Function, FunctionParameter, ModelKind, ParameterSet, Request};
+pub use model::{DriveTorques, Function, FunctionParameter, ModelKind, ParameterSet, Request};
 pub use program::{Inputs, OperationCount, Program};
 pub use snapping::{Snapped, snapped};

@@ -16,7 +16,7 @@ use super::{
     snapping::{Snapped, snapped},
 };
 use crate::{
-    base_parameters::BaseParameters,
+    base_parameters::{BaseParameter, BaseParameters},
     dynamics::Model,
     robot::{JointKind, LinkQuantity, Parameter, Quantity, Robot},
 };
@@ -51,6 +51,17 @@ pub enum ParameterSet {
     Base,
 }
 
+/// Which torques of the drives are in a model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DriveTorques {
+    /// Inertia of the motors, friction and offsets.
+    All,
+    /// Inertia of the motors alone.
+    Inertia,
+    /// None: the links alone.
+    None,
+}
+
 /// What is generated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request {
@@ -60,8 +71,8 @@ pub struct Request {
     pub parameters: ParameterSet,
     /// Their values, folded into the code; an input of the function where there are none.
     pub values: Option<Vec<f64>>,
-    /// Whether friction, offsets and the motors' inertias are in the torques.
-    pub with_drives: bool,
+    /// Which torques of the drives are in it.
+    pub drives: DriveTorques,
 }
 
 /// A parameter of a function.
@@ -96,6 +107,20 @@ pub struct Function {
     pub shape: [usize; 2],
     /// The operations.
     pub program: Program,
+}
+
+impl DriveTorques {
+    /// All choices, with their names on the command line.
+    pub const ALL: [(&'static str, Self); 3] = [("all", Self::All), ("inertia", Self::Inertia), ("none", Self::None)];
+
+    /// Whether the torque of a parameter is among them; those of links always are.
+    fn contain(self, quantity: Quantity) -> bool {
+        match (self, quantity) {
+            (_, Quantity::Link(_)) | (Self::All, _) => true,
+            (Self::Inertia, _) => quantity.is_motor_inertia(),
+            (Self::None, _) => false,
+        }
+    }
 }
 
 impl ModelKind {
@@ -230,6 +255,11 @@ impl<'a> Made<'a> {
         self.base.as_ref().map_or(self.model.parameter_table().len(), BaseParameters::len)
     }
 
+    /// Indices in the table of the parameters that act: all, or those that base parameters keep.
+    fn columns(&self) -> Vec<usize> {
+        self.base.as_ref().map_or_else(|| (0..self.count()).collect(), BaseParameters::columns)
+    }
+
     fn parameters(&self) -> Vec<FunctionParameter> {
         let standard = |parameter: &Parameter| FunctionParameter {
             name: parameter.name(),
@@ -239,13 +269,12 @@ impl<'a> Made<'a> {
         match &self.base {
             None => self.model.parameter_table().iter().map(standard).collect(),
             Some(base) => {
-                let parameters = base.parameters().iter().cloned();
-                let of = |p: crate::base_parameters::BaseParameter| FunctionParameter {
-                    name: p.name,
+                let of = |p: &BaseParameter| FunctionParameter {
+                    name: p.name.clone(),
                     unit: p.unit.to_string(),
-                    expression: p.expression,
+                    expression: p.expression.clone(),
                 };
-                parameters.map(of).collect()
+                base.parameters().iter().map(of).collect()
             }
         }
     }
@@ -266,13 +295,15 @@ impl<'a> Made<'a> {
 
     /// The standard parameters as expressions: those that base parameters leave out are zero.
     fn theta<'g>(&self, builder: &'g Builder) -> Vec<Expression<'g>> {
-        let parameter = |place: usize| match &self.request.values {
-            Some(values) => builder.constant(values[place]),
-            None => builder.input(Array::Parameter, place),
-        };
-        let Some(base) = &self.base else { return (0..self.count()).map(parameter).collect() };
         let mut theta = vec![builder.zero(); self.model.parameter_table().len()];
-        base.columns().into_iter().enumerate().for_each(|(place, column)| theta[column] = parameter(place));
+        for (place, column) in self.columns().into_iter().enumerate() {
+            if self.request.drives.contain(self.model.parameter_table().get(column).quantity) {
+                theta[column] = match &self.request.values {
+                    Some(values) => builder.constant(values[place]),
+                    None => builder.input(Array::Parameter, place),
+                };
+            }
+        }
         theta
     }
 
@@ -291,15 +322,15 @@ impl<'a> Made<'a> {
         let links = links(&chain, self.robot, &theta);
         let state = Arrays::new(&chain);
         match self.request.model {
-            ModelKind::InverseDynamics => self.torques(&drives, &links, state.rates(true, true, true)),
+            ModelKind::InverseDynamics => torques(&drives, &links, state.rates(true, true, true)),
             ModelKind::Gravity => link_torques(&chain, &links, state.rates(false, false, true)),
             ModelKind::Coriolis => link_torques(&chain, &links, state.rates(true, false, false)),
-            ModelKind::MassMatrix => full(&self.lower_mass_matrix(&drives, &links), chain.coordinates),
+            ModelKind::MassMatrix => full(&mass_matrix(&drives, &links), chain.coordinates),
             ModelKind::ForwardDynamics => {
-                let bias = self.torques(&drives, &links, state.rates(true, false, true));
+                let bias = torques(&drives, &links, state.rates(true, false, true));
                 let tau = builder.inputs(Array::Torque, chain.coordinates);
                 let rest = tau.into_iter().zip(bias).map(|(tau, bias)| tau - bias).collect();
-                solve(self.lower_mass_matrix(&drives, &links), rest)
+                solve(mass_matrix(&drives, &links), rest)
             }
             ModelKind::Regressor => self.regressor(&drives, state.rates(true, true, true)),
             ModelKind::ForwardKinematics => {
@@ -310,34 +341,18 @@ impl<'a> Made<'a> {
         }
     }
 
-    fn torques<'g>(
-        &self,
-        drives: &Drives<'_, 'g>,
-        links: &[PseudoInertia<'g>],
-        rates: Rates<'_, 'g>,
-    ) -> Vec<Expression<'g>> {
-        let mut torques = link_torques(drives.chain, links, rates);
-        drives.add_inertia(rates, &mut torques);
-        if self.request.with_drives {
-            drives.add_friction(rates, &mut torques);
-        }
-        torques
-    }
-
-    fn lower_mass_matrix<'g>(&self, drives: &Drives<'_, 'g>, links: &[PseudoInertia<'g>]) -> Vec<Expression<'g>> {
-        mass_matrix(drives, links)
-    }
-
     /// Row by row, a column for each parameter.
     fn regressor<'g>(&self, drives: &Drives<'_, 'g>, rates: Rates<'_, 'g>) -> Vec<Expression<'g>> {
         let chain = drives.chain;
         let axes: Vec<_> = self.robot.joints.iter().map(|joint| joint.link_axes).collect();
         let columns = link_columns(chain, &motions(chain, rates), &axes);
-        let places: Vec<usize> =
-            self.base.as_ref().map_or_else(|| (0..self.count()).collect(), BaseParameters::columns);
+        let places = self.columns();
         let mut phi = vec![chain.builder.zero(); chain.coordinates * places.len()];
         for (place, index) in places.iter().enumerate() {
             let parameter = self.model.parameter_table().get(*index);
+            if !self.request.drives.contain(parameter.quantity) {
+                continue;
+            }
             let number = parameter.number - 1;
             let entries: Vec<(usize, Expression<'g>)> = match parameter.quantity {
                 Quantity::Link(quantity) => {
@@ -355,6 +370,14 @@ impl<'a> Made<'a> {
         }
         phi
     }
+}
+
+/// The torques of the links and the drives.
+fn torques<'g>(drives: &Drives<'_, 'g>, links: &[PseudoInertia<'g>], rates: Rates<'_, 'g>) -> Vec<Expression<'g>> {
+    let mut torques = link_torques(drives.chain, links, rates);
+    drives.add_inertia(rates, &mut torques);
+    drives.add_friction(rates, &mut torques);
+    torques
 }
 
 fn component(quantity: LinkQuantity) -> usize {

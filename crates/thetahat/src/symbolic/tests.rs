@@ -1,6 +1,9 @@
 //! The generated functions against the library's kernels, in random states.
 
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -65,7 +68,7 @@ impl Case {
     }
 
     fn function(&self, model: ModelKind, parameters: ParameterSet) -> Function {
-        let request = Request { model, parameters, values: None, with_drives: true };
+        let request = Request { model, parameters, values: None, drives: DriveTorques::All };
         Function::new(&self.robot, &request).unwrap()
     }
 
@@ -249,17 +252,39 @@ fn the_jacobian_is_the_derivative_of_the_kinematics() {
     });
 }
 
+/// The formulas have the coefficients of the numeric regrouping.
 #[test]
-fn counts() {
+fn formulas_are_the_numeric_regrouping() {
     for robot in robots() {
-        for (name, model) in ModelKind::ALL {
-            let request = Request { model, parameters: ParameterSet::Base, values: None, with_drives: false };
-            let function = Function::new(&robot, &request).unwrap();
-            let c = function.program.count();
-            println!(
-                "{} {name}: {}/{} {} div {} sines",
-                robot.name, c.multiplications, c.additions, c.divisions, c.sines
+        let base = BaseParameters::of(&Model::new(&robot), &[]).unwrap();
+        let formulas = BaseFormulas::of(&robot).unwrap();
+        assert_eq!(base.len(), formulas.parameters.len());
+        for (numeric, formula) in base.parameters().iter().zip(&formulas.parameters) {
+            let mut left: BTreeMap<usize, f64> = formula.coefficients.iter().copied().collect();
+            for (index, coefficient) in std::iter::once(&(numeric.kept, 1.0)).chain(&numeric.regrouped) {
+                *left.entry(*index).or_insert(0.0) -= coefficient;
+            }
+            let worst = left.values().fold(0.0, |worst: f64, rest| worst.max(rest.abs()));
+            assert!(
+                worst < 1e-8,
+                "{} {}: {} against {}",
+                robot.name,
+                numeric.name,
+                formula.expression,
+                numeric.expression
             );
         }
     }
+}
+
+#[test]
+fn formulas_have_the_names_of_the_geometry() {
+    let robot = Robot::parse(include_str!("../../demo/tx40.toml"), Path::new("tx40.toml")).unwrap();
+    let formulas = BaseFormulas::of(&robot).unwrap();
+    let of = |name: &str| formulas.parameters.iter().find(|p| p.name == name).unwrap().expression.clone();
+    assert_eq!(
+        of("zz1r"),
+        "zz1 + ia1 + yy2 + yy3 + 2*d3*mz3 + (a3^2 + d3^2)*m3 + (a3^2 + d3^2)*m4 + (a3^2 + d3^2)*m5 + (a3^2 + d3^2)*m6"
+    );
+    assert_eq!(of("xx4r"), "xx4 - yy4 + yy5");
 }

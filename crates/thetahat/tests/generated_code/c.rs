@@ -23,7 +23,14 @@ pub fn run(file: &str) -> Result<(), Failed> {
     }
     folder.write("main.c", format!("{program}int main(void) {{\n{calls}    return 0;\n}}\n"));
     output(Command::new("cc").current_dir(folder.path()).args(FLAGS).args(["main.c", "-o", "main", "-lm"]))?;
-    output(Command::new("cc").current_dir(folder.path()).args(FLAGS).args(["-DTHETAHAT_REAL=float", "-Dmain=unused", "-c", "main.c", "-o", "float.o"]))?;
+    output(Command::new("cc").current_dir(folder.path()).args(FLAGS).args([
+        "-DTHETAHAT_REAL=float",
+        "-Dmain=unused",
+        "-c",
+        "main.c",
+        "-o",
+        "float.o",
+    ]))?;
     check_printed(&samples, &output(&mut Command::new(folder.at("main")))?)
 }
 
@@ -55,7 +62,10 @@ fn call(sample: &Sample, name: &str, takes_parameters: bool) -> String {
     }
     text += &format!("        static THETAHAT_REAL all[{}], one[{entries}];\n", entries * STATES);
     text += &format!("        {name}_batch({STATES}, {}, all);\n", arguments.join(", "));
-    text += &format!("        for (int k = 0; k < {STATES}; k++) {{\n            THETAHAT_REAL b[{}][{n}];\n", inputs.len());
+    text += &format!(
+        "        for (int k = 0; k < {STATES}; k++) {{\n            THETAHAT_REAL b[{}][{n}];\n",
+        inputs.len()
+    );
     for (i, name) in names.iter().enumerate() {
         text += &format!("            for (int j = 0; j < {n}; j++) b[{i}][j] = {name}[j * {STATES} + k];\n");
     }

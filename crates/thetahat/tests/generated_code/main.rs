@@ -17,7 +17,7 @@ use rand_chacha::ChaCha8Rng;
 use thetahat::{
     dynamics::Model,
     robot::{Locks, Robot, RobotSource},
-    symbolic::{Array, Function, Inputs, ModelKind, ParameterSet, Request},
+    symbolic::{Array, DriveTorques, Function, Inputs, ModelKind, ParameterSet, Request},
 };
 
 const ROBOTS: [&str; 8] = [
@@ -47,7 +47,7 @@ struct Sample {
 impl Sample {
     fn new(robot: &Robot, model: ModelKind, rng: &mut ChaCha8Rng) -> Self {
         let parameters = if rng.random_bool(0.5) { ParameterSet::Base } else { ParameterSet::Standard };
-        let request = Request { model, parameters, values: None, with_drives: true };
+        let request = Request { model, parameters, values: None, drives: DriveTorques::All };
         let function = Function::new(robot, &request).unwrap();
         let mut random = |n: usize| -> Vec<f64> { (0..n).map(|_| rng.random_range(-2.0..2.0)).collect() };
         let n = Model::new(robot).coordinate_count();
@@ -68,7 +68,8 @@ impl Sample {
     }
 
     fn expected(&self, state: usize) -> Vec<f64> {
-        let [q, dq, ddq, tau] = [0, 1, 2, 3].map(|i| self.arrays[i].iter().skip(state).step_by(STATES).copied().collect::<Vec<_>>());
+        let [q, dq, ddq, tau] =
+            [0, 1, 2, 3].map(|i| self.arrays[i].iter().skip(state).step_by(STATES).copied().collect::<Vec<_>>());
         self.function.program.evaluate(&Inputs { q: &q, dq: &dq, ddq: &ddq, tau: &tau, theta: &self.theta })
     }
 

@@ -35,17 +35,28 @@ fn call(sample: &Sample, takes_parameters: bool) -> String {
     let mut text = "    {\n".to_owned();
     for (i, array) in inputs.iter().enumerate() {
         text += &format!("        let a{i} = {:?};\n", sample.array(*array));
-        text += &format!("        let s{i} = |k: usize| -> [f64; {n}] {{ std::array::from_fn(|j| a{i}[j * {STATES} + k]) }};\n");
+        text += &format!(
+            "        let s{i} = |k: usize| -> [f64; {n}] {{ std::array::from_fn(|j| a{i}[j * {STATES} + k]) }};\n"
+        );
     }
     if takes_parameters {
-        text += &format!("        let constants = {model}::robot_{model}_prepare(&{:?});\n", sample.array(Array::Parameter));
+        text += &format!(
+            "        let constants = {model}::robot_{model}_prepare(&{:?});\n",
+            sample.array(Array::Parameter)
+        );
     }
     let constants = if takes_parameters { ", &constants" } else { "" };
-    let (singles, all): (String, String) =
-        ((0..inputs.len()).map(|i| format!(", &s{i}(k)")).collect(), (0..inputs.len()).map(|i| format!(", &a{i}")).collect());
+    let (singles, all): (String, String) = (
+        (0..inputs.len()).map(|i| format!(", &s{i}(k)")).collect(),
+        (0..inputs.len()).map(|i| format!(", &a{i}")).collect(),
+    );
     text += &format!("        let mut all = vec![0.0; {}];\n", entries * STATES);
     text += &format!("        {model}::robot_{model}_batch(f64::sin_cos, {STATES}{all}{constants}, &mut all);\n");
-    text += &format!("        for k in 0..{STATES} {{\n            let one = {model}::robot_{model}(f64::sin_cos{singles}{constants});\n");
+    text += &format!(
+        "        for k in 0..{STATES} {{\n            let one = {model}::robot_{model}(f64::sin_cos{singles}{constants});\n"
+    );
     text += "            for (j, entry) in one.iter().enumerate() {\n                println!(\"{entry:?}\");\n";
-    text + &format!("                assert!(entry.to_bits() == all[j * {STATES} + k].to_bits() || entry.is_nan());\n            }}\n        }}\n    }}\n")
+    text + &format!(
+        "                assert!(entry.to_bits() == all[j * {STATES} + k].to_bits() || entry.is_nan());\n            }}\n        }}\n    }}\n"
+    )
 }
