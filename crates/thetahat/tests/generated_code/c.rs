@@ -31,7 +31,10 @@ pub fn run(file: &str) -> Result<(), Failed> {
         "-o",
         "float.o",
     ]))?;
-    check_printed(&samples, &output(&mut Command::new(folder.at("main")))?)
+    check_printed(&samples, &output(&mut Command::new(folder.at("main")))?)?;
+    let own = ["-DTHETAHAT_OWN_SINES", "main.c", "-o", "own"];
+    output(Command::new("cc").current_dir(folder.path()).args(FLAGS).args(own))?;
+    check_printed(&samples, &output(&mut Command::new(folder.at("own")))?)
 }
 
 fn name(sample: &Sample) -> String {
