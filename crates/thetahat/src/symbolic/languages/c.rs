@@ -84,7 +84,18 @@ static inline THETAHAT_REAL thetahat_cos(const double x) {
 
 /* The sign of a velocity: -1, 0 or 1. A smooth one serves simulations, such as tanh((x) / 0.01). */
 #ifndef THETAHAT_SIGN
-#define THETAHAT_SIGN(x) ((THETAHAT_REAL)(((x) > 0) - ((x) < 0)))
+#define THETAHAT_SIGN(x) ((x) > 0 ? (THETAHAT_REAL)1 : (x) < 0 ? (THETAHAT_REAL)-1 : (THETAHAT_REAL)0)
+#endif
+
+/* The function of one state belongs into the loop over a batch, which compilers then put into vectors. */
+#ifndef THETAHAT_INLINE
+#if defined(__GNUC__)
+#define THETAHAT_INLINE static inline __attribute__((always_inline))
+#elif defined(_MSC_VER)
+#define THETAHAT_INLINE static __forceinline
+#else
+#define THETAHAT_INLINE static inline
+#endif
 #endif
 
 /* Such as `static`, where the file is included by several others. */
@@ -213,7 +224,8 @@ impl File<'_> {
 
     /// The function of one state, whose entries are `stride` apart.
     fn state(&self) -> String {
-        let mut text = format!("static inline void {}_state({}, const size_t stride) {{\n", self.name, self.declared());
+        let mut text =
+            format!("THETAHAT_INLINE void {}_state({}, const size_t stride) {{\n", self.name, self.declared());
         self.parts.run(&C).iter().for_each(|line| text += &format!("{line}\n"));
         let output = output_name(self.function.model);
         for (place, value) in self.parts.outputs(&C).iter().enumerate() {
