@@ -61,10 +61,6 @@ impl<'g> Expression<'g> {
         self.builder
     }
 
-    pub(super) fn is_zero(self) -> bool {
-        self.builder.graph.borrow().is_zero(self.value)
-    }
-
     pub(super) fn sine(self) -> Self {
         self.map(Graph::sine)
     }

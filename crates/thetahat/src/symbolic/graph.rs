@@ -188,7 +188,7 @@ impl Graph {
 
     pub(super) fn sign(&mut self, of: Signed) -> Signed {
         match self.value(of) {
-            Some(value) if value == 0.0 => of,
+            Some(0.0) => of,
             Some(value) => self.constant(value.signum()),
             None => self.intern(Node::Sign(of.node)).times_sign(of.negative),
         }

@@ -55,16 +55,11 @@ impl<'g> Chain<'g> {
         self.joints.iter().enumerate().rev()
     }
 
-    /// Whether a link carries no joint.
-    pub(super) fn is_tip(&self, link: usize) -> bool {
-        self.joints.iter().all(|joint| joint.parent != Some(link))
-    }
-
     pub(super) fn none(&self) -> Vector<'g> {
         self.builder.constants([0.0; 3])
     }
 
-    /// The joints from one outwards to the base.
+    /// The joints from one inwards to the base.
     pub(super) fn way_to_base(&self, joint: usize) -> impl Iterator<Item = usize> + '_ {
         std::iter::successors(Some(joint), |&j| self.joints[j].parent)
     }

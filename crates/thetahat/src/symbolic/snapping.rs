@@ -80,13 +80,12 @@ mod tests {
 
     #[test]
     fn special_angles_are_exact() {
-        for (angle, expected) in [(0.0, (0.0, 1.0)), (1.57079632679, (1.0, 0.0)), (-1.570796, (-1.0, 0.0))] {
-            let found = exact_sin_cos(special_angle(angle));
-            let near = (found.0 - expected.0).abs() < 1e-6 && (found.1 - expected.1).abs() < 1e-6;
-            assert!(near, "{angle}: {found:?}");
+        let as_written = |angle: f64, decimals: i32| (angle * 10f64.powi(decimals)).trunc() / 10f64.powi(decimals);
+        for (quarters, expected) in [(0.0, (0.0, 1.0)), (1.0, (1.0, 0.0)), (-1.0, (-1.0, 0.0)), (-6.0, (0.0, -1.0))] {
+            let angle = quarters * FRAC_PI_2;
+            assert_eq!(exact_sin_cos(special_angle(as_written(angle, 11))), expected);
+            let coarse = special_angle(as_written(angle, 6));
+            assert_eq!(coarse == angle, quarters == 0.0, "{coarse} is as it was written");
         }
-        assert_eq!(exact_sin_cos(special_angle(1.57079632679)), (1.0, 0.0));
-        assert_eq!(exact_sin_cos(special_angle(-9.424777960769)), (0.0, -1.0));
-        assert_ne!(exact_sin_cos(special_angle(-1.570796)), (-1.0, 0.0));
     }
 }

@@ -80,26 +80,27 @@ fn taken(parameters: &mut [Form], direction: &[f64]) -> Form {
 /// whose inertia is `tr(L) 1 - L`.
 fn on_axis(second: &Form, first: &Form, mass: &Form, axis: &Vector, p: &Vector) -> Moved {
     let mut moved = Moved { mass: mass.clone(), ..Moved::default() };
-    let add_product = |moved: &mut Moved, form: &Form, a: &Vector, b: &Vector| {
-        for i in 0..3 {
-            for j in 0..3 {
-                let product = &a[i] * &b[j];
-                add(&mut moved.inertia[i][j], form, &product.scaled(-1.0));
-                if i == j {
-                    (0..3).for_each(|k| add(&mut moved.inertia[k][k], form, &product));
-                }
-            }
-        }
-    };
-    add_product(&mut moved, second, axis, axis);
-    add_product(&mut moved, first, p, axis);
-    add_product(&mut moved, first, axis, p);
-    add_product(&mut moved, mass, p, p);
+    add_product(&mut moved.inertia, second, axis, axis);
+    add_product(&mut moved.inertia, first, p, axis);
+    add_product(&mut moved.inertia, first, axis, p);
+    add_product(&mut moved.inertia, mass, p, p);
     for i in 0..3 {
         add(&mut moved.first[i], first, &axis[i]);
         add(&mut moved.first[i], mass, &p[i]);
     }
     moved
+}
+
+/// Adds the inertia of second moments `a b^T`.
+fn add_product(inertia: &mut [[Form; 3]; 3], form: &Form, a: &Vector, b: &Vector) {
+    let mut trace = Polynomial::default();
+    a.iter().zip(b).for_each(|(a, b)| trace += &(a * b));
+    for (i, row) in inertia.iter_mut().enumerate() {
+        add(&mut row[i], form, &trace);
+        for (entry, b) in row.iter_mut().zip(b) {
+            add(entry, form, &(&a[i] * b).scaled(-1.0));
+        }
+    }
 }
 
 /// Takes the whole inertia from a link that slides.
