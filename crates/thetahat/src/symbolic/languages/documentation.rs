@@ -2,7 +2,7 @@
 
 use super::super::{
     graph::Array,
-    model::{Function, ModelKind},
+    model::{Function, FunctionParameter, ModelKind},
     snapping::Snapped,
 };
 use crate::{robot::JointKind, visible::visible};
@@ -108,29 +108,32 @@ fn output(function: &Function) -> String {
 }
 
 fn parameters(function: &Function) -> Vec<String> {
-    let is_used = function.model.takes_parameters() || function.model == ModelKind::Regressor;
-    if !is_used {
-        return Vec::new();
-    }
-    let role = match (&function.values, function.model) {
-        (_, ModelKind::Regressor) => "Columns of phi, one for each parameter:",
-        (Some(_), _) => "Parameters, whose values are in the code; those that are zero are not listed:",
-        (None, _) => "Input theta, the parameters:",
+    let values = function.values.as_deref().filter(|_| function.model.takes_parameters());
+    let role = match (function.model, values) {
+        (ModelKind::Regressor, _) => "Columns of phi, one for each parameter:",
+        (ModelKind::ForwardKinematics | ModelKind::Jacobian, _) => return Vec::new(),
+        (_, Some(_)) => "Parameters, whose values are in the code; those that are zero are not listed:",
+        (_, None) => "Input theta, the parameters:",
     };
     let mut lines = vec![role.to_owned()];
     for (place, parameter) in function.parameters.iter().enumerate() {
-        if function.values.as_ref().is_some_and(|values| values[place] == 0.0) {
-            continue;
+        let value = values.map(|values| values[place]);
+        if value != Some(0.0) {
+            lines.extend(parameter_lines(place, parameter, value));
         }
-        let value = function.values.as_ref().map(|values| format!(" = {}", values[place])).unwrap_or_default();
-        let formula =
-            if parameter.expression == parameter.name { String::new() } else { format!(": {}", parameter.expression) };
-        let text = format!("[{place}] {}{value} {}{formula}", visible(&parameter.name), parameter.unit);
-        let mut parts = wrapped(&text);
-        lines.extend(parts.next().map(|line| format!("  {line}")));
-        lines.extend(parts.map(|line| format!("      {line}")));
     }
     lines
+}
+
+/// Place, name, value, unit and formula of a parameter.
+fn parameter_lines(place: usize, parameter: &FunctionParameter, value: Option<f64>) -> Vec<String> {
+    let FunctionParameter { name, unit, expression } = parameter;
+    let value = value.map(|value| format!(" = {value}")).unwrap_or_default();
+    let formula = if expression == name { String::new() } else { format!(": {expression}") };
+    let text = format!("[{place}] {}{value} {unit}{formula}", visible(name));
+    let mut lines = wrapped(&text);
+    let first = lines.next().map(|line| format!("  {line}"));
+    first.into_iter().chain(lines.map(|line| format!("      {line}"))).collect()
 }
 
 fn change(snapped: &Snapped) -> String {

@@ -6,6 +6,21 @@ use super::{
     statements::{Call, Parts, Syntax},
 };
 
+/// The sign of a velocity.
+const SIGN: &str = "\
+/// -1, 0 or 1.
+fn sign(x: Real) -> Real {
+    if x > 0.0 {
+        1.0
+    } else if x < 0.0 {
+        -1.0
+    } else {
+        0.0
+    }
+}
+
+";
+
 struct Rust;
 
 impl Syntax for Rust {
@@ -48,7 +63,7 @@ pub(super) fn code(function: &Function, prefix: &str) -> String {
         lines(function).iter().map(|line| format!("// {line}").trim_end().to_owned() + "\n").collect();
     let mut text = format!("{comment}\n/// The numbers: `f64`, or `f32`.\npub type Real = f64;\n\n");
     if function.program.count().signs > 0 {
-        text += "/// -1, 0 or 1.\nfn sign(x: Real) -> Real {\n    f64::from(i8::from(x > 0.0) - i8::from(x < 0.0)) as Real\n}\n\n";
+        text += SIGN;
     }
     text += &file.prepare();
     text + &file.single() + &file.batch()
