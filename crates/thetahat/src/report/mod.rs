@@ -33,6 +33,7 @@ mod facts;
 mod figures;
 mod files;
 mod findings;
+mod grades;
 mod json;
 mod model_text;
 mod number;

@@ -83,6 +83,10 @@ pub(in crate::report) struct Axis {
     pub(in crate::report) to: f64,
 }
 
+/// Fewest ticks from which an axis of powers of ten is read, and how many even ones are wanted in their place.
+const FEWEST: usize = 2;
+const FEW: f64 = 5.0;
+
 impl Axis {
     pub(in crate::report) fn linear(range: Range, from: f64, to: f64) -> Self {
         Self { range, scale: Scale::Linear, from, to }
@@ -108,7 +112,10 @@ impl Axis {
     pub(in crate::report) fn ticks(&self, wanted: f64, smallest_step: f64) -> Vec<Tick> {
         match self.scale {
             Scale::Linear => self.linear_ticks(wanted, smallest_step),
-            Scale::Logarithmic => self.powers(),
+            Scale::Logarithmic => match self.powers() {
+                powers if powers.len() < FEWEST => self.linear_ticks(FEW, smallest_step),
+                powers => powers,
+            },
         }
     }
 
@@ -174,6 +181,7 @@ mod tests {
         };
         assert_eq!(labels(2.0, 4.0), ["2", "3", "4"]);
         assert_eq!(labels(1.0, 8.0), ["1", "2", "5"]);
+        assert_eq!(labels(0.0027, 0.0034), ["0.0028", "0.0030", "0.0032", "0.0034"]);
         assert!(labels(1e-12, 1e12).len() <= 8);
     }
 }
