@@ -2,7 +2,8 @@
 
 use super::super::{
     graph::Array,
-    model::{Function, FunctionParameter, ModelKind},
+    model::{Function, FunctionParameter},
+    request::ModelKind,
     snapping::Snapped,
 };
 use crate::{robot::JointKind, visible::visible};

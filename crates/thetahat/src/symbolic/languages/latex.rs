@@ -5,8 +5,9 @@ use std::collections::HashMap;
 use super::{
     super::{
         graph::Array,
-        model::{Function, ModelKind},
+        model::Function,
         program::{Kind, Operand, Program, Value},
+        request::ModelKind,
     },
     documentation::lines,
 };
