@@ -9,7 +9,7 @@ use thetahat::{
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     regressor::Regressor,
     robot::Robot,
-    symbolic::{Array, DriveTorques, Function, Language, ModelKind, ParameterSet, Request},
+    symbolic::{DriveTorques, Function, Language, ModelKind, ParameterSet, Request},
 };
 
 const CALLS: usize = 20_000;
@@ -19,6 +19,13 @@ const BATCH: usize = 500;
 const JOINTS: usize = 6;
 const MODELS: [ModelKind; 4] =
     [ModelKind::InverseDynamics, ModelKind::MassMatrix, ModelKind::ForwardDynamics, ModelKind::Regressor];
+
+const CLOCK: &str = "static double now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return t.tv_sec * 1e9 + t.tv_nsec;
+}
+";
 
 fn main() -> Result<(), Box<dyn Error>> {
     let robot = Robot::read(&PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../robots/tx40.toml"))?;
@@ -34,7 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         writeln!(program, "#include \"{name}.h\"")?;
         body += &timed(&function, &name);
     }
-    program += "static double now(void) { struct timespec t; clock_gettime(CLOCK_MONOTONIC, &t); return t.tv_sec * 1e9 + t.tv_nsec; }\n";
+    program += CLOCK;
     write!(program, "int main(void) {{\n{body}    return 0;\n}}\n")?;
     std::fs::write(folder.join("main.c"), program)?;
     let library = kernels(&robot)?;
@@ -49,43 +56,57 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(std::fs::remove_dir_all(folder)?)
 }
 
-/// C that prints the time of a single call, and of a state in a batch: the least of several rounds.
+/// C that prints the least time of a single call, and of a state in a batch, over several rounds.
+const TIMED: &str = r#"
+    {
+        static double INPUTS[JOINTS * BATCH], theta[PARAMETERS], constants[CONSTANTS], out[ENTRIES * BATCH];
+        volatile double sink = 0.0;
+        double best = 1e30, best_batch = 1e30;
+        for (int k = 0; k < PARAMETERS; k++) theta[k] = 1.0 + 0.01 * k;
+        for (int k = 0; k < JOINTS * BATCH; k++) a0[k] = a1[k] = a2[k] = (k * 37 % 101) / 50.0 - 1.0;
+        PREPARE;
+        for (int round = 0; round < ROUNDS; round++) {
+            double start = now();
+            for (int k = 0; k < CALLS; k++) {
+                NAME(ARGUMENTS, out);
+                sink += out[0];
+                a0[k % JOINTS] += 1e-9;
+            }
+            const double single = (now() - start) / CALLS;
+            start = now();
+            for (int k = 0; k < CALLS / BATCH; k++) {
+                NAME_batch(BATCH, ARGUMENTS, out);
+                sink += out[0];
+            }
+            const double batch = (now() - start) / CALLS;
+            best = single < best ? single : best;
+            best_batch = batch < best_batch ? batch : best_batch;
+        }
+        (void)theta, (void)constants;
+        printf("%g\n%g\n", best, best_batch);
+    }
+"#;
+
+/// That of a function.
 fn timed(function: &Function, name: &str) -> String {
-    let inputs = function.model.inputs();
-    let entries = function.program.count().multiplications.max(function.shape[0] * function.shape[1]);
-    let single: String = (0..inputs.len()).map(|i| format!("a{i}, ")).collect();
-    let constants = if function.model.takes_parameters() { "constants, " } else { "" };
-    let mut text = "    {\n".to_owned();
-    for (i, array) in inputs.iter().enumerate() {
-        let scale = if *array == Array::Position { 1.0 } else { 0.5 };
-        text += &format!(
-            "        static double a{i}[{}]; for (int k = 0; k < {}; k++) a{i}[k] = {scale} * ((k * 37 + {i}) % 101) / 50.0 - 1.0;\n",
-            JOINTS * BATCH,
-            JOINTS * BATCH
-        );
-    }
-    if function.model.takes_parameters() {
-        text += &format!(
-            "        static double theta[{0}], constants[{1}_CONSTANTS]; for (int k = 0; k < {0}; k++) theta[k] = 1.0 + 0.01 * k;\n        {name}_prepare(theta, constants);\n",
-            function.parameters.len(),
-            name.to_uppercase()
-        );
-    }
-    text += &format!(
-        "        static double out[{}]; volatile double sink = 0.0; double best = 1e30, best_batch = 1e30;\n",
-        entries * BATCH
-    );
-    text += &format!(
-        "        for (int r = 0; r < {ROUNDS}; r++) {{\n            double t = now();\n            for (int k = 0; k < {CALLS}; k++) {{ {name}({single}{constants}out); sink += out[0]; a0[k % 6] += 1e-9; }}\n"
-    );
-    text += &format!(
-        "            t = (now() - t) / {CALLS}; if (t < best) best = t;\n            t = now();\n            for (int k = 0; k < {0}; k++) {{ {name}_batch({BATCH}, {single}{constants}out); sink += out[0]; }}\n",
-        CALLS / BATCH
-    );
-    text + &format!(
-        "            t = (now() - t) / ({0} * {BATCH}.0); if (t < best_batch) best_batch = t;\n        }}\n        printf(\"%g\\n%g\\n\", best, best_batch);\n    }}\n",
-        CALLS / BATCH
-    )
+    let arrays: Vec<String> = (0..function.model.inputs().len()).map(|i| format!("a{i}")).collect();
+    let takes_parameters = function.model.takes_parameters();
+    let arguments = arrays.join(", ") + if takes_parameters { ", constants" } else { "" };
+    let constants = if takes_parameters { format!("{}_CONSTANTS", name.to_uppercase()) } else { "1".to_owned() };
+    let prepare = if takes_parameters { format!("{name}_prepare(theta, constants)") } else { String::new() };
+    let texts = [("INPUTS[JOINTS * BATCH]", "a0[JOINTS * BATCH], a1[JOINTS * BATCH], a2[JOINTS * BATCH]".to_owned())];
+    let rest = [("PREPARE", prepare), ("NAME", name.to_owned()), ("ARGUMENTS", arguments)];
+    let numbers = [
+        ("JOINTS", JOINTS),
+        ("BATCH", BATCH),
+        ("ROUNDS", ROUNDS),
+        ("CALLS", CALLS),
+        ("PARAMETERS", function.parameters.len()),
+        ("ENTRIES", function.shape[0] * function.shape[1]),
+    ]
+    .map(|(word, number)| (word, number.to_string()));
+    let words = texts.into_iter().chain(rest).chain(numbers).chain([("CONSTANTS]", format!("{constants}]"))]);
+    words.fold(TIMED.to_owned(), |text, (word, value)| text.replace(word, &value))
 }
 
 fn run(folder: &std::path::Path, flags: &[&str]) -> Result<Vec<f64>, Box<dyn Error>> {
