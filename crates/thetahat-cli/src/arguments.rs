@@ -1,12 +1,17 @@
 use std::path::PathBuf;
 
 use clap::{
-    Args, Parser, Subcommand,
+    Args, Parser, Subcommand, ValueEnum,
     builder::{PossibleValuesParser, TypedValueParser},
     value_parser,
 };
 use clap_complete::Shell;
-use thetahat::{export::Format, identification::Method, recording::Unit};
+use thetahat::{
+    export::Format,
+    identification::Method,
+    recording::Unit,
+    symbolic::{DriveTorques, Language, ModelKind},
+};
 
 /// Identifies the dynamic parameters of a robot from its recorded motion and torques.
 ///
@@ -66,6 +71,10 @@ pub enum Command {
     ///
     /// Exit code 1 where the base parameters are not clear: a length or an angle is nearly special.
     Model(Model),
+    /// Generate code of a robot's model: C, Rust, Python, MATLAB or LaTeX.
+    ///
+    /// For example: thetahat generate robots/two_joint.toml --model idm --to c --out two_joint_idm.h
+    Generate(Generate),
     /// Print the completions of a shell.
     ///
     /// For example: thetahat completions bash > ~/.local/share/bash-completion/completions/thetahat
@@ -318,6 +327,9 @@ pub struct Model {
     /// Print one JSON object, in SI units
     #[arg(long)]
     pub json: bool,
+    /// Print the base parameters as formulas in the names of the geometry, such as d3, and nothing else
+    #[arg(long, conflicts_with = "json")]
+    pub symbolic: bool,
     /// Folder against which the robot's path is resolved [default: the current one]
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
@@ -327,6 +339,70 @@ pub struct Model {
     /// Joints that do not move, in rad or m, such as head_joint=0.2
     #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = lock)]
     pub lock: Vec<(String, f64)>,
+}
+
+#[derive(Args)]
+pub struct Generate {
+    /// The robot (a URDF or a TOML description), or the results.json of an identification
+    #[arg(value_name = "ROBOT|RESULTS.json")]
+    pub source: PathBuf,
+    /// The model
+    #[arg(long, value_parser = named(&ModelKind::ALL))]
+    pub model: ModelKind,
+    /// The language
+    #[arg(long, value_parser = named(&Language::ALL))]
+    pub to: Language,
+    /// Whether parameters are an input, or values in the code: of a robot the a-priori ones, of results the estimates
+    /// [default: symbolic for a robot, values for results]
+    #[arg(long, value_enum)]
+    pub parameters: Option<GeneratedParameters>,
+    /// The base parameters instead of the standard ones
+    #[arg(long)]
+    pub base: bool,
+    /// The method whose estimates are taken [default: the one that the results advise]
+    #[arg(long, value_parser = method())]
+    pub method: Option<Method>,
+    /// The case whose estimates are taken [default: nominal]
+    #[arg(long)]
+    pub case: Option<String>,
+    /// The robot that the results must be of
+    #[arg(long, value_name = "FILE")]
+    pub robot: Option<PathBuf>,
+    /// The torques of the drives: all, the inertia of the motors alone, or none
+    #[arg(long, default_value = "all", value_parser = named(&DriveTorques::ALL))]
+    pub drives: DriveTorques,
+    /// What the names in the code begin with [default: the robot's name]
+    #[arg(long, value_name = "NAME")]
+    pub name: Option<String>,
+    /// The file to write [default: the code is printed]
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub force: Force,
+    /// Folder against which the path is resolved [default: the current one]
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
+    /// The last joints that move; all that are not on the way to them are locked at their neutral values
+    #[arg(long, value_name = "JOINTS", value_delimiter = ',')]
+    pub until: Vec<String>,
+    /// Joints that do not move, in rad or m, such as head_joint=0.2
+    #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = lock)]
+    pub lock: Vec<(String, f64)>,
+}
+
+/// What generated code does with parameters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum GeneratedParameters {
+    /// They are an input.
+    Symbolic,
+    /// Their values are in the code.
+    Values,
+}
+
+/// Values by their names, which the help and the completions list.
+fn named<T: Copy + Send + Sync + 'static>(all: &'static [(&'static str, T)]) -> impl TypedValueParser<Value = T> {
+    let value = |name: String| all.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
+    PossibleValuesParser::new(all.iter().map(|(name, _)| *name)).try_map(move |name| value(name).ok_or("no such name"))
 }
 
 fn lock(text: &str) -> Result<(String, f64), String> {

@@ -11,11 +11,12 @@ use thetahat::{
     results::{Results, ResultsError, SideBySide},
     robot::{Locks, RobotSource},
     robot_summary::RobotSummary,
+    symbolic::BaseFormulas,
 };
 
 use crate::{
     arguments::{Arguments, Check, Command, Compare, Identify, Model, Output, Predict, Sensitivity, Simulate},
-    campaign, export,
+    campaign, export, generate,
     inputs::{read_experiment, threads},
     progress::{Counter, Progress},
     proposal, reduction, shell,
@@ -40,6 +41,7 @@ pub fn run(arguments: Arguments) -> Result<Ending, Box<dyn Error>> {
         Command::Solve(request) => reduction::solve(&request),
         Command::Simulate(simulate) => record_twin(&simulate),
         Command::Model(request) => show_model(&request),
+        Command::Generate(request) => generate::run(&request),
         Command::Completions(request) => shell::print_completions(request.shell),
         Command::Man(request) => shell::write_manual(&request),
     }
@@ -165,6 +167,10 @@ fn show_model(request: &Model) -> Result<Ending, Box<dyn Error>> {
     let source = RobotSource::read(&folder.join(&request.robot))?;
     let locks = Locks { locked: request.lock.iter().cloned().collect(), until: request.until.clone() };
     let robot = source.robot_with_locks(&locks, Path::new("the command line"))?;
+    if request.symbolic {
+        print(&BaseFormulas::of(&robot)?.to_string())?;
+        return Ok(Ending::Good);
+    }
     let summary = RobotSummary::new(&source, &robot);
     print(&if request.json { report::model_json(&summary)? } else { report::model_text(&summary, width()) })?;
     Ok(if summary.problem.is_none() { Ending::Good } else { Ending::NotTrusted })

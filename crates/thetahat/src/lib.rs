@@ -79,6 +79,8 @@ pub mod regressor;
 
 pub mod base_parameters;
 
+pub mod symbolic;
+
 pub mod robot_summary;
 
 pub mod consistency;

@@ -17,6 +17,7 @@ mod column_names;
 mod delays;
 mod description;
 mod error;
+mod identified;
 mod paths;
 mod power;
 mod predict;
@@ -30,6 +31,7 @@ pub(crate) use paths::beside;
 
 pub use description::{Experiment, ExperimentFile, RecordingDescription, TwinDescription, Unlisted};
 pub use error::ExperimentError;
+pub use identified::IdentifiedRobot;
 pub use power::PowerPoint;
 pub(crate) use predict::require_same_parameters;
 pub use predict::{PredictionRequest, predict};

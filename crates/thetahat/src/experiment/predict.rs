@@ -49,7 +49,7 @@ pub fn predict(request: &PredictionRequest) -> Result<Prediction, ExperimentErro
     // Results of before the verdict get it now, by the same rules.
     let verdict = results.verdict.unwrap_or_else(|| judge(&mut results));
     let experiment = Experiment::of_results(&request.results, &results)?;
-    let run = chosen_run(request, &results)?;
+    let run = chosen_run(&request.results, &results, &request.case, request.method)?;
     let case = experiment.cases().into_iter().find(|c| c.name == run.case).unwrap_or_else(Case::nominal);
     let base = experiment.setup().basis(&case).map_err(|e| experiment.refuse(e))?.base;
     require_same_parameters(&results, run, &base, &experiment.settings.parameters.estimate)
@@ -121,20 +121,24 @@ pub(crate) fn require_same_parameters(
     }
 }
 
-/// The run of the request's case and method.
-fn chosen_run<'r>(request: &PredictionRequest, results: &'r Results) -> Result<&'r RunResult, ExperimentError> {
-    let wanted = request.method.or_else(|| Some(results.taken_in(&request.case)?.method));
-    let fits =
-        |r: &&RunResult| r.case == request.case && wanted.is_none_or(|m| m == r.method) && !r.parameters.is_empty();
+/// The run of a case and method, or of the method that the results advise.
+pub(super) fn chosen_run<'r>(
+    path: &Path,
+    results: &'r Results,
+    case: &str,
+    method: Option<Method>,
+) -> Result<&'r RunResult, ExperimentError> {
+    let wanted = method.or_else(|| Some(results.taken_in(case)?.method));
+    let fits = |r: &&RunResult| r.case == case && wanted.is_none_or(|m| m == r.method) && !r.parameters.is_empty();
     results.runs.iter().find(fits).ok_or_else(|| {
         let with = |r: &&RunResult| !r.parameters.is_empty();
         let name = |r: &RunResult| format!("{} {}", r.case, r.method.name());
         let found: Vec<String> = results.runs.iter().filter(with).map(name).collect();
         let found = if found.is_empty() { "none".to_owned() } else { found.join(", ") };
-        let method = request.method.map_or("any method", Method::name);
+        let method = method.map_or("any method", Method::name);
         ExperimentError::ResultsFile {
-            path: request.results.clone(),
-            problem: format!("holds no estimate of {} by {method}; those it holds: {found}", request.case),
+            path: path.to_owned(),
+            problem: format!("holds no estimate of {case} by {method}; those it holds: {found}"),
         }
     })
 }

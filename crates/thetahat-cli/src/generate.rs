@@ -1,0 +1,113 @@
+//! Code of a robot's models.
+
+use std::{
+    error::Error,
+    fs::File,
+    io::Read,
+    path::{Path, PathBuf},
+};
+
+use thetahat::{
+    base_parameters::BaseParameters,
+    dynamics::Model,
+    experiment::IdentifiedRobot,
+    output::{OutputGuard, replace_file},
+    results::{NOMINAL, Verdict},
+    robot::{Locks, Robot, RobotSource},
+    symbolic::{Function, ParameterSet, Request, SymbolicError},
+};
+
+use crate::{
+    arguments::{Generate, GeneratedParameters},
+    terminal::{Ending, print},
+};
+
+/// A robot with the values of its standard parameters, where they are to be folded in.
+struct Source {
+    robot: Robot,
+    theta: Option<Vec<f64>>,
+    /// The files that were read.
+    files: Vec<PathBuf>,
+}
+
+pub fn run(request: &Generate) -> Result<Ending, Box<dyn Error>> {
+    let Source { robot, theta, files } = read(request)?;
+    if let Some(path) = &request.out {
+        OutputGuard::new(files, request.force.force).file(path)?;
+    }
+    let parameters = if request.base { ParameterSet::Base } else { ParameterSet::Standard };
+    let values = theta.map(|theta| values(&robot, &theta, parameters)).transpose()?;
+    let asked = Request { model: request.model, parameters, values, drives: request.drives };
+    let function = Function::new(&robot, &asked)?;
+    let code = request.to.code(&function, request.name.as_deref())?;
+    let Some(path) = &request.out else {
+        print(&code)?;
+        return Ok(Ending::Good);
+    };
+    replace_file(path, code.as_bytes()).map_err(|error| format!("{}: cannot be written: {error}", path.display()))?;
+    print(&format!("{}\nwritten: {}\n", function.program.count(), path.display()))?;
+    Ok(Ending::Good)
+}
+
+fn read(request: &Generate) -> Result<Source, Box<dyn Error>> {
+    let path = request.data.clone().unwrap_or_default().join(&request.source);
+    if is_json(&path) { read_results(request, path) } else { read_robot(request, &path) }
+}
+
+fn read_robot(request: &Generate, path: &Path) -> Result<Source, Box<dyn Error>> {
+    let source = RobotSource::read(path)?;
+    let locks = Locks { locked: request.lock.iter().cloned().collect(), until: request.until.clone() };
+    let robot = source.robot_with_locks(&locks, Path::new("the command line"))?;
+    let theta = match request.parameters.unwrap_or(GeneratedParameters::Symbolic) {
+        GeneratedParameters::Symbolic => None,
+        GeneratedParameters::Values if robot.a_priori.is_empty() => {
+            return Err(SymbolicError::NoValues { robot: path.display().to_string() }.into());
+        }
+        GeneratedParameters::Values => Some(robot.a_priori_parameters()),
+    };
+    let files = [Some(path.to_owned()), source.urdf_path().map(Path::to_owned)].into_iter().flatten().collect();
+    Ok(Source { robot, theta, files })
+}
+
+fn read_results(request: &Generate, path: PathBuf) -> Result<Source, Box<dyn Error>> {
+    if !request.lock.is_empty() || !request.until.is_empty() {
+        return Err("the results say which joints are locked; leave --lock and --until out".into());
+    }
+    let case = request.case.as_deref().unwrap_or(NOMINAL);
+    let identified = IdentifiedRobot::read(&path, case, request.method)?;
+    if identified.verdict == Verdict::DoNotUse && !request.force.force {
+        return Err(format!(
+            "{}: its verdict is do-not-use; look at the reasons in its report, or take the numbers as they are with --force",
+            path.display()
+        )
+        .into());
+    }
+    let mut files = vec![path.clone()];
+    if let Some(robot) = &request.robot {
+        let source = RobotSource::read(robot)?;
+        let locked = identified.robot.locked.iter().map(|joint| (joint.name.clone(), joint.value)).collect();
+        let locks = Locks { locked, until: Vec::new() };
+        identified.require_robot(&path, &source.robot_with_locks(&locks, robot)?)?;
+        files.push(robot.clone());
+    }
+    let theta = match request.parameters.unwrap_or(GeneratedParameters::Values) {
+        GeneratedParameters::Symbolic => None,
+        GeneratedParameters::Values => Some(identified.theta),
+    };
+    Ok(Source { robot: identified.robot, theta, files })
+}
+
+/// The values of a set of parameters, of standard ones.
+fn values(robot: &Robot, theta: &[f64], set: ParameterSet) -> Result<Vec<f64>, Box<dyn Error>> {
+    Ok(match set {
+        ParameterSet::Standard => theta.to_vec(),
+        ParameterSet::Base => BaseParameters::of(&Model::new(robot), &[])?.from_standard(theta),
+    })
+}
+
+/// Whether a file begins like JSON; one that cannot be read is left to its reader.
+fn is_json(path: &Path) -> bool {
+    let mut head = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(64).read_to_end(&mut head));
+    read.is_ok() && head.trim_ascii_start().starts_with(b"{")
+}

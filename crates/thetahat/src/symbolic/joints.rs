@@ -1,0 +1,189 @@
+//! The joints of a robot as the recursions need them.
+
+use super::{
+    expression::{Builder, Expression, Matrix, Vector, times},
+    graph::Array,
+    snapping::exact_sin_cos,
+};
+use crate::robot::{JointKind, Robot};
+
+/// Part of a length below which what is left of it is rounding.
+const ROUNDING: f64 = 1e-14;
+
+/// A joint, with its frame in the frame before. All lengths are in the unit of length of the [`Chain`].
+#[derive(Debug)]
+pub(super) struct Joint<'g> {
+    pub(super) is_revolute: bool,
+    pub(super) parent: Option<usize>,
+    /// The coordinate that moves it: it stands at `ratio q + offset`.
+    pub(super) coordinate: usize,
+    pub(super) ratio: f64,
+    /// `Rot(z, gamma)` and `Rot(x, alpha)` by sine and cosine: the part of its rotation that stays.
+    gamma: (f64, f64),
+    alpha: (f64, f64),
+    /// `Rot(z, theta)`, which a revolute joint turns.
+    theta: (Expression<'g>, Expression<'g>),
+    /// Where its axis passes the origin of the frame before, in that frame.
+    pub(super) foot: Vector<'g>,
+    /// From there to its own origin, along its axis.
+    pub(super) along: Expression<'g>,
+}
+
+/// The joints of a robot in a unit of length.
+#[derive(Debug)]
+pub(super) struct Chain<'g> {
+    pub(super) builder: &'g Builder,
+    pub(super) joints: Vec<Joint<'g>>,
+    pub(super) coordinates: usize,
+    /// The unit of length, m.
+    pub(super) unit: f64,
+    /// Acceleration of gravity, units of length per s^2.
+    pub(super) gravity: [f64; 3],
+}
+
+impl<'g> Chain<'g> {
+    /// The joints of a snapped robot, with lengths in multiples of `unit`.
+    pub(super) fn new(builder: &'g Builder, robot: &Robot, unit: f64) -> Self {
+        let coordinates = robot.coordinate_joints();
+        let joints = (0..robot.joints.len()).map(|j| Joint::new(builder, robot, j, &coordinates, unit)).collect();
+        let gravity = robot.gravity.map(|g| g / unit);
+        Self { builder, joints, coordinates: coordinates.len(), unit, gravity }
+    }
+
+    /// The links, each before its parent.
+    pub(super) fn inwards(&self) -> impl Iterator<Item = (usize, &Joint<'g>)> {
+        self.joints.iter().enumerate().rev()
+    }
+
+    pub(super) fn none(&self) -> Vector<'g> {
+        self.builder.constants([0.0; 3])
+    }
+
+    /// The joints from one inwards to the base.
+    pub(super) fn way_to_base(&self, joint: usize) -> impl Iterator<Item = usize> + '_ {
+        std::iter::successors(Some(joint), |&j| self.joints[j].parent)
+    }
+}
+
+impl<'g> Joint<'g> {
+    fn new(builder: &'g Builder, robot: &Robot, j: usize, coordinates: &[usize], unit: f64) -> Self {
+        let joint = &robot.joints[j];
+        let (leader, ratio, offset) = joint.mimic.map_or((j, 1.0, 0.0), |m| (m.of, m.ratio, m.offset));
+        let coordinate = coordinates.iter().position(|&c| c == leader).unwrap_or(0);
+        let q = builder.input(Array::Position, coordinate) * ratio + builder.constant(offset);
+        let is_revolute = match joint.kind {
+            JointKind::Revolute => true,
+            JointKind::Prismatic => false,
+        };
+        let theta = exact_sin_cos(joint.placement.theta + if is_revolute { offset } else { 0.0 });
+        let fixed = (builder.constant(theta.0), builder.constant(theta.1));
+        let (foot, along) = split(joint.placement.origin, joint.placement.gamma, joint.placement.alpha);
+        let mut made = Self {
+            is_revolute,
+            parent: joint.parent,
+            coordinate,
+            ratio,
+            gamma: exact_sin_cos(joint.placement.gamma),
+            alpha: exact_sin_cos(joint.placement.alpha),
+            theta: fixed,
+            foot: builder.constants(foot.map(|length| length / unit)),
+            along: builder.constant(along / unit),
+        };
+        if is_revolute {
+            made.theta = turned(builder.input(Array::Position, coordinate) * ratio, fixed);
+        } else {
+            made.along = made.along + q * (1.0 / unit);
+        }
+        made
+    }
+
+    /// Its axis in the frame before.
+    pub(super) fn axis(&self, builder: &'g Builder) -> Vector<'g> {
+        self.tilted_back(builder.constants([0.0, 0.0, 1.0]))
+    }
+
+    /// Its own velocity or acceleration, of those of the coordinates; in units of length for a prismatic joint.
+    pub(super) fn rate(&self, rates: &[Expression<'g>], unit: f64) -> Expression<'g> {
+        let rate = rates[self.coordinate] * self.ratio;
+        if self.is_revolute { rate } else { rate * (1.0 / unit) }
+    }
+
+    /// A vector of the frame before in the tilted one, whose z axis is the joint's.
+    pub(super) fn tilted(&self, x: Vector<'g>) -> Vector<'g> {
+        let [x, y, z] = x;
+        let (s, c) = self.gamma;
+        let (x, y) = (x * c + y * s, y * c - x * s);
+        let (s, c) = self.alpha;
+        [x, y * c + z * s, z * c - y * s]
+    }
+
+    /// The reverse of [`Joint::tilted`].
+    pub(super) fn tilted_back(&self, x: Vector<'g>) -> Vector<'g> {
+        let [x, y, z] = x;
+        let (s, c) = self.alpha;
+        let (y, z) = (y * c - z * s, y * s + z * c);
+        let (s, c) = self.gamma;
+        [x * c - y * s, x * s + y * c, z]
+    }
+
+    /// A vector of the tilted frame in the joint's own.
+    pub(super) fn turned(&self, x: Vector<'g>) -> Vector<'g> {
+        let (s, c) = self.theta;
+        [c * x[0] + s * x[1], c * x[1] - s * x[0], x[2]]
+    }
+
+    /// The reverse of [`Joint::turned`].
+    pub(super) fn turned_back(&self, x: Vector<'g>) -> Vector<'g> {
+        let (s, c) = self.theta;
+        [c * x[0] - s * x[1], s * x[0] + c * x[1], x[2]]
+    }
+
+    /// A vector of the frame before in the joint's own.
+    pub(super) fn seen(&self, x: Vector<'g>) -> Vector<'g> {
+        self.turned(self.tilted(x))
+    }
+
+    /// The reverse of [`Joint::seen`].
+    pub(super) fn seen_back(&self, x: Vector<'g>) -> Vector<'g> {
+        self.tilted_back(self.turned_back(x))
+    }
+
+    /// `R^T A R`: a matrix of the frame before in the joint's own.
+    pub(super) fn seen_matrix(&self, a: &Matrix<'g>) -> Matrix<'g> {
+        transpose(&transpose(&a.map(|row| self.seen(row))).map(|column| self.seen(column)))
+    }
+
+    /// `R^T A C z`: what `A` makes of the joint's axis, in the tilted frame.
+    pub(super) fn axis_column(&self, a: &Matrix<'g>, builder: &'g Builder) -> Vector<'g> {
+        self.tilted(times(a, self.axis(builder)))
+    }
+
+    pub(super) fn sine_and_cosine(&self) -> (Expression<'g>, Expression<'g>) {
+        self.theta
+    }
+}
+
+/// An origin as a point of the axis and the length along it, with as few lengths that are not zero as there are.
+fn split(origin: [f64; 3], gamma: f64, alpha: f64) -> ([f64; 3], f64) {
+    let ((sin_gamma, cos_gamma), (sin_alpha, cos_alpha)) = (exact_sin_cos(gamma), exact_sin_cos(alpha));
+    let axis = [sin_gamma * sin_alpha, -cos_gamma * sin_alpha, cos_alpha];
+    let along: f64 = axis.iter().zip(origin).map(|(a, p)| a * p).sum();
+    let rest = |i: usize| {
+        let length = origin[i] - along * axis[i];
+        if length.abs() <= ROUNDING * origin[i].abs() { 0.0 } else { length }
+    };
+    let foot = [0, 1, 2].map(rest);
+    let lengths = |of: &[f64]| of.iter().filter(|length| **length != 0.0).count();
+    // An axis that is askew to the frame before would only add lengths.
+    if lengths(&foot) + lengths(&[along]) > lengths(&origin) { (origin, 0.0) } else { (foot, along) }
+}
+
+pub(super) fn transpose<'g>(a: &Matrix<'g>) -> Matrix<'g> {
+    [0, 1, 2].map(|j| [a[0][j], a[1][j], a[2][j]])
+}
+
+/// Sine and cosine of an angle and a fixed one, of which those of right angles are a change of place and sign.
+fn turned<'g>(angle: Expression<'g>, fixed: (Expression<'g>, Expression<'g>)) -> (Expression<'g>, Expression<'g>) {
+    let (s, c) = (angle.sine(), angle.cosine());
+    (s * fixed.1 + c * fixed.0, c * fixed.1 - s * fixed.0)
+}

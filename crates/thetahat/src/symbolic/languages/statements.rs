@@ -1,0 +1,183 @@
+//! Operations as statements of a language that writes `a + b`.
+
+use std::collections::BTreeMap;
+
+use super::super::{
+    graph::Array,
+    program::{Kind, Operand, Operation, Program, Value},
+};
+
+/// How a language writes what statements are made of.
+pub(super) trait Syntax {
+    /// A number, not negative.
+    fn number(&self, value: f64) -> String;
+    /// An entry of an input.
+    fn input(&self, array: Array, index: usize) -> String;
+    /// A value that the parameters decide, by its place among those that are used in a state.
+    fn constant(&self, place: usize) -> String;
+    /// A sine, cosine or sign.
+    fn call(&self, function: Call, argument: &str) -> String;
+    /// Product and quotient.
+    fn operators(&self) -> [&'static str; 2] {
+        [" * ", " / "]
+    }
+    /// Defines a name.
+    fn define(&self, name: &str, value: &str) -> String;
+    /// Defines sine and cosine of one angle.
+    fn define_both(&self, [sine, cosine]: [&str; 2], angle: &str) -> Vec<String> {
+        [(sine, Call::Sine), (cosine, Call::Cosine)]
+            .into_iter()
+            .map(|(name, call)| self.define(name, &self.call(call, angle)))
+            .collect()
+    }
+}
+
+/// A function of one number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Call {
+    Sine,
+    Cosine,
+    Sign,
+}
+
+/// A program in two parts: what the parameters decide, and what is left for each state.
+#[derive(Debug)]
+pub(super) struct Parts<'a> {
+    program: &'a Program,
+    /// The values that the parameters decide and that states use, each once.
+    pub(super) constants: Vec<Value>,
+}
+
+impl<'a> Parts<'a> {
+    pub(super) fn new(program: &'a Program) -> Self {
+        let of_states = program.operations.iter().filter(|operation| !operation.is_fixed);
+        let operands = of_states.flat_map(|operation| operation.kind.operands());
+        let mut constants: Vec<Value> = Vec::new();
+        for value in operands.chain(program.outputs.iter().map(|output| output.value)) {
+            if is_fixed(program, value) && !constants.contains(&value) {
+                constants.push(value);
+            }
+        }
+        Self { program, constants }
+    }
+
+    /// The statements that compute what the parameters decide.
+    pub(super) fn prepare(&self, syntax: &impl Syntax) -> Vec<String> {
+        self.statements(syntax, &Scope { parts: self, syntax, in_state: false }, |operation| operation.is_fixed)
+    }
+
+    /// Those constants, where [`Parts::prepare`] has computed them.
+    pub(super) fn prepared(&self, syntax: &impl Syntax) -> Vec<String> {
+        let scope = Scope { parts: self, syntax, in_state: false };
+        self.constants.iter().map(|value| scope.value(*value)).collect()
+    }
+
+    /// The statements of each state.
+    pub(super) fn run(&self, syntax: &impl Syntax) -> Vec<String> {
+        self.statements(syntax, &Scope { parts: self, syntax, in_state: true }, |operation| !operation.is_fixed)
+    }
+
+    /// All statements, where the constants are not kept apart.
+    pub(super) fn all(&self, syntax: &impl Syntax) -> Vec<String> {
+        self.statements(syntax, &Scope { parts: self, syntax, in_state: false }, |_| true)
+    }
+
+    /// The outputs of [`Parts::run`].
+    pub(super) fn outputs(&self, syntax: &impl Syntax) -> Vec<String> {
+        let scope = Scope { parts: self, syntax, in_state: true };
+        self.program.outputs.iter().map(|output| scope.operand(*output)).collect()
+    }
+
+    /// The outputs of [`Parts::all`].
+    pub(super) fn outputs_of_all(&self, syntax: &impl Syntax) -> Vec<String> {
+        let scope = Scope { parts: self, syntax, in_state: false };
+        self.program.outputs.iter().map(|output| scope.operand(*output)).collect()
+    }
+
+    fn statements<S: Syntax>(
+        &self,
+        syntax: &S,
+        scope: &Scope<'_, S>,
+        is_wanted: impl Fn(&Operation) -> bool,
+    ) -> Vec<String> {
+        let pairs = pairs(self.program);
+        let mut lines = Vec::new();
+        for (place, operation) in self.program.operations.iter().enumerate().filter(|(_, o)| is_wanted(o)) {
+            match pairs.get(&place) {
+                None => lines.push(syntax.define(&name(place), &scope.operation(operation.kind))),
+                Some(&(sine, cosine, angle)) if place == sine.min(cosine) => {
+                    let names = [name(sine), name(cosine)];
+                    lines.extend(syntax.define_both([&names[0], &names[1]], &scope.value(angle)));
+                }
+                Some(_) => {}
+            }
+        }
+        lines
+    }
+}
+
+/// Places of sine and cosine of one angle, by either place.
+fn pairs(program: &Program) -> BTreeMap<usize, (usize, usize, Value)> {
+    let mut pairs = BTreeMap::new();
+    let operations = || program.operations.iter().enumerate();
+    for (sine, operation) in operations() {
+        let Kind::Sine(angle) = operation.kind else { continue };
+        let cosine = operations().find(|(_, other)| other.kind == Kind::Cosine(angle));
+        if let Some((cosine, _)) = cosine {
+            pairs.insert(sine, (sine, cosine, angle));
+            pairs.insert(cosine, (sine, cosine, angle));
+        }
+    }
+    pairs
+}
+
+fn is_fixed(program: &Program, value: Value) -> bool {
+    match value {
+        Value::Constant(_) => false,
+        Value::Input(array, _) => array == Array::Parameter,
+        Value::Result(place) => program.operations[place].is_fixed,
+    }
+}
+
+fn name(place: usize) -> String {
+    format!("t{place}")
+}
+
+struct Scope<'a, S> {
+    parts: &'a Parts<'a>,
+    syntax: &'a S,
+    /// Whether what the parameters decide is at hand as constants.
+    in_state: bool,
+}
+
+impl<S: Syntax> Scope<'_, S> {
+    fn value(&self, value: Value) -> String {
+        let kept = self.parts.constants.iter().position(|constant| *constant == value).filter(|_| self.in_state);
+        match (kept, value) {
+            (Some(place), _) => self.syntax.constant(place),
+            (None, Value::Constant(number)) => self.syntax.number(number),
+            (None, Value::Input(array, index)) => self.syntax.input(array, index),
+            (None, Value::Result(place)) => name(place),
+        }
+    }
+
+    fn operand(&self, operand: Operand) -> String {
+        let value = self.value(operand.value);
+        if operand.negative { format!("-{value}") } else { value }
+    }
+
+    fn operation(&self, kind: Kind) -> String {
+        let [times, over] = self.syntax.operators();
+        let two = |a: Value, operator: &str, b: Value| format!("{}{operator}{}", self.value(a), self.value(b));
+        let call = |function: Call, a: Value| self.syntax.call(function, &self.value(a));
+        match kind {
+            Kind::Sine(a) => call(Call::Sine, a),
+            Kind::Cosine(a) => call(Call::Cosine, a),
+            Kind::Sign(a) => call(Call::Sign, a),
+            Kind::Sum(a, b) => two(a, " + ", b),
+            Kind::Difference(a, b) => two(a, " - ", b),
+            Kind::Product(a, b) => two(a, times, b),
+            Kind::Quotient(a, b) => two(a, over, b),
+        }
+    }
+}

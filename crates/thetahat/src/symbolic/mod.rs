@@ -1,0 +1,48 @@
+//! Models of a robot as expressions, and code of them in several languages.
+//!
+//! A [`Function`] is a list of operations ([`Program`]) with what a reader must know of it; [`Language::code`] writes it. The
+//! recursions are written for expressions, to take few operations: see `docs/generated_code.md`.
+//!
+//! ```
+//! use std::path::Path;
+//! use thetahat::{robot::Robot, symbolic::{DriveTorques, Function, Inputs, Language, ModelKind, ParameterSet, Request}};
+//! let text = "name = 'pendulum'\n[[joint]]\nname = 'pivot'\nkind = 'revolute'\n";
+//! let robot = Robot::parse(text, Path::new("pendulum.toml"))?;
+//! let (model, parameters) = (ModelKind::InverseDynamics, ParameterSet::Base);
+//! let request = Request { model, parameters, values: None, drives: DriveTorques::Inertia };
+//! let function = Function::new(&robot, &request)?;
+//! // About a vertical axis: tau = zz1r ddq.
+//! let inputs = Inputs { ddq: &[2.0], theta: &[0.5, 0.0, 0.0, 0.0], ..Inputs::default() };
+//! assert_eq!(function.program.evaluate(&inputs), [1.0]);
+//! assert!(Language::C.code(&function, None)?.contains("void pendulum_inverse_dynamics("));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod base_formulas;
+mod drives;
+mod error;
+mod expression;
+mod forward_dynamics;
+mod graph;
+mod inertia;
+mod joints;
+mod kinematics;
+mod languages;
+mod mass_matrix;
+mod model;
+mod newton_euler;
+mod program;
+mod regressor;
+mod request;
+mod snapping;
+#[cfg(test)]
+mod tests;
+
+pub use base_formulas::{BaseFormula, BaseFormulas, GeometrySymbol};
+pub use error::SymbolicError;
+pub use graph::Array;
+pub use languages::Language;
+pub use model::{Function, FunctionParameter};
+pub use program::{Inputs, OperationCount, Program};
+pub use request::{DriveTorques, ModelKind, ParameterSet, Request};
+pub use snapping::{Snapped, snapped};

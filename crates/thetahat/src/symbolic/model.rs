@@ -1,0 +1,303 @@
+//! The models that are generated, as programs.
+
+use super::{
+    drives::Drives,
+    error::SymbolicError,
+    expression::{Builder, Expression},
+    forward_dynamics::solve,
+    graph::{Array, Signed},
+    inertia::{PseudoInertia, links},
+    joints::Chain,
+    kinematics::{entries, jacobian, poses},
+    mass_matrix::{mass_matrix, place},
+    newton_euler::{Rates, link_torques, motions},
+    program::Program,
+    regressor::link_columns,
+    request::{ModelKind, ParameterSet, Request},
+    snapping::{Snapped, snapped},
+};
+use crate::{
+    base_parameters::{BaseParameter, BaseParameters},
+    dynamics::Model,
+    robot::{JointKind, LinkQuantity, Parameter, Quantity, Robot},
+};
+
+/// A parameter of a function.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FunctionParameter {
+    /// Its name.
+    pub name: String,
+    /// Its unit in SI.
+    pub unit: String,
+    /// What it is of the standard parameters.
+    pub expression: String,
+}
+
+/// A model as a program, with what a reader must know of it.
+#[derive(Debug, Clone)]
+pub struct Function {
+    /// The robot.
+    pub robot: String,
+    /// Names of the joints of the coordinates, with their kinds.
+    pub coordinates: Vec<(String, JointKind)>,
+    /// Names of the joints whose links carry no other: the tips of the kinematic models.
+    pub tips: Vec<String>,
+    /// The model.
+    pub model: ModelKind,
+    /// The parameters: inputs, or columns of the regressor, or those whose values are folded in.
+    pub parameters: Vec<FunctionParameter>,
+    /// The values folded in.
+    pub values: Option<Vec<f64>>,
+    /// Numbers of the description that were taken as special ones.
+    pub snapped: Vec<Snapped>,
+    /// Rows and columns of the output.
+    pub shape: [usize; 2],
+    /// The operations.
+    pub program: Program,
+}
+
+impl Function {
+    /// The function of a robot with the fewest operations, over the units of length that its description offers.
+    ///
+    /// # Errors
+    /// [`SymbolicError`] for a torque term, base parameters that are not clear, or values of another number.
+    pub fn new(robot: &Robot, request: &Request) -> Result<Self, SymbolicError> {
+        if let Some(term) = robot.terms.first().filter(|_| request.model.has_drive_torques()) {
+            return Err(SymbolicError::Term { parameter: term.parameter.clone() });
+        }
+        let (robot, snapped) = snapped(robot);
+        let made = Made::new(&robot, request)?;
+        let programs = units(&robot).into_iter().map(|unit| made.program(unit));
+        let program = programs.min_by_key(|program| {
+            let count = program.count();
+            2 * count.multiplications + count.additions
+        });
+        Ok(Self {
+            robot: robot.name.clone(),
+            coordinates: robot.coordinates().map(|joint| (joint.name.clone(), joint.kind)).collect(),
+            tips: tips(&robot).into_iter().map(|link| robot.joints[link].name.clone()).collect(),
+            model: request.model,
+            parameters: made.parameters(),
+            values: request.values.clone(),
+            snapped,
+            shape: made.shape(),
+            program: program.unwrap_or_else(|| made.program(1.0)),
+        })
+    }
+}
+
+/// The units of length that can save products: 1 m, and each length of the geometry where all joints turn.
+fn units(robot: &Robot) -> Vec<f64> {
+    let mut units = vec![1.0];
+    if robot.joints.iter().all(|joint| joint.kind == JointKind::Revolute) {
+        let lengths = robot.joints.iter().flat_map(|joint| joint.placement.origin).map(f64::abs);
+        for length in lengths.filter(|length| *length > 0.0) {
+            if !units.contains(&length) {
+                units.push(length);
+            }
+        }
+    }
+    units
+}
+
+fn tips(robot: &Robot) -> Vec<usize> {
+    (0..robot.joints.len()).filter(|&link| robot.joints.iter().all(|joint| joint.parent != Some(link))).collect()
+}
+
+/// A robot, what is asked of it, and its parameters.
+struct Made<'a> {
+    robot: &'a Robot,
+    request: &'a Request,
+    model: Model,
+    base: Option<BaseParameters>,
+}
+
+impl<'a> Made<'a> {
+    fn new(robot: &'a Robot, request: &'a Request) -> Result<Self, SymbolicError> {
+        let model = Model::new(robot);
+        let base = match request.parameters {
+            ParameterSet::Standard => None,
+            ParameterSet::Base => Some(BaseParameters::of(&model, &[])?),
+        };
+        let made = Self { robot, request, model, base };
+        let (found, expected) = (request.values.as_ref().map(Vec::len), made.count());
+        match found {
+            Some(found) if found != expected => Err(SymbolicError::Values { found, expected }),
+            Some(_) | None => Ok(made),
+        }
+    }
+
+    /// Number of parameters.
+    fn count(&self) -> usize {
+        self.base.as_ref().map_or(self.model.parameter_table().len(), BaseParameters::len)
+    }
+
+    /// Indices in the table of the parameters that act: all, or those that base parameters keep.
+    fn columns(&self) -> Vec<usize> {
+        self.base.as_ref().map_or_else(|| (0..self.count()).collect(), BaseParameters::columns)
+    }
+
+    fn parameters(&self) -> Vec<FunctionParameter> {
+        let standard = |parameter: &Parameter| FunctionParameter {
+            name: parameter.name(),
+            unit: parameter.unit.to_string(),
+            expression: parameter.name(),
+        };
+        match &self.base {
+            None => self.model.parameter_table().iter().map(standard).collect(),
+            Some(base) => {
+                let of = |p: &BaseParameter| FunctionParameter {
+                    name: p.name.clone(),
+                    unit: p.unit.to_string(),
+                    expression: p.expression.clone(),
+                };
+                base.parameters().iter().map(of).collect()
+            }
+        }
+    }
+
+    fn shape(&self) -> [usize; 2] {
+        let n = self.model.coordinate_count();
+        let tips = tips(self.robot).len();
+        match self.request.model {
+            ModelKind::InverseDynamics | ModelKind::ForwardDynamics | ModelKind::Gravity | ModelKind::Coriolis => {
+                [n, 1]
+            }
+            ModelKind::MassMatrix => [n, n],
+            ModelKind::Regressor => [n, self.count()],
+            ModelKind::ForwardKinematics => [3 * tips, 4],
+            ModelKind::Jacobian => [6 * tips, n],
+        }
+    }
+
+    /// The standard parameters as expressions: those that base parameters leave out are zero.
+    fn theta<'g>(&self, builder: &'g Builder) -> Vec<Expression<'g>> {
+        let mut theta = vec![builder.zero(); self.model.parameter_table().len()];
+        for (place, column) in self.columns().into_iter().enumerate() {
+            if self.request.drives.contain(self.model.parameter_table().get(column).quantity) {
+                theta[column] = match &self.request.values {
+                    Some(values) => builder.constant(values[place]),
+                    None => builder.input(Array::Parameter, place),
+                };
+            }
+        }
+        theta
+    }
+
+    fn program(&self, unit: f64) -> Program {
+        let builder = Builder::default();
+        let outputs: Vec<Signed> = self.outputs(&builder, unit).iter().map(|output| output.value).collect();
+        Program::new(&builder.into_graph(), &outputs)
+    }
+
+    /// The outputs, row by row.
+    fn outputs<'g>(&self, builder: &'g Builder, unit: f64) -> Vec<Expression<'g>> {
+        let chain = Chain::new(builder, self.robot, unit);
+        let theta = self.theta(builder);
+        let table = self.model.parameter_table();
+        let drives = Drives { chain: &chain, table, motors: self.model.coupled_motors(), theta: &theta };
+        let links = links(&chain, self.robot, &theta);
+        let state = Arrays::new(&chain);
+        match self.request.model {
+            ModelKind::InverseDynamics => torques(&drives, &links, state.rates(true, true, true)),
+            ModelKind::Gravity => link_torques(&chain, &links, state.rates(false, false, true)),
+            ModelKind::Coriolis => link_torques(&chain, &links, state.rates(true, false, false)),
+            ModelKind::MassMatrix => full(&mass_matrix(&drives, &links), chain.coordinates),
+            ModelKind::ForwardDynamics => {
+                let bias = torques(&drives, &links, state.rates(true, false, true));
+                let tau = builder.inputs(Array::Torque, chain.coordinates);
+                let rest = tau.into_iter().zip(bias).map(|(tau, bias)| tau - bias).collect();
+                solve(mass_matrix(&drives, &links), rest)
+            }
+            ModelKind::Regressor => self.regressor(&drives, state.rates(true, true, true)),
+            ModelKind::ForwardKinematics => {
+                let poses = poses(&chain);
+                tips(self.robot).into_iter().flat_map(|link| entries(&poses[link])).collect()
+            }
+            ModelKind::Jacobian => jacobians(&chain, &tips(self.robot)),
+        }
+    }
+
+    /// Row by row, a column for each parameter.
+    fn regressor<'g>(&self, drives: &Drives<'_, 'g>, rates: Rates<'_, 'g>) -> Vec<Expression<'g>> {
+        let chain = drives.chain;
+        let axes: Vec<_> = self.robot.joints.iter().map(|joint| joint.link_axes).collect();
+        let columns = link_columns(chain, &motions(chain, rates), &axes);
+        let places = self.columns();
+        let mut phi = vec![chain.builder.zero(); chain.coordinates * places.len()];
+        for (place, index) in places.iter().enumerate() {
+            let parameter = self.model.parameter_table().get(*index);
+            if !self.request.drives.contain(parameter.quantity) {
+                continue;
+            }
+            let number = parameter.number - 1;
+            let entries: Vec<(usize, Expression<'g>)> = match parameter.quantity {
+                Quantity::Link(quantity) => {
+                    let of_link = columns.iter().filter(|column| column.link == number);
+                    of_link.map(|column| (column.coordinate, column.entries[component(quantity)])).collect()
+                }
+                quantity @ (Quantity::Joint(_) | Quantity::Motor(_) | Quantity::Term(_)) => {
+                    drives.column(quantity, number, rates)
+                }
+            };
+            for (coordinate, entry) in entries {
+                let value = &mut phi[coordinate * places.len() + place];
+                *value = *value + entry;
+            }
+        }
+        phi
+    }
+}
+
+/// The torques of the links and the drives.
+fn torques<'g>(drives: &Drives<'_, 'g>, links: &[PseudoInertia<'g>], rates: Rates<'_, 'g>) -> Vec<Expression<'g>> {
+    let mut torques = link_torques(drives.chain, links, rates);
+    drives.add_inertia(rates, &mut torques);
+    drives.add_friction(rates, &mut torques);
+    torques
+}
+
+fn component(quantity: LinkQuantity) -> usize {
+    quantity as usize
+}
+
+fn full<'g>(lower: &[Expression<'g>], n: usize) -> Vec<Expression<'g>> {
+    (0..n * n).map(|entry| lower[place(entry / n, entry % n)]).collect()
+}
+
+/// The Jacobians of links, six rows each.
+fn jacobians<'g>(chain: &Chain<'g>, links: &[usize]) -> Vec<Expression<'g>> {
+    let poses = poses(chain);
+    let mut rows = Vec::new();
+    for &link in links {
+        let columns = jacobian(chain, &poses, link);
+        for row in 0..6 {
+            rows.extend(columns.iter().map(|column| column[row / 3][row % 3]));
+        }
+    }
+    rows
+}
+
+/// The arrays of a motion as expressions.
+struct Arrays<'g> {
+    dq: Vec<Expression<'g>>,
+    ddq: Vec<Expression<'g>>,
+    zeros: Vec<Expression<'g>>,
+}
+
+impl<'g> Arrays<'g> {
+    fn new(chain: &Chain<'g>) -> Self {
+        let n = chain.coordinates;
+        Self {
+            dq: chain.builder.inputs(Array::Velocity, n),
+            ddq: chain.builder.inputs(Array::Acceleration, n),
+            zeros: vec![chain.builder.zero(); n],
+        }
+    }
+
+    fn rates(&self, moves: bool, accelerates: bool, with_gravity: bool) -> Rates<'_, 'g> {
+        let dq = if moves { &self.dq } else { &self.zeros };
+        let ddq = if accelerates { &self.ddq } else { &self.zeros };
+        Rates { dq, ddq, with_gravity }
+    }
+}

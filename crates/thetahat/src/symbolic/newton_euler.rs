@@ -1,0 +1,155 @@
+//! Recursive Newton-Euler on pseudo-inertias.
+//!
+//! A point `r` of a link accelerates by `dv + A r`, `A = [dw]x + [w]x^2`, so that a link needs the force `F = A l + m dv`
+//! and the moments `M = A L + dv l^T`, whose antisymmetric part is the torque. The column of `A` along a revolute joint's
+//! axis is that of the link before, rotated: what is on the axis does not turn with the joint.
+
+use super::{
+    expression::{Expression, Matrix, Vector, add, cross, dot, times},
+    inertia::PseudoInertia,
+    joints::{Chain, Joint},
+};
+
+/// The motion of a link in its frame, lengths in the chain's unit.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Motion<'g> {
+    pub(super) w: Vector<'g>,
+    pub(super) dw: Vector<'g>,
+    /// Acceleration per place.
+    pub(super) a: Matrix<'g>,
+    /// `zz - yy`, `xx - zz` and `yy - xx` of `a`.
+    pub(super) differences: Vector<'g>,
+    /// `wy wz`, `wx wz` and `wx wy`.
+    pub(super) products: Vector<'g>,
+    /// Acceleration of the origin, less gravity.
+    pub(super) dv: Vector<'g>,
+}
+
+/// Velocities and accelerations of the coordinates.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Rates<'a, 'g> {
+    pub(super) dq: &'a [Expression<'g>],
+    pub(super) ddq: &'a [Expression<'g>],
+    /// Whether gravity acts.
+    pub(super) with_gravity: bool,
+}
+
+impl<'g> Motion<'g> {
+    fn at_rest(chain: &Chain<'g>, with_gravity: bool) -> Self {
+        let gravity = chain.gravity.map(|g| if with_gravity { -g } else { 0.0 });
+        let none = chain.none();
+        let dv = chain.builder.constants(gravity);
+        Self { w: none, dw: none, a: [none; 3], differences: none, products: none, dv }
+    }
+
+    /// From the angular velocity and acceleration, `a` and `dv`.
+    pub(super) fn new([w, dw]: [Vector<'g>; 2], a: Matrix<'g>, dv: Vector<'g>) -> Self {
+        let differences = [a[2][2] - a[1][1], a[0][0] - a[2][2], a[1][1] - a[0][0]];
+        Self { w, dw, a, differences, products: [w[1] * w[2], w[0] * w[2], w[0] * w[1]], dv }
+    }
+
+    /// Of the link behind a joint.
+    fn next(&self, chain: &Chain<'g>, joint: &Joint<'g>, rates: Rates<'_, 'g>) -> Self {
+        let column = joint.turned(joint.axis_column(&self.a, chain.builder));
+        let at_foot = joint.seen(add(self.dv, times(&self.a, joint.foot)));
+        let dv = add(at_foot, column.map(|entry| entry * joint.along));
+        let dq = joint.rate(rates.dq, chain.unit);
+        let ddq = joint.rate(rates.ddq, chain.unit);
+        if joint.is_revolute { self.turned(joint, [dq, ddq], column, dv) } else { self.slid(joint, [dq, ddq], dv) }
+    }
+
+    /// Behind a revolute joint, `a` of whose axis is `column`.
+    fn turned(&self, joint: &Joint<'g>, [dq, ddq]: [Expression<'g>; 2], column: Vector<'g>, dv: Vector<'g>) -> Self {
+        let [x, y, z] = joint.seen(self.w);
+        let z = z + dq;
+        let dz = joint.tilted(self.dw)[2] + ddq;
+        let [xz, yz, zz] = column;
+        let (xx2, zz2) = (x * x, z * z);
+        let yy = -(xx2 + zz2);
+        let products = [y * z, x * z, x * y];
+        let (dx, dy) = (products[0] - yz, xz - products[1]);
+        let (zz_yy, xx_zz) = (zz - yy, xx2 - zz2);
+        let differences = [zz_yy, xx_zz, -(zz_yy + xx_zz)];
+        let a = [
+            [zz + differences[1], products[2] - dz, xz],
+            [products[2] + dz, yy, yz],
+            [products[1] - dy, products[0] + dx, zz],
+        ];
+        Self { w: [x, y, z], dw: [dx, dy, dz], a, differences, products, dv }
+    }
+
+    fn slid(&self, joint: &Joint<'g>, [dq, ddq]: [Expression<'g>; 2], dv: Vector<'g>) -> Self {
+        let twice = dq * 2.0;
+        let w = joint.seen(self.w);
+        let dv = [dv[0] + w[1] * twice, dv[1] - w[0] * twice, dv[2] + ddq];
+        Self::new([w, joint.seen(self.dw)], joint.seen_matrix(&self.a), dv)
+    }
+
+    /// The force and the moment about the origin that move a link.
+    fn wrench(&self, link: &PseudoInertia<'g>) -> Wrench<'g> {
+        let force = [0, 1, 2].map(|i| dot(self.a[i], link.first) + link.mass * self.dv[i]);
+        Wrench { force, moment: [0, 1, 2].map(|i| self.moment(link, i)) }
+    }
+
+    /// `M_kj - M_jk` of the axes j and k behind axis i.
+    fn moment(&self, link: &PseudoInertia<'g>, i: usize) -> Expression<'g> {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        let (a, second, first) = (&self.a, &link.second, link.first);
+        let turning = a[k][i] * second[i][j] - a[j][i] * second[i][k] + self.differences[i] * second[j][k];
+        turning + (a[k][j] * second[j][j] - a[j][k] * second[k][k]) + (self.dv[k] * first[j] - self.dv[j] * first[k])
+    }
+}
+
+/// Force, and moment about a frame's origin, in that frame.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Wrench<'g> {
+    pub(super) force: Vector<'g>,
+    pub(super) moment: Vector<'g>,
+}
+
+impl<'g> Wrench<'g> {
+    pub(super) fn plus(&self, other: &Self) -> Self {
+        Self { force: add(self.force, other.force), moment: add(self.moment, other.moment) }
+    }
+
+    /// About the origin of the frame before.
+    pub(super) fn moved_to_parent(&self, joint: &Joint<'g>) -> Self {
+        let force = joint.seen_back(self.force);
+        let [x, y, z] = self.moment;
+        let at_foot = [x - joint.along * self.force[1], y + joint.along * self.force[0], z];
+        Self { force, moment: add(joint.seen_back(at_foot), cross(joint.foot, force)) }
+    }
+
+    /// The torque or force that the joint's drive gives.
+    pub(super) fn along(&self, joint: &Joint<'g>, unit: f64) -> Expression<'g> {
+        if joint.is_revolute { self.moment[2] } else { self.force[2] * (1.0 / unit) }
+    }
+}
+
+/// The motion of each link.
+pub(super) fn motions<'g>(chain: &Chain<'g>, rates: Rates<'_, 'g>) -> Vec<Motion<'g>> {
+    let mut motions: Vec<Motion<'g>> = Vec::with_capacity(chain.joints.len());
+    for joint in &chain.joints {
+        let before = joint.parent.map_or_else(|| Motion::at_rest(chain, rates.with_gravity), |p| motions[p]);
+        motions.push(before.next(chain, joint, rates));
+    }
+    motions
+}
+
+/// The torques on the coordinates that move the links.
+pub(super) fn link_torques<'g>(
+    chain: &Chain<'g>,
+    links: &[PseudoInertia<'g>],
+    rates: Rates<'_, 'g>,
+) -> Vec<Expression<'g>> {
+    let motions = motions(chain, rates);
+    let mut wrenches: Vec<Wrench<'g>> = motions.iter().zip(links).map(|(motion, link)| motion.wrench(link)).collect();
+    let mut torques = vec![chain.builder.zero(); chain.coordinates];
+    for (j, joint) in chain.inwards() {
+        torques[joint.coordinate] = torques[joint.coordinate] + wrenches[j].along(joint, chain.unit) * joint.ratio;
+        if let Some(parent) = joint.parent {
+            wrenches[parent] = wrenches[parent].plus(&wrenches[j].moved_to_parent(joint));
+        }
+    }
+    torques
+}

@@ -1,0 +1,128 @@
+//! What is asked of a robot.
+
+use super::graph::Array;
+use crate::robot::Quantity;
+
+/// A model of a robot as a function.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ModelKind {
+    /// Torques of a motion.
+    InverseDynamics,
+    /// The mass matrix, row by row.
+    MassMatrix,
+    /// Accelerations of torques.
+    ForwardDynamics,
+    /// The matrix that gives the torques of a motion by the parameters, row by row.
+    Regressor,
+    /// Torques of gravity.
+    Gravity,
+    /// Centrifugal and Coriolis torques.
+    Coriolis,
+    /// Frames of the tips in the frame of the base: three rows of rotation and origin.
+    ForwardKinematics,
+    /// Jacobians of the tips in the frame of the base: six rows, the angular velocity first.
+    Jacobian,
+}
+
+/// What the parameters of a function are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ParameterSet {
+    /// The standard parameters, in the order of the robot's table.
+    Standard,
+    /// The base parameters.
+    Base,
+}
+
+/// Which torques of the drives are in a model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DriveTorques {
+    /// Inertia of the motors, friction and offsets.
+    All,
+    /// Inertia of the motors alone.
+    Inertia,
+    /// None: the links alone.
+    None,
+}
+
+/// What is generated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Request {
+    /// The model.
+    pub model: ModelKind,
+    /// Its parameters.
+    pub parameters: ParameterSet,
+    /// Their values, folded into the code; an input of the function where there are none.
+    pub values: Option<Vec<f64>>,
+    /// Which torques of the drives are in it.
+    pub drives: DriveTorques,
+}
+
+impl DriveTorques {
+    /// All choices, with their names on the command line.
+    pub const ALL: [(&'static str, Self); 3] = [("all", Self::All), ("inertia", Self::Inertia), ("none", Self::None)];
+
+    /// Whether the torque of a parameter is among them; those of links always are.
+    pub(super) fn contain(self, quantity: Quantity) -> bool {
+        match (self, quantity) {
+            (_, Quantity::Link(_)) | (Self::All, _) => true,
+            (Self::Inertia, _) => quantity.is_motor_inertia(),
+            (Self::None, _) => false,
+        }
+    }
+}
+
+impl ModelKind {
+    /// All models, with their names on the command line.
+    pub const ALL: [(&'static str, Self); 8] = [
+        ("idm", Self::InverseDynamics),
+        ("mass-matrix", Self::MassMatrix),
+        ("ddm", Self::ForwardDynamics),
+        ("regressor", Self::Regressor),
+        ("gravity", Self::Gravity),
+        ("coriolis", Self::Coriolis),
+        ("forward-kinematics", Self::ForwardKinematics),
+        ("jacobian", Self::Jacobian),
+    ];
+
+    /// Its name in code.
+    #[must_use]
+    pub fn identifier(self) -> &'static str {
+        match self {
+            Self::InverseDynamics => "inverse_dynamics",
+            Self::MassMatrix => "mass_matrix",
+            Self::ForwardDynamics => "forward_dynamics",
+            Self::Regressor => "regressor",
+            Self::Gravity => "gravity",
+            Self::Coriolis => "coriolis",
+            Self::ForwardKinematics => "forward_kinematics",
+            Self::Jacobian => "jacobian",
+        }
+    }
+
+    /// The arrays that the function takes, parameters apart.
+    #[must_use]
+    pub fn inputs(self) -> &'static [Array] {
+        match self {
+            Self::InverseDynamics | Self::Regressor => &[Array::Position, Array::Velocity, Array::Acceleration],
+            Self::ForwardDynamics => &[Array::Position, Array::Velocity, Array::Torque],
+            Self::Coriolis => &[Array::Position, Array::Velocity],
+            Self::MassMatrix | Self::Gravity | Self::ForwardKinematics | Self::Jacobian => &[Array::Position],
+        }
+    }
+
+    /// Whether the values of the parameters act on the output.
+    #[must_use]
+    pub fn takes_parameters(self) -> bool {
+        match self {
+            Self::InverseDynamics | Self::MassMatrix | Self::ForwardDynamics | Self::Gravity | Self::Coriolis => true,
+            Self::Regressor | Self::ForwardKinematics | Self::Jacobian => false,
+        }
+    }
+
+    pub(super) fn has_drive_torques(self) -> bool {
+        match self {
+            Self::InverseDynamics | Self::ForwardDynamics | Self::Regressor => true,
+            Self::MassMatrix | Self::Gravity | Self::Coriolis | Self::ForwardKinematics | Self::Jacobian => false,
+        }
+    }
+}

@@ -1,0 +1,290 @@
+//! The generated functions against the library's kernels, in random states.
+
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::*;
+use crate::{
+    base_parameters::BaseParameters,
+    dynamics::{DynamicParameters, Model, Sign, State, Workspace},
+    regressor::Regressor,
+    robot::{JointQuantity, Locks, Parameter, Quantity, Robot, RobotSource},
+};
+
+const ROBOTS: [&str; 9] = [
+    "two_joint.toml",
+    "emps.toml",
+    "scara.toml",
+    "tx40.toml",
+    "ur10.toml",
+    "branching.urdf",
+    "seven_axes.urdf",
+    "mobile_manipulator.urdf",
+    "quadruped.urdf",
+];
+/// Relative to the largest entry.
+const ROUNDING: f64 = 1e-12;
+
+fn robots() -> impl Iterator<Item = Robot> {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../robots");
+    ROBOTS.iter().map(move |name| {
+        let source = RobotSource::read(&folder.join(name)).unwrap();
+        let until = if name.starts_with("mobile") { vec!["arm_7_joint".to_owned()] } else { Vec::new() };
+        let locks = Locks { until, ..Locks::default() };
+        snapped(&source.robot_with_locks(&locks, Path::new("test")).unwrap()).0
+    })
+}
+
+#[derive(Clone)]
+struct Case {
+    robot: Robot,
+    model: Model,
+    theta: Vec<f64>,
+    parameters: DynamicParameters,
+    state: [Vec<f64>; 3],
+}
+
+impl Case {
+    fn new(robot: Robot, rng: &mut ChaCha8Rng) -> Self {
+        let model = Model::new(&robot);
+        let mut random = |n: usize| -> Vec<f64> { (0..n).map(|_| rng.random_range(-2.0..2.0)).collect() };
+        let theta = random(model.parameter_table().len());
+        let n = model.coordinate_count();
+        let state = [random(n), random(n), random(n)];
+        let parameters = DynamicParameters::new(&model, &theta);
+        Self { robot, model, theta, parameters, state }
+    }
+
+    fn inverse_dynamics(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Vec<f64> {
+        let mut tau = vec![0.0; q.len()];
+        let mut workspace = Workspace::new(&self.model);
+        self.model.inverse_dynamics(&self.parameters, State::new(q, dq), ddq, Sign::Exact, &mut workspace, &mut tau);
+        tau
+    }
+
+    fn function(&self, model: ModelKind, parameters: ParameterSet) -> Function {
+        let request = Request { model, parameters, values: None, drives: DriveTorques::All };
+        Function::new(&self.robot, &request).unwrap()
+    }
+
+    fn values(&self, set: ParameterSet) -> Vec<f64> {
+        match set {
+            ParameterSet::Standard => self.theta.clone(),
+            ParameterSet::Base => BaseParameters::of(&self.model, &[]).unwrap().from_standard(&self.theta),
+        }
+    }
+
+    fn without_offsets(&self) -> Self {
+        let is_offset = |p: &Parameter| p.quantity == Quantity::Joint(JointQuantity::Off);
+        let table = self.model.parameter_table();
+        let theta: Vec<f64> = table.iter().zip(&self.theta).map(|(p, v)| if is_offset(p) { 0.0 } else { *v }).collect();
+        Self { parameters: DynamicParameters::new(&self.model, &theta), theta, ..self.clone() }
+    }
+
+    /// Of the drives alone: the parameters of the links are zero.
+    fn friction_at_rest(&self, dq: &[f64]) -> Vec<f64> {
+        let is_link = |parameter: &Parameter| matches!(parameter.quantity, Quantity::Link(_));
+        let table = self.model.parameter_table();
+        let theta: Vec<f64> = table.iter().zip(&self.theta).map(|(p, v)| if is_link(p) { 0.0 } else { *v }).collect();
+        let without = Self { parameters: DynamicParameters::new(&self.model, &theta), ..self.clone() };
+        without.inverse_dynamics(&self.state[0], dq, &vec![0.0; dq.len()])
+    }
+
+    fn evaluate(&self, model: ModelKind, parameters: ParameterSet) -> Vec<f64> {
+        let theta = self.values(parameters);
+        let [q, dq, ddq] = &self.state;
+        self.function(model, parameters).program.evaluate(&Inputs { q, dq, ddq, tau: ddq, theta: &theta })
+    }
+}
+
+fn ensure_close(found: &[f64], expected: &[f64], what: &str) {
+    let size = expected.iter().fold(1e-3, |size: f64, value| size.max(value.abs()));
+    assert_eq!(found.len(), expected.len(), "{what}");
+    for (place, (a, b)) in found.iter().zip(expected).enumerate() {
+        assert!((a - b).abs() <= ROUNDING * size, "{what}, entry {place}: {a} against {b}, of {size}");
+    }
+}
+
+fn of_each_robot(check: impl Fn(&Case, &str)) {
+    let mut rng = ChaCha8Rng::seed_from_u64(16);
+    for robot in robots() {
+        for _ in 0..3 {
+            let case = Case::new(robot.clone(), &mut rng);
+            check(&case, &robot.name);
+        }
+    }
+}
+
+const SETS: [ParameterSet; 2] = [ParameterSet::Standard, ParameterSet::Base];
+
+#[test]
+fn inverse_dynamics_is_that_of_the_kernels() {
+    of_each_robot(|case, name| {
+        let [q, dq, ddq] = &case.state;
+        let expected = case.inverse_dynamics(q, dq, ddq);
+        for set in SETS {
+            ensure_close(&case.evaluate(ModelKind::InverseDynamics, set), &expected, name);
+        }
+    });
+}
+
+#[test]
+fn mass_matrix_is_that_of_the_kernels() {
+    of_each_robot(|case, name| {
+        let n = case.model.coordinate_count();
+        let mut expected = vec![0.0; n * n];
+        case.model.mass_matrix(&case.parameters, &case.state[0], &mut Workspace::new(&case.model), &mut expected);
+        for set in SETS {
+            ensure_close(&case.evaluate(ModelKind::MassMatrix, set), &expected, name);
+        }
+    });
+}
+
+/// The accelerations of the torques that inverse dynamics gives are the accelerations that it was given; the mass matrix of
+/// random parameters need not be positive definite.
+#[test]
+fn forward_dynamics_reverses_inverse_dynamics() {
+    of_each_robot(|case, name| {
+        let [q, dq, ddq] = &case.state;
+        let theta: Vec<f64> = case.robot.a_priori_parameters();
+        let parameters = DynamicParameters::new(&case.model, &theta);
+        let mut tau = vec![0.0; q.len()];
+        let (state, mut workspace) = (State::new(q, dq), Workspace::new(&case.model));
+        case.model.inverse_dynamics(&parameters, state, ddq, Sign::Exact, &mut workspace, &mut tau);
+        let mut expected = vec![0.0; q.len()];
+        let solved = case.model.forward_dynamics(&parameters, state, &tau, Sign::Exact, &mut workspace, &mut expected);
+        if solved.is_err() {
+            return;
+        }
+        let program = case.function(ModelKind::ForwardDynamics, ParameterSet::Standard).program;
+        let found = program.evaluate(&Inputs { q, dq, tau: &tau, theta: &theta, ..Inputs::default() });
+        let error = |of: &[f64]| of.iter().zip(ddq).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let (own, kernel) = (error(&found), error(&expected));
+        assert!(own <= 100.0 * kernel + 1e-12, "{name}: {own:e} against {kernel:e} of the kernel");
+    });
+}
+
+#[test]
+fn the_regressor_times_the_parameters_is_inverse_dynamics() {
+    of_each_robot(|case, name| {
+        let [q, dq, ddq] = &case.state;
+        let expected = case.inverse_dynamics(q, dq, ddq);
+        for set in SETS {
+            let theta = case.values(set);
+            let phi = case.evaluate(ModelKind::Regressor, set);
+            let row = |row: &[f64]| row.iter().zip(&theta).map(|(a, b)| a * b).sum::<f64>();
+            let found: Vec<f64> = phi.chunks(theta.len()).map(row).collect();
+            ensure_close(&found, &expected, name);
+        }
+    });
+}
+
+#[test]
+fn the_regressor_is_that_of_the_kernels() {
+    of_each_robot(|case, name| {
+        let columns: Vec<usize> = (0..case.theta.len()).collect();
+        let regressor = Regressor::new(&case.model, &columns);
+        let mut entries = vec![0.0; regressor.entries().len()];
+        let [q, dq, ddq] = &case.state;
+        let mut workspace = Workspace::new(&case.model);
+        regressor.evaluate(&case.model, State::new(q, dq), ddq, Sign::Exact, &mut workspace, &mut entries);
+        let mut expected = vec![0.0; q.len() * columns.len()];
+        for (entry, value) in regressor.entries().iter().zip(entries) {
+            expected[entry.joint * columns.len() + entry.column] += value;
+        }
+        ensure_close(&case.evaluate(ModelKind::Regressor, ParameterSet::Standard), &expected, name);
+    });
+}
+
+#[test]
+fn gravity_and_coriolis_torques_are_parts_of_inverse_dynamics() {
+    of_each_robot(|case, name| {
+        // Base parameters take an offset and the weight that a slide always carries together.
+        let case = &case.without_offsets();
+        let ([q, dq, _], n) = (&case.state, case.model.coordinate_count());
+        let zeros = vec![0.0; n];
+        let mut still = case.robot.clone();
+        still.gravity = [0.0; 3];
+        let weightless = Case { model: Model::new(&still), robot: still, ..case.clone() };
+        let difference = |a: Vec<f64>, b: Vec<f64>| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
+        let weight =
+            difference(case.inverse_dynamics(q, &zeros, &zeros), weightless.inverse_dynamics(q, &zeros, &zeros));
+        let friction = case.friction_at_rest(dq);
+        let coriolis = difference(weightless.inverse_dynamics(q, dq, &zeros), friction);
+        for set in SETS {
+            ensure_close(&case.evaluate(ModelKind::Gravity, set), &weight, name);
+            ensure_close(&case.evaluate(ModelKind::Coriolis, set), &coriolis, name);
+        }
+    });
+}
+
+/// The power of a force at a tip is the same by the Jacobian and by moving the coordinates a little.
+#[test]
+fn the_jacobian_is_the_derivative_of_the_kinematics() {
+    const STEP: f64 = 1e-6;
+    of_each_robot(|case, name| {
+        let n = case.model.coordinate_count();
+        let jacobian = case.evaluate(ModelKind::Jacobian, ParameterSet::Standard);
+        let program = case.function(ModelKind::ForwardKinematics, ParameterSet::Standard).program;
+        let at = |c: usize, by: f64| {
+            let mut q = case.state[0].clone();
+            q[c] += by;
+            program.evaluate(&Inputs { q: &q, ..Inputs::default() })
+        };
+        let here = at(0, 0.0);
+        for c in 0..n {
+            let (above, below) = (at(c, STEP), at(c, -STEP));
+            let rate: Vec<f64> = above.iter().zip(below).map(|(a, b)| (a - b) / (2.0 * STEP)).collect();
+            for (tip, (rate, pose)) in rate.chunks(12).zip(here.chunks(12)).enumerate() {
+                let column: Vec<f64> = (0..6).map(|row| jacobian[(6 * tip + row) * n + c]).collect();
+                let spin = |i: usize, j: usize| (0..3).map(|k| rate[4 * i + k] * pose[4 * j + k]).sum::<f64>();
+                let expected = [spin(2, 1), spin(0, 2), spin(1, 0), rate[3], rate[7], rate[11]];
+                for (a, b) in column.iter().zip(expected) {
+                    assert!((a - b).abs() < 1e-8, "{name}, coordinate {c}, tip {tip}: {a} against {b}");
+                }
+            }
+        }
+    });
+}
+
+/// The formulas have the coefficients of the numeric regrouping.
+#[test]
+fn formulas_are_the_numeric_regrouping() {
+    for robot in robots() {
+        let base = BaseParameters::of(&Model::new(&robot), &[]).unwrap();
+        let formulas = BaseFormulas::of(&robot).unwrap();
+        assert_eq!(base.len(), formulas.parameters.len());
+        for (numeric, formula) in base.parameters().iter().zip(&formulas.parameters) {
+            let mut left: BTreeMap<usize, f64> = formula.coefficients.iter().copied().collect();
+            for (index, coefficient) in std::iter::once(&(numeric.kept, 1.0)).chain(&numeric.regrouped) {
+                *left.entry(*index).or_insert(0.0) -= coefficient;
+            }
+            let worst = left.values().fold(0.0, |worst: f64, rest| worst.max(rest.abs()));
+            assert!(
+                worst < 1e-8,
+                "{} {}: {} against {}",
+                robot.name,
+                numeric.name,
+                formula.expression,
+                numeric.expression
+            );
+        }
+    }
+}
+
+#[test]
+fn formulas_have_the_names_of_the_geometry() {
+    let robot = Robot::parse(include_str!("../../demo/tx40.toml"), Path::new("tx40.toml")).unwrap();
+    let formulas = BaseFormulas::of(&robot).unwrap();
+    let of = |name: &str| formulas.parameters.iter().find(|p| p.name == name).unwrap().expression.clone();
+    assert_eq!(
+        of("zz1r"),
+        "zz1 + ia1 + yy2 + yy3 + 2*d3*mz3 + (a3^2 + d3^2)*m3 + (a3^2 + d3^2)*m4 + (a3^2 + d3^2)*m5 + (a3^2 + d3^2)*m6"
+    );
+    assert_eq!(of("xx4r"), "xx4 - yy4 + yy5");
+}

@@ -1,0 +1,154 @@
+//! Generated code compiles without warnings, and gives what the library's own evaluation of the same functions gives, which
+//! the unit tests of `symbolic` compare with the kernels.
+//!
+//! A language whose compiler or interpreter is not there counts as ignored.
+
+mod c;
+mod python;
+mod rust;
+mod text;
+
+use std::path::Path;
+use std::process::Command;
+
+use libtest_mimic::{Arguments, Failed, Trial};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use thetahat::{
+    dynamics::Model,
+    robot::{Locks, Robot, RobotSource},
+    symbolic::{Array, DriveTorques, Function, Inputs, ModelKind, ParameterSet, Request},
+};
+
+const ROBOTS: [&str; 8] = [
+    "two_joint.toml",
+    "tx40.toml",
+    "ur10.toml",
+    "branching.urdf",
+    "seven_axes.urdf",
+    "mobile_manipulator.urdf",
+    "scara.toml",
+    "quadruped.urdf",
+];
+
+/// Relative to the largest entry.
+const ROUNDING: f64 = 1e-12;
+/// States that each function is called with.
+const STATES: usize = 5;
+
+/// A function with states to call it with.
+struct Sample {
+    function: Function,
+    theta: Vec<f64>,
+    /// Positions, velocities, accelerations and torques, entry by entry with the states of each side by side.
+    arrays: [Vec<f64>; 4],
+}
+
+impl Sample {
+    fn new(robot: &Robot, model: ModelKind, rng: &mut ChaCha8Rng) -> Self {
+        let parameters = if rng.random_bool(0.5) { ParameterSet::Base } else { ParameterSet::Standard };
+        let request = Request { model, parameters, values: None, drives: DriveTorques::All };
+        let function = Function::new(robot, &request).unwrap();
+        let mut random = |n: usize| -> Vec<f64> { (0..n).map(|_| rng.random_range(-2.0..2.0)).collect() };
+        let n = Model::new(robot).coordinate_count();
+        let theta = random(function.parameters.len());
+        let arrays = [0; 4].map(|_| random(n * STATES));
+        Self { function, theta, arrays }
+    }
+
+    /// The array that a function takes.
+    fn array(&self, of: Array) -> &[f64] {
+        match of {
+            Array::Position => &self.arrays[0],
+            Array::Velocity => &self.arrays[1],
+            Array::Acceleration => &self.arrays[2],
+            Array::Torque => &self.arrays[3],
+            Array::Parameter => &self.theta,
+        }
+    }
+
+    fn expected(&self, state: usize) -> Vec<f64> {
+        let [q, dq, ddq, tau] =
+            [0, 1, 2, 3].map(|i| self.arrays[i].iter().skip(state).step_by(STATES).copied().collect::<Vec<_>>());
+        self.function.program.evaluate(&Inputs { q: &q, dq: &dq, ddq: &ddq, tau: &tau, theta: &self.theta })
+    }
+
+    /// Fails unless these are the entries of each state after the other.
+    fn check(&self, found: &[f64]) -> Result<(), Failed> {
+        let expected: Vec<f64> = (0..STATES).flat_map(|state| self.expected(state)).collect();
+        let what = format!("{} {}", self.function.robot, self.function.model.identifier());
+        thetahat_testing::ensure(found.len() == expected.len(), format!("{what}: {} entries", found.len()))?;
+        for (found, expected) in found.chunks(found.len() / STATES).zip(expected.chunks(expected.len() / STATES)) {
+            let size = expected.iter().fold(1e-3, |size: f64, value| size.max(value.abs()));
+            for (a, b) in found.iter().zip(expected) {
+                let is_close = (a - b).abs() <= ROUNDING * size || (!a.is_finite() && !b.is_finite());
+                thetahat_testing::ensure(is_close, format!("{what}: {a} against {b}, of {size}"))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn robot(file: &str) -> Robot {
+    let source = RobotSource::read(&thetahat_testing::project("robots").join(file)).unwrap();
+    let until = if file.starts_with("mobile") { vec!["arm_7_joint".to_owned()] } else { Vec::new() };
+    source.robot_with_locks(&Locks { until, ..Locks::default() }, Path::new("the test")).unwrap()
+}
+
+/// A function of each model.
+fn samples(file: &str) -> Vec<Sample> {
+    let (robot, mut rng) = (robot(file), ChaCha8Rng::seed_from_u64(1640));
+    ModelKind::ALL.iter().map(|(_, model)| Sample::new(&robot, *model, &mut rng)).collect()
+}
+
+/// Splits printed numbers among functions, and checks them.
+fn check_printed(samples: &[Sample], printed: &str) -> Result<(), Failed> {
+    let numbers = printed.split_whitespace().map(str::parse).collect::<Result<Vec<f64>, _>>()?;
+    let mut rest = &numbers[..];
+    for sample in samples {
+        let [rows, columns] = sample.function.shape;
+        let count = (rows * columns * STATES).min(rest.len());
+        let (own, others) = rest.split_at(count);
+        sample.check(own)?;
+        rest = others;
+    }
+    thetahat_testing::ensure(rest.is_empty(), "more numbers than entries")
+}
+
+/// What a command prints that must succeed.
+fn output(command: &mut Command) -> Result<String, Failed> {
+    let output = command.output()?;
+    let shown = thetahat_testing::shown(&output);
+    thetahat_testing::ensure(output.status.success(), format!("{command:?}:\n{shown}"))?;
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+fn is_there(program: &str, arguments: &[&str]) -> bool {
+    Command::new(program).args(arguments).output().is_ok_and(|output| output.status.success())
+}
+
+fn trials(language: &str, files: &[&'static str], is_there: bool, run: fn(&str) -> Result<(), Failed>) -> Vec<Trial> {
+    if !is_there {
+        eprintln!("\n*** SKIPPED: generated {language}: there is nothing that runs it ***\n");
+    }
+    let trial = |file: &&'static str| {
+        let file = *file;
+        Trial::test(format!("{language}_of_{}", file.replace('.', "_")), move || run(file)).with_ignored_flag(!is_there)
+    };
+    files.iter().map(trial).collect()
+}
+
+fn main() {
+    let python = python::interpreter();
+    let all = [
+        trials("c", &ROBOTS, is_there("cc", &["--version"]), c::run),
+        trials("rust", &["two_joint.toml", "scara.toml", "tx40.toml"], is_there("rustc", &["--version"]), rust::run),
+        trials("python", &ROBOTS, python.is_some(), python::run),
+        vec![
+            Trial::test("matlab", text::matlab),
+            Trial::test("latex", text::latex),
+            Trial::test("it_is_the_same_each_time", text::same_each_time),
+        ],
+    ];
+    libtest_mimic::run(&Arguments::from_args(), all.into_iter().flatten().collect()).exit()
+}
