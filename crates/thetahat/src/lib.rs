@@ -121,6 +121,8 @@ pub mod campaign;
 
 pub mod reduction;
 
+pub mod export;
+
 pub mod report;
 
 pub use control::ControllerDescription;

@@ -15,7 +15,6 @@ use crate::{
     preparation::Case,
     results::{Results, Verdict},
     robot::Robot,
-    run::with_constants,
 };
 
 /// A robot with identified parameters.
@@ -41,10 +40,7 @@ impl IdentifiedRobot {
     pub fn read(path: &Path, case: &str, method: Option<Method>) -> Result<Self, ExperimentError> {
         let mut results = Results::read(path)?;
         let verdict = results.verdict.unwrap_or_else(|| judge(&mut results));
-        let texts = [&results.experiment_description, &results.robot_description].map(String::clone);
-        let [experiment, robot] = texts;
-        let mut experiment = Experiment::from_texts(path, experiment, robot)?;
-        experiment.robot = with_constants(&experiment.robot, &results.profiled_terms);
+        let experiment = Experiment::of_results(path, &results)?;
         let run = chosen_run(path, &results, case, method)?;
         let case = experiment.cases().into_iter().find(|c| c.name == run.case).unwrap_or_else(Case::nominal);
         let base = experiment.setup().basis(&case).map_err(|e| experiment.refuse(e))?.base;

@@ -33,6 +33,7 @@ pub use description::{Experiment, ExperimentFile, RecordingDescription, TwinDesc
 pub use error::ExperimentError;
 pub use identified::IdentifiedRobot;
 pub use power::PowerPoint;
+pub(crate) use predict::require_same_parameters;
 pub use predict::{PredictionRequest, predict};
 pub use proposal::{
     Proposal, ProposalError, ProposalRequest, ProposedChannels, ProposedClock, ProposedLock, ProposedRecording,

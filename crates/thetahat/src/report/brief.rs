@@ -79,7 +79,7 @@ fn estimates(run: &RunResult, width: TextWidth) -> String {
     for (grade, what) in [
         (Grade::Sure, "sure: the interval is within 20 % of the estimate"),
         (Grade::Rough, "rough: the interval is wider, and excludes zero"),
-        (Grade::Impossible, "impossible: the interval lies below zero, where no robot is"),
+        (Grade::Impossible, "impossible: a negative motor inertia or friction, with its whole interval"),
     ] {
         let known: Vec<_> = run.graded(grade).collect();
         if !known.is_empty() {

@@ -119,7 +119,7 @@ fn figure(sensitivity: &Sensitivity) -> Figure {
         Chart::new(axis(kind), &axis(kind), NARROW).with(HEIGHT, |panel| {
             let changes = curves.iter().flat_map(|c| c.points.iter().map(|p| p.1));
             let panel = panel.around(curves.iter(), 0.0).up_by_powers(changes);
-            let panel = panel.upright("nominal", without_error(kind), "");
+            let panel = panel.upright("nominal", without_error(kind));
             curves.iter().fold(panel, |panel, curve| panel.line(curve).dots(curve))
         })
     };

@@ -57,15 +57,15 @@ fn remedy(setup: Setup<'_>, problem: &Problem) -> String {
     let whole = matches!(choice, ParameterChoice::Base | ParameterChoice::Named(NamedChoice::Base));
     let Some(trial) = whole.then(|| Trial::new(setup, problem)).flatten() else { return motion.to_owned() };
     let Trial { eliminated, whole, essential } = trial;
+    let change = 100.0 * (essential / whole - 1.0).abs();
     if essential <= whole {
         return format!(
-            "{motion}, or leave out {eliminated} parameters by estimate = \"essential\": the error of fifths left out is then \
-             {essential:.2} %, and {whole:.2} % now"
+            "{motion}, or leave out {eliminated} parameters by estimate = \"essential\", which makes the error on parts left out \
+             {change:.0} % smaller"
         );
     }
     format!(
-        "{motion}; leave estimate as it is: \"essential\" would make the error of fifths left out {essential:.2} %, and it is \
-         {whole:.2} %"
+        "{motion}; leave estimate as it is: \"essential\" would make the error on parts left out {change:.0} % larger"
     )
 }
 

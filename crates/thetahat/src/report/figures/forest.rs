@@ -131,7 +131,7 @@ fn notes(run: &RunResult, groups: &[ForestGroup]) -> Vec<String> {
     );
     let arrows = (off > 0).then(|| format!("An arrow marks what lies beyond {FARTHEST} %, in {off} rows."));
     let grades = "sure: half of the interval is at most a fifth of the estimate; rough: wider, without zero; not identified: the \
-                  interval holds zero; impossible: below zero with its interval. Intervals allow for errors that are correlated from row to row.";
+                  interval holds zero; impossible: a motor inertia or friction whose interval lies below zero. Intervals allow for errors that are correlated from row to row.";
     [Some(axis), arrows, Some(grades.to_owned())].into_iter().flatten().collect()
 }
 

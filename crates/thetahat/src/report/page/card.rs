@@ -22,6 +22,8 @@ pub(in crate::report) struct HeadCard {
     /// Labels and texts.
     pub(in crate::report) facts: Vec<(&'static str, String)>,
     pub(in crate::report) grades: Vec<Graded>,
+    /// Whether the grades hold only if the model does.
+    pub(in crate::report) is_doubted: bool,
     pub(in crate::report) actions: Vec<String>,
     /// Every reason, with its code.
     pub(in crate::report) reasons: Vec<(&'static str, String)>,
@@ -56,6 +58,7 @@ impl HeadCard {
             reason: results.verdict_reasons.first().map(|r| sentence(r.seen())).unwrap_or_default(),
             facts: facts(&card, verdict),
             grades: graded(&card),
+            is_doubted: card.model_is_doubted,
             reasons: results.verdict_reasons.iter().map(|r| (r.code.name(), sentence(&r.text))).collect(),
             actions: card.actions.iter().map(|action| sentence(action)).collect(),
         })
@@ -72,7 +75,7 @@ fn facts(card: &Card, verdict: Verdict) -> Vec<(&'static str, String)> {
         Unseen::HeldBack(error) => ("Error on the held-back record", percent(error)),
         Unseen::LeftOut(error) => ("Error on parts left out", percent(error)),
     });
-    let at = |(name, error): &(String, f64)| format!("; {} at {name}", percent(*error));
+    let at = |(name, error): &(String, f64)| format!(" overall, {} at {name}", percent(*error));
     let worst = card.worst_joint.as_ref().map(at).unwrap_or_default();
     let of = if card.method == Some(Method::CLOE) { "Error of the positions" } else { "Error of the torque" };
     let error = card.relative_error_percent.map(|error| (of, percent(error) + &worst));
@@ -88,7 +91,7 @@ fn graded(card: &Card) -> Vec<Graded> {
     let said = |grade| match grade {
         Grade::Sure if card.model_is_doubted => "sure, if the model holds",
         Grade::Sure => "sure",
-        Grade::Impossible => "below zero, where no robot is",
+        Grade::Impossible => "negative, as no motor inertia or friction can be",
         Grade::Rough | Grade::NotIdentified => "",
     };
     let of_grade = |(grade, of): (Grade, &Vec<String>)| Graded {

@@ -83,8 +83,10 @@ pub(in crate::report) struct Axis {
     pub(in crate::report) to: f64,
 }
 
-/// Fewest ticks from which an axis of powers of ten is read, and how many even ones are wanted in their place.
+/// Fewest ticks that tell a scale; how many times more are wanted where there are fewer.
 const FEWEST: usize = 2;
+const MORE: f64 = 2.5;
+/// Even ticks wanted in the place of powers of ten.
 const FEW: f64 = 5.0;
 
 impl Axis {
@@ -119,8 +121,14 @@ impl Axis {
         }
     }
 
+    /// Ticks at even steps: one alone does not tell the scale, so that a smaller step is taken then.
     fn linear_ticks(&self, wanted: f64, smallest_step: f64) -> Vec<Tick> {
-        let step = round_step((self.range.high - self.range.low) / wanted).max(smallest_step);
+        let step = |wanted: f64| round_step((self.range.high - self.range.low) / wanted).max(smallest_step);
+        let ticks = self.ticks_at(step(wanted));
+        if ticks.len() < FEWEST { self.ticks_at(step(MORE * wanted)) } else { ticks }
+    }
+
+    fn ticks_at(&self, step: f64) -> Vec<Tick> {
         let decimals = usize::try_from(-(step.log10() + 1e-9).floor() as i32).unwrap_or(0);
         let first = (self.range.low / step).ceil() as i64;
         let last = (self.range.high / step).floor() as i64;

@@ -163,17 +163,20 @@ impl Panel {
         self
     }
 
-    /// A line from top to bottom at a value, with a word above it where there is one.
-    pub(in crate::report) fn upright(mut self, class: &str, at: f64, word: &str) -> Self {
-        let x = self.x_axis().position(at);
+    /// A line from top to bottom at a value.
+    pub(in crate::report) fn upright(mut self, class: &str, at: f64) -> Self {
         let place = |v: f64| (v * super::axis::UNITS).round() as i64;
-        self.paths.push(Path { class: class.to_owned(), data: format!("M{} 0v{}", place(x), place(self.height)) });
-        if !word.is_empty() {
-            let is_right = x > 0.6 * self.width;
-            let (anchor, dx) = if is_right { ("end", -3.0) } else { ("start", 3.0) };
-            let (x, y) = (pixel(self.left + x + dx), pixel(self.top - ABOVE));
-            self.texts.push(Text { x, y, anchor, text: word.to_owned() });
-        }
+        let x = place(self.x_axis().position(at));
+        self.paths.push(Path { class: class.to_owned(), data: format!("M{x} 0v{}", place(self.height)) });
+        self
+    }
+
+    /// A word above the panel, beside a value of the axis from left to right.
+    pub(in crate::report) fn word(mut self, at: f64, word: &str) -> Self {
+        let x = self.x_axis().position(at);
+        let (anchor, dx) = if x > 0.6 * self.width { ("end", -3.0) } else { ("start", 3.0) };
+        let (x, y) = (pixel(self.left + x + dx), pixel(self.top - ABOVE));
+        self.texts.push(Text { x, y, anchor, text: word.to_owned() });
         self
     }
 
@@ -185,10 +188,10 @@ impl Panel {
         self
     }
 
-    /// What the panel shows, above its upper left corner.
+    /// What the panel shows, above its upper right corner.
     pub(in crate::report) fn named(mut self, name: &str) -> Self {
-        let (x, y) = (pixel(self.left), pixel(self.top - ABOVE));
-        self.texts.push(Text { x, y, anchor: "start", text: name.to_owned() });
+        let (x, y) = (pixel(self.left + self.width), pixel(self.top - ABOVE));
+        self.texts.push(Text { x, y, anchor: "end", text: name.to_owned() });
         self
     }
 }
