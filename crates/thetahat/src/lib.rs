@@ -61,15 +61,15 @@ mod real;
 
 mod vector;
 
-mod pool;
+pub mod pool;
 
-mod clock;
+pub mod clock;
 
 pub mod visible;
 
 pub mod output;
 
-mod one_or_each;
+pub mod one_or_each;
 
 pub mod robot;
 
@@ -118,6 +118,8 @@ pub mod experiment;
 pub mod campaign;
 
 pub mod reduction;
+
+pub mod design;
 
 pub mod report;
 

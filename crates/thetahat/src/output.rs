@@ -9,7 +9,7 @@ use std::{
 };
 
 /// What files of this program have among their first bytes.
-const MARKS: [&[u8]; 8] = [
+const MARKS: [&[u8]; 12] = [
     b"\"thetahat\": \"",
     b"<meta name=\"generator\" content=\"thetahat\">",
     b".TH thetahat",
@@ -18,10 +18,17 @@ const MARKS: [&[u8]; 8] = [
     b"error,value,method,status,relative_error_percent,rms_change_sd",
     b"time_s,predicted_1",
     RECORD.as_bytes(),
+    TRAJECTORY.as_bytes(),
+    b"# thetahat trajectory",
+    b"# thetahat design",
+    b"promised,a_priori,",
 ];
 
 /// How a simulated record begins: the quotes tell it from a record of others with the same columns, and no reader sees them.
 pub(crate) const RECORD: &str = "time_s,\"position_1\"";
+
+/// How a designed trajectory begins, likewise.
+pub(crate) const TRAJECTORY: &str = "time_s,\"q_1\"";
 
 /// First bytes among which a mark stands.
 const HEAD: u64 = 512;

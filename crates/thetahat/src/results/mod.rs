@@ -32,6 +32,7 @@ mod campaign;
 mod card;
 mod content;
 mod curves;
+mod design;
 mod diagnosis;
 mod file;
 mod filter;
@@ -58,6 +59,7 @@ pub use diagnosis::{
     Comparison, EndogeneityResult, Explained, Influence, InstrumentResult, JointResidual, ParameterDifference,
     ResidualResult,
 };
+pub use design::{DesignResults, DesignedJoint, ExperimentText, LimitUse, PromisedParameter, SearchResult};
 pub use file::ResultsError;
 pub use filter::{ComparedFilter, Filter, FilterChoice, FilterError};
 pub use grade::Grade;
