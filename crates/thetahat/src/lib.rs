@@ -61,15 +61,15 @@ mod real;
 
 mod vector;
 
-pub mod pool;
+mod pool;
 
-pub mod clock;
+mod clock;
 
 pub mod visible;
 
 pub mod output;
 
-pub mod one_or_each;
+mod one_or_each;
 
 pub mod robot;
 

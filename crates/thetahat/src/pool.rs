@@ -20,12 +20,12 @@ use std::{
 const AHEAD: usize = 3;
 
 /// As many threads as the machine runs at a time.
-pub fn available_threads() -> usize {
+pub(crate) fn available_threads() -> usize {
     thread::available_parallelism().map_or(1, usize::from)
 }
 
 /// `work` of each number below `count`, in the order of the numbers.
-pub fn in_parallel<T: Send>(count: usize, threads: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
+pub(crate) fn in_parallel<T: Send>(count: usize, threads: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let mut results = BTreeMap::new();
     let keep = |number, result| {
         results.insert(number, result);

@@ -24,7 +24,7 @@ pub(super) struct Place {
 }
 
 /// A signal is watched where it comes nearer to a limit than this part of half the range.
-const NEAR: f64 = 0.35;
+const NEAR: f64 = 0.15;
 /// Part of half the range by which a step may violate a limit that was not watched.
 const TOLERANCE: f64 = 1e-6;
 

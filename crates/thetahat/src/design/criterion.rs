@@ -182,8 +182,10 @@ mod tests {
             assert!((judged.value - criterion.value(&m).unwrap()).abs() < 1e-12);
             let at = |by: f64| criterion.value(&m.plus(&direction, by)).unwrap();
             let central = (at(h) - at(-h)) / (2.0 * h);
-            let exact: f64 =
-                (0..4).flat_map(|i| (0..4).map(move |j| (i, j))).map(|(i, j)| judged.slope.at(i, j) * direction.at(i, j)).sum();
+            let exact: f64 = (0..4)
+                .flat_map(|i| (0..4).map(move |j| (i, j)))
+                .map(|(i, j)| judged.slope.at(i, j) * direction.at(i, j))
+                .sum();
             assert!((central - exact).abs() < 1e-7 * exact.abs().max(1.0), "{criterion:?}: {central} {exact}");
         }
     }

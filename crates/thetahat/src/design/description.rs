@@ -122,15 +122,7 @@ pub struct LimitOptions {
 
 impl Default for LimitOptions {
     fn default() -> Self {
-        Self {
-            position: None,
-            velocity: None,
-            acceleration: None,
-            jerk: None,
-            torque: None,
-            power: None,
-            margin: 0.02,
-        }
+        Self { position: None, velocity: None, acceleration: None, jerk: None, torque: None, power: None, margin: 0.02 }
     }
 }
 
@@ -182,8 +174,10 @@ impl Design {
     /// # Errors
     /// As [`Design::read`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, DesignError> {
-        let refuse =
-            |e: toml::de::Error| DesignError::Syntax { path: path.to_owned(), message: e.to_string().trim_end().to_owned() };
+        let refuse = |e: toml::de::Error| DesignError::Syntax {
+            path: path.to_owned(),
+            message: e.to_string().trim_end().to_owned(),
+        };
         let file: DesignFile = toml::from_str(text).map_err(refuse)?;
         let tables: toml::Table = toml::from_str(text).map_err(refuse)?;
         let robot_path = path.parent().unwrap_or(Path::new("")).join(&file.robot);
@@ -224,7 +218,8 @@ impl Design {
 
 /// How the record will be identified: by least squares weighted by the noise of each joint where nothing else is asked for.
 fn settings(file: &DesignFile) -> Settings {
-    let default = || EstimationOptions { methods: vec![crate::identification::Method::IDIM_WLS], ..EstimationOptions::default() };
+    let default =
+        || EstimationOptions { methods: vec![crate::identification::Method::IDIM_WLS], ..EstimationOptions::default() };
     Settings {
         signal: file.signal,
         parameters: file.parameters.clone(),

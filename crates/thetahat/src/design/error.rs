@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use crate::{
     base_parameters::BaseParametersError, identification::EstimationError, preparation::PreparationError,
-    reduction::ReductionError, results::ResultsError, robot::RobotError, simulation::SimulationError,
+    reduction::ReductionError, robot::RobotError, simulation::SimulationError,
 };
 
 /// Why no motion is designed.
@@ -137,13 +137,20 @@ pub enum DesignError {
         /// Why.
         source: EstimationError,
     },
+    /// A reduction is of another robot.
+    #[error(
+        "{}: prior: the base parameters of the reductions are not those of the robot; reduce recordings of the same robot with the \
+         same [parameters] exclude",
+        path.display()
+    )]
+    OtherRobot {
+        /// The design file.
+        path: PathBuf,
+    },
     /// The robot's description cannot be used.
     #[error(transparent)]
     Robot(#[from] RobotError),
     /// A reduction cannot be used.
     #[error(transparent)]
     Reduction(#[from] ReductionError),
-    /// Earlier results cannot be used.
-    #[error(transparent)]
-    Results(#[from] ResultsError),
 }

@@ -68,7 +68,10 @@ fn settings(design: &Design) -> String {
     }
     if !tables.contains_key("estimation") {
         let methods = toml::Value::Array(vec![toml::Value::String("idim-wls".to_owned())]);
-        tables.insert("estimation".to_owned(), toml::Value::Table([("methods".to_owned(), methods)].into_iter().collect()));
+        tables.insert(
+            "estimation".to_owned(),
+            toml::Value::Table([("methods".to_owned(), methods)].into_iter().collect()),
+        );
     }
     tables.to_string()
 }

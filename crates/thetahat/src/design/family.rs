@@ -52,7 +52,7 @@ impl Family {
     /// Unknowns of one joint.
     #[must_use]
     pub fn unknowns_of_joint(&self) -> usize {
-        self.basis.len() + usize::from(self.has_free_start)
+        self.basis.functions() + usize::from(self.has_free_start)
     }
 
     /// Unknowns in all.
@@ -67,22 +67,10 @@ impl Family {
         self.has_free_start
     }
 
-    /// Duration, s.
-    #[must_use]
-    pub fn duration_s(&self) -> f64 {
-        self.basis.period_s()
-    }
-
     /// Unit of an unknown of a joint.
     #[must_use]
     pub fn unit(&self, joint: usize, unknown: usize) -> f64 {
         self.scale[joint][unknown]
-    }
-
-    /// Where a joint is when all unknowns are zero.
-    #[must_use]
-    pub fn centre(&self, joint: usize) -> f64 {
-        self.centre[joint]
     }
 
     /// The functions at instants from zero to the duration.
@@ -131,8 +119,8 @@ impl Family {
 
 /// Largest position, velocity and acceleration of each function.
 fn peaks(basis: &FourierBasis) -> Vec<[f64; 3]> {
-    let instants = 16 * basis.len();
-    let mut peaks = vec![[0.0_f64; 3]; basis.len()];
+    let instants = 16 * basis.functions();
+    let mut peaks = vec![[0.0_f64; 3]; basis.functions()];
     for k in 0..=instants {
         let orders = basis.at(basis.period_s() * k as f64 / instants as f64);
         for (m, peak) in peaks.iter_mut().enumerate() {

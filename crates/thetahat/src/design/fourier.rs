@@ -35,14 +35,8 @@ impl FourierBasis {
 
     /// Number of functions: two for each harmonic.
     #[must_use]
-    pub fn len(&self) -> usize {
+    pub fn functions(&self) -> usize {
         2 * self.harmonics
-    }
-
-    /// Whether there is none.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.harmonics == 0
     }
 
     /// T, s.
@@ -121,10 +115,13 @@ mod tests {
         for t in [0.3, 1.7, 3.9] {
             let (before, here, behind) = (basis.at(t - h), basis.at(t), basis.at(t + h));
             for order in 0..3 {
-                for m in 0..basis.len() {
+                for m in 0..basis.functions() {
                     let central = (behind[order][m] - before[order][m]) / (2.0 * h);
                     let exact = here[order + 1][m];
-                    assert!((central - exact).abs() < 1e-7 * exact.abs().max(10.0), "{order} {m} at {t}: {central} {exact}");
+                    assert!(
+                        (central - exact).abs() < 1e-7 * exact.abs().max(10.0),
+                        "{order} {m} at {t}: {central} {exact}"
+                    );
                 }
             }
         }
@@ -136,8 +133,8 @@ mod tests {
         let instants = INSTANTS * 10;
         let rows: Vec<Vec<f64>> =
             (0..instants).map(|k| basis.at((k as f64 + 0.5) / instants as f64 * 4.0)[2].clone()).collect();
-        for m in 0..basis.len() {
-            for n in 0..basis.len() {
+        for m in 0..basis.functions() {
+            for n in 0..basis.functions() {
                 let mean = rows.iter().map(|row| row[m] * row[n]).sum::<f64>() / instants as f64;
                 assert!((mean - f64::from(u8::from(m == n))).abs() < 1e-9, "{m} {n}: {mean}");
             }

@@ -97,15 +97,7 @@ impl Loads {
         near.map(|i| self.row(family, sampled, motion, &tau, &uses[i], sign)).collect()
     }
 
-    fn row(
-        &self,
-        family: &Family,
-        sampled: &Sampled,
-        motion: &Derivatives,
-        tau: &Series,
-        of: &Use,
-        sign: Sign,
-    ) -> Row {
+    fn row(&self, family: &Family, sampled: &Sampled, motion: &Derivatives, tau: &Series, of: &Use, sign: Sign) -> Row {
         let Use { limited, joint, instant, limit, part } = *of;
         let mut slopes = self.torque_slopes(motion, joint, instant, sign);
         if limited == Limited::Power {

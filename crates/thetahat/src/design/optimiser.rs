@@ -35,8 +35,8 @@ pub(super) struct Found {
 
 /// Steps of one start with one smoothing of the sign.
 const MOST_STEPS: usize = 120;
-/// A step that promises less than this, in nats, ends the search.
-const LEAST_GAIN: f64 = 0.01;
+/// A step that promises more than this, in nats, is followed by another whatever it gained.
+const LEAST_PROMISE: f64 = 1.0;
 /// What a violation of torque or power costs, in nats for all of the limit.
 const PRICE: f64 = 1e3;
 /// Part of the promised gain that a step must bring.
@@ -91,8 +91,9 @@ impl Problem {
     /// chapter 18): damped BFGS, a line search, and the limits near which the motion comes.
     ///
     /// Limits of positions and their derivatives are linear and hold in every step; those of torque and power are linearised
-    /// and may be violated on the way. None where the motion does not show every parameter.
-    pub(super) fn optimise(&self, start: Vec<f64>, sign: Sign) -> Option<Found> {
+    /// and may be violated on the way. A step that gains less than `least_gain`, in nats, is the last. None where the motion
+    /// does not show every parameter.
+    pub(super) fn optimise(&self, start: Vec<f64>, sign: Sign, least_gain: f64) -> Option<Found> {
         let mut state = self.state(start, sign)?;
         let scale = dot(&state.gradient, &state.gradient).sqrt();
         let mut hessian = Hessian::new(state.x.len(), scale);
@@ -105,7 +106,7 @@ impl Problem {
             let gain = state.merit() - next.merit();
             hessian.update(&state, &next);
             state = next;
-            if gain < LEAST_GAIN && -slope < LEAST_GAIN.max(1.0) {
+            if gain < least_gain && -slope < least_gain.max(LEAST_PROMISE) {
                 break;
             }
         }

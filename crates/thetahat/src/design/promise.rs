@@ -107,7 +107,8 @@ impl ExpectedRecord<'_> {
         let weights = problem.weights(self.settings, method, &[1.0]);
         let regression = problem.problem.regression.with_weights(weights);
         let no_estimate = |source| DesignError::NoEstimate { path: path.to_owned(), source };
-        let fit = crate::identification::idim_ls(&regression, self.settings.estimation.variance).map_err(no_estimate)?;
+        let fit =
+            crate::identification::idim_ls(&regression, self.settings.estimation.variance).map_err(no_estimate)?;
         let uncertainty = uncertainty(method, &regression, None, &fit).map_err(no_estimate)?;
         Ok(Estimated { parameters: problem.problem.estimated.parameters().to_vec(), fit, uncertainty })
     }

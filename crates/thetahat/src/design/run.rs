@@ -22,7 +22,9 @@ use super::{
 use crate::{
     base_parameters::BaseParameters,
     dynamics::{Model, Sign},
+    linear_algebra::Matrix,
     preparation::Setup,
+    reduction::Reduction,
     results::{DesignResults, DesignedJoint, LimitUse, PromisedParameter, SearchResult},
     scheduling::closed_loop,
     series::Series,
@@ -85,7 +87,7 @@ impl Design {
             (0..count).map(|k| file.duration_s * (k as f64 + 0.5) / count as f64).collect()
         };
         let noise = file.noise.torque.to_list(limits.len());
-        let information = Information::new(model, &base.columns(), &noise);
+        let information = Information::new(model, &base.columns(), &noise).with_prior(self.prior(base, &noise)?);
         let instants = (INSTANTS * file.motion.harmonics).max(FEWEST_INSTANTS);
         Ok(Problem {
             criterion: self.criterion(model, base)?,
@@ -96,6 +98,18 @@ impl Design {
             information,
             family,
         })
+    }
+
+    /// What the recordings at hand tell of the base parameters.
+    fn prior(&self, base: &BaseParameters, noise: &[f64]) -> Result<Option<Matrix>, DesignError> {
+        if self.file.prior.is_empty() {
+            return Ok(None);
+        }
+        let reduction = Reduction::read_all(&self.prior_files())?;
+        if base.parameters().iter().map(|p| &p.name).ne(&reduction.identity.parameters) {
+            return Err(DesignError::OtherRobot { path: self.path.clone() });
+        }
+        Ok(Some(reduction.information(noise)?))
     }
 
     /// The criterion that is wanted, of the base parameters.
@@ -137,12 +151,7 @@ impl Design {
     ) -> Result<Chosen, DesignError> {
         let problem = self.problem(model, base, limits)?;
         let motion = &self.file.motion;
-        let searches = Searches {
-            count: motion.starts,
-            seed: motion.seed,
-            threads,
-            sign_scales: sign_scales(limits),
-        };
+        let searches = Searches { count: motion.starts, seed: motion.seed, threads, sign_scales: sign_scales(limits) };
         let mut starts = searches.run(&problem);
         starts.sort_by(|a, b| a.value.total_cmp(&b.value));
         let mut first_violated = None;
@@ -310,11 +319,11 @@ impl Design {
 const LEAST_MARGIN: f64 = 0.002;
 
 /// Wide velocity scales first.
-fn sign_scales(limits: &[JointLimits]) -> Vec<f64> {
+fn sign_scales(limits: &[JointLimits]) -> [f64; 2] {
     let mut velocities: Vec<f64> = limits.iter().map(|l| l.velocity).collect();
     velocities.sort_by(f64::total_cmp);
     let median = velocities[velocities.len() / 2];
-    SIGN_SCALES.iter().map(|part| part * median).collect()
+    SIGN_SCALES.map(|part| part * median)
 }
 
 /// Random states by which parameters of different units are compared.

@@ -10,14 +10,21 @@ const DRAWS: usize = 12;
 /// Part of the limits that a random motion uses.
 const USED: f64 = 0.9;
 
+/// Descents from what was found moved by random numbers, in units that take a joint to its limit, and their size.
+const KICKS: usize = 6;
+const KICK: f64 = 0.5;
+/// Gain of the last step of a descent, nats: with the wide sign, and of the last with the tight one.
+const COARSE: f64 = 1.0;
+const FINE: f64 = 0.01;
+
 /// How several searches are made.
 #[derive(Debug, Clone)]
 pub(super) struct Searches {
     pub(super) count: usize,
     pub(super) seed: u64,
     pub(super) threads: usize,
-    /// Velocity scales of the regularised sign, wide ones first.
-    pub(super) sign_scales: Vec<f64>,
+    /// Velocity scales of the regularised sign: a wide one, then a tight one.
+    pub(super) sign_scales: [f64; 2],
 }
 
 /// A search that ended, with the criterion of its motion.
@@ -38,16 +45,68 @@ impl Searches {
     fn search(&self, problem: &Problem, number: usize) -> Option<Start> {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(number as u64);
-        let last = Sign::Smooth { scale: *self.sign_scales.last()? };
-        let (mut x, first_value) = best_of_random(problem, &mut rng, last)?;
-        let mut steps = 0;
-        for &scale in &self.sign_scales {
-            let found: Found = problem.optimise(x, Sign::Smooth { scale })?;
-            (x, steps) = (found.x, steps + found.steps);
+        let [wide, tight] = self.sign_scales.map(|scale| Sign::Smooth { scale });
+        let (random, first_value) = best_of_random(problem, &mut rng, tight)?;
+        let mut best = Local::from(problem, random, wide)?;
+        for _ in 0..KICKS {
+            let kicked = kicked(problem, &best.found.x, &mut rng);
+            if let Some(other) = Local::from(problem, kicked, wide) {
+                best = best.or_better(other);
+            }
         }
-        let value = problem.value(&x, last)?;
-        Some(Start { x, first_value, value, steps })
+        let Found { x, steps } = problem.optimise(best.found.x, tight, FINE)?;
+        Some(Start { value: problem.value(&x, tight)?, x, first_value, steps: best.found.steps + steps })
     }
+}
+
+/// The end of one descent.
+struct Local {
+    found: Found,
+    value: f64,
+}
+
+impl Local {
+    fn from(problem: &Problem, start: Vec<f64>, sign: Sign) -> Option<Self> {
+        let found = problem.optimise(start, sign, COARSE)?;
+        Some(Self { value: problem.value(&found.x, sign)?, found })
+    }
+
+    /// The better of both, with the steps of both.
+    fn or_better(self, other: Self) -> Self {
+        let steps = self.found.steps + other.found.steps;
+        let Self { found, value } = if other.value < self.value { other } else { self };
+        Self { found: Found { steps, ..found }, value }
+    }
+}
+
+/// A motion moved by random numbers, each joint's made smaller where it exceeds its limits.
+fn kicked(problem: &Problem, x: &[f64], rng: &mut ChaCha8Rng) -> Vec<f64> {
+    let mut kicked: Vec<f64> = x
+        .iter()
+        .map(|x| {
+            let number: f64 = StandardNormal.sample(rng);
+            x + KICK * number
+        })
+        .collect();
+    for joint in 0..problem.family.joints() {
+        let used = use_of_joint(problem, &kicked, joint);
+        kicked[own(problem, joint)].iter_mut().for_each(|v| *v *= (USED / used).min(1.0));
+    }
+    kicked
+}
+
+/// The unknowns of a joint.
+fn own(problem: &Problem, joint: usize) -> std::ops::Range<usize> {
+    let size = problem.family.unknowns_of_joint();
+    joint * size..(joint + 1) * size
+}
+
+/// The largest use of a limit by one joint's motion.
+fn use_of_joint(problem: &Problem, x: &[f64], joint: usize) -> f64 {
+    let mut alone = vec![0.0; x.len()];
+    let own = own(problem, joint);
+    alone[own.clone()].copy_from_slice(&x[own]);
+    problem.constraints.use_of(&problem.watched(&alone))
 }
 
 /// The best of random motions, each as large as its limits allow.
@@ -61,7 +120,7 @@ fn best_of_random(problem: &Problem, rng: &mut ChaCha8Rng, sign: Sign) -> Option
 }
 
 /// Normal coefficients, with each joint's scaled to its limits.
-pub(super) fn random(problem: &Problem, rng: &mut ChaCha8Rng) -> Vec<f64> {
+fn random(problem: &Problem, rng: &mut ChaCha8Rng) -> Vec<f64> {
     let size = problem.family.unknowns_of_joint();
     let free = usize::from(problem.family.has_free_start());
     let mut x: Vec<f64> = (0..problem.family.unknowns()).map(|_| StandardNormal.sample(rng)).collect();
@@ -69,11 +128,8 @@ pub(super) fn random(problem: &Problem, rng: &mut ChaCha8Rng) -> Vec<f64> {
         x[j * size..j * size + free].iter_mut().for_each(|c| *c *= 0.1);
     }
     for joint in 0..problem.family.joints() {
-        let mut alone = vec![0.0; x.len()];
-        let own = joint * size..(joint + 1) * size;
-        alone[own.clone()].copy_from_slice(&x[own.clone()]);
-        let used = problem.constraints.use_of(&problem.watched(&alone));
-        x[own].iter_mut().for_each(|v| *v *= USED / used);
+        let used = use_of_joint(problem, &x, joint);
+        x[own(problem, joint)].iter_mut().for_each(|v| *v *= USED / used);
     }
     x
 }

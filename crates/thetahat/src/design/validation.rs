@@ -50,7 +50,12 @@ impl Design {
         self.require((1..=MOST_STARTS).contains(&motion.starts), "[motion] starts", "from 1 to 1000", motion.starts)?;
         let highest = harmonics as f64 / self.file.duration_s;
         let expected = format!("above {highest:.3}, the highest harmonic of the motion");
-        self.require(self.file.signal.cutoff_hz > highest, "[signal] cutoff_hz", &expected, self.file.signal.cutoff_hz)?;
+        self.require(
+            self.file.signal.cutoff_hz > highest,
+            "[signal] cutoff_hz",
+            &expected,
+            self.file.signal.cutoff_hz,
+        )?;
         let joints = self.robot.coordinate_count();
         if let Some(start) = &motion.start {
             self.require(start.len() == joints, "[motion] start", &format!("{joints} positions"), start.len())?;
@@ -79,7 +84,12 @@ impl Design {
         let wanted = &self.file.wanted;
         let is_chosen = wanted.criterion == CriterionName::Chosen;
         let expected = "names of base parameters with criterion = \"chosen\", and only with it";
-        self.require(is_chosen != wanted.parameters.is_empty(), "[wanted] parameters", expected, format!("{:?}", wanted.parameters))?;
+        self.require(
+            is_chosen != wanted.parameters.is_empty(),
+            "[wanted] parameters",
+            expected,
+            format!("{:?}", wanted.parameters),
+        )?;
         let percent = wanted.half_width_percent;
         self.require(percent > 0.0 && percent.is_finite(), "[wanted] half_width_percent", "above zero", percent)
     }
@@ -90,10 +100,12 @@ impl Design {
         let options = &self.file.limits;
         self.require((0.0..0.5).contains(&options.margin), "[limits] margin", "from 0 to 0.5", options.margin)?;
         self.require_lengths(options, joints.len())?;
-        let limits = joints.iter().enumerate().map(|(j, joint)| self.limits_of(joint, j)).collect::<Result<Vec<_>, _>>()?;
+        let limits =
+            joints.iter().enumerate().map(|(j, joint)| self.limits_of(joint, j)).collect::<Result<Vec<_>, _>>()?;
         if let Some(start) = self.start_posture() {
             for (limits, start) in limits.iter().zip(start) {
-                let expected = format!("from {:.4} to {:.4} rad or m for joint {}", limits.lower, limits.upper, limits.joint);
+                let expected =
+                    format!("from {:.4} to {:.4} rad or m for joint {}", limits.lower, limits.upper, limits.joint);
                 self.require((limits.lower..=limits.upper).contains(&start), "[motion] start", &expected, start)?;
             }
         }

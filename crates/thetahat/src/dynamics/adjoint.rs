@@ -1,6 +1,8 @@
 //! The way back: how a number that depends on the links' motion and twists depends on the coordinates.
 
-use super::{geometry::JointGeometry, model::Model, motion::LinkMotion, state::State, twist::Twist, workspace::Workspace};
+use super::{
+    geometry::JointGeometry, model::Model, motion::LinkMotion, state::State, twist::Twist, workspace::Workspace,
+};
 use crate::{
     real::Real,
     vector::{Mat3, Vec3, add, constant_times, cross, dot, scale},
@@ -156,11 +158,8 @@ fn carried_back<T: Real>(
     let (aw, wp, ap, ww) = (dot(a, w), dot(w, p), dot(a, p), dot(w, w));
     let of_w = add(add(scale(wp, a), scale(aw, p)), scale(ap * -2.0, w));
     let of_p = add(cross(a, dw), add(scale(aw, w), scale(-ww, a)));
-    let parent = LinkAdjoint {
-        w: add(link.r.times(carried.w), of_w),
-        dw: add(link.r.times(carried.dw), cross(p, a)),
-        dv: a,
-    };
+    let parent =
+        LinkAdjoint { w: add(link.r.times(carried.w), of_w), dw: add(link.r.times(carried.dw), cross(p, a)), dv: a };
     (parent, of_p)
 }
 

@@ -43,7 +43,15 @@ impl TwinReference {
     fn end_s(&self, sample_rate_hz: f64) -> f64 {
         match self {
             Self::Moves(moves) => moves.end_s(),
-            Self::Sampled(positions) => positions.len().saturating_sub(1) as f64 / sample_rate_hz,
+            Self::Sampled(positions) => positions.len() as f64 / sample_rate_hz,
+        }
+    }
+
+    /// Samples of a record that ends so long behind it.
+    fn samples(&self, sample_rate_hz: f64, rest_s: f64) -> f64 {
+        match self {
+            Self::Moves(moves) => (moves.end_s() + rest_s) * sample_rate_hz,
+            Self::Sampled(positions) => positions.len() as f64 + rest_s * sample_rate_hz,
         }
     }
 
@@ -124,7 +132,7 @@ impl Experiment {
         let model = Model::new(&self.robot);
         let followed = self.reference_of(twin)?;
         let end_s = followed.end_s(twin.sample_rate_hz);
-        let samples = (end_s + twin.rest_s) * twin.sample_rate_hz;
+        let samples = followed.samples(twin.sample_rate_hz, twin.rest_s);
         let key = "[twin] duration of the moves times sample_rate_hz";
         PreparationError::require(TWIN_SAMPLES.contains(&samples), key, "from 100 to 1e8 samples", samples)
             .map_err(|e| self.refuse(e))?;

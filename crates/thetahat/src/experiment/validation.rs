@@ -131,7 +131,12 @@ impl Experiment {
         }
         match &twin.reference {
             Some(source) => {
-                self.require(twin.points.is_empty(), "[twin] points", "none beside a reference", entries(twin.points.len()))?;
+                self.require(
+                    twin.points.is_empty(),
+                    "[twin] points",
+                    "none beside a reference",
+                    entries(twin.points.len()),
+                )?;
                 self.validate_unit(source, "[twin] reference", &POSITION, POSITION)?;
             }
             None => {

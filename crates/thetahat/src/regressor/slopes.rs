@@ -15,7 +15,7 @@ impl Regressor {
     ///
     /// `weights` are as long as the rows of [`Regressor::evaluate_rows`] and in their order: sample by sample, coordinate by
     /// coordinate, column by column. Recorded channels are not taken: torque terms that need one have no slopes here.
-    pub fn weighted_slopes(
+    pub(crate) fn weighted_slopes(
         &self,
         model: &Model,
         motion: [&Series; 3],
@@ -33,7 +33,10 @@ impl Regressor {
         for k in done..samples {
             problem.gather(k, &mut scratch, |value| value(0));
             problem.slopes_of(&mut scratch);
-            slopes.iter_mut().zip(&scratch.slopes).for_each(|(series, slopes)| series.sample_mut(k).copy_from_slice(slopes));
+            slopes
+                .iter_mut()
+                .zip(&scratch.slopes)
+                .for_each(|(series, slopes)| series.sample_mut(k).copy_from_slice(slopes));
         }
         slopes
     }
@@ -202,7 +205,10 @@ mod tests {
                 for k in 0..samples {
                     let (found, central) = (slopes.sample(k)[joint], (behind[k] - before[k]) / (2.0 * h));
                     let name = &robot.name;
-                    assert!((found - central).abs() < 1e-7 * central.abs().max(10.0), "{name} {order} {joint} {k}: {found} {central}");
+                    assert!(
+                        (found - central).abs() < 1e-7 * central.abs().max(10.0),
+                        "{name} {order} {joint} {k}: {found} {central}"
+                    );
                 }
             }
         }

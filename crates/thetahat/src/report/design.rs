@@ -84,27 +84,33 @@ fn facts(results: &DesignResults) -> Vec<(&'static str, String)> {
     let best = results.starts.first().map_or(f64::NAN, |s| s.found);
     vec![
         ("robot", results.robot.clone()),
-        ("motion", format!("{} s at {} Hz, from rest to rest", significant(duration_s(results), 4), results.sample_rate_hz)),
+        (
+            "motion",
+            format!("{} s at {} Hz, from rest to rest", significant(duration_s(results), 4), results.sample_rate_hz),
+        ),
         ("criterion", format!("{}: {best:.2} nats, the best of {} starts", results.criterion, results.starts.len())),
-        ("promised", format!("{} on {}", results.method, if results.is_closed_loop { "the simulated loop" } else { "the motion as designed" })),
+        (
+            "promised",
+            format!(
+                "{} on {}",
+                results.method,
+                if results.is_closed_loop { "the simulated loop" } else { "the motion as designed" }
+            ),
+        ),
     ]
 }
 
 /// What the tables say, in sentences.
 fn conclusions(results: &DesignResults) -> Vec<String> {
-    let count = |grade: Grade| results.promised.iter().filter(|p| p.grade() == grade).count();
+    let known = || results.promised.iter().filter(|p| p.a_priori != 0.0);
+    let count = |grade: Grade| known().filter(|p| p.grade() == grade).count();
     let [sure, rough, lost] = Grade::ALL.map(count);
+    let (all, known_ones) = (results.promised.len(), known().count());
     let mut lines = vec![format!(
-        "{} parameters are promised: {sure} sure, {rough} rough, {lost} not told from zero, if they are as large as their \
-         a-priori values.",
-        results.promised.len()
+        "{all} parameters are promised. Of the {known_ones} whose a-priori value is not zero, if that is right: {sure} sure, \
+         {rough} rough, {lost} not told from zero."
     )];
-    let unknown: Vec<&str> = results
-        .promised
-        .iter()
-        .filter(|p| p.grade() == Grade::NotIdentified && p.a_priori != 0.0)
-        .map(|p| p.name.as_str())
-        .collect();
+    let unknown: Vec<&str> = known().filter(|p| p.grade() == Grade::NotIdentified).map(|p| p.name.as_str()).collect();
     if !unknown.is_empty() {
         lines.push(format!("Not told from zero: {}.", unknown.join(", ")));
     }
@@ -136,7 +142,7 @@ fn promised(results: &DesignResults) -> Table {
             significant(p.half_width_95, 3),
             percent.map_or_else(|| NONE.to_owned(), |v| significant(v, 3)),
             p.seconds.map_or_else(|| NONE.to_owned(), |s| significant(s, 2)),
-            p.grade().name().to_owned(),
+            if p.a_priori == 0.0 { NONE.to_owned() } else { p.grade().name().to_owned() },
         ]
     };
     Table {
@@ -170,7 +176,15 @@ fn limits(results: &DesignResults) -> Table {
 
 fn promised_csv(results: &DesignResults) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(["promised", "a_priori", "standard_deviation", "half_width_95", "seconds", "unit", "expression"])?;
+    writer.write_record([
+        "promised",
+        "a_priori",
+        "standard_deviation",
+        "half_width_95",
+        "seconds",
+        "unit",
+        "expression",
+    ])?;
     for p in &results.promised {
         let numbers = [p.a_priori, p.standard_deviation, p.half_width_95].map(|v| v.to_string());
         let seconds = p.seconds.map(|s| s.to_string()).unwrap_or_default();

@@ -17,8 +17,12 @@ pub(super) fn motions(results: &DesignResults) -> Figure {
             JointKind::Revolute => "rad",
             JointKind::Prismatic => "m",
         };
-        let signals =
-            [("position", &results.q), ("velocity", &results.dq), ("acceleration", &results.ddq), ("torque", &results.torque)];
+        let signals = [
+            ("position", &results.q),
+            ("velocity", &results.dq),
+            ("acceleration", &results.ddq),
+            ("torque", &results.torque),
+        ];
         let chart = Chart::new(format!("Joint {}, {unit}, s, N m or N", joint + 1), "time, s", width);
         signals.into_iter().fold(chart, |chart, (quantity, series)| {
             let curve = Curve::new("measured", time.iter().copied().zip(series.channel(joint)).collect());
