@@ -178,15 +178,17 @@ fn the_promise_is_kept_by_records_of_the_closed_loop() {
         position_noise: &[0.0, 0.0],
     };
     let path = Path::new("design.toml");
-    let estimates: Vec<Vec<f64>> =
-        (0..RECORDS).map(|k| record.estimate(path, 99, k).unwrap().fit.theta).collect();
+    let estimates: Vec<Vec<f64>> = (0..RECORDS).map(|k| record.estimate(path, 99, k).unwrap().fit.theta).collect();
     let n = RECORDS as f64;
     let mut kept = 0;
     for (i, promised) in results.promised.iter().enumerate() {
         let mean = estimates.iter().map(|e| e[i]).sum::<f64>() / n;
         let found = (estimates.iter().map(|e| (e[i] - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
         let ratio = found / promised.standard_deviation;
-        println!("{}: promised {:.3e}, found {found:.3e}, ratio {ratio:.3}", promised.name, promised.standard_deviation);
+        println!(
+            "{}: promised {:.3e}, found {found:.3e}, ratio {ratio:.3}",
+            promised.name, promised.standard_deviation
+        );
         kept += usize::from((ratio - 1.0).abs() < 0.15);
     }
     let all = results.promised.len();
