@@ -6,7 +6,7 @@ use clap::{
     value_parser,
 };
 use clap_complete::Shell;
-use thetahat::{identification::Method, recording::Unit};
+use thetahat::{export::Format, identification::Method, recording::Unit};
 
 /// Identifies the dynamic parameters of a robot from its recorded motion and torques.
 ///
@@ -34,6 +34,14 @@ pub enum Command {
     Compare(Compare),
     /// Identify the robot of an experiment file.
     Identify(Identify),
+    /// Write the identified robot as URDF, MJCF, SDF or JSON, with physically consistent inertias.
+    ///
+    /// Beside the file goes FILE.covariance.json, which says how sure its parameters are.
+    ///
+    /// Exit code 1 where the verdict on the results is that they are not to be used, and --force exports them.
+    Export(Export),
+    /// Write robots drawn from the distribution of the estimates, each physically consistent: for domain randomisation.
+    Sample(Sample),
     /// Predict the torques of another motion with identified parameters.
     Predict(Predict),
     /// Run a Monte Carlo campaign on a simulated robot and compare the methods.
@@ -347,6 +355,56 @@ fn lock(text: &str) -> Result<(String, f64), String> {
     parts.ok_or_else(|| "expected JOINT=VALUE with a number in rad or m".to_owned())
 }
 
+/// The estimate to export.
+#[derive(Args)]
+pub struct Exported {
+    /// The results.json of an identification
+    #[arg(value_name = "RESULTS.json")]
+    pub results: PathBuf,
+    /// The format
+    #[arg(long, value_name = "FORMAT", value_parser = format())]
+    pub to: Format,
+    /// The method whose parameters are taken [default: the one that the results advise]
+    #[arg(long, value_parser = method())]
+    pub method: Option<Method>,
+    /// Folder of the robot description, which must be as it was identified [default: the text in the results is taken]
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
+    /// The robot description itself, likewise
+    #[arg(long, value_name = "FILE", conflicts_with = "data")]
+    pub robot: Option<PathBuf>,
+    /// Export results that are not to be used, and replace files that thetahat did not write
+    #[arg(long)]
+    pub force: bool,
+}
+
+#[derive(Args)]
+pub struct Export {
+    #[command(flatten)]
+    pub exported: Exported,
+    /// The file to write [default: the export is printed, and what there is to say of it goes to stderr]
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Read the export back and compare inverse dynamics at 1000 random states
+    #[arg(long)]
+    pub check: bool,
+}
+
+#[derive(Args)]
+pub struct Sample {
+    #[command(flatten)]
+    pub exported: Exported,
+    /// Number of robots
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=100_000))]
+    pub count: u32,
+    /// Folder for the files, named by their numbers
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Seed of the random numbers
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub seed: u64,
+}
+
 #[derive(Args)]
 pub struct Predict {
     /// The results.json of an identification
@@ -381,6 +439,11 @@ pub struct Predict {
     pub out: Option<PathBuf>,
     #[command(flatten)]
     pub force: Force,
+}
+
+/// The formats of exports by their names.
+fn format() -> impl TypedValueParser<Value = Format> {
+    PossibleValuesParser::new(Format::ALL.map(Format::name)).try_map(|name| name.parse::<Format>())
 }
 
 /// The methods by their names, which the help and the completions list.

@@ -15,7 +15,7 @@ use thetahat::{
 
 use crate::{
     arguments::{Arguments, Check, Command, Compare, Identify, Model, Output, Predict, Sensitivity, Simulate},
-    campaign, design,
+    campaign, design, export,
     inputs::{read_experiment, threads},
     progress::{Counter, Progress},
     proposal, reduction, shell,
@@ -31,6 +31,8 @@ pub fn run(arguments: Arguments) -> Result<Ending, Box<dyn Error>> {
         Command::Check(check) => check_experiment(&check),
         Command::Compare(request) => compare_results(&request),
         Command::Identify(identify) => identify_experiment(&identify),
+        Command::Export(request) => export::export_robot(&request),
+        Command::Sample(request) => export::sample_robots(&request),
         Command::Predict(request) => predict_torques(&request),
         Command::Campaign(request) => campaign::run(&request),
         Command::Sensitivity(sensitivity) => sweep_errors(&sensitivity),

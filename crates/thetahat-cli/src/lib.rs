@@ -4,6 +4,7 @@ mod arguments;
 mod campaign;
 mod commands;
 mod design;
+mod export;
 mod inputs;
 mod progress;
 mod proposal;

@@ -36,6 +36,11 @@ pub fn print(text: &str) -> Result<(), io::Error> {
     whole(io::stdout().write_all(visible_lines(text).as_bytes()))
 }
 
+/// Says something beside what is printed, on stderr.
+pub fn remark(text: &str) -> Result<(), io::Error> {
+    whole(io::stderr().write_all(visible_lines(text).as_bytes()))
+}
+
 /// Prints the verdict in its colour, where stdout is a terminal that shows colours and NO_COLOR is not set.
 pub fn print_verdict(results: &Results) -> Result<(), io::Error> {
     let (headline, style) = (report::headline(results), style(results.verdict));

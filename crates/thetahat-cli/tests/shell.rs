@@ -5,12 +5,13 @@ use std::{
     process::{Command, Output},
 };
 
-const COMMANDS: [&str; 15] = [
+const COMMANDS: [&str; 17] = [
     "campaign",
     "check",
     "compare",
     "completions",
     "demo",
+    "export",
     "identify",
     "init",
     "inspect",
@@ -18,6 +19,7 @@ const COMMANDS: [&str; 15] = [
     "model",
     "predict",
     "reduce",
+    "sample",
     "sensitivity",
     "simulate",
     "solve",

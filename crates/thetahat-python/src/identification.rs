@@ -28,13 +28,13 @@ pub fn identify(
     let settings: Settings = values::read(settings)?;
     let (recordings, validation) = (into_library(recordings)?, into_library(validation)?);
     let (parameters, robot) = (settings.parameters.clone(), robot.clone());
-    let description = robot.description();
+    let (description, robot_files) = (robot.description(), robot.source()?.files());
     let results = interruptible::run(py, progress, move |tell| {
         tell("reading and filtering the recordings");
         let identification = Identification::new(&robot.robot, recordings, settings)?.with_validation(validation)?;
         Ok(identification.run_with_progress(tell)?)
     })?;
-    let results = thetahat::Results { title, robot_description: description, ..results };
+    let results = thetahat::Results { title, robot_description: description, robot_files, ..results };
     Ok(Results::new(results, parameters.exclude, parameters.fix, None))
 }
 

@@ -5,6 +5,7 @@
 //! between which signals are looked at ([`arrays`]). Errors keep the library's texts ([`raised`]).
 
 mod arrays;
+mod distributed;
 mod estimation;
 mod identification;
 mod interruptible;
@@ -32,6 +33,10 @@ mod _thetahat {
     #[pymodule_export]
     use super::{
         command,
+        distributed::{
+            Bench, campaign_texts, chi_squared_probability, experiment_texts, f_probability, finish_campaign,
+            instruments_of, merge, recording_spans, reduce, run_texts, solve, t_quantile,
+        },
         estimation::{Fit, estimate, measurement_vector, observation_matrix},
         identification::{choose_filter, identify, run},
         recording::read_recordings,

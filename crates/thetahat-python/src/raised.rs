@@ -2,10 +2,11 @@
 
 use pyo3::prelude::*;
 use thetahat::{
-    base_parameters::BaseParametersError, dynamics::DynamicsError, experiment::ExperimentError,
-    experiment::ProposalError, filter_choice::FilterChoiceError, identification::EstimationError,
-    identification::UnknownMethod, preparation::PreparationError, recording::RecordingError, report::ReportError,
-    results::ResultsError, robot::RobotError, signal::SignalError, simulation::SimulationError,
+    base_parameters::BaseParametersError, campaign::CampaignError, dynamics::DynamicsError,
+    experiment::ExperimentError, experiment::ProposalError, filter_choice::FilterChoiceError,
+    identification::EstimationError, identification::UnknownMethod, preparation::PreparationError,
+    recording::RecordingError, reduction::ReductionError, report::ReportError, results::ResultsError,
+    robot::RobotError, signal::SignalError, simulation::SimulationError,
 };
 
 /// An exception to be raised: the name of its class in `thetahat.errors`, and its text.
@@ -73,6 +74,50 @@ impl From<ExperimentError> for Raised {
             | ExperimentError::Twin { .. }
             | ExperimentError::ResultsFile { .. }
             | _) => Self::new("ExperimentError", error),
+        }
+    }
+}
+
+impl From<CampaignError> for Raised {
+    /// An experiment that cannot be used is one without its campaign, too.
+    fn from(error: CampaignError) -> Self {
+        match error {
+            CampaignError::Experiment(error) => error.into(),
+            error @ (CampaignError::Unreadable { .. }
+            | CampaignError::Syntax { .. }
+            | CampaignError::Value { .. }
+            | CampaignError::NoPhysicalStart { .. }
+            | CampaignError::NoRecord { .. }
+            | CampaignError::OtherCampaign { .. }
+            | CampaignError::NoCampaign { .. }
+            | CampaignError::Damaged { .. }
+            | CampaignError::Write { .. }
+            | _) => Self::new("CampaignError", error),
+        }
+    }
+}
+
+impl From<ReductionError> for Raised {
+    fn from(error: ReductionError) -> Self {
+        match error {
+            ReductionError::Experiment(error) => error.into(),
+            ReductionError::Results(error) => error.into(),
+            ReductionError::Estimation(error) => error.into(),
+            error @ (ReductionError::UnequalSteps { .. }
+            | ReductionError::Gaps { .. }
+            | ReductionError::NoTorque { .. }
+            | ReductionError::Unlike { .. }
+            | ReductionError::SameRecording { .. }
+            | ReductionError::Apart { .. }
+            | ReductionError::NoReference { .. }
+            | ReductionError::Simulation { .. }
+            | ReductionError::Seam { .. }
+            | ReductionError::NoEstimates { .. }
+            | ReductionError::Damaged { .. }
+            | ReductionError::Version { .. }
+            | ReductionError::Unreadable { .. }
+            | ReductionError::Unwritable { .. }
+            | _) => Self::new("ReductionError", error),
         }
     }
 }

@@ -8,7 +8,10 @@ use std::{
 use pyo3::{prelude::*, types::PyBytes};
 use thetahat::{
     Experiment,
+    export::{ExportError, ExportRequest, Format, IdentifiedModel},
+    identification::UnknownMethod,
     output::replace_file,
+    preparation::ParameterSelection,
     report::{self, Published, TextWidth},
     results::{Plots, RunPlots},
 };
@@ -122,6 +125,35 @@ impl Results {
     fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<Vec<PathBuf>> {
         py.detach(|| Ok(report::write_all(&self.results, self.published()?.as_ref(), &folder)?))
             .map_err(|e: Raised| e.into())
+    }
+
+    /// Writes the robot as a file, as a whole or not at all; returns what there is to say of it.
+    fn export(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        format: &str,
+        method: Option<&str>,
+        force: bool,
+    ) -> PyResult<Vec<String>> {
+        let format: Format = format.parse().map_err(|e: String| Raised::new("ResultsError", e))?;
+        let method = method.map(str::parse).transpose().map_err(|e: UnknownMethod| Raised::from(e))?;
+        let parameters = ParameterSelection {
+            exclude: self.excluded.clone(),
+            fix: self.fixed.clone(),
+            ..ParameterSelection::default()
+        };
+        let request = ExportRequest { method, force, parameters, ..ExportRequest::default() };
+        py.detach(|| {
+            let refused = |e: ExportError| Raised::new("ResultsError", e);
+            let model =
+                IdentifiedModel::of_results(Path::new("the results"), &self.results, &request).map_err(refused)?;
+            let export = model.export(format).map_err(refused)?;
+            replace_file(&path, export.text.as_bytes())
+                .map_err(|e| Raised::new("ReportError", format!("{}: cannot be written: {e}", path.display())))?;
+            Ok([model.about(), export.notes, export.unsaid].concat())
+        })
+        .map_err(|e: Raised| e.into())
     }
 
     /// Times, measured torques and filtered positions of the decimated rows.

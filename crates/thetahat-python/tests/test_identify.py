@@ -91,6 +91,21 @@ def test_the_report_is_one_file(result, tmp_path):
         result.report(tmp_path / "absent" / "report.html")
 
 
+def test_the_robot_is_exported(result, tmp_path):
+    said = result.export(tmp_path / "arm.urdf")
+    assert said[0].startswith(f"identified by {result.best.method}")
+    assert any("URDF has no motor inertia" in line for line in said)
+    text = (tmp_path / "arm.urdf").read_text()
+    damping = float(text.partition('damping="')[2].partition('"')[0])
+    assert "<inertial>" in text and damping == pytest.approx(result.best["fv1"].estimate, rel=1e-9)
+    result.export(tmp_path / "arm.xml", method="idim-ls")
+    assert "fullinertia" in (tmp_path / "arm.xml").read_text()
+    with pytest.raises(th.errors.ResultsError, match="urdf, mjcf, sdf, json"):
+        result.export(tmp_path / "arm.dae")
+    with pytest.raises(th.errors.ResultsError, match="those it holds: idim-ls, idim-iv"):
+        result.export(tmp_path / "arm.urdf", method="didim")
+
+
 def test_notebooks_show_verdict_and_estimates(result):
     html = result._repr_html_()
     assert "good" in html and html.count("<tr>") == 1 + len(result["idim-iv"])
@@ -196,7 +211,8 @@ def test_tqdm_shows_progress_where_it_is_installed(twin, capsys):
         ({"methods": ["didim"]}, th.SettingsError, r"\[controller\] is missing"),
         ({"decimation": 0}, th.SettingsError, "decimation"),
         ({"cutoff_hz": 600.0}, th.SettingsError, "Nyquist"),
-        ({"cutoff_hz": None}, th.SettingsError, "cutoff_hz"),
+        ({"cutoff_hz": None}, th.SettingsError, "decimation is given without cutoff_hz: give both, or neither"),
+        ({"decimation": None}, th.SettingsError, "cutoff_hz is given without decimation: give both, or neither"),
         ({"parameters": {"extent": 1}}, th.SettingsError, "unknown field `extent`"),
         ({"parameters": {"show": object()}}, TypeError, "settings hold numbers"),
         ({"controller": th.PD()}, th.SettingsError, "give either bandwidth_hz"),

@@ -154,3 +154,17 @@ def test_what_is_wrong_with_a_description_is_said(tmp_path):
     (tmp_path / "arm.toml").write_text("name = 'x'\n[[joint]]\nname = 'a'\nkind = 'round'")
     with pytest.raises(th.RobotError, match=r"arm\.toml: TOML parse error at line 4"):
         th.Robot.from_toml(tmp_path / "arm.toml")
+
+
+@pytest.mark.parametrize("scale", [0.0, -1.0, math.nan, math.inf])
+def test_a_velocity_scale_that_is_none_is_refused(scale):
+    q, dq, ddq = motion(200)
+    calls = [
+        lambda: ARM.regressor(q, dq, ddq, sign_velocity_scale=scale),
+        lambda: ARM.inverse_dynamics(q, dq, ddq, sign_velocity_scale=scale),
+        lambda: ARM.forward_dynamics(q, dq, ddq, sign_velocity_scale=scale),
+        lambda: th.observation_matrix(ARM, q, dq, ddq, decimation=2, sign_velocity_scale=scale),
+    ]
+    for call in calls:
+        with pytest.raises(ValueError, match="it is a velocity above zero, or None"):
+            call()

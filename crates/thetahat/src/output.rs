@@ -9,8 +9,9 @@ use std::{
 };
 
 /// What files of this program have among their first bytes.
-const MARKS: [&[u8]; 12] = [
+const MARKS: [&[u8]; 14] = [
     b"\"thetahat\": \"",
+    b"\"thetahat\":\"",
     b"<meta name=\"generator\" content=\"thetahat\">",
     b".TH thetahat",
     b"thetahat reduction ",
@@ -22,6 +23,7 @@ const MARKS: [&[u8]; 12] = [
     b"# thetahat trajectory",
     b"# thetahat design",
     b"promised,a_priori,",
+    EXPORT.as_bytes(),
 ];
 
 /// How a simulated record begins: the quotes tell it from a record of others with the same columns, and no reader sees them.
@@ -29,6 +31,9 @@ pub(crate) const RECORD: &str = "time_s,\"position_1\"";
 
 /// How a designed trajectory begins, likewise.
 pub(crate) const TRAJECTORY: &str = "time_s,\"q_1\"";
+
+/// How the comment of an exported robot begins.
+pub(crate) const EXPORT: &str = "thetahat export ";
 
 /// First bytes among which a mark stands.
 const HEAD: u64 = 512;

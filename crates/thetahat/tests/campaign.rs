@@ -4,7 +4,9 @@
 use std::{fs, path::Path};
 
 use thetahat::{
-    campaign::{Campaign, CampaignError, CampaignRuns, Store, Subset, parameter_summaries, quantiles, summarise},
+    campaign::{
+        Bench, Campaign, CampaignError, CampaignRuns, Key, Store, Subset, parameter_summaries, quantiles, summarise,
+    },
     experiment::Experiment,
     identification::Status,
     report,
@@ -57,6 +59,29 @@ fn bytes_depend_neither_on_threads_nor_on_the_order_of_commands() {
     assert_eq!(again.rows, one.rows);
     assert_eq!(fs::read_dir(folder.at("one/parts")).unwrap().count(), 0);
     assert_eq!(run(&campaign, Subset { starts: Some(1), seeds: Some(1) }, 1, None).rows.len(), 16);
+}
+
+/// Records that were run elsewhere, in parts of any size and name, are the store's own.
+#[test]
+fn parts_made_elsewhere_are_those_of_the_store() {
+    let folder = Folder::new();
+    let campaign = small();
+    let all = Subset::default();
+    let store = |name: &str| Store::open(&folder.at(name), &campaign).unwrap();
+    run(&campaign, all, 1, Some(&store("here")));
+    let bench = Bench::new(&campaign, all).unwrap();
+    let keys = campaign.keys(all);
+    let parts = store("parts");
+    assert_eq!(campaign.missing(&bench, all, &parts).unwrap(), keys);
+    for (name, part) in [("a", &keys[5..8]), ("b", &keys[..1]), ("c", &keys[1..5])] {
+        fs::write(folder.at(format!("parts/parts/{name}.parquet")), bench.part(part).unwrap()).unwrap();
+    }
+    assert!(campaign.missing(&bench, all, &parts).unwrap().is_empty());
+    assert_eq!(run(&campaign, all, 1, Some(&parts)).rows.len(), 64);
+    assert_eq!(folder.bytes("here/runs.parquet"), folder.bytes("parts/runs.parquet"));
+    for beyond in [Key { level: 2, ..keys[0] }, Key { start: 2, ..keys[0] }, Key { seed: 2, ..keys[0] }] {
+        assert!(matches!(bench.part(&[keys[0], beyond]), Err(CampaignError::NoRecord { key, .. }) if key == beyond));
+    }
 }
 
 #[test]

@@ -113,6 +113,37 @@ fn merged_in_any_order_they_are_the_identification_of_all() {
     }
 }
 
+/// Recordings reduced by themselves merge to the reduction of all, byte by byte, and stretches of their time to nearly that.
+#[test]
+fn parts_of_an_experiment_merge_to_the_whole() {
+    let (folder, recordings) = three();
+    let experiment = folder.experiment(&recordings.concat(), SIGNAL);
+    let reduce = |e: &Experiment| e.reduce(folder.0.path(), ReduceOptions::default(), &mut |_| {}).unwrap();
+    let whole = reduce(&experiment);
+    let parts = (0..3).map(|number| reduce(&experiment.part(number, None).unwrap()));
+    let merged = Reduction::merge_all(parts).unwrap();
+    let sorted = Reduction::merge_all([whole.clone()]).unwrap();
+    let names = |r: &Reduction| r.recordings.iter().map(|r| r.name.clone()).collect::<std::collections::BTreeSet<_>>();
+    assert_eq!(names(&merged), names(&sorted));
+    assert_same(&merged.solve().unwrap().results, &whole.solve().unwrap().results, EQUAL_ORDERS);
+
+    // 5 periods of the cut-off are the filter's edge: 84 samples.
+    let spans = experiment.recording_spans_s(folder.0.path()).unwrap();
+    assert_eq!(spans, [[0.084, 7.916], [0.084, 5.916], [0.084, 8.916]]);
+    let halves = [[0.084, 4.0], [4.0, 7.916]].map(|window| reduce(&experiment.part(0, Some(window)).unwrap()));
+    let halves = Reduction::merge_all(halves).unwrap();
+    assert_eq!(halves.recordings.iter().map(|r| r.samples).sum::<usize>(), 7832);
+    let expected = reduce(&experiment.part(0, Some([0.084, 7.916])).unwrap());
+    for (f, e) in
+        parameters(&halves.solve().unwrap().results).iter().zip(parameters(&expected.solve().unwrap().results))
+    {
+        assert!((f.estimate - e.estimate).abs() < 0.5 * e.standard_deviation.unwrap(), "{}", e.name);
+    }
+    assert!(
+        experiment.part(3, None).unwrap_err().to_string().contains("number of recordings is 3, expected at least 4")
+    );
+}
+
 #[test]
 fn a_recording_counts_once_whatever_its_file_is_called() {
     let (folder, recordings) = three();

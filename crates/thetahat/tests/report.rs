@@ -96,6 +96,7 @@ fn run(case: &str, method: Method) -> RunResult {
         f_test: Some(f_test()),
         convergence: vec![iteration(6.0), iteration(5.53)],
         loop_parameters: Vec::new(),
+        covariance: Vec::new(),
         parameters: parameters(),
         plots: RunPlots {
             predicted: vec![vec![1.0, 2.0, 3.0], vec![0.0, 0.0, 0.0]],
@@ -272,6 +273,7 @@ fn results() -> Results {
         drive_gains: Vec::new(),
         experiment_description: "title = \"<i>\"\n".to_owned(),
         robot_description: "name = \"A robot\"\n".to_owned(),
+        robot_files: Vec::new(),
         plots: Plots {
             time_s: vec![0.1, 0.2, 0.3],
             measured: vec![vec![1.1, 2.1, 2.9], vec![0.0, 0.0, 0.0]],

@@ -18,14 +18,19 @@ Arrays have a row for each sample and a column for each joint, in rad, rad/s, ra
 prismatic joints). Errors are exceptions of :mod:`thetahat.errors`.
 """
 
+from typing import TYPE_CHECKING
+
 from . import errors, pinocchio, testing
 from ._thetahat import VERSION as __version__
 from .controllers import PD, Cascaded, Controller
 from .errors import (
+    CampaignError,
+    EngineError,
     EstimationError,
     ExperimentError,
     PrecisionWarning,
     RecordingError,
+    ReductionError,
     ReportError,
     ResultsError,
     RobotError,
@@ -42,12 +47,27 @@ from .robot import BaseParameter, Robot
 from .signal import Motion, band_pass, decimate, derivative, zero_phase
 from .simulation import Simulated, simulate
 
+if TYPE_CHECKING:
+    from . import distributed
+else:
+
+    def __getattr__(name):
+        """The package `distributed`, read when it is asked for: not everyone who imports thetahat wants it."""
+        if name == "distributed":
+            import importlib
+
+            return importlib.import_module("thetahat.distributed")
+        raise AttributeError(f"module 'thetahat' has no attribute {name!r}")
+
+
 __all__ = [
     "PD",
     "Advice",
     "BaseParameter",
+    "CampaignError",
     "Cascaded",
     "Controller",
+    "EngineError",
     "EstimationError",
     "ExperimentError",
     "Filter",
@@ -57,6 +77,7 @@ __all__ = [
     "PrecisionWarning",
     "Recording",
     "RecordingError",
+    "ReductionError",
     "ReportError",
     "Result",
     "ResultsError",
@@ -73,6 +94,7 @@ __all__ = [
     "choose_filter",
     "decimate",
     "derivative",
+    "distributed",
     "errors",
     "estimate",
     "identify",

@@ -41,5 +41,17 @@ class ReportError(ThetahatError, OSError):
     """A report that cannot be written."""
 
 
+class CampaignError(ThetahatError, ValueError):
+    """A campaign that cannot be read, run or kept."""
+
+
+class ReductionError(ThetahatError, ValueError):
+    """Recordings that cannot be reduced, or reductions that do not go together."""
+
+
+class EngineError(ThetahatError, RuntimeError):
+    """An engine that is not installed, not there, or loses its workers."""
+
+
 class PrecisionWarning(UserWarning):
     """An array of less than double precision was converted: its resolution stays what it was."""

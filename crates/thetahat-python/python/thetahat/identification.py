@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from . import _thetahat
 from ._progress import Progress, telling
 from .controllers import Controller
+from .errors import SettingsError
 from .recording import Recording
 from .results import Result
 from .robot import Robot
@@ -59,7 +60,7 @@ def identify(
     controller : Controller, optional
         The controller of the simulated loop, which all methods but the first two need; ``"idim-iv"`` guesses one without it.
     cutoff_hz, decimation : float and int, optional
-        The position filter and the decimation. Without both, :func:`choose_filter` chooses them, which takes seconds.
+        The position filter and the decimation: both, or neither, and :func:`choose_filter` chooses them, which takes seconds.
     validation : Recording or sequence of Recording
         Held back to validate on.
     signal, parameters, estimation, simulation : mapping, optional
@@ -96,7 +97,11 @@ def identify(
     }
     all_recordings = _list(recordings)
     settings["signal"] = {"cutoff_hz": cutoff_hz, "decimation": decimation, **(signal or {})}
-    if settings["signal"]["cutoff_hz"] is None and settings["signal"]["decimation"] is None:
+    missing = [key for key in ("cutoff_hz", "decimation") if settings["signal"][key] is None]
+    if len(missing) == 1:
+        given = "decimation" if missing == ["cutoff_hz"] else "cutoff_hz"
+        raise SettingsError(f"{given} is given without {missing[0]}: give both, or neither and both are chosen")
+    if missing:
         chosen = _chosen(robot, all_recordings, settings)
         settings["signal"].update(cutoff_hz=chosen.cutoff_hz, decimation=chosen.decimation)
     with telling(progress) as tell:

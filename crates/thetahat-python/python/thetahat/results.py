@@ -282,6 +282,47 @@ class Result:
         """Write ``results.json``, ``parameters.csv`` and ``report.html`` into a folder; returns their paths."""
         return [os.fspath(path) for path in self._native.write(os.fspath(folder))]
 
+    def export(
+        self, path: str | os.PathLike[str], to: str | None = None, *, method: str | None = None, force: bool = False
+    ) -> list[str]:
+        """Write the identified robot as a file that simulators and controllers read, with physically consistent inertias.
+
+        Parameters
+        ----------
+        path : str or path
+            The file, which is replaced where it is there.
+        to : {"urdf", "mjcf", "sdf", "json"}, optional
+            The format; without it that of the file's extension, and ``.xml`` is MJCF.
+        method : str, optional
+            Whose estimates; without it those that the advice takes.
+        force : bool
+            Whether results whose verdict is ``"do-not-use"`` are exported.
+
+        Returns
+        -------
+        list of str
+            What there is to say: how the parameters were chosen, what moved, and what the format cannot say.
+
+        Raises
+        ------
+        ResultsError
+            For results that are not to be used, without an estimate, or that no robot has.
+        ReportError
+            Where the file cannot be written.
+
+        Examples
+        --------
+        >>> import os, tempfile, thetahat as th
+        >>> twin = th.testing.twin(seconds=10)
+        >>> result = th.identify(twin.robot, twin.recording, cutoff_hz=40, decimation=10)
+        >>> said = result.export(os.path.join(tempfile.mkdtemp(), "arm_identified.urdf"))
+        >>> said[0].startswith("identified by")
+        True
+        """
+        file = os.fspath(path)
+        extension = os.path.splitext(file)[1].lstrip(".")
+        return self._native.export(file, to or {"xml": "mjcf"}.get(extension, extension), method, force)
+
     def predict(self, q: ArrayLike, dq: ArrayLike, ddq: ArrayLike, *, run: Run | None = None) -> Array:
         """The torques that the estimates predict for a motion.
 

@@ -1,5 +1,6 @@
 use std::path::PathBuf;
 
+use super::row::Key;
 use crate::experiment::ExperimentError;
 
 /// Why a campaign cannot be read, run or stored.
@@ -49,6 +50,17 @@ pub enum CampaignError {
         draws: u32,
         /// The link or joint, what it violates, and the remedy.
         reason: String,
+    },
+    /// A record that the campaign does not have.
+    #[error(
+        "{}: has no record of noise level {}, start {} and seed {}, each from one",
+        path.display(), key.level.saturating_add(1), key.start.saturating_add(1), key.seed.saturating_add(1)
+    )]
+    NoRecord {
+        /// The campaign file.
+        path: PathBuf,
+        /// The place of the record.
+        key: Key,
     },
     /// The folder holds the results of another campaign.
     #[error(

@@ -3,7 +3,7 @@
 //! The true motion is simulated once; noise is on the measurements alone. [`Campaign::read`] checks the file,
 //! [`Campaign::run`] runs what is missing in a [`Store`] and returns all [`Row`]s, [`summarise`] makes figures of them.
 //! Every random number has its own stream by the place of its run, so that rows depend neither on the number of threads
-//! nor on which runs were made before.
+//! nor on which runs were made before. A [`Bench`] runs any of the records, so that parts can be made elsewhere.
 //!
 //! ```
 //! use thetahat::campaign::quantiles;
@@ -38,6 +38,7 @@ pub use error::CampaignError;
 pub use facts::{CampaignParameter, Facts};
 #[cfg(not(feature = "parquet"))]
 pub use no_store::Store;
+pub use record::Bench;
 pub use row::{Key, Row};
 pub use run::{CampaignRuns, Progress};
 #[cfg(feature = "parquet")]

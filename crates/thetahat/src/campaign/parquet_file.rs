@@ -59,8 +59,12 @@ const CHECKSUM: &str = "thetahat.checksum";
 /// Writes the rows to a temporary file and renames it: the file is there as a whole or not at all.
 pub(super) fn write(path: &Path, rows: &[Row], facts: &Facts, content: Content) -> Result<(), CampaignError> {
     let refuse = |e: ParquetError| CampaignError::Write { path: path.to_owned(), reason: e.to_string() };
-    let bytes = encode(&columns(rows, facts, content)).map_err(refuse)?;
-    replace_file(path, &bytes)
+    replace_file(path, &bytes(rows, facts, content).map_err(refuse)?)
+}
+
+/// The rows as the content of a file.
+pub(super) fn bytes(rows: &[Row], facts: &Facts, content: Content) -> Result<Vec<u8>, ParquetError> {
+    encode(&columns(rows, facts, content))
 }
 
 fn columns(rows: &[Row], facts: &Facts, content: Content) -> Vec<(String, Column)> {

@@ -1,7 +1,7 @@
 //! One record and its runs: measurements, filters, every case and method.
 
 use super::{
-    Campaign, CampaignError, Key, Row,
+    Campaign, CampaignError, Key, Row, Subset,
     facts::Facts,
     noise::{measure, random, record_stream},
 };
@@ -19,9 +19,11 @@ use crate::{
     simulation::SimulatedMotion,
 };
 
-/// What all records of a campaign share.
-pub(super) struct Bench<'a> {
-    campaign: &'a Campaign,
+/// What all records of a campaign share: the true motion, the base parameters, the starts. Any of its records can be run on it, one
+/// by one and in any order, by several threads at a time.
+#[derive(Debug)]
+pub struct Bench {
+    campaign: Campaign,
     twin: TwinMotion,
     sample_rate_hz: f64,
     cases: Vec<Case>,
@@ -31,6 +33,7 @@ pub(super) struct Bench<'a> {
 }
 
 /// The base parameters of one friction model, and those estimated, with their true values where they have any.
+#[derive(Debug)]
 struct CaseBasis {
     friction: Friction,
     basis: Basis,
@@ -47,9 +50,12 @@ struct Prepared {
     seconds: f64,
 }
 
-impl<'a> Bench<'a> {
-    /// Simulates the true motion, finds the base parameters, and draws so many starts.
-    pub(super) fn new(campaign: &'a Campaign, starts: u32) -> Result<Self, CampaignError> {
+impl Bench {
+    /// Simulates the true motion, finds the base parameters, and draws the starts within the limits.
+    ///
+    /// # Errors
+    /// [`CampaignError`] for input that cannot be used, and where no start is physical.
+    pub fn new(campaign: &Campaign, limits: Subset) -> Result<Self, CampaignError> {
         let experiment = &campaign.experiment;
         let why = "it describes the simulated robot that is recorded";
         let twin = experiment.file.twin.as_ref().ok_or_else(|| experiment.missing("[twin]", why))?;
@@ -66,12 +72,19 @@ impl<'a> Bench<'a> {
                 bases.push(CaseBasis::new(experiment, case, friction, &twin, &mut facts)?);
             }
         }
+        let starts = limits.starts.unwrap_or(u32::MAX).min(campaign.file.starts.count);
         let starts = (0..starts).map(|s| campaign.start(s)).collect::<Result<_, _>>()?;
+        let campaign = campaign.clone();
         Ok(Self { campaign, twin, sample_rate_hz, cases, bases, starts, facts })
     }
 
-    /// Runs every case and method on the records at `keys`: their rows, record by record.
-    pub(super) fn run(&self, keys: &[Key]) -> Result<Vec<Vec<Row>>, CampaignError> {
+    /// Runs every case and method on the records at `keys`: their rows, record by record. They are the same whichever records are
+    /// run together.
+    ///
+    /// # Errors
+    /// [`CampaignError`] for a key that is not of the campaign, and for records that cannot be used.
+    pub fn run(&self, keys: &[Key]) -> Result<Vec<Vec<Row>>, CampaignError> {
+        keys.iter().try_for_each(|key| self.require_record(*key))?;
         let prepared = keys.iter().map(|key| self.prepare(*key)).collect::<Result<Vec<_>, _>>()?;
         let methods = &self.campaign.file.methods;
         let pairs = || self.cases.iter().flat_map(|case| methods.iter().map(move |method| (case, *method)));
@@ -88,6 +101,15 @@ impl<'a> Bench<'a> {
         let mut of_records: Vec<Vec<Row>> = vec![Vec::new(); keys.len()];
         all.iter().zip(rows).for_each(|((r, ..), row)| of_records[*r].extend(row));
         Ok(of_records)
+    }
+
+    fn require_record(&self, key: Key) -> Result<(), CampaignError> {
+        let file = &self.campaign.file;
+        let inside = (key.level as usize) < file.noise.len() && (key.start as usize) < self.starts.len();
+        if inside && key.seed < file.seeds {
+            return Ok(());
+        }
+        Err(CampaignError::NoRecord { path: self.campaign.path.clone(), key })
     }
 
     fn setup(&self) -> Setup<'_> {

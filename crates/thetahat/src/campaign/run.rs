@@ -49,11 +49,9 @@ impl Campaign {
         store: Option<&Store>,
         progress: &mut dyn FnMut(Progress),
     ) -> Result<CampaignRuns, CampaignError> {
-        let keys = self.keys(limits);
-        let starts = keys.iter().map(|k| k.start + 1).max().unwrap_or_default();
-        let bench = Bench::new(self, starts)?;
+        let bench = Bench::new(self, limits)?;
         let mut records = store.map(|s| s.finished(self, &bench.facts)).transpose()?.unwrap_or_default();
-        let missing: Vec<Key> = keys.into_iter().filter(|k| !records.contains_key(k)).collect();
+        let missing: Vec<Key> = self.keys(limits).into_iter().filter(|k| !records.contains_key(k)).collect();
         let before = records.len();
         let tell = |done| Progress { before, done, to_do: missing.len() };
         progress(tell(0));
@@ -64,8 +62,18 @@ impl Campaign {
         Ok(CampaignRuns { facts: bench.facts, rows, files })
     }
 
+    /// The records within the limits that a store does not have, in the order of the rows.
+    ///
+    /// # Errors
+    /// [`CampaignError`] for a store that cannot be read.
+    pub fn missing(&self, bench: &Bench, limits: Subset, store: &Store) -> Result<Vec<Key>, CampaignError> {
+        let records = store.finished(self, &bench.facts)?;
+        Ok(self.keys(limits).into_iter().filter(|key| !records.contains_key(key)).collect())
+    }
+
     /// Every record within the limits, in the order of the rows.
-    fn keys(&self, limits: Subset) -> Vec<Key> {
+    #[must_use]
+    pub fn keys(&self, limits: Subset) -> Vec<Key> {
         let starts = limits.starts.unwrap_or(u32::MAX).min(self.file.starts.count);
         let seeds = limits.seeds.unwrap_or(u32::MAX).min(self.file.seeds);
         let levels = 0..u32::try_from(self.file.noise.len()).unwrap_or(u32::MAX);
@@ -80,7 +88,7 @@ type Records = BTreeMap<Key, Vec<Row>>;
 /// Runs the records in small groups, so many of these at a time; whoever ran them keeps their rows. The first error stops
 /// all.
 fn run_all(
-    bench: &Bench<'_>,
+    bench: &Bench,
     keys: &[Key],
     threads: usize,
     store: Option<&Store>,

@@ -13,6 +13,7 @@ use super::{
     facts::Facts,
     files::{refuse, replace_file},
     parquet_file::{self, Content},
+    record::Bench,
 };
 use crate::output::TEMPORARY;
 
@@ -97,10 +98,7 @@ impl Store {
             records.entry(key).or_insert_with(Vec::new).push(row);
         }
         for path in self.part_files()? {
-            let rows = parquet_file::read(&path, facts)?;
-            let first = rows.first().and_then(|row| key_of(campaign, row));
-            let problem = || CampaignError::Damaged { path: path.clone(), problem: "holds no run".to_owned() };
-            records.insert(first.ok_or_else(problem)?, rows);
+            records.extend(part(campaign, &path, facts)?);
         }
         Ok(records)
     }
@@ -161,6 +159,30 @@ impl Store {
     fn unknown(&self, row: &Row) -> CampaignError {
         let problem = format!("the noise level {:?} is not one of the campaign", row.noise);
         CampaignError::Damaged { path: self.folder.join(RUNS), problem }
+    }
+}
+
+/// The records of a part.
+fn part(campaign: &Campaign, path: &Path, facts: &Facts) -> Result<BTreeMap<Key, Vec<Row>>, CampaignError> {
+    let damaged =
+        || CampaignError::Damaged { path: path.to_owned(), problem: "holds no run of the campaign".to_owned() };
+    let mut records = BTreeMap::new();
+    for row in parquet_file::read(path, facts)? {
+        let key = key_of(campaign, &row).ok_or_else(damaged)?;
+        records.entry(key).or_insert_with(Vec::new).push(row);
+    }
+    if records.is_empty() { Err(damaged()) } else { Ok(records) }
+}
+
+impl Bench {
+    /// Runs records, and packs their rows as a file of the folder `parts` of the campaign's store, whatever its name: so that records
+    /// can be run elsewhere.
+    ///
+    /// # Errors
+    /// As [`Bench::run`].
+    pub fn part(&self, keys: &[Key]) -> Result<Vec<u8>, CampaignError> {
+        let rows = self.run(keys)?.concat();
+        parquet_file::bytes(&rows, &self.facts, Content::Everything).map_err(|e| refuse(Path::new(PARTS), &e))
     }
 }
 

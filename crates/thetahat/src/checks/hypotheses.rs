@@ -99,7 +99,6 @@ pub(super) fn hypotheses(robot: &Robot) -> Vec<Hypothesis> {
 }
 
 const SIGN: &str = "turn the sign of the channel by its gain, or of the row of the motor in [transmission] matrix";
-const ORDER: &str = "put the columns of the channel in the order of the robot's joints";
 const UNIT: &str = "set the unit of the channel in [recording]";
 const SIDE: &str = "set side = \"motor\" or \"joint\" of the channel in [recording], or the ratios in [transmission]";
 
@@ -243,11 +242,15 @@ fn exchanges(robot: &Robot) -> Vec<Hypothesis> {
         let positions = Affine::exchanged_positions(n, a, b);
         let torques = Affine::exchanged_torques(n, a, b);
         let both = Affine { torque: torques.torque.clone(), ..positions.clone() };
-        let kinds = [(positions, "the positions"), (torques, "the torques"), (both, "positions and torques")];
+        let kinds = [
+            (positions, "the positions", "put the position columns in the order of the robot's joints"),
+            (torques, "the torques", "put the torque columns in the order of the robot's joints"),
+            (both, "positions and torques", "put the position and torque columns in the order of the robot's joints"),
+        ];
         let (first, second) = (robot.joint_of(a) + 1, robot.joint_of(b) + 1);
-        kinds.map(|(correction, what)| {
+        kinds.map(|(correction, what, remedy)| {
             let words = format!("{what} of joints {first} and {second} are exchanged");
-            Hypothesis::new(Code::JointsSwapped, Scope::One(a), correction, words, ORDER).with_limit(MANY_LIMIT)
+            Hypothesis::new(Code::JointsSwapped, Scope::One(a), correction, words, remedy).with_limit(MANY_LIMIT)
         })
     };
     (0..n).flat_map(|a| (a + 1..n).flat_map(move |b| of_pair(a, b))).collect()

@@ -147,7 +147,13 @@ impl LinearConditions {
         Ok(())
     }
 
-    fn between(&mut self, name: &str, terms: &[(usize, f64)], lower: f64, upper: f64) -> Result<(), ConsistencyError> {
+    pub(super) fn between(
+        &mut self,
+        name: &str,
+        terms: &[(usize, f64)],
+        lower: f64,
+        upper: f64,
+    ) -> Result<(), ConsistencyError> {
         let (lower, upper) = ordered(name, lower, upper)?;
         if lower == upper {
             self.equal(name, terms.to_vec(), lower);

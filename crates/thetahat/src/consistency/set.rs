@@ -7,6 +7,7 @@ use super::{
     symmetric::Symmetric,
 };
 use crate::{
+    base_parameters::BaseParameters,
     dynamics::{CoupledMotor, Model},
     robot::{Bound, INERTIAL, JointQuantity, LinkQuantity, MotorQuantity, ParameterTable, Quantity, Robot, Role},
 };
@@ -119,6 +120,22 @@ impl ConsistentSet {
     /// the set is used.
     pub fn with_known(mut self, known: &Known) -> Result<Self, ConsistencyError> {
         self.known.add(&self.table, known)?;
+        Ok(self)
+    }
+
+    /// The part of the set in which base parameters lie between two bounds each, in their order; equal bounds fix one.
+    ///
+    /// # Errors
+    /// [`ConsistencyError`] for a number of bounds that is not that of the parameters, and for bounds in the wrong order.
+    pub fn with_base_between(mut self, base: &BaseParameters, bounds: &[[f64; 2]]) -> Result<Self, ConsistencyError> {
+        if bounds.len() != base.len() {
+            let (expected, found) = (base.len(), bounds.len());
+            return Err(ConsistencyError::WrongSize { what: "the bounds of the base parameters", expected, found });
+        }
+        for (parameter, [lower, upper]) in base.parameters().iter().zip(bounds) {
+            let terms: Vec<(usize, f64)> = parameter.regrouped.iter().copied().chain([(parameter.kept, 1.0)]).collect();
+            self.known.between(&parameter.name, &terms, *lower, *upper)?;
+        }
         Ok(self)
     }
 

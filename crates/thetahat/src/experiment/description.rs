@@ -21,7 +21,7 @@ use crate::{
         SignalOptions, SimulationOptions,
     },
     recording::ChannelSource,
-    robot::{Locks, Robot, RobotError, RobotSource, TermDescription},
+    robot::{Locks, Robot, RobotError, RobotFile, RobotSource, TermDescription},
     simulation::Sensors,
 };
 
@@ -42,6 +42,8 @@ pub struct Experiment {
     pub robot_text: String,
     /// The files that the robot was read from.
     robot_files: Vec<PathBuf>,
+    /// Their names and hashes, kept for the results.
+    pub(crate) robot_hashes: Vec<RobotFile>,
 }
 
 /// What an experiment file says beside its [`Settings`].
@@ -326,7 +328,9 @@ impl Experiment {
             .map_err(|source| RobotError::Term { path: path.to_owned(), source: Box::new(source) })?;
         file.twin.iter_mut().for_each(|twin| twin.repeat_for(robot.coordinate_count()));
         let robot_files = [Some(source.path()), source.urdf_path()].into_iter().flatten().map(Path::to_owned).collect();
-        let experiment = Self { path: path.to_owned(), file, settings, text, robot, robot_text, robot_files };
+        let robot_hashes = source.files();
+        let experiment =
+            Self { path: path.to_owned(), file, settings, text, robot, robot_text, robot_files, robot_hashes };
         experiment.validate()?;
         Ok(experiment)
     }

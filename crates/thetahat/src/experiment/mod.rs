@@ -31,6 +31,7 @@ pub(crate) use paths::beside;
 pub use description::{Experiment, ExperimentFile, RecordingDescription, TwinDescription, Unlisted};
 pub use error::ExperimentError;
 pub use power::PowerPoint;
+pub(crate) use predict::require_same_parameters;
 pub use predict::{PredictionRequest, predict};
 pub use proposal::{
     Proposal, ProposalError, ProposalRequest, ProposedChannels, ProposedClock, ProposedLock, ProposedRecording,

@@ -48,12 +48,7 @@ pub fn predict(request: &PredictionRequest) -> Result<Prediction, ExperimentErro
     let mut results = Results::read(&request.results)?;
     // Results of before the verdict get it now, by the same rules.
     let verdict = results.verdict.unwrap_or_else(|| judge(&mut results));
-    let mut experiment = Experiment::from_texts(
-        &request.results,
-        results.experiment_description.clone(),
-        results.robot_description.clone(),
-    )?;
-    experiment.robot = with_constants(&experiment.robot, &results.profiled_terms);
+    let experiment = Experiment::of_results(&request.results, &results)?;
     let run = chosen_run(request, &results)?;
     let case = experiment.cases().into_iter().find(|c| c.name == run.case).unwrap_or_else(Case::nominal);
     let base = experiment.setup().basis(&case).map_err(|e| experiment.refuse(e))?.base;
@@ -72,9 +67,23 @@ pub fn predict(request: &PredictionRequest) -> Result<Prediction, ExperimentErro
     predict_torques(experiment.setup(), &identified, recording).map_err(|e| experiment.refuse(e))
 }
 
+impl Experiment {
+    /// The experiment that results are of, with the constants of torque terms that were found; `path` names the results in
+    /// messages.
+    ///
+    /// # Errors
+    /// As [`Experiment::read`].
+    pub fn of_results(path: &Path, results: &Results) -> Result<Self, ExperimentError> {
+        let (text, robot) = (results.experiment_description.clone(), results.robot_description.clone());
+        let mut experiment = Self::from_texts(path, text, robot)?;
+        experiment.robot = with_constants(&experiment.robot, &results.profiled_terms);
+        Ok(experiment)
+    }
+}
+
 /// Refuses a run whose parameters are not those of the robot and the experiment beside it: a prediction without one of
 /// them, or with one of another robot, would be wrong without a sign of it.
-fn require_same_parameters(
+pub(crate) fn require_same_parameters(
     results: &Results,
     run: &RunResult,
     base: &BaseParameters,

@@ -30,6 +30,7 @@ impl Experiment {
             seed: self.file.twin.as_ref().map(|t| t.sensors.seed),
             experiment_description: self.text.clone(),
             robot_description: self.robot_text.clone(),
+            robot_files: self.robot_hashes.clone(),
             ..results
         })
     }

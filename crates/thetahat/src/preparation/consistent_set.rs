@@ -20,11 +20,22 @@ fn consistent_set(setup: Setup<'_>, problem: &Problem) -> Result<ConsistentSet, 
     let with_friction = |friction: &Friction| Robot { friction: *friction, ..setup.robot.clone() };
     let robot = Friction::ALL.iter().map(with_friction).find(|r| r.parameter_table() == *table);
     let robot = robot.unwrap_or_else(|| setup.robot.clone());
-    let mut a_priori = completed_a_priori(&robot, None);
+    consistent_set_of(setup, &robot, |a_priori| factor_of_masses(problem, a_priori))
+}
+
+/// The set of the setup's robot with a friction model, what is excluded being zero and what is known holding. Where no
+/// inertial parameter is given, those that are guessed are multiplied by `mass_factor` of them.
+pub(crate) fn consistent_set_of(
+    setup: Setup<'_>,
+    robot: &Robot,
+    mass_factor: impl FnOnce(&[f64]) -> Option<f64>,
+) -> Result<ConsistentSet, ConsistencyError> {
+    let table = &robot.parameter_table();
+    let mut a_priori = completed_a_priori(robot, None);
     let given = robot.a_priori_parameters_for(table);
     let inertial = |i: usize| table.get(i).quantity.is_inertial();
     if (0..given.len()).all(|i| given[i] == 0.0 || !inertial(i)) {
-        let factor = factor_of_masses(problem, &a_priori).unwrap_or(1.0);
+        let factor = mass_factor(&a_priori).unwrap_or(1.0);
         (0..given.len()).filter(|&i| inertial(i)).for_each(|i| a_priori[i] *= factor);
     }
     let excluded = &setup.settings.parameters.exclude;
@@ -37,7 +48,7 @@ fn consistent_set(setup: Setup<'_>, problem: &Problem) -> Result<ConsistentSet, 
         .iter()
         .map(zero)
         .chain(known)
-        .try_fold(ConsistentSet::new(&robot, &a_priori)?, |set, known| set.with_known(&known))
+        .try_fold(ConsistentSet::new(robot, &a_priori)?, |set, known| set.with_known(&known))
 }
 
 /// The factor of guessed masses that the torques ask for.

@@ -32,6 +32,7 @@ mod setup;
 mod simulable;
 mod validation;
 
+pub(crate) use consistent_set::consistent_set_of;
 pub use error::PreparationError;
 pub(crate) use filtered::{FilteredRecording, MOVING, STILL, window_of};
 pub use loop_parameters::LoopParameter;

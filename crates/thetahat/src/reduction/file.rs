@@ -68,7 +68,11 @@ impl Reduction {
         Self::from_bytes(&bytes, path)
     }
 
-    fn to_bytes(&self) -> Result<Vec<u8>, serde_json::Error> {
+    /// The content of its file.
+    ///
+    /// # Errors
+    /// None for a reduction that was made or read: its description is written as JSON.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, serde_json::Error> {
         let recording = |r: &ReducedRecording| RecordingHeader {
             name: r.name.clone(),
             weight: r.weight,
@@ -104,7 +108,11 @@ impl Reduction {
         Ok(bytes)
     }
 
-    pub(super) fn from_bytes(bytes: &[u8], path: &Path) -> Result<Self, ReductionError> {
+    /// The reduction of a file's content; `path` is its name in messages.
+    ///
+    /// # Errors
+    /// As [`Reduction::read`].
+    pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Self, ReductionError> {
         let damaged = |reason: &str| ReductionError::Damaged { path: path.to_owned(), reason: reason.to_owned() };
         let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| damaged("it does not begin as one does"))?;
         let (form, rest) = line(rest).ok_or_else(|| damaged("it ends in its first line"))?;

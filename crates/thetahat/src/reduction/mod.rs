@@ -21,6 +21,7 @@
 //! | `instruments` | the simulated motion of a piece |
 //! | `reduce` | all of it, recording by recording |
 //! | `factors` | rows to factors, stretch by stretch |
+//! | `part` | parts of an experiment that are reduced by themselves |
 //! | `value`, `file`, `fingerprint` | the reduction, its merging and its file; by what a recording is known again |
 //! | `identity` | what must agree between reductions that are merged |
 //! | `compressed`, `solve` | the factors as a regression, its estimates and results |
@@ -50,6 +51,7 @@ mod identity;
 mod information;
 mod instruments;
 mod near_rest;
+mod part;
 mod pieces;
 mod reduce;
 mod rows;

@@ -14,7 +14,7 @@ use crate::{
     preparation::{Case, Chosen, Settings, full_model_test, named_elimination},
     regression::Regression,
     results::{EliminationResult, JointResult, NOMINAL, Plots, RecordingResult, Results, RunResult, SCHEMA},
-    run::{explain, parameter_results},
+    run::{covariance_of, explain, parameter_results},
 };
 
 /// The estimate from a reduction.
@@ -100,6 +100,7 @@ impl Reduction {
             drive_gains: Vec::new(),
             experiment_description: self.experiment_description.clone(),
             robot_description: self.robot_description.clone(),
+            robot_files: experiment.robot_hashes.clone(),
             plots: Plots::default(),
         })
     }
@@ -204,6 +205,7 @@ impl Solver<'_> {
         let is_reduced = self.chosen.columns.len() < self.all.regression.parameters();
         let truth = self.reduction.recordings.first().and_then(|r| r.truth.as_ref());
         let truth: Option<Vec<f64>> = truth.map(|t| self.chosen.columns.iter().map(|&c| t[c]).collect());
+        let parameters = parameter_results(self.settings, &self.chosen.estimated, fit, uncertainty, truth.as_deref());
         RunResult {
             weighting: Some(self.settings.weighting(method)),
             reason,
@@ -214,7 +216,8 @@ impl Solver<'_> {
             f_test: (is_reduced && method == Method::IDIM_LS)
                 .then(|| full_model_test(&self.all.regression, fit))
                 .flatten(),
-            parameters: parameter_results(self.settings, &self.chosen.estimated, fit, uncertainty, truth.as_deref()),
+            covariance: covariance_of(fit, &parameters),
+            parameters,
             ..RunResult::new(NOMINAL, method, status)
         }
     }

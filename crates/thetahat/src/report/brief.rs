@@ -75,19 +75,19 @@ fn runs(results: &Results, width: TextWidth) -> String {
 
 /// The estimates of a run by grade, as many side by side as fit; of those that are not identified the names.
 fn estimates(run: &RunResult, width: TextWidth) -> String {
-    let of = |grade| run.parameters.iter().filter(move |p| p.grade() == grade).collect::<Vec<_>>();
     let mut text = wrap(&format!("Estimates of {} \u{b1} half of the 95 % interval", run.method), "", width);
     for (grade, what) in [
         (Grade::Sure, "sure: the interval is within 20 % of the estimate"),
         (Grade::Rough, "rough: the interval is wider, and excludes zero"),
+        (Grade::Impossible, "impossible: a negative motor inertia or friction, with its whole interval"),
     ] {
-        let known = of(grade);
+        let known: Vec<_> = run.graded(grade).collect();
         if !known.is_empty() {
             text += &wrap(what, "  ", width);
             text += &side_by_side(&cells(&known), width);
         }
     }
-    let names: Vec<&str> = of(Grade::NotIdentified).iter().map(|p| p.name.as_str()).collect();
+    let names: Vec<&str> = run.graded(Grade::NotIdentified).map(|p| p.name.as_str()).collect();
     if !names.is_empty() {
         text += &wrap("not identified: the interval holds zero", "  ", width);
         text += &wrap(&names.join(" "), "    ", width);

@@ -1,6 +1,7 @@
 //! The verdict card for the terminal.
 
 use super::{
+    grades::counted,
     number::significant,
     wrap::{TextWidth, labelled, wrap_to},
 };
@@ -62,11 +63,14 @@ fn unseen(card: &Card) -> String {
     }
 }
 
+/// How many parameters have each grade; none where no number is to be used.
 fn known(card: &Card) -> String {
-    let count = |(grade, names): (&Grade, &Vec<String>)| format!("{} {}", names.len(), grade.name());
-    let counts: Vec<String> = Grade::ALL.iter().zip(&card.parameters).map(count).collect();
+    if card.verdict == Some(Verdict::DoNotUse) {
+        return "none to use".to_owned();
+    }
+    let counts = Grade::ALL.into_iter().zip(card.parameters.iter().map(Vec::len));
     let doubt = if card.model_is_doubted { ", if the model holds" } else { "" };
-    format!("{} of {}{doubt}", counts.join(", "), card.parameters.iter().map(Vec::len).sum::<usize>())
+    format!("{} of {}{doubt}", counted(counts), card.parameters.iter().map(Vec::len).sum::<usize>())
 }
 
 /// As much of a text as stands in two lines of so many characters.

@@ -104,7 +104,7 @@ fn facts(results: &DesignResults) -> Vec<(&'static str, String)> {
 fn conclusions(results: &DesignResults) -> Vec<String> {
     let known = || results.promised.iter().filter(|p| p.a_priori != 0.0);
     let count = |grade: Grade| known().filter(|p| p.grade() == grade).count();
-    let [sure, rough, lost] = Grade::ALL.map(count);
+    let [sure, rough, lost] = [Grade::Sure, Grade::Rough, Grade::NotIdentified].map(count);
     let (all, known_ones) = (results.promised.len(), known().count());
     let mut lines = vec![format!(
         "{all} parameters are promised. Of the {known_ones} whose a-priori value is not zero, if that is right: {sure} sure, \

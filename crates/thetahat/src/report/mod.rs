@@ -35,6 +35,7 @@ mod facts;
 mod figures;
 mod files;
 mod findings;
+mod grades;
 mod json;
 mod model_text;
 mod number;

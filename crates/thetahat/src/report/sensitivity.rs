@@ -119,8 +119,8 @@ fn figure(sensitivity: &Sensitivity) -> Figure {
         Chart::new(axis(kind), &axis(kind), NARROW).with(HEIGHT, |panel| {
             let changes = curves.iter().flat_map(|c| c.points.iter().map(|p| p.1));
             let panel = panel.around(curves.iter(), 0.0).up_by_powers(changes);
-            let none = if kind.is_factor() { 1.0 } else { 0.0 };
-            curves.iter().fold(panel.upright("nominal", none, ""), |panel, curve| panel.line(curve).dots(curve))
+            let panel = panel.upright("nominal", without_error(kind));
+            curves.iter().fold(panel, |panel, curve| panel.line(curve).dots(curve))
         })
     };
     Figure {
@@ -136,11 +136,18 @@ fn figure(sensitivity: &Sensitivity) -> Figure {
     }
 }
 
+/// The value of a kind of error that is none.
+fn without_error(kind: BiasKind) -> f64 {
+    if kind.is_factor() { 1.0 } else { 0.0 }
+}
+
 /// The changes of one method over one kind of error.
 fn curve(sensitivity: &Sensitivity, kind: BiasKind, method: Method) -> Curve {
     let of_kind = sensitivity.points.iter().filter(|p| p.kind == kind && p.method == method);
     let change = |p: &SensitivityPoint| p.rms_change.filter(|c| *c > 0.0).unwrap_or(f64::NAN);
-    let mut points: Vec<(f64, f64)> = of_kind.map(|p| (shown_value(p), change(p))).collect();
+    // Without error nothing changes, and zero has no place on the axis: the curve has a gap there.
+    let none = (without_error(kind), f64::NAN);
+    let mut points: Vec<(f64, f64)> = of_kind.map(|p| (shown_value(p), change(p))).chain([none]).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     Curve::new(method.name(), points)
 }

@@ -91,11 +91,8 @@ pub(super) fn reasons(runs: &[&RunResult]) -> Vec<String> {
     runs.iter().filter_map(reason).chain(runs.iter().flat_map(noted)).collect()
 }
 
-/// Classical relative deviation, percent, from which an estimate says nothing.
-const NOTHING: f64 = 100.0;
-
-fn estimate_with_percent(p: &ParameterResult) -> String {
-    if p.relative_standard_deviation_percent.is_some_and(|percent| percent > NOTHING) {
+fn estimate_with_percent(run: &RunResult, p: &ParameterResult) -> String {
+    if run.grade(p) == Grade::NotIdentified {
         return Grade::NotIdentified.name().to_owned();
     }
     with_percent(&estimate(p.estimate, p.standard_deviation), p.relative_standard_deviation_percent)
@@ -105,7 +102,7 @@ fn estimate_with_percent(p: &ParameterResult) -> String {
 pub(super) fn parameters(results: &Results, case: &str) -> Table {
     let runs = runs_of(results, case);
     let row = |p: &ParameterResult| {
-        let estimates = runs.iter().map(|r| cell(r, &p.name, estimate_with_percent));
+        let estimates = runs.iter().map(|r| cell(r, &p.name, |p| estimate_with_percent(r, p)));
         [p.name.clone(), p.unit.clone()].into_iter().chain(estimates).collect()
     };
     Table {

@@ -1,9 +1,10 @@
 //! Names and units of a joint in the figures; revolute units where the results do not tell the joint's kind.
 
+use super::wrap::shortened;
 use crate::results::{JointKind, Results};
 
 /// Longest name of a joint in a title.
-const LONGEST: usize = 18;
+const LONGEST: usize = 20;
 
 pub(super) fn kind(results: &Results, joint: usize) -> JointKind {
     results.robot_joints.get(joint).map_or(JointKind::Revolute, |j| j.kind)
@@ -31,8 +32,7 @@ pub(super) fn joint(results: &Results, joint: usize) -> String {
     if says_number {
         return format!("Joint {number}");
     }
-    let short: String = name.chars().take(LONGEST).collect();
-    format!("Joint {number} ({short})")
+    format!("Joint {number} ({})", shortened(name, LONGEST))
 }
 
 /// Whether anything was measured of a joint.

@@ -28,7 +28,7 @@ pub struct Card {
     /// Name and relative error in percent of the joint with the largest error.
     pub worst_joint: Option<(String, f64)>,
     /// The names of its parameters by grade, in the order of [`Grade::ALL`].
-    pub parameters: [Vec<String>; 3],
+    pub parameters: [Vec<String>; 4],
     /// Whether something that the model lacks shows in the residual: grades then hold if the model does.
     pub model_is_doubted: bool,
     /// What to do next, the most urgent first; at most three.
@@ -65,7 +65,8 @@ impl Results {
             relative_error_percent: run.and_then(|r| r.relative_error_percent),
             unseen: run.and_then(|r| self.unseen(r)),
             worst_joint: run.and_then(|r| self.worst_joint(r)),
-            parameters: Grade::ALL.map(|grade| run.map_or_else(Vec::new, |r| r.names_of(grade))),
+            parameters: Grade::ALL
+                .map(|grade| run.iter().flat_map(|r| r.graded(grade)).map(|p| p.name.clone()).collect()),
             model_is_doubted: self.verdict_reasons.iter().any(|r| r.code == ReasonCode::CorrelatedResidual),
             actions: self.actions(),
         }
@@ -116,13 +117,6 @@ impl Results {
     }
 }
 
-impl RunResult {
-    /// The names of the parameters with a grade.
-    fn names_of(&self, grade: Grade) -> Vec<String> {
-        self.parameters.iter().filter(|p| p.grade() == grade).map(|p| p.name.clone()).collect()
-    }
-}
-
 impl VerdictReason {
     /// What was seen: the text without what to do.
     #[must_use]
@@ -157,7 +151,11 @@ mod tests {
               "parameters": [
                 { "name": "a", "estimate": 1.0, "interval_95": [0.9, 1.1], "unit": "", "expression": "a", "shown": true },
                 { "name": "b", "estimate": 1.0, "interval_95": [0.5, 1.5], "unit": "", "expression": "b", "shown": true },
-                { "name": "c", "estimate": 1.0, "interval_95": [-1, 3.0], "unit": "", "expression": "c", "shown": true }]
+                { "name": "c", "estimate": 1.0, "interval_95": [-1, 3.0], "unit": "", "expression": "c", "shown": true },
+                { "name": "ia2", "estimate": -1.0, "interval_95": [-1.1, -0.9], "unit": "", "expression": "ia2", "shown": true }],
+              "physical": { "consistent": false, "outside": ["ia2"], "smallest_eigenvalue": -1.0, "findings": [
+                { "code": "not-physical", "severity": "problem", "joint": 2, "joint_name": "elbow", "value": -1.0, "unit": "",
+                  "limit": 0.0, "message": "ia2 is negative", "remedy": "give it", "parameters": ["ia2"] }] }
             }]
         }"#;
         Results::from_json(Path::new("results.json"), text).unwrap()
@@ -182,7 +180,7 @@ mod tests {
         assert_eq!(card.method, Some(Method::IDIM_LS));
         assert_eq!((card.relative_error_percent, card.unseen), (Some(4.0), Some(Unseen::LeftOut(5.0))));
         assert_eq!(card.worst_joint, Some(("elbow".to_owned(), 7.5)));
-        assert_eq!(card.parameters, ["a", "b", "c"].map(|name| vec![name.to_owned()]));
+        assert_eq!(card.parameters, ["a", "b", "c", "ia2"].map(|name| vec![name.to_owned()]));
         assert_eq!(card.actions, ["one", "two", "three"]);
     }
 

@@ -11,7 +11,10 @@ use super::{
     terms::{ProfiledTerm, TermComparison},
     verdict::{Verdict, VerdictReason},
 };
-use crate::{identification::Method, robot::LockedJoint};
+use crate::{
+    identification::Method,
+    robot::{LockedJoint, RobotFile},
+};
 
 /// Version of the form of `results.json`: it grows where a program of before would misread the file.
 pub const SCHEMA: u32 = 1;
@@ -88,6 +91,9 @@ pub struct Results {
     pub experiment_description: String,
     /// The text of the robot description.
     pub robot_description: String,
+    /// The files that it was read from, with their hashes. Empty where it was read from a file of before that key.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub robot_files: Vec<RobotFile>,
     /// Curves for the report.
     #[serde(skip)]
     pub plots: Plots,

@@ -104,7 +104,7 @@ impl PromisedParameter {
     /// How sure it will be, if it is as large as the a-priori value says.
     #[must_use]
     pub fn grade(&self) -> Grade {
-        self.as_result().grade()
+        self.as_result().grade_of_interval()
     }
 
     /// As if it had been estimated with its a-priori value.

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::parameters::ParameterResult;
+use super::{parameters::ParameterResult, run::RunResult};
+use crate::checks::{Code, Finding, Severity};
 
 /// Half width of a 95 % interval, of the estimate's size, up to which a parameter is sure.
 const SURE: f64 = 0.2;
@@ -20,11 +21,13 @@ pub enum Grade {
     Rough,
     /// Its interval holds zero, or there is none: the record does not tell it from zero.
     NotIdentified,
+    /// A motor inertia or a friction coefficient whose interval lies below zero: no robot has it.
+    Impossible,
 }
 
 impl Grade {
     /// All grades, the best first.
-    pub const ALL: [Self; 3] = [Self::Sure, Self::Rough, Self::NotIdentified];
+    pub const ALL: [Self; 4] = [Self::Sure, Self::Rough, Self::NotIdentified, Self::Impossible];
 
     /// Its name in words.
     #[must_use]
@@ -33,6 +36,7 @@ impl Grade {
             Self::Sure => "sure",
             Self::Rough => "rough",
             Self::NotIdentified => "not identified",
+            Self::Impossible => "impossible",
         }
     }
 }
@@ -45,14 +49,34 @@ impl ParameterResult {
         self.interval_95.map(|[low, high]| 0.5 * (high - low)).or_else(of_deviation)
     }
 
-    /// How well it is known.
-    #[must_use]
-    pub fn grade(&self) -> Grade {
+    /// How well its interval says that it is known.
+    pub(super) fn grade_of_interval(&self) -> Grade {
         match self.half_width() {
             Some(half) if half <= SURE * self.estimate.abs() => Grade::Sure,
             Some(half) if half < self.estimate.abs() => Grade::Rough,
             Some(_) | None => Grade::NotIdentified,
         }
+    }
+}
+
+impl RunResult {
+    /// How well one of the parameters is known.
+    #[must_use]
+    pub fn grade(&self, parameter: &ParameterResult) -> Grade {
+        let is_impossible = self.impossible().any(|name| *name == parameter.name);
+        if is_impossible { Grade::Impossible } else { parameter.grade_of_interval() }
+    }
+
+    /// The parameters of this run with a grade.
+    pub fn graded(&self, grade: Grade) -> impl Iterator<Item = &ParameterResult> {
+        self.parameters.iter().filter(move |p| self.grade(p) == grade)
+    }
+
+    /// The names of the parameters whose intervals hold nothing that a robot can have.
+    fn impossible(&self) -> impl Iterator<Item = &String> {
+        let findings = self.physical.iter().flat_map(|p| &p.findings);
+        let is_problem = |f: &&Finding| f.code == Code::NotPhysical && f.severity == Severity::Problem;
+        findings.filter(is_problem).flat_map(|f| &f.parameters)
     }
 }
 
@@ -73,7 +97,7 @@ mod tests {
             standard_deviation_robust: None,
             interval_95,
         };
-        parameter.grade()
+        parameter.grade_of_interval()
     }
 
     #[test]

@@ -73,6 +73,11 @@ pub struct RunResult {
     pub convergence: Vec<IterationResult>,
     /// The estimates.
     pub parameters: Vec<ParameterResult>,
+    /// Covariance of the estimates in the order of `parameters`, of nominal runs: the lower triangle row by row, SI. The
+    /// deviations are those with correlated errors, behind `interval_95`; the correlations are classical. Empty where it
+    /// was read from a file of before that key.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub covariance: Vec<f64>,
     /// What was estimated of the simulated loop beside the parameters.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub loop_parameters: Vec<LoopParameterResult>,
@@ -137,6 +142,7 @@ impl RunResult {
             f_test: None,
             convergence: Vec::new(),
             parameters: Vec::new(),
+            covariance: Vec::new(),
             loop_parameters: Vec::new(),
             plots: RunPlots::default(),
         }

@@ -34,6 +34,7 @@ mod urdf;
 pub use description::{Doubt, Robot};
 pub use error::RobotError;
 pub use joint::{DenavitHartenberg, Joint, JointKind, Limits, Mimic, Placement};
+pub(crate) use locking::LinkPart;
 pub use locking::{LockError, LockedJoint, Locks};
 pub use parameters::{Parameter, ParameterTable};
 pub use physical::NotPhysical;
@@ -41,7 +42,7 @@ pub use quantity::{
     Bound, Friction, INERTIAL, JointQuantity, LinkQuantity, MotorQuantity, Quantity, Role, TermQuantity,
 };
 pub use sound::NotARobot;
-pub use source::RobotSource;
+pub use source::{RobotFile, RobotSource};
 pub use terms::{
     ChannelFactor, Cylinder, Direction, Expression, LinkPoint, PointDescription, Shape, Stribeck, StribeckLaw,
     TermColumn, TermDescription, TermError, TwoPoints, Variable, channels_of,

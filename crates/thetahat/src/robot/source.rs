@@ -4,6 +4,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
 use super::{
     description::Robot,
     error::RobotError,
@@ -13,6 +16,25 @@ use super::{
 
 /// Longest robot description, bytes.
 const LONGEST: u64 = 16 << 20;
+
+/// A file that a robot was read from, such that a later one can be told from it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RobotFile {
+    /// Its name without folders.
+    pub name: String,
+    /// SHA-256 of its bytes, in hexadecimal digits: what `sha256sum` prints.
+    pub sha256: String,
+}
+
+impl RobotFile {
+    fn new(path: &Path, text: &str) -> Self {
+        let digest = Sha256::digest(text.as_bytes());
+        Self {
+            name: path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+            sha256: digest.iter().map(|byte| format!("{byte:02x}")).collect(),
+        }
+    }
+}
 
 /// The text that a robot is read from, complete in itself: with the text of the URDF that a TOML stands on.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -55,6 +77,21 @@ impl RobotSource {
     #[must_use]
     pub fn urdf_path(&self) -> Option<&Path> {
         self.urdf.as_ref().map(|(path, _)| path.as_path())
+    }
+
+    /// The files, the description first and then the URDF that it stands on. Of a text that carries its URDF in itself, as
+    /// [`RobotSource::to_text`] makes it, the URDF alone.
+    #[must_use]
+    pub fn files(&self) -> Vec<RobotFile> {
+        let own = (!toml_file::has_embedded_urdf(&self.text)).then(|| RobotFile::new(&self.path, &self.text));
+        own.into_iter().chain(self.urdf.iter().map(|(path, text)| RobotFile::new(path, text))).collect()
+    }
+
+    /// The text of the URDF that the robot is read from; none where a TOML gives the joints.
+    #[must_use]
+    pub fn urdf_text(&self) -> Option<&str> {
+        let own = is_xml(&self.text).then_some(&self.text);
+        own.or(self.urdf.as_ref().map(|(_, text)| text)).map(String::as_str)
     }
 
     /// What the description is, for people: `URDF`, `TOML` or `TOML on URDF`.

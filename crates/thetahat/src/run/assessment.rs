@@ -8,7 +8,7 @@ use super::{
     curves,
     identification::{Identification, explain},
     linear::Linear,
-    parameters::{loop_parameter_results, parameter_results},
+    parameters::{covariance_of, loop_parameter_results, parameter_results},
     physical::Examined,
     prepared::filtered,
     residual_curves,
@@ -19,7 +19,7 @@ use crate::{
     identification::{Fit, Method, Needs, Outcome, Response, uncertainty},
     preparation::{Case, PreparationError},
     regression::relative_error_percent,
-    results::{Influence, IterationResult, LoopParameterResult, ParameterResult, RunPlots, RunResult},
+    results::{Influence, IterationResult, LoopParameterResult, NOMINAL, ParameterResult, RunPlots, RunResult},
     scheduling::{EstimationJob, Finished},
     series::Series,
     signal::Motion,
@@ -44,6 +44,9 @@ impl Assessment<'_> {
             run.notes = self.identification.simulation_notes().into_iter().chain(note).collect();
         }
         if let Some(fit) = &outcome.fit {
+            if run.case == NOMINAL {
+                run.covariance = covariance_of(fit, &run.parameters);
+            }
             run.simulation_relative_error_percent =
                 simulator.as_ref().zip(motions.as_ref()).map(|(s, motions)| s.errors(motions));
             run.plots = self.plots(fit, motions.as_deref().unwrap_or_default());

@@ -156,6 +156,7 @@ impl Identification {
             drive_gains: self.drive_gains(problem)?,
             experiment_description: String::new(),
             robot_description: String::new(),
+            robot_files: Vec::new(),
             plots: self.plots(problem)?,
         })
     }

@@ -43,6 +43,6 @@ mod worse_than_zero;
 pub(crate) use examination::{check_recordings, examine_robot};
 pub use identification::Identification;
 pub(crate) use identification::{CaseProblem, explain};
-pub(crate) use parameters::parameter_results;
+pub(crate) use parameters::{covariance_of, parameter_results};
 pub(crate) use prediction::{Identified, predict_torques};
 pub use profiled_robot::with_constants;

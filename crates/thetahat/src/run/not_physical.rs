@@ -41,9 +41,11 @@ fn negative(
 ) -> Option<Finding> {
     let standard = table.get(parameter.kept);
     let result = run.parameter(&parameter.name).filter(|p| p.estimate < 0.0 && bounds[0] >= 0.0)?;
+    let joint_name = robot.joints.get(standard.number - 1).map(|j| j.name.clone());
+    let joint = joint_name.clone().unwrap_or_else(|| standard.number.to_string());
     let (what, remedy) = match standard.quantity.role() {
-        Role::MotorInertia => ("motor inertia", inertia_remedy(asked, &standard.name())),
-        Role::ViscousFriction | Role::CoulombFriction => ("friction coefficient", friction_remedy(asked).to_owned()),
+        Role::MotorInertia => ("motor inertia", inertia_remedy(asked, &standard.name(), &joint)),
+        Role::ViscousFriction | Role::CoulombFriction => ("friction coefficient", friction_remedy(asked, &joint)),
         Role::Inertial | Role::Load => return None,
     };
     let (name, unit, value) = (&result.name, &result.unit, result.estimate);
@@ -57,7 +59,7 @@ fn negative(
         code: Code::NotPhysical,
         severity,
         joint: Some(standard.number),
-        joint_name: robot.joints.get(standard.number - 1).map(|j| j.name.clone()),
+        joint_name,
         value: high.unwrap_or(value),
         unit: unit.clone(),
         limit: Some(0.0),
@@ -112,18 +114,15 @@ fn link_remedy(asked: bool, is_noise: bool) -> &'static str {
     }
 }
 
-fn inertia_remedy(asked: bool, name: &str) -> String {
+fn inertia_remedy(asked: bool, name: &str, joint: &str) -> String {
     let physical = if asked { "" } else { "physical = true and " };
     format!(
         "give {name} from the data sheet, with {physical}fix = {{ {name} = ... }} in [parameters], or record faster changes of \
-         velocity of this joint"
+         velocity of {joint}"
     )
 }
 
-fn friction_remedy(asked: bool) -> &'static str {
-    if asked {
-        "take the consistent estimate; look at the sign of the torque, and record slow and fast motion of this joint"
-    } else {
-        "set physical = true in [parameters]; look at the sign of the torque, and record slow and fast motion of this joint"
-    }
+fn friction_remedy(asked: bool, joint: &str) -> String {
+    let consistent = if asked { "take the consistent estimate" } else { "set physical = true in [parameters]" };
+    format!("{consistent}; look at the sign of the torque of {joint}, and record slow and fast motion of it")
 }

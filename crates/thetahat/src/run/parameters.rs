@@ -29,6 +29,19 @@ pub(crate) fn parameter_results(
     estimated.parameters().iter().enumerate().map(result).collect()
 }
 
+/// The lower triangle, row by row, of the covariance of estimates: classical correlations with the deviations of the results,
+/// those with correlated errors where there are any.
+pub(crate) fn covariance_of(fit: &Fit, parameters: &[ParameterResult]) -> Vec<f64> {
+    let factor = |(i, p): (usize, &ParameterResult)| {
+        let classical = fit.standard_deviation[i];
+        let deviation = p.standard_deviation_robust.or(p.standard_deviation).unwrap_or(classical);
+        if classical > 0.0 { deviation / classical } else { 1.0 }
+    };
+    let factors: Vec<f64> = parameters.iter().enumerate().map(factor).collect();
+    let entry = |i: usize, j: usize| factors[i] * factors[j] * fit.covariance.at(i, j);
+    (0..factors.len()).flat_map(|i| (0..=i).map(move |j| (i, j))).map(|(i, j)| entry(i, j)).collect()
+}
+
 /// The quantities of the loop that were estimated behind `before` parameters of the robot.
 pub(super) fn loop_parameter_results(
     loop_parameters: &LoopParameters,

@@ -52,20 +52,20 @@ pub(super) fn note(
 }
 
 fn remedy(setup: Setup<'_>, problem: &Problem) -> String {
-    let motion = "a more exciting motion finds them";
+    let motion = "record faster and wider motion";
     let choice = &setup.settings.parameters.estimate;
     let whole = matches!(choice, ParameterChoice::Base | ParameterChoice::Named(NamedChoice::Base));
     let Some(trial) = whole.then(|| Trial::new(setup, problem)).flatten() else { return motion.to_owned() };
     let Trial { eliminated, whole, essential } = trial;
+    let change = 100.0 * (essential / whole - 1.0).abs();
     if essential <= whole {
         return format!(
-            "{motion}; estimate = \"essential\" leaves out {eliminated}, and the error of fifths that were left out is \
-             {essential:.2} % then, {whole:.2} % now"
+            "{motion}, or leave out {eliminated} parameters by estimate = \"essential\", which makes the error on parts left out \
+             {change:.0} % smaller"
         );
     }
     format!(
-        "{motion}; leave estimate as it is: \"essential\" would make the error of fifths that were left out \
-         {essential:.2} %, and it is {whole:.2} %"
+        "{motion}; leave estimate as it is: \"essential\" would make the error on parts left out {change:.0} % larger"
     )
 }
 

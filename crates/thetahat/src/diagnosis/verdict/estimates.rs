@@ -211,9 +211,9 @@ fn correlated_residual(results: &Results, run: &RunResult) -> Option<VerdictReas
     let (r1, limit) = (worst.autocorrelation, correlated_from(results, run));
     let name = joint_name(results, worst.joint);
     let seen = format!(
-        "The residual of joint {name} is no noise, neighbouring rows of {} correlate by {r1:.2} where {limit:.2} is chance: something \
-         is missing in the model (a law of friction, elasticity, a length) or in the processing (a torque that is held, friction's \
-         sign near rest), and no interval holds its bias",
+        "Something is missing in the model (a law of friction, elasticity, a length) or in the processing (a torque that is held, \
+         friction's sign near rest), and no interval holds the bias of that: neighbouring rows of the residual of {name} ({}) \
+         correlate by {r1:.2}, where {limit:.2} is chance",
         run.method
     );
     let said = Said::new(seen, "compare laws of friction by compare_terms = true in [estimation]");

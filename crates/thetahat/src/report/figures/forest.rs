@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::figure::{Key, main_run};
 use crate::{
     report::{
+        grades::{self, counted},
         number::{NONE, estimate},
         plot::{Tick, pixel},
         published::Published,
@@ -131,12 +132,11 @@ fn of_parameters(
 
 /// How many parameters have each grade.
 fn conclusion(run: &RunResult, wanted: fn(&ParameterResult) -> bool) -> String {
-    let all = || run.parameters.iter().filter(|p| wanted(p));
-    let count = |grade: Grade| all().filter(|p| p.grade() == grade).count();
-    let [sure, rough, lost] = Grade::ALL.map(count);
-    let (shown, estimated) = (all().count(), run.parameters.len());
-    let of = if shown < estimated { format!(" of {estimated}") } else { String::new() };
-    format!("{shown}{of} parameters: {sure} sure, {rough} rough, {lost} not identified.")
+    let count = |grade: Grade| (grade, run.graded(grade).filter(|p| wanted(p)).count());
+    let counts = Grade::ALL.map(count);
+    let shown: usize = counts.iter().map(|(_, count)| count).sum();
+    let of = if shown < run.parameters.len() { format!(" of {}", run.parameters.len()) } else { String::new() };
+    format!("{shown}{of} parameters: {}.", counted(counts))
 }
 
 /// A name that an attribute can hold.
@@ -155,7 +155,7 @@ fn notes(run: &RunResult, groups: &[ForestGroup]) -> Vec<String> {
     );
     let arrows = (off > 0).then(|| format!("An arrow marks what lies beyond {FARTHEST} %, in {off} rows."));
     let grades = "sure: half of the interval is at most a fifth of the estimate; rough: wider, without zero; not identified: the \
-                  interval holds zero. Intervals allow for errors that are correlated from row to row.";
+                  interval holds zero; impossible: a motor inertia or friction whose interval lies below zero. Intervals allow for errors that are correlated from row to row.";
     [Some(axis), arrows, Some(grades.to_owned())].into_iter().flatten().collect()
 }
 
@@ -188,7 +188,7 @@ impl Plot<'_> {
         ForestRow {
             height: HEIGHT + LANE * self.runs.len() as f64,
             shapes: intervals.flatten().chain(marks).collect(),
-            ..words(of_main)
+            ..words(of_main, self.runs[0].grade(of_main))
         }
     }
 
@@ -215,14 +215,13 @@ impl Plot<'_> {
 fn promised_row(promised: &PromisedParameter) -> ForestRow {
     let parameter = promised.as_result();
     let shapes = interval("idim-ls", parameter.estimate, &parameter, 0.5 * HEIGHT + 0.5 * LANE);
-    ForestRow { shapes, height: HEIGHT + LANE, ..words(&parameter) }
+    ForestRow { shapes, height: HEIGHT + LANE, ..words(&parameter, promised.grade()) }
 }
 
 /// The row of a parameter without its picture.
-fn words(of_main: &ParameterResult) -> ForestRow {
+fn words(of_main: &ParameterResult, grade: Grade) -> ForestRow {
     let half = of_main.interval_95.map(|[low, high]| 0.5 * (high - low));
     let digits = half.or(of_main.standard_deviation);
-    let grade = of_main.grade();
     ForestRow {
         name: of_main.name.clone(),
         unit: of_main.unit.clone(),
@@ -232,17 +231,9 @@ fn words(of_main: &ParameterResult) -> ForestRow {
             .interval_95
             .map_or_else(|| NONE.to_owned(), |ends| ends.map(|e| estimate(e, digits)).join(" to ")),
         grade: grade.name(),
-        grade_class: grade_class(grade),
+        grade_class: grades::class(grade),
         height: HEIGHT,
         shapes: Vec::new(),
-    }
-}
-
-pub(super) fn grade_class(grade: Grade) -> &'static str {
-    match grade {
-        Grade::Sure => "sure",
-        Grade::Rough => "rough",
-        Grade::NotIdentified => "lost",
     }
 }
 

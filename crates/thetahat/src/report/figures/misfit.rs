@@ -98,7 +98,7 @@ fn spectrum(results: &Results, run: &RunResult) -> Figure {
                 p.over(Range { low: 0.0, high: end.max(1e-9) }, 0.0).up_by_powers(c.spectrum.iter().map(|p| p[1]));
             let inside = cutoffs.iter().filter(|(_, hz)| *hz <= end);
             inside.fold(panel.line(&curve), |panel, (name, hz)| {
-                panel.upright("cutoff", *hz, &format!("{name} {} Hz", significant(*hz, 3)))
+                panel.upright("cutoff", *hz).word(*hz, &format!("{name} {} Hz", significant(*hz, 3)))
             })
         })
     };

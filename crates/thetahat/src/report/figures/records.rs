@@ -30,11 +30,13 @@ impl Records<'_> {
         self.curve(class, values.iter().zip(reference).map(|(v, r)| scale * (v - r)))
     }
 
-    /// Marks where each recording but the first begins; the names stand in one panel only.
+    /// Marks where each recording but the first begins. Where there are several, their names stand above one panel only.
     pub(super) fn borders(&self, panel: Panel, with_names: bool) -> Panel {
+        let named = with_names && self.starts.len() > 1;
         let all = self.starts.iter().filter_map(|s| Some((self.time_s.get(s.row)?, s)));
-        all.filter(|(_, s)| s.row > 0).fold(panel, |panel, (time, start)| {
-            panel.upright("border", *time, if with_names { &start.name } else { "" })
+        all.fold(panel, |panel, (time, start)| {
+            let panel = if named { panel.word(*time, &start.name) } else { panel };
+            if start.row > 0 { panel.upright("border", *time) } else { panel }
         })
     }
 }
@@ -55,6 +57,7 @@ mod tests {
         let panel = &chart.panels[0];
         // 5 s of 10 s: the middle of the panel, in tenths of a pixel.
         assert_eq!(panel.paths[0].data, format!("M{} 0v800", 5.0 * panel.width));
-        assert_eq!((panel.paths.len(), panel.texts[0].text.as_str()), (1, "b"));
+        let names: Vec<&str> = panel.texts.iter().map(|t| t.text.as_str()).collect();
+        assert_eq!((panel.paths.len(), names), (1, vec!["a", "b"]));
     }
 }

@@ -100,14 +100,12 @@ fn chart(
         [records.curve(MEASURED, measured.iter().copied())].into_iter().chain(predicted).collect();
     let width = if records.measured.len() == 1 { WIDE } else { NARROW };
     let time = Range::of(records.time_s.iter().copied());
-    let over_time = |panel: Panel, curves: &[Curve], name: &str| {
-        let panel = panel.around(curves.iter(), 0.0).over(time, 0.0).lines(curves);
-        records.borders(panel, name == "torque").named(name)
-    };
+    let over_time = |panel: Panel, curves: &[Curve]| panel.around(curves.iter(), 0.0).over(time, 0.0).lines(curves);
+    let unit = units::torque(results, joint);
     let title = title(results, joint, [&values(taken), measured]);
     Chart::new(title, "time, s", width)
-        .with(TORQUE, |p| over_time(p, &torques, "torque"))
-        .with(RESIDUAL, |p| over_time(p, &residuals, "residual").level("zero", 0.0))
+        .with(TORQUE, |p| records.borders(over_time(p, &torques), true).named(unit))
+        .with(RESIDUAL, |p| records.borders(over_time(p, &residuals), false).level("zero", 0.0).named("residual"))
         .zooming()
 }
 

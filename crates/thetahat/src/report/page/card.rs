@@ -3,7 +3,10 @@
 use serde::Serialize;
 
 use crate::{
-    report::number::significant,
+    report::{
+        grades::{class, is_counted},
+        number::significant,
+    },
     results::{Card, Grade, Method, Results, Unseen, Verdict},
 };
 
@@ -19,8 +22,8 @@ pub(in crate::report) struct HeadCard {
     /// Labels and texts.
     pub(in crate::report) facts: Vec<(&'static str, String)>,
     pub(in crate::report) grades: Vec<Graded>,
-    /// Whether grades hold only if the model does.
-    pub(in crate::report) model_is_doubted: bool,
+    /// Whether the grades hold only if the model does.
+    pub(in crate::report) is_doubted: bool,
     pub(in crate::report) actions: Vec<String>,
     /// Every reason, with its code.
     pub(in crate::report) reasons: Vec<(&'static str, String)>,
@@ -32,7 +35,9 @@ pub(in crate::report) struct Graded {
     pub(in crate::report) class: &'static str,
     pub(in crate::report) name: &'static str,
     pub(in crate::report) count: usize,
-    /// Of those that are sure.
+    /// What is said of the names.
+    pub(in crate::report) said: &'static str,
+    /// Of those that are sure, and of those that no robot has.
     pub(in crate::report) names: String,
 }
 
@@ -52,8 +57,8 @@ impl HeadCard {
             word,
             reason: results.verdict_reasons.first().map(|r| sentence(r.seen())).unwrap_or_default(),
             facts: facts(&card, verdict),
-            grades: grades(&card),
-            model_is_doubted: card.model_is_doubted,
+            grades: graded(&card),
+            is_doubted: card.model_is_doubted,
             reasons: results.verdict_reasons.iter().map(|r| (r.code.name(), sentence(&r.text))).collect(),
             actions: card.actions.iter().map(|action| sentence(action)).collect(),
         })
@@ -70,32 +75,34 @@ fn facts(card: &Card, verdict: Verdict) -> Vec<(&'static str, String)> {
         Unseen::HeldBack(error) => ("Error on the held-back record", percent(error)),
         Unseen::LeftOut(error) => ("Error on parts left out", percent(error)),
     });
-    let worst = card.worst_joint.as_ref().map(|(name, error)| ("Worst joint", format!("{name}, {}", percent(*error))));
+    let at = |(name, error): &(String, f64)| format!(" overall, {} at {name}", percent(*error));
+    let worst = card.worst_joint.as_ref().map(at).unwrap_or_default();
     let of = if card.method == Some(Method::CLOE) { "Error of the positions" } else { "Error of the torque" };
-    let error = card.relative_error_percent.map(|error| (of, percent(error)));
-    [method, error, unseen, worst].into_iter().flatten().collect()
+    let error = card.relative_error_percent.map(|error| (of, percent(error) + &worst));
+    let none = (verdict == Verdict::DoNotUse).then(|| ("Parameters to use", "none".to_owned()));
+    [method, error, unseen, none].into_iter().flatten().collect()
 }
 
-fn grades(card: &Card) -> Vec<Graded> {
-    if card.parameters.iter().all(Vec::is_empty) {
+/// The grades that parameters have; none where no number is to be used.
+fn graded(card: &Card) -> Vec<Graded> {
+    if card.verdict == Some(Verdict::DoNotUse) {
         return Vec::new();
     }
-    let class = |grade| match grade {
+    let said = |grade| match grade {
+        Grade::Sure if card.model_is_doubted => "sure, if the model holds",
         Grade::Sure => "sure",
-        Grade::Rough => "rough",
-        Grade::NotIdentified => "lost",
+        Grade::Impossible => "negative, as no motor inertia or friction can be",
+        Grade::Rough | Grade::NotIdentified => "",
     };
-    let names = |grade, names: &[String]| match grade {
-        Grade::Sure => names.join(" "),
-        Grade::Rough | Grade::NotIdentified => String::new(),
-    };
-    let graded = |(grade, of): (Grade, &Vec<String>)| Graded {
+    let of_grade = |(grade, of): (Grade, &Vec<String>)| Graded {
         class: class(grade),
         name: grade.name(),
         count: of.len(),
-        names: names(grade, of),
+        said: said(grade),
+        names: if said(grade).is_empty() { String::new() } else { of.join(" ") },
     };
-    Grade::ALL.into_iter().zip(&card.parameters).map(graded).collect()
+    let all = Grade::ALL.into_iter().zip(&card.parameters);
+    all.filter(|(grade, of)| is_counted(*grade, of.len())).map(of_grade).collect()
 }
 
 /// A text that begins with a capital letter and ends with a full stop.

@@ -83,6 +83,12 @@ pub(in crate::report) struct Axis {
     pub(in crate::report) to: f64,
 }
 
+/// Fewest ticks that tell a scale; how many times more are wanted where there are fewer.
+const FEWEST: usize = 2;
+const MORE: f64 = 2.5;
+/// Even ticks wanted in the place of powers of ten.
+const FEW: f64 = 5.0;
+
 impl Axis {
     pub(in crate::report) fn linear(range: Range, from: f64, to: f64) -> Self {
         Self { range, scale: Scale::Linear, from, to }
@@ -108,12 +114,21 @@ impl Axis {
     pub(in crate::report) fn ticks(&self, wanted: f64, smallest_step: f64) -> Vec<Tick> {
         match self.scale {
             Scale::Linear => self.linear_ticks(wanted, smallest_step),
-            Scale::Logarithmic => self.powers(),
+            Scale::Logarithmic => match self.powers() {
+                powers if powers.len() < FEWEST => self.linear_ticks(FEW, smallest_step),
+                powers => powers,
+            },
         }
     }
 
+    /// Ticks at even steps: one alone does not tell the scale, so that a smaller step is taken then.
     fn linear_ticks(&self, wanted: f64, smallest_step: f64) -> Vec<Tick> {
-        let step = round_step((self.range.high - self.range.low) / wanted).max(smallest_step);
+        let step = |wanted: f64| round_step((self.range.high - self.range.low) / wanted).max(smallest_step);
+        let ticks = self.ticks_at(step(wanted));
+        if ticks.len() < FEWEST { self.ticks_at(step(MORE * wanted)) } else { ticks }
+    }
+
+    fn ticks_at(&self, step: f64) -> Vec<Tick> {
         let decimals = usize::try_from(-(step.log10() + 1e-9).floor() as i32).unwrap_or(0);
         let first = (self.range.low / step).ceil() as i64;
         let last = (self.range.high / step).floor() as i64;
@@ -174,6 +189,7 @@ mod tests {
         };
         assert_eq!(labels(2.0, 4.0), ["2", "3", "4"]);
         assert_eq!(labels(1.0, 8.0), ["1", "2", "5"]);
+        assert_eq!(labels(0.0027, 0.0034), ["0.0028", "0.0030", "0.0032", "0.0034"]);
         assert!(labels(1e-12, 1e12).len() <= 8);
     }
 }

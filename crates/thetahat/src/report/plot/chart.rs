@@ -14,10 +14,12 @@ pub(in crate::report) const WIDE: f64 = 760.0;
 /// Margins around the panels, pixels.
 const LEFT: f64 = 46.0;
 const RIGHT: f64 = 10.0;
-const TOP: f64 = 24.0;
+const TOP: f64 = 31.0;
 const BOTTOM: f64 = 32.0;
 /// Space between two panels.
-const GAP: f64 = 10.0;
+const GAP: f64 = 17.0;
+/// Words stand this far above their panel, pixels: within it they would hide curves.
+const ABOVE: f64 = 4.0;
 
 /// Smallest range of values in a panel, relative to the largest one.
 const SMALLEST_RANGE: f64 = 0.02;
@@ -57,7 +59,7 @@ pub(in crate::report) struct Panel {
     pub(in crate::report) texts: Vec<Text>,
 }
 
-/// A word in a panel, in pixels from the chart's corner.
+/// A word at a panel, in pixels from the chart's corner.
 #[derive(Debug, Serialize)]
 pub(in crate::report) struct Text {
     pub(in crate::report) x: f64,
@@ -161,17 +163,20 @@ impl Panel {
         self
     }
 
-    /// A line from top to bottom at a value, with a word beside it where there is one.
-    pub(in crate::report) fn upright(mut self, class: &str, at: f64, word: &str) -> Self {
-        let x = self.x_axis().position(at);
+    /// A line from top to bottom at a value.
+    pub(in crate::report) fn upright(mut self, class: &str, at: f64) -> Self {
         let place = |v: f64| (v * super::axis::UNITS).round() as i64;
-        self.paths.push(Path { class: class.to_owned(), data: format!("M{} 0v{}", place(x), place(self.height)) });
-        if !word.is_empty() {
-            let is_right = x > 0.6 * self.width;
-            let (anchor, dx) = if is_right { ("end", -3.0) } else { ("start", 3.0) };
-            let (x, y) = (pixel(self.left + x + dx), pixel(self.top + 9.0));
-            self.texts.push(Text { x, y, anchor, text: word.to_owned() });
-        }
+        let x = place(self.x_axis().position(at));
+        self.paths.push(Path { class: class.to_owned(), data: format!("M{x} 0v{}", place(self.height)) });
+        self
+    }
+
+    /// A word above the panel, beside a value of the axis from left to right.
+    pub(in crate::report) fn word(mut self, at: f64, word: &str) -> Self {
+        let x = self.x_axis().position(at);
+        let (anchor, dx) = if x > 0.6 * self.width { ("end", -3.0) } else { ("start", 3.0) };
+        let (x, y) = (pixel(self.left + x + dx), pixel(self.top - ABOVE));
+        self.texts.push(Text { x, y, anchor, text: word.to_owned() });
         self
     }
 
@@ -183,10 +188,10 @@ impl Panel {
         self
     }
 
-    /// What the panel shows, in its upper left corner.
+    /// What the panel shows, above its upper right corner.
     pub(in crate::report) fn named(mut self, name: &str) -> Self {
-        let (x, y) = (pixel(self.left + 4.0), pixel(self.top + 10.0));
-        self.texts.push(Text { x, y, anchor: "start", text: name.to_owned() });
+        let (x, y) = (pixel(self.left + self.width), pixel(self.top - ABOVE));
+        self.texts.push(Text { x, y, anchor: "end", text: name.to_owned() });
         self
     }
 }

@@ -5,12 +5,15 @@
 mod error;
 mod locks;
 mod merge;
+mod parts;
 mod places;
 mod terms;
 mod transmission;
 
 pub use error::LockError;
 pub use locks::{LockedJoint, Locks};
+
+pub(crate) use parts::LinkPart;
 
 pub(super) use locks::{LocksOf, resolve_all};
 pub(super) use merge::merged;

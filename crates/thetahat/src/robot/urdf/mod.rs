@@ -21,7 +21,7 @@ mod transmissions;
 
 pub use error::{Place, UrdfError};
 
-pub(super) use reader::{Transmissions, read};
+pub(super) use reader::{LinkBody, Transmissions, link_bodies, read};
 
 #[cfg(test)]
 mod tests;

@@ -74,6 +74,44 @@ pub(in crate::robot) fn read(
     })
 }
 
+/// A link of a URDF with the body that it is.
+pub(in crate::robot) struct LinkBody {
+    pub(in crate::robot) name: String,
+    /// The moving joint that carries it, by its index in the robot without locks; none for what stands on the base.
+    pub(in crate::robot) carrier: Option<usize>,
+    /// Whether it is the link behind that joint itself.
+    pub(in crate::robot) is_carrier: bool,
+    /// Its frame in that of the link behind the joint.
+    pub(in crate::robot) frame: Frame,
+    pub(in crate::robot) body: Body,
+}
+
+/// The links of a URDF in the order of the file.
+///
+/// # Errors
+/// As [`read`].
+pub(in crate::robot) fn link_bodies(text: &str, path: &Path) -> Result<Vec<LinkBody>, UrdfError> {
+    let document = document::parse(text, path)?;
+    let structure = Structure::read(document::robot(&document, path)?)?;
+    let mut assembly = Assembly::new(&structure);
+    for &joint in &structure.order {
+        assembly.add(&structure.joints[joint], structure.ends[joint])?;
+    }
+    let moved =
+        |link: usize| structure.ends.iter().zip(&structure.joints).any(|(e, j)| e.1 == link && j.moving.is_some());
+    let link = |(k, element): (usize, &Element<'_>)| {
+        let place = assembly.places[k].unwrap_or(LinkPlace { carrier: None, frame: Frame::SAME });
+        Ok(LinkBody {
+            name: element.attribute("name").unwrap_or_default().to_owned(),
+            carrier: place.carrier,
+            is_carrier: moved(k),
+            frame: place.frame,
+            body: links::body_of(*element)?,
+        })
+    };
+    structure.links.iter().enumerate().map(link).collect()
+}
+
 /// The robot as it grows from the base, joint by joint.
 struct Assembly<'s, 'a> {
     links: &'s [Element<'a>],

@@ -1,0 +1,447 @@
+"""Many robots, each with many recordings: identified one by one, then compared."""
+
+from __future__ import annotations
+
+import datetime
+import hashlib
+import json
+import math
+import os
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, fields, is_dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .. import _thetahat
+from .._progress import Progress, telling
+from ..controllers import Controller
+from ..errors import ReportError, ThetahatError
+from ..identification import identify
+from ..recording import Recording
+from ..results import Result, Run
+from ..robot import Robot
+from . import _engines, _page, _statistics
+from ._engines import Engine
+from ._jobs import run_missing
+from ._reduce import stamps
+from ._statistics import Dispersion, Estimate, Line, Test, holm
+from ._store import Store, content_name
+
+_PARTS = "sessions"
+_DAY_S = 86_400.0
+# Half of an interval of 95 % of a normal distribution, in standard deviations.
+_NORMAL_95 = 1.959963984540054
+
+
+@dataclass(frozen=True)
+class Session:
+    """Recordings of one robot at one time: an experiment file, or a robot with recordings.
+
+    Parameters
+    ----------
+    robot : str
+        Which robot it was, such as its serial number.
+    time : float or datetime
+        When, in days, or in any unit that all sessions share; slopes are per this unit.
+    experiment : path, optional
+        An experiment file, as :func:`thetahat.run` takes it.
+    data, description : path, optional
+        The folder of its data, and another robot description: `data` and `robot` of :func:`thetahat.run`.
+    model : Robot, optional
+        Without an experiment: the robot, as :func:`thetahat.identify` takes it.
+    recordings : Recording or sequence of Recording
+        With `model`: what to identify from.
+    settings : mapping
+        With `model`: the other arguments of :func:`thetahat.identify`.
+    """
+
+    robot: str
+    time: float | datetime.datetime = 0.0
+    experiment: str | os.PathLike[str] | None = None
+    data: str | os.PathLike[str] | None = None
+    description: str | os.PathLike[str] | None = None
+    model: Robot | None = None
+    recordings: Recording | Sequence[Recording] = ()
+    settings: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if (self.experiment is None) == (self.model is None):
+            raise ValueError(f"session of {self.robot}: give either an experiment, or a model with recordings")
+
+    @property
+    def days(self) -> float:
+        """The time as a number."""
+        if isinstance(self.time, datetime.datetime):
+            return self.time.timestamp() / _DAY_S
+        return float(self.time)
+
+
+class ParameterEstimate(NamedTuple):
+    """An estimate of a session."""
+
+    name: str
+    estimate: float
+    standard_deviation: float
+    """Half of the 95 % interval by 1.96, so that few degrees of freedom count; SI."""
+    unit: str
+
+
+@dataclass(frozen=True)
+class SessionResult:
+    """What a session came to."""
+
+    robot: str
+    time: float
+    verdict: str
+    """Of the identification, or ``"refused"`` where its input cannot be used."""
+    reasons: tuple[str, ...]
+    method: str
+    """Whose estimates these are; empty without any."""
+    parameters: tuple[ParameterEstimate, ...]
+
+    @property
+    def is_used(self) -> bool:
+        """Whether its estimates are compared with others."""
+        return bool(self.parameters) and self.verdict in ("good", "care")
+
+
+@dataclass(frozen=True)
+class ParameterResult:
+    """A parameter in the whole fleet. ``adjusted`` p-values are Holm's, over the parameters."""
+
+    name: str
+    unit: str
+    mean: Estimate
+    dispersion: Dispersion
+    between_robots: Test
+    between_robots_adjusted: float
+    over_time: Test
+    over_time_adjusted: float
+    scatter_adjusted: float
+    common_slope: Estimate
+
+
+@dataclass(frozen=True)
+class RobotResult:
+    """A parameter of one robot. ``adjusted`` p-values are Holm's, over robots and parameters."""
+
+    robot: str
+    name: str
+    unit: str
+    estimate: Estimate
+    adjusted: float
+
+
+@dataclass(frozen=True)
+class Fleet:
+    """What the sessions of a fleet say together."""
+
+    place: str
+    level: float
+    """Below which adjusted p-values count."""
+    sessions: tuple[SessionResult, ...]
+    parameters: tuple[ParameterResult, ...]
+    drifts: tuple[RobotResult, ...]
+    """Slopes of friction parameters over time, robot by robot, unit per unit of time."""
+    deviations: tuple[RobotResult, ...]
+    """Each robot's distance from the median of all."""
+
+    @property
+    def differing(self) -> list[str]:
+        """Parameters that differ between robots."""
+        return [p.name for p in self.parameters if p.between_robots_adjusted < self.level]
+
+    @property
+    def changing(self) -> list[str]:
+        """Parameters that move over time."""
+        return [p.name for p in self.parameters if p.over_time_adjusted < self.level]
+
+    @property
+    def drifting(self) -> list[RobotResult]:
+        """Slopes that are not zero."""
+        return [drift for drift in self.drifts if drift.adjusted < self.level]
+
+    def to_json(self) -> str:
+        """Everything, as JSON; numbers that there are not are null."""
+        lists = {"sessions": self.sessions, "parameters": self.parameters, "drifts": self.drifts, "deviations": self.deviations}
+        text = f'{{\n"level": {self.level}'
+        for key, items in lists.items():
+            lines = ",\n".join(json.dumps(_plain(item), allow_nan=False) for item in items)
+            text += f',\n"{key}": [\n{lines}\n]'
+        return text + "\n}\n"
+
+    def to_markdown(self) -> str:
+        """The report as Markdown."""
+        return _page.markdown(self)
+
+    def to_html(self) -> str:
+        """The report as a page that opens offline."""
+        return _page.html(self)
+
+    def report(self, path: str | os.PathLike[str]) -> None:
+        """Write the report, as a page or, where the path ends with ``.md``, as Markdown.
+
+        Raises
+        ------
+        ReportError
+            Where it cannot be written.
+        """
+        folder, name = os.path.split(os.path.abspath(os.fspath(path)))
+        text = self.to_markdown() if name.endswith(".md") else self.to_html()
+        if not os.path.isdir(folder):
+            raise ReportError(f"{os.fspath(path)}: cannot be written: there is no folder {folder}")
+        Store(folder).write(name, text.encode())
+
+    def _repr_html_(self) -> str:
+        return _page.body(self)
+
+
+class _SessionPart(NamedTuple):
+    """A session as a worker takes it."""
+
+    store: Store
+    name: str
+    session: Session
+    texts: _thetahat.ExperimentTexts | None
+    data: str
+    method: str | None
+
+    @staticmethod
+    def work(job: _SessionPart) -> str:
+        """Identify, and keep what is compared."""
+        try:
+            found = _kept(_identified(job), job.method)
+        except ThetahatError as refused:
+            found = {"verdict": "refused", "reasons": [str(refused)], "method": "", "parameters": []}
+        job.store.write(job.name, json.dumps(found).encode())
+        return job.name
+
+
+def _identified(job: _SessionPart) -> Result:
+    if job.texts is not None:
+        return Result(_thetahat.run_texts(job.texts, job.data), None)
+    model = job.session.model
+    assert model is not None
+    return identify(model, job.session.recordings, **job.session.settings)
+
+
+def _kept(result: Result, method: str | None) -> dict[str, Any]:
+    try:
+        run = result.best if method is None else result[method]
+    except KeyError as unknown:
+        raise ThetahatError(str(unknown.args[0])) from unknown
+    reasons = result.reasons or ([run.reason] if run.reason else [])
+    return {"verdict": result.verdict, "reasons": reasons, "method": run.method, "parameters": _estimates(run)}
+
+
+def _estimates(run: Run) -> list[tuple[str, float, float, str]]:
+    if run.status != "converged":
+        return []
+    known = ((p, p.interval_95) for p in run)
+    return [
+        (p.name, p.estimate, (ends[1] - ends[0]) / (2.0 * _NORMAL_95), p.unit)
+        for p, ends in known
+        if ends is not None and ends[1] > ends[0]
+    ]
+
+
+def fleet(
+    sessions: Iterable[Session],
+    out: str | os.PathLike[str],
+    *,
+    method: str | None = None,
+    friction: Sequence[str] = ("fv", "fc"),
+    level: float = 0.05,
+    engine: Engine = "threads",
+    workers: int | None = None,
+    address: str | None = None,
+    sessions_per_job: int = 1,
+    retries: int = 3,
+    progress: bool | Progress = False,
+) -> Fleet:
+    """Identify every session of a fleet, and test which parameters differ between robots and over time.
+
+    Estimates of a parameter are compared by Wald tests with their own robust variances; parameter by parameter, since a session keeps no
+    covariance between parameters. Where sessions scatter about their robot's line by more than their variances say, all variances of
+    the parameter are multiplied by that factor, and tests are of F and t. P-values are adjusted by Holm's method: tests of the
+    fleet over the parameters, tests of robots over robots and parameters. Intervals are of 95 % each, by itself.
+
+    Sessions whose verdict is ``"do-not-use"``, or whose input is refused, are listed and left out.
+
+    Parameters
+    ----------
+    sessions : iterable of Session
+        The sessions.
+    out : path or str
+        A folder that all workers see, or ``s3://bucket/prefix``: ``fleet.json``, ``fleet.html``, and a file for each session, which is
+        taken where an earlier call left it.
+    method : str, optional
+        Whose estimates are compared; without it those that the advice of each session takes.
+    friction : sequence of str
+        Beginnings of the names of the parameters whose drifts are told robot by robot.
+    level : float
+        The level of the tests.
+    sessions_per_job : int
+        Sessions that are handed over together: some tens where there are many workers and sessions are short.
+    engine, workers, address, retries, progress
+        As of :func:`campaign`.
+
+    Raises
+    ------
+    ExperimentError, RobotError
+        For an experiment file that cannot be read; what a worker refuses is a session's verdict.
+    EngineError
+        For an engine that is not installed, or loses its workers.
+    """
+    if not 0.0 < level < 1.0:
+        raise ValueError(f"level is {level}; it is between 0 and 1")
+    if sessions_per_job < 1:
+        raise ValueError(f"sessions_per_job is {sessions_per_job}; at least one is needed")
+    store, asked = Store(out), list(sessions)
+    if not asked:
+        raise ValueError("no session is given")
+    jobs = [_job(store, session, method) for session in asked]
+    if len({job.name for job in jobs}) < len(jobs):
+        raise ValueError("two sessions are of the same robot, time and recordings: give each only once")
+    with _engines.started(engine, workers, address, retries) as driver, telling(progress) as tell:
+        for done in run_missing(driver, _SessionPart.work, jobs, store, _PARTS, sessions_per_job):
+            if tell is not None:
+                tell(f"{done} of {len(jobs)} sessions")
+    contents = store.read_all([job.name for job in jobs])
+    found = [_result(job.session, content) for job, content in zip(jobs, contents, strict=True)]
+    compared = compare(found, str(store), friction=friction, level=level)
+    store.write("fleet.json", compared.to_json().encode())
+    store.write("fleet.html", compared.to_html().encode())
+    return compared
+
+
+def compare(
+    sessions: Sequence[SessionResult], place: str = "", *, friction: Sequence[str] = ("fv", "fc"), level: float = 0.05
+) -> Fleet:
+    """The tests of :func:`fleet` on sessions that were identified."""
+    ordered = sorted(sessions, key=lambda session: (session.robot, session.time))
+    units: dict[str, str] = {p.name: p.unit for s in ordered if s.is_used for p in s.parameters}
+    lines = _lines(ordered)
+    dispersions = {name: _statistics.dispersion_of(list(of.values())) for name, of in lines.items()}
+    drifts: list[tuple[str, str, Estimate]] = []
+    deviations: list[tuple[str, str, Estimate]] = []
+    for name, of in lines.items():
+        if name.startswith(tuple(friction)):
+            drifts += [(r, name, _statistics.slope(line, dispersions[name])) for r, line in of.items() if line.has_slope]
+        if len(of) > 1:
+            found = _statistics.from_the_median(list(of.values()), dispersions[name])
+            deviations += [(robot, name, estimate) for robot, estimate in zip(of, found, strict=True)]
+    return Fleet(
+        place,
+        level,
+        tuple(ordered),
+        _of_parameters(units, lines, dispersions),
+        _of_robots(drifts, units),
+        _of_robots(deviations, units),
+    )
+
+
+def _of_parameters(
+    units: dict[str, str], lines: dict[str, dict[str, Line]], dispersions: dict[str, Dispersion]
+) -> tuple[ParameterResult, ...]:
+    arguments = [(list(lines[name].values()), dispersions[name]) for name in units]
+    between = [_statistics.between_robots(*pair) for pair in arguments]
+    moving = [_statistics.over_time(*pair) for pair in arguments]
+    between_adjusted = holm([test.p_value for test in between])
+    moving_adjusted = holm([test.p_value for test in moving])
+    scatter_adjusted = holm([dispersions[name].p_value for name in units])
+    return tuple(
+        ParameterResult(
+            name=name,
+            unit=units[name],
+            mean=_statistics.fleet_mean(*arguments[k]),
+            dispersion=dispersions[name],
+            between_robots=between[k],
+            between_robots_adjusted=between_adjusted[k],
+            over_time=moving[k],
+            over_time_adjusted=moving_adjusted[k],
+            scatter_adjusted=scatter_adjusted[k],
+            common_slope=_statistics.common_slope(*arguments[k]),
+        )
+        for k, name in enumerate(units)
+    )
+
+
+def _of_robots(found: list[tuple[str, str, Estimate]], units: dict[str, str]) -> tuple[RobotResult, ...]:
+    adjusted = holm([estimate.p_value for _, _, estimate in found])
+    return tuple(
+        RobotResult(robot, name, units[name], estimate, p)
+        for (robot, name, estimate), p in zip(found, adjusted, strict=True)
+    )
+
+
+def _lines(sessions: Sequence[SessionResult]) -> dict[str, dict[str, Line]]:
+    """Of each parameter the line of each robot that has it."""
+    points: dict[str, dict[str, list[tuple[float, float, float]]]] = {}
+    for session in sessions:
+        for parameter in session.parameters if session.is_used else ():
+            point = (session.time, parameter.estimate, parameter.standard_deviation)
+            points.setdefault(parameter.name, {}).setdefault(session.robot, []).append(point)
+    line = _statistics.line_of
+    return {name: {robot: line(*np.array(of).T) for robot, of in robots.items()} for name, robots in points.items()}
+
+
+def _job(store: Store, session: Session, method: str | None) -> _SessionPart:
+    if session.experiment is None:
+        origin = content_name("arrays", _digest(session), session.robot, session.days, method)
+        return _SessionPart(store, f"{_PARTS}/{origin}.json", session, None, "", method)
+    path = os.fspath(session.experiment)
+    data = os.path.abspath(os.path.dirname(path) if session.data is None else session.data)
+    robot = None if session.description is None else os.fspath(session.description)
+    texts, files, _ = _thetahat.experiment_texts(path, data, robot)
+    origin = content_name("session", texts[1:], stamps(files), session.robot, session.days, method)
+    return _SessionPart(store, f"{_PARTS}/{origin}.json", session, texts, data, method)
+
+
+def _digest(session: Session) -> str:
+    """A name of a session's arrays and settings."""
+    assert session.model is not None
+    recordings = [session.recordings] if isinstance(session.recordings, Recording) else session.recordings
+    # What a robot is pickled as: its description, and where its locked joints stand.
+    digest = hashlib.sha256(repr(session.model._native.__reduce__()[1]).encode())
+    for recording in recordings:
+        for key, value in sorted(vars(recording).items()):
+            arrays = value if isinstance(value, dict) else {"": value}
+            for name, array in arrays.items():
+                is_array = isinstance(array, np.ndarray)
+                content = np.ascontiguousarray(array).tobytes() if is_array else repr(array).encode()
+                digest.update(f"{key} {name} {len(content)} {np.shape(array)}".encode() + content)
+    settings = {k: v.settings() if isinstance(v, Controller) else v for k, v in session.settings.items()}
+    digest.update(json.dumps(settings, sort_keys=True, default=repr).encode())
+    return digest.hexdigest()
+
+
+def _result(session: Session, content: bytes) -> SessionResult:
+    found = json.loads(content)
+    return SessionResult(
+        robot=session.robot,
+        time=session.days,
+        verdict=found["verdict"],
+        reasons=tuple(found["reasons"]),
+        method=found["method"],
+        # Names and units are the same in all sessions: each is kept once.
+        parameters=tuple(
+            ParameterEstimate(sys.intern(name), estimate, deviation, sys.intern(unit))
+            for name, estimate, deviation, unit in found["parameters"]
+        ),
+    )
+
+
+def _plain(value: Any) -> Any:
+    """What JSON can hold."""
+    if is_dataclass(value):
+        return {each.name: _plain(getattr(value, each.name)) for each in fields(value)}
+    if hasattr(value, "_asdict"):
+        return _plain(value._asdict())
+    if isinstance(value, dict):
+        return {key: _plain(each) for key, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(each) for each in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

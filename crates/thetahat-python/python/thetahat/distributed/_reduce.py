@@ -1,0 +1,191 @@
+"""Long recordings as triangular factors, made by any worker and merged as a tree."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from .. import _thetahat
+from .._progress import Progress, telling
+from ..results import Result
+from ..robot import Robot
+from . import _engines
+from ._engines import Driver, Engine
+from ._jobs import Merge, ReductionPart, Spans, run_missing
+from ._store import Store, content_name
+
+_Path = str | os.PathLike[str]
+_PARTS = "parts"
+_MERGED = "merged.reduction"
+
+
+@dataclass(frozen=True)
+class Reduced:
+    """A reduction: what least squares need of all recordings."""
+
+    place: str
+    """The folder or prefix with ``merged.reduction``, which ``thetahat solve`` takes."""
+    parts: tuple[str, ...]
+    """The files of its parts, in their order."""
+    content: bytes
+    """The content of ``merged.reduction``."""
+
+    def solve(self) -> Result:
+        """The estimates, as ``thetahat solve`` gives them.
+
+        Raises
+        ------
+        ReductionError
+            Where the experiment in the reduction cannot be used.
+        """
+        native, robot = _thetahat.solve(f"{self.place}/{_MERGED}", self.content)
+        return Result(native, Robot(robot))
+
+
+def reduce(
+    experiments: _Path | Sequence[_Path],
+    out: _Path,
+    *,
+    data: _Path | None = None,
+    robot: _Path | None = None,
+    stretch_s: float | None = None,
+    instruments_from: _Path | None = None,
+    engine: Engine = "threads",
+    workers: int | None = None,
+    address: str | None = None,
+    fan_in: int = 8,
+    retries: int = 3,
+    progress: bool | Progress = False,
+) -> Reduced:
+    """Reduce recordings on any engine, one job each or one for each stretch of time, and merge the factors.
+
+    The bytes depend on the experiments, their order, `stretch_s` and `fan_in`; not on engine, workers or what is done first. Parts that
+    an earlier call left are taken, unless their files have changed since.
+
+    Parameters
+    ----------
+    experiments : path or sequence of path
+        Experiment files whose recordings are one regression.
+    out : path or str
+        A folder that all workers see, or ``s3://bucket/prefix``.
+    data : path, optional
+        The folder of the recordings, which all workers see; without it that of each experiment file.
+    robot : path, optional
+        Another robot description than the one that the experiments name.
+    stretch_s : float, optional
+        Reduce stretches of so many seconds by themselves, where one recording is much for one worker. A stretch is decimated as a
+        record of its own, so that estimates differ from those of the whole by the rows at its ends.
+    instruments_from : path, optional
+        A ``results.json`` whose estimates simulate the instruments of IDIM-IV.
+    fan_in : int
+        Reductions that one job merges.
+    engine, workers, address, retries, progress
+        As of :func:`campaign`.
+
+    Raises
+    ------
+    ExperimentError, RecordingError, ReductionError
+        With file, place and remedy.
+    EngineError
+        For an engine that is not installed, or loses its workers.
+    """
+    if stretch_s is not None and not (math.isfinite(stretch_s) and stretch_s > 0):
+        raise ValueError(f"stretch_s is {stretch_s}; it is a time above zero, or None")
+    if fan_in < 2:
+        raise ValueError(f"fan_in is {fan_in}; two reductions at least become one")
+    paths = [experiments] if isinstance(experiments, (str, os.PathLike)) else list(experiments)
+    if not paths:
+        raise ValueError("no experiment is given")
+    store = Store(out)
+    with _engines.started(engine, workers, address, retries) as driver, telling(progress) as tell:
+        described = [_described(os.fspath(path), data, robot, instruments_from) for path in paths]
+        jobs = _parts(driver, store, described, stretch_s)
+        for done in run_missing(driver, ReductionPart.work, jobs, store, _PARTS):
+            if tell is not None:
+                tell(f"{done} of {len(jobs)} parts")
+        merged = _merged(driver, store, [job.name for job in jobs], fan_in)
+    content = store.read(merged)
+    store.write(_MERGED, content)
+    return Reduced(str(store), tuple(job.name for job in jobs), content)
+
+
+@dataclass(frozen=True)
+class _Described:
+    """An experiment as jobs need it."""
+
+    texts: _thetahat.ExperimentTexts
+    data: str
+    origin: str
+    """A name that follows from all that is read."""
+    recordings: int
+    instruments: dict[str, float] | None
+
+
+def _described(path: str, data: _Path | None, robot: _Path | None, instruments_from: _Path | None) -> _Described:
+    folder = os.path.abspath(os.path.dirname(path) if data is None else data)
+    texts, files, recordings = _thetahat.experiment_texts(path, folder, None if robot is None else os.fspath(robot))
+    instruments = None
+    if instruments_from is not None:
+        instruments = _thetahat.instruments_of(os.fspath(instruments_from), texts)
+    origin = content_name("experiment", texts, stamps(files), instruments)
+    return _Described(texts, folder, origin, recordings, instruments)
+
+
+def stamps(files: Sequence[_Path]) -> list[tuple[str, int, int]]:
+    """By which files are known again without reading them: path, size and time of change; those that are not there are left out."""
+    found = [(os.path.abspath(file), os.stat(file)) for file in sorted(str(file) for file in files) if os.path.exists(file)]
+    return [(path, state.st_size, state.st_mtime_ns) for path, state in found]
+
+
+def _parts(
+    driver: Driver, store: Store, described: list[_Described], stretch_s: float | None
+) -> list[ReductionPart]:
+    windows: list[list[list[tuple[float, float] | None]]]
+    if stretch_s is None:
+        windows = [[[None]] * one.recordings for one in described]
+    else:
+        spans = driver.all(Spans.work, [Spans(one.texts, one.data) for one in described])
+        windows = [[stretches(span, stretch_s) for span in of_one] or [[None]] for of_one in spans]
+    return [
+        _part(store, one, recording, window)
+        for one, of_one in zip(described, windows, strict=True)
+        for recording, of_recording in enumerate(of_one)
+        for window in of_recording
+    ]
+
+
+def _part(store: Store, one: _Described, recording: int, window: tuple[float, float] | None) -> ReductionPart:
+    name = f"{_PARTS}/{content_name('reduction', one.origin, recording, window)}.reduction"
+    return ReductionPart(store, name, one.texts, one.data, recording, window, one.instruments)
+
+
+def stretches(span: tuple[float, float], stretch_s: float) -> list[tuple[float, float] | None]:
+    """A time in stretches of about the same length, none longer than asked for.
+
+    Examples
+    --------
+    >>> stretches((0.0, 25.0), 10.0)
+    [(0.0, 8.333333333333334), (8.333333333333334, 16.666666666666668), (16.666666666666668, 25.0)]
+    """
+    start, end = span
+    count = max(1, math.ceil((end - start) / stretch_s))
+    ends = [start + (end - start) * k / count for k in range(1, count)]
+    return list(zip([start, *ends], [*ends, end], strict=True))
+
+
+def _merged(driver: Driver, store: Store, names: list[str], fan_in: int) -> str:
+    """Merges level by level, each time neighbours; the name of what is left."""
+    while len(names) > 1:
+        groups = [names[k : k + fan_in] for k in range(0, len(names), fan_in)]
+        named = [(group[0] if len(group) == 1 else _name(group), group) for group in groups]
+        jobs = [Merge(store, name, group) for name, group in named if len(group) > 1]
+        for _ in run_missing(driver, Merge.work, jobs, store, _PARTS):
+            pass
+        names = [name for name, _ in named]
+    return names[0]
+
+
+def _name(parts: list[str]) -> str:
+    return f"{_PARTS}/{content_name('merge', parts)}.reduction"

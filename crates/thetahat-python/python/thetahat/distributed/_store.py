@@ -1,0 +1,166 @@
+"""Where parts and results are kept: a folder, or objects below an ``s3://`` prefix. Both are written whole or not at all."""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import hashlib
+import importlib
+import json
+import os
+import pathlib
+import tempfile
+import uuid
+from collections.abc import Iterator, Sequence
+from concurrent import futures
+from typing import Any
+
+from .. import _thetahat
+from ..errors import EngineError
+
+_REMOTE = "s3://"
+# Objects that are read at a time.
+_AT_ONCE = 32
+
+
+def content_name(*content: object) -> str:
+    """A name that follows from content, and from the version of thetahat that works on it: 32 hexadecimal digits."""
+    text = json.dumps([_thetahat.VERSION, *content], sort_keys=True, default=os.fspath)
+    return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+class Store:
+    """Files by name. It can be pickled: workers open it for themselves.
+
+    Parameters
+    ----------
+    place : path or str
+        A folder that all workers see, or ``s3://bucket/prefix``, with pyarrow's options behind a question mark.
+    """
+
+    def __init__(self, place: str | os.PathLike[str]) -> None:
+        self.place = os.fspath(place)
+        self._system: Any = None
+        if self.place.startswith(_REMOTE):
+            self._system, self._root = _remote(self.place)
+        else:
+            self._root = os.path.abspath(self.place)
+
+    def __reduce__(self) -> tuple[type[Store], tuple[str]]:
+        return Store, (self.place if self._system else self._root,)
+
+    def __str__(self) -> str:
+        return self.place
+
+    def read(self, name: str) -> bytes:
+        """The content of a file."""
+        if self._system:
+            with self._system.open_input_stream(self._path(name)) as stream:
+                return bytes(stream.read())
+        return pathlib.Path(self._path(name)).read_bytes()
+
+    def write(self, name: str, content: bytes) -> None:
+        """Write a file: who reads it finds all of it, or the one of before, or none."""
+        if self._system:
+            # An object is there when its upload is completed.
+            with self._system.open_output_stream(self._path(name)) as stream:
+                stream.write(content)
+            return
+        path = pathlib.Path(self._path(name))
+        path.parent.mkdir(parents=True, exist_ok=True)
+        temporary = path.with_name(f".{path.name}.{uuid.uuid4().hex}.part")
+        try:
+            temporary.write_bytes(content)
+            os.replace(temporary, path)
+        finally:
+            temporary.unlink(missing_ok=True)
+
+    def names(self, folder: str) -> set[str]:
+        """The names of the files in a folder."""
+        if self._system:
+            chosen = _pyarrow_fs(self.place).FileSelector(self._path(folder), allow_not_found=True)
+            return {f"{folder}/{info.base_name}" for info in self._system.get_file_info(chosen) if info.is_file}
+        try:
+            entries = list(os.scandir(self._path(folder)))
+        except FileNotFoundError:
+            return set()
+        return {f"{folder}/{entry.name}" for entry in entries if entry.is_file() and not entry.name.startswith(".")}
+
+    def delete(self, name: str) -> None:
+        """Delete a file."""
+        if self._system:
+            self._system.delete_file(self._path(name))
+        else:
+            os.unlink(self._path(name))
+
+    def read_all(self, names: Sequence[str]) -> Iterator[bytes]:
+        """The content of files, in their order; of objects several at a time, since each takes its way."""
+        if not self._system:
+            yield from map(self.read, names)
+            return
+        with futures.ThreadPoolExecutor(_AT_ONCE) as pool:
+            for first in range(0, len(names), 8 * _AT_ONCE):
+                yield from pool.map(self.read, names[first : first + 8 * _AT_ONCE])
+
+    def require(self, names: Sequence[str]) -> None:
+        """Refuse to go on without files that a worker says it wrote."""
+        missing = [name for name in names if not self._system and not os.path.exists(self._path(name))]
+        if missing:
+            raise EngineError(
+                f"{self.place}: a worker wrote {missing[0]} and it is not there: workers have another folder of that name; "
+                "take a folder that all of them share, or s3://"
+            )
+
+    @contextlib.contextmanager
+    def as_folder(self, *files: str, parts: str) -> Iterator[str]:
+        """The store as a folder of this machine: itself, or a copy of some files and of all parts, which is brought back."""
+        if not self._system:
+            yield self._root
+            return
+        with tempfile.TemporaryDirectory() as folder:
+            copy = Store(folder)
+            self._bring(copy, files, parts)
+            yield folder
+            self.send(folder, *files)
+            for name in self.names(parts) - copy.names(parts):
+                self.delete(name)
+
+    def send(self, folder: str, *files: str) -> None:
+        """Copy files that a folder of this machine has, where the store is another."""
+        if self._system:
+            for name in files:
+                path = pathlib.Path(folder, name)
+                if path.exists():
+                    self.write(name, path.read_bytes())
+
+    def bring_parts(self, folder: str, parts: str) -> None:
+        """Copy the parts that a folder of this machine does not have."""
+        if self._system:
+            copy = Store(folder)
+            missing = sorted(self.names(parts) - copy.names(parts))
+            for name, content in zip(missing, self.read_all(missing), strict=True):
+                copy.write(name, content)
+
+    def _bring(self, copy: Store, files: tuple[str, ...], parts: str) -> None:
+        there = {name.rsplit("/", 1)[-1] for name in self.names("")}
+        for name in files:
+            if name in there:
+                copy.write(name, self.read(name))
+        self.bring_parts(copy.place, parts)
+
+    def _path(self, name: str) -> str:
+        return f"{self._root}/{name}" if name else self._root
+
+
+@functools.lru_cache(maxsize=8)
+def _remote(place: str) -> tuple[Any, str]:
+    """The file system of a place, made once in a process, and the path in it."""
+    system, root = _pyarrow_fs(place).FileSystem.from_uri(place)
+    return system, root.rstrip("/")
+
+
+def _pyarrow_fs(place: str) -> Any:
+    try:
+        return importlib.import_module("pyarrow.fs")
+    except ImportError as missing:
+        raise EngineError(f'{place}: needs pyarrow: pip install "thetahat[s3]"') from missing

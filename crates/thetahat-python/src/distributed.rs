@@ -1,0 +1,214 @@
+//! Jobs of campaigns and reductions that may run elsewhere: texts in, the content of files out.
+
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
+
+use pyo3::{prelude::*, types::PyBytes};
+use thetahat::{
+    Experiment,
+    campaign::{self, Campaign, Key, Row, Store, Subset},
+    output::OutputGuard,
+    reduction::{ReduceOptions, Reduction, estimates_of_results},
+    report::{self, TextWidth},
+    statistics,
+};
+
+use crate::{raised::Raised, results::Results, robot::Robot};
+
+/// The texts of a campaign, of its experiment and of its robot, each of the first two behind its path.
+type CampaignTexts = (PathBuf, String, PathBuf, String, String);
+
+/// The place of a record: noise level, start and seed, from zero.
+type Place = (u32, u32, u32);
+
+/// Reads a campaign; its texts are all that a job needs.
+#[pyfunction]
+pub fn campaign_texts(path: PathBuf) -> Result<CampaignTexts, Raised> {
+    let Campaign { path, text, experiment, .. } = Campaign::read(&path)?;
+    Ok((path, text, experiment.path, experiment.text, experiment.robot_text))
+}
+
+/// What all records of a campaign share, made from its texts.
+#[pyclass(frozen, module = "thetahat._thetahat")]
+#[derive(Debug)]
+pub struct Bench(campaign::Bench);
+
+#[pymethods]
+impl Bench {
+    #[new]
+    fn new(py: Python<'_>, texts: CampaignTexts, starts: Option<u32>) -> Result<Self, Raised> {
+        py.detach(|| {
+            let limits = Subset { starts, seeds: None };
+            Ok(Self(campaign::Bench::new(&campaign_of(texts)?, limits)?))
+        })
+    }
+
+    /// Runs records: the content of a part of the campaign's store.
+    fn part<'py>(&self, py: Python<'py>, places: Vec<Place>) -> Result<Bound<'py, PyBytes>, Raised> {
+        let keys: Vec<Key> = places.into_iter().map(|(level, start, seed)| Key { level, start, seed }).collect();
+        let content = py.detach(|| self.0.part(&keys))?;
+        Ok(PyBytes::new(py, &content))
+    }
+
+    /// The records that a folder does not have yet; it must be new or empty, or hold runs of this campaign.
+    fn missing(
+        &self,
+        py: Python<'_>,
+        texts: CampaignTexts,
+        folder: PathBuf,
+        limits: (Option<u32>, Option<u32>),
+    ) -> Result<Vec<Place>, Raised> {
+        py.detach(|| {
+            let campaign = campaign_of(texts)?;
+            OutputGuard::new(campaign.input_files(), false)
+                .folder(&folder, [report::CAMPAIGN_PAGE])
+                .map_err(|e| Raised::new("CampaignError", e))?;
+            let store = Store::open(&folder, &campaign)?;
+            let missing = campaign.missing(&self.0, subset(limits), &store)?;
+            Ok(missing.into_iter().map(|key| (key.level, key.start, key.seed)).collect())
+        })
+    }
+}
+
+/// Puts the parts of a folder together, as the command `campaign` does at its end: the tables, the runs, those that converged, and
+/// the files.
+#[pyfunction]
+pub fn finish_campaign(
+    py: Python<'_>,
+    texts: CampaignTexts,
+    folder: PathBuf,
+    limits: (Option<u32>, Option<u32>),
+) -> Result<(String, usize, usize, Vec<PathBuf>), Raised> {
+    py.detach(|| {
+        let campaign = campaign_of(texts)?;
+        let store = Store::open(&folder, &campaign)?;
+        let runs = campaign.run(subset(limits), 1, Some(&store), &mut |_| {})?;
+        let results = campaign.results(&runs);
+        let page = report::write_campaign(&results, &folder)?;
+        let text = report::campaign_text(&results, TextWidth::DEFAULT);
+        let converged = runs.rows.iter().filter(|row| Row::has_converged(row)).count();
+        Ok((text, runs.rows.len(), converged, runs.files.into_iter().chain([page]).collect()))
+    })
+}
+
+fn campaign_of((path, text, experiment_path, experiment, robot): CampaignTexts) -> Result<Campaign, Raised> {
+    let experiment = Experiment::from_texts(&experiment_path, experiment, robot)?;
+    Ok(Campaign::from_text(&path, text, experiment)?)
+}
+
+fn subset((starts, seeds): (Option<u32>, Option<u32>)) -> Subset {
+    Subset { starts, seeds }
+}
+
+/// The texts of an experiment and of its robot, the first behind its path.
+type ExperimentTexts = (PathBuf, String, String);
+
+/// Reads an experiment: its texts, the files that a run reads, and the number of its recordings, one for a twin.
+#[pyfunction]
+pub fn experiment_texts(
+    path: PathBuf,
+    data: PathBuf,
+    robot: Option<PathBuf>,
+) -> Result<(ExperimentTexts, Vec<PathBuf>, usize), Raised> {
+    let experiment = match robot {
+        Some(robot) => Experiment::read_with_robot(&path, &robot)?,
+        None => Experiment::read(&path, &data)?,
+    };
+    let (files, recordings) = (experiment.input_files(&data), experiment.file.recording.len());
+    Ok(((experiment.path, experiment.text, experiment.robot_text), files, recordings.max(1)))
+}
+
+fn experiment_of((path, text, robot): ExperimentTexts) -> Result<Experiment, Raised> {
+    Ok(Experiment::from_texts(&path, text, robot)?)
+}
+
+/// Runs an experiment of texts.
+#[pyfunction]
+pub fn run_texts(py: Python<'_>, texts: ExperimentTexts, data: PathBuf) -> Result<Results, Raised> {
+    py.detach(|| {
+        let experiment = experiment_of(texts)?;
+        let results = experiment.run(&data, &mut |_| {})?;
+        let parameters = &experiment.settings.parameters;
+        let (excluded, fixed) = (parameters.exclude.clone(), parameters.fix.clone());
+        Ok(Results::new(results, excluded, fixed, experiment.published_path()))
+    })
+}
+
+/// Start and end of what is reduced of each recording of an experiment, s.
+#[pyfunction]
+pub fn recording_spans(py: Python<'_>, texts: ExperimentTexts, data: PathBuf) -> Result<Vec<[f64; 2]>, Raised> {
+    py.detach(|| Ok(experiment_of(texts)?.recording_spans_s(&data)?))
+}
+
+/// The estimates of a `results.json` from which instruments are simulated.
+#[pyfunction]
+pub fn instruments_of(path: PathBuf, texts: ExperimentTexts) -> Result<BTreeMap<String, f64>, Raised> {
+    Ok(estimates_of_results(&path, &experiment_of(texts)?)?)
+}
+
+/// Reduces a recording of an experiment, or a stretch of its time: the content of the file.
+#[pyfunction]
+pub fn reduce<'py>(
+    py: Python<'py>,
+    texts: ExperimentTexts,
+    data: PathBuf,
+    recording: usize,
+    window_s: Option<[f64; 2]>,
+    instruments: Option<BTreeMap<String, f64>>,
+) -> Result<Bound<'py, PyBytes>, Raised> {
+    let content = py.detach(|| {
+        let part = experiment_of(texts)?.part(recording, window_s)?;
+        let options = ReduceOptions::default();
+        let reduction = part.reduce_with_instruments(&data, instruments.as_ref(), options, &mut |_| {})?;
+        bytes_of(&reduction)
+    })?;
+    Ok(PyBytes::new(py, &content))
+}
+
+/// Merges reductions, each the content of a file behind its name, in their order.
+#[pyfunction]
+pub fn merge<'py>(py: Python<'py>, reductions: Vec<(PathBuf, Vec<u8>)>) -> Result<Bound<'py, PyBytes>, Raised> {
+    let content = py.detach(|| {
+        let all = reductions.iter().map(|(name, bytes)| Reduction::from_bytes(bytes, name));
+        bytes_of(&Reduction::merge_all(all.collect::<Result<Vec<_>, _>>()?)?)
+    })?;
+    Ok(PyBytes::new(py, &content))
+}
+
+/// Estimates from the content of a reduction's file.
+#[pyfunction]
+pub fn solve(py: Python<'_>, name: PathBuf, content: Vec<u8>) -> Result<(Results, Robot), Raised> {
+    py.detach(|| {
+        let reduction = Reduction::from_bytes(&content, &name)?;
+        let results = reduction.solve()?.results;
+        let (text, robot_text) = (&results.experiment_description, &results.robot_description);
+        let path = Path::new(&reduction.experiment_name);
+        let parameters = Experiment::from_texts(path, text.clone(), robot_text.clone())?.settings.parameters;
+        let robot = Robot::of_experiment(path, text, robot_text, &results.profiled_terms)?;
+        Ok((Results::new(results, parameters.exclude, parameters.fix, None), robot))
+    })
+}
+
+fn bytes_of(reduction: &Reduction) -> Result<Vec<u8>, Raised> {
+    reduction.to_bytes().map_err(|e| Raised::new("ReductionError", e))
+}
+
+/// Probability that a chi-squared of so many degrees of freedom is at least as large; NaN where there is none.
+#[pyfunction]
+pub fn chi_squared_probability(statistic: f64, freedom: usize) -> f64 {
+    statistics::chi_squared_test(statistic, freedom).map_or(f64::NAN, |test| test.p_value)
+}
+
+/// The same of an F.
+#[pyfunction]
+pub fn f_probability(statistic: f64, numerator_freedom: f64, denominator_freedom: f64) -> f64 {
+    statistics::f_probability(statistic, numerator_freedom, denominator_freedom).unwrap_or(f64::NAN)
+}
+
+/// The quantile of Student's t; NaN where there is none.
+#[pyfunction]
+pub fn t_quantile(probability: f64, freedom: f64) -> f64 {
+    statistics::t_quantile(probability, freedom).unwrap_or(f64::NAN)
+}

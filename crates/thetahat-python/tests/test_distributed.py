@@ -1,0 +1,497 @@
+"""Campaigns, reductions and fleets on every engine: the same bytes, whoever is killed."""
+
+import json
+import os
+import pickle
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import thetahat as th
+from thetahat import distributed
+from thetahat.distributed import _campaign, _engines, _fleet, _statistics, _store
+
+ENGINES = ["threads", "dask", "ray"]
+
+
+def module_of(engine):
+    """Skip where an engine is not installed."""
+    if engine != "threads":
+        pytest.importorskip({"dask": "distributed", "ray": "ray"}[engine])
+    return engine
+
+
+@pytest.fixture(scope="module")
+def running():
+    """Engines that run for all tests: what to give to each."""
+    found = {}
+    cluster = None
+    try:
+        yield lambda engine: found.get(engine) or found.setdefault(engine, begin(engine))
+    finally:
+        cluster = found.get("dask", {}).get("cluster")
+        if cluster is not None:
+            cluster.close()
+        if "ray" in found:
+            sys.modules["ray"].shutdown()
+
+
+def begin(engine):
+    module_of(engine)
+    if engine == "dask":
+        import distributed as dask_distributed
+
+        local = {"host": "127.0.0.1", "dashboard_address": "127.0.0.1:0", "worker_dashboard_address": "127.0.0.1:0"}
+        cluster = dask_distributed.LocalCluster(n_workers=2, threads_per_worker=1, **local)
+        return {"cluster": cluster, "options": {"engine": "dask", "address": cluster.scheduler_address}}
+    if engine == "ray":
+        import ray
+
+        ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False, _node_ip_address="127.0.0.1")
+    return {"options": {"engine": engine, "workers": 2}}
+
+
+def command(*arguments):
+    done = subprocess.run([sys.executable, "-m", "thetahat", *map(str, arguments)], capture_output=True, text=True)
+    assert done.returncode in (0, 1), done.stderr
+    return done
+
+
+@pytest.fixture(scope="module")
+def described(checkout):
+    return checkout / "campaigns/two_joint.toml"
+
+
+@pytest.fixture(scope="module")
+def rows(described, tmp_path_factory):
+    """The rows that the command writes."""
+    folder = tmp_path_factory.mktemp("command")
+    command("campaign", described, "--out", folder)
+    return (folder / "runs.parquet").read_bytes()
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_campaign_has_the_bytes_of_the_command(engine, running, described, rows, tmp_path):
+    options = running(engine)["options"]
+    told = []
+    found = distributed.campaign(described, tmp_path, records_per_job=2, progress=told.append, **options)
+    assert (tmp_path / "runs.parquet").read_bytes() == rows
+    assert (found.runs, found.converged) == (64, 64) and "idim-iv" in found.text
+    assert told[0] == "0 of 4 jobs" and told[-1] == "4 of 4 jobs"
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(
+        ["campaign.html", "campaign.json", "parts", "runs.parquet", "timing.parquet"]
+    )
+    assert not list((tmp_path / "parts").iterdir())
+
+
+@pytest.mark.parametrize(("workers", "records"), [(1, 1), (3, 5)])
+def test_neither_workers_nor_jobs_change_rows(described, rows, tmp_path, workers, records):
+    distributed.campaign(described, tmp_path, workers=workers, records_per_job=records)
+    assert (tmp_path / "runs.parquet").read_bytes() == rows
+
+
+def test_the_command_goes_on_where_a_part_of_a_campaign_is_done_and_the_other_way_round(described, rows, tmp_path):
+    distributed.campaign(described, tmp_path / "a", seeds=1)
+    command("campaign", described, "--out", tmp_path / "a")
+    command("campaign", described, "--out", tmp_path / "b", "--seeds", "1")
+    told = []
+    distributed.campaign(described, tmp_path / "b", records_per_job=1, progress=told.append)
+    assert told[0] == "0 of 4 jobs"
+    for folder in "ab":
+        assert (tmp_path / folder / "runs.parquet").read_bytes() == rows
+
+
+def test_a_folder_of_another_campaign_is_refused(described, checkout, tmp_path):
+    distributed.campaign(described, tmp_path, seeds=1, starts=1)
+    with pytest.raises(th.CampaignError, match="holds runs of another campaign"):
+        distributed.campaign(checkout / "campaigns/birdy.toml", tmp_path, seeds=1, starts=1)
+    with pytest.raises(th.CampaignError, match=r"absent\.toml: cannot be read"):
+        distributed.campaign(tmp_path / "absent.toml", tmp_path / "out")
+
+
+def slow_campaign(described, folder):
+    """A campaign of 48 records, whose runs take a few seconds."""
+    path = folder / "campaigns" / "slow.toml"
+    path.parent.mkdir()
+    for name in ("experiments", "robots"):
+        shutil.copytree(described.parent.parent / name, folder / name)
+    path.write_text(described.read_text().replace("seeds = 2", "seeds = 12"))
+    return path
+
+
+@pytest.fixture(scope="module")
+def slow(described, tmp_path_factory):
+    """A longer campaign, and its rows by threads."""
+    folder = tmp_path_factory.mktemp("slow")
+    path = slow_campaign(described, folder)
+    distributed.campaign(path, folder / "out")
+    return path, (folder / "out" / "runs.parquet").read_bytes()
+
+
+def wait_for_parts(folder, count=2, seconds=60):
+    """Wait until so many parts are there."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        if folder.is_dir() and len([p for p in folder.iterdir() if p.suffix == ".parquet"]) >= count:
+            return
+        time.sleep(0.005)
+    raise AssertionError(f"no {count} parts in {seconds} s")
+
+
+def worker_pids(engine):
+    """The processes below this one that do jobs."""
+    psutil = pytest.importorskip("psutil")
+    below = psutil.Process().children(recursive=True)
+    lines = {process.pid: " ".join(process.cmdline()) for process in below if process.is_running()}
+    if engine == "dask":
+        return [pid for pid, line in lines.items() if "spawn_main" in line]
+    return [pid for pid, line in lines.items() if line.startswith("ray::work")]
+
+
+@pytest.mark.parametrize("engine", ["dask", "ray"])
+def test_a_killed_worker_is_replaced_and_its_jobs_done_again(engine, slow, tmp_path):
+    module_of(engine)
+    path, rows = slow
+    # Ray may run already, as Dask of another test may, whose workers do not count.
+    before = set(worker_pids("dask"))
+    killed = []
+
+    def kill():
+        wait_for_parts(tmp_path / "out" / "parts")
+        while not killed:
+            killed.extend([pid for pid in worker_pids(engine) if pid not in before][:1])
+        os.kill(killed[0], signal.SIGKILL)
+
+    killer = threading.Thread(target=kill)
+    killer.start()
+    distributed.campaign(path, tmp_path / "out", engine=engine, workers=2, records_per_job=1)
+    killer.join()
+    assert killed
+    assert (tmp_path / "out" / "runs.parquet").read_bytes() == rows
+
+
+def test_a_killed_driver_goes_on_where_it_was(slow, tmp_path):
+    path, rows = slow
+    code = "import sys, thetahat as th; th.distributed.campaign(sys.argv[1], sys.argv[2], workers=2, records_per_job=1)"
+    driver = subprocess.Popen([sys.executable, "-c", code, str(path), str(tmp_path)])
+    try:
+        wait_for_parts(tmp_path / "parts", count=5)
+    finally:
+        driver.kill()
+        driver.wait()
+    assert not (tmp_path / "runs.parquet").exists()
+    kept = len([p for p in (tmp_path / "parts").iterdir() if p.suffix == ".parquet"])
+    assert kept >= 5
+    told = []
+    distributed.campaign(path, tmp_path, records_per_job=1, progress=told.append)
+    assert told[-1] == f"{48 - kept} of {48 - kept} jobs"
+    assert (tmp_path / "runs.parquet").read_bytes() == rows
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    """An experiment with three recordings, and experiments with one each."""
+    folder = tmp_path_factory.mktemp("recorded")
+    (folder / "arm.toml").write_text(th.testing.arm()._native.text())
+    tables = []
+    head = "position_1,position_2,torque_1,torque_2"
+    for number in range(3):
+        log = th.testing.twin(seconds=6, seed=number).recording
+        table = np.column_stack([log.position, log.torque])
+        np.savetxt(folder / f"{number}.csv", table, delimiter=",", header=head, comments="", fmt="%.12g")
+        tables.append(
+            f"[[recording]]\nsample_rate_hz = 1000\n"
+            f"position = {{ file = '{number}.csv', columns = ['position_1', 'position_2'], unit = 'rad' }}\n"
+            f"torque = {{ file = '{number}.csv', columns = ['torque_1', 'torque_2'], unit = 'N m' }}\n"
+        )
+    rest = "[signal]\ncutoff_hz = 40\ndecimation = 10\n[estimation]\nmethods = ['idim-ls']\n"
+    for name, own in [("all", tables), *((str(k), [table]) for k, table in enumerate(tables))]:
+        (folder / f"{name}.toml").write_text(f"title = '{name}'\nrobot = 'arm.toml'\n{''.join(own)}{rest}")
+    return folder
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_reduction_has_the_bytes_of_the_command(engine, running, recorded, tmp_path):
+    options = running(engine)["options"]
+    paths = [recorded / f"{number}.toml" for number in range(3)]
+    found = distributed.reduce(paths, tmp_path / "out", fan_in=2, **options)
+    for number, path in enumerate(paths):
+        command("reduce", path, "--out", tmp_path / f"{number}.reduction")
+    files = [tmp_path / f"{number}.reduction" for number in range(3)]
+    command("solve", *files, "--merged", tmp_path / "merged.reduction", "--out", tmp_path / "solved")
+    assert (tmp_path / "out/merged.reduction").read_bytes() == found.content
+    assert found.content == (tmp_path / "merged.reduction").read_bytes()
+    result, solved = found.solve(), th.Result.read(tmp_path / "solved/results.json")
+    np.testing.assert_array_equal(result["idim-ls"].estimates, solved["idim-ls"].estimates)
+    np.testing.assert_array_equal(result["idim-ls"].intervals_95, solved["idim-ls"].intervals_95)
+
+
+def test_recordings_of_one_experiment_are_jobs_of_their_own(recorded, tmp_path):
+    """Merged, they give what all recordings in one regression give."""
+    found = distributed.reduce(recorded / "all.toml", tmp_path, workers=2)
+    assert len(found.parts) == 3
+    merged, whole = found.solve()["idim-ls"], th.run(recorded / "all.toml")["idim-ls"]
+    np.testing.assert_allclose(merged.estimates, whole.estimates, rtol=1e-9)
+    assert found.solve().robot.n == 2
+
+
+def test_parts_are_found_again_unless_their_recording_changed(recorded, tmp_path):
+    first = distributed.reduce(recorded / "all.toml", tmp_path)
+    states = {path: path.stat().st_mtime_ns for path in (tmp_path / "parts").iterdir()}
+    told = []
+    again = distributed.reduce(recorded / "all.toml", tmp_path, progress=told.append)
+    assert told == ["3 of 3 parts"] and again.content == first.content
+    assert {path: path.stat().st_mtime_ns for path in (tmp_path / "parts").iterdir()} == states
+    os.utime(recorded / "1.csv")
+    distributed.reduce(recorded / "all.toml", tmp_path, progress=told.append)
+    assert told[1] == "0 of 3 parts", "the experiment reads the file"
+
+
+def test_stretches_of_time_are_nearly_the_whole(recorded, tmp_path):
+    parts = distributed.reduce(recorded / "0.toml", tmp_path / "parts", stretch_s=2.5, workers=2)
+    whole = distributed.reduce(recorded / "0.toml", tmp_path / "whole")
+    assert len(parts.parts) == 3
+    a, b = parts.solve()["idim-ls"], whole.solve()["idim-ls"]
+    assert np.max(np.abs(a.estimates - b.estimates) / b.standard_deviations) < 1.0
+    with pytest.raises(ValueError, match="stretch_s is 0"):
+        distributed.reduce(recorded / "0.toml", tmp_path, stretch_s=0)
+
+
+def test_what_a_job_refuses_is_raised_as_everywhere(recorded, tmp_path):
+    broken = (recorded / "0.toml").read_text().replace("0.csv", "absent.csv")
+    (recorded / "broken.toml").write_text(broken)
+    with pytest.raises(th.RecordingError, match=r"absent\.csv"):
+        distributed.reduce([recorded / "1.toml", recorded / "broken.toml"], tmp_path)
+    with pytest.raises(th.ReductionError, match="hold the same samples"):
+        distributed.reduce([recorded / "0.toml", recorded / "0.toml"], tmp_path)
+    assert not (tmp_path / "merged.reduction").exists()
+
+
+@pytest.mark.parametrize("engine", ["dask", "ray"])
+def test_errors_of_workers_are_those_of_threads(engine, running, recorded, tmp_path):
+    options = running(engine)["options"]
+    broken = (recorded / "0.toml").read_text().replace("0.csv", "absent.csv")
+    (recorded / "broken.toml").write_text(broken)
+    with pytest.raises(th.RecordingError, match=r"absent\.csv"):
+        distributed.reduce(recorded / "broken.toml", tmp_path, **options)
+
+
+def sessions_of(robots=3, times=4, seconds=10, change=lambda robot, time: {}):
+    """Sessions of twins; `change` gives the parameters that differ."""
+    arm = th.testing.arm()
+    text = arm._native.text()
+    for robot in range(robots):
+        for when in range(times):
+            changed = {**dict(zip(arm.parameter_names, arm.a_priori, strict=True)), **change(robot, when)}
+            head = text.split("[parameters]")[0]
+            lines = "".join(f"{name} = {float(value)!r}\n" for name, value in changed.items() if value)
+            model = th.Robot.from_text(f"{head}[parameters]\n{lines}", name=f"robot {robot}")
+            log = th.testing.twin(model, seconds=seconds, seed=100 * robot + when).recording
+            yield distributed.Session(
+                robot=f"R{robot}",
+                time=float(when),
+                model=arm,
+                recordings=log,
+                settings={"cutoff_hz": 40, "decimation": 10},
+            )
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_fleet_has_the_same_bytes_on_any_engine(engine, running, tmp_path):
+    options = running(engine)["options"]
+    sessions = list(sessions_of(robots=2, times=2))
+    found = distributed.fleet(sessions, tmp_path / "a", workers=1)
+    other = distributed.fleet(reversed(sessions), tmp_path / "b", sessions_per_job=3, **options)
+    assert found.to_json() == other.to_json()
+    assert (tmp_path / "a/fleet.html").read_bytes() == (tmp_path / "b/fleet.html").read_bytes()
+    parts = [sorted((path.name, path.read_bytes()) for path in (tmp_path / f / "sessions").iterdir()) for f in "ab"]
+    assert parts[0] == parts[1] and len(parts[0]) == 4
+
+
+def test_a_fleet_finds_drift_and_the_robot_that_differs(tmp_path):
+    def change(robot, when):
+        return {"fv1": 2.0 * (1 + 0.05 * when * (robot == 1)), "fc2": 0.4 + 0.1 * (robot == 2)}
+
+    found = distributed.fleet(sessions_of(change=change), tmp_path)
+    assert [(drift.robot, drift.name) for drift in found.drifting] == [("R1", "fv1")]
+    drift = found.drifting[0].estimate
+    assert drift.low < 0.1 < drift.high and drift.high - drift.low < 0.1
+    assert "fc2" in found.differing and "fv1" in found.changing
+    farthest = min(found.deviations, key=lambda deviation: deviation.estimate.p_value)
+    assert (farthest.robot, farthest.name) == ("R2", "fc2") and 0.05 < farthest.estimate.value < 0.15
+    told = []
+    again = distributed.fleet(sessions_of(change=change), tmp_path, progress=told.append)
+    assert told == ["12 of 12 sessions"] and again.to_json() == found.to_json()
+
+
+def test_a_fleet_without_drift_has_none(tmp_path):
+    found = distributed.fleet(sessions_of(), tmp_path)
+    assert found.drifting == [] and found.changing == [] and found.differing == []
+    truth = th.testing.arm().base_values()
+    inside = [p.mean.low < truth[p.name] < p.mean.high for p in found.parameters]
+    assert sum(inside) >= len(inside) - 3
+    tests = [p.between_robots.p_value for p in found.parameters] + [p.over_time.p_value for p in found.parameters]
+    # Of 26 tests at 5 %, six or more are rejected once in a thousand, were they independent.
+    assert sum(p < 0.05 for p in tests) < 6
+
+
+@pytest.mark.parametrize("scatter", [1.0, 3.0])
+def test_tests_reject_what_is_true_as_often_as_they_say(scatter):
+    """Of fleets whose sessions scatter as stated, or three times as much: 5 %, and never more than 7 %."""
+    rng = np.random.default_rng(7)
+    rejected, repeats = np.zeros(3), 1500
+    for _ in range(repeats):
+        lines = []
+        for _ in range(6):
+            s = rng.uniform(0.5, 2.0, 5)
+            lines.append(_statistics.line_of(np.arange(5.0), 10.0 + scatter * s * rng.normal(size=5), s))
+        dispersion = _statistics.dispersion_of(lines)
+        tests = [_statistics.between_robots(lines, dispersion), _statistics.over_time(lines, dispersion)]
+        p_values = [*(test.p_value for test in tests), _statistics.slope(lines[0], dispersion).p_value]
+        rejected += np.array(p_values) < 0.05
+    # Standard deviation of a share of 5 % among 1500: 0.56 %.
+    assert np.all(rejected / repeats < 0.07) and np.all(rejected / repeats > 0.02), rejected / repeats
+
+
+def test_holm_is_that_of_the_paper():
+    assert _statistics.holm([0.01, 0.02, 0.03]) == [0.03, 0.04, 0.04]
+    assert np.isnan(_statistics.holm([float("nan")])[0])
+
+
+def test_reports_of_a_fleet_escape_what_they_show(tmp_path):
+    sessions = [
+        distributed.SessionResult("<b>|x", float(t), "good", (), "idim-ls", (distributed.ParameterEstimate("fv1", 1.0 + t, 0.1, "u"),))
+        for t in range(3)
+    ] + [distributed.SessionResult("other", 0.0, "refused", ("a | b",), "", ())]
+    found = distributed.compare(sessions)
+    assert "<b>" not in found.to_html() and "&lt;b&gt;" in found.to_html()
+    assert "\\|x" in found.to_markdown() and "a \\| b" in found.to_markdown()
+    assert found.drifting[0].estimate.value == pytest.approx(1.0)
+    json.loads(found.to_json())
+    found.report(tmp_path / "fleet.md")
+    found.report(tmp_path / "page.html")
+    assert (tmp_path / "fleet.md").read_text() == found.to_markdown()
+    with pytest.raises(th.ReportError, match="there is no folder"):
+        found.report(tmp_path / "absent" / "fleet.md")
+
+
+def test_a_locked_joint_makes_another_session():
+    """Two robots of one description are not the same session where a joint is locked elsewhere."""
+    text = th.testing.arm()._native.text()
+    log = th.Recording(sample_rate_hz=100, position=np.zeros((10, 1)))
+    models = [th.Robot.from_text(text, locked={"elbow": angle}) for angle in (0.0, 0.5, 0.5)]
+    digests = [_fleet._digest(distributed.Session("R1", model=model, recordings=log)) for model in models]
+    assert digests[0] != digests[1] == digests[2]
+
+
+def test_a_session_that_is_refused_is_listed_and_left_out(tmp_path):
+    good = next(sessions_of(robots=1, times=1))
+    one = good.recordings.position[:, :1]
+    bad = distributed.Session("R9", model=good.model, recordings=th.Recording(sample_rate_hz=1000, position=one, torque=one), settings=good.settings)
+    found = distributed.fleet([good, bad], tmp_path)
+    refused = next(session for session in found.sessions if not session.is_used)
+    assert refused.robot == "R9" and refused.verdict == "refused" and "expected 2" in refused.reasons[0]
+    with pytest.raises(ValueError, match="give each only once"):
+        distributed.fleet([good, good], tmp_path)
+    with pytest.raises(ValueError, match="either an experiment, or a model"):
+        distributed.Session("R1")
+
+
+def test_an_engine_that_is_not_installed_says_how_to_get_it(described, tmp_path, monkeypatch):
+    for engine, module in [("dask", "distributed"), ("ray", "ray")]:
+        monkeypatch.setitem(sys.modules, module, None)
+        with pytest.raises(th.EngineError, match=rf'pip install "thetahat\[{engine}\]"'):
+            distributed.campaign(described, tmp_path / engine, engine=engine)
+    with pytest.raises(ValueError, match="expected 'threads', 'dask', 'ray'"):
+        distributed.campaign(described, tmp_path / "x", engine="slurm")
+
+
+def test_engines_are_imported_only_when_they_are_asked_for():
+    modules = ["thetahat.distributed", "dask", "distributed", "ray", "pyarrow"]
+    code = f"import sys, thetahat; print([m for m in {modules} if m in sys.modules], thetahat.distributed.Session.__name__)"
+    assert subprocess.check_output([sys.executable, "-c", code], text=True).strip() == "[] Session"
+    with pytest.raises(AttributeError, match="has no attribute 'distribute'"):
+        th.distribute  # noqa: B018
+
+
+def test_jobs_are_taken_as_workers_get_free():
+    taken = []
+
+    def jobs():
+        for number in range(100):
+            taken.append(number)
+            yield number
+
+    with _engines.started("threads", 2, None, 0) as driver:
+        values = driver.each(lambda number: number * number, jobs())
+        next(values)
+        assert len(taken) < 20
+        assert sorted([0, *(value for _, value in values)])[-1] == 99 * 99
+
+
+def test_files_are_whole_or_not_there(tmp_path):
+    store = pickle.loads(pickle.dumps(_store.Store(tmp_path)))
+    store.write("a/b", b"1")
+    store.write("a/b", b"22")
+    assert store.read("a/b") == b"22" and store.names("a") == {"a/b"} and store.names("none") == set()
+    assert [path.name for path in (tmp_path / "a").iterdir()] == ["b"]
+    with pytest.raises(th.EngineError, match="workers have another folder"):
+        store.require(["a/b", "a/c"])
+
+
+@pytest.fixture(scope="module")
+def bucket():
+    """A server of S3 on this machine."""
+    moto = pytest.importorskip("moto.server")
+    boto3 = pytest.importorskip("boto3")
+    pytest.importorskip("pyarrow.fs")
+    server = moto.ThreadedMotoServer(ip_address="127.0.0.1", port=0)
+    server.start()
+    host, port = server.get_host_and_port()
+    keys = {"AWS_ACCESS_KEY_ID": "none", "AWS_SECRET_ACCESS_KEY": "none"}
+    before = {key: os.environ.get(key) for key in keys}
+    os.environ.update(keys)
+    boto3.client("s3", endpoint_url=f"http://{host}:{port}", region_name="us-east-1").create_bucket(Bucket="bucket")
+    yield lambda prefix: f"s3://bucket/{prefix}?endpoint_override={host}:{port}&scheme=http&region=us-east-1"
+    server.stop()
+    for key, value in before.items():
+        os.environ.pop(key, None) if value is None else os.environ.update({key: value})
+
+
+def test_a_killed_driver_goes_on_from_its_objects(bucket, described, rows, checkout, monkeypatch):
+    """It is killed before it puts the parts together, and so leaves what is there when a driver dies."""
+    place, finish = bucket("killed"), th._thetahat.finish_campaign
+
+    def die(*arguments):
+        raise RuntimeError("killed")
+
+    monkeypatch.setattr(th._thetahat, "finish_campaign", die)
+    with pytest.raises(RuntimeError, match="^killed$"):
+        distributed.campaign(described, place, seeds=1)
+    monkeypatch.setattr(th._thetahat, "finish_campaign", finish)
+    with pytest.raises(th.CampaignError, match="holds runs of another campaign"):
+        distributed.campaign(checkout / "campaigns/birdy.toml", place)
+    told = []
+    distributed.campaign(described, place, records_per_job=1, progress=told.append)
+    assert told[-1] == "4 of 4 jobs"
+    assert _store.Store(place).read("runs.parquet") == rows
+
+
+def test_objects_of_s3_are_kept_like_files(bucket, described, rows, recorded, tmp_path):
+    place = bucket("campaign")
+    distributed.campaign(described, place, seeds=1)
+    distributed.campaign(described, place)
+    store = _store.Store(place)
+    assert store.read("runs.parquet") == rows and store.names("parts") == set()
+    assert store.names("") == {f"/{name}" for name in _campaign._FILES}
+    found = distributed.reduce(recorded / "all.toml", bucket("reduction"), fan_in=2)
+    assert found.content == distributed.reduce(recorded / "all.toml", tmp_path, fan_in=2).content
+    sessions = list(sessions_of(robots=2, times=1))
+    fleet = distributed.fleet(sessions, bucket("fleet"))
+    assert fleet.to_json() == distributed.fleet(sessions, tmp_path / "fleet").to_json()

@@ -1,0 +1,91 @@
+//! An export read back: its torques are those of the robot that was exported.
+
+use std::path::Path;
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::{error::ExportError, format::Format, render::Export, said::Said};
+use crate::{
+    dynamics::{DynamicParameters, Model, Sign, State, Workspace},
+    robot::{Locks, Robot, RobotError, RobotSource},
+};
+
+/// Random states that are compared.
+const STATES: usize = 1000;
+/// Ranges of q, dq and ddq: rad, rad/s and rad/s^2, or m.
+const RANGES: [f64; 3] = [3.0, 3.0, 10.0];
+const SEED: u64 = 0;
+/// Largest difference relative to the largest torque of a state: digits of the file are exact, sums in another order are not.
+const TOLERANCE: f64 = 1e-9;
+
+impl Export {
+    /// Reads the file back and compares inverse dynamics at 1000 random states with those of what the format can say of the
+    /// robot. Returns the largest difference, relative to the largest torque of its state.
+    ///
+    /// # Errors
+    /// [`ExportError::NoReader`] for formats that are not read, [`ExportError::Robot`] where the file cannot be read, and
+    /// [`ExportError::RoundTrip`] for a difference above 1e-9.
+    pub fn check(&self) -> Result<f64, ExportError> {
+        match self.format {
+            Format::Urdf => compare(&self.said, &read_back(&self.text, &self.said.robot)?),
+            Format::Mjcf | Format::Sdf | Format::Json => Err(ExportError::NoReader { format: self.format }),
+        }
+    }
+}
+
+/// The robot of a file, with the joints locked that the exported robot has locked, and its gravity.
+fn read_back(text: &str, exported: &Robot) -> Result<Robot, RobotError> {
+    let path = Path::new("the export");
+    let whole = RobotSource::from_text(text.to_owned(), path)?.robot_without_transmission()?;
+    let is_free = |name: &str| whole.joints.iter().any(|j| j.name == name && j.mimic.is_none());
+    let locked = exported.locked.iter().filter(|l| is_free(&l.name)).map(|l| (l.name.clone(), l.value)).collect();
+    let robot = whole
+        .with_locks(&Locks { locked, until: Vec::new() })
+        .map_err(|source| RobotError::Lock { path: path.to_owned(), source: Box::new(source) })?;
+    Ok(Robot { gravity: exported.gravity, ..robot })
+}
+
+fn compare(said: &Said, back: &Robot) -> Result<f64, ExportError> {
+    let names: Vec<&str> = said.robot.coordinates().map(|j| j.name.as_str()).collect();
+    // The file may list the joints in another order.
+    let order: Vec<usize> = back.coordinates().filter_map(|j| names.iter().position(|name| *name == j.name)).collect();
+    let (exported, read) = (Torques::of(&said.robot, &said.parameters), Torques::of(back, &back.a_priori_parameters()));
+    let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+    let mut worst = (0.0, 0);
+    for _ in 0..STATES {
+        let state = RANGES.map(|range| names.iter().map(|_| rng.random_range(-range..range)).collect::<Vec<f64>>());
+        let expected = exported.at(&state);
+        let found = read.at(&state.map(|values| order.iter().map(|&k| values[k]).collect()));
+        let largest = expected.iter().fold(f64::MIN_POSITIVE, |m, t| m.max(t.abs()));
+        for (tau, &k) in found.iter().zip(&order) {
+            let difference = (tau - expected[k]).abs() / largest;
+            if difference > worst.0 || difference.is_nan() {
+                worst = (difference, k);
+            }
+        }
+    }
+    if worst.0 <= TOLERANCE && order.len() == names.len() {
+        return Ok(worst.0);
+    }
+    Err(ExportError::RoundTrip { joint: names[worst.1].to_owned(), difference: worst.0 })
+}
+
+struct Torques {
+    model: Model,
+    parameters: DynamicParameters,
+}
+
+impl Torques {
+    fn of(robot: &Robot, parameters: &[f64]) -> Self {
+        let model = Model::new(robot);
+        Self { parameters: DynamicParameters::new(&model, parameters), model }
+    }
+
+    fn at(&self, [q, dq, ddq]: &[Vec<f64>; 3]) -> Vec<f64> {
+        let mut tau = vec![0.0; q.len()];
+        let mut workspace = Workspace::new(&self.model);
+        self.model.inverse_dynamics(&self.parameters, State::new(q, dq), ddq, Sign::Exact, &mut workspace, &mut tau);
+        tau
+    }
+}

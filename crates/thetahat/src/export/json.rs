@@ -1,0 +1,98 @@
+//! A plain model file: everything that the torques depend on, as JSON.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::said::Said;
+use crate::robot::{Joint, JointKind, Parameter, Robot, TermDescription};
+
+#[derive(Serialize)]
+struct Model<'a> {
+    thetahat: &'a str,
+    content: &'a str,
+    about: Vec<String>,
+    robot: &'a str,
+    gravity: [f64; 3],
+    friction: &'a str,
+    joints: Vec<JointEntry<'a>>,
+    transmission: TransmissionEntry<'a>,
+    terms: &'a [TermDescription],
+    parameters: BTreeMap<String, Value>,
+}
+
+#[derive(Serialize)]
+struct JointEntry<'a> {
+    name: &'a str,
+    kind: JointKind,
+    parent: Option<&'a str>,
+    rotation: [[f64; 3]; 3],
+    origin: [f64; 3],
+    link_axes: [[f64; 3]; 3],
+    mimic: Option<MimicEntry<'a>>,
+    lower: Option<f64>,
+    upper: Option<f64>,
+    velocity: Option<f64>,
+    effort: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct MimicEntry<'a> {
+    joint: &'a str,
+    ratio: f64,
+    offset: f64,
+}
+
+#[derive(Serialize)]
+struct TransmissionEntry<'a> {
+    matrix: Vec<Vec<f64>>,
+    offset: &'a [f64],
+    drive_gain: &'a [f64],
+}
+
+#[derive(Serialize)]
+struct Value {
+    value: f64,
+    unit: String,
+}
+
+/// The JSON of a robot; `about` says where it comes from.
+pub(super) fn json(said: &Said, about: &[String]) -> Result<String, serde_json::Error> {
+    let robot = &said.robot;
+    let value = |(p, v): (&Parameter, &f64)| (p.name(), Value { value: *v, unit: p.unit.to_string() });
+    let matrix = robot.transmission.matrix();
+    let model = Model {
+        thetahat: env!("CARGO_PKG_VERSION"),
+        content: "model",
+        about: about.to_vec(),
+        robot: &robot.name,
+        gravity: robot.gravity,
+        friction: robot.friction.name(),
+        joints: robot.joints.iter().map(|joint| entry(robot, joint)).collect(),
+        transmission: TransmissionEntry {
+            matrix: (0..matrix.rows()).map(|i| (0..matrix.columns()).map(|j| matrix.at(i, j)).collect()).collect(),
+            offset: robot.transmission.offset(),
+            drive_gain: robot.transmission.drive_gain(),
+        },
+        terms: &robot.term_descriptions,
+        parameters: robot.parameter_table().iter().zip(&said.parameters).map(value).collect(),
+    };
+    Ok(serde_json::to_string_pretty(&model)? + "\n")
+}
+
+fn entry<'a>(robot: &'a Robot, joint: &'a Joint) -> JointEntry<'a> {
+    let name = |k: usize| robot.joints[k].name.as_str();
+    JointEntry {
+        name: &joint.name,
+        kind: joint.kind,
+        parent: joint.parent.map(name),
+        rotation: joint.placement.rotation(),
+        origin: joint.placement.origin,
+        link_axes: joint.link_axes.unwrap_or(crate::vector::IDENTITY),
+        mimic: joint.mimic.map(|m| MimicEntry { joint: name(m.of), ratio: m.ratio, offset: m.offset }),
+        lower: joint.limits.lower,
+        upper: joint.limits.upper,
+        velocity: joint.limits.velocity,
+        effort: joint.limits.effort,
+    }
+}

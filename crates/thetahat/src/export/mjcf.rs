@@ -1,0 +1,116 @@
+//! A new MJCF of a robot: MuJoCo's model file.
+
+use super::{
+    body::{Body, inertial_of},
+    coupling::beside,
+    frames::LinkFrame,
+    said::Said,
+    xml::{escaped, number, numbers},
+};
+use crate::robot::{JointKind, JointQuantity, Robot};
+
+/// The MJCF of a robot, with `header` at its start.
+pub(super) fn mjcf(said: &Said, header: &str) -> String {
+    let robot = &said.robot;
+    let mut lines = vec![
+        format!("<mujoco model=\"{}\">", escaped(&robot.name)),
+        "  <compiler angle=\"radian\"/>".to_owned(),
+        format!("  <option gravity=\"{}\"/>", numbers(&robot.gravity)),
+        "  <worldbody>".to_owned(),
+    ];
+    (0..robot.joints.len())
+        .filter(|&k| robot.joints[k].parent.is_none())
+        .for_each(|k| add_body(said, k, 2, &mut lines));
+    lines.push("  </worldbody>".to_owned());
+    lines.extend(followers(robot));
+    lines.extend(coupled_motors(said));
+    lines.push("</mujoco>".to_owned());
+    format!("{header}{}\n", lines.join("\n"))
+}
+
+/// The body of a link with those that it carries; robots have at most a hundred joints.
+fn add_body(said: &Said, k: usize, depth: usize, lines: &mut Vec<String>) {
+    let space = "  ".repeat(depth);
+    let frame = LinkFrame::of(&said.robot, k);
+    lines.push(format!(
+        "{space}<body name=\"link_{}\" pos=\"{}\" quat=\"{}\">",
+        k + 1,
+        numbers(&frame.origin),
+        numbers(&frame.quaternion())
+    ));
+    lines.push(format!("{space}  {}", inertial(said, k)));
+    lines.push(format!("{space}  {}", joint(said, k, &frame)));
+    let children = (0..said.robot.joints.len()).filter(|&j| said.robot.joints[j].parent == Some(k));
+    children.for_each(|child| add_body(said, child, depth + 1, lines));
+    lines.push(format!("{space}</body>"));
+}
+
+fn inertial(said: &Said, k: usize) -> String {
+    let body = Body::new(inertial_of(&said.robot, &said.parameters, k));
+    let [xx, xy, xz, yy, yz, zz] = body.six();
+    format!(
+        "<inertial pos=\"{}\" mass=\"{}\" fullinertia=\"{}\"/>",
+        numbers(&body.centre),
+        number(body.mass),
+        numbers(&[xx, yy, zz, xy, xz, yz])
+    )
+}
+
+fn joint(said: &Said, k: usize, frame: &LinkFrame) -> String {
+    let joint = &said.robot.joints[k];
+    let kind = match joint.kind {
+        JointKind::Revolute => "hinge",
+        JointKind::Prismatic => "slide",
+    };
+    let range = match joint.limits.lower.zip(joint.limits.upper) {
+        Some((lower, upper)) if lower < upper => format!(" range=\"{} {}\"", number(lower), number(upper)),
+        Some(_) | None => String::new(),
+    };
+    let [armature, damping] = beside(&said.robot, &said.parameters, &said.tendons, k).map(number);
+    let friction = number(said.of_joint(JointQuantity::Fc, k));
+    format!(
+        "<joint name=\"{}\" type=\"{kind}\" axis=\"{}\"{range} armature=\"{armature}\" damping=\"{damping}\" \
+         frictionloss=\"{friction}\"/>",
+        escaped(&joint.name),
+        numbers(&frame.axis)
+    )
+}
+
+/// Motors that turn with several joints, as fixed tendons.
+fn coupled_motors(said: &Said) -> Vec<String> {
+    if said.tendons.is_empty() {
+        return Vec::new();
+    }
+    let mut lines = vec!["  <tendon>".to_owned()];
+    for tendon in &said.tendons {
+        let [armature, damping, friction] = [tendon.armature, tendon.damping, tendon.friction_loss].map(number);
+        lines.push(format!(
+            "    <fixed name=\"motor_{}\" armature=\"{armature}\" damping=\"{damping}\" frictionloss=\"{friction}\">",
+            tendon.motor + 1
+        ));
+        let joint = |(j, weight): &(usize, f64)| {
+            let name = escaped(&said.robot.joints[*j].name);
+            format!("      <joint joint=\"{name}\" coef=\"{}\"/>", number(*weight))
+        };
+        lines.extend(tendon.joints.iter().map(joint));
+        lines.push("    </fixed>".to_owned());
+    }
+    lines.push("  </tendon>".to_owned());
+    lines
+}
+
+/// Joints that follow others, which MuJoCo holds by constraints.
+fn followers(robot: &Robot) -> Vec<String> {
+    let follower = |joint: &crate::robot::Joint| {
+        let mimic = joint.mimic?;
+        let leader = escaped(&robot.joints[mimic.of].name);
+        let [offset, ratio] = [mimic.offset, mimic.ratio].map(number);
+        let name = escaped(&joint.name);
+        Some(format!("    <joint joint1=\"{name}\" joint2=\"{leader}\" polycoef=\"{offset} {ratio} 0 0 0\"/>"))
+    };
+    let constraints: Vec<String> = robot.joints.iter().filter_map(follower).collect();
+    if constraints.is_empty() {
+        return Vec::new();
+    }
+    [vec!["  <equality>".to_owned()], constraints, vec!["  </equality>".to_owned()]].concat()
+}

@@ -1,0 +1,51 @@
+//! The identified robot as a file that simulators and controllers read: URDF, MJCF, SDF or plain JSON.
+//!
+//! Base parameters are not link inertias. [`IdentifiedModel`] takes the physically consistent standard parameters nearest to
+//! the a-priori ones (log-det) that keep the base parameters at their estimates, or within their intervals;
+//! [`IdentifiedModel::export`] writes them, and says what moved and what the format cannot say. [`export_robot`] does so for
+//! any standard parameters. How bodies are split, and what each format says: `docs/use_the_result.md`.
+//!
+//! ```
+//! use std::path::Path;
+//! use thetahat::{Robot, export::{Format, export_robot}};
+//!
+//! let text = "name = 'pendulum'\n[[joint]]\nname = 'pivot'\nkind = 'revolute'\n[parameters]\nm1 = 2\nmx1 = 0.2\n\
+//!             xx1 = 0.01\nyy1 = 0.05\nzz1 = 0.05\nfv1 = 0.3\nia1 = 0.1";
+//! let robot = Robot::parse(text, Path::new("pendulum.toml"))?;
+//! let export = export_robot(&robot, None, &robot.a_priori_parameters(), Format::Urdf, &[])?;
+//! // Torques of the file, read back, at 1000 random states.
+//! assert!(export.check()? < 1e-9);
+//! // URDF has no motor inertia.
+//! assert!(export.unsaid[0].contains("ia1 = 0.1"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod body;
+mod check;
+mod coupling;
+mod error;
+mod format;
+mod frames;
+mod header;
+mod identified;
+mod json;
+mod mjcf;
+mod posterior;
+mod provenance;
+mod render;
+mod robot_file;
+mod said;
+mod samples;
+mod sdf;
+mod sidecar;
+mod split;
+mod urdf_edit;
+mod urdf_new;
+mod xml;
+
+pub use error::ExportError;
+pub use format::Format;
+pub use identified::{ExportRequest, IdentifiedModel};
+pub use provenance::{MovedParameter, Provenance};
+pub use render::{Export, export_robot};
+pub use samples::Sample;

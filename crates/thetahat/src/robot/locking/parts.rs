@@ -1,0 +1,50 @@
+//! Which links of a URDF make up each moving link of a robot.
+
+use std::path::Path;
+
+use super::places::{frame_in_carrier, new_indices, places};
+use crate::robot::{Robot, RobotError, body::Frame, urdf};
+
+/// A link of a URDF as a part of a moving link: the link behind its joint, or one that is fixed or locked to that.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct LinkPart {
+    /// Its name.
+    pub(crate) name: String,
+    /// The index of the moving link; none for parts of the base.
+    pub(crate) carrier: Option<usize>,
+    /// Whether it is the link behind the moving joint itself.
+    pub(crate) is_carrier: bool,
+    /// Its inertial parameters in the file, about the origin and in the axes of its own frame.
+    pub(crate) own: [f64; 10],
+    /// The same about the origin and in the axes of the frame of the link behind the moving joint.
+    pub(crate) in_carrier: [f64; 10],
+}
+
+impl Robot {
+    /// The links of the URDF that this robot was read from, in the order of the file, with the moving links that they are
+    /// parts of; joints that are locked in this robot carry their links along.
+    ///
+    /// # Errors
+    /// [`RobotError`] for a text that is no URDF.
+    pub(crate) fn parts_of_urdf(&self, text: &str, path: &Path) -> Result<Vec<LinkPart>, RobotError> {
+        let whole = urdf::read(text, path, urdf::Transmissions::Ignored, &[])?;
+        let value = |name: &str| self.locked.iter().find(|l| l.name == name).map(|l| l.value);
+        let locked: Vec<Option<f64>> = whole.joints.iter().map(|joint| value(&joint.name)).collect();
+        let (places, numbers) = (places(&whole.joints, &locked), new_indices(&locked));
+        let part = |link: urdf::LinkBody| {
+            let place = link.carrier.map(|joint| (joint, places[joint]));
+            let frame = match place {
+                Some((joint, place)) if locked[joint].is_some() => frame_in_carrier(&whole, joint, &place),
+                Some(_) | None => Frame::SAME,
+            };
+            LinkPart {
+                carrier: place.and_then(|(_, place)| place.carrier).and_then(|carrier| numbers[carrier]),
+                is_carrier: link.is_carrier && place.is_some_and(|(joint, _)| locked[joint].is_none()),
+                own: link.body.parameters(),
+                in_carrier: link.body.seen_in(&frame.then(&link.frame)).parameters(),
+                name: link.name,
+            }
+        };
+        Ok(urdf::link_bodies(text, path)?.into_iter().map(part).collect())
+    }
+}

@@ -1,0 +1,354 @@
+//! Exported robots read back: the torques of the file are those of the robot, and what is no inertia and no friction stays.
+
+use std::{ops::Range, path::Path, sync::OnceLock};
+
+use thetahat::{
+    Experiment, Method, Results,
+    consistency::completed_a_priori,
+    export::{Export, ExportError, ExportRequest, Format, IdentifiedModel, Provenance, export_robot},
+    results::{NOMINAL, Verdict},
+    robot::{Locks, Robot, RobotSource},
+};
+use thetahat_testing::{Folder, data, project, shared};
+
+/// The robots of the checkout: of tables, with prismatic joints, trees, followers, motors that are coupled.
+const ROBOTS: [&str; 9] = [
+    "two_joint.toml",
+    "tx40.toml",
+    "ur10.toml",
+    "scara.toml",
+    "emps.toml",
+    "branching.urdf",
+    "seven_axes.urdf",
+    "mobile_manipulator.urdf",
+    "quadruped.urdf",
+];
+
+/// The URDF of a robot with other parameters than its file has.
+fn urdf_of(source: &RobotSource, robot: &Robot) -> Export {
+    let parameters: Vec<f64> = completed_a_priori(robot, None).iter().map(|v| 1.25 * v).collect();
+    export_robot(robot, source.urdf_text(), &parameters, Format::Urdf, &["a test".to_owned()]).unwrap()
+}
+
+fn require_round_trip(source: &RobotSource, robot: &Robot) {
+    let worst = urdf_of(source, robot).check().unwrap_or_else(|e| panic!("{}: {e}", robot.name));
+    println!("{}: {worst:.1e}", robot.name);
+}
+
+#[test]
+fn urdf_of_the_robots_of_the_checkout_comes_back() {
+    for name in ROBOTS {
+        let source = RobotSource::read(&project("robots").join(name)).unwrap();
+        require_round_trip(&source, &source.robot_without_transmission().unwrap());
+    }
+}
+
+#[test]
+fn urdf_of_recorded_robots_comes_back() {
+    let files = [
+        data().join("kuka_lwr4/kuka_lwr4.urdf"),
+        data().join("tx40/tx40_mdh_modified.urdf"),
+        shared().join("reference/tree8.urdf"),
+    ];
+    for file in files {
+        let Ok(source) = RobotSource::read(&file) else {
+            println!("*** SKIPPED: {} is not there ***", file.display());
+            continue;
+        };
+        require_round_trip(&source, &source.robot().unwrap());
+    }
+}
+
+#[test]
+fn locked_joints_carry_their_links() {
+    let source = RobotSource::read(&project("robots/branching.urdf")).unwrap();
+    let locked = [("lift".to_owned(), 0.1), ("left_elbow".to_owned(), 0.7), ("right_slide".to_owned(), -0.1)];
+    let locks = Locks { locked: locked.into_iter().collect(), until: Vec::new() };
+    require_round_trip(&source, &source.robot_with_locks(&locks, Path::new("here")).unwrap());
+}
+
+#[test]
+fn a_file_that_says_something_else_is_found() {
+    let source = RobotSource::read(&project("robots/seven_axes.urdf")).unwrap();
+    let mut export = urdf_of(&source, &source.robot().unwrap());
+    let at = export.text.find("<mass value=\"").unwrap() + "<mass value=\"".len();
+    export.text.insert(at, '1');
+    assert!(matches!(export.check(), Err(ExportError::RoundTrip { .. })));
+}
+
+#[test]
+fn other_formats_have_no_reader() {
+    let source = RobotSource::read(&project("robots/two_joint.toml")).unwrap();
+    let robot = source.robot().unwrap();
+    for format in [Format::Mjcf, Format::Sdf, Format::Json] {
+        let export = export_robot(&robot, None, &robot.a_priori_parameters(), format, &[]).unwrap();
+        assert!(matches!(export.check(), Err(ExportError::NoReader { .. })));
+    }
+}
+
+/// Everything that an edit must leave alone, written as nobody would: Windows line ends, single quotes, comments within elements,
+/// attributes in other orders, a link without inertia, another without children, a rotated inertia, a mesh.
+const ODD: &str = "<?xml version='1.0'?>\r\n<!-- by hand -->\r\n<robot  name='odd' >\r\n\t<link name='base'/>\r\n\t<link name = 'a' >\
+    <!-- mesh --><visual><geometry><mesh filename='package://x/a.dae' scale='1 1 1'/></geometry></visual>\r\n\t\t<inertial>\
+    <mass  value='2' /><!-- CAD --><origin rpy='0.3 0 0.1' xyz='0.1 0 0.2'/>\r\n\t\t\t<inertia izz='0.02' iyy='0.02' ixx='0.02' \
+    ixy='0' ixz='0' iyz='0'/></inertial>\r\n\t</link>\r\n\t<link name='b'/>\r\n\t<link name='c'>\r\n\t\t<visual/>\r\n\t</link>\r\n\
+    \t<link name='tool'><inertial><mass value='0.3'/><inertia ixx='0.001' ixy='0' ixz='0' iyy='0.001' iyz='0' izz='0.001'/>\
+    </inertial></link>\r\n\t<joint name='j1' type='continuous'>\r\n\t\t<parent link='base'/><child link='a'/><axis xyz='0 1 0'/>\r\n\
+    \t\t<dynamics friction='0.1'/></joint>\r\n\t<joint name='j2' type='prismatic'><parent link='a'/><child link='b'/>\
+    <origin xyz='0 0 0.5'/><limit lower='0' upper='1' effort='1' velocity='1'/></joint>\r\n\t<joint name='j3' type='continuous'>\r\n\
+    \t\t<parent link='b'/>\r\n\t\t<child link='c'/>\r\n\t\t<axis xyz='1 0 0'/>\r\n\t</joint>\r\n\t<joint name='f' type='fixed'>\
+    <parent link='c'/><child link='tool'/><origin xyz='0 0 0.2' rpy='0 0 1'/></joint>\r\n\t<gazebo reference='a'/>\r\n</robot>\r\n";
+
+fn odd() -> (RobotSource, Robot) {
+    let source = RobotSource::from_text(ODD.to_owned(), Path::new("odd.urdf")).unwrap();
+    let robot = source.robot().unwrap();
+    (source, robot)
+}
+
+/// A robot as it would be identified: friction everywhere, and links that are bodies.
+fn identified(robot: &Robot) -> Vec<f64> {
+    let mut parameters = completed_a_priori(robot, None);
+    for (value, parameter) in parameters.iter_mut().zip(robot.parameter_table().iter()) {
+        *value = match parameter.name().trim_end_matches(char::is_numeric) {
+            "fv" => 0.25,
+            "fc" => 0.125,
+            _ => 1.5 * *value,
+        };
+    }
+    parameters
+}
+
+#[test]
+fn an_odd_file_comes_back() {
+    let (source, robot) = odd();
+    let export = export_robot(&robot, source.urdf_text(), &identified(&robot), Format::Urdf, &[]).unwrap();
+    export.check().unwrap();
+    assert!(export.notes.iter().any(|note| note.contains("tool keep their inertia")), "{:?}", export.notes);
+}
+
+/// The ranges of the elements of a text that an export may change.
+fn changeable(text: &str) -> Vec<Range<usize>> {
+    let document = roxmltree::Document::parse(text).unwrap();
+    let inside = |node: &roxmltree::Node<'_, '_>| matches!(node.tag_name().name(), "inertial" | "dynamics");
+    document.descendants().filter(inside).map(|node| node.range()).collect()
+}
+
+/// A text without some ranges.
+fn without(text: &str, ranges: &[Range<usize>]) -> String {
+    (0..text.len()).filter(|at| ranges.iter().all(|r| !r.contains(at))).map(|at| text.as_bytes()[at] as char).collect()
+}
+
+#[test]
+fn all_that_is_no_inertia_and_no_friction_stays() {
+    let files = [project("robots/branching.urdf"), project("robots/seven_axes.urdf"), project("robots/quadruped.urdf")];
+    let texts = files.map(|file| std::fs::read_to_string(file).unwrap());
+    for text in texts.iter().map(String::as_str).chain([ODD]) {
+        let source = RobotSource::from_text(text.to_owned(), Path::new("robot.urdf")).unwrap();
+        let robot = source.robot_without_transmission().unwrap();
+        let export = export_robot(&robot, Some(text), &identified(&robot), Format::Urdf, &[]).unwrap().text;
+        let header = export.find("<!--\n").or(export.find("<!--\r\n")).unwrap();
+        let end = header + export[header..].find("-->").unwrap() + "-->".len();
+        let behind = end + export[end..].find('\n').unwrap() + 1;
+        let stripped = format!("{}{}", &export[..header], &export[behind..]);
+        // Space about elements that were added is added as well.
+        let words = |text: String| text.split_whitespace().map(str::to_owned).collect::<Vec<_>>().join(" ");
+        let opened = |text: String| words(text).replace("<link name='b'> </link>", "<link name='b'/>");
+        let spaceless = |text: String| opened(text).replace("> <", "><");
+        let (before, after) = (without(text, &changeable(text)), without(&stripped, &changeable(&stripped)));
+        assert_eq!(spaceless(before), spaceless(after));
+        if text != ODD && changeable(text).len() == changeable(&stripped).len() {
+            assert_eq!(without(text, &changeable(text)), without(&stripped, &changeable(&stripped)));
+        }
+    }
+}
+
+#[test]
+fn what_a_format_cannot_say_is_listed_with_its_values() {
+    let source = RobotSource::read(&project("robots/tx40.toml")).unwrap();
+    let robot = source.robot().unwrap();
+    let of = |format| export_robot(&robot, None, &robot.a_priori_parameters(), format, &[]).unwrap();
+    let urdf = of(Format::Urdf);
+    assert!(
+        urdf.unsaid.iter().any(|line| line.contains("motor inertia") && line.contains("ia1 = ")),
+        "{:?}",
+        urdf.unsaid
+    );
+    let escaped = |line: &String| urdf.text.contains(&line.replace("--", "- -"));
+    assert!(urdf.unsaid.iter().all(escaped));
+    assert!(of(Format::Json).unsaid.is_empty());
+}
+
+/// The nominal estimate of the two-joint twin by LS.
+fn two_joint() -> &'static Results {
+    static RESULTS: OnceLock<Results> = OnceLock::new();
+    RESULTS.get_or_init(|| {
+        let mut experiment = Experiment::read(&project("experiments/two_joint.toml"), Path::new("")).unwrap();
+        experiment.settings.cases.clear();
+        experiment.settings.estimation.methods = vec![Method::IDIM_LS];
+        experiment.run(Path::new(""), &mut |_| {}).unwrap()
+    })
+}
+
+fn model(results: &Results, request: &ExportRequest) -> Result<IdentifiedModel, ExportError> {
+    IdentifiedModel::of_results(Path::new("results.json"), results, request)
+}
+
+#[test]
+fn the_exported_parameters_have_the_estimates() {
+    let results = two_joint();
+    let model = model(results, &ExportRequest::default()).unwrap();
+    assert!(model.moved.is_empty(), "{:?}", model.moved);
+    assert!(model.robot.parameter_table().check_physical(&model.standard).is_ok());
+    model.export(Format::Urdf).unwrap().check().unwrap();
+    let of = |name: &str| model.provenance[model.robot.parameter_table().index_of(name).unwrap()];
+    assert_eq!([of("fv1"), of("m2"), of("m1")], [Provenance::Identified, Provenance::InSums, Provenance::APriori]);
+    let run = results.run(NOMINAL, Method::IDIM_LS).unwrap();
+    let fv1 = run.parameter("fv1").unwrap().estimate;
+    let found = model.standard[model.robot.parameter_table().index_of("fv1").unwrap()];
+    assert!((found - fv1).abs() < 1e-9, "{found} {fv1}");
+}
+
+#[test]
+fn results_say_how_estimates_vary_together() {
+    let results = two_joint();
+    let run = results.run(NOMINAL, Method::IDIM_LS).unwrap();
+    let n = run.parameters.len();
+    assert_eq!(run.covariance.len(), n * (n + 1) / 2);
+    for (i, parameter) in run.parameters.iter().enumerate() {
+        let deviation = run.covariance[i * (i + 1) / 2 + i].sqrt();
+        assert!((deviation / parameter.standard_deviation_robust.unwrap() - 1.0).abs() < 1e-12);
+    }
+    // They come back from results.json, and the files are named with their hashes.
+    let back = Results::from_json(Path::new("results.json"), &results.to_json().unwrap()).unwrap();
+    assert_eq!(back.runs[0].covariance, run.covariance);
+    assert_eq!(back.robot_files[0].name, "two_joint.toml");
+    assert_eq!(back.robot_files[0].sha256.len(), 64);
+}
+
+/// The sampled base parameters have the mean and the covariance of the estimates where the set does not bind.
+#[test]
+fn samples_have_the_covariance_of_the_estimates() {
+    const COUNT: u32 = 2000;
+    let results = two_joint();
+    let model = model(results, &ExportRequest::default()).unwrap();
+    let run = results.run(NOMINAL, Method::IDIM_LS).unwrap();
+    let samples: Vec<_> = (1..=COUNT).map(|number| model.sample(number, 7).unwrap()).collect();
+    let base: Vec<Vec<f64>> = samples.iter().map(|sample| model.base_parameters_of(sample)).collect();
+    let n = run.parameters.len();
+    // 4.5 standard errors of an estimated covariance, over some hundred of them.
+    let bound = 4.5 * (2.0 / f64::from(COUNT)).sqrt();
+    for i in 0..n {
+        let mean = |i: usize| base.iter().map(|b| b[i]).sum::<f64>() / f64::from(COUNT);
+        let variance = |i: usize| run.covariance[i * (i + 1) / 2 + i];
+        let off = (mean(i) - run.parameters[i].estimate).abs() / variance(i).sqrt();
+        assert!(off < 4.5 / f64::from(COUNT).sqrt(), "mean of {}: {off}", run.parameters[i].name);
+        for j in 0..=i {
+            let sum: f64 = base.iter().map(|b| (b[i] - mean(i)) * (b[j] - mean(j))).sum();
+            let difference = sum / f64::from(COUNT - 1) - run.covariance[i * (i + 1) / 2 + j];
+            let relative = difference / (variance(i) * variance(j)).sqrt();
+            assert!(relative.abs() < bound, "{i} {j}: {relative}");
+        }
+    }
+    for sample in samples.iter().take(50) {
+        assert!(model.robot.parameter_table().check_physical(&sample.standard).is_ok());
+    }
+    // A sample is its number and seed, whatever the others.
+    assert_eq!(model.sample(5, 7).unwrap(), samples[4]);
+    assert_ne!(model.sample(5, 8).unwrap().drawn, samples[4].drawn);
+    let text = model.export_sample(&samples[4], Format::Urdf).unwrap().text;
+    assert!(text.contains("sample 5 of the estimates by idim-ls, seed 7"));
+}
+
+#[test]
+fn the_sidecar_has_the_covariance_of_base_and_standard_parameters() {
+    let model = model(two_joint(), &ExportRequest::default()).unwrap();
+    let sidecar: serde_json::Value = serde_json::from_str(&model.covariance_json().unwrap()).unwrap();
+    let standard = sidecar["standard_parameters"].as_array().unwrap();
+    let deviation =
+        |name: &str| standard.iter().find(|p| p["name"] == name).unwrap()["standard_deviation"].as_f64().unwrap();
+    let run = two_joint().run(NOMINAL, Method::IDIM_LS).unwrap();
+    let of_base = run.parameter("fv2").unwrap().standard_deviation_robust.unwrap();
+    assert!((deviation("fv2") / of_base - 1.0).abs() < 1e-9);
+    // What is regrouped varies together such that the sum has its own variance.
+    let base = sidecar["base_parameters"].as_array().unwrap().iter().find(|p| p["name"] == "zz1r").unwrap();
+    assert_eq!(base["expression"], "zz1 + ia1 + 0.16*m2");
+    let place = |name: &str| standard.iter().position(|p| p["name"] == name).unwrap();
+    let covariance = |a: &str, b: &str| {
+        let (row, column) = (place(a).max(place(b)), place(a).min(place(b)));
+        sidecar["standard_covariance"][row][column].as_f64().unwrap()
+    };
+    let sum = [("zz1", 1.0), ("ia1", 1.0), ("m2", 0.16)];
+    let covariance = &covariance;
+    let variance: f64 = sum.iter().flat_map(|a| sum.iter().map(move |b| a.1 * b.1 * covariance(a.0, b.0))).sum();
+    let of_base = base["standard_deviation"].as_f64().unwrap();
+    assert!((variance.sqrt() / of_base - 1.0).abs() < 1e-6, "{variance} {of_base}");
+    assert_eq!(sidecar["standard_covariance"].as_array().unwrap().len(), standard.len());
+}
+
+/// An estimate that no robot has is moved within its intervals, or refused.
+#[test]
+fn estimates_that_no_robot_has_are_moved_within_their_intervals_or_refused() {
+    let mut experiment = Experiment::demo().unwrap();
+    experiment.settings.cases.clear();
+    experiment.settings.estimation.methods = vec![Method::IDIM_LS];
+    let mut results = experiment.run(Path::new(""), &mut |_| {}).unwrap();
+    let found = model(&results, &ExportRequest { force: true, ..ExportRequest::default() }).unwrap();
+    let run = results.run(NOMINAL, Method::IDIM_LS).unwrap().clone();
+    if !run.physical.as_ref().unwrap().consistent {
+        assert!(!found.moved.is_empty());
+    }
+    for moved in &found.moved {
+        let [low, high] = run.parameter(&moved.name).unwrap().interval_95.unwrap();
+        assert!((low..=high).contains(&moved.exported), "{moved:?} {low} {high}");
+    }
+    found.export(Format::Urdf).unwrap().check().unwrap();
+    // Friction that drives, and is sure of it.
+    let place = run.parameters.iter().position(|p| p.name == "fv3").unwrap();
+    for run in &mut results.runs {
+        let parameter = &mut run.parameters[place];
+        parameter.estimate = -parameter.estimate;
+        parameter.interval_95 = parameter.interval_95.map(|[low, high]| [-high, -low]);
+    }
+    let refused = model(&results, &ExportRequest { force: true, ..ExportRequest::default() }).unwrap_err();
+    let ExportError::NotConsistent { conflicting, .. } = &refused else { panic!("{refused}") };
+    assert!(conflicting.iter().any(|c| c.contains("fv3")), "{conflicting:?}");
+}
+
+#[test]
+fn results_that_are_not_to_be_used_are_refused() {
+    let mut results = two_joint().clone();
+    results.verdict = Some(Verdict::DoNotUse);
+    assert!(matches!(model(&results, &ExportRequest::default()), Err(ExportError::NotTrusted { .. })));
+    assert!(model(&results, &ExportRequest { force: true, ..ExportRequest::default() }).is_ok());
+}
+
+#[test]
+fn a_method_without_an_estimate_is_refused() {
+    let request = ExportRequest { method: Some(Method::DIDIM), ..ExportRequest::default() };
+    let refused = model(two_joint(), &request).unwrap_err();
+    assert!(matches!(&refused, ExportError::NoEstimate { found, .. } if found == &["idim-ls"]), "{refused}");
+    let mut none = two_joint().clone();
+    none.runs.iter_mut().for_each(|run| run.parameters.clear());
+    assert!(matches!(model(&none, &ExportRequest::default()), Err(ExportError::NoEstimate { .. })));
+    let mut without_robot = two_joint().clone();
+    without_robot.robot_description.clear();
+    assert!(matches!(model(&without_robot, &ExportRequest::default()), Err(ExportError::NoRobot { .. })));
+}
+
+#[test]
+fn a_description_that_changed_or_is_of_another_robot_is_refused() {
+    let text = std::fs::read_to_string(project("robots/two_joint.toml")).unwrap();
+    let folder = Folder::with("two_joint.toml", &text);
+    let request = || ExportRequest { data: Some(folder.path().to_owned()), ..ExportRequest::default() };
+    assert!(model(two_joint(), &request()).is_ok());
+    folder.write("two_joint.toml", text.replace("a_m = 0.4", "a_m = 0.41"));
+    assert!(matches!(model(two_joint(), &request()), Err(ExportError::RobotChanged { .. })));
+    let another = ExportRequest { robot: Some(project("robots/tx40.toml")), ..ExportRequest::default() };
+    assert!(matches!(model(two_joint(), &another), Err(ExportError::AnotherRobot { .. })));
+    // Results of before the hashes are compared by the text.
+    let mut old = two_joint().clone();
+    old.robot_files.clear();
+    assert!(matches!(model(&old, &request()), Err(ExportError::RobotChanged { .. })));
+    folder.write("two_joint.toml", &text);
+    assert!(model(&old, &request()).is_ok());
+}
