@@ -65,6 +65,11 @@ pub enum Command {
     Reduce(Reduce),
     /// Identify from reductions, alone or merged: by IDIM-LS, and by IDIM-IV where they have instruments.
     Solve(Solve),
+    /// Design the motion to record, and promise the interval of each parameter before the robot moves.
+    ///
+    /// The motion is the best within the limits of the joints for all base parameters, friction, motor inertias and offsets
+    /// among them. The experiment for its record is written beside it.
+    Design(Design),
     /// Record the simulated robot that an experiment describes in [twin].
     Simulate(Simulate),
     /// Show a robot: its structure, its standard parameters, and its base parameters with their formulas.
@@ -305,6 +310,22 @@ pub struct Solve {
     /// File for the reductions merged to one
     #[arg(long, value_name = "FILE")]
     pub merged: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct Design {
+    /// The design file
+    #[arg(value_name = "DESIGN.toml")]
+    pub design: PathBuf,
+    /// Folder for trajectory.csv, trajectory.yaml, promised.csv, experiment.toml, rehearsal.toml and design.html [default:
+    /// tables in the terminal only]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub force: Force,
+    /// Threads; the result does not depend on them [default: one for each core]
+    #[arg(long, value_name = "N", value_parser = at_least_one)]
+    pub threads: Option<usize>,
 }
 
 #[derive(Args)]

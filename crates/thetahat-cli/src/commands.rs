@@ -16,7 +16,7 @@ use thetahat::{
 
 use crate::{
     arguments::{Arguments, Check, Command, Compare, Identify, Model, Output, Predict, Sensitivity, Simulate},
-    campaign, export, generate,
+    campaign, design, export, generate,
     inputs::{read_experiment, threads},
     progress::{Counter, Progress},
     proposal, reduction, shell,
@@ -39,6 +39,7 @@ pub fn run(arguments: Arguments) -> Result<Ending, Box<dyn Error>> {
         Command::Sensitivity(sensitivity) => sweep_errors(&sensitivity),
         Command::Reduce(request) => reduction::reduce(&request),
         Command::Solve(request) => reduction::solve(&request),
+        Command::Design(request) => design::run(&request),
         Command::Simulate(simulate) => record_twin(&simulate),
         Command::Model(request) => show_model(&request),
         Command::Generate(request) => generate::run(&request),

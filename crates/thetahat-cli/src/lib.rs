@@ -3,6 +3,7 @@
 mod arguments;
 mod campaign;
 mod commands;
+mod design;
 mod export;
 mod generate;
 mod inputs;

@@ -1,4 +1,4 @@
-//! docs/tutorial.md: its commands run as they stand, end as the page says, and print what it shows.
+//! docs/tutorial.md and docs/design.md: their commands run as they stand, end as the page says, and print what it shows.
 #![cfg(unix)]
 
 use std::fs;
@@ -81,14 +81,24 @@ fn missing<'a>(shown: &'a [String], output: &str) -> Option<&'a str> {
 
 #[test]
 fn the_commands_print_what_the_page_shows() {
-    let page = fs::read_to_string(project("docs/tutorial.md")).expect("the page is there");
+    compare("docs/tutorial.md", 10);
+}
+
+#[test]
+fn the_commands_of_the_design_print_what_the_page_shows() {
+    compare("docs/design.md", 2);
+}
+
+/// Runs the commands of a page that has more than `fewest`.
+fn compare(page: &str, fewest: usize) {
+    let page = fs::read_to_string(project(page)).expect("the page is there");
     let folder = Folder::new();
     for entry in fs::read_dir(project("examples/arm")).expect("the example is there") {
         let file = entry.expect("it is readable");
         folder.write(Path::new("examples/arm").join(file.file_name()), fs::read(file.path()).expect("it is readable"));
     }
     let steps = steps(&page);
-    assert!(steps.len() > 10, "{} commands", steps.len());
+    assert!(steps.len() > fewest, "{} commands", steps.len());
     let outputs = outputs(folder.path(), &steps);
     let mut faults = Vec::new();
     for (step, (output, exit_code)) in steps.iter().zip(&outputs) {

@@ -39,7 +39,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("| motion | IV follows | position noise rad | IV: bias, deviations: max | rms | LS: max | rms | failed |");
     println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
     let moves = experiment.file.twin.as_ref().ok_or("no twin")?;
-    let moves = experiment.twin_motion(moves)?.moves.sample(RATE_HZ, 1500).q;
+    let moves =
+        experiment.twin_motion(moves)?.reference.moves().ok_or("the twin follows no moves")?.sample(RATE_HZ, 1500).q;
     study.print("moves", moves, &[Follows::Recorded, Follows::Found, Follows::Filtered])?;
     let ways = [Follows::Recorded, Follows::Found, Follows::Smoothed, Follows::Filtered];
     study.print("periodic", motion(|h, _| 0.2 * h), &ways)?;

@@ -121,6 +121,7 @@ pub mod campaign;
 
 pub mod reduction;
 
+pub mod design;
 pub mod export;
 
 pub mod report;

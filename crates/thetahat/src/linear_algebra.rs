@@ -56,6 +56,16 @@ impl Matrix {
         Self { rows, columns, values }
     }
 
+    /// A matrix from its values, column by column.
+    ///
+    /// # Panics
+    /// If `rows` is zero or does not divide the number of values.
+    #[must_use]
+    pub fn from_columns(rows: usize, values: Vec<f64>) -> Self {
+        assert!(rows > 0 && values.len().is_multiple_of(rows), "{} values in {rows} rows", values.len());
+        Self { rows, columns: values.len() / rows, values }
+    }
+
     /// Number of rows.
     #[must_use]
     pub fn rows(&self) -> usize {
@@ -195,6 +205,12 @@ impl Matrix {
     #[must_use]
     pub fn transposed_times(&self, other: &Self) -> Self {
         from_faer((self.view().transpose() * other.view()).as_ref())
+    }
+
+    /// `A B^T`.
+    #[must_use]
+    pub fn times_transposed(&self, other: &Self) -> Self {
+        from_faer((self.view() * other.view().transpose()).as_ref())
     }
 
     /// `A^T`.

@@ -33,6 +33,12 @@ pub(crate) fn times<T: Real>(a: &Mat3<T>, x: Vec3<T>) -> Vec3<T> {
     [dot(a[0], x), dot(a[1], x), dot(a[2], x)]
 }
 
+/// `A x` with a constant A.
+#[inline(always)]
+pub(crate) fn constant_times<T: Real>(a: &Mat3, x: Vec3<T>) -> Vec3<T> {
+    a.map(|row| x[0] * row[0] + x[1] * row[1] + x[2] * row[2])
+}
+
 /// `A^T x`.
 #[inline(always)]
 pub(crate) fn transpose_times<T: Real>(a: &Mat3, x: Vec3<T>) -> Vec3<T> {

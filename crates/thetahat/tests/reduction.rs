@@ -195,7 +195,8 @@ fn iv_of_tx40() -> Result<(), Failed> {
 fn recorded_demonstration(folder: &Path, mask: &str, held: bool) -> Experiment {
     let demo = Experiment::demo().unwrap();
     let twin = demo.file.twin.as_ref().unwrap();
-    let (record, moves) = (demo.record_twin().unwrap(), demo.twin_motion(twin).unwrap().moves);
+    let (record, followed) = (demo.record_twin().unwrap(), demo.twin_motion(twin).unwrap().reference);
+    let moves = followed.moves().unwrap();
     let columns = |name: &str| (1..=6).map(|j| format!("{name}{j}")).collect::<Vec<_>>();
     let mut text = [columns("q"), columns("tau"), columns("r")].concat().join(",") + "\n";
     let [mut r, mut dr, mut ddr] = [[0.0; 6]; 3];

@@ -60,7 +60,8 @@ impl Twin {
 
     fn new(name: &'static str, experiment: Experiment, position_noise: f64) -> Result<Self, Box<dyn Error>> {
         let description = experiment.file.twin.clone().ok_or("no twin")?;
-        let TwinMotion { motion, moves, parameters } = experiment.twin_motion(&description)?;
+        let TwinMotion { motion, reference, parameters } = experiment.twin_motion(&description)?;
+        let moves = reference.moves().ok_or("the twin follows no moves")?.clone();
         let model = Model::new(&experiment.robot);
         let base = BaseParameters::of(&model, &experiment.settings.parameters.exclude)?;
         let rate = description.sample_rate_hz;

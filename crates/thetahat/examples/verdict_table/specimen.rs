@@ -56,7 +56,7 @@ impl Specimen {
         let (position, torque) = (transmission.joint_positions(&positions), transmission.joint_torques(&drives));
         Recording {
             geared: true,
-            planned: Some(self.motion.moves.clone()),
+            planned: self.motion.reference.moves().cloned(),
             truth: Some(self.motion.parameters.clone()),
             ..Recording::new(self.rate_hz(), position, torque)
         }
@@ -92,7 +92,8 @@ impl Specimen {
     pub fn of_another_loop(&self, bias: SimulatorBias) -> Result<Recording, Box<dyn Error>> {
         let experiment = &self.experiment;
         let model = Model::new(&experiment.robot);
-        let reference = Reference::Moves(self.motion.moves.clone());
+        let moves = self.motion.reference.moves().expect("the twin follows moves");
+        let reference = Reference::Moves(moves.clone());
         let simulation = &experiment.settings.simulation;
         let closed_loop = ClosedLoop {
             model: &model,

@@ -69,6 +69,12 @@ impl JointGeometry {
         (Rotation { sin_alpha: self.sin_alpha, cos_alpha: self.cos_alpha, sin_theta, cos_theta }, p)
     }
 
+    /// The joint's axis in the turned frame before, along which a sliding joint moves.
+    #[inline(always)]
+    pub(super) fn sliding_axis<T: Real>(&self, kind: T) -> Vec3<T> {
+        in_lanes(kind, [0.0, -self.sin_alpha, self.cos_alpha])
+    }
+
     /// A vector of the frame before, in the turned one.
     #[inline(always)]
     pub(super) fn turned_back<T: Real>(&self, x: Vec3<T>) -> Vec3<T> {

@@ -32,6 +32,7 @@
 //! # Ok::<(), thetahat::robot::RobotError>(())
 //! ```
 
+mod adjoint;
 mod coupled_motor;
 mod damping;
 mod energy;
@@ -69,6 +70,7 @@ pub use sign::Sign;
 pub use state::{JointCoordinate, State};
 pub use workspace::Workspace;
 
+pub(crate) use adjoint::{Adjoint, LinkAdjoint};
 pub(crate) use damping::DampingWorkspace;
 pub(crate) use jacobian::Jacobian;
 pub(crate) use motion::LinkMotion;

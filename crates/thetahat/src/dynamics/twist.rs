@@ -33,7 +33,7 @@ impl<T: Real> Twist<T> {
 
     /// The sum of two twists of one frame.
     #[inline(always)]
-    pub(super) fn plus(&self, other: &Self) -> Self {
+    pub(crate) fn plus(&self, other: &Self) -> Self {
         Self { angular: add(self.angular, other.angular), linear: add(self.linear, other.linear) }
     }
 }

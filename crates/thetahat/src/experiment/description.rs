@@ -200,15 +200,21 @@ pub struct TwinDescription {
     #[serde(default)]
     pub unlisted: Unlisted,
     /// End points of the moves in degrees (or mm for prismatic joints), the first where the robot starts.
+    #[serde(default)]
     pub points: Vec<Vec<f64>>,
+    /// The motion that it follows instead of moves, at `sample_rate_hz`: a file beside the experiment.
+    pub reference: Option<ChannelSource>,
     /// Largest velocity of each joint, degrees/s or mm/s.
-    #[serde(deserialize_with = "one_or_each::list")]
+    #[serde(default, deserialize_with = "one_or_each::list")]
     pub max_velocity: Vec<f64>,
     /// Time in which the velocity rises, s.
+    #[serde(default)]
     pub acceleration_time_s: f64,
     /// Time over which the acceleration is smoothed, s.
+    #[serde(default)]
     pub smoothing_time_s: f64,
     /// Rest before the first and behind the last move, s.
+    #[serde(default)]
     pub rest_s: f64,
     /// From the motion to its record.
     pub sensors: Sensors,
@@ -296,7 +302,14 @@ impl Experiment {
         let recordings = self.file.recording.iter().chain(&self.file.validation);
         let channels = recordings.flat_map(RecordingDescription::sources).map(|source| source.path(data));
         let own = self.robot_files.iter().cloned().chain(self.published_path()).chain([self.path.clone()]);
+        let followed = self.file.twin.iter().filter_map(|twin| twin.reference.as_ref());
+        let own = own.chain(followed.map(|source| source.path(self.folder())));
         own.chain(channels).collect()
+    }
+
+    /// The folder of the experiment file.
+    pub(super) fn folder(&self) -> &Path {
+        self.path.parent().unwrap_or(Path::new(""))
     }
 
     pub(crate) fn setup(&self) -> Setup<'_> {

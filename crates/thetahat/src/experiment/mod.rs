@@ -39,4 +39,4 @@ pub use proposal::{
     Proposal, ProposalError, ProposalRequest, ProposedChannels, ProposedClock, ProposedLock, ProposedRecording,
     ProposedSignal, propose,
 };
-pub use twin::TwinMotion;
+pub use twin::{TwinMotion, TwinReference};

@@ -79,7 +79,7 @@ impl Experiment {
         })
     }
 
-    fn read_joint_positions(&self, source: &ChannelSource, data: &Path) -> Result<Series, ExperimentError> {
+    pub(super) fn read_joint_positions(&self, source: &ChannelSource, data: &Path) -> Result<Series, ExperimentError> {
         let series = self.read_channels(source, data)?;
         Ok(match source.side {
             Side::Motor => self.robot.transmission.joint_positions(&series),

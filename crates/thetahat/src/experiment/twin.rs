@@ -3,6 +3,7 @@
 use super::{
     description::{Experiment, TwinDescription, Unlisted},
     error::ExperimentError,
+    paths,
 };
 use crate::{
     base_parameters::BaseParameters,
@@ -12,12 +13,56 @@ use crate::{
     robot::JointKind,
     scheduling::closed_loop,
     series::Series,
-    simulation::{OutputGrid, Reference, Sensors, SimulatedMotion, SimulatorBias},
+    simulation::{OutputGrid, Reference, SampledReference, Sensors, SimulatedMotion, SimulatorBias},
     trajectory::{self, MotionLimits, Moves},
 };
 
 /// Fewer samples of a twin cannot be filtered; more are not needed for any use of it: an hour at 25 kHz.
 const TWIN_SAMPLES: std::ops::RangeInclusive<f64> = 100.0..=1e8;
+
+/// What a twin follows.
+#[derive(Debug, Clone, PartialEq)]
+pub enum TwinReference {
+    /// Moves.
+    Moves(Moves),
+    /// Positions of the joints at the samples of its record.
+    Sampled(Series),
+}
+
+impl TwinReference {
+    /// The moves, where it follows moves.
+    #[must_use]
+    pub fn moves(&self) -> Option<&Moves> {
+        match self {
+            Self::Moves(moves) => Some(moves),
+            Self::Sampled(_) => None,
+        }
+    }
+
+    /// Its end, s.
+    fn end_s(&self, sample_rate_hz: f64) -> f64 {
+        match self {
+            Self::Moves(moves) => moves.end_s(),
+            Self::Sampled(positions) => positions.len() as f64 / sample_rate_hz,
+        }
+    }
+
+    /// Samples of a record that ends so long behind it.
+    fn samples(&self, sample_rate_hz: f64, rest_s: f64) -> f64 {
+        match self {
+            Self::Moves(moves) => (moves.end_s() + rest_s) * sample_rate_hz,
+            Self::Sampled(positions) => positions.len() as f64 + rest_s * sample_rate_hz,
+        }
+    }
+
+    /// As a simulation takes it.
+    fn simulated(&self, sample_rate_hz: f64) -> Reference {
+        match self {
+            Self::Moves(moves) => Reference::Moves(moves.clone()),
+            Self::Sampled(positions) => Reference::Sampled(SampledReference::new(positions.clone(), sample_rate_hz)),
+        }
+    }
+}
 
 /// The true motion of a twin.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,17 +70,30 @@ pub struct TwinMotion {
     /// The motion and the torques that made it.
     pub motion: SimulatedMotion,
     /// The reference it followed.
-    pub moves: Moves,
+    pub reference: TwinReference,
     /// Its standard parameters.
     pub parameters: Vec<f64>,
 }
 
 impl TwinMotion {
+    /// The positions that it follows, at the samples of its record.
+    fn followed(&self, samples: usize) -> Option<Series> {
+        match &self.reference {
+            TwinReference::Moves(_) => None,
+            TwinReference::Sampled(positions) => {
+                let last = positions.len() - 1;
+                let values = (0..samples).flat_map(|k| positions.sample(k.min(last)).iter().copied());
+                Some(Series::from_values(positions.channels(), values.collect()))
+            }
+        }
+    }
+
     /// The recording of what sensors saw of the joints: a motion can be recorded again and again with other noise.
     pub(crate) fn recording(&self, sample_rate_hz: f64, position: Series, torque: Series) -> Recording {
         Recording {
             geared: true,
-            planned: Some(self.moves.clone()),
+            planned: self.reference.moves().cloned(),
+            reference: self.followed(position.len()),
             truth: Some(self.parameters.clone()),
             ..Recording::new(sample_rate_hz, position, torque).named("twin")
         }
@@ -72,22 +130,23 @@ impl Experiment {
             return Err(self.refuse(PreparationError::value("[[term]]", expected, term)));
         }
         let model = Model::new(&self.robot);
-        let moves = self.plan(twin)?;
-        let samples = (moves.end_s() + twin.rest_s) * twin.sample_rate_hz;
+        let followed = self.reference_of(twin)?;
+        let end_s = followed.end_s(twin.sample_rate_hz);
+        let samples = followed.samples(twin.sample_rate_hz, twin.rest_s);
         let key = "[twin] duration of the moves times sample_rate_hz";
         PreparationError::require(TWIN_SAMPLES.contains(&samples), key, "from 100 to 1e8 samples", samples)
             .map_err(|e| self.refuse(e))?;
         let parameters = self.true_parameters(twin, &model)?;
         let why = "the twin moves under its control";
         let controller = self.settings.controller.as_ref().ok_or_else(|| self.missing("[controller]", why))?;
-        let reference = Reference::Moves(moves.clone());
+        let reference = followed.simulated(twin.sample_rate_hz);
         let closed_loop = closed_loop(self.setup(), &model, controller, &reference, None, SimulatorBias::NONE);
-        let inertia = closed_loop.motor_inertia(&parameters, moves.end_s());
+        let inertia = closed_loop.motor_inertia(&parameters, end_s);
         let grid = OutputGrid { start_s: 0.0, sample_rate_hz: twin.sample_rate_hz, samples: samples.ceil() as usize };
         let motion = closed_loop
             .simulate(&parameters, &inertia, &grid)
             .map_err(|source| ExperimentError::Twin { path: self.path.clone(), source })?;
-        Ok(TwinMotion { motion, moves, parameters })
+        Ok(TwinMotion { motion, reference: followed, parameters })
     }
 
     /// The recording of a twin's motion by its sensors.
@@ -98,6 +157,16 @@ impl Experiment {
         let sample_time_s = self.settings.controller.as_ref().map_or(0.0, |c| c.sample_time_s);
         let recording = twin.recording(sample_rate_hz, position, torque);
         Recording { torque_hold_s: sample_time_s.min(1.0 / sample_rate_hz), ..recording }
+    }
+
+    /// What the twin follows: its moves, or the positions of a file beside the experiment.
+    fn reference_of(&self, twin: &TwinDescription) -> Result<TwinReference, ExperimentError> {
+        let Some(source) = &twin.reference else { return self.plan(twin).map(TwinReference::Moves) };
+        paths::beside(&self.path, "[twin] reference", &source.file)?;
+        let positions = self.read_joint_positions(source, self.folder())?;
+        let (found, expected) = (positions.len(), "positions of a motion of two samples at least");
+        PreparationError::require(found > 1, "[twin] reference", expected, found).map_err(|e| self.refuse(e))?;
+        Ok(TwinReference::Sampled(positions))
     }
 
     fn plan(&self, twin: &TwinDescription) -> Result<Moves, ExperimentError> {

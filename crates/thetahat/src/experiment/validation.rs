@@ -118,7 +118,8 @@ impl Experiment {
         let lists =
             [("sensors.torque_noise", &sensors.torque_noise), ("sensors.torque_ripple", &sensors.torque_ripple)];
         let points = twin.points.iter().map(|p| ("points", p));
-        for (key, list) in [("max_velocity", &twin.max_velocity)].into_iter().chain(lists).chain(points) {
+        let of_moves = twin.reference.is_none().then_some(("max_velocity", &twin.max_velocity));
+        for (key, list) in of_moves.into_iter().chain(lists).chain(points) {
             let key = format!("[twin] {key}");
             self.require(list.len() == n, &key, &format!("a list of {n}, one for each joint"), entries(list.len()))?;
             self.require_finite(&key, list.iter().copied())?;
@@ -128,7 +129,21 @@ impl Experiment {
                 return Err(self.refuse_value(&format!("[twin] {key}"), "zero or above", value));
             }
         }
-        self.require(twin.points.len() > 1, "[twin] points", "a start and an end point", entries(twin.points.len()))?;
+        match &twin.reference {
+            Some(source) => {
+                self.require(
+                    twin.points.is_empty(),
+                    "[twin] points",
+                    "none beside a reference",
+                    entries(twin.points.len()),
+                )?;
+                self.validate_unit(source, "[twin] reference", &POSITION, POSITION)?;
+            }
+            None => {
+                let expected = "a start and an end point";
+                self.require(twin.points.len() > 1, "[twin] points", expected, entries(twin.points.len()))?;
+            }
+        }
         self.require_positive("[twin] sample_rate_hz", twin.sample_rate_hz)?;
         self.require_positive("[twin] sensors.encoder_counts_per_turn", sensors.encoder_counts_per_turn)?;
         self.require_finite("[twin] sensors.ripple_per_turn", [sensors.ripple_per_turn])?;

@@ -26,6 +26,7 @@
 //! | `identity` | what must agree between reductions that are merged |
 //! | `compressed`, `solve` | the factors as a regression, its estimates and results |
 //! | `segments` | intervals from the scores of the stretches of time |
+//! | `information` | what the recordings tell, for the design of the next |
 //! | `estimates` | estimates of a `results.json`, for instruments |
 //!
 //! `docs/long_records.md` says how pieces are kept equal to the whole, and what is refused.
@@ -47,6 +48,7 @@ mod factors;
 mod file;
 mod fingerprint;
 mod identity;
+mod information;
 mod instruments;
 mod near_rest;
 mod part;

@@ -1,7 +1,7 @@
 use crate::{
-    dynamics::{LinkMotion, Model, Twist, Workspace},
+    dynamics::{Adjoint, LinkAdjoint, LinkMotion, Model, Twist, Workspace},
     real::Real,
-    vector::{add, cross, dot},
+    vector::{Mat3, add, constant_times, cross, dot, scale, times},
 };
 
 /// The entry of one inertial parameter on one coordinate.
@@ -80,6 +80,69 @@ impl InertialEntries {
             (phi, components) = (rest, others);
         }
     }
+}
+
+impl InertialEntries {
+    /// Adds to an adjoint the derivatives of the sum of the entries times `weights`, by the motion of the links and the unit
+    /// twists of the workspace, which this computes.
+    #[inline(always)]
+    pub(super) fn add_slopes<T: Real>(
+        &self,
+        model: &Model,
+        workspace: &mut Workspace<T>,
+        weights: &[T],
+        adjoint: &mut Adjoint<T>,
+    ) {
+        let (links, twists) = (&workspace.links, &mut workspace.twists);
+        let Some(kind) = links.first().map(|link| link.dv[0]) else { return };
+        (0..links.len()).for_each(|k| model.propagate_twists(k, links, twists));
+        let (mut components, mut weights) = (&self.components[..], weights);
+        for &Block { link, place, length } in &self.blocks {
+            let mut body = [kind.like(0.0); 10];
+            components[..length].iter().zip(weights).for_each(|(&c, &w)| body[c] = w);
+            (components, weights) = (&components[length..], &weights[length..]);
+            let at = model.support(link).start + place;
+            let (of_twist, of_link) = match model.link_axes(link) {
+                None => slopes_of_body(&body, twists[at], &links[link]),
+                Some(axes) => {
+                    let (twist, motion) = (twists[at].in_axes(axes), links[link].in_axes(axes));
+                    let (of_twist, of_link) = slopes_of_body(&body, twist, &motion);
+                    (out_of_axes(&of_twist, axes), of_link.out_of_axes(axes))
+                }
+            };
+            adjoint.twists[at] = adjoint.twists[at].plus(&of_twist);
+            adjoint.links[link] = adjoint.links[link].plus(&of_link);
+        }
+    }
+}
+
+/// `x_there = axes x_here` for the derivatives by a twist.
+#[inline(always)]
+fn out_of_axes<T: Real>(twist: &Twist<T>, axes: &Mat3) -> Twist<T> {
+    Twist { angular: constant_times(axes, twist.angular), linear: constant_times(axes, twist.linear) }
+}
+
+/// The derivatives of the torque of a body with these ten parameters, `z . N + v . F`, by the twist `(z, v)` and by the
+/// motion `w, dw, dv`.
+#[inline(always)]
+fn slopes_of_body<T: Real>(body: &[T; 10], twist: Twist<T>, link: &LinkMotion<T>) -> (Twist<T>, LinkAdjoint<T>) {
+    let [xx, xy, xz, yy, yz, zz, x, y, z, m] = *body;
+    let (inertia, ms) = ([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], [x, y, z]);
+    let Twist { angular: z, linear: v } = twist;
+    let LinkMotion { w, dw, dv, .. } = *link;
+    let momentum = times(&inertia, w);
+    let (wms, vw, vms, ww) = (dot(w, ms), dot(v, w), dot(v, ms), dot(w, w));
+    let force = add(add(scale(m, dv), cross(dw, ms)), add(scale(wms, w), scale(-ww, ms)));
+    let moment = add(add(times(&inertia, dw), cross(w, momentum)), cross(ms, dv));
+    // (z x w) . J w, and v . (w x (w x ms)) = (v . w) (w . ms) - (v . ms) (w . w).
+    let gyroscopic = add(times(&inertia, cross(z, w)), cross(momentum, z));
+    let centripetal = add(add(scale(wms, v), scale(vw, ms)), scale(vms * -2.0, w));
+    let of_link = LinkAdjoint {
+        w: add(gyroscopic, centripetal),
+        dw: add(times(&inertia, z), cross(ms, v)),
+        dv: add(cross(z, ms), scale(m, v)),
+    };
+    (Twist { angular: moment, linear: force }, of_link)
 }
 
 /// The torque for a unit of each inertial parameter of a link, where the joint's unit twist, seen at the link's origin in

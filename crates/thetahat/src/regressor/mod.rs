@@ -21,6 +21,7 @@
 mod batch;
 mod inertial;
 mod observation;
+mod slopes;
 
 pub use batch::BufferedRegressor;
 pub use observation::{Entry, Regressor};

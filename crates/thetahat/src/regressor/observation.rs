@@ -37,13 +37,40 @@ enum Source {
 
 /// An entry that a drive gives.
 #[derive(Debug, Clone, Copy)]
-enum DriveEntry {
+pub(super) enum DriveEntry {
     /// A parameter of a joint, on the coordinate that moves it.
     Joint { quantity: JointQuantity, moved_by: JointCoordinate },
     /// A parameter of the coupled motor at this place among the model's, on one of the coordinates that move it.
     Motor { quantity: MotorQuantity, motor: usize, coordinate: usize },
     /// A parameter of the term at this place among the model's, on one of the coordinates on which it acts.
     Term { column: usize, coordinate: usize },
+}
+
+impl DriveEntry {
+    #[inline(always)]
+    pub(super) fn evaluate<T: Real>(&self, model: &Model, state: State<'_, T>, ddq: &[T], sign: Sign) -> T {
+        match *self {
+            Self::Motor { quantity, motor, coordinate } => {
+                quantity.torque(&model.coupled_motors()[motor], coordinate, state.dq, ddq, sign)
+            }
+            Self::Term { column, coordinate } => {
+                model.term_torque(&model.terms()[column], coordinate, state, ddq, sign)
+            }
+            Self::Joint { quantity, moved_by } => quantity.torque(&moved_by.state(state, ddq, sign)) * moved_by.ratio,
+        }
+    }
+
+    /// On what it can depend: order (0 for q, 1 for dq, 2 for ddq) and coordinate.
+    pub(super) fn depends_on(&self, model: &Model) -> Vec<(usize, usize)> {
+        let rates = |c: usize| [(1, c), (2, c)];
+        match self {
+            Self::Joint { moved_by, .. } => rates(moved_by.coordinate).to_vec(),
+            Self::Motor { motor, .. } => {
+                model.coupled_motors()[*motor].weights.iter().flat_map(|(c, _)| rates(*c)).collect()
+            }
+            Self::Term { .. } => (0..3 * model.coordinate_count()).map(|i| (i % 3, i / 3)).collect(),
+        }
+    }
 }
 
 impl Regressor {
@@ -123,19 +150,18 @@ impl Regressor {
         model.propagate_motion(state, ddq, &mut workspace.links);
         let (inertial, drives) = phi.split_at_mut(self.inertial.len());
         self.inertial.evaluate(model, workspace, inertial);
-        for (value, &entry) in drives.iter_mut().zip(&self.drives) {
-            *value = match entry {
-                DriveEntry::Motor { quantity, motor, coordinate } => {
-                    quantity.torque(&model.coupled_motors()[motor], coordinate, state.dq, ddq, sign)
-                }
-                DriveEntry::Term { column, coordinate } => {
-                    model.term_torque(&model.terms()[column], coordinate, state, ddq, sign)
-                }
-                DriveEntry::Joint { quantity, moved_by } => {
-                    quantity.torque(&moved_by.state(state, ddq, sign)) * moved_by.ratio
-                }
-            };
+        for (value, entry) in drives.iter_mut().zip(&self.drives) {
+            *value = entry.evaluate(model, state, ddq, sign);
         }
+    }
+
+    pub(super) fn inertial(&self) -> &InertialEntries {
+        &self.inertial
+    }
+
+    /// The entries of drives, behind the inertial ones.
+    pub(super) fn drives(&self) -> &[DriveEntry] {
+        &self.drives
     }
 }
 

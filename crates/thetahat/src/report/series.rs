@@ -4,8 +4,8 @@ use std::path::Path;
 
 use super::error::ReportError;
 use crate::{
-    output::{RECORD, replace_file},
-    results::TwinRecord,
+    output::{RECORD, TRAJECTORY, replace_file},
+    results::{DesignResults, TwinRecord},
     series::Series,
 };
 
@@ -19,6 +19,15 @@ pub fn write_record(record: &TwinRecord, path: &Path) -> Result<(), ReportError>
     let head = RECORD.replace('"', "").len();
     content.splice(..head, RECORD.bytes());
     write(&content, path)
+}
+
+/// The trajectory of a design: `time_s`, `q_1` ..., `dq_1` ..., `ddq_1` ..., SI.
+pub(super) fn trajectory_csv(results: &DesignResults) -> Result<Vec<u8>, csv::Error> {
+    let columns = [("q", &results.q), ("dq", &results.dq), ("ddq", &results.ddq)];
+    let mut content = table(results.sample_rate_hz, &columns)?;
+    let head = TRAJECTORY.replace('"', "").len();
+    content.splice(..head, TRAJECTORY.bytes());
+    Ok(content)
 }
 
 /// Writes series of the same length beside their time, whole or not at all: `time_s`, then `name_1` ... of each.

@@ -50,7 +50,7 @@ impl ParameterResult {
     }
 
     /// How well its interval says that it is known.
-    fn grade_of_interval(&self) -> Grade {
+    pub(super) fn grade_of_interval(&self) -> Grade {
         match self.half_width() {
             Some(half) if half <= SURE * self.estimate.abs() => Grade::Sure,
             Some(half) if half < self.estimate.abs() => Grade::Rough,

@@ -32,6 +32,7 @@ mod campaign;
 mod card;
 mod content;
 mod curves;
+mod design;
 mod diagnosis;
 mod file;
 mod filter;
@@ -53,6 +54,7 @@ pub use campaign::{CampaignResults, Extent, MethodSummary, ParameterSummary, Pub
 pub use card::{Card, Unseen};
 pub use content::{NOMINAL, Results, SCHEMA};
 pub use curves::{Bin, Frame, HeldBackPlots, Plots, RecordStart, ResidualCurves, RunPlots, Skeleton};
+pub use design::{DesignResults, DesignedJoint, ExperimentText, LimitUse, PromisedParameter, SearchResult};
 pub use diagnosis::{
     Advice, ApproximatedParameter, ApproximationResult, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis,
     Comparison, EndogeneityResult, Explained, Influence, InstrumentResult, JointResidual, ParameterDifference,

@@ -11,7 +11,7 @@ use crate::{
         published::Published,
         tables::runs_of,
     },
-    results::{Grade, ParameterResult, Results, RunResult},
+    results::{DesignResults, Grade, ParameterResult, PromisedParameter, Results, RunResult},
 };
 
 /// Width of the picture, and height of a row without and for each method, pixels.
@@ -74,6 +74,30 @@ pub(in crate::report) fn forest(results: &Results, published: Option<&Published>
 /// Those that are not shown.
 pub(in crate::report) fn other_parameters(results: &Results, case: &str) -> Option<Forest> {
     of_parameters(results, None, (case, "further estimates"), |p| !p.shown)
+}
+
+/// What a design promises: intervals about the a-priori values, without those that are zero.
+pub(in crate::report) fn promised_forest(results: &DesignResults) -> Option<Forest> {
+    let known: Vec<&PromisedParameter> = results.promised.iter().filter(|p| p.a_priori != 0.0).collect();
+    let mut groups: Vec<ForestGroup> = Vec::new();
+    for parameter in known {
+        let label = format!("Joint {}", parameter.joint);
+        let row = promised_row(parameter);
+        match groups.iter_mut().find(|g| g.label == label) {
+            Some(group) => group.rows.push(row),
+            None => groups.push(ForestGroup { label, rows: vec![row] }),
+        }
+    }
+    (!groups.is_empty()).then(|| Forest {
+        conclusion: String::new(),
+        id: id("design", "promised"),
+        caption: format!("promised 95 % intervals of {} about the a-priori values", results.method),
+        legend: vec![Key::new("idim-ls", "promised interval")],
+        width: WIDTH,
+        ticks: ticks(),
+        notes: Vec::new(),
+        groups,
+    })
 }
 
 fn of_parameters(
@@ -161,21 +185,10 @@ impl Plot<'_> {
             Some(interval(r.method.name(), of_main.estimate, r.parameter(&of_main.name)?, lane(i)))
         });
         let marks = self.marks(k, of_main).into_iter().flat_map(|(class, value)| mark(class, of_main.estimate, value));
-        let half = of_main.interval_95.map(|[low, high]| 0.5 * (high - low));
-        let digits = half.or(of_main.standard_deviation);
-        let grade = self.runs[0].grade(of_main);
         ForestRow {
-            name: of_main.name.clone(),
-            unit: of_main.unit.clone(),
-            formula: of_main.expression.clone(),
-            estimate: estimate(of_main.estimate, digits),
-            interval: of_main
-                .interval_95
-                .map_or_else(|| NONE.to_owned(), |ends| ends.map(|e| estimate(e, digits)).join(" to ")),
-            grade: grade.name(),
-            grade_class: grades::class(grade),
             height: HEIGHT + LANE * self.runs.len() as f64,
             shapes: intervals.flatten().chain(marks).collect(),
+            ..words(of_main, self.runs[0].grade(of_main))
         }
     }
 
@@ -196,6 +209,31 @@ impl Plot<'_> {
         methods
             .chain(marks.into_iter().filter(|(class, _)| has(class)).map(|(class, name)| Key::new(class, name)))
             .collect()
+    }
+}
+
+fn promised_row(promised: &PromisedParameter) -> ForestRow {
+    let parameter = promised.as_result();
+    let shapes = interval("idim-ls", parameter.estimate, &parameter, 0.5 * HEIGHT + 0.5 * LANE);
+    ForestRow { shapes, height: HEIGHT + LANE, ..words(&parameter, promised.grade()) }
+}
+
+/// The row of a parameter without its picture.
+fn words(of_main: &ParameterResult, grade: Grade) -> ForestRow {
+    let half = of_main.interval_95.map(|[low, high]| 0.5 * (high - low));
+    let digits = half.or(of_main.standard_deviation);
+    ForestRow {
+        name: of_main.name.clone(),
+        unit: of_main.unit.clone(),
+        formula: of_main.expression.clone(),
+        estimate: estimate(of_main.estimate, digits),
+        interval: of_main
+            .interval_95
+            .map_or_else(|| NONE.to_owned(), |ends| ends.map(|e| estimate(e, digits)).join(" to ")),
+        grade: grade.name(),
+        grade_class: grades::class(grade),
+        height: HEIGHT,
+        shapes: Vec::new(),
     }
 }
 

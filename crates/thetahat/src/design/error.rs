@@ -1,0 +1,156 @@
+use std::path::PathBuf;
+
+use crate::{
+    base_parameters::BaseParametersError, identification::EstimationError, preparation::PreparationError,
+    reduction::ReductionError, robot::RobotError, simulation::SimulationError,
+};
+
+/// Why no motion is designed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum DesignError {
+    /// A file cannot be read.
+    #[error("{}: cannot be read: {reason}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        reason: String,
+    },
+    /// The file is not TOML of the expected form; the message names line and column.
+    #[error("{}: {message}", path.display())]
+    Syntax {
+        /// The file.
+        path: PathBuf,
+        /// The parser's message.
+        message: String,
+    },
+    /// A value cannot be used.
+    #[error("{}: {key} is {found}, expected {expected}", path.display())]
+    Value {
+        /// The design file.
+        path: PathBuf,
+        /// The key.
+        key: String,
+        /// What is allowed.
+        expected: String,
+        /// What was found.
+        found: String,
+    },
+    /// A limit is neither in the design nor in the robot's description.
+    #[error(
+        "{}: joint {joint} has no limit of {quantity}: give [limits] {quantity}, since {} states none",
+        path.display(),
+        robot.display()
+    )]
+    NoLimit {
+        /// The design file.
+        path: PathBuf,
+        /// The robot's description.
+        robot: PathBuf,
+        /// The joint.
+        joint: String,
+        /// The quantity.
+        quantity: &'static str,
+    },
+    /// Limits of a joint exclude one another.
+    #[error("{}: [limits] {quantity} of joint {joint} runs from {lower} to {upper}: {remedy}", path.display())]
+    Contradiction {
+        /// The design file.
+        path: PathBuf,
+        /// The joint.
+        joint: String,
+        /// The quantity.
+        quantity: &'static str,
+        /// Its lower limit, SI.
+        lower: f64,
+        /// Its upper limit, SI.
+        upper: f64,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// The settings of the identification cannot be used.
+    #[error("{}: {source}", path.display())]
+    Preparation {
+        /// The design file.
+        path: PathBuf,
+        /// Why.
+        source: PreparationError,
+    },
+    /// The base parameters of the robot are not clear.
+    #[error("{}: {source}", path.display())]
+    BaseParameters {
+        /// The design file.
+        path: PathBuf,
+        /// Why.
+        source: BaseParametersError,
+    },
+    /// No motion within the limits shows every parameter.
+    #[error(
+        "{}: no motion of {starts} starts shows all {parameters} parameters; give more [motion] harmonics, wider [limits], or \
+         leave parameters out with [parameters] exclude",
+        path.display()
+    )]
+    ShowsTooLittle {
+        /// The design file.
+        path: PathBuf,
+        /// Searches made.
+        starts: usize,
+        /// Base parameters.
+        parameters: usize,
+    },
+    /// A limit does not hold.
+    #[error(
+        "{}: [limits] {quantity} of joint {joint} cannot hold: it is {limit:.4} and the motion needs {needed:.4} at {at_s:.3} s; \
+         {remedy}",
+        path.display()
+    )]
+    Infeasible {
+        /// The design file.
+        path: PathBuf,
+        /// The joint.
+        joint: String,
+        /// The quantity.
+        quantity: &'static str,
+        /// Its limit, SI.
+        limit: f64,
+        /// What the best motion needs, SI.
+        needed: f64,
+        /// When, s.
+        at_s: f64,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// The closed loop cannot follow the motion.
+    #[error("{}: [controller] the simulated loop does not follow the motion: {source}", path.display())]
+    Loop {
+        /// The design file.
+        path: PathBuf,
+        /// Why.
+        source: SimulationError,
+    },
+    /// The record of the motion gives no estimate.
+    #[error("{}: the designed record gives no estimate: {source}", path.display())]
+    NoEstimate {
+        /// The design file.
+        path: PathBuf,
+        /// Why.
+        source: EstimationError,
+    },
+    /// A reduction is of another robot.
+    #[error(
+        "{}: prior: the base parameters of the reductions are not those of the robot; reduce recordings of the same robot with the \
+         same [parameters] exclude",
+        path.display()
+    )]
+    OtherRobot {
+        /// The design file.
+        path: PathBuf,
+    },
+    /// The robot's description cannot be used.
+    #[error(transparent)]
+    Robot(#[from] RobotError),
+    /// A reduction cannot be used.
+    #[error(transparent)]
+    Reduction(#[from] ReductionError),
+}

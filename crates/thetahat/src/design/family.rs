@@ -1,0 +1,131 @@
+use super::fourier::{FourierBasis, ORDERS};
+use crate::{linear_algebra::Matrix, series::Series};
+
+/// The motions among which one is chosen: `q_j(t) = c_j + sum_m b_m(t) x_jm`, linear in the unknowns.
+///
+/// | letter | word | shape |
+/// | --- | --- | --- |
+/// | `x` | unknowns, joint by joint: in units in which 1 takes the joint to its limit | joints x unknowns of a joint |
+/// | `b` | functions of time, the first a constant where the start posture is free | |
+/// | `c` | the start posture where it is given, else the middle of the range | joints |
+#[derive(Debug, Clone)]
+pub struct Family {
+    basis: FourierBasis,
+    /// Unit of each unknown, joint by joint.
+    scale: Vec<Vec<f64>>,
+    centre: Vec<f64>,
+    has_free_start: bool,
+}
+
+/// Values of the functions of a family at instants: order by order, instants x unknowns of a joint, without the joints' units.
+#[derive(Debug, Clone)]
+pub struct Sampled {
+    /// Position, velocity, acceleration, jerk.
+    pub orders: [Matrix; ORDERS],
+}
+
+/// Position, velocity, acceleration and jerk: one channel for each joint.
+pub type Derivatives = [Series; ORDERS];
+
+impl Family {
+    /// Sums of a basis about `centre`, with a free start posture where `free_range` has half the range of each joint.
+    /// `reach` is half the range, the velocity and the acceleration to which an unknown of one takes a joint.
+    #[must_use]
+    pub fn new(basis: FourierBasis, centre: Vec<f64>, has_free_start: bool, reach: &[[f64; 3]]) -> Self {
+        let peaks = peaks(&basis);
+        let unit = |reach: &[f64; 3], peak: &[f64; 3]| {
+            reach.iter().zip(peak).map(|(r, p)| r / p).fold(f64::INFINITY, f64::min)
+        };
+        let of_joint = |reach: &[f64; 3]| {
+            let start = has_free_start.then_some(reach[0]);
+            start.into_iter().chain(peaks.iter().map(|peak| unit(reach, peak))).collect()
+        };
+        Self { scale: reach.iter().map(of_joint).collect(), basis, centre, has_free_start }
+    }
+
+    /// Number of joints.
+    #[must_use]
+    pub fn joints(&self) -> usize {
+        self.centre.len()
+    }
+
+    /// Unknowns of one joint.
+    #[must_use]
+    pub fn unknowns_of_joint(&self) -> usize {
+        self.basis.functions() + usize::from(self.has_free_start)
+    }
+
+    /// Unknowns in all.
+    #[must_use]
+    pub fn unknowns(&self) -> usize {
+        self.joints() * self.unknowns_of_joint()
+    }
+
+    /// Whether the first unknown of each joint is its start posture.
+    #[must_use]
+    pub fn has_free_start(&self) -> bool {
+        self.has_free_start
+    }
+
+    /// Unit of an unknown of a joint.
+    #[must_use]
+    pub fn unit(&self, joint: usize, unknown: usize) -> f64 {
+        self.scale[joint][unknown]
+    }
+
+    /// The functions at instants from zero to the duration.
+    #[must_use]
+    pub fn sampled(&self, time_s: &[f64]) -> Sampled {
+        let rows: Vec<_> = time_s.iter().map(|t| self.basis.at(*t)).collect();
+        let first = usize::from(self.has_free_start);
+        let value = |order: usize, k: usize, m: usize| match m.checked_sub(first) {
+            Some(m) => rows[k][order][m],
+            None if order == 0 => 1.0,
+            None => 0.0,
+        };
+        let matrix = |order| Matrix::from_fn(rows.len(), self.unknowns_of_joint(), |k, m| value(order, k, m));
+        Sampled { orders: [0, 1, 2, 3].map(matrix) }
+    }
+
+    /// The motion with the unknowns `x` at the instants of `sampled`.
+    #[must_use]
+    pub fn motion(&self, sampled: &Sampled, x: &[f64]) -> Derivatives {
+        let size = self.unknowns_of_joint();
+        let unknowns = Matrix::from_fn(size, self.joints(), |m, j| self.scale[j][m] * x[j * size + m]);
+        let of_order = |order: usize| {
+            let values = sampled.orders[order].times_matrix(&unknowns);
+            let centre = |j: usize| if order == 0 { self.centre[j] } else { 0.0 };
+            let columns: Vec<Vec<f64>> =
+                (0..self.joints()).map(|j| values.column(j).iter().map(|v| v + centre(j)).collect()).collect();
+            Series::from_channels(&columns)
+        };
+        [0, 1, 2, 3].map(of_order)
+    }
+
+    /// The derivative by the unknowns of a function whose derivatives by q, dq and ddq at the instants are given.
+    #[must_use]
+    pub fn chain(&self, sampled: &Sampled, slopes: &[Series; 3]) -> Vec<f64> {
+        let of_joint = |j: usize| {
+            let mut sum = vec![0.0; self.unknowns_of_joint()];
+            for (functions, slopes) in sampled.orders.iter().zip(slopes) {
+                let part = functions.transpose_times(&slopes.channel(j));
+                sum.iter_mut().zip(part).for_each(|(s, p)| *s += p);
+            }
+            sum.into_iter().zip(&self.scale[j]).map(|(s, unit)| s * unit).collect::<Vec<_>>()
+        };
+        (0..self.joints()).flat_map(of_joint).collect()
+    }
+}
+
+/// Largest position, velocity and acceleration of each function.
+fn peaks(basis: &FourierBasis) -> Vec<[f64; 3]> {
+    let instants = 16 * basis.functions();
+    let mut peaks = vec![[0.0_f64; 3]; basis.functions()];
+    for k in 0..=instants {
+        let orders = basis.at(basis.period_s() * k as f64 / instants as f64);
+        for (m, peak) in peaks.iter_mut().enumerate() {
+            (0..3).for_each(|order| peak[order] = peak[order].max(orders[order][m].abs()));
+        }
+    }
+    peaks
+}

@@ -1,0 +1,49 @@
+//! The motion to record, and what it will tell of each parameter: designed before the robot moves.
+//!
+//! A [`Design`] searches the motion within the limits of its joints whose record knows the base parameters best, friction,
+//! motor inertias and offsets among them; verifies the limits at 1 kHz; and promises the interval of each parameter, by
+//! the identification that the record will go through.
+//!
+//! | letter | word | shape | unit |
+//! | --- | --- | --- | --- |
+//! | `M` | information: the inverse covariance of the base parameters | b x b | |
+//! | `C` | their covariance, `M^-1` | b x b | |
+//! | `J` | criterion, such as `-log det M` | 1 | nats |
+//! | `x` | unknowns of a motion | | 1 |
+//!
+//! | file | what it does |
+//! | --- | --- |
+//! | `description`, `validation` | a design file, and what is refused of it |
+//! | `limits` | what the joints may do |
+//! | `fourier`, `family` | motions as sums of functions of time that rest at both ends |
+//! | `criterion`, `information` | the criterion with its derivatives |
+//! | `constraints`, `loads` | limits of positions and their derivatives; limits of torque and power |
+//! | `quadratic`, `optimiser`, `starts` | the search |
+//! | `verification` | the limits at 1 kHz |
+//! | `promise` | what a record will tell |
+//! | `run` | all of it |
+
+mod constraints;
+mod criterion;
+mod description;
+mod error;
+mod experiment_text;
+mod family;
+mod fourier;
+mod information;
+mod limits;
+mod loads;
+mod optimiser;
+mod promise;
+mod quadratic;
+mod run;
+mod starts;
+mod validation;
+mod verification;
+
+pub use criterion::{Criterion, CriterionName};
+pub use description::{Design, DesignFile, LimitOptions, MotionOptions, NoiseOptions, Wanted};
+pub use error::DesignError;
+pub use information::Information;
+pub use limits::{JointLimits, Limited};
+pub use promise::{Estimated, Expected, ExpectedRecord};

@@ -1,0 +1,206 @@
+use super::{
+    constraints::Constraints,
+    criterion::Criterion,
+    family::{Derivatives, Family, Sampled},
+    information::Information,
+    loads::Loads,
+    quadratic,
+};
+use crate::{
+    dynamics::Sign,
+    linear_algebra::{Matrix, dot},
+    series::Series,
+};
+
+/// What is optimised: the criterion of a family's motions, within limits.
+#[derive(Debug, Clone)]
+pub(super) struct Problem {
+    pub(super) family: Family,
+    pub(super) information: Information,
+    pub(super) criterion: Criterion,
+    /// Where the information is summed.
+    pub(super) sampled: Sampled,
+    /// Samples of the record for each of these instants.
+    pub(super) share: f64,
+    pub(super) constraints: Constraints,
+    pub(super) loads: Loads,
+}
+
+/// A motion that was found.
+#[derive(Debug, Clone)]
+pub(super) struct Found {
+    pub(super) x: Vec<f64>,
+    pub(super) steps: usize,
+}
+
+/// Steps of one start with one smoothing of the sign.
+const MOST_STEPS: usize = 120;
+/// A step that promises more than this, in nats, is followed by another whatever it gained.
+const LEAST_PROMISE: f64 = 1.0;
+/// What a violation of torque or power costs, in nats for all of the limit.
+const PRICE: f64 = 1e3;
+/// Part of the promised gain that a step must bring.
+const SUFFICIENT: f64 = 1e-4;
+/// Halvings of a step.
+const MOST_HALVINGS: usize = 12;
+/// Rounds in which limits are added that a step would violate.
+const MOST_ROUNDS: usize = 4;
+
+/// The state of the search.
+struct State {
+    x: Vec<f64>,
+    value: f64,
+    gradient: Vec<f64>,
+    load: f64,
+}
+
+impl State {
+    /// What is made small: the criterion, and what the violated load costs.
+    fn merit(&self) -> f64 {
+        self.value + PRICE * (self.load - 1.0).max(0.0)
+    }
+}
+
+impl Problem {
+    /// The criterion of a motion; none where it does not show every parameter.
+    pub(super) fn value(&self, x: &[f64], sign: Sign) -> Option<f64> {
+        let [q, dq, ddq, _] = self.family.motion(&self.sampled, x);
+        self.criterion.value(&self.information.of([&q, &dq, &ddq], self.share, sign))
+    }
+
+    /// The criterion with its derivatives by the unknowns.
+    pub(super) fn judge(&self, x: &[f64], sign: Sign) -> Option<(f64, Vec<f64>)> {
+        let [q, dq, ddq, _] = self.family.motion(&self.sampled, x);
+        let motion: [&Series; 3] = [&q, &dq, &ddq];
+        let (value, slopes) = self.information.judge(&self.criterion, motion, self.share, sign)?;
+        Some((value, self.family.chain(&self.sampled, &slopes)))
+    }
+
+    /// The motion where limits are looked at.
+    pub(super) fn watched(&self, x: &[f64]) -> Derivatives {
+        self.family.motion(&self.constraints.sampled, x)
+    }
+
+    fn state(&self, x: Vec<f64>, sign: Sign) -> Option<State> {
+        let (value, gradient) = self.judge(&x, sign)?;
+        let load = self.loads.use_of(&self.watched(&x), sign);
+        Some(State { x, value, gradient, load })
+    }
+
+    /// Sequential quadratic programming from a motion within its limits (J. Nocedal, S. Wright, "Numerical Optimization", 2006,
+    /// chapter 18): damped BFGS, a line search, and the limits near which the motion comes.
+    ///
+    /// Limits of positions and their derivatives are linear and hold in every step; those of torque and power are linearised
+    /// and may be violated on the way. A step that gains less than `least_gain`, in nats, is the last. None where the motion
+    /// does not show every parameter.
+    pub(super) fn optimise(&self, start: Vec<f64>, sign: Sign, least_gain: f64) -> Option<Found> {
+        let mut state = self.state(start, sign)?;
+        let scale = dot(&state.gradient, &state.gradient).sqrt();
+        let mut hessian = Hessian::new(state.x.len(), scale);
+        let mut steps = 0;
+        while steps < MOST_STEPS {
+            let Some(step) = self.step(&state, &hessian.matrix, sign) else { break };
+            let slope = dot(&state.gradient, &step);
+            let Some(next) = self.search(&state, &step, slope, sign) else { break };
+            steps += 1;
+            let gain = state.merit() - next.merit();
+            hessian.update(&state, &next);
+            state = next;
+            if gain < least_gain && -slope < least_gain.max(LEAST_PROMISE) {
+                break;
+            }
+        }
+        Some(Found { x: state.x, steps })
+    }
+
+    /// The step of the quadratic program, within all linear limits.
+    fn step(&self, state: &State, hessian: &Matrix, sign: Sign) -> Option<Vec<f64>> {
+        let motion = self.watched(&state.x);
+        let loads = self.loads.rows(&self.family, &self.constraints.sampled, &motion, sign);
+        let mut places = self.constraints.near(&motion);
+        let mut found = None;
+        for _ in 0..MOST_ROUNDS {
+            let mut rows = self.constraints.rows(&self.family, &motion, &places);
+            rows.extend(loads.iter().cloned());
+            let step = quadratic::least(hessian, &state.gradient, &rows, PRICE)?;
+            found = Some(step);
+            let reached = found.as_ref().map(|step| self.watched(&moved(&state.x, step, 1.0)))?;
+            if !self.constraints.add_violated(&reached, &mut places) {
+                break;
+            }
+        }
+        found
+    }
+
+    fn merit_within_limits(&self, x: &[f64], sign: Sign) -> Option<f64> {
+        let motion = self.watched(x);
+        if self.constraints.use_of(&motion) > 1.0 + TOLERANCE {
+            return None;
+        }
+        let load = self.loads.use_of(&motion, sign);
+        self.value(x, sign).map(|value| value + PRICE * (load - 1.0).max(0.0))
+    }
+
+    /// The longest of halved steps that brings enough.
+    fn search(&self, from: &State, step: &[f64], slope: f64, sign: Sign) -> Option<State> {
+        let mut part = 1.0;
+        for _ in 0..MOST_HALVINGS {
+            let promised = part * slope.min(0.0) * SUFFICIENT;
+            let x = moved(&from.x, step, part);
+            let is_less = |merit: f64| merit < from.merit() + promised;
+            if self.merit_within_limits(&x, sign).is_some_and(is_less) {
+                return self.state(x, sign);
+            }
+            part *= 0.5;
+        }
+        None
+    }
+}
+
+/// Part of a limit by which a step may violate it.
+const TOLERANCE: f64 = 1e-5;
+
+fn moved(x: &[f64], step: &[f64], part: f64) -> Vec<f64> {
+    x.iter().zip(step).map(|(x, p)| x + part * p).collect()
+}
+
+/// The approximation of second derivatives.
+struct Hessian {
+    matrix: Matrix,
+    is_first: bool,
+}
+
+impl Hessian {
+    fn new(size: usize, scale: f64) -> Self {
+        Self { matrix: scaled_identity(size, scale), is_first: true }
+    }
+
+    /// Powell's damped BFGS, which keeps it positive definite.
+    fn update(&mut self, before: &State, behind: &State) {
+        let s: Vec<f64> = behind.x.iter().zip(&before.x).map(|(b, a)| b - a).collect();
+        let mut y: Vec<f64> = behind.gradient.iter().zip(&before.gradient).map(|(b, a)| b - a).collect();
+        let sy = dot(&s, &y);
+        if self.is_first && sy > 0.0 {
+            self.matrix = scaled_identity(s.len(), dot(&y, &y) / sy);
+        }
+        self.is_first = false;
+        let bs = self.matrix.times(&s);
+        let sbs = dot(&s, &bs);
+        let theta = if sy < 0.2 * sbs { 0.8 * sbs / (sbs - sy) } else { 1.0 };
+        y.iter_mut().zip(&bs).for_each(|(y, b)| *y = theta * *y + (1.0 - theta) * b);
+        let sy = dot(&s, &y);
+        if sbs <= 0.0 || sy <= 0.0 {
+            return;
+        }
+        for j in 0..s.len() {
+            let (of_y, of_bs) = (y[j] / sy, bs[j] / sbs);
+            for (i, value) in self.matrix.column_mut(j).iter_mut().enumerate() {
+                *value += y[i] * of_y - bs[i] * of_bs;
+            }
+        }
+    }
+}
+
+fn scaled_identity(size: usize, scale: f64) -> Matrix {
+    Matrix::from_fn(size, size, |i, j| if i == j { scale } else { 0.0 })
+}

@@ -1,0 +1,132 @@
+//! What the record of a motion will tell, by the identification that the record will go through.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::error::DesignError;
+use crate::{
+    base_parameters::BaseParameter,
+    identification::{Fit, Method, Needs, Uncertainty, uncertainty},
+    pool::{available_threads, in_parallel},
+    preparation::{PreparationError, Recording, Settings},
+    robot::Robot,
+    run::Identification,
+    series::Series,
+};
+
+/// The true motion of a robot and its torques, and how they will be recorded.
+#[derive(Debug, Clone)]
+pub struct ExpectedRecord<'a> {
+    /// The robot.
+    pub robot: &'a Robot,
+    /// How the record will be identified.
+    pub settings: &'a Settings,
+    /// Samples per second.
+    pub sample_rate_hz: f64,
+    /// True positions.
+    pub q: &'a Series,
+    /// True torques of the joints.
+    pub tau: &'a Series,
+    /// Standard deviation of the white noise on each torque.
+    pub torque_noise: &'a [f64],
+    /// Standard deviation of the white noise on each position.
+    pub position_noise: &'a [f64],
+}
+
+/// What is expected of the estimate of each parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Expected {
+    /// The parameters.
+    pub parameters: Vec<BaseParameter>,
+    /// Standard deviation: the root of the mean of the variances.
+    pub standard_deviation: Vec<f64>,
+    /// Half of the interval of 95 %, in the mean.
+    pub half_width_95: Vec<f64>,
+}
+
+/// An estimate from one noisy record.
+#[derive(Debug, Clone)]
+pub struct Estimated {
+    /// The parameters.
+    pub parameters: Vec<BaseParameter>,
+    /// The estimate.
+    pub fit: Fit,
+    /// Its uncertainty.
+    pub uncertainty: Uncertainty,
+}
+
+/// Records of which the promise is the mean: what each says of its uncertainty scatters by a few percent.
+pub const RECORDS: usize = 12;
+
+impl ExpectedRecord<'_> {
+    /// The method that is promised: the first without a simulation that the settings ask for, or else least squares.
+    #[must_use]
+    pub fn method(&self) -> Method {
+        promised_method(self.settings)
+    }
+
+    /// The mean of what [`RECORDS`] noisy records say of their uncertainty.
+    ///
+    /// # Errors
+    /// [`DesignError`] where a record gives no estimate; `path` is the design file.
+    pub fn promise(&self, path: &std::path::Path, seed: u64) -> Result<Expected, DesignError> {
+        let estimated = in_parallel(RECORDS, available_threads(), |number| self.estimate(path, seed, number as u64))
+            .into_iter()
+            .collect::<Result<Vec<_>, _>>()?;
+        let count = estimated.len() as f64;
+        let parameters = estimated.first().map_or_else(Vec::new, |e| e.parameters.clone());
+        let mean = |of: &dyn Fn(&Estimated, usize) -> f64| -> Vec<f64> {
+            (0..parameters.len()).map(|i| estimated.iter().map(|e| of(e, i)).sum::<f64>() / count).collect()
+        };
+        let variance = mean(&|e, i| e.uncertainty.standard_deviation[i].powi(2));
+        let half = |e: &Estimated, i: usize| 0.5 * (e.uncertainty.interval_95[i][1] - e.uncertainty.interval_95[i][0]);
+        Ok(Expected {
+            standard_deviation: variance.into_iter().map(f64::sqrt).collect(),
+            half_width_95: mean(&half),
+            parameters,
+        })
+    }
+
+    /// The estimate from one noisy record: as `thetahat identify` makes it.
+    ///
+    /// # Errors
+    /// [`DesignError`] where there is none.
+    pub fn estimate(&self, path: &std::path::Path, seed: u64, record: u64) -> Result<Estimated, DesignError> {
+        let refuse = |source: PreparationError| DesignError::Preparation { path: path.to_owned(), source };
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(record);
+        let position = noisy(self.q, self.position_noise, &mut rng);
+        let torque = noisy(self.tau, self.torque_noise, &mut rng);
+        let recording = Recording::new(self.sample_rate_hz, position, torque).with_reference(self.q.clone());
+        let method = self.method();
+        let settings = Settings { controller: None, cases: Vec::new(), ..self.settings.clone() }.with_methods([method]);
+        let identification = Identification::new(self.robot, vec![recording], settings).map_err(refuse)?;
+        let problems = identification.problems(&mut |_| {}).map_err(refuse)?;
+        let problem = &problems[0];
+        let weights = problem.weights(self.settings, method, &[1.0]);
+        let regression = problem.problem.regression.with_weights(weights);
+        let no_estimate = |source| DesignError::NoEstimate { path: path.to_owned(), source };
+        let fit =
+            crate::identification::idim_ls(&regression, self.settings.estimation.variance).map_err(no_estimate)?;
+        let uncertainty = uncertainty(method, &regression, None, &fit).map_err(no_estimate)?;
+        Ok(Estimated { parameters: problem.problem.estimated.parameters().to_vec(), fit, uncertainty })
+    }
+}
+
+/// The first method without a simulation that settings ask for, or else least squares.
+pub(super) fn promised_method(settings: &Settings) -> Method {
+    let without = |m: &Method| m.needs() == Needs::Measurement;
+    settings.estimation.methods.iter().copied().find(without).unwrap_or(Method::IDIM_LS)
+}
+
+fn noisy(series: &Series, deviations: &[f64], rng: &mut ChaCha8Rng) -> Series {
+    let mut noisy = series.clone();
+    for k in 0..noisy.len() {
+        for (value, deviation) in noisy.sample_mut(k).iter_mut().zip(deviations) {
+            let noise: f64 = StandardNormal.sample(rng);
+            *value += deviation * noise;
+        }
+    }
+    noisy
+}

@@ -1,0 +1,143 @@
+use serde::Serialize;
+
+use super::{Grade, ParameterResult};
+use crate::{robot::JointKind, series::Series};
+
+/// A designed motion, and what its record will tell.
+#[derive(Debug, Clone)]
+pub struct DesignResults {
+    /// The design's line that says what it is.
+    pub title: String,
+    /// Name of the robot.
+    pub robot: String,
+    /// The joints.
+    pub joints: Vec<DesignedJoint>,
+    /// Samples per second.
+    pub sample_rate_hz: f64,
+    /// Positions, rad or m.
+    pub q: Series,
+    /// Velocities.
+    pub dq: Series,
+    /// Accelerations.
+    pub ddq: Series,
+    /// Torques with the a-priori parameters, N m or N.
+    pub torque: Series,
+    /// Name of the criterion.
+    pub criterion: String,
+    /// The searches.
+    pub starts: Vec<SearchResult>,
+    /// The limits, each joint's in the order of [`LimitUse::quantity`]'s names.
+    pub limits: Vec<LimitUse>,
+    /// What is promised of each parameter.
+    pub promised: Vec<PromisedParameter>,
+    /// Name of the method that is promised.
+    pub method: String,
+    /// Whether the promise is of the simulated closed loop.
+    pub is_closed_loop: bool,
+    /// Half of an interval that is wanted, percent.
+    pub half_width_percent: f64,
+    /// The experiment file for the record, without the robot's path.
+    pub experiment: ExperimentText,
+}
+
+/// A joint of a designed motion.
+#[derive(Debug, Clone)]
+pub struct DesignedJoint {
+    /// Its name.
+    pub name: String,
+    /// Whether it turns or slides.
+    pub kind: JointKind,
+}
+
+/// One search.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SearchResult {
+    /// The criterion of the random motion that it began with, nats.
+    pub first: f64,
+    /// The criterion of the motion that it found, nats.
+    pub found: f64,
+    /// Its steps.
+    pub steps: usize,
+}
+
+/// How far a motion uses a limit, SI.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LimitUse {
+    /// Name of the joint.
+    pub joint: String,
+    /// Number of the coordinate, from zero.
+    pub coordinate: usize,
+    /// `position`, `velocity`, `acceleration`, `jerk`, `torque` or `power`.
+    pub quantity: &'static str,
+    /// Lower and upper limit.
+    pub limit: [f64; 2],
+    /// Smallest and largest value at 1 kHz.
+    pub reached: [f64; 2],
+    /// When the motion is nearest to the limit, s.
+    pub at_s: f64,
+    /// The largest part of the limit that is used, from the middle of its range.
+    pub part: f64,
+}
+
+/// What is promised of a base parameter.
+#[derive(Debug, Clone, Serialize)]
+pub struct PromisedParameter {
+    /// Name.
+    pub name: String,
+    /// Unit.
+    pub unit: String,
+    /// Regrouping formula.
+    pub expression: String,
+    /// Number of the joint whose torque shows it first, from one.
+    pub joint: usize,
+    /// Its a-priori value.
+    pub a_priori: f64,
+    /// Expected standard deviation.
+    pub standard_deviation: f64,
+    /// Expected half of the interval of 95 %.
+    pub half_width_95: f64,
+    /// How long to record for the half width that is wanted, s: the motion is repeated. None where the a-priori value is zero.
+    pub seconds: Option<f64>,
+}
+
+impl PromisedParameter {
+    /// How sure it will be, if it is as large as the a-priori value says.
+    #[must_use]
+    pub fn grade(&self) -> Grade {
+        self.as_result().grade_of_interval()
+    }
+
+    /// As if it had been estimated with its a-priori value.
+    #[must_use]
+    pub fn as_result(&self) -> ParameterResult {
+        let (value, half) = (self.a_priori, self.half_width_95);
+        let relative = (value != 0.0).then(|| 100.0 * self.standard_deviation / value.abs());
+        ParameterResult {
+            name: self.name.clone(),
+            estimate: value,
+            standard_deviation: Some(self.standard_deviation),
+            relative_standard_deviation_percent: relative,
+            true_value: None,
+            unit: self.unit.clone(),
+            expression: self.expression.clone(),
+            shown: true,
+            standard_deviation_robust: Some(self.standard_deviation),
+            interval_95: Some([value - half, value + half]),
+        }
+    }
+}
+
+/// The text of the experiment that follows a design, in parts between which the path of the robot stands.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExperimentText {
+    /// Where the robot's description is.
+    pub robot: std::path::PathBuf,
+    /// The title.
+    pub title: String,
+    /// The tables of the recording.
+    pub recording: String,
+    /// The tables of the simulated robot instead of it.
+    pub twin: String,
+    /// The tables of the settings.
+    pub settings: String,
+}

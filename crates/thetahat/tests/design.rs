@@ -1,0 +1,213 @@
+//! Designs: what is refused, limits that hold, and promises that are kept.
+
+use std::path::Path;
+
+use thetahat::{
+    design::{Design, DesignError, ExpectedRecord},
+    experiment::Experiment,
+    reduction::ReduceOptions,
+};
+use thetahat_testing::{Folder, project};
+
+/// A planar arm of two joints.
+const DESIGN: &str = "title = 'two joints'\nrobot = 'two_joint.toml'\nduration_s = 4\nsample_rate_hz = 500\n\
+    [motion]\nharmonics = 3\nstarts = 2\n\
+    [limits]\nposition = [[-90, 90], [-120, 120]]\nvelocity = [250, 350]\nacceleration = [1500, 2000]\ntorque = [60, 25]\n\
+    [noise]\ntorque = 0.1\n[signal]\ncutoff_hz = 40\ndecimation = 10\n";
+
+fn parse(text: &str) -> Result<Design, DesignError> {
+    Design::parse(text, &project("robots/design.toml"))
+}
+
+fn refused(from: &str, to: &str) -> DesignError {
+    assert!(DESIGN.contains(from), "{from}");
+    match parse(&DESIGN.replace(from, to)) {
+        Err(error) => error,
+        Ok(_) => panic!("{to} is taken"),
+    }
+}
+
+/// The key of a value that is refused.
+fn key(from: &str, to: &str) -> String {
+    match refused(from, to) {
+        DesignError::Value { key, .. } => key,
+        other => panic!("{other}"),
+    }
+}
+
+#[test]
+fn values_that_cannot_be_used_are_named() {
+    assert_eq!(key("torque = 0.1", "torque = 0"), "[noise] torque");
+    assert_eq!(key("torque = 0.1", "torque = [0.1]"), "[noise] torque");
+    assert_eq!(key("duration_s = 4", "duration_s = 0.2"), "duration_s");
+    assert_eq!(key("duration_s = 4", "duration_s = -1"), "duration_s");
+    assert_eq!(key("velocity = [250, 350]", "velocity = [250, 350, 1]"), "[limits] velocity");
+    assert_eq!(key("acceleration = [1500, 2000]", "acceleration = 0"), "[limits] acceleration");
+    assert_eq!(key("harmonics = 3", "harmonics = 0"), "[motion] harmonics");
+    assert_eq!(key("harmonics = 3", "harmonics = 3\nstart = [0]"), "[motion] start");
+    assert_eq!(key("harmonics = 3", "harmonics = 3\nstart = [0, 121]"), "[motion] start");
+    assert_eq!(key("[noise]", "[wanted]\ncriterion = 'chosen'\n[noise]"), "[wanted] parameters");
+}
+
+#[test]
+fn limits_that_contradict_are_named_with_their_joint() {
+    let error = refused("[[-90, 90]", "[[90, -90]");
+    assert!(matches!(&error, DesignError::Contradiction { joint, .. } if joint == "shoulder"), "{error}");
+    let error = refused("[-120, 120]", "[30, 30]");
+    assert!(matches!(&error, DesignError::Contradiction { joint, .. } if joint == "elbow"), "{error}");
+    assert!(error.to_string().contains("[locked]"), "{error}");
+}
+
+#[test]
+fn a_robot_without_limits_needs_them() {
+    for (limit, quantity) in [
+        ("position = [[-90, 90], [-120, 120]]\n", "position"),
+        ("velocity = [250, 350]\n", "velocity"),
+        ("acceleration = [1500, 2000]\n", "acceleration"),
+    ] {
+        let error = refused(limit, "");
+        assert!(matches!(&error, DesignError::NoLimit { quantity: found, .. } if *found == quantity), "{error}");
+    }
+}
+
+#[test]
+fn what_is_no_design_is_refused_with_its_line() {
+    let error = refused("harmonics = 3", "harmonic = 3");
+    assert!(matches!(&error, DesignError::Syntax { .. }) && error.to_string().contains("harmonic"), "{error}");
+    assert!(matches!(Design::read(Path::new("nowhere.toml")), Err(DesignError::Unreadable { .. })));
+    let error =
+        parse(&DESIGN.replace("starts = 2", "starts = 2\n[wanted]\ncriterion = 'chosen'\nparameters = ['zz9']"));
+    assert!(matches!(error.unwrap().run(1, &mut |_| {}), Err(DesignError::BaseParameters { .. })));
+}
+
+#[test]
+fn a_torque_below_gravity_is_infeasible_and_named() {
+    // The arm's own weight takes 9 N m of the shoulder.
+    let design = parse(&DESIGN.replace("torque = [60, 25]", "torque = [0.5, 25]")).unwrap();
+    let error = design.run(2, &mut |_| {}).unwrap_err();
+    let named = matches!(&error, DesignError::Infeasible { joint, quantity: "torque", .. } if joint == "shoulder");
+    assert!(named, "{error}");
+}
+
+/// Limits hold at 1 kHz, the motion rests at both ends, and no number depends on the threads.
+#[test]
+fn limits_hold_and_the_motion_rests_at_both_ends() {
+    let design = parse(DESIGN).unwrap();
+    let results = design.run(2, &mut |_| {}).unwrap();
+    assert!(results.limits.iter().all(|l| l.part <= 1.0), "{:?}", results.limits);
+    assert!(results.limits.iter().any(|l| l.part > 0.9), "{:?}", results.limits);
+    let last = results.q.len() - 1;
+    for (series, tolerance) in [(&results.dq, 1e-9), (&results.ddq, 1e-8)] {
+        assert!(series.sample(0).iter().chain(series.sample(last)).all(|v| v.abs() < tolerance));
+    }
+    assert!(results.q.sample(0).iter().zip(results.q.sample(last)).all(|(a, b)| (a - b).abs() < 1e-9));
+    assert!(results.starts.iter().all(|s| s.found < s.first - 1.0), "{:?}", results.starts);
+    assert_eq!(design.run(1, &mut |_| {}).unwrap().q, results.q);
+}
+
+/// Every criterion makes its own number smaller than the others do.
+#[test]
+fn each_criterion_serves_its_own_purpose() {
+    let run = |wanted: &str| {
+        let text = DESIGN.replace("[motion]", &format!("[wanted]\n{wanted}\n[motion]"));
+        parse(&text).unwrap().run(2, &mut |_| {}).unwrap()
+    };
+    let deviation = |results: &thetahat::results::DesignResults, name: &str| {
+        results.promised.iter().find(|p| p.name == name).map(|p| p.standard_deviation).unwrap()
+    };
+    let volume = run("criterion = 'd'");
+    let chosen = run("criterion = 'chosen'\nparameters = ['fc1']");
+    assert!(deviation(&chosen, "fc1") < 0.97 * deviation(&volume, "fc1"));
+    for named in ["a", "worst"] {
+        let found = run(&format!("criterion = '{named}'"));
+        assert_eq!(found.promised.len(), volume.promised.len());
+        assert!(found.limits.iter().all(|l| l.part <= 1.0), "{named}");
+    }
+}
+
+#[test]
+fn files_are_written_and_name_the_robot() {
+    let (design, folder) = (parse(DESIGN).unwrap(), Folder::new());
+    let results = design.run(2, &mut |_| {}).unwrap();
+    let files = thetahat::report::write_design(&results, folder.path()).unwrap();
+    assert_eq!(files.len(), thetahat::report::DESIGN_FILES.len());
+    let trajectory = std::fs::read_to_string(folder.path().join("trajectory.csv")).unwrap();
+    assert_eq!(trajectory.lines().count(), results.q.len() + 1);
+    let yaml = std::fs::read_to_string(folder.path().join("trajectory.yaml")).unwrap();
+    assert_eq!(yaml.lines().filter(|l| l.starts_with("- {positions: [")).count(), results.q.len());
+    assert!(yaml.contains("joint_names: [\"shoulder\",\"elbow\"]"));
+}
+
+/// The design with its controller, whose loop is simulated.
+fn with_controller() -> String {
+    format!(
+        "{DESIGN}[controller]\nlaw = 'pd'\nbandwidth_hz = [10]\ndamping = 1.0\nvelocity_feed_forward = 1.0\n\
+         acceleration_feed_forward = 1.0\n"
+    )
+}
+
+/// The twin of a design's rehearsal, in a folder beside the robot.
+fn rehearsal(folder: &Folder, text: &str) -> (Design, thetahat::results::DesignResults, Experiment) {
+    folder.write("two_joint.toml", std::fs::read(project("robots/two_joint.toml")).unwrap());
+    let design = Design::parse(text, &folder.path().join("design.toml")).unwrap();
+    let results = design.run(2, &mut |_| {}).unwrap();
+    let out = folder.path().join("out");
+    thetahat::report::write_design(&results, &out).unwrap();
+    let experiment = Experiment::read(&out.join("rehearsal.toml"), Path::new("")).unwrap();
+    (design, results, experiment)
+}
+
+/// Records of the Monte Carlo: the deviation of each estimate is then known to 3.5 %.
+const RECORDS: u64 = 400;
+
+/// The deviations of estimates from many records of the closed loop are those that were promised: within 15 % for 95 % of the
+/// parameters.
+#[test]
+fn the_promise_is_kept_by_records_of_the_closed_loop() {
+    let folder = Folder::new();
+    let (design, results, experiment) = rehearsal(&folder, &with_controller());
+    assert!(results.is_closed_loop);
+    let motion = experiment.twin_motion(experiment.file.twin.as_ref().unwrap()).unwrap().motion;
+    let record = ExpectedRecord {
+        robot: &design.robot,
+        settings: &design.settings,
+        sample_rate_hz: 500.0,
+        q: &motion.q,
+        tau: &motion.tau,
+        torque_noise: &[0.1, 0.1],
+        position_noise: &[0.0, 0.0],
+    };
+    let path = Path::new("design.toml");
+    let estimates: Vec<Vec<f64>> = (0..RECORDS).map(|k| record.estimate(path, 99, k).unwrap().fit.theta).collect();
+    let n = RECORDS as f64;
+    let mut kept = 0;
+    for (i, promised) in results.promised.iter().enumerate() {
+        let mean = estimates.iter().map(|e| e[i]).sum::<f64>() / n;
+        let found = (estimates.iter().map(|e| (e[i] - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
+        let ratio = found / promised.standard_deviation;
+        println!(
+            "{}: promised {:.3e}, found {found:.3e}, ratio {ratio:.3}",
+            promised.name, promised.standard_deviation
+        );
+        kept += usize::from((ratio - 1.0).abs() < 0.15);
+    }
+    let all = results.promised.len();
+    assert!(kept as f64 >= 0.95 * all as f64, "{kept} of {all}");
+}
+
+/// What a reduction tells is known: the same motion adds less to it, and another robot's is refused.
+#[test]
+fn recordings_at_hand_are_known_before() {
+    let folder = Folder::new();
+    let (_, alone, experiment) = rehearsal(&folder, &with_controller());
+    let reduction = experiment.reduce(Path::new(""), ReduceOptions::default(), &mut |_| {}).unwrap();
+    reduction.write(&folder.path().join("a.reduction")).unwrap();
+    let text = with_controller().replace("[motion]", "prior = ['a.reduction']\n[motion]");
+    let design = Design::parse(&text, &folder.path().join("design.toml")).unwrap();
+    let both = design.run(2, &mut |_| {}).unwrap();
+    // Twice the information in each of 13 directions is 13 log 2 = 9 nats; another motion adds more to what is known.
+    let gain = alone.starts[0].found - both.starts[0].found;
+    assert!((8.0..20.0).contains(&gain), "{gain}");
+    let other = Design::parse(&text.replace("[signal]", "[parameters]\nexclude = ['off1']\n[signal]"), &design.path);
+    assert!(matches!(other.unwrap().run(1, &mut |_| {}), Err(DesignError::OtherRobot { .. })));
+}

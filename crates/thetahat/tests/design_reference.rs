@@ -1,0 +1,174 @@
+//! Designs against another program's: SciPy's SLSQP with Pinocchio, `reference/excitation` of the shared data.
+
+use std::path::Path;
+
+use libtest_mimic::Failed;
+use serde_json::Value;
+use thetahat::{
+    base_parameters::BaseParameters,
+    design::{Criterion, Design, Information},
+    dynamics::{Model, Sign},
+    series::Series,
+};
+use thetahat_testing::{data, ensure, shared};
+
+/// Samples and velocity scale of the sign in the criterion of the files.
+const SAMPLES: usize = 400;
+const SIGN: Sign = Sign::Smooth { scale: 0.01 };
+
+/// Differences of the criterion are exact to rounding in both programs.
+const TOLERANCE: f64 = 1e-6;
+
+struct Reference {
+    name: &'static str,
+    urdf: &'static str,
+    data: Value,
+}
+
+impl Reference {
+    fn read(name: &'static str, urdf: &'static str) -> Result<Self, Failed> {
+        let text = std::fs::read_to_string(shared().join("reference/excitation/excitation.json"))?;
+        let all: Value = serde_json::from_str(&text)?;
+        Ok(Self { name, urdf, data: all[name].clone() })
+    }
+
+    fn tx40() -> Result<Self, Failed> {
+        Self::read("tx40", "tx40/tx40_mdh_modified.urdf")
+    }
+
+    fn kuka() -> Result<Self, Failed> {
+        Self::read("kuka", "kuka_lwr4/kuka_lwr4.urdf")
+    }
+
+    fn numbers(&self, key: &str) -> Vec<f64> {
+        self.data[key].as_array().into_iter().flatten().filter_map(Value::as_f64).collect()
+    }
+
+    /// The design of these files' robot, limits, noise and samples, with the limits of acceleration of a run.
+    fn design(&self, harmonics: usize, starts: usize, acceleration: &[f64]) -> Result<Design, Failed> {
+        let degrees = |values: &[f64]| values.iter().map(|v| v.to_degrees()).collect::<Vec<_>>();
+        let position: Vec<[f64; 2]> = self
+            .numbers("qlo")
+            .iter()
+            .zip(self.numbers("qhi"))
+            .map(|(l, h)| [l.to_degrees(), h.to_degrees()])
+            .collect();
+        let text = format!(
+            "title = 'reference'\nrobot = '{}'\nduration_s = 10\nsample_rate_hz = 40\n[motion]\nharmonics = {harmonics}\n\
+             starts = {starts}\n[limits]\nmargin = 0\nposition = {position:?}\nvelocity = {:?}\nacceleration = {:?}\n\
+             torque = {:?}\n[noise]\ntorque = {:?}\n[signal]\ncutoff_hz = 10\ndecimation = 1\n",
+            data().join(self.urdf).display(),
+            degrees(&self.numbers("vmax")),
+            degrees(acceleration),
+            self.numbers("taumax"),
+            self.numbers("noise_sd"),
+        );
+        Ok(Design::parse(&text, Path::new("design.toml"))?)
+    }
+
+    /// The criterion of the files for a motion of [`SAMPLES`] samples.
+    fn value(&self, design: &Design, motion: [&Series; 3]) -> Result<f64, Failed> {
+        let model = Model::new(&design.robot);
+        let base = BaseParameters::of(&model, &[])?;
+        let information = Information::new(&model, &base.columns(), &self.numbers("noise_sd"));
+        let value = Criterion::D.value(&information.of(motion, 1.0, SIGN));
+        value.ok_or_else(|| "the motion does not show every parameter".into())
+    }
+
+    /// What another choice of base parameters adds to the criterion: from the samples of the best run.
+    fn shift(&self, design: &Design) -> Result<f64, Failed> {
+        let path = shared().join(format!("reference/excitation/excitation_{}_best.csv", self.name));
+        let text = std::fs::read_to_string(path)?;
+        let rows: Vec<Vec<f64>> =
+            text.lines().skip(1).map(|line| line.split(',').filter_map(|v| v.parse().ok()).collect()).collect();
+        let n = design.robot.coordinate_count();
+        let series =
+            |from: usize| Series::from_values(n, rows.iter().flat_map(|r| r[from..from + n].to_vec()).collect());
+        let [q, dq, ddq] = [1, 1 + n, 1 + 2 * n].map(series);
+        let best = self.runs(5, "").map(|run| run["J"].as_f64().unwrap_or(f64::NAN)).fold(f64::INFINITY, f64::min);
+        Ok(best - self.value(design, [&q, &dq, &ddq])?)
+    }
+
+    fn runs<'a>(&'a self, harmonics: u64, tag: &'a str) -> impl Iterator<Item = &'a Value> {
+        let runs = self.data["runs"].as_array().into_iter().flatten();
+        runs.filter(move |run| run["nh"] == harmonics && run["tag"] == tag)
+    }
+
+    /// The motion of a run from its coefficients, by the formula of the files.
+    fn motion_of(run: &Value) -> [Series; 3] {
+        let row = |row: &Value| row.as_array().into_iter().flatten().filter_map(Value::as_f64).collect();
+        let coefficients: Vec<Vec<f64>> = run["coef"].as_array().into_iter().flatten().map(row).collect();
+        let harmonics = (coefficients[0].len() - 1) / 2;
+        let mut motion = [(); 3].map(|()| Series::zeros(SAMPLES, coefficients.len()));
+        for k in 0..SAMPLES {
+            let t = 10.0 * k as f64 / SAMPLES as f64;
+            for (j, coefficients) in coefficients.iter().enumerate() {
+                motion[0].sample_mut(k)[j] = coefficients[0];
+                for l in 1..=harmonics {
+                    let (sine, cosine) = functions(t, l);
+                    for (order, series) in motion.iter_mut().enumerate() {
+                        series.sample_mut(k)[j] +=
+                            coefficients[l] * sine[order] + coefficients[harmonics + l] * cosine[order];
+                    }
+                }
+            }
+        }
+        motion
+    }
+
+    fn differences(&self) -> Result<(), Failed> {
+        let design = self.design(5, 1, &self.numbers("amax"))?;
+        let shift = self.shift(&design)?;
+        for (harmonics, tag) in [(5, ""), (5, "rec"), (10, ""), (10, "rec")] {
+            for run in self.runs(harmonics, tag) {
+                let [q, dq, ddq] = Self::motion_of(run);
+                let (found, expected) =
+                    (self.value(&design, [&q, &dq, &ddq])? + shift, run["J"].as_f64().unwrap_or(f64::NAN));
+                ensure(
+                    (found - expected).abs() < TOLERANCE,
+                    format!("{harmonics} {tag}: {found}, expected {expected}"),
+                )?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The best design is at or below `bound`.
+    fn best(&self, harmonics: usize, starts: usize, bound: f64) -> Result<(), Failed> {
+        let design = self.design(harmonics, starts, &self.numbers("amax"))?;
+        let results = design.run(2, &mut |_| {})?;
+        ensure(results.limits.iter().all(|l| l.part <= 1.0), format!("{:?}", results.limits))?;
+        let [q, dq, ddq] = [&results.q, &results.dq, &results.ddq].map(|series| series.window(0..SAMPLES));
+        let value = self.value(&design, [&q, &dq, &ddq])? + self.shift(&design)?;
+        ensure(value <= bound, format!("{}: {value} with {:?}, bound {bound}", self.name, results.starts))
+    }
+}
+
+/// The functions of the files and two derivatives at a time: a sine and a cosine with their quintics.
+fn functions(t: f64, l: usize) -> ([f64; 3], [f64; 3]) {
+    let (period, s) = (10.0, t / 10.0);
+    let w = std::f64::consts::TAU * l as f64 / period;
+    let (wt, sin, cos) = (w * period, (w * t).sin(), (w * t).cos());
+    let first = [
+        s - 10.0 * s.powi(3) + 15.0 * s.powi(4) - 6.0 * s.powi(5),
+        (1.0 - 30.0 * s.powi(2) + 60.0 * s.powi(3) - 30.0 * s.powi(4)) / period,
+        (-60.0 * s + 180.0 * s.powi(2) - 120.0 * s.powi(3)) / (period * period),
+    ];
+    let second = [
+        0.5 * (s.powi(2) - 2.0 * s.powi(3) + s.powi(4)),
+        (s - 3.0 * s.powi(2) + 2.0 * s.powi(3)) / period,
+        (1.0 - 6.0 * s + 6.0 * s.powi(2)) / (period * period),
+    ];
+    let sine = [sin, w * cos, -w * w * sin];
+    let cosine = [1.0 - cos, w * sin, w * w * cos];
+    ([0, 1, 2].map(|o| sine[o] - wt * first[o]), [0, 1, 2].map(|o| cosine[o] - wt * wt * second[o]))
+}
+
+fn main() {
+    thetahat_testing::run_with_shared_data(vec![
+        ("criterion_of_the_tx40", || Reference::tx40()?.differences()),
+        ("criterion_of_the_lwr4", || Reference::kuka()?.differences()),
+        ("best_of_the_tx40", || Reference::tx40()?.best(5, 6, -629.3)),
+        ("best_of_the_lwr4", || Reference::kuka()?.best(5, 6, -845.3)),
+    ]);
+}
