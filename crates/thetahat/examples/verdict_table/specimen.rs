@@ -92,7 +92,7 @@ impl Specimen {
     pub fn of_another_loop(&self, bias: SimulatorBias) -> Result<Recording, Box<dyn Error>> {
         let experiment = &self.experiment;
         let model = Model::new(&experiment.robot);
-        let moves = self.motion.reference.moves().expect("the twin follows moves");
+        let moves = self.motion.reference.moves().ok_or("the twin follows no moves")?;
         let reference = Reference::Moves(moves.clone());
         let simulation = &experiment.settings.simulation;
         let closed_loop = ClosedLoop {
@@ -107,7 +107,7 @@ impl Specimen {
             sign_velocity_scale: simulation.sign_velocity_scale,
         };
         let samples = self.motion.motion.q.len();
-        let inertia = closed_loop.motor_inertia(&self.motion.parameters, self.motion.moves.end_s());
+        let inertia = closed_loop.motor_inertia(&self.motion.parameters, moves.end_s());
         let grid = OutputGrid { start_s: 0.0, sample_rate_hz: self.rate_hz(), samples };
         Ok(self.recording(&closed_loop.simulate(&self.motion.parameters, &inertia, &grid)?))
     }
