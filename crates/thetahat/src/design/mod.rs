@@ -34,6 +34,8 @@ mod information;
 mod limits;
 mod loads;
 mod optimiser;
+mod outcome;
+mod problem;
 mod promise;
 mod quadratic;
 mod run;

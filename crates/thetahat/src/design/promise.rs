@@ -66,7 +66,7 @@ impl ExpectedRecord<'_> {
         promised_method(self.settings)
     }
 
-    /// The mean of what [`RECORDS`] noisy records say of their uncertainty.
+    /// The mean of what twelve noisy records say of their uncertainty.
     ///
     /// # Errors
     /// [`DesignError`] where a record gives no estimate; `path` is the design file.

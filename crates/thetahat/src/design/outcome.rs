@@ -1,0 +1,66 @@
+//! What a design comes to, as plain data.
+
+use super::{
+    description::Design,
+    experiment_text::experiment_text,
+    promise::{Expected, promised_method},
+    run::Chosen,
+};
+use crate::{
+    base_parameters::BaseParameters,
+    dynamics::Model,
+    results::{DesignResults, DesignedJoint, PromisedParameter, SearchResult},
+};
+
+impl Design {
+    pub(super) fn results(
+        &self,
+        model: &Model,
+        base: &BaseParameters,
+        chosen: Chosen,
+        expected: &Expected,
+    ) -> DesignResults {
+        let Chosen { motion, torque, uses, starts } = chosen;
+        let a_priori = base.from_standard(&self.robot.a_priori_parameters());
+        let wanted = self.file.wanted.half_width_percent;
+        let promised = expected.parameters.iter().enumerate().map(|(i, parameter)| {
+            let place = base.parameters().iter().position(|p| p.name == parameter.name);
+            let a_priori = place.map_or(0.0, |place| a_priori[place]);
+            let half = expected.half_width_95[i];
+            let times = (100.0 * half / (wanted * a_priori.abs())).powi(2);
+            PromisedParameter {
+                name: parameter.name.clone(),
+                unit: parameter.unit.to_string(),
+                expression: parameter.expression.clone(),
+                joint: model.parameter_table().get(parameter.kept).number,
+                a_priori,
+                standard_deviation: expected.standard_deviation[i],
+                half_width_95: half,
+                seconds: (a_priori != 0.0).then_some(self.file.duration_s * times),
+            }
+        });
+        let promised = promised.collect();
+        let [q, dq, ddq, _] = motion;
+        DesignResults {
+            title: self.file.title.clone(),
+            robot: self.robot.name.clone(),
+            joints: self.robot.coordinates().map(|j| DesignedJoint { name: j.name.clone(), kind: j.kind }).collect(),
+            sample_rate_hz: self.file.sample_rate_hz,
+            q,
+            dq,
+            ddq,
+            torque,
+            criterion: self.file.wanted.criterion.name().to_owned(),
+            starts: starts
+                .iter()
+                .map(|s| SearchResult { first: s.first_value, found: s.value, steps: s.steps })
+                .collect(),
+            limits: uses,
+            promised,
+            method: promised_method(&self.settings).name().to_owned(),
+            is_closed_loop: self.settings.controller.is_some(),
+            half_width_percent: wanted,
+            experiment: experiment_text(self),
+        }
+    }
+}
