@@ -161,7 +161,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::robot::Robot;
+    use crate::robot::{Robot, RobotSource};
 
     fn robots() -> Vec<Robot> {
         let text = "name = 'r'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n[[joint]]\nname = 'b'\nkind = 'prismatic'\n\
@@ -169,7 +169,7 @@ mod tests {
                     [transmission]\nmatrix = [[1, 0, 0], [0, 1, 0], [0, 1, 1]]";
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots");
         let files = ["tx40.toml", "branching.urdf", "mobile_manipulator.urdf", "scara.toml"];
-        let read = |name: &str| Robot::read(&folder.join(name)).unwrap();
+        let read = |name: &str| RobotSource::read(&folder.join(name)).unwrap().robot_without_transmission().unwrap();
         [Robot::parse(text, Path::new("r.toml")).unwrap()].into_iter().chain(files.map(read)).collect()
     }
 
