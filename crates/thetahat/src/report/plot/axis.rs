@@ -85,7 +85,7 @@ pub(in crate::report) struct Axis {
 
 /// Fewest ticks that tell a scale; how many times more are wanted where there are fewer.
 const FEWEST: usize = 2;
-const MORE: f64 = 2.5;
+const MORE: f64 = 1.5;
 /// Even ticks wanted in the place of powers of ten.
 const FEW: f64 = 5.0;
 
