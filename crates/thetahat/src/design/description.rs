@@ -5,7 +5,7 @@ use std::{
 
 use serde::Deserialize;
 
-use super::{criterion::CriterionName, error::DesignError};
+use super::{criterion::CriterionName, error::DesignError, surroundings_options::CollisionOptions};
 use crate::{
     control::ControllerDescription,
     one_or_each::OneOrEach,
@@ -40,6 +40,8 @@ pub struct DesignFile {
     pub limits: LimitOptions,
     /// The noise of the record.
     pub noise: NoiseOptions,
+    /// The robot's shape and what stands around it.
+    pub collision: Option<CollisionOptions>,
     /// How the record will be filtered.
     pub signal: SignalOptions,
     /// Which parameters will be estimated.
@@ -56,6 +58,8 @@ pub struct DesignFile {
     /// Reductions of recordings at hand: what they tell need not be told again.
     #[serde(default)]
     pub prior: Vec<PathBuf>,
+    /// Results of an identification, whose intervals stand beside those that are promised.
+    pub compare: Option<PathBuf>,
 }
 
 fn default_rate() -> f64 {
@@ -84,8 +88,16 @@ impl Default for Wanted {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct MotionOptions {
-    /// Harmonics of the Fourier series.
-    pub harmonics: usize,
+    /// Fourier series or point-to-point moves.
+    pub kind: MotionKind,
+    /// Harmonics of the Fourier series, 5 without a word.
+    pub harmonics: Option<usize>,
+    /// Number of the moves, 12 without a word.
+    pub moves: Option<usize>,
+    /// Time over which the acceleration of a move rises and falls at least, s: 0.002 without a word. A limit of the jerk makes it longer.
+    pub smoothing_s: Option<f64>,
+    /// Rest after each move, s: none without a word.
+    pub rest_s: Option<f64>,
     /// Posture in which the motion starts and ends; none leaves it to the design.
     pub start: Option<Vec<f64>>,
     /// Searches from random motions.
@@ -94,9 +106,47 @@ pub struct MotionOptions {
     pub seed: u64,
 }
 
+/// Kinds of motions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MotionKind {
+    /// Fourier series of each joint.
+    #[default]
+    Fourier,
+    /// Point-to-point moves, synchronised over the joints.
+    Moves,
+}
+
 impl Default for MotionOptions {
     fn default() -> Self {
-        Self { harmonics: 5, start: None, starts: 6, seed: 1 }
+        Self {
+            kind: MotionKind::Fourier,
+            harmonics: None,
+            moves: None,
+            smoothing_s: None,
+            rest_s: None,
+            start: None,
+            starts: 6,
+            seed: 1,
+        }
+    }
+}
+
+impl MotionOptions {
+    pub(super) fn harmonics(&self) -> usize {
+        self.harmonics.unwrap_or(5)
+    }
+
+    pub(super) fn moves(&self) -> usize {
+        self.moves.unwrap_or(12)
+    }
+
+    pub(super) fn smoothing_s(&self) -> f64 {
+        self.smoothing_s.unwrap_or(0.002)
+    }
+
+    pub(super) fn rest_s(&self) -> f64 {
+        self.rest_s.unwrap_or(0.0)
     }
 }
 
@@ -192,12 +242,20 @@ impl Design {
     /// Every file that the design reads.
     #[must_use]
     pub fn input_files(&self) -> Vec<PathBuf> {
-        [self.path.clone(), self.robot_path.clone()].into_iter().chain(self.prior_files()).collect()
+        [self.path.clone(), self.robot_path.clone()]
+            .into_iter()
+            .chain(self.prior_files())
+            .chain(self.compared_file())
+            .collect()
     }
 
     pub(super) fn prior_files(&self) -> Vec<PathBuf> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         self.file.prior.iter().map(|prior| folder.join(prior)).collect()
+    }
+
+    pub(super) fn compared_file(&self) -> Option<PathBuf> {
+        self.file.compare.as_ref().map(|file| self.path.parent().unwrap_or(Path::new("")).join(file))
     }
 
     pub(super) fn value(&self, key: &str, expected: &str, found: impl std::fmt::Display) -> DesignError {

@@ -1,24 +1,27 @@
 //! The way of a design: limits, searches, verification, promise.
 
 use super::{
+    clearances::Clearances,
     description::Design,
     error::DesignError,
-    family::{Derivatives, Family},
     limits::JointLimits,
     loads::Loads,
+    motions::Motions,
     optimiser::Problem,
     promise::{Expected, ExpectedRecord},
     starts::{Searches, Start},
+    sums::Derivatives,
     verification::{RATE_HZ, uses},
 };
 use crate::{
     base_parameters::BaseParameters,
     dynamics::{Model, Sign},
     preparation::Setup,
-    results::{DesignResults, LimitUse},
+    results::{CollisionResults, DesignResults, LimitUse},
     scheduling::closed_loop,
     series::Series,
     simulation::{OutputGrid, Reference, SampledReference, SimulatorBias},
+    trajectory::Moves,
 };
 
 /// Velocity scales of the sign in the search, as parts of the median of the velocity limits.
@@ -30,6 +33,12 @@ pub(super) struct Chosen {
     pub(super) torque: Series,
     pub(super) uses: Vec<LimitUse>,
     pub(super) starts: Vec<Start>,
+    /// The moves, where the motion is made of such.
+    pub(super) moves: Option<Moves>,
+    /// Distances of shapes, where they are looked at.
+    pub(super) collision: Option<CollisionResults>,
+    /// The criterion if the last recording at hand were repeated.
+    pub(super) repeated: Option<f64>,
 }
 
 impl Design {
@@ -50,7 +59,7 @@ impl Design {
         let [q, dq, ddq, _] = &chosen.motion;
         let record = self.expected_motion(&model, q, dq, ddq)?;
         let expected = self.promise(&record)?;
-        Ok(self.results(&model, &base, chosen, &expected))
+        self.results(&model, &base, chosen, &expected)
     }
 
     /// The best motion of the searches that holds its limits.
@@ -66,17 +75,26 @@ impl Design {
         let searches = Searches { count: motion.starts, seed: motion.seed, threads, sign_scales: sign_scales(limits) };
         let mut starts = searches.run(&problem);
         starts.sort_by(|a, b| a.value.total_cmp(&b.value));
-        let mut first_violated = None;
+        let (mut first_violated, mut first_near) = (None, None);
         for start in &starts {
             let (motion, torque, uses) = self.verify(model, &problem, limits, &start.x);
             match uses.iter().max_by(|a, b| a.part.total_cmp(&b.part)).filter(|worst| worst.part > 1.0) {
                 None => {
-                    let motion = self.sampled(&problem.family, &start.x, motion);
-                    let torque = self.torques(model, &motion, torque);
-                    return Ok(Chosen { motion, torque, uses, starts });
+                    let collision = self.collision(model, &motion[0])?;
+                    if let Some(error) = collision.as_ref().and_then(|c| self.too_near(c)) {
+                        first_near.get_or_insert(error);
+                        continue;
+                    }
+                    let motion = self.sampled(&problem.watched, &start.x, motion);
+                    let (torque, moves) = (self.torques(model, &motion, torque), problem.watched.moves(&start.x));
+                    let repeated = self.repeated(&problem)?;
+                    return Ok(Chosen { motion, torque, uses, starts, moves, collision, repeated });
                 }
                 Some(worst) => _ = first_violated.get_or_insert_with(|| worst.clone()),
             }
+        }
+        if let Some(near) = first_near {
+            return Err(near);
         }
         Err(match first_violated {
             Some(worst) => self.infeasible(&worst),
@@ -84,6 +102,28 @@ impl Design {
                 let (path, parameters) = (self.path.clone(), base.len());
                 DesignError::ShowsTooLittle { path, starts: self.file.motion.starts, parameters }
             }
+        })
+    }
+
+    /// The distances of a motion at 1 kHz, and of the way from home.
+    fn collision(&self, model: &Model, q: &Series) -> Result<Option<CollisionResults>, DesignError> {
+        let (Some(options), Some(surroundings)) = (&self.file.collision, self.surroundings(model)?) else {
+            return Ok(None);
+        };
+        let clearances = Clearances { scene: surroundings.scene, margin: 1e-3 * options.margin };
+        Ok(Some(clearances.results(q, RATE_HZ, self.home_posture().as_deref(), &surroundings.uncovered)))
+    }
+
+    /// Why distances are too small.
+    fn too_near(&self, collision: &CollisionResults) -> Option<DesignError> {
+        let nearest = collision.pairs.first().filter(|pair| pair.distance < collision.margin)?;
+        Some(DesignError::TooNear {
+            path: self.path.clone(),
+            first: nearest.first.clone(),
+            second: nearest.second.clone(),
+            distance_mm: 1e3 * nearest.distance,
+            margin_mm: 1e3 * collision.margin,
+            when: nearest.at_s.map_or_else(|| "on the way from home".to_owned(), |at| format!("at {at:.3} s")),
         })
     }
 
@@ -112,7 +152,7 @@ impl Design {
     ) -> (Derivatives, Series, Vec<LimitUse>) {
         let count = (self.file.duration_s * RATE_HZ).ceil() as usize;
         let grid: Vec<f64> = (0..=count).map(|k| (k as f64 / RATE_HZ).min(self.file.duration_s)).collect();
-        let motion = problem.family.motion(&problem.family.sampled(&grid), x);
+        let motion = problem.watched.on(x, &grid);
         let loads = Loads::new(model, &self.robot.a_priori_parameters(), limits.to_vec());
         let torque = loads.torques([&motion[0], &motion[1], &motion[2]], Sign::Exact);
         let uses = uses(limits, &motion, &torque);
@@ -120,14 +160,14 @@ impl Design {
     }
 
     /// The motion at the rate of the trajectory; that at 1 kHz where this is the rate.
-    fn sampled(&self, family: &Family, x: &[f64], at_1_khz: Derivatives) -> Derivatives {
+    fn sampled(&self, motions: &Motions, x: &[f64], at_1_khz: Derivatives) -> Derivatives {
         let rate = self.file.sample_rate_hz;
         if rate == RATE_HZ {
             return at_1_khz;
         }
         let count = (self.file.duration_s * rate).round() as usize;
         let grid: Vec<f64> = (0..=count).map(|k| (k as f64 / rate).min(self.file.duration_s)).collect();
-        family.motion(&family.sampled(&grid), x)
+        motions.on(x, &grid)
     }
 
     fn torques(&self, model: &Model, motion: &Derivatives, at_1_khz: Series) -> Series {

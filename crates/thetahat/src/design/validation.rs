@@ -2,11 +2,12 @@
 
 use super::{
     criterion::CriterionName,
-    description::{Design, LimitOptions},
+    description::{Design, LimitOptions, MotionKind},
     error::DesignError,
     limits::{JointLimits, Limited},
 };
 use crate::{
+    dynamics::Model,
     one_or_each::OneOrEach,
     robot::{Joint, JointKind},
 };
@@ -18,6 +19,9 @@ const FEWEST_PERIODS: f64 = 15.0;
 /// Most harmonics and starts.
 const MOST_HARMONICS: usize = 50;
 const MOST_STARTS: usize = 1000;
+/// Most moves, and the shortest that is of use, in times of its smoothing.
+const MOST_MOVES: usize = 200;
+const LEAST_MOVE: f64 = 8.0;
 
 impl Design {
     pub(super) fn validate(&self) -> Result<(), DesignError> {
@@ -28,6 +32,7 @@ impl Design {
         self.settings
             .validate(&self.robot)
             .map_err(|source| DesignError::Preparation { path: self.path.clone(), source })?;
+        self.validate_collision()?;
         self.limits().map(|_| ())
     }
 
@@ -45,22 +50,53 @@ impl Design {
 
     fn validate_motion(&self) -> Result<(), DesignError> {
         let motion = &self.file.motion;
-        let harmonics = motion.harmonics;
-        self.require((1..=MOST_HARMONICS).contains(&harmonics), "[motion] harmonics", "from 1 to 50", harmonics)?;
         self.require((1..=MOST_STARTS).contains(&motion.starts), "[motion] starts", "from 1 to 1000", motion.starts)?;
-        let highest = harmonics as f64 / self.file.duration_s;
-        let expected = format!("above {highest:.3}, the highest harmonic of the motion");
-        self.require(
-            self.file.signal.cutoff_hz > highest,
-            "[signal] cutoff_hz",
-            &expected,
-            self.file.signal.cutoff_hz,
-        )?;
+        match motion.kind {
+            MotionKind::Fourier => self.validate_harmonics()?,
+            MotionKind::Moves => self.validate_moves()?,
+        }
         let joints = self.robot.coordinate_count();
         if let Some(start) = &motion.start {
             self.require(start.len() == joints, "[motion] start", &format!("{joints} positions"), start.len())?;
         }
         Ok(())
+    }
+
+    fn validate_harmonics(&self) -> Result<(), DesignError> {
+        let motion = &self.file.motion;
+        let of_moves = [
+            ("moves", motion.moves.is_some()),
+            ("smoothing_s", motion.smoothing_s.is_some()),
+            ("rest_s", motion.rest_s.is_some()),
+        ];
+        for (key, is_given) in of_moves {
+            self.require(
+                !is_given,
+                &format!("[motion] {key}"),
+                "kind = \"moves\" with it",
+                "given for a Fourier series",
+            )?;
+        }
+        let harmonics = motion.harmonics();
+        self.require((1..=MOST_HARMONICS).contains(&harmonics), "[motion] harmonics", "from 1 to 50", harmonics)?;
+        let (highest, cutoff) = (harmonics as f64 / self.file.duration_s, self.file.signal.cutoff_hz);
+        let expected = format!("above {highest:.3}, the highest harmonic of the motion");
+        self.require(cutoff > highest, "[signal] cutoff_hz", &expected, cutoff)
+    }
+
+    fn validate_moves(&self) -> Result<(), DesignError> {
+        let motion = &self.file.motion;
+        let expected = "kind = \"fourier\" with it";
+        self.require(motion.harmonics.is_none(), "[motion] harmonics", expected, "given for moves")?;
+        let (moves, smoothing, rest) = (motion.moves(), motion.smoothing_s(), motion.rest_s());
+        self.require((2..=MOST_MOVES).contains(&moves), "[motion] moves", "from 2 to 200", moves)?;
+        let positive = "a finite number above zero";
+        self.require(smoothing > 0.0 && smoothing.is_finite(), "[motion] smoothing_s", positive, smoothing)?;
+        self.require(rest >= 0.0 && rest.is_finite(), "[motion] rest_s", "zero or above", rest)?;
+        let least = moves as f64 * (LEAST_MOVE * smoothing + rest);
+        let expected =
+            format!("above {least:.3}, which {moves} moves with smoothing and rest take; ask for fewer [motion] moves");
+        self.require(self.file.duration_s > least, "duration_s", &expected, self.file.duration_s)
     }
 
     fn validate_noise(&self) -> Result<(), DesignError> {
@@ -180,8 +216,29 @@ impl Design {
 
     /// The posture in which the motion starts, rad or m.
     pub(super) fn start_posture(&self) -> Option<Vec<f64>> {
-        let start = self.file.motion.start.as_ref()?;
-        Some(self.robot.coordinates().zip(start).map(|(joint, value)| si(joint.kind, *value)).collect())
+        self.file.motion.start.as_ref().map(|start| self.posture(start))
+    }
+
+    /// Degrees or mm as rad or m.
+    pub(super) fn posture(&self, values: &[f64]) -> Vec<f64> {
+        self.robot.coordinates().zip(values).map(|(joint, value)| si(joint.kind, *value)).collect()
+    }
+
+    fn validate_collision(&self) -> Result<(), DesignError> {
+        let Some(options) = &self.file.collision else { return Ok(()) };
+        let (margin, joints) = (options.margin, self.robot.coordinate_count());
+        self.require(
+            margin >= 0.0 && margin.is_finite(),
+            "[collision] margin",
+            "a finite number of mm, zero or above",
+            margin,
+        )?;
+        if let Some(home) = &options.home {
+            self.require(home.len() == joints, "[collision] home", &format!("{joints} positions"), home.len())?;
+            let found = format!("{home:?}");
+            self.require(home.iter().all(|v| v.is_finite()), "[collision] home", "finite numbers", found)?;
+        }
+        self.surroundings(&Model::new(&self.robot)).map(|_| ())
     }
 
     /// The noise of each joint's position, rad or m.

@@ -7,6 +7,7 @@ use super::{
     design_figures::{motions, searches},
     error::ReportError,
     files,
+    move_programs::{MOVE_FILES, move_programs},
     number::{NONE, estimate, significant},
     page::{Page, render},
     section::Section,
@@ -15,13 +16,20 @@ use super::{
     wrap::{TextWidth, wrap},
 };
 use crate::{
-    results::{DesignResults, Grade, LimitUse, PromisedParameter},
+    results::{CollisionResults, DesignResults, Grade, LimitUse, PairDistance, PromisedParameter},
     visible::{cell, visible},
 };
 
-/// The files of a design.
-pub const DESIGN_FILES: [&str; 6] =
-    ["trajectory.csv", "trajectory.yaml", "promised.csv", "experiment.toml", "rehearsal.toml", "design.html"];
+/// The files of every design.
+pub const DESIGN_FILES: [&str; 7] = [
+    "trajectory.csv",
+    "trajectory.yaml",
+    "trajectory.json",
+    "promised.csv",
+    "experiment.toml",
+    "rehearsal.toml",
+    "design.html",
+];
 
 /// The promised intervals, the limits and the searches, for the terminal.
 #[must_use]
@@ -31,7 +39,7 @@ pub fn design_text(results: &DesignResults, width: TextWidth) -> String {
     format!("{}\n{}\n{lines}", wrap(&visible(&results.title), "", width), tables.join("\n"))
 }
 
-/// Writes [`DESIGN_FILES`] into a folder, all of them or none. Returns their paths.
+/// Writes [`DESIGN_FILES`], and [`MOVE_FILES`] where the motion is made of moves, into a folder, all of them or none. Returns their paths.
 ///
 /// # Errors
 /// [`ReportError`] for what cannot be rendered or written.
@@ -40,16 +48,19 @@ pub fn write_design(results: &DesignResults, directory: &Path) -> Result<Vec<Pat
     let contents = [
         trajectory_csv(results).map_err(csv)?,
         joint_trajectory(results).into_bytes(),
+        joint_trajectory_json(results).into_bytes(),
         promised_csv(results).map_err(csv)?,
         experiment(results, directory, &results.experiment.recording).into_bytes(),
         experiment(results, directory, &results.experiment.twin).into_bytes(),
         page(results)?.into_bytes(),
     ];
-    files::write_files(directory, DESIGN_FILES.into_iter().zip(contents).collect())
+    let programs = results.moves.iter().flat_map(|moves| move_programs(results, moves)).map(String::into_bytes);
+    let files = DESIGN_FILES.into_iter().zip(contents).chain(MOVE_FILES.into_iter().zip(programs));
+    files::write_files(directory, files.collect())
 }
 
 fn page(results: &DesignResults) -> Result<String, ReportError> {
-    let sections = vec![
+    let mut sections = vec![
         Section {
             id: "promise",
             title: "What the record will tell",
@@ -65,8 +76,16 @@ fn page(results: &DesignResults) -> Result<String, ReportError> {
             tables: vec![limits(results)],
             ..Section::default()
         },
+        Section {
+            id: "distances",
+            title: "How near shapes come",
+            lines: results.collision.iter().flat_map(nearness).collect(),
+            tables: results.collision.iter().map(distances).collect(),
+            ..Section::default()
+        },
         Section { id: "search", title: "The searches", figures: vec![searches(results)], ..Section::default() },
     ];
+    sections.retain(|section| section.id != "distances" || results.collision.is_some());
     render(&Page {
         title: &results.title,
         facts: facts(results),
@@ -84,10 +103,7 @@ fn facts(results: &DesignResults) -> Vec<(&'static str, String)> {
     let best = results.starts.first().map_or(f64::NAN, |s| s.found);
     vec![
         ("robot", results.robot.clone()),
-        (
-            "motion",
-            format!("{} s at {} Hz, from rest to rest", significant(duration_s(results), 4), results.sample_rate_hz),
-        ),
+        ("motion", motion(results)),
         ("criterion", format!("{}: {best:.2} nats, the best of {} starts", results.criterion, results.starts.len())),
         (
             "promised",
@@ -98,6 +114,11 @@ fn facts(results: &DesignResults) -> Vec<(&'static str, String)> {
             ),
         ),
     ]
+}
+
+fn motion(results: &DesignResults) -> String {
+    let kind = results.moves.as_ref().map_or_else(String::new, |moves| format!(", {} moves", moves.moves().len()));
+    format!("{} s at {} Hz{kind}, from rest to rest", significant(duration_s(results), 4), results.sample_rate_hz)
 }
 
 /// What the tables say, in sentences.
@@ -123,7 +144,80 @@ fn conclusions(results: &DesignResults) -> Vec<String> {
             worst.at_s
         )
     }));
+    lines.extend(results.collision.iter().flat_map(nearness));
+    lines.extend(results.compared.iter().map(|[title, method]| narrower(results, title, method)));
+    let best = results.starts.first().map(|s| s.found);
+    lines.extend(results.repeated.zip(best).map(|(repeated, best)| repetition(repeated, best)));
     lines
+}
+
+/// What the intervals say beside those of earlier results.
+fn narrower(results: &DesignResults, title: &str, method: &str) -> String {
+    let times: Vec<f64> = results.promised.iter().filter_map(PromisedParameter::times_smaller).collect();
+    let mean = (times.iter().map(|t| t.ln()).sum::<f64>() / times.len() as f64).exp();
+    let wider = results.promised.iter().filter(|p| p.times_smaller().is_some_and(|t| t < 1.0));
+    let wider: Vec<&str> = wider.map(|p| p.name.as_str()).collect();
+    let also = if wider.is_empty() { "none is wider".to_owned() } else { format!("wider: {}", wider.join(", ")) };
+    format!(
+        "Beside {method} of {}: of {} parameters the intervals are {} times as narrow in the geometric mean, {also}.",
+        visible(title),
+        times.len(),
+        significant(mean, 3)
+    )
+}
+
+/// Whether the motion adds more than the last recording does once more.
+fn repetition(repeated: f64, best: f64) -> String {
+    let gain = repeated - best;
+    if gain >= 0.0 {
+        format!("Repeating the last recording for as long would leave the criterion {gain:.2} nats higher.")
+    } else {
+        format!("Repeat the last recording instead: for as long it makes the criterion {:.2} nats lower.", -gain)
+    }
+}
+
+/// What the distances of shapes say.
+fn nearness(collision: &CollisionResults) -> Vec<String> {
+    let mut lines = Vec::new();
+    if let Some(nearest) = collision.pairs.first() {
+        let at = nearest.at_s.map_or_else(|| "on the way from home".to_owned(), |at| format!("at {at:.3} s"));
+        lines.push(format!(
+            "No shapes come nearer to one another than {} mm at 1 kHz; the nearest are {} and {}, {} mm {at}.",
+            significant(1e3 * collision.margin, 4),
+            visible(&nearest.first),
+            visible(&nearest.second),
+            significant(1e3 * nearest.distance, 4)
+        ));
+    }
+    if !collision.has_way {
+        lines.push("The way to the first posture is not covered: give [collision] home.".to_owned());
+    }
+    if !collision.uncovered.is_empty() {
+        let names: Vec<_> = collision.uncovered.iter().map(|name| visible(name)).collect();
+        lines.push(format!(
+            "Not covered, since their shapes are meshes: {}. Give [collision] capsules.",
+            names.join(", ")
+        ));
+    }
+    lines
+}
+
+fn distances(collision: &CollisionResults) -> Table {
+    let row = |pair: &PairDistance| {
+        vec![
+            visible(&pair.first).into_owned(),
+            visible(&pair.second).into_owned(),
+            significant(1e3 * pair.distance, 4),
+            pair.at_s.map_or_else(|| "from home".to_owned(), |at| format!("{at:.3}")),
+        ]
+    };
+    Table {
+        title: "Least distances at 1 kHz".to_owned(),
+        lead: 2,
+        head: strings(&["link", "from", "mm", "at, s"]),
+        rows: collision.pairs.iter().map(row).collect(),
+        ..Table::default()
+    }
 }
 
 fn strings(texts: &[&str]) -> Vec<String> {
@@ -144,11 +238,21 @@ fn promised(results: &DesignResults) -> Table {
             p.seconds.map_or_else(|| NONE.to_owned(), |s| significant(s, 2)),
             if p.a_priori == 0.0 { NONE.to_owned() } else { p.grade().name().to_owned() },
         ]
+        .into_iter()
+        .chain(
+            results
+                .compared
+                .iter()
+                .map(|_| p.times_smaller().map_or_else(|| NONE.to_owned(), |times| significant(times, 3))),
+        )
+        .collect()
     };
+    let mut head = strings(&["name", "unit", "a priori", "deviation", "half of 95 %", "in %", &wanted, "grade"]);
+    head.extend(results.compared.iter().map(|_| "times as narrow".to_owned()));
     Table {
         title: "Promised intervals".to_owned(),
         lead: 1,
-        head: strings(&["name", "unit", "a priori", "deviation", "half of 95 %", "in %", &wanted, "grade"]),
+        head,
         rows: results.promised.iter().map(row).collect(),
         notes: vec![format!(
             "half of 95 %: expected half width of interval_95 by {}; {wanted}: record so long, by repeating the motion.",
@@ -210,6 +314,26 @@ fn joint_trajectory(results: &DesignResults) -> String {
         );
     }
     text
+}
+
+/// The same as JSON.
+fn joint_trajectory_json(results: &DesignResults) -> String {
+    let names: Vec<&str> = results.joints.iter().map(|j| j.name.as_str()).collect();
+    let point = |k: usize| {
+        let nanoseconds = (1e9 * k as f64 / results.sample_rate_hz).round() as u64;
+        serde_json::json!({
+            "positions": results.q.sample(k),
+            "velocities": results.dq.sample(k),
+            "accelerations": results.ddq.sample(k),
+            "time_from_start": { "sec": nanoseconds / 1_000_000_000, "nanosec": nanoseconds % 1_000_000_000 },
+        })
+    };
+    let points: Vec<String> = (0..results.q.len()).map(|k| point(k).to_string()).collect();
+    format!(
+        "{{\"thetahat\":\"trajectory\",\"joint_names\":{},\"points\":[\n{}\n]}}\n",
+        serde_json::Value::from(names),
+        points.join(",\n")
+    )
 }
 
 /// An experiment file in a folder.
