@@ -208,6 +208,9 @@ fn recordings_at_hand_are_known_before() {
     // Twice the information in each of 13 directions is 13 log 2 = 9 nats; another motion adds more to what is known.
     let gain = alone.starts[0].found - both.starts[0].found;
     assert!((8.0..20.0).contains(&gain), "{gain}");
+    // The motion of the design tells as much as the last one does once more, or more.
+    let repeated = both.repeated.unwrap();
+    assert!(both.starts[0].found < repeated + 1.0, "{} {repeated}", both.starts[0].found);
     let other = Design::parse(&text.replace("[signal]", "[parameters]\nexclude = ['off1']\n[signal]"), &design.path);
     assert!(matches!(other.unwrap().run(1, &mut |_| {}), Err(DesignError::OtherRobot { .. })));
 }
@@ -321,4 +324,27 @@ fn the_way_from_home_is_covered() {
         matches!(&error, DesignError::TooNear { second, when, .. } if second == "wall" && when.contains("home")),
         "{error}"
     );
+}
+
+/// Results of an identification stand beside what is promised, and those of nothing like it are refused.
+#[test]
+fn results_at_hand_are_compared_with() {
+    let folder = Folder::new();
+    let (_, alone, experiment) = rehearsal(&folder, &with_controller());
+    assert!(alone.compared.is_none() && alone.repeated.is_none());
+    let results = experiment.run(Path::new(""), &mut |_| {}).unwrap();
+    folder.write("results.json", results.to_json().unwrap());
+    let text = with_controller().replace("[motion]", "compare = 'results.json'\n[motion]");
+    let design = Design::parse(&text, &folder.path().join("design.toml")).unwrap();
+    let both = design.run(2, &mut |_| {}).unwrap();
+    // The record is of the same motion and noise: its intervals are those that were promised, but for their own scatter.
+    let times: Vec<f64> = both.promised.iter().filter_map(|p| p.times_smaller()).collect();
+    assert_eq!(times.len(), both.promised.len());
+    let mean = (times.iter().map(|t| t.ln()).sum::<f64>() / times.len() as f64).exp();
+    assert!((0.8..1.25).contains(&mean), "{mean}");
+    let text = thetahat::report::design_text(&both, thetahat::report::TextWidth::DEFAULT);
+    assert!(text.contains("times as narrow"), "{text}");
+    let other = with_controller().replace("[motion]", "compare = 'nowhere.json'\n[motion]");
+    let error = Design::parse(&other, &design.path).unwrap().run(1, &mut |_| {}).unwrap_err();
+    assert!(matches!(&error, DesignError::Results(_)) && error.to_string().contains("nowhere.json"), "{error}");
 }

@@ -102,6 +102,13 @@ impl MoveFamily {
         self.of_point(number).map(own).or_else(|| self.start.clone()).unwrap_or_default()
     }
 
+    /// The first posture in units of the ranges, where it is given.
+    #[must_use]
+    pub fn start_in_units(&self) -> Option<Vec<f64>> {
+        let in_units = |(j, q): (usize, &f64)| (q - self.limits[j].middle()) / self.half(j);
+        self.start.as_ref().map(|start| start.iter().enumerate().map(in_units).collect())
+    }
+
     /// The law of a move that starts at a time.
     fn law(&self, x: &[f64], number: usize, start_s: f64) -> TimeLaw {
         let first = self.of_widths(number);

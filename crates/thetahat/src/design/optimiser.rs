@@ -93,7 +93,12 @@ impl Problem {
         if self.watched.is_linear() { loads } else { loads.max(self.constraints.use_of(motion)) }
     }
 
-    /// The same of distances alone: above one where shapes are too near to one another.
+    /// The criterion of a motion, and what violated limits cost.
+    pub(super) fn merit(&self, x: &[f64], sign: Sign) -> Option<f64> {
+        Some(self.value(x, sign)? + price(self.soft_use(&self.watched.at(x), sign)))
+    }
+
+    /// The use of distances alone: above one where shapes are too near to one another.
     pub(super) fn clearance_use(&self, motion: &Derivatives) -> f64 {
         self.clearances.as_ref().map_or(0.0, |clearances| clearances.use_of(motion))
     }
@@ -158,8 +163,7 @@ impl Problem {
         if self.watched.is_linear() && self.constraints.use_of(&motion) > 1.0 + TOLERANCE {
             return None;
         }
-        let soft_use = self.soft_use(&motion, sign);
-        self.value(x, sign).map(|value| value + price(soft_use))
+        Some(self.value(x, sign)? + price(self.soft_use(&motion, sign)))
     }
 
     /// The longest of halved steps that brings enough.

@@ -70,36 +70,34 @@ impl Searches {
 /// The end of one descent.
 struct Local {
     found: Found,
-    value: f64,
+    /// The criterion, and what violated limits cost.
+    merit: f64,
 }
 
 impl Local {
     fn from(problem: &Problem, start: Vec<f64>, sign: Sign) -> Option<Self> {
         let found = problem.optimise(start, sign, COARSE)?;
-        Some(Self { value: problem.value(&found.x, sign)?, found })
+        Some(Self { merit: problem.merit(&found.x, sign)?, found })
     }
 
     /// The better of both, with the steps of both.
     fn or_better(self, other: Self) -> Self {
         let steps = self.found.steps + other.found.steps;
-        let Self { found, value } = if other.value < self.value { other } else { self };
-        Self { found: Found { steps, ..found }, value }
+        let Self { found, merit } = if other.merit < self.merit { other } else { self };
+        Self { found: Found { steps, ..found }, merit }
     }
 }
 
-/// A motion moved by random numbers, made smaller where it exceeds its limits.
+/// A motion moved by random numbers, by less where shapes would come too near, and made smaller where it exceeds its limits.
 fn kicked(problem: &Problem, x: &[f64], rng: &mut ChaCha8Rng) -> Vec<f64> {
-    let mut kick = |x: &f64| {
-        let number: f64 = StandardNormal.sample(rng);
-        x + KICK * number
-    };
-    match &problem.watched {
-        Motions::Sums { family, .. } => within(problem, family, x.iter().map(kick).collect()),
-        Motions::Moves { family, .. } => {
-            let postures: Vec<f64> = x[..family.posture_unknowns()].iter().map(&mut kick).collect();
-            family.through(&postures)
+    let kick: Vec<f64> = x.iter().map(|_| KICK * Distribution::<f64>::sample(&StandardNormal, rng)).collect();
+    apart(problem, &|part| {
+        let moved = x.iter().zip(&kick).map(|(x, kick)| x + part * kick);
+        match &problem.watched {
+            Motions::Sums { family, .. } => within(problem, family, moved.collect()),
+            Motions::Moves { family, .. } => family.through(&moved.take(family.posture_unknowns()).collect::<Vec<_>>()),
         }
-    }
+    })
 }
 
 /// The sums with each joint's made smaller where it exceeds its limits.
@@ -125,14 +123,15 @@ fn use_of_joint(problem: &Problem, family: &Sums, x: &[f64], joint: usize) -> f6
     problem.constraints.use_of(&problem.watched.at(&alone))
 }
 
-/// The best of random motions, each as large as its limits allow.
+/// The best of random motions, each as large as its limits allow, and its criterion.
 fn best_of_random(problem: &Problem, rng: &mut ChaCha8Rng, sign: Sign) -> Option<(Vec<f64>, f64)> {
     let mut draw = || {
         let x = random(problem, rng);
-        problem.value(&x, sign).map(|value| (x, value))
+        problem.merit(&x, sign).map(|merit| (x, merit))
     };
     let drawn: Vec<_> = (0..DRAWS).filter_map(|_| draw()).collect();
-    drawn.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))
+    let (x, _) = drawn.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    problem.value(&x, sign).map(|value| (x, value))
 }
 
 fn random(problem: &Problem, rng: &mut ChaCha8Rng) -> Vec<f64> {
@@ -151,7 +150,8 @@ fn random(problem: &Problem, rng: &mut ChaCha8Rng) -> Vec<f64> {
         Motions::Moves { family, .. } => {
             let postures: Vec<f64> = (0..family.posture_unknowns()).map(|_| rng.random_range(-1.0..1.0)).collect();
             let joints = family.joints();
-            let centre: Vec<f64> = (0..joints).map(|_| rng.random_range(-CENTRE..CENTRE)).collect();
+            let drawn: Vec<f64> = (0..joints).map(|_| rng.random_range(-CENTRE..CENTRE)).collect();
+            let centre = family.start_in_units().unwrap_or(drawn);
             apart(problem, &|part| {
                 let moved = postures.iter().enumerate().map(|(i, p)| {
                     let centre = if part < 1.0 { centre[i % joints] } else { 0.0 };
