@@ -58,7 +58,7 @@ impl MoveFamily {
         self.limits.len()
     }
 
-    fn widths(&self) -> usize {
+    pub(super) fn widths(&self) -> usize {
         if self.limits.iter().any(|l| l.jerk.is_some()) { 3 } else { 2 }
     }
 
@@ -82,19 +82,19 @@ impl MoveFamily {
     }
 
     /// The first unknown width of a move.
-    fn of_widths(&self, number: usize) -> usize {
+    pub(super) fn of_widths(&self, number: usize) -> usize {
         self.free_points() * self.joints() + number * self.widths()
     }
 
-    fn half(&self, joint: usize) -> f64 {
+    pub(super) fn half(&self, joint: usize) -> f64 {
         0.5 * (self.limits[joint].upper - self.limits[joint].lower)
     }
 
-    fn unit(&self, width: usize) -> f64 {
+    pub(super) fn unit(&self, width: usize) -> f64 {
         UNITS[width] * self.duration_s / self.moves as f64
     }
 
-    fn point(&self, x: &[f64], number: usize) -> Vec<f64> {
+    pub(super) fn point(&self, x: &[f64], number: usize) -> Vec<f64> {
         let own = |first: usize| {
             let value = |j: usize| self.limits[j].middle() + self.half(j) * x[first + j];
             (0..self.joints()).map(value).collect()
@@ -247,46 +247,8 @@ impl MoveFamily {
     }
 
     /// How long the moves take with their rests, s.
-    fn time_s(&self, x: &[f64]) -> f64 {
+    pub(super) fn time_s(&self, x: &[f64]) -> f64 {
         (0..self.moves).map(|number| self.law(x, number, 0.0).end_s() + self.rest_s).sum()
-    }
-
-    /// The unknowns of moves through postures, in units of the ranges: each as fast as limits of velocity, acceleration and jerk
-    /// allow. The postures are drawn together until the time suffices.
-    #[must_use]
-    pub fn through(&self, postures: &[f64]) -> Vec<f64> {
-        let mut scale = 1.0;
-        loop {
-            let mut x: Vec<f64> = postures.iter().map(|p| (scale * p).clamp(-1.0, 1.0)).collect();
-            for number in 0..self.moves {
-                let (from, to) = (self.point(&x, number), self.point(&x, number + 1));
-                let widths = self.fastest(&from, &to);
-                x.extend((0..self.widths()).map(|i| widths[i] / self.unit(i)));
-            }
-            if self.time_s(&x) <= self.duration_s || scale < 1e-6 {
-                return x;
-            }
-            scale *= 0.97;
-        }
-    }
-
-    /// Unknowns of the postures.
-    #[must_use]
-    pub fn posture_unknowns(&self) -> usize {
-        self.of_widths(0)
-    }
-
-    /// Widths T1, T2 and T3 of a move within the limits, with `T1 >= T2 + T3`.
-    fn fastest(&self, from: &[f64], to: &[f64]) -> [f64; 3] {
-        let least = |limit: fn(&JointLimits) -> Option<f64>| {
-            let of = |((limits, from), to): ((&JointLimits, &f64), &f64)| limit(limits).map(|l| (to - from).abs() / l);
-            self.limits.iter().zip(from).zip(to).filter_map(of).fold(0.0, f64::max)
-        };
-        let [v, a, j] = [least(|l| Some(l.velocity)), least(|l| Some(l.acceleration)), least(|l| l.jerk)];
-        let t1 = v.max(a.sqrt()).max(j.cbrt()).max(2.0 * self.smoothing_s);
-        let t2 = (a / t1).max((j / t1).sqrt()).max(self.smoothing_s);
-        let t3 = (j / (t1 * t2)).max(self.smoothing_s);
-        [t1.max(t2 + t3), t2, t3]
     }
 }
 

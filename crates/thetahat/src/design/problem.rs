@@ -7,7 +7,7 @@ use super::{
     clearances::Clearances,
     constraints::Constraints,
     criterion::{Criterion, CriterionName},
-    description::{Design, MotionKind},
+    description::Design,
     error::DesignError,
     fourier::FourierBasis,
     information::Information,
@@ -16,6 +16,7 @@ use super::{
     motions::Motions,
     moves::MoveFamily,
     optimiser::Problem,
+    options::MotionKind,
     sums::Sums,
 };
 use crate::{

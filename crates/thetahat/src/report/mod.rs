@@ -29,6 +29,7 @@ mod comparison;
 mod contents;
 mod design;
 mod design_figures;
+mod design_tables;
 mod diagnosis;
 mod error;
 mod facts;
