@@ -264,7 +264,10 @@ fn what_cannot_be_identified_is_refused() {
     assert_eq!(key("[signal]", &settings("['zz1r', 'fc1']")), "[parameters] estimate");
     assert_eq!(key("cutoff_hz = 40", "cutoff_hz = 260"), "[signal] cutoff_hz");
     assert_eq!(key("duration_s = 4", "duration_s = 4.0009"), "duration_s times sample_rate_hz");
-    assert_eq!(key("duration_s = 4\nsample_rate_hz = 500", "duration_s = 2000\nsample_rate_hz = 100"), "duration_s times sample_rate_hz");
+    assert_eq!(
+        key("duration_s = 4\nsample_rate_hz = 500", "duration_s = 2000\nsample_rate_hz = 100"),
+        "duration_s times sample_rate_hz"
+    );
     let robot = std::fs::read_to_string(project("robots/two_joint.toml")).unwrap();
     let term = "[[term]]\nkind = 'channel-viscous'\njoints = ['shoulder']\nchannel = 'temperature'\n";
     let folder = Folder::with("two_joint.toml", format!("{robot}\n{term}"));

@@ -38,9 +38,11 @@ impl Design {
     /// What the record can be identified for: all base parameters, with torques that the motion alone decides.
     fn validate_identification(&self) -> Result<(), DesignError> {
         let parameters = &self.settings.parameters;
-        let expected = "\"base\": the motion serves all base parameters, and each record would choose its own part of them";
+        let expected =
+            "\"base\": the motion serves all base parameters, and each record would choose its own part of them";
         self.require(parameters.estimate.takes_all(), "[parameters] estimate", expected, "a part of them")?;
-        let moved = self.settings.controller.as_ref().and_then(|_| self.robot.term_of_acceleration().map(str::to_owned));
+        let moved =
+            self.settings.controller.as_ref().and_then(|_| self.robot.term_of_acceleration().map(str::to_owned));
         let term = self.robot.channels().pop().or(moved);
         let expected = "terms of positions and velocities alone: a design knows no recorded channels, and a closed loop no \
                         torques of accelerations";
