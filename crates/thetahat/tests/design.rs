@@ -269,7 +269,7 @@ fn what_cannot_be_identified_is_refused() {
         "duration_s times sample_rate_hz"
     );
     let robot = std::fs::read_to_string(project("robots/two_joint.toml")).unwrap();
-    let term = "[[term]]\nkind = 'channel-viscous'\njoints = ['shoulder']\nchannel = 'temperature'\n";
+    let term = "[[term]]\nkind = 'channel-viscous'\njoints = ['shoulder']\nchannel = 'temperature'\nreference = 20\n";
     let folder = Folder::with("two_joint.toml", format!("{robot}\n{term}"));
     let error = Design::parse(DESIGN, &folder.path().join("design.toml")).unwrap_err();
     assert!(matches!(&error, DesignError::Value { key, .. } if key == "[[term]]"), "{error}");

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::{
     error::PreparationError,
     physical::{PriorWeight, validate_known},
-    settings::{Case, Mask, NamedChoice, ParameterChoice, ParameterSelection, Settings, StatedMask},
+    settings::{Case, Mask, ParameterChoice, ParameterSelection, Settings, StatedMask},
 };
 use crate::{
     identification::{Design, Method, Needs, Response, Weighting},
