@@ -35,6 +35,11 @@ impl Constraints {
         Self { limits, limited: Limited::ALL.into_iter().filter(has_rows).collect() }
     }
 
+    /// Makes every limit smaller by a part.
+    pub(super) fn tighten(&mut self, part: f64) {
+        self.limits = self.limits.iter().map(|limits| limits.less(part)).collect();
+    }
+
     /// Extremes of every signal that are nearer to a limit than `slack`, in parts of half the range.
     fn extremes(&self, motion: &Derivatives, slack: f64, mut take: impl FnMut(Place)) {
         for &limited in &self.limited {

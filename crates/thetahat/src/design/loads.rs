@@ -36,6 +36,11 @@ impl Loads {
         }
     }
 
+    /// Makes every limit smaller by a part.
+    pub(super) fn tighten(&mut self, part: f64) {
+        self.limits = self.limits.iter().map(|limits| limits.less(part)).collect();
+    }
+
     /// The torques of a motion.
     pub(super) fn torques(&self, [q, dq, ddq]: [&Series; 3], sign: Sign) -> Series {
         let mut tau = Series::zeros(q.len(), q.channels());

@@ -47,7 +47,7 @@ pub struct Point {
 const GAUSS: [(f64, f64); 3] =
     [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
 /// Parts of a phase at which limits are looked at.
-const WATCHED: [f64; 3] = [0.001, 0.5, 0.999];
+const WATCHED: [f64; 7] = [0.001, 0.17, 0.33, 0.5, 0.67, 0.83, 0.999];
 /// Units of T1, T2 and T3, parts of the time of a move.
 const UNITS: [f64; 3] = [0.5, 0.25, 0.1];
 
@@ -140,7 +140,7 @@ impl MoveFamily {
     #[must_use]
     pub fn watched(&self) -> Vec<Point> {
         self.points(&|phase| {
-            let all = if phase % 2 == 0 { &WATCHED[1..2] } else { &WATCHED[..] };
+            let all = if phase % 2 == 0 { &WATCHED[3..4] } else { &WATCHED[..] };
             all.iter().map(|part| (*part, 0.0)).collect()
         })
     }

@@ -89,13 +89,29 @@ impl Problem {
     /// The largest use of a limit that may be violated on the way: torque, power and distances, and all where motions are not linear.
     fn soft_use(&self, motion: &Derivatives, sign: Sign) -> f64 {
         let clearance = self.clearance_use(motion);
-        let loads = self.loads.use_of(motion, sign).max(clearance);
+        let loads = self.loads.use_of(motion, self.sign_of_loads(sign)).max(clearance);
         if self.watched.is_linear() { loads } else { loads.max(self.constraints.use_of(motion)) }
     }
 
     /// The criterion of a motion, and what violated limits cost.
     pub(super) fn merit(&self, x: &[f64], sign: Sign) -> Option<f64> {
         Some(self.value(x, sign)? + price(self.soft_use(&self.watched.at(x), sign)))
+    }
+
+    /// Makes the limits that may be violated on the way tighter by a part, and distances larger by some, m.
+    pub(super) fn tighten(&mut self, part: f64, distance: f64) {
+        self.loads.tighten(part);
+        if !self.watched.is_linear() {
+            self.constraints.tighten(part);
+        }
+        if let Some(clearances) = &mut self.clearances {
+            clearances.margin += distance;
+        }
+    }
+
+    /// The sign of velocities in torques: within a move it does not change, and dry friction is whole from its beginning.
+    fn sign_of_loads(&self, sign: Sign) -> Sign {
+        if self.watched.is_linear() { sign } else { Sign::Exact }
     }
 
     /// The use of distances alone: above one where shapes are too near to one another.
@@ -138,7 +154,7 @@ impl Problem {
     /// The step of the quadratic program, within all linear limits.
     fn step(&self, state: &State, hessian: &Matrix, sign: Sign) -> Option<Vec<f64>> {
         let motion = self.watched.at(&state.x);
-        let mut others = self.loads.rows(&self.watched, &state.x, &motion, sign);
+        let mut others = self.loads.rows(&self.watched, &state.x, &motion, self.sign_of_loads(sign));
         others.extend(self.watched.rows(&state.x));
         if let Some(clearances) = &self.clearances {
             others.extend(clearances.rows(&self.watched, &state.x, &motion));

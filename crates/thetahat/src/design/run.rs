@@ -27,6 +27,31 @@ use crate::{
 /// Velocity scales of the sign in the search, as parts of the median of the velocity limits.
 const SIGN_SCALES: [f64; 2] = [0.02, 0.005];
 
+/// Times that a motion descends again where it misses a limit at 1 kHz, and the gain of the last step of each, nats.
+const REPAIRS: usize = 3;
+const REPAIR_GAIN: f64 = 0.05;
+
+/// A motion at 1 kHz.
+struct Verified {
+    motion: Derivatives,
+    torque: Series,
+    uses: Vec<LimitUse>,
+    collision: Option<CollisionResults>,
+}
+
+impl Verified {
+    fn worst(&self) -> Option<&LimitUse> {
+        self.uses.iter().max_by(|a, b| a.part.total_cmp(&b.part))
+    }
+
+    /// The part of a limit by which it is exceeded, and the distance that is missing, m; below zero where there is none.
+    fn violation(&self) -> (f64, f64) {
+        let over = self.worst().map_or(-1.0, |worst| worst.part - 1.0);
+        let nearest = self.collision.as_ref().and_then(|c| Some(c.margin - c.pairs.first()?.distance));
+        (over, nearest.unwrap_or(-1.0))
+    }
+}
+
 /// A motion within its limits.
 pub(super) struct Chosen {
     pub(super) motion: Derivatives,
@@ -75,34 +100,58 @@ impl Design {
         let searches = Searches { count: motion.starts, seed: motion.seed, threads, sign_scales: sign_scales(limits) };
         let mut starts = searches.run(&problem);
         starts.sort_by(|a, b| a.value.total_cmp(&b.value));
-        let (mut first_violated, mut first_near) = (None, None);
-        for start in &starts {
-            let (motion, torque, uses) = self.verify(model, &problem, limits, &start.x);
-            match uses.iter().max_by(|a, b| a.part.total_cmp(&b.part)).filter(|worst| worst.part > 1.0) {
-                None => {
-                    let collision = self.collision(model, &motion[0])?;
-                    if let Some(error) = collision.as_ref().and_then(|c| self.too_near(c)) {
-                        first_near.get_or_insert(error);
-                        continue;
-                    }
-                    let motion = self.sampled(&problem.watched, &start.x, motion);
-                    let (torque, moves) = (self.torques(model, &motion, torque), problem.watched.moves(&start.x));
+        let mut first_error = None;
+        for k in 0..starts.len() {
+            match self.repaired(model, &problem, limits, &starts[k]) {
+                Ok((x, Verified { motion, torque, uses, collision })) => {
+                    // The one that is taken stands first.
+                    starts[..=k].rotate_right(1);
+                    let motion = self.sampled(&problem.watched, &x, motion);
+                    let (torque, moves) = (self.torques(model, &motion, torque), problem.watched.moves(&x));
                     let repeated = self.repeated(&problem)?;
                     return Ok(Chosen { motion, torque, uses, starts, moves, collision, repeated });
                 }
-                Some(worst) => _ = first_violated.get_or_insert_with(|| worst.clone()),
+                Err(error) => _ = first_error.get_or_insert(error),
             }
         }
-        if let Some(near) = first_near {
-            return Err(near);
-        }
-        Err(match first_violated {
-            Some(worst) => self.infeasible(&worst),
-            None => {
-                let (path, parameters) = (self.path.clone(), base.len());
-                DesignError::ShowsTooLittle { path, starts: self.file.motion.starts, parameters }
+        let (path, parameters) = (self.path.clone(), base.len());
+        let starts = self.file.motion.starts;
+        Err(first_error.unwrap_or(DesignError::ShowsTooLittle { path, starts, parameters }))
+    }
+
+    /// The motion of a search with what it needs at 1 kHz. Where it misses a limit or a distance between the instants that
+    /// were watched, it descends again within limits that are as much tighter.
+    fn repaired(
+        &self,
+        model: &Model,
+        problem: &Problem,
+        limits: &[JointLimits],
+        start: &Start,
+    ) -> Result<(Vec<f64>, Verified), DesignError> {
+        let [_, scale] = sign_scales(limits);
+        let (mut tight, mut x) = (problem.clone(), start.x.clone());
+        let mut verified = self.verify(model, &problem.watched, limits, &x)?;
+        for _ in 0..REPAIRS {
+            let (over, missing) = verified.violation();
+            if over <= 0.0 && missing <= 0.0 {
+                break;
             }
-        })
+            tight.tighten(1.2 * over.max(0.0), 1.2 * missing.max(0.0));
+            let Some(found) = tight.optimise(x.clone(), Sign::Smooth { scale }, REPAIR_GAIN) else { break };
+            x = found.x;
+            verified = self.verify(model, &problem.watched, limits, &x)?;
+        }
+        match self.error_of(&verified) {
+            Some(error) => Err(error),
+            None => Ok((x, verified)),
+        }
+    }
+
+    /// Why a motion cannot be taken.
+    fn error_of(&self, verified: &Verified) -> Option<DesignError> {
+        let worst = verified.worst().filter(|worst| worst.part > 1.0);
+        let error = worst.map(|worst| self.infeasible(worst));
+        error.or_else(|| verified.collision.as_ref().and_then(|collision| self.too_near(collision)))
     }
 
     /// The distances of a motion at 1 kHz, and of the way from home.
@@ -142,21 +191,21 @@ impl Design {
         }
     }
 
-    /// The motion at 1 kHz with its torques, and how far it uses the limits.
+    /// The motion at 1 kHz with its torques, how far it uses the limits, and distances.
     fn verify(
         &self,
         model: &Model,
-        problem: &Problem,
+        motions: &Motions,
         limits: &[JointLimits],
         x: &[f64],
-    ) -> (Derivatives, Series, Vec<LimitUse>) {
+    ) -> Result<Verified, DesignError> {
         let count = (self.file.duration_s * RATE_HZ).ceil() as usize;
         let grid: Vec<f64> = (0..=count).map(|k| (k as f64 / RATE_HZ).min(self.file.duration_s)).collect();
-        let motion = problem.watched.on(x, &grid);
+        let motion = motions.on(x, &grid);
         let loads = Loads::new(model, &self.robot.a_priori_parameters(), limits.to_vec());
         let torque = loads.torques([&motion[0], &motion[1], &motion[2]], Sign::Exact);
-        let uses = uses(limits, &motion, &torque);
-        (motion, torque, uses)
+        let (uses, collision) = (uses(limits, &motion, &torque), self.collision(model, &motion[0])?);
+        Ok(Verified { motion, torque, uses, collision })
     }
 
     /// The motion at the rate of the trajectory; that at 1 kHz where this is the rate.
