@@ -3,6 +3,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::{
+    limits::JointLimits,
     motions::Motions,
     optimiser::{Found, Problem},
     sums::Sums,
@@ -24,6 +25,9 @@ const CENTRE: f64 = 0.8;
 /// Gain of the last step of a descent, nats: with the wide sign, and of the last with the tight one.
 const COARSE: f64 = 1.0;
 const FINE: f64 = 0.01;
+
+/// Velocity scales of the sign in the search, as parts of the median of the velocity limits.
+const SIGN_SCALES: [f64; 2] = [0.02, 0.005];
 
 /// How several searches are made.
 #[derive(Debug, Clone)]
@@ -199,4 +203,12 @@ fn random_sums(problem: &Problem, family: &Sums, rng: &mut ChaCha8Rng) -> Vec<f6
         x[own(family, joint)].iter_mut().for_each(|v| *v *= USED / used);
     }
     x
+}
+
+/// Wide velocity scales first.
+pub(super) fn sign_scales(limits: &[JointLimits]) -> [f64; 2] {
+    let mut velocities: Vec<f64> = limits.iter().map(|l| l.velocity).collect();
+    velocities.sort_by(f64::total_cmp);
+    let median = velocities[velocities.len() / 2];
+    SIGN_SCALES.map(|part| part * median)
 }
