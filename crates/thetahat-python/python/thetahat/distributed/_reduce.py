@@ -76,7 +76,8 @@ def reduce(
         Another robot description than the one that the experiments name.
     stretch_s : float, optional
         Reduce stretches of so many seconds by themselves, where one recording is much for one worker. A stretch is decimated as a
-        record of its own, so that estimates differ from those of the whole by the rows at its ends.
+        record of its own, and the velocity below which a joint is near rest is that of the stretch: estimates differ from those of
+        the whole by the rows at its ends and near rest. Twins have no stretches.
     instruments_from : path, optional
         A ``results.json`` whose estimates simulate the instruments of IDIM-IV.
     fan_in : int
@@ -147,7 +148,9 @@ def _parts(
         windows = [[[None]] * one.recordings for one in described]
     else:
         spans = driver.all(Spans.work, [Spans(one.texts, one.data) for one in described])
-        windows = [[stretches(span, stretch_s) for span in of_one] or [[None]] for of_one in spans]
+        for one in (one for one, of_one in zip(described, spans, strict=True) if not of_one):
+            raise ValueError(f"{one.texts[0]}: is of a twin, whose time is not cut in stretches: leave out stretch_s")
+        windows = [[stretches(span, stretch_s) for span in of_one] for of_one in spans]
     return [
         _part(store, one, recording, window)
         for one, of_one in zip(described, windows, strict=True)
