@@ -13,6 +13,9 @@ const LABEL: usize = 12;
 /// Reasons on the card.
 const REASONS: usize = 3;
 
+/// Lines of names on the card.
+const NAMES: usize = 2;
+
 /// The verdict in a few words, with a symbol that tells it without colour.
 #[must_use]
 pub fn headline(results: &Results) -> String {
@@ -38,18 +41,19 @@ pub fn card_text(results: &Results, width: TextWidth) -> String {
         let label = if number == 0 { "next" } else { "" };
         (label, format!("{}. {action}", number + 1))
     };
-    let lines = facts(&card).into_iter().chain(because).chain(card.actions.iter().enumerate().map(numbered));
+    let lines = facts(&card, width).into_iter().chain(because).chain(card.actions.iter().enumerate().map(numbered));
     lines.map(|(label, text)| labelled(label, &text, LABEL, width)).collect()
 }
 
 /// Errors, the worst joint and what is known of the parameters; nothing where no method has numbers to take.
-fn facts(card: &Card) -> Vec<(&'static str, String)> {
+fn facts(card: &Card, width: TextWidth) -> Vec<(&'static str, String)> {
     let Some(method) = card.method else { return Vec::new() };
     let worst = |(name, percent): &(String, f64)| format!("{name}, {} %", significant(*percent, 3));
     let facts = [
         card.relative_error_percent.map(|error| ("error", format!("{} %{}", significant(error, 3), unseen(card)))),
         card.worst_joint.as_ref().map(|joint| ("worst joint", worst(joint))),
         Some(("parameters", known(card))),
+        sure(card, width).map(|names| ("sure", names)),
     ];
     let method = (card.verdict == Some(Verdict::DoNotUse)).then(|| ("method", format!("{method}, of those that ran")));
     method.into_iter().chain(facts.into_iter().flatten()).collect()
@@ -71,6 +75,19 @@ fn known(card: &Card) -> String {
     let counts = Grade::ALL.into_iter().zip(card.parameters.iter().map(Vec::len));
     let doubt = if card.model_is_doubted { ", if the model holds" } else { "" };
     format!("{} of {}{doubt}", counted(counts), card.parameters.iter().map(Vec::len).sum::<usize>())
+}
+
+/// The names of the parameters that are sure, as many as stand in two lines, and how many more there are.
+fn sure(card: &Card, width: TextWidth) -> Option<String> {
+    let (_, names) = Grade::ALL.into_iter().zip(&card.parameters).find(|(grade, _)| *grade == Grade::Sure)?;
+    let listed = |count: usize| {
+        let more = names.len() - count;
+        let rest = if more == 0 { String::new() } else { format!(" and {more} more") };
+        names[..count].join(" ") + &rest
+    };
+    let is_short = |text: &String| wrap_to(text, width.columns() - LABEL).len() <= NAMES;
+    let is_told = card.verdict != Some(Verdict::DoNotUse);
+    (1..=names.len()).rev().filter(|_| is_told).map(listed).find(is_short)
 }
 
 /// As much of a text as stands in two lines of so many characters.

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::{
     report::plot::Chart,
-    results::{Advice, Method, Results, RunResult},
+    results::{Method, Results, RunResult},
 };
 
 /// Charts with one legend.
@@ -45,10 +45,9 @@ pub(in crate::report) fn keys_of(methods: impl IntoIterator<Item = Method>) -> V
     methods.into_iter().map(|m| Key::new(m.name(), m.name())).collect()
 }
 
-/// The run of a case whose numbers the advice takes; the first one with curves where it takes none.
+/// The run of a case whose numbers are taken; the first one with numbers where none is.
 pub(super) fn main_run<'a>(results: &'a Results, case: &str) -> Option<&'a RunResult> {
-    let advice: Option<&Advice> = results.advice.iter().find(|a| a.case == case);
-    let taken = advice.and_then(|a| results.run(case, a.take?)).filter(|r| !r.parameters.is_empty());
+    let taken = results.taken_in(case).filter(|r| !r.parameters.is_empty());
     taken.or_else(|| results.runs.iter().find(|r| r.case == case && !r.parameters.is_empty()))
 }
 

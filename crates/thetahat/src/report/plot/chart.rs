@@ -6,6 +6,7 @@ use super::{
     axis::{Axis, Range, Scale, Tick, pixel},
     curve::{Area, Curve, Path},
 };
+use crate::report::wrap::shortened;
 
 /// Width of one of several charts, and of a chart that stands alone, pixels.
 pub(in crate::report) const NARROW: f64 = 380.0;
@@ -20,6 +21,8 @@ const BOTTOM: f64 = 32.0;
 const GAP: f64 = 17.0;
 /// Words stand this far above their panel, pixels: within it they would hide curves.
 const ABOVE: f64 = 4.0;
+/// Width of a letter of such words, pixels, rather too wide than too narrow.
+const LETTER: f64 = 6.5;
 
 /// Smallest range of values in a panel, relative to the largest one.
 const SMALLEST_RANGE: f64 = 0.02;
@@ -177,6 +180,16 @@ impl Panel {
         let (anchor, dx) = if x > 0.6 * self.width { ("end", -3.0) } else { ("start", 3.0) };
         let (x, y) = (pixel(self.left + x + dx), pixel(self.top - ABOVE));
         self.texts.push(Text { x, y, anchor, text: word.to_owned() });
+        self
+    }
+
+    /// A name above the panel, from a value of the axis on, cut where it would reach another value.
+    pub(in crate::report) fn name_between(mut self, [from, to]: [f64; 2], name: &str) -> Self {
+        const GAP: f64 = 3.0;
+        let [x, end] = [from, to].map(|at| self.x_axis().position(at).min(self.width));
+        let letters = ((end - x - 2.0 * GAP) / LETTER).max(1.0) as usize;
+        let (x, y) = (pixel(self.left + x + GAP), pixel(self.top - ABOVE));
+        self.texts.push(Text { x, y, anchor: "start", text: shortened(name, letters) });
         self
     }
 
