@@ -110,3 +110,33 @@ fn because(results: &Results, width: TextWidth) -> Vec<String> {
     lines.extend((more > 0).then(|| format!("{more} more reason{plural}, with --full")));
     lines
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn card(verdict: Verdict, sure: usize) -> Card {
+        let names = (1..=sure).map(|number| format!("fv{number}")).collect();
+        let parameters = [names, Vec::new(), Vec::new(), Vec::new()];
+        Card {
+            verdict: Some(verdict),
+            method: None,
+            relative_error_percent: None,
+            unseen: None,
+            worst_joint: None,
+            parameters,
+            model_is_doubted: false,
+            actions: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn names_of_sure_parameters_stand_in_two_lines() {
+        let sure = |verdict, count| sure(&card(verdict, count), TextWidth::new(40));
+        assert_eq!(sure(Verdict::Good, 3).as_deref(), Some("fv1 fv2 fv3"));
+        let many = sure(Verdict::Care, 60).unwrap();
+        assert_eq!(many, "fv1 fv2 fv3 fv4 fv5 fv6 fv7 fv8 fv9 fv10 and 50 more");
+        assert_eq!(wrap_to(&many, 40 - LABEL).len(), 2);
+        assert_eq!((sure(Verdict::Good, 0), sure(Verdict::DoNotUse, 3)), (None, None));
+    }
+}

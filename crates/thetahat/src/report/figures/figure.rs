@@ -59,3 +59,40 @@ pub(super) fn named(results: &Results, run: &RunResult) -> String {
         run.method.name().to_owned()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    fn run(method: &str, status: &str) -> String {
+        format!(
+            r#"{{ "case": "nominal", "method": "{method}", "status": "{status}", "iterations": 0, "simulations": 0,
+                "relative_error_percent": 4.0, "joint_relative_error_percent": [3.0], "seconds": 0.1, "convergence": [],
+                "parameters": [{{ "name": "a", "estimate": 1.0, "interval_95": [0.9, 1.1], "unit": "", "expression": "a", "shown": true }}] }}"#
+        )
+    }
+
+    /// Of a reduction: there is no advice.
+    fn without_advice(runs: &[String]) -> Results {
+        let text = format!(
+            r#"{{ "schema": 1, "thetahat": "0.1.0", "robot": "A", "title": "T", "samples_used": 100, "decimated_rows": 10,
+                "recordings": [], "validation_recordings": [], "seed": null, "elimination": null, "verdict": "good",
+                "robot_joints": [], "bandwidth": {{ "position_cutoff_hz": 50.0, "decimation_cutoff_hz": 20.0 }},
+                "experiment_description": "", "robot_description": "", "advice": [], "runs": [{}] }}"#,
+            runs.join(", ")
+        );
+        Results::from_json(Path::new("results.json"), &text).unwrap()
+    }
+
+    #[test]
+    fn figures_are_of_the_run_that_the_card_takes() {
+        let results = without_advice(&[run("idim-ls", "converged"), run("idim-iv", "converged")]);
+        let main = main_run(&results, "nominal").map(|run| run.method);
+        assert_eq!((main, results.card().method), (Some(Method::IDIM_IV), Some(Method::IDIM_IV)));
+        let results = without_advice(&[run("idim-wls", "converged"), run("didim", "converged")]);
+        assert_eq!(results.card().method, None);
+        assert_eq!(main_run(&results, "nominal").map(|run| run.method.name()), Some("idim-wls"), "the first with numbers");
+    }
+}

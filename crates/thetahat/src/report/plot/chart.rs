@@ -229,6 +229,19 @@ mod tests {
     }
 
     #[test]
+    fn a_name_ends_before_the_next_value() {
+        let range = Range { low: 0.0, high: 10.0 };
+        let long = "a recording with a long name";
+        let chart = Chart::new(String::new(), "", NARROW)
+            .with(50.0, |p| p.over(range, 0.0).name_between([8.0, 9.5], long).name_between([9.5, 10.0], "b"));
+        let panel = &chart.panels[0];
+        let [first, second] = &panel.texts[..] else { panic!("{panel:?}") };
+        assert_eq!((first.anchor, second.anchor, second.text.as_str()), ("start", "start", "b"));
+        assert!(first.text.starts_with("a rec") && first.text.ends_with('…'), "{}", first.text);
+        assert!(first.x + LETTER * first.text.chars().count() as f64 <= second.x, "{first:?} {second:?}");
+    }
+
+    #[test]
     fn no_points_give_an_empty_panel() {
         let chart = Chart::new(String::new(), "", WIDE).with(50.0, |p| p.around([].into_iter(), 0.0));
         assert!(chart.panels[0].paths.is_empty() && chart.panels[0].y == [-0.05, 1.05]);
