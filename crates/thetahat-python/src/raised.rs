@@ -27,7 +27,8 @@ impl Raised {
 fn with_arguments(text: &str) -> String {
     let word = |word: &str| {
         let opened = word.trim_start_matches('(');
-        let Some(rest) = opened.strip_prefix("--").filter(|rest| rest.starts_with(|c: char| c.is_ascii_lowercase())) else {
+        let Some(rest) = opened.strip_prefix("--").filter(|rest| rest.starts_with(|c: char| c.is_ascii_lowercase()))
+        else {
             return word.to_owned();
         };
         let end = rest.find(|c: char| !(c.is_ascii_lowercase() || c == '-')).unwrap_or(rest.len());

@@ -606,6 +606,13 @@ def test_an_engine_that_is_not_installed_says_how_to_get_it(described, tmp_path,
         distributed.campaign(described, tmp_path / "x", engine="slurm")
 
 
+def test_another_cluster_than_the_connected_one_is_refused(running, described, tmp_path):
+    """Ray would take the connected one, without a word."""
+    running("ray")
+    with pytest.raises(th.EngineError, match=r"Ray already runs in this process, at .*, and not at 192\.0\.2\.1:6379: leave out"):
+        distributed.campaign(described, tmp_path, engine="ray", address="192.0.2.1:6379")
+
+
 def test_engines_are_imported_only_when_they_are_asked_for():
     modules = ["thetahat.distributed", "dask", "distributed", "ray", "pyarrow"]
     code = f"import sys, thetahat; print([m for m in {modules} if m in sys.modules], thetahat.distributed.Session.__name__)"
@@ -678,6 +685,17 @@ def test_jobs_are_taken_as_workers_get_free():
         next(values)
         assert len(taken) < 20
         assert sorted([0, *(value for _, value in values)])[-1] == 99 * 99
+
+
+@pytest.mark.parametrize("name", ["fleet.json", "fleet.html", "merged.reduction"])
+def test_files_of_others_are_not_replaced(name, recorded, tmp_path):
+    (tmp_path / name).write_text("mine")
+    with pytest.raises(th.ReportError, match=rf"{name}: is there already and not known to be written by thetahat; take another `out`"):
+        if name == "merged.reduction":
+            distributed.reduce(recorded / "0.toml", tmp_path)
+        else:
+            distributed.fleet([distributed.Session("R1", experiment=recorded / "0.toml")], tmp_path)
+    assert (tmp_path / name).read_text() == "mine" and len(list(tmp_path.iterdir())) == 1
 
 
 def test_files_are_whole_or_not_there(tmp_path):

@@ -216,7 +216,8 @@ fn following(folder: &Folder) -> Campaign {
     let points = text.lines().find(|line| line.starts_with("points")).unwrap();
     let reference = "reference = { file = 'motion.csv', columns = ['a', 'b'], unit = 'rad' }";
     let experiment = text.replace(points, reference);
-    let experiment = Experiment::from_texts(&folder.at("followed.toml"), experiment, small.experiment.robot_text).unwrap();
+    let experiment =
+        Experiment::from_texts(&folder.at("followed.toml"), experiment, small.experiment.robot_text).unwrap();
     Campaign::from_text(Path::new("campaign.toml"), small.text, experiment).unwrap()
 }
 
@@ -231,7 +232,8 @@ fn a_folder_is_that_of_one_followed_motion() {
     Store::open(&out, &campaign).unwrap();
     folder.write("motion.csv", motion(0.3));
     let error = Store::open(&out, &following(&folder)).unwrap_err();
-    let expected = "holds runs of another campaign: the file of [twin] reference is not what it was when they were made";
+    let expected =
+        "holds runs of another campaign: the file of [twin] reference is not what it was when they were made";
     assert!(error.to_string().contains(expected), "{error}");
     fs::remove_file(folder.at("motion.csv")).unwrap();
     let error = Store::open(&out, &campaign).unwrap_err();

@@ -31,8 +31,13 @@ from ._statistics import Dispersion, Estimate, Line, Test, holm
 from ._store import Store, content_name
 
 _PARTS = "sessions"
+# The form of the files of sessions; another one gives other names.
+_FORM = 2
 # How the files of sessions end: those that are done, and those whose recordings could not be read.
 _DONE, _UNREAD = ".json", ".unread.json"
+_HTML, _JSON = "fleet.html", "fleet.json"
+# How the second begins, by which it is known again.
+_JSON_HEAD = '{\n"thetahat": '
 _DAY_S = 86_400.0
 # Half of an interval of 95 % of a normal distribution, in standard deviations.
 _NORMAL_95 = 1.959963984540054
@@ -185,7 +190,7 @@ class Fleet:
     def to_json(self) -> str:
         """Everything, as JSON; numbers that there are not are null. Formulas are with the parameters, once for all sessions."""
         lists = {"sessions": self.sessions, "parameters": self.parameters, "drifts": self.drifts, "deviations": self.deviations}
-        text = f'{{\n"level": {self.level}'
+        text = f'{_JSON_HEAD}"{_thetahat.VERSION}",\n"level": {self.level}'
         for key, items in lists.items():
             lines = ",\n".join(json.dumps(_plain(item), allow_nan=False) for item in items)
             text += f',\n"{key}": [\n{lines}\n]'
@@ -256,11 +261,11 @@ def _identified(job: _SessionPart) -> Result:
 
 def _kept(result: Result, method: str | None) -> dict[str, Any]:
     run = _chosen(result, method)
-    reasons = [_lacking(method)] if run is None else [run.reason] if run.reason else []
+    own = _own_reasons(run, method)
     return {
         "verdict": result.verdict,
         # What is wrong with the run that was asked for comes before what is wrong with all.
-        "reasons": result.reasons + reasons if method is None else reasons + result.reasons,
+        "reasons": result.reasons + own if method is None else own + result.reasons,
         "method": "" if run is None else run.method,
         "parameters": [] if run is None else _estimates(run),
     }
@@ -272,8 +277,10 @@ def _chosen(result: Result, method: str | None) -> Run | None:
     return result[method] if method in result else None
 
 
-def _lacking(method: str | None) -> str:
-    return "no method has an estimate to take" if method is None else f"{method} is not among the methods of the session"
+def _own_reasons(run: Run | None, method: str | None) -> list[str]:
+    if run is not None:
+        return [run.reason] if run.reason else []
+    return ["no method has an estimate to take" if method is None else f"{method} is not among the methods of the session"]
 
 
 def _estimates(run: Run) -> list[tuple[str, float, float, str, str]]:
@@ -339,6 +346,8 @@ def fleet(
         For a method that there is not.
     EngineError
         For an engine that is not installed, or loses its workers.
+    ReportError
+        For a ``fleet.json`` or ``fleet.html`` of others in `out`.
     """
     if not 0.0 < level < 1.0:
         raise ValueError(f"level is {level}; it is between 0 and 1")
@@ -349,6 +358,7 @@ def fleet(
     store, asked = Store(out), list(sessions)
     if not asked:
         raise ValueError("no session is given")
+    store.require_ours({_JSON: _JSON_HEAD, _HTML: _page.GENERATOR})
     jobs = [_job(store, session, method) for session in asked]
     if len({job.name for job in jobs}) < len(jobs):
         raise ValueError("two sessions are of the same robot, time and recordings: give each only once")
@@ -359,8 +369,8 @@ def fleet(
     contents = store.read_all(_written(jobs, store.names(_PARTS)))
     found = [_result(job.session, content) for job, content in zip(jobs, contents, strict=True)]
     compared = compare(found, str(store), friction=friction, level=level)
-    store.write("fleet.json", compared.to_json().encode())
-    store.write("fleet.html", compared.to_html().encode())
+    store.write(_JSON, compared.to_json().encode())
+    store.write(_HTML, compared.to_html().encode())
     return compared
 
 
@@ -460,13 +470,13 @@ def _lines(sessions: Sequence[SessionResult]) -> dict[str, dict[str, Line]]:
 
 def _job(store: Store, session: Session, method: str | None) -> _SessionPart:
     if session.experiment is None:
-        origin = content_name("arrays", _digest(session), session.robot, session.days, method)
+        origin = content_name("arrays", _FORM, _digest(session), session.robot, session.days, method)
         return _SessionPart(store, f"{_PARTS}/{origin}{_DONE}", session, None, "", method)
     path = os.fspath(session.experiment)
     data = os.path.abspath(os.path.dirname(path) if session.data is None else session.data)
     robot = None if session.description is None else os.fspath(session.description)
     texts, files, _ = _thetahat.experiment_texts(path, data, robot)
-    origin = content_name("session", texts[1:], stamps(files), session.robot, session.days, method)
+    origin = content_name("session", _FORM, texts[1:], stamps(files), session.robot, session.days, method)
     return _SessionPart(store, f"{_PARTS}/{origin}{_DONE}", session, texts, data, method)
 
 

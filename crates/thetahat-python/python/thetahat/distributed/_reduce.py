@@ -19,6 +19,8 @@ from ._store import Store, content_name
 _Path = str | os.PathLike[str]
 _PARTS = "parts"
 _MERGED = "merged.reduction"
+# How it begins.
+_MARK = "thetahat reduction "
 
 
 @dataclass(frozen=True)
@@ -91,6 +93,8 @@ def reduce(
         With file, place and remedy.
     EngineError
         For an engine that is not installed, or loses its workers.
+    ReportError
+        For a ``merged.reduction`` of others in `out`.
     """
     if stretch_s is not None and not (math.isfinite(stretch_s) and stretch_s > 0):
         raise ValueError(f"stretch_s is {stretch_s}; it is a time above zero, or None")
@@ -100,6 +104,7 @@ def reduce(
     if not paths:
         raise ValueError("no experiment is given")
     store = Store(out)
+    store.require_ours({_MERGED: _MARK})
     with _engines.started(engine, workers, address, retries) as driver, telling(progress) as tell:
         described = [_described(os.fspath(path), data, robot, instruments_from) for path in paths]
         jobs = _parts(driver, store, described, stretch_s)

@@ -93,6 +93,10 @@ mod tests {
         assert_eq!((main, results.card().method), (Some(Method::IDIM_IV), Some(Method::IDIM_IV)));
         let results = without_advice(&[run("idim-wls", "converged"), run("didim", "converged")]);
         assert_eq!(results.card().method, None);
-        assert_eq!(main_run(&results, "nominal").map(|run| run.method.name()), Some("idim-wls"), "the first with numbers");
+        assert_eq!(
+            main_run(&results, "nominal").map(|run| run.method.name()),
+            Some("idim-wls"),
+            "the first with numbers"
+        );
     }
 }
