@@ -16,13 +16,12 @@ use crate::{
     values,
 };
 
-/// Identifies a robot from recordings, on so many threads; without a number on all processors.
+/// Identifies a robot from recordings, and validates on others, on so many threads; without a number on all processors.
 #[pyfunction]
 pub fn identify(
     py: Python<'_>,
     robot: &Robot,
-    recordings: Vec<Recording<'_>>,
-    validation: Vec<Recording<'_>>,
+    (recordings, validation): (Vec<Recording<'_>>, Vec<Recording<'_>>),
     settings: &Bound<'_, PyAny>,
     title: String,
     threads: Option<usize>,

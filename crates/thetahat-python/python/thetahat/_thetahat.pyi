@@ -84,8 +84,7 @@ class Fit:
 
 def identify(
     robot: Robot,
-    recordings: list[Recording],
-    validation: list[Recording],
+    recordings: tuple[list[Recording], list[Recording]],
     settings: dict[str, Any],
     title: str,
     threads: int | None,
