@@ -21,14 +21,14 @@ use crate::{
 pub fn identify(
     py: Python<'_>,
     robot: &Robot,
-    (recordings, validation): (Vec<Recording<'_>>, Vec<Recording<'_>>),
+    recordings: (Vec<Recording<'_>>, Vec<Recording<'_>>),
     settings: &Bound<'_, PyAny>,
     title: String,
     threads: Option<usize>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Results> {
     let settings: Settings = values::read(settings)?;
-    let (recordings, validation) = (into_library(recordings)?, into_library(validation)?);
+    let (recordings, validation) = (into_library(recordings.0)?, into_library(recordings.1)?);
     let (parameters, robot) = (settings.parameters.clone(), robot.clone());
     let (description, robot_files) = (robot.description(), robot.source()?.files());
     let results = interruptible::run(py, progress, move |tell| {
