@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use pyo3::prelude::*;
-use thetahat::{Experiment, Identification, Settings, experiment::ProposedSignal, filter_choice};
+use thetahat::{
+    Experiment, Identification, Settings, experiment::ProposedSignal, filter_choice, identification::Method,
+};
 
 use crate::{
     interruptible,
@@ -14,24 +16,28 @@ use crate::{
     values,
 };
 
-/// Identifies a robot from recordings.
+/// Identifies a robot from recordings, and validates on others, on so many threads; without a number on all processors.
 #[pyfunction]
 pub fn identify(
     py: Python<'_>,
     robot: &Robot,
-    recordings: Vec<Recording<'_>>,
-    validation: Vec<Recording<'_>>,
+    recordings: (Vec<Recording<'_>>, Vec<Recording<'_>>),
     settings: &Bound<'_, PyAny>,
     title: String,
+    threads: Option<usize>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Results> {
     let settings: Settings = values::read(settings)?;
-    let (recordings, validation) = (into_library(recordings)?, into_library(validation)?);
+    let (recordings, validation) = (into_library(recordings.0)?, into_library(recordings.1)?);
     let (parameters, robot) = (settings.parameters.clone(), robot.clone());
     let (description, robot_files) = (robot.description(), robot.source()?.files());
     let results = interruptible::run(py, progress, move |tell| {
         tell("reading and filtering the recordings");
         let identification = Identification::new(&robot.robot, recordings, settings)?.with_validation(validation)?;
+        let identification = match threads {
+            Some(threads) => identification.on_threads(threads),
+            None => identification,
+        };
         Ok(identification.run_with_progress(tell)?)
     })?;
     let results = thetahat::Results { title, robot_description: description, robot_files, ..results };
@@ -59,6 +65,13 @@ pub fn run(
         let (excluded, fixed) = (parameters.exclude.clone(), parameters.fix.clone());
         Ok((Results::new(results, excluded, fixed, experiment.published_path()), robot))
     })
+}
+
+/// Refuses what is no method.
+#[pyfunction]
+pub fn require_method(name: &str) -> Result<(), Raised> {
+    name.parse::<Method>()?;
+    Ok(())
 }
 
 /// The filter with the least error of the estimates, and why it was chosen: that of `thetahat init`.

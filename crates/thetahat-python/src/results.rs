@@ -100,6 +100,12 @@ impl Results {
         self.fixed.clone()
     }
 
+    /// The place among the runs of the one whose numbers are taken.
+    fn taken(&self) -> Option<usize> {
+        let taken = self.results.taken()?;
+        self.results.runs.iter().position(|run| std::ptr::eq(run, taken))
+    }
+
     /// The tables that the command line prints with `--full`.
     fn text(&self) -> Result<String, Raised> {
         Ok(report::text::all(&self.results, self.published()?.as_ref(), TextWidth::DEFAULT))

@@ -71,6 +71,8 @@ pub mod output;
 
 mod one_or_each;
 
+mod digest;
+
 pub mod robot;
 
 pub mod dynamics;

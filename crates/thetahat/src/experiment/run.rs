@@ -8,6 +8,7 @@ use super::{
 };
 use crate::{
     filter_choice::choose_filter,
+    pool::available_threads,
     preparation::{Case, Recording},
     results::{FilterChoice, RecordingFindings, Results, Sensitivity},
     run::{Identification, check_recordings, examine_robot},
@@ -23,8 +24,22 @@ impl Experiment {
     /// # Errors
     /// [`ExperimentError`] for input that cannot be used.
     pub fn run(&self, data: &Path, progress: &mut dyn FnMut(&str)) -> Result<Results, ExperimentError> {
+        self.run_on_threads(data, available_threads(), progress)
+    }
+
+    /// The same on so many threads, on which the results do not depend.
+    ///
+    /// # Errors
+    /// As [`Experiment::run`].
+    pub fn run_on_threads(
+        &self,
+        data: &Path,
+        threads: usize,
+        progress: &mut dyn FnMut(&str),
+    ) -> Result<Results, ExperimentError> {
         progress("reading and filtering the recordings");
-        let results = self.identification(data)?.run_with_progress(progress).map_err(|e| self.refuse(e))?;
+        let identification = self.identification(data)?.on_threads(threads);
+        let results = identification.run_with_progress(progress).map_err(|e| self.refuse(e))?;
         Ok(Results {
             title: self.file.title.clone(),
             seed: self.file.twin.as_ref().map(|t| t.sensors.seed),
