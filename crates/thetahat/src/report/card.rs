@@ -1,7 +1,7 @@
 //! The verdict card for the terminal.
 
 use super::{
-    grades::counted,
+    grades::{counted, word},
     number::significant,
     wrap::{TextWidth, labelled, wrap_to},
 };
@@ -53,7 +53,7 @@ fn facts(card: &Card, width: TextWidth) -> Vec<(&'static str, String)> {
         card.relative_error_percent.map(|error| ("error", format!("{} %{}", significant(error, 3), unseen(card)))),
         card.worst_joint.as_ref().map(|joint| ("worst joint", worst(joint))),
         Some(("parameters", known(card))),
-        sure(card, width).map(|names| ("sure", names)),
+        sure(card, width).map(|names| (word(Grade::Sure, card.model_is_doubted), names)),
     ];
     let method = (card.verdict == Some(Verdict::DoNotUse)).then(|| ("method", format!("{method}, of those that ran")));
     method.into_iter().chain(facts.into_iter().flatten()).collect()
@@ -73,8 +73,12 @@ fn known(card: &Card) -> String {
         return "none to use".to_owned();
     }
     let counts = Grade::ALL.into_iter().zip(card.parameters.iter().map(Vec::len));
-    let doubt = if card.model_is_doubted { ", if the model holds" } else { "" };
-    format!("{} of {}{doubt}", counted(counts), card.parameters.iter().map(Vec::len).sum::<usize>())
+    let doubt = if card.model_is_doubted { "; what the model lacks may shift them" } else { "" };
+    format!(
+        "{} of {}{doubt}",
+        counted(counts, card.model_is_doubted),
+        card.parameters.iter().map(Vec::len).sum::<usize>()
+    )
 }
 
 /// The names of the parameters that are sure, as many as stand in two lines, and how many more there are.
