@@ -27,7 +27,7 @@ pub fn identify(
 ) -> PyResult<Results> {
     let settings: Settings = values::read(settings)?;
     let (recordings, validation) = (into_library(recordings)?, into_library(validation)?);
-    let (parameters, robot) = (settings.parameters.clone(), robot.clone());
+    let robot = robot.clone();
     let (description, robot_files) = (robot.description(), robot.source()?.files());
     let results = interruptible::run(py, progress, move |tell| {
         tell("reading and filtering the recordings");
@@ -35,7 +35,7 @@ pub fn identify(
         Ok(identification.run_with_progress(tell)?)
     })?;
     let results = thetahat::Results { title, robot_description: description, robot_files, ..results };
-    Ok(Results::new(results, parameters.exclude, parameters.fix, None))
+    Ok(Results::new(results, None))
 }
 
 /// Runs an experiment file.
@@ -55,9 +55,7 @@ pub fn run(
         let results = experiment.run(&data, tell)?;
         let (text, robot_text) = (&results.experiment_description, &results.robot_description);
         let robot = Robot::of_experiment(&path, text, robot_text, &results.profiled_terms)?;
-        let parameters = &experiment.settings.parameters;
-        let (excluded, fixed) = (parameters.exclude.clone(), parameters.fix.clone());
-        Ok((Results::new(results, excluded, fixed, experiment.published_path()), robot))
+        Ok((Results::new(results, experiment.published_path()), robot))
     })
 }
 
