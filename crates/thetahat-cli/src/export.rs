@@ -104,13 +104,16 @@ fn refuse_others(folder: &Path, count: u32, extension: &str) -> Result<(), Box<d
 }
 
 fn identified(request: &Exported) -> Result<IdentifiedRobot, ExperimentError> {
-    IdentifiedRobot::read(&request.results, &EstimateRequest {
-        method: request.method,
-        robot: request.robot.clone(),
-        data: request.data.clone(),
-        force: request.force,
-        ..EstimateRequest::default()
-    })
+    IdentifiedRobot::read(
+        &request.results,
+        &EstimateRequest {
+            method: request.method,
+            robot: request.robot.clone(),
+            data: request.data.clone(),
+            force: request.force,
+            ..EstimateRequest::default()
+        },
+    )
 }
 
 /// The covariance; or why the results have none, as those of before that key.

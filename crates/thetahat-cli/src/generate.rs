@@ -73,13 +73,16 @@ fn read_results(request: &Generate, path: PathBuf) -> Result<Source, Box<dyn Err
     if !request.lock.is_empty() || !request.until.is_empty() {
         return Err("the results say which joints are locked; leave --lock and --until out".into());
     }
-    let identified = IdentifiedRobot::read(&path, &EstimateRequest {
-        case: request.case.clone().unwrap_or_else(|| NOMINAL.to_owned()),
-        method: request.method,
-        robot: request.robot.clone(),
-        data: None,
-        force: request.force.force,
-    })?;
+    let identified = IdentifiedRobot::read(
+        &path,
+        &EstimateRequest {
+            case: request.case.clone().unwrap_or_else(|| NOMINAL.to_owned()),
+            method: request.method,
+            robot: request.robot.clone(),
+            data: None,
+            force: request.force.force,
+        },
+    )?;
     let theta = match request.parameters.unwrap_or(GeneratedParameters::Values) {
         GeneratedParameters::Symbolic => None,
         GeneratedParameters::Values => Some(identified.theta()),

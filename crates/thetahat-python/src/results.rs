@@ -58,11 +58,7 @@ impl Results {
 
     /// The results of their JSON and packed curves, which [`Results::__reduce__`] gives.
     #[staticmethod]
-    fn from_state(
-        json: &str,
-        packed_curves: &[u8],
-        published: Option<PathBuf>,
-    ) -> Result<Self, Raised> {
+    fn from_state(json: &str, packed_curves: &[u8], published: Option<PathBuf>) -> Result<Self, Raised> {
         let mut results = thetahat::Results::from_json(Path::new("a pickled result"), json)?;
         let unpacked: Result<(Plots, Vec<RunPlots>), _> = rmp_serde::from_slice(packed_curves);
         let (plots, runs) =

@@ -1,8 +1,13 @@
 use std::path::PathBuf;
 
 use crate::{
-    filter_choice::FilterChoiceError, preparation::PreparationError, recording::RecordingError,
-    results::{NoEstimate, ResultsError}, robot::RobotError, simulation::SimulationError, trajectory::TrajectoryError,
+    filter_choice::FilterChoiceError,
+    preparation::PreparationError,
+    recording::RecordingError,
+    results::{NoEstimate, ResultsError},
+    robot::RobotError,
+    simulation::SimulationError,
+    trajectory::TrajectoryError,
 };
 
 /// Why an experiment cannot be read or run.

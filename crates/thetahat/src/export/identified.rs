@@ -86,7 +86,8 @@ impl IdentifiedModel {
     pub(super) fn origin(&self) -> String {
         let IdentifiedRobot { run, case, verdict, title, .. } = &self.identified;
         let title = if title.is_empty() { String::new() } else { format!(" of \"{title}\"") };
-        let status = if run.status == Status::Converged { String::new() } else { format!("; status: {}", run.status.name()) };
+        let status =
+            if run.status == Status::Converged { String::new() } else { format!("; status: {}", run.status.name()) };
         format!("identified by {}{title}, {} case; verdict: {verdict}{status}", run.method, case.name)
     }
 
@@ -141,4 +142,3 @@ impl IdentifiedModel {
 fn digits(value: f64) -> String {
     format!("{value:.3e}").parse().map_or_else(|_| value.to_string(), number)
 }
-

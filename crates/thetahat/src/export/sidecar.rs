@@ -44,8 +44,7 @@ const ABOUT: &str = "SI. Covariances are lower triangles, row by row, of the fre
                      parameters is how the consistent set nearest to the a-priori parameters follows the base parameters, to first \
                      order: the a-priori values themselves have no uncertainty here.";
 /// The same of results that hold deviations alone.
-const ABOUT_DEVIATIONS: &str =
-    "SI. Covariances are lower triangles, row by row. The results hold standard deviations and no correlations: those of the free \
+const ABOUT_DEVIATIONS: &str = "SI. Covariances are lower triangles, row by row. The results hold standard deviations and no correlations: those of the free \
      estimates are taken as zero, which they are not; identify again with this version. The covariance of the standard \
      parameters is how the consistent set nearest to the a-priori parameters follows the base parameters, to first order: the \
      a-priori values themselves have no uncertainty here.";

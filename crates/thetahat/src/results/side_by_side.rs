@@ -6,7 +6,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{card::Unseen, content::Results, estimate::NoEstimate, parameters::ParameterResult, run::RunResult, verdict::Verdict};
+use super::{
+    card::Unseen, content::Results, estimate::NoEstimate, parameters::ParameterResult, run::RunResult, verdict::Verdict,
+};
 use crate::identification::Method;
 
 /// Results beside each other; all are compared with the first.
@@ -76,7 +78,8 @@ impl SideBySide {
     /// # Errors
     /// [`SideBySideError`] where one of them has no such estimate.
     pub fn new(results: &[(PathBuf, Results)], case: &str, method: Option<Method>) -> Result<Self, SideBySideError> {
-        let runs = results.iter().map(|(file, results)| run_of(file, results, case, method)).collect::<Result<Vec<_>, _>>()?;
+        let runs =
+            results.iter().map(|(file, results)| run_of(file, results, case, method)).collect::<Result<Vec<_>, _>>()?;
         let sides = results.iter().zip(&runs).map(|((file, results), run)| side(file, results, run)).collect();
         Ok(Self { sides, settings: settings(results), parameters: parameters(&runs) })
     }
@@ -237,9 +240,6 @@ mod tests {
         assert!(matches!(&none.source, NoEstimate::NotAdvised { methods, .. } if methods == &["idim-ls"]), "{none}");
         let two = [results(LS, 1.0, 1.5), results(LS, 1.0, 1.5)];
         let absent = SideBySide::new(&two, "nominal", Some(Method::DIDIM)).unwrap_err();
-        assert!(
-            matches!(&absent.source, NoEstimate::Absent { runs, .. } if runs == &["nominal idim-ls"]),
-            "{absent}"
-        );
+        assert!(matches!(&absent.source, NoEstimate::Absent { runs, .. } if runs == &["nominal idim-ls"]), "{absent}");
     }
 }

@@ -82,7 +82,10 @@ pub fn with_constants(robot: &Robot, profiled: &[ProfiledTerm]) -> Robot {
         let own = (column.term, constants.map(|p| p.joint.as_str()));
         let original = &robot.term_descriptions[column.term];
         column.term = *place.entry(own).or_insert_with(|| {
-            descriptions.push(constants.map_or_else(|| original.clone(), |p| original.clone().with_constants(p.velocity, p.exponent).on_joint(&p.joint)));
+            descriptions.push(constants.map_or_else(
+                || original.clone(),
+                |p| original.clone().with_constants(p.velocity, p.exponent).on_joint(&p.joint),
+            ));
             descriptions.len() - 1
         });
         if let (Some(p), Shape::Stribeck(stribeck)) = (constants, &mut column.shape) {
