@@ -46,6 +46,8 @@ pub enum Command {
     /// Exit code 1 where the verdict on the results is that they are not to be used, and --force exports them.
     Export(Export),
     /// Write robots drawn from the distribution of the estimates, each physically consistent: for domain randomisation.
+    ///
+    /// Exit code 1 where the verdict on the results is that they are not to be used, and --force takes them.
     Sample(Sample),
     /// Predict the torques of another motion with identified parameters.
     Predict(Predict),
@@ -386,7 +388,7 @@ pub struct Generate {
     /// The case whose estimates are taken [default: nominal]
     #[arg(long)]
     pub case: Option<String>,
-    /// The robot that the results must be of
+    /// The robot description that the results must be of, unchanged
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
     /// The torques of the drives: all, the inertia of the motors alone, or none

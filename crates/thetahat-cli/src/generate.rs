@@ -8,9 +8,9 @@ use std::{
 };
 
 use thetahat::{
-    experiment::IdentifiedRobot,
+    experiment::{EstimateRequest, IdentifiedRobot},
     output::{OutputGuard, replace_file},
-    results::{NOMINAL, Verdict},
+    results::NOMINAL,
     robot::{Locks, Robot, RobotSource},
     symbolic::{Function, ParameterSet, Request, SymbolicError},
 };
@@ -71,28 +71,21 @@ fn read_results(request: &Generate, path: PathBuf) -> Result<Source, Box<dyn Err
     if !request.lock.is_empty() || !request.until.is_empty() {
         return Err("the results say which joints are locked; leave --lock and --until out".into());
     }
-    let case = request.case.as_deref().unwrap_or(NOMINAL);
-    let identified = IdentifiedRobot::read(&path, case, request.method)?;
-    if identified.verdict == Verdict::DoNotUse && !request.force.force {
-        return Err(format!(
-            "{}: its verdict is do-not-use; look at the reasons in its report, or take the numbers as they are with --force",
-            path.display()
-        )
-        .into());
-    }
-    let mut files = vec![path.clone()];
-    if let Some(robot) = &request.robot {
-        let source = RobotSource::read(robot)?;
-        let locked = identified.robot.locked.iter().map(|joint| (joint.name.clone(), joint.value)).collect();
-        let locks = Locks { locked, until: Vec::new() };
-        identified.require_robot(&path, &source.robot_with_locks(&locks, robot)?)?;
-        files.push(robot.clone());
-    }
+    let identified = IdentifiedRobot::read(
+        &path,
+        &EstimateRequest {
+            case: request.case.clone().unwrap_or_else(|| NOMINAL.to_owned()),
+            method: request.method,
+            robot: request.robot.clone(),
+            data: None,
+            force: request.force.force,
+        },
+    )?;
     let theta = match request.parameters.unwrap_or(GeneratedParameters::Values) {
         GeneratedParameters::Symbolic => None,
-        GeneratedParameters::Values => Some(identified.theta),
+        GeneratedParameters::Values => Some(identified.theta()),
     };
-    Ok(Source { robot: identified.robot, theta, files })
+    Ok(Source { robot: identified.robot, theta, files: identified.files })
 }
 
 /// Whether a file begins like JSON; one that cannot be read is left to its reader.

@@ -155,9 +155,7 @@ pub fn run_texts(py: Python<'_>, texts: ExperimentTexts, data: PathBuf) -> Resul
     py.detach(|| {
         let experiment = experiment_of(texts)?;
         let results = experiment.run_on_threads(&data, 1, &mut |_| {})?;
-        let parameters = &experiment.settings.parameters;
-        let (excluded, fixed) = (parameters.exclude.clone(), parameters.fix.clone());
-        Ok(Results::new(results, excluded, fixed, experiment.published_path()))
+        Ok(Results::new(results, experiment.published_path()))
     })
 }
 
@@ -210,9 +208,8 @@ pub fn solve(py: Python<'_>, name: PathBuf, content: Vec<u8>) -> Result<(Results
         let results = reduction.solve()?.results;
         let (text, robot_text) = (&results.experiment_description, &results.robot_description);
         let path = Path::new(&reduction.experiment_name);
-        let parameters = Experiment::from_texts(path, text.clone(), robot_text.clone())?.settings.parameters;
         let robot = Robot::of_experiment(path, text, robot_text, &results.profiled_terms)?;
-        Ok((Results::new(results, parameters.exclude, parameters.fix, None), robot))
+        Ok((Results::new(results, None), robot))
     })
 }
 

@@ -29,7 +29,7 @@ pub fn identify(
 ) -> PyResult<Results> {
     let settings: Settings = values::read(settings)?;
     let (recordings, validation) = (into_library(recordings.0)?, into_library(recordings.1)?);
-    let (parameters, robot) = (settings.parameters.clone(), robot.clone());
+    let robot = robot.clone();
     let (description, robot_files) = (robot.description(), robot.source()?.files());
     let results = interruptible::run(py, progress, move |tell| {
         tell("reading and filtering the recordings");
@@ -41,7 +41,7 @@ pub fn identify(
         Ok(identification.run_with_progress(tell)?)
     })?;
     let results = thetahat::Results { title, robot_description: description, robot_files, ..results };
-    Ok(Results::new(results, parameters.exclude, parameters.fix, None))
+    Ok(Results::new(results, None))
 }
 
 /// Runs an experiment file.
@@ -61,9 +61,7 @@ pub fn run(
         let results = experiment.run(&data, tell)?;
         let (text, robot_text) = (&results.experiment_description, &results.robot_description);
         let robot = Robot::of_experiment(&path, text, robot_text, &results.profiled_terms)?;
-        let parameters = &experiment.settings.parameters;
-        let (excluded, fixed) = (parameters.exclude.clone(), parameters.fix.clone());
-        Ok((Results::new(results, excluded, fixed, experiment.published_path()), robot))
+        Ok((Results::new(results, experiment.published_path()), robot))
     })
 }
 

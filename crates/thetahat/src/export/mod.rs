@@ -33,7 +33,6 @@ mod mjcf;
 mod posterior;
 mod provenance;
 mod render;
-mod robot_file;
 mod said;
 mod samples;
 mod sdf;
@@ -45,7 +44,7 @@ mod xml;
 
 pub use error::ExportError;
 pub use format::Format;
-pub use identified::{ExportRequest, IdentifiedModel};
+pub use identified::IdentifiedModel;
 pub use provenance::{MovedParameter, Provenance};
 pub use render::{Export, export_robot};
 pub use samples::Sample;

@@ -50,7 +50,6 @@ mod section;
 mod sections;
 mod sensitivity;
 mod series;
-mod status;
 mod table;
 mod tables;
 mod terms;

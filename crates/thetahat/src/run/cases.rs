@@ -142,6 +142,8 @@ impl Identification {
             validation_recordings: self.validation.iter().map(|p| p.describe(problem)).collect(),
             bandwidth: self.setup().measure_bandwidth(rate)?,
             seed: None,
+            excluded_parameters: self.setup().settings.parameters.exclude.clone(),
+            fixed_parameters: self.setup().settings.parameters.fix.clone(),
             elimination: problem.elimination_result(),
             with_rest: self.with_rest(problem, &runs)?,
             profiled_terms: self.profiled.clone(),

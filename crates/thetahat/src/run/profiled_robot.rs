@@ -1,5 +1,7 @@
 //! A robot whose terms say `profile = true`, with the constants that the recordings give them.
 
+use std::collections::BTreeMap;
+
 use super::{column_source::ColumnSource, profile::Projection};
 use crate::{
     identification::JointWeights,
@@ -64,16 +66,31 @@ fn renamed(column: &TermColumn, place: usize) -> TermColumn {
     TermColumn { parameter: format!("beside_{place}"), ..column.clone() }
 }
 
-/// The robot with other constants of its terms, one description for each joint.
+/// The robot with the constants of its terms that were found: a profiled term becomes one for each of its joints, with the constants
+/// of that joint.
 #[must_use]
 pub fn with_constants(robot: &Robot, profiled: &[ProfiledTerm]) -> Robot {
-    let mut robot = robot.clone();
-    let joints: Vec<String> = robot.joints.iter().map(|j| j.name.clone()).collect();
-    for column in &mut robot.terms {
-        let own = |p: &&ProfiledTerm| p.term == column.term && p.joint == joints[column.joint];
-        if let (Some(found), Shape::Stribeck(stribeck)) = (profiled.iter().find(own), &mut column.shape) {
-            (stribeck.velocity, stribeck.exponent) = (found.velocity, found.exponent);
+    let found = |column: &TermColumn| {
+        let joint = &robot.joints[column.joint].name;
+        profiled.iter().find(|p| p.term == column.term && p.joint == *joint)
+    };
+    let (mut descriptions, mut place) = (Vec::new(), BTreeMap::new());
+    let mut terms = robot.terms.clone();
+    for column in &mut terms {
+        let constants = found(column);
+        // All columns of a term without constants of its own joints share its description.
+        let own = (column.term, constants.map(|p| p.joint.as_str()));
+        let original = &robot.term_descriptions[column.term];
+        column.term = *place.entry(own).or_insert_with(|| {
+            descriptions.push(constants.map_or_else(
+                || original.clone(),
+                |p| original.clone().with_constants(p.velocity, p.exponent).on_joint(&p.joint),
+            ));
+            descriptions.len() - 1
+        });
+        if let (Some(p), Shape::Stribeck(stribeck)) = (constants, &mut column.shape) {
+            (stribeck.velocity, stribeck.exponent) = (p.velocity, p.exponent);
         }
     }
-    robot
+    Robot { terms, term_descriptions: descriptions, ..robot.clone() }
 }
