@@ -24,17 +24,19 @@ use crate::{
 struct Source {
     robot: Robot,
     theta: Option<Vec<f64>>,
+    /// Where they are from.
+    about: Vec<String>,
     /// The files that were read.
     files: Vec<PathBuf>,
 }
 
 pub fn run(request: &Generate) -> Result<Ending, Box<dyn Error>> {
-    let Source { robot, theta, files } = read(request)?;
+    let Source { robot, theta, about, files } = read(request)?;
     if let Some(path) = &request.out {
         OutputGuard::new(files, request.force.force).file(path)?;
     }
     let parameters = if request.base { ParameterSet::Base } else { ParameterSet::Standard };
-    let asked = Request { model: request.model, parameters, values: theta, drives: request.drives };
+    let asked = Request { model: request.model, parameters, values: theta, drives: request.drives, about };
     let function = Function::new(&robot, &asked)?;
     let code = request.to.code(&function, request.name.as_deref())?;
     let Some(path) = &request.out else {
@@ -64,7 +66,7 @@ fn read_robot(request: &Generate, path: &Path) -> Result<Source, Box<dyn Error>>
         GeneratedParameters::Values => Some(robot.a_priori_parameters()),
     };
     let files = [Some(path.to_owned()), source.urdf_path().map(Path::to_owned)].into_iter().flatten().collect();
-    Ok(Source { robot, theta, files })
+    Ok(Source { robot, theta, about: Vec::new(), files })
 }
 
 fn read_results(request: &Generate, path: PathBuf) -> Result<Source, Box<dyn Error>> {
@@ -85,7 +87,11 @@ fn read_results(request: &Generate, path: PathBuf) -> Result<Source, Box<dyn Err
         GeneratedParameters::Symbolic => None,
         GeneratedParameters::Values => Some(identified.theta()),
     };
-    Ok(Source { robot: identified.robot, theta, files: identified.files })
+    let mut about = vec![identified.origin()];
+    if theta.is_some() {
+        about.push("values are estimates of base parameters, each at the standard parameter that it keeps".to_owned());
+    }
+    Ok(Source { robot: identified.robot, theta, about, files: identified.files })
 }
 
 /// Whether a file begins like JSON; one that cannot be read is left to its reader.

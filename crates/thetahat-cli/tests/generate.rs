@@ -112,6 +112,8 @@ fn results_give_their_estimates() {
         "{text}"
     );
     assert!(!text.contains("theta["), "{text}");
+    let origin = "identified by idim-ls of \"a slider\", nominal case; verdict: ";
+    assert!(text.contains(origin) && text.contains("values are estimates of base parameters"), "{text}");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use super::{description::Experiment, error::ExperimentError, robot_file::require
 use crate::{
     base_parameters::BaseParameters,
     diagnosis::judge,
-    identification::Method,
+    identification::{Method, Status},
     preparation::{Case, ParameterChoice, ParameterSelection, Settings, Setup},
     results::{NOMINAL, Results, RunResult, Verdict, VerdictReason},
     robot::{Locks, Robot, RobotSource},
@@ -120,6 +120,16 @@ impl IdentifiedRobot {
     #[must_use]
     pub fn theta(&self) -> Vec<f64> {
         self.base.to_standard(&self.estimates())
+    }
+
+    /// Method, case and verdict in a line, and how the run ended where it did not converge.
+    #[must_use]
+    pub fn origin(&self) -> String {
+        let Self { run, case, verdict, title, .. } = self;
+        let title = if title.is_empty() { String::new() } else { format!(" of \"{title}\"") };
+        let status =
+            if run.status == Status::Converged { String::new() } else { format!("; status: {}", run.status.name()) };
+        format!("identified by {}{title}, {} case; verdict: {verdict}{status}", run.method, case.name)
     }
 
     /// The experiment that the results are of; none where they are of arrays.

@@ -12,7 +12,6 @@ use super::{
 };
 use crate::{
     experiment::{EstimateRequest, IdentifiedRobot},
-    identification::Status,
     results::Results,
 };
 
@@ -70,7 +69,7 @@ impl IdentifiedModel {
     /// identified.
     #[must_use]
     pub fn about(&self) -> Vec<String> {
-        let mut lines = vec![self.origin(), self.choice().to_owned()];
+        let mut lines = vec![self.identified.origin(), self.choice().to_owned()];
         if self.posterior.rejects == Some(true) {
             lines.push(
                 "the data reject every robot made of bodies at 5 %: something is wrong that no parameters repair"
@@ -80,15 +79,6 @@ impl IdentifiedModel {
         lines.extend(self.moved_in_words());
         lines.extend(self.provenance_in_words());
         lines
-    }
-
-    /// Method, case and verdict, and how the run ended where it did not converge.
-    pub(super) fn origin(&self) -> String {
-        let IdentifiedRobot { run, case, verdict, title, .. } = &self.identified;
-        let title = if title.is_empty() { String::new() } else { format!(" of \"{title}\"") };
-        let status =
-            if run.status == Status::Converged { String::new() } else { format!("; status: {}", run.status.name()) };
-        format!("identified by {}{title}, {} case; verdict: {verdict}{status}", run.method, case.name)
     }
 
     /// Where the standard parameters come from, a sentence for each origin.

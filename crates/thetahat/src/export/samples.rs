@@ -61,7 +61,7 @@ impl IdentifiedModel {
              the physically consistent ones with these, or nearest to these in the metric of the covariance"
                 .to_owned(),
         ];
-        let about = [vec![self.origin()], drawn.into(), self.provenance_in_words()].concat();
+        let about = [vec![self.identified.origin()], drawn.into(), self.provenance_in_words()].concat();
         let Self { identified, .. } = self;
         export_robot(&identified.robot, identified.source.urdf_text(), &sample.standard, format, &about)
     }
