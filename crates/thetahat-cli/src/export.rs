@@ -14,6 +14,8 @@ use thetahat::{
 
 use crate::{
     arguments::{Export as Request, Exported, Sample},
+    inputs::threads,
+    progress::Counter,
     terminal::{Ending, print, remark},
 };
 
@@ -63,15 +65,7 @@ pub fn sample_robots(request: &Sample) -> Result<Ending, Box<dyn Error>> {
     guard.folder(&request.out, names.iter().map(String::as_str))?;
     refuse_others(&request.out, request.count, extension)?;
     let model = IdentifiedModel::new(identified)?;
-    // All are made before any is written.
-    let mut files = Vec::with_capacity(names.len());
-    for number in 1..=request.count {
-        files.push(model.export_sample(&model.sample(number, request.seed)?, request.exported.to)?.text);
-    }
-    fs::create_dir_all(&request.out)?;
-    for (name, text) in names.iter().zip(&files) {
-        replace_file(&request.out.join(name), text.as_bytes())?;
-    }
+    write_samples(&model, request, &names)?;
     print(&format!(
         "{}: {} samples of the estimates by {}, seed {}\nwritten: {} to {}\n",
         model.identified.robot.name,
@@ -82,6 +76,26 @@ pub fn sample_robots(request: &Sample) -> Result<Ending, Box<dyn Error>> {
         names[names.len() - 1]
     ))?;
     Ok(Ending::of(Some(model.identified.verdict)))
+}
+
+/// Makes the samples in a folder of their own, and moves them once all are there.
+fn write_samples(model: &IdentifiedModel, request: &Sample, names: &[String]) -> Result<(), Box<dyn Error>> {
+    let unfinished = request.out.join(format!(".samples.{}.part", std::process::id()));
+    fs::create_dir_all(&unfinished)?;
+    let mut counter = Counter::new("samples");
+    let (mut waiting, samples) = (names.iter().enumerate(), (request.count, request.seed));
+    let made = model.export_samples(samples, request.exported.to, threads(None), |_, export| {
+        let Some((done, name)) = waiting.next() else { return Ok(()) };
+        fs::write(unfinished.join(name), export.text)?;
+        counter.tell(done + 1, names.len(), String::new());
+        Ok::<(), Box<dyn Error>>(())
+    });
+    drop(counter);
+    let moved = made.and_then(|()| {
+        Ok(names.iter().try_for_each(|name| fs::rename(unfinished.join(name), request.out.join(name)))?)
+    });
+    fs::remove_dir_all(&unfinished)?;
+    moved
 }
 
 /// Refuses a folder with samples of higher numbers: whoever reads it would mix them with these.

@@ -25,6 +25,7 @@ mod proposal;
 mod reading;
 mod robot_file;
 mod run;
+mod subject;
 mod twin;
 mod validation;
 

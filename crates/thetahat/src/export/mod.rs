@@ -38,6 +38,7 @@ mod samples;
 mod sdf;
 mod sidecar;
 mod split;
+mod uncertainty;
 mod urdf_edit;
 mod urdf_new;
 mod xml;

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use super::{
     error::ExportError,
     provenance::{Provenance, provenance},
+    uncertainty::Uncertainty,
 };
 use crate::{
     base_parameters::BaseParameters,
@@ -16,7 +17,6 @@ use crate::{
     preparation::{KnownQuantity, consistent_set_of},
     results::{ParameterResult, RunResult},
     robot::{ParameterTable, Quantity},
-    statistics::CovarianceFactor,
 };
 
 /// Weight of the divergence from the a-priori parameters beside the distance from the estimate in its variances: it decides
@@ -47,16 +47,6 @@ pub(super) struct Posterior {
     pub(super) rejects: Option<bool>,
     /// The consistent estimate in the results.
     consistent: Option<Vec<f64>>,
-}
-
-/// How sure the estimates are.
-#[derive(Debug, Clone)]
-pub(super) struct Uncertainty {
-    pub(super) covariance: Matrix,
-    /// Whether the results hold correlations.
-    pub(super) is_correlated: bool,
-    /// Its factor and what whitens with it; none where the covariance is singular.
-    factor: Option<(CovarianceFactor, Matrix)>,
 }
 
 /// The covariance of the exported parameters.
@@ -225,14 +215,10 @@ impl Posterior {
             let bounded = set.clone().with_base_between(&self.base, &intervals)?;
             Ok(fit(&bounded, &distance, PRIOR, Some(&standard))?.standard)
         });
-        found.map_err(|error| match error {
-            ConsistencyError::NoInterior { conflicting, .. } => ExportError::NotConsistent {
-                path: self.path.clone(),
-                method: self.method,
-                deviations: self.outside,
-                conflicting,
-            },
-            error => self.refuse(error),
+        found.map_err(|error| {
+            let ConsistencyError::NoInterior { conflicting, .. } = error else { return self.refuse(error) };
+            let (path, method, deviations) = (self.path.clone(), self.method, self.outside);
+            ExportError::NotConsistent { path, method, deviations, conflicting }
         })
     }
 
@@ -244,8 +230,7 @@ impl Posterior {
 
     /// Base parameters from the normal distribution about the estimates, of independent standard normal numbers.
     pub(super) fn drawn(&self, normal: &[f64]) -> Result<Vec<f64>, ExportError> {
-        let (factor, _) = self.known_uncertainty()?.factor.as_ref().ok_or_else(|| self.singular())?;
-        Ok(self.estimates.iter().zip(factor.coloured(normal)).map(|(p, error)| p.estimate + error).collect())
+        self.known_uncertainty()?.drawn(&self.estimates, normal).ok_or_else(|| self.singular())
     }
 
     /// The covariance of the base parameters with what is known of them, and to first order that of the standard parameters.
@@ -298,39 +283,4 @@ fn consistent_estimate(run: &RunResult, table: &ParameterTable) -> Option<Vec<f6
     let estimate = run.physical.as_ref()?.estimate.as_ref()?;
     let value = |name: &str| estimate.standard.iter().find(|p| p.name == name).map_or(0.0, |p| p.estimate);
     Some(table.iter().map(|p| value(&p.name())).collect())
-}
-
-impl Uncertainty {
-    /// That of the estimates of a run; none where it has no deviations. Results of before their covariance have deviations
-    /// alone.
-    fn of(run: &RunResult, estimates: &[ParameterResult]) -> Option<Self> {
-        let (n, count) = (estimates.len(), run.parameters.len());
-        let is_correlated = run.covariance.len() == count * (count + 1) / 2;
-        let covariance = if is_correlated {
-            let place = |p: &ParameterResult| run.parameters.iter().position(|of_run| of_run.name == p.name);
-            let places = estimates.iter().map(place).collect::<Option<Vec<_>>>()?;
-            Matrix::from_fn(n, n, |i, j| {
-                let (row, column) = (places[i].max(places[j]), places[i].min(places[j]));
-                run.covariance[row * (row + 1) / 2 + column]
-            })
-        } else {
-            let deviations = estimates.iter().map(deviation).collect::<Option<Vec<f64>>>()?;
-            Matrix::from_fn(n, n, |i, j| if i == j { deviations[i] * deviations[i] } else { 0.0 })
-        };
-        let factor = CovarianceFactor::of(&covariance).and_then(|factor| {
-            let whitening = factor.whitening()?;
-            Some((factor, whitening))
-        });
-        Some(Self { covariance, is_correlated, factor })
-    }
-
-    /// `R` with `R^T R` the inverse of the covariance.
-    fn whitening(&self) -> Option<&Matrix> {
-        self.factor.as_ref().map(|(_, whitening)| whitening)
-    }
-}
-
-/// The standard deviation with correlated errors, or else the classical one.
-pub(super) fn deviation(parameter: &ParameterResult) -> Option<f64> {
-    parameter.standard_deviation_robust.or(parameter.standard_deviation)
 }

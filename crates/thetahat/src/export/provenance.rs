@@ -1,6 +1,6 @@
 //! Where exported standard parameters come from.
 
-use super::posterior::deviation;
+use super::uncertainty::deviation;
 use crate::{
     base_parameters::{BaseParameter, BaseParameters},
     experiment::IdentifiedRobot,

@@ -10,6 +10,7 @@ use super::{
     identified::IdentifiedModel,
     render::{Export, export_robot},
 };
+use crate::pool::in_order;
 
 /// A robot that may be the identified one.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,6 +49,23 @@ impl IdentifiedModel {
     #[must_use]
     pub fn base_parameters_of(&self, sample: &Sample) -> Vec<f64> {
         self.posterior.base.from_standard(&sample.standard)
+    }
+
+    /// The files of samples 1 to `count`, made on `threads` threads and handed over in the order of their numbers.
+    ///
+    /// # Errors
+    /// As [`IdentifiedModel::sample`] and [`export_robot`], and what `take` returns.
+    pub fn export_samples<E: From<ExportError>>(
+        &self,
+        (count, seed): (u32, u64),
+        format: Format,
+        threads: usize,
+        mut take: impl FnMut(u32, Export) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let made = |number| self.export_sample(&self.sample(number, seed)?, format);
+        // Samples have numbers of 32 bits.
+        let number = |k: usize| k as u32 + 1;
+        in_order(count as usize, threads, |k| made(number(k)), |k, export| take(number(k), export?))
     }
 
     /// The file of a sample.

@@ -70,22 +70,22 @@ fn renamed(column: &TermColumn, place: usize) -> TermColumn {
 /// of that joint.
 #[must_use]
 pub fn with_constants(robot: &Robot, profiled: &[ProfiledTerm]) -> Robot {
-    let found = |column: &TermColumn| {
-        let joint = &robot.joints[column.joint].name;
-        profiled.iter().find(|p| p.term == column.term && p.joint == *joint)
-    };
     let (mut descriptions, mut place) = (Vec::new(), BTreeMap::new());
     let mut terms = robot.terms.clone();
     for column in &mut terms {
-        let constants = found(column);
-        // All columns of a term without constants of its own joints share its description.
-        let own = (column.term, constants.map(|p| p.joint.as_str()));
-        let original = &robot.term_descriptions[column.term];
+        let joint = &robot.joints[column.joint].name;
+        let of_term: Vec<&ProfiledTerm> = profiled.iter().filter(|p| p.term == column.term).collect();
+        let constants = of_term.iter().find(|p| p.joint == *joint);
+        let description = robot.term_descriptions[column.term].clone();
+        let description = if of_term.is_empty() { description } else { description.on_joint(joint) };
+        let description = match constants {
+            Some(p) => description.with_constants(p.velocity, p.exponent),
+            None => description,
+        };
+        // The columns of a term that stays as it is share its description.
+        let own = (column.term, (!of_term.is_empty()).then_some(column.joint));
         column.term = *place.entry(own).or_insert_with(|| {
-            descriptions.push(constants.map_or_else(
-                || original.clone(),
-                |p| original.clone().with_constants(p.velocity, p.exponent).on_joint(&p.joint),
-            ));
+            descriptions.push(description);
             descriptions.len() - 1
         });
         if let (Some(p), Shape::Stribeck(stribeck)) = (constants, &mut column.shape) {
