@@ -275,8 +275,6 @@ fn results() -> Results {
         drive_gains: Vec::new(),
         experiment_description: "title = \"<i>\"\n".to_owned(),
         robot_description: "name = \"A robot\"\n".to_owned(),
-        excluded_parameters: Vec::new(),
-        fixed_parameters: BTreeMap::new(),
         robot_files: Vec::new(),
         plots: Plots {
             time_s: vec![0.1, 0.2, 0.3],
