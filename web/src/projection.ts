@@ -1,0 +1,40 @@
+// From points in space to a picture: z up, seen from a direction, without perspective.
+
+import type { Point } from "./contract";
+
+export interface Direction {
+  /** About the vertical, rad. */
+  yaw: number;
+  /** Above the horizon, rad. */
+  pitch: number;
+}
+
+/** A sphere around all that is drawn. */
+export interface Ball {
+  centre: Point;
+  radius: number;
+}
+
+/** The sphere around the box of points and of the origin, where the robot stands. */
+export function ballAround(points: Point[]): Ball {
+  const all: Point[] = [[0, 0, 0], ...points];
+  const least = (axis: 0 | 1 | 2) => all.reduce((value, point) => Math.min(value, point[axis]), Infinity);
+  const most = (axis: 0 | 1 | 2) => all.reduce((value, point) => Math.max(value, point[axis]), -Infinity);
+  const [low, high]: [Point, Point] = [[least(0), least(1), least(2)], [most(0), most(1), most(2)]];
+  const centre: Point = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2];
+  return { centre, radius: Math.max(1e-9, Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]) / 2) };
+}
+
+/** The place of a point in a picture whose middle is the ball's and whose half height is its radius. */
+export function project([x, y, z]: Point, { centre, radius }: Ball, { yaw, pitch }: Direction): [number, number] {
+  const [a, b, c] = [x - centre[0], y - centre[1], z - centre[2]];
+  const right = a * Math.cos(yaw) + b * Math.sin(yaw);
+  const depth = b * Math.cos(yaw) - a * Math.sin(yaw);
+  const up = c * Math.cos(pitch) + depth * Math.sin(pitch);
+  return [right / radius, -up / radius];
+}
+
+/** A path through points of a picture. */
+export function pathOf(points: [number, number][], scale: number): string {
+  return points.map(([x, y], index) => `${index === 0 ? "M" : "L"}${(x * scale).toFixed(1)} ${(y * scale).toFixed(1)}`).join("");
+}
