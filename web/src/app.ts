@@ -68,6 +68,12 @@ export class App {
     await this.understand();
   }
 
+  /** Takes everything as it was found. */
+  async chooseNothing(): Promise<void> {
+    this.set({ choices: {} });
+    await this.understand();
+  }
+
   /** Takes the text of the experiment as it was changed by hand. */
   edit(text: string): void {
     this.set({ experiment: { text, origin: "edited" } });

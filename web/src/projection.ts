@@ -15,14 +15,16 @@ export interface Ball {
   radius: number;
 }
 
-/** The sphere around the box of points and of the origin, where the robot stands. */
+/** The sphere about the middle of the points and of the origin, where the robot stands. */
 export function ballAround(points: Point[]): Ball {
   const all: Point[] = [[0, 0, 0], ...points];
-  const least = (axis: 0 | 1 | 2) => all.reduce((value, point) => Math.min(value, point[axis]), Infinity);
-  const most = (axis: 0 | 1 | 2) => all.reduce((value, point) => Math.max(value, point[axis]), -Infinity);
-  const [low, high]: [Point, Point] = [[least(0), least(1), least(2)], [most(0), most(1), most(2)]];
-  const centre: Point = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2];
-  return { centre, radius: Math.max(1e-9, Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]) / 2) };
+  const middle = (axis: 0 | 1 | 2) => {
+    const values = all.map((point) => point[axis]);
+    return (values.reduce((a, b) => Math.min(a, b)) + values.reduce((a, b) => Math.max(a, b))) / 2;
+  };
+  const centre: Point = [middle(0), middle(1), middle(2)];
+  const distance = ([x, y, z]: Point) => Math.hypot(x - centre[0], y - centre[1], z - centre[2]);
+  return { centre, radius: all.map(distance).reduce((a, b) => Math.max(a, b), 1e-9) };
 }
 
 /** The place of a point in a picture whose middle is the ball's and whose half height is its radius. */

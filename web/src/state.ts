@@ -76,6 +76,11 @@ export function isOwnText(experiment: Experiment | null): boolean {
   return experiment !== null && (experiment.origin === "edited" || experiment.origin === "given");
 }
 
+/** Whether the filter is being chosen or the robot identified, from what must stay as it is. */
+export function isAtWork({ task }: State): boolean {
+  return task?.name === "propose" || task?.name === "identify";
+}
+
 /** The arguments of `thetahat init` for the files and choices. */
 export function requestOf({ files, choices }: State): InitRequest {
   const used = files.filter((file) => file.error === null);

@@ -2,20 +2,19 @@
 
 import { useEffect, useState } from "preact/hooks";
 import type { State, Task } from "../state";
-import { missing } from "../state";
+import { isAtWork, missing } from "../state";
 import { headline } from "./Result";
 import type { View } from "./Page";
 
 export function Bar({ state, app }: View) {
   const lacks = missing(state);
-  const isLong = state.task?.name === "propose" || state.task?.name === "identify";
   return (
     <section class="bar" aria-label="Progress" hidden={state.files.length === 0 && state.task === null}>
       <div class="inside">
         <p class="status" role="status">{statusOf(state, lacks)}</p>
         {state.task && <Elapsed task={state.task} />}
         {state.task && <button type="button" onClick={() => app.cancel()}>Cancel</button>}
-        {!isLong && !lacks && (
+        {!isAtWork(state) && !lacks && (
           <button type="button" class="primary" disabled={state.task !== null} onClick={() => app.identify()}>
             {state.identified ? "Identify again" : "Identify"}
           </button>

@@ -4,7 +4,7 @@ import { useState } from "preact/hooks";
 import type { App } from "../app";
 import { assignmentOf, choicesOf, columnNames, type Assignment, type JointColumns } from "../columns";
 import type { ProposalAnswer, Side, Understanding } from "../contract";
-import { isOwnText, type State } from "../state";
+import { isAtWork, isOwnText, type State } from "../state";
 
 const POSITION_UNITS = ["rad", "mrad", "deg", "rev", "m", "mm", "um"];
 const TORQUE_UNITS = ["N m", "mN m", "kN m", "N", "kN", "A", "mA", "V", "mV", "%"];
@@ -19,32 +19,35 @@ export function Choices({ state, app, understanding }: Props) {
   const { proposal } = understanding;
   return (
     <details class="section" open={proposal === null}>
-      <summary><h2>Put it right</h2><span class="hint">columns, units, side, locked joints</span></summary>
-      {isOwnText(state.experiment) && <OwnText app={app} hasProposal={proposal !== null} />}
-      <fieldset disabled={isOwnText(state.experiment) || state.task?.name === "identify" || state.task?.name === "propose"}>
-        <legend class="unseen">Columns, units, side, locked joints</legend>
-        <Signals state={state} app={app} proposal={proposal} />
-        <Columns key={JSON.stringify(proposal)} understanding={understanding} app={app} />
-        <p class="buttons">
-          <button type="button" disabled={Object.keys(state.choices).length === 0} onClick={() => app.choose(NOTHING)}>Take all as found</button>
-        </p>
-      </fieldset>
+      <summary><h2>Corrections</h2><span class="hint">columns, units, side, locked joints</span></summary>
+      {isOwnText(state.experiment) ? <OwnText app={app} hasProposal={proposal !== null} /> : <Fields state={state} app={app} understanding={understanding} />}
     </details>
   );
 }
 
-/** All choices taken back. */
-const NOTHING = {
-  position: undefined, torque: undefined, time: undefined, joints: undefined, rate: undefined, position_unit: undefined,
-  torque_unit: undefined, side: undefined, window_s: undefined, locked: undefined,
-};
-
 function OwnText({ app, hasProposal }: { app: App; hasProposal: boolean }) {
   return (
-    <p class="note">
-      The experiment is a text of its own: it is changed in experiment.toml below.{" "}
+    <div class="buttons">
+      <p>The experiment is a text of its own, which is changed in experiment.toml below.</p>
       {hasProposal && <button type="button" onClick={() => app.useProposal()}>Propose another one</button>}
-    </p>
+    </div>
+  );
+}
+
+function Fields({ state, app, understanding }: Props) {
+  const { proposal } = understanding;
+  const isBusy = isAtWork(state);
+  return (
+    <>
+      <fieldset disabled={isBusy}>
+        <legend class="unseen">Units and side</legend>
+        <Signals state={state} app={app} proposal={proposal} />
+      </fieldset>
+      <Columns key={JSON.stringify(proposal)} understanding={understanding} app={app} isBusy={isBusy} />
+      <p class="buttons">
+        <button type="button" disabled={isBusy || Object.keys(state.choices).length === 0} onClick={() => app.chooseNothing()}>Take all as found</button>
+      </p>
+    </>
   );
 }
 
@@ -93,7 +96,7 @@ function Choice({ label, found, value, options, choose }: ChoiceProps) {
 }
 
 /** The columns of each joint, taken when every joint that moves has both. */
-function Columns({ understanding, app }: { understanding: Understanding; app: App }) {
+function Columns({ understanding, app, isBusy }: { understanding: Understanding; app: App; isBusy: boolean }) {
   const [assignment, setAssignment] = useState(() => assignmentOf(understanding));
   const names = columnNames(understanding.recordings);
   const take = (changed: Assignment) => {
@@ -105,14 +108,14 @@ function Columns({ understanding, app }: { understanding: Understanding; app: Ap
   return (
     <>
       <div class="fields">
-        <ColumnChoice label="Time" inline names={names} value={assignment.time} choose={(time) => take({ ...assignment, time })} />
+        <ColumnChoice label="Time" inline names={names} value={assignment.time} disabled={isBusy} choose={(time) => take({ ...assignment, time })} />
       </div>
       <div class="scroll" tabIndex={0} role="region" aria-label="Columns of each joint">
-        <table class="columns">
+        <fieldset disabled={isBusy}><table class="columns">
           <caption>Columns of each joint</caption>
           <thead><tr><th class="lead">joint</th><th class="lead">position</th><th class="lead">torque</th><th class="lead">locked at, rad or m</th></tr></thead>
           <tbody>{assignment.joints.map((joint) => <Row key={joint.name} joint={joint} names={names} take={takeJoint} />)}</tbody>
-        </table>
+        </table></fieldset>
       </div>
       {!choicesOf(assignment) && <p class="note">Every joint needs two columns, or a value at which it is locked.</p>}
     </>

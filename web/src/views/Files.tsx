@@ -1,6 +1,6 @@
 // The files: dropped, chosen, or those of the demo, each with what it is or why it is not used.
 
-import { useRef, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import type { GivenFile } from "../app";
 import type { Kind } from "../contract";
 import { droppedFiles } from "../dropped";
@@ -20,18 +20,12 @@ const KINDS: Record<Kind, string> = {
 };
 
 export function Files({ state, app }: View) {
-  const [isOver, setOver] = useState(false);
+  const isOver = useDrop((files) => app.add(files));
   const isEmpty = state.files.length === 0;
-  const drop = async (event: DragEvent) => {
-    event.preventDefault();
-    setOver(false);
-    if (event.dataTransfer) await app.add(await droppedFiles(event.dataTransfer));
-  };
   return (
     <section id="files" aria-labelledby="files-title">
       <h2 id="files-title">Robot and log</h2>
-      <div class={`drop ${isOver ? "over" : ""} ${isEmpty ? "" : "small"}`} onDrop={drop}
-        onDragOver={(event) => { event.preventDefault(); setOver(true); }} onDragLeave={() => setOver(false)}>
+      <div class={`drop ${isOver ? "over" : ""} ${isEmpty ? "" : "small"}`}>
         <p><strong>Drop a robot and its log here</strong>, or choose them:</p>
         <p class="buttons">
           <FileButton label="Choose robot" accept={ROBOTS} take={(files) => app.add(files)} />
@@ -45,6 +39,24 @@ export function Files({ state, app }: View) {
       {!isEmpty && <List files={state.files} isDemo={state.isDemo} remove={(path) => app.remove(path)} />}
     </section>
   );
+}
+
+/** Takes files that are dropped anywhere on the page; whether some are over it. */
+function useDrop(take: (files: GivenFile[]) => void): boolean {
+  const [isOver, setOver] = useState(false);
+  useEffect(() => {
+    const listeners = new AbortController();
+    const on = (type: "dragover" | "dragleave" | "drop", act: (event: DragEvent) => void) =>
+      window.addEventListener(type, (event) => { event.preventDefault(); act(event); }, { signal: listeners.signal });
+    on("dragover", () => setOver(true));
+    on("dragleave", (event) => setOver(event.relatedTarget !== null));
+    on("drop", async (event) => {
+      setOver(false);
+      if (event.dataTransfer) take(await droppedFiles(event.dataTransfer));
+    });
+    return () => listeners.abort();
+  }, []);
+  return isOver;
 }
 
 function Accepted() {

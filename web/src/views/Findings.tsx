@@ -10,7 +10,7 @@ export function Findings({ understanding, problem }: { understanding: Understand
   return (
     <ul class="findings" aria-label="Findings">
       {findings.map((finding, index) => (
-        <li key={index} class={`finding ${finding.severity}`}>
+        <li key={index} class="finding" data-severity={finding.severity}>
           <span class="severity">{finding.severity}</span>
           <p>{finding.text}{finding.code && <> <span class="code">[{finding.code}]</span></>}</p>
           {finding.remedy && <p class="remedy">{finding.remedy}</p>}

@@ -4,7 +4,7 @@ import { useMemo, useRef, useState } from "preact/hooks";
 import type { App } from "../app";
 import type { Series } from "../contract";
 import { panelOf, timeTicks, type Panel } from "../panel";
-import { isOwnText, type State } from "../state";
+import { isAtWork, isOwnText, type State } from "../state";
 import { seconds, significant } from "../words";
 
 type Window = [number, number];
@@ -15,7 +15,7 @@ const PLOT = { left: 46, width: 286, top: 24, height: 62, gap: 14 };
 export function RecordPlot({ series, state, app }: { series: Series; state: State; app: App }) {
   const [dragged, setDragged] = useState<Window | null>(null);
   const window = dragged ?? series.window_s;
-  const isFixed = isOwnText(state.experiment) || state.task?.name === "identify" || state.task?.name === "propose";
+  const isFixed = isOwnText(state.experiment) || isAtWork(state);
   const choose = (chosen: Window) => {
     setDragged(null);
     void app.choose({ window_s: chosen });
@@ -38,13 +38,15 @@ function WindowFields({ series, window, choose, whole }: { series: Series; windo
   const step = stepOf(last - first);
   const field = (label: string, value: number, change: (value: number) => Window) => (
     <label>{label}
-      <input type="number" min={first} max={last} step={step} value={Number(value.toFixed(4))}
-        onChange={(event) => choose(ordered(change(event.currentTarget.valueAsNumber || 0), series))} /> s
+      <input type="number" aria-label={`Window ${label}, s`} min={first} max={last} step={step} value={Number(value.toFixed(4))}
+        onChange={(event) => choose(ordered(change(event.currentTarget.valueAsNumber || 0), series))} />
+      <span aria-hidden="true">s</span>
     </label>
   );
   return (
     <div class="fields window">
-      {field("Window from", window[0], (value) => [value, window[1]])}
+      <span>Window</span>
+      {field("from", window[0], (value) => [value, window[1]])}
       {field("to", window[1], (value) => [window[0], value])}
       <button type="button" onClick={whole}>Whole record</button>
     </div>

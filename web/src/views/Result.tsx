@@ -1,5 +1,6 @@
 // The result: the report as the library makes it, and the files to keep.
 
+import { useEffect, useRef } from "preact/hooks";
 import type { Verdict } from "../contract";
 import { save } from "../save";
 import type { ExportFormat, Run } from "../state";
@@ -31,12 +32,22 @@ export function Result({ state, app }: View) {
   if (!identified) return null;
   return (
     <section id="result" aria-labelledby="result-title">
-      <h2 id="result-title">Result</h2>
+      <Title key={identified.report} />
       {identified.experiment !== state.experiment?.text && <p class="note">The experiment has changed since; identify again.</p>}
       <Downloads state={state} app={app} run={identified} />
       <Report html={identified.report} />
     </section>
   );
+}
+
+/** The title of a new result, where the reader is led. */
+function Title() {
+  const title = useRef<HTMLHeadingElement>(null);
+  useEffect(() => {
+    title.current?.focus({ preventScroll: true });
+    title.current?.scrollIntoView();
+  }, []);
+  return <h2 id="result-title" tabIndex={-1} ref={title}>Result</h2>;
 }
 
 function Downloads({ state, app, run }: View & { run: Run }) {

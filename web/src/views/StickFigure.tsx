@@ -6,6 +6,8 @@ import { ballAround, pathOf, project, type Ball, type Direction } from "../proje
 
 /** Half the picture's side, in its own units. */
 const HALF = 100;
+/** The radius of what is drawn, in the same units. */
+const SCALE = 92;
 const START: Direction = { yaw: -0.6, pitch: 0.35 };
 /** Turn per pixel of a drag, rad. */
 const TURN = 0.01;
@@ -42,16 +44,15 @@ interface PictureProps {
 function Picture({ skeleton, index, ball, direction, turn }: PictureProps) {
   const place = (point: Point) => project(point, ball, direction);
   const frame = skeleton.frames[index] ?? [];
-  const links = linksOf(skeleton, frame).map((ends) => pathOf(ends.map(place), 0.95 * HALF)).join("");
-  const joints = frame.slice(0, skeleton.joints.length).map((point) => pathOf([place(point), place(point)], 0.95 * HALF)).join("");
-  const trace = useMemo(() => pathOf(skeleton.frames.map((points) => place(points.at(-1)!)), 0.95 * HALF), [skeleton, ball, direction]);
+  const links = linksOf(skeleton, frame).map((ends) => pathOf(ends.map(place), SCALE)).join("");
+  const joints = frame.slice(0, skeleton.joints.length).map((point) => pathOf([place(point), place(point)], SCALE)).join("");
+  const trace = useMemo(() => pathOf(skeleton.frames.map((points) => place(points.at(-1)!)), SCALE), [skeleton, ball, direction]);
   return (
     <svg class="panel stick" viewBox={`${-HALF} ${-HALF} ${2 * HALF} ${2 * HALF}`} role="img" aria-label="The robot in its recorded motion" {...useDrag(direction, turn)}>
-      <path class="trace" d={trace} />
-      <path class="base" d={pathOf([place([0, 0, 0]), place([0, 0, 0])], 0.95 * HALF)} />
+      <path class="tool" d={trace} />
+      <path class="base" d={pathOf([place([0, 0, 0]), place([0, 0, 0])], SCALE)} />
       <path class="link" d={links} />
       <path class="joint" d={joints} />
-      <path class="tip" d={pathOf([place(frame.at(-1)!), place(frame.at(-1)!)], 0.95 * HALF)} />
     </svg>
   );
 }

@@ -1,0 +1,66 @@
+// The command line, which the page must agree with.
+
+import assert from "node:assert/strict";
+import { spawnSync } from "node:child_process";
+import { copyFileSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { basename, join } from "node:path";
+import { REPOSITORY } from "./site.mjs";
+
+const PROGRAM = process.env.THETAHAT ?? join(REPOSITORY, "target/release/thetahat");
+
+/** Relative difference of two numbers at most. */
+const TOLERANCE = 1e-9;
+/** Keys of `results.json` that say how long something took, or by which build. */
+const NOT_COMPARED = /seconds|duration/;
+
+/** Runs the program in a folder; exit code 1 is a verdict. */
+export function thetahat(folder, ...args) {
+  const { status, stdout, stderr, error } = spawnSync(PROGRAM, args, { cwd: folder, encoding: "utf8" });
+  if (error) throw error;
+  return { status, stdout, stderr };
+}
+
+/** A new folder with copies of files, for as long as a test takes. */
+export function folderOf(t, files) {
+  const folder = mkdtempSync(join(tmpdir(), "thetahat-web-"));
+  t.after(() => rmSync(folder, { recursive: true }));
+  for (const file of files) copyFileSync(file, join(folder, basename(file)));
+  return folder;
+}
+
+/** What `init` and `identify` make of a robot and its recordings. */
+export function identified(folder, robot, recordings, more = []) {
+  const named = recordings.flatMap((recording) => ["--recording", basename(recording)]);
+  const init = thetahat(folder, "init", "--robot", basename(robot), ...named, ...more);
+  assert.equal(init.status, 0, init.stderr);
+  const run = thetahat(folder, "identify", "experiment.toml", "--out", "results", "--quiet");
+  assert.ok(run.status <= 1, run.stderr);
+  return {
+    experiment: readFileSync(join(folder, "experiment.toml"), "utf8"),
+    results: JSON.parse(readFileSync(join(folder, "results/results.json"), "utf8")),
+  };
+}
+
+/** What the program says of a failure, without the word before it. */
+export function errorOf({ status, stderr }) {
+  assert.equal(status, 2, "the program fails");
+  return stderr.replace(/^error: /, "").trim();
+}
+
+/** Asserts that two values from JSON are the same, numbers to the tolerance of their size; how many numbers there were. */
+export function assertSame(found, expected, path = "") {
+  if (typeof expected === "number" && typeof found === "number") {
+    const error = Math.abs(found - expected);
+    assert.ok(error <= TOLERANCE * Math.abs(expected) || error < 1e-15, `${path}: ${found}, not ${expected}`);
+    return 1;
+  }
+  if (expected === null || typeof expected !== "object") {
+    assert.deepEqual(found, expected, path);
+    return 0;
+  }
+  assert.ok(found !== null && typeof found === "object", path);
+  assert.deepEqual(Object.keys(found), Object.keys(expected), path);
+  const compared = Object.keys(expected).filter((key) => !NOT_COMPARED.test(key));
+  return compared.reduce((count, key) => count + assertSame(found[key], expected[key], `${path}.${key}`), 0);
+}
