@@ -75,7 +75,7 @@ test("the window is typed, and dragged on the plot", async (t) => {
   await untilSays(experiment, /^window_end_s = 9$/m);
   await page.getByRole("button", { name: "Choose the filter now" }).click();
   const text = await untilSays(experiment, /Chosen from the data/);
-  const init = thetahat(folder, "init", "--robot", "arm.urdf", "--recording", "log.csv", "--window-s", "2,9");
+  const init = thetahat(folder, "init", "--robot", "arm.urdf", "--recording", "log.csv", "--window-s", "2", "9");
   assert.equal(init.status, 0, init.stderr);
   assert.equal(text, readFileSync(join(folder, "experiment.toml"), "utf8"));
 

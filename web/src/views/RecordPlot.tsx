@@ -23,7 +23,7 @@ export function RecordPlot({ series, state, app }: { series: Series; state: Stat
   return (
     <figure class="record">
       <figcaption class="caption"><span>Positions and torques; the window that is used is shaded</span></figcaption>
-      {!isFixed && <WindowFields series={series} window={window} choose={choose} whole={() => app.choose({ window_s: undefined })} />}
+      {!isFixed && <WindowFields series={series} window={window} choose={choose} asFound={() => app.choose({ window_s: undefined })} />}
       <div class="charts">
         {series.joints.map((name, joint) => (
           <Chart key={name} series={series} joint={joint} window={window} drag={isFixed ? null : setDragged} drop={choose} />
@@ -33,7 +33,14 @@ export function RecordPlot({ series, state, app }: { series: Series; state: Stat
   );
 }
 
-function WindowFields({ series, window, choose, whole }: { series: Series; window: Window; choose: (window: Window) => void; whole: () => void }) {
+interface FieldsProps {
+  series: Series;
+  window: Window;
+  choose: (window: Window) => void;
+  asFound: () => void;
+}
+
+function WindowFields({ series, window, choose, asFound }: FieldsProps) {
   const [first, last] = endsOf(series);
   const step = stepOf(last - first);
   const field = (label: string, value: number, change: (value: number) => Window) => (
@@ -48,7 +55,8 @@ function WindowFields({ series, window, choose, whole }: { series: Series; windo
       <span>Window</span>
       {field("from", window[0], (value) => [value, window[1]])}
       {field("to", window[1], (value) => [window[0], value])}
-      <button type="button" onClick={whole}>Whole record</button>
+      <button type="button" onClick={() => choose([first, last])}>Whole record</button>
+      <button type="button" onClick={asFound}>As found</button>
     </div>
   );
 }
