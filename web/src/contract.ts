@@ -85,8 +85,8 @@ export interface Series {
   position: number[][];
   torque: number[][];
   joints: string[];
-  position_unit: string[];
-  torque_unit: string[];
+  position_unit: string | string[];
+  torque_unit: string | string[];
   window_s: [number, number];
 }
 

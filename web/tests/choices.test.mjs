@@ -115,6 +115,19 @@ test("an experiment file is taken as it is, and its errors are the command line'
   assert.equal(said.trim(), expected.trim());
 });
 
+test("files are dropped anywhere on the page", async (t) => {
+  const { page, assertQuiet, close } = await visit(site);
+  t.after(close);
+  const transfer = await page.evaluateHandle((text) => {
+    const dropped = new DataTransfer();
+    dropped.items.add(new File([text], "arm.urdf"));
+    return dropped;
+  }, readFileSync(ARM, "utf8"));
+  await page.dispatchEvent("footer", "drop", { dataTransfer: transfer });
+  await page.getByRole("button", { name: "Remove arm.urdf" }).waitFor();
+  assertQuiet();
+});
+
 test("all of it by keyboard", async (t) => {
   const { page, assertQuiet, close } = await visit(site);
   t.after(close);

@@ -1,10 +1,10 @@
 // What a person puts right: the unit, the side, the columns of each joint, joints that do not move.
 
-import { useState } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
 import type { App } from "../app";
 import { assignmentOf, choicesOf, columnNames, type Assignment, type JointColumns } from "../columns";
 import type { ProposalAnswer, Side, Understanding } from "../contract";
-import { isAtWork, isOwnText, type State } from "../state";
+import { isAtWork, isOwnText, type Choices as ChosenArguments, type State } from "../state";
 
 const POSITION_UNITS = ["rad", "mrad", "deg", "rev", "m", "mm", "um"];
 const TORQUE_UNITS = ["N m", "mN m", "kN m", "N", "kN", "A", "mA", "V", "mV", "%"];
@@ -43,7 +43,7 @@ function Fields({ state, app, understanding }: Props) {
         <legend class="unseen">Units and side</legend>
         <Signals state={state} app={app} proposal={proposal} />
       </fieldset>
-      <Columns key={JSON.stringify(proposal)} understanding={understanding} app={app} isBusy={isBusy} />
+      <Columns state={state} app={app} understanding={understanding} />
       <p class="buttons">
         <button type="button" disabled={isBusy || Object.keys(state.choices).length === 0} onClick={() => app.chooseNothing()}>Take all as found</button>
       </p>
@@ -96,11 +96,13 @@ function Choice({ label, found, value, options, choose }: ChoiceProps) {
 }
 
 /** The columns of each joint, taken when every joint that moves has both. */
-function Columns({ understanding, app, isBusy }: { understanding: Understanding; app: App; isBusy: boolean }) {
-  const [assignment, setAssignment] = useState(() => assignmentOf(understanding));
+function Columns({ state, app, understanding }: Props) {
+  const isBusy = isAtWork(state);
+  const [draft, setDraft] = useDraft(understanding, state.choices);
+  const assignment = draft ?? assignmentOf(understanding);
   const names = columnNames(understanding.recordings);
   const take = (changed: Assignment) => {
-    setAssignment(changed);
+    setDraft(changed);
     const choices = choicesOf(changed);
     if (choices) void app.choose(choices);
   };
@@ -120,6 +122,15 @@ function Columns({ understanding, app, isBusy }: { understanding: Understanding;
       {!choicesOf(assignment) && <p class="note">Every joint needs two columns, or a value at which it is locked.</p>}
     </>
   );
+}
+
+/** What was chosen and is not proposed yet; a new proposal takes its place. */
+function useDraft(understanding: Understanding, choices: ChosenArguments) {
+  const [draft, setDraft] = useState<Assignment | null>(null);
+  useEffect(() => {
+    if (understanding.proposal || Object.keys(choices).length === 0) setDraft(null);
+  }, [understanding]);
+  return [draft, setDraft] as const;
 }
 
 function Row({ joint, names, take }: { joint: JointColumns; names: string[]; take: (joint: JointColumns) => void }) {

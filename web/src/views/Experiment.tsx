@@ -14,7 +14,7 @@ const ORIGINS: Record<Origin, string> = {
 export function Experiment({ state, app, experiment }: View & { experiment: Text }) {
   const lines = experiment.text.split("\n").length;
   return (
-    <details class="section" id="experiment">
+    <details class="section" id="experiment" open>
       <summary><h2>experiment.toml</h2><span class="hint">{ORIGINS[experiment.origin]}</span></summary>
       <p class="buttons">
         {experiment.origin === "proposed" && (
@@ -25,7 +25,7 @@ export function Experiment({ state, app, experiment }: View & { experiment: Text
         )}
         <button type="button" onClick={() => save("experiment.toml", experiment.text)}>Save experiment.toml</button>
       </p>
-      <textarea aria-label="experiment.toml" spellcheck={false} rows={Math.min(40, lines + 1)} value={experiment.text}
+      <textarea aria-label="experiment.toml" spellcheck={false} rows={Math.min(22, lines)} value={experiment.text}
         readOnly={state.task !== null} onInput={(event) => app.edit(event.currentTarget.value)} />
     </details>
   );

@@ -1,6 +1,6 @@
 // Positions and torques of each joint, with the window that is used: dragged, or typed.
 
-import { useMemo, useRef, useState } from "preact/hooks";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { App } from "../app";
 import type { Series } from "../contract";
 import { panelOf, timeTicks, type Panel } from "../panel";
@@ -15,18 +15,19 @@ const PLOT = { left: 46, width: 286, top: 24, height: 62, gap: 14 };
 export function RecordPlot({ series, state, app }: { series: Series; state: State; app: App }) {
   const [dragged, setDragged] = useState<Window | null>(null);
   const window = dragged ?? series.window_s;
-  const isFixed = isOwnText(state.experiment) || isAtWork(state);
+  const isFixed = isOwnText(state.experiment);
+  useEffect(() => setDragged(null), [series]);
   const choose = (chosen: Window) => {
-    setDragged(null);
+    setDragged(chosen);
     void app.choose({ window_s: chosen });
   };
   return (
     <figure class="record">
       <figcaption class="caption"><span>Positions and torques; the window that is used is shaded</span></figcaption>
-      {!isFixed && <WindowFields series={series} window={window} choose={choose} asFound={() => app.choose({ window_s: undefined })} />}
+      {!isFixed && <WindowFields series={series} window={window} isBusy={isAtWork(state)} choose={choose} asFound={() => app.choose({ window_s: undefined })} />}
       <div class="charts">
         {series.joints.map((name, joint) => (
-          <Chart key={name} series={series} joint={joint} window={window} drag={isFixed ? null : setDragged} drop={choose} />
+          <Chart key={name} series={series} joint={joint} window={window} drag={isFixed || isAtWork(state) ? null : setDragged} drop={choose} />
         ))}
       </div>
     </figure>
@@ -36,11 +37,12 @@ export function RecordPlot({ series, state, app }: { series: Series; state: Stat
 interface FieldsProps {
   series: Series;
   window: Window;
+  isBusy: boolean;
   choose: (window: Window) => void;
   asFound: () => void;
 }
 
-function WindowFields({ series, window, choose, asFound }: FieldsProps) {
+function WindowFields({ series, window, isBusy, choose, asFound }: FieldsProps) {
   const [first, last] = endsOf(series);
   const step = stepOf(last - first);
   const field = (label: string, value: number, change: (value: number) => Window) => (
@@ -51,13 +53,14 @@ function WindowFields({ series, window, choose, asFound }: FieldsProps) {
     </label>
   );
   return (
-    <div class="fields window">
-      <span>Window</span>
+    <fieldset class="fields window" disabled={isBusy}>
+      <legend class="unseen">Window</legend>
+      <span aria-hidden="true">Window</span>
       {field("from", window[0], (value) => [value, window[1]])}
       {field("to", window[1], (value) => [window[0], value])}
       <button type="button" onClick={() => choose([first, last])}>Whole record</button>
       <button type="button" onClick={asFound}>As found</button>
-    </div>
+    </fieldset>
   );
 }
 
@@ -101,13 +104,18 @@ function Chart({ series, joint, window, drag, drop }: ChartProps) {
       {...useWindowDrag(series, window, drag, drop)}>
       <text class="title" x="2" y="13">{name}</text>
       <rect class="window" x={x(window[0])} y={PLOT.top} width={Math.max(0, x(window[1]) - x(window[0]))} height={bottom - PLOT.top} />
-      <Curve panel={position!} top={PLOT.top} unit={series.position_unit[joint] ?? ""} curve="position" />
-      <Curve panel={torque!} top={second} unit={series.torque_unit[joint] ?? ""} curve="torque" />
+      <Curve panel={position!} top={PLOT.top} unit={unitOf(series.position_unit, joint)} curve="position" />
+      <Curve panel={torque!} top={second} unit={unitOf(series.torque_unit, joint)} curve="torque" />
       <path class="edge" d={window.map((time) => `M${x(time)} ${PLOT.top}V${bottom}`).join("")} />
       <path class="axis" d={`M${PLOT.left} ${bottom}h${PLOT.width}`} />
       {timeTicks(ends).map((tick) => <text key={tick} x={x(tick)} y={bottom + 14} text-anchor="middle">{significant(tick)}</text>)}
     </svg>
   );
+}
+
+/** The unit of a joint's values: one for all, or one of each. */
+function unitOf(unit: string | string[], joint: number): string {
+  return typeof unit === "string" ? unit : (unit[joint] ?? "");
 }
 
 function Curve({ panel, top, unit, curve }: { panel: Panel; top: number; unit: string; curve: string }) {
