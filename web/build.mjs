@@ -36,14 +36,15 @@ async function bundle(entry, define = {}) {
 }
 
 /** What the page may load and run: its own files, the wasm, and the script of the report that it shows. */
-function policy({ scripts, connect, worker }) {
+function policy({ scripts, connect }) {
   return [
     "default-src 'none'",
     `script-src ${[...scripts, "'wasm-unsafe-eval'", hashOf(REPORT_SCRIPT)].join(" ")}`,
     "style-src 'self' 'unsafe-inline'",
     "img-src data:",
     `connect-src ${connect}`,
-    `worker-src ${worker}`,
+    // The worker is a blob, so that this policy holds for it too; beside it there is the service worker.
+    "worker-src 'self' blob:",
     "frame-src blob:",
     "base-uri 'none'",
     "form-action 'none'",
@@ -64,7 +65,7 @@ const inline = (script) => script.replaceAll("</script", "<\\/script");
 async function served(style, worker, wasm) {
   const script = await bundle("main.tsx", { SINGLE_FILE: "false" });
   const html = page({
-    policy: policy({ scripts: ["'self'"], connect: "'self'", worker: "'self'" }),
+    policy: policy({ scripts: ["'self'"], connect: "'self'" }),
     style: '<link rel="stylesheet" href="page.css">',
     scripts: '<script src="page.js"></script>',
   });
@@ -81,7 +82,7 @@ async function singleFile(style, worker, wasm) {
   const script = inline(await bundle("main.tsx", { SINGLE_FILE: "true" }));
   const data = (id, text) => `<script type="text/plain" id="${id}">${text}</script>`;
   const html = page({
-    policy: policy({ scripts: [hashOf(script)], connect: "'none'", worker: "blob:" }),
+    policy: policy({ scripts: [hashOf(script)], connect: "'none'" }),
     style: `<style>${style}</style>`,
     scripts: [
       data("worker-script", inline(worker)),

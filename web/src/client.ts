@@ -1,6 +1,7 @@
 // The page's side of the worker: calls with answers, and a new worker where one was cancelled or has stopped.
 
 import type { FromWorker, Method, ToWorker } from "./contract";
+import type { Program } from "./program";
 
 /** What the command line would print. */
 export class SessionError extends Error {}
@@ -15,12 +16,6 @@ interface Pending {
   stage: (text: string) => void;
 }
 
-/** Where the worker and its compiled module come from. */
-export interface Program {
-  spawn: () => Worker;
-  module: Promise<WebAssembly.Module>;
-}
-
 export class Client {
   private worker: Promise<Worker> | null = null;
   private running: Worker | null = null;
@@ -30,7 +25,7 @@ export class Client {
   private hasDemo = false;
   private calls = 0;
 
-  constructor(private readonly program: Program) {}
+  constructor(private readonly program: Promise<Program>) {}
 
   /** Puts a file in the session's folder. */
   async put(path: string, file: Blob): Promise<void> {
@@ -70,8 +65,8 @@ export class Client {
   }
 
   private async start(): Promise<Worker> {
-    const module = await this.program.module;
-    const worker = this.program.spawn();
+    const { script, module } = await this.program;
+    const worker = new Worker(script);
     this.running = worker;
     worker.addEventListener("message", ({ data }: MessageEvent<FromWorker>) => this.receive(data));
     worker.addEventListener("error", (event) => this.stop(new Trapped(event.message)));

@@ -1,24 +1,30 @@
 // Where the worker's script and the wasm are: beside the page, or inside it.
 
-import type { Program } from "./client";
-
 /** True in `thetahat.html`, which holds everything; esbuild sets it. */
 declare const SINGLE_FILE: boolean;
 
-export function loadProgram(): Program {
-  return SINGLE_FILE ? inside() : beside();
+/** What a worker is started with. */
+export interface Program {
+  /** The address of the script: a blob, so that the page's policy holds for the worker on any server. */
+  script: string;
+  module: WebAssembly.Module;
 }
 
-function beside(): Program {
-  const module = WebAssembly.compileStreaming(fetch("thetahat_web_bg.wasm"));
-  return { spawn: () => new Worker("worker.js"), module };
+export async function loadProgram(): Promise<Program> {
+  const [script, module] = await (SINGLE_FILE ? inside() : beside());
+  return { script: URL.createObjectURL(new Blob([script], { type: "text/javascript" })), module };
+}
+
+type Parts = Promise<[string, WebAssembly.Module]>;
+
+function beside(): Parts {
+  const script = fetch("worker.js").then((answer) => answer.text());
+  return Promise.all([script, WebAssembly.compileStreaming(fetch("thetahat_web_bg.wasm"))]);
 }
 
 /** The script as text and the wasm as gzip in base64, each in a data block of the page. */
-function inside(): Program {
-  const script = new Blob([textOf("worker-script")], { type: "text/javascript" });
-  const url = URL.createObjectURL(script);
-  return { spawn: () => new Worker(url), module: unpack(textOf("wasm")) };
+function inside(): Parts {
+  return Promise.all([textOf("worker-script"), unpack(textOf("wasm"))]);
 }
 
 function textOf(id: string): string {
