@@ -32,9 +32,10 @@ export interface RobotAnswer {
   problem: string | null;
 }
 
-/** Places of the joints, and of the tool behind them, at some moments of the recording. */
+/** Places of the joints at some moments of the recording. */
 export interface Skeleton {
   joints: { name: string; kind: string; parent: number | null }[];
+  gravity: Point;
   frames: Point[][];
   time_s: number[];
 }

@@ -15,6 +15,25 @@ export interface Ball {
   radius: number;
 }
 
+/** The points as one stands beside the robot: z against gravity, x as near to the robot's as can be. */
+export function upright(frames: Point[][], gravity: Point): Point[][] {
+  const up = unit([-gravity[0], -gravity[1], -gravity[2]]) ?? [0, 0, 1];
+  const level = (axis: Point) => unit([0, 1, 2].map((k) => axis[k]! - dot(axis, up) * up[k]!) as Point);
+  const ahead = level([1, 0, 0]) ?? level([0, 1, 0])!;
+  const left: Point = [up[1] * ahead[2] - up[2] * ahead[1], up[2] * ahead[0] - up[0] * ahead[2], up[0] * ahead[1] - up[1] * ahead[0]];
+  return frames.map((points) => points.map((point) => [dot(point, ahead), dot(point, left), dot(point, up)]));
+}
+
+function dot(a: Point, b: Point): number {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/** A vector of length one; none where it has no direction. */
+function unit([x, y, z]: Point): Point | null {
+  const length = Math.hypot(x, y, z);
+  return length < 1e-6 ? null : [x / length, y / length, z / length];
+}
+
 /** The sphere about the middle of the points and of the origin, where the robot stands. */
 export function ballAround(points: Point[]): Ball {
   const all: Point[] = [[0, 0, 0], ...points];

@@ -2,7 +2,7 @@
 
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Point, Skeleton } from "../contract";
-import { ballAround, pathOf, project, type Ball, type Direction } from "../projection";
+import { ballAround, pathOf, project, upright, type Ball, type Direction } from "../projection";
 
 /** Half the picture's side, in its own units. */
 const HALF = 100;
@@ -12,7 +12,8 @@ const START: Direction = { yaw: -0.6, pitch: 0.35 };
 /** Turn per pixel of a drag, rad. */
 const TURN = 0.01;
 
-export function StickFigure({ skeleton }: { skeleton: Skeleton }) {
+export function StickFigure({ skeleton: recorded }: { skeleton: Skeleton }) {
+  const skeleton = useMemo(() => ({ ...recorded, frames: upright(recorded.frames, recorded.gravity) }), [recorded]);
   const [direction, setDirection] = useState(START);
   const { index, seek, isPlaying, setPlaying } = usePlayback(skeleton.time_s);
   const ball = useMemo(() => ballAround(skeleton.frames.flat()), [skeleton]);
@@ -45,7 +46,7 @@ function Picture({ skeleton, index, ball, direction, turn }: PictureProps) {
   const place = (point: Point) => project(point, ball, direction);
   const frame = skeleton.frames[index] ?? [];
   const links = linksOf(skeleton, frame).map((ends) => pathOf(ends.map(place), SCALE)).join("");
-  const joints = frame.slice(0, skeleton.joints.length).map((point) => pathOf([place(point), place(point)], SCALE)).join("");
+  const joints = frame.map((point) => pathOf([place(point), place(point)], SCALE)).join("");
   const trace = useMemo(() => pathOf(skeleton.frames.map((points) => place(points.at(-1)!)), SCALE), [skeleton, ball, direction]);
   return (
     <svg class="panel stick" viewBox={`${-HALF} ${-HALF} ${2 * HALF} ${2 * HALF}`} role="img" aria-label="The robot in its recorded motion" {...useDrag(direction, turn)}>
@@ -57,11 +58,10 @@ function Picture({ skeleton, index, ball, direction, turn }: PictureProps) {
   );
 }
 
-/** The ends of each link: from the joint before, or the base, to the joint; and from the last joint to the tool. */
+/** The ends of each link: from the joint before, or the base, to the joint. */
 function linksOf({ joints }: Skeleton, frame: Point[]): [Point, Point][] {
   const base: Point = [0, 0, 0];
-  const links = joints.map(({ parent }, joint): [Point, Point] => [parent === null ? base : frame[parent]!, frame[joint]!]);
-  return [...links, [frame[joints.length - 1]!, frame.at(-1)!]];
+  return joints.map(({ parent }, joint) => [parent === null ? base : frame[parent]!, frame[joint]!]);
 }
 
 /** Drags turn the picture: sideways about the vertical, up and down against the horizon. */
