@@ -15,6 +15,7 @@ use super::super::place::{file_length, unreadable};
 use super::error::BagError;
 use super::other_topic::OtherTopic;
 use super::topic::{JOINT_STATE, Topics};
+use crate::files;
 
 /// Steps of SQLite's virtual machine between two looks at how many there were.
 const STEPS_AT_A_TIME: i32 = 10_000;
@@ -26,7 +27,7 @@ const STEPS_A_BYTE: u64 = 2;
 pub(super) fn read(path: &Path, topic: Option<&str>) -> Result<Topics, RecordingError> {
     let length = file_length(path)?;
     let topics = Topics::new(path, length);
-    if log_beside(path).is_some_and(|log| log.metadata().is_ok_and(|log| log.len() > 0)) {
+    if log_beside(path).is_some_and(|log| files::length(&log).is_ok_and(|length| length > 0)) {
         return Err(topics.refuse(BagError::NotClosed));
     }
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI | OpenFlags::SQLITE_OPEN_NO_MUTEX;
@@ -54,7 +55,7 @@ fn log_beside(path: &Path) -> Option<PathBuf> {
 
 /// The address of a file that nobody changes, so that SQLite writes nothing beside it.
 fn address(path: &Path) -> Result<String, RecordingError> {
-    let path = path.canonicalize().map_err(|e| unreadable(path, e))?;
+    let path = files::real(path).map_err(|e| unreadable(path, e))?;
     let mut address = "file:".to_owned();
     for &byte in path.as_os_str().as_encoded_bytes() {
         match byte {
