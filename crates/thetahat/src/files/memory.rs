@@ -38,6 +38,14 @@ pub fn sizes() -> Vec<(PathBuf, usize)> {
     files().iter().map(|(path, content)| (path.clone(), content.0.len())).collect()
 }
 
+/// The first bytes of a file, `most` at most.
+///
+/// # Errors
+/// A file that is not there.
+pub fn beginning(path: &Path, most: usize) -> io::Result<Vec<u8>> {
+    content(path).map(|content| content.0[..content.0.len().min(most)].to_vec())
+}
+
 /// All bytes of a file.
 pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
     content(path).map(|content| content.0.to_vec())

@@ -11,7 +11,7 @@ mod system;
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
 pub(crate) use memory::{File, exists, is_file, length, open, read, real};
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
-pub use memory::{put, remove, sizes};
+pub use memory::{beginning, put, remove, sizes};
 #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
 pub(crate) use system::{File, exists, is_file, length, open, read, real};
 
