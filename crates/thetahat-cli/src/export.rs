@@ -7,7 +7,7 @@ use std::{
 };
 
 use thetahat::{
-    export::{Export, ExportError, ExportRequest, IdentifiedModel},
+    export::{ExportRequest, IdentifiedModel},
     output::{OutputGuard, replace_file},
     results::Results,
 };
@@ -25,13 +25,13 @@ pub fn export_robot(request: &Request) -> Result<Ending, Box<dyn Error>> {
     let model = model(&request.exported)?;
     let export = model.export(request.exported.to)?;
     let checked = if request.check { Some(export.check()?) } else { None };
-    let said = in_words(&model, &export, checked);
+    let said = model.in_words(&export, checked);
     let Some((path, sidecar)) = request.out.as_ref().zip(sidecar) else {
         remark(&said)?;
         print(&export.text)?;
         return Ok(Ending::of(model.verdict));
     };
-    let covariance = covariance(&model)?;
+    let covariance = model.covariance_json_if_known()?;
     replace_file(path, export.text.as_bytes())?;
     print(&format!("{said}\nwritten: {}\n", path.display()))?;
     if let Some(covariance) = covariance {
@@ -83,15 +83,6 @@ fn model(request: &Exported) -> Result<IdentifiedModel, Box<dyn Error>> {
     Ok(IdentifiedModel::of_results(&request.results, &results, &chosen)?)
 }
 
-/// The covariance, where the results have one: those of before that key have none.
-fn covariance(model: &IdentifiedModel) -> Result<Option<String>, Box<dyn Error>> {
-    match model.covariance_json() {
-        Ok(text) => Ok(Some(text)),
-        Err(ExportError::NoDeviations { .. }) => Ok(None),
-        Err(error) => Err(error.into()),
-    }
-}
-
 fn inputs(request: &Exported) -> Vec<PathBuf> {
     [&request.results].into_iter().chain(&request.robot).cloned().collect()
 }
@@ -101,15 +92,4 @@ fn beside(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(".covariance.json");
     path.with_file_name(name)
-}
-
-/// What there is to say of an export, a line each.
-fn in_words(model: &IdentifiedModel, export: &Export, checked: Option<f64>) -> String {
-    let first = format!("{}: {}", model.robot.name, export.format.title());
-    let checked = checked.map(|difference| {
-        format!("read back: torques at 1000 random states differ by {difference:.1e} of the largest at most")
-    });
-    let lines =
-        [vec![first], model.about(), export.notes.clone(), export.unsaid.clone(), checked.into_iter().collect()];
-    lines.concat().into_iter().map(|line| line + "\n").collect()
 }

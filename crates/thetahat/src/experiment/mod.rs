@@ -36,7 +36,7 @@ pub use power::PowerPoint;
 pub(crate) use predict::require_same_parameters;
 pub use predict::{PredictionRequest, predict};
 pub use proposal::{
-    Proposal, ProposalError, ProposalRequest, ProposedChannels, ProposedClock, ProposedLock, ProposedRecording,
-    ProposedSignal, propose,
+    Proposal, ProposalError, ProposalFiles, ProposalRequest, ProposedChannels, ProposedClock, ProposedLock,
+    ProposedRecording, ProposedSignal, propose,
 };
 pub use twin::{TwinMotion, TwinReference};

@@ -41,6 +41,7 @@ mod sidecar;
 mod split;
 mod urdf_edit;
 mod urdf_new;
+mod words;
 mod xml;
 
 pub use error::ExportError;

@@ -69,6 +69,14 @@ impl IdentifiedModel {
         Ok(serde_json::to_string(&sidecar)? + "\n")
     }
 
+    /// The same; none where the results do not say how sure the estimates are.
+    ///
+    /// # Errors
+    /// [`ExportError`] for what cannot be computed or rendered.
+    pub fn covariance_json_if_known(&self) -> Result<Option<String>, ExportError> {
+        self.posterior.covariance.is_some().then(|| self.covariance_json()).transpose()
+    }
+
     fn base_entries(&self) -> Vec<Base> {
         let posterior = &self.posterior;
         let exported = posterior.base.from_standard(&self.standard);

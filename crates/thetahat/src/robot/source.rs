@@ -1,5 +1,4 @@
 use std::{
-    fs::File,
     io::Read,
     path::{Path, PathBuf},
 };
@@ -13,6 +12,7 @@ use super::{
     locking::{Locks, LocksOf, merged, resolve_all},
     toml_file, urdf,
 };
+use crate::files;
 
 /// Longest robot description, bytes.
 const LONGEST: u64 = 16 << 20;
@@ -180,7 +180,7 @@ fn is_xml(text: &str) -> bool {
 fn read_text(path: &Path) -> Result<String, RobotError> {
     let unreadable = |e: std::io::Error| RobotError::Unreadable { path: path.to_owned(), reason: e.to_string() };
     let mut text = String::new();
-    File::open(path).and_then(|file| file.take(LONGEST + 1).read_to_string(&mut text)).map_err(unreadable)?;
+    files::open(path).and_then(|file| file.take(LONGEST + 1).read_to_string(&mut text)).map_err(unreadable)?;
     if text.len() as u64 > LONGEST {
         return Err(RobotError::TooLarge {
             path: path.to_owned(),
