@@ -15,8 +15,10 @@ const LARGEST_FILE = 500e6;
 
 export class App {
   state: State = EMPTY;
-  /** Whether choices changed while they were being understood. */
-  private isOutdated = false;
+  /** The last of the tasks, which run one after another. */
+  private queue: Promise<unknown> = Promise.resolve();
+  /** Whether the files will be looked at by a task that has not begun. */
+  private willUnderstand = false;
 
   constructor(
     private readonly client: Client,
@@ -32,7 +34,7 @@ export class App {
         await this.addOne(path, file);
       }
     });
-    await this.understand();
+    if (!this.state.problem) await this.understand();
   }
 
   async remove(path: string): Promise<void> {
@@ -51,7 +53,7 @@ export class App {
       const { request, experiment } = JSON.parse(await this.client.demo()) as DemoAnswer;
       this.set({ isDemo: true, files: demoFiles(request), experiment: { text: experiment, origin: "given" } });
     });
-    await this.understand();
+    if (!this.state.problem) await this.understand();
   }
 
   /** Forgets everything. */
@@ -92,10 +94,8 @@ export class App {
 
   async identify(): Promise<void> {
     this.set({ identified: null, exported: null });
-    await this.task("propose", async () => {
-      if (this.state.experiment?.origin === "proposed") await this.propose();
-    });
-    if (this.state.problem === null && this.state.experiment) await this.task("identify", () => this.run());
+    const isChosen = this.state.experiment?.origin !== "proposed" || (await this.task("propose", () => this.propose()));
+    if (isChosen) await this.task("identify", () => this.run());
   }
 
   cancel(): void {
@@ -140,15 +140,13 @@ export class App {
     return errors[0]?.message ?? "This is no robot, log or experiment.";
   }
 
-  /** Looks at the files with the choices, and once more where these changed meanwhile. */
+  /** Looks at the files with the choices, once for all that changed before it begins. */
   private async understand(): Promise<void> {
-    this.isOutdated = true;
-    if (this.state.task) return;
-    await this.task("understand", async () => {
-      while (this.isOutdated) {
-        this.isOutdated = false;
-        await this.understandOnce();
-      }
+    if (this.willUnderstand) return;
+    this.willUnderstand = true;
+    await this.task("understand", () => {
+      this.willUnderstand = false;
+      return this.understandOnce();
     });
   }
 
@@ -178,13 +176,21 @@ export class App {
     this.set({ identified: { ...(JSON.parse(answer) as Identified), experiment } });
   }
 
-  /** Runs one piece of work; its error becomes the problem that is shown where it belongs. */
-  private async task(name: TaskName, work: () => Promise<void>): Promise<void> {
+  /** Runs one piece of work after those before it; its error becomes the problem that is shown where it belongs. Whether it was done. */
+  private task(name: TaskName, work: () => Promise<void>): Promise<boolean> {
+    const done = this.queue.then(() => this.runTask(name, work));
+    this.queue = done;
+    return done;
+  }
+
+  private async runTask(name: TaskName, work: () => Promise<void>): Promise<boolean> {
     this.set({ task: { name, stage: "", since: Date.now() }, problem: null });
     try {
       await work();
+      return true;
     } catch (error) {
       this.set({ problem: problemOf(name, error), said: error instanceof Cancelled ? "Cancelled." : "" });
+      return false;
     } finally {
       this.set({ task: null });
     }

@@ -96,6 +96,8 @@ export type Severity = "problem" | "warning" | "note" | "guess";
 export interface Finding {
   code: string;
   severity: Severity;
+  /** The joint that it concerns. */
+  joint: string | null;
   text: string;
   remedy: string | null;
 }

@@ -13,8 +13,8 @@ export const SINGLE_FILE = resolve(HERE, "../dist/thetahat.html");
 /** The robot of the tutorial. */
 export const ARM = join(REPOSITORY, "examples/arm/arm.urdf");
 
-/** Milliseconds that the longest run may take. */
-const PATIENCE = 120e3;
+/** Milliseconds that a step may take, and the longest run. */
+const PATIENCE = { step: 20e3, run: 120e3 };
 
 /** A folder of the recorded data, beside the checkout or at THETAHAT_SHARED; none where they are not there. */
 export function dataset(name) {
@@ -51,7 +51,7 @@ export async function visit({ browser, url }, { width = 1400, scheme = "light", 
   });
   context.on("weberror", (error) => complaints.push(String(error.error())));
   const page = await context.newPage();
-  page.setDefaultTimeout(PATIENCE);
+  page.setDefaultTimeout(PATIENCE.step);
   await page.goto(address);
   await page.getByRole("button", { name: "Try the demo" }).waitFor();
   const assertQuiet = () => {
@@ -87,7 +87,7 @@ export async function takeDemo(page) {
 export async function identify(page) {
   await page.getByRole("button", { name: /^Identify/ }).click();
   const verdict = status(page).filter({ hasText: /^Verdict: / });
-  await verdict.waitFor();
+  await verdict.waitFor({ timeout: PATIENCE.run });
   return verdict.innerText();
 }
 

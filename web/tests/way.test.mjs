@@ -72,7 +72,7 @@ async function compare(t, robot, logs, joints) {
 
 /** The robot moves, and each joint has its curves. */
 async function assertUnderstood(page, joints) {
-  await page.getByRole("img", { name: "The robot in its recorded motion" }).waitFor();
+  await page.getByRole("img", { name: "The robot as a stick figure" }).waitFor();
   const curves = await page.locator(".record .chart").count();
   assert.ok(joints ? curves === joints : curves > 0, `${curves} charts`);
   const figure = () => page.locator(".stick .link").getAttribute("d");

@@ -12,7 +12,7 @@ export function Findings({ understanding, problem }: { understanding: Understand
       {findings.map((finding, index) => (
         <li key={index} class="finding" data-severity={finding.severity}>
           <span class="severity">{finding.severity}</span>
-          <p>{finding.text}{finding.code && <> <span class="code">[{finding.code}]</span></>}</p>
+          <p>{finding.joint && <strong>{finding.joint}: </strong>}{finding.text}{finding.code && <> <span class="code">[{finding.code}]</span></>}</p>
           {finding.remedy && <p class="remedy">{finding.remedy}</p>}
         </li>
       ))}
@@ -21,7 +21,7 @@ export function Findings({ understanding, problem }: { understanding: Understand
 }
 
 function allFindings({ robot, proposal, proposal_error: failed, findings }: Understanding, problem: string | null): Finding[] {
-  const plain = (severity: Severity) => (text: string): Finding => ({ code: "", severity, text, remedy: null });
+  const plain = (severity: Severity) => (text: string): Finding => ({ code: "", severity, joint: null, text, remedy: null });
   const all = [
     ...[problem, failed, robot?.problem].filter((text) => text != null).map(plain("problem")),
     ...findings,

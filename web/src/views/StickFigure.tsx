@@ -18,15 +18,16 @@ export function StickFigure({ skeleton: recorded }: { skeleton: Skeleton }) {
   const { index, seek, isPlaying, setPlaying } = usePlayback(skeleton.time_s);
   const ball = useMemo(() => ballAround(skeleton.frames.flat()), [skeleton]);
   const time = skeleton.time_s[index] ?? 0;
+  const isMoving = skeleton.frames.length > 1;
   const degrees = Math.round((direction.yaw * 180) / Math.PI);
   return (
     <figure class="robot">
       <Picture skeleton={skeleton} index={index} ball={ball} direction={direction} turn={setDirection} />
-      <figcaption class="caption"><span>The recorded motion, at {time.toFixed(2)} s</span></figcaption>
+      <figcaption class="caption"><span>{isMoving ? `The recorded motion, at ${time.toFixed(2)} s` : "The robot with its joints at zero"}</span></figcaption>
       <div class="controls">
-        <button type="button" aria-pressed={isPlaying} onClick={() => setPlaying(!isPlaying)}>{isPlaying ? "Pause" : "Play"}</button>
-        <label>Time<input type="range" min="0" max={skeleton.frames.length - 1} value={index} aria-valuetext={`${time.toFixed(2)} s`}
-          onInput={(event) => seek(event.currentTarget.valueAsNumber)} /></label>
+        {isMoving && <button type="button" onClick={() => setPlaying(!isPlaying)}>{isPlaying ? "Pause" : "Play"}</button>}
+        {isMoving && <label>Time<input type="range" min="0" max={skeleton.frames.length - 1} value={index} aria-valuetext={`${time.toFixed(2)} s`}
+          onInput={(event) => seek(event.currentTarget.valueAsNumber)} /></label>}
         <label>Turn<input type="range" min="-180" max="180" value={degrees} aria-valuetext={`${degrees} degrees`}
           onInput={(event) => setDirection({ ...direction, yaw: (event.currentTarget.valueAsNumber * Math.PI) / 180 })} /></label>
       </div>
@@ -49,7 +50,7 @@ function Picture({ skeleton, index, ball, direction, turn }: PictureProps) {
   const joints = frame.map((point) => pathOf([place(point), place(point)], SCALE)).join("");
   const trace = useMemo(() => pathOf(skeleton.frames.map((points) => place(points.at(-1)!)), SCALE), [skeleton, ball, direction]);
   return (
-    <svg class="panel stick" viewBox={`${-HALF} ${-HALF} ${2 * HALF} ${2 * HALF}`} role="img" aria-label="The robot in its recorded motion" {...useDrag(direction, turn)}>
+    <svg class="panel stick" viewBox={`${-HALF} ${-HALF} ${2 * HALF} ${2 * HALF}`} role="img" aria-label="The robot as a stick figure" {...useDrag(direction, turn)}>
       <path class="tool" d={trace} />
       <path class="base" d={pathOf([place([0, 0, 0]), place([0, 0, 0])], SCALE)} />
       <path class="link" d={links} />
@@ -91,7 +92,7 @@ function usePlayback(times: number[]) {
   const [index, setIndex] = useState(0);
   const [isPlaying, setPlaying] = useState(() => !matchMedia("(prefers-reduced-motion: reduce)").matches);
   useEffect(() => {
-    if (!isPlaying) return;
+    if (!isPlaying || times.length < 2) return;
     const begin = performance.now() - 1000 * ((times[index] ?? 0) - times[0]!);
     let request = requestAnimationFrame(function step(now) {
       setIndex(indexAt(times, (now - begin) / 1000));
