@@ -5,14 +5,13 @@ import { spawnSync } from "node:child_process";
 import { copyFileSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { basename, join } from "node:path";
+import { compare } from "./numbers.mjs";
 import { REPOSITORY } from "./site.mjs";
 
 const PROGRAM = process.env.THETAHAT ?? join(REPOSITORY, "target/release/thetahat");
 
 /** Relative difference of two numbers at most. */
 const TOLERANCE = 1e-9;
-/** Keys of `results.json` that say how long something took, or by which build. */
-const NOT_COMPARED = /seconds|duration/;
 
 /** Runs the program in a folder; exit code 1 is a verdict. */
 export function thetahat(folder, ...args) {
@@ -48,19 +47,9 @@ export function errorOf({ status, stderr }) {
   return stderr.replace(/^error: /, "").trim();
 }
 
-/** Asserts that two values from JSON are the same, numbers to the tolerance of their size; how many numbers there were. */
-export function assertSame(found, expected, path = "") {
-  if (typeof expected === "number" && typeof found === "number") {
-    const error = Math.abs(found - expected);
-    assert.ok(error <= TOLERANCE * Math.abs(expected) || error < 1e-15, `${path}: ${found}, not ${expected}`);
-    return 1;
-  }
-  if (expected === null || typeof expected !== "object") {
-    assert.deepEqual(found, expected, path);
-    return 0;
-  }
-  assert.ok(found !== null && typeof found === "object", path);
-  assert.deepEqual(Object.keys(found), Object.keys(expected), path);
-  const compared = Object.keys(expected).filter((key) => !NOT_COMPARED.test(key));
-  return compared.reduce((count, key) => count + assertSame(found[key], expected[key], `${path}.${key}`), 0);
+/** Asserts that two results are the same to the tolerance; how many values they have. */
+export function assertSame(found, expected) {
+  const { count, worst } = compare(found, expected);
+  assert.ok(worst.deviation <= TOLERANCE, `${worst.place}: ${JSON.stringify(worst.a)}, not ${JSON.stringify(worst.b)}`);
+  return count;
 }
