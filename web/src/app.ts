@@ -10,8 +10,8 @@ export interface GivenFile {
   file: File;
 }
 
-/** Bytes of one file at most: a page has no more than a few GB of memory, and values take more room than text. */
-const LARGEST_FILE = 500e6;
+/** MiB of one file at most, as in the session, which would say so only after the page has read it. */
+const LARGEST_FILE = 512;
 
 export class App {
   state: State = EMPTY;
@@ -228,9 +228,10 @@ function demoFiles({ robot, recordings }: InitRequest): ListedFile[] {
 }
 
 function tooLarge(path: string, bytes: number): string | null {
-  if (bytes <= LARGEST_FILE) return null;
-  const size = Math.round(bytes / 1e6);
-  return `${path} has ${size} MB; this page reads files up to ${LARGEST_FILE / 1e6} MB. The command \`thetahat reduce\` takes records of any length.`;
+  const found = Math.floor(bytes / 2 ** 20);
+  if (bytes <= LARGEST_FILE * 2 ** 20) return null;
+  return `${path}: a file of ${found} MiB is too large for the page, which takes ${LARGEST_FILE} MiB; the command \`thetahat reduce\` takes `
+    + "records of any length, and `thetahat solve` identifies from what it writes";
 }
 
 function problemOf(at: TaskName, error: unknown): Problem | null {

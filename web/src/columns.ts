@@ -28,7 +28,7 @@ export function columnNames(recordings: RecordingAnswer[]): string[] {
 /** What was proposed; columns are empty where nothing was. */
 export function assignmentOf({ robot, proposal }: Understanding): Assignment {
   const locks = new Map((proposal?.locked ?? robot?.locked ?? []).map(({ name, value }) => [name, value]));
-  const moving = (robot?.joints ?? []).map(({ name }) => name).filter((name) => !locks.has(name));
+  const moving = (robot?.joints ?? []).filter(({ coordinate }) => coordinate !== null).map(({ name }) => name).filter((name) => !locks.has(name));
   const order = proposal?.joints ?? moving;
   const column = (columns: string[] | undefined, name: string) => columns?.[order.indexOf(name)] ?? "";
   const joints = [...moving, ...locks.keys()].map((name) => ({

@@ -25,10 +25,11 @@ export interface InitRequest {
 export interface RobotAnswer {
   name: string;
   format: string;
-  joints: { number: number; name: string; kind: string; parent: number | null }[];
+  /** Those that follow another joint have no coordinate. */
+  joints: { name: string; coordinate: number | null }[];
   locked: { name: string; value: number }[];
-  doubts: string[];
-  base_parameters?: unknown[];
+  /** What no robot has. */
+  doubts: { place: string; what: string; remedy: string }[];
   problem: string | null;
 }
 
@@ -94,6 +95,8 @@ export interface Series {
 export type Severity = "problem" | "warning" | "note" | "guess";
 
 export interface Finding {
+  /** The recording in which it was found; none for all. */
+  recording?: string;
   code: string;
   severity: Severity;
   /** The joint that it concerns. */
