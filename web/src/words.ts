@@ -20,3 +20,8 @@ export function significant(value: number, digits = 4): string {
 export function seconds(value: number): string {
   return `${significant(value)} s`;
 }
+
+/** A text with a capital letter and a full stop. */
+export function sentence(text: string): string {
+  return `${text.charAt(0).toUpperCase()}${text.slice(1)}.`;
+}

@@ -3,6 +3,7 @@
 import { useEffect, useState } from "preact/hooks";
 import type { State, Task } from "../state";
 import { isAtWork, missing } from "../state";
+import { sentence } from "../words";
 import { headline } from "./Result";
 import type { View } from "./Page";
 
@@ -26,7 +27,7 @@ export function Bar({ state, app }: View) {
 }
 
 function statusOf(state: State, lacks: string | null): string {
-  if (state.task) return state.task.stage ? `${state.said} ${state.task.stage}` : state.said;
+  if (state.task) return state.task.stage ? sentence(state.task.stage) : state.said;
   if (state.problem) return "There is an error; see above.";
   if (lacks) return lacks;
   if (state.identified) return headline(state.identified);

@@ -1,5 +1,6 @@
 // The whole page: files, what was understood, the experiment, the result, and the bar that leads on.
 
+import { useErrorBoundary } from "preact/hooks";
 import type { App } from "../app";
 import type { State } from "../state";
 import { Bar } from "./Bar";
@@ -14,6 +15,8 @@ export interface View {
 }
 
 export function Page({ state, app }: View) {
+  const [error, reset] = useErrorBoundary();
+  if (error) return <Failed error={error} startAnew={() => { app.startAnew(); reset(); }} />;
   return (
     <>
       <header>
@@ -34,5 +37,16 @@ export function Page({ state, app }: View) {
       </footer>
       <Bar state={state} app={app} />
     </>
+  );
+}
+
+/** What is left where a view fails. */
+function Failed({ error, startAnew }: { error: Error; startAnew: () => void }) {
+  return (
+    <main>
+      <h1>thetahat</h1>
+      <p class="error" role="alert">The page itself failed, which is a mistake of thetahat: {error.message}</p>
+      <p class="buttons"><button type="button" onClick={startAnew}>Start anew</button></p>
+    </main>
   );
 }
