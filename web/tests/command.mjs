@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
-import { copyFileSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { copyFileSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { basename, join } from "node:path";
 import { compare } from "./numbers.mjs";
@@ -28,17 +28,20 @@ export function folderOf(t, files) {
   return folder;
 }
 
-/** What `init` and `identify` make of a robot and its recordings. */
-export function identified(folder, robot, recordings, more = []) {
+/** The text of the experiment that `init` writes for a robot and its recordings. */
+export function proposed(folder, robot, recordings) {
   const named = recordings.flatMap((recording) => ["--recording", basename(recording)]);
-  const init = thetahat(folder, "init", "--robot", basename(robot), ...named, ...more);
-  assert.equal(init.status, 0, init.stderr);
-  const run = thetahat(folder, "identify", "experiment.toml", "--out", "results", "--quiet");
-  assert.ok(run.status <= 1, run.stderr);
-  return {
-    experiment: readFileSync(join(folder, "experiment.toml"), "utf8"),
-    results: JSON.parse(readFileSync(join(folder, "results/results.json"), "utf8")),
-  };
+  const { status, stderr } = thetahat(folder, "init", "--robot", basename(robot), ...named);
+  assert.equal(status, 0, stderr);
+  return readFileSync(join(folder, "experiment.toml"), "utf8");
+}
+
+/** What `identify` makes of the text of an experiment. */
+export function identified(folder, experiment) {
+  writeFileSync(join(folder, "experiment.toml"), experiment);
+  const { status, stderr } = thetahat(folder, "identify", "experiment.toml", "--out", "results", "--quiet");
+  assert.ok(status <= 1, stderr);
+  return JSON.parse(readFileSync(join(folder, "results/results.json"), "utf8"));
 }
 
 /** What the program says of a failure, without the word before it. */

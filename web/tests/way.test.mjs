@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { assertSame, folderOf, identified, thetahat } from "./command.mjs";
+import { assertSame, folderOf, identified, proposed, thetahat } from "./command.mjs";
 import { ARM, choose, dataset, identify, openFolds, openSite, REPOSITORY, saved, takeDemo, untilReady, visit } from "./site.mjs";
 
 let site;
@@ -26,7 +26,7 @@ test("the demo: the verdict, the report and the files", async (t) => {
   await assertReport(page);
   const results = JSON.parse(await saved(page, "results.json"));
   const expected = JSON.parse(thetahat(REPOSITORY, "demo", "--json").stdout);
-  assert.ok(assertSame(results, expected) > 1000, "numbers are compared");
+  assert.ok(assertSame(results, expected) > 1000, "values are compared");
   assert.match(await saved(page, "report.html"), /^<!DOCTYPE html>/);
   assert.match(await saved(page, "parameters.csv"), /idim-ls/);
   assertQuiet();
@@ -38,8 +38,7 @@ test("a robot and its log: the figures and the files of the command line", async
   const page = await compare(t, ARM, [join(folder, "log.csv")], 3);
   await page.getByRole("button", { name: "MJCF", exact: true }).click();
   const mjcf = await saved(page, "arm.xml");
-  thetahat(folder, "init", "--robot", "arm.urdf", "--recording", "log.csv");
-  thetahat(folder, "identify", "experiment.toml", "--out", "results");
+  identified(folder, await page.getByRole("textbox", { name: "experiment.toml" }).inputValue());
   assert.equal(mjcf, thetahat(folder, "export", "results/results.json", "--to", "mjcf").stdout);
 });
 
@@ -61,13 +60,22 @@ async function compare(t, robot, logs, joints) {
   await assertUnderstood(page, joints);
   await identify(page);
   await assertReport(page);
-  const expected = identified(folderOf(t, [robot, ...logs]), robot, logs);
   await openFolds(page);
-  assert.equal(await page.getByRole("textbox", { name: "experiment.toml" }).inputValue(), expected.experiment);
-  const numbers = assertSame(JSON.parse(await saved(page, "results.json")), expected.results);
-  assert.ok(numbers > 100, `${numbers} numbers are compared`);
+  const experiment = await page.getByRole("textbox", { name: "experiment.toml" }).inputValue();
+  const folder = folderOf(t, [robot, ...logs]);
+  assert.equal(withoutNeighbours(experiment), withoutNeighbours(proposed(folder, robot, logs)));
+  const values = assertSame(JSON.parse(await saved(page, "results.json")), identified(folder, experiment));
+  assert.ok(values > 100, `${values} values are compared`);
   assertQuiet();
   return page;
+}
+
+/**
+ * An experiment without the lines of the errors that other filters would have: they are of twins simulated in closed loop, whose friction
+ * makes a difference in the last bit one in the third digit (EMPS).
+ */
+function withoutNeighbours(experiment) {
+  return experiment.replace(/^# {3}every .*\n/gm, "");
 }
 
 /** The robot moves, and each joint has its curves. */

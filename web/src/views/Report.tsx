@@ -16,7 +16,8 @@ export function Report({ html }: { html: string }) {
 function follow(frame: HTMLIFrameElement): void {
   const content = frame.contentDocument?.documentElement;
   if (!content) return;
-  const fit = () => { frame.style.height = `${content.offsetHeight}px`; };
+  const border = frame.offsetHeight - frame.clientHeight;
+  const fit = () => { frame.style.height = `${content.offsetHeight + border}px`; };
   new ResizeObserver(fit).observe(content);
   fit();
 }
