@@ -19,19 +19,33 @@ function* pairs(a, b, place = "") {
 
 /**
  * How many values were compared, the largest deviation, and where it is. Numbers deviate by their difference over the largest number at
- * the same place, since one of a list may be zero but for rounding; anything else deviates infinitely where it differs.
+ * the same place, since one of a list may be zero but for rounding; probabilities by their difference alone, since small ones have few
+ * digits; anything else deviates infinitely where it differs.
  */
 export function compare(found, expected) {
   const places = new Map();
   for (const pair of pairs(found, expected)) places.set(pair.place, [...(places.get(pair.place) ?? []), pair]);
   const deviations = [...places].flatMap(([place, values]) => {
-    const scale = Math.max(...values.flatMap(({ a, b }) => [a, b]).map((value) => (typeof value === "number" ? Math.abs(value) : 0)));
+    const scale = place.endsWith("p_value") ? 1 : largestOf(values);
     return values.map(({ a, b }) => ({ place, a, b, deviation: deviation(a, b, scale) }));
   });
   return { count: deviations.length, worst: deviations.reduce((most, one) => (one.deviation > most.deviation ? one : most), { deviation: 0 }) };
 }
 
+function largestOf(values) {
+  const sizes = values.flatMap(({ a, b }) => [a, b]).filter((value) => typeof value === "number").map(Math.abs);
+  return sizes.reduce((most, size) => Math.max(most, size), 0);
+}
+
 function deviation(a, b, scale) {
   if (a === b) return 0;
   return typeof a === "number" && typeof b === "number" ? Math.abs(a - b) / scale : Infinity;
+}
+
+/** The largest difference of two estimates of the same runs, in standard deviations; infinite where runs or verdicts differ. */
+export function deviationOfEstimates(found, expected) {
+  if (found.verdict !== expected.verdict || found.runs.length !== expected.runs.length) return Infinity;
+  const ofParameter = ({ name, estimate, standard_deviation: sigma }, other) => (name === other?.name ? Math.abs(estimate - other.estimate) / sigma : Infinity);
+  const ofRun = ({ parameters }, run) => parameters.map((parameter, index) => ofParameter(parameter, found.runs[run].parameters[index]));
+  return Math.max(...expected.runs.flatMap(ofRun));
 }

@@ -4,7 +4,14 @@ import assert from "node:assert/strict";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { assertSame, folderOf, identified, proposed, thetahat } from "./command.mjs";
+import { deviationOfEstimates } from "./numbers.mjs";
 import { ARM, choose, dataset, identify, openFolds, openSite, REPOSITORY, saved, takeDemo, untilReady, visit } from "./site.mjs";
+
+/**
+ * Standard deviations by which estimates of the demonstration may differ: its record is simulated with steps that the integrator chooses,
+ * and one that is refused for the last bit makes a difference of the integrator's tolerance.
+ */
+const LARGEST_DEVIATION = 0.05;
 
 let site;
 before(async () => { site = await openSite(); });
@@ -26,7 +33,8 @@ test("the demo: the verdict, the report and the files", async (t) => {
   await assertReport(page);
   const results = JSON.parse(await saved(page, "results.json"));
   const expected = JSON.parse(thetahat(REPOSITORY, "demo", "--json").stdout);
-  assert.ok(assertSame(results, expected) > 1000, "values are compared");
+  const deviation = deviationOfEstimates(results, expected);
+  assert.ok(deviation < LARGEST_DEVIATION, `${deviation} standard deviations`);
   assert.match(await saved(page, "report.html"), /^<!DOCTYPE html>/);
   assert.match(await saved(page, "parameters.csv"), /idim-ls/);
   assertQuiet();
@@ -71,8 +79,8 @@ async function compare(t, robot, logs, joints) {
 }
 
 /**
- * An experiment without the lines of the errors that other filters would have: they are of twins simulated in closed loop, whose friction
- * makes a difference in the last bit one in the third digit (EMPS).
+ * An experiment without the lines of the errors that other filters would have: they are of twins, simulated with steps that the integrator
+ * chooses; of EMPS their third digit differs.
  */
 function withoutNeighbours(experiment) {
   return experiment.replace(/^# {3}every .*\n/gm, "");

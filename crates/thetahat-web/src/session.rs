@@ -8,7 +8,7 @@ use thetahat::{
     experiment::{Experiment, propose},
     export::{ExportRequest, Format, IdentifiedModel},
     recording::{Contents, inspect_with_time},
-    report,
+    report::{self, Published},
     results::Results,
     robot::RobotSource,
 };
@@ -50,9 +50,10 @@ impl Session {
     /// Puts a file into the folder, in the place of one of the same path.
     ///
     /// # Errors
-    /// A file that is too large, or cannot be written.
+    /// A file with which the folder is too large, or that cannot be written.
     pub fn put(&mut self, path: &str, bytes: Vec<u8>) -> Outcome<()> {
-        budget::require_size(path, bytes.len())?;
+        let others: usize = self.files.iter().filter(|(known, _)| known != path).map(|(_, bytes)| bytes).sum();
+        budget::require_size(path, bytes.len(), others)?;
         self.files.retain(|(known, _)| known != path);
         self.files.push((path.to_owned(), bytes.len()));
         store::put(&self.folder.join(path), bytes)
@@ -126,9 +127,14 @@ impl Session {
     /// # Errors
     /// As the command `identify`, and for recordings that are too long for a page.
     pub fn identify(&self, experiment: &str, progress: &mut dyn FnMut(&str)) -> Outcome<String> {
-        let results = self.experiment(experiment)?.run(&self.folder, progress)?;
+        let experiment = self.experiment(experiment)?;
+        let published = experiment.published_path().map(|path| Published::read(&path)).transpose()?;
+        progress("reading and filtering the recordings");
+        let recordings = experiment.recordings(&self.folder)?;
+        budget::require_length(&recordings)?;
+        let results = experiment.run_on(recordings, &self.folder, progress)?;
         progress("writing the report");
-        Ok(serde_json::to_string(&Identified::of(&results)?)?)
+        Ok(serde_json::to_string(&Identified::of(&results, published.as_ref())?)?)
     }
 
     /// Puts the files of the demonstration, and answers a request for [`Session::understand`] and its experiment.

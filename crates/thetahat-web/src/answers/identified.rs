@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 use thetahat::{
-    report::{self, TextWidth},
+    report::{self, Published, TextWidth},
     results::Results,
 };
 
@@ -25,10 +25,10 @@ pub(crate) struct Identified<'a> {
 }
 
 impl<'a> Identified<'a> {
-    pub(crate) fn of(results: &'a Results) -> Outcome<Self> {
+    pub(crate) fn of(results: &'a Results, published: Option<&Published>) -> Outcome<Self> {
         let mut files = BTreeMap::new();
         for name in report::file_names() {
-            let content = report::render(name, results, None)?.unwrap_or_default();
+            let content = report::render(name, results, published)?.unwrap_or_default();
             files.insert(name, String::from_utf8(content)?);
         }
         let width = TextWidth::default();
