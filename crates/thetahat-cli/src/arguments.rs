@@ -9,7 +9,7 @@ use clap_complete::Shell;
 use thetahat::{
     export::Format,
     identification::Method,
-    recording::Unit,
+    recording::{Side, Unit},
     symbolic::{DriveTorques, Language, ModelKind},
 };
 
@@ -195,6 +195,15 @@ pub struct Columns {
     /// Unit of the torques, such as "mN m"
     #[arg(long, value_name = "UNIT")]
     pub torque_unit: Option<Unit>,
+    /// The side of the gears on which positions and torques were measured
+    #[arg(long, value_name = "SIDE", value_parser = side())]
+    pub side: Option<Side>,
+    /// Start and end of the window, s [default: the moving part]
+    #[arg(long, value_names = ["START", "END"], num_args = 2)]
+    pub window_s: Option<Vec<f64>>,
+    /// Joints that do not move, in rad or m, such as head_joint=0.2
+    #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = lock)]
+    pub lock: Vec<(String, f64)>,
 }
 
 #[derive(Args)]
@@ -426,6 +435,10 @@ pub enum GeneratedParameters {
 fn named<T: Copy + Send + Sync + 'static>(all: &'static [(&'static str, T)]) -> impl TypedValueParser<Value = T> {
     let value = |name: String| all.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
     PossibleValuesParser::new(all.iter().map(|(name, _)| *name)).try_map(move |name| value(name).ok_or("no such name"))
+}
+
+fn side() -> impl TypedValueParser<Value = Side> {
+    PossibleValuesParser::new(["joint", "motor"]).map(|name| if name == "motor" { Side::Motor } else { Side::Joint })
 }
 
 fn lock(text: &str) -> Result<(String, f64), String> {

@@ -8,7 +8,7 @@ use std::{
 
 use thetahat::{
     experiment::{EstimateRequest, ExperimentError, IdentifiedRobot},
-    export::{Export, ExportError, IdentifiedModel},
+    export::{ExportError, IdentifiedModel},
     output::{OutputGuard, remove_own, replace_file},
 };
 
@@ -31,13 +31,13 @@ pub fn export_robot(request: &Request) -> Result<Ending, Box<dyn Error>> {
     let model = IdentifiedModel::new(identified)?;
     let export = model.export(request.exported.to)?;
     let checked = if request.check { Some(export.check()?) } else { None };
-    let said = in_words(&model, &export, checked);
+    let said = model.in_words(&export, checked);
     let Some((path, sidecar)) = request.out.as_ref().zip(sidecar) else {
         remark(&said)?;
         print(&export.text)?;
         return Ok(Ending::of(Some(model.identified.verdict)));
     };
-    let covariance = covariance(&model)?;
+    let covariance = model.covariance_json_or_reason()?;
     replace_file(path, export.text.as_bytes())?;
     print(&format!("{said}\nwritten: {}\n", path.display()))?;
     print(&format!("         {}\n", write_sidecar(&sidecar, covariance)?))?;
@@ -130,28 +130,9 @@ fn identified(request: &Exported) -> Result<IdentifiedRobot, ExperimentError> {
     )
 }
 
-/// The covariance; or why the results have none, as those of before that key.
-fn covariance(model: &IdentifiedModel) -> Result<Result<String, ExportError>, ExportError> {
-    match model.covariance_json() {
-        none @ Err(ExportError::NoDeviations { .. } | ExportError::SingularCovariance { .. }) => Ok(none),
-        found => found.map(Ok),
-    }
-}
-
 /// The file of the covariance.
 fn beside(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(".covariance.json");
     path.with_file_name(name)
-}
-
-/// What there is to say of an export, a line each.
-fn in_words(model: &IdentifiedModel, export: &Export, checked: Option<f64>) -> String {
-    let first = format!("{}: {}", model.identified.robot.name, export.format.title());
-    let checked = checked.map(|difference| {
-        format!("read back: torques at 1000 random states differ by {difference:.1e} of the largest at most")
-    });
-    let lines =
-        [vec![first], model.about(), export.notes.clone(), export.unsaid.clone(), checked.into_iter().collect()];
-    lines.concat().into_iter().map(|line| line + "\n").collect()
 }

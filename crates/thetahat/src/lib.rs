@@ -65,6 +65,8 @@ mod pool;
 
 mod clock;
 
+pub mod files;
+
 pub mod visible;
 
 pub mod output;

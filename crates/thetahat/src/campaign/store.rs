@@ -15,7 +15,7 @@ use super::{
     parquet_file::{self, Content},
     record::Bench,
 };
-use crate::output::TEMPORARY;
+use crate::{files, output::TEMPORARY};
 
 const MANIFEST: &str = "campaign.json";
 const RUNS: &str = "runs.parquet";
@@ -74,14 +74,14 @@ impl Store {
         let store = Self { folder: folder.to_owned() };
         let parts = store.parts();
         let (path, manifest) = (folder.join(MANIFEST), Manifest::of(campaign)?);
-        if !path.exists() {
+        if !files::exists(&path) {
             require_empty(folder)?;
             fs::create_dir_all(folder).map_err(|e| refuse(folder, &e))?;
             let text = serde_json::to_string_pretty(&manifest).map_err(|e| refuse(&path, &e))?;
             replace_file(&path, text.as_bytes())?;
         }
         fs::create_dir_all(&parts).map_err(|e| refuse(&parts, &e))?;
-        let text = fs::read_to_string(&path)
+        let text = files::read_to_string(&path)
             .map_err(|e| CampaignError::Unreadable { path: path.clone(), reason: e.to_string() })?;
         let found: Manifest = serde_json::from_str(&text)
             .map_err(|e| CampaignError::Damaged { path: path.clone(), problem: e.to_string() })?;
@@ -128,11 +128,11 @@ impl Store {
     /// The rows of earlier commands, with their times.
     fn merged(&self, facts: &Facts) -> Result<Vec<Row>, CampaignError> {
         let [timing, runs] = [self.folder.join(TIMING), self.folder.join(RUNS)];
-        if !runs.exists() {
+        if !files::exists(&runs) {
             return Ok(Vec::new());
         }
         let mut rows = parquet_file::read(&runs, facts)?;
-        let seconds = if timing.exists() { parquet_file::read_seconds(&timing)? } else { Vec::new() };
+        let seconds = if files::exists(&timing) { parquet_file::read_seconds(&timing)? } else { Vec::new() };
         // A run killed between the two files leaves more times than rows; the parts, still there, hold everything.
         if seconds.len() == rows.len() {
             rows.iter_mut().zip(seconds).for_each(|(row, s)| row.seconds = s);

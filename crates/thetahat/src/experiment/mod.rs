@@ -37,7 +37,7 @@ pub use identified::{EstimateRequest, IdentifiedRobot};
 pub use power::PowerPoint;
 pub use predict::{PredictionRequest, predict};
 pub use proposal::{
-    Proposal, ProposalError, ProposalRequest, ProposedChannels, ProposedClock, ProposedLock, ProposedRecording,
-    ProposedSignal, propose,
+    Proposal, ProposalError, ProposalFiles, ProposalRequest, ProposedChannels, ProposedClock, ProposedLock,
+    ProposedRecording, ProposedSignal, propose,
 };
 pub use twin::{TwinMotion, TwinReference};

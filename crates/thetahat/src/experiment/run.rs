@@ -38,7 +38,27 @@ impl Experiment {
         progress: &mut dyn FnMut(&str),
     ) -> Result<Results, ExperimentError> {
         progress("reading and filtering the recordings");
-        let identification = self.identification(data)?.on_threads(threads);
+        self.results_of(self.identification(data)?.on_threads(threads), progress)
+    }
+
+    /// The same on recordings that were read before, as by [`Experiment::recordings`].
+    ///
+    /// # Errors
+    /// As [`Experiment::run`].
+    pub fn run_on(
+        &self,
+        recordings: Vec<Recording>,
+        data: &Path,
+        progress: &mut dyn FnMut(&str),
+    ) -> Result<Results, ExperimentError> {
+        self.results_of(self.with_validation(recordings, data)?, progress)
+    }
+
+    fn results_of(
+        &self,
+        identification: Identification<'_>,
+        progress: &mut dyn FnMut(&str),
+    ) -> Result<Results, ExperimentError> {
         let results = identification.run_with_progress(progress).map_err(|e| self.refuse(e))?;
         Ok(Results {
             title: self.file.title.clone(),
@@ -90,7 +110,12 @@ impl Experiment {
 
     /// The recordings, read or made by the twin, with the settings.
     fn identification(&self, data: &Path) -> Result<Identification, ExperimentError> {
-        let main = self.identification_of(self.recordings(data)?)?;
+        self.with_validation(self.recordings(data)?, data)
+    }
+
+    /// Given recordings and those that are held back, with the settings.
+    fn with_validation(&self, recordings: Vec<Recording>, data: &Path) -> Result<Identification, ExperimentError> {
+        let main = self.identification_of(recordings)?;
         main.with_validation(self.read_all(&self.file.validation, data)?).map_err(|e| self.refuse(e))
     }
 

@@ -1,7 +1,5 @@
 //! The twin: a simulated robot with known parameters, recorded through its sensors.
 
-use std::fs;
-
 use super::{
     description::{Experiment, TwinDescription, Unlisted},
     error::ExperimentError,
@@ -11,6 +9,7 @@ use crate::{
     base_parameters::BaseParameters,
     digest::sha256,
     dynamics::Model,
+    files,
     preparation::{PreparationError, Recording},
     recording::ChannelSource,
     results::TwinRecord,
@@ -182,7 +181,7 @@ impl Experiment {
         let followed = self.file.twin.as_ref().and_then(|twin| twin.reference.as_ref());
         let digest = |source: &ChannelSource| {
             let path = paths::beside(&self.path, "[twin] reference", &source.file)?;
-            let content = fs::read(&path);
+            let content = files::read(&path);
             content.map(|c| sha256(&c)).map_err(|e| ExperimentError::Unreadable { path, reason: e.to_string() })
         };
         followed.map(digest).transpose()

@@ -41,6 +41,7 @@ mod split;
 mod uncertainty;
 mod urdf_edit;
 mod urdf_new;
+mod words;
 mod xml;
 
 pub use error::ExportError;

@@ -73,6 +73,17 @@ impl IdentifiedModel {
         Ok(serde_json::to_string(&sidecar)? + "\n")
     }
 
+    /// The same; or why there is none, as in results of before deviations.
+    ///
+    /// # Errors
+    /// [`ExportError`] for what cannot be computed or rendered.
+    pub fn covariance_json_or_reason(&self) -> Result<Result<String, ExportError>, ExportError> {
+        match self.covariance_json() {
+            none @ Err(ExportError::NoDeviations { .. } | ExportError::SingularCovariance { .. }) => Ok(none),
+            found => found.map(Ok),
+        }
+    }
+
     fn base_entries(&self, covariance: &Matrix) -> Vec<Base> {
         let posterior = &self.posterior;
         let exported = posterior.base.from_standard(&self.standard);

@@ -72,6 +72,6 @@ pub use outputs::{file_names, render, write_all};
 pub use prediction::{prediction_text, write_prediction};
 pub use published::{Agreement, Published, PublishedValue};
 pub use sensitivity::{SENSITIVITY_FILES, sensitivity_text, write_sensitivity};
-pub use series::write_record;
+pub use series::{record_csv, write_record};
 pub use table::{Group, Table};
 pub use wrap::TextWidth;

@@ -1,5 +1,4 @@
 use std::{
-    fs::File,
     io::Read,
     path::{Path, PathBuf},
 };
@@ -12,7 +11,7 @@ use super::{
     locking::{Locks, LocksOf, merged, resolve_all},
     toml_file, urdf,
 };
-use crate::digest::sha256;
+use crate::{digest::sha256, files};
 
 /// Longest robot description, bytes.
 const LONGEST: u64 = 16 << 20;
@@ -179,7 +178,7 @@ fn is_xml(text: &str) -> bool {
 fn read_text(path: &Path) -> Result<String, RobotError> {
     let unreadable = |e: std::io::Error| RobotError::Unreadable { path: path.to_owned(), reason: e.to_string() };
     let mut text = String::new();
-    File::open(path).and_then(|file| file.take(LONGEST + 1).read_to_string(&mut text)).map_err(unreadable)?;
+    files::open(path).and_then(|file| file.take(LONGEST + 1).read_to_string(&mut text)).map_err(unreadable)?;
     if text.len() as u64 > LONGEST {
         return Err(RobotError::TooLarge {
             path: path.to_owned(),
