@@ -56,7 +56,7 @@ impl Experiment {
 
     fn results_of(
         &self,
-        identification: Identification<'_>,
+        identification: Identification,
         progress: &mut dyn FnMut(&str),
     ) -> Result<Results, ExperimentError> {
         let results = identification.run_with_progress(progress).map_err(|e| self.refuse(e))?;
