@@ -599,7 +599,7 @@ fn locked_joints_with_followers_are_locked_again() {
     let locks = Locks { locked: [(leader, 0.02)].into(), until: Vec::new() };
     let robot = whole.with_locks(&locks).unwrap();
     assert!(robot.locked.len() > 1, "{:?}", robot.locked);
-    assert_eq!(Locks::restating(&robot.locked, &whole), locks);
+    assert_eq!(Locks::restating(&robot.locked, &whole.joints), locks);
 }
 
 #[test]

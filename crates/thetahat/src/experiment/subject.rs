@@ -54,7 +54,7 @@ impl Subject {
 
     fn of_arrays(path: &Path, results: &Results, run: &RunResult) -> Result<Self, ExperimentError> {
         let source = RobotSource::from_text(results.robot_description.clone(), path)?;
-        let locks = Locks::restating(&results.robot_locked, &source.robot_without_transmission()?);
+        let locks = Locks::restating(&results.robot_locked, &source.robot_without_transmission()?.joints);
         let robot = with_constants(&source.robot_with_locks(&locks, path)?, &results.profiled_terms);
         let parameters = ParameterSelection {
             estimate: ParameterChoice::List(run.parameters.iter().map(|p| p.name.clone()).collect()),

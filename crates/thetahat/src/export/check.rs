@@ -39,7 +39,7 @@ fn read_back(text: &str, exported: &Robot) -> Result<Robot, RobotError> {
     let path = Path::new("the export");
     let whole = RobotSource::from_text(text.to_owned(), path)?.robot_without_transmission()?;
     let robot = whole
-        .with_locks(&Locks::restating(&exported.locked, &whole))
+        .with_locks(&Locks::restating(&exported.locked, &whole.joints))
         .map_err(|source| RobotError::Lock { path: path.to_owned(), source: Box::new(source) })?;
     Ok(Robot { gravity: exported.gravity, ..robot })
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::error::LockError;
 use crate::{
     one_or_each,
-    robot::{Joint, JointKind, Limits, Robot, RobotError},
+    robot::{Joint, JointKind, Limits, RobotError},
 };
 
 /// Largest angle of a locked joint, rad: more than two turns are degrees, or a mistake.
@@ -59,11 +59,10 @@ pub(in crate::robot) fn resolve_all(joints: &[Joint], stated: &[LocksOf<'_>]) ->
 }
 
 impl Locks {
-    /// The locks that made joints of a robot what they were: what else was locked follows these joints, or is locked by the
-    /// robot's own description.
+    /// The locks of these joints of a robot: what else was locked follows them, or is locked by the robot's own description.
     #[must_use]
-    pub fn restating(locked: &[LockedJoint], robot: &Robot) -> Self {
-        let is_free = |name: &str| robot.joints.iter().any(|j| j.name == name && j.mimic.is_none());
+    pub fn restating(locked: &[LockedJoint], joints: &[Joint]) -> Self {
+        let is_free = |name: &str| joints.iter().any(|j| j.name == name && j.mimic.is_none());
         let locked = locked.iter().filter(|l| is_free(&l.name)).map(|l| (l.name.clone(), l.value)).collect();
         Self { locked, until: Vec::new() }
     }
