@@ -328,8 +328,8 @@ pub struct Design {
     /// The design file
     #[arg(value_name = "DESIGN.toml")]
     pub design: PathBuf,
-    /// Folder for trajectory.csv, trajectory.yaml, promised.csv, experiment.toml, rehearsal.toml and design.html [default:
-    /// tables in the terminal only]
+    /// Folder for trajectory.csv, .yaml and .json, promised.csv, experiment.toml, rehearsal.toml, design.html, and the moves for
+    /// robots' controllers [default: tables in the terminal only]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     #[command(flatten)]

@@ -125,6 +125,8 @@ pub mod campaign;
 
 pub mod reduction;
 
+pub mod collision;
+
 pub mod design;
 pub mod export;
 

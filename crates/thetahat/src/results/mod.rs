@@ -55,7 +55,10 @@ pub use campaign::{CampaignResults, Extent, MethodSummary, ParameterSummary, Pub
 pub use card::{Card, Unseen};
 pub use content::{NOMINAL, Results, SCHEMA};
 pub use curves::{Bin, Frame, HeldBackPlots, Plots, RecordStart, ResidualCurves, RunPlots, Skeleton};
-pub use design::{DesignResults, DesignedJoint, ExperimentText, LimitUse, PromisedParameter, SearchResult};
+pub use design::{
+    CollisionResults, DesignResults, DesignedJoint, ExperimentText, LimitUse, PairDistance, PromisedParameter,
+    SearchResult,
+};
 pub use diagnosis::{
     Advice, ApproximatedParameter, ApproximationResult, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis,
     Comparison, EndogeneityResult, Explained, Influence, InstrumentResult, JointResidual, ParameterDifference,
