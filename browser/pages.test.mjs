@@ -1,12 +1,11 @@
 // Every page at every width, light and dark: quiet, alone, as wide as its window, and accessible.
 
 import assert from "node:assert/strict";
-import { readFileSync, statSync } from "node:fs";
-import { createRequire } from "node:module";
+import { statSync } from "node:fs";
 import { after, before, test } from "node:test";
+import { axe, noOverflow, uniqueIds } from "./asserts.mjs";
 import { HEIGHT, launch, open, openFolds, pagesOf, SCHEMES, WIDTHS } from "./pages.mjs";
 
-const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 /** Where axe looks, which takes a second: contrast depends on the scheme alone, what scrolls on the width alone. */
 const AXE_AT = { light: [390, 800], dark: [1400] };
 /** Bytes of a page at most. */
@@ -62,21 +61,4 @@ function textAbove(height) {
     if (width > 0 && top < height) text += ` ${walker.currentNode.data}`;
   }
   return text.replace(/\s+/g, " ");
-}
-
-async function noOverflow(page, width) {
-  const found = await page.evaluate(() => document.documentElement.scrollWidth);
-  assert.ok(found <= width, `the page is ${found} px wide in a window of ${width} px`);
-}
-
-async function uniqueIds(page) {
-  const ids = await page.evaluate(() => [...document.querySelectorAll("[id]")].map((element) => element.id));
-  assert.deepEqual(ids.filter((id, i) => ids.indexOf(id) !== i), []);
-}
-
-async function axe(page) {
-  await page.evaluate(AXE);
-  const violations = await page.evaluate(async () => (await globalThis.axe.run({ resultTypes: ["violations"] })).violations);
-  const told = violations.map(({ id, help, nodes }) => `${id}: ${help}; ${nodes.length} times, first ${nodes[0].html.slice(0, 200)}`);
-  assert.deepEqual(told, []);
 }

@@ -9,7 +9,7 @@ use clap_complete::Shell;
 use thetahat::{
     export::Format,
     identification::Method,
-    recording::Unit,
+    recording::{Side, Unit},
     symbolic::{DriveTorques, Language, ModelKind},
 };
 
@@ -46,6 +46,8 @@ pub enum Command {
     /// Exit code 1 where the verdict on the results is that they are not to be used, and --force exports them.
     Export(Export),
     /// Write robots drawn from the distribution of the estimates, each physically consistent: for domain randomisation.
+    ///
+    /// Exit code 1 where the verdict on the results is that they are not to be used, and --force takes them.
     Sample(Sample),
     /// Predict the torques of another motion with identified parameters.
     Predict(Predict),
@@ -193,6 +195,15 @@ pub struct Columns {
     /// Unit of the torques, such as "mN m"
     #[arg(long, value_name = "UNIT")]
     pub torque_unit: Option<Unit>,
+    /// The side of the gears on which positions and torques were measured
+    #[arg(long, value_name = "SIDE", value_parser = side())]
+    pub side: Option<Side>,
+    /// Start and end of the window, s [default: the moving part]
+    #[arg(long, value_names = ["START", "END"], num_args = 2)]
+    pub window_s: Option<Vec<f64>>,
+    /// Joints that do not move, in rad or m, such as head_joint=0.2
+    #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = lock)]
+    pub lock: Vec<(String, f64)>,
 }
 
 #[derive(Args)]
@@ -386,7 +397,7 @@ pub struct Generate {
     /// The case whose estimates are taken [default: nominal]
     #[arg(long)]
     pub case: Option<String>,
-    /// The robot that the results must be of
+    /// The robot description that the results must be of, unchanged
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
     /// The torques of the drives: all, the inertia of the motors alone, or none
@@ -424,6 +435,10 @@ pub enum GeneratedParameters {
 fn named<T: Copy + Send + Sync + 'static>(all: &'static [(&'static str, T)]) -> impl TypedValueParser<Value = T> {
     let value = |name: String| all.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
     PossibleValuesParser::new(all.iter().map(|(name, _)| *name)).try_map(move |name| value(name).ok_or("no such name"))
+}
+
+fn side() -> impl TypedValueParser<Value = Side> {
+    PossibleValuesParser::new(["joint", "motor"]).map(|name| if name == "motor" { Side::Motor } else { Side::Joint })
 }
 
 fn lock(text: &str) -> Result<(String, f64), String> {

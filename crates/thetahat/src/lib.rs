@@ -65,11 +65,15 @@ mod pool;
 
 mod clock;
 
+pub mod files;
+
 pub mod visible;
 
 pub mod output;
 
 mod one_or_each;
+
+mod digest;
 
 pub mod robot;
 

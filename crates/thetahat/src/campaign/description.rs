@@ -6,7 +6,7 @@ use std::{
 use serde::Deserialize;
 
 use super::CampaignError;
-use crate::{experiment::Experiment, identification::Method, one_or_each::OneOrEach};
+use crate::{experiment::Experiment, files, identification::Method, one_or_each::OneOrEach};
 
 /// A campaign with its experiment, ready to run.
 #[derive(Debug, Clone)]
@@ -115,11 +115,11 @@ impl Campaign {
     /// # Errors
     /// [`CampaignError`], with the file and the line or key.
     pub fn read(path: &Path) -> Result<Self, CampaignError> {
-        let text = std::fs::read_to_string(path)
+        let text = files::read_to_string(path)
             .map_err(|e| CampaignError::Unreadable { path: path.to_owned(), reason: e.to_string() })?;
         let file = Self::parse(path, &text)?;
         let experiment = crate::experiment::beside(path, "experiment", &file.experiment)?;
-        if !experiment.is_file() {
+        if !files::is_file(&experiment) {
             let expected = format!("the path of an experiment file, from {}", path.parent().unwrap_or(path).display());
             let found = format!("{:?}, which is no file", file.experiment.display().to_string());
             return Err(CampaignError::Value { path: path.to_owned(), key: "experiment".to_owned(), expected, found });

@@ -1,7 +1,8 @@
 //! Rows as Parquet: columns of texts, whole numbers and numbers, each value present or absent.
 
-use std::{fs::File, path::Path, sync::Arc};
+use std::{path::Path, sync::Arc};
 
+use bytes::Bytes;
 use flate2::Crc;
 use parquet::{
     basic::Compression,
@@ -19,7 +20,7 @@ use parquet::{
 };
 
 use super::{CampaignError, Row, facts::Facts, files::replace_file, row::status_name};
-use crate::identification::Status;
+use crate::{files, identification::Status};
 
 /// Which columns a file has beside those that say which run a row is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -165,9 +166,9 @@ pub(super) fn read(path: &Path, facts: &Facts) -> Result<Vec<Row>, CampaignError
 /// The records of a file, whose checksum is that of their values.
 fn records(path: &Path) -> Result<Vec<Record>, CampaignError> {
     let damaged = |problem: String| CampaignError::Damaged { path: path.to_owned(), problem };
-    let file =
-        File::open(path).map_err(|e| CampaignError::Unreadable { path: path.to_owned(), reason: e.to_string() })?;
-    let reader = SerializedFileReader::new(file).map_err(|e| damaged(e.to_string()))?;
+    let bytes =
+        files::read(path).map_err(|e| CampaignError::Unreadable { path: path.to_owned(), reason: e.to_string() })?;
+    let reader = SerializedFileReader::new(Bytes::from(bytes)).map_err(|e| damaged(e.to_string()))?;
     let records = reader.get_row_iter(None).and_then(Iterator::collect::<Result<Vec<Record>, _>>);
     let records = records.map_err(|e| damaged(e.to_string()))?;
     let metadata = reader.metadata().file_metadata().key_value_metadata();

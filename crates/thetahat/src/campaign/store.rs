@@ -15,7 +15,7 @@ use super::{
     parquet_file::{self, Content},
     record::Bench,
 };
-use crate::output::TEMPORARY;
+use crate::{files, output::TEMPORARY};
 
 const MANIFEST: &str = "campaign.json";
 const RUNS: &str = "runs.parquet";
@@ -35,16 +35,20 @@ struct Manifest {
     campaign: String,
     experiment: String,
     robot: String,
+    /// SHA-256 of the file that the twin follows, where it follows one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    reference_sha256: Option<String>,
 }
 
 impl Manifest {
-    fn of(campaign: &Campaign) -> Self {
-        Self {
+    fn of(campaign: &Campaign) -> Result<Self, CampaignError> {
+        Ok(Self {
             thetahat: env!("CARGO_PKG_VERSION").to_owned(),
             campaign: campaign.text.clone(),
             experiment: campaign.experiment.text.clone(),
             robot: campaign.experiment.robot_text.clone(),
-        }
+            reference_sha256: campaign.experiment.reference_sha256()?,
+        })
     }
 
     /// What differs from another one.
@@ -54,6 +58,7 @@ impl Manifest {
             ("the campaign file", self.campaign == other.campaign),
             ("the experiment file", self.experiment == other.experiment),
             ("the robot description", self.robot == other.robot),
+            ("the file of [twin] reference", self.reference_sha256 == other.reference_sha256),
         ]
         .into_iter()
         .find_map(|(what, same)| (!same).then_some(what))
@@ -68,15 +73,15 @@ impl Store {
     pub fn open(folder: &Path, campaign: &Campaign) -> Result<Self, CampaignError> {
         let store = Self { folder: folder.to_owned() };
         let parts = store.parts();
-        let (path, manifest) = (folder.join(MANIFEST), Manifest::of(campaign));
-        if !path.exists() {
+        let (path, manifest) = (folder.join(MANIFEST), Manifest::of(campaign)?);
+        if !files::exists(&path) {
             require_empty(folder)?;
             fs::create_dir_all(folder).map_err(|e| refuse(folder, &e))?;
             let text = serde_json::to_string_pretty(&manifest).map_err(|e| refuse(&path, &e))?;
             replace_file(&path, text.as_bytes())?;
         }
         fs::create_dir_all(&parts).map_err(|e| refuse(&parts, &e))?;
-        let text = fs::read_to_string(&path)
+        let text = files::read_to_string(&path)
             .map_err(|e| CampaignError::Unreadable { path: path.clone(), reason: e.to_string() })?;
         let found: Manifest = serde_json::from_str(&text)
             .map_err(|e| CampaignError::Damaged { path: path.clone(), problem: e.to_string() })?;
@@ -123,11 +128,11 @@ impl Store {
     /// The rows of earlier commands, with their times.
     fn merged(&self, facts: &Facts) -> Result<Vec<Row>, CampaignError> {
         let [timing, runs] = [self.folder.join(TIMING), self.folder.join(RUNS)];
-        if !runs.exists() {
+        if !files::exists(&runs) {
             return Ok(Vec::new());
         }
         let mut rows = parquet_file::read(&runs, facts)?;
-        let seconds = if timing.exists() { parquet_file::read_seconds(&timing)? } else { Vec::new() };
+        let seconds = if files::exists(&timing) { parquet_file::read_seconds(&timing)? } else { Vec::new() };
         // A run killed between the two files leaves more times than rows; the parts, still there, hold everything.
         if seconds.len() == rows.len() {
             rows.iter_mut().zip(seconds).for_each(|(row, s)| row.seconds = s);

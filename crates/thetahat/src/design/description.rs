@@ -12,6 +12,7 @@ use super::{
 };
 use crate::{
     control::ControllerDescription,
+    files,
     preparation::{EstimationOptions, ParameterSelection, Settings, SignalOptions, SimulationOptions},
     robot::{Locks, Robot, RobotSource},
 };
@@ -92,7 +93,7 @@ impl Design {
     /// # Errors
     /// [`DesignError`], with the file and the line or key.
     pub fn read(path: &Path) -> Result<Self, DesignError> {
-        let text = std::fs::read_to_string(path)
+        let text = files::read_to_string(path)
             .map_err(|e| DesignError::Unreadable { path: path.to_owned(), reason: e.to_string() })?;
         Self::parse(&text, path)
     }

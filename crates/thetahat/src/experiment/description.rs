@@ -15,7 +15,7 @@ use serde::{
 use super::{error::ExperimentError, paths};
 use crate::{
     control::ControllerDescription,
-    one_or_each,
+    files, one_or_each,
     preparation::{
         Case, EstimationOptions, ParameterSelection, Payload, PreparationError, ReferenceCorrection, Settings, Setup,
         SignalOptions, SimulationOptions,
@@ -346,7 +346,7 @@ impl Experiment {
 }
 
 fn read_text(path: &Path) -> Result<String, ExperimentError> {
-    std::fs::read_to_string(path)
+    files::read_to_string(path)
         .map_err(|e| ExperimentError::Unreadable { path: path.to_owned(), reason: e.to_string() })
 }
 

@@ -4,13 +4,13 @@
 use std::path::{Path, PathBuf};
 
 use super::error::ExperimentError;
-use crate::preparation::PreparationError;
+use crate::{files, preparation::PreparationError};
 
 /// The robot description: beside the experiment, or else in the folder of the data.
 pub(super) fn robot(experiment: &Path, named: &Path, data: &Path) -> Result<PathBuf, ExperimentError> {
     let here = folder(experiment).join(named);
     let there = data.join(named);
-    if here.exists() || !there.exists() {
+    if files::exists(&here) || !files::exists(&there) {
         return beside(experiment, "robot", named);
     }
     if is_inside(&there, data) { Ok(there) } else { Err(outside(experiment, "robot", named)) }
@@ -21,7 +21,7 @@ pub(crate) fn beside(experiment: &Path, key: &str, named: &Path) -> Result<PathB
     let own = folder(experiment);
     let path = own.join(named);
     // What is not there is reported where it is read.
-    if !path.exists() || is_inside(&path, &own.join("..")) {
+    if !files::exists(&path) || is_inside(&path, &own.join("..")) {
         return Ok(path);
     }
     Err(outside(experiment, key, named))
@@ -35,7 +35,7 @@ fn folder(file: &Path) -> PathBuf {
 /// Whether a file lies below a folder, links followed.
 fn is_inside(file: &Path, folder: &Path) -> bool {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let real = |path: &Path| path.canonicalize().ok();
+    let real = |path: &Path| files::real(path).ok();
     real(file).zip(real(folder)).is_some_and(|(file, folder)| file.starts_with(folder))
 }
 

@@ -8,6 +8,7 @@ use super::{
 };
 use crate::{
     filter_choice::choose_filter,
+    pool::available_threads,
     preparation::{Case, Recording},
     results::{FilterChoice, RecordingFindings, Results, Sensitivity},
     run::{Identification, check_recordings, examine_robot},
@@ -23,8 +24,42 @@ impl Experiment {
     /// # Errors
     /// [`ExperimentError`] for input that cannot be used.
     pub fn run(&self, data: &Path, progress: &mut dyn FnMut(&str)) -> Result<Results, ExperimentError> {
+        self.run_on_threads(data, available_threads(), progress)
+    }
+
+    /// The same on so many threads, on which the results do not depend.
+    ///
+    /// # Errors
+    /// As [`Experiment::run`].
+    pub fn run_on_threads(
+        &self,
+        data: &Path,
+        threads: usize,
+        progress: &mut dyn FnMut(&str),
+    ) -> Result<Results, ExperimentError> {
         progress("reading and filtering the recordings");
-        let results = self.identification(data)?.run_with_progress(progress).map_err(|e| self.refuse(e))?;
+        self.results_of(self.identification(data)?.on_threads(threads), progress)
+    }
+
+    /// The same on recordings that were read before, as by [`Experiment::recordings`].
+    ///
+    /// # Errors
+    /// As [`Experiment::run`].
+    pub fn run_on(
+        &self,
+        recordings: Vec<Recording>,
+        data: &Path,
+        progress: &mut dyn FnMut(&str),
+    ) -> Result<Results, ExperimentError> {
+        self.results_of(self.with_validation(recordings, data)?, progress)
+    }
+
+    fn results_of(
+        &self,
+        identification: Identification,
+        progress: &mut dyn FnMut(&str),
+    ) -> Result<Results, ExperimentError> {
+        let results = identification.run_with_progress(progress).map_err(|e| self.refuse(e))?;
         Ok(Results {
             title: self.file.title.clone(),
             seed: self.file.twin.as_ref().map(|t| t.sensors.seed),
@@ -75,7 +110,12 @@ impl Experiment {
 
     /// The recordings, read or made by the twin, with the settings.
     fn identification(&self, data: &Path) -> Result<Identification, ExperimentError> {
-        let main = self.identification_of(self.recordings(data)?)?;
+        self.with_validation(self.recordings(data)?, data)
+    }
+
+    /// Given recordings and those that are held back, with the settings.
+    fn with_validation(&self, recordings: Vec<Recording>, data: &Path) -> Result<Identification, ExperimentError> {
+        let main = self.identification_of(recordings)?;
         main.with_validation(self.read_all(&self.file.validation, data)?).map_err(|e| self.refuse(e))
     }
 

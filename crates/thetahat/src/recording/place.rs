@@ -1,10 +1,10 @@
 //! Where a file may lie: inside the folder of the data, whatever the description of a recording says.
 
-use std::fs::{self, File, Metadata};
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
 use super::error::RecordingError;
+use crate::files::{self, File};
 
 /// The path of `file` inside `root`.
 ///
@@ -17,9 +17,9 @@ pub(super) fn inside(root: &Path, file: &Path) -> Result<PathBuf, RecordingError
     if !stays_below(file) {
         return Err(outside());
     }
-    metadata(&path)?;
+    length(&path)?;
     let folder = if root.as_os_str().is_empty() { Path::new(".") } else { root };
-    let real = |path: &Path| path.canonicalize().map_err(|e| unreadable(path, e));
+    let real = |path: &Path| files::real(path).map_err(|e| unreadable(path, e));
     if real(&path)?.starts_with(real(folder)?) { Ok(path) } else { Err(outside()) }
 }
 
@@ -37,31 +37,26 @@ fn stays_below(file: &Path) -> bool {
 /// All bytes of a file that must hold some.
 pub(super) fn file_bytes(path: &Path) -> Result<Vec<u8>, RecordingError> {
     file_length(path)?;
-    fs::read(path).map_err(|e| unreadable(path, e))
+    files::read(path).map_err(|e| unreadable(path, e))
 }
 
 /// A file opened for reading, which must hold something.
 pub(super) fn open(path: &Path) -> Result<File, RecordingError> {
     file_length(path)?;
-    File::open(path).map_err(|e| unreadable(path, e))
+    files::open(path).map_err(|e| unreadable(path, e))
 }
 
 /// The length in bytes of a file that must hold some.
 pub(super) fn file_length(path: &Path) -> Result<u64, RecordingError> {
-    match metadata(path)?.len() {
+    match length(path)? {
         0 => Err(RecordingError::EmptyFile { file: path.to_owned() }),
         length => Ok(length),
     }
 }
 
-/// The metadata of an ordinary file. Folders, pipes and devices are refused: reading one may never end.
-fn metadata(path: &Path) -> Result<Metadata, RecordingError> {
-    let metadata = fs::metadata(path).map_err(|e| unreadable(path, e))?;
-    if metadata.is_file() {
-        return Ok(metadata);
-    }
-    let source = io::Error::new(io::ErrorKind::InvalidInput, "it is a folder or a device");
-    Err(RecordingError::Unreadable { file: path.to_owned(), source })
+/// The length in bytes of an ordinary file, which may be empty.
+fn length(path: &Path) -> Result<u64, RecordingError> {
+    files::length(path).map_err(|e| unreadable(path, e))
 }
 
 pub(super) fn unreadable(path: &Path, source: io::Error) -> RecordingError {
@@ -75,6 +70,8 @@ pub(super) fn unreadable(path: &Path, source: io::Error) -> RecordingError {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use thetahat_testing::Folder;
 
     use super::*;

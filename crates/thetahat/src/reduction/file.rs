@@ -4,7 +4,6 @@
 //! Form 1 has no counted rows: there every sample makes rows.
 
 use std::{
-    fs::{self, File},
     io::{self, Read},
     path::Path,
 };
@@ -12,7 +11,7 @@ use std::{
 use serde::{Deserialize, Serialize};
 
 use super::{Identity, ReducedRecording, Reduction, ReductionError, Segment, fingerprint::scrambled};
-use crate::{linear_algebra::Matrix, output::replace_file, results::NearRestResult};
+use crate::{files, linear_algebra::Matrix, output::replace_file, results::NearRestResult};
 
 const MAGIC: &[u8] = b"thetahat reduction ";
 /// The form that is written.
@@ -193,10 +192,8 @@ impl Header {
 
 /// The bytes of a file, of one that is not a reduction the first ones; folders and devices are refused.
 fn content(path: &Path) -> io::Result<Vec<u8>> {
-    if !fs::metadata(path)?.is_file() {
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is a folder or a device"));
-    }
-    let (mut file, mut bytes) = (File::open(path)?, Vec::new());
+    files::length(path)?;
+    let (mut file, mut bytes) = (files::open(path)?, Vec::new());
     file.by_ref().take(MAGIC.len() as u64).read_to_end(&mut bytes)?;
     if bytes == MAGIC {
         file.read_to_end(&mut bytes)?;

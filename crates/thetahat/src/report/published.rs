@@ -8,7 +8,10 @@ use serde::{
 };
 
 use super::error::ReportError;
-use crate::results::{Method, ParameterResult, RunResult};
+use crate::{
+    files,
+    results::{Method, ParameterResult, RunResult},
+};
 
 const HEADER: [&str; 5] = ["case", "method", "parameter", "estimate", "relative_standard_deviation_percent"];
 
@@ -63,7 +66,7 @@ impl Published {
     /// [`ReportError::PublishedUnreadable`], and [`ReportError::PublishedLine`] with the line for one that is not of the
     /// form above or repeats an earlier one.
     pub fn read(path: &Path) -> Result<Self, ReportError> {
-        let text = std::fs::read_to_string(path)
+        let text = files::read_to_string(path)
             .map_err(|source| ReportError::PublishedUnreadable { path: path.to_owned(), source })?;
         let comments = text.lines().filter_map(|line| line.strip_prefix('#')).map(str::trim);
         let source = comments.collect::<Vec<_>>().join(" ");

@@ -14,11 +14,19 @@ use crate::{
 /// # Errors
 /// [`ReportError`] where the file cannot be written.
 pub fn write_record(record: &TwinRecord, path: &Path) -> Result<(), ReportError> {
+    write(&record_csv(record)?, path)
+}
+
+/// What [`write_record`] writes.
+///
+/// # Errors
+/// [`ReportError`] for what cannot be rendered.
+pub fn record_csv(record: &TwinRecord) -> Result<Vec<u8>, ReportError> {
     let columns = [("position", &record.position), ("torque", &record.torque)];
     let mut content = table(record.sample_rate_hz, &columns).map_err(|source| ReportError::Csv { source })?;
     let head = RECORD.replace('"', "").len();
     content.splice(..head, RECORD.bytes());
-    write(&content, path)
+    Ok(content)
 }
 
 /// The trajectory of a design: `time_s`, `q_1` ..., `dq_1` ..., `ddq_1` ..., SI.

@@ -1,13 +1,11 @@
 //! Reading and writing `results.json`.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
 use super::content::{Results, SCHEMA};
+use crate::files;
 
 /// Why a `results.json` cannot be read or written.
 #[derive(Debug, thiserror::Error)]
@@ -69,7 +67,7 @@ impl Results {
     /// [`ResultsError`] for a file that cannot be read, is not of the expected form or has a larger schema than [`SCHEMA`].
     pub fn read(path: &Path) -> Result<Self, ResultsError> {
         let text =
-            fs::read_to_string(path).map_err(|source| ResultsError::Unreadable { path: path.to_owned(), source })?;
+            files::read_to_string(path).map_err(|source| ResultsError::Unreadable { path: path.to_owned(), source })?;
         Self::from_json(path, &text)
     }
 

@@ -34,6 +34,7 @@ mod content;
 mod curves;
 mod design;
 mod diagnosis;
+mod estimate;
 mod file;
 mod filter;
 mod grade;
@@ -63,6 +64,7 @@ pub use diagnosis::{
     Comparison, EndogeneityResult, Explained, Influence, InstrumentResult, JointResidual, ParameterDifference,
     ResidualResult,
 };
+pub use estimate::NoEstimate;
 pub use file::ResultsError;
 pub use filter::{ComparedFilter, Filter, FilterChoice, FilterError};
 pub use grade::Grade;

@@ -1,11 +1,9 @@
 use std::{
-    fs::File,
     io::Read,
     path::{Path, PathBuf},
 };
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use super::{
     description::Robot,
@@ -13,6 +11,7 @@ use super::{
     locking::{Locks, LocksOf, merged, resolve_all},
     toml_file, urdf,
 };
+use crate::{digest::sha256, files};
 
 /// Longest robot description, bytes.
 const LONGEST: u64 = 16 << 20;
@@ -28,10 +27,9 @@ pub struct RobotFile {
 
 impl RobotFile {
     fn new(path: &Path, text: &str) -> Self {
-        let digest = Sha256::digest(text.as_bytes());
         Self {
             name: path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
-            sha256: digest.iter().map(|byte| format!("{byte:02x}")).collect(),
+            sha256: sha256(text.as_bytes()),
         }
     }
 }
@@ -180,7 +178,7 @@ fn is_xml(text: &str) -> bool {
 fn read_text(path: &Path) -> Result<String, RobotError> {
     let unreadable = |e: std::io::Error| RobotError::Unreadable { path: path.to_owned(), reason: e.to_string() };
     let mut text = String::new();
-    File::open(path).and_then(|file| file.take(LONGEST + 1).read_to_string(&mut text)).map_err(unreadable)?;
+    files::open(path).and_then(|file| file.take(LONGEST + 1).read_to_string(&mut text)).map_err(unreadable)?;
     if text.len() as u64 > LONGEST {
         return Err(RobotError::TooLarge {
             path: path.to_owned(),

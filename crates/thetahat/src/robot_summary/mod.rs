@@ -11,9 +11,11 @@
 //! # }
 //! ```
 
+mod motion;
 mod summarise;
 mod values;
 
+pub use motion::{FrameJoint, MovingFrames};
 pub use values::{
     BaseParameterSummary, JointSummary, MimicSummary, ParameterCount, ParameterCounts, RobotSummary,
     StandardParameterSummary, TransmissionSummary,

@@ -57,6 +57,33 @@ fn no_function_is_allowed_too_many_arguments() {
     assert!(hits.is_empty(), "a type for arguments that belong together is missing: {hits:?}");
 }
 
+/// A page in a browser has no files: the library reads through the room `files`, which has them in memory there. The files that
+/// are written are judged and replaced by `output`.
+#[test]
+fn files_are_read_through_one_room() {
+    const READ: [&str; 7] = [
+        "fs::read(",
+        "fs::read_to_string(",
+        "fs::metadata(",
+        "File::open(",
+        ".canonicalize(",
+        ".exists()",
+        ".is_file()",
+    ];
+    let is_read = |line: &str| !line.trim_start().starts_with("//") && READ.iter().any(|word| line.contains(word));
+    let of_library = |text: &str| text.split("#[cfg(test)]\nmod ").next().unwrap_or_default().lines().any(is_read);
+    let sources = Sources::read(&library());
+    let own = |name: &str| name.starts_with("files/") || name == "output.rs" || name.ends_with("tests.rs");
+    let reads = |name: &&str| of_library(&std::fs::read_to_string(library().join(name)).unwrap());
+    let found: Vec<&str> = sources.files_with("fn").filter(|name| !own(name)).filter(reads).collect();
+    assert!(found.is_empty(), "files that read by themselves: {found:?}");
+    let place = library().join("files/system.rs");
+    assert!(
+        of_library(&std::fs::read_to_string(place).unwrap()),
+        "the words that are looked for are not those of the room"
+    );
+}
+
 /// The circles of a crate, a line each, without those that are passed over.
 fn circles_but(sources: &Sources, passed_over: impl Fn(&[Module]) -> bool) -> String {
     let mut imported: BTreeMap<_, BTreeSet<_>> = BTreeMap::new();

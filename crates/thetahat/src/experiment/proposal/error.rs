@@ -67,6 +67,22 @@ pub enum ProposalError {
         /// The joints of the robot that follow no other.
         known: Vec<String>,
     },
+    /// A joint that was locked is not one of the robot.
+    #[error("--lock {joint}: the robot has no such joint that follows no other; it has {}", known.join(", "))]
+    NoSuchJoint {
+        /// The name.
+        joint: String,
+        /// The joints of the robot that follow no other.
+        known: Vec<String>,
+    },
+    /// A joint was locked, and named as one of the log.
+    #[error(
+        "joint `{joint}` is locked by --lock, and --joints says that the log's columns are of it; leave out one of both"
+    )]
+    LockedAndNamed {
+        /// The joint.
+        joint: String,
+    },
     /// A joint moves whose torques are not in the log.
     #[error(
         "joint `{joint}` moves from {least:.4} to {most:.4} {unit}, and the log has no torque of it: locked, it would falsify the \

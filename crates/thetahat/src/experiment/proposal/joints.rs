@@ -7,7 +7,7 @@ use super::{
     joint_names::columns_of,
     offer::is_named,
     request::ProposalRequest,
-    source::{Chosen, Source},
+    source::{Chosen, Source, channels},
     units::Units,
 };
 use crate::{
@@ -33,6 +33,10 @@ pub struct ProposedLock {
 pub(super) struct JointsOfLog {
     pub(super) robot: Robot,
     pub(super) locks: Vec<ProposedLock>,
+    /// Whether each coordinate of the description is left, where the user locked some: the log may have columns of all.
+    pub(super) free: Option<Vec<bool>>,
+    /// The robot of the description.
+    pub(super) whole: Robot,
 }
 
 impl JointsOfLog {
@@ -44,19 +48,30 @@ impl JointsOfLog {
         let refuse = |e: crate::robot::RobotError| ProposalError::Robot { problem: e.to_string() };
         let whole = description.robot_without_transmission().map_err(refuse)?;
         let search = Search { request, robot: &whole, sources };
-        let locks = match search.moving()? {
-            Some(moving) => search.locks(&moving)?,
-            None => Vec::new(),
-        };
+        let moving = search.unlocked()?;
+        let locks = moving.as_ref().map_or(Ok(Vec::new()), |moving| search.locks(moving))?;
+        let free = moving.filter(|_| !request.locked.is_empty());
         let locked = locks.iter().map(|lock| (lock.joint.clone(), lock.value)).collect();
         let locked = Locks { locked, until: Vec::new() };
         let robot = match description.robot_with_locks(&locked, &request.robot_file) {
             Ok(robot) => robot,
             // Transmissions that cannot be read do not matter to a proposal; the experiment refuses them.
-            Err(_) if locks.is_empty() => whole,
+            Err(_) if locks.is_empty() => whole.clone(),
             Err(error) => return Err(refuse(error)),
         };
-        Ok(Self { robot, locks })
+        Ok(Self { robot, locks, free, whole })
+    }
+
+    /// The columns of the joints that are left, where columns of all joints stand in their order and the user locked some;
+    /// other columns as they are.
+    pub(super) fn left<'a>(&self, columns: Vec<Chosen<'a>>) -> Vec<Chosen<'a>> {
+        match &self.free {
+            Some(free) if channels(&columns) == free.len() && !columns.iter().any(|c| c.in_rows) => {
+                let each = columns.iter().flat_map(Chosen::each);
+                each.zip(free).filter(|(_, free)| **free).map(|(column, _)| column).collect()
+            }
+            Some(_) | None => columns,
+        }
     }
 }
 
@@ -71,6 +86,27 @@ struct Search<'s, 'a> {
 type OfJoint<'a> = Vec<Option<&'a ColumnSummary>>;
 
 impl<'a> Search<'_, 'a> {
+    /// The coordinates that move and that the user did not lock; none where all do.
+    fn unlocked(&self) -> Result<Option<Vec<bool>>, ProposalError> {
+        let moving = self.moving()?;
+        if self.request.locked.is_empty() {
+            return Ok(moving);
+        }
+        let mut moving = moving.unwrap_or_else(|| vec![true; self.robot.coordinate_count()]);
+        for joint in self.request.locked.keys() {
+            let place = self.joints().position(|known| known.name == *joint);
+            let place = place.ok_or_else(|| ProposalError::NoSuchJoint {
+                joint: joint.clone(),
+                known: self.joints().map(|joint| joint.name.clone()).collect(),
+            })?;
+            if self.request.joints.contains(joint) {
+                return Err(ProposalError::LockedAndNamed { joint: joint.clone() });
+            }
+            moving[place] = false;
+        }
+        Ok(Some(moving))
+    }
+
     /// Whether each coordinate moves and has its torque in the log; none where the log has all, or names tell nothing.
     fn moving(&self) -> Result<Option<Vec<bool>>, ProposalError> {
         if !self.request.joints.is_empty() {
@@ -179,6 +215,9 @@ impl<'a> Search<'_, 'a> {
 
     fn lock(&self, coordinate: usize, joint: &Joint) -> Result<ProposedLock, ProposalError> {
         let name = joint.name.clone();
+        if let Some(&value) = self.request.locked.get(&name) {
+            return Ok(ProposedLock { joint: name, value, why: "as stated".to_owned() });
+        }
         let Some((least, most)) = self.travel(coordinate) else {
             let value = joint.limits.neutral();
             let from = if value == 0.0 { "0" } else { "the middle of its limits, as 0 is outside of them" };

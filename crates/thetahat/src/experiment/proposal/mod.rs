@@ -3,6 +3,7 @@
 //! | file | what it does |
 //! | --- | --- |
 //! | `request`, `error` | what a proposal is made for, and why there is none |
+//! | `files` | the files that a proposal is made for, and how the experiment names them |
 //! | `named` | the columns that the user named: `NAME`, `FILE` or `FILE:NAME` |
 //! | `source` | a file with the table of it that is used |
 //! | `joint_names`, `joints` | which column is of which joint; joints that the log lacks are locked |
@@ -12,11 +13,14 @@
 //! | `units` | units and sides, by names and ranges |
 //! | `clock` | times or a rate |
 //! | `recordings` | each recording as it is to be described |
+//! | `filter` | the filter chosen from the recordings |
 //! | `text` | the proposal as data, and as the text of an experiment file |
 
 mod clock;
 mod columns;
 mod error;
+mod files;
+mod filter;
 mod grouping;
 mod joint_names;
 mod joints;
@@ -29,6 +33,7 @@ mod text;
 mod units;
 
 pub use error::ProposalError;
+pub use files::ProposalFiles;
 pub use joints::ProposedLock;
 pub use recordings::propose;
 pub use request::ProposalRequest;

@@ -1,9 +1,8 @@
 use super::{
     error::ProposalError,
+    joints::JointsOfLog,
     source::{Chosen, Source, channels},
 };
-use crate::robot::Robot;
-
 /// The columns that the user named for a signal.
 pub(super) struct Named<'s, 'a> {
     signal: &'static str,
@@ -32,7 +31,7 @@ impl<'s, 'a> Named<'s, 'a> {
     }
 
     /// Of each file the columns named, if it has all of them; none if nothing was named.
-    pub(super) fn columns(&self, robot: &Robot) -> Result<Option<Vec<Option<Vec<Chosen<'a>>>>>, ProposalError> {
+    pub(super) fn columns(&self, joints: &JointsOfLog) -> Result<Option<Vec<Option<Vec<Chosen<'a>>>>>, ProposalError> {
         if self.entries.is_empty() {
             return Ok(None);
         }
@@ -44,12 +43,14 @@ impl<'s, 'a> Named<'s, 'a> {
             let (file, name) = (source.file.to_owned(), (*name).to_owned());
             return Err(ProposalError::NoSuchColumn { file, name, columns: source.names() });
         }
-        let joints = robot.coordinate_count();
-        match found.iter().flatten().map(|columns| channels(columns)).find(|&count| count != joints) {
+        let left = |columns| joints.left(columns);
+        let found: Vec<Result<Vec<Chosen<'a>>, &str>> = found.into_iter().map(|found| found.map(left)).collect();
+        let count = joints.robot.coordinate_count();
+        match found.iter().flatten().map(|columns| channels(columns)).find(|&found| found != count) {
             None => Ok(Some(found.into_iter().map(Result::ok).collect())),
             Some(found) => {
-                let (signal, robot) = (self.signal, robot.name.clone());
-                Err(ProposalError::ColumnCount { signal, found, robot, joints })
+                let (signal, robot) = (self.signal, joints.robot.name.clone());
+                Err(ProposalError::ColumnCount { signal, found, robot, joints: count })
             }
         }
     }

@@ -4,14 +4,12 @@ use super::{
     super::column_names::{self, Signal},
     columns,
     error::ProposalError,
+    joints::JointsOfLog,
     named::Named,
     request::ProposalRequest,
     source::{Chosen, Source},
 };
-use crate::{
-    recording::{ColumnSummary, Contents, TableSummary},
-    robot::Robot,
-};
+use crate::recording::{ColumnSummary, Contents, TableSummary};
 
 /// What a file offers: the columns of each signal, one channel for each joint.
 pub(super) struct Offer<'a> {
@@ -44,13 +42,13 @@ pub(super) fn sources<'a>(request: &'a ProposalRequest, contents: &'a [Contents]
 /// What each of the files offers.
 pub(super) fn offers<'a>(
     request: &'a ProposalRequest,
-    robot: &Robot,
+    joints: &JointsOfLog,
     sources: &[Source<'a>],
 ) -> Result<Vec<Offer<'a>>, ProposalError> {
-    let position = Named::new("position", &request.position, sources).columns(robot)?;
-    let torque = Named::new("torque", &request.torque, sources).columns(robot)?;
+    let position = Named::new("position", &request.position, sources).columns(joints)?;
+    let torque = Named::new("torque", &request.torque, sources).columns(joints)?;
     let offer = |(number, source): (usize, &Source<'a>)| {
-        let found = |signal| columns::by_name(source, robot, signal);
+        let found = |signal| of_joints(source, joints, signal);
         let or_found = |named: &Option<Vec<Option<Vec<Chosen<'a>>>>>, signal| match named {
             Some(named) => named[number].clone().ok_or_else(|| "others were named".to_owned()),
             None => found(signal),
@@ -66,6 +64,14 @@ pub(super) fn offers<'a>(
     let offers: Vec<Offer<'a>> = sources.iter().enumerate().map(offer).collect();
     offers.iter().try_for_each(refuse_same_columns)?;
     Ok(offers)
+}
+
+/// The columns of the joints that are left, by their names or by those of all joints.
+fn of_joints<'a>(source: &Source<'a>, joints: &JointsOfLog, signal: Signal) -> Result<Vec<Chosen<'a>>, String> {
+    columns::by_name(source, &joints.robot, signal).or_else(|problem| match &joints.free {
+        Some(_) => columns::by_name(source, &joints.whole, signal).map(|columns| joints.left(columns)),
+        None => Err(problem),
+    })
 }
 
 /// The table with the most columns of the signals needed, the first of equals.

@@ -31,9 +31,9 @@ pub fn propose(
     contents: &[Contents],
 ) -> Result<Proposal, ProposalError> {
     let sources = sources(request, contents);
-    let JointsOfLog { robot, locks } = JointsOfLog::find(request, description, &sources)?;
-    let robot = &robot;
-    let offers = offers(request, robot, &sources)?;
+    let joints = JointsOfLog::find(request, description, &sources)?;
+    let robot = &joints.robot;
+    let offers = offers(request, &joints, &sources)?;
     let groups = groups(&offers, robot.coordinate_count())?;
     let proposed = |group: &Group| Describer { request, robot, offers: &offers, group }.recording(groups.len() > 1);
     let recordings = groups.iter().map(proposed).collect::<Result<Vec<_>, _>>()?;
@@ -43,10 +43,10 @@ pub fn propose(
     Ok(Proposal {
         title: format!("{}: {first}{more}", robot.name),
         robot_file: request.robot_file.clone(),
-        locks,
+        locks: joints.locks.clone(),
         unused: unused(&sources, &recordings),
         recordings,
-        signal: ProposedSignal::usual(rate_hz),
+        signal: ProposedSignal::usual(rate_hz).with_window(request.window_s),
     })
 }
 

@@ -1,6 +1,6 @@
-use std::path::PathBuf;
+use std::{collections::BTreeMap, path::PathBuf};
 
-use crate::recording::Unit;
+use crate::recording::{Side, Unit};
 
 /// What a proposal is made for, and what is known already.
 #[derive(Debug, Clone, Default)]
@@ -23,4 +23,10 @@ pub struct ProposalRequest {
     pub position_unit: Option<Unit>,
     /// The unit of the torques; none takes it from the names.
     pub torque_unit: Option<Unit>,
+    /// The side of the gears on which positions and torques were measured; none takes it from the names or the range.
+    pub side: Option<Side>,
+    /// Start and end of the window, s; none takes the moving part.
+    pub window_s: [Option<f64>; 2],
+    /// Joints that do not move, by name, and their coordinates, rad or m, beside those of which the log has no torques.
+    pub locked: BTreeMap<String, f64>,
 }

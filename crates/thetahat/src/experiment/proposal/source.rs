@@ -16,6 +16,16 @@ impl<'a> Chosen<'a> {
     pub(super) fn of(column: &'a ColumnSummary) -> Self {
         Self { name: column.name.clone(), channels: &column.statistics, in_rows: column.in_rows }
     }
+
+    /// Its channels, each by itself: `name[3]` of a matrix.
+    pub(super) fn each(&self) -> impl Iterator<Item = Self> + use<'a> {
+        let (name, is_one, in_rows) = (self.name.clone(), self.channels.len() == 1, self.in_rows);
+        self.channels.chunks(1).zip(1..).map(move |(channels, number)| Self {
+            name: if is_one { name.clone() } else { format!("{name}[{number}]") },
+            channels,
+            in_rows,
+        })
+    }
 }
 
 /// Number of channels of some columns.

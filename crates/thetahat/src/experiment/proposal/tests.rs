@@ -1,7 +1,10 @@
 use std::path::Path;
 
 use super::*;
-use crate::{recording::inspect_with_time, robot::RobotSource};
+use crate::{
+    recording::{Side, Unit, inspect_with_time},
+    robot::RobotSource,
+};
 
 const ARM: &str = "name = 'arm'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n[[joint]]\nname = 'b'\nkind = 'revolute'\n";
 
@@ -297,4 +300,76 @@ fn joints_may_be_named_where_columns_are_not() {
     let wrong = ProposalRequest { joints: vec!["arm".into()], ..request() };
     let message = proposed_from(&[("log.csv", "t,q1,q2,tau1,tau2")], wrong, LIFT).unwrap_err().to_string();
     assert_eq!(message, "--joints arm: expected joints of the robot, in its order: lift_joint,arm_joint,head_joint");
+}
+
+/// What is stated of side and window stands in the file, also where the range would tell another side.
+#[test]
+fn side_and_window_may_be_stated() {
+    let header = "t,q1,q2,tau1,tau2";
+    let stated = ProposalRequest { side: Some(Side::Motor), window_s: [Some(0.05), Some(0.25)], ..request() };
+    let geared = format!("{ARM}[transmission]\nmatrix = [[40, 0], [0, 50]]\n");
+    let text = proposed_from(&[("log.csv", header)], stated, &geared).unwrap().text();
+    assert_eq!(text.matches("side = \"motor\"").count(), 2, "{text}");
+    let experiment = super::super::Experiment::from_texts(Path::new("e.toml"), text, geared).unwrap();
+    let signal = &experiment.settings.signal;
+    assert_eq!((signal.window_start_s, signal.window_end_s), (Some(0.05), Some(0.25)));
+}
+
+#[test]
+fn a_stated_joint_side_makes_large_angles_degrees() {
+    let geared = format!("{ARM}[transmission]\nmatrix = [[40, 0], [0, 50]]\n");
+    let folder = thetahat_testing::Folder::new();
+    let row = |k: usize| format!("{},{},{},1,2\n", 1e-3 * k as f64, 60.0 * (0.1 * k as f64).sin(), 0.3 * k as f64);
+    folder.write("log.csv", format!("t,q1,q2,tau1,tau2\n{}", (0..300).map(row).collect::<String>()));
+    let contents = [inspect_with_time(&folder.at("log.csv"), None).unwrap()];
+    let robot = RobotSource::from_text(geared, Path::new("arm.toml")).unwrap();
+    let stated = ProposalRequest { side: Some(Side::Joint), ..request() };
+    let text = propose(&stated, &robot, &contents).unwrap().text();
+    assert!(text.contains("unit = \"deg\" }") && !text.contains("motor"), "{text}");
+}
+
+/// The log has columns of all joints; those of the locked one are left out, named by joints, by numbers, or in a matrix.
+#[test]
+fn a_joint_may_be_locked_that_the_log_has() {
+    let locked = || ProposalRequest { locked: [("head_joint".to_owned(), 0.2)].into(), ..request() };
+    let headers = [
+        "t,lift_joint.position,arm_joint.position,head_joint.position,lift_joint.effort,arm_joint.effort,head_joint.effort",
+        "t,q1,q2,q3,tau1,tau2,tau3",
+    ];
+    for header in headers {
+        let proposal = proposed_from(&[("log.csv", header)], locked(), LIFT).unwrap();
+        assert_eq!(proposal.locks[0], ProposedLock { joint: "head_joint".into(), value: 0.2, why: "as stated".into() });
+        for (signal, channels) in &proposal.recordings[0].channels {
+            assert_eq!(channels.columns.len(), 2, "{signal} {header}");
+        }
+        let experiment =
+            super::super::Experiment::from_texts(Path::new("e.toml"), proposal.text(), LIFT.to_owned()).unwrap();
+        assert_eq!(experiment.robot.coordinate_count(), 2);
+    }
+    let named = ProposalRequest { torque: vec!["c1".into(), "c2".into(), "c3".into()], ..locked() };
+    let proposal = proposed_from(&[("log.csv", "t,q1,q2,q3,c1,c2,c3")], named, LIFT).unwrap();
+    assert_eq!(proposal.recordings[0].channels[1].1.columns, ["c1", "c2"]);
+}
+
+#[test]
+fn a_lock_of_no_joint_or_of_a_named_one_is_refused() {
+    let locked = |joint: &str| ProposalRequest { locked: [(joint.to_owned(), 0.0)].into(), ..request() };
+    let error = proposed_from(&[("log.csv", "t,q1,q2,tau1,tau2")], locked("elbow"), LIFT).unwrap_err();
+    assert!(matches!(&error, ProposalError::NoSuchJoint { joint, .. } if joint == "elbow"), "{error}");
+    let both = ProposalRequest { joints: vec!["arm_joint".into()], ..locked("arm_joint") };
+    let error = proposed_from(&[("log.csv", "t,q1,tau1")], both, LIFT).unwrap_err();
+    assert!(matches!(&error, ProposalError::LockedAndNamed { joint } if joint == "arm_joint"), "{error}");
+}
+
+#[test]
+fn guesses_are_told() {
+    let proposal = proposed_from(&[("log.csv", "t,q1,q2,tau1,tau2")], request(), ARM).unwrap();
+    let guesses = proposal.guesses();
+    assert!(
+        guesses.len() == 2 && guesses[0].starts_with("position: ") && guesses[1].contains("a guess"),
+        "{guesses:?}"
+    );
+    let stated =
+        ProposalRequest { position_unit: Some(Unit::Radian), torque_unit: Some(Unit::NewtonMetre), ..request() };
+    assert!(proposed_from(&[("log.csv", "t,q1,q2,tau1,tau2")], stated, ARM).unwrap().guesses().is_empty());
 }

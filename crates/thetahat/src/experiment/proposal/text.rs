@@ -8,6 +8,9 @@ use crate::{
     visible::visible,
 };
 
+/// How the reason of a guess says that it is one.
+const GUESS: &str = "a guess";
+
 /// Columns that are left out and shown by name.
 const SHOWN: usize = 8;
 
@@ -121,6 +124,12 @@ impl ProposedSignal {
         Self { cutoff_hz, decimation, window_s: [None; 2], comment }
     }
 
+    /// The same filter on another window.
+    #[must_use]
+    pub fn with_window(self, window_s: [Option<f64>; 2]) -> Self {
+        Self { window_s, ..self }
+    }
+
     /// The usual filter, where none could be chosen, with the reason.
     #[must_use]
     pub fn not_chosen(rate_hz: f64, reason: &str) -> Self {
@@ -159,6 +168,19 @@ impl Proposal {
         text += "\n# IDIM-IV and DIDIM simulate the closed loop: with the controller's law in [controller] \
                  (docs/experiments.md) add\n# \"idim-iv\" and \"didim\".\n[estimation]\nmethods = [\"idim-ls\"]\n";
         text
+    }
+
+    /// What could not be known of the recordings and was guessed, a sentence each.
+    #[must_use]
+    pub fn guesses(&self) -> Vec<String> {
+        let of_recording = |recording: &ProposedRecording| {
+            let place = recording.name.iter().map(|name| format!("{name}: ")).collect::<String>();
+            let channels = recording.channels.iter().filter(|(_, channels)| channels.comment.contains(GUESS));
+            channels.map(|(signal, channels)| format!("{place}{signal}: {}", channels.comment)).collect::<Vec<_>>()
+        };
+        let locks = self.locks.iter().filter(|lock| lock.why.contains(GUESS));
+        let locks = locks.map(|lock| format!("{} is locked at {}: {}.", lock.joint, lock.value, lock.why));
+        self.recordings.iter().flat_map(of_recording).chain(locks).collect()
     }
 
     fn locks_text(&self) -> String {

@@ -90,8 +90,11 @@ impl Units<'_, '_> {
         Measured { unit, side, why: why.to_owned() }
     }
 
-    /// The motors' side where the names say so and the robot has gears.
+    /// The side as stated, or else the motors' where the names say so and the robot has gears.
     fn named_side(&self, columns: &[Chosen<'_>]) -> Side {
+        if let Some(side) = self.request.side {
+            return side;
+        }
         let mut names = columns.iter().map(|c| c.name.clone()).chain([self.source.stem()]);
         if self.has_gears() && names.any(|name| column_names::says_motor(&name)) { Side::Motor } else { Side::Joint }
     }
@@ -103,6 +106,9 @@ impl Units<'_, '_> {
 
     /// Whether angles of motors in rad are angles of joints behind the robot's gears.
     fn fits_behind_the_gears(&self, columns: &[Chosen<'_>]) -> bool {
+        if let Some(side) = self.request.side {
+            return side == Side::Motor;
+        }
         let ends = |of: fn(&crate::recording::ChannelSummary) -> Option<f64>| {
             columns.iter().flat_map(|c| c.channels).map(of).collect::<Option<Vec<f64>>>()
         };

@@ -8,13 +8,14 @@ use std::path::{Path, PathBuf};
 
 use rusqlite::config::DbConfig;
 use rusqlite::types::ValueRef;
-use rusqlite::{Connection, OpenFlags, Row};
+use rusqlite::{Connection, Row};
 
 use super::super::error::RecordingError;
 use super::super::place::{file_length, unreadable};
 use super::error::BagError;
 use super::other_topic::OtherTopic;
 use super::topic::{JOINT_STATE, Topics};
+use crate::files;
 
 /// Steps of SQLite's virtual machine between two looks at how many there were.
 const STEPS_AT_A_TIME: i32 = 10_000;
@@ -26,23 +27,37 @@ const STEPS_A_BYTE: u64 = 2;
 pub(super) fn read(path: &Path, topic: Option<&str>) -> Result<Topics, RecordingError> {
     let length = file_length(path)?;
     let topics = Topics::new(path, length);
-    if log_beside(path).is_some_and(|log| log.metadata().is_ok_and(|log| log.len() > 0)) {
+    if log_beside(path).is_some_and(|log| files::length(&log).is_ok_and(|length| length > 0)) {
         return Err(topics.refuse(BagError::NotClosed));
     }
+    Bag { connection: open(path)?, topics }.read(length, topic)
+}
+
+/// A file of the system, opened for reading.
+#[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
+fn open(path: &Path) -> Result<Connection, RecordingError> {
+    use rusqlite::OpenFlags;
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-    let connection = Connection::open_with_flags(address(path)?, flags).map_err(|e| damaged(path, &e))?;
-    Bag { connection, topics }.read(length, topic)
+    Connection::open_with_flags(address(path)?, flags).map_err(|e| damaged(path, &e))
+}
+
+/// A file in memory, of which SQLite takes a copy: it opens those of systems only.
+#[cfg(all(target_family = "wasm", target_os = "unknown"))]
+fn open(path: &Path) -> Result<Connection, RecordingError> {
+    let bytes = files::read(path).map_err(|e| unreadable(path, e))?;
+    in_memory(&bytes).map_err(|e| damaged(path, &e))
 }
 
 /// The joint states of a bag in memory.
 pub(super) fn read_bytes(bytes: &[u8], path: &Path) -> Result<Topics, RecordingError> {
-    let open = || {
-        let mut connection = Connection::open_in_memory()?;
-        connection.deserialize_read_exact("main", bytes, bytes.len(), true)?;
-        Ok(connection)
-    };
-    let (connection, length) = (open().map_err(|e| damaged(path, &e))?, bytes.len() as u64);
+    let (connection, length) = (in_memory(bytes).map_err(|e| damaged(path, &e))?, bytes.len() as u64);
     Bag { connection, topics: Topics::new(path, length) }.read(length, None)
+}
+
+fn in_memory(bytes: &[u8]) -> rusqlite::Result<Connection> {
+    let mut connection = Connection::open_in_memory()?;
+    connection.deserialize_read_exact("main", bytes, bytes.len(), true)?;
+    Ok(connection)
 }
 
 /// The file in which SQLite keeps what it has not yet put into the database.
@@ -53,8 +68,9 @@ fn log_beside(path: &Path) -> Option<PathBuf> {
 }
 
 /// The address of a file that nobody changes, so that SQLite writes nothing beside it.
+#[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
 fn address(path: &Path) -> Result<String, RecordingError> {
-    let path = path.canonicalize().map_err(|e| unreadable(path, e))?;
+    let path = files::real(path).map_err(|e| unreadable(path, e))?;
     let mut address = "file:".to_owned();
     for &byte in path.as_os_str().as_encoded_bytes() {
         match byte {

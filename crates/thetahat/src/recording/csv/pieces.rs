@@ -3,7 +3,6 @@
 //! A first pass finds where lines begin; a piece is then read and parsed by itself. What makes rows differ from lines
 //! (quotes, single carriage returns) is left to the reader of whole files.
 
-use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -17,6 +16,7 @@ use super::dialect::Dialect;
 use super::number::Numbers;
 use super::read::{flaw, read_with_dialect};
 use super::text::Text;
+use crate::files::{self, File};
 
 /// Rows from one place that is remembered to the next.
 const ROWS_PER_MARK: usize = 1024;
@@ -106,7 +106,7 @@ impl TextPieces {
 
     fn bytes(&self, range: Range<u64>) -> Result<Vec<u8>, RecordingError> {
         let refuse = |e| unreadable(&self.path, e);
-        let mut file = File::open(&self.path).map_err(refuse)?;
+        let mut file = files::open(&self.path).map_err(refuse)?;
         file.seek(SeekFrom::Start(range.start)).map_err(refuse)?;
         let length = range.end.saturating_sub(range.start);
         let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));

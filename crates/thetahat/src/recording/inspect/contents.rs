@@ -14,6 +14,7 @@ use super::super::source::ChannelSource;
 use super::super::table::{Column, Flaw, Table, Wanted};
 use super::channel::ChannelSummary;
 use super::time::{TimeSummary, times};
+use crate::files;
 
 /// What a file holds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -98,7 +99,7 @@ const RATE_TOLERANCE: f64 = 0.01;
 pub fn contradicting_times(source: &ChannelSource, root: &Path, stated_hz: f64) -> Option<(String, f64)> {
     let path = source.path(root);
     let format = Format::of(&path).ok()?;
-    if std::fs::metadata(&path).ok()?.len() > SMALL_BYTES {
+    if files::length(&path).ok()? > SMALL_BYTES {
         return None;
     }
     let (tables, _, _) = tables(&path, format).ok()?;

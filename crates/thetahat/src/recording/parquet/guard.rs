@@ -4,9 +4,8 @@
 //! checked first: sizes in the file in [`description`], of a page where the library reads its header, of a dictionary where it
 //! asks for its page.
 
-use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use bytes::buf::Reader;
 use bytes::{Buf, Bytes};
@@ -18,6 +17,7 @@ use parquet::file::serialized_reader::SerializedPageReader;
 
 use super::records::{FILE, PAGE, PAGE_HEADER, SCHEMA_ELEMENT};
 use super::thrift::Thrift;
+use crate::files::File;
 
 /// What a file begins and ends with.
 const MAGIC: &[u8] = b"PAR1";
@@ -77,8 +77,8 @@ fn is_tree(children: &[usize]) -> bool {
 #[derive(Clone)]
 pub(super) enum Source {
     Memory(Bytes),
-    /// On the disk, with its length. The place in the file is shared: for one thread.
-    File(Arc<File>, u64),
+    /// On the disk, with its length.
+    File(Arc<Mutex<File>>, u64),
 }
 
 impl Source {
@@ -96,7 +96,7 @@ impl Source {
         match self {
             Self::Memory(bytes) => Ok(bytes.slice(start as usize..end as usize)),
             Self::File(file, _) => {
-                let (mut file, mut bytes) = (&**file, vec![0; length]);
+                let (mut file, mut bytes) = (file.lock().unwrap_or_else(PoisonError::into_inner), vec![0; length]);
                 file.seek(SeekFrom::Start(start))?;
                 file.read_exact(&mut bytes)?;
                 Ok(bytes.into())

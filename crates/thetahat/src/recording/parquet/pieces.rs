@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use bytes::Bytes;
 
@@ -77,7 +77,7 @@ fn first_stamps(described: &Described, source: &Source, wanted: Wanted<'_>) -> O
 }
 
 fn source(path: &Path) -> Result<Source, RecordingError> {
-    Ok(Source::File(Arc::new(open(path)?), file_length(path)?))
+    Ok(Source::File(Arc::new(Mutex::new(open(path)?)), file_length(path)?))
 }
 
 /// Reads the second half of a file in memory.

@@ -138,7 +138,7 @@ fn conclusion(run: &RunResult, wanted: fn(&ParameterResult) -> bool) -> String {
     let counts = Grade::ALL.map(count);
     let shown: usize = counts.iter().map(|(_, count)| count).sum();
     let of = if shown < run.parameters.len() { format!(" of {}", run.parameters.len()) } else { String::new() };
-    format!("{shown}{of} parameters: {}.", counted(counts))
+    format!("{shown}{of} parameters: {}.", counted(counts, false))
 }
 
 /// A name that an attribute can hold.

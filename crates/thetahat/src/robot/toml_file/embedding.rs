@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use crate::robot::RobotError;
+use crate::{files, robot::RobotError};
 
 /// The URDF that a TOML stands on.
 pub(in crate::robot) enum Urdf {
@@ -33,7 +33,7 @@ pub(in crate::robot) fn urdf_of(text: &str, path: &Path) -> Result<Option<Urdf>,
 fn beside(path: &Path, name: &Path) -> Result<PathBuf, RobotError> {
     let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let file = folder.join(name);
-    let real = |path: &Path| path.canonicalize().ok();
+    let real = |path: &Path| files::real(path).ok();
     match real(&file).zip(real(&folder.join(".."))) {
         Some((file, above)) if !file.starts_with(&above) => Err(RobotError::Value {
             path: path.to_owned(),

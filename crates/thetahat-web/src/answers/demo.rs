@@ -1,0 +1,37 @@
+//! The demonstration: a robot, and the record of its twin.
+
+use serde::Serialize;
+use serde_json::{Value, json};
+use thetahat::{experiment::Experiment, report};
+
+use crate::session::Outcome;
+
+const ROBOT: &str = "tx40.toml";
+const LOG: &str = "tx40_demo.csv";
+
+/// Files, and what is asked of them.
+pub(crate) struct Demo {
+    pub(crate) files: [(&'static str, Vec<u8>); 2],
+    pub(crate) answer: DemoAnswer,
+}
+
+#[derive(Serialize)]
+pub(crate) struct DemoAnswer {
+    request: Value,
+    experiment: String,
+}
+
+impl Demo {
+    pub(crate) fn new() -> Outcome<Self> {
+        let demo = Experiment::demo()?;
+        let log = report::record_csv(&demo.record_twin()?)?;
+        let own = demo.file.robot.display().to_string();
+        Ok(Self {
+            files: [(ROBOT, demo.robot_text.into_bytes()), (LOG, log)],
+            answer: DemoAnswer {
+                request: json!({ "robot": ROBOT, "recordings": [LOG] }),
+                experiment: demo.text.replacen(&own, ROBOT, 1),
+            },
+        })
+    }
+}

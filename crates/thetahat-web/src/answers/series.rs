@@ -1,0 +1,49 @@
+//! The record that is drawn.
+
+use serde::Serialize;
+use thetahat::{
+    preparation::Recording,
+    robot::{JointKind, Robot},
+    series::Series,
+};
+
+/// Most samples that are drawn.
+const MOST: usize = 2000;
+
+/// Positions and torques of the joints, thinned: one row for each joint.
+#[derive(Serialize)]
+pub(super) struct SeriesAnswer {
+    time_s: Vec<f64>,
+    position: Vec<Vec<f64>>,
+    torque: Vec<Vec<f64>>,
+    joints: Vec<String>,
+    position_unit: Vec<&'static str>,
+    torque_unit: Vec<&'static str>,
+    window_s: [f64; 2],
+}
+
+impl SeriesAnswer {
+    pub(super) fn of(robot: &Robot, recording: &Recording, window_s: Option<[f64; 2]>) -> Self {
+        let samples = recording.position.len();
+        let kept = || (0..samples).step_by(samples.div_ceil(MOST).max(1));
+        let time = |k: usize| k as f64 / recording.sample_rate_hz;
+        let thinned =
+            |series: &Series| (0..series.channels()).map(|c| kept().map(|k| series.sample(k)[c]).collect()).collect();
+        let units = |revolute, prismatic| {
+            let unit = move |kind| match kind {
+                JointKind::Revolute => revolute,
+                JointKind::Prismatic => prismatic,
+            };
+            robot.coordinates().map(|joint| unit(joint.kind)).collect()
+        };
+        Self {
+            time_s: kept().map(time).collect(),
+            position: thinned(&recording.position),
+            torque: recording.torque.as_ref().map(thinned).unwrap_or_default(),
+            joints: robot.coordinates().map(|joint| joint.name.clone()).collect(),
+            position_unit: units("rad", "m"),
+            torque_unit: units("N m", "N"),
+            window_s: window_s.unwrap_or([0.0, time(samples)]),
+        }
+    }
+}

@@ -1,0 +1,13 @@
+//! thetahat in a browser's page: a session with files in memory, JSON in and out.
+//!
+//! [`Session`] does the work, on any system; `page` is what JavaScript sees of it.
+
+mod answers;
+mod budget;
+mod kind;
+mod page;
+mod request;
+mod session;
+mod store;
+
+pub use session::{Outcome, Session};

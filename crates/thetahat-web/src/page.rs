@@ -1,0 +1,137 @@
+//! The class that the page's worker calls. Texts are JSON; an error is a JavaScript `Error` with the message of the command line.
+
+use std::{path::Path, sync::Mutex};
+
+use wasm_bindgen::prelude::*;
+
+use crate::session::{self, Session};
+
+/// A session in the page.
+#[wasm_bindgen(js_name = Session)]
+pub struct PageSession(Session);
+
+type Outcome<T> = Result<T, JsError>;
+
+fn told<T>(outcome: session::Outcome<T>) -> Outcome<T> {
+    outcome.map_err(|error| JsError::new(&error.to_string()))
+}
+
+#[wasm_bindgen(js_class = Session)]
+impl PageSession {
+    /// A session without files.
+    #[wasm_bindgen(constructor)]
+    #[must_use]
+    #[allow(clippy::new_without_default, reason = "JavaScript has no defaults")]
+    pub fn new() -> Self {
+        keep_panics();
+        Self(Session::in_folder(Path::new("")))
+    }
+
+    /// The version of the program.
+    #[must_use]
+    pub fn version(&self) -> String {
+        env!("CARGO_PKG_VERSION").to_owned()
+    }
+
+    /// Puts a file into the session's folder.
+    ///
+    /// # Errors
+    /// A path that leaves the folder.
+    pub fn put(&mut self, path: &str, bytes: Vec<u8>) -> Outcome<()> {
+        told(self.0.put(path, bytes))
+    }
+
+    /// Removes a file.
+    ///
+    /// # Errors
+    /// A path that leaves the folder.
+    pub fn remove(&mut self, path: &str) -> Outcome<()> {
+        told(self.0.remove(path))
+    }
+
+    /// The files with their sizes.
+    ///
+    /// # Errors
+    /// None in a build that passes its tests.
+    pub fn files(&self) -> Outcome<String> {
+        told(self.0.files())
+    }
+
+    /// What a file is by its content.
+    ///
+    /// # Errors
+    /// A file that is not there.
+    pub fn kind(&self, path: &str) -> Outcome<String> {
+        told(self.0.kind(path).map(str::to_owned))
+    }
+
+    /// The robot and the recordings as they are read, and what is proposed for them.
+    ///
+    /// # Errors
+    /// A request that is not of the form.
+    pub fn understand(&self, request: &str) -> Outcome<String> {
+        told(self.0.understand(request))
+    }
+
+    /// The text of the experiment file that is proposed.
+    ///
+    /// # Errors
+    /// What the command `init` says.
+    pub fn propose(&self, request: &str, progress: &js_sys::Function) -> Outcome<String> {
+        told(self.0.propose(request, &mut |stage| tell(progress, stage)))
+    }
+
+    /// The findings in the recordings of an experiment.
+    ///
+    /// # Errors
+    /// What the command `check` says.
+    pub fn check(&self, experiment: &str) -> Outcome<String> {
+        told(self.0.check(experiment))
+    }
+
+    /// The results of an experiment, and their files.
+    ///
+    /// # Errors
+    /// What the command `identify` says.
+    pub fn identify(&self, experiment: &str, progress: &js_sys::Function) -> Outcome<String> {
+        told(self.0.identify(experiment, &mut |stage| tell(progress, stage)))
+    }
+
+    /// Puts the files of the demonstration, and answers its request and experiment.
+    ///
+    /// # Errors
+    /// None in a build that passes its tests.
+    pub fn demo(&mut self) -> Outcome<String> {
+        told(self.0.demo())
+    }
+
+    /// The identified robot of a `results.json` as a file.
+    ///
+    /// # Errors
+    /// What the command `export` says.
+    pub fn export(&self, results: &str, format: &str, force: bool) -> Outcome<String> {
+        told(self.0.export(results, format, force))
+    }
+}
+
+/// What the last panic said, after which the module must not be used; empty where there was none.
+#[wasm_bindgen]
+#[must_use]
+pub fn last_panic() -> String {
+    LAST_PANIC.lock().map_or_else(|held| held.into_inner().clone(), |text| text.clone())
+}
+
+static LAST_PANIC: Mutex<String> = Mutex::new(String::new());
+
+fn keep_panics() {
+    std::panic::set_hook(Box::new(|panic| {
+        if let Ok(mut text) = LAST_PANIC.lock() {
+            *text = panic.to_string();
+        }
+    }));
+}
+
+/// Tells a stage. What the page's function throws does not matter to the work.
+fn tell(progress: &js_sys::Function, stage: &str) {
+    let _ = progress.call1(&JsValue::NULL, &JsValue::from_str(stage));
+}

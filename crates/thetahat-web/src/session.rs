@@ -1,0 +1,174 @@
+use std::{
+    error::Error,
+    path::{Path, PathBuf},
+};
+
+use serde::Serialize;
+use thetahat::{
+    experiment::{EstimateRequest, Experiment, propose},
+    export::{Format, IdentifiedModel},
+    recording::{Contents, inspect_with_time},
+    report::{self, Published},
+    results::Results,
+    robot::RobotSource,
+};
+
+use crate::{
+    answers::{Demo, Exported, Identified, Understanding},
+    budget,
+    kind::Kind,
+    request::Request,
+    store,
+};
+
+/// A result, or what the command line says.
+pub type Outcome<T> = Result<T, Box<dyn Error>>;
+
+/// The name of the experiment file.
+const EXPERIMENT: &str = "experiment.toml";
+
+/// Files in a folder, and what is done with them. Answers are JSON, unless they are one text.
+#[derive(Debug, Clone)]
+pub struct Session {
+    folder: PathBuf,
+    files: Vec<(String, usize)>,
+}
+
+#[derive(Serialize)]
+struct File<'a> {
+    path: &'a str,
+    bytes: usize,
+}
+
+impl Session {
+    /// A session whose files lie in a folder; in a page it is the empty path.
+    #[must_use]
+    pub fn in_folder(folder: &Path) -> Self {
+        Self { folder: folder.to_owned(), files: Vec::new() }
+    }
+
+    /// Puts a file into the folder, in the place of one of the same path.
+    ///
+    /// # Errors
+    /// A file with which the folder is too large, or that cannot be written.
+    pub fn put(&mut self, path: &str, bytes: Vec<u8>) -> Outcome<()> {
+        let others: usize = self.files.iter().filter(|(known, _)| known != path).map(|(_, bytes)| bytes).sum();
+        budget::require_size(path, bytes.len(), others)?;
+        self.files.retain(|(known, _)| known != path);
+        self.files.push((path.to_owned(), bytes.len()));
+        store::put(&self.folder.join(path), bytes)
+    }
+
+    /// Removes a file that was put.
+    ///
+    /// # Errors
+    /// A file that cannot be removed.
+    pub fn remove(&mut self, path: &str) -> Outcome<()> {
+        self.files.retain(|(known, _)| known != path);
+        store::remove(&self.folder.join(path))
+    }
+
+    /// The files that were put.
+    ///
+    /// # Errors
+    /// None in a build that passes its tests.
+    pub fn files(&self) -> Outcome<String> {
+        let files: Vec<File<'_>> = self.files.iter().map(|(path, bytes)| File { path, bytes: *bytes }).collect();
+        Ok(serde_json::to_string(&files)?)
+    }
+
+    /// What a file is by its content: `robot`, `experiment`, `results`, `recording` or `unknown`.
+    ///
+    /// # Errors
+    /// A file that is not there.
+    pub fn kind(&self, path: &str) -> Outcome<&'static str> {
+        Ok(Kind::of(&self.folder.join(path)).map_err(|e| format!("{path}: {e}"))?.name())
+    }
+
+    /// What is understood of a request's files.
+    ///
+    /// # Errors
+    /// A request that is not of the form; what is wrong with a file is in the answer.
+    pub fn understand(&self, request: &str) -> Outcome<String> {
+        Ok(serde_json::to_string(&Understanding::of(&parse(request)?, &self.folder))?)
+    }
+
+    /// The experiment file that is proposed, its filter chosen on a twin of the record.
+    ///
+    /// # Errors
+    /// As the command `init`.
+    pub fn propose(&self, request: &str, progress: &mut dyn FnMut(&str)) -> Outcome<String> {
+        let request = parse(request)?;
+        let files = request.files(&self.folder);
+        if request.robot.is_none() {
+            return Err("no robot is given: a URDF or a TOML description".into());
+        }
+        progress("reading the recordings");
+        let contents: Vec<Contents> = (files.recordings.iter())
+            .map(|file| inspect_with_time(file, request.time.as_deref()))
+            .collect::<Result<_, _>>()?;
+        let source = RobotSource::read(&files.robot)?;
+        let proposal = propose(&request.proposal(&files), &source, &contents)?;
+        progress("choosing the filter on a twin of the record");
+        Ok(proposal.with_chosen_filter(source.to_text(), &files.data_folder(), 1)?.text())
+    }
+
+    /// The findings in an experiment's recordings, as of `check --json`.
+    ///
+    /// # Errors
+    /// As the command `check`.
+    pub fn check(&self, experiment: &str) -> Outcome<String> {
+        let findings = self.experiment(experiment)?.check(&self.folder)?;
+        Ok(report::findings_json(&findings)?)
+    }
+
+    /// The results of an experiment, and the files of its report.
+    ///
+    /// # Errors
+    /// As the command `identify`, and for recordings that are too long for a page.
+    pub fn identify(&self, experiment: &str, progress: &mut dyn FnMut(&str)) -> Outcome<String> {
+        let experiment = self.experiment(experiment)?;
+        let published = experiment.published_path().map(|path| Published::read(&path)).transpose()?;
+        progress("reading and filtering the recordings");
+        let recordings = experiment.recordings(&self.folder)?;
+        budget::require_length(&recordings)?;
+        let results = experiment.run_on(recordings, &self.folder, progress)?;
+        progress("writing the report");
+        Ok(serde_json::to_string(&Identified::of(&results, published.as_ref())?)?)
+    }
+
+    /// Puts the files of the demonstration, and answers a request for [`Session::understand`] and its experiment.
+    ///
+    /// # Errors
+    /// None in a build that passes its tests.
+    pub fn demo(&mut self) -> Outcome<String> {
+        let demo = Demo::new()?;
+        for (path, bytes) in demo.files {
+            self.put(path, bytes)?;
+        }
+        Ok(serde_json::to_string(&demo.answer)?)
+    }
+
+    /// The identified robot of a `results.json` in a format, as the command `export` writes it.
+    ///
+    /// # Errors
+    /// As the command `export`.
+    pub fn export(&self, results: &str, format: &str, force: bool) -> Outcome<String> {
+        let path = Path::new("results.json");
+        let results = Results::from_json(path, results)?;
+        let request = EstimateRequest { force, ..EstimateRequest::default() };
+        let model = IdentifiedModel::of_results(path, &results, &request)?;
+        let format: Format = format.parse()?;
+        Ok(serde_json::to_string(&Exported::of(&model, format)?)?)
+    }
+
+    fn experiment(&self, text: &str) -> Outcome<Experiment> {
+        let path = self.folder.join(EXPERIMENT);
+        store::put(&path, text.as_bytes().to_vec())?;
+        Ok(Experiment::read(&path, &self.folder)?)
+    }
+}
+
+fn parse(request: &str) -> Outcome<Request> {
+    serde_json::from_str(request).map_err(|e| format!("the request: {e}").into())
+}

@@ -1,0 +1,85 @@
+//! The session of the page in a folder of the system: the same answers as in a browser.
+
+use serde_json::{Value, json};
+use thetahat_testing::Folder;
+use thetahat_web::{Outcome, Session};
+
+fn answer(text: &str) -> Value {
+    serde_json::from_str(text).unwrap()
+}
+
+/// The demonstration goes the whole way by what the page calls: files, understanding, experiment, results, export.
+#[test]
+fn the_demonstration_goes_the_whole_way() -> Outcome<()> {
+    let folder = Folder::new();
+    let mut session = Session::in_folder(folder.path());
+    let demo = answer(&session.demo()?);
+    let kinds = ["tx40.toml", "tx40_demo.csv"].map(|file| session.kind(file).unwrap());
+    assert_eq!(kinds, ["robot", "recording"]);
+    let understood = answer(&session.understand(&demo["request"].to_string())?);
+    for (key, expected) in
+        [("robot_error", Value::Null), ("recording_errors", json!([])), ("proposal_error", Value::Null)]
+    {
+        assert_eq!(understood[key], expected, "{key}");
+    }
+    assert_eq!(understood["robot"]["joints"].as_array().map(Vec::len), Some(6));
+    let (skeleton, series) = (&understood["skeleton"], &understood["series"]);
+    let moments = skeleton["frames"].as_array().unwrap();
+    assert!(moments.len() > 100 && moments.iter().all(|joints| joints.as_array().unwrap().len() == 6));
+    assert_eq!(skeleton["time_s"].as_array().map(Vec::len), Some(moments.len()));
+    let times = series["time_s"].as_array().unwrap().len();
+    assert!((1000..=2000).contains(&times));
+    for signal in ["position", "torque"] {
+        let rows = series[signal].as_array().unwrap();
+        assert!(rows.len() == 6 && rows.iter().all(|row| row.as_array().unwrap().len() == times), "{signal}");
+    }
+    let proposal = &understood["proposal"];
+    assert_eq!(proposal["position"]["columns"][5], "position_6");
+    assert_eq!(proposal["time"], "time_s");
+    let toml = proposal["toml"].as_str().unwrap();
+    let identified = answer(&session.identify(toml, &mut |_| ())?);
+    assert!(identified["report"].as_str().unwrap().starts_with("<!DOCTYPE html>"));
+    assert!(identified["text"].as_str().unwrap().lines().all(|line| line.chars().count() <= 80));
+    let exported = answer(&session.export(identified["files"]["results.json"].as_str().unwrap(), "mjcf", true)?);
+    assert!(exported["file"].as_str().unwrap().contains("<mujoco"));
+    assert!(exported["covariance"].as_str().is_some());
+    Ok(())
+}
+
+const ARM: &str = r#"<robot name="arm"><link name="base"/><link name="a"><inertial><mass value="1"/>
+<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="j" type="revolute"><parent link="base"/><child link="a"/><axis xyz="0 1 0"/>
+<limit lower="-3" upper="3" effort="50" velocity="5"/></joint></robot>"#;
+
+/// What is wrong with a file is said beside what is understood of the others.
+#[test]
+fn a_broken_file_is_an_answer() -> Outcome<()> {
+    let folder = Folder::new();
+    let mut session = Session::in_folder(folder.path());
+    session.put("arm.urdf", ARM.as_bytes().to_vec())?;
+    session.put("log.csv", b"t,tau_1\n0,1\n0.01,2\n".to_vec())?;
+    session.put("broken.npz", b"PK\x03\x04 and no more".to_vec())?;
+    let request = json!({ "robot": "arm.urdf", "recordings": ["log.csv", "broken.npz"] });
+    let understood = answer(&session.understand(&request.to_string())?);
+    assert_eq!(understood["recordings"][0]["channels"][1]["name"], "tau_1");
+    let error = &understood["recording_errors"][0];
+    assert!(error["path"] == "broken.npz" && error["message"].as_str().unwrap().contains("broken.npz"), "{error}");
+    assert!(understood["proposal_error"].as_str().unwrap().contains("--position"), "{understood}");
+    assert_eq!(understood["skeleton"]["frames"].as_array().map(Vec::len), Some(1));
+    Ok(())
+}
+
+/// Requests that are not of the form, and files that are not there, are errors.
+#[test]
+fn what_cannot_be_done_is_an_error() -> Outcome<()> {
+    let folder = Folder::new();
+    let mut session = Session::in_folder(folder.path());
+    assert!(session.understand("{\"robots\": 1}").unwrap_err().to_string().contains("robots"));
+    assert!(session.kind("absent.csv").unwrap_err().to_string().starts_with("absent.csv"));
+    assert!(session.identify("title = 1", &mut |_| ()).is_err());
+    session.put("arm.urdf", ARM.as_bytes().to_vec())?;
+    assert_eq!(session.files()?, format!("[{{\"path\":\"arm.urdf\",\"bytes\":{}}}]", ARM.len()));
+    session.remove("arm.urdf")?;
+    assert_eq!(session.files()?, "[]");
+    Ok(())
+}

@@ -1,0 +1,25 @@
+//! The filter of a proposal, chosen from its recordings.
+
+use std::path::Path;
+
+use super::text::{Proposal, ProposedSignal};
+use crate::experiment::{description::Experiment, error::ExperimentError};
+
+impl Proposal {
+    /// The proposal with the filter that is best on a twin of its recordings, or the usual one with the reason why none was
+    /// chosen. `robot_text` is the description of the robot, `data` the folder of the recordings.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] where the proposal itself is not an experiment, as of a robot that cannot be used.
+    pub fn with_chosen_filter(self, robot_text: String, data: &Path, threads: usize) -> Result<Self, ExperimentError> {
+        let experiment = Experiment::from_texts(Path::new("the proposed experiment"), self.text(), robot_text)?;
+        let signal = match experiment.choose_filter(data, false, threads) {
+            Ok(choice) => ProposedSignal::chosen(&choice),
+            Err(error) => {
+                let rate_hz = self.recordings.first().map_or(0.0, |r| r.clock.rate_hz);
+                ProposedSignal::not_chosen(rate_hz, &error.to_string())
+            }
+        };
+        Ok(Self { signal: signal.with_window(self.signal.window_s), ..self })
+    }
+}

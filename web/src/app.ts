@@ -1,0 +1,245 @@
+// What a person does with the page, and what follows from it.
+
+import { Cancelled, Client, SessionError, Trapped } from "./client";
+import type { DemoAnswer, Exported, Identified, InitRequest, Kind, Understanding } from "./contract";
+import { EMPTY, isOwnText, requestOf, type Choices, type ExportFormat, type ListedFile, type Problem, type State, type TaskName } from "./state";
+
+/** A file as it was dropped or chosen, with its path below what was dropped. */
+export interface GivenFile {
+  path: string;
+  file: File;
+}
+
+/** MiB of one file at most, as in the session, which would say so only after the page has read it. */
+const LARGEST_FILE = 512;
+
+export class App {
+  state: State = EMPTY;
+  /** The last of the tasks, which run one after another. */
+  private queue: Promise<unknown> = Promise.resolve();
+  /** Whether the files will be looked at by a task that has not begun. */
+  private willUnderstand = false;
+
+  constructor(
+    private readonly client: Client,
+    private readonly changed: (state: State) => void,
+  ) {}
+
+  /** Adds files and looks at what they are together. */
+  async add(given: GivenFile[]): Promise<void> {
+    if (this.state.isDemo) this.startAnew();
+    await this.task("read", async () => {
+      for (const { path, file } of given) {
+        this.say(`Reading ${path}.`);
+        await this.addOne(path, file);
+      }
+    });
+    if (!this.state.problem) await this.understand();
+  }
+
+  async remove(path: string): Promise<void> {
+    const file = this.state.files.find((listed) => listed.path === path);
+    this.set({ files: this.state.files.filter((listed) => listed !== file), identified: null, said: `${path} is removed.` });
+    if (file?.kind === "experiment") this.set({ experiment: null });
+    if (file?.kind === "robot" || file?.kind === "recording") this.set({ choices: {} });
+    await this.client.remove(path).catch(() => {});
+    await this.understand();
+  }
+
+  async demo(): Promise<void> {
+    this.startAnew();
+    await this.task("read", async () => {
+      this.say("Recording the simulated robot.");
+      const { request, experiment } = JSON.parse(await this.client.demo()) as DemoAnswer;
+      this.set({ isDemo: true, files: demoFiles(request), experiment: { text: experiment, origin: "given" } });
+    });
+    if (!this.state.problem) await this.understand();
+  }
+
+  /** Forgets everything. */
+  startAnew(): void {
+    this.client.clear();
+    this.state = EMPTY;
+    this.changed(this.state);
+  }
+
+  /** Takes a choice in place of what was proposed; `undefined` takes it back. */
+  async choose(change: { [key in keyof Choices]: Choices[key] | undefined }): Promise<void> {
+    const choices = Object.fromEntries(Object.entries({ ...this.state.choices, ...change }).filter(([, value]) => value !== undefined));
+    this.set({ choices });
+    await this.understand();
+  }
+
+  /** Takes everything as it was found. */
+  async chooseNothing(): Promise<void> {
+    this.set({ choices: {} });
+    await this.understand();
+  }
+
+  /** Takes the text of the experiment as it was changed by hand. */
+  edit(text: string): void {
+    this.set({ experiment: { text, origin: "edited" } });
+  }
+
+  /** Gives up the person's own text for what is proposed. */
+  useProposal(): void {
+    const proposal = this.state.understanding?.proposal;
+    this.set({ experiment: proposal ? { text: proposal.toml, origin: "proposed" } : null });
+  }
+
+  /** Chooses the filter from the data, as `thetahat init` does. */
+  async chooseFilter(): Promise<void> {
+    await this.task("propose", () => this.propose());
+  }
+
+  async identify(): Promise<void> {
+    this.set({ identified: null, exported: null });
+    const isChosen = this.state.experiment?.origin !== "proposed" || (await this.task("propose", () => this.propose()));
+    if (isChosen) await this.task("identify", () => this.run());
+  }
+
+  cancel(): void {
+    this.client.cancel();
+  }
+
+  async export(format: ExportFormat, force: boolean): Promise<void> {
+    const { identified } = this.state;
+    if (!identified) return;
+    const results = identified.files["results.json"] ?? JSON.stringify(identified.results);
+    await this.task("export", async () => {
+      const answer = JSON.parse(await this.client.call("export", [results, format, force])) as Exported;
+      this.set({ exported: { format, answer }, said: `The robot is written as ${format.toUpperCase()}.` });
+    });
+  }
+
+  private async addOne(path: string, file: File): Promise<void> {
+    const listed: ListedFile = { path, bytes: file.size, kind: null, error: tooLarge(path, file.size) };
+    if (listed.error === null) await this.recognise(listed, file);
+    const replaced = (other: ListedFile) => other.path === path || (isSingle(listed) && other.kind === listed.kind);
+    this.set({ files: [...this.state.files.filter((other) => !replaced(other)), listed], identified: null });
+    if (listed.kind === "robot" || listed.kind === "recording") this.set({ choices: {} });
+    if (listed.kind === "experiment") this.set({ experiment: { text: await file.text(), origin: "given" } });
+  }
+
+  private async recognise(listed: ListedFile, file: File): Promise<void> {
+    try {
+      await this.client.put(listed.path, file);
+      listed.kind = (await this.client.call("kind", [listed.path])) as Kind;
+      if (listed.kind === "unknown") listed.error = await this.whyNotRead(listed.path);
+      if (listed.kind === "results") listed.error = "These are results. This page takes a robot, its logs and an experiment.";
+    } catch (error) {
+      if (error instanceof Cancelled) throw error;
+      listed.error = sentenceOf(error);
+    }
+  }
+
+  /** What the readers say of a file that is nothing known. */
+  private async whyNotRead(path: string): Promise<string> {
+    const request: InitRequest = { recordings: [path] };
+    const { recording_errors: errors } = JSON.parse(await this.client.call("understand", [JSON.stringify(request)])) as Understanding;
+    return errors[0]?.message ?? "This is no robot, log or experiment.";
+  }
+
+  /** Looks at the files with the choices, once for all that changed before it begins. */
+  private async understand(): Promise<void> {
+    if (this.willUnderstand) return;
+    this.willUnderstand = true;
+    await this.task("understand", () => {
+      this.willUnderstand = false;
+      return this.understandOnce();
+    });
+  }
+
+  private async understandOnce(): Promise<void> {
+    const request = requestOf(this.state);
+    if (request.robot === undefined && request.recordings.length === 0) {
+      return this.set({ understanding: null, experiment: isOwnText(this.state.experiment) ? this.state.experiment : null });
+    }
+    this.say("Looking at the files.");
+    const understanding = JSON.parse(await this.client.call("understand", [JSON.stringify(request)])) as Understanding;
+    const files = this.state.files.map((file) => withError(file, request, understanding));
+    this.set({ understanding, files, said: "The files are read." });
+    if (!isOwnText(this.state.experiment)) this.useProposal();
+  }
+
+  private async propose(): Promise<void> {
+    this.say("Choosing the filter from the data.");
+    const request = JSON.stringify(requestOf(this.state));
+    const text = await this.client.call("propose", [request], (stage) => this.stage(stage));
+    this.set({ experiment: { text, origin: "chosen" }, said: "The filter is chosen." });
+  }
+
+  private async run(): Promise<void> {
+    this.say("Identifying.");
+    const experiment = this.state.experiment?.text ?? "";
+    const answer = await this.client.call("identify", [experiment], (stage) => this.stage(stage));
+    this.set({ identified: { ...(JSON.parse(answer) as Identified), experiment } });
+  }
+
+  /** Runs one piece of work after those before it; its error becomes the problem that is shown where it belongs. Whether it was done. */
+  private task(name: TaskName, work: () => Promise<void>): Promise<boolean> {
+    const done = this.queue.then(() => this.runTask(name, work));
+    this.queue = done;
+    return done;
+  }
+
+  private async runTask(name: TaskName, work: () => Promise<void>): Promise<boolean> {
+    this.set({ task: { name, stage: "", since: Date.now() }, problem: null });
+    try {
+      await work();
+      return true;
+    } catch (error) {
+      this.set({ problem: problemOf(name, error), said: error instanceof Cancelled ? "Cancelled." : "" });
+      return false;
+    } finally {
+      this.set({ task: null });
+    }
+  }
+
+  private stage(stage: string): void {
+    if (this.state.task) this.set({ task: { ...this.state.task, stage } });
+  }
+
+  private say(said: string): void {
+    this.set({ said });
+  }
+
+  private set(change: Partial<State>): void {
+    this.state = { ...this.state, ...change };
+    this.changed(this.state);
+  }
+}
+
+/** A file with what was said of it, if it was looked at. */
+function withError(file: ListedFile, request: InitRequest, answer: Understanding): ListedFile {
+  if (file.path === request.robot) return { ...file, error: answer.robot_error };
+  if (!request.recordings.includes(file.path)) return file;
+  return { ...file, error: answer.recording_errors.find(({ path }) => path === file.path)?.message ?? null };
+}
+
+/** Whether a file of this kind takes the place of another one. */
+function isSingle({ kind }: ListedFile): boolean {
+  return kind === "robot" || kind === "experiment";
+}
+
+function demoFiles({ robot, recordings }: InitRequest): ListedFile[] {
+  const listed = (kind: Kind) => (path: string) => ({ path, bytes: 0, kind, error: null });
+  return [...(robot === undefined ? [] : [robot]).map(listed("robot")), ...recordings.map(listed("recording"))];
+}
+
+function tooLarge(path: string, bytes: number): string | null {
+  const found = Math.floor(bytes / 2 ** 20);
+  if (bytes <= LARGEST_FILE * 2 ** 20) return null;
+  return `${path}: a file of ${found} MiB is too large for the page, which takes ${LARGEST_FILE} MiB; the command \`thetahat reduce\` takes `
+    + "records of any length, and `thetahat solve` identifies from what it writes";
+}
+
+function problemOf(at: TaskName, error: unknown): Problem | null {
+  return error instanceof Cancelled ? null : { at, message: sentenceOf(error) };
+}
+
+function sentenceOf(error: unknown): string {
+  if (error instanceof SessionError) return error.message;
+  if (error instanceof Trapped) return `The program stopped: ${error.message}. Your files are still here; try again, or take the file away that led to it.`;
+  return String(error);
+}

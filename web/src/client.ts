@@ -1,0 +1,111 @@
+// The page's side of the worker: calls with answers, and a new worker where one was cancelled or has stopped.
+
+import type { FromWorker, Method, ToWorker } from "./contract";
+import type { Program } from "./program";
+
+/** What the command line would print. */
+export class SessionError extends Error {}
+/** The person cancelled. */
+export class Cancelled extends Error {}
+/** The program stopped in the middle of its work. */
+export class Trapped extends Error {}
+
+interface Pending {
+  resolve: (answer: string) => void;
+  reject: (error: Error) => void;
+  stage: (text: string) => void;
+}
+
+export class Client {
+  private worker: Promise<Worker> | null = null;
+  private running: Worker | null = null;
+  private readonly pending = new Map<number, Pending>();
+  /** What a new worker is given again. */
+  private readonly files = new Map<string, Blob>();
+  private hasDemo = false;
+  private calls = 0;
+
+  constructor(private readonly program: Promise<Program>) {}
+
+  /** Puts a file in the session's folder. */
+  async put(path: string, file: Blob): Promise<void> {
+    await this.call("put", [path, await bytesOf(file)]);
+    this.files.set(path, file);
+  }
+
+  async remove(path: string): Promise<void> {
+    this.files.delete(path);
+    await this.call("remove", [path]);
+  }
+
+  /** The answer of the demo, whose files are the session's own. */
+  async demo(): Promise<string> {
+    const answer = await this.call("demo", []);
+    this.hasDemo = true;
+    return answer;
+  }
+
+  /** Forgets all files. */
+  clear(): void {
+    this.files.clear();
+    this.hasDemo = false;
+    this.stop(new Cancelled());
+  }
+
+  /** Calls a method; stages of its progress come while it runs. */
+  async call(method: Method, args: unknown[], stage: (text: string) => void = () => {}): Promise<string> {
+    this.worker ??= this.start();
+    const worker = await this.worker;
+    return this.send(worker, method, args, stage);
+  }
+
+  /** Ends what runs; the next call starts a new worker with the same files. */
+  cancel(): void {
+    this.stop(new Cancelled());
+  }
+
+  private async start(): Promise<Worker> {
+    const { script, module } = await this.program;
+    const worker = new Worker(script);
+    this.running = worker;
+    worker.addEventListener("message", ({ data }: MessageEvent<FromWorker>) => this.receive(data));
+    worker.addEventListener("error", (event) => this.stop(new Trapped(event.message)));
+    worker.postMessage({ module } satisfies ToWorker);
+    if (this.hasDemo) await this.send(worker, "demo", []);
+    for (const [path, file] of this.files) await this.send(worker, "put", [path, await bytesOf(file)]);
+    return worker;
+  }
+
+  private send(worker: Worker, method: Method, args: unknown[], stage = (_: string) => {}): Promise<string> {
+    return new Promise((resolve, reject) => {
+      if (worker !== this.running) return reject(new Cancelled());
+      const call = ++this.calls;
+      this.pending.set(call, { resolve, reject, stage });
+      const buffers = args.filter((arg) => arg instanceof Uint8Array).map((bytes) => bytes.buffer);
+      worker.postMessage({ call, method, args } satisfies ToWorker, buffers);
+    });
+  }
+
+  private receive(message: FromWorker): void {
+    if ("trap" in message) return this.stop(new Trapped(message.trap));
+    const pending = this.pending.get(message.call);
+    if (!pending) return;
+    if ("stage" in message) return pending.stage(message.stage);
+    this.pending.delete(message.call);
+    if ("error" in message) pending.reject(new SessionError(message.error));
+    else pending.resolve(message.answer);
+  }
+
+  private stop(reason: Error): void {
+    this.running?.terminate();
+    this.running = null;
+    this.worker = null;
+    const pending = [...this.pending.values()];
+    this.pending.clear();
+    for (const call of pending) call.reject(reason);
+  }
+}
+
+async function bytesOf(file: Blob): Promise<Uint8Array<ArrayBuffer>> {
+  return new Uint8Array(await file.arrayBuffer());
+}

@@ -1,0 +1,151 @@
+// What `thetahat-web` answers, as JSON texts. Units are SI where a name says none.
+
+/** What a file is, by its content. */
+export type Kind = "robot" | "experiment" | "results" | "recording" | "unknown";
+
+export type Side = "joint" | "motor";
+
+/** The arguments of `thetahat init`. */
+export interface InitRequest {
+  robot?: string;
+  recordings: string[];
+  position?: string[];
+  torque?: string[];
+  time?: string;
+  joints?: string[];
+  rate?: number;
+  position_unit?: string;
+  torque_unit?: string;
+  side?: Side;
+  window_s?: [number, number];
+  locked?: Record<string, number>;
+}
+
+/** The part of `thetahat model --json` that is shown. */
+export interface RobotAnswer {
+  name: string;
+  format: string;
+  /** Those that follow another joint have no coordinate. */
+  joints: { name: string; coordinate: number | null }[];
+  locked: { name: string; value: number }[];
+  /** What no robot has. */
+  doubts: { place: string; what: string; remedy: string }[];
+  problem: string | null;
+}
+
+/** Places of the joints at some moments of the recording. */
+export interface Skeleton {
+  joints: { name: string; kind: string; parent: number | null }[];
+  gravity: Point;
+  frames: Point[][];
+  time_s: number[];
+}
+
+export type Point = [number, number, number];
+
+export interface Channel {
+  name: string;
+  rows: number;
+  columns: number;
+  unit: string | null;
+  smallest: number | null;
+  largest: number | null;
+  note: string | null;
+}
+
+export interface RecordingAnswer {
+  path: string;
+  text: string;
+  format: string;
+  samples: number;
+  rate_hz: number | null;
+  channels: Channel[];
+}
+
+/** The columns of a signal, one for each joint that moves. */
+export interface Columns {
+  columns: string[];
+  unit: string | string[];
+  side: Side;
+}
+
+export interface ProposalAnswer {
+  toml: string;
+  guesses: string[];
+  joints: string[];
+  window_s: [number, number];
+  rate_hz: number;
+  time: string | null;
+  position: Columns;
+  torque: Columns;
+  locked: { name: string; value: number }[];
+}
+
+/** The record that is drawn, thinned: one row for each joint. */
+export interface Series {
+  time_s: number[];
+  position: number[][];
+  torque: number[][];
+  joints: string[];
+  position_unit: string | string[];
+  torque_unit: string | string[];
+  window_s: [number, number];
+}
+
+export type Severity = "problem" | "warning" | "note" | "guess";
+
+export interface Finding {
+  /** The recording in which it was found; none for all. */
+  recording?: string;
+  code: string;
+  severity: Severity;
+  /** The joint that it concerns. */
+  joint: string | null;
+  text: string;
+  remedy: string | null;
+}
+
+export interface Understanding {
+  robot: RobotAnswer | null;
+  robot_error: string | null;
+  skeleton: Skeleton | null;
+  recordings: RecordingAnswer[];
+  recording_errors: { path: string; message: string }[];
+  proposal: ProposalAnswer | null;
+  proposal_error: string | null;
+  series: Series | null;
+  findings: Finding[];
+}
+
+export interface Identified {
+  results: { verdict: Verdict | null; robot: string; title: string; advice: { take: string | null }[] };
+  report: string;
+  files: Record<string, string>;
+  text: string;
+}
+
+export type Verdict = "good" | "care" | "do-not-use";
+
+export interface Exported {
+  file: string;
+  covariance: string | null;
+  text: string;
+}
+
+export interface DemoAnswer {
+  request: InitRequest;
+  experiment: string;
+}
+
+/** The methods of the session that the page calls. */
+export type Method = "put" | "remove" | "kind" | "understand" | "propose" | "identify" | "demo" | "export";
+
+/** What the page sends to the worker: first the compiled module, then calls. */
+export type ToWorker = { module: WebAssembly.Module } | { call: number; method: Method; args: unknown[] };
+
+/** What the worker sends to the page. A trap ends the session: its memory may be in any state. */
+export type FromWorker =
+  | { call: number; answer: string }
+  | { call: number; error: string }
+  | { call: number; stage: string }
+  | { trap: string };

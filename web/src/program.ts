@@ -1,0 +1,38 @@
+// Where the worker's script and the wasm are: beside the page, or inside it.
+
+/** True in `thetahat.html`, which holds everything; esbuild sets it. */
+declare const SINGLE_FILE: boolean;
+
+/** What a worker is started with. */
+export interface Program {
+  /** The address of the script: a blob, so that the page's policy holds for the worker on any server. */
+  script: string;
+  module: WebAssembly.Module;
+}
+
+export async function loadProgram(): Promise<Program> {
+  const [script, module] = await (SINGLE_FILE ? inside() : beside());
+  return { script: URL.createObjectURL(new Blob([script], { type: "text/javascript" })), module };
+}
+
+type Parts = Promise<[string, WebAssembly.Module]>;
+
+function beside(): Parts {
+  const script = fetch("worker.js").then((answer) => answer.text());
+  return Promise.all([script, WebAssembly.compileStreaming(fetch("thetahat_web_bg.wasm"))]);
+}
+
+/** The script as text and the wasm as gzip in base64, each in a data block of the page. */
+function inside(): Parts {
+  return Promise.all([textOf("worker-script"), unpack(textOf("wasm"))]);
+}
+
+function textOf(id: string): string {
+  return document.getElementById(id)?.textContent ?? "";
+}
+
+async function unpack(base64: string): Promise<WebAssembly.Module> {
+  const packed = Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
+  const bytes = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return WebAssembly.compile(await new Response(bytes).arrayBuffer());
+}

@@ -1,0 +1,99 @@
+// All that the page shows, as one value.
+
+import type { Exported, Identified, InitRequest, Kind, Understanding } from "./contract";
+
+export interface ListedFile {
+  path: string;
+  bytes: number;
+  /** None until it is known, or where it cannot be. */
+  kind: Kind | null;
+  /** Why it is not used. */
+  error: string | null;
+}
+
+/** Where the text of the experiment comes from: proposed at once, with the filter chosen from the data, changed by hand, or given as a file. */
+export type Origin = "proposed" | "chosen" | "edited" | "given";
+
+export interface Experiment {
+  text: string;
+  origin: Origin;
+}
+
+/** A run's answer, and the text of the experiment that it answers. */
+export interface Run extends Identified {
+  experiment: string;
+}
+
+export type TaskName = "read" | "understand" | "propose" | "identify" | "export";
+
+export interface Task {
+  name: TaskName;
+  stage: string;
+  since: number;
+}
+
+/** An error at its place. */
+export interface Problem {
+  at: TaskName;
+  message: string;
+}
+
+/** What the person chose in place of what was proposed: the arguments of `thetahat init`. */
+export type Choices = Omit<InitRequest, "robot" | "recordings">;
+
+export type ExportFormat = "urdf" | "mjcf" | "sdf" | "json";
+
+export interface State {
+  files: ListedFile[];
+  choices: Choices;
+  isDemo: boolean;
+  understanding: Understanding | null;
+  experiment: Experiment | null;
+  identified: Run | null;
+  /** What the last export said. */
+  exported: { format: ExportFormat; answer: Exported } | null;
+  task: Task | null;
+  problem: Problem | null;
+  /** The last thing that happened, for screen readers. */
+  said: string;
+}
+
+export const EMPTY: State = {
+  files: [],
+  choices: {},
+  isDemo: false,
+  understanding: null,
+  experiment: null,
+  identified: null,
+  exported: null,
+  task: null,
+  problem: null,
+  said: "",
+};
+
+/** Whether the text is the person's own, so that choices do not act on it. */
+export function isOwnText(experiment: Experiment | null): boolean {
+  return experiment !== null && (experiment.origin === "edited" || experiment.origin === "given");
+}
+
+/** Whether the filter is being chosen or the robot identified, from what must stay as it is. */
+export function isAtWork({ task }: State): boolean {
+  return task?.name === "propose" || task?.name === "identify";
+}
+
+/** The arguments of `thetahat init` for the files and choices. */
+export function requestOf({ files, choices }: State): InitRequest {
+  const used = files.filter((file) => file.error === null);
+  const robot = used.find((file) => file.kind === "robot")?.path;
+  const recordings = used.filter((file) => file.kind === "recording").map((file) => file.path);
+  return { ...choices, recordings, ...(robot === undefined ? {} : { robot }) };
+}
+
+/** What is missing before anything can be identified. */
+export function missing({ understanding, experiment }: State): string | null {
+  if (experiment) return null;
+  if (!understanding) return "Add a robot and its log.";
+  if (!understanding.robot) return "Add the robot: a URDF or TOML file.";
+  if (understanding.recordings.length === 0) return "Add the log of its positions and torques.";
+  return "Say which columns are the positions and torques.";
+}

@@ -1,0 +1,46 @@
+// The bar at the lower edge: what runs, and the one thing to do next.
+
+import { useEffect, useState } from "preact/hooks";
+import type { State, Task } from "../state";
+import { isAtWork, missing } from "../state";
+import { sentence } from "../words";
+import { headline } from "./Result";
+import type { View } from "./Page";
+
+export function Bar({ state, app }: View) {
+  const lacks = missing(state);
+  return (
+    <section class="bar" aria-label="Progress" hidden={state.files.length === 0 && state.task === null}>
+      <div class="inside">
+        <p class="status" role="status">{statusOf(state, lacks)}</p>
+        {state.task && <Elapsed task={state.task} />}
+        {state.task && <button type="button" onClick={() => app.cancel()}>Cancel</button>}
+        {!isAtWork(state) && !lacks && (
+          <button type="button" class="primary" disabled={state.task !== null} onClick={() => app.identify()}>
+            {state.identified ? "Identify again" : "Identify"}
+          </button>
+        )}
+      </div>
+      {state.task && <progress aria-label="Working" />}
+    </section>
+  );
+}
+
+function statusOf(state: State, lacks: string | null): string {
+  if (state.task) return state.task.stage ? sentence(state.task.stage) : state.said;
+  if (state.problem) return "There is an error; see above.";
+  if (lacks) return lacks;
+  if (state.identified) return headline(state.identified);
+  return state.said === "Cancelled." ? "Cancelled." : "Ready to identify.";
+}
+
+/** Seconds since the work began. */
+function Elapsed({ task }: { task: Task }) {
+  const [now, setNow] = useState(Date.now());
+  useEffect(() => {
+    const timer = setInterval(() => setNow(Date.now()), 500);
+    return () => clearInterval(timer);
+  }, [task.name]);
+  const elapsed = Math.max(0, Math.round((now - task.since) / 1000));
+  return <span class="elapsed" aria-hidden="true">{elapsed} s</span>;
+}

@@ -1,0 +1,32 @@
+// The experiment file: the one that `thetahat init` writes, to read, change and keep.
+
+import type { Experiment as Text, Origin } from "../state";
+import { save } from "../save";
+import type { View } from "./Page";
+
+const ORIGINS: Record<Origin, string> = {
+  proposed: "Proposed, with the usual filter. Identify first chooses the filter from the data, as the command init does.",
+  chosen: "Proposed, with the filter chosen from the data: the file that the command init writes.",
+  edited: "Changed by hand.",
+  given: "As it was given.",
+};
+
+export function Experiment({ state, app, experiment }: View & { experiment: Text }) {
+  const lines = experiment.text.split("\n").length;
+  return (
+    <details class="section" id="experiment" open>
+      <summary><h2>experiment.toml</h2><span class="hint">{ORIGINS[experiment.origin]}</span></summary>
+      <p class="buttons">
+        {experiment.origin === "proposed" && (
+          <button type="button" disabled={state.task !== null} onClick={() => app.chooseFilter()}>Choose the filter now</button>
+        )}
+        {experiment.origin === "edited" && state.understanding?.proposal && (
+          <button type="button" onClick={() => app.useProposal()}>Take the proposal again</button>
+        )}
+        <button type="button" onClick={() => save("experiment.toml", experiment.text)}>Save experiment.toml</button>
+      </p>
+      <textarea aria-label="experiment.toml" spellcheck={false} rows={Math.min(22, lines)} value={experiment.text}
+        readOnly={state.task !== null} onInput={(event) => app.edit(event.currentTarget.value)} />
+    </details>
+  );
+}

@@ -1,0 +1,102 @@
+// The files: dropped, chosen, or those of the demo, each with what it is or why it is not used.
+
+import { useEffect, useRef, useState } from "preact/hooks";
+import type { GivenFile } from "../app";
+import type { Kind } from "../contract";
+import { droppedFiles } from "../dropped";
+import type { ListedFile } from "../state";
+import { count, size } from "../words";
+import type { View } from "./Page";
+
+const ROBOTS = ".urdf,.xml,.toml";
+const LOGS = ".csv,.tsv,.txt,.dat,.npy,.npz,.mat,.parquet,.db3,.mcap,.toml";
+
+const KINDS: Record<Kind, string> = {
+  robot: "robot",
+  experiment: "experiment",
+  results: "results",
+  recording: "log",
+  unknown: "not used",
+};
+
+export function Files({ state, app }: View) {
+  const isOver = useDrop((files) => app.add(files));
+  const isEmpty = state.files.length === 0;
+  return (
+    <section id="files" aria-labelledby="files-title">
+      <h2 id="files-title">Robot and log</h2>
+      <div class={`drop ${isOver ? "over" : ""} ${isEmpty ? "" : "small"}`}>
+        <p><strong>Drop a robot and its log here</strong>, or choose them:</p>
+        <p class="buttons">
+          <FileButton label="Choose robot" accept={ROBOTS} take={(files) => app.add(files)} />
+          <FileButton label="Choose logs" accept={LOGS} take={(files) => app.add(files)} />
+          <button type="button" onClick={() => app.demo()}>Try the demo</button>
+          {!isEmpty && <button type="button" onClick={() => app.startAnew()}>Start anew</button>}
+        </p>
+        {isEmpty && <Accepted />}
+      </div>
+      {state.problem?.at === "read" && <p class="error" role="alert">{state.problem.message}</p>}
+      {!isEmpty && <List files={state.files} isDemo={state.isDemo} remove={(path) => app.remove(path)} />}
+    </section>
+  );
+}
+
+/** Takes files that are dropped anywhere on the page; whether some are over it. */
+function useDrop(take: (files: GivenFile[]) => void): boolean {
+  const [isOver, setOver] = useState(false);
+  useEffect(() => {
+    const listeners = new AbortController();
+    const on = (type: "dragover" | "dragleave" | "drop", act: (event: DragEvent) => void) =>
+      window.addEventListener(type, (event) => { event.preventDefault(); act(event); }, { signal: listeners.signal });
+    on("dragover", () => setOver(true));
+    on("dragleave", (event) => setOver(event.relatedTarget !== null));
+    on("drop", async (event) => {
+      setOver(false);
+      if (event.dataTransfer) take(await droppedFiles(event.dataTransfer));
+    });
+    return () => listeners.abort();
+  }, []);
+  return isOver;
+}
+
+function Accepted() {
+  return (
+    <dl class="accepted">
+      <dt>Robot</dt><dd>URDF, or a TOML file with Denavit-Hartenberg parameters</dd>
+      <dt>Log</dt><dd>joint positions and torques as CSV, NumPy, MATLAB, Parquet or a ROS 2 bag; one file or several</dd>
+      <dt>Experiment</dt><dd>an <code>experiment.toml</code> of the command line, if you have one</dd>
+    </dl>
+  );
+}
+
+/** A button that opens the chooser of files. */
+function FileButton({ label, accept, take }: { label: string; accept: string; take: (files: GivenFile[]) => void }) {
+  const input = useRef<HTMLInputElement>(null);
+  const chosen = () => {
+    const files = [...(input.current?.files ?? [])];
+    take(files.map((file) => ({ path: file.name, file })));
+    if (input.current) input.current.value = "";
+  };
+  return (
+    <>
+      <button type="button" class="primary" onClick={() => input.current?.click()}>{label}</button>
+      <input ref={input} type="file" multiple hidden accept={accept} aria-label={label} onChange={chosen} />
+    </>
+  );
+}
+
+function List({ files, isDemo, remove }: { files: ListedFile[]; isDemo: boolean; remove: (path: string) => void }) {
+  return (
+    <ul class="files" aria-label="Files">
+      {files.map((file) => (
+        <li key={file.path}>
+          <span class="name">{file.path}</span>
+          <span class="kind">{file.kind === null ? "not read" : KINDS[file.kind]}{file.bytes > 0 && `, ${size(file.bytes)}`}</span>
+          {!isDemo && <button type="button" aria-label={`Remove ${file.path}`} onClick={() => remove(file.path)}>Remove</button>}
+          {file.error && <p class="error" role="alert">{file.error}</p>}
+        </li>
+      ))}
+      {isDemo && <li class="note">A simulated Staubli TX40 with known parameters, recorded with noise: {count(files.length, "file")}.</li>}
+    </ul>
+  );
+}

@@ -1,0 +1,72 @@
+// Without a network, as one file from a folder, and quick.
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { createServer } from "node:http";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { pathToFileURL } from "node:url";
+import { brotliCompressSync } from "node:zlib";
+import { identify, openSite, REPOSITORY, SINGLE_FILE, takeDemo, visit } from "./site.mjs";
+
+/** Bytes of the compressed wasm at most. */
+const LARGEST_WASM = 3e6;
+/** Milliseconds until the first view at most. */
+const FIRST_VIEW = 1000;
+
+let site;
+before(async () => { site = await openSite(); });
+after(() => site.close());
+
+test("a page that was opened once works without a network", async (t) => {
+  const { page, context, assertQuiet, close } = await visit(site);
+  t.after(close);
+  await page.evaluate(() => navigator.serviceWorker.ready);
+  await context.setOffline(true);
+  await page.reload();
+  await takeDemo(page);
+  assert.match(await identify(page), /^Verdict/);
+  assertQuiet();
+});
+
+test("the single file works from a folder", async (t) => {
+  const { page, assertQuiet, close } = await visit(site, { address: pathToFileURL(SINGLE_FILE).href });
+  t.after(close);
+  await takeDemo(page);
+  assert.match(await identify(page), /^Verdict/);
+  await page.frameLocator("iframe").getByRole("region", { name: "Verdict" }).waitFor();
+  assertQuiet();
+});
+
+test("no request to another address is possible", async (t) => {
+  const asked = [];
+  const stranger = createServer((request, response) => { asked.push(request.url); response.end(); });
+  await new Promise((listening) => stranger.listen(0, "127.0.0.1", listening));
+  t.after(() => stranger.close());
+  const { page, complaints, close } = await visit(site);
+  t.after(close);
+  await page.evaluate(async (address) => {
+    await fetch(`${address}fetched`).catch(() => {});
+    const picture = new Image();
+    const refused = new Promise((done) => { picture.onload = picture.onerror = done; });
+    picture.src = `${address}picture`;
+    navigator.sendBeacon(`${address}beacon`, "data");
+    await refused;
+  }, `http://localhost:${stranger.address().port}/`);
+  assert.deepEqual(asked, []);
+  for (const name of ["fetched", "picture", "beacon"]) {
+    assert.ok(complaints.some((text) => text.includes(`/${name}' violates the following Content Security Policy`)), name);
+  }
+});
+
+test("small and quick", async (t) => {
+  const wasm = readFileSync(join(REPOSITORY, "web/dist/thetahat_web_bg.wasm"));
+  const compressed = brotliCompressSync(wasm).length;
+  t.diagnostic(`wasm: ${wasm.length} bytes, ${compressed} compressed`);
+  assert.ok(compressed < LARGEST_WASM, `${compressed} bytes`);
+  const { page, close } = await visit(site);
+  t.after(close);
+  const shown = await page.evaluate(() => performance.getEntriesByName("first-contentful-paint")[0].startTime);
+  t.diagnostic(`first view after ${Math.round(shown)} ms`);
+  assert.ok(shown < FIRST_VIEW, `${shown} ms`);
+});

@@ -1,0 +1,106 @@
+// Broken files, cancelled work, reloads and traps: the page says what is wrong, and goes on.
+
+import assert from "node:assert/strict";
+import { copyFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { errorOf, folderOf, thetahat } from "./command.mjs";
+import { ARM, choose, identify, openSite, status, takeDemo, visit } from "./site.mjs";
+
+let site;
+before(async () => { site = await openSite(); });
+after(() => site.close());
+
+/** Files that no reader takes, with what they hold. */
+const BROKEN = {
+  "letters.csv": "time,position_1,torque_1\n0,0.1,0.2\n0.1,abc,0.3\n0.2,0.1,0.2\n",
+  "ragged.csv": "time,q1,tau1\n0,1,2\n1,2\n2,3,4\n",
+  "empty.csv": "",
+  "not.mat": "this is no MAT file",
+  "not.npz": "PK\x03\x04 broken",
+  "not.parquet": "PAR1 broken PAR1",
+  "not.db3": "SQLite format 3\0 broken",
+  "picture.png": "\x89PNG\r\n",
+};
+
+test("broken logs say beside the file what the command line says", async (t) => {
+  const folder = folderOf(t, []);
+  const { page, assertQuiet, close } = await visit(site);
+  t.after(close);
+  for (const [name, content] of Object.entries(BROKEN)) {
+    const file = join(folder, name);
+    writeFileSync(file, content, "latin1");
+    await choose(page, "Choose logs", [file]);
+    const item = page.getByRole("list", { name: "Files" }).getByRole("listitem").filter({ hasText: name });
+    const said = await item.getByRole("alert").innerText();
+    assert.equal(said.trim(), errorOf(thetahat(folder, "inspect", name)), name);
+  }
+  assertQuiet();
+});
+
+test("a broken robot says so, and another one takes its place", async (t) => {
+  const folder = folderOf(t, []);
+  const { page, close } = await visit(site);
+  t.after(close);
+  writeFileSync(join(folder, "arm.urdf"), "<robot name='arm'><link name='a'></robot>");
+  await choose(page, "Choose robot", [join(folder, "arm.urdf")]);
+  const said = await page.getByRole("list", { name: "Files" }).getByRole("alert").innerText();
+  assert.equal(said.trim(), errorOf(thetahat(folder, "model", "arm.urdf")));
+  copyFileSync(ARM, join(folder, "arm.urdf"));
+  await choose(page, "Choose robot", [join(folder, "arm.urdf")]);
+  await status(page).filter({ hasText: "Add the log" }).waitFor();
+  assert.equal(await page.getByRole("alert").count(), 0);
+});
+
+test("work is cancelled, and begun again", async (t) => {
+  const { page, assertQuiet, close } = await visit(site);
+  t.after(close);
+  await takeDemo(page);
+  await page.getByRole("button", { name: "Identify" }).click();
+  await page.getByRole("button", { name: "Cancel" }).click();
+  await status(page).filter({ hasText: "Cancelled." }).waitFor();
+  assert.equal(await page.locator("iframe").count(), 0);
+  assert.match(await identify(page), /^Verdict/);
+  assertQuiet();
+});
+
+test("a reload in the middle begins anew", async (t) => {
+  const { page, assertQuiet, close } = await visit(site);
+  t.after(close);
+  await takeDemo(page);
+  await page.getByRole("button", { name: "Identify" }).click();
+  await page.reload();
+  await page.getByRole("button", { name: "Try the demo" }).waitFor();
+  assert.equal(await page.getByRole("list", { name: "Files" }).count(), 0);
+  await takeDemo(page);
+  assert.match(await identify(page), /^Verdict/);
+  assertQuiet();
+});
+
+test("a program that stops is told of, and started again", async (t) => {
+  const { page, context, close } = await visit(site, { serviceWorkers: "block" });
+  t.after(close);
+  await context.route("**/worker.js", async (route) => {
+    const answer = await route.fetch();
+    const stops = 'addEventListener("message", ({ data }) => { if (data.method === "identify") throw new Error("out of memory"); });\n';
+    await route.fulfill({ response: answer, body: stops + (await answer.text()) });
+  });
+  await page.reload();
+  await takeDemo(page);
+  await page.getByRole("button", { name: "Identify" }).click();
+  await page.locator("#result").getByRole("alert").filter({ hasText: "The program stopped" }).waitFor();
+  await context.unroute("**/worker.js");
+  assert.match(await identify(page), /^Verdict/);
+});
+
+test("files are removed, and everything is forgotten", async (t) => {
+  const { page, close } = await visit(site);
+  t.after(close);
+  await choose(page, "Choose robot", [ARM]);
+  await status(page).filter({ hasText: "Add the log" }).waitFor();
+  await page.getByRole("button", { name: "Remove arm.urdf" }).click();
+  await page.getByRole("list", { name: "Files" }).waitFor({ state: "detached" });
+  await takeDemo(page);
+  await page.getByRole("button", { name: "Start anew" }).click();
+  await page.getByRole("list", { name: "Files" }).waitFor({ state: "detached" });
+});
