@@ -8,8 +8,6 @@ use std::{
 };
 
 use thetahat::{
-    base_parameters::BaseParameters,
-    dynamics::Model,
     experiment::IdentifiedRobot,
     output::{OutputGuard, replace_file},
     results::{NOMINAL, Verdict},
@@ -36,8 +34,7 @@ pub fn run(request: &Generate) -> Result<Ending, Box<dyn Error>> {
         OutputGuard::new(files, request.force.force).file(path)?;
     }
     let parameters = if request.base { ParameterSet::Base } else { ParameterSet::Standard };
-    let values = theta.map(|theta| values(&robot, &theta, parameters)).transpose()?;
-    let asked = Request { model: request.model, parameters, values, drives: request.drives };
+    let asked = Request { model: request.model, parameters, values: theta, drives: request.drives };
     let function = Function::new(&robot, &asked)?;
     let code = request.to.code(&function, request.name.as_deref())?;
     let Some(path) = &request.out else {
@@ -60,6 +57,7 @@ fn read_robot(request: &Generate, path: &Path) -> Result<Source, Box<dyn Error>>
     let robot = source.robot_with_locks(&locks, Path::new("the command line"))?;
     let theta = match request.parameters.unwrap_or(GeneratedParameters::Symbolic) {
         GeneratedParameters::Symbolic => None,
+        GeneratedParameters::Values if !request.model.takes_parameters() => None,
         GeneratedParameters::Values if robot.a_priori.is_empty() => {
             return Err(SymbolicError::NoValues { robot: path.display().to_string() }.into());
         }
@@ -95,14 +93,6 @@ fn read_results(request: &Generate, path: PathBuf) -> Result<Source, Box<dyn Err
         GeneratedParameters::Values => Some(identified.theta),
     };
     Ok(Source { robot: identified.robot, theta, files })
-}
-
-/// The values of a set of parameters, of standard ones.
-fn values(robot: &Robot, theta: &[f64], set: ParameterSet) -> Result<Vec<f64>, Box<dyn Error>> {
-    Ok(match set {
-        ParameterSet::Standard => theta.to_vec(),
-        ParameterSet::Base => BaseParameters::of(&Model::new(robot), &[])?.from_standard(theta),
-    })
 }
 
 /// Whether a file begins like JSON; one that cannot be read is left to its reader.

@@ -153,6 +153,7 @@ fn read(
         sample_rate_hz: columns.sample_rate_hz,
         position_unit: columns.position_unit,
         torque_unit: columns.torque_unit,
+        ..ProposalRequest::default()
     };
     let source = robot.source()?;
     let proposal = propose(&request, &source, &contents)?;

@@ -2,13 +2,12 @@
 
 use std::path::Path;
 
-use serde::Serialize;
+use thetahat::recording::Format;
 
 use crate::{session::Outcome, store};
 
 /// What a file is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     Robot,
     Experiment,
@@ -75,11 +74,7 @@ fn keys(text: &str) -> impl Iterator<Item = &str> {
 
 /// What the extension says of a text that says nothing.
 fn of_name(path: &Path) -> Kind {
-    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    match extension.as_str() {
-        "csv" | "tsv" | "txt" | "dat" | "npy" | "npz" | "mat" | "parquet" | "db3" | "mcap" => Kind::Recording,
-        _ => Kind::Unknown,
-    }
+    if Format::of(path).is_ok() { Kind::Recording } else { Kind::Unknown }
 }
 
 #[cfg(test)]

@@ -210,4 +210,67 @@ fn recordings_at_hand_are_known_before() {
     assert!((8.0..20.0).contains(&gain), "{gain}");
     let other = Design::parse(&text.replace("[signal]", "[parameters]\nexclude = ['off1']\n[signal]"), &design.path);
     assert!(matches!(other.unwrap().run(1, &mut |_| {}), Err(DesignError::OtherRobot { .. })));
+    // The same names with another length between the axes.
+    let longer = std::fs::read_to_string(project("robots/two_joint.toml")).unwrap();
+    assert!(longer.contains("a_m = 0.4"));
+    folder.write("longer.toml", longer.replace("a_m = 0.4", "a_m = 0.8"));
+    let other = Design::parse(&text.replace("two_joint.toml", "longer.toml"), &design.path);
+    assert!(matches!(other.unwrap().run(1, &mut |_| {}), Err(DesignError::OtherRobot { .. })));
+}
+
+/// A lift with two fingers, of which the right one follows the left one 1 mm ahead.
+fn lift_and_fingers() -> String {
+    let link = |name: &str| {
+        format!(
+            "<link name='{name}'><inertial><origin xyz='0.1 0.02 0.03'/><mass value='2'/>\
+             <inertia ixx='0.1' ixy='0' ixz='0' iyy='0.1' iyz='0' izz='0.1'/></inertial></link>\n"
+        )
+    };
+    let joint = |name: &str, [parent, child]: [&str; 2], [axis, upper]: [&str; 2], more: &str| {
+        format!(
+            "<joint name='{name}' type='prismatic'><parent link='{parent}'/><child link='{child}'/><axis xyz='{axis}'/>\
+             <limit lower='0' upper='{upper}' velocity='0.2' effort='200'/><dynamics damping='5' friction='2'/>{more}</joint>\n"
+        )
+    };
+    let follows = "<mimic joint='left' multiplier='1' offset='0.001'/>";
+    format!(
+        "<robot name='lift'>\n<link name='base'/>\n{}{}{}{}{}{}</robot>\n",
+        link("carriage"),
+        link("left_finger"),
+        link("right_finger"),
+        joint("lift", ["base", "carriage"], ["0 0 1", "0.35"], ""),
+        joint("left", ["carriage", "left_finger"], ["0 1 0", "0.04"], ""),
+        joint("right", ["carriage", "right_finger"], ["0 -1 0", "0.04"], follows),
+    )
+}
+
+/// Where a joint follows another, the limits of both hold.
+#[test]
+fn followers_hold_their_limits() {
+    let folder = Folder::with("lift.urdf", lift_and_fingers());
+    let text = "title = 'fingers'\nrobot = 'lift.urdf'\nduration_s = 4\nsample_rate_hz = 500\n[motion]\nharmonics = 3\nstarts = 1\n\
+                [limits]\nacceleration = 3000\n[noise]\ntorque = 0.1\n[signal]\ncutoff_hz = 20\ndecimation = 5\n";
+    let design = Design::parse(text, &folder.path().join("design.toml")).unwrap();
+    let results = design.run(1, &mut |_| {}).unwrap();
+    let largest = (0..results.q.len()).map(|k| results.q.sample(k)[1]).fold(0.0, f64::max);
+    assert!((0.03..=0.039).contains(&largest), "{largest}");
+}
+
+/// What the identification of the record could not do is refused before the search.
+#[test]
+fn what_cannot_be_identified_is_refused() {
+    let settings = |estimate: &str| format!("[parameters]\nestimate = {estimate}\n[signal]");
+    assert_eq!(key("[signal]", &settings("'essential'")), "[parameters] estimate");
+    assert_eq!(key("[signal]", &settings("['zz1r', 'fc1']")), "[parameters] estimate");
+    assert_eq!(key("cutoff_hz = 40", "cutoff_hz = 260"), "[signal] cutoff_hz");
+    assert_eq!(key("duration_s = 4", "duration_s = 4.0009"), "duration_s times sample_rate_hz");
+    assert_eq!(
+        key("duration_s = 4\nsample_rate_hz = 500", "duration_s = 2000\nsample_rate_hz = 100"),
+        "duration_s times sample_rate_hz"
+    );
+    let robot = std::fs::read_to_string(project("robots/two_joint.toml")).unwrap();
+    let term = "[[term]]\nkind = 'channel-viscous'\njoints = ['shoulder']\nchannel = 'temperature'\nreference = 20\n";
+    let folder = Folder::with("two_joint.toml", format!("{robot}\n{term}"));
+    let error = Design::parse(DESIGN, &folder.path().join("design.toml")).unwrap_err();
+    assert!(matches!(&error, DesignError::Value { key, .. } if key == "[[term]]"), "{error}");
 }

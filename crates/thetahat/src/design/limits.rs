@@ -1,3 +1,5 @@
+use crate::robot::Joint;
+
 /// What a joint may do, SI: rad or m, N m or N, W.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointLimits {
@@ -68,6 +70,19 @@ impl Limited {
 }
 
 impl JointLimits {
+    /// Takes a smaller range of positions and a lower velocity where a joint that follows the coordinate of joint `leader` has
+    /// them.
+    pub(super) fn hold_follower(&mut self, follower: &Joint, leader: usize) {
+        let Some(mimic) = follower.mimic.filter(|mimic| mimic.of == leader && mimic.ratio != 0.0) else { return };
+        let ends = [follower.limits.lower, follower.limits.upper].map(|end| Some((end? - mimic.offset) / mimic.ratio));
+        let [lower, upper] = if mimic.ratio > 0.0 { ends } else { [ends[1], ends[0]] };
+        self.lower = lower.map_or(self.lower, |lower| self.lower.max(lower));
+        self.upper = upper.map_or(self.upper, |upper| self.upper.min(upper));
+        if let Some(velocity) = follower.limits.velocity.filter(|velocity| *velocity > 0.0) {
+            self.velocity = self.velocity.min(velocity / mimic.ratio.abs());
+        }
+    }
+
     /// Lower and upper limit of a quantity, where there is one.
     #[must_use]
     pub fn range(&self, limited: Limited) -> Option<[f64; 2]> {

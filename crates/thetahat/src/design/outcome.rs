@@ -7,10 +7,13 @@ use super::{
     run::Chosen,
 };
 use crate::{
-    base_parameters::BaseParameters,
+    base_parameters::{BaseParameter, BaseParameters},
     dynamics::Model,
     results::{DesignResults, DesignedJoint, PromisedParameter, SearchResult},
 };
+
+/// Part of a sum's terms below which the sum is rounding.
+const ROUNDING: f64 = 1e-12;
 
 impl Design {
     pub(super) fn results(
@@ -21,7 +24,7 @@ impl Design {
         expected: &Expected,
     ) -> DesignResults {
         let Chosen { motion, torque, uses, starts } = chosen;
-        let a_priori = base.from_standard(&self.robot.a_priori_parameters());
+        let a_priori = without_rounding(base, &self.robot.a_priori_parameters());
         let wanted = self.file.wanted.half_width_percent;
         let promised = expected.parameters.iter().enumerate().map(|(i, parameter)| {
             let place = base.parameters().iter().position(|p| p.name == parameter.name);
@@ -63,4 +66,14 @@ impl Design {
             experiment: experiment_text(self),
         }
     }
+}
+
+/// The base parameters of standard ones; zero where what is left of the sum is rounding.
+fn without_rounding(base: &BaseParameters, standard: &[f64]) -> Vec<f64> {
+    let value = |(parameter, value): (&BaseParameter, f64)| {
+        let terms = parameter.regrouped.iter().map(|&(i, factor)| (factor * standard[i]).abs());
+        let size = standard[parameter.kept].abs() + terms.sum::<f64>();
+        if value.abs() <= ROUNDING * size { 0.0 } else { value }
+    };
+    base.parameters().iter().zip(base.from_standard(standard)).map(value).collect()
 }

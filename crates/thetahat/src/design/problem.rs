@@ -72,7 +72,7 @@ impl Design {
             return Ok(None);
         }
         let reduction = Reduction::read_all(&self.prior_files())?;
-        if base.parameters().iter().map(|p| &p.name).ne(&reduction.identity.parameters) {
+        if !reduction.identity.is_of(&self.robot, base) {
             return Err(DesignError::OtherRobot { path: self.path.clone() });
         }
         Ok(Some(reduction.information(noise)?))

@@ -8,7 +8,7 @@ use super::error::DesignError;
 use crate::{
     base_parameters::BaseParameter,
     identification::{Fit, Method, Needs, Uncertainty, uncertainty},
-    pool::{available_threads, in_parallel},
+    pool::in_parallel,
     preparation::{PreparationError, Recording, Settings},
     robot::Robot,
     run::Identification,
@@ -57,7 +57,7 @@ pub struct Estimated {
 }
 
 /// Records of which the promise is the mean: what each says of its uncertainty scatters by a few percent.
-pub const RECORDS: usize = 12;
+const RECORDS: usize = 12;
 
 impl ExpectedRecord<'_> {
     /// The method that is promised: the first without a simulation that the settings ask for, or else least squares.
@@ -70,8 +70,8 @@ impl ExpectedRecord<'_> {
     ///
     /// # Errors
     /// [`DesignError`] where a record gives no estimate; `path` is the design file.
-    pub fn promise(&self, path: &std::path::Path, seed: u64) -> Result<Expected, DesignError> {
-        let estimated = in_parallel(RECORDS, available_threads(), |number| self.estimate(path, seed, number as u64))
+    pub fn promise(&self, path: &std::path::Path, seed: u64, threads: usize) -> Result<Expected, DesignError> {
+        let estimated = in_parallel(RECORDS, threads, |number| self.estimate(path, seed, number as u64))
             .into_iter()
             .collect::<Result<Vec<_>, _>>()?;
         let count = estimated.len() as f64;

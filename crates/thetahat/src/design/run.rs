@@ -49,7 +49,7 @@ impl Design {
         progress("promising intervals");
         let [q, dq, ddq, _] = &chosen.motion;
         let record = self.expected_motion(&model, q, dq, ddq)?;
-        let expected = self.promise(&record)?;
+        let expected = self.promise(&record, threads)?;
         Ok(self.results(&model, &base, chosen, &expected))
     }
 
@@ -163,7 +163,7 @@ impl Design {
         Ok((motion.q, motion.tau))
     }
 
-    fn promise(&self, (q, tau): &(Series, Series)) -> Result<Expected, DesignError> {
+    fn promise(&self, (q, tau): &(Series, Series), threads: usize) -> Result<Expected, DesignError> {
         let torque_noise = self.file.noise.torque.to_list(q.channels());
         let record = ExpectedRecord {
             robot: &self.robot,
@@ -174,7 +174,7 @@ impl Design {
             torque_noise: &torque_noise,
             position_noise: &self.position_noise(),
         };
-        record.promise(&self.path, self.file.motion.seed)
+        record.promise(&self.path, self.file.motion.seed, threads)
     }
 }
 

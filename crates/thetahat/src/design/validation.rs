@@ -5,14 +5,17 @@ use super::{
     description::{Design, LimitOptions},
     error::DesignError,
     limits::{JointLimits, Limited},
+    verification::RATE_HZ,
 };
 use crate::{
     one_or_each::OneOrEach,
     robot::{Joint, JointKind},
 };
 
-/// Most samples of a motion.
-const MOST_SAMPLES: f64 = 1e7;
+/// Most samples of a motion, at its own rate and at 1 kHz, at which its limits are verified.
+const MOST_SAMPLES: f64 = 1e6;
+/// Part of a sample by which a motion may miss a whole number of them: rounding.
+const WHOLE: f64 = 1e-6;
 /// Periods of the position filter's cut-off that the edges of a record cost at either end, and one that is left.
 const FEWEST_PERIODS: f64 = 15.0;
 /// Most harmonics and starts.
@@ -21,14 +24,29 @@ const MOST_STARTS: usize = 1000;
 
 impl Design {
     pub(super) fn validate(&self) -> Result<(), DesignError> {
+        self.settings
+            .validate(&self.robot)
+            .map_err(|source| DesignError::Preparation { path: self.path.clone(), source })?;
         self.validate_duration()?;
         self.validate_motion()?;
         self.validate_noise()?;
         self.validate_wanted()?;
-        self.settings
-            .validate(&self.robot)
-            .map_err(|source| DesignError::Preparation { path: self.path.clone(), source })?;
+        self.validate_identification()?;
         self.limits().map(|_| ())
+    }
+
+    /// What the record can be identified for: all base parameters, with torques that the motion alone decides.
+    fn validate_identification(&self) -> Result<(), DesignError> {
+        let parameters = &self.settings.parameters;
+        let expected =
+            "\"base\": the motion serves all base parameters, and each record would choose its own part of them";
+        self.require(parameters.estimate.takes_all(), "[parameters] estimate", expected, "a part of them")?;
+        let moved =
+            self.settings.controller.as_ref().and_then(|_| self.robot.term_of_acceleration().map(str::to_owned));
+        let term = self.robot.channels().pop().or(moved);
+        let expected = "terms of positions and velocities alone: a design knows no recorded channels, and a closed loop no \
+                        torques of accelerations";
+        self.require(term.is_none(), "[[term]]", expected, term.unwrap_or_default())
     }
 
     fn validate_duration(&self) -> Result<(), DesignError> {
@@ -36,8 +54,13 @@ impl Design {
         let positive = "a finite number above zero";
         self.require(duration > 0.0 && duration.is_finite(), "duration_s", positive, duration)?;
         self.require(rate > 0.0 && rate.is_finite(), "sample_rate_hz", positive, rate)?;
-        let samples = duration * rate;
-        self.require(samples <= MOST_SAMPLES, "duration_s times sample_rate_hz", "at most 1e7 samples", samples)?;
+        let (samples, verified) = (duration * rate, duration * rate.max(RATE_HZ));
+        let expected = "at most 1e6 samples, at 1 kHz and above";
+        self.require(verified <= MOST_SAMPLES, "duration_s times sample_rate_hz", expected, verified)?;
+        let is_whole = (samples - samples.round()).abs() <= WHOLE;
+        self.require(is_whole, "duration_s times sample_rate_hz", "a whole number of samples", samples)?;
+        let cutoff = self.file.signal.cutoff_hz;
+        self.require(cutoff < 0.5 * rate, "[signal] cutoff_hz", "below half of sample_rate_hz", cutoff)?;
         let shortest = FEWEST_PERIODS / self.file.signal.cutoff_hz;
         let expected = format!("at least {shortest:.3}: [signal] cutoff_hz cuts five of its periods off at both ends");
         self.require(duration >= shortest, "duration_s", &expected, duration)
@@ -100,8 +123,11 @@ impl Design {
         let options = &self.file.limits;
         self.require((0.0..0.5).contains(&options.margin), "[limits] margin", "from 0 to 0.5", options.margin)?;
         self.require_lengths(options, joints.len())?;
-        let limits =
+        let mut limits =
             joints.iter().enumerate().map(|(j, joint)| self.limits_of(joint, j)).collect::<Result<Vec<_>, _>>()?;
+        for (limits, leader) in limits.iter_mut().zip(self.robot.coordinate_joints()) {
+            self.robot.joints.iter().for_each(|joint| limits.hold_follower(joint, leader));
+        }
         if let Some(start) = self.start_posture() {
             for (limits, start) in limits.iter().zip(start) {
                 let expected =

@@ -122,6 +122,7 @@ mod tests {
         put(path, b"q\n1\n".to_vec());
         assert_eq!(read(path).unwrap(), b"q\n1\n");
         assert_eq!((length(path).unwrap(), is_file(path)), (4, true));
+        assert_eq!((beginning(path, 2).unwrap(), beginning(path, 9).unwrap()), (b"q\n".to_vec(), b"q\n1\n".to_vec()));
         assert!(sizes().contains(&(path.to_owned(), 4)));
         put(path, b"q\n".to_vec());
         assert_eq!(length(path).unwrap(), 2);

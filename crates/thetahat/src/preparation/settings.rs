@@ -234,6 +234,17 @@ pub enum ParameterChoice {
     List(Vec<String>),
 }
 
+impl ParameterChoice {
+    /// Whether it is all base parameters.
+    #[must_use]
+    pub fn takes_all(&self) -> bool {
+        match self {
+            Self::Base | Self::Named(NamedChoice::Base) => true,
+            Self::Named(NamedChoice::Essential) | Self::List(_) => false,
+        }
+    }
+}
+
 /// A choice by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]

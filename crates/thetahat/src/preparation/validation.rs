@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::{
     error::PreparationError,
     physical::{PriorWeight, validate_known},
-    settings::{Case, Mask, NamedChoice, ParameterChoice, ParameterSelection, Settings, StatedMask},
+    settings::{Case, Mask, ParameterChoice, ParameterSelection, Settings, StatedMask},
 };
 use crate::{
     identification::{Design, Method, Needs, Response, Weighting},
@@ -90,9 +90,8 @@ impl Settings {
             let missing = PreparationError::Missing { missing: "[parameters] physical = true", why };
             return if known.is_empty() { Ok(()) } else { Err(missing) };
         }
-        let all = matches!(estimate, ParameterChoice::Base | ParameterChoice::Named(NamedChoice::Base));
         let expected = "\"base\" where physical = true: a robot's parameters are consistent only all together";
-        PreparationError::require(all, "[parameters] estimate", expected, "a part of them")?;
+        PreparationError::require(estimate.takes_all(), "[parameters] estimate", expected, "a part of them")?;
         if let PriorWeight::Number(weight) = prior.weight {
             PreparationError::require_positive("[parameters] prior.weight", weight)?;
         }

@@ -8,6 +8,7 @@ use crate::{
     experiment::Experiment,
     preparation::{Mask, NamedMask, Settings},
     regressor::Regressor,
+    robot::Robot,
 };
 
 /// What must agree before reductions can be solved together.
@@ -49,7 +50,7 @@ impl Identity {
             robot: experiment.robot.name.clone(),
             acting: acting(joints.len(), regressor),
             joints,
-            locked: experiment.robot.locked.iter().map(|l| format!("{} {}", l.name, l.value)).collect(),
+            locked: locked_in_words(&experiment.robot),
             parameters: base.parameters().iter().map(|p| p.name.clone()).collect(),
             expressions: base.parameters().iter().map(|p| p.expression.clone()).collect(),
             filter_order: signal.filter_order,
@@ -58,6 +59,15 @@ impl Identity {
             derivative: signal.derivative.to_string(),
             mask: if has_jumps { mask_in_words(&experiment.settings) } else { every_sample() },
         }
+    }
+
+    /// Whether it is of a robot with these base parameters: the same joints, locks and geometry.
+    pub(crate) fn is_of(&self, robot: &Robot, base: &BaseParameters) -> bool {
+        let parameters = base.parameters().iter();
+        robot.coordinates().map(|joint| &joint.name).eq(&self.joints)
+            && locked_in_words(robot) == self.locked
+            && parameters.clone().map(|p| &p.name).eq(&self.parameters)
+            && parameters.map(|p| &p.expression).eq(&self.expressions)
     }
 
     /// Refuses another with which it cannot be merged, and says what differs.
@@ -117,4 +127,8 @@ fn every_sample() -> String {
 
 pub(super) fn unlike(what: &'static str, first: &dyn ToString, other: &dyn ToString) -> ReductionError {
     ReductionError::Unlike { what, first: first.to_string(), other: other.to_string() }
+}
+
+fn locked_in_words(robot: &Robot) -> Vec<String> {
+    robot.locked.iter().map(|joint| format!("{} {}", joint.name, joint.value)).collect()
 }

@@ -21,10 +21,6 @@ impl<'g> Drives<'_, 'g> {
         self.table.index(quantity, number).map_or_else(|| self.chain.builder.zero(), |index| self.theta[index])
     }
 
-    fn of_joint(&self, joint: usize) -> impl Fn(JointQuantity) -> Expression<'g> {
-        move |quantity| self.value(Quantity::Joint(quantity), joint)
-    }
-
     fn of_motor(&self, motor: &CoupledMotor) -> impl Fn(MotorQuantity) -> Expression<'g> {
         move |quantity| self.value(Quantity::Motor(quantity), motor.motor)
     }
@@ -68,11 +64,25 @@ impl<'g> Drives<'_, 'g> {
 
     /// Symmetric friction, or friction whose sides are told apart by the sign of the velocity.
     fn joint_friction(&self, joint: usize, dq: Expression<'g>) -> Expression<'g> {
-        use JointQuantity::{Fc, Fcn, Fcp, Fv, Fvn, Fvp, Off};
-        let (of, sign) = (self.of_joint(joint), dq.sign());
-        let (viscous, viscous_by_side) = ((of(Fvp) + of(Fvn)) * 0.5 + of(Fv), (of(Fvp) - of(Fvn)) * 0.5);
-        let (coulomb, by_side) = ((of(Fcp) + of(Fcn)) * 0.5 + of(Fc), (of(Fcp) - of(Fcn)) * 0.5);
-        (viscous + viscous_by_side * sign) * dq + (coulomb * sign + (by_side + of(Off)))
+        let zero = self.chain.builder.zero();
+        let [mut viscous, mut viscous_by_side, mut coulomb, mut constant] = [zero; 4];
+        for parameter in self.table.iter().filter(|parameter| parameter.number == joint + 1) {
+            let Quantity::Joint(quantity) = parameter.quantity else { continue };
+            let value = self.value(parameter.quantity, joint);
+            let half = value * 0.5;
+            match quantity {
+                JointQuantity::Ia => {}
+                JointQuantity::Fv => viscous = viscous + value,
+                JointQuantity::Fvp => (viscous, viscous_by_side) = (viscous + half, viscous_by_side + half),
+                JointQuantity::Fvn => (viscous, viscous_by_side) = (viscous + half, viscous_by_side - half),
+                JointQuantity::Fc => coulomb = coulomb + value,
+                JointQuantity::Fcp => (coulomb, constant) = (coulomb + half, constant + half),
+                JointQuantity::Fcn => (coulomb, constant) = (coulomb + half, constant - half),
+                JointQuantity::Off => constant = constant + value,
+            }
+        }
+        let sign = dq.sign();
+        (viscous + viscous_by_side * sign) * dq + (coulomb * sign + constant)
     }
 
     fn add_motor_friction(&self, motor: &CoupledMotor, dq: &[Expression<'g>], torques: &mut [Expression<'g>]) {

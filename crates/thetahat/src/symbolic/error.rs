@@ -17,12 +17,21 @@ pub enum SymbolicError {
         parameter: String,
     },
     /// Parameters of other number than the model has.
-    #[error("{found} parameter values, and the model has {expected}; give one for each")]
+    #[error("{found} parameter values, and the robot has {expected} standard parameters; give one for each")]
     Values {
         /// Those given.
         found: usize,
-        /// Those of the model.
+        /// Those of the robot.
         expected: usize,
+    },
+    /// The values of the parameters give no accelerations.
+    #[error(
+        "with these parameter values the mass matrix is not positive definite at joint `{joint}`; give its link an inertia \
+         or its motor an `ia` above zero"
+    )]
+    NotDefinite {
+        /// The joint.
+        joint: String,
     },
     /// The robot states no parameters.
     #[error(
@@ -38,10 +47,15 @@ pub enum SymbolicError {
         /// The name.
         name: String,
     },
-    /// A name given by the user that C cannot have.
-    #[error("`{name}` is no name that C, Rust, Python and MATLAB can have; use letters, digits and _, a letter first")]
+    /// A name given by the user that a language cannot have.
+    #[error(
+        "`{name}` is no name that C, Rust, Python and MATLAB can have; use letters, digits and _, a letter first, {longest} at \
+         most"
+    )]
     NotAnIdentifier {
         /// The name.
         name: String,
+        /// The longest that can be had.
+        longest: usize,
     },
 }

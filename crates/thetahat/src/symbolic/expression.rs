@@ -57,6 +57,11 @@ impl Builder {
 }
 
 impl<'g> Expression<'g> {
+    /// The number that it is, if it is one.
+    pub(super) fn number(self) -> Option<f64> {
+        self.builder.graph.borrow().value(self.value)
+    }
+
     pub(super) fn builder(self) -> &'g Builder {
         self.builder
     }

@@ -5,7 +5,7 @@ use super::{
     graph::Array,
     snapping::exact_sin_cos,
 };
-use crate::robot::{JointKind, Robot};
+use crate::robot::{Joint as RobotJoint, JointKind, Robot};
 
 /// Part of a length below which what is left of it is rounding.
 const ROUNDING: f64 = 1e-14;
@@ -35,7 +35,7 @@ pub(super) struct Chain<'g> {
     pub(super) builder: &'g Builder,
     pub(super) joints: Vec<Joint<'g>>,
     pub(super) coordinates: usize,
-    /// The unit of length, m.
+    /// The unit of length, m: 1 where a joint slides.
     pub(super) unit: f64,
     /// Acceleration of gravity, units of length per s^2.
     pub(super) gravity: [f64; 3],
@@ -45,7 +45,13 @@ impl<'g> Chain<'g> {
     /// The joints of a snapped robot, with lengths in multiples of `unit`.
     pub(super) fn new(builder: &'g Builder, robot: &Robot, unit: f64) -> Self {
         let coordinates = robot.coordinate_joints();
-        let joints = (0..robot.joints.len()).map(|j| Joint::new(builder, robot, j, &coordinates, unit)).collect();
+        let joint = |(j, joint): (usize, &RobotJoint)| {
+            let leader = joint.mimic.map_or(j, |mimic| mimic.of);
+            // A leader follows none.
+            let coordinate = coordinates.partition_point(|&own| own < leader);
+            Joint::new(builder, joint, coordinate, unit)
+        };
+        let joints = robot.joints.iter().enumerate().map(joint).collect();
         let gravity = robot.gravity.map(|g| g / unit);
         Self { builder, joints, coordinates: coordinates.len(), unit, gravity }
     }
@@ -66,10 +72,8 @@ impl<'g> Chain<'g> {
 }
 
 impl<'g> Joint<'g> {
-    fn new(builder: &'g Builder, robot: &Robot, j: usize, coordinates: &[usize], unit: f64) -> Self {
-        let joint = &robot.joints[j];
-        let (leader, ratio, offset) = joint.mimic.map_or((j, 1.0, 0.0), |m| (m.of, m.ratio, m.offset));
-        let coordinate = coordinates.iter().position(|&c| c == leader).unwrap_or(0);
+    fn new(builder: &'g Builder, joint: &RobotJoint, coordinate: usize, unit: f64) -> Self {
+        let (ratio, offset) = joint.mimic.map_or((1.0, 0.0), |mimic| (mimic.ratio, mimic.offset));
         let q = builder.input(Array::Position, coordinate) * ratio + builder.constant(offset);
         let is_revolute = match joint.kind {
             JointKind::Revolute => true,
@@ -92,7 +96,7 @@ impl<'g> Joint<'g> {
         if is_revolute {
             made.theta = turned(builder.input(Array::Position, coordinate) * ratio, fixed);
         } else {
-            made.along = made.along + q * (1.0 / unit);
+            made.along = made.along + q;
         }
         made
     }
@@ -102,10 +106,9 @@ impl<'g> Joint<'g> {
         self.tilted_back(builder.constants([0.0, 0.0, 1.0]))
     }
 
-    /// Its own velocity or acceleration, of those of the coordinates; in units of length for a prismatic joint.
-    pub(super) fn rate(&self, rates: &[Expression<'g>], unit: f64) -> Expression<'g> {
-        let rate = rates[self.coordinate] * self.ratio;
-        if self.is_revolute { rate } else { rate * (1.0 / unit) }
+    /// Its own velocity or acceleration, of those of the coordinates.
+    pub(super) fn rate(&self, rates: &[Expression<'g>]) -> Expression<'g> {
+        rates[self.coordinate] * self.ratio
     }
 
     /// A vector of the frame before in the tilted one, whose z axis is the joint's.

@@ -5,7 +5,7 @@ use super::{
     joints::{Chain, transpose},
 };
 
-/// A frame in the frame of the base, length in m.
+/// A frame in the frame of the base, lengths in the unit of the [`Chain`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pose<'g> {
     pub(super) rotation: Matrix<'g>,
@@ -29,13 +29,13 @@ pub(super) fn poses<'g>(chain: &Chain<'g>) -> Vec<Pose<'g>> {
 }
 
 /// The geometric Jacobian of a link's frame in the frame of the base: for each coordinate the angular velocity, then that of
-/// the origin in m/s, for a unit of the coordinate's velocity.
+/// the origin, for a unit of the coordinate's velocity, rad and m.
 pub(super) fn jacobian<'g>(chain: &Chain<'g>, poses: &[Pose<'g>], link: usize) -> Vec<[Vector<'g>; 2]> {
     let mut columns = vec![[chain.none(); 2]; chain.coordinates];
     for j in chain.way_to_base(link) {
         let joint = &chain.joints[j];
         let axis = transpose(&poses[j].rotation)[2].map(|entry| entry * joint.ratio);
-        let arm = [0, 1, 2].map(|i| poses[link].origin[i] - poses[j].origin[i]);
+        let arm = [0, 1, 2].map(|i| (poses[link].origin[i] - poses[j].origin[i]) * chain.unit);
         let own = if joint.is_revolute { [axis, cross(axis, arm)] } else { [chain.none(), axis] };
         let column = &mut columns[joint.coordinate];
         *column = [add(column[0], own[0]), add(column[1], own[1])];
@@ -43,8 +43,8 @@ pub(super) fn jacobian<'g>(chain: &Chain<'g>, poses: &[Pose<'g>], link: usize) -
     columns
 }
 
-/// The entries of a pose: three rows of rotation and origin.
-pub(super) fn entries<'g>(pose: &Pose<'g>) -> Vec<Expression<'g>> {
-    let row = |i: usize| [pose.rotation[i][0], pose.rotation[i][1], pose.rotation[i][2], pose.origin[i]];
+/// The entries of a pose: three rows of rotation and origin, m.
+pub(super) fn entries<'g>(chain: &Chain<'g>, pose: &Pose<'g>) -> Vec<Expression<'g>> {
+    let row = |i: usize| [pose.rotation[i][0], pose.rotation[i][1], pose.rotation[i][2], pose.origin[i] * chain.unit];
     [0, 1, 2].into_iter().flat_map(row).collect()
 }

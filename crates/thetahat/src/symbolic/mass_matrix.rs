@@ -43,12 +43,12 @@ fn joint_entries<'g>(
     let mut entries = Vec::new();
     for (j, joint) in chain.inwards() {
         let mut wrench = unit_wrench(chain, joint, &composite[j]);
-        entries.push((j, j, wrench.along(joint, chain.unit) + drives.motor_inertia(j)));
+        entries.push((j, j, wrench.along(joint) + drives.motor_inertia(j)));
         let mut outer = joint;
         for i in chain.way_to_base(j).skip(1) {
             wrench = wrench.moved_to_parent(outer);
             outer = &chain.joints[i];
-            entries.push((j, i, wrench.along(outer, chain.unit)));
+            entries.push((j, i, wrench.along(outer)));
         }
         if let Some(parent) = joint.parent {
             composite[parent] = composite[parent].plus(&composite[j].moved_to_parent(joint));
@@ -64,6 +64,5 @@ fn unit_wrench<'g>(chain: &Chain<'g>, joint: &Joint<'g>, body: &PseudoInertia<'g
         let moment = [-second[0][2], -second[1][2], second[0][0] + second[1][1]];
         return Wrench { force: [-y, x, zero], moment };
     }
-    let scale = |value: Expression<'g>| value * (1.0 / chain.unit);
-    Wrench { force: [zero, zero, scale(body.mass)], moment: [scale(y), scale(-x), zero] }
+    Wrench { force: [zero, zero, body.mass], moment: [y, -x, zero] }
 }

@@ -45,4 +45,4 @@ pub use languages::Language;
 pub use model::{Function, FunctionParameter};
 pub use program::{Inputs, OperationCount, Program};
 pub use request::{DriveTorques, ModelKind, ParameterSet, Request};
-pub use snapping::{Snapped, snapped};
+pub use snapping::Snapped;

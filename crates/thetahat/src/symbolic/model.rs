@@ -13,7 +13,7 @@ use super::{
     newton_euler::{Rates, link_torques, motions},
     program::Program,
     regressor::link_columns,
-    request::{ModelKind, ParameterSet, Request},
+    request::{DriveTorques, ModelKind, ParameterSet, Request},
     snapping::{Snapped, snapped},
 };
 use crate::{
@@ -21,6 +21,9 @@ use crate::{
     dynamics::Model,
     robot::{JointKind, LinkQuantity, Parameter, Quantity, Robot},
 };
+
+/// Units of length that are tried: each costs a program.
+const MOST_UNITS: usize = 12;
 
 /// A parameter of a function.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,8 +49,12 @@ pub struct Function {
     pub model: ModelKind,
     /// The parameters: inputs, or columns of the regressor, or those whose values are folded in.
     pub parameters: Vec<FunctionParameter>,
-    /// The values folded in.
+    /// The values folded in, of these parameters.
     pub values: Option<Vec<f64>>,
+    /// Which torques of the drives are in it.
+    pub drives: DriveTorques,
+    /// Base parameters that hold what was to be left out: their sums have a drive's parameter in them.
+    pub kept_drives: Vec<String>,
     /// Numbers of the description that were taken as special ones.
     pub snapped: Vec<Snapped>,
     /// Rows and columns of the output.
@@ -60,44 +67,58 @@ impl Function {
     /// The function of a robot with the fewest operations, over the units of length that its description offers.
     ///
     /// # Errors
-    /// [`SymbolicError`] for a torque term, base parameters that are not clear, or values of another number.
+    /// [`SymbolicError`] for a torque term, base parameters that are not clear, values of another number, or values for
+    /// which the mass matrix is singular.
     pub fn new(robot: &Robot, request: &Request) -> Result<Self, SymbolicError> {
         if let Some(term) = robot.terms.first().filter(|_| request.model.has_drive_torques()) {
             return Err(SymbolicError::Term { parameter: term.parameter.clone() });
         }
         let (robot, snapped) = snapped(robot);
         let made = Made::new(&robot, request)?;
-        let programs = units(&robot).into_iter().map(|unit| made.program(unit));
-        let program = programs.min_by_key(|program| {
-            let count = program.count();
-            2 * count.multiplications + count.additions
-        });
+        let mut program = made.program(1.0)?;
+        for unit in units(&robot) {
+            let other = made.program(unit)?;
+            if weight(&other) < weight(&program) {
+                program = other;
+            }
+        }
         Ok(Self {
             robot: robot.name.clone(),
             coordinates: robot.coordinates().map(|joint| (joint.name.clone(), joint.kind)).collect(),
             tips: tips(&robot).into_iter().map(|link| robot.joints[link].name.clone()).collect(),
             model: request.model,
+            drives: request.drives,
+            kept_drives: made.kept_drives(),
             parameters: made.parameters(),
-            values: request.values.clone(),
-            snapped,
             shape: made.shape(),
-            program: program.unwrap_or_else(|| made.program(1.0)),
+            values: made.values,
+            snapped,
+            program,
         })
     }
 }
 
-/// The units of length that can save products: 1 m, and each length of the geometry where all joints turn.
+/// What a function costs: a product as much as two sums.
+fn weight(program: &Program) -> usize {
+    let count = program.count();
+    2 * count.multiplications + count.additions
+}
+
+/// The units of length beside 1 m that can save products: where all joints turn, the lengths of the geometry, those that it has
+/// most often.
 fn units(robot: &Robot) -> Vec<f64> {
-    let mut units = vec![1.0];
+    let mut units: Vec<(f64, usize)> = Vec::new();
     if robot.joints.iter().all(|joint| joint.kind == JointKind::Revolute) {
         let lengths = robot.joints.iter().flat_map(|joint| joint.placement.origin).map(f64::abs);
         for length in lengths.filter(|length| *length > 0.0) {
-            if !units.contains(&length) {
-                units.push(length);
+            match units.iter_mut().find(|(known, _)| *known == length) {
+                Some((_, times)) => *times += 1,
+                None => units.push((length, 1)),
             }
         }
     }
-    units
+    units.sort_by_key(|(_, times)| std::cmp::Reverse(*times));
+    units.into_iter().take(MOST_UNITS).map(|(length, _)| length).collect()
 }
 
 fn tips(robot: &Robot) -> Vec<usize> {
@@ -110,21 +131,36 @@ struct Made<'a> {
     request: &'a Request,
     model: Model,
     base: Option<BaseParameters>,
+    /// Values of its parameters.
+    values: Option<Vec<f64>>,
 }
 
 impl<'a> Made<'a> {
     fn new(robot: &'a Robot, request: &'a Request) -> Result<Self, SymbolicError> {
         let model = Model::new(robot);
         let base = match request.parameters {
-            ParameterSet::Standard => None,
-            ParameterSet::Base => Some(BaseParameters::of(&model, &[])?),
+            ParameterSet::Base if request.model.has_parameters() => Some(BaseParameters::of(&model, &[])?),
+            ParameterSet::Base | ParameterSet::Standard => None,
         };
-        let made = Self { robot, request, model, base };
-        let (found, expected) = (request.values.as_ref().map(Vec::len), made.count());
-        match found {
-            Some(found) if found != expected => Err(SymbolicError::Values { found, expected }),
-            Some(_) | None => Ok(made),
+        let expected = model.parameter_table().len();
+        if let Some(found) = request.values.as_ref().map(Vec::len).filter(|found| *found != expected) {
+            return Err(SymbolicError::Values { found, expected });
         }
+        let of_set = |theta: &Vec<f64>| base.as_ref().map_or_else(|| theta.clone(), |base| base.from_standard(theta));
+        let values = request.values.as_ref().map(of_set);
+        Ok(Self { robot, request, model, base, values })
+    }
+
+    /// Whether the request leaves a standard parameter out.
+    fn leaves_out(&self, index: usize) -> bool {
+        !self.request.drives.contain(self.model.parameter_table().get(index).quantity)
+    }
+
+    /// Names of the base parameters that are kept, and hold what the request leaves out in their sums.
+    fn kept_drives(&self) -> Vec<String> {
+        let base = self.base.iter().flat_map(|base| base.parameters());
+        let holds = |p: &&BaseParameter| !self.leaves_out(p.kept) && p.regrouped.iter().any(|r| self.leaves_out(r.0));
+        base.filter(holds).map(|parameter| parameter.name.clone()).collect()
     }
 
     /// Number of parameters.
@@ -174,8 +210,8 @@ impl<'a> Made<'a> {
     fn theta<'g>(&self, builder: &'g Builder) -> Vec<Expression<'g>> {
         let mut theta = vec![builder.zero(); self.model.parameter_table().len()];
         for (place, column) in self.columns().into_iter().enumerate() {
-            if self.request.drives.contain(self.model.parameter_table().get(column).quantity) {
-                theta[column] = match &self.request.values {
+            if !self.leaves_out(column) {
+                theta[column] = match &self.values {
                     Some(values) => builder.constant(values[place]),
                     None => builder.input(Array::Parameter, place),
                 };
@@ -184,21 +220,21 @@ impl<'a> Made<'a> {
         theta
     }
 
-    fn program(&self, unit: f64) -> Program {
+    fn program(&self, unit: f64) -> Result<Program, SymbolicError> {
         let builder = Builder::default();
-        let outputs: Vec<Signed> = self.outputs(&builder, unit).iter().map(|output| output.value).collect();
-        Program::new(&builder.into_graph(), &outputs)
+        let outputs: Vec<Signed> = self.outputs(&builder, unit)?.iter().map(|output| output.value).collect();
+        Ok(Program::new(&builder.into_graph(), &outputs))
     }
 
     /// The outputs, row by row.
-    fn outputs<'g>(&self, builder: &'g Builder, unit: f64) -> Vec<Expression<'g>> {
+    fn outputs<'g>(&self, builder: &'g Builder, unit: f64) -> Result<Vec<Expression<'g>>, SymbolicError> {
         let chain = Chain::new(builder, self.robot, unit);
         let theta = self.theta(builder);
         let table = self.model.parameter_table();
         let drives = Drives { chain: &chain, table, motors: self.model.coupled_motors(), theta: &theta };
         let links = links(&chain, self.robot, &theta);
         let state = Arrays::new(&chain);
-        match self.request.model {
+        Ok(match self.request.model {
             ModelKind::InverseDynamics => torques(&drives, &links, state.rates(true, true, true)),
             ModelKind::Gravity => link_torques(&chain, &links, state.rates(false, false, true)),
             ModelKind::Coriolis => link_torques(&chain, &links, state.rates(true, false, false)),
@@ -207,15 +243,20 @@ impl<'a> Made<'a> {
                 let bias = torques(&drives, &links, state.rates(true, false, true));
                 let tau = builder.inputs(Array::Torque, chain.coordinates);
                 let rest = tau.into_iter().zip(bias).map(|(tau, bias)| tau - bias).collect();
-                solve(mass_matrix(&drives, &links), rest)
+                solve(mass_matrix(&drives, &links), rest).map_err(|coordinate| self.not_definite(coordinate))?
             }
             ModelKind::Regressor => self.regressor(&drives, state.rates(true, true, true)),
             ModelKind::ForwardKinematics => {
                 let poses = poses(&chain);
-                tips(self.robot).into_iter().flat_map(|link| entries(&poses[link])).collect()
+                tips(self.robot).into_iter().flat_map(|link| entries(&chain, &poses[link])).collect()
             }
             ModelKind::Jacobian => jacobians(&chain, &tips(self.robot)),
-        }
+        })
+    }
+
+    fn not_definite(&self, coordinate: usize) -> SymbolicError {
+        let joint = self.robot.coordinates().nth(coordinate).map_or_else(String::new, |joint| joint.name.clone());
+        SymbolicError::NotDefinite { joint }
     }
 
     /// Row by row, a column for each parameter.
@@ -226,10 +267,10 @@ impl<'a> Made<'a> {
         let places = self.columns();
         let mut phi = vec![chain.builder.zero(); chain.coordinates * places.len()];
         for (place, index) in places.iter().enumerate() {
-            let parameter = self.model.parameter_table().get(*index);
-            if !self.request.drives.contain(parameter.quantity) {
+            if self.leaves_out(*index) {
                 continue;
             }
+            let parameter = self.model.parameter_table().get(*index);
             let number = parameter.number - 1;
             let entries: Vec<(usize, Expression<'g>)> = match parameter.quantity {
                 Quantity::Link(quantity) => {

@@ -53,8 +53,8 @@ impl<'g> Motion<'g> {
         let column = joint.turned(joint.axis_column(&self.a, chain.builder));
         let at_foot = joint.seen(add(self.dv, times(&self.a, joint.foot)));
         let dv = add(at_foot, column.map(|entry| entry * joint.along));
-        let dq = joint.rate(rates.dq, chain.unit);
-        let ddq = joint.rate(rates.ddq, chain.unit);
+        let dq = joint.rate(rates.dq);
+        let ddq = joint.rate(rates.ddq);
         if joint.is_revolute { self.turned(joint, [dq, ddq], column, dv) } else { self.slid(joint, [dq, ddq], dv) }
     }
 
@@ -121,8 +121,8 @@ impl<'g> Wrench<'g> {
     }
 
     /// The torque or force that the joint's drive gives.
-    pub(super) fn along(&self, joint: &Joint<'g>, unit: f64) -> Expression<'g> {
-        if joint.is_revolute { self.moment[2] } else { self.force[2] * (1.0 / unit) }
+    pub(super) fn along(&self, joint: &Joint<'g>) -> Expression<'g> {
+        if joint.is_revolute { self.moment[2] } else { self.force[2] }
     }
 }
 
@@ -146,7 +146,7 @@ pub(super) fn link_torques<'g>(
     let mut wrenches: Vec<Wrench<'g>> = motions.iter().zip(links).map(|(motion, link)| motion.wrench(link)).collect();
     let mut torques = vec![chain.builder.zero(); chain.coordinates];
     for (j, joint) in chain.inwards() {
-        torques[joint.coordinate] = torques[joint.coordinate] + wrenches[j].along(joint, chain.unit) * joint.ratio;
+        torques[joint.coordinate] = torques[joint.coordinate] + wrenches[j].along(joint) * joint.ratio;
         if let Some(parent) = joint.parent {
             wrenches[parent] = wrenches[parent].plus(&wrenches[j].moved_to_parent(joint));
         }

@@ -20,11 +20,7 @@ struct Twist<'g> {
 impl<'g> Twist<'g> {
     fn of_joint(chain: &Chain<'g>, joint: &Joint<'g>) -> Self {
         let (axis, none) = (chain.builder.constants([0.0, 0.0, joint.ratio]), chain.none());
-        if joint.is_revolute {
-            Self { z: axis, v: none }
-        } else {
-            Self { z: none, v: axis.map(|entry| entry * (1.0 / chain.unit)) }
-        }
+        if joint.is_revolute { Self { z: axis, v: none } } else { Self { z: none, v: axis } }
     }
 
     fn seen_from(&self, next: &Joint<'g>) -> Self {

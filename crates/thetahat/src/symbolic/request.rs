@@ -51,7 +51,8 @@ pub struct Request {
     pub model: ModelKind,
     /// Its parameters.
     pub parameters: ParameterSet,
-    /// Their values, folded into the code; an input of the function where there are none.
+    /// Values of the standard parameters, SI and in the order of the robot's table, folded into the code; an input of the
+    /// function where there are none.
     pub values: Option<Vec<f64>>,
     /// Which torques of the drives are in it.
     pub drives: DriveTorques,
@@ -116,6 +117,27 @@ impl ModelKind {
         match self {
             Self::InverseDynamics | Self::MassMatrix | Self::ForwardDynamics | Self::Gravity | Self::Coriolis => true,
             Self::Regressor | Self::ForwardKinematics | Self::Jacobian => false,
+        }
+    }
+
+    /// Whether the output is a vector, and not a matrix that may have one column.
+    pub(super) fn is_vector(self) -> bool {
+        match self {
+            Self::InverseDynamics | Self::ForwardDynamics | Self::Gravity | Self::Coriolis => true,
+            Self::MassMatrix | Self::Regressor | Self::ForwardKinematics | Self::Jacobian => false,
+        }
+    }
+
+    /// Whether it has parameters at all, as inputs or as columns.
+    pub(super) fn has_parameters(self) -> bool {
+        match self {
+            Self::InverseDynamics
+            | Self::MassMatrix
+            | Self::ForwardDynamics
+            | Self::Regressor
+            | Self::Gravity
+            | Self::Coriolis => true,
+            Self::ForwardKinematics | Self::Jacobian => false,
         }
     }
 

@@ -8,12 +8,12 @@ use std::{
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::*;
+use super::{snapping::snapped, *};
 use crate::{
     base_parameters::BaseParameters,
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     regressor::Regressor,
-    robot::{JointQuantity, Locks, Parameter, Quantity, Robot, RobotSource},
+    robot::{JointQuantity, LinkQuantity, Locks, Parameter, Quantity, Robot, RobotSource},
 };
 
 const ROBOTS: [&str; 9] = [
@@ -72,6 +72,21 @@ impl Case {
         Function::new(&self.robot, &request).unwrap()
     }
 
+    /// The output of a function with the parameters' values in it.
+    fn folded(&self, model: ModelKind, parameters: ParameterSet, drives: DriveTorques) -> Vec<f64> {
+        let request = Request { model, parameters, values: Some(self.theta.clone()), drives };
+        let [q, dq, ddq] = &self.state;
+        let program = Function::new(&self.robot, &request).unwrap().program;
+        program.evaluate(&Inputs { q, dq, ddq, tau: ddq, ..Inputs::default() })
+    }
+
+    /// With these values where a parameter is kept, and zero elsewhere.
+    fn keeping(&self, is_kept: impl Fn(&Parameter) -> bool) -> Self {
+        let table = self.model.parameter_table();
+        let theta: Vec<f64> = table.iter().zip(&self.theta).map(|(p, v)| if is_kept(p) { *v } else { 0.0 }).collect();
+        Self { parameters: DynamicParameters::new(&self.model, &theta), theta, ..self.clone() }
+    }
+
     fn values(&self, set: ParameterSet) -> Vec<f64> {
         match set {
             ParameterSet::Standard => self.theta.clone(),
@@ -80,19 +95,16 @@ impl Case {
     }
 
     fn without_offsets(&self) -> Self {
-        let is_offset = |p: &Parameter| p.quantity == Quantity::Joint(JointQuantity::Off);
-        let table = self.model.parameter_table();
-        let theta: Vec<f64> = table.iter().zip(&self.theta).map(|(p, v)| if is_offset(p) { 0.0 } else { *v }).collect();
-        Self { parameters: DynamicParameters::new(&self.model, &theta), theta, ..self.clone() }
+        self.keeping(|p| p.quantity != Quantity::Joint(JointQuantity::Off))
     }
 
     /// Of the drives alone: the parameters of the links are zero.
     fn friction_at_rest(&self, dq: &[f64]) -> Vec<f64> {
-        let is_link = |parameter: &Parameter| matches!(parameter.quantity, Quantity::Link(_));
-        let table = self.model.parameter_table();
-        let theta: Vec<f64> = table.iter().zip(&self.theta).map(|(p, v)| if is_link(p) { 0.0 } else { *v }).collect();
-        let without = Self { parameters: DynamicParameters::new(&self.model, &theta), ..self.clone() };
-        without.inverse_dynamics(&self.state[0], dq, &vec![0.0; dq.len()])
+        self.keeping(|p| !matches!(p.quantity, Quantity::Link(_))).inverse_dynamics(
+            &self.state[0],
+            dq,
+            &vec![0.0; dq.len()],
+        )
     }
 
     fn evaluate(&self, model: ModelKind, parameters: ParameterSet) -> Vec<f64> {
@@ -151,22 +163,121 @@ fn mass_matrix_is_that_of_the_kernels() {
 fn forward_dynamics_reverses_inverse_dynamics() {
     of_each_robot(|case, name| {
         let [q, dq, ddq] = &case.state;
-        let theta: Vec<f64> = case.robot.a_priori_parameters();
+        let theta = bodies(&case.model);
         let parameters = DynamicParameters::new(&case.model, &theta);
         let mut tau = vec![0.0; q.len()];
         let (state, mut workspace) = (State::new(q, dq), Workspace::new(&case.model));
         case.model.inverse_dynamics(&parameters, state, ddq, Sign::Exact, &mut workspace, &mut tau);
         let mut expected = vec![0.0; q.len()];
-        let solved = case.model.forward_dynamics(&parameters, state, &tau, Sign::Exact, &mut workspace, &mut expected);
-        if solved.is_err() {
-            return;
-        }
-        let program = case.function(ModelKind::ForwardDynamics, ParameterSet::Standard).program;
-        let found = program.evaluate(&Inputs { q, dq, tau: &tau, theta: &theta, ..Inputs::default() });
+        case.model.forward_dynamics(&parameters, state, &tau, Sign::Exact, &mut workspace, &mut expected).unwrap();
         let error = |of: &[f64]| of.iter().zip(ddq).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        let (own, kernel) = (error(&found), error(&expected));
-        assert!(own <= 100.0 * kernel + 1e-12, "{name}: {own:e} against {kernel:e} of the kernel");
+        for set in SETS {
+            let theta = match set {
+                ParameterSet::Standard => theta.clone(),
+                ParameterSet::Base => BaseParameters::of(&case.model, &[]).unwrap().from_standard(&theta),
+            };
+            let program = case.function(ModelKind::ForwardDynamics, set).program;
+            let found = program.evaluate(&Inputs { q, dq, tau: &tau, theta: &theta, ..Inputs::default() });
+            let (own, kernel) = (error(&found), error(&expected));
+            // Another order of the same operations: the condition of the mass matrix is in both.
+            assert!(own <= 100.0 * kernel + 1e-12, "{name}: {own:e} against {kernel:e} of the kernel");
+        }
     });
+}
+
+/// Parameters of balls of 1 kg on the links' frames, with motors: the mass matrix is positive definite.
+fn bodies(model: &Model) -> Vec<f64> {
+    let value = |parameter: &Parameter| match parameter.quantity {
+        Quantity::Link(LinkQuantity::Xx | LinkQuantity::Yy | LinkQuantity::Zz) => 0.1,
+        Quantity::Link(LinkQuantity::M) => 1.0,
+        quantity if quantity.is_motor_inertia() => 0.2,
+        Quantity::Link(_) => 0.0,
+        Quantity::Joint(_) | Quantity::Motor(_) | Quantity::Term(_) => 0.3,
+    };
+    model.parameter_table().iter().map(value).collect()
+}
+
+/// Values in the code, and drives left out, give what parameters that are zero give the kernels.
+#[test]
+fn folded_values_and_drives_left_out_are_those_of_the_kernels() {
+    of_each_robot(|case, name| {
+        let [q, dq, ddq] = &case.state;
+        for drives in DriveTorques::ALL.map(|(_, drives)| drives) {
+            let kept = case.keeping(|p| drives.contain(p.quantity));
+            let torques = kept.inverse_dynamics(q, dq, ddq);
+            ensure_close(&case.folded(ModelKind::InverseDynamics, ParameterSet::Standard, drives), &torques, name);
+            let phi = case.folded(ModelKind::Regressor, ParameterSet::Standard, drives);
+            let row = |row: &[f64]| row.iter().zip(&case.theta).map(|(a, b)| a * b).sum::<f64>();
+            let by_regressor: Vec<f64> = phi.chunks(case.theta.len()).map(row).collect();
+            ensure_close(&by_regressor, &torques, name);
+        }
+        let whole = case.inverse_dynamics(q, dq, ddq);
+        ensure_close(&case.folded(ModelKind::InverseDynamics, ParameterSet::Base, DriveTorques::All), &whole, name);
+        for model in [ModelKind::MassMatrix, ModelKind::Coriolis] {
+            let expected = case.evaluate(model, ParameterSet::Standard);
+            for set in SETS {
+                ensure_close(&case.folded(model, set, DriveTorques::All), &expected, name);
+            }
+        }
+    });
+}
+
+/// The frames stand where the library's kinematics puts them, in m.
+#[test]
+fn the_tips_are_those_of_the_kinematics() {
+    of_each_robot(|case, name| {
+        let function = case.function(ModelKind::ForwardKinematics, ParameterSet::Standard);
+        let q = &case.state[0];
+        let frames = function.program.evaluate(&Inputs { q, ..Inputs::default() });
+        for (tip, pose) in function.tips.iter().zip(frames.chunks(12)) {
+            let link = case.robot.joints.iter().position(|joint| joint.name == *tip).unwrap();
+            let (origin, axis) = case.model.frame(link, q);
+            ensure_close(&[pose[3], pose[7], pose[11]], &origin, name);
+            ensure_close(&[pose[2], pose[6], pose[10]], &axis, name);
+        }
+    });
+}
+
+#[test]
+fn values_without_inertia_have_no_accelerations() {
+    let text = "name = 'arm'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n[[joint]]\nname = 'b'\nkind = 'revolute'\na_m = 1\n\
+                [parameters]\nzz1 = 1\n";
+    let robot = Robot::parse(text, Path::new("arm.toml")).unwrap();
+    let values = Some(robot.a_priori_parameters());
+    let request =
+        |model| Request { model, parameters: ParameterSet::Base, values: values.clone(), drives: DriveTorques::All };
+    let error = Function::new(&robot, &request(ModelKind::ForwardDynamics)).unwrap_err();
+    assert_eq!(error, SymbolicError::NotDefinite { joint: "b".to_owned() });
+    assert!(Function::new(&robot, &request(ModelKind::InverseDynamics)).is_ok());
+}
+
+#[test]
+fn base_parameters_that_hold_what_is_left_out_are_named() {
+    let robot = robots().next().unwrap();
+    let request =
+        |drives| Request { model: ModelKind::InverseDynamics, parameters: ParameterSet::Base, values: None, drives };
+    let kept = |drives| Function::new(&robot, &request(drives)).unwrap().kept_drives;
+    assert_eq!(kept(DriveTorques::None), ["zz1r"]);
+    assert!(kept(DriveTorques::Inertia).is_empty() && kept(DriveTorques::All).is_empty());
+}
+
+/// Nothing acts: a vertical slide's torques of velocity.
+#[test]
+fn a_function_without_terms_is_code_all_the_same() {
+    let text = "name = 'slide /* of'\n[[joint]]\nname = 'a'\nkind = 'prismatic'\n";
+    let robot = Robot::parse(text, Path::new("slide.toml")).unwrap();
+    let of = |model| {
+        let request = Request { model, parameters: ParameterSet::Base, values: None, drives: DriveTorques::All };
+        Function::new(&robot, &request).unwrap()
+    };
+    let latex = Language::Latex.code(&of(ModelKind::Coriolis), None).unwrap();
+    assert!(latex.contains("All entries are zero"), "{latex}");
+    let c = Language::C.code(&of(ModelKind::Coriolis), None).unwrap();
+    assert!(c.contains("slide / * of") && c.contains("No parameter acts on the output"), "{c}");
+    assert!(c.starts_with("/*\n * Generated by thetahat "), "{c}");
+    // One coordinate has a matrix all the same.
+    let python = Language::Python.code(&of(ModelKind::MassMatrix), None).unwrap();
+    assert!(python.contains("reshape(states + (1, 1))"), "{python}");
 }
 
 #[test]

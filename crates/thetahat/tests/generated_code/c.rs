@@ -5,7 +5,7 @@ use std::process::Command;
 
 use libtest_mimic::Failed;
 use thetahat::symbolic::{Array, Language};
-use thetahat_testing::Folder;
+use thetahat_testing::{Folder, ensure};
 
 use super::{STATES, Sample, check_printed, output, samples};
 
@@ -35,6 +35,39 @@ pub fn run(file: &str) -> Result<(), Failed> {
     let own = ["-DTHETAHAT_OWN_SINES", "main.c", "-o", "own"];
     output(Command::new("cc").current_dir(folder.path()).args(FLAGS).args(own))?;
     check_printed(&samples, &output(&mut Command::new(folder.at("own")))?)
+}
+
+/// The header's own sines at angles up to a million, in units of the last place of those of long double.
+const SINES: &str = r#"
+#include <math.h>
+#include <stdio.h>
+static double units(const double found, const long double right) {
+    const double ulp = nextafter(fabs((double)right), INFINITY) - fabs((double)right);
+    return (double)(fabsl(found - right) / ulp);
+}
+int main(void) {
+    double worst = 0.0;
+    for (int k = -1000000; k <= 1000000; k++) {
+        const double x[2] = {k + 0.37 * sin(k), 1e-5 * k};
+        for (int i = 0; i < 2; i++) {
+            double s, c;
+            thetahat_sincos(x[i], &s, &c);
+            worst = fmax(worst, fmax(units(s, sinl(x[i])), units(c, cosl(x[i]))));
+        }
+    }
+    printf("%.3f\n", worst);
+    return 0;
+}
+"#;
+
+pub fn own_sines() -> Result<(), Failed> {
+    let (samples, folder) = (samples("two_joint.toml"), Folder::new());
+    folder.write("model.h", Language::C.code(&samples[0].function, Some("robot"))?);
+    folder.write("sines.c", format!("#include \"model.h\"\n{SINES}"));
+    let arguments = ["-DTHETAHAT_OWN_SINES", "sines.c", "-o", "sines", "-lm"];
+    output(Command::new("cc").current_dir(folder.path()).args(FLAGS).args(arguments))?;
+    let worst: f64 = output(&mut Command::new(folder.at("sines")))?.trim().parse()?;
+    ensure(worst <= 2.0, format!("{worst} units of the last place"))
 }
 
 fn name(sample: &Sample) -> String {

@@ -142,6 +142,7 @@ fn main() {
     let python = python::interpreter();
     let all = [
         trials("c", &ROBOTS, is_there("cc", &["--version"]), c::run),
+        vec![Trial::test("own_sines_of_c", c::own_sines).with_ignored_flag(!is_there("cc", &["--version"]))],
         trials("rust", &["two_joint.toml", "scara.toml", "tx40.toml"], is_there("rustc", &["--version"]), rust::run),
         trials("python", &ROBOTS, python.is_some(), python::run),
         vec![

@@ -151,7 +151,10 @@ pub(super) fn code(function: &Function, prefix: &str) -> String {
     let guard = format!("{}_INCLUDED", file.name.to_uppercase());
     let comment: String =
         lines(function).iter().map(|line| format!(" * {line}").trim_end().to_owned() + "\n").collect();
-    let mut text = format!("/*\n{} */\n#ifndef {guard}\n#define {guard}\n\n{PRELUDE}\n", comment.replace("*/", "* /"));
+    let mut text = format!(
+        "/*\n{} */\n#ifndef {guard}\n#define {guard}\n\n{PRELUDE}\n",
+        comment.replace("*/", "* /").replace("/*", "/ *")
+    );
     text += &file.prototypes();
     text += &file.prepare();
     text += &file.state();

@@ -2,14 +2,14 @@
 
 use super::super::error::SymbolicError;
 
-/// Longest name that is used.
-const LONGEST: usize = 48;
+/// Longest name that is used: MATLAB takes 63 letters, and the longest model's name is put behind it.
+const LONGEST: usize = 44;
 
 /// What the names of a robot's functions begin with: the name given, or what can be made of the robot's.
 pub(super) fn prefix(robot: &str, given: Option<&str>) -> Result<String, SymbolicError> {
     match given {
         Some(name) if is_identifier(name) => Ok(name.to_owned()),
-        Some(name) => Err(SymbolicError::NotAnIdentifier { name: name.to_owned() }),
+        Some(name) => Err(SymbolicError::NotAnIdentifier { name: name.to_owned(), longest: LONGEST }),
         None => made(robot).ok_or_else(|| SymbolicError::NoIdentifier { name: robot.to_owned() }),
     }
 }
@@ -24,8 +24,9 @@ fn made(robot: &str) -> Option<String> {
     let letter = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' };
     let text: String = robot.chars().map(letter).collect();
     let words: Vec<&str> = text.split('_').filter(|word| !word.is_empty()).collect();
-    let joined: String = words.join("_").chars().take(LONGEST).collect();
+    let joined = words.join("_");
     let name = if joined.starts_with(|c: char| c.is_ascii_digit()) { format!("robot_{joined}") } else { joined };
+    let name: String = name.chars().take(LONGEST).collect();
     is_identifier(&name).then_some(name)
 }
 
@@ -40,7 +41,13 @@ mod tests {
         assert_eq!(of("6-axis  arm!").as_deref(), Ok("robot_6_axis_arm"));
         assert!(matches!(of("ロボット"), Err(SymbolicError::NoIdentifier { .. })));
         assert!(matches!(of(""), Err(SymbolicError::NoIdentifier { .. })));
+        assert_eq!(of(&"7".repeat(60)), Ok(format!("robot_{}", "7".repeat(LONGEST - 6))));
         assert_eq!(prefix("x", Some("arm_2")).as_deref(), Ok("arm_2"));
+        let refused = prefix("x", Some(&"a".repeat(LONGEST + 1))).unwrap_err().to_string();
+        assert!(refused.contains("44 at most"), "{refused}");
+        // MATLAB's longest name.
+        let longest = crate::symbolic::ModelKind::ALL.iter().map(|(_, model)| model.identifier().len()).max();
+        assert_eq!(longest, Some(63 - LONGEST - 1));
         for name in ["2arm", "arm-2", "", "_arm", "arm;"] {
             assert!(matches!(prefix("x", Some(name)), Err(SymbolicError::NotAnIdentifier { .. })), "{name}");
         }

@@ -52,6 +52,9 @@ pub(super) fn code(function: &Function) -> String {
             equations.push(format!("{} &= {value}", output_symbol(function, place)));
         }
     }
+    if equations.is_empty() {
+        equations.push("&\\text{All entries are zero.}".to_owned());
+    }
     let body = equations.join(" \\\\\n");
     format!(
         "{comment}% Needs \\usepackage{{amsmath}}. Entries of the output that are not here are zero.\n\\begingroup\n\\allowdisplaybreaks\n\\begin{{align*}}\n{body}\n\\end{{align*}}\n\\endgroup\n"
@@ -94,7 +97,7 @@ impl<'a> Writer<'a> {
 
     fn operation(&self, kind: Kind) -> Text {
         let of = |value: Value| written(&self.texts, self.function, value);
-        let call = |name: &str, a: Value| Text::atom(format!("{name} {}", of(a).at_least(Strength::Atom)));
+        let call = |name: &str, a: Value| Text::atom(format!("{name}\\left({}\\right)", of(a).text));
         let product = |a: Value, b: Value| {
             format!("{} \\, {}", of(a).at_least(Strength::Product), of(b).at_least(Strength::Product))
         };

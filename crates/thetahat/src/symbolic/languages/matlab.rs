@@ -59,7 +59,7 @@ pub(super) fn code(function: &Function, prefix: &str) -> String {
     }
     text += &format!("    % A row for each state; the file is {name}.m. {}\n", shape(function));
     parts.all(&Matlab).iter().for_each(|line| text += &format!("{line}\n"));
-    let single = columns == 1;
+    let single = function.model.is_vector();
     let states = format!("size({}, 1)", arguments[0]);
     text += &if single {
         format!("    {output} = zeros({states}, {rows});\n")
@@ -75,8 +75,10 @@ pub(super) fn code(function: &Function, prefix: &str) -> String {
 }
 
 fn shape(function: &Function) -> String {
-    match function.shape {
-        [_, 1] => "The output has a row for each state.".to_owned(),
-        [rows, columns] => format!("The output is {rows} by {columns} by the number of states."),
+    let [rows, columns] = function.shape;
+    if function.model.is_vector() {
+        "The output has a row for each state.".to_owned()
+    } else {
+        format!("The output is {rows} by {columns} by the number of states.")
     }
 }

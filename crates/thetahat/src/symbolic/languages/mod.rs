@@ -36,17 +36,17 @@ impl Language {
         ("latex", Self::Latex),
     ];
 
-    /// The code of a function, whose names begin with `name`, or with the robot's name.
+    /// The code of a function, whose names begin with `name`, or with the robot's name; LaTeX has no names.
     ///
     /// # Errors
     /// [`SymbolicError::NoIdentifier`] and [`SymbolicError::NotAnIdentifier`].
     pub fn code(self, function: &Function, name: Option<&str>) -> Result<String, SymbolicError> {
-        let name = identifier::prefix(&function.robot, name)?;
+        let name = || identifier::prefix(&function.robot, name);
         Ok(match self {
-            Self::C => c::code(function, &name),
-            Self::Rust => rust::code(function, &name),
-            Self::Python => python::code(function, &name),
-            Self::Matlab => matlab::code(function, &name),
+            Self::C => c::code(function, &name()?),
+            Self::Rust => rust::code(function, &name()?),
+            Self::Python => python::code(function, &name()?),
+            Self::Matlab => matlab::code(function, &name()?),
             Self::Latex => latex::code(function),
         })
     }

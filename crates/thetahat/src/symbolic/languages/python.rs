@@ -77,13 +77,14 @@ fn documentation(function: &Function) -> String {
 
 fn shape(function: &Function) -> String {
     let [rows, columns] = function.shape;
-    if columns == 1 { format!("(..., {rows})") } else { format!("(..., {rows}, {columns})") }
+    if function.model.is_vector() { format!("(..., {rows})") } else { format!("(..., {rows}, {columns})") }
 }
 
 fn result(function: &Function) -> String {
     let ([rows, columns], output) = (function.shape, output_name(function.model));
-    match columns {
-        1 => format!("    return {output}\n"),
-        _ => format!("    return {output}.reshape(states + ({rows}, {columns}))\n"),
+    if function.model.is_vector() {
+        format!("    return {output}\n")
+    } else {
+        format!("    return {output}.reshape(states + ({rows}, {columns}))\n")
     }
 }
