@@ -46,6 +46,8 @@ pub enum Command {
     /// Exit code 1 where the verdict on the results is that they are not to be used, and --force exports them.
     Export(Export),
     /// Write robots drawn from the distribution of the estimates, each physically consistent: for domain randomisation.
+    ///
+    /// Exit code 1 where the verdict on the results is that they are not to be used, and --force takes them.
     Sample(Sample),
     /// Predict the torques of another motion with identified parameters.
     Predict(Predict),
@@ -326,8 +328,8 @@ pub struct Design {
     /// The design file
     #[arg(value_name = "DESIGN.toml")]
     pub design: PathBuf,
-    /// Folder for trajectory.csv, trajectory.yaml, promised.csv, experiment.toml, rehearsal.toml and design.html [default:
-    /// tables in the terminal only]
+    /// Folder for trajectory.csv, .yaml and .json, promised.csv, experiment.toml, rehearsal.toml, design.html, and the moves for
+    /// robots' controllers [default: tables in the terminal only]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     #[command(flatten)]
@@ -395,7 +397,7 @@ pub struct Generate {
     /// The case whose estimates are taken [default: nominal]
     #[arg(long)]
     pub case: Option<String>,
-    /// The robot that the results must be of
+    /// The robot description that the results must be of, unchanged
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
     /// The torques of the drives: all, the inertia of the motors alone, or none

@@ -15,7 +15,7 @@ pub fn run(request: &arguments::Design) -> Result<Ending, Box<dyn Error>> {
     let design = Design::read(&request.design)?;
     if let Some(directory) = &request.out {
         let guard = OutputGuard::new(design.input_files(), request.force.force);
-        guard.folder(directory, report::DESIGN_FILES)?;
+        guard.folder(directory, report::DESIGN_FILES.into_iter().chain(report::MOVE_FILES))?;
     }
     let mut progress = Progress::new();
     let results = design.run(threads(request.threads), &mut |stage| progress.tell(stage))?;

@@ -2,89 +2,132 @@
 
 use std::{
     error::Error,
-    fs,
+    fs, io,
     path::{Path, PathBuf},
 };
 
 use thetahat::{
-    export::{ExportRequest, IdentifiedModel},
-    output::{OutputGuard, replace_file},
-    results::Results,
+    experiment::{EstimateRequest, ExperimentError, IdentifiedRobot},
+    export::{ExportError, IdentifiedModel},
+    output::{OutputGuard, remove_own, replace_file},
 };
 
 use crate::{
     arguments::{Export as Request, Exported, Sample},
+    inputs::threads,
+    progress::Counter,
     terminal::{Ending, print, remark},
 };
 
+/// Digits of a sample's number in its name, whatever the count: names sort by number.
+const DIGITS: usize = 6;
+
 /// Writes the robot of results, or prints it.
 pub fn export_robot(request: &Request) -> Result<Ending, Box<dyn Error>> {
+    let identified = identified(&request.exported)?;
     let sidecar = request.out.as_deref().map(beside);
-    let guard = OutputGuard::new(inputs(&request.exported), request.exported.force);
+    let guard = OutputGuard::new(identified.files.iter().cloned(), request.exported.force);
     request.out.iter().chain(&sidecar).try_for_each(|path| guard.file(path))?;
-    let model = model(&request.exported)?;
+    let model = IdentifiedModel::new(identified)?;
     let export = model.export(request.exported.to)?;
     let checked = if request.check { Some(export.check()?) } else { None };
     let said = model.in_words(&export, checked);
     let Some((path, sidecar)) = request.out.as_ref().zip(sidecar) else {
         remark(&said)?;
         print(&export.text)?;
-        return Ok(Ending::of(model.verdict));
+        return Ok(Ending::of(Some(model.identified.verdict)));
     };
-    let covariance = model.covariance_json_if_known()?;
+    let covariance = model.covariance_json_or_reason()?;
     replace_file(path, export.text.as_bytes())?;
     print(&format!("{said}\nwritten: {}\n", path.display()))?;
-    if let Some(covariance) = covariance {
-        replace_file(&sidecar, covariance.as_bytes())?;
-        print(&format!("         {}\n", sidecar.display()))?;
+    print(&format!("         {}\n", write_sidecar(&sidecar, covariance)?))?;
+    Ok(Ending::of(Some(model.identified.verdict)))
+}
+
+/// Writes the covariance, or takes away that of an earlier export. Returns what there is to say of it.
+fn write_sidecar(sidecar: &Path, covariance: Result<String, ExportError>) -> io::Result<String> {
+    match covariance {
+        Ok(text) => replace_file(sidecar, text.as_bytes()).map(|()| sidecar.display().to_string()),
+        Err(reason) => {
+            let removed = remove_own(sidecar)?;
+            let removed = if removed { format!("; removed: {} of before", sidecar.display()) } else { String::new() };
+            Ok(format!("no covariance: {reason}{removed}"))
+        }
     }
-    Ok(Ending::of(model.verdict))
 }
 
 /// Writes robots drawn from the distribution of the estimates.
 pub fn sample_robots(request: &Sample) -> Result<Ending, Box<dyn Error>> {
-    let digits = request.count.to_string().len();
+    let identified = identified(&request.exported)?;
     let extension = request.exported.to.extension();
-    let name = |number: u32| format!("{number:0digits$}.{extension}");
-    let names: Vec<String> = (1..=request.count).map(name).collect();
-    let guard = OutputGuard::new(inputs(&request.exported), request.exported.force);
+    let names: Vec<String> = (1..=request.count).map(|number| format!("{number:0DIGITS$}.{extension}")).collect();
+    let guard = OutputGuard::new(identified.files.iter().cloned(), request.exported.force);
     guard.folder(&request.out, names.iter().map(String::as_str))?;
-    let model = model(&request.exported)?;
-    // All are made before any is written.
-    let mut files = Vec::with_capacity(names.len());
-    for number in 1..=request.count {
-        files.push(model.export_sample(&model.sample(number, request.seed)?, request.exported.to)?.text);
-    }
-    fs::create_dir_all(&request.out)?;
-    for (name, text) in names.iter().zip(&files) {
-        replace_file(&request.out.join(name), text.as_bytes())?;
-    }
+    refuse_others(&request.out, request.count, extension)?;
+    let model = IdentifiedModel::new(identified)?;
+    write_samples(&model, request, &names)?;
     print(&format!(
         "{}: {} samples of the estimates by {}, seed {}\nwritten: {} to {}\n",
-        model.robot.name,
+        model.identified.robot.name,
         request.count,
-        model.method,
+        model.identified.run.method,
         request.seed,
         request.out.join(&names[0]).display(),
         names[names.len() - 1]
     ))?;
-    Ok(Ending::of(model.verdict))
+    Ok(Ending::of(Some(model.identified.verdict)))
 }
 
-fn model(request: &Exported) -> Result<IdentifiedModel, Box<dyn Error>> {
-    let results = Results::read(&request.results)?;
-    let chosen = ExportRequest {
-        method: request.method,
-        robot: request.robot.clone(),
-        data: request.data.clone(),
-        force: request.force,
-        ..ExportRequest::default()
+/// Makes the samples in a folder of their own, and moves them once all are there.
+fn write_samples(model: &IdentifiedModel, request: &Sample, names: &[String]) -> Result<(), Box<dyn Error>> {
+    let unfinished = request.out.join(format!(".samples.{}.part", std::process::id()));
+    fs::create_dir_all(&unfinished)?;
+    let mut counter = Counter::new("samples");
+    let (mut waiting, samples) = (names.iter().enumerate(), (request.count, request.seed));
+    let made = model.export_samples(samples, request.exported.to, threads(None), |_, export| {
+        let Some((done, name)) = waiting.next() else { return Ok(()) };
+        fs::write(unfinished.join(name), export.text)?;
+        counter.tell(done + 1, names.len(), String::new());
+        Ok::<(), Box<dyn Error>>(())
+    });
+    drop(counter);
+    let moved = made.and_then(|()| {
+        Ok(names.iter().try_for_each(|name| fs::rename(unfinished.join(name), request.out.join(name)))?)
+    });
+    fs::remove_dir_all(&unfinished)?;
+    moved
+}
+
+/// Refuses a folder with samples of higher numbers: whoever reads it would mix them with these.
+fn refuse_others(folder: &Path, count: u32, extension: &str) -> Result<(), Box<dyn Error>> {
+    let Ok(entries) = fs::read_dir(folder) else { return Ok(()) };
+    let higher = |name: String| {
+        let stem = name.strip_suffix(extension)?.strip_suffix('.')?;
+        stem.parse::<u32>().is_ok_and(|number| number > count || stem.len() != DIGITS).then_some(name)
     };
-    Ok(IdentifiedModel::of_results(&request.results, &results, &chosen)?)
+    let names = entries.flatten().filter_map(|entry| higher(entry.file_name().to_string_lossy().into_owned()));
+    match names.min() {
+        None => Ok(()),
+        Some(name) => Err(format!(
+            "{}: is a sample that this command does not replace; give another folder with --out, or take it away with \
+             those beside it",
+            folder.join(name).display()
+        )
+        .into()),
+    }
 }
 
-fn inputs(request: &Exported) -> Vec<PathBuf> {
-    [&request.results].into_iter().chain(&request.robot).cloned().collect()
+fn identified(request: &Exported) -> Result<IdentifiedRobot, ExperimentError> {
+    IdentifiedRobot::read(
+        &request.results,
+        &EstimateRequest {
+            method: request.method,
+            robot: request.robot.clone(),
+            data: request.data.clone(),
+            force: request.force,
+            ..EstimateRequest::default()
+        },
+    )
 }
 
 /// The file of the covariance.

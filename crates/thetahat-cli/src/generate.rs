@@ -8,9 +8,9 @@ use std::{
 };
 
 use thetahat::{
-    experiment::IdentifiedRobot,
+    experiment::{EstimateRequest, IdentifiedRobot},
     output::{OutputGuard, replace_file},
-    results::{NOMINAL, Verdict},
+    results::NOMINAL,
     robot::{Locks, Robot, RobotSource},
     symbolic::{Function, ParameterSet, Request, SymbolicError},
 };
@@ -24,17 +24,19 @@ use crate::{
 struct Source {
     robot: Robot,
     theta: Option<Vec<f64>>,
+    /// Where they are from.
+    about: Vec<String>,
     /// The files that were read.
     files: Vec<PathBuf>,
 }
 
 pub fn run(request: &Generate) -> Result<Ending, Box<dyn Error>> {
-    let Source { robot, theta, files } = read(request)?;
+    let Source { robot, theta, about, files } = read(request)?;
     if let Some(path) = &request.out {
         OutputGuard::new(files, request.force.force).file(path)?;
     }
     let parameters = if request.base { ParameterSet::Base } else { ParameterSet::Standard };
-    let asked = Request { model: request.model, parameters, values: theta, drives: request.drives };
+    let asked = Request { model: request.model, parameters, values: theta, drives: request.drives, about };
     let function = Function::new(&robot, &asked)?;
     let code = request.to.code(&function, request.name.as_deref())?;
     let Some(path) = &request.out else {
@@ -64,35 +66,32 @@ fn read_robot(request: &Generate, path: &Path) -> Result<Source, Box<dyn Error>>
         GeneratedParameters::Values => Some(robot.a_priori_parameters()),
     };
     let files = [Some(path.to_owned()), source.urdf_path().map(Path::to_owned)].into_iter().flatten().collect();
-    Ok(Source { robot, theta, files })
+    Ok(Source { robot, theta, about: Vec::new(), files })
 }
 
 fn read_results(request: &Generate, path: PathBuf) -> Result<Source, Box<dyn Error>> {
     if !request.lock.is_empty() || !request.until.is_empty() {
         return Err("the results say which joints are locked; leave --lock and --until out".into());
     }
-    let case = request.case.as_deref().unwrap_or(NOMINAL);
-    let identified = IdentifiedRobot::read(&path, case, request.method)?;
-    if identified.verdict == Verdict::DoNotUse && !request.force.force {
-        return Err(format!(
-            "{}: its verdict is do-not-use; look at the reasons in its report, or take the numbers as they are with --force",
-            path.display()
-        )
-        .into());
-    }
-    let mut files = vec![path.clone()];
-    if let Some(robot) = &request.robot {
-        let source = RobotSource::read(robot)?;
-        let locked = identified.robot.locked.iter().map(|joint| (joint.name.clone(), joint.value)).collect();
-        let locks = Locks { locked, until: Vec::new() };
-        identified.require_robot(&path, &source.robot_with_locks(&locks, robot)?)?;
-        files.push(robot.clone());
-    }
+    let identified = IdentifiedRobot::read(
+        &path,
+        &EstimateRequest {
+            case: request.case.clone().unwrap_or_else(|| NOMINAL.to_owned()),
+            method: request.method,
+            robot: request.robot.clone(),
+            data: None,
+            force: request.force.force,
+        },
+    )?;
     let theta = match request.parameters.unwrap_or(GeneratedParameters::Values) {
         GeneratedParameters::Symbolic => None,
-        GeneratedParameters::Values => Some(identified.theta),
+        GeneratedParameters::Values => Some(identified.theta()),
     };
-    Ok(Source { robot: identified.robot, theta, files })
+    let mut about = vec![identified.origin()];
+    if theta.is_some() {
+        about.push("values are estimates of base parameters, each at the standard parameter that it keeps".to_owned());
+    }
+    Ok(Source { robot: identified.robot, theta, about, files: identified.files })
 }
 
 /// Whether a file begins like JSON; one that cannot be read is left to its reader.

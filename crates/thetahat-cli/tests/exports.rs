@@ -48,11 +48,11 @@ fn a_robot_is_exported_checked_and_sampled() {
     // Samples: by number, with the seed, the same again.
     let sample = ["sample", "results.json", "--to", "mjcf", "--count", "12", "--seed", "3", "--out", "samples"];
     let said = succeeded(&thetahat(folder.path(), sample));
-    assert!(said.contains("12 samples") && said.contains("12.xml"), "{said}");
-    let first = folder.text("samples/01.xml");
-    assert!(first.contains("seed 3") && first != folder.text("samples/12.xml"));
+    assert!(said.contains("12 samples") && said.contains("000012.xml"), "{said}");
+    let first = folder.text("samples/000001.xml");
+    assert!(first.contains("seed 3") && first != folder.text("samples/000012.xml"));
     succeeded(&thetahat(folder.path(), sample));
-    assert_eq!(folder.text("samples/01.xml"), first);
+    assert_eq!(folder.text("samples/000001.xml"), first);
 }
 
 #[test]
@@ -66,7 +66,7 @@ fn what_cannot_be_exported_is_refused() {
     assert!(export("results.json", &["--out", "theirs.urdf"]).contains("--force"));
     assert!(export("results.json", &["--out", "results.json"]).contains("reads this file"));
     assert_eq!(folder.text("theirs.urdf"), "<robot name=\"theirs\"/>");
-    assert!(export("results.json", &["--method", "didim"]).contains("those it holds: idim-ls"));
+    assert!(export("results.json", &["--method", "didim"]).contains("there are nominal idim-ls"));
     let unread = refused(&thetahat(folder.path(), ["export", "results.json", "--to", "mjcf", "--check"]));
     assert!(unread.contains("thetahat reads URDF alone"), "{unread}");
     let unknown = refused(&thetahat(folder.path(), ["export", "results.json", "--to", "dae"]));
@@ -85,6 +85,60 @@ fn what_cannot_be_exported_is_refused() {
     assert_eq!(thetahat(folder.path(), forced).status.code(), Some(1), "exported, and not to be trusted");
 }
 
+/// Nothing of an earlier export stays beside another one, and nothing that was read is replaced.
+#[test]
+fn what_lies_beside_is_of_this_export() {
+    let folder = identified();
+    let run_with = |arguments: &[&str]| thetahat(folder.path(), arguments.iter().copied());
+    let export = |results: &str, more: &[&str]| {
+        run_with(&[&["export", results, "--to", "urdf", "--out", "arm.urdf"], more].concat())
+    };
+    succeeded(&export("results.json", &[]));
+    let mut without = folder.json("results.json");
+    without["runs"][0]["covariance"] = Vec::<f64>::new().into();
+    for parameter in without["runs"][0]["parameters"].as_array_mut().expect("it holds estimates") {
+        for key in ["standard_deviation", "standard_deviation_robust", "interval_95"] {
+            parameter[key] = serde_json::Value::Null;
+        }
+    }
+    folder.write("without.json", without.to_string());
+    let said = succeeded(&export("without.json", &[]));
+    assert!(said.contains("no covariance: without.json: holds no standard deviations"), "{said}");
+    assert!(said.contains("removed: arm.urdf.covariance.json"), "{said}");
+    assert!(!folder.at("arm.urdf.covariance.json").exists());
+    // The description that was compared is an input.
+    let description = ["export", "results.json", "--to", "json", "--data", ".", "--out", "two_joint.toml", "--force"];
+    assert!(refused(&run_with(&description)).contains("reads this file"));
+    // Samples of another call.
+    let sample = |count| run_with(&["sample", "results.json", "--to", "json", "--out", "samples", "--count", count]);
+    succeeded(&sample("4"));
+    let fewer = refused(&sample("2"));
+    assert!(fewer.contains("000003.json") && fewer.contains("--out"), "{fewer}");
+    succeeded(&sample("5"));
+}
+
+/// Results of arrays, as Python writes them, go the same ways.
+#[test]
+fn results_of_arrays_are_exported_and_generated_and_not_predicted_from() {
+    let folder = identified();
+    let mut results = folder.json("results.json");
+    results["experiment_description"] = "".into();
+    folder.write("arrays.json", results.to_string());
+    let run_with = |arguments: &[&str]| thetahat(folder.path(), arguments.iter().copied());
+    succeeded(&run_with(&["export", "arrays.json", "--to", "urdf", "--out", "arm.urdf", "--check"]));
+    let of = |results: &str| {
+        let output = run_with(&["generate", results, "--model", "idm", "--to", "python", "--robot", "two_joint.toml"]);
+        succeeded(&output);
+        output.stdout
+    };
+    assert_eq!(of("arrays.json"), of("results.json"));
+    let predicted = refused(&run_with(&["predict", "arrays.json", "--recording", "log.csv"]));
+    assert!(predicted.contains("arrays.json") && predicted.contains("holds no experiment"), "{predicted}");
+    folder.replace("two_joint.toml", "m1 = 4", "m1 = 5", "two_joint.toml");
+    let changed = ["generate", "arrays.json", "--model", "idm", "--to", "c", "--robot", "two_joint.toml"];
+    assert!(refused(&run_with(&changed)).contains("has changed since the identification"));
+}
+
 /// The commands of docs/use_the_result.md run as they stand.
 #[test]
 fn the_commands_of_the_page_run() {
@@ -98,7 +152,7 @@ fn the_commands_of_the_page_run() {
     for command in commands {
         succeeded(&thetahat(folder.path(), command.split(' ')));
     }
-    for file in ["arm.urdf", "arm.xml", "arm.sdf", "arm.json", "arm.urdf.covariance.json", "samples/100.xml"] {
+    for file in ["arm.urdf", "arm.xml", "arm.sdf", "arm.json", "arm.urdf.covariance.json", "samples/000100.xml"] {
         assert!(folder.at(file).is_file(), "{file}");
     }
 }

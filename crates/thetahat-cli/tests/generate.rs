@@ -112,6 +112,8 @@ fn results_give_their_estimates() {
         "{text}"
     );
     assert!(!text.contains("theta["), "{text}");
+    let origin = "identified by idim-ls of \"a slider\", nominal case; verdict: ";
+    assert!(text.contains(origin) && text.contains("values are estimates of base parameters"), "{text}");
 }
 
 #[test]
@@ -121,7 +123,7 @@ fn results_of_another_robot_or_without_trust_are_refused() {
     let arguments = ["out/results.json", "--model", "idm", "--to", "c"];
     succeeded(&generate(&folder, &[&arguments[..], &["--robot", "slider.toml"]].concat()));
     let message = refused(&generate(&folder, &[&arguments[..], &["--robot", "other.toml"]].concat()));
-    assert!(message.contains("is of another robot"), "{message}");
+    assert!(message.contains("has changed since the identification"), "{message}");
     let message = refused(&generate(&folder, &[&arguments[..], &["--lock", "slide=0"]].concat()));
     assert!(message.contains("leave --lock"), "{message}");
     let message = refused(&generate(&folder, &[&arguments[..], &["--method", "didim"]].concat()));

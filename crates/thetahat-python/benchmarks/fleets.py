@@ -10,7 +10,6 @@ from __future__ import annotations
 import contextlib
 import heapq
 import importlib.util
-import json
 import os
 import pathlib
 import resource
@@ -21,13 +20,13 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
 import thetahat as th
 from thetahat import distributed
-from thetahat.distributed import _engines
+from thetahat.distributed import _engines, _statistics
 
 CHECKOUT = pathlib.Path(__file__).resolve().parents[3]
 WORKERS = 2
@@ -117,12 +116,23 @@ def below() -> dict[int, str]:
     return found
 
 
-def kill_one(engine: str, parts: pathlib.Path, killed: list[int]) -> None:
-    while not parts.is_dir() or len(list(parts.glob("*.parquet"))) < 8:
+def wait(what: str, ready: Callable[[], object]) -> None:
+    """Wait until it is so; a campaign that failed would never be."""
+    end = time.monotonic() + 300
+    while not ready():
+        if time.monotonic() > end:
+            raise TimeoutError(f"no {what} in 300 s")
         time.sleep(0.005)
+
+
+def has_parts(parts: pathlib.Path, count: int) -> bool:
+    return parts.is_dir() and len(list(parts.glob("*.parquet"))) >= count
+
+
+def kill_one(engine: str, parts: pathlib.Path, killed: list[int]) -> None:
+    wait("8 parts", lambda: has_parts(parts, 8))
     mark = {"dask": "spawn_main", "ray": "ray::work"}[engine]
-    while not killed:
-        killed.extend([pid for pid, line in below().items() if mark in line][:1])
+    wait("worker", lambda: killed.extend([pid for pid, line in below().items() if mark in line][:1]) or killed)
     os.kill(killed[0], signal.SIGKILL)
 
 
@@ -135,7 +145,7 @@ def killed() -> None:
         rows = (folder / "command/runs.parquet").read_bytes()
         for engine in engines()[1:]:
             out, pids = folder / engine, []
-            killer = threading.Thread(target=kill_one, args=(engine, out / "parts", pids))
+            killer = threading.Thread(target=kill_one, args=(engine, out / "parts", pids), daemon=True)
             killer.start()
             with clock() as taken:
                 distributed.campaign(path, out, engine=engine, workers=WORKERS, records_per_job=1)
@@ -150,10 +160,11 @@ def killed() -> None:
             driver = subprocess.Popen(
                 [sys.executable, str(script), str(path), str(out), engine], start_new_session=True, stderr=subprocess.DEVNULL
             )
-            while not (out / "parts").is_dir() or len(list((out / "parts").glob("*.parquet"))) < 24:
-                time.sleep(0.005)
-            driver.kill()
-            driver.wait()
+            try:
+                wait("24 parts", lambda: has_parts(out / "parts", 24))
+            finally:
+                driver.kill()
+                driver.wait()
             time.sleep(2.0)  # Workers that lost their driver end.
             kept = len(list((out / "parts").glob("*.parquet")))
             told: list[str] = []
@@ -197,8 +208,29 @@ def reduce() -> None:
         print(f"reduce: {len(content)} different contents")
 
 
+def scattered(scatter: float, repeats: int = 10_000) -> None:
+    """How often tests reject what is true, of fleets of 6 robots with 5 sessions each that scatter so many times as much as they say."""
+    rng = np.random.default_rng(7)
+    rejected = {"between robots": 0.0, "over time": 0.0, "drift": 0.0, "distance from the median": 0.0}
+    for _ in range(repeats):
+        lines = []
+        for _ in range(6):
+            s = rng.uniform(0.5, 2.0, 5)
+            lines.append(_statistics.line_of(np.arange(5.0), 10.0 + scatter * s * rng.normal(size=5), s))
+        dispersion = _statistics.dispersion_of(lines)
+        rejected["between robots"] += _statistics.between_robots(lines, dispersion).p_value < 0.05
+        rejected["over time"] += _statistics.over_time(lines, dispersion).p_value < 0.05
+        rejected["drift"] += _statistics.slope(lines[0], dispersion).p_value < 0.05
+        distances = _statistics.from_the_median(lines, dispersion)
+        rejected["distance from the median"] += np.mean([distance.p_value < 0.05 for distance in distances])
+    shares = ", ".join(f"{key} {100 * count / repeats:.1f} %" for key, count in rejected.items())
+    print(f"sizes, sessions that scatter {scatter:g} times as they say, rejected at 5 %: {shares}")
+
+
 def sizes(fleets: int = 30) -> None:
     """How often tests of fleets of twins reject what is true: 4 robots, 4 sessions of 8 s each."""
+    scattered(1.0)
+    scattered(3.0)
     arm = th.testing.arm()
     counts = {"between robots": [0, 0], "over time": [0, 0], "drift": [0, 0], "drift, adjusted": [0, 0]}
     with tempfile.TemporaryDirectory() as name:
@@ -271,7 +303,7 @@ def driver_costs() -> dict[str, float]:
             for _ in range(20):
                 merged = th._thetahat.merge([(str(k), part) for k, part in enumerate(parts)])
         costs["merge_8"], costs["part_bytes"], costs["merged_bytes"] = taken[0] / 20, len(parts[0]), len(merged)
-        costs["stored_bytes"] = len(json.dumps(json.loads(store.read(jobs[0].name))))
+        costs["stored_bytes"] = len(store.read(jobs[0].name))
     return costs
 
 

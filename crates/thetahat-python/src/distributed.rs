@@ -9,7 +9,7 @@ use pyo3::{prelude::*, types::PyBytes};
 use thetahat::{
     Experiment,
     campaign::{self, Campaign, Key, Row, Store, Subset},
-    output::OutputGuard,
+    output::{OutputError, OutputGuard},
     reduction::{ReduceOptions, Reduction, estimates_of_results},
     report::{self, TextWidth},
     statistics,
@@ -17,17 +17,25 @@ use thetahat::{
 
 use crate::{raised::Raised, results::Results, robot::Robot};
 
-/// The texts of a campaign, of its experiment and of its robot, each of the first two behind its path.
-type CampaignTexts = (PathBuf, String, PathBuf, String, String);
+/// The texts of a campaign, of its experiment and of its robot, each of the first two behind its path, and the SHA-256 of the file that
+/// the twin follows, if it follows one.
+type CampaignTexts = (PathBuf, String, PathBuf, String, String, Option<String>);
 
 /// The place of a record: noise level, start and seed, from zero.
 type Place = (u32, u32, u32);
 
-/// Reads a campaign; its texts are all that a job needs.
+/// Reads a campaign; its texts are all that a job needs, beside the file that the twin follows. Paths are absolute: a worker may be in
+/// another folder.
 #[pyfunction]
 pub fn campaign_texts(path: PathBuf) -> Result<CampaignTexts, Raised> {
     let Campaign { path, text, experiment, .. } = Campaign::read(&path)?;
-    Ok((path, text, experiment.path, experiment.text, experiment.robot_text))
+    let followed = experiment.reference_sha256()?;
+    Ok((absolute(path), text, absolute(experiment.path), experiment.text, experiment.robot_text, followed))
+}
+
+/// The path from the root; as it is where the system does not tell the present folder.
+fn absolute(path: PathBuf) -> PathBuf {
+    std::path::absolute(&path).unwrap_or(path)
 }
 
 /// What all records of a campaign share, made from its texts.
@@ -64,7 +72,7 @@ impl Bench {
             let campaign = campaign_of(texts)?;
             OutputGuard::new(campaign.input_files(), false)
                 .folder(&folder, [report::CAMPAIGN_PAGE])
-                .map_err(|e| Raised::new("CampaignError", e))?;
+                .map_err(not_replaced)?;
             let store = Store::open(&folder, &campaign)?;
             let missing = campaign.missing(&self.0, subset(limits), &store)?;
             Ok(missing.into_iter().map(|key| (key.level, key.start, key.seed)).collect())
@@ -72,11 +80,21 @@ impl Bench {
     }
 }
 
+/// Why a campaign's page is not written; unlike the command's, that of others is never replaced.
+fn not_replaced(error: OutputError) -> Raised {
+    if let OutputError::NotOurs { path } = &error {
+        let problem = "is there already and not known to be written by thetahat; take another `out`";
+        return Raised::new("CampaignError", format!("{}: {problem}", path.display()));
+    }
+    Raised::new("CampaignError", error)
+}
+
 /// Puts the parts of a folder together, as the command `campaign` does at its end: the tables, the runs, those that converged, and
 /// the files.
 #[pyfunction]
 pub fn finish_campaign(
     py: Python<'_>,
+    bench: &Bench,
     texts: CampaignTexts,
     folder: PathBuf,
     limits: (Option<u32>, Option<u32>),
@@ -84,7 +102,7 @@ pub fn finish_campaign(
     py.detach(|| {
         let campaign = campaign_of(texts)?;
         let store = Store::open(&folder, &campaign)?;
-        let runs = campaign.run(subset(limits), 1, Some(&store), &mut |_| {})?;
+        let runs = campaign.run_on(&bench.0, subset(limits), 1, Some(&store), &mut |_| {})?;
         let results = campaign.results(&runs);
         let page = report::write_campaign(&results, &folder)?;
         let text = report::campaign_text(&results, TextWidth::DEFAULT);
@@ -93,8 +111,12 @@ pub fn finish_campaign(
     })
 }
 
-fn campaign_of((path, text, experiment_path, experiment, robot): CampaignTexts) -> Result<Campaign, Raised> {
+fn campaign_of((path, text, experiment_path, experiment, robot, followed): CampaignTexts) -> Result<Campaign, Raised> {
     let experiment = Experiment::from_texts(&experiment_path, experiment, robot)?;
+    if experiment.reference_sha256()? != followed {
+        let problem = "the file of [twin] reference is not the one that the campaign was begun with; all workers need the same file";
+        return Err(Raised::new("CampaignError", format!("{}: {problem}", experiment_path.display())));
+    }
     Ok(Campaign::from_text(&path, text, experiment)?)
 }
 
@@ -105,7 +127,8 @@ fn subset((starts, seeds): (Option<u32>, Option<u32>)) -> Subset {
 /// The texts of an experiment and of its robot, the first behind its path.
 type ExperimentTexts = (PathBuf, String, String);
 
-/// Reads an experiment: its texts, the files that a run reads, and the number of its recordings, one for a twin.
+/// Reads an experiment: its texts, the files that a run reads, and the number of its recordings, one for a twin. Where a run reads a file
+/// beside the experiment, its path is absolute: a worker may be in another folder.
 #[pyfunction]
 pub fn experiment_texts(
     path: PathBuf,
@@ -117,22 +140,22 @@ pub fn experiment_texts(
         None => Experiment::read(&path, &data)?,
     };
     let (files, recordings) = (experiment.input_files(&data), experiment.file.recording.len());
-    Ok(((experiment.path, experiment.text, experiment.robot_text), files, recordings.max(1)))
+    let reads_beside = experiment.file.twin.as_ref().is_some_and(|twin| twin.reference.is_some());
+    let path = if reads_beside { absolute(experiment.path) } else { experiment.path };
+    Ok(((path, experiment.text, experiment.robot_text), files, recordings.max(1)))
 }
 
 fn experiment_of((path, text, robot): ExperimentTexts) -> Result<Experiment, Raised> {
     Ok(Experiment::from_texts(&path, text, robot)?)
 }
 
-/// Runs an experiment of texts.
+/// Runs an experiment of texts on one thread: jobs are run side by side.
 #[pyfunction]
 pub fn run_texts(py: Python<'_>, texts: ExperimentTexts, data: PathBuf) -> Result<Results, Raised> {
     py.detach(|| {
         let experiment = experiment_of(texts)?;
-        let results = experiment.run(&data, &mut |_| {})?;
-        let parameters = &experiment.settings.parameters;
-        let (excluded, fixed) = (parameters.exclude.clone(), parameters.fix.clone());
-        Ok(Results::new(results, excluded, fixed, experiment.published_path()))
+        let results = experiment.run_on_threads(&data, 1, &mut |_| {})?;
+        Ok(Results::new(results, experiment.published_path()))
     })
 }
 
@@ -185,9 +208,8 @@ pub fn solve(py: Python<'_>, name: PathBuf, content: Vec<u8>) -> Result<(Results
         let results = reduction.solve()?.results;
         let (text, robot_text) = (&results.experiment_description, &results.robot_description);
         let path = Path::new(&reduction.experiment_name);
-        let parameters = Experiment::from_texts(path, text.clone(), robot_text.clone())?.settings.parameters;
         let robot = Robot::of_experiment(path, text, robot_text, &results.profiled_terms)?;
-        Ok((Results::new(results, parameters.exclude, parameters.fix, None), robot))
+        Ok((Results::new(results, None), robot))
     })
 }
 

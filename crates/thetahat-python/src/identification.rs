@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use pyo3::prelude::*;
-use thetahat::{Experiment, Identification, Settings, experiment::ProposedSignal, filter_choice};
+use thetahat::{
+    Experiment, Identification, Settings, experiment::ProposedSignal, filter_choice, identification::Method,
+};
 
 use crate::{
     interruptible,
@@ -14,28 +16,32 @@ use crate::{
     values,
 };
 
-/// Identifies a robot from recordings.
+/// Identifies a robot from recordings, and validates on others, on so many threads; without a number on all processors.
 #[pyfunction]
 pub fn identify(
     py: Python<'_>,
     robot: &Robot,
-    recordings: Vec<Recording<'_>>,
-    validation: Vec<Recording<'_>>,
+    recordings: (Vec<Recording<'_>>, Vec<Recording<'_>>),
     settings: &Bound<'_, PyAny>,
     title: String,
+    threads: Option<usize>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Results> {
     let settings: Settings = values::read(settings)?;
-    let (recordings, validation) = (into_library(recordings)?, into_library(validation)?);
-    let (parameters, robot) = (settings.parameters.clone(), robot.clone());
+    let (recordings, validation) = (into_library(recordings.0)?, into_library(recordings.1)?);
+    let robot = robot.clone();
     let (description, robot_files) = (robot.description(), robot.source()?.files());
     let results = interruptible::run(py, progress, move |tell| {
         tell("reading and filtering the recordings");
         let identification = Identification::new(&robot.robot, recordings, settings)?.with_validation(validation)?;
+        let identification = match threads {
+            Some(threads) => identification.on_threads(threads),
+            None => identification,
+        };
         Ok(identification.run_with_progress(tell)?)
     })?;
     let results = thetahat::Results { title, robot_description: description, robot_files, ..results };
-    Ok(Results::new(results, parameters.exclude, parameters.fix, None))
+    Ok(Results::new(results, None))
 }
 
 /// Runs an experiment file.
@@ -55,10 +61,15 @@ pub fn run(
         let results = experiment.run(&data, tell)?;
         let (text, robot_text) = (&results.experiment_description, &results.robot_description);
         let robot = Robot::of_experiment(&path, text, robot_text, &results.profiled_terms)?;
-        let parameters = &experiment.settings.parameters;
-        let (excluded, fixed) = (parameters.exclude.clone(), parameters.fix.clone());
-        Ok((Results::new(results, excluded, fixed, experiment.published_path()), robot))
+        Ok((Results::new(results, experiment.published_path()), robot))
     })
+}
+
+/// Refuses what is no method.
+#[pyfunction]
+pub fn require_method(name: &str) -> Result<(), Raised> {
+    name.parse::<Method>()?;
+    Ok(())
 }
 
 /// The filter with the least error of the estimates, and why it was chosen: that of `thetahat init`.

@@ -38,7 +38,7 @@ mod _thetahat {
             instruments_of, merge, recording_spans, reduce, run_texts, solve, t_quantile,
         },
         estimation::{Fit, estimate, measurement_vector, observation_matrix},
-        identification::{choose_filter, identify, run},
+        identification::{choose_filter, identify, require_method, run},
         recording::read_recordings,
         results::Results,
         robot::Robot,

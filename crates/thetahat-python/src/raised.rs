@@ -18,8 +18,25 @@ pub struct Raised {
 
 impl Raised {
     pub fn new(class: &'static str, text: impl ToString) -> Self {
-        Self { class, text: text.to_string() }
+        Self { class, text: with_arguments(&text.to_string()) }
     }
+}
+
+/// Flags of the command that a remedy names, as the arguments of these names that functions have: ``--instruments-from`` is
+/// `instruments_from`. Two hyphens within a word, such as a file's name, stay.
+fn with_arguments(text: &str) -> String {
+    let word = |word: &str| {
+        let opened = word.trim_start_matches('(');
+        let Some(rest) = opened.strip_prefix("--").filter(|rest| rest.starts_with(|c: char| c.is_ascii_lowercase()))
+        else {
+            return word.to_owned();
+        };
+        let end = rest.find(|c: char| !(c.is_ascii_lowercase() || c == '-')).unwrap_or(rest.len());
+        let (flag, behind) = rest.split_at(end);
+        let argument = if flag == "rate" { "sample_rate_hz".to_owned() } else { flag.replace('-', "_") };
+        format!("{}`{argument}`{behind}", &word[..word.len() - opened.len()])
+    };
+    text.split(' ').map(word).collect::<Vec<_>>().join(" ")
 }
 
 impl From<Raised> for PyErr {

@@ -8,10 +8,10 @@ use std::{
 use pyo3::{prelude::*, types::PyBytes};
 use thetahat::{
     Experiment,
-    export::{ExportError, ExportRequest, Format, IdentifiedModel},
+    experiment::EstimateRequest,
+    export::{ExportError, Format, IdentifiedModel},
     identification::UnknownMethod,
     output::replace_file,
-    preparation::ParameterSelection,
     report::{self, Published, TextWidth},
     results::{Plots, RunPlots},
 };
@@ -26,19 +26,12 @@ type Curves<'py> = Bound<'py, numpy::PyArray2<f64>>;
 #[derive(Debug)]
 pub struct Results {
     results: thetahat::Results,
-    excluded: Vec<String>,
-    fixed: BTreeMap<String, f64>,
     published: Option<PathBuf>,
 }
 
 impl Results {
-    pub fn new(
-        results: thetahat::Results,
-        excluded: Vec<String>,
-        fixed: BTreeMap<String, f64>,
-        published: Option<PathBuf>,
-    ) -> Self {
-        Self { results, excluded, fixed, published }
+    pub fn new(results: thetahat::Results, published: Option<PathBuf>) -> Self {
+        Self { results, published }
     }
 
     fn published(&self) -> Result<Option<Published>, Raised> {
@@ -51,38 +44,34 @@ impl Results {
     /// Results of a `results.json`, without curves, and the robot of their experiment, where they are of one.
     #[staticmethod]
     fn read(path: PathBuf) -> Result<(Self, Option<Robot>), Raised> {
-        let results = thetahat::Results::read(&path)?;
+        let mut results = thetahat::Results::read(&path)?;
         let (text, robot_text) = (&results.experiment_description, &results.robot_description);
         if text.is_empty() {
-            return Ok((Self::new(results, Vec::new(), BTreeMap::new(), None), None));
+            return Ok((Self::new(results, None), None));
         }
         let parameters = Experiment::from_texts(&path, text.clone(), robot_text.clone())?.settings.parameters;
         let robot = Robot::of_experiment(&path, text, robot_text, &results.profiled_terms)?;
-        Ok((Self::new(results, parameters.exclude, parameters.fix, None), Some(robot)))
+        // Files of before these keys have them in their experiment alone.
+        (results.excluded_parameters, results.fixed_parameters) = (parameters.exclude, parameters.fix);
+        Ok((Self::new(results, None), Some(robot)))
     }
 
     /// The results of their JSON and packed curves, which [`Results::__reduce__`] gives.
     #[staticmethod]
-    fn from_state(
-        json: &str,
-        packed_curves: &[u8],
-        excluded: Vec<String>,
-        fixed: BTreeMap<String, f64>,
-        published: Option<PathBuf>,
-    ) -> Result<Self, Raised> {
+    fn from_state(json: &str, packed_curves: &[u8], published: Option<PathBuf>) -> Result<Self, Raised> {
         let mut results = thetahat::Results::from_json(Path::new("a pickled result"), json)?;
         let unpacked: Result<(Plots, Vec<RunPlots>), _> = rmp_serde::from_slice(packed_curves);
         let (plots, runs) =
             unpacked.map_err(|e| Raised::new("ResultsError", format!("a pickled result's curves: {e}")))?;
         results.plots = plots;
         results.runs.iter_mut().zip(runs).for_each(|(run, plots)| run.plots = plots);
-        Ok(Self::new(results, excluded, fixed, published))
+        Ok(Self::new(results, published))
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         let (py, own) = (slf.py(), slf.get());
         let curves = PyBytes::new(py, &own.packed_curves()?);
-        let state = (own.to_json()?, curves, &own.excluded, &own.fixed, &own.published);
+        let state = (own.to_json()?, curves, &own.published);
         Ok((slf.get_type().getattr("from_state")?, state.into_pyobject(py)?.into_any()))
     }
 
@@ -92,12 +81,18 @@ impl Results {
 
     #[getter]
     fn excluded(&self) -> Vec<String> {
-        self.excluded.clone()
+        self.results.excluded_parameters.clone()
     }
 
     #[getter]
     fn fixed(&self) -> BTreeMap<String, f64> {
-        self.fixed.clone()
+        self.results.fixed_parameters.clone()
+    }
+
+    /// The place among the runs of the one whose numbers are taken.
+    fn taken(&self) -> Option<usize> {
+        let taken = self.results.taken()?;
+        self.results.runs.iter().position(|run| std::ptr::eq(run, taken))
     }
 
     /// The tables that the command line prints with `--full`.
@@ -138,12 +133,7 @@ impl Results {
     ) -> PyResult<Vec<String>> {
         let format: Format = format.parse().map_err(|e: String| Raised::new("ResultsError", e))?;
         let method = method.map(str::parse).transpose().map_err(|e: UnknownMethod| Raised::from(e))?;
-        let parameters = ParameterSelection {
-            exclude: self.excluded.clone(),
-            fix: self.fixed.clone(),
-            ..ParameterSelection::default()
-        };
-        let request = ExportRequest { method, force, parameters, ..ExportRequest::default() };
+        let request = EstimateRequest { method, force, ..EstimateRequest::default() };
         py.detach(|| {
             let refused = |e: ExportError| Raised::new("ResultsError", e);
             let model =

@@ -1,5 +1,6 @@
 """Campaigns, reductions and fleets on every engine: the same bytes, whoever is killed."""
 
+import datetime
 import json
 import os
 import pickle
@@ -115,6 +116,51 @@ def test_a_folder_of_another_campaign_is_refused(described, checkout, tmp_path):
         distributed.campaign(tmp_path / "absent.toml", tmp_path / "out")
 
 
+def test_remedies_name_arguments_and_not_flags(described, tmp_path):
+    (tmp_path / "campaign.html").write_text("a page of others")
+    with pytest.raises(th.CampaignError, match="not known to be written by thetahat; take another `out`$"):
+        distributed.campaign(described, tmp_path)
+    with pytest.raises(th.CampaignError, match="expected a folder, found a file; give another folder with `out`$"):
+        distributed.campaign(described, tmp_path / "campaign.html")
+
+
+@pytest.fixture
+def followed(described, tmp_path):
+    """A campaign whose twin follows a file, and a function that writes another motion into it."""
+    path = slow_campaign(described, tmp_path)
+    experiment = tmp_path / "experiments/two_joint.toml"
+    reference = "reference = { file = 'motion.csv', columns = ['a', 'b'], unit = 'rad' }"
+    lines = [reference if line.startswith("points") else line for line in experiment.read_text().splitlines()]
+    experiment.write_text("\n".join(lines))
+
+    def write(amplitude):
+        times = np.arange(0, 4, 0.002)[:, np.newaxis]
+        motion = amplitude * np.sin(times * [1.3, 2.1]) ** 3
+        np.savetxt(experiment.with_name("motion.csv"), motion, delimiter=",", header="a,b", comments="")
+
+    write(1.0)
+    return path, write
+
+
+def test_a_campaign_knows_the_motion_that_its_twin_follows(followed, tmp_path, monkeypatch):
+    """The motion is in none of the campaign's texts: half of it must not be of another one."""
+    path, write = followed
+    # A relative path is that of the driver; workers may be elsewhere.
+    monkeypatch.chdir(tmp_path)
+    distributed.campaign(path.relative_to(tmp_path), tmp_path / "out", seeds=1, starts=1)
+    texts = th._thetahat.campaign_texts(str(path.relative_to(tmp_path)))
+    assert texts[0].is_absolute() and texts[2].is_absolute() and len(texts[5]) == 64
+    first = (tmp_path / "out/runs.parquet").read_bytes()
+    write(0.8)
+    with pytest.raises(th.CampaignError, match=r"the file of \[twin\] reference is not what it was"):
+        distributed.campaign(path, tmp_path / "out", seeds=2, starts=1)
+    with pytest.raises(th.CampaignError, match="not the one that the campaign was begun with"):
+        th._thetahat.Bench(texts, 1)
+    assert (tmp_path / "out/runs.parquet").read_bytes() == first
+    distributed.campaign(path, tmp_path / "other", seeds=1, starts=1)
+    assert (tmp_path / "other/runs.parquet").read_bytes() != first
+
+
 def slow_campaign(described, folder):
     """A campaign of 48 records, whose runs take a few seconds."""
     path = folder / "campaigns" / "slow.toml"
@@ -164,14 +210,16 @@ def test_a_killed_worker_is_replaced_and_its_jobs_done_again(engine, slow, tmp_p
 
     def kill():
         wait_for_parts(tmp_path / "out" / "parts")
-        while not killed:
+        end = time.monotonic() + 60
+        while not killed and time.monotonic() < end:
             killed.extend([pid for pid in worker_pids(engine) if pid not in before][:1])
-        os.kill(killed[0], signal.SIGKILL)
+        for pid in killed:
+            os.kill(pid, signal.SIGKILL)
 
-    killer = threading.Thread(target=kill)
+    killer = threading.Thread(target=kill, daemon=True)
     killer.start()
     distributed.campaign(path, tmp_path / "out", engine=engine, workers=2, records_per_job=1)
-    killer.join()
+    killer.join(timeout=60)
     assert killed
     assert (tmp_path / "out" / "runs.parquet").read_bytes() == rows
 
@@ -232,6 +280,14 @@ def test_a_reduction_has_the_bytes_of_the_command(engine, running, recorded, tmp
     np.testing.assert_array_equal(result["idim-ls"].intervals_95, solved["idim-ls"].intervals_95)
 
 
+def test_a_solved_reduction_has_a_best_run(recorded, tmp_path):
+    """It has no advice: what is taken is that of the card."""
+    result = distributed.reduce(recorded / "0.toml", tmp_path).solve()
+    assert result.advice == [] and result.best.method == "idim-ls"
+    torques = result.predict([0.1, 0.2], [0.3, 0.4], [0.5, 0.6])
+    assert torques.shape == (2,) and np.all(np.isfinite(torques))
+
+
 def test_recordings_of_one_experiment_are_jobs_of_their_own(recorded, tmp_path):
     """Merged, they give what all recordings in one regression give."""
     found = distributed.reduce(recorded / "all.toml", tmp_path, workers=2)
@@ -258,9 +314,16 @@ def test_stretches_of_time_are_nearly_the_whole(recorded, tmp_path):
     whole = distributed.reduce(recorded / "0.toml", tmp_path / "whole")
     assert len(parts.parts) == 3
     a, b = parts.solve()["idim-ls"], whole.solve()["idim-ls"]
-    assert np.max(np.abs(a.estimates - b.estimates) / b.standard_deviations) < 1.0
+    # At four inner ends the decimation's transients change some three rows of either joint, 2 % of 1150: estimates move by the root of
+    # that in standard deviations, 0.14, and by three times as much at the most.
+    assert np.max(np.abs(a.estimates - b.estimates) / b.standard_deviations) < 3 * np.sqrt(24 / 1150)
     with pytest.raises(ValueError, match="stretch_s is 0"):
         distributed.reduce(recorded / "0.toml", tmp_path, stretch_s=0)
+
+
+def test_twins_have_no_stretches(checkout, tmp_path):
+    with pytest.raises(ValueError, match=r"two_joint\.toml: is of a twin, .* leave out stretch_s"):
+        distributed.reduce(checkout / "experiments/two_joint.toml", tmp_path, stretch_s=1.0)
 
 
 def test_what_a_job_refuses_is_raised_as_everywhere(recorded, tmp_path):
@@ -335,7 +398,8 @@ def test_a_fleet_without_drift_has_none(tmp_path):
     assert found.drifting == [] and found.changing == [] and found.differing == []
     truth = th.testing.arm().base_values()
     inside = [p.mean.low < truth[p.name] < p.mean.high for p in found.parameters]
-    assert sum(inside) >= len(inside) - 3
+    # Of 13 intervals of 95 %, four or more miss once in 300 fleets, were they independent.
+    assert len(inside) == 13 and sum(inside) >= 10
     tests = [p.between_robots.p_value for p in found.parameters] + [p.over_time.p_value for p in found.parameters]
     # Of 26 tests at 5 %, six or more are rejected once in a thousand, were they independent.
     assert sum(p < 0.05 for p in tests) < 6
@@ -345,7 +409,7 @@ def test_a_fleet_without_drift_has_none(tmp_path):
 def test_tests_reject_what_is_true_as_often_as_they_say(scatter):
     """Of fleets whose sessions scatter as stated, or three times as much: 5 %, and never more than 7 %."""
     rng = np.random.default_rng(7)
-    rejected, repeats = np.zeros(3), 1500
+    rejected, repeats = np.zeros(4), 1500
     for _ in range(repeats):
         lines = []
         for _ in range(6):
@@ -354,9 +418,13 @@ def test_tests_reject_what_is_true_as_often_as_they_say(scatter):
         dispersion = _statistics.dispersion_of(lines)
         tests = [_statistics.between_robots(lines, dispersion), _statistics.over_time(lines, dispersion)]
         p_values = [*(test.p_value for test in tests), _statistics.slope(lines[0], dispersion).p_value]
-        rejected += np.array(p_values) < 0.05
+        distances = [distance.p_value < 0.05 for distance in _statistics.from_the_median(lines, dispersion)]
+        rejected += [*(p < 0.05 for p in p_values), np.mean(distances)]
+    *tested, from_the_median = rejected / repeats
     # Standard deviation of a share of 5 % among 1500: 0.56 %.
-    assert np.all(rejected / repeats < 0.07) and np.all(rejected / repeats > 0.02), rejected / repeats
+    assert all(0.02 < share < 0.07 for share in tested), tested
+    # Variances are a little too large there: fewer are rejected than 5 %.
+    assert 0.01 < from_the_median < 0.05, from_the_median
 
 
 def test_holm_is_that_of_the_paper():
@@ -381,6 +449,77 @@ def test_reports_of_a_fleet_escape_what_they_show(tmp_path):
         found.report(tmp_path / "absent" / "fleet.md")
 
 
+@pytest.mark.parametrize("same", [True, False])
+def test_robots_whose_parameters_stand_for_other_things_are_not_compared(same):
+    """Two arms whose second links have other lengths: zz1r holds another part of m2."""
+    formulas = ["zz1 + ia1 + 0.16*m2", "zz1 + ia1 + 0.16*m2" if same else "zz1 + ia1 + 0.25*m2"]
+    sessions = [
+        distributed.SessionResult(f"R{k}", 0.0, "good", (), "idim-ls", (distributed.ParameterEstimate("zz1r", 1.0, 0.1, "kg m^2", formula),))
+        for k, formula in enumerate(formulas)
+    ]
+    if same:
+        found = distributed.compare(sessions)
+        assert found.parameters[0].expression == formulas[0] and found.differing == []
+        return
+    message = r"zz1r is zz1 \+ ia1 \+ 0\.16\*m2 \[kg m\^2\] of R0 at first, and zz1 \+ ia1 \+ 0\.25\*m2 .* make a fleet of each kind"
+    with pytest.raises(th.RobotError, match=message):
+        distributed.compare(sessions)
+    left_out = [sessions[0], distributed.SessionResult("R1", 0.0, "do-not-use", (), "idim-ls", sessions[1].parameters)]
+    assert len(distributed.compare(left_out).parameters) == 1
+
+
+def test_formulas_of_sessions_are_compared(tmp_path):
+    """Of an arm with a longer upper arm the formulas are others, though all names are the same."""
+    arm = th.testing.arm()
+    text = arm._native.text()
+    assert "0.4" in text
+    longer = th.Robot.from_text(text.replace("0.4", "0.5"))
+    settings = {"cutoff_hz": 40, "decimation": 10}
+    sessions = [
+        distributed.Session(f"R{k}", model=model, recordings=th.testing.twin(model, seconds=8, seed=k).recording, settings=settings)
+        for k, model in enumerate([arm, longer])
+    ]
+    with pytest.raises(th.RobotError, match="make a fleet of each kind"):
+        distributed.fleet(sessions, tmp_path)
+
+
+@pytest.mark.parametrize("when", [float("nan"), float("inf")])
+def test_sessions_have_times(when):
+    """A time that is no number would take the dispersion and the slopes away, without a word."""
+    with pytest.raises(ValueError, match="session of R1: its time is"):
+        distributed.Session("R1", time=when, experiment="e.toml")
+    with pytest.raises(ValueError, match="session of R1: its time is"):
+        distributed.SessionResult("R1", when, "good", (), "idim-ls", ())
+
+
+def test_a_time_has_a_time_zone():
+    naive = datetime.datetime(2026, 3, 1, 12)
+    with pytest.raises(ValueError, match="has no time zone"):
+        distributed.Session("R1", time=naive, experiment="e.toml")
+    here = distributed.Session("R1", time=naive.replace(tzinfo=datetime.timezone.utc), experiment="e.toml")
+    east = datetime.timezone(datetime.timedelta(hours=6))
+    there = distributed.Session("R1", time=naive.replace(tzinfo=east), experiment="e.toml")
+    assert here.days - there.days == pytest.approx(0.25, abs=1e-9)
+
+
+def log_of(value):
+    return th.Recording(sample_rate_hz=100, position=np.full((10, 2), value))
+
+
+def test_recordings_among_settings_make_another_session():
+    arm = th.testing.arm()
+
+    def digest(**settings):
+        return _fleet._digest(distributed.Session("R1", model=arm, recordings=log_of(0.0), settings=settings))
+
+    assert digest(validation=log_of(1.0)) == digest(validation=log_of(1.0)) != digest(validation=log_of(2.0))
+    assert digest(validation=[log_of(1.0), log_of(2.0)]) != digest(validation=[log_of(2.0), log_of(1.0)])
+    assert digest(controller=th.PD(bandwidth_hz=10)) != digest(controller=th.PD(bandwidth_hz=20))
+    assert digest(parameters={"fix": {"ia1": np.float64(0.1)}}) != digest(parameters={"fix": {"ia1": np.float64(0.2)}})
+    with pytest.raises(TypeError, match="session of R1: its settings: they hold a builtin_function_or_method"):
+        digest(progress=len)
+
+
 def test_a_locked_joint_makes_another_session():
     """Two robots of one description are not the same session where a joint is locked elsewhere."""
     text = th.testing.arm()._native.text()
@@ -403,6 +542,61 @@ def test_a_session_that_is_refused_is_listed_and_left_out(tmp_path):
         distributed.Session("R1")
 
 
+def test_a_recording_that_could_not_be_read_is_tried_again(recorded, tmp_path):
+    """As where one worker's disk was away: what it could not read is no verdict on the session."""
+    session, log = distributed.Session("R1", experiment=recorded / "2.toml"), recorded / "2.csv"
+    away = log.rename(recorded / "away.csv")
+    first = distributed.fleet([session], tmp_path)
+    assert first.sessions[0].verdict == "refused" and "2.csv" in first.sessions[0].reasons[0]
+    away.rename(log)
+    # The name of the session's file follows from the recording, too: it is made as the worker would find it.
+    job = _fleet._job(_store.Store(tmp_path), session, None)
+    unread = next((tmp_path / "sessions").iterdir())
+    unread.rename(tmp_path / job.unread_name)
+    second = distributed.fleet([session], tmp_path)
+    assert second.sessions[0].is_used
+    told = []
+    assert distributed.fleet([session], tmp_path, progress=told.append).to_json() == second.to_json()
+    assert told == ["1 of 1 sessions"]
+
+
+def test_a_method_that_there_is_not_is_refused_before_any_job(tmp_path):
+    with pytest.raises(th.SettingsError, match="idim-vi"):
+        distributed.fleet(sessions_of(robots=1, times=1), tmp_path, method="idim-vi")
+    assert list(tmp_path.iterdir()) == []
+
+
+class Found:
+    """A result with this verdict, which takes this run of those that there are."""
+
+    def __init__(self, verdict, reasons, taken=None, runs=()):
+        self.verdict, self.reasons, self._run, self._runs = verdict, reasons, taken, dict(runs)
+
+    def _taken(self):
+        return self._run
+
+    def __contains__(self, method):
+        return method in self._runs
+
+    def __getitem__(self, method):
+        return self._runs[method]
+
+
+def test_a_session_without_a_method_to_take_keeps_its_verdict(result):
+    kept = _fleet._kept(Found("do-not-use", ["gains are uncertain"]), None)
+    assert (kept["verdict"], kept["reasons"], kept["parameters"]) == (
+        "do-not-use",
+        ["gains are uncertain", "no method has an estimate to take"],
+        [],
+    )
+    diverged = th.Run({"case": "nominal", "method": "idim-iv", "status": "diverged", "reason": "the loop is unstable"}, ())
+    kept = _fleet._kept(Found("good", ["rows are few"], None, {"idim-iv": diverged}), "idim-iv")
+    assert (kept["reasons"], kept["method"]) == (["the loop is unstable", "rows are few"], "idim-iv")
+    kept = _fleet._kept(result, "didim")
+    assert (kept["verdict"], kept["reasons"][0]) == ("good", "didim is not among the methods of the session")
+    assert [p[0] for p in _fleet._kept(result, None)["parameters"]] == result.best.names
+
+
 def test_an_engine_that_is_not_installed_says_how_to_get_it(described, tmp_path, monkeypatch):
     for engine, module in [("dask", "distributed"), ("ray", "ray")]:
         monkeypatch.setitem(sys.modules, module, None)
@@ -412,12 +606,70 @@ def test_an_engine_that_is_not_installed_says_how_to_get_it(described, tmp_path,
         distributed.campaign(described, tmp_path / "x", engine="slurm")
 
 
+def test_another_cluster_than_the_connected_one_is_refused(running, described, tmp_path):
+    """Ray would take the connected one, without a word."""
+    running("ray")
+    with pytest.raises(th.EngineError, match=r"Ray already runs in this process, at .*, and not at 192\.0\.2\.1:6379: leave out"):
+        distributed.campaign(described, tmp_path, engine="ray", address="192.0.2.1:6379")
+
+
 def test_engines_are_imported_only_when_they_are_asked_for():
     modules = ["thetahat.distributed", "dask", "distributed", "ray", "pyarrow"]
     code = f"import sys, thetahat; print([m for m in {modules} if m in sys.modules], thetahat.distributed.Session.__name__)"
     assert subprocess.check_output([sys.executable, "-c", code], text=True).strip() == "[] Session"
     with pytest.raises(AttributeError, match="has no attribute 'distribute'"):
         th.distribute  # noqa: B018
+
+
+class Growing:
+    """An engine whose workers come while it works; jobs are done in order, one at a time."""
+
+    def __init__(self):
+        self.slots, self.most, self.pending = 1, 0, []
+
+    def submit(self, function, job):
+        self.pending.append(job)
+        self.most = max(self.most, len(self.pending))
+        return job
+
+    def finished(self):
+        self.slots = 32
+        return [self.pending.pop(0)]
+
+    def value(self, handle):
+        return handle
+
+
+def test_workers_that_join_later_get_jobs():
+    pool = Growing()
+    assert len(list(_engines.Driver(pool).each(None, range(500)))) == 500
+    assert pool.most == 4 * 32
+
+
+def test_workers_are_counted_now_and_then(monkeypatch):
+    counts, clock = iter([1, 8]), [0.0]
+    monkeypatch.setattr(_engines.time, "monotonic", lambda: clock[0])
+    slots = _engines._Slots(lambda: next(counts))
+    assert [slots(), slots()] == [1, 1]
+    clock[0] = 2.0
+    assert [slots(), slots()] == [8, 8]
+
+
+@pytest.mark.parametrize(("engine", "address"), [("dask", "tcp://127.0.0.1:1"), ("dask", "nowhere"), ("ray", "127.0.0.1:1")])
+def test_an_engine_that_does_not_answer_is_named_with_a_remedy(engine, address, described, tmp_path, monkeypatch):
+    module_of(engine)
+    if engine == "dask":
+        import dask
+
+        dask.config.set({"distributed.comm.timeouts.connect": "1s"})
+    else:
+        import ray
+
+        # A cluster that is not there is looked for during a minute; what is tested is what becomes of Ray's error.
+        monkeypatch.setattr(ray, "is_initialized", lambda: False)
+        monkeypatch.setattr(ray, "init", lambda **_: (_ for _ in ()).throw(ConnectionError("no answer")))
+    with pytest.raises(th.EngineError, match=rf"answers at {address} .*: begin it, or leave out `address`"):
+        distributed.campaign(described, tmp_path, engine=engine, address=address)
 
 
 def test_jobs_are_taken_as_workers_get_free():
@@ -433,6 +685,17 @@ def test_jobs_are_taken_as_workers_get_free():
         next(values)
         assert len(taken) < 20
         assert sorted([0, *(value for _, value in values)])[-1] == 99 * 99
+
+
+@pytest.mark.parametrize("name", ["fleet.json", "fleet.html", "merged.reduction"])
+def test_files_of_others_are_not_replaced(name, recorded, tmp_path):
+    (tmp_path / name).write_text("mine")
+    with pytest.raises(th.ReportError, match=rf"{name}: is there already and not known to be written by thetahat; take another `out`"):
+        if name == "merged.reduction":
+            distributed.reduce(recorded / "0.toml", tmp_path)
+        else:
+            distributed.fleet([distributed.Session("R1", experiment=recorded / "0.toml")], tmp_path)
+    assert (tmp_path / name).read_text() == "mine" and len(list(tmp_path.iterdir())) == 1
 
 
 def test_files_are_whole_or_not_there(tmp_path):

@@ -102,7 +102,7 @@ def test_the_robot_is_exported(result, tmp_path):
     assert "fullinertia" in (tmp_path / "arm.xml").read_text()
     with pytest.raises(th.errors.ResultsError, match="urdf, mjcf, sdf, json"):
         result.export(tmp_path / "arm.dae")
-    with pytest.raises(th.errors.ResultsError, match="those it holds: idim-ls, idim-iv"):
+    with pytest.raises(th.errors.ResultsError, match="there are nominal idim-ls, nominal idim-iv"):
         result.export(tmp_path / "arm.urdf", method="didim")
 
 

@@ -5,8 +5,8 @@ use std::{
 
 use serde::Serialize;
 use thetahat::{
-    experiment::{Experiment, propose},
-    export::{ExportRequest, Format, IdentifiedModel},
+    experiment::{EstimateRequest, Experiment, propose},
+    export::{Format, IdentifiedModel},
     recording::{Contents, inspect_with_time},
     report::{self, Published},
     results::Results,
@@ -156,7 +156,7 @@ impl Session {
     pub fn export(&self, results: &str, format: &str, force: bool) -> Outcome<String> {
         let path = Path::new("results.json");
         let results = Results::from_json(path, results)?;
-        let request = ExportRequest { force, ..ExportRequest::default() };
+        let request = EstimateRequest { force, ..EstimateRequest::default() };
         let model = IdentifiedModel::of_results(path, &results, &request)?;
         let format: Format = format.parse()?;
         Ok(serde_json::to_string(&Exported::of(&model, format)?)?)

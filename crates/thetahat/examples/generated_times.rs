@@ -34,7 +34,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut program = "#include <stdio.h>\n#include <time.h>\n".to_owned();
     let mut body = String::new();
     for model in MODELS {
-        let request = Request { model, parameters: ParameterSet::Base, values: None, drives: DriveTorques::All };
+        let request = Request {
+            model,
+            parameters: ParameterSet::Base,
+            values: None,
+            drives: DriveTorques::All,
+            about: Vec::new(),
+        };
         let function = Function::new(&robot, &request)?;
         let name = format!("tx40_{}", model.identifier());
         std::fs::write(folder.join(format!("{name}.h")), Language::C.code(&function, Some("tx40"))?)?;

@@ -73,6 +73,8 @@ pub mod output;
 
 mod one_or_each;
 
+mod digest;
+
 pub mod robot;
 
 pub mod dynamics;
@@ -122,6 +124,8 @@ pub mod experiment;
 pub mod campaign;
 
 pub mod reduction;
+
+pub mod collision;
 
 pub mod design;
 pub mod export;

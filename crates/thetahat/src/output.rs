@@ -145,6 +145,18 @@ impl OutputGuard {
     }
 }
 
+/// Takes away a file of this program; one of others stays. Returns whether there was one.
+///
+/// # Errors
+/// What the system says.
+pub fn remove_own(path: &Path) -> io::Result<bool> {
+    let is_there = path.is_file() && is_own(path)?;
+    if is_there {
+        fs::remove_file(path)?;
+    }
+    Ok(is_there)
+}
+
 /// Whether this program wrote a file.
 fn is_own(path: &Path) -> io::Result<bool> {
     let mut head = Vec::new();

@@ -209,6 +209,37 @@ fn a_folder_is_that_of_one_campaign() {
     );
 }
 
+/// The small campaign, whose twin follows `motion.csv` of a folder.
+fn following(folder: &Folder) -> Campaign {
+    let small = small();
+    let text = &small.experiment.text;
+    let points = text.lines().find(|line| line.starts_with("points")).unwrap();
+    let reference = "reference = { file = 'motion.csv', columns = ['a', 'b'], unit = 'rad' }";
+    let experiment = text.replace(points, reference);
+    let experiment =
+        Experiment::from_texts(&folder.at("followed.toml"), experiment, small.experiment.robot_text).unwrap();
+    Campaign::from_text(Path::new("campaign.toml"), small.text, experiment).unwrap()
+}
+
+/// All three texts are the same, and the motion is in none of them.
+#[test]
+fn a_folder_is_that_of_one_followed_motion() {
+    let folder = Folder::new();
+    let motion = |end: f64| format!("a,b\n0,0\n{end},0.1\n");
+    folder.write("motion.csv", motion(0.2));
+    let (campaign, out) = (following(&folder), folder.at("out"));
+    Store::open(&out, &campaign).unwrap();
+    Store::open(&out, &campaign).unwrap();
+    folder.write("motion.csv", motion(0.3));
+    let error = Store::open(&out, &following(&folder)).unwrap_err();
+    let expected =
+        "holds runs of another campaign: the file of [twin] reference is not what it was when they were made";
+    assert!(error.to_string().contains(expected), "{error}");
+    fs::remove_file(folder.at("motion.csv")).unwrap();
+    let error = Store::open(&out, &campaign).unwrap_err();
+    assert!(error.to_string().contains("motion.csv: "), "{error}");
+}
+
 #[test]
 fn the_campaigns_of_the_project_can_be_read() {
     let birdy = Campaign::read(&project("campaigns/birdy.toml")).unwrap();

@@ -208,6 +208,9 @@ fn recordings_at_hand_are_known_before() {
     // Twice the information in each of 13 directions is 13 log 2 = 9 nats; another motion adds more to what is known.
     let gain = alone.starts[0].found - both.starts[0].found;
     assert!((8.0..20.0).contains(&gain), "{gain}");
+    // The motion of the design tells as much as the last one does once more, or more.
+    let repeated = both.repeated.unwrap();
+    assert!(both.starts[0].found < repeated + 1.0, "{} {repeated}", both.starts[0].found);
     let other = Design::parse(&text.replace("[signal]", "[parameters]\nexclude = ['off1']\n[signal]"), &design.path);
     assert!(matches!(other.unwrap().run(1, &mut |_| {}), Err(DesignError::OtherRobot { .. })));
     // The same names with another length between the axes.
@@ -273,4 +276,138 @@ fn what_cannot_be_identified_is_refused() {
     let folder = Folder::with("two_joint.toml", format!("{robot}\n{term}"));
     let error = Design::parse(DESIGN, &folder.path().join("design.toml")).unwrap_err();
     assert!(matches!(&error, DesignError::Value { key, .. } if key == "[[term]]"), "{error}");
+}
+
+/// A planar arm that moves from posture to posture.
+fn moves(jerk: &str) -> String {
+    DESIGN.replace("harmonics = 3", "kind = 'moves'\nmoves = 6").replace("[noise]", &format!("{jerk}\n[noise]"))
+}
+
+#[test]
+fn moves_hold_their_limits_and_end_where_they_start() {
+    for jerk in ["", "jerk = 60000"] {
+        let design = parse(&moves(jerk)).unwrap();
+        let results = design.run(2, &mut |_| {}).unwrap();
+        assert!(results.limits.iter().all(|l| l.part <= 1.0), "{:?}", results.limits);
+        assert!(results.limits.iter().any(|l| l.part > 0.9), "{:?}", results.limits);
+        let moves = results.moves.as_ref().unwrap();
+        assert_eq!((moves.moves().len(), &moves.moves()[5].end[..]), (6, moves.start()));
+        assert!(moves.end_s() <= 4.0 + 1e-9);
+        let last = results.q.len() - 1;
+        assert!(results.q.sample(0).iter().zip(results.q.sample(last)).all(|(a, b)| (a - b).abs() < 1e-12));
+        assert!(results.starts.iter().all(|s| s.found < s.first - 1.0), "{:?}", results.starts);
+        assert_eq!(design.run(1, &mut |_| {}).unwrap().q, results.q);
+    }
+}
+
+#[test]
+fn moves_are_written_for_controllers() {
+    let (design, folder) = (parse(&moves("")).unwrap(), Folder::new());
+    let results = design.run(2, &mut |_| {}).unwrap();
+    let files = thetahat::report::write_design(&results, folder.path()).unwrap();
+    assert_eq!(files.len(), thetahat::report::DESIGN_FILES.len() + thetahat::report::MOVE_FILES.len());
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    for (file, start) in [
+        ("moves.src", "  PTP {A1 "),
+        ("moves.mod", "    MoveAbsJ [["),
+        ("moves.script", "  movej(["),
+        ("moves.val3", "  movej(j"),
+    ] {
+        assert_eq!(read(file).lines().filter(|line| line.starts_with(start)).count(), 7, "{file}");
+    }
+    // The first target in degrees and in rad, and speeds of the leading axis that are within the limits.
+    let (first, moves) = (&results.moves.as_ref().unwrap().moves()[0], results.moves.as_ref().unwrap());
+    let degrees = first.end[0].to_degrees();
+    assert!(read("moves.src").contains(&format!("PTP {{A1 {degrees:.4}, A2 ")));
+    assert!(read("moves.script").contains(&format!("movej([{:.6}, {:.6}], a=", first.end[0], first.end[1])));
+    let seconds = first.law.t1_s + first.law.t2_s + first.law.t3_s;
+    assert!(read("moves.mod").contains(&format!("\\T:={seconds:.4}, fine")));
+    let json: serde_json::Value = serde_json::from_str(&read("moves.json")).unwrap();
+    assert_eq!(json["moves"].as_array().unwrap().len(), moves.moves().len());
+    let json: serde_json::Value = serde_json::from_str(&read("trajectory.json")).unwrap();
+    assert_eq!(json["points"].as_array().unwrap().len(), results.q.len());
+}
+
+#[test]
+fn keys_of_the_other_kind_of_motion_are_refused() {
+    assert_eq!(key("harmonics = 3", "harmonics = 3\nmoves = 4"), "[motion] moves");
+    assert_eq!(key("harmonics = 3", "kind = 'moves'\nharmonics = 3"), "[motion] harmonics");
+    assert_eq!(key("harmonics = 3", "kind = 'moves'\nmoves = 1"), "[motion] moves");
+    assert_eq!(key("harmonics = 3", "kind = 'moves'\nsmoothing_s = 0"), "[motion] smoothing_s");
+    assert_eq!(key("harmonics = 3", "kind = 'moves'\nrest_s = 1"), "duration_s");
+}
+
+/// Capsules of the arm, whose joints are 0.4 m apart or so, and a wall beside it.
+const COLLISION: &str = "[collision]\nmargin = 20\ncapsules = [{ link = 'shoulder', from = [0, 0, 0], to = [300, 0, 0], radius = 40 },\n\
+    { link = 'elbow', from = [0, 0, 0], to = [300, 0, 0], radius = 30 }]\n\
+    obstacles = [{ kind = 'plane', name = 'wall', point = [250, 0, 0], normal = [-1, 0, 0] }]\n";
+
+fn with_collision(from: &str, to: &str) -> String {
+    assert!(COLLISION.contains(from), "{from}");
+    DESIGN.replace("[noise]", &format!("{}\n[noise]", COLLISION.replace(from, to)))
+}
+
+/// No sample at 1 kHz is nearer to the wall than the margin, by another way than the design's: points of the segments that
+/// are tried.
+#[test]
+fn shapes_stay_apart() {
+    let design = parse(&with_collision("[250, 0, 0]", "[420, 0, 0]")).unwrap();
+    let results = design.run(2, &mut |_| {}).unwrap();
+    let collision = results.collision.as_ref().unwrap();
+    assert!(collision.pairs.iter().all(|pair| pair.distance >= 0.02), "{collision:?}");
+    assert!(collision.pairs[0].distance < 0.03, "{collision:?}");
+    assert!(!collision.has_way && collision.uncovered.is_empty());
+    assert_eq!(design.run(1, &mut |_| {}).unwrap().q, results.q);
+}
+
+#[test]
+fn shapes_that_cannot_be_used_are_named() {
+    let key = |from: &str, to: &str| match parse(&with_collision(from, to)).map_err(|e| *e) {
+        Err(DesignError::Value { key, .. }) => key,
+        Err(error) => panic!("{error}"),
+        Ok(_) => panic!("{to} is taken"),
+    };
+    assert_eq!(key("margin = 20", "margin = -1"), "[collision] margin");
+    assert_eq!(key("margin = 20", "margin = 20\nhome = [0]"), "[collision] home");
+    assert_eq!(key("margin = 20", "margin = 20\nignore = [['shoulder', 'floor']]"), "[collision] ignore");
+    assert_eq!(key("link = 'elbow'", "link = 'hand'"), "[collision] capsules, the 2. link");
+    assert_eq!(key("radius = 30", "radius = 0"), "[collision] capsules, the 2. radius");
+    assert_eq!(key("normal = [-1, 0, 0]", "normal = [0, 0, 0]"), "[collision] obstacles, the 1. normal");
+    let error = parse(&with_collision("kind = 'plane'", "kind = 'ball'")).unwrap_err();
+    assert!(error.to_string().contains("ball"), "{error}");
+}
+
+/// A home behind the wall: the way from it is looked at too.
+#[test]
+fn the_way_from_home_is_covered() {
+    let text = with_collision("[250, 0, 0]", "[420, 0, 0]");
+    let design = parse(&text.replace("margin = 20", "margin = 20\nhome = [0, 0]")).unwrap();
+    let error = design.run(2, &mut |_| {}).unwrap_err();
+    assert!(
+        matches!(&error, DesignError::TooNear { second, when, .. } if second == "wall" && when.contains("home")),
+        "{error}"
+    );
+}
+
+/// Results of an identification stand beside what is promised, and those of nothing like it are refused.
+#[test]
+fn results_at_hand_are_compared_with() {
+    let folder = Folder::new();
+    let (_, alone, experiment) = rehearsal(&folder, &with_controller());
+    assert!(alone.compared.is_none() && alone.repeated.is_none());
+    let results = experiment.run(Path::new(""), &mut |_| {}).unwrap();
+    folder.write("results.json", results.to_json().unwrap());
+    let text = with_controller().replace("[motion]", "compare = 'results.json'\n[motion]");
+    let design = Design::parse(&text, &folder.path().join("design.toml")).unwrap();
+    let both = design.run(2, &mut |_| {}).unwrap();
+    // The record is of the same motion and noise: its intervals are those that were promised, but for their own scatter.
+    let times: Vec<f64> = both.promised.iter().filter_map(|p| p.times_smaller()).collect();
+    assert_eq!(times.len(), both.promised.len());
+    let mean = (times.iter().map(|t| t.ln()).sum::<f64>() / times.len() as f64).exp();
+    assert!((0.8..1.25).contains(&mean), "{mean}");
+    let text = thetahat::report::design_text(&both, thetahat::report::TextWidth::DEFAULT);
+    assert!(text.contains("times as narrow"), "{text}");
+    let other = with_controller().replace("[motion]", "compare = 'nowhere.json'\n[motion]");
+    let error = Design::parse(&other, &design.path).unwrap().run(1, &mut |_| {}).unwrap_err();
+    assert!(matches!(&error, DesignError::Results(_)) && error.to_string().contains("nowhere.json"), "{error}");
 }

@@ -3,11 +3,13 @@
 use std::{ops::Range, path::Path, sync::OnceLock};
 
 use thetahat::{
-    Experiment, Method, Results,
+    Experiment, Identification, Method, Recording, Results, Settings,
     consistency::completed_a_priori,
-    export::{Export, ExportError, ExportRequest, Format, IdentifiedModel, Provenance, export_robot},
-    results::{NOMINAL, Verdict},
-    robot::{Locks, Robot, RobotSource},
+    experiment::{EstimateRequest, ExperimentError, IdentifiedRobot},
+    export::{Export, ExportError, Format, IdentifiedModel, Provenance, export_robot},
+    results::{NOMINAL, NoEstimate, ProfiledTerm, Status, Verdict},
+    robot::{Locks, Robot, RobotError, RobotSource, TermDescription},
+    run::with_constants,
 };
 use thetahat_testing::{Folder, data, project, shared};
 
@@ -178,6 +180,23 @@ fn what_a_format_cannot_say_is_listed_with_its_values() {
     assert!(of(Format::Json).unsaid.is_empty());
 }
 
+/// The experiment of the two-joint twin with LS alone, and with further tables.
+fn two_joint_experiment(tables: &str, robot: &str) -> Experiment {
+    let text = std::fs::read_to_string(project("experiments/two_joint.toml")).unwrap();
+    let nominal = text.split("[[case]]").next().unwrap();
+    let text = format!("{nominal}[estimation]\nmethods = [\"idim-ls\"]\n{tables}");
+    Experiment::from_texts(Path::new("two_joint.toml"), text, robot.to_owned()).unwrap()
+}
+
+fn two_joint_robot() -> String {
+    std::fs::read_to_string(project("robots/two_joint.toml")).unwrap()
+}
+
+/// Its results with other parameters.
+fn two_joint_with(tables: &str) -> Results {
+    two_joint_experiment(tables, &two_joint_robot()).run(Path::new(""), &mut |_| {}).unwrap()
+}
+
 /// The nominal estimate of the two-joint twin by LS.
 fn two_joint() -> &'static Results {
     static RESULTS: OnceLock<Results> = OnceLock::new();
@@ -189,22 +208,43 @@ fn two_joint() -> &'static Results {
     })
 }
 
-fn model(results: &Results, request: &ExportRequest) -> Result<IdentifiedModel, ExportError> {
+fn forced() -> EstimateRequest {
+    EstimateRequest { force: true, ..EstimateRequest::default() }
+}
+
+/// The value of a standard parameter.
+fn value(model: &IdentifiedModel, name: &str) -> f64 {
+    model.standard[model.identified.robot.parameter_table().index_of(name).unwrap()]
+}
+
+fn provenance(model: &IdentifiedModel, name: &str) -> Provenance {
+    model.provenance()[model.identified.robot.parameter_table().index_of(name).unwrap()]
+}
+
+/// Why an experiment's results are not taken.
+fn refusal(found: Result<IdentifiedModel, ExportError>) -> ExperimentError {
+    match found {
+        Err(ExportError::Experiment(error)) => *error,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn model(results: &Results, request: &EstimateRequest) -> Result<IdentifiedModel, ExportError> {
     IdentifiedModel::of_results(Path::new("results.json"), results, request)
 }
 
 #[test]
 fn the_exported_parameters_have_the_estimates() {
     let results = two_joint();
-    let model = model(results, &ExportRequest::default()).unwrap();
+    let model = model(results, &EstimateRequest::default()).unwrap();
     assert!(model.moved.is_empty(), "{:?}", model.moved);
-    assert!(model.robot.parameter_table().check_physical(&model.standard).is_ok());
+    assert!(model.identified.robot.parameter_table().check_physical(&model.standard).is_ok());
     model.export(Format::Urdf).unwrap().check().unwrap();
-    let of = |name: &str| model.provenance[model.robot.parameter_table().index_of(name).unwrap()];
+    let of = |name: &str| model.provenance()[model.identified.robot.parameter_table().index_of(name).unwrap()];
     assert_eq!([of("fv1"), of("m2"), of("m1")], [Provenance::Identified, Provenance::InSums, Provenance::APriori]);
     let run = results.run(NOMINAL, Method::IDIM_LS).unwrap();
     let fv1 = run.parameter("fv1").unwrap().estimate;
-    let found = model.standard[model.robot.parameter_table().index_of("fv1").unwrap()];
+    let found = model.standard[model.identified.robot.parameter_table().index_of("fv1").unwrap()];
     assert!((found - fv1).abs() < 1e-9, "{found} {fv1}");
 }
 
@@ -230,7 +270,7 @@ fn results_say_how_estimates_vary_together() {
 fn samples_have_the_covariance_of_the_estimates() {
     const COUNT: u32 = 2000;
     let results = two_joint();
-    let model = model(results, &ExportRequest::default()).unwrap();
+    let model = model(results, &EstimateRequest::default()).unwrap();
     let run = results.run(NOMINAL, Method::IDIM_LS).unwrap();
     let samples: Vec<_> = (1..=COUNT).map(|number| model.sample(number, 7).unwrap()).collect();
     let base: Vec<Vec<f64>> = samples.iter().map(|sample| model.base_parameters_of(sample)).collect();
@@ -250,7 +290,7 @@ fn samples_have_the_covariance_of_the_estimates() {
         }
     }
     for sample in samples.iter().take(50) {
-        assert!(model.robot.parameter_table().check_physical(&sample.standard).is_ok());
+        assert!(model.identified.robot.parameter_table().check_physical(&sample.standard).is_ok());
     }
     // A sample is its number and seed, whatever the others.
     assert_eq!(model.sample(5, 7).unwrap(), samples[4]);
@@ -261,7 +301,7 @@ fn samples_have_the_covariance_of_the_estimates() {
 
 #[test]
 fn the_sidecar_has_the_covariance_of_base_and_standard_parameters() {
-    let model = model(two_joint(), &ExportRequest::default()).unwrap();
+    let model = model(two_joint(), &EstimateRequest::default()).unwrap();
     let sidecar: serde_json::Value = serde_json::from_str(&model.covariance_json().unwrap()).unwrap();
     let standard = sidecar["standard_parameters"].as_array().unwrap();
     let deviation =
@@ -292,11 +332,10 @@ fn estimates_that_no_robot_has_are_moved_within_their_intervals_or_refused() {
     experiment.settings.cases.clear();
     experiment.settings.estimation.methods = vec![Method::IDIM_LS];
     let mut results = experiment.run(Path::new(""), &mut |_| {}).unwrap();
-    let found = model(&results, &ExportRequest { force: true, ..ExportRequest::default() }).unwrap();
+    let found = model(&results, &forced()).unwrap();
     let run = results.run(NOMINAL, Method::IDIM_LS).unwrap().clone();
-    if !run.physical.as_ref().unwrap().consistent {
-        assert!(!found.moved.is_empty());
-    }
+    assert!(!run.physical.as_ref().unwrap().consistent, "the seed of the demonstration is fixed");
+    assert!(!found.moved.is_empty());
     for moved in &found.moved {
         let [low, high] = run.parameter(&moved.name).unwrap().interval_95.unwrap();
         assert!((low..=high).contains(&moved.exported), "{moved:?} {low} {high}");
@@ -309,7 +348,7 @@ fn estimates_that_no_robot_has_are_moved_within_their_intervals_or_refused() {
         parameter.estimate = -parameter.estimate;
         parameter.interval_95 = parameter.interval_95.map(|[low, high]| [-high, -low]);
     }
-    let refused = model(&results, &ExportRequest { force: true, ..ExportRequest::default() }).unwrap_err();
+    let refused = model(&results, &forced()).unwrap_err();
     let ExportError::NotConsistent { conflicting, .. } = &refused else { panic!("{refused}") };
     assert!(conflicting.iter().any(|c| c.contains("fv3")), "{conflicting:?}");
 }
@@ -318,37 +357,254 @@ fn estimates_that_no_robot_has_are_moved_within_their_intervals_or_refused() {
 fn results_that_are_not_to_be_used_are_refused() {
     let mut results = two_joint().clone();
     results.verdict = Some(Verdict::DoNotUse);
-    assert!(matches!(model(&results, &ExportRequest::default()), Err(ExportError::NotTrusted { .. })));
-    assert!(model(&results, &ExportRequest { force: true, ..ExportRequest::default() }).is_ok());
+    assert!(matches!(refusal(model(&results, &EstimateRequest::default())), ExperimentError::NotTrusted { .. }));
+    assert!(model(&results, &forced()).is_ok());
 }
 
 #[test]
 fn a_method_without_an_estimate_is_refused() {
-    let request = ExportRequest { method: Some(Method::DIDIM), ..ExportRequest::default() };
-    let refused = model(two_joint(), &request).unwrap_err();
-    assert!(matches!(&refused, ExportError::NoEstimate { found, .. } if found == &["idim-ls"]), "{refused}");
+    let request = EstimateRequest { method: Some(Method::DIDIM), ..EstimateRequest::default() };
+    let refused = refusal(model(two_joint(), &request));
+    let ExperimentError::NoEstimate { source: NoEstimate::Absent { runs, .. }, .. } = &refused else {
+        panic!("{refused}")
+    };
+    assert_eq!(runs, &["nominal idim-ls"]);
+    let no_advice = |results: &Results| {
+        let refused = refusal(model(results, &EstimateRequest::default()));
+        matches!(refused, ExperimentError::NoEstimate { source: NoEstimate::NotAdvised { .. }, .. })
+    };
     let mut none = two_joint().clone();
     none.runs.iter_mut().for_each(|run| run.parameters.clear());
-    assert!(matches!(model(&none, &ExportRequest::default()), Err(ExportError::NoEstimate { .. })));
+    assert!(matches!(refusal(model(&none, &EstimateRequest::default())), ExperimentError::NoEstimate { .. }));
+    // Where the advice takes none, somebody must choose.
+    let mut not_advised = two_joint().clone();
+    not_advised.advice.iter_mut().for_each(|advice| advice.take = None);
+    assert!(no_advice(&not_advised));
+    let chosen = EstimateRequest { method: Some(Method::IDIM_LS), ..EstimateRequest::default() };
+    assert!(model(&not_advised, &chosen).is_ok());
     let mut without_robot = two_joint().clone();
     without_robot.robot_description.clear();
-    assert!(matches!(model(&without_robot, &ExportRequest::default()), Err(ExportError::NoRobot { .. })));
+    assert!(matches!(refusal(model(&without_robot, &EstimateRequest::default())), ExperimentError::NoRobot { .. }));
 }
 
 #[test]
 fn a_description_that_changed_or_is_of_another_robot_is_refused() {
     let text = std::fs::read_to_string(project("robots/two_joint.toml")).unwrap();
     let folder = Folder::with("two_joint.toml", &text);
-    let request = || ExportRequest { data: Some(folder.path().to_owned()), ..ExportRequest::default() };
+    let request = || EstimateRequest { data: Some(folder.path().to_owned()), ..EstimateRequest::default() };
     assert!(model(two_joint(), &request()).is_ok());
     folder.write("two_joint.toml", text.replace("a_m = 0.4", "a_m = 0.41"));
-    assert!(matches!(model(two_joint(), &request()), Err(ExportError::RobotChanged { .. })));
-    let another = ExportRequest { robot: Some(project("robots/tx40.toml")), ..ExportRequest::default() };
-    assert!(matches!(model(two_joint(), &another), Err(ExportError::AnotherRobot { .. })));
+    assert!(matches!(refusal(model(two_joint(), &request())), ExperimentError::RobotChanged { .. }));
+    let another = EstimateRequest { robot: Some(project("robots/tx40.toml")), ..EstimateRequest::default() };
+    assert!(matches!(refusal(model(two_joint(), &another)), ExperimentError::AnotherRobot { .. }));
     // Results of before the hashes are compared by the text.
     let mut old = two_joint().clone();
     old.robot_files.clear();
-    assert!(matches!(model(&old, &request()), Err(ExportError::RobotChanged { .. })));
+    assert!(matches!(refusal(model(&old, &request())), ExperimentError::RobotChanged { .. }));
     folder.write("two_joint.toml", &text);
     assert!(model(&old, &request()).is_ok());
+}
+
+/// What the identified model has at zero is zero in the export, where some robot has it there.
+#[test]
+fn base_parameters_that_were_not_estimated_are_zero_or_named() {
+    let names: Vec<&str> = two_joint().runs[0].parameters.iter().map(|p| p.name.as_str()).collect();
+    let without = |left_out: &str| {
+        assert!(names.contains(&left_out), "{names:?}");
+        let kept: Vec<&str> = names.iter().copied().filter(|name| *name != left_out).collect();
+        let results = two_joint_with(&format!("[parameters]\nestimate = {kept:?}\n"));
+        model(&results, &forced()).unwrap()
+    };
+    let found = without("mx2");
+    assert!(found.moved.is_empty(), "{:?}", found.moved);
+    assert!(value(&found, "mx2").abs() < 1e-12, "{}", value(&found, "mx2"));
+    assert_eq!(provenance(&found, "mx2"), Provenance::Zero);
+    assert!(value(&found, "m2") > 0.0 && provenance(&found, "fv1") == Provenance::Identified);
+    let sample = found.sample(1, 1).unwrap();
+    assert!(sample.standard[found.identified.robot.parameter_table().index_of("mx2").unwrap()].abs() < 1e-12);
+    // No link has no inertia: it is free, and named.
+    let found = without("zz2");
+    assert!(found.moved.iter().any(|m| m.name == "zz2" && m.estimate == 0.0 && m.exported > 0.0), "{:?}", found.moved);
+    let estimated = |m: &&thetahat::export::MovedParameter| m.name != "zz2";
+    assert_eq!(found.moved.iter().filter(estimated).count(), 0, "{:?}", found.moved);
+}
+
+/// Results whose consistent estimate was not found.
+fn without_consistent_estimate(mut results: Results) -> Results {
+    results.runs.iter_mut().filter_map(|run| run.physical.as_mut()).for_each(|physical| physical.estimate = None);
+    results
+}
+
+#[test]
+fn what_is_known_holds_in_exports_samples_and_their_covariance() {
+    let free = two_joint().runs[0].parameter("fv1").unwrap();
+    let given = free.estimate + 0.3 * free.half_width().unwrap();
+    // A friction that a data sheet gives, and a link that is symmetric.
+    let with = two_joint_with(&format!(
+        "[parameters]\nphysical = true\n[[parameters.known]]\nkind = \"parameter\"\nname = \"fv1\"\nvalue = {given}\n\
+         [[parameters.known]]\nkind = \"mirror-plane\"\nlink = 2\nnormal = \"y\"\n"
+    ));
+    for results in [with.clone(), without_consistent_estimate(with)] {
+        let found = model(&results, &forced()).unwrap();
+        assert_eq!(value(&found, "fv1"), given);
+        assert_eq!(provenance(&found, "fv1"), Provenance::Given);
+        assert!(value(&found, "my2").abs() < 1e-12);
+        for number in 1..=5 {
+            let sample = found.sample(number, 3).unwrap();
+            let table = found.identified.robot.parameter_table();
+            assert_eq!(sample.standard[table.index_of("fv1").unwrap()], given);
+            assert!(sample.standard[table.index_of("my2").unwrap()].abs() < 1e-12);
+        }
+        let sidecar: serde_json::Value = serde_json::from_str(&found.covariance_json().unwrap()).unwrap();
+        let deviation = |key: &str, name: &str| {
+            let all = sidecar[key].as_array().unwrap();
+            all.iter().find(|p| p["name"] == name).unwrap()["standard_deviation"].as_f64().unwrap()
+        };
+        for key in ["base_parameters", "standard_parameters"] {
+            assert!(deviation(key, "fv1") < 1e-9 && deviation(key, "my2") < 1e-9, "{key}");
+            // Knowing others makes no estimate less sure.
+            let free = two_joint().runs[0].parameter("fv2").unwrap().standard_deviation_robust.unwrap();
+            assert!(deviation(key, "fv2") > 0.5 * free && deviation(key, "fv2") < 1.001 * free, "{key}");
+        }
+    }
+}
+
+#[test]
+fn what_is_known_against_the_data_is_refused() {
+    let known = "[[parameters.known]]\nkind = \"parameter\"\nname = \"fv1\"\nvalue = 20\n";
+    let results = two_joint_with(&format!("[parameters]\nphysical = true\n{known}"));
+    assert_eq!(value(&model(&results, &forced()).unwrap(), "fv1"), 20.0, "the results have a consistent estimate");
+    let refused = model(&without_consistent_estimate(results), &forced()).unwrap_err();
+    let ExportError::NotConsistent { conflicting, .. } = &refused else { panic!("{refused}") };
+    assert!(conflicting.iter().any(|c| c.contains("fv1")), "{conflicting:?}");
+}
+
+/// Results of arrays with a parameter that is given and one that is left out; they come back from their JSON.
+#[test]
+fn results_of_arrays_know_what_was_fixed_and_excluded() {
+    let experiment = two_joint_experiment("", &two_joint_robot());
+    let record = experiment.record_twin().unwrap();
+    let recording = Recording::new(record.sample_rate_hz, record.position, record.torque);
+    let mut settings = Settings::new(40.0, 10);
+    settings.parameters.fix.insert("fv1".to_owned(), 2.0);
+    settings.parameters.exclude = vec!["off1".to_owned()];
+    let mut results = Identification::new(&experiment.robot, vec![recording], settings).unwrap().run().unwrap();
+    results.robot_description = two_joint_robot();
+    let back = Results::from_json(Path::new("results.json"), &results.to_json().unwrap()).unwrap();
+    let found = model(&back, &forced()).unwrap();
+    assert_eq!((value(&found, "fv1"), value(&found, "off1")), (2.0, 0.0));
+    assert_eq!([provenance(&found, "fv1"), provenance(&found, "off1")], [Provenance::Given, Provenance::Zero]);
+    let about = found.about().join("\n");
+    assert!(about.contains("given by the experiment: fv1\n"), "{about}");
+    assert!(about.contains("not in the identified model, zero: off1\n"), "{about}");
+    let fv1 = found.identified.robot.parameter_table().index_of("fv1").unwrap();
+    assert_eq!(found.identified.theta()[fv1], 2.0);
+}
+
+#[test]
+fn results_of_before_the_verdict_are_judged() {
+    let mut results = two_joint().clone();
+    results.verdict = None;
+    results.verdict_reasons.clear();
+    let found = model(&results, &EstimateRequest::default()).unwrap();
+    assert_eq!(Some(found.identified.verdict), two_joint().verdict);
+    results.runs[0].status = Status::Stalled;
+    let refused = refusal(model(&results, &EstimateRequest::default()));
+    assert!(matches!(&refused, ExperimentError::NotTrusted { reasons, .. } if !reasons.is_empty()), "{refused}");
+    let about = model(&results, &forced()).unwrap().about();
+    assert!(about[0].ends_with("verdict: do-not-use; status: stalled"), "{about:?}");
+}
+
+#[test]
+fn a_sample_says_its_verdict_and_where_its_parameters_come_from() {
+    let found = model(two_joint(), &EstimateRequest::default()).unwrap();
+    let text = found.export_sample(&found.sample(1, 1).unwrap(), Format::Mjcf).unwrap().text;
+    for words in ["verdict: ", "identified by themselves: ", "not identified, from the a-priori values: "] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+}
+
+#[test]
+fn results_without_deviations_or_with_a_singular_covariance_say_so() {
+    let mut singular = two_joint().clone();
+    singular.runs[0].covariance.iter_mut().for_each(|c| *c = 0.0);
+    let sampled = model(&singular, &EstimateRequest::default()).unwrap().sample(1, 1);
+    assert!(matches!(sampled, Err(ExportError::SingularCovariance { .. })), "{sampled:?}");
+    let mut uncorrelated = two_joint().clone();
+    uncorrelated.runs[0].covariance.clear();
+    let sidecar = model(&uncorrelated, &EstimateRequest::default()).unwrap().covariance_json().unwrap();
+    assert!(sidecar.contains("no correlations"), "{sidecar}");
+    let mut without = uncorrelated;
+    for parameter in &mut without.runs[0].parameters {
+        (parameter.standard_deviation, parameter.standard_deviation_robust, parameter.interval_95) = (None, None, None);
+    }
+    let sidecar = model(&without, &EstimateRequest::default()).unwrap().covariance_json();
+    assert!(matches!(sidecar, Err(ExportError::NoDeviations { .. })), "{sidecar:?}");
+}
+
+const STRIBECK: &str = "\n[[term]]\nkind = \"exponential-stribeck\"\nvelocity = 0.05\nprofile = true\n\
+                        [[term]]\nkind = \"load-friction\"\n";
+
+/// The JSON model has the constants that were found, and the masses that load friction is of.
+#[test]
+fn the_json_model_has_all_that_its_terms_need() {
+    let robot = Robot::parse(&(two_joint_robot() + STRIBECK), Path::new("two_joint.toml")).unwrap();
+    let constants = |joint: &str, velocity: f64, exponent: f64| ProfiledTerm {
+        term: 0,
+        joint: joint.to_owned(),
+        velocity,
+        exponent,
+        at_limit: false,
+    };
+    let found = with_constants(&robot, &[constants("shoulder", 0.00875, 4.0), constants("elbow", 2.42, 0.5)]);
+    let export = export_robot(&found, None, &found.a_priori_parameters(), Format::Json, &[]).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&export.text).unwrap();
+    let terms: Vec<TermDescription> = serde_json::from_value(json["terms"].clone()).unwrap();
+    assert_eq!(robot.with_terms(&terms).unwrap().terms, found.terms);
+    assert_eq!(json["terms"][0]["velocity"], 0.00875);
+    assert!(terms.iter().all(|term| !term.is_profiled()), "{terms:?}");
+    assert_eq!(json["parameters"]["m2"]["a_priori"], 2.0);
+}
+
+#[test]
+fn a_file_with_other_joints_is_found() {
+    let source = RobotSource::read(&project("robots/two_joint.toml")).unwrap();
+    let mut export = urdf_of(&source, &source.robot().unwrap());
+    export.text = export.text.replace("\"elbow\"", "\"wrist\"");
+    assert!(matches!(export.check(), Err(ExportError::OtherJoints { .. })));
+    for name in [" elbow", "elbow\\u0007"] {
+        let text = two_joint_robot().replace("\"elbow\"", &format!("\"{name}\""));
+        let refused = Robot::parse(&text, Path::new("two_joint.toml")).unwrap_err();
+        assert!(matches!(refused, RobotError::Joint { .. }), "{refused}");
+    }
+}
+
+#[test]
+fn each_joint_has_the_reduction_of_its_own_motor() {
+    let text = two_joint_robot().replace("[[50, 0], [0, 50]]", "[[0, 50], [40, 0]]");
+    let robot = Robot::parse(&text, Path::new("two_joint.toml")).unwrap();
+    let export = export_robot(&robot, None, &robot.a_priori_parameters(), Format::Urdf, &[]).unwrap();
+    let back = Robot::parse(&export.text, Path::new("two_joint.urdf")).unwrap();
+    assert_eq!(back.transmission.ratios(), Some(vec![40.0, 50.0]));
+    // Other formats list them.
+    let sdf = export_robot(&robot, None, &robot.a_priori_parameters(), Format::Sdf, &[]).unwrap();
+    assert!(sdf.unsaid.iter().any(|line| line.contains("[0 50; 40 0]")), "{:?}", sdf.unsaid);
+}
+
+#[test]
+fn locked_joints_with_followers_are_locked_again() {
+    let source = RobotSource::read(&project("robots/mobile_manipulator.urdf")).unwrap();
+    let whole = source.robot_without_transmission().unwrap();
+    let leader = whole.joints.iter().find_map(|j| j.mimic).map(|m| whole.joints[m.of].name.clone()).unwrap();
+    let locks = Locks { locked: [(leader, 0.02)].into(), until: Vec::new() };
+    let robot = whole.with_locks(&locks).unwrap();
+    assert!(robot.locked.len() > 1, "{:?}", robot.locked);
+    assert_eq!(Locks::restating(&robot.locked, &whole.joints), locks);
+}
+
+#[test]
+fn the_files_that_were_read_are_known() {
+    let request = EstimateRequest { data: Some(project("robots")), ..EstimateRequest::default() };
+    let found = IdentifiedRobot::of_results(Path::new("results.json"), two_joint(), &request).unwrap();
+    assert_eq!(found.files, [Path::new("results.json").to_owned(), project("robots/two_joint.toml")]);
 }

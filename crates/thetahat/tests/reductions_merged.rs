@@ -113,7 +113,7 @@ fn merged_in_any_order_they_are_the_identification_of_all() {
     }
 }
 
-/// Recordings reduced by themselves merge to the reduction of all, byte by byte, and stretches of their time to nearly that.
+/// Recordings reduced by themselves merge to what the reduction of all solves to, and stretches of their time to nearly that.
 #[test]
 fn parts_of_an_experiment_merge_to_the_whole() {
     let (folder, recordings) = three();

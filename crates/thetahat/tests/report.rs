@@ -228,6 +228,8 @@ fn results() -> Results {
             joint("elbow", JointKind::Prismatic, ["m", "N"]),
         ],
         robot_locked: Vec::new(),
+        excluded_parameters: Vec::new(),
+        fixed_parameters: BTreeMap::new(),
         samples_used: 300,
         decimated_rows: 6,
         recordings: vec![RecordingResult {

@@ -45,6 +45,7 @@ def identify(
     cases: Sequence[_Table] = (),
     payloads: Sequence[_Table] = (),
     title: str | None = None,
+    threads: int | None = None,
     progress: bool | Progress = False,
 ) -> Result:
     """Identify the dynamic parameters of a robot.
@@ -70,6 +71,8 @@ def identify(
         The ``[[case]]`` and ``[[payload]]`` tables of an experiment file.
     title : str, optional
         A line that says what it is; without it the robot's name.
+    threads : int, optional
+        Threads on which loops are simulated; without it one for each processor. The results do not depend on their number.
     progress : bool or callable
         True shows what is being done, by tqdm where it is installed; a callable is told each stage.
 
@@ -85,6 +88,8 @@ def identify(
     RecordingError
         For time stamps that cannot be used.
     """
+    if threads is not None and threads < 1:
+        raise ValueError(f"threads is {threads}; at least one is needed")
     names = [methods] if isinstance(methods, str) else list(methods)
     table = {"methods": names, **(estimation or {})}
     settings: dict[str, Any] = {
@@ -106,7 +111,7 @@ def identify(
         settings["signal"].update(cutoff_hz=chosen.cutoff_hz, decimation=chosen.decimation)
     with telling(progress) as tell:
         native = _thetahat.identify(
-            robot._native, all_recordings, _list(validation), settings, title or robot.name, tell
+            robot._native, (all_recordings, _list(validation)), settings, title or robot.name, threads, tell
         )
     return Result(native, robot)
 

@@ -240,17 +240,17 @@ class Result:
 
     @property
     def best(self) -> Run:
-        """The nominal run that the advice takes.
+        """The nominal run that the advice takes; of reductions, which have no advice, that of IDIM-IV or else IDIM-LS.
 
         Raises
         ------
         ResultsError
             Where no method has an estimate.
         """
-        take = next((advice.take for advice in self.advice if advice.case == _NOMINAL), None)
-        if take is None:
+        taken = self._taken()
+        if taken is None:
             raise ResultsError("no method has an estimate to take; see `reasons` and `advice`")
-        return self[take]
+        return taken
 
     def to_dict(self) -> dict[str, Any]:
         """The content of ``results.json``."""
@@ -412,6 +412,10 @@ class Result:
         advice = "".join(f"<p><b>{escape(advice.case)}</b>: {escape(advice.text)}</p>" for advice in self.advice)
         nominal = [run for run in self.runs if run.case == _NOMINAL]
         return head + (f"<ul>{reasons}</ul>" if reasons else "") + advice + _table(nominal)
+
+    def _taken(self) -> Run | None:
+        number = self._native.taken()
+        return None if number is None else self._run(number)
 
     def _run(self, number: int) -> Run:
         time, measured = self._curves

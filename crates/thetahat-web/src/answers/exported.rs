@@ -19,7 +19,7 @@ impl Exported {
     pub(crate) fn of(model: &IdentifiedModel, format: Format) -> Outcome<Self> {
         let export = model.export(format)?;
         Ok(Self {
-            covariance: model.covariance_json_if_known()?,
+            covariance: model.covariance_json_or_reason()?.ok(),
             text: model.in_words(&export, None),
             file: export.text,
         })

@@ -64,14 +64,14 @@ pub enum CampaignError {
     },
     /// The folder holds the results of another campaign.
     #[error(
-        "{}: holds runs of another campaign: {changed} is another text than when they were made; take another folder, or \
+        "{}: holds runs of another campaign: {changed} is not what it was when they were made; take another folder, or \
          delete this one",
         folder.display()
     )]
     OtherCampaign {
         /// The folder.
         folder: PathBuf,
-        /// What changed: the campaign, the experiment, the robot or the version of the program.
+        /// What changed: the campaign, the experiment, the robot, what the twin follows, or the version of the program.
         changed: String,
     },
     /// The folder holds files, and none says that they are of a campaign.

@@ -49,17 +49,30 @@ impl Campaign {
         store: Option<&Store>,
         progress: &mut dyn FnMut(Progress),
     ) -> Result<CampaignRuns, CampaignError> {
-        let bench = Bench::new(self, limits)?;
-        let mut records = store.map(|s| s.finished(self, &bench.facts)).transpose()?.unwrap_or_default();
-        let missing: Vec<Key> = self.keys(limits).into_iter().filter(|k| !records.contains_key(k)).collect();
+        self.run_on(&Bench::new(self, limits)?, limits, threads, store, progress)
+    }
+
+    /// The same on a bench that was made for these limits.
+    ///
+    /// # Errors
+    /// As [`Campaign::run`].
+    pub fn run_on(
+        &self,
+        bench: &Bench,
+        limits: Subset,
+        threads: usize,
+        store: Option<&Store>,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<CampaignRuns, CampaignError> {
+        let (mut records, missing) = self.done_and_missing(bench, limits, store)?;
         let before = records.len();
         let tell = |done| Progress { before, done, to_do: missing.len() };
         progress(tell(0));
-        let found = run_all(&bench, &missing, threads, store, &mut |done| progress(tell(done)))?;
+        let found = run_all(bench, &missing, threads, store, &mut |done| progress(tell(done)))?;
         records.extend(found);
         let rows: Vec<Row> = records.into_values().flatten().collect();
         let files = store.map(|s| s.finish(&rows, &bench.facts)).transpose()?.unwrap_or_default();
-        Ok(CampaignRuns { facts: bench.facts, rows, files })
+        Ok(CampaignRuns { facts: bench.facts.clone(), rows, files })
     }
 
     /// The records within the limits that a store does not have, in the order of the rows.
@@ -67,8 +80,18 @@ impl Campaign {
     /// # Errors
     /// [`CampaignError`] for a store that cannot be read.
     pub fn missing(&self, bench: &Bench, limits: Subset, store: &Store) -> Result<Vec<Key>, CampaignError> {
-        let records = store.finished(self, &bench.facts)?;
-        Ok(self.keys(limits).into_iter().filter(|key| !records.contains_key(key)).collect())
+        Ok(self.done_and_missing(bench, limits, Some(store))?.1)
+    }
+
+    fn done_and_missing(
+        &self,
+        bench: &Bench,
+        limits: Subset,
+        store: Option<&Store>,
+    ) -> Result<(Records, Vec<Key>), CampaignError> {
+        let records = store.map(|s| s.finished(self, &bench.facts)).transpose()?.unwrap_or_default();
+        let missing = self.keys(limits).into_iter().filter(|key| !records.contains_key(key)).collect();
+        Ok((records, missing))
     }
 
     /// Every record within the limits, in the order of the rows.

@@ -35,16 +35,20 @@ struct Manifest {
     campaign: String,
     experiment: String,
     robot: String,
+    /// SHA-256 of the file that the twin follows, where it follows one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    reference_sha256: Option<String>,
 }
 
 impl Manifest {
-    fn of(campaign: &Campaign) -> Self {
-        Self {
+    fn of(campaign: &Campaign) -> Result<Self, CampaignError> {
+        Ok(Self {
             thetahat: env!("CARGO_PKG_VERSION").to_owned(),
             campaign: campaign.text.clone(),
             experiment: campaign.experiment.text.clone(),
             robot: campaign.experiment.robot_text.clone(),
-        }
+            reference_sha256: campaign.experiment.reference_sha256()?,
+        })
     }
 
     /// What differs from another one.
@@ -54,6 +58,7 @@ impl Manifest {
             ("the campaign file", self.campaign == other.campaign),
             ("the experiment file", self.experiment == other.experiment),
             ("the robot description", self.robot == other.robot),
+            ("the file of [twin] reference", self.reference_sha256 == other.reference_sha256),
         ]
         .into_iter()
         .find_map(|(what, same)| (!same).then_some(what))
@@ -68,7 +73,7 @@ impl Store {
     pub fn open(folder: &Path, campaign: &Campaign) -> Result<Self, CampaignError> {
         let store = Self { folder: folder.to_owned() };
         let parts = store.parts();
-        let (path, manifest) = (folder.join(MANIFEST), Manifest::of(campaign));
+        let (path, manifest) = (folder.join(MANIFEST), Manifest::of(campaign)?);
         if !files::exists(&path) {
             require_empty(folder)?;
             fs::create_dir_all(folder).map_err(|e| refuse(folder, &e))?;

@@ -14,9 +14,20 @@ use crate::{
 const FLAT: f64 = 1e-9;
 /// Part of its usual size below which a motor inertia without a-priori value is at zero, and stays there.
 const AT_ZERO: f64 = 1e-6;
+/// Part of a base parameter, in usual sizes, below which what can still move of it is rounding.
+const BOUND: f64 = 1e-9;
 
-/// `d theta / d theta_b`, standard by base parameters: of all small changes `d theta` with `K d theta = d theta_b`, the one with the
-/// least `d theta^T H d theta`, H the second derivatives of `sum_l D(P_l | P_l0)` at `standard`.
+/// How standard parameters follow base parameters, as far as what is known lets these move.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dependence {
+    /// How the base parameters move with those that can move freely, base by free: the identity where nothing known binds one.
+    pub base: Matrix,
+    /// How the standard parameters move with them, standard by free.
+    pub standard: Matrix,
+}
+
+/// Of all small changes `d theta` with `K d theta = d theta_b`, the one with the least `d theta^T H d theta`, H the second derivatives of
+/// `sum_l D(P_l | P_l0)` at `standard`.
 ///
 /// What is known of the set holds. `standard` must have definite pseudo-inertia matrices.
 ///
@@ -27,14 +38,19 @@ pub fn dependence_on_base(
     set: &ConsistentSet,
     base: &BaseParameters,
     standard: &[f64],
-) -> Result<Matrix, ConsistencyError> {
+) -> Result<Dependence, ConsistencyError> {
     let count = set.parameter_table().len();
     let elimination = set.elimination()?;
     let n = elimination.matrix(&Matrix::identity(count));
-    let k = elimination.matrix(&combinations(base, count));
+    let scale = unknown_scales(set, &elimination);
+    let combinations = combinations(base, count);
+    let sizes = row_sizes(&combinations.scale_columns(set.scale()));
+    // Relative to what each base parameter usually is.
+    let all = elimination.matrix(&combinations);
+    let (free, base_by_free) = free_of(&all.scale_columns(&scale).scale_rows(&reciprocals(&sizes)), &sizes);
+    let k = all.transpose().select_columns(&free).transpose();
     let h = n.transposed_times(&curvature(set, standard).times_matrix(&n));
     let (unknowns, bases) = (n.columns(), k.rows());
-    let scale = unknown_scales(set, &elimination);
     // In usual sizes: the entries of H are reciprocal squares of masses and of moments.
     let entry = |i: usize, j: usize| match (i < unknowns, j < unknowns) {
         (true, true) => h.at(i, j) * scale[i] * scale[j],
@@ -48,7 +64,38 @@ pub fn dependence_on_base(
     if !(0..bases).all(|j| solved.column(j).iter().all(|v| v.is_finite())) {
         return Err(ConsistencyError::NotFinite);
     }
-    Ok(n.times_matrix(&Matrix::from_fn(unknowns, bases, |i, j| scale[i] * solved.at(i, j))))
+    let standard = n.times_matrix(&Matrix::from_fn(unknowns, bases, |i, j| scale[i] * solved.at(i, j)));
+    Ok(Dependence { base: base_by_free, standard })
+}
+
+/// The rows of a matrix that are independent, and all rows of what has the given sizes times it by these.
+fn free_of(rows: &Matrix, sizes: &[f64]) -> (Vec<usize>, Matrix) {
+    let columns = rows.transpose();
+    let qr = PivotedQr::new(&columns);
+    let rank = qr.rank(BOUND);
+    if rank == rows.rows() {
+        return ((0..rank).collect(), Matrix::identity(rank));
+    }
+    let mut free = qr.pivots()[..rank].to_vec();
+    free.sort_unstable();
+    if free.is_empty() {
+        return (free, Matrix::zeros(rows.rows(), 0));
+    }
+    let by_free = PivotedQr::new(&columns.select_columns(&free)).solve_matrix(&columns);
+    let entry = |i: usize, j: usize| {
+        let own = free.iter().position(|f| *f == i);
+        own.map_or_else(|| sizes[i] * by_free.at(j, i) / sizes[free[j]], |own| if own == j { 1.0 } else { 0.0 })
+    };
+    let base_by_free = Matrix::from_fn(rows.rows(), rank, entry);
+    (free, base_by_free)
+}
+
+fn row_sizes(matrix: &Matrix) -> Vec<f64> {
+    (0..matrix.rows()).map(|i| (0..matrix.columns()).map(|j| matrix.at(i, j).powi(2)).sum::<f64>().sqrt()).collect()
+}
+
+fn reciprocals(sizes: &[f64]) -> Vec<f64> {
+    sizes.iter().map(|size| 1.0 / size).collect()
 }
 
 /// K: `theta_b = K theta`.
@@ -135,7 +182,7 @@ mod tests {
             fit(&kept, &nothing, Prior::LogDet { weight: 1.0 }, None).unwrap().standard
         };
         let at = nearest(&centre);
-        let g = dependence_on_base(&set, &base, &at).unwrap();
+        let g = dependence_on_base(&set, &base, &at).unwrap().standard;
         // Base parameters follow exactly.
         let identity = combinations(&base, count).times_matrix(&g);
         for i in 0..base.len() {

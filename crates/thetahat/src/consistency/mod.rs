@@ -39,7 +39,7 @@ mod symmetric;
 mod tests;
 
 pub use bounds::{bounds_of, interval_in};
-pub use dependence::dependence_on_base;
+pub use dependence::{Dependence, dependence_on_base};
 pub use error::ConsistencyError;
 pub use examination::{Examination, HEAVIEST, examine, examine_within};
 pub use fit::{ConsistentFit, LeastSquares, Prior, fit, require_interior};

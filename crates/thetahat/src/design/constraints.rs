@@ -1,17 +1,18 @@
 use std::collections::BTreeSet;
 
 use super::{
-    family::{Derivatives, Family, Sampled},
     limits::{JointLimits, Limited},
+    motions::Motions,
     quadratic::Row,
+    sums::Derivatives,
 };
 
-/// The limits of positions and their derivatives along a motion: linear in the unknowns.
+/// The limits of positions and their derivatives along a motion.
 #[derive(Debug, Clone)]
 pub(super) struct Constraints {
     limits: Vec<JointLimits>,
-    /// Where they are looked at.
-    pub(super) sampled: Sampled,
+    /// What is limited here: positions of moves are within their range where their ends are.
+    limited: Vec<Limited>,
 }
 
 /// A limit at one instant: `side * value <= side * limit`.
@@ -29,13 +30,19 @@ const NEAR: f64 = 0.15;
 const TOLERANCE: f64 = 1e-6;
 
 impl Constraints {
-    pub(super) fn new(limits: Vec<JointLimits>, sampled: Sampled) -> Self {
-        Self { limits, sampled }
+    pub(super) fn new(limits: Vec<JointLimits>, motions: &Motions) -> Self {
+        let has_rows = |limited: &Limited| motions.is_linear() || *limited != Limited::Position;
+        Self { limits, limited: Limited::ALL.into_iter().filter(has_rows).collect() }
+    }
+
+    /// Makes every limit smaller by a part.
+    pub(super) fn tighten(&mut self, part: f64) {
+        self.limits = self.limits.iter().map(|limits| limits.less(part)).collect();
     }
 
     /// Extremes of every signal that are nearer to a limit than `slack`, in parts of half the range.
     fn extremes(&self, motion: &Derivatives, slack: f64, mut take: impl FnMut(Place)) {
-        for limited in Limited::ALL {
+        for &limited in &self.limited {
             let Some(order) = limited.order() else { continue };
             for (joint, limits) in self.limits.iter().enumerate() {
                 let Some([lower, upper]) = limits.range(limited) else { continue };
@@ -74,7 +81,7 @@ impl Constraints {
     /// The largest use of a limit: one where a motion touches it.
     pub(super) fn use_of(&self, motion: &Derivatives) -> f64 {
         let mut largest = 0.0_f64;
-        for limited in Limited::ALL {
+        for &limited in &self.limited {
             let Some(order) = limited.order() else { continue };
             for (joint, limits) in self.limits.iter().enumerate() {
                 let Some([lower, upper]) = limits.range(limited) else { continue };
@@ -87,23 +94,27 @@ impl Constraints {
     }
 
     /// The rows of a step from a motion at these places, over half the range of each.
-    pub(super) fn rows(&self, family: &Family, motion: &Derivatives, places: &BTreeSet<Place>) -> Vec<Row> {
-        places.iter().map(|place| self.row(family, motion, place)).collect()
+    pub(super) fn rows(
+        &self,
+        motions: &Motions,
+        x: &[f64],
+        motion: &Derivatives,
+        places: &BTreeSet<Place>,
+    ) -> Vec<Row> {
+        places.iter().map(|place| self.row(motions, x, motion, place)).collect()
     }
 
-    fn row(&self, family: &Family, motion: &Derivatives, place: &Place) -> Row {
+    /// A row that holds for the step where motions are linear, and is linearised where they are not.
+    fn row(&self, motions: &Motions, x: &[f64], motion: &Derivatives, place: &Place) -> Row {
         let Place { joint, order, instant, is_upper } = *place;
         let limited = Limited::ALL[order];
         let [lower, upper] = self.limits[joint].range(limited).unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
         let (side, limit) = if is_upper { (1.0, upper) } else { (-1.0, lower) };
         let per = side / (0.5 * (upper - lower));
-        let functions = &self.sampled.orders[order];
-        let size = family.unknowns_of_joint();
-        Row {
-            start: joint * size,
-            entries: (0..size).map(|m| per * functions.at(instant, m) * family.unit(joint, m)).collect(),
-            bound: (per * (limit - motion[order].sample(instant)[joint])).max(0.0),
-            soft: false,
-        }
+        let bound = per * (limit - motion[order].sample(instant)[joint]);
+        let (start, slopes) = motions.signal(x, instant, joint, order);
+        let soft = !motions.is_linear();
+        let bound = if soft { bound } else { bound.max(0.0) };
+        Row { start, entries: slopes.into_iter().map(|slope| per * slope).collect(), bound, soft }
     }
 }

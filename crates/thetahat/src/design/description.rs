@@ -5,11 +5,14 @@ use std::{
 
 use serde::Deserialize;
 
-use super::{criterion::CriterionName, error::DesignError};
+use super::{
+    error::DesignError,
+    options::{LimitOptions, MotionOptions, NoiseOptions, Wanted},
+    surroundings_options::CollisionOptions,
+};
 use crate::{
     control::ControllerDescription,
     files,
-    one_or_each::OneOrEach,
     preparation::{EstimationOptions, ParameterSelection, Settings, SignalOptions, SimulationOptions},
     robot::{Locks, Robot, RobotSource},
 };
@@ -41,6 +44,8 @@ pub struct DesignFile {
     pub limits: LimitOptions,
     /// The noise of the record.
     pub noise: NoiseOptions,
+    /// The robot's shape and what stands around it.
+    pub collision: Option<CollisionOptions>,
     /// How the record will be filtered.
     pub signal: SignalOptions,
     /// Which parameters will be estimated.
@@ -57,89 +62,12 @@ pub struct DesignFile {
     /// Reductions of recordings at hand: what they tell need not be told again.
     #[serde(default)]
     pub prior: Vec<PathBuf>,
+    /// Results of an identification, whose intervals stand beside those that are promised.
+    pub compare: Option<PathBuf>,
 }
 
 fn default_rate() -> f64 {
     1000.0
-}
-
-/// What a design is to make small.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Wanted {
-    /// The criterion.
-    pub criterion: CriterionName,
-    /// The base parameters of the criterion `chosen`.
-    pub parameters: Vec<String>,
-    /// Half of an interval that is wanted, percent of the parameter: the table says how long to record for it.
-    pub half_width_percent: f64,
-}
-
-impl Default for Wanted {
-    fn default() -> Self {
-        Self { criterion: CriterionName::default(), parameters: Vec::new(), half_width_percent: 10.0 }
-    }
-}
-
-/// The motions among which one is chosen, and the search.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct MotionOptions {
-    /// Harmonics of the Fourier series.
-    pub harmonics: usize,
-    /// Posture in which the motion starts and ends; none leaves it to the design.
-    pub start: Option<Vec<f64>>,
-    /// Searches from random motions.
-    pub starts: usize,
-    /// Seed of the random motions.
-    pub seed: u64,
-}
-
-impl Default for MotionOptions {
-    fn default() -> Self {
-        Self { harmonics: 5, start: None, starts: 6, seed: 1 }
-    }
-}
-
-/// Limits of the joints, one for all or one for each: degrees or mm, N m or N, W.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct LimitOptions {
-    /// Smallest and largest position of each joint.
-    pub position: Option<Vec<[f64; 2]>>,
-    /// Largest velocity.
-    pub velocity: Option<OneOrEach<f64>>,
-    /// Largest acceleration.
-    pub acceleration: Option<OneOrEach<f64>>,
-    /// Largest jerk.
-    pub jerk: Option<OneOrEach<f64>>,
-    /// Largest torque, friction included.
-    pub torque: Option<OneOrEach<f64>>,
-    /// Largest power.
-    pub power: Option<OneOrEach<f64>>,
-    /// Part of every range that the motion leaves unused.
-    pub margin: f64,
-}
-
-impl Default for LimitOptions {
-    fn default() -> Self {
-        Self { position: None, velocity: None, acceleration: None, jerk: None, torque: None, power: None, margin: 0.02 }
-    }
-}
-
-/// The noise of a record, per sample.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct NoiseOptions {
-    /// Standard deviation of the white noise on each joint's torque, N m or N.
-    pub torque: OneOrEach<f64>,
-    /// Standard deviation of the white noise on each joint's position, degrees or mm.
-    #[serde(default = "no_noise")]
-    pub position: OneOrEach<f64>,
-}
-
-fn no_noise() -> OneOrEach<f64> {
-    OneOrEach::One(0.0)
 }
 
 /// A design file with its robot.
@@ -193,12 +121,20 @@ impl Design {
     /// Every file that the design reads.
     #[must_use]
     pub fn input_files(&self) -> Vec<PathBuf> {
-        [self.path.clone(), self.robot_path.clone()].into_iter().chain(self.prior_files()).collect()
+        [self.path.clone(), self.robot_path.clone()]
+            .into_iter()
+            .chain(self.prior_files())
+            .chain(self.compared_file())
+            .collect()
     }
 
     pub(super) fn prior_files(&self) -> Vec<PathBuf> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         self.file.prior.iter().map(|prior| folder.join(prior)).collect()
+    }
+
+    pub(super) fn compared_file(&self) -> Option<PathBuf> {
+        self.file.compare.as_ref().map(|file| self.path.parent().unwrap_or(Path::new("")).join(file))
     }
 
     pub(super) fn value(&self, key: &str, expected: &str, found: impl std::fmt::Display) -> DesignError {

@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use crate::{
     base_parameters::BaseParametersError, identification::EstimationError, preparation::PreparationError,
-    reduction::ReductionError, robot::RobotError, simulation::SimulationError,
+    reduction::ReductionError, results::ResultsError, robot::RobotError, simulation::SimulationError,
 };
 
 /// Why no motion is designed.
@@ -121,6 +121,26 @@ pub enum DesignError {
         /// What to do.
         remedy: &'static str,
     },
+    /// Shapes come too near to one another.
+    #[error(
+        "{}: [collision] {first} and {second} are {distance_mm:.1} mm apart {when}, margin {margin_mm} mm; choose another [motion] \
+         start or home, give smaller capsules, or name the pair in [collision] ignore where they may touch",
+        path.display()
+    )]
+    TooNear {
+        /// The design file.
+        path: PathBuf,
+        /// A link.
+        first: String,
+        /// Another, or an obstacle.
+        second: String,
+        /// Their distance, mm.
+        distance_mm: f64,
+        /// The least distance, mm.
+        margin_mm: f64,
+        /// When.
+        when: String,
+    },
     /// The closed loop cannot follow the motion.
     #[error("{}: [controller] the simulated loop does not follow the motion: {source}", path.display())]
     Loop {
@@ -147,6 +167,21 @@ pub enum DesignError {
         /// The design file.
         path: PathBuf,
     },
+    /// Results have no estimates, or of no parameter that is promised.
+    #[error(
+        "{}: compare: {} has no estimate of a parameter that is promised; give the results.json of the same robot",
+        path.display(),
+        file.display()
+    )]
+    NothingToCompare {
+        /// The design file.
+        path: PathBuf,
+        /// The results.
+        file: PathBuf,
+    },
+    /// Results cannot be read.
+    #[error(transparent)]
+    Results(#[from] ResultsError),
     /// The robot's description cannot be used.
     #[error(transparent)]
     Robot(#[from] RobotError),

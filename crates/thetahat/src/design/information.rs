@@ -1,6 +1,6 @@
 use crate::{
     dynamics::{Model, Sign},
-    linear_algebra::Matrix,
+    linear_algebra::{Matrix, dot},
     regressor::Regressor,
     series::Series,
 };
@@ -16,6 +16,17 @@ pub struct Information {
     weights: Vec<f64>,
     /// M_0: what is known before.
     prior: Option<Matrix>,
+}
+
+/// The criterion of a motion.
+#[derive(Debug, Clone)]
+pub struct Judgement {
+    /// The criterion, nats.
+    pub value: f64,
+    /// Its derivatives by q, dq and ddq.
+    pub by_motion: [Series; 3],
+    /// Its derivatives by the share of each sample.
+    pub by_share: Vec<f64>,
 }
 
 impl Information {
@@ -36,13 +47,19 @@ impl Information {
         Self { prior, ..self }
     }
 
-    /// The rows of `Phi` over a motion, each over its standard deviation: one column for each row.
-    fn rows(&self, motion: [&Series; 3], sign: Sign) -> Matrix {
+    /// M_0: what is known before.
+    #[must_use]
+    pub fn prior(&self) -> Option<&Matrix> {
+        self.prior.as_ref()
+    }
+
+    /// The rows of `Phi` over a motion, each over its standard deviation and times the root of its share: one column for each row.
+    fn rows(&self, motion: [&Series; 3], shares: &[f64], sign: Sign) -> Matrix {
         let (joints, columns) = (self.model.coordinate_count(), self.regressor.columns());
         let mut values = vec![0.0; motion[0].len() * joints * columns];
         self.regressor.evaluate_rows(&self.model, motion, 0..motion[0].len(), sign, &mut values);
         for (row, values) in values.chunks_exact_mut(columns).enumerate() {
-            let weight = self.weights[row % joints];
+            let weight = self.weights[row % joints] * shares[row / joints].sqrt();
             values.iter_mut().for_each(|v| *v *= weight);
         }
         Matrix::from_columns(columns, values)
@@ -51,35 +68,41 @@ impl Information {
     /// M of a motion whose every sample stands for `share` of them.
     #[must_use]
     pub fn of(&self, motion: [&Series; 3], share: f64, sign: Sign) -> Matrix {
-        self.sum(&self.rows(motion, sign), share)
+        self.of_shares(motion, &vec![share; motion[0].len()], sign)
     }
 
-    fn sum(&self, rows: &Matrix, share: f64) -> Matrix {
+    /// M of a motion each of whose samples stands for as many as its share says.
+    #[must_use]
+    pub fn of_shares(&self, motion: [&Series; 3], shares: &[f64], sign: Sign) -> Matrix {
+        self.sum(&self.rows(motion, shares, sign))
+    }
+
+    fn sum(&self, rows: &Matrix) -> Matrix {
         let own = rows.times_transposed(rows);
         match &self.prior {
-            Some(prior) => prior.plus(&own, share),
-            None => Matrix::from_fn(own.rows(), own.rows(), |i, j| share * own.at(i, j)),
+            Some(prior) => prior.plus(&own, 1.0),
+            None => own,
         }
     }
 
-    /// The criterion of a motion with its derivatives by q, dq and ddq; none where the motion does not show every parameter.
+    /// The criterion of a motion with its derivatives by q, dq and ddq and by the shares; none where the motion does not show
+    /// every parameter.
     #[must_use]
-    pub fn judge(
-        &self,
-        criterion: &Criterion,
-        motion: [&Series; 3],
-        share: f64,
-        sign: Sign,
-    ) -> Option<(f64, [Series; 3])> {
-        let rows = self.rows(motion, sign);
-        let judged = criterion.judge(&self.sum(&rows, share))?;
-        // dJ = <dJ/dM, dM> = 2 s sum_k <dJ/dM Phi_k^T W, dPhi_k^T>.
-        let mut weights = judged.slope.times_matrix(&rows).into_values();
+    pub fn judge(&self, criterion: &Criterion, motion: [&Series; 3], shares: &[f64], sign: Sign) -> Option<Judgement> {
+        let rows = self.rows(motion, shares, sign);
+        let judged = criterion.judge(&self.sum(&rows))?;
+        // dJ = <dJ/dM, dM> = sum_k s_k 2 <dJ/dM Phi_k^T W, dPhi_k^T> + ds_k <dJ/dM Phi_k^T W, Phi_k^T>.
+        let product = judged.slope.times_matrix(&rows);
         let (joints, columns) = (self.model.coordinate_count(), self.regressor.columns());
+        let mut by_share = vec![0.0; shares.len()];
+        let mut weights = product.into_values();
         for (row, values) in weights.chunks_exact_mut(columns).enumerate() {
-            let weight = 2.0 * share * self.weights[row % joints];
+            let share = shares[row / joints];
+            by_share[row / joints] += dot(values, rows.column(row)) / share.max(f64::MIN_POSITIVE);
+            let weight = 2.0 * share.sqrt() * self.weights[row % joints];
             values.iter_mut().for_each(|v| *v *= weight);
         }
-        Some((judged.value, self.regressor.weighted_slopes(&self.model, motion, &weights, sign)))
+        let by_motion = self.regressor.weighted_slopes(&self.model, motion, &weights, sign);
+        Some(Judgement { value: judged.value, by_motion, by_share })
     }
 }

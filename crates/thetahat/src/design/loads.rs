@@ -1,7 +1,8 @@
 use super::{
-    family::{Derivatives, Family, Sampled},
     limits::{JointLimits, Limited},
+    motions::Motions,
     quadratic::Row,
+    sums::Derivatives,
 };
 use crate::{
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
@@ -33,6 +34,11 @@ impl Loads {
             model: model.clone(),
             limits,
         }
+    }
+
+    /// Makes every limit smaller by a part.
+    pub(super) fn tighten(&mut self, part: f64) {
+        self.limits = self.limits.iter().map(|limits| limits.less(part)).collect();
     }
 
     /// The torques of a motion.
@@ -82,7 +88,7 @@ impl Loads {
     }
 
     /// The rows of a step from a motion, linearised at the extremes that are near a limit.
-    pub(super) fn rows(&self, family: &Family, sampled: &Sampled, motion: &Derivatives, sign: Sign) -> Vec<Row> {
+    pub(super) fn rows(&self, motions: &Motions, x: &[f64], motion: &Derivatives, sign: Sign) -> Vec<Row> {
         if !self.is_limited() {
             return Vec::new();
         }
@@ -94,20 +100,20 @@ impl Loads {
             below(i.saturating_sub(1)) && below((i + 1).min(uses.len() - 1))
         };
         let near = (0..uses.len()).filter(|&i| uses[i].part.abs() > 1.0 - NEAR && is_extreme(i));
-        near.map(|i| self.row(family, sampled, motion, &tau, &uses[i], sign)).collect()
+        let at = At { motions, x, motion };
+        near.map(|i| self.row(&at, &tau, &uses[i], sign)).collect()
     }
 
-    fn row(&self, family: &Family, sampled: &Sampled, motion: &Derivatives, tau: &Series, of: &Use, sign: Sign) -> Row {
+    fn row(&self, at: &At, tau: &Series, of: &Use, sign: Sign) -> Row {
         let Use { limited, joint, instant, limit, part } = *of;
-        let mut slopes = self.torque_slopes(motion, joint, instant, sign);
+        let mut slopes = self.torque_slopes(at.motion, joint, instant, sign);
         if limited == Limited::Power {
-            let (torque, velocity) = (tau.sample(instant)[joint], motion[1].sample(instant)[joint]);
+            let (torque, velocity) = (tau.sample(instant)[joint], at.motion[1].sample(instant)[joint]);
             slopes.iter_mut().for_each(|s| s.values_mut().iter_mut().for_each(|v| *v *= velocity));
             slopes[1].values_mut()[joint] += torque;
         }
-        let here = Sampled { orders: sampled.orders.each_ref().map(|order| order.row_range(instant..instant + 1)) };
         let per = part.signum() / limit;
-        let entries = family.chain(&here, &slopes).into_iter().map(|v| per * v).collect();
+        let entries = at.motions.chain_at(at.x, instant, slopes).into_iter().map(|v| per * v).collect();
         Row { start: 0, entries, bound: 1.0 - part.abs(), soft: true }
     }
 
@@ -129,4 +135,11 @@ struct Use {
     instant: usize,
     limit: f64,
     part: f64,
+}
+
+/// A motion where it is looked at.
+struct At<'a> {
+    motions: &'a Motions,
+    x: &'a [f64],
+    motion: &'a Derivatives,
 }

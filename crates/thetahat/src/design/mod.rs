@@ -13,39 +13,55 @@
 //!
 //! | file | what it does |
 //! | --- | --- |
-//! | `description`, `validation` | a design file, and what is refused of it |
+//! | `description`, `options`, `validation`, `validation_of_motion` | a design file, and what is refused of it |
 //! | `limits` | what the joints may do |
-//! | `fourier`, `family` | motions as sums of functions of time that rest at both ends |
+//! | `fourier`, `sums` | motions as sums of functions of time that rest at both ends |
+//! | `moves`, `motions` | point-to-point moves; either kind at the instants where it is looked at |
 //! | `criterion`, `information` | the criterion with its derivatives |
 //! | `constraints`, `loads` | limits of positions and their derivatives; limits of torque and power |
+//! | `move_draws` | where searches of moves begin |
+//! | `surroundings_options`, `surroundings`, `clearances` | shapes that must stay apart |
 //! | `quadratic`, `optimiser`, `starts` | the search |
-//! | `verification` | the limits at 1 kHz |
+//! | `verification`, `verified` | the limits at 1 kHz |
+//! | `at_hand` | what earlier recordings tell |
 //! | `promise` | what a record will tell |
 //! | `run` | all of it |
 
+mod at_hand;
+mod clearances;
 mod constraints;
 mod criterion;
 mod description;
 mod error;
 mod experiment_text;
-mod family;
 mod fourier;
 mod information;
 mod limits;
 mod loads;
+mod motions;
+mod move_draws;
+mod moves;
 mod optimiser;
+mod options;
 mod outcome;
 mod problem;
 mod promise;
 mod quadratic;
 mod run;
 mod starts;
+mod sums;
+mod surroundings;
+mod surroundings_options;
 mod validation;
+mod validation_of_motion;
 mod verification;
+mod verified;
 
 pub use criterion::{Criterion, CriterionName};
-pub use description::{Design, DesignFile, LimitOptions, MotionOptions, NoiseOptions, Wanted};
+pub use description::{Design, DesignFile};
 pub use error::DesignError;
-pub use information::Information;
+pub use information::{Information, Judgement};
 pub use limits::{JointLimits, Limited};
+pub use options::{LimitOptions, MotionKind, MotionOptions, NoiseOptions, Wanted};
 pub use promise::{Estimated, Expected, ExpectedRecord};
+pub use surroundings_options::{CapsuleOptions, CollisionOptions, ObstacleOptions};

@@ -1,29 +1,33 @@
 use super::{
+    clearances::Clearances,
     constraints::Constraints,
     criterion::Criterion,
-    family::{Derivatives, Family, Sampled},
     information::Information,
     loads::Loads,
+    motions::Motions,
     quadratic,
+    sums::{Derivatives, Slopes},
 };
 use crate::{
     dynamics::Sign,
     linear_algebra::{Matrix, dot},
-    series::Series,
 };
 
-/// What is optimised: the criterion of a family's motions, within limits.
+/// What is optimised: the criterion of motions, within limits.
 #[derive(Debug, Clone)]
 pub(super) struct Problem {
-    pub(super) family: Family,
     pub(super) information: Information,
     pub(super) criterion: Criterion,
-    /// Where the information is summed.
-    pub(super) sampled: Sampled,
-    /// Samples of the record for each of these instants.
-    pub(super) share: f64,
+    /// Motions where the information is summed.
+    pub(super) summed: Motions,
+    /// Motions where limits are looked at.
+    pub(super) watched: Motions,
+    /// Samples of the record per second.
+    pub(super) sample_rate_hz: f64,
     pub(super) constraints: Constraints,
     pub(super) loads: Loads,
+    /// Distances of shapes that are kept.
+    pub(super) clearances: Option<Clearances>,
 }
 
 /// A motion that was found.
@@ -51,47 +55,81 @@ struct State {
     x: Vec<f64>,
     value: f64,
     gradient: Vec<f64>,
-    load: f64,
+    /// The largest use of a limit that may be violated on the way.
+    soft_use: f64,
 }
 
 impl State {
     /// What is made small: the criterion, and what the violated load costs.
     fn merit(&self) -> f64 {
-        self.value + PRICE * (self.load - 1.0).max(0.0)
+        self.value + price(self.soft_use)
     }
 }
 
 impl Problem {
     /// The criterion of a motion; none where it does not show every parameter.
     pub(super) fn value(&self, x: &[f64], sign: Sign) -> Option<f64> {
-        let [q, dq, ddq, _] = self.family.motion(&self.sampled, x);
-        self.criterion.value(&self.information.of([&q, &dq, &ddq], self.share, sign))
+        let [q, dq, ddq, _] = self.summed.at(x);
+        self.criterion.value(&self.information.of_shares([&q, &dq, &ddq], &self.shares(x), sign))
     }
 
     /// The criterion with its derivatives by the unknowns.
     pub(super) fn judge(&self, x: &[f64], sign: Sign) -> Option<(f64, Vec<f64>)> {
-        let [q, dq, ddq, _] = self.family.motion(&self.sampled, x);
-        let motion: [&Series; 3] = [&q, &dq, &ddq];
-        let (value, slopes) = self.information.judge(&self.criterion, motion, self.share, sign)?;
-        Some((value, self.family.chain(&self.sampled, &slopes)))
+        let [q, dq, ddq, _] = self.summed.at(x);
+        let judged = self.information.judge(&self.criterion, [&q, &dq, &ddq], &self.shares(x), sign)?;
+        let by_seconds = judged.by_share.iter().map(|slope| slope * self.sample_rate_hz).collect();
+        Some((judged.value, self.summed.chain(x, &Slopes { by_motion: judged.by_motion, by_seconds })))
     }
 
-    /// The motion where limits are looked at.
-    pub(super) fn watched(&self, x: &[f64]) -> Derivatives {
-        self.family.motion(&self.constraints.sampled, x)
+    /// Samples of the record for each instant.
+    fn shares(&self, x: &[f64]) -> Vec<f64> {
+        self.summed.seconds(x).iter().map(|seconds| seconds * self.sample_rate_hz).collect()
+    }
+
+    /// The largest use of a limit that may be violated on the way: torque, power and distances, and all where motions are not linear.
+    fn soft_use(&self, motion: &Derivatives, sign: Sign) -> f64 {
+        let clearance = self.clearance_use(motion);
+        let loads = self.loads.use_of(motion, self.sign_of_loads(sign)).max(clearance);
+        if self.watched.is_linear() { loads } else { loads.max(self.constraints.use_of(motion)) }
+    }
+
+    /// The criterion of a motion, and what violated limits cost.
+    pub(super) fn merit(&self, x: &[f64], sign: Sign) -> Option<f64> {
+        Some(self.value(x, sign)? + price(self.soft_use(&self.watched.at(x), sign)))
+    }
+
+    /// Makes the limits that may be violated on the way tighter by a part, and distances larger by some, m.
+    pub(super) fn tighten(&mut self, part: f64, distance: f64) {
+        self.loads.tighten(part);
+        if !self.watched.is_linear() {
+            self.constraints.tighten(part);
+        }
+        if let Some(clearances) = &mut self.clearances {
+            clearances.margin += distance;
+        }
+    }
+
+    /// The sign of velocities in torques: within a move it does not change, and dry friction is whole from its beginning.
+    fn sign_of_loads(&self, sign: Sign) -> Sign {
+        if self.watched.is_linear() { sign } else { Sign::Exact }
+    }
+
+    /// The use of distances alone: above one where shapes are too near to one another.
+    pub(super) fn clearance_use(&self, motion: &Derivatives) -> f64 {
+        self.clearances.as_ref().map_or(0.0, |clearances| clearances.use_of(motion))
     }
 
     fn state(&self, x: Vec<f64>, sign: Sign) -> Option<State> {
         let (value, gradient) = self.judge(&x, sign)?;
-        let load = self.loads.use_of(&self.watched(&x), sign);
-        Some(State { x, value, gradient, load })
+        let soft_use = self.soft_use(&self.watched.at(&x), sign);
+        Some(State { x, value, gradient, soft_use })
     }
 
     /// Sequential quadratic programming from a motion within its limits (J. Nocedal, S. Wright, "Numerical Optimization", 2006,
     /// chapter 18): damped BFGS, a line search, and the limits near which the motion comes.
     ///
-    /// Limits of positions and their derivatives are linear and hold in every step; those of torque and power are linearised
-    /// and may be violated on the way. A step that gains less than `least_gain`, in nats, is the last. None where the motion
+    /// Limits of positions and their derivatives are linear in the unknowns of sums and hold in every step; those of moves and
+    /// those of torque and power are linearised and may be violated on the way. A step that gains less than `least_gain`, in nats, is the last. None where the motion
     /// does not show every parameter.
     pub(super) fn optimise(&self, start: Vec<f64>, sign: Sign, least_gain: f64) -> Option<Found> {
         let mut state = self.state(start, sign)?;
@@ -115,16 +153,20 @@ impl Problem {
 
     /// The step of the quadratic program, within all linear limits.
     fn step(&self, state: &State, hessian: &Matrix, sign: Sign) -> Option<Vec<f64>> {
-        let motion = self.watched(&state.x);
-        let loads = self.loads.rows(&self.family, &self.constraints.sampled, &motion, sign);
+        let motion = self.watched.at(&state.x);
+        let mut others = self.loads.rows(&self.watched, &state.x, &motion, self.sign_of_loads(sign));
+        others.extend(self.watched.rows(&state.x));
+        if let Some(clearances) = &self.clearances {
+            others.extend(clearances.rows(&self.watched, &state.x, &motion));
+        }
         let mut places = self.constraints.near(&motion);
         let mut found = None;
         for _ in 0..MOST_ROUNDS {
-            let mut rows = self.constraints.rows(&self.family, &motion, &places);
-            rows.extend(loads.iter().cloned());
+            let mut rows = self.constraints.rows(&self.watched, &state.x, &motion, &places);
+            rows.extend(others.iter().cloned());
             let step = quadratic::least(hessian, &state.gradient, &rows, PRICE)?;
             found = Some(step);
-            let reached = found.as_ref().map(|step| self.watched(&moved(&state.x, step, 1.0)))?;
+            let reached = found.as_ref().map(|step| self.watched.at(&moved(&state.x, step, 1.0)))?;
             if !self.constraints.add_violated(&reached, &mut places) {
                 break;
             }
@@ -133,12 +175,11 @@ impl Problem {
     }
 
     fn merit_within_limits(&self, x: &[f64], sign: Sign) -> Option<f64> {
-        let motion = self.watched(x);
-        if self.constraints.use_of(&motion) > 1.0 + TOLERANCE {
+        let motion = self.watched.at(x);
+        if self.watched.is_linear() && self.constraints.use_of(&motion) > 1.0 + TOLERANCE {
             return None;
         }
-        let load = self.loads.use_of(&motion, sign);
-        self.value(x, sign).map(|value| value + PRICE * (load - 1.0).max(0.0))
+        Some(self.value(x, sign)? + price(self.soft_use(&motion, sign)))
     }
 
     /// The longest of halved steps that brings enough.
@@ -155,6 +196,11 @@ impl Problem {
         }
         None
     }
+}
+
+/// What the largest use of soft limits costs, nats.
+fn price(soft_use: f64) -> f64 {
+    PRICE * (soft_use - 1.0).max(0.0)
 }
 
 /// Part of a limit by which a step may violate it.

@@ -2,6 +2,7 @@
 
 use super::{
     description::Design,
+    error::DesignError,
     experiment_text::experiment_text,
     promise::{Expected, promised_method},
     run::Chosen,
@@ -22,8 +23,9 @@ impl Design {
         base: &BaseParameters,
         chosen: Chosen,
         expected: &Expected,
-    ) -> DesignResults {
-        let Chosen { motion, torque, uses, starts } = chosen;
+    ) -> Result<DesignResults, DesignError> {
+        let Chosen { motion, torque, uses, starts, moves, collision, repeated } = chosen;
+        let compared = self.compared()?;
         let a_priori = without_rounding(base, &self.robot.a_priori_parameters());
         let wanted = self.file.wanted.half_width_percent;
         let promised = expected.parameters.iter().enumerate().map(|(i, parameter)| {
@@ -39,12 +41,16 @@ impl Design {
                 a_priori,
                 standard_deviation: expected.standard_deviation[i],
                 half_width_95: half,
+                compared: compared.iter().flat_map(|c| &c.parameters).find(|p| p.name == parameter.name).cloned(),
                 seconds: (a_priori != 0.0).then_some(self.file.duration_s * times),
             }
         });
-        let promised = promised.collect();
+        let promised: Vec<PromisedParameter> = promised.collect();
+        if let Some(file) = self.compared_file().filter(|_| promised.iter().all(|p| p.compared.is_none())) {
+            return Err(DesignError::NothingToCompare { path: self.path.clone(), file });
+        }
         let [q, dq, ddq, _] = motion;
-        DesignResults {
+        Ok(DesignResults {
             title: self.file.title.clone(),
             robot: self.robot.name.clone(),
             joints: self.robot.coordinates().map(|j| DesignedJoint { name: j.name.clone(), kind: j.kind }).collect(),
@@ -53,6 +59,10 @@ impl Design {
             dq,
             ddq,
             torque,
+            moves,
+            collision,
+            repeated,
+            compared: compared.map(|c| [c.title, c.method]),
             criterion: self.file.wanted.criterion.name().to_owned(),
             starts: starts
                 .iter()
@@ -64,7 +74,7 @@ impl Design {
             is_closed_loop: self.settings.controller.is_some(),
             half_width_percent: wanted,
             experiment: experiment_text(self),
-        }
+        })
     }
 }
 

@@ -4,22 +4,24 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::{
+    clearances::Clearances,
     constraints::Constraints,
     criterion::{Criterion, CriterionName},
     description::Design,
     error::DesignError,
-    family::Family,
     fourier::FourierBasis,
     information::Information,
     limits::{JointLimits, Limited},
     loads::Loads,
+    motions::Motions,
+    moves::MoveFamily,
     optimiser::Problem,
+    options::MotionKind,
+    sums::Sums,
 };
 use crate::{
     base_parameters::BaseParameters,
     dynamics::{Model, Sign},
-    linear_algebra::Matrix,
-    reduction::Reduction,
     series::Series,
 };
 
@@ -30,6 +32,8 @@ const FEWEST_INSTANTS: usize = 200;
 const WATCHED: usize = 60;
 /// Least part of every range that the search leaves unused, for what lies between the watched instants.
 const LEAST_MARGIN: f64 = 0.002;
+/// What is added to the margin of distances in the search, m.
+const BETWEEN: f64 = 0.004;
 /// Random states by which parameters of different units are compared.
 const RANDOM_STATES: usize = 500;
 
@@ -43,39 +47,60 @@ impl Design {
     ) -> Result<Problem, DesignError> {
         let file = &self.file;
         let kept: Vec<JointLimits> = limits.iter().map(|l| l.less(file.limits.margin.max(LEAST_MARGIN))).collect();
+        let [summed, watched] = match file.motion.kind {
+            MotionKind::Fourier => self.sums(&kept),
+            MotionKind::Moves => self.moves(&kept),
+        };
+        let noise = file.noise.torque.to_list(limits.len());
+        Ok(Problem {
+            criterion: self.criterion(model, base)?,
+            information: Information::new(model, &base.columns(), &noise).with_prior(self.prior(base, &noise)?),
+            sample_rate_hz: file.sample_rate_hz,
+            constraints: Constraints::new(kept.clone(), &watched),
+            clearances: self.clearances(model)?,
+            loads: Loads::new(model, &self.robot.a_priori_parameters(), kept),
+            summed,
+            watched,
+        })
+    }
+
+    /// The distances that the search keeps: more than the margin, for what lies between the watched instants.
+    fn clearances(&self, model: &Model) -> Result<Option<Clearances>, DesignError> {
+        let Some(surroundings) = self.surroundings(model)? else { return Ok(None) };
+        let margin = self.file.collision.as_ref().map_or(0.0, |options| 1e-3 * options.margin);
+        Ok(Some(Clearances { scene: surroundings.scene, margin: margin + BETWEEN }))
+    }
+
+    /// Fourier series where sums are taken, and where limits are looked at.
+    fn sums(&self, kept: &[JointLimits]) -> [Motions; 2] {
+        let (duration_s, harmonics) = (self.file.duration_s, self.file.motion.harmonics());
         let reach: Vec<[f64; 3]> =
             kept.iter().map(|l| [0.5 * (l.upper - l.lower), l.velocity, l.acceleration]).collect();
         let start = self.start_posture();
         let centre = start.clone().unwrap_or_else(|| kept.iter().map(JointLimits::middle).collect());
-        let basis = FourierBasis::new(file.duration_s, file.motion.harmonics);
-        let family = Family::new(basis, centre, start.is_none(), &reach);
-        let grid = |count: usize| -> Vec<f64> {
-            (0..count).map(|k| file.duration_s * (k as f64 + 0.5) / count as f64).collect()
-        };
-        let noise = file.noise.torque.to_list(limits.len());
-        let information = Information::new(model, &base.columns(), &noise).with_prior(self.prior(base, &noise)?);
-        let instants = (INSTANTS * file.motion.harmonics).max(FEWEST_INSTANTS);
-        Ok(Problem {
-            criterion: self.criterion(model, base)?,
-            sampled: family.sampled(&grid(instants)),
-            share: file.duration_s * file.sample_rate_hz / instants as f64,
-            constraints: Constraints::new(kept.clone(), family.sampled(&grid(WATCHED * file.motion.harmonics))),
-            loads: Loads::new(model, &self.robot.a_priori_parameters(), kept),
-            information,
-            family,
+        let family = Sums::new(FourierBasis::new(duration_s, harmonics), centre, start.is_none(), &reach);
+        [(INSTANTS * harmonics).max(FEWEST_INSTANTS), WATCHED * harmonics].map(|count| {
+            let grid: Vec<f64> = (0..count).map(|k| duration_s * (k as f64 + 0.5) / count as f64).collect();
+            Motions::Sums { sampled: family.sampled(&grid), family: family.clone() }
         })
     }
 
-    /// What the recordings at hand tell of the base parameters.
-    fn prior(&self, base: &BaseParameters, noise: &[f64]) -> Result<Option<Matrix>, DesignError> {
-        if self.file.prior.is_empty() {
-            return Ok(None);
+    /// Moves where sums are taken, and where limits are looked at.
+    fn moves(&self, kept: &[JointLimits]) -> [Motions; 2] {
+        let family = self.move_family(kept);
+        [family.summed(), family.watched()].map(|points| Motions::Moves { family: family.clone(), points })
+    }
+
+    pub(super) fn move_family(&self, kept: &[JointLimits]) -> MoveFamily {
+        let motion = &self.file.motion;
+        MoveFamily {
+            limits: kept.to_vec(),
+            start: self.start_posture(),
+            moves: motion.moves(),
+            duration_s: self.file.duration_s,
+            smoothing_s: motion.smoothing_s(),
+            rest_s: motion.rest_s(),
         }
-        let reduction = Reduction::read_all(&self.prior_files())?;
-        if !reduction.identity.is_of(&self.robot, base) {
-            return Err(DesignError::OtherRobot { path: self.path.clone() });
-        }
-        Ok(Some(reduction.information(noise)?))
     }
 
     /// The criterion that is wanted, of the base parameters.

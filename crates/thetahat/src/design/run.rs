@@ -3,26 +3,25 @@
 use super::{
     description::Design,
     error::DesignError,
-    family::{Derivatives, Family},
     limits::JointLimits,
     loads::Loads,
-    optimiser::Problem,
+    motions::Motions,
     promise::{Expected, ExpectedRecord},
-    starts::{Searches, Start},
-    verification::{RATE_HZ, uses},
+    starts::{Searches, Start, sign_scales},
+    sums::Derivatives,
+    verification::RATE_HZ,
+    verified::Verified,
 };
 use crate::{
     base_parameters::BaseParameters,
     dynamics::{Model, Sign},
     preparation::Setup,
-    results::{DesignResults, LimitUse},
+    results::{CollisionResults, DesignResults, LimitUse},
     scheduling::closed_loop,
     series::Series,
     simulation::{OutputGrid, Reference, SampledReference, SimulatorBias},
+    trajectory::Moves,
 };
-
-/// Velocity scales of the sign in the search, as parts of the median of the velocity limits.
-const SIGN_SCALES: [f64; 2] = [0.02, 0.005];
 
 /// A motion within its limits.
 pub(super) struct Chosen {
@@ -30,6 +29,12 @@ pub(super) struct Chosen {
     pub(super) torque: Series,
     pub(super) uses: Vec<LimitUse>,
     pub(super) starts: Vec<Start>,
+    /// The moves, where the motion is made of such.
+    pub(super) moves: Option<Moves>,
+    /// Distances of shapes, where they are looked at.
+    pub(super) collision: Option<CollisionResults>,
+    /// The criterion if the last recording at hand were repeated.
+    pub(super) repeated: Option<f64>,
 }
 
 impl Design {
@@ -50,7 +55,7 @@ impl Design {
         let [q, dq, ddq, _] = &chosen.motion;
         let record = self.expected_motion(&model, q, dq, ddq)?;
         let expected = self.promise(&record, threads)?;
-        Ok(self.results(&model, &base, chosen, &expected))
+        self.results(&model, &base, chosen, &expected)
     }
 
     /// The best motion of the searches that holds its limits.
@@ -66,68 +71,34 @@ impl Design {
         let searches = Searches { count: motion.starts, seed: motion.seed, threads, sign_scales: sign_scales(limits) };
         let mut starts = searches.run(&problem);
         starts.sort_by(|a, b| a.value.total_cmp(&b.value));
-        let mut first_violated = None;
-        for start in &starts {
-            let (motion, torque, uses) = self.verify(model, &problem, limits, &start.x);
-            match uses.iter().max_by(|a, b| a.part.total_cmp(&b.part)).filter(|worst| worst.part > 1.0) {
-                None => {
-                    let motion = self.sampled(&problem.family, &start.x, motion);
-                    let torque = self.torques(model, &motion, torque);
-                    return Ok(Chosen { motion, torque, uses, starts });
+        let mut first_error = None;
+        for k in 0..starts.len() {
+            match self.repaired(model, &problem, limits, &starts[k]) {
+                Ok((x, Verified { motion, torque, uses, collision })) => {
+                    // The one that is taken stands first.
+                    starts[..=k].rotate_right(1);
+                    let motion = self.sampled(&problem.watched, &x, motion);
+                    let (torque, moves) = (self.torques(model, &motion, torque), problem.watched.moves(&x));
+                    let repeated = self.repeated(&problem)?;
+                    return Ok(Chosen { motion, torque, uses, starts, moves, collision, repeated });
                 }
-                Some(worst) => _ = first_violated.get_or_insert_with(|| worst.clone()),
+                Err(error) => _ = first_error.get_or_insert(error),
             }
         }
-        Err(match first_violated {
-            Some(worst) => self.infeasible(&worst),
-            None => {
-                let (path, parameters) = (self.path.clone(), base.len());
-                DesignError::ShowsTooLittle { path, starts: self.file.motion.starts, parameters }
-            }
-        })
-    }
-
-    fn infeasible(&self, worst: &LimitUse) -> DesignError {
-        let [lower, upper] = worst.reached;
-        let is_lower = (worst.limit[0] - lower) > (upper - worst.limit[1]);
-        let (limit, needed) = if is_lower { (worst.limit[0], lower) } else { (worst.limit[1], upper) };
-        DesignError::Infeasible {
-            path: self.path.clone(),
-            joint: worst.joint.clone(),
-            quantity: worst.quantity,
-            limit,
-            needed,
-            at_s: worst.at_s,
-            remedy: "raise it, check the robot's a-priori parameters and friction, or choose another [motion] start",
-        }
-    }
-
-    /// The motion at 1 kHz with its torques, and how far it uses the limits.
-    fn verify(
-        &self,
-        model: &Model,
-        problem: &Problem,
-        limits: &[JointLimits],
-        x: &[f64],
-    ) -> (Derivatives, Series, Vec<LimitUse>) {
-        let count = (self.file.duration_s * RATE_HZ).ceil() as usize;
-        let grid: Vec<f64> = (0..=count).map(|k| (k as f64 / RATE_HZ).min(self.file.duration_s)).collect();
-        let motion = problem.family.motion(&problem.family.sampled(&grid), x);
-        let loads = Loads::new(model, &self.robot.a_priori_parameters(), limits.to_vec());
-        let torque = loads.torques([&motion[0], &motion[1], &motion[2]], Sign::Exact);
-        let uses = uses(limits, &motion, &torque);
-        (motion, torque, uses)
+        let (path, parameters) = (self.path.clone(), base.len());
+        let starts = self.file.motion.starts;
+        Err(first_error.unwrap_or(DesignError::ShowsTooLittle { path, starts, parameters }))
     }
 
     /// The motion at the rate of the trajectory; that at 1 kHz where this is the rate.
-    fn sampled(&self, family: &Family, x: &[f64], at_1_khz: Derivatives) -> Derivatives {
+    fn sampled(&self, motions: &Motions, x: &[f64], at_1_khz: Derivatives) -> Derivatives {
         let rate = self.file.sample_rate_hz;
         if rate == RATE_HZ {
             return at_1_khz;
         }
         let count = (self.file.duration_s * rate).round() as usize;
         let grid: Vec<f64> = (0..=count).map(|k| (k as f64 / rate).min(self.file.duration_s)).collect();
-        family.motion(&family.sampled(&grid), x)
+        motions.on(x, &grid)
     }
 
     fn torques(&self, model: &Model, motion: &Derivatives, at_1_khz: Series) -> Series {
@@ -176,12 +147,4 @@ impl Design {
         };
         record.promise(&self.path, self.file.motion.seed, threads)
     }
-}
-
-/// Wide velocity scales first.
-fn sign_scales(limits: &[JointLimits]) -> [f64; 2] {
-    let mut velocities: Vec<f64> = limits.iter().map(|l| l.velocity).collect();
-    velocities.sort_by(f64::total_cmp);
-    let median = velocities[velocities.len() / 2];
-    SIGN_SCALES.map(|part| part * median)
 }

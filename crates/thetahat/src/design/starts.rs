@@ -1,8 +1,13 @@
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::optimiser::{Found, Problem};
+use super::{
+    limits::JointLimits,
+    motions::Motions,
+    optimiser::{Found, Problem},
+    sums::Sums,
+};
 use crate::{dynamics::Sign, pool::in_parallel};
 
 /// Random motions of which a search begins with the best.
@@ -13,9 +18,16 @@ const USED: f64 = 0.9;
 /// Descents from what was found moved by random numbers, in units that take a joint to its limit, and their size.
 const KICKS: usize = 6;
 const KICK: f64 = 0.5;
+/// Least part of a random motion that is kept for shapes to stay apart.
+const LEAST_PART: f64 = 0.02;
+/// Largest distance of a random posture from the middle, parts of half the range.
+const CENTRE: f64 = 0.8;
 /// Gain of the last step of a descent, nats: with the wide sign, and of the last with the tight one.
 const COARSE: f64 = 1.0;
 const FINE: f64 = 0.01;
+
+/// Velocity scales of the sign in the search, as parts of the median of the velocity limits.
+const SIGN_SCALES: [f64; 2] = [0.02, 0.005];
 
 /// How several searches are made.
 #[derive(Debug, Clone)]
@@ -62,74 +74,141 @@ impl Searches {
 /// The end of one descent.
 struct Local {
     found: Found,
-    value: f64,
+    /// The criterion, and what violated limits cost.
+    merit: f64,
 }
 
 impl Local {
     fn from(problem: &Problem, start: Vec<f64>, sign: Sign) -> Option<Self> {
         let found = problem.optimise(start, sign, COARSE)?;
-        Some(Self { value: problem.value(&found.x, sign)?, found })
+        Some(Self { merit: problem.merit(&found.x, sign)?, found })
     }
 
     /// The better of both, with the steps of both.
     fn or_better(self, other: Self) -> Self {
         let steps = self.found.steps + other.found.steps;
-        let Self { found, value } = if other.value < self.value { other } else { self };
-        Self { found: Found { steps, ..found }, value }
+        let Self { found, merit } = if other.merit < self.merit { other } else { self };
+        Self { found: Found { steps, ..found }, merit }
     }
 }
 
-/// A motion moved by random numbers, each joint's made smaller where it exceeds its limits.
+/// A motion moved by random numbers, by less where shapes would come too near, and made smaller where it exceeds its limits.
 fn kicked(problem: &Problem, x: &[f64], rng: &mut ChaCha8Rng) -> Vec<f64> {
-    let mut kicked: Vec<f64> = x
-        .iter()
-        .map(|x| {
-            let number: f64 = StandardNormal.sample(rng);
-            x + KICK * number
-        })
-        .collect();
-    for joint in 0..problem.family.joints() {
-        let used = use_of_joint(problem, &kicked, joint);
-        kicked[own(problem, joint)].iter_mut().for_each(|v| *v *= (USED / used).min(1.0));
+    let kick: Vec<f64> = x.iter().map(|_| KICK * Distribution::<f64>::sample(&StandardNormal, rng)).collect();
+    apart(problem, &|part| {
+        let moved = x.iter().zip(&kick).map(|(x, kick)| x + part * kick);
+        match &problem.watched {
+            Motions::Sums { family, .. } => within(problem, family, moved.collect()),
+            Motions::Moves { family, .. } => family.through(&moved.take(family.posture_unknowns()).collect::<Vec<_>>()),
+        }
+    })
+}
+
+/// The sums with each joint's made smaller where it exceeds its limits.
+fn within(problem: &Problem, family: &Sums, mut x: Vec<f64>) -> Vec<f64> {
+    for joint in 0..family.joints() {
+        let used = use_of_joint(problem, family, &x, joint);
+        x[own(family, joint)].iter_mut().for_each(|v| *v *= (USED / used).min(1.0));
     }
-    kicked
+    x
 }
 
 /// The unknowns of a joint.
-fn own(problem: &Problem, joint: usize) -> std::ops::Range<usize> {
-    let size = problem.family.unknowns_of_joint();
+fn own(family: &Sums, joint: usize) -> std::ops::Range<usize> {
+    let size = family.unknowns_of_joint();
     joint * size..(joint + 1) * size
 }
 
 /// The largest use of a limit by one joint's motion.
-fn use_of_joint(problem: &Problem, x: &[f64], joint: usize) -> f64 {
+fn use_of_joint(problem: &Problem, family: &Sums, x: &[f64], joint: usize) -> f64 {
     let mut alone = vec![0.0; x.len()];
-    let own = own(problem, joint);
+    let own = own(family, joint);
     alone[own.clone()].copy_from_slice(&x[own]);
-    problem.constraints.use_of(&problem.watched(&alone))
+    problem.constraints.use_of(&problem.watched.at(&alone))
 }
 
-/// The best of random motions, each as large as its limits allow.
+/// The best of random motions, each as large as its limits allow, and its criterion.
 fn best_of_random(problem: &Problem, rng: &mut ChaCha8Rng, sign: Sign) -> Option<(Vec<f64>, f64)> {
     let mut draw = || {
         let x = random(problem, rng);
-        problem.value(&x, sign).map(|value| (x, value))
+        problem.merit(&x, sign).map(|merit| (x, merit))
     };
     let drawn: Vec<_> = (0..DRAWS).filter_map(|_| draw()).collect();
-    drawn.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))
+    let (x, _) = drawn.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    problem.value(&x, sign).map(|value| (x, value))
+}
+
+fn random(problem: &Problem, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    match &problem.watched {
+        Motions::Sums { family, .. } => {
+            let x = random_sums(problem, family, rng);
+            if problem.clearances.is_none() {
+                return x;
+            }
+            let centre = free_centre(family, rng);
+            apart(problem, &|part| {
+                let moved = x.iter().zip(&centre).map(|(x, c)| c + part * (x - c));
+                within(problem, family, moved.collect())
+            })
+        }
+        Motions::Moves { family, .. } => {
+            let postures: Vec<f64> = (0..family.posture_unknowns()).map(|_| rng.random_range(-1.0..1.0)).collect();
+            let joints = family.joints();
+            let drawn: Vec<f64> = (0..joints).map(|_| rng.random_range(-CENTRE..CENTRE)).collect();
+            let centre = family.start_in_units().unwrap_or(drawn);
+            apart(problem, &|part| {
+                let moved = postures.iter().enumerate().map(|(i, p)| {
+                    let centre = if part < 1.0 { centre[i % joints] } else { 0.0 };
+                    centre + part * (p - centre)
+                });
+                family.through(&moved.collect::<Vec<_>>())
+            })
+        }
+    }
+}
+
+/// A motion by the part of it that is kept: the largest of some at which shapes are far enough apart, or else the smallest.
+fn apart(problem: &Problem, motion: &dyn Fn(f64) -> Vec<f64>) -> Vec<f64> {
+    let mut part = 1.0;
+    loop {
+        let x = motion(part);
+        if part < LEAST_PART || problem.clearance_use(&problem.watched.at(&x)) <= 1.0 {
+            return x;
+        }
+        part *= 0.7;
+    }
+}
+
+/// Unknowns of standing still in a random posture: zero where the posture is given.
+fn free_centre(family: &Sums, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    let mut centre = vec![0.0; family.unknowns()];
+    if family.has_free_start() {
+        for joint in 0..family.joints() {
+            centre[own(family, joint).start] = rng.random_range(-CENTRE..CENTRE);
+        }
+    }
+    centre
 }
 
 /// Normal coefficients, with each joint's scaled to its limits.
-fn random(problem: &Problem, rng: &mut ChaCha8Rng) -> Vec<f64> {
-    let size = problem.family.unknowns_of_joint();
-    let free = usize::from(problem.family.has_free_start());
-    let mut x: Vec<f64> = (0..problem.family.unknowns()).map(|_| StandardNormal.sample(rng)).collect();
-    for j in 0..problem.family.joints() {
+fn random_sums(problem: &Problem, family: &Sums, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    let size = family.unknowns_of_joint();
+    let free = usize::from(family.has_free_start());
+    let mut x: Vec<f64> = (0..family.unknowns()).map(|_| StandardNormal.sample(rng)).collect();
+    for j in 0..family.joints() {
         x[j * size..j * size + free].iter_mut().for_each(|c| *c *= 0.1);
     }
-    for joint in 0..problem.family.joints() {
-        let used = use_of_joint(problem, &x, joint);
-        x[own(problem, joint)].iter_mut().for_each(|v| *v *= USED / used);
+    for joint in 0..family.joints() {
+        let used = use_of_joint(problem, family, &x, joint);
+        x[own(family, joint)].iter_mut().for_each(|v| *v *= USED / used);
     }
     x
+}
+
+/// Wide velocity scales first.
+pub(super) fn sign_scales(limits: &[JointLimits]) -> [f64; 2] {
+    let mut velocities: Vec<f64> = limits.iter().map(|l| l.velocity).collect();
+    velocities.sort_by(f64::total_cmp);
+    let median = velocities[velocities.len() / 2];
+    SIGN_SCALES.map(|part| part * median)
 }

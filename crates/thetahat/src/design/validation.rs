@@ -2,12 +2,14 @@
 
 use super::{
     criterion::CriterionName,
-    description::{Design, LimitOptions},
+    description::Design,
     error::DesignError,
     limits::{JointLimits, Limited},
+    options::LimitOptions,
     verification::RATE_HZ,
 };
 use crate::{
+    dynamics::Model,
     one_or_each::OneOrEach,
     robot::{Joint, JointKind},
 };
@@ -18,10 +20,6 @@ const MOST_SAMPLES: f64 = 1e6;
 const WHOLE: f64 = 1e-6;
 /// Periods of the position filter's cut-off that the edges of a record cost at either end, and one that is left.
 const FEWEST_PERIODS: f64 = 15.0;
-/// Most harmonics and starts.
-const MOST_HARMONICS: usize = 50;
-const MOST_STARTS: usize = 1000;
-
 impl Design {
     pub(super) fn validate(&self) -> Result<(), DesignError> {
         self.settings
@@ -32,6 +30,7 @@ impl Design {
         self.validate_noise()?;
         self.validate_wanted()?;
         self.validate_identification()?;
+        self.validate_collision()?;
         self.limits().map(|_| ())
     }
 
@@ -64,26 +63,6 @@ impl Design {
         let shortest = FEWEST_PERIODS / self.file.signal.cutoff_hz;
         let expected = format!("at least {shortest:.3}: [signal] cutoff_hz cuts five of its periods off at both ends");
         self.require(duration >= shortest, "duration_s", &expected, duration)
-    }
-
-    fn validate_motion(&self) -> Result<(), DesignError> {
-        let motion = &self.file.motion;
-        let harmonics = motion.harmonics;
-        self.require((1..=MOST_HARMONICS).contains(&harmonics), "[motion] harmonics", "from 1 to 50", harmonics)?;
-        self.require((1..=MOST_STARTS).contains(&motion.starts), "[motion] starts", "from 1 to 1000", motion.starts)?;
-        let highest = harmonics as f64 / self.file.duration_s;
-        let expected = format!("above {highest:.3}, the highest harmonic of the motion");
-        self.require(
-            self.file.signal.cutoff_hz > highest,
-            "[signal] cutoff_hz",
-            &expected,
-            self.file.signal.cutoff_hz,
-        )?;
-        let joints = self.robot.coordinate_count();
-        if let Some(start) = &motion.start {
-            self.require(start.len() == joints, "[motion] start", &format!("{joints} positions"), start.len())?;
-        }
-        Ok(())
     }
 
     fn validate_noise(&self) -> Result<(), DesignError> {
@@ -206,8 +185,29 @@ impl Design {
 
     /// The posture in which the motion starts, rad or m.
     pub(super) fn start_posture(&self) -> Option<Vec<f64>> {
-        let start = self.file.motion.start.as_ref()?;
-        Some(self.robot.coordinates().zip(start).map(|(joint, value)| si(joint.kind, *value)).collect())
+        self.file.motion.start.as_ref().map(|start| self.posture(start))
+    }
+
+    /// Degrees or mm as rad or m.
+    pub(super) fn posture(&self, values: &[f64]) -> Vec<f64> {
+        self.robot.coordinates().zip(values).map(|(joint, value)| si(joint.kind, *value)).collect()
+    }
+
+    fn validate_collision(&self) -> Result<(), DesignError> {
+        let Some(options) = &self.file.collision else { return Ok(()) };
+        let (margin, joints) = (options.margin, self.robot.coordinate_count());
+        self.require(
+            margin >= 0.0 && margin.is_finite(),
+            "[collision] margin",
+            "a finite number of mm, zero or above",
+            margin,
+        )?;
+        if let Some(home) = &options.home {
+            self.require(home.len() == joints, "[collision] home", &format!("{joints} positions"), home.len())?;
+            let found = format!("{home:?}");
+            self.require(home.iter().all(|v| v.is_finite()), "[collision] home", "finite numbers", found)?;
+        }
+        self.surroundings(&Model::new(&self.robot)).map(|_| ())
     }
 
     /// The noise of each joint's position, rad or m.

@@ -1,8 +1,8 @@
 //! The limits along a motion at 1 kHz.
 
 use super::{
-    family::Derivatives,
     limits::{JointLimits, Limited},
+    sums::Derivatives,
 };
 use crate::{results::LimitUse, series::Series};
 

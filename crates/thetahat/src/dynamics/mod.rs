@@ -63,6 +63,7 @@ mod twist;
 mod workspace;
 
 pub use coupled_motor::CoupledMotor;
+pub(crate) use frames::JointFrame;
 pub use jump::Jump;
 pub use model::{DynamicsError, Model};
 pub use parameters::DynamicParameters;

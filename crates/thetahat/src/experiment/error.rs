@@ -1,8 +1,13 @@
 use std::path::PathBuf;
 
 use crate::{
-    filter_choice::FilterChoiceError, preparation::PreparationError, recording::RecordingError, results::ResultsError,
-    robot::RobotError, simulation::SimulationError, trajectory::TrajectoryError,
+    filter_choice::FilterChoiceError,
+    preparation::PreparationError,
+    recording::RecordingError,
+    results::{NoEstimate, ResultsError},
+    robot::RobotError,
+    simulation::SimulationError,
+    trajectory::TrajectoryError,
 };
 
 /// Why an experiment cannot be read or run.
@@ -73,5 +78,77 @@ pub enum ExperimentError {
         path: PathBuf,
         /// What is wrong and what to do.
         problem: String,
+    },
+    /// The results have no robot description.
+    #[error("{}: holds no robot description; identify again with this version", path.display())]
+    NoRobot {
+        /// The results.
+        path: PathBuf,
+    },
+    /// The results do not say which file the robot was read from.
+    #[error("{}: does not say which file its robot was read from; name it with --robot instead of --data", path.display())]
+    UnknownRobotFile {
+        /// The results.
+        path: PathBuf,
+    },
+    /// The results are not to be used.
+    #[error(
+        "{}: the verdict on these results is do-not-use: {}; put that right and identify again, or take them all the \
+         same with --force",
+        path.display(), reasons.join("; ")
+    )]
+    NotTrusted {
+        /// The results.
+        path: PathBuf,
+        /// Why.
+        reasons: Vec<String>,
+    },
+    /// The results have no such estimate.
+    #[error("{}: {source}", path.display())]
+    NoEstimate {
+        /// The results.
+        path: PathBuf,
+        /// What there is.
+        source: NoEstimate,
+    },
+    /// The results are of arrays.
+    #[error(
+        "{}: is of arrays and holds no experiment, which would describe the channels of a recording; predict in Python, with \
+         the robot and the estimates",
+        path.display()
+    )]
+    OfArrays {
+        /// The results.
+        path: PathBuf,
+    },
+    /// The robot description is not the one that was identified, and of another robot.
+    #[error(
+        "{}: is not the robot of these results: its joints are {}, and those identified were {}; give the description of \
+         `{robot}`",
+        path.display(), found.join(", "), identified.join(", ")
+    )]
+    AnotherRobot {
+        /// The description.
+        path: PathBuf,
+        /// Name of the robot that was identified.
+        robot: String,
+        /// Its joints.
+        found: Vec<String>,
+        /// Those of the results.
+        identified: Vec<String>,
+    },
+    /// The robot description has changed since the identification.
+    #[error(
+        "{}: has changed since the identification (SHA-256 {found}, then {identified}); identify again with it, or leave \
+         out --robot and --data: the description of then is in the results",
+        path.display()
+    )]
+    RobotChanged {
+        /// The file.
+        path: PathBuf,
+        /// Its hash.
+        found: String,
+        /// The hash in the results.
+        identified: String,
     },
 }

@@ -1,81 +1,178 @@
-//! A robot with the parameters that results hold.
+//! The one way from results to a robot with identified parameters.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::{
     description::Experiment,
     error::ExperimentError,
-    predict::{chosen_run, require_same_parameters},
+    robot_file::require_same,
+    subject::{Subject, require_same_parameters},
 };
 use crate::{
     base_parameters::BaseParameters,
     diagnosis::judge,
-    dynamics::Model,
-    identification::Method,
-    preparation::Case,
-    results::{Results, Verdict},
-    robot::Robot,
+    identification::{Method, Status},
+    preparation::{Case, Settings, Setup},
+    results::{NOMINAL, Results, RunResult, Verdict, VerdictReason},
+    robot::{Robot, RobotSource},
 };
+
+/// Which estimate of results is taken, and what is required of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EstimateRequest {
+    /// The case.
+    pub case: String,
+    /// The method; none takes the one that the results advise.
+    pub method: Option<Method>,
+    /// The robot description, which must be the one that was identified; none takes the text in the results.
+    pub robot: Option<PathBuf>,
+    /// The folder in which that description is looked for by its name.
+    pub data: Option<PathBuf>,
+    /// Whether results whose verdict is do-not-use are taken.
+    pub force: bool,
+}
+
+impl Default for EstimateRequest {
+    /// The nominal estimate that the results advise.
+    fn default() -> Self {
+        Self { case: NOMINAL.to_owned(), method: None, robot: None, data: None, force: false }
+    }
+}
 
 /// A robot with identified parameters.
 #[derive(Debug, Clone)]
 pub struct IdentifiedRobot {
-    /// The robot that was identified, with the joints that were locked and the friction model of the case.
+    /// The robot, with the joints that were locked, the constants of torque terms that were found, and the friction model of
+    /// the case.
     pub robot: Robot,
-    /// Standard parameters with the torques that were identified: the kept ones, those that were given, zeros elsewhere.
-    pub theta: Vec<f64>,
-    /// The case whose estimates they are.
-    pub case: String,
-    /// The method.
-    pub method: Method,
+    /// How it was identified; where the results are of arrays, which parameters, and else what is usual.
+    pub settings: Settings,
+    /// The case.
+    pub case: Case,
+    /// The run whose estimates they are.
+    pub run: RunResult,
+    /// All base parameters of the robot, those that the run does not estimate included.
+    pub base: BaseParameters,
     /// What the results are good for.
     pub verdict: Verdict,
+    /// Why they are not good, the gravest first.
+    pub verdict_reasons: Vec<VerdictReason>,
+    /// Title of the results.
+    pub title: String,
+    /// The description in the results.
+    pub source: RobotSource,
+    /// The files that were read: that of the results, and those of the description that was compared with it.
+    pub files: Vec<PathBuf>,
+    experiment: Option<Experiment>,
 }
 
 impl IdentifiedRobot {
-    /// The robot and the estimates of a case in a `results.json`, by a method or that which the results advise.
+    /// That of a `results.json`.
     ///
     /// # Errors
-    /// [`ExperimentError`] for a file that cannot be used, or that holds no such estimate.
-    pub fn read(path: &Path, case: &str, method: Option<Method>) -> Result<Self, ExperimentError> {
-        let mut results = Results::read(path)?;
-        let verdict = results.verdict.unwrap_or_else(|| judge(&mut results));
-        let experiment = Experiment::of_results(path, &results)?;
-        let run = chosen_run(path, &results, case, method)?;
-        let case = experiment.cases().into_iter().find(|c| c.name == run.case).unwrap_or_else(Case::nominal);
-        let base = experiment.setup().basis(&case).map_err(|e| experiment.refuse(e))?.base;
-        require_same_parameters(&results, run, &base, &experiment.settings.parameters.estimate)
-            .map_err(|problem| ExperimentError::ResultsFile { path: path.to_owned(), problem })?;
-        let estimate = |name: &String| run.parameter(name).map_or(0.0, |parameter| parameter.estimate);
-        let estimates: Vec<f64> = base.parameters().iter().map(|parameter| estimate(&parameter.name)).collect();
+    /// As [`IdentifiedRobot::of_results`], and for a file that cannot be read.
+    pub fn read(path: &Path, request: &EstimateRequest) -> Result<Self, ExperimentError> {
+        Self::of_results(path, &Results::read(path)?, request)
+    }
+
+    /// The robot of results with the estimates of a run; `path` names the results in messages. Results of before the verdict are
+    /// judged now.
+    ///
+    /// # Errors
+    /// [`ExperimentError`]: results that are not to be used, no such estimate, parameters that are not those of the robot, or
+    /// another description than the one that was identified.
+    pub fn of_results(path: &Path, results: &Results, request: &EstimateRequest) -> Result<Self, ExperimentError> {
+        let (verdict, verdict_reasons) = judged(results);
+        if verdict == Verdict::DoNotUse && !request.force {
+            return Err(not_trusted(path, &verdict_reasons));
+        }
+        let no_estimate = |source| ExperimentError::NoEstimate { path: path.to_owned(), source };
+        let run = results.estimate(&request.case, request.method).map_err(no_estimate)?;
+        let Subject { robot, settings, file, experiment } = Subject::of(path, results, run)?;
+        let mut files = vec![path.to_owned()];
+        if let Some(description) = description_file(path, request, file)? {
+            files.extend(require_same(results, &robot, &description)?);
+        }
+        let refuse = |problem: String| ExperimentError::ResultsFile { path: path.to_owned(), problem };
+        let case = settings.all_cases().into_iter().find(|c| c.name == run.case).unwrap_or_else(Case::nominal);
+        let setup = Setup { robot: &robot, settings: &settings };
+        let base = setup.basis(&case).map_err(|e| refuse(e.to_string()))?.base;
+        require_same_parameters(results, run, &base, &settings.parameters.estimate).map_err(refuse)?;
         Ok(Self {
-            robot: experiment.setup().robot_for(&case),
-            theta: base.to_standard(&estimates),
-            case: run.case.clone(),
-            method: run.method,
+            robot: setup.robot_for(&case),
+            run: run.clone(),
+            title: results.title.clone(),
+            source: RobotSource::from_text(results.robot_description.clone(), path)?,
+            settings,
+            case,
+            base,
             verdict,
+            verdict_reasons,
+            files,
+            experiment,
         })
     }
 
-    /// Refuses another robot than the one that was identified: one with other base parameters.
-    ///
-    /// # Errors
-    /// [`ExperimentError::ResultsFile`] with the first formula that differs; `path` is the file of the results.
-    pub fn require_robot(&self, path: &Path, robot: &Robot) -> Result<(), ExperimentError> {
-        let refuse = |problem: String| ExperimentError::ResultsFile { path: path.to_owned(), problem };
-        let formulas = |robot: &Robot| -> Result<Vec<String>, ExperimentError> {
-            let base = BaseParameters::of(&Model::new(robot), &[]).map_err(|error| refuse(error.to_string()))?;
-            Ok(base.parameters().iter().map(|p| p.expression.clone()).collect())
-        };
-        let (own, other) = (formulas(&self.robot)?, formulas(robot)?);
-        let differs = (0..own.len().max(other.len())).find(|&i| own.get(i) != other.get(i));
-        let Some(first) = differs else { return Ok(()) };
-        let of = |formulas: &[String]| formulas.get(first).cloned().unwrap_or_else(|| "not there".to_owned());
-        Err(refuse(format!(
-            "is of another robot than {}: its base parameter {} is {} there; give the robot that was identified",
-            robot.name,
-            of(&own),
-            of(&other)
-        )))
+    /// The estimates of all base parameters: zero of those that the run does not estimate, as in its model.
+    #[must_use]
+    pub fn estimates(&self) -> Vec<f64> {
+        let estimate = |name: &str| self.run.parameter(name).map_or(0.0, |parameter| parameter.estimate);
+        self.base.parameters().iter().map(|parameter| estimate(&parameter.name)).collect()
+    }
+
+    /// Standard parameters with the torques that were identified: the kept ones, those that were given, zeros elsewhere.
+    #[must_use]
+    pub fn theta(&self) -> Vec<f64> {
+        self.base.to_standard(&self.estimates())
+    }
+
+    /// Method, case and verdict in a line, and how the run ended where it did not converge.
+    #[must_use]
+    pub fn origin(&self) -> String {
+        let Self { run, case, verdict, title, .. } = self;
+        let title = if title.is_empty() { String::new() } else { format!(" of \"{title}\"") };
+        let status =
+            if run.status == Status::Converged { String::new() } else { format!("; status: {}", run.status.name()) };
+        format!("identified by {}{title}, {} case; verdict: {verdict}{status}", run.method, case.name)
+    }
+
+    /// The experiment that the results are of; none where they are of arrays.
+    #[must_use]
+    pub fn experiment(&self) -> Option<&Experiment> {
+        self.experiment.as_ref()
+    }
+
+    pub(crate) fn setup(&self) -> Setup<'_> {
+        Setup { robot: &self.robot, settings: &self.settings }
+    }
+}
+
+/// The verdict on results with its reasons.
+fn judged(results: &Results) -> (Verdict, Vec<VerdictReason>) {
+    match results.verdict {
+        Some(verdict) => (verdict, results.verdict_reasons.clone()),
+        None => {
+            let mut results = results.clone();
+            (judge(&mut results), results.verdict_reasons)
+        }
+    }
+}
+
+fn not_trusted(path: &Path, reasons: &[VerdictReason]) -> ExperimentError {
+    let grave = reasons.iter().filter(|r| r.verdict == Verdict::DoNotUse);
+    ExperimentError::NotTrusted { path: path.to_owned(), reasons: grave.map(|r| r.seen().to_owned()).collect() }
+}
+
+/// The description that is to be compared with that of the results, where one is asked for.
+fn description_file(
+    path: &Path,
+    request: &EstimateRequest,
+    name: Option<PathBuf>,
+) -> Result<Option<PathBuf>, ExperimentError> {
+    match (&request.robot, &request.data, name) {
+        (Some(file), _, _) => Ok(Some(file.clone())),
+        (None, Some(folder), Some(name)) => Ok(Some(folder.join(name))),
+        (None, Some(_), None) => Err(ExperimentError::UnknownRobotFile { path: path.to_owned() }),
+        (None, None, _) => Ok(None),
     }
 }

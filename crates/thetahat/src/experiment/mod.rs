@@ -23,7 +23,9 @@ mod power;
 mod predict;
 mod proposal;
 mod reading;
+mod robot_file;
 mod run;
+mod subject;
 mod twin;
 mod validation;
 
@@ -31,9 +33,8 @@ pub(crate) use paths::beside;
 
 pub use description::{Experiment, ExperimentFile, RecordingDescription, TwinDescription, Unlisted};
 pub use error::ExperimentError;
-pub use identified::IdentifiedRobot;
+pub use identified::{EstimateRequest, IdentifiedRobot};
 pub use power::PowerPoint;
-pub(crate) use predict::require_same_parameters;
 pub use predict::{PredictionRequest, predict};
 pub use proposal::{
     Proposal, ProposalError, ProposalFiles, ProposalRequest, ProposedChannels, ProposedClock, ProposedLock,

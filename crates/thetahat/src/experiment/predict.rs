@@ -5,16 +5,15 @@ use std::path::{Path, PathBuf};
 use super::{
     description::{Experiment, RecordingDescription},
     error::ExperimentError,
+    identified::{EstimateRequest, IdentifiedRobot},
 };
 use crate::{
-    base_parameters::BaseParameters,
-    diagnosis::judge,
     identification::Method,
     one_or_each::OneOrEach,
-    preparation::{Case, ParameterChoice, PreparationError},
+    preparation::PreparationError,
     recording::{ChannelSource, Side, Unit},
-    results::{Prediction, Results, RunResult},
-    run::{Identified, predict_torques, with_constants},
+    results::Prediction,
+    run::{Identified, predict_torques},
 };
 
 /// What to predict with which run.
@@ -36,7 +35,7 @@ pub struct PredictionRequest {
     pub window_s: Option<[f64; 2]>,
     /// The case.
     pub case: String,
-    /// The method; none takes the one that the results advise, or else the first with an estimate.
+    /// The method; none takes the one that the results advise.
     pub method: Option<Method>,
 }
 
@@ -45,102 +44,29 @@ pub struct PredictionRequest {
 /// # Errors
 /// [`ExperimentError`] for files that cannot be used.
 pub fn predict(request: &PredictionRequest) -> Result<Prediction, ExperimentError> {
-    let mut results = Results::read(&request.results)?;
-    // Results of before the verdict get it now, by the same rules.
-    let verdict = results.verdict.unwrap_or_else(|| judge(&mut results));
-    let experiment = Experiment::of_results(&request.results, &results)?;
-    let run = chosen_run(&request.results, &results, &request.case, request.method)?;
-    let case = experiment.cases().into_iter().find(|c| c.name == run.case).unwrap_or_else(Case::nominal);
-    let base = experiment.setup().basis(&case).map_err(|e| experiment.refuse(e))?.base;
-    require_same_parameters(&results, run, &base, &experiment.settings.parameters.estimate)
-        .map_err(|problem| ExperimentError::ResultsFile { path: request.results.clone(), problem })?;
-    let description = described(&experiment, request)?;
+    let chosen = EstimateRequest {
+        case: request.case.clone(),
+        method: request.method,
+        // A prediction carries the verdict.
+        force: true,
+        ..EstimateRequest::default()
+    };
+    let identified = IdentifiedRobot::read(&request.results, &chosen)?;
+    let Some(experiment) = identified.experiment() else {
+        return Err(ExperimentError::OfArrays { path: request.results.clone() });
+    };
+    let description = described(experiment, request)?;
     let same_file = description.torque.as_ref().is_some_and(|torque| torque.file == description.position.file);
     let recording = if same_file || request.torque_file.is_some() {
         experiment.read_recording(&description, 1, Path::new(""))?
     } else {
         experiment.read_motion(&description, Path::new(""))?
     };
+    let IdentifiedRobot { run, case, verdict, verdict_reasons, .. } = &identified;
     let parameters = run.parameters.iter().map(|p| (p.name.clone(), p.estimate)).collect();
-    let verdict = (verdict, results.verdict_reasons.clone());
-    let identified = Identified { case: &case, method: run.method, parameters, verdict };
-    predict_torques(experiment.setup(), &identified, recording).map_err(|e| experiment.refuse(e))
-}
-
-impl Experiment {
-    /// The experiment that results are of, with the constants of torque terms that were found; `path` names the results in
-    /// messages.
-    ///
-    /// # Errors
-    /// As [`Experiment::read`].
-    pub fn of_results(path: &Path, results: &Results) -> Result<Self, ExperimentError> {
-        let (text, robot) = (results.experiment_description.clone(), results.robot_description.clone());
-        let mut experiment = Self::from_texts(path, text, robot)?;
-        experiment.robot = with_constants(&experiment.robot, &results.profiled_terms);
-        Ok(experiment)
-    }
-}
-
-/// Refuses a run whose parameters are not those of the robot and the experiment beside it: a prediction without one of
-/// them, or with one of another robot, would be wrong without a sign of it.
-pub(crate) fn require_same_parameters(
-    results: &Results,
-    run: &RunResult,
-    base: &BaseParameters,
-    choice: &ParameterChoice,
-) -> Result<(), String> {
-    let refuse = |what: String| {
-        let (case, method) = (&run.case, run.method.name());
-        format!(
-            "the parameters of {case} {method} are not those of its robot: {what}; identify again with this version"
-        )
-    };
-    for (i, parameter) in run.parameters.iter().enumerate() {
-        let name = &parameter.name;
-        let Some(of_robot) = base.parameters().iter().find(|p| p.name == *name) else {
-            return Err(refuse(format!("the robot has no {name}")));
-        };
-        if of_robot.expression != parameter.expression {
-            return Err(refuse(format!("{name} is {}, and {} there", of_robot.expression, parameter.expression)));
-        }
-        if run.parameters[..i].iter().any(|p| p.name == *name) || !parameter.estimate.is_finite() {
-            return Err(refuse(format!("{name} is there twice or is no number")));
-        }
-    }
-    let estimated = |name: &str| run.parameter(name).is_some();
-    let eliminated = |name: &str| results.elimination.as_ref().is_some_and(|e| e.eliminated.iter().any(|n| n == name));
-    let wanted: Vec<&str> = match choice {
-        ParameterChoice::List(names) => names.iter().map(String::as_str).collect(),
-        ParameterChoice::Base | ParameterChoice::Named(_) => {
-            base.parameters().iter().map(|p| p.name.as_str()).collect()
-        }
-    };
-    match wanted.into_iter().find(|name| !estimated(name) && !eliminated(name)) {
-        None => Ok(()),
-        Some(name) => Err(refuse(format!("{name} is missing"))),
-    }
-}
-
-/// The run of a case and method, or of the method that the results advise.
-pub(super) fn chosen_run<'r>(
-    path: &Path,
-    results: &'r Results,
-    case: &str,
-    method: Option<Method>,
-) -> Result<&'r RunResult, ExperimentError> {
-    let wanted = method.or_else(|| Some(results.taken_in(case)?.method));
-    let fits = |r: &&RunResult| r.case == case && wanted.is_none_or(|m| m == r.method) && !r.parameters.is_empty();
-    results.runs.iter().find(fits).ok_or_else(|| {
-        let with = |r: &&RunResult| !r.parameters.is_empty();
-        let name = |r: &RunResult| format!("{} {}", r.case, r.method.name());
-        let found: Vec<String> = results.runs.iter().filter(with).map(name).collect();
-        let found = if found.is_empty() { "none".to_owned() } else { found.join(", ") };
-        let method = method.map_or("any method", Method::name);
-        ExperimentError::ResultsFile {
-            path: path.to_owned(),
-            problem: format!("holds no estimate of {case} by {method}; those it holds: {found}"),
-        }
-    })
+    let verdict = (*verdict, verdict_reasons.clone());
+    let estimate = Identified { case, method: run.method, parameters, verdict };
+    predict_torques(identified.setup(), &estimate, recording).map_err(|e| experiment.refuse(e))
 }
 
 /// The experiment's description of a recording, with the files and columns of the request: that of the same file, with

@@ -8,6 +8,7 @@ use super::{
 };
 use crate::{
     filter_choice::choose_filter,
+    pool::available_threads,
     preparation::{Case, Recording},
     results::{FilterChoice, RecordingFindings, Results, Sensitivity},
     run::{Identification, check_recordings, examine_robot},
@@ -23,8 +24,21 @@ impl Experiment {
     /// # Errors
     /// [`ExperimentError`] for input that cannot be used.
     pub fn run(&self, data: &Path, progress: &mut dyn FnMut(&str)) -> Result<Results, ExperimentError> {
+        self.run_on_threads(data, available_threads(), progress)
+    }
+
+    /// The same on so many threads, on which the results do not depend.
+    ///
+    /// # Errors
+    /// As [`Experiment::run`].
+    pub fn run_on_threads(
+        &self,
+        data: &Path,
+        threads: usize,
+        progress: &mut dyn FnMut(&str),
+    ) -> Result<Results, ExperimentError> {
         progress("reading and filtering the recordings");
-        self.run_on(self.recordings(data)?, data, progress)
+        self.results_of(self.identification(data)?.on_threads(threads), progress)
     }
 
     /// The same on recordings that were read before, as by [`Experiment::recordings`].
@@ -37,7 +51,14 @@ impl Experiment {
         data: &Path,
         progress: &mut dyn FnMut(&str),
     ) -> Result<Results, ExperimentError> {
-        let identification = self.with_validation(recordings, data)?;
+        self.results_of(self.with_validation(recordings, data)?, progress)
+    }
+
+    fn results_of(
+        &self,
+        identification: Identification,
+        progress: &mut dyn FnMut(&str),
+    ) -> Result<Results, ExperimentError> {
         let results = identification.run_with_progress(progress).map_err(|e| self.refuse(e))?;
         Ok(Results {
             title: self.file.title.clone(),

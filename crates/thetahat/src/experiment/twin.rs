@@ -7,8 +7,11 @@ use super::{
 };
 use crate::{
     base_parameters::BaseParameters,
+    digest::sha256,
     dynamics::Model,
+    files,
     preparation::{PreparationError, Recording},
+    recording::ChannelSource,
     results::TwinRecord,
     robot::JointKind,
     scheduling::closed_loop,
@@ -167,6 +170,21 @@ impl Experiment {
         let (found, expected) = (positions.len(), "positions of a motion of two samples at least");
         PreparationError::require(found > 1, "[twin] reference", expected, found).map_err(|e| self.refuse(e))?;
         Ok(TwinReference::Sampled(positions))
+    }
+
+    /// SHA-256 of the file that the twin follows, in hexadecimal digits; none where it follows moves. The experiment's text names the
+    /// file and does not hold it, so that records of two motions can have one text.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] for a file that cannot be read.
+    pub fn reference_sha256(&self) -> Result<Option<String>, ExperimentError> {
+        let followed = self.file.twin.as_ref().and_then(|twin| twin.reference.as_ref());
+        let digest = |source: &ChannelSource| {
+            let path = paths::beside(&self.path, "[twin] reference", &source.file)?;
+            let content = files::read(&path);
+            content.map(|c| sha256(&c)).map_err(|e| ExperimentError::Unreadable { path, reason: e.to_string() })
+        };
+        followed.map(digest).transpose()
     }
 
     fn plan(&self, twin: &TwinDescription) -> Result<Moves, ExperimentError> {

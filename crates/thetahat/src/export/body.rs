@@ -1,9 +1,6 @@
 //! A link's inertial parameters as mass, centre of mass and inertia about it, as most formats have them.
 
-use crate::{
-    robot::{INERTIAL, Quantity, Robot},
-    vector::{Mat3, Vec3, dot, scale},
-};
+use crate::vector::{Mat3, Vec3, dot, scale};
 
 /// A body in the axes of its link's frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,10 +32,4 @@ impl Body {
         let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = self.inertia;
         [xx, xy, xz, yy, yz, zz]
     }
-}
-
-/// The inertial parameters of link `k` among standard parameters.
-pub(super) fn inertial_of(robot: &Robot, parameters: &[f64], k: usize) -> [f64; 10] {
-    let table = robot.parameter_table();
-    INERTIAL.map(|quantity| table.index(Quantity::Link(quantity), k).map_or(0.0, |i| parameters[i]))
 }

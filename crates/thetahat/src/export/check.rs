@@ -24,8 +24,8 @@ impl Export {
     /// robot. Returns the largest difference, relative to the largest torque of its state.
     ///
     /// # Errors
-    /// [`ExportError::NoReader`] for formats that are not read, [`ExportError::Robot`] where the file cannot be read, and
-    /// [`ExportError::RoundTrip`] for a difference above 1e-9.
+    /// [`ExportError::NoReader`] for formats that are not read, [`ExportError::Robot`] where the file cannot be read,
+    /// [`ExportError::OtherJoints`], and [`ExportError::RoundTrip`] for a difference above 1e-9.
     pub fn check(&self) -> Result<f64, ExportError> {
         match self.format {
             Format::Urdf => compare(&self.said, &read_back(&self.text, &self.said.robot)?),
@@ -38,18 +38,25 @@ impl Export {
 fn read_back(text: &str, exported: &Robot) -> Result<Robot, RobotError> {
     let path = Path::new("the export");
     let whole = RobotSource::from_text(text.to_owned(), path)?.robot_without_transmission()?;
-    let is_free = |name: &str| whole.joints.iter().any(|j| j.name == name && j.mimic.is_none());
-    let locked = exported.locked.iter().filter(|l| is_free(&l.name)).map(|l| (l.name.clone(), l.value)).collect();
     let robot = whole
-        .with_locks(&Locks { locked, until: Vec::new() })
+        .with_locks(&Locks::restating(&exported.locked, &whole.joints))
         .map_err(|source| RobotError::Lock { path: path.to_owned(), source: Box::new(source) })?;
     Ok(Robot { gravity: exported.gravity, ..robot })
 }
 
+/// The place of each joint that was read among those of the robot: the file may list them in another order.
+fn order(names: &[&str], back: &Robot) -> Result<Vec<usize>, ExportError> {
+    let found: Vec<&str> = back.coordinates().map(|j| j.name.as_str()).collect();
+    let order: Option<Vec<usize>> = found.iter().map(|own| names.iter().position(|name| name == own)).collect();
+    order.filter(|order| order.len() == names.len()).ok_or_else(|| {
+        let [found, expected] = [&found, names].map(|all| all.iter().map(|&name| name.to_owned()).collect());
+        ExportError::OtherJoints { found, expected }
+    })
+}
+
 fn compare(said: &Said, back: &Robot) -> Result<f64, ExportError> {
     let names: Vec<&str> = said.robot.coordinates().map(|j| j.name.as_str()).collect();
-    // The file may list the joints in another order.
-    let order: Vec<usize> = back.coordinates().filter_map(|j| names.iter().position(|name| *name == j.name)).collect();
+    let order = order(&names, back)?;
     let (exported, read) = (Torques::of(&said.robot, &said.parameters), Torques::of(back, &back.a_priori_parameters()));
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
     let mut worst = (0.0, 0);
@@ -65,7 +72,7 @@ fn compare(said: &Said, back: &Robot) -> Result<f64, ExportError> {
             }
         }
     }
-    if worst.0 <= TOLERANCE && order.len() == names.len() {
+    if worst.0 <= TOLERANCE {
         return Ok(worst.0);
     }
     Err(ExportError::RoundTrip { joint: names[worst.1].to_owned(), difference: worst.0 })

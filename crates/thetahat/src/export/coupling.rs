@@ -6,7 +6,7 @@
 
 use crate::{
     dynamics::{CoupledMotor, Model},
-    robot::{JointQuantity, MotorQuantity, ParameterTable, Quantity, Robot},
+    robot::{JointQuantity, MotorQuantity, Quantity, Robot},
 };
 
 /// A motor that turns with several joints.
@@ -33,7 +33,7 @@ const VISCOUS: Pair = Pair { own: JointQuantity::Fv, cross: MotorQuantity::Fvm }
 /// The tendons of a robot's coupled motors.
 pub(super) fn tendons(robot: &Robot, parameters: &[f64]) -> Vec<Tendon> {
     let (model, table, joints) = (Model::new(robot), robot.parameter_table(), robot.coordinate_joints());
-    let of = |quantity, motor| value(&table, parameters, Quantity::Motor(quantity), motor);
+    let of = |quantity, motor| table.value(parameters, Quantity::Motor(quantity), motor);
     let tendon = |motor: &CoupledMotor| Tendon {
         motor: motor.motor,
         joints: motor.weights.iter().map(|&(c, weight)| (joints[c], weight)).collect(),
@@ -59,10 +59,6 @@ pub(super) fn beside(robot: &Robot, parameters: &[f64], tendons: &[Tendon], join
 fn rest_of(robot: &Robot, parameters: &[f64], tendons: &[Tendon], pair: &Pair, joint: usize) -> f64 {
     let of_tendon = |t: &Tendon| if pair.cross == MotorQuantity::Iam { t.armature } else { t.damping };
     let weight = |t: &Tendon| t.joints.iter().find(|(j, _)| *j == joint).map_or(0.0, |(_, w)| w * w);
-    let own = value(&robot.parameter_table(), parameters, Quantity::Joint(pair.own), joint);
+    let own = robot.parameter_table().value(parameters, Quantity::Joint(pair.own), joint);
     own - tendons.iter().map(|t| weight(t) * of_tendon(t)).sum::<f64>()
-}
-
-fn value(table: &ParameterTable, parameters: &[f64], quantity: Quantity, joint: usize) -> f64 {
-    table.index(quantity, joint).map_or(0.0, |i| parameters[i])
 }

@@ -5,6 +5,11 @@ use crate::{
     vector::{IDENTITY, Mat3, Vec3, product, transpose, transpose_times},
 };
 
+/// The name of link `k` in a file that is written anew.
+pub(super) fn link_name(k: usize) -> String {
+    format!("link_{}", k + 1)
+}
+
 /// A link's frame at coordinate zero, in the frame of the link that carries it, or of the base.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LinkFrame {

@@ -53,13 +53,18 @@ struct TransmissionEntry<'a> {
 #[derive(Serialize)]
 struct Value {
     value: f64,
+    /// What friction by load takes masses from.
+    a_priori: f64,
     unit: String,
 }
 
 /// The JSON of a robot; `about` says where it comes from.
 pub(super) fn json(said: &Said, about: &[String]) -> Result<String, serde_json::Error> {
     let robot = &said.robot;
-    let value = |(p, v): (&Parameter, &f64)| (p.name(), Value { value: *v, unit: p.unit.to_string() });
+    let a_priori = robot.a_priori_parameters();
+    let value = |((p, value), a_priori): ((&Parameter, &f64), &f64)| {
+        (p.name(), Value { value: *value, a_priori: *a_priori, unit: p.unit.to_string() })
+    };
     let matrix = robot.transmission.matrix();
     let model = Model {
         thetahat: env!("CARGO_PKG_VERSION"),
@@ -75,7 +80,7 @@ pub(super) fn json(said: &Said, about: &[String]) -> Result<String, serde_json::
             drive_gain: robot.transmission.drive_gain(),
         },
         terms: &robot.term_descriptions,
-        parameters: robot.parameter_table().iter().zip(&said.parameters).map(value).collect(),
+        parameters: said.table.iter().zip(&said.parameters).zip(&a_priori).map(value).collect(),
     };
     Ok(serde_json::to_string_pretty(&model)? + "\n")
 }

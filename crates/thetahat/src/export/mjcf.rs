@@ -1,9 +1,9 @@
 //! A new MJCF of a robot: MuJoCo's model file.
 
 use super::{
-    body::{Body, inertial_of},
+    body::Body,
     coupling::beside,
-    frames::LinkFrame,
+    frames::{LinkFrame, link_name},
     said::Said,
     xml::{escaped, number, numbers},
 };
@@ -33,8 +33,8 @@ fn add_body(said: &Said, k: usize, depth: usize, lines: &mut Vec<String>) {
     let space = "  ".repeat(depth);
     let frame = LinkFrame::of(&said.robot, k);
     lines.push(format!(
-        "{space}<body name=\"link_{}\" pos=\"{}\" quat=\"{}\">",
-        k + 1,
+        "{space}<body name=\"{}\" pos=\"{}\" quat=\"{}\">",
+        link_name(k),
         numbers(&frame.origin),
         numbers(&frame.quaternion())
     ));
@@ -46,7 +46,7 @@ fn add_body(said: &Said, k: usize, depth: usize, lines: &mut Vec<String>) {
 }
 
 fn inertial(said: &Said, k: usize) -> String {
-    let body = Body::new(inertial_of(&said.robot, &said.parameters, k));
+    let body = Body::new(said.inertial_of(k));
     let [xx, xy, xz, yy, yz, zz] = body.six();
     format!(
         "<inertial pos=\"{}\" mass=\"{}\" fullinertia=\"{}\"/>",

@@ -1,42 +1,59 @@
 //! What results say of the base parameters, and the consistent standard parameters nearest to the a-priori ones that have
 //! them.
 
-use super::error::ExportError;
+use std::path::PathBuf;
+
+use super::{
+    error::ExportError,
+    provenance::{Provenance, provenance},
+    uncertainty::Uncertainty,
+};
 use crate::{
     base_parameters::BaseParameters,
-    consistency::{ConsistencyError, ConsistentFit, ConsistentSet, Known, LeastSquares, Prior, fit, mass_factor},
+    consistency::{ConsistencyError, ConsistentSet, Known, LeastSquares, Prior, dependence_on_base, fit, mass_factor},
+    experiment::IdentifiedRobot,
     identification::Method,
-    linear_algebra::Matrix,
-    preparation::{Setup, consistent_set_of},
+    linear_algebra::{Matrix, PivotedQr},
+    preparation::{KnownQuantity, consistent_set_of},
     results::{ParameterResult, RunResult},
-    robot::{Quantity, Robot},
+    robot::{ParameterTable, Quantity},
 };
 
 /// Weight of the divergence from the a-priori parameters beside the distance from the estimate in its variances: it decides
 /// what the data leave free, and nothing that they say anything about.
-const WEIGHT: f64 = 1e-3;
-/// Half the width of an interval in standard deviations, where the results hold none.
-const HALF_WIDTH: f64 = 1.96;
+const PRIOR: Prior = Prior::LogDet { weight: 1e-3 };
 
 /// The estimates of a run with their uncertainty, and the set of standard parameters that a robot can have.
 #[derive(Debug, Clone)]
 pub(super) struct Posterior {
-    pub(super) method: Method,
+    /// The file of the results, for messages.
+    path: PathBuf,
+    method: Method,
     pub(super) set: ConsistentSet,
+    /// The part of the set that has the base parameters at zero that were not estimated, as the identified model has; none
+    /// where all were.
+    held: Option<ConsistentSet>,
     /// The base parameters that were estimated.
     pub(super) base: BaseParameters,
-    pub(super) estimate: Vec<f64>,
-    /// Standard deviations with correlated errors, or else classical ones.
-    pub(super) deviation: Vec<Option<f64>>,
-    intervals: Vec<Option<[f64; 2]>>,
-    /// Covariance of the estimates; of results of before that key it is diagonal.
-    pub(super) covariance: Option<Matrix>,
+    /// Those that were not.
+    left_out: BaseParameters,
+    pub(super) estimates: Vec<ParameterResult>,
+    pub(super) uncertainty: Option<Uncertainty>,
+    /// Where each standard parameter comes from.
+    pub(super) provenance: Vec<Provenance>,
     /// Deviations by which the estimate is outside of the set.
     outside: Option<f64>,
     /// Whether the data reject every consistent robot; none where that was not tested.
     pub(super) rejects: Option<bool>,
     /// The consistent estimate in the results.
     consistent: Option<Vec<f64>>,
+}
+
+/// The covariance of the exported parameters.
+#[derive(Debug, Clone)]
+pub(super) struct ExportedCovariance {
+    pub(super) base: Matrix,
+    pub(super) standard: Matrix,
 }
 
 /// How standard parameters keep the base parameters.
@@ -51,164 +68,219 @@ pub(super) enum Kept {
 }
 
 impl Posterior {
-    pub(super) fn new(setup: Setup<'_>, base: BaseParameters, run: &RunResult) -> Result<Self, ExportError> {
-        let found = |name: &String| run.parameter(name);
-        let names: Vec<String> = base.parameters().iter().map(|p| p.name.clone()).collect();
-        let of = |f: &dyn Fn(&ParameterResult) -> Option<f64>| names.iter().map(|n| found(n).and_then(f)).collect();
-        let estimate: Vec<f64> = names.iter().map(|name| found(name).map_or(0.0, |p| p.estimate)).collect();
-        let deviation: Vec<Option<f64>> = of(&|p| p.standard_deviation_robust.or(p.standard_deviation));
-        let covariance = covariance(&names, run, &deviation);
-        let whitening = covariance.as_ref().and_then(whitening);
-        let factor = |a_priori: &[f64]| {
-            let data = LeastSquares::nearest(whitening.as_ref()?, &estimate, &base, a_priori.len()).ok()?;
-            mass_factor(&data, &setup.robot.parameter_table(), a_priori)
+    pub(super) fn new(identified: &IdentifiedRobot) -> Result<Self, ExportError> {
+        let IdentifiedRobot { robot, settings, run, base: whole, .. } = identified;
+        let path = identified.files.first().cloned().unwrap_or_default();
+        let estimated: Vec<usize> =
+            whole.parameters().iter().filter(|p| run.parameter(&p.name).is_some()).map(|p| p.kept).collect();
+        let base = whole.filtered(|kept| estimated.contains(&kept));
+        let estimates: Vec<ParameterResult> =
+            base.parameters().iter().filter_map(|p| run.parameter(&p.name)).cloned().collect();
+        let uncertainty = Uncertainty::of(run, &estimates);
+        let values: Vec<f64> = estimates.iter().map(|p| p.estimate).collect();
+        let mass_factor = |a_priori: &[f64]| {
+            let whitening = uncertainty.as_ref()?.whitening()?;
+            let data = LeastSquares::nearest(whitening, &values, &base, a_priori.len()).ok()?;
+            mass_factor(&data, &robot.parameter_table(), a_priori)
         };
-        let set = consistent_set_of(setup, setup.robot, factor)?;
-        let table = set.parameter_table().clone();
+        let set = consistent_set_of(identified.setup(), robot, mass_factor)
+            .map_err(|source| ExportError::Consistency { path: path.clone(), source })?;
         let physical = run.physical.as_ref();
-        let consistent = physical.and_then(|p| p.estimate.as_ref()).map(|estimate| {
-            let value = |name: &str| estimate.standard.iter().find(|p| p.name == name).map_or(0.0, |p| p.estimate);
-            table.iter().map(|p| value(&p.name())).collect()
-        });
-        let posterior = Self {
+        let mut posterior = Self {
             method: run.method,
-            intervals: names.iter().map(|name| found(name).and_then(|p| p.interval_95)).collect(),
+            provenance: provenance(&base, &settings.parameters, set.parameter_table()),
+            consistent: consistent_estimate(run, set.parameter_table()),
             outside: physical.and_then(|p| p.deviations),
             rejects: physical.and_then(|p| p.rejects()),
+            left_out: whole.filtered(|kept| !estimated.contains(&kept)),
+            held: None,
+            path,
             set,
             base,
-            estimate,
-            deviation,
-            covariance,
-            consistent,
+            estimates,
+            uncertainty,
         };
-        posterior.with_zeros(setup.robot, &setup.settings.parameters.fix.keys().cloned().collect::<Vec<_>>())
+        posterior.set_zeros(&settings.parameters.known)?;
+        posterior.held = posterior.holding()?;
+        Ok(posterior)
     }
 
     /// What was not estimated is not in the identified model: friction, offsets and torque terms are zero, and motor inertias
-    /// that have no a-priori value.
-    fn with_zeros(mut self, robot: &Robot, fixed: &[String]) -> Result<Self, ExportError> {
-        let table = robot.parameter_table();
-        let estimated = self.estimated();
+    /// that have no a-priori value; not so what is known of them.
+    fn set_zeros(&mut self, known: &[KnownQuantity]) -> Result<(), ExportError> {
+        let known: Vec<String> = known.iter().flat_map(KnownQuantity::named).collect();
+        let table = self.set.parameter_table().clone();
         for (i, parameter) in table.iter().enumerate() {
-            let given = parameter.quantity.is_motor_inertia() && self.set.a_priori()[i] > 0.0;
+            let has_a_priori = parameter.quantity.is_motor_inertia() && self.set.a_priori()[i] > 0.0;
+            let stays = has_a_priori || matches!(parameter.quantity, Quantity::Link(_));
             let name = parameter.name();
-            if estimated[i] || given || matches!(parameter.quantity, Quantity::Link(_)) || fixed.contains(&name) {
+            if self.provenance[i] != Provenance::APriori || stays || known.contains(&name) {
                 continue;
             }
-            if let Some(standard) = &mut self.consistent {
-                standard[i] = 0.0;
-            }
-            self.set = self.set.with_known(&Known::Value { parameter: name, value: 0.0 })?;
+            self.provenance[i] = Provenance::Zero;
+            self.consistent.iter_mut().for_each(|standard| standard[i] = 0.0);
+            let zero = Known::Value { parameter: name, value: 0.0 };
+            self.set = self.set.clone().with_known(&zero).map_err(|e| self.refuse(e))?;
         }
-        Ok(self)
+        Ok(())
     }
 
-    /// Which standard parameters are in an estimated base parameter.
-    pub(super) fn estimated(&self) -> Vec<bool> {
-        let mut estimated = vec![false; self.set.parameter_table().len()];
-        for parameter in self.base.parameters() {
-            parameter.regrouped.iter().map(|r| r.0).chain([parameter.kept]).for_each(|i| estimated[i] = true);
-        }
-        estimated
+    /// The part of the set with the base parameters at zero that were not estimated, but for those that are given.
+    fn holding(&self) -> Result<Option<ConsistentSet>, ExportError> {
+        let left_out = self.left_out.filtered(|kept| self.provenance[kept] != Provenance::Given);
+        let zeros = vec![[0.0; 2]; left_out.len()];
+        let held = self.set.clone().with_base_between(&left_out, &zeros).map_err(|e| self.refuse(e))?;
+        Ok((!left_out.is_empty()).then_some(held))
     }
 
     /// The standard parameters to export: the consistent estimate of the results, or else those nearest to the a-priori ones
-    /// that keep the base parameters.
-    pub(super) fn standard(&self) -> Result<(Vec<f64>, Kept), ExportError> {
+    /// that keep the base parameters. Those that were not estimated stay at zero where some robot has them there; the samples
+    /// do as the export does.
+    pub(super) fn choose(&mut self) -> Result<(Vec<f64>, Kept), ExportError> {
         if let Some(consistent) = &self.consistent {
             return Ok((consistent.clone(), Kept::ConsistentEstimate));
         }
-        match self.keeping(&self.estimate) {
-            Ok(fit) => Ok((fit.standard, Kept::AtEstimates)),
-            Err(ConsistencyError::NoInterior { .. }) => Ok((self.within_intervals()?, Kept::WithinIntervals)),
-            Err(error) => Err(error.into()),
+        let estimates: Vec<f64> = self.estimates.iter().map(|p| p.estimate).collect();
+        match self.first_with_room(|set| self.keeping(set, &estimates)) {
+            Ok((holds, standard)) => Ok((self.settle(holds, standard), Kept::AtEstimates)),
+            Err(error) if lacks_room(&error) => {
+                let (holds, standard) = self.within_intervals(&estimates)?;
+                Ok((self.settle(holds, standard), Kept::WithinIntervals))
+            }
+            Err(error) => Err(self.refuse(error)),
+        }
+    }
+
+    /// Takes over whether what was not estimated is held at zero.
+    fn settle(&mut self, holds: bool, standard: Vec<f64>) -> Vec<f64> {
+        let held = self.held.take().filter(|_| holds);
+        if let Some(held) = held {
+            self.set = held;
+            for parameter in self.left_out.parameters() {
+                let in_sums = parameter.regrouped.iter().map(|r| r.0).chain([parameter.kept]);
+                let found = if parameter.regrouped.is_empty() { Provenance::Zero } else { Provenance::InSums };
+                for i in in_sums.filter(|i| self.provenance[*i] == Provenance::APriori).collect::<Vec<_>>() {
+                    self.provenance[i] = found;
+                }
+            }
+        }
+        standard
+    }
+
+    /// What an attempt finds with the base parameters held that were not estimated, or else with these free; and whether they
+    /// are held.
+    fn first_with_room(
+        &self,
+        attempt: impl Fn(&ConsistentSet) -> Result<Vec<f64>, ConsistencyError>,
+    ) -> Result<(bool, Vec<f64>), ConsistencyError> {
+        match self.held.as_ref().map(&attempt) {
+            Some(Ok(standard)) => Ok((true, standard)),
+            Some(Err(error)) if !lacks_room(&error) => Err(error),
+            Some(Err(_)) | None => attempt(&self.set).map(|standard| (false, standard)),
         }
     }
 
     /// Of the consistent parameters that have these base parameters, those nearest to the a-priori ones; where no consistent
     /// parameters have them, those nearest to them in the metric of the covariance.
     pub(super) fn nearest(&self, base: &[f64]) -> Result<Vec<f64>, ExportError> {
-        match self.keeping(base) {
-            Ok(fit) => Ok(fit.standard),
-            Err(ConsistencyError::NoInterior { .. }) => {
-                Ok(fit(&self.set, &self.distance(base)?, PRIOR, None)?.standard)
+        match self.keeping(&self.set, base) {
+            Err(error) if lacks_room(&error) => {
+                let found = fit(&self.set, &self.distance(base)?, PRIOR, None);
+                found.map(|fit| fit.standard).map_err(|e| self.refuse(e))
             }
-            Err(error) => Err(error.into()),
+            found => found.map_err(|e| self.refuse(e)),
         }
     }
 
-    /// Minimises `sum_l D(P_l | P_l0)` with the base parameters held.
-    fn keeping(&self, base: &[f64]) -> Result<ConsistentFit, ConsistencyError> {
+    /// Minimises `sum_l D(P_l | P_l0)` with the estimated base parameters held.
+    fn keeping(&self, set: &ConsistentSet, base: &[f64]) -> Result<Vec<f64>, ConsistencyError> {
         let bounds: Vec<[f64; 2]> = base.iter().map(|v| [*v, *v]).collect();
-        let set = self.set.clone().with_base_between(&self.base, &bounds)?;
+        let set = set.clone().with_base_between(&self.base, &bounds)?;
         let count = set.parameter_table().len();
         let nothing = LeastSquares::in_standard(Matrix::zeros(1, count), vec![0.0]);
-        fit(&set, &nothing, Prior::LogDet { weight: 1.0 }, None)
+        Ok(fit(&set, &nothing, Prior::LogDet { weight: 1.0 }, None)?.standard)
     }
 
     /// Minimises the distance from the estimate; if that leaves an interval, with the intervals as conditions.
-    fn within_intervals(&self) -> Result<Vec<f64>, ExportError> {
-        let distance = self.distance(&self.estimate)?;
-        let standard = fit(&self.set, &distance, PRIOR, None)?.standard;
-        let intervals = self.all_intervals()?;
-        let base = self.base.from_standard(&standard);
-        if base.iter().zip(&intervals).all(|(v, [low, high])| (low..=high).contains(&v)) {
-            return Ok(standard);
-        }
-        let bounded = self.set.clone().with_base_between(&self.base, &intervals)?;
-        match fit(&bounded, &distance, PRIOR, Some(&standard)) {
-            Ok(fit) => Ok(fit.standard),
-            Err(ConsistencyError::NoInterior { conflicting, .. }) => {
-                Err(ExportError::NotConsistent { method: self.method, deviations: self.outside, conflicting })
+    fn within_intervals(&self, estimates: &[f64]) -> Result<(bool, Vec<f64>), ExportError> {
+        let distance = self.distance(estimates)?;
+        let intervals: Option<Vec<[f64; 2]>> = self.estimates.iter().map(ParameterResult::interval).collect();
+        let intervals = intervals.ok_or_else(|| self.no_deviations())?;
+        let found = self.first_with_room(|set| {
+            let standard = fit(set, &distance, PRIOR, None)?.standard;
+            let base = self.base.from_standard(&standard);
+            if base.iter().zip(&intervals).all(|(v, [low, high])| (low..=high).contains(&v)) {
+                return Ok(standard);
             }
-            Err(error) => Err(error.into()),
-        }
+            let bounded = set.clone().with_base_between(&self.base, &intervals)?;
+            Ok(fit(&bounded, &distance, PRIOR, Some(&standard))?.standard)
+        });
+        found.map_err(|error| {
+            let ConsistencyError::NoInterior { conflicting, .. } = error else { return self.refuse(error) };
+            let (path, method, deviations) = (self.path.clone(), self.method, self.outside);
+            ExportError::NotConsistent { path, method, deviations, conflicting }
+        })
     }
 
     /// `|R (K theta - base)|^2` with `R^T R` the inverse of the covariance.
     fn distance(&self, base: &[f64]) -> Result<LeastSquares, ExportError> {
-        let whitening = self.covariance.as_ref().and_then(whitening);
-        let whitening = whitening.ok_or(ExportError::NoDeviations { method: self.method })?;
-        Ok(LeastSquares::nearest(&whitening, base, &self.base, self.set.parameter_table().len())?)
+        let whitening = self.known_uncertainty()?.whitening().ok_or_else(|| self.singular())?;
+        LeastSquares::nearest(whitening, base, &self.base, self.set.parameter_table().len()).map_err(|e| self.refuse(e))
     }
 
-    fn all_intervals(&self) -> Result<Vec<[f64; 2]>, ExportError> {
-        let interval = |i: usize| {
-            let about = |d: f64| [self.estimate[i] - HALF_WIDTH * d, self.estimate[i] + HALF_WIDTH * d];
-            self.intervals[i].or(self.deviation[i].map(about))
+    /// Base parameters from the normal distribution about the estimates, of independent standard normal numbers.
+    pub(super) fn drawn(&self, normal: &[f64]) -> Result<Vec<f64>, ExportError> {
+        self.known_uncertainty()?.drawn(&self.estimates, normal).ok_or_else(|| self.singular())
+    }
+
+    /// The covariance of the base parameters with what is known of them, and to first order that of the standard parameters.
+    pub(super) fn covariance_at(&self, standard: &[f64]) -> Result<ExportedCovariance, ExportError> {
+        let uncertainty = self.known_uncertainty()?;
+        let by = dependence_on_base(&self.set, &self.base, standard).map_err(|e| self.refuse(e))?;
+        if by.base.columns() == self.base.len() {
+            return Ok(ExportedCovariance {
+                base: uncertainty.covariance.clone(),
+                standard: image(&by.standard, &uncertainty.covariance),
+            });
+        }
+        let whitening = uncertainty.whitening().ok_or_else(|| self.singular())?;
+        let of_free = match by.base.columns() {
+            0 => Matrix::zeros(0, 0),
+            _ => PivotedQr::with_equal_columns(&whitening.times_matrix(&by.base)).inverse_gram(),
         };
-        let all = (0..self.base.len()).map(interval).collect::<Option<Vec<_>>>();
-        all.ok_or(ExportError::NoDeviations { method: self.method })
+        Ok(ExportedCovariance { base: image(&by.base, &of_free), standard: image(&by.standard, &of_free) })
+    }
+
+    fn known_uncertainty(&self) -> Result<&Uncertainty, ExportError> {
+        self.uncertainty.as_ref().ok_or_else(|| self.no_deviations())
+    }
+
+    fn no_deviations(&self) -> ExportError {
+        ExportError::NoDeviations { path: self.path.clone(), method: self.method }
+    }
+
+    fn singular(&self) -> ExportError {
+        ExportError::SingularCovariance { path: self.path.clone(), method: self.method }
+    }
+
+    fn refuse(&self, source: ConsistencyError) -> ExportError {
+        ExportError::Consistency { path: self.path.clone(), source }
     }
 }
 
-const PRIOR: Prior = Prior::LogDet { weight: WEIGHT };
-
-/// The covariance of the named parameters of a run; none where it has no deviations.
-fn covariance(names: &[String], run: &RunResult, deviation: &[Option<f64>]) -> Option<Matrix> {
-    let (n, count) = (names.len(), run.parameters.len());
-    if run.covariance.len() == count * (count + 1) / 2 {
-        let place = |name: &String| run.parameters.iter().position(|p| p.name == *name);
-        let places = names.iter().map(place).collect::<Option<Vec<_>>>()?;
-        let at = |i: usize, j: usize| {
-            let (row, column) = (places[i].max(places[j]), places[i].min(places[j]));
-            run.covariance[row * (row + 1) / 2 + column]
-        };
-        return Some(Matrix::from_fn(n, n, at));
-    }
-    let deviation = deviation.iter().copied().collect::<Option<Vec<f64>>>()?;
-    Some(Matrix::from_fn(n, n, |i, j| if i == j { deviation[i] * deviation[i] } else { 0.0 }))
+/// Whether there are no parameters to find, known values that exclude the wanted ones included.
+fn lacks_room(error: &ConsistencyError) -> bool {
+    matches!(error, ConsistencyError::NoInterior { .. } | ConsistencyError::ContradictoryValues { .. })
 }
 
-/// `R` with `R^T R = C^-1`: the inverse of the lower factor of the correlations, with the deviations taken out.
-fn whitening(covariance: &Matrix) -> Option<Matrix> {
-    let n = covariance.rows();
-    let deviation: Vec<f64> = (0..n).map(|i| covariance.at(i, i).sqrt()).collect();
-    if !deviation.iter().all(|d| d.is_finite() && *d > 0.0) {
-        return None;
-    }
-    let correlation = Matrix::from_fn(n, n, |i, j| covariance.at(i, j) / (deviation[i] * deviation[j]));
-    let inverse = correlation.cholesky()?.lower().inverse()?;
-    Some(Matrix::from_fn(n, n, |i, j| inverse.at(i, j) / deviation[j]))
+/// `G C G^T`.
+fn image(g: &Matrix, covariance: &Matrix) -> Matrix {
+    g.times_matrix(covariance).times_transposed(g)
+}
+
+/// The consistent estimate of a run, in the order of the table.
+fn consistent_estimate(run: &RunResult, table: &ParameterTable) -> Option<Vec<f64>> {
+    let estimate = run.physical.as_ref()?.estimate.as_ref()?;
+    let value = |name: &str| estimate.standard.iter().find(|p| p.name == name).map_or(0.0, |p| p.estimate);
+    Some(table.iter().map(|p| value(&p.name())).collect())
 }

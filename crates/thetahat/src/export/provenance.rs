@@ -1,6 +1,12 @@
 //! Where exported standard parameters come from.
 
-use super::posterior::Posterior;
+use super::uncertainty::deviation;
+use crate::{
+    base_parameters::{BaseParameter, BaseParameters},
+    experiment::IdentifiedRobot,
+    preparation::{KnownQuantity, ParameterSelection},
+    robot::ParameterTable,
+};
 
 /// What the identification says of a standard parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -9,7 +15,11 @@ pub enum Provenance {
     Identified,
     /// It is identified as part of a sum with others alone; the a-priori values say how the sum is shared out.
     InSums,
-    /// No estimate holds it: its value is the a-priori one, as far as the robot is one of bodies, or zero.
+    /// The experiment gives its value.
+    Given,
+    /// It is not in the identified model, which has it at zero.
+    Zero,
+    /// No estimate holds it: its value is the a-priori one, as far as the robot is one of bodies.
     APriori,
 }
 
@@ -20,6 +30,8 @@ impl Provenance {
         match self {
             Self::Identified => "identified",
             Self::InSums => "in sums",
+            Self::Given => "given",
+            Self::Zero => "zero",
             Self::APriori => "a priori",
         }
     }
@@ -40,33 +52,45 @@ pub struct MovedParameter {
     pub deviations: Option<f64>,
 }
 
-/// Difference of a base parameter from its estimate, relative to the estimate or in deviations, that is rounding.
+/// Difference of a base parameter from its estimate that is rounding: relative to the estimate, in deviations, or relative to the
+/// terms of one that has none.
 const ROUNDING: f64 = 1e-6;
 
-/// Of each standard parameter.
-pub(super) fn provenance(posterior: &Posterior) -> Vec<Provenance> {
-    let mut all: Vec<Provenance> = vec![Provenance::APriori; posterior.set.parameter_table().len()];
-    for parameter in posterior.base.parameters() {
+/// Of each standard parameter, as far as the estimates and what is given say it.
+pub(super) fn provenance(
+    estimated: &BaseParameters,
+    selection: &ParameterSelection,
+    table: &ParameterTable,
+) -> Vec<Provenance> {
+    let mut all = vec![Provenance::APriori; table.len()];
+    for parameter in estimated.parameters() {
         let alone = parameter.regrouped.is_empty();
         all[parameter.kept] = if alone { Provenance::Identified } else { Provenance::InSums };
         parameter.regrouped.iter().for_each(|&(i, _)| all[i] = Provenance::InSums);
     }
+    let mut set = |name: &str, to: Provenance| table.index_of(name).into_iter().for_each(|i| all[i] = to);
+    selection.exclude.iter().for_each(|name| set(name, Provenance::Zero));
+    let known = selection.known.iter().filter_map(KnownQuantity::given);
+    selection.fix.keys().cloned().chain(known).for_each(|name| set(&name, Provenance::Given));
     all
 }
 
-/// The base parameters that standard parameters do not keep at their estimates, those moved most first.
-pub(super) fn moved(posterior: &Posterior, standard: &[f64]) -> Vec<MovedParameter> {
-    let exported = posterior.base.from_standard(standard);
+/// The base parameters that standard parameters do not keep at their estimates, those moved most first. What was not
+/// estimated is zero in the identified model.
+pub(super) fn moved(identified: &IdentifiedRobot, standard: &[f64]) -> Vec<MovedParameter> {
+    let (base, estimates) = (&identified.base, identified.estimates());
+    let exported = base.from_standard(standard);
     let mut moved: Vec<MovedParameter> = Vec::new();
-    for (i, parameter) in posterior.base.parameters().iter().enumerate() {
-        let (estimate, deviation) = (posterior.estimate[i], posterior.deviation[i]);
-        let difference = exported[i] - estimate;
-        if difference.abs() > ROUNDING * estimate.abs().max(deviation.unwrap_or(0.0)) {
+    for ((parameter, estimate), exported) in base.parameters().iter().zip(estimates).zip(exported) {
+        let deviation = identified.run.parameter(&parameter.name).and_then(deviation);
+        let difference = exported - estimate;
+        let usual = deviation.unwrap_or_else(|| size_of_terms(parameter, standard));
+        if difference.abs() > ROUNDING * estimate.abs().max(usual) {
             moved.push(MovedParameter {
                 name: parameter.name.clone(),
                 unit: parameter.unit.to_string(),
                 estimate,
-                exported: exported[i],
+                exported,
                 deviations: deviation.filter(|d| *d > 0.0).map(|d| difference / d),
             });
         }
@@ -74,4 +98,8 @@ pub(super) fn moved(posterior: &Posterior, standard: &[f64]) -> Vec<MovedParamet
     let size = |m: &MovedParameter| m.deviations.map_or(f64::INFINITY, f64::abs);
     moved.sort_by(|a, b| size(b).total_cmp(&size(a)));
     moved
+}
+
+fn size_of_terms(parameter: &BaseParameter, standard: &[f64]) -> f64 {
+    standard[parameter.kept].abs() + parameter.regrouped.iter().map(|&(i, c)| (c * standard[i]).abs()).sum::<f64>()
 }

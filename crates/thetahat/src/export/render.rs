@@ -66,17 +66,10 @@ pub fn export_robot(
             notes = edited.notes;
             text
         }
-        (Format::Urdf, None) => urdf_new::urdf(&said, &header(&[]), reductions(robot).as_deref()),
+        (Format::Urdf, None) => urdf_new::urdf(&said, &header(&[]), robot.transmission.ratios().as_deref()),
         (Format::Mjcf, _) => mjcf(&said, &header(&[])),
         (Format::Sdf, _) => sdf(&said, &header(&[])),
         (Format::Json, _) => json(&said, about)?,
     };
     Ok(Export { format, text, unsaid: said.unsaid.clone(), notes, said })
-}
-
-/// The gear ratio of each coordinate's motor; none where motors are coupled.
-fn reductions(robot: &Robot) -> Option<Vec<f64>> {
-    let matrix = robot.transmission.matrix();
-    let diagonal = (0..matrix.rows()).map(|i| matrix.at(i, i)).collect();
-    robot.transmission.coupled_motors().is_empty().then_some(diagonal)
 }

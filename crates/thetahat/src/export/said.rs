@@ -3,9 +3,14 @@
 use super::{
     coupling::{Tendon, tendons, unsayable},
     format::Format,
-    xml::number,
+    xml::{number, numbers},
 };
-use crate::robot::{Friction, JointQuantity, MotorQuantity, Parameter, Quantity, Robot, Transmission};
+use crate::{
+    linear_algebra::Matrix,
+    robot::{
+        Friction, INERTIAL, JointQuantity, MotorQuantity, Parameter, ParameterTable, Quantity, Robot, Transmission,
+    },
+};
 
 /// Gravity of simulators where a file does not say it, m/s^2.
 const USUAL_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
@@ -15,7 +20,9 @@ const USUAL_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 pub(super) struct Said {
     /// The robot with the friction, drives and terms that the format has.
     pub(super) robot: Robot,
-    /// Its standard parameters.
+    /// Its parameters.
+    pub(super) table: ParameterTable,
+    /// Their values.
     pub(super) parameters: Vec<f64>,
     /// Its coupled motors, where the format has them.
     pub(super) tendons: Vec<Tendon>,
@@ -26,16 +33,28 @@ pub(super) struct Said {
 impl Said {
     /// The value of a quantity of a joint.
     pub(super) fn of_joint(&self, quantity: JointQuantity, joint: usize) -> f64 {
-        value(&self.robot, &self.parameters, Quantity::Joint(quantity), joint)
+        self.table.value(&self.parameters, Quantity::Joint(quantity), joint)
+    }
+
+    /// The inertial parameters of link `k`.
+    pub(super) fn inertial_of(&self, k: usize) -> [f64; 10] {
+        INERTIAL.map(|quantity| self.table.value(&self.parameters, Quantity::Link(quantity), k))
     }
 }
 
 /// What a format says of a robot with standard parameters.
 pub(super) fn said(robot: &Robot, parameters: &[f64], format: Format) -> Said {
-    let of_format = Saying { robot, parameters, format };
+    let table = robot.parameter_table();
     if format == Format::Json {
-        return Said { robot: robot.clone(), parameters: parameters.to_vec(), tendons: Vec::new(), unsaid: Vec::new() };
+        return Said {
+            robot: robot.clone(),
+            table,
+            parameters: parameters.to_vec(),
+            tendons: Vec::new(),
+            unsaid: Vec::new(),
+        };
     }
+    let of_format = Saying { robot, table, parameters, format };
     let transmission = match format {
         Format::Mjcf => robot.transmission.clone(),
         Format::Urdf | Format::Sdf | Format::Json => Transmission::direct(robot.coordinate_count()),
@@ -52,16 +71,13 @@ pub(super) fn said(robot: &Robot, parameters: &[f64], format: Format) -> Said {
     let values: Vec<f64> = table.iter().map(|parameter| of_format.value(parameter, &lost)).collect();
     rest.a_priori = table.iter().map(Parameter::name).zip(values.iter().copied()).collect();
     let tendons = if format == Format::Mjcf { tendons(&rest, &values) } else { Vec::new() };
-    Said { unsaid: of_format.unsaid(&lost), tendons, robot: rest, parameters: values }
-}
-
-fn value(robot: &Robot, parameters: &[f64], quantity: Quantity, joint: usize) -> f64 {
-    robot.parameter_table().index(quantity, joint).map_or(0.0, |i| parameters[i])
+    Said { unsaid: of_format.unsaid(&lost), tendons, robot: rest, table, parameters: values }
 }
 
 /// A robot in a format that cannot say everything.
 struct Saying<'a> {
     robot: &'a Robot,
+    table: ParameterTable,
     parameters: &'a [f64],
     format: Format,
 }
@@ -94,7 +110,7 @@ impl Saying<'_> {
     fn value(&self, parameter: &Parameter, lost: &[MotorQuantity]) -> f64 {
         use JointQuantity::{Fc, Fcn, Fcp, Fv, Fvn, Fvp, Ia, Off};
         let joint = parameter.number - 1;
-        let of = |quantity| value(self.robot, self.parameters, quantity, joint);
+        let of = |quantity| self.table.value(self.parameters, quantity, joint);
         let mean = |a, b| 0.5 * (of(Quantity::Joint(a)) + of(Quantity::Joint(b)));
         match (parameter.quantity, self.robot.friction) {
             (Quantity::Joint(Ia), _) if !self.says_motor_inertia() => 0.0,
@@ -133,7 +149,28 @@ impl Saying<'_> {
         let verb = |what: &str| if what == both { "has" } else { "has no" };
         let line =
             |(what, list): (&str, String)| (!list.is_empty()).then(|| format!("{title} {} {what}: {list}", verb(what)));
-        all.into_iter().filter_map(line).chain(self.unsaid_of_the_tree()).collect()
+        all.into_iter().filter_map(line).chain(self.unsaid_of_drives()).chain(self.unsaid_of_the_tree()).collect()
+    }
+
+    /// Gear ratios, offsets and gains of the motors. The ratios of motors that are not coupled are in a URDF.
+    fn unsaid_of_drives(&self) -> Option<String> {
+        let transmission = &self.robot.transmission;
+        let n = transmission.joints();
+        let says_ratios = self.format == Format::Urdf && transmission.coupled_motors().is_empty();
+        let row = |i: usize| numbers(&(0..n).map(|j| transmission.matrix().at(i, j)).collect::<Vec<_>>());
+        let ratios = if says_ratios || *transmission.matrix() == Matrix::identity(n) {
+            None
+        } else {
+            Some(format!("motor positions per joint positions [{}]", (0..n).map(row).collect::<Vec<_>>().join("; ")))
+        };
+        let of = |what: &str, values: &[f64], usual: f64| {
+            values.iter().any(|v| *v != usual).then(|| format!("{what} {}", numbers(values)))
+        };
+        let offset = of("joint positions at the motors' zero", transmission.offset(), 0.0);
+        let gain = of("drive gains", transmission.drive_gain(), 1.0);
+        let all: Vec<String> = [ratios, offset, gain].into_iter().flatten().collect();
+        let title = self.format.title();
+        (!all.is_empty()).then(|| format!("{title} has no drives; {}, in rad or m", all.join(", ")))
     }
 
     /// Gravity, and joints that follow others.
@@ -156,7 +193,6 @@ impl Saying<'_> {
             let shown = || format!("{} = {} {}", p.name(), number(*v), p.unit).trim_end().to_owned();
             (*v != 0.0 && is_meant(p)).then(shown)
         };
-        let table = self.robot.parameter_table();
-        table.iter().zip(self.parameters).filter_map(with).collect::<Vec<_>>().join(", ")
+        self.table.iter().zip(self.parameters).filter_map(with).collect::<Vec<_>>().join(", ")
     }
 }

@@ -10,7 +10,7 @@ use super::{
     identified::IdentifiedModel,
     render::{Export, export_robot},
 };
-use crate::linear_algebra::Matrix;
+use crate::pool::in_order;
 
 /// A robot that may be the identified one.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,15 +34,14 @@ impl IdentifiedModel {
     /// seed alone.
     ///
     /// # Errors
-    /// [`ExportError::NoDeviations`] where the results do not say how sure the estimates are.
+    /// [`ExportError::NoDeviations`] where the results do not say how sure the estimates are, and
+    /// [`ExportError::SingularCovariance`].
     pub fn sample(&self, number: u32, seed: u64) -> Result<Sample, ExportError> {
         let posterior = &self.posterior;
-        let factor = posterior.covariance.as_ref().and_then(factor_of);
-        let factor = factor.ok_or(ExportError::NoDeviations { method: self.method })?;
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(number.into());
-        let normal: Vec<f64> = (0..factor.columns()).map(|_| StandardNormal.sample(&mut rng)).collect();
-        let drawn: Vec<f64> = posterior.estimate.iter().zip(factor.times(&normal)).map(|(m, e)| m + e).collect();
+        let normal: Vec<f64> = (0..posterior.base.len()).map(|_| StandardNormal.sample(&mut rng)).collect();
+        let drawn = posterior.drawn(&normal)?;
         Ok(Sample { number, seed, standard: posterior.nearest(&drawn)?, drawn })
     }
 
@@ -52,28 +51,36 @@ impl IdentifiedModel {
         self.posterior.base.from_standard(&sample.standard)
     }
 
+    /// The files of samples 1 to `count`, made on `threads` threads and handed over in the order of their numbers.
+    ///
+    /// # Errors
+    /// As [`IdentifiedModel::sample`] and [`export_robot`], and what `take` returns.
+    pub fn export_samples<E: From<ExportError>>(
+        &self,
+        (count, seed): (u32, u64),
+        format: Format,
+        threads: usize,
+        mut take: impl FnMut(u32, Export) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let made = |number| self.export_sample(&self.sample(number, seed)?, format);
+        // Samples have numbers of 32 bits.
+        let number = |k: usize| k as u32 + 1;
+        in_order(count as usize, threads, |k| made(number(k)), |k, export| take(number(k), export?))
+    }
+
     /// The file of a sample.
     ///
     /// # Errors
     /// As [`export_robot`].
     pub fn export_sample(&self, sample: &Sample, format: Format) -> Result<Export, ExportError> {
-        let about = [
-            format!("sample {} of the estimates by {}, seed {}", sample.number, self.method, sample.seed),
+        let drawn = [
+            format!("sample {} of the estimates, seed {}", sample.number, sample.seed),
             "base parameters drawn from the normal distribution about the estimates with their covariance; standard parameters: \
              the physically consistent ones with these, or nearest to these in the metric of the covariance"
                 .to_owned(),
         ];
-        export_robot(&self.robot, self.urdf_text(), &sample.standard, format, &about)
+        let about = [vec![self.identified.origin()], drawn.into(), self.provenance_in_words()].concat();
+        let Self { identified, .. } = self;
+        export_robot(&identified.robot, identified.source.urdf_text(), &sample.standard, format, &about)
     }
-}
-
-/// L with `L L^T = C`.
-fn factor_of(covariance: &Matrix) -> Option<Matrix> {
-    let n = covariance.rows();
-    let deviation: Vec<f64> = (0..n).map(|i| covariance.at(i, i).sqrt()).collect();
-    if !deviation.iter().all(|d| d.is_finite() && *d > 0.0) {
-        return None;
-    }
-    let correlation = Matrix::from_fn(n, n, |i, j| covariance.at(i, j) / (deviation[i] * deviation[j]));
-    Some(correlation.cholesky()?.lower().scale_rows(&deviation))
 }

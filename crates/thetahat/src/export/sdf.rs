@@ -1,8 +1,8 @@
 //! A new SDF of a robot, as Gazebo and Drake read it.
 
 use super::{
-    body::{Body, inertial_of},
-    frames::LinkFrame,
+    body::Body,
+    frames::{LinkFrame, link_name},
     said::Said,
     xml::{escaped, number, numbers},
 };
@@ -21,13 +21,9 @@ pub(super) fn sdf(said: &Said, header: &str) -> String {
     format!("<?xml version=\"1.0\"?>\n{header}{}\n", lines.join("\n"))
 }
 
-fn link_name(k: usize) -> String {
-    format!("link_{}", k + 1)
-}
-
 fn link(said: &Said, k: usize) -> Vec<String> {
     let frame = LinkFrame::of(&said.robot, k);
-    let body = Body::new(inertial_of(&said.robot, &said.parameters, k));
+    let body = Body::new(said.inertial_of(k));
     let within = said.robot.joints[k].parent.map_or_else(|| "__model__".to_owned(), link_name);
     let pose = [frame.origin, frame.roll_pitch_yaw()].concat();
     let keys = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];

@@ -52,6 +52,7 @@ fn has_volume(p: &Symmetric) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::vector::IDENTITY;
 
     fn ball(mass: f64) -> [f64; 10] {
         let i = 0.4 * mass * 0.01;
@@ -59,7 +60,15 @@ mod tests {
     }
 
     fn fixed(body: [f64; 10]) -> LinkPart {
-        LinkPart { name: "tool".to_owned(), carrier: Some(0), is_carrier: false, own: body, in_carrier: body }
+        LinkPart {
+            name: "tool".to_owned(),
+            carrier: Some(0),
+            is_carrier: false,
+            own: body,
+            in_carrier: body,
+            placement: (IDENTITY, [0.0; 3]),
+            shapes: Vec::new(),
+        }
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::{collections::BTreeMap, ops::Range, path::Path};
 use roxmltree::{Document, Node};
 
 use super::{
-    body::{Body, inertial_of},
+    body::Body,
     said::Said,
     split::split,
     xml::{escaped, number, numbers},
@@ -66,7 +66,7 @@ fn bodies(said: &Said, parts: &[LinkPart]) -> (BTreeMap<String, Body>, Vec<Strin
         let fixed: Vec<&LinkPart> =
             parts.iter().filter(own).filter(|p| !p.is_carrier && p.own.iter().any(|v| *v != 0.0)).collect();
         let Some(carrier) = parts.iter().filter(own).find(|part| part.is_carrier) else { continue };
-        let shares = split(inertial_of(&said.robot, &said.parameters, k), &fixed);
+        let shares = split(said.inertial_of(k), &fixed);
         bodies.insert(carrier.name.clone(), Body::new(shares.carrier));
         if fixed.is_empty() {
             continue;

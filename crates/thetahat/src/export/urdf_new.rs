@@ -1,8 +1,8 @@
 //! A new URDF of a robot that was read from another description.
 
 use super::{
-    body::{Body, inertial_of},
-    frames::LinkFrame,
+    body::Body,
+    frames::{LinkFrame, link_name},
     said::Said,
     urdf_edit::inertial_lines,
     xml::{escaped, number, numbers},
@@ -19,7 +19,7 @@ pub(super) fn urdf(said: &Said, header: &str, reductions: Option<&[f64]>) -> Str
     let mut lines =
         vec![format!("<robot name=\"{}\">", escaped(&robot.name)), "  <link name=\"base_link\"/>".to_owned()];
     for k in 0..robot.joints.len() {
-        let body = Body::new(inertial_of(robot, &said.parameters, k));
+        let body = Body::new(said.inertial_of(k));
         lines.push(format!("  <link name=\"{}\">", link_name(k)));
         lines.push(inertial_lines(&body, "  ", "\n"));
         lines.push("  </link>".to_owned());
@@ -29,10 +29,6 @@ pub(super) fn urdf(said: &Said, header: &str, reductions: Option<&[f64]>) -> Str
     lines.extend(ratios.filter(|(ratio, _)| **ratio != 1.0).map(|(ratio, joint)| transmission(joint, *ratio)));
     lines.push("</robot>".to_owned());
     format!("<?xml version=\"1.0\"?>\n{header}{}\n", lines.join("\n"))
-}
-
-fn link_name(k: usize) -> String {
-    format!("link_{}", k + 1)
 }
 
 fn joint(said: &Said, k: usize) -> Vec<String> {

@@ -21,6 +21,20 @@ pub enum Status {
     NotIdentifiable,
 }
 
+impl Status {
+    /// Its name in words.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::Stalled => "stalled",
+            Self::IterationLimit => "iteration limit",
+            Self::Diverged => "diverged",
+            Self::NotIdentifiable => "not identifiable",
+        }
+    }
+}
+
 /// Why an estimation has not converged.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]

@@ -174,6 +174,32 @@ impl KnownQuantity {
     }
 }
 
+impl KnownQuantity {
+    /// The standard parameter that it gives a value.
+    pub(crate) fn given(&self) -> Option<String> {
+        match self {
+            Self::Parameter { name, value: ValueOrRange::Value(_) } => Some(name.clone()),
+            Self::Mass { link, kg: ValueOrRange::Value(_) } => Some(format!("m{link}")),
+            Self::Parameter { .. }
+            | Self::Mass { .. }
+            | Self::TotalMass { .. }
+            | Self::CentreOfMass { .. }
+            | Self::MirrorPlane { .. }
+            | Self::Sum { .. } => None,
+        }
+    }
+
+    /// The standard parameters that it names.
+    pub(crate) fn named(&self) -> Vec<String> {
+        match self {
+            Self::Parameter { name, .. } => vec![name.clone()],
+            Self::Mass { link, .. } => vec![format!("m{link}")],
+            Self::Sum { terms, .. } => terms.keys().cloned().collect(),
+            Self::TotalMass { .. } | Self::CentreOfMass { .. } | Self::MirrorPlane { .. } => Vec::new(),
+        }
+    }
+}
+
 impl ValueOrRange {
     fn in_words(self) -> String {
         match self {

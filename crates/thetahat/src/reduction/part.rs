@@ -30,17 +30,16 @@ impl Experiment {
     /// The same experiment with recording `number` alone, from zero, and of that, where it is given, the time from and to, s. It keeps
     /// its text, so that reductions of its parts merge to one that is solved as the whole.
     ///
-    /// A stretch of time is filtered as a part of the whole record, and decimated as a record of its own.
+    /// A stretch of time is filtered as a part of the whole record, and decimated as a record of its own; the velocity below which its
+    /// joints are near rest is its own.
     ///
     /// # Errors
-    /// [`ReductionError`] where there is no such recording.
+    /// [`ReductionError`] where there is no such recording, and for a stretch of a twin, whose length is known only when it is simulated.
     pub fn part(&self, number: usize, window_s: Option<[f64; 2]>) -> Result<Self, ReductionError> {
-        let mut part = self.clone();
-        let window = window_s.map(|window| window.map(Some));
         if self.file.recording.is_empty() && number == 0 {
-            let signal = self.settings.signal;
-            part.settings.signal = window.map_or(signal, |window| signal.in_window(window));
-            return Ok(part);
+            PreparationError::require(window_s.is_none(), "stretch of time", "one of a recording", "one of a twin")
+                .map_err(|e| self.refuse(e))?;
+            return Ok(self.clone());
         }
         let Some(described) = self.file.recording.get(number) else {
             let expected = format!("at least {}", number + 1);
@@ -50,9 +49,10 @@ impl Experiment {
         let mut recording = described.clone();
         let name = recording.name.take().unwrap_or_else(|| (number + 1).to_string());
         recording.name = Some(window_s.map_or(name.clone(), |[start, end]| format!("{name}, {start} to {end} s")));
-        if let Some([start, end]) = window {
-            (recording.window_start_s, recording.window_end_s) = (start, end);
+        if let Some([start, end]) = window_s {
+            (recording.window_start_s, recording.window_end_s) = (Some(start), Some(end));
         }
+        let mut part = self.clone();
         part.file.recording = vec![recording];
         Ok(part)
     }

@@ -92,6 +92,8 @@ impl Reduction {
             with_rest: None,
             profiled_terms: Vec::new(),
             term_comparison: None,
+            excluded_parameters: experiment.settings.parameters.exclude.clone(),
+            fixed_parameters: experiment.settings.parameters.fix.clone(),
             elimination,
             advice: Vec::new(),
             diagnostics: Vec::new(),

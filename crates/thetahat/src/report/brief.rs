@@ -4,7 +4,6 @@ use super::{
     facts, findings,
     number::{NONE, estimate, optional},
     payload, physical,
-    status::status_words,
     table::Table,
     tables, terms,
     wrap::{TextWidth, shortened, wrap},
@@ -53,7 +52,7 @@ fn runs(results: &Results, width: TextWidth) -> String {
         let case = several.then(|| r.case.clone());
         let figures = [
             r.method.name().to_owned(),
-            status_words(r.status).to_owned(),
+            r.status.name().to_owned(),
             optional(r.relative_error_percent, 3),
             optional(r.cross_validation_relative_error_percent, 3),
         ];

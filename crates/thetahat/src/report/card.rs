@@ -69,8 +69,12 @@ fn known(card: &Card) -> String {
         return "none to use".to_owned();
     }
     let counts = Grade::ALL.into_iter().zip(card.parameters.iter().map(Vec::len));
-    let doubt = if card.model_is_doubted { ", if the model holds" } else { "" };
-    format!("{} of {}{doubt}", counted(counts), card.parameters.iter().map(Vec::len).sum::<usize>())
+    let doubt = if card.model_is_doubted { "; what the model lacks may shift them" } else { "" };
+    format!(
+        "{} of {}{doubt}",
+        counted(counts, card.model_is_doubted),
+        card.parameters.iter().map(Vec::len).sum::<usize>()
+    )
 }
 
 /// As much of a text as stands in two lines of so many characters.

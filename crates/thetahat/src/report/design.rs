@@ -5,23 +5,30 @@ use std::path::{Component, Path, PathBuf};
 
 use super::{
     design_figures::{motions, searches},
+    design_tables::{conclusions, distances, facts, limits, nearness, promised},
     error::ReportError,
     files,
-    number::{NONE, estimate, significant},
+    move_programs::{MOVE_FILES, move_programs},
     page::{Page, render},
     section::Section,
     series::trajectory_csv,
-    table::Table,
     wrap::{TextWidth, wrap},
 };
 use crate::{
-    results::{DesignResults, Grade, LimitUse, PromisedParameter},
+    results::DesignResults,
     visible::{cell, visible},
 };
 
-/// The files of a design.
-pub const DESIGN_FILES: [&str; 6] =
-    ["trajectory.csv", "trajectory.yaml", "promised.csv", "experiment.toml", "rehearsal.toml", "design.html"];
+/// The files of every design.
+pub const DESIGN_FILES: [&str; 7] = [
+    "trajectory.csv",
+    "trajectory.yaml",
+    "trajectory.json",
+    "promised.csv",
+    "experiment.toml",
+    "rehearsal.toml",
+    "design.html",
+];
 
 /// The promised intervals, the limits and the searches, for the terminal.
 #[must_use]
@@ -31,7 +38,7 @@ pub fn design_text(results: &DesignResults, width: TextWidth) -> String {
     format!("{}\n{}\n{lines}", wrap(&visible(&results.title), "", width), tables.join("\n"))
 }
 
-/// Writes [`DESIGN_FILES`] into a folder, all of them or none. Returns their paths.
+/// Writes [`DESIGN_FILES`], and [`MOVE_FILES`] where the motion is made of moves, into a folder, all of them or none. Returns their paths.
 ///
 /// # Errors
 /// [`ReportError`] for what cannot be rendered or written.
@@ -40,16 +47,19 @@ pub fn write_design(results: &DesignResults, directory: &Path) -> Result<Vec<Pat
     let contents = [
         trajectory_csv(results).map_err(csv)?,
         joint_trajectory(results).into_bytes(),
+        joint_trajectory_json(results).into_bytes(),
         promised_csv(results).map_err(csv)?,
         experiment(results, directory, &results.experiment.recording).into_bytes(),
         experiment(results, directory, &results.experiment.twin).into_bytes(),
         page(results)?.into_bytes(),
     ];
-    files::write_files(directory, DESIGN_FILES.into_iter().zip(contents).collect())
+    let programs = results.moves.iter().flat_map(|moves| move_programs(results, moves)).map(String::into_bytes);
+    let files = DESIGN_FILES.into_iter().zip(contents).chain(MOVE_FILES.into_iter().zip(programs));
+    files::write_files(directory, files.collect())
 }
 
 fn page(results: &DesignResults) -> Result<String, ReportError> {
-    let sections = vec![
+    let mut sections = vec![
         Section {
             id: "promise",
             title: "What the record will tell",
@@ -65,8 +75,16 @@ fn page(results: &DesignResults) -> Result<String, ReportError> {
             tables: vec![limits(results)],
             ..Section::default()
         },
+        Section {
+            id: "distances",
+            title: "How near shapes come",
+            lines: results.collision.iter().flat_map(nearness).collect(),
+            tables: results.collision.iter().map(distances).collect(),
+            ..Section::default()
+        },
         Section { id: "search", title: "The searches", figures: vec![searches(results)], ..Section::default() },
     ];
+    sections.retain(|section| section.id != "distances" || results.collision.is_some());
     render(&Page {
         title: &results.title,
         facts: facts(results),
@@ -74,104 +92,6 @@ fn page(results: &DesignResults) -> Result<String, ReportError> {
         footer: "The a-priori values are those of the robot's description; intervals depend on them where the loop does.",
         ..Page::default()
     })
-}
-
-fn duration_s(results: &DesignResults) -> f64 {
-    results.q.len().saturating_sub(1) as f64 / results.sample_rate_hz
-}
-
-fn facts(results: &DesignResults) -> Vec<(&'static str, String)> {
-    let best = results.starts.first().map_or(f64::NAN, |s| s.found);
-    vec![
-        ("robot", results.robot.clone()),
-        (
-            "motion",
-            format!("{} s at {} Hz, from rest to rest", significant(duration_s(results), 4), results.sample_rate_hz),
-        ),
-        ("criterion", format!("{}: {best:.2} nats, the best of {} starts", results.criterion, results.starts.len())),
-        (
-            "promised",
-            format!(
-                "{} on {}",
-                results.method,
-                if results.is_closed_loop { "the simulated loop" } else { "the motion as designed" }
-            ),
-        ),
-    ]
-}
-
-/// What the tables say, in sentences.
-fn conclusions(results: &DesignResults) -> Vec<String> {
-    let known = || results.promised.iter().filter(|p| p.a_priori != 0.0);
-    let count = |grade: Grade| known().filter(|p| p.grade() == grade).count();
-    let [sure, rough, lost] = [Grade::Sure, Grade::Rough, Grade::NotIdentified].map(count);
-    let (all, known_ones) = (results.promised.len(), known().count());
-    let mut lines = vec![format!(
-        "{all} parameters are promised. Of the {known_ones} whose a-priori value is not zero, if that is right: {sure} sure, \
-         {rough} rough, {lost} not told from zero."
-    )];
-    let unknown: Vec<&str> = known().filter(|p| p.grade() == Grade::NotIdentified).map(|p| p.name.as_str()).collect();
-    if !unknown.is_empty() {
-        lines.push(format!("Not told from zero: {}.", unknown.join(", ")));
-    }
-    lines.extend(results.limits.iter().max_by(|a, b| a.part.total_cmp(&b.part)).map(|worst| {
-        format!(
-            "No limit is exceeded at 1 kHz; the nearest is the {} of {}, used by {:.1} % at {:.3} s.",
-            worst.quantity,
-            visible(&worst.joint),
-            100.0 * worst.part,
-            worst.at_s
-        )
-    }));
-    lines
-}
-
-fn strings(texts: &[&str]) -> Vec<String> {
-    texts.iter().map(|t| (*t).to_owned()).collect()
-}
-
-fn promised(results: &DesignResults) -> Table {
-    let wanted = format!("s for {} %", significant(results.half_width_percent, 3));
-    let row = |p: &PromisedParameter| {
-        let percent = (p.a_priori != 0.0).then(|| 100.0 * p.half_width_95 / p.a_priori.abs());
-        vec![
-            p.name.clone(),
-            p.unit.clone(),
-            estimate(p.a_priori, Some(p.half_width_95)),
-            significant(p.standard_deviation, 3),
-            significant(p.half_width_95, 3),
-            percent.map_or_else(|| NONE.to_owned(), |v| significant(v, 3)),
-            p.seconds.map_or_else(|| NONE.to_owned(), |s| significant(s, 2)),
-            if p.a_priori == 0.0 { NONE.to_owned() } else { p.grade().name().to_owned() },
-        ]
-    };
-    Table {
-        title: "Promised intervals".to_owned(),
-        lead: 1,
-        head: strings(&["name", "unit", "a priori", "deviation", "half of 95 %", "in %", &wanted, "grade"]),
-        rows: results.promised.iter().map(row).collect(),
-        notes: vec![format!(
-            "half of 95 %: expected half width of interval_95 by {}; {wanted}: record so long, by repeating the motion.",
-            results.method
-        )],
-        ..Table::default()
-    }
-}
-
-fn limits(results: &DesignResults) -> Table {
-    let row = |l: &LimitUse| {
-        let [low, high] = l.limit.map(|v| significant(v, 4));
-        let [least, most] = l.reached.map(|v| significant(v, 4));
-        let (used, at) = (format!("{:.1}", 100.0 * l.part), format!("{:.3}", l.at_s));
-        vec![visible(&l.joint).into_owned(), l.quantity.to_owned(), low, high, least, most, used, at]
-    };
-    Table {
-        title: "Limits at 1 kHz, SI".to_owned(),
-        lead: 2,
-        head: strings(&["joint", "quantity", "lower", "upper", "least", "most", "used, %", "at, s"]),
-        rows: results.limits.iter().map(row).collect(),
-        ..Table::default()
-    }
 }
 
 fn promised_csv(results: &DesignResults) -> Result<Vec<u8>, csv::Error> {
@@ -210,6 +130,26 @@ fn joint_trajectory(results: &DesignResults) -> String {
         );
     }
     text
+}
+
+/// The same as JSON.
+fn joint_trajectory_json(results: &DesignResults) -> String {
+    let names: Vec<&str> = results.joints.iter().map(|j| j.name.as_str()).collect();
+    let point = |k: usize| {
+        let nanoseconds = (1e9 * k as f64 / results.sample_rate_hz).round() as u64;
+        serde_json::json!({
+            "positions": results.q.sample(k),
+            "velocities": results.dq.sample(k),
+            "accelerations": results.ddq.sample(k),
+            "time_from_start": { "sec": nanoseconds / 1_000_000_000, "nanosec": nanoseconds % 1_000_000_000 },
+        })
+    };
+    let points: Vec<String> = (0..results.q.len()).map(|k| point(k).to_string()).collect();
+    format!(
+        "{{\"thetahat\":\"trajectory\",\"joint_names\":{},\"points\":[\n{}\n]}}\n",
+        serde_json::Value::from(names),
+        points.join(",\n")
+    )
 }
 
 /// An experiment file in a folder.

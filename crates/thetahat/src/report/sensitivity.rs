@@ -13,7 +13,6 @@ use super::{
     page::{Page, render},
     plot::{Chart, Curve, NARROW},
     section::Section,
-    status::status_words,
     table::{Group, Table},
     wrap::{TextWidth, wrap},
 };
@@ -201,7 +200,7 @@ fn same_error<'a>(
 
 fn cells(point: Option<&SensitivityPoint>) -> [String; 3] {
     let Some(point) = point.filter(|p| p.rms_change.is_some()) else {
-        let why = point.map_or(NONE, |p| status_words(p.status));
+        let why = point.map_or(NONE, |p| p.status.name());
         return [why, NONE, NONE].map(str::to_owned);
     };
     let most = point.largest_change.as_ref().map(|(name, c)| format!("{name} {}", significant(*c, 2)));
@@ -229,7 +228,7 @@ fn csv_of(sensitivity: &Sensitivity) -> Result<Vec<u8>, ReportError> {
 fn record((point, kind): (&SensitivityPoint, &str), parameters: usize) -> Vec<String> {
     let number = |v: Option<f64>| v.map(|v| v.to_string()).unwrap_or_default();
     let kind = if kind.is_empty() { point.kind.name() } else { kind };
-    let lead = [kind, &point.value.to_string(), point.method.name(), status_words(point.status)].map(str::to_owned);
+    let lead = [kind, &point.value.to_string(), point.method.name(), point.status.name()].map(str::to_owned);
     let figures = [number(point.relative_error_percent), number(point.rms_change)];
     let estimates = (0..parameters).map(|i| number(point.estimates.get(i).copied()));
     lead.into_iter().chain(figures).chain(estimates).collect()

@@ -3,7 +3,6 @@
 use super::{
     number::{NONE, estimate, fixed, given, optional, signed, significant, with_deviation, with_percent},
     published::{Agreement, Published, PublishedValue},
-    status::status_words,
     table::{Group, Table, strings},
 };
 use crate::results::{Grade, IterationResult, ParameterResult, Results, RunResult, Status, Unseen};
@@ -31,7 +30,7 @@ pub(super) fn summary(results: &Results) -> Table {
         vec![
             r.case.clone(),
             r.method.name().to_owned(),
-            status_words(r.status).to_owned(),
+            r.status.name().to_owned(),
             r.iterations.to_string(),
             r.simulations.to_string(),
             optional(r.relative_error_percent, 3),
@@ -76,7 +75,7 @@ fn parameters_in<'a>(runs: &[&'a RunResult], wanted: impl Fn(&ParameterResult) -
 
 /// What stands for a parameter of a run: its status where there is no estimate.
 fn cell(run: &RunResult, name: &str, show: impl Fn(&ParameterResult) -> String) -> String {
-    let absent = if run.parameters.is_empty() { status_words(run.status) } else { NONE };
+    let absent = if run.parameters.is_empty() { run.status.name() } else { NONE };
     run.parameter(name).map_or_else(|| absent.to_owned(), show)
 }
 
@@ -84,7 +83,7 @@ fn cell(run: &RunResult, name: &str, show: impl Fn(&ParameterResult) -> String) 
 pub(super) fn reasons(runs: &[&RunResult]) -> Vec<String> {
     let reason = |r: &&RunResult| {
         let why = r.reason.as_deref().or((r.status != Status::Converged).then_some("no reason given"))?;
-        Some(format!("{} {}: {why}", r.method.name(), status_words(r.status)))
+        Some(format!("{} {}: {why}", r.method.name(), r.status.name()))
     };
     let noted =
         |r: &&RunResult| -> Vec<String> { r.notes.iter().map(|n| format!("{}: {n}", r.method.name())).collect() };

@@ -1,3 +1,5 @@
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use super::{
@@ -62,6 +64,12 @@ pub struct Results {
     /// What the checks found in the recordings.
     #[serde(default)]
     pub findings: Vec<RecordingFindings>,
+    /// Standard parameters taken as zero. Here and below, nothing where it was read from a file of before that key.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub excluded_parameters: Vec<String>,
+    /// Standard parameters at given values, SI.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub fixed_parameters: BTreeMap<String, f64>,
     /// The elimination, where essential parameters were sought.
     pub elimination: Option<EliminationResult>,
     /// What samples near rest would change, where they were left out.

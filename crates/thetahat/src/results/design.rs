@@ -1,7 +1,7 @@
 use serde::Serialize;
 
 use super::{Grade, ParameterResult};
-use crate::{robot::JointKind, series::Series};
+use crate::{robot::JointKind, series::Series, trajectory::Moves};
 
 /// A designed motion, and what its record will tell.
 #[derive(Debug, Clone)]
@@ -22,6 +22,14 @@ pub struct DesignResults {
     pub ddq: Series,
     /// Torques with the a-priori parameters, N m or N.
     pub torque: Series,
+    /// The moves, where the motion is made of such: the last ends where the first starts.
+    pub moves: Option<Moves>,
+    /// Distances of shapes, where the design has some.
+    pub collision: Option<CollisionResults>,
+    /// The criterion if the last recording at hand were repeated for the same time, nats.
+    pub repeated: Option<f64>,
+    /// Title and method of the results that are compared with.
+    pub compared: Option<[String; 2]>,
     /// Name of the criterion.
     pub criterion: String,
     /// The searches.
@@ -58,6 +66,32 @@ pub struct SearchResult {
     pub found: f64,
     /// Its steps.
     pub steps: usize,
+}
+
+/// How near shapes come to one another, at 1 kHz.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CollisionResults {
+    /// The least distance that is allowed, m.
+    pub margin: f64,
+    /// Every pair that must stay apart, the nearest first.
+    pub pairs: Vec<PairDistance>,
+    /// Links whose shape is not known: a mesh, and no capsule is given.
+    pub uncovered: Vec<String>,
+    /// Whether the way from home is covered.
+    pub has_way: bool,
+}
+
+/// The least distance of two shapes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PairDistance {
+    /// A link.
+    pub first: String,
+    /// Another, or an obstacle.
+    pub second: String,
+    /// Their least distance, m.
+    pub distance: f64,
+    /// When, s; none where it is on the way from home.
+    pub at_s: Option<f64>,
 }
 
 /// How far a motion uses a limit, SI.
@@ -98,6 +132,17 @@ pub struct PromisedParameter {
     pub half_width_95: f64,
     /// How long to record for the half width that is wanted, s: the motion is repeated. None where the a-priori value is zero.
     pub seconds: Option<f64>,
+    /// Its estimate in the results that are compared with.
+    pub compared: Option<ParameterResult>,
+}
+
+impl PromisedParameter {
+    /// How many times smaller the promised interval is than that of the results that are compared with.
+    #[must_use]
+    pub fn times_smaller(&self) -> Option<f64> {
+        let [low, high] = self.compared.as_ref()?.interval_95?;
+        Some(0.5 * (high - low) / self.half_width_95).filter(|times| times.is_finite() && *times > 0.0)
+    }
 }
 
 impl PromisedParameter {

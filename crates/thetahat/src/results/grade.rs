@@ -49,6 +49,13 @@ impl ParameterResult {
         self.interval_95.map(|[low, high]| 0.5 * (high - low)).or_else(of_deviation)
     }
 
+    /// `interval_95`, or the estimate with 1.96 classical deviations on either side where there is no interval.
+    #[must_use]
+    pub fn interval(&self) -> Option<[f64; 2]> {
+        let about = |half: f64| [self.estimate - half, self.estimate + half];
+        self.interval_95.or_else(|| self.half_width().map(about))
+    }
+
     /// How well its interval says that it is known.
     pub(super) fn grade_of_interval(&self) -> Grade {
         match self.half_width() {

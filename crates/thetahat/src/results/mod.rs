@@ -34,6 +34,7 @@ mod content;
 mod curves;
 mod design;
 mod diagnosis;
+mod estimate;
 mod file;
 mod filter;
 mod grade;
@@ -54,12 +55,16 @@ pub use campaign::{CampaignResults, Extent, MethodSummary, ParameterSummary, Pub
 pub use card::{Card, Unseen};
 pub use content::{NOMINAL, Results, SCHEMA};
 pub use curves::{Bin, Frame, HeldBackPlots, Plots, RecordStart, ResidualCurves, RunPlots, Skeleton};
-pub use design::{DesignResults, DesignedJoint, ExperimentText, LimitUse, PromisedParameter, SearchResult};
+pub use design::{
+    CollisionResults, DesignResults, DesignedJoint, ExperimentText, LimitUse, PairDistance, PromisedParameter,
+    SearchResult,
+};
 pub use diagnosis::{
     Advice, ApproximatedParameter, ApproximationResult, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis,
     Comparison, EndogeneityResult, Explained, Influence, InstrumentResult, JointResidual, ParameterDifference,
     ResidualResult,
 };
+pub use estimate::NoEstimate;
 pub use file::ResultsError;
 pub use filter::{ComparedFilter, Filter, FilterChoice, FilterError};
 pub use grade::Grade;

@@ -3,10 +3,12 @@
 use std::{
     collections::BTreeMap,
     hash::{DefaultHasher, Hash, Hasher},
-    path::PathBuf,
+    path::{Path, PathBuf},
 };
 
-use super::{card::Unseen, content::Results, parameters::ParameterResult, run::RunResult, verdict::Verdict};
+use super::{
+    card::Unseen, content::Results, estimate::NoEstimate, parameters::ParameterResult, run::RunResult, verdict::Verdict,
+};
 use crate::identification::Method;
 
 /// Results beside each other; all are compared with the first.
@@ -62,30 +64,12 @@ pub struct ComparedParameter {
 
 /// Why results cannot be compared.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum SideBySideError {
-    /// No method was asked for, and the advice takes none.
-    #[error("{}: the advice takes no method in case {case}; say which with --method, of {}", file.display(), methods.join(", "))]
-    NoMethod {
-        /// The file.
-        file: PathBuf,
-        /// The case.
-        case: String,
-        /// The methods that have estimates.
-        methods: Vec<String>,
-    },
-    /// There is no such run, or it has no estimate.
-    #[error("{}: {method} has no estimate in case {case}; there are {}", file.display(), runs.join(", "))]
-    NoEstimate {
-        /// The file.
-        file: PathBuf,
-        /// The case.
-        case: String,
-        /// The method.
-        method: Method,
-        /// The runs that have estimates, as `case method`.
-        runs: Vec<String>,
-    },
+#[error("{}: {source}", file.display())]
+pub struct SideBySideError {
+    /// The file without the estimate.
+    pub file: PathBuf,
+    /// Why it has none.
+    pub source: NoEstimate,
 }
 
 impl SideBySide {
@@ -94,39 +78,23 @@ impl SideBySide {
     /// # Errors
     /// [`SideBySideError`] where one of them has no such estimate.
     pub fn new(results: &[(PathBuf, Results)], case: &str, method: Option<Method>) -> Result<Self, SideBySideError> {
-        let run = |(file, results): &'_ (PathBuf, Results)| -> Result<usize, SideBySideError> {
-            run_of(file, results, case, method)
-        };
-        let places = results.iter().map(run).collect::<Result<Vec<_>, _>>()?;
-        let runs: Vec<&RunResult> = results.iter().zip(places).map(|((_, results), k)| &results.runs[k]).collect();
+        let runs =
+            results.iter().map(|(file, results)| run_of(file, results, case, method)).collect::<Result<Vec<_>, _>>()?;
         let sides = results.iter().zip(&runs).map(|((file, results), run)| side(file, results, run)).collect();
         Ok(Self { sides, settings: settings(results), parameters: parameters(&runs) })
     }
 }
 
-/// The place of the run that is compared.
-fn run_of(
-    file: &std::path::Path,
-    results: &Results,
+fn run_of<'r>(
+    file: &Path,
+    results: &'r Results,
     case: &str,
     method: Option<Method>,
-) -> Result<usize, SideBySideError> {
-    let estimated = || results.runs.iter().filter(|r| !r.parameters.is_empty());
-    let advised = || results.taken_in(case).map(|r| r.method);
-    let wanted = method.or_else(advised);
-    let (file, case) = (file.to_owned(), case.to_owned());
-    let Some(method) = wanted else {
-        let methods = estimated().filter(|r| r.case == case).map(|r| r.method.to_string()).collect();
-        return Err(SideBySideError::NoMethod { file, case, methods });
-    };
-    let is_meant = |r: &RunResult| r.case == case && r.method == method && !r.parameters.is_empty();
-    results.runs.iter().position(is_meant).ok_or_else(|| {
-        let runs = estimated().map(|r| format!("{} {}", r.case, r.method)).collect();
-        SideBySideError::NoEstimate { file, case, method, runs }
-    })
+) -> Result<&'r RunResult, SideBySideError> {
+    results.estimate(case, method).map_err(|source| SideBySideError { file: file.to_owned(), source })
 }
 
-fn side(file: &std::path::Path, results: &Results, run: &RunResult) -> Side {
+fn side(file: &Path, results: &Results, run: &RunResult) -> Side {
     Side {
         file: file.to_owned(),
         title: results.title.clone(),
@@ -224,8 +192,6 @@ fn flatten(key: String, value: &toml::Value, all: &mut BTreeMap<String, String>)
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::*;
 
     fn results(take: &str, estimate: f64, cutoff_hz: f64) -> (PathBuf, Results) {
@@ -271,12 +237,9 @@ mod tests {
     #[test]
     fn a_file_without_the_estimate_is_an_error_that_names_what_there_is() {
         let none = SideBySide::new(&[results(LS, 1.0, 1.5), results("null", 1.0, 1.5)], "nominal", None).unwrap_err();
-        assert!(matches!(&none, SideBySideError::NoMethod { methods, .. } if methods == &["idim-ls"]), "{none}");
+        assert!(matches!(&none.source, NoEstimate::NotAdvised { methods, .. } if methods == &["idim-ls"]), "{none}");
         let two = [results(LS, 1.0, 1.5), results(LS, 1.0, 1.5)];
         let absent = SideBySide::new(&two, "nominal", Some(Method::DIDIM)).unwrap_err();
-        assert!(
-            matches!(&absent, SideBySideError::NoEstimate { runs, .. } if runs == &["nominal idim-ls"]),
-            "{absent}"
-        );
+        assert!(matches!(&absent.source, NoEstimate::Absent { runs, .. } if runs == &["nominal idim-ls"]), "{absent}");
     }
 }

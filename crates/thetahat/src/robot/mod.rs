@@ -48,6 +48,7 @@ pub use terms::{
     TermColumn, TermDescription, TermError, TwoPoints, Variable, channels_of,
 };
 pub use transmission::Transmission;
-pub use urdf::{Place, UrdfError};
+pub(crate) use urdf::roll_pitch_yaw;
+pub use urdf::{Place, Solid, UrdfError};
 
 use joint::{LARGEST, MOST_JOINTS};

@@ -54,6 +54,12 @@ impl ParameterTable {
         Self { parameters: joints.chain(motors).map(|(quantity, j)| entry(quantity, j)).collect() }
     }
 
+    /// The value of a quantity of a link, joint or motor, from zero, among standard parameters; zero where the robot has it not.
+    #[must_use]
+    pub fn value(&self, parameters: &[f64], quantity: Quantity, place: usize) -> f64 {
+        self.index(quantity, place).map_or(0.0, |i| parameters[i])
+    }
+
     /// The same with the parameters of terms behind.
     #[must_use]
     pub fn with_terms(mut self, terms: &[TermColumn]) -> Self {

@@ -4,7 +4,6 @@ use std::{
 };
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use super::{
     description::Robot,
@@ -12,7 +11,7 @@ use super::{
     locking::{Locks, LocksOf, merged, resolve_all},
     toml_file, urdf,
 };
-use crate::files;
+use crate::{digest::sha256, files};
 
 /// Longest robot description, bytes.
 const LONGEST: u64 = 16 << 20;
@@ -28,10 +27,9 @@ pub struct RobotFile {
 
 impl RobotFile {
     fn new(path: &Path, text: &str) -> Self {
-        let digest = Sha256::digest(text.as_bytes());
         Self {
             name: path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
-            sha256: digest.iter().map(|byte| format!("{byte:02x}")).collect(),
+            sha256: sha256(text.as_bytes()),
         }
     }
 }

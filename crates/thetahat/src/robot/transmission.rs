@@ -81,6 +81,14 @@ impl Transmission {
         if diagonal == 0.0 { row.fold(0.0, larger) } else { diagonal }
     }
 
+    /// The gear ratio of each coordinate's own motor, whichever that is; none where motors are coupled.
+    #[must_use]
+    pub fn ratios(&self) -> Option<Vec<f64>> {
+        let of_coordinate = |j: usize| (0..self.joints()).map(|i| self.matrix.at(i, j)).find(|ratio| *ratio != 0.0);
+        let ratios: Option<Vec<f64>> = (0..self.joints()).map(of_coordinate).collect();
+        ratios.filter(|_| self.coupled_motors().is_empty())
+    }
+
     /// The motors, from zero, that turn with more than one joint.
     #[must_use]
     pub fn coupled_motors(&self) -> Vec<usize> {

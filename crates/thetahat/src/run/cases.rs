@@ -13,7 +13,6 @@ use super::{
 use crate::{
     diagnosis::{Estimated, advise, diagnose, judge},
     identification::{Method, Status},
-    pool::available_threads,
     preparation::{Case, PreparationError, Problem},
     results::{CaseDiagnosis, JointResult, Plots, RecordingFindings, Results, RunResult, SCHEMA},
     scheduling::{EstimationJob, RunOptions, instruments_side_by_side, run_all},
@@ -71,8 +70,7 @@ impl Identification {
             cases.iter().enumerate().flat_map(|(c, case)| methods(case).into_iter().map(move |m| (c, m))).collect();
         let job = |&(c, method): &(usize, Method)| self.job(self.problem_of(problems, &cases[c]), &cases[c], method);
         let jobs: Vec<EstimationJob<'_>> = all.iter().map(job).collect();
-        let options =
-            RunOptions { iteration: estimation.iteration(), motion_step: Some(1), threads: available_threads() };
+        let options = RunOptions { iteration: estimation.iteration(), motion_step: Some(1), threads: self.threads };
         let mut assessed: Vec<Option<(RunResult, Estimated)>> = all.iter().map(|_| None).collect();
         let done = Cell::new(0);
         let mut tell = |simulations| {
@@ -102,7 +100,7 @@ impl Identification {
         let simulate = |biases: &[SimulatorBias], theta: &[f64]| {
             let with_bias = |&bias| self.simulator(&self.main, problem, &case.clone().with_simulator(bias));
             let Some(simulators) = biases.iter().map(with_bias).collect::<Option<Vec<_>>>() else { return Vec::new() };
-            instruments_side_by_side(&simulators, theta, available_threads())
+            instruments_side_by_side(&simulators, theta, self.threads)
         };
         diagnose(problem, case, estimated, &simulate)
     }
@@ -144,6 +142,8 @@ impl Identification {
             validation_recordings: self.validation.iter().map(|p| p.describe(problem)).collect(),
             bandwidth: self.setup().measure_bandwidth(rate)?,
             seed: None,
+            excluded_parameters: self.setup().settings.parameters.exclude.clone(),
+            fixed_parameters: self.setup().settings.parameters.fix.clone(),
             elimination: problem.elimination_result(),
             with_rest: self.with_rest(problem, &runs)?,
             profiled_terms: self.profiled.clone(),

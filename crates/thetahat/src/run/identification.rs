@@ -11,6 +11,7 @@ use crate::{
     base_parameters::BaseParameters,
     control::ControllerDescription,
     identification::{EstimationError, JointWeights, Method, Needs, Reason, Response, Weighting},
+    pool::available_threads,
     preparation::{
         Case, Payload, PreparationError, Problem, ProposedController, Recording, Settings, Setup, propose_controller,
     },
@@ -35,6 +36,8 @@ pub struct Identification {
     /// Recordings with a payload that is to be estimated: nothing else is estimated from them.
     pub(super) loaded: Vec<Prepared>,
     pub(super) validation: Vec<Prepared>,
+    /// Threads on which loops are simulated.
+    pub(super) threads: usize,
 }
 
 /// The regression of one friction model, with the weights of its joints.
@@ -92,6 +95,7 @@ impl Identification {
             main: Vec::new(),
             loaded: Vec::new(),
             validation: Vec::new(),
+            threads: available_threads(),
         };
         if recordings.is_empty() {
             let why = "a robot is identified from its motion and torques";
@@ -107,6 +111,13 @@ impl Identification {
         let lacks_controller = identification.settings.lacks_controller();
         identification.proposed = lacks_controller.then(|| propose_controller(&filtered(&identification.main)));
         Ok(identification)
+    }
+
+    /// The same on so many threads instead of one for each processor, as where several robots are identified at a time. The results
+    /// do not depend on their number.
+    #[must_use]
+    pub fn on_threads(self, threads: usize) -> Self {
+        Self { threads: threads.max(1), ..self }
     }
 
     /// The same with recordings that are held back to validate the estimates on.

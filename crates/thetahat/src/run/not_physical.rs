@@ -94,7 +94,7 @@ fn outside(table: &ParameterTable, physical: &PhysicalResult, asked: bool) -> Op
         value: deviations,
         unit: "standard deviations".to_owned(),
         limit: Some(MORE_THAN_NOISE),
-        message: format!("no robot made of bodies has these estimates: {named}{more}; {how_far}, {noise}"),
+        message: format!("these estimates are not physically possible: {named}{more}; {how_far}, {noise}"),
         remedy: link_remedy(asked, is_noise).to_owned(),
         parameters: physical.outside.clone(),
     })

@@ -19,6 +19,7 @@ use crate::{
     regression::{Regression, relative_error_percent},
     results::{PayloadParameter, PayloadResult},
     robot::{INERTIAL, JointKind, LinkQuantity, Quantity, Robot},
+    statistics::CovarianceFactor,
 };
 
 /// Size of a diagonal entry of R, relative to the largest, below which a column depends on others.
@@ -195,8 +196,7 @@ fn nearest_body(theta: &[f64], covariance: &Matrix) -> Option<Vec<f64>> {
     for parameter in table.iter().filter(|p| !p.quantity.is_inertial()) {
         set = set.with_known(&Known::Value { parameter: parameter.name(), value: 0.0 }).ok()?;
     }
-    // With C = L L^T, |L^-1 (theta - theta_hat)|^2 is the distance in the metric of C.
-    let whitening = covariance.cholesky()?.lower().inverse()?;
+    let whitening = CovarianceFactor::of(covariance)?.whitening()?;
     let mut matrix = Matrix::zeros(theta.len(), table.len());
     (0..theta.len()).for_each(|j| matrix.column_mut(j).copy_from_slice(whitening.column(j)));
     let data = LeastSquares::in_standard(matrix, whitening.times(theta));

@@ -1,5 +1,7 @@
 //! A robot whose terms say `profile = true`, with the constants that the recordings give them.
 
+use std::collections::BTreeMap;
+
 use super::{column_source::ColumnSource, profile::Projection};
 use crate::{
     identification::JointWeights,
@@ -64,16 +66,31 @@ fn renamed(column: &TermColumn, place: usize) -> TermColumn {
     TermColumn { parameter: format!("beside_{place}"), ..column.clone() }
 }
 
-/// The robot with other constants of its terms, one description for each joint.
+/// The robot with the constants of its terms that were found: a profiled term becomes one for each of its joints, with the constants
+/// of that joint.
 #[must_use]
 pub fn with_constants(robot: &Robot, profiled: &[ProfiledTerm]) -> Robot {
-    let mut robot = robot.clone();
-    let joints: Vec<String> = robot.joints.iter().map(|j| j.name.clone()).collect();
-    for column in &mut robot.terms {
-        let own = |p: &&ProfiledTerm| p.term == column.term && p.joint == joints[column.joint];
-        if let (Some(found), Shape::Stribeck(stribeck)) = (profiled.iter().find(own), &mut column.shape) {
-            (stribeck.velocity, stribeck.exponent) = (found.velocity, found.exponent);
+    let (mut descriptions, mut place) = (Vec::new(), BTreeMap::new());
+    let mut terms = robot.terms.clone();
+    for column in &mut terms {
+        let joint = &robot.joints[column.joint].name;
+        let of_term: Vec<&ProfiledTerm> = profiled.iter().filter(|p| p.term == column.term).collect();
+        let constants = of_term.iter().find(|p| p.joint == *joint);
+        let description = robot.term_descriptions[column.term].clone();
+        let description = if of_term.is_empty() { description } else { description.on_joint(joint) };
+        let description = match constants {
+            Some(p) => description.with_constants(p.velocity, p.exponent),
+            None => description,
+        };
+        // The columns of a term that stays as it is share its description.
+        let own = (column.term, (!of_term.is_empty()).then_some(column.joint));
+        column.term = *place.entry(own).or_insert_with(|| {
+            descriptions.push(description);
+            descriptions.len() - 1
+        });
+        if let (Some(p), Shape::Stribeck(stribeck)) = (constants, &mut column.shape) {
+            (stribeck.velocity, stribeck.exponent) = (p.velocity, p.exponent);
         }
     }
-    robot
+    Robot { terms, term_descriptions: descriptions, ..robot.clone() }
 }

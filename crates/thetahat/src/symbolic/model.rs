@@ -53,6 +53,8 @@ pub struct Function {
     pub values: Option<Vec<f64>>,
     /// Which torques of the drives are in it.
     pub drives: DriveTorques,
+    /// Where the parameters are from, a line each.
+    pub about: Vec<String>,
     /// Base parameters that hold what was to be left out: their sums have a drive's parameter in them.
     pub kept_drives: Vec<String>,
     /// Numbers of the description that were taken as special ones.
@@ -88,6 +90,7 @@ impl Function {
             tips: tips(&robot).into_iter().map(|link| robot.joints[link].name.clone()).collect(),
             model: request.model,
             drives: request.drives,
+            about: request.about.clone(),
             kept_drives: made.kept_drives(),
             parameters: made.parameters(),
             shape: made.shape(),

@@ -56,6 +56,8 @@ pub struct Request {
     pub values: Option<Vec<f64>>,
     /// Which torques of the drives are in it.
     pub drives: DriveTorques,
+    /// Where the parameters are from, a line each, for the head of the code.
+    pub about: Vec<String>,
 }
 
 impl DriveTorques {

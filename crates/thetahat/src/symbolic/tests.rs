@@ -68,13 +68,13 @@ impl Case {
     }
 
     fn function(&self, model: ModelKind, parameters: ParameterSet) -> Function {
-        let request = Request { model, parameters, values: None, drives: DriveTorques::All };
+        let request = Request { model, parameters, values: None, drives: DriveTorques::All, about: Vec::new() };
         Function::new(&self.robot, &request).unwrap()
     }
 
     /// The output of a function with the parameters' values in it.
     fn folded(&self, model: ModelKind, parameters: ParameterSet, drives: DriveTorques) -> Vec<f64> {
-        let request = Request { model, parameters, values: Some(self.theta.clone()), drives };
+        let request = Request { model, parameters, values: Some(self.theta.clone()), drives, about: Vec::new() };
         let [q, dq, ddq] = &self.state;
         let program = Function::new(&self.robot, &request).unwrap().program;
         program.evaluate(&Inputs { q, dq, ddq, tau: ddq, ..Inputs::default() })
@@ -244,8 +244,13 @@ fn values_without_inertia_have_no_accelerations() {
                 [parameters]\nzz1 = 1\n";
     let robot = Robot::parse(text, Path::new("arm.toml")).unwrap();
     let values = Some(robot.a_priori_parameters());
-    let request =
-        |model| Request { model, parameters: ParameterSet::Base, values: values.clone(), drives: DriveTorques::All };
+    let request = |model| Request {
+        model,
+        parameters: ParameterSet::Base,
+        values: values.clone(),
+        drives: DriveTorques::All,
+        about: Vec::new(),
+    };
     let error = Function::new(&robot, &request(ModelKind::ForwardDynamics)).unwrap_err();
     assert_eq!(error, SymbolicError::NotDefinite { joint: "b".to_owned() });
     assert!(Function::new(&robot, &request(ModelKind::InverseDynamics)).is_ok());
@@ -254,8 +259,13 @@ fn values_without_inertia_have_no_accelerations() {
 #[test]
 fn base_parameters_that_hold_what_is_left_out_are_named() {
     let robot = robots().next().unwrap();
-    let request =
-        |drives| Request { model: ModelKind::InverseDynamics, parameters: ParameterSet::Base, values: None, drives };
+    let request = |drives| Request {
+        model: ModelKind::InverseDynamics,
+        parameters: ParameterSet::Base,
+        values: None,
+        drives,
+        about: Vec::new(),
+    };
     let kept = |drives| Function::new(&robot, &request(drives)).unwrap().kept_drives;
     assert_eq!(kept(DriveTorques::None), ["zz1r"]);
     assert!(kept(DriveTorques::Inertia).is_empty() && kept(DriveTorques::All).is_empty());
@@ -267,7 +277,13 @@ fn a_function_without_terms_is_code_all_the_same() {
     let text = "name = 'slide /* of'\n[[joint]]\nname = 'a'\nkind = 'prismatic'\n";
     let robot = Robot::parse(text, Path::new("slide.toml")).unwrap();
     let of = |model| {
-        let request = Request { model, parameters: ParameterSet::Base, values: None, drives: DriveTorques::All };
+        let request = Request {
+            model,
+            parameters: ParameterSet::Base,
+            values: None,
+            drives: DriveTorques::All,
+            about: Vec::new(),
+        };
         Function::new(&robot, &request).unwrap()
     };
     let latex = Language::Latex.code(&of(ModelKind::Coriolis), None).unwrap();

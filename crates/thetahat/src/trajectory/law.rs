@@ -30,6 +30,20 @@ const CORNERS: [[f64; 3]; 8] = [
     [1.0, 1.0, 1.0],
 ];
 
+/// Phases of a law.
+pub(crate) const PHASES: usize = 7;
+
+/// A law at a part of one of its phases.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct InPhase {
+    /// `s` and its first three derivatives by time.
+    pub(crate) values: [f64; 4],
+    /// Their derivatives by T1, T2 and T3; the instant moves with its phase.
+    pub(crate) slopes: [[f64; 3]; 4],
+    /// Derivatives of the phase's duration by T1, T2 and T3.
+    pub(crate) seconds_by_width: [f64; 3],
+}
+
 impl TimeLaw {
     /// The end of the move, `start_s + T1 + T2 + T3`.
     #[must_use]
@@ -85,6 +99,32 @@ impl TimeLaw {
         let by_log = |width: f64, d: f64| width * d / self.volume() - s;
         let [d1, d2, d3] = by_width;
         [-ds, by_log(self.t1_s, d1), by_log(self.t2_s, d2), by_log(self.t3_s, d3)]
+    }
+
+    /// The law at a part, from 0 to 1, of one of its seven phases: jerk, acceleration, jerk, cruise, jerk, acceleration, jerk.
+    ///
+    /// The phases are those of `T1 >= T2 + T3`: the corners of the sum are then in the order of time, and the instant is a sum of
+    /// T1, T2 and T3 with constant factors.
+    pub(crate) fn in_phase(&self, phase: usize, part: f64) -> InPhase {
+        let [before, behind] = [CORNERS[phase], CORNERS[phase + 1]];
+        let widths = [self.t1_s, self.t2_s, self.t3_s];
+        let factors = [0, 1, 2].map(|i| before[i] + part * (behind[i] - before[i]));
+        let (mut values, mut slopes) = ([0.0; 4], [[0.0; 3]; 4]);
+        // Those behind are not reached yet, whatever rounding says of phases without duration.
+        for corner in &CORNERS[..=phase] {
+            let by_width = [0, 1, 2].map(|i| factors[i] - corner[i]);
+            let x: f64 = by_width.iter().zip(widths).map(|(b, w)| b * w).sum();
+            let sign = (1.0 - 2.0 * corner[0]) * (1.0 - 2.0 * corner[1]) * (1.0 - 2.0 * corner[2]);
+            let powers = [x * x * x / 6.0, x * x / 2.0, x, 1.0, 0.0].map(|power| sign * power / self.volume());
+            for order in 0..4 {
+                values[order] += powers[order];
+                slopes[order].iter_mut().zip(by_width).for_each(|(slope, b)| *slope += b * powers[order + 1]);
+            }
+        }
+        for (slopes, value) in slopes.iter_mut().zip(values) {
+            slopes.iter_mut().zip(widths).for_each(|(slope, width)| *slope -= value / width);
+        }
+        InPhase { values, slopes, seconds_by_width: [0, 1, 2].map(|i| behind[i] - before[i]) }
     }
 
     /// The same law with `T1 >= T2 >= T3`: the convolution does not depend on their order.
@@ -149,6 +189,35 @@ mod tests {
                 for (i, d) in law.sensitivity(t).into_iter().enumerate() {
                     let s = |h| shifted(law, i, h).evaluate(t).0;
                     assert!(((s(h) - s(-h)) / (2.0 * h) - d).abs() < 1e-6, "parameter {i} at {t}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn phases_are_parts_of_the_law_with_exact_slopes() {
+        let h = 1e-6;
+        for (phase, part) in (0..PHASES).flat_map(|phase| [0.2, 0.7].map(|part| (phase, part))) {
+            let found = CRUISE.in_phase(phase, part);
+            let seconds =
+                |k: usize| CORNERS[k][0] * CRUISE.t1_s + CORNERS[k][1] * CRUISE.t2_s + CORNERS[k][2] * CRUISE.t3_s;
+            let t = CRUISE.start_s + seconds(phase) + part * (seconds(phase + 1) - seconds(phase));
+            let (s, ds, dds) = CRUISE.evaluate(t);
+            for (found, expected) in found.values.into_iter().zip([s, ds, dds, CRUISE.jerk(t)]) {
+                assert!((found - expected).abs() < 1e-9 * expected.abs().max(1.0), "{phase}: {found} {expected}");
+            }
+            let moved = |i: usize, h: f64| {
+                let mut law = CRUISE;
+                *[&mut law.t1_s, &mut law.t2_s, &mut law.t3_s][i] += h;
+                law.in_phase(phase, part).values
+            };
+            for i in 0..3 {
+                for (order, (behind, before)) in moved(i, h).into_iter().zip(moved(i, -h)).enumerate() {
+                    let (central, exact) = ((behind - before) / (2.0 * h), found.slopes[order][i]);
+                    assert!(
+                        (central - exact).abs() < 1e-6 * exact.abs().max(1.0),
+                        "{phase} {order} {i}: {central} {exact}"
+                    );
                 }
             }
         }

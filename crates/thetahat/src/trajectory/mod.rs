@@ -39,6 +39,7 @@ mod reconstruct;
 
 pub use error::TrajectoryError;
 pub use fourier::FourierSeries;
+pub(crate) use law::PHASES;
 pub use law::TimeLaw;
 pub use moves::{Move, Moves};
 pub use periodic::{FEWEST_PERIODS, LowPass, Periodic, find_periodic};

@@ -47,7 +47,7 @@ struct Sample {
 impl Sample {
     fn new(robot: &Robot, model: ModelKind, rng: &mut ChaCha8Rng) -> Self {
         let parameters = if rng.random_bool(0.5) { ParameterSet::Base } else { ParameterSet::Standard };
-        let request = Request { model, parameters, values: None, drives: DriveTorques::All };
+        let request = Request { model, parameters, values: None, drives: DriveTorques::All, about: Vec::new() };
         let function = Function::new(robot, &request).unwrap();
         let mut random = |n: usize| -> Vec<f64> { (0..n).map(|_| rng.random_range(-2.0..2.0)).collect() };
         let n = Model::new(robot).coordinate_count();

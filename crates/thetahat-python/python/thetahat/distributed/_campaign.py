@@ -85,7 +85,8 @@ def campaign(
         raise ValueError(f"records_per_job is {records_per_job}; at least one is needed")
     store, texts, limits = Store(out), _thetahat.campaign_texts(os.fspath(path)), (starts, seeds)
     with store.as_folder(*_FILES, parts=_PARTS) as folder, telling(progress) as tell:
-        places = bench(texts, starts).missing(texts, folder, limits)
+        own = bench(texts, starts)
+        places = own.missing(texts, folder, limits)
         # Parts are nothing without the file that says what they are of.
         store.send(folder, _MANIFEST)
         groups = [places[k : k + records_per_job] for k in range(0, len(places), records_per_job)]
@@ -97,5 +98,5 @@ def campaign(
                     if tell is not None:
                         tell(f"{done} of {len(jobs)} jobs")
         store.bring_parts(folder, _PARTS)
-        text, runs, converged, _ = _thetahat.finish_campaign(texts, folder, limits)
+        text, runs, converged, _ = _thetahat.finish_campaign(own, texts, folder, limits)
     return Campaign(str(store), runs, converged, text)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import importlib
 import itertools
 import os
+import time
 from collections.abc import Callable, Hashable, Iterable, Iterator
 from concurrent import futures
 from typing import Any, Literal, Protocol, TypeVar
@@ -18,13 +20,16 @@ _Value = TypeVar("_Value")
 
 # Jobs that are handed over before the first is done, for each worker: enough that no worker waits for the driver.
 _AHEAD = 4
+# How often a running engine is asked how many workers it has, s.
+_COUNT_EVERY_S = 1.0
 
 
 class _Pool(Protocol):
     """What an engine does for a driver."""
 
-    slots: int
-    """Jobs that are worked on at a time."""
+    @property
+    def slots(self) -> int:
+        """Jobs that are worked on at a time; of a running engine it changes as workers come and go."""
 
     def submit(self, function: Callable[[Any], Any], job: Any) -> Hashable:
         """Hand a job over."""
@@ -48,19 +53,20 @@ class Driver:
     def each(self, function: Callable[[_Job], _Value], jobs: Iterable[_Job]) -> Iterator[tuple[int, _Value]]:
         """Do jobs; their numbers from zero and values, as they are done. The first error ends it.
 
-        Jobs are taken one by one as workers get free, so that there may be many.
+        Jobs are taken as workers get free or join, so that there may be many.
         """
         waiting = enumerate(jobs)
         handles: dict[Hashable, int] = {}
 
-        def hand_over(count: int) -> None:
-            for number, job in itertools.islice(waiting, count):
+        def hand_over(under_way: int) -> None:
+            free = max(0, _AHEAD * self._pool.slots - under_way)
+            for number, job in itertools.islice(waiting, free):
                 handles[self._pool.submit(function, job)] = number
 
-        hand_over(_AHEAD * self._pool.slots)
+        hand_over(0)
         while handles:
             done = self._pool.finished()
-            hand_over(len(done))
+            hand_over(len(handles) - len(done))
             for handle in done:
                 yield handles.pop(handle), self._pool.value(handle)
 
@@ -81,6 +87,19 @@ def started(engine: Engine, workers: int | None, address: str | None, retries: i
         yield Driver(pool)
     finally:
         pool.close()
+
+
+class _Slots:
+    """The workers of an engine, counted again where the last count is old: each takes a call of the engine."""
+
+    def __init__(self, count: Callable[[], int]) -> None:
+        self._count = count
+        self._number, self._counted_at = count(), time.monotonic()
+
+    def __call__(self) -> int:
+        if time.monotonic() - self._counted_at > _COUNT_EVERY_S:
+            self._number, self._counted_at = self._count(), time.monotonic()
+        return self._number
 
 
 class _Threads:
@@ -126,9 +145,14 @@ class _Dask:
                     dashboard_address="127.0.0.1:0",
                     worker_dashboard_address="127.0.0.1:0",
                 )
-        self._client: Any = distributed.Client(address or self._cluster, set_as_default=False)
+        with _connecting("scheduler of Dask", address):
+            self._client: Any = distributed.Client(address or self._cluster, set_as_default=False)
         self._completed: Any = distributed.as_completed(loop=self._client.loop)
-        self.slots = sum(self._client.nthreads().values()) or workers
+        self._slots = _Slots(lambda: sum(self._client.nthreads().values()) or workers)
+
+    @property
+    def slots(self) -> int:
+        return self._slots()
 
     def submit(self, function: Callable[[Any], Any], job: Any) -> Hashable:
         # Jobs are not pure: each leaves a file.
@@ -158,14 +182,21 @@ class _Ray:
     def __init__(self, workers: int, address: str | None, retries: int) -> None:
         ray = self._ray = _module("ray", "ray")
         self._began = not ray.is_initialized()
-        if self._began and address is None:
+        if not self._began:
+            _require_same_ray(ray, address)
+        elif address is None:
             ray.init(num_cpus=workers, include_dashboard=False, log_to_driver=False, _node_ip_address="127.0.0.1")
-        elif self._began:
-            ray.init(address=address, log_to_driver=False)
+        else:
+            with _connecting("cluster of Ray", address):
+                ray.init(address=address, log_to_driver=False)
         self._retries = retries
         self._remote: dict[Callable[[Any], Any], Any] = {}
         self._pending: list[Any] = []
-        self.slots = int(ray.cluster_resources().get("CPU", workers))
+        self._slots = _Slots(lambda: int(ray.cluster_resources().get("CPU", workers)))
+
+    @property
+    def slots(self) -> int:
+        return self._slots()
 
     def submit(self, function: Callable[[Any], Any], job: Any) -> Hashable:
         if function not in self._remote:
@@ -205,6 +236,28 @@ def _module(engine: str, name: str) -> Any:
     except ImportError as missing:
         remedy = f'pip install "thetahat[{engine}]", or take engine="threads"'
         raise EngineError(f'the engine "{engine}" is not installed: {remedy}') from missing
+
+
+def _require_same_ray(ray: Any, address: str | None) -> None:
+    """Refuse another cluster than that to which this process is connected: Ray knows one at a time."""
+    connected = ray.get_runtime_context().gcs_address
+    if address not in (None, "auto", connected):
+        raise EngineError(
+            f"Ray already runs in this process, at {connected}, and not at {address}: leave out `address`, or call "
+            "ray.shutdown() first"
+        )
+
+
+@contextlib.contextmanager
+def _connecting(what: str, address: str | None) -> Iterator[None]:
+    """Say which address does not answer, whatever error an engine has for it."""
+    try:
+        yield
+    except (OSError, ValueError, RuntimeError, asyncio.TimeoutError) as error:
+        if address is None:
+            raise
+        remedy = "begin it, or leave out `address` for one on this machine"
+        raise EngineError(f"no {what} answers at {address} ({error}): {remedy}") from error
 
 
 def _lost() -> EngineError:

@@ -9,6 +9,7 @@ import math
 import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any, NamedTuple
 
@@ -17,7 +18,7 @@ import numpy as np
 from .. import _thetahat
 from .._progress import Progress, telling
 from ..controllers import Controller
-from ..errors import ReportError, ThetahatError
+from ..errors import RecordingError, ReportError, RobotError, ThetahatError
 from ..identification import identify
 from ..recording import Recording
 from ..results import Result, Run
@@ -30,6 +31,13 @@ from ._statistics import Dispersion, Estimate, Line, Test, holm
 from ._store import Store, content_name
 
 _PARTS = "sessions"
+# The form of the files of sessions; another one gives other names.
+_FORM = 2
+# How the files of sessions end: those that are done, and those whose recordings could not be read.
+_DONE, _UNREAD = ".json", ".unread.json"
+_HTML, _JSON = "fleet.html", "fleet.json"
+# How the second begins, by which it is known again.
+_JSON_HEAD = '{\n"thetahat": '
 _DAY_S = 86_400.0
 # Half of an interval of 95 % of a normal distribution, in standard deviations.
 _NORMAL_95 = 1.959963984540054
@@ -44,7 +52,7 @@ class Session:
     robot : str
         Which robot it was, such as its serial number.
     time : float or datetime
-        When, in days, or in any unit that all sessions share; slopes are per this unit.
+        When, in days, or in any unit that all sessions share; slopes are per this unit. A datetime has a time zone.
     experiment : path, optional
         An experiment file, as :func:`thetahat.run` takes it.
     data, description : path, optional
@@ -69,13 +77,23 @@ class Session:
     def __post_init__(self) -> None:
         if (self.experiment is None) == (self.model is None):
             raise ValueError(f"session of {self.robot}: give either an experiment, or a model with recordings")
+        _require_time(self.robot, self.days)
 
     @property
     def days(self) -> float:
         """The time as a number."""
-        if isinstance(self.time, datetime.datetime):
-            return self.time.timestamp() / _DAY_S
-        return float(self.time)
+        if not isinstance(self.time, datetime.datetime):
+            return float(self.time)
+        if self.time.utcoffset() is None:
+            raise ValueError(
+                f"session of {self.robot}: its time {self.time} has no time zone; give one, such as tzinfo=datetime.timezone.utc"
+            )
+        return self.time.timestamp() / _DAY_S
+
+
+def _require_time(robot: str, time: float) -> None:
+    if not math.isfinite(time):
+        raise ValueError(f"session of {robot}: its time is {time}; give a finite number, or a datetime")
 
 
 class ParameterEstimate(NamedTuple):
@@ -86,6 +104,8 @@ class ParameterEstimate(NamedTuple):
     standard_deviation: float
     """Half of the 95 % interval by 1.96, so that few degrees of freedom count; SI."""
     unit: str
+    expression: str = ""
+    """What the base parameter stands for; estimates of one name are compared where all have the same."""
 
 
 @dataclass(frozen=True)
@@ -101,6 +121,9 @@ class SessionResult:
     """Whose estimates these are; empty without any."""
     parameters: tuple[ParameterEstimate, ...]
 
+    def __post_init__(self) -> None:
+        _require_time(self.robot, self.time)
+
     @property
     def is_used(self) -> bool:
         """Whether its estimates are compared with others."""
@@ -113,6 +136,7 @@ class ParameterResult:
 
     name: str
     unit: str
+    expression: str
     mean: Estimate
     dispersion: Dispersion
     between_robots: Test
@@ -164,9 +188,9 @@ class Fleet:
         return [drift for drift in self.drifts if drift.adjusted < self.level]
 
     def to_json(self) -> str:
-        """Everything, as JSON; numbers that there are not are null."""
+        """Everything, as JSON; numbers that there are not are null. Formulas are with the parameters, once for all sessions."""
         lists = {"sessions": self.sessions, "parameters": self.parameters, "drifts": self.drifts, "deviations": self.deviations}
-        text = f'{{\n"level": {self.level}'
+        text = f'{_JSON_HEAD}"{_thetahat.VERSION}",\n"level": {self.level}'
         for key, items in lists.items():
             lines = ",\n".join(json.dumps(_plain(item), allow_nan=False) for item in items)
             text += f',\n"{key}": [\n{lines}\n]'
@@ -208,15 +232,22 @@ class _SessionPart(NamedTuple):
     data: str
     method: str | None
 
+    @property
+    def unread_name(self) -> str:
+        """The file that says why a recording could not be read: another call looks again, since a disk may be back."""
+        return self.name.removesuffix(_DONE) + _UNREAD
+
     @staticmethod
     def work(job: _SessionPart) -> str:
         """Identify, and keep what is compared."""
+        name = job.name
         try:
             found = _kept(_identified(job), job.method)
         except ThetahatError as refused:
             found = {"verdict": "refused", "reasons": [str(refused)], "method": "", "parameters": []}
-        job.store.write(job.name, json.dumps(found).encode())
-        return job.name
+            name = job.unread_name if isinstance(refused, RecordingError) else job.name
+        job.store.write(name, json.dumps(found).encode())
+        return name
 
 
 def _identified(job: _SessionPart) -> Result:
@@ -224,24 +255,40 @@ def _identified(job: _SessionPart) -> Result:
         return Result(_thetahat.run_texts(job.texts, job.data), None)
     model = job.session.model
     assert model is not None
-    return identify(model, job.session.recordings, **job.session.settings)
+    # Jobs are run side by side: each has one thread.
+    return identify(model, job.session.recordings, **{"threads": 1, **job.session.settings})
 
 
 def _kept(result: Result, method: str | None) -> dict[str, Any]:
-    try:
-        run = result.best if method is None else result[method]
-    except KeyError as unknown:
-        raise ThetahatError(str(unknown.args[0])) from unknown
-    reasons = result.reasons or ([run.reason] if run.reason else [])
-    return {"verdict": result.verdict, "reasons": reasons, "method": run.method, "parameters": _estimates(run)}
+    run = _chosen(result, method)
+    own = _own_reasons(run, method)
+    return {
+        "verdict": result.verdict,
+        # What is wrong with the run that was asked for comes before what is wrong with all.
+        "reasons": result.reasons + own if method is None else own + result.reasons,
+        "method": "" if run is None else run.method,
+        "parameters": [] if run is None else _estimates(run),
+    }
 
 
-def _estimates(run: Run) -> list[tuple[str, float, float, str]]:
+def _chosen(result: Result, method: str | None) -> Run | None:
+    if method is None:
+        return result._taken()
+    return result[method] if method in result else None
+
+
+def _own_reasons(run: Run | None, method: str | None) -> list[str]:
+    if run is not None:
+        return [run.reason] if run.reason else []
+    return ["no method has an estimate to take" if method is None else f"{method} is not among the methods of the session"]
+
+
+def _estimates(run: Run) -> list[tuple[str, float, float, str, str]]:
     if run.status != "converged":
         return []
     known = ((p, p.interval_95) for p in run)
     return [
-        (p.name, p.estimate, (ends[1] - ends[0]) / (2.0 * _NORMAL_95), p.unit)
+        (p.name, p.estimate, (ends[1] - ends[0]) / (2.0 * _NORMAL_95), p.unit, p.expression)
         for p, ends in known
         if ends is not None and ends[1] > ends[0]
     ]
@@ -268,7 +315,8 @@ def fleet(
     the parameter are multiplied by that factor, and tests are of F and t. P-values are adjusted by Holm's method: tests of the
     fleet over the parameters, tests of robots over robots and parameters. Intervals are of 95 % each, by itself.
 
-    Sessions whose verdict is ``"do-not-use"``, or whose input is refused, are listed and left out.
+    Sessions whose verdict is ``"do-not-use"``, or whose input is refused, are listed and left out; another call reads recordings again
+    that could not be read.
 
     Parameters
     ----------
@@ -290,18 +338,27 @@ def fleet(
 
     Raises
     ------
-    ExperimentError, RobotError
+    ExperimentError
         For an experiment file that cannot be read; what a worker refuses is a session's verdict.
+    RobotError
+        For a robot that cannot be read, and for a parameter that stands for something else in another session.
+    SettingsError
+        For a method that there is not.
     EngineError
         For an engine that is not installed, or loses its workers.
+    ReportError
+        For a ``fleet.json`` or ``fleet.html`` of others in `out`.
     """
     if not 0.0 < level < 1.0:
         raise ValueError(f"level is {level}; it is between 0 and 1")
     if sessions_per_job < 1:
         raise ValueError(f"sessions_per_job is {sessions_per_job}; at least one is needed")
+    if method is not None:
+        _thetahat.require_method(method)
     store, asked = Store(out), list(sessions)
     if not asked:
         raise ValueError("no session is given")
+    store.require_ours({_JSON: _JSON_HEAD, _HTML: _page.GENERATOR})
     jobs = [_job(store, session, method) for session in asked]
     if len({job.name for job in jobs}) < len(jobs):
         raise ValueError("two sessions are of the same robot, time and recordings: give each only once")
@@ -309,20 +366,27 @@ def fleet(
         for done in run_missing(driver, _SessionPart.work, jobs, store, _PARTS, sessions_per_job):
             if tell is not None:
                 tell(f"{done} of {len(jobs)} sessions")
-    contents = store.read_all([job.name for job in jobs])
+    contents = store.read_all(_written(jobs, store.names(_PARTS)))
     found = [_result(job.session, content) for job, content in zip(jobs, contents, strict=True)]
     compared = compare(found, str(store), friction=friction, level=level)
-    store.write("fleet.json", compared.to_json().encode())
-    store.write("fleet.html", compared.to_html().encode())
+    store.write(_JSON, compared.to_json().encode())
+    store.write(_HTML, compared.to_html().encode())
     return compared
 
 
 def compare(
     sessions: Sequence[SessionResult], place: str = "", *, friction: Sequence[str] = ("fv", "fc"), level: float = 0.05
 ) -> Fleet:
-    """The tests of :func:`fleet` on sessions that were identified."""
+    """The tests of :func:`fleet` on sessions that were identified.
+
+    Raises
+    ------
+    RobotError
+        For a parameter that stands for something else in another session.
+    """
     ordered = sorted(sessions, key=lambda session: (session.robot, session.time))
-    units: dict[str, str] = {p.name: p.unit for s in ordered if s.is_used for p in s.parameters}
+    known = _known(ordered)
+    units = {name: parameter.unit for name, parameter in known.items()}
     lines = _lines(ordered)
     dispersions = {name: _statistics.dispersion_of(list(of.values())) for name, of in lines.items()}
     drifts: list[tuple[str, str, Estimate]] = []
@@ -337,25 +401,41 @@ def compare(
         place,
         level,
         tuple(ordered),
-        _of_parameters(units, lines, dispersions),
+        _of_parameters(known, lines, dispersions),
         _of_robots(drifts, units),
         _of_robots(deviations, units),
     )
 
 
+def _known(sessions: Sequence[SessionResult]) -> dict[str, ParameterEstimate]:
+    """Of each parameter the first that is met; refuses a fleet in which a name does not mean one thing."""
+    known: dict[str, tuple[str, ParameterEstimate]] = {}
+    for session in sessions:
+        for parameter in session.parameters if session.is_used else ():
+            robot, first = known.setdefault(parameter.name, (session.robot, parameter))
+            if (parameter.expression, parameter.unit) != (first.expression, first.unit):
+                raise RobotError(
+                    f"{parameter.name} is {first.expression} [{first.unit}] of {robot} at first, and {parameter.expression} "
+                    f"[{parameter.unit}] of {session.robot} at {session.time:g}: robots of other lengths, or with other parameters "
+                    "left out or fixed, cannot be compared; make a fleet of each kind"
+                )
+    return {name: parameter for name, (_, parameter) in known.items()}
+
+
 def _of_parameters(
-    units: dict[str, str], lines: dict[str, dict[str, Line]], dispersions: dict[str, Dispersion]
+    known: dict[str, ParameterEstimate], lines: dict[str, dict[str, Line]], dispersions: dict[str, Dispersion]
 ) -> tuple[ParameterResult, ...]:
-    arguments = [(list(lines[name].values()), dispersions[name]) for name in units]
+    arguments = [(list(lines[name].values()), dispersions[name]) for name in known]
     between = [_statistics.between_robots(*pair) for pair in arguments]
     moving = [_statistics.over_time(*pair) for pair in arguments]
     between_adjusted = holm([test.p_value for test in between])
     moving_adjusted = holm([test.p_value for test in moving])
-    scatter_adjusted = holm([dispersions[name].p_value for name in units])
+    scatter_adjusted = holm([dispersions[name].p_value for name in known])
     return tuple(
         ParameterResult(
             name=name,
-            unit=units[name],
+            unit=known[name].unit,
+            expression=known[name].expression,
             mean=_statistics.fleet_mean(*arguments[k]),
             dispersion=dispersions[name],
             between_robots=between[k],
@@ -365,7 +445,7 @@ def _of_parameters(
             scatter_adjusted=scatter_adjusted[k],
             common_slope=_statistics.common_slope(*arguments[k]),
         )
-        for k, name in enumerate(units)
+        for k, name in enumerate(known)
     )
 
 
@@ -390,14 +470,14 @@ def _lines(sessions: Sequence[SessionResult]) -> dict[str, dict[str, Line]]:
 
 def _job(store: Store, session: Session, method: str | None) -> _SessionPart:
     if session.experiment is None:
-        origin = content_name("arrays", _digest(session), session.robot, session.days, method)
-        return _SessionPart(store, f"{_PARTS}/{origin}.json", session, None, "", method)
+        origin = content_name("arrays", _FORM, _digest(session), session.robot, session.days, method)
+        return _SessionPart(store, f"{_PARTS}/{origin}{_DONE}", session, None, "", method)
     path = os.fspath(session.experiment)
     data = os.path.abspath(os.path.dirname(path) if session.data is None else session.data)
     robot = None if session.description is None else os.fspath(session.description)
     texts, files, _ = _thetahat.experiment_texts(path, data, robot)
-    origin = content_name("session", texts[1:], stamps(files), session.robot, session.days, method)
-    return _SessionPart(store, f"{_PARTS}/{origin}.json", session, texts, data, method)
+    origin = content_name("session", _FORM, texts[1:], stamps(files), session.robot, session.days, method)
+    return _SessionPart(store, f"{_PARTS}/{origin}{_DONE}", session, texts, data, method)
 
 
 def _digest(session: Session) -> str:
@@ -405,17 +485,41 @@ def _digest(session: Session) -> str:
     assert session.model is not None
     recordings = [session.recordings] if isinstance(session.recordings, Recording) else session.recordings
     # What a robot is pickled as: its description, and where its locked joints stand.
-    digest = hashlib.sha256(repr(session.model._native.__reduce__()[1]).encode())
-    for recording in recordings:
-        for key, value in sorted(vars(recording).items()):
-            arrays = value if isinstance(value, dict) else {"": value}
-            for name, array in arrays.items():
-                is_array = isinstance(array, np.ndarray)
-                content = np.ascontiguousarray(array).tobytes() if is_array else repr(array).encode()
-                digest.update(f"{key} {name} {len(content)} {np.shape(array)}".encode() + content)
-    settings = {k: v.settings() if isinstance(v, Controller) else v for k, v in session.settings.items()}
-    digest.update(json.dumps(settings, sort_keys=True, default=repr).encode())
+    model = repr(session.model._native.__reduce__()[1])
+    try:
+        text = json.dumps([model, list(recordings), dict(session.settings)], sort_keys=True, default=_named)
+    except TypeError as error:
+        raise TypeError(f"session of {session.robot}: its settings: {error}") from None
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _named(value: object) -> object:
+    """What stands for a value among settings that JSON does not know."""
+    if isinstance(value, Recording):
+        return _recording_digest(value)
+    if isinstance(value, Controller):
+        return value.settings()
+    if isinstance(value, Mapping):
+        return dict(value)
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    raise TypeError(f"they hold a {type(value).__name__}; expected numbers, texts, lists, mappings, controllers and recordings")
+
+
+def _recording_digest(recording: Recording) -> str:
+    digest = hashlib.sha256()
+    for key, value in sorted(vars(recording).items()):
+        arrays = value if isinstance(value, dict) else {"": value}
+        for name, array in arrays.items():
+            is_array = isinstance(array, np.ndarray)
+            content = np.ascontiguousarray(array).tobytes() if is_array else repr(array).encode()
+            digest.update(f"{key} {name} {len(content)} {np.shape(array)}".encode() + content)
     return digest.hexdigest()
+
+
+def _written(jobs: Sequence[_SessionPart], there: AbstractSet[str]) -> list[str]:
+    """The files that jobs left."""
+    return [job.name if job.name in there else job.unread_name for job in jobs]
 
 
 def _result(session: Session, content: bytes) -> SessionResult:
@@ -426,16 +530,18 @@ def _result(session: Session, content: bytes) -> SessionResult:
         verdict=found["verdict"],
         reasons=tuple(found["reasons"]),
         method=found["method"],
-        # Names and units are the same in all sessions: each is kept once.
+        # Names, units and formulas are the same in all sessions: each is kept once.
         parameters=tuple(
-            ParameterEstimate(sys.intern(name), estimate, deviation, sys.intern(unit))
-            for name, estimate, deviation, unit in found["parameters"]
+            ParameterEstimate(sys.intern(name), estimate, deviation, sys.intern(unit), sys.intern(expression))
+            for name, estimate, deviation, unit, expression in found["parameters"]
         ),
     )
 
 
 def _plain(value: Any) -> Any:
     """What JSON can hold."""
+    if isinstance(value, ParameterEstimate):
+        return {key: _plain(each) for key, each in value._asdict().items() if key != "expression"}
     if is_dataclass(value):
         return {each.name: _plain(getattr(value, each.name)) for each in fields(value)}
     if hasattr(value, "_asdict"):

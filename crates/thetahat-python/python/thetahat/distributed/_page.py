@@ -13,6 +13,9 @@ if TYPE_CHECKING:
 # Rows of a table that has one for each robot and parameter; all are in fleet.json.
 _MOST = 100
 
+# By which the page is known again.
+GENERATOR = '<meta name="generator" content="thetahat">'
+
 _STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; max-width: 70rem; margin: 2rem auto; padding: 0 1rem; color: #1b1f24; }
 table { border-collapse: collapse; margin: 0.5rem 0 2rem; }
@@ -40,7 +43,7 @@ class _Table(NamedTuple):
 
 def html(fleet: Fleet) -> str:
     """The page."""
-    head = f'<meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>{_TITLE}</title>'
+    head = f'<meta charset="utf-8">{GENERATOR}<meta name="viewport" content="width=device-width"><title>{_TITLE}</title>'
     return f'<!doctype html><html lang="en"><head>{head}<style>{_STYLE}</style></head><body>{body(fleet)}</body></html>\n'
 
 

@@ -19,6 +19,8 @@ from ._store import Store, content_name
 _Path = str | os.PathLike[str]
 _PARTS = "parts"
 _MERGED = "merged.reduction"
+# How it begins.
+_MARK = "thetahat reduction "
 
 
 @dataclass(frozen=True)
@@ -76,7 +78,8 @@ def reduce(
         Another robot description than the one that the experiments name.
     stretch_s : float, optional
         Reduce stretches of so many seconds by themselves, where one recording is much for one worker. A stretch is decimated as a
-        record of its own, so that estimates differ from those of the whole by the rows at its ends.
+        record of its own, and the velocity below which a joint is near rest is that of the stretch: estimates differ from those of
+        the whole by the rows at its ends and near rest. Twins have no stretches.
     instruments_from : path, optional
         A ``results.json`` whose estimates simulate the instruments of IDIM-IV.
     fan_in : int
@@ -90,6 +93,8 @@ def reduce(
         With file, place and remedy.
     EngineError
         For an engine that is not installed, or loses its workers.
+    ReportError
+        For a ``merged.reduction`` of others in `out`.
     """
     if stretch_s is not None and not (math.isfinite(stretch_s) and stretch_s > 0):
         raise ValueError(f"stretch_s is {stretch_s}; it is a time above zero, or None")
@@ -99,6 +104,7 @@ def reduce(
     if not paths:
         raise ValueError("no experiment is given")
     store = Store(out)
+    store.require_ours({_MERGED: _MARK})
     with _engines.started(engine, workers, address, retries) as driver, telling(progress) as tell:
         described = [_described(os.fspath(path), data, robot, instruments_from) for path in paths]
         jobs = _parts(driver, store, described, stretch_s)
@@ -147,7 +153,9 @@ def _parts(
         windows = [[[None]] * one.recordings for one in described]
     else:
         spans = driver.all(Spans.work, [Spans(one.texts, one.data) for one in described])
-        windows = [[stretches(span, stretch_s) for span in of_one] or [[None]] for of_one in spans]
+        for one in (one for one, of_one in zip(described, spans, strict=True) if not of_one):
+            raise ValueError(f"{one.texts[0]}: is of a twin, whose time is not cut in stretches: leave out stretch_s")
+        windows = [[stretches(span, stretch_s) for span in of_one] for of_one in spans]
     return [
         _part(store, one, recording, window)
         for one, of_one in zip(described, windows, strict=True)

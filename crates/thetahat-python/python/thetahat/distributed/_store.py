@@ -11,14 +11,16 @@ import os
 import pathlib
 import tempfile
 import uuid
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent import futures
 from typing import Any
 
 from .. import _thetahat
-from ..errors import EngineError
+from ..errors import EngineError, ReportError
 
 _REMOTE = "s3://"
+# First bytes among which a mark stands.
+_HEAD = 512
 # Objects that are read at a time.
 _AT_ONCE = 32
 
@@ -101,6 +103,15 @@ class Store:
         with futures.ThreadPoolExecutor(_AT_ONCE) as pool:
             for first in range(0, len(names), 8 * _AT_ONCE):
                 yield from pool.map(self.read, names[first : first + 8 * _AT_ONCE])
+
+    def require_ours(self, marks: Mapping[str, str]) -> None:
+        """Refuse to replace files of others: those that are there have these marks among their first characters."""
+        there = {name.rsplit("/", 1)[-1] for name in self.names("")}
+        for name, mark in marks.items():
+            if name in there and mark.encode() not in self.read(name)[:_HEAD]:
+                raise ReportError(
+                    f"{self.place}/{name}: is there already and not known to be written by thetahat; take another `out`, or delete it"
+                )
 
     def require(self, names: Sequence[str]) -> None:
         """Refuse to go on without files that a worker says it wrote."""

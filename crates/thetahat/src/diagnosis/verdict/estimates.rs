@@ -129,7 +129,7 @@ fn joint_not_explained(results: &Results, run: &RunResult, found: &NotExplained)
         run.method,
         found.error_percent.unwrap_or(f64::NAN)
     );
-    let said = Said::new(seen, format!("check the torque column of {name}, and take none of its parameters"));
+    let said = Said::new(seen, format!("check the torque column of {name}"));
     let concerned = Concerned { joint: Some(name), ..of_method(run) };
     reason(ReasonCode::JointNotExplained, Verdict::DoNotUse, &found.numbers(), concerned, said)
 }
@@ -212,8 +212,8 @@ fn correlated_residual(results: &Results, run: &RunResult) -> Option<VerdictReas
     let name = joint_name(results, worst.joint);
     let seen = format!(
         "Something is missing in the model (a law of friction, elasticity, a length) or in the processing (a torque that is held, \
-         friction's sign near rest), and no interval holds the bias of that: neighbouring rows of the residual of {name} ({}) \
-         correlate by {r1:.2}, where {limit:.2} is chance",
+         friction's sign near rest), and estimates may be off by more than their intervals say: neighbouring rows of the residual of \
+         {name} ({}) correlate by {r1:.2}, where {limit:.2} is chance",
         run.method
     );
     let said = Said::new(seen, "compare laws of friction by compare_terms = true in [estimation]");

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::{
     report::plot::Chart,
-    results::{Advice, Method, Results, RunResult},
+    results::{Method, Results, RunResult},
 };
 
 /// Charts with one legend.
@@ -45,10 +45,9 @@ pub(in crate::report) fn keys_of(methods: impl IntoIterator<Item = Method>) -> V
     methods.into_iter().map(|m| Key::new(m.name(), m.name())).collect()
 }
 
-/// The run of a case whose numbers the advice takes; the first one with curves where it takes none.
+/// The run of a case whose numbers are taken; the first one with numbers where none is.
 pub(super) fn main_run<'a>(results: &'a Results, case: &str) -> Option<&'a RunResult> {
-    let advice: Option<&Advice> = results.advice.iter().find(|a| a.case == case);
-    let taken = advice.and_then(|a| results.run(case, a.take?)).filter(|r| !r.parameters.is_empty());
+    let taken = results.taken_in(case).filter(|r| !r.parameters.is_empty());
     taken.or_else(|| results.runs.iter().find(|r| r.case == case && !r.parameters.is_empty()))
 }
 
@@ -58,5 +57,46 @@ pub(super) fn named(results: &Results, run: &RunResult) -> String {
         format!("{}, {}", run.case, run.method.name())
     } else {
         run.method.name().to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    fn run(method: &str, status: &str) -> String {
+        format!(
+            r#"{{ "case": "nominal", "method": "{method}", "status": "{status}", "iterations": 0, "simulations": 0,
+                "relative_error_percent": 4.0, "joint_relative_error_percent": [3.0], "seconds": 0.1, "convergence": [],
+                "parameters": [{{ "name": "a", "estimate": 1.0, "interval_95": [0.9, 1.1], "unit": "", "expression": "a", "shown": true }}] }}"#
+        )
+    }
+
+    /// Of a reduction: there is no advice.
+    fn without_advice(runs: &[String]) -> Results {
+        let text = format!(
+            r#"{{ "schema": 1, "thetahat": "0.1.0", "robot": "A", "title": "T", "samples_used": 100, "decimated_rows": 10,
+                "recordings": [], "validation_recordings": [], "seed": null, "elimination": null, "verdict": "good",
+                "robot_joints": [], "bandwidth": {{ "position_cutoff_hz": 50.0, "decimation_cutoff_hz": 20.0 }},
+                "experiment_description": "", "robot_description": "", "advice": [], "runs": [{}] }}"#,
+            runs.join(", ")
+        );
+        Results::from_json(Path::new("results.json"), &text).unwrap()
+    }
+
+    #[test]
+    fn figures_are_of_the_run_that_the_card_takes() {
+        let results = without_advice(&[run("idim-ls", "converged"), run("idim-iv", "converged")]);
+        let main = main_run(&results, "nominal").map(|run| run.method);
+        assert_eq!((main, results.card().method), (Some(Method::IDIM_IV), Some(Method::IDIM_IV)));
+        let results = without_advice(&[run("idim-wls", "converged"), run("didim", "converged")]);
+        assert_eq!(results.card().method, None);
+        assert_eq!(
+            main_run(&results, "nominal").map(|run| run.method.name()),
+            Some("idim-wls"),
+            "the first with numbers"
+        );
     }
 }

@@ -92,7 +92,9 @@ pub(in crate::report) fn promised_forest(results: &DesignResults) -> Option<Fore
         conclusion: String::new(),
         id: id("design", "promised"),
         caption: format!("promised 95 % intervals of {} about the a-priori values", results.method),
-        legend: vec![Key::new("idim-ls", "promised interval")],
+        legend: std::iter::once(Key::new("idim-ls", "promised interval"))
+            .chain(results.compared.iter().map(|[title, method]| Key::new("idim-iv", format!("{method} of {title}"))))
+            .collect(),
         width: WIDTH,
         ticks: ticks(),
         notes: Vec::new(),
@@ -136,7 +138,7 @@ fn conclusion(run: &RunResult, wanted: fn(&ParameterResult) -> bool) -> String {
     let counts = Grade::ALL.map(count);
     let shown: usize = counts.iter().map(|(_, count)| count).sum();
     let of = if shown < run.parameters.len() { format!(" of {}", run.parameters.len()) } else { String::new() };
-    format!("{shown}{of} parameters: {}.", counted(counts))
+    format!("{shown}{of} parameters: {}.", counted(counts, false))
 }
 
 /// A name that an attribute can hold.
@@ -214,8 +216,12 @@ impl Plot<'_> {
 
 fn promised_row(promised: &PromisedParameter) -> ForestRow {
     let parameter = promised.as_result();
-    let shapes = interval("idim-ls", parameter.estimate, &parameter, 0.5 * HEIGHT + 0.5 * LANE);
-    ForestRow { shapes, height: HEIGHT + LANE, ..words(&parameter, promised.grade()) }
+    let lane = |k: f64| 0.5 * HEIGHT + (0.5 + k) * LANE;
+    let mut shapes = interval("idim-ls", parameter.estimate, &parameter, lane(0.0));
+    let compared = promised.compared.as_ref();
+    shapes.extend(compared.into_iter().flat_map(|other| interval("idim-iv", parameter.estimate, other, lane(1.0))));
+    let lanes = if compared.is_some() { 2.0 } else { 1.0 };
+    ForestRow { shapes, height: HEIGHT + lanes * LANE, ..words(&parameter, promised.grade()) }
 }
 
 /// The row of a parameter without its picture.

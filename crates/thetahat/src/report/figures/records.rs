@@ -33,10 +33,13 @@ impl Records<'_> {
     /// Marks where each recording but the first begins. Where there are several, their names stand above one panel only.
     pub(super) fn borders(&self, panel: Panel, with_names: bool) -> Panel {
         let named = with_names && self.starts.len() > 1;
-        let all = self.starts.iter().filter_map(|s| Some((self.time_s.get(s.row)?, s)));
-        all.fold(panel, |panel, (time, start)| {
-            let panel = if named { panel.word(*time, &start.name) } else { panel };
-            if start.row > 0 { panel.upright("border", *time) } else { panel }
+        let time_of = |start: &RecordStart| self.time_s.get(start.row).copied();
+        let next = self.starts.iter().skip(1).map(time_of).chain([None]);
+        let all = self.starts.iter().zip(next).filter_map(|(start, next)| Some((time_of(start)?, next, start)));
+        all.fold(panel, |panel, (time, next, start)| {
+            let end = next.unwrap_or(panel.x[1]);
+            let panel = if named { panel.name_between([time, end], &start.name) } else { panel };
+            if start.row > 0 { panel.upright("border", time) } else { panel }
         })
     }
 }

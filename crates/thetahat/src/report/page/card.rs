@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::{
     report::{
-        grades::{class, is_counted},
+        grades::{class, is_counted, word},
         number::significant,
     },
     results::{Card, Grade, Method, Results, Unseen, Verdict},
@@ -89,14 +89,14 @@ fn graded(card: &Card) -> Vec<Graded> {
         return Vec::new();
     }
     let said = |grade| match grade {
-        Grade::Sure if card.model_is_doubted => "sure, if the model holds",
+        Grade::Sure if card.model_is_doubted => "precise, but what the model lacks may shift them",
         Grade::Sure => "sure",
         Grade::Impossible => "negative, as no motor inertia or friction can be",
         Grade::Rough | Grade::NotIdentified => "",
     };
     let of_grade = |(grade, of): (Grade, &Vec<String>)| Graded {
         class: class(grade),
-        name: grade.name(),
+        name: word(grade, card.model_is_doubted),
         count: of.len(),
         said: said(grade),
         names: if said(grade).is_empty() { String::new() } else { of.join(" ") },

@@ -6,6 +6,7 @@ use super::{
     axis::{Axis, Range, Scale, Tick, pixel},
     curve::{Area, Curve, Path},
 };
+use crate::report::wrap::shortened;
 
 /// Width of one of several charts, and of a chart that stands alone, pixels.
 pub(in crate::report) const NARROW: f64 = 380.0;
@@ -20,6 +21,8 @@ const BOTTOM: f64 = 32.0;
 const GAP: f64 = 17.0;
 /// Words stand this far above their panel, pixels: within it they would hide curves.
 const ABOVE: f64 = 4.0;
+/// Width of a letter of such words, pixels, rather too wide than too narrow.
+const LETTER: f64 = 6.5;
 
 /// Smallest range of values in a panel, relative to the largest one.
 const SMALLEST_RANGE: f64 = 0.02;
@@ -180,6 +183,16 @@ impl Panel {
         self
     }
 
+    /// A name above the panel, from a value of the axis on, cut where it would reach another value.
+    pub(in crate::report) fn name_between(mut self, [from, to]: [f64; 2], name: &str) -> Self {
+        const GAP: f64 = 3.0;
+        let [x, end] = [from, to].map(|at| self.x_axis().position(at).min(self.width));
+        let letters = ((end - x - 2.0 * GAP) / LETTER).max(1.0) as usize;
+        let (x, y) = (pixel(self.left + x + GAP), pixel(self.top - ABOVE));
+        self.texts.push(Text { x, y, anchor: "start", text: shortened(name, letters) });
+        self
+    }
+
     /// A line from left to right at a value.
     pub(in crate::report) fn level(mut self, class: &str, at: f64) -> Self {
         let place = |v: f64| (v * super::axis::UNITS).round() as i64;
@@ -213,6 +226,19 @@ mod tests {
         let labels: Vec<&str> = upper.x_ticks.iter().map(|t| t.label.as_str()).collect();
         assert_eq!(labels, ["0.0", "0.5", "1.0", "1.5", "2.0"]);
         assert_eq!(lower.paths[0].data, "M0 250h3240");
+    }
+
+    #[test]
+    fn a_name_ends_before_the_next_value() {
+        let range = Range { low: 0.0, high: 10.0 };
+        let long = "a recording with a long name";
+        let chart = Chart::new(String::new(), "", NARROW)
+            .with(50.0, |p| p.over(range, 0.0).name_between([8.0, 9.5], long).name_between([9.5, 10.0], "b"));
+        let panel = &chart.panels[0];
+        let [first, second] = &panel.texts[..] else { panic!("{panel:?}") };
+        assert_eq!((first.anchor, second.anchor, second.text.as_str()), ("start", "start", "b"));
+        assert!(first.text.starts_with("a rec") && first.text.ends_with('…'), "{}", first.text);
+        assert!(first.x + LETTER * first.text.chars().count() as f64 <= second.x, "{first:?} {second:?}");
     }
 
     #[test]

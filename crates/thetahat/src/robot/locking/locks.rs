@@ -59,6 +59,14 @@ pub(in crate::robot) fn resolve_all(joints: &[Joint], stated: &[LocksOf<'_>]) ->
 }
 
 impl Locks {
+    /// The locks of these joints of a robot: what else was locked follows them, or is locked by the robot's own description.
+    #[must_use]
+    pub fn restating(locked: &[LockedJoint], joints: &[Joint]) -> Self {
+        let is_free = |name: &str| joints.iter().any(|j| j.name == name && j.mimic.is_none());
+        let locked = locked.iter().filter(|l| is_free(&l.name)).map(|l| (l.name.clone(), l.value)).collect();
+        Self { locked, until: Vec::new() }
+    }
+
     /// Whether nothing is locked.
     #[must_use]
     pub fn is_empty(&self) -> bool {

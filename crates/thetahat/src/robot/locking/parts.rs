@@ -3,7 +3,10 @@
 use std::path::Path;
 
 use super::places::{frame_in_carrier, new_indices, places};
-use crate::robot::{Robot, RobotError, body::Frame, urdf};
+use crate::{
+    robot::{Robot, RobotError, Solid, body::Frame, urdf},
+    vector::{Mat3, Vec3, product, times},
+};
 
 /// A link of a URDF as a part of a moving link: the link behind its joint, or one that is fixed or locked to that.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,6 +21,21 @@ pub(crate) struct LinkPart {
     pub(crate) own: [f64; 10],
     /// The same about the origin and in the axes of the frame of the link behind the moving joint.
     pub(crate) in_carrier: [f64; 10],
+    /// Its axes as columns and its origin in the frame of the moving joint, or of the base.
+    pub(crate) placement: (Mat3, Vec3),
+    /// Its collision shapes in the frame of the moving joint, or of the base.
+    pub(crate) shapes: Vec<PlacedSolid>,
+}
+
+/// A solid in a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct PlacedSolid {
+    /// Its axes as columns.
+    pub(crate) rotation: Mat3,
+    /// Its origin, m.
+    pub(crate) origin: Vec3,
+    /// None for a mesh.
+    pub(crate) solid: Option<Solid>,
 }
 
 impl Robot {
@@ -37,14 +55,34 @@ impl Robot {
                 Some((joint, place)) if locked[joint].is_some() => frame_in_carrier(&whole, joint, &place),
                 Some(_) | None => Frame::SAME,
             };
+            let carrier = place.and_then(|(_, place)| place.carrier).and_then(|carrier| numbers[carrier]);
+            let in_carrier = frame.then(&link.frame);
+            let (rotation, origin) = self.in_joint(carrier, &in_carrier);
             LinkPart {
-                carrier: place.and_then(|(_, place)| place.carrier).and_then(|carrier| numbers[carrier]),
+                carrier,
                 is_carrier: link.is_carrier && place.is_some_and(|(joint, _)| locked[joint].is_none()),
                 own: link.body.parameters(),
-                in_carrier: link.body.seen_in(&frame.then(&link.frame)).parameters(),
+                in_carrier: link.body.seen_in(&in_carrier).parameters(),
+                placement: (rotation, origin),
+                shapes: link
+                    .shapes
+                    .iter()
+                    .map(|(own, solid)| {
+                        let (rotation, origin) = self.in_joint(carrier, &in_carrier.then(own));
+                        PlacedSolid { rotation, origin, solid: *solid }
+                    })
+                    .collect(),
                 name: link.name,
             }
         };
         Ok(urdf::link_bodies(text, path)?.into_iter().map(part).collect())
+    }
+
+    /// A frame in that of the link behind a joint, seen from the joint's own frame.
+    fn in_joint(&self, carrier: Option<usize>, frame: &Frame) -> (Mat3, Vec3) {
+        match carrier.and_then(|joint| self.joints[joint].link_axes) {
+            None => (frame.rotation, frame.origin),
+            Some(axes) => (product(&axes, &frame.rotation), times(&axes, frame.origin)),
+        }
     }
 }

@@ -198,6 +198,15 @@ impl TermDescription {
         self
     }
 
+    /// The same on one joint alone, where it is of joints.
+    #[must_use]
+    pub fn on_joint(mut self, name: &str) -> Self {
+        if let Some(joints) = self.joints_mut() {
+            *joints = Some(vec![name.to_owned()]);
+        }
+        self
+    }
+
     /// Whether constants of it are to be searched for.
     #[must_use]
     pub fn is_profiled(&self) -> bool {
@@ -216,7 +225,17 @@ impl TermDescription {
 
     /// The term without the joints for which `is_gone` holds; none where it acts on no other.
     pub(in crate::robot) fn without_joints(mut self, is_gone: &dyn Fn(&str) -> bool) -> Option<Self> {
-        match &mut self {
+        if let Self::Expression { joint, .. } = &self {
+            return (!is_gone(joint)).then_some(self);
+        }
+        let Some(joints) = self.joints_mut().and_then(Option::as_mut) else { return Some(self) };
+        joints.retain(|joint| !is_gone(joint));
+        (!joints.is_empty()).then_some(self)
+    }
+
+    /// The joints that it names, where it is of joints.
+    fn joints_mut(&mut self) -> Option<&mut Option<Vec<String>>> {
+        match self {
             Self::JointSpring { joints, .. }
             | Self::ExponentialStribeck { joints, .. }
             | Self::Stribeck { joints, .. }
@@ -225,13 +244,8 @@ impl TermDescription {
             | Self::LoadFriction { joints }
             | Self::ChannelCoulomb { joints, .. }
             | Self::ChannelViscous { joints, .. }
-            | Self::MotorHarmonics { joints, .. } => {
-                let Some(joints) = joints else { return Some(self) };
-                joints.retain(|joint| !is_gone(joint));
-                (!joints.is_empty()).then_some(self)
-            }
-            Self::Expression { joint, .. } => (!is_gone(joint)).then_some(self),
-            Self::Spring { .. } | Self::GasSpring { .. } | Self::Hydraulic { .. } => Some(self),
+            | Self::MotorHarmonics { joints, .. } => Some(joints),
+            Self::Expression { .. } | Self::Spring { .. } | Self::GasSpring { .. } | Self::Hydraulic { .. } => None,
         }
     }
 

@@ -57,6 +57,12 @@ impl Reader<'_> {
 
     fn check_names(&self, entries: &[Entry]) -> Result<(), RobotError> {
         let name = |j: usize| &entries[j].as_ref().name;
+        // Other formats cannot say these: XML readers trim names, and have no control characters.
+        let is_bad =
+            |e: &&Entry| e.as_ref().name.trim() != e.as_ref().name || e.as_ref().name.contains(char::is_control);
+        if let Some(entry) = entries.iter().find(is_bad) {
+            return Err(self.joint(entry, "has a name with blanks at its ends or control characters; leave them out"));
+        }
         match (1..entries.len()).find(|&j| (0..j).any(|i| name(i) == name(j))) {
             Some(j) => Err(self.joint(&entries[j], "has the name of another joint")),
             None => Ok(()),

@@ -13,7 +13,7 @@ pub(super) fn origin_of(element: Element<'_>) -> Result<Frame, UrdfError> {
 }
 
 /// `Rot(z, yaw) Rot(y, pitch) Rot(x, roll)`.
-fn roll_pitch_yaw([roll, pitch, yaw]: Vec3) -> Mat3 {
+pub(crate) fn roll_pitch_yaw([roll, pitch, yaw]: Vec3) -> Mat3 {
     let ((sr, cr), (sp, cp), (sy, cy)) = (roll.sin_cos(), pitch.sin_cos(), yaw.sin_cos());
     [
         [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],

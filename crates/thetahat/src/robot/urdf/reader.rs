@@ -5,6 +5,7 @@ use super::{
     element::Element,
     joints::{JointElement, Moving},
     links,
+    shapes::{Solid, shapes_of},
     structure::{Structure, unknown},
     transmissions,
 };
@@ -84,6 +85,8 @@ pub(in crate::robot) struct LinkBody {
     /// Its frame in that of the link behind the joint.
     pub(in crate::robot) frame: Frame,
     pub(in crate::robot) body: Body,
+    /// Its collision shapes in its frame; none for the solid of a mesh.
+    pub(in crate::robot) shapes: Vec<(Frame, Option<Solid>)>,
 }
 
 /// The links of a URDF in the order of the file.
@@ -107,6 +110,7 @@ pub(in crate::robot) fn link_bodies(text: &str, path: &Path) -> Result<Vec<LinkB
             is_carrier: moved(k),
             frame: place.frame,
             body: links::body_of(*element)?,
+            shapes: shapes_of(*element)?,
         })
     };
     structure.links.iter().enumerate().map(link).collect()

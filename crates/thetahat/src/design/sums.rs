@@ -1,7 +1,7 @@
 use super::fourier::{FourierBasis, ORDERS};
 use crate::{linear_algebra::Matrix, series::Series};
 
-/// The motions among which one is chosen: `q_j(t) = c_j + sum_m b_m(t) x_jm`, linear in the unknowns.
+/// Sums of functions of time: `q_j(t) = c_j + sum_m b_m(t) x_jm`, linear in the unknowns.
 ///
 /// | letter | word | shape |
 /// | --- | --- | --- |
@@ -9,7 +9,7 @@ use crate::{linear_algebra::Matrix, series::Series};
 /// | `b` | functions of time, the first a constant where the start posture is free | |
 /// | `c` | the start posture where it is given, else the middle of the range | joints |
 #[derive(Debug, Clone)]
-pub struct Family {
+pub struct Sums {
     basis: FourierBasis,
     /// Unit of each unknown, joint by joint.
     scale: Vec<Vec<f64>>,
@@ -24,10 +24,19 @@ pub struct Sampled {
     pub orders: [Matrix; ORDERS],
 }
 
+/// Derivatives of a function of a motion, at every instant that is looked at.
+#[derive(Debug, Clone)]
+pub struct Slopes {
+    /// By positions, velocities and accelerations.
+    pub by_motion: [Series; 3],
+    /// By the time that the instant stands for, s; empty where there are none.
+    pub by_seconds: Vec<f64>,
+}
+
 /// Position, velocity, acceleration and jerk: one channel for each joint.
 pub type Derivatives = [Series; ORDERS];
 
-impl Family {
+impl Sums {
     /// Sums of a basis about `centre`, with a free start posture where `free_range` has half the range of each joint.
     /// `reach` is half the range, the velocity and the acceleration to which an unknown of one takes a joint.
     #[must_use]
@@ -41,6 +50,12 @@ impl Family {
             start.into_iter().chain(peaks.iter().map(|peak| unit(reach, peak))).collect()
         };
         Self { scale: reach.iter().map(of_joint).collect(), basis, centre, has_free_start }
+    }
+
+    /// T, s.
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        self.basis.period_s()
     }
 
     /// Number of joints.
@@ -102,13 +117,13 @@ impl Family {
         [0, 1, 2, 3].map(of_order)
     }
 
-    /// The derivative by the unknowns of a function whose derivatives by q, dq and ddq at the instants are given.
+    /// The derivative by the unknowns of a function whose derivatives by q, dq and ddq from the instant `first` on are given.
     #[must_use]
-    pub fn chain(&self, sampled: &Sampled, slopes: &[Series; 3]) -> Vec<f64> {
+    pub fn chain(&self, sampled: &Sampled, first: usize, slopes: &[Series; 3]) -> Vec<f64> {
         let of_joint = |j: usize| {
             let mut sum = vec![0.0; self.unknowns_of_joint()];
             for (functions, slopes) in sampled.orders.iter().zip(slopes) {
-                let part = functions.transpose_times(&slopes.channel(j));
+                let part = functions.row_range(first..first + slopes.len()).transpose_times(&slopes.channel(j));
                 sum.iter_mut().zip(part).for_each(|(s, p)| *s += p);
             }
             sum.into_iter().zip(&self.scale[j]).map(|(s, unit)| s * unit).collect::<Vec<_>>()

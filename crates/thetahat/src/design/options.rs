@@ -1,0 +1,131 @@
+//! The tables of a design file.
+
+use serde::Deserialize;
+
+use super::criterion::CriterionName;
+use crate::one_or_each::OneOrEach;
+
+/// What a design is to make small.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Wanted {
+    /// The criterion.
+    pub criterion: CriterionName,
+    /// The base parameters of the criterion `chosen`.
+    pub parameters: Vec<String>,
+    /// Half of an interval that is wanted, percent of the parameter: the table says how long to record for it.
+    pub half_width_percent: f64,
+}
+
+impl Default for Wanted {
+    fn default() -> Self {
+        Self { criterion: CriterionName::default(), parameters: Vec::new(), half_width_percent: 10.0 }
+    }
+}
+
+/// The motions among which one is chosen, and the search.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct MotionOptions {
+    /// Fourier series or point-to-point moves.
+    pub kind: MotionKind,
+    /// Harmonics of the Fourier series, 5 without a word.
+    pub harmonics: Option<usize>,
+    /// Number of the moves, 12 without a word.
+    pub moves: Option<usize>,
+    /// Time over which the acceleration of a move rises and falls at least, s: 0.002 without a word. A limit of the jerk makes it longer.
+    pub smoothing_s: Option<f64>,
+    /// Rest after each move, s: none without a word.
+    pub rest_s: Option<f64>,
+    /// Posture in which the motion starts and ends; none leaves it to the design.
+    pub start: Option<Vec<f64>>,
+    /// Searches from random motions.
+    pub starts: usize,
+    /// Seed of the random motions.
+    pub seed: u64,
+}
+
+/// Kinds of motions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MotionKind {
+    /// Fourier series of each joint.
+    #[default]
+    Fourier,
+    /// Point-to-point moves, synchronised over the joints.
+    Moves,
+}
+
+impl Default for MotionOptions {
+    fn default() -> Self {
+        Self {
+            kind: MotionKind::Fourier,
+            harmonics: None,
+            moves: None,
+            smoothing_s: None,
+            rest_s: None,
+            start: None,
+            starts: 6,
+            seed: 1,
+        }
+    }
+}
+
+impl MotionOptions {
+    pub(super) fn harmonics(&self) -> usize {
+        self.harmonics.unwrap_or(5)
+    }
+
+    pub(super) fn moves(&self) -> usize {
+        self.moves.unwrap_or(12)
+    }
+
+    pub(super) fn smoothing_s(&self) -> f64 {
+        self.smoothing_s.unwrap_or(0.002)
+    }
+
+    pub(super) fn rest_s(&self) -> f64 {
+        self.rest_s.unwrap_or(0.0)
+    }
+}
+
+/// Limits of the joints, one for all or one for each: degrees or mm, N m or N, W.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LimitOptions {
+    /// Smallest and largest position of each joint.
+    pub position: Option<Vec<[f64; 2]>>,
+    /// Largest velocity.
+    pub velocity: Option<OneOrEach<f64>>,
+    /// Largest acceleration.
+    pub acceleration: Option<OneOrEach<f64>>,
+    /// Largest jerk.
+    pub jerk: Option<OneOrEach<f64>>,
+    /// Largest torque, friction included.
+    pub torque: Option<OneOrEach<f64>>,
+    /// Largest power.
+    pub power: Option<OneOrEach<f64>>,
+    /// Part of every range that the motion leaves unused.
+    pub margin: f64,
+}
+
+impl Default for LimitOptions {
+    fn default() -> Self {
+        Self { position: None, velocity: None, acceleration: None, jerk: None, torque: None, power: None, margin: 0.02 }
+    }
+}
+
+/// The noise of a record, per sample.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NoiseOptions {
+    /// Standard deviation of the white noise on each joint's torque, N m or N.
+    pub torque: OneOrEach<f64>,
+    /// Standard deviation of the white noise on each joint's position, degrees or mm.
+    #[serde(default = "no_noise")]
+    pub position: OneOrEach<f64>,
+}
+
+fn no_noise() -> OneOrEach<f64> {
+    OneOrEach::One(0.0)
+}

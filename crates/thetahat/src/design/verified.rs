@@ -1,0 +1,135 @@
+//! A motion at 1 kHz: what it needs, and its repair where it misses a limit.
+
+use super::{
+    clearances::Clearances,
+    description::Design,
+    error::DesignError,
+    limits::JointLimits,
+    loads::Loads,
+    motions::Motions,
+    optimiser::Problem,
+    starts::{Start, sign_scales},
+    sums::Derivatives,
+    verification::{RATE_HZ, uses},
+};
+use crate::{
+    dynamics::{Model, Sign},
+    results::{CollisionResults, LimitUse},
+    series::Series,
+};
+
+/// Times that a motion descends again where it misses a limit at 1 kHz, and the gain of the last step of each, nats.
+const REPAIRS: usize = 3;
+const REPAIR_GAIN: f64 = 0.05;
+
+/// A motion at 1 kHz.
+pub(super) struct Verified {
+    pub(super) motion: Derivatives,
+    pub(super) torque: Series,
+    pub(super) uses: Vec<LimitUse>,
+    pub(super) collision: Option<CollisionResults>,
+}
+
+impl Verified {
+    fn worst(&self) -> Option<&LimitUse> {
+        self.uses.iter().max_by(|a, b| a.part.total_cmp(&b.part))
+    }
+
+    /// The part of a limit by which it is exceeded, and the distance that is missing, m; below zero where there is none.
+    fn violation(&self) -> (f64, f64) {
+        let over = self.worst().map_or(-1.0, |worst| worst.part - 1.0);
+        let nearest = self.collision.as_ref().and_then(|c| Some(c.margin - c.pairs.first()?.distance));
+        (over, nearest.unwrap_or(-1.0))
+    }
+}
+
+impl Design {
+    /// The motion of a search with what it needs at 1 kHz. Where it misses a limit or a distance between the instants that
+    /// were watched, it descends again within limits that are as much tighter.
+    pub(super) fn repaired(
+        &self,
+        model: &Model,
+        problem: &Problem,
+        limits: &[JointLimits],
+        start: &Start,
+    ) -> Result<(Vec<f64>, Verified), DesignError> {
+        let [_, scale] = sign_scales(limits);
+        let (mut tight, mut x) = (problem.clone(), start.x.clone());
+        let mut verified = self.verify(model, &problem.watched, limits, &x)?;
+        for _ in 0..REPAIRS {
+            let (over, missing) = verified.violation();
+            if over <= 0.0 && missing <= 0.0 {
+                break;
+            }
+            tight.tighten(1.2 * over.max(0.0), 1.2 * missing.max(0.0));
+            let Some(found) = tight.optimise(x.clone(), Sign::Smooth { scale }, REPAIR_GAIN) else { break };
+            x = found.x;
+            verified = self.verify(model, &problem.watched, limits, &x)?;
+        }
+        match self.error_of(&verified) {
+            Some(error) => Err(error),
+            None => Ok((x, verified)),
+        }
+    }
+
+    /// Why a motion cannot be taken.
+    fn error_of(&self, verified: &Verified) -> Option<DesignError> {
+        let worst = verified.worst().filter(|worst| worst.part > 1.0);
+        let error = worst.map(|worst| self.infeasible(worst));
+        error.or_else(|| verified.collision.as_ref().and_then(|collision| self.too_near(collision)))
+    }
+
+    /// The distances of a motion at 1 kHz, and of the way from home.
+    fn collision(&self, model: &Model, q: &Series) -> Result<Option<CollisionResults>, DesignError> {
+        let (Some(options), Some(surroundings)) = (&self.file.collision, self.surroundings(model)?) else {
+            return Ok(None);
+        };
+        let clearances = Clearances { scene: surroundings.scene, margin: 1e-3 * options.margin };
+        Ok(Some(clearances.results(q, RATE_HZ, self.home_posture().as_deref(), &surroundings.uncovered)))
+    }
+
+    /// Why distances are too small.
+    fn too_near(&self, collision: &CollisionResults) -> Option<DesignError> {
+        let nearest = collision.pairs.first().filter(|pair| pair.distance < collision.margin)?;
+        Some(DesignError::TooNear {
+            path: self.path.clone(),
+            first: nearest.first.clone(),
+            second: nearest.second.clone(),
+            distance_mm: 1e3 * nearest.distance,
+            margin_mm: 1e3 * collision.margin,
+            when: nearest.at_s.map_or_else(|| "on the way from home".to_owned(), |at| format!("at {at:.3} s")),
+        })
+    }
+
+    fn infeasible(&self, worst: &LimitUse) -> DesignError {
+        let [lower, upper] = worst.reached;
+        let is_lower = (worst.limit[0] - lower) > (upper - worst.limit[1]);
+        let (limit, needed) = if is_lower { (worst.limit[0], lower) } else { (worst.limit[1], upper) };
+        DesignError::Infeasible {
+            path: self.path.clone(),
+            joint: worst.joint.clone(),
+            quantity: worst.quantity,
+            limit,
+            needed,
+            at_s: worst.at_s,
+            remedy: "raise it, check the robot's a-priori parameters and friction, or choose another [motion] start",
+        }
+    }
+
+    /// The motion at 1 kHz with its torques, how far it uses the limits, and distances.
+    fn verify(
+        &self,
+        model: &Model,
+        motions: &Motions,
+        limits: &[JointLimits],
+        x: &[f64],
+    ) -> Result<Verified, DesignError> {
+        let count = (self.file.duration_s * RATE_HZ).ceil() as usize;
+        let grid: Vec<f64> = (0..=count).map(|k| (k as f64 / RATE_HZ).min(self.file.duration_s)).collect();
+        let motion = motions.on(x, &grid);
+        let loads = Loads::new(model, &self.robot.a_priori_parameters(), limits.to_vec());
+        let torque = loads.torques([&motion[0], &motion[1], &motion[2]], Sign::Exact);
+        let (uses, collision) = (uses(limits, &motion, &torque), self.collision(model, &motion[0])?);
+        Ok(Verified { motion, torque, uses, collision })
+    }
+}

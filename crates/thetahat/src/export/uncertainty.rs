@@ -1,0 +1,58 @@
+//! How sure the estimates of a run are.
+
+use crate::{
+    linear_algebra::Matrix,
+    results::{ParameterResult, RunResult},
+    statistics::CovarianceFactor,
+};
+
+/// How sure the estimates are.
+#[derive(Debug, Clone)]
+pub(super) struct Uncertainty {
+    pub(super) covariance: Matrix,
+    /// Whether the results hold correlations.
+    pub(super) is_correlated: bool,
+    /// Its factor and what whitens with it; none where the covariance is singular.
+    factor: Option<(CovarianceFactor, Matrix)>,
+}
+
+impl Uncertainty {
+    /// That of the estimates of a run; none where it has no deviations. Results of before their covariance have deviations
+    /// alone.
+    pub(super) fn of(run: &RunResult, estimates: &[ParameterResult]) -> Option<Self> {
+        let (n, count) = (estimates.len(), run.parameters.len());
+        let is_correlated = run.covariance.len() == count * (count + 1) / 2;
+        let covariance = if is_correlated {
+            let place = |p: &ParameterResult| run.parameters.iter().position(|of_run| of_run.name == p.name);
+            let places = estimates.iter().map(place).collect::<Option<Vec<_>>>()?;
+            Matrix::from_fn(n, n, |i, j| {
+                let (row, column) = (places[i].max(places[j]), places[i].min(places[j]));
+                run.covariance[row * (row + 1) / 2 + column]
+            })
+        } else {
+            let deviations = estimates.iter().map(deviation).collect::<Option<Vec<f64>>>()?;
+            Matrix::from_fn(n, n, |i, j| if i == j { deviations[i] * deviations[i] } else { 0.0 })
+        };
+        let factor = CovarianceFactor::of(&covariance).and_then(|factor| {
+            let whitening = factor.whitening()?;
+            Some((factor, whitening))
+        });
+        Some(Self { covariance, is_correlated, factor })
+    }
+
+    /// The estimates with an error of this covariance, of independent standard normal numbers; none where it is singular.
+    pub(super) fn drawn(&self, estimates: &[ParameterResult], normal: &[f64]) -> Option<Vec<f64>> {
+        let (factor, _) = self.factor.as_ref()?;
+        Some(estimates.iter().zip(factor.coloured(normal)).map(|(p, error)| p.estimate + error).collect())
+    }
+
+    /// `R` with `R^T R` the inverse of the covariance.
+    pub(super) fn whitening(&self) -> Option<&Matrix> {
+        self.factor.as_ref().map(|(_, whitening)| whitening)
+    }
+}
+
+/// The standard deviation with correlated errors, or else the classical one.
+pub(super) fn deviation(parameter: &ParameterResult) -> Option<f64> {
+    parameter.standard_deviation_robust.or(parameter.standard_deviation)
+}
