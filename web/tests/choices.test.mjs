@@ -60,6 +60,7 @@ test("units, side and columns are those that were chosen", async (t) => {
 test("a joint is locked", async (t) => {
   const { page, experiment } = await understood(t);
   await page.getByLabel("Lock elbow").check();
+  await untilSays(experiment, /^elbow = 0\.0/m);
   await page.getByLabel("Value of elbow").fill("0.5");
   await page.keyboard.press("Tab");
   await untilSays(experiment, /elbow\b.*0\.5/);
