@@ -10,8 +10,8 @@ export interface GivenFile {
   file: File;
 }
 
-/** MiB of one file at most, as in the session, which would say so only after the page has read it. */
-const LARGEST_FILE = 512;
+/** MiB of a file at most. The session says so too, of all files together, but only after they have been read into memory. */
+const LARGEST_FILE = 160;
 
 export class App {
   state: State = EMPTY;
@@ -229,9 +229,9 @@ function demoFiles({ robot, recordings }: InitRequest): ListedFile[] {
 
 function tooLarge(path: string, bytes: number): string | null {
   const found = Math.floor(bytes / 2 ** 20);
-  if (bytes <= LARGEST_FILE * 2 ** 20) return null;
-  return `${path}: a file of ${found} MiB is too large for the page, which takes ${LARGEST_FILE} MiB; the command \`thetahat reduce\` takes `
-    + "records of any length, and `thetahat solve` identifies from what it writes";
+  if (found <= LARGEST_FILE) return null;
+  return `${path}: ${found} MiB, are more than the ${LARGEST_FILE} MiB that the page takes; the command \`thetahat reduce\` takes records of any `
+    + "length, and `thetahat solve` identifies from what it writes";
 }
 
 function problemOf(at: TaskName, error: unknown): Problem | null {

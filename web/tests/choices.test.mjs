@@ -51,7 +51,9 @@ test("units, side and columns are those that were chosen", async (t) => {
   await page.getByLabel("Measured at").selectOption("motor");
   await untilSays(experiment, /^torque = .*side = "motor"/m);
   await page.getByLabel("Torque of waist").selectOption("torque_2");
-  await untilSays(experiment, /^torque = .*"torque_2", "torque_2", "torque_3"/m);
+  await page.getByLabel("Torque of shoulder").selectOption("torque_1");
+  await experiment.waitFor();
+  await untilSays(experiment, /^torque = .*"torque_2", "torque_1", "torque_3"/m);
   await page.getByRole("button", { name: "Take all as found" }).click();
   await untilSays(experiment, /^torque = .*"torque_1", "torque_2", "torque_3"\], unit = "N m"/m);
   assertQuiet();
@@ -60,6 +62,7 @@ test("units, side and columns are those that were chosen", async (t) => {
 test("a joint is locked", async (t) => {
   const { page, experiment } = await understood(t);
   await page.getByLabel("Lock elbow").check();
+  await untilSays(experiment, /^elbow = 0\.0/m);
   await page.getByLabel("Value of elbow").fill("0.5");
   await page.keyboard.press("Tab");
   await untilSays(experiment, /elbow\b.*0\.5/);

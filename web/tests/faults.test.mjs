@@ -13,7 +13,6 @@ after(() => site.close());
 
 /** Files that no reader takes, with what they hold. */
 const BROKEN = {
-  "letters.csv": "time,position_1,torque_1\n0,0.1,0.2\n0.1,abc,0.3\n0.2,0.1,0.2\n",
   "ragged.csv": "time,q1,tau1\n0,1,2\n1,2\n2,3,4\n",
   "empty.csv": "",
   "not.mat": "this is no MAT file",

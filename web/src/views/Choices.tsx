@@ -1,6 +1,6 @@
 // What a person puts right: the unit, the side, the columns of each joint, joints that do not move.
 
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import type { App } from "../app";
 import { assignmentOf, choicesOf, columnNames, type Assignment, type JointColumns } from "../columns";
 import type { ProposalAnswer, Side, Understanding } from "../contract";
@@ -17,8 +17,11 @@ interface Props {
 
 export function Choices({ state, app, understanding }: Props) {
   const { proposal } = understanding;
+  // Once it was needed it stays open: it must not close while something is being put right.
+  const isOpen = useRef(false);
+  isOpen.current ||= proposal === null;
   return (
-    <details class="section" open={proposal === null}>
+    <details class="section" open={isOpen.current}>
       <summary><h2>Corrections</h2><span class="hint">columns, units, side, locked joints</span></summary>
       {isOwnText(state.experiment) ? <OwnText app={app} hasProposal={proposal !== null} /> : <Fields state={state} app={app} understanding={understanding} />}
     </details>
