@@ -10,4 +10,4 @@ mod shared;
 pub use assertions::{assert_close, ensure, ensure_printed};
 pub use folder::Folder;
 pub use program::{refused, run, shown, succeeded};
-pub use shared::{Named, data, project, root, run_with_shared_data, shared};
+pub use shared::{Named, data, project, root, run_slow_with_shared_data, run_with_shared_data, shared};

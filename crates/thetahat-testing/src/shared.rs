@@ -35,12 +35,26 @@ pub type Named = (&'static str, fn() -> Result<(), Failed>);
 pub fn run_with_shared_data(tests: Vec<Named>) -> ! {
     let absent = !shared().is_dir();
     if absent {
-        eprintln!(
-            "\n*** SKIPPED: {} tests need the shared data, which is not at {} (set THETAHAT_SHARED) ***\n",
-            tests.len(),
-            shared().display()
-        );
+        say_skipped(&tests);
     }
     let trials = tests.into_iter().map(|(name, run)| Trial::test(name, run).with_ignored_flag(absent)).collect();
     libtest_mimic::run(&Arguments::from_args(), trials).exit()
+}
+
+/// Tests of minutes that need the shared data: ignored but with `--ignored`, as the nightly script runs them.
+pub fn run_slow_with_shared_data(tests: Vec<Named>) -> ! {
+    if !shared().is_dir() {
+        say_skipped(&tests);
+        std::process::exit(0);
+    }
+    let trials = tests.into_iter().map(|(name, run)| Trial::test(name, run).with_ignored_flag(true)).collect();
+    libtest_mimic::run(&Arguments::from_args(), trials).exit()
+}
+
+fn say_skipped(tests: &[Named]) {
+    eprintln!(
+        "\n*** SKIPPED: {} tests need the shared data, which is not at {} (set THETAHAT_SHARED) ***\n",
+        tests.len(),
+        shared().display()
+    );
 }

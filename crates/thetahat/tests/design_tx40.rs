@@ -192,7 +192,7 @@ fn the_promise_is_kept() -> Result<(), Failed> {
 }
 
 fn main() {
-    thetahat_testing::run_with_shared_data(vec![
+    thetahat_testing::run_slow_with_shared_data(vec![
         ("thirteen_moves", thirteen_moves),
         ("the_promise_is_kept", the_promise_is_kept),
     ]);
