@@ -165,7 +165,7 @@ fn the_promise_is_kept() -> Result<(), Failed> {
             let record = &record;
             scope.spawn(move || {
                 numbers
-                    .map(|k| record.estimate(Path::new(""), 99, k).map(|e| e.fit.theta))
+                    .map(|k| record.estimate(Path::new(""), 99, k).map(|e| e.fit.theta).map_err(Box::new))
                     .collect::<Result<Vec<_>, _>>()
             })
         };
