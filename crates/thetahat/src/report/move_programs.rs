@@ -9,7 +9,7 @@ use crate::{
     visible::visible,
 };
 
-/// The files of moves, in the order of [`move_programs`].
+/// Names of the files of moves, one for each language.
 pub const MOVE_FILES: [&str; 5] = ["moves.json", "moves.src", "moves.mod", "moves.script", "moves.val3"];
 
 /// Axes of the arm itself in KRL and RAPID; those behind them are external ones.
