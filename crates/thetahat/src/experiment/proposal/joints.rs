@@ -5,8 +5,7 @@ use super::{
     columns,
     error::ProposalError,
     joint_names::columns_of,
-    offer::is_named,
-    request::ProposalRequest,
+    request::{ProposalRequest, is_named},
     source::{Chosen, Source, channels},
     units::Units,
 };

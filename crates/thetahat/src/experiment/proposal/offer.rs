@@ -6,7 +6,7 @@ use super::{
     error::ProposalError,
     joints::JointsOfLog,
     named::Named,
-    request::ProposalRequest,
+    request::{ProposalRequest, is_named},
     source::{Chosen, Source},
 };
 use crate::recording::{ColumnSummary, Contents, TableSummary};
@@ -83,13 +83,6 @@ fn chosen_table<'a>(request: &ProposalRequest, contents: &'a Contents) -> Option
     };
     let score = |t: &&TableSummary| t.columns.iter().filter(wanted).count();
     contents.tables.iter().rev().max_by_key(score)
-}
-
-/// Whether an argument names a column: by itself, behind a file, or one channel of it.
-pub(super) fn is_named(argument: &str, column: &str) -> bool {
-    argument == column
-        || argument.strip_suffix(column).is_some_and(|file| file.ends_with(':'))
-        || argument.strip_prefix(column).is_some_and(|index| index.starts_with('['))
 }
 
 fn refuse_same_columns(offer: &Offer<'_>) -> Result<(), ProposalError> {

@@ -30,3 +30,10 @@ pub struct ProposalRequest {
     /// Joints that do not move, by name, and their coordinates, rad or m, beside those of which the log has no torques.
     pub locked: BTreeMap<String, f64>,
 }
+
+/// Whether an argument names a column: by itself, behind a file, or one channel of it.
+pub(super) fn is_named(argument: &str, column: &str) -> bool {
+    argument == column
+        || argument.strip_suffix(column).is_some_and(|file| file.ends_with(':'))
+        || argument.strip_prefix(column).is_some_and(|index| index.starts_with('['))
+}
