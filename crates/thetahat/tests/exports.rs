@@ -296,7 +296,7 @@ fn samples_have_the_covariance_of_the_estimates() {
     assert_eq!(model.sample(5, 7).unwrap(), samples[4]);
     assert_ne!(model.sample(5, 8).unwrap().drawn, samples[4].drawn);
     let text = model.export_sample(&samples[4], Format::Urdf).unwrap().text;
-    assert!(text.contains("sample 5 of the estimates by idim-ls, seed 7"));
+    assert!(text.contains("identified by idim-ls") && text.contains("sample 5 of the estimates, seed 7"));
 }
 
 #[test]
