@@ -4,8 +4,7 @@ use serde_json::json;
 
 use super::number::significant;
 use crate::{
-    results::{DesignResults, DesignedJoint, JointKind},
-    trajectory::{Move, Moves},
+    results::{DesignResults, DesignedJoint, JointKind, Move, Moves},
     visible::visible,
 };
 

@@ -93,4 +93,5 @@ pub use crate::{
     robot_summary::{BaseParameterSummary, JointSummary, ParameterCount, RobotSummary, StandardParameterSummary},
     simulation::BiasKind,
     statistics::{ChiSquaredTest, FTest},
+    trajectory::{Move, Moves},
 };
