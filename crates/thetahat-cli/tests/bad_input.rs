@@ -801,7 +801,9 @@ fn results_with_a_locked_joint_are_predicted_from() {
     case.write("record.csv", &format!("t,q1,tau1,q2,tau2\n{lines}"));
     // Without the mass, the model explains next to nothing.
     is_identified_and_not_used(&case);
-    let output = case.run(&["predict", "out/results.json", "--recording", "record.csv"]);
+    let predict = ["predict", "out/results.json", "--recording", "record.csv"];
+    refused(&case.run(&predict), &["the advice takes no method", "--method, of idim-ls"]);
+    let output = case.run(&[&predict[..], &["--method", "idim-ls"]].concat());
     assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(String::from_utf8_lossy(&output.stdout).contains("not measured"));
 }

@@ -285,15 +285,19 @@ fn names_cannot_steer_the_terminal() {
     folder.write("record.csv", record());
     let toml = ESCAPE.chars().map(|c| if c.is_control() { format!("\\u{:04x}", c as u32) } else { c.to_string() });
     let name = toml.collect::<String>();
-    folder.replace("robot.toml", "name = \"slide\"", &format!("name = \"slide{name}\\nline\""), "robot.toml");
     folder.replace("robot.toml", "name = \"slider\"", &format!("name = \"slider{name}\""), "robot.toml");
     folder.replace("experiment.toml", "a slider", &format!("a slider{name}"), "experiment.toml");
     for command in ["check experiment.toml", "identify experiment.toml --out out", "model robot.toml"] {
         is_harmless(&thetahat(&folder, command), command);
     }
-    let predicted = thetahat(&folder, "predict out/results.json --recording record.csv");
-    is_harmless(&predicted, "a prediction");
-    assert!(shown(&predicted).contains("slide\\u{1b}"), "{}", shown(&predicted));
+    is_harmless(&thetahat(&folder, "predict out/results.json --recording record.csv"), "a prediction");
+    let model = shown(&thetahat(&folder, "model robot.toml"));
+    assert!(model.contains("slider\\u{1b}"), "{model}");
+    // Joints have no such names.
+    folder.replace("robot.toml", "name = \"slide\"", &format!("name = \"slide{name}\\nline\""), "robot.toml");
+    let output = thetahat(&folder, "model robot.toml");
+    is_harmless(&output, "a joint");
+    assert!(refused(&output).contains("control characters"));
     // File names.
     let file = format!("absent{ESCAPE}.toml");
     let output = run(PROGRAM, folder.path(), ["check", &file]);

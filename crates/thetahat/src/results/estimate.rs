@@ -8,24 +8,23 @@ use crate::identification::Method;
 #[non_exhaustive]
 pub enum NoEstimate {
     /// No method was asked for, and the advice takes none.
-    #[error(
-        "the advice takes no method in case {case}; {}", if methods.is_empty() {
-            "none has an estimate".to_owned()
-        } else {
-            format!("say which with --method, of {}", methods.join(", "))
-        }
-    )]
+    #[error("the advice takes no method in case {case}; say which with --method, of {}", methods.join(", "))]
     NotAdvised {
         /// The case.
         case: String,
         /// The methods that have estimates of it.
         methods: Vec<String>,
     },
+    /// The case has no estimate by any method.
+    #[error("there is no estimate of case {case}; there {}", listed(runs))]
+    NoCase {
+        /// The case.
+        case: String,
+        /// The runs that have estimates, as `case method`.
+        runs: Vec<String>,
+    },
     /// There is no such run, or it has no estimate.
-    #[error(
-        "{method} has no estimate in case {case}; there {}",
-        if runs.is_empty() { "is none".to_owned() } else { format!("are {}", runs.join(", ")) }
-    )]
+    #[error("{method} has no estimate in case {case}; there {}", listed(runs))]
     Absent {
         /// The case.
         case: String,
@@ -45,13 +44,19 @@ impl Results {
     pub fn estimate(&self, case: &str, method: Option<Method>) -> Result<&RunResult, NoEstimate> {
         let case_name = || case.to_owned();
         let estimated = || self.runs.iter().filter(|run| !run.parameters.is_empty());
-        let Some(method) = method.or_else(|| Some(self.taken_in(case)?.method)) else {
-            let methods = estimated().filter(|run| run.case == case).map(|run| run.method.to_string()).collect();
-            return Err(NoEstimate::NotAdvised { case: case_name(), methods });
-        };
-        estimated().find(|run| run.case == case && run.method == method).ok_or_else(|| {
-            let runs = estimated().map(|run| format!("{} {}", run.case, run.method)).collect();
-            NoEstimate::Absent { case: case_name(), method, runs }
+        let runs = || estimated().map(|run| format!("{} {}", run.case, run.method)).collect();
+        if let Some(method) = method.or_else(|| Some(self.taken_in(case)?.method)) {
+            let found = estimated().find(|run| run.case == case && run.method == method);
+            return found.ok_or_else(|| NoEstimate::Absent { case: case_name(), method, runs: runs() });
+        }
+        let methods: Vec<String> = estimated().filter(|r| r.case == case).map(|r| r.method.to_string()).collect();
+        Err(match methods.is_empty() {
+            true => NoEstimate::NoCase { case: case_name(), runs: runs() },
+            false => NoEstimate::NotAdvised { case: case_name(), methods },
         })
     }
+}
+
+fn listed(runs: &[String]) -> String {
+    if runs.is_empty() { "is none".to_owned() } else { format!("are {}", runs.join(", ")) }
 }
