@@ -3,9 +3,14 @@
 use std::path::Path;
 
 use thetahat::{
-    design::{Design, DesignError, ExpectedRecord},
+    base_parameters::BaseParameters,
+    design::{Criterion, Design, DesignError, ExpectedRecord, Information},
+    dynamics::{Model, Sign},
     experiment::Experiment,
+    preparation::PreparationError,
     reduction::ReduceOptions,
+    results::{DesignResults, Limited},
+    series::Series,
 };
 use thetahat_testing::{Folder, project};
 
@@ -30,9 +35,42 @@ fn refused(from: &str, to: &str) -> Box<DesignError> {
 /// The key of a value that is refused.
 fn key(from: &str, to: &str) -> String {
     let error = refused(from, to);
-    let text = error.to_string();
-    let DesignError::Value { key, .. } = *error else { panic!("{text}") };
-    key
+    key_of(*error)
+}
+
+fn key_of(error: DesignError) -> String {
+    match error {
+        DesignError::Preparation { source: PreparationError::Value { key, .. }, .. } => key,
+        other => panic!("{other}"),
+    }
+}
+
+/// The samples of a design are within the limits that it names, and as large as it says.
+fn assert_within_limits(results: &DesignResults) {
+    for limit in &results.limits {
+        let channel = |series: &Series| series.channel(limit.coordinate);
+        let values = match limit.quantity {
+            Limited::Position => channel(&results.q),
+            Limited::Velocity => channel(&results.dq),
+            Limited::Acceleration => channel(&results.ddq),
+            Limited::Jerk => differences(&channel(&results.ddq), results.sample_rate_hz),
+            Limited::Torque => channel(&results.torque),
+            Limited::Power => {
+                channel(&results.torque).iter().zip(channel(&results.dq)).map(|(tau, v)| tau * v).collect()
+            }
+        };
+        let [least, most] = [f64::min, f64::max].map(|better| values.iter().copied().reduce(better).unwrap());
+        let [lower, upper] = limit.limit;
+        assert!(least >= lower && most <= upper, "{limit:?}: from {least} to {most}");
+        let slack = 0.02 * (upper - lower);
+        assert!(least >= limit.reached[0] - slack && most <= limit.reached[1] + slack, "{limit:?}: {least} {most}");
+        assert!(least <= limit.reached[0] + slack && most >= limit.reached[1] - slack, "{limit:?}: {least} {most}");
+    }
+}
+
+/// Mean slopes between samples.
+fn differences(values: &[f64], rate_hz: f64) -> Vec<f64> {
+    values.windows(2).map(|pair| (pair[1] - pair[0]) * rate_hz).collect()
 }
 
 #[test]
@@ -46,6 +84,12 @@ fn values_that_cannot_be_used_are_named() {
     assert_eq!(key("harmonics = 3", "harmonics = 0"), "[motion] harmonics");
     assert_eq!(key("harmonics = 3", "harmonics = 3\nstart = [0]"), "[motion] start");
     assert_eq!(key("harmonics = 3", "harmonics = 3\nstart = [0, 121]"), "[motion] start");
+    // In the file's units, and with what the margin of 2 % leaves.
+    let error = refused("harmonics = 3", "harmonics = 3\nstart = [0, 119]").to_string();
+    assert!(
+        error.contains("[motion] start is 119, expected from -117.6000 to 117.6000 degrees for joint elbow"),
+        "{error}"
+    );
     assert_eq!(key("[noise]", "[wanted]\ncriterion = 'chosen'\n[noise]"), "[wanted] parameters");
 }
 
@@ -55,7 +99,8 @@ fn limits_that_contradict_are_named_with_their_joint() {
     assert!(matches!(&*error, DesignError::Contradiction { joint, .. } if joint == "shoulder"), "{error}");
     let error = refused("[-120, 120]", "[30, 30]");
     assert!(matches!(&*error, DesignError::Contradiction { joint, .. } if joint == "elbow"), "{error}");
-    assert!(error.to_string().contains("[locked]"), "{error}");
+    let text = error.to_string();
+    assert!(text.contains("runs from 30.0000 to 30.0000 degrees") && text.contains("[locked]"), "{error}");
 }
 
 #[test]
@@ -86,7 +131,7 @@ fn a_torque_below_gravity_is_infeasible_and_named() {
     let design = parse(&DESIGN.replace("torque = [60, 25]", "torque = [0.5, 25]")).unwrap();
     let error = design.run(2, &mut |_| {}).unwrap_err();
     let named = matches!(&error, DesignError::Infeasible { joint, quantity: "torque", .. } if joint == "shoulder");
-    assert!(named, "{error}");
+    assert!(named && error.to_string().contains("it is 0.5000 N m"), "{error}");
 }
 
 /// Limits hold at 1 kHz, the motion rests at both ends, and no number depends on the threads.
@@ -94,7 +139,10 @@ fn a_torque_below_gravity_is_infeasible_and_named() {
 fn limits_hold_and_the_motion_rests_at_both_ends() {
     let design = parse(DESIGN).unwrap();
     let results = design.run(2, &mut |_| {}).unwrap();
-    assert!(results.limits.iter().all(|l| l.part <= 1.0), "{:?}", results.limits);
+    let quantities: Vec<Limited> = results.limits.iter().filter(|l| l.coordinate == 1).map(|l| l.quantity).collect();
+    assert_eq!(quantities, [Limited::Position, Limited::Velocity, Limited::Acceleration, Limited::Torque]);
+    assert_eq!(results.limits[4].limit, [-120.0, 120.0].map(f64::to_radians));
+    assert_within_limits(&results);
     assert!(results.limits.iter().any(|l| l.part > 0.9), "{:?}", results.limits);
     let last = results.q.len() - 1;
     for (series, tolerance) in [(&results.dq, 1e-9), (&results.ddq, 1e-8)] {
@@ -118,10 +166,40 @@ fn each_criterion_serves_its_own_purpose() {
     let volume = run("criterion = 'd'");
     let chosen = run("criterion = 'chosen'\nparameters = ['fc1']");
     assert!(deviation(&chosen, "fc1") < 0.97 * deviation(&volume, "fc1"));
-    for named in ["a", "worst"] {
-        let found = run(&format!("criterion = '{named}'"));
-        assert_eq!(found.promised.len(), volume.promised.len());
-        assert!(found.limits.iter().all(|l| l.part <= 1.0), "{named}");
+    let model = Model::new(&parse(DESIGN).unwrap().robot);
+    let information = Information::new(&model, &BaseParameters::of(&model, &[]).unwrap().columns(), &[0.1, 0.1]);
+    let of = |motion: [&Series; 3]| information.of(motion, 1.0, Sign::Exact);
+    // Each parameter's unit changes the torques at random states by the noise, as in the design, but for its random numbers.
+    let wave = |[one, other]: [f64; 2], w: f64| {
+        let values = (0..1000).flat_map(|k| [one * (w * f64::from(k)).sin(), other * (1.7 * w * f64::from(k)).cos()]);
+        Series::from_values(2, values.collect())
+    };
+    let states = [wave([1.5, 2.0], 0.37), wave([4.0, 6.0], 0.91), wave([26.0, 35.0], 1.33)];
+    let m = of(states.each_ref());
+    let weights: Vec<f64> = (0..m.rows()).map(|i| m.at(i, i)).collect();
+    for (name, criterion) in
+        [("a", Criterion::A { weights: weights.clone() }), ("worst", Criterion::Worst { weights: weights.clone() })]
+    {
+        let found = run(&format!("criterion = '{name}'"));
+        assert_within_limits(&found);
+        let [own, other] = [&found, &volume].map(|r| criterion.value(&of([&r.q, &r.dq, &r.ddq])).unwrap());
+        println!("{name}: {own} of its own motion, {other} of that of d");
+        assert!(own < other - 0.1, "{name}: {own} {other}");
+    }
+}
+
+/// From starts near a limit each search finds a motion that is much better than the one that it began with.
+#[test]
+fn a_motion_may_start_near_a_limit() {
+    for start in ["[0, 117]", "[-88, 117.6]"] {
+        let text = DESIGN.replace("harmonics = 3\nstarts = 2", &format!("harmonics = 3\nstarts = 4\nstart = {start}"));
+        let results = parse(&text).unwrap().run(2, &mut |_| {}).unwrap();
+        assert_within_limits(&results);
+        assert_eq!(results.starts.len(), 4);
+        println!("{start}: {:?}", results.starts);
+        assert!(results.starts.iter().all(|s| s.found < s.first - 4.0), "{start}: {:?}", results.starts);
+        let text = results.q.sample(0).iter().map(|q| format!("{:.1}", q.to_degrees())).collect::<Vec<_>>().join(", ");
+        assert!(start == "[0, 117]" && text == "0.0, 117.0" || text == "-88.0, 117.6", "{text}");
     }
 }
 
@@ -222,7 +300,7 @@ fn recordings_at_hand_are_known_before() {
 }
 
 /// A lift with two fingers, of which the right one follows the left one 1 mm ahead.
-fn lift_and_fingers() -> String {
+fn lift_and_fingers(more: &str) -> String {
     let link = |name: &str| {
         format!(
             "<link name='{name}'><inertial><origin xyz='0.1 0.02 0.03'/><mass value='2'/>\
@@ -237,7 +315,7 @@ fn lift_and_fingers() -> String {
     };
     let follows = "<mimic joint='left' multiplier='1' offset='0.001'/>";
     format!(
-        "<robot name='lift'>\n<link name='base'/>\n{}{}{}{}{}{}</robot>\n",
+        "<robot name='lift'>\n<link name='base'/>\n{}{}{}{}{}{}{more}</robot>\n",
         link("carriage"),
         link("left_finger"),
         link("right_finger"),
@@ -250,13 +328,43 @@ fn lift_and_fingers() -> String {
 /// Where a joint follows another, the limits of both hold.
 #[test]
 fn followers_hold_their_limits() {
-    let folder = Folder::with("lift.urdf", lift_and_fingers());
+    let folder = Folder::with("lift.urdf", lift_and_fingers(""));
     let text = "title = 'fingers'\nrobot = 'lift.urdf'\nduration_s = 4\nsample_rate_hz = 500\n[motion]\nharmonics = 3\nstarts = 1\n\
                 [limits]\nacceleration = 3000\n[noise]\ntorque = 0.1\n[signal]\ncutoff_hz = 20\ndecimation = 5\n";
     let design = Design::parse(text, &folder.path().join("design.toml")).unwrap();
     let results = design.run(1, &mut |_| {}).unwrap();
     let largest = (0..results.q.len()).map(|k| results.q.sample(k)[1]).fold(0.0, f64::max);
     assert!((0.03..=0.039).contains(&largest), "{largest}");
+}
+
+/// A lift, fingers and an arm on it, with limits of everything and a start off the middle.
+#[test]
+fn all_limits_of_a_lift_with_an_arm_hold() {
+    let arm = "<link name='arm'><inertial><origin xyz='0.2 0.01 0.02'/><mass value='3'/>\
+               <inertia ixx='0.02' ixy='0' ixz='0' iyy='0.1' iyz='0' izz='0.1'/></inertial></link>\n\
+               <joint name='elbow' type='revolute'><parent link='carriage'/><child link='arm'/><axis xyz='0 1 0'/>\
+               <limit lower='-1' upper='2' velocity='3' effort='40'/><dynamics damping='1' friction='0.5'/></joint>\n";
+    let folder = Folder::with("lift.urdf", lift_and_fingers(arm));
+    let text = |kind: &str| {
+        format!(
+            "title = 'lift'\nrobot = 'lift.urdf'\nduration_s = 4\nsample_rate_hz = 1000\n[motion]\n{kind}\nstarts = 2\n\
+             start = [60, 10, 80]\n[limits]\nacceleration = [3000, 1500, 900]\njerk = [60000, 40000, 20000]\n\
+             power = [40, 3, 12]\n[noise]\ntorque = 0.1\n[signal]\ncutoff_hz = 20\ndecimation = 5\n"
+        )
+    };
+    for kind in ["harmonics = 3", "kind = 'moves'\nmoves = 5"] {
+        let design = Design::parse(&text(kind), &folder.path().join("design.toml")).unwrap();
+        let results = design.run(2, &mut |_| {}).unwrap();
+        assert_eq!(results.limits.len(), 18, "three joints with six limits");
+        assert_within_limits(&results);
+        println!("{kind}: {:?} {:?}", results.starts, results.limits.iter().map(|l| l.part).collect::<Vec<_>>());
+        let start = results.q.sample(0);
+        let expected = [0.06, 0.01, 80f64.to_radians()];
+        assert!(start.iter().zip(expected).all(|(q, e)| (q - e).abs() < 1e-9), "{start:?}");
+        assert!(results.starts.iter().all(|s| s.found < s.first - 1.0), "{:?}", results.starts);
+        let of_power = |l: &&thetahat::results::LimitUse| l.quantity == Limited::Power;
+        assert!(results.limits.iter().filter(of_power).any(|l| l.part > 0.8), "{:?}", results.limits);
+    }
 }
 
 /// What the identification of the record could not do is refused before the search.
@@ -275,7 +383,7 @@ fn what_cannot_be_identified_is_refused() {
     let term = "[[term]]\nkind = 'channel-viscous'\njoints = ['shoulder']\nchannel = 'temperature'\nreference = 20\n";
     let folder = Folder::with("two_joint.toml", format!("{robot}\n{term}"));
     let error = Design::parse(DESIGN, &folder.path().join("design.toml")).unwrap_err();
-    assert!(matches!(&error, DesignError::Value { key, .. } if key == "[[term]]"), "{error}");
+    assert_eq!(key_of(error), "[[term]]");
 }
 
 /// A planar arm that moves from posture to posture.
@@ -288,7 +396,7 @@ fn moves_hold_their_limits_and_end_where_they_start() {
     for jerk in ["", "jerk = 60000"] {
         let design = parse(&moves(jerk)).unwrap();
         let results = design.run(2, &mut |_| {}).unwrap();
-        assert!(results.limits.iter().all(|l| l.part <= 1.0), "{:?}", results.limits);
+        assert_within_limits(&results);
         assert!(results.limits.iter().any(|l| l.part > 0.9), "{:?}", results.limits);
         let moves = results.moves.as_ref().unwrap();
         assert_eq!((moves.moves().len(), &moves.moves()[5].end[..]), (6, moves.start()));
@@ -362,9 +470,8 @@ fn shapes_stay_apart() {
 
 #[test]
 fn shapes_that_cannot_be_used_are_named() {
-    let key = |from: &str, to: &str| match parse(&with_collision(from, to)).map_err(|e| *e) {
-        Err(DesignError::Value { key, .. }) => key,
-        Err(error) => panic!("{error}"),
+    let key = |from: &str, to: &str| match parse(&with_collision(from, to)) {
+        Err(error) => key_of(*error),
         Ok(_) => panic!("{to} is taken"),
     };
     assert_eq!(key("margin = 20", "margin = -1"), "[collision] margin");

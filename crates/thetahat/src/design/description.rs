@@ -13,7 +13,9 @@ use super::{
 use crate::{
     control::ControllerDescription,
     files,
-    preparation::{EstimationOptions, ParameterSelection, Settings, SignalOptions, SimulationOptions},
+    preparation::{
+        EstimationOptions, ParameterSelection, PreparationError, Settings, SignalOptions, SimulationOptions,
+    },
     robot::{Locks, Robot, RobotSource},
 };
 
@@ -137,9 +139,12 @@ impl Design {
         self.file.compare.as_ref().map(|file| self.path.parent().unwrap_or(Path::new("")).join(file))
     }
 
+    pub(super) fn refuse(&self, source: PreparationError) -> DesignError {
+        DesignError::Preparation { path: self.path.clone(), source }
+    }
+
     pub(super) fn value(&self, key: &str, expected: &str, found: impl std::fmt::Display) -> DesignError {
-        let (expected, found) = (expected.to_owned(), found.to_string());
-        DesignError::Value { path: self.path.clone(), key: key.to_owned(), expected, found }
+        self.refuse(PreparationError::value(key, expected, found))
     }
 
     pub(super) fn require(
@@ -149,7 +154,7 @@ impl Design {
         expected: &str,
         found: impl std::fmt::Display,
     ) -> Result<(), DesignError> {
-        if holds { Ok(()) } else { Err(self.value(key, expected, found)) }
+        PreparationError::require(holds, key, expected, found).map_err(|source| self.refuse(source))
     }
 }
 

@@ -10,7 +10,7 @@ use super::{
 use crate::{
     base_parameters::{BaseParameter, BaseParameters},
     dynamics::Model,
-    results::{DesignResults, DesignedJoint, PromisedParameter, SearchResult},
+    results::{DesignResults, JointResult, PromisedParameter, SearchResult},
 };
 
 /// Part of a sum's terms below which the sum is rounding.
@@ -53,7 +53,7 @@ impl Design {
         Ok(DesignResults {
             title: self.file.title.clone(),
             robot: self.robot.name.clone(),
-            joints: self.robot.coordinates().map(|j| DesignedJoint { name: j.name.clone(), kind: j.kind }).collect(),
+            joints: JointResult::of_coordinates(&self.robot),
             sample_rate_hz: self.file.sample_rate_hz,
             q,
             dq,

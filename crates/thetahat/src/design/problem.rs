@@ -11,7 +11,7 @@ use super::{
     error::DesignError,
     fourier::FourierBasis,
     information::Information,
-    limits::{JointLimits, Limited},
+    limits::JointLimits,
     loads::Loads,
     motions::Motions,
     moves::MoveFamily,
@@ -22,6 +22,7 @@ use super::{
 use crate::{
     base_parameters::BaseParameters,
     dynamics::{Model, Sign},
+    results::Limited,
     series::Series,
 };
 
@@ -30,8 +31,6 @@ const INSTANTS: usize = 30;
 const FEWEST_INSTANTS: usize = 200;
 /// Instants at which limits are looked at, for each harmonic.
 const WATCHED: usize = 60;
-/// Least part of every range that the search leaves unused, for what lies between the watched instants.
-const LEAST_MARGIN: f64 = 0.002;
 /// What is added to the margin of distances in the search, m.
 const BETWEEN: f64 = 0.004;
 /// Random states by which parameters of different units are compared.
@@ -46,7 +45,7 @@ impl Design {
         limits: &[JointLimits],
     ) -> Result<Problem, DesignError> {
         let file = &self.file;
-        let kept: Vec<JointLimits> = limits.iter().map(|l| l.less(file.limits.margin.max(LEAST_MARGIN))).collect();
+        let kept: Vec<JointLimits> = limits.iter().map(|l| l.less(self.margin())).collect();
         let [summed, watched] = match file.motion.kind {
             MotionKind::Fourier => self.sums(&kept),
             MotionKind::Moves => self.moves(&kept),

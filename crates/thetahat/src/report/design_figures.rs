@@ -4,7 +4,10 @@ use super::{
     figures::{Figure, Key},
     plot::{Chart, Curve, NARROW, Range, WIDE},
 };
-use crate::results::{DesignResults, JointKind};
+use crate::{
+    results::{DesignResults, Limited},
+    visible::visible,
+};
 
 const HEIGHT: f64 = 80.0;
 
@@ -13,17 +16,17 @@ pub(super) fn motions(results: &DesignResults) -> Figure {
     let time: Vec<f64> = (0..results.q.len()).map(|k| k as f64 / results.sample_rate_hz).collect();
     let width = if results.joints.len() == 1 { WIDE } else { NARROW };
     let charts = results.joints.iter().enumerate().map(|(joint, named)| {
-        let unit = match named.kind {
-            JointKind::Revolute => "rad",
-            JointKind::Prismatic => "m",
-        };
         let signals = [
-            ("position", &results.q),
-            ("velocity", &results.dq),
-            ("acceleration", &results.ddq),
-            ("torque", &results.torque),
+            (Limited::Position, &results.q),
+            (Limited::Velocity, &results.dq),
+            (Limited::Acceleration, &results.ddq),
+            (Limited::Torque, &results.torque),
         ];
-        let chart = Chart::new(format!("Joint {}, {unit}, s, N m or N", joint + 1), "time, s", width);
+        let chart = Chart::new(
+            format!("{}: {}, s, {}", visible(&named.name), named.position_unit, named.torque_unit),
+            "time, s",
+            width,
+        );
         signals.into_iter().fold(chart, |chart, (quantity, series)| {
             let curve = Curve::new("measured", time.iter().copied().zip(series.channel(joint)).collect());
             let limit = results.limits.iter().find(|l| l.coordinate == joint && l.quantity == quantity);
@@ -31,7 +34,10 @@ pub(super) fn motions(results: &DesignResults) -> Figure {
                 let limits: Vec<f64> = limit.into_iter().flat_map(|l| l.limit).collect();
                 let values = curve.points.iter().map(|p| p.1).chain(limits.iter().copied());
                 let panel = panel.around([&curve].into_iter(), 0.0).up(Range::of(values).padded(0.05));
-                limits.iter().fold(panel.line(&curve), |panel, limit| panel.level("zero", *limit)).named(quantity)
+                limits
+                    .iter()
+                    .fold(panel.line(&curve), |panel, limit| panel.level("zero", *limit))
+                    .named(quantity.name())
             })
         })
     });

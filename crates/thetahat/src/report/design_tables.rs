@@ -52,7 +52,7 @@ pub(super) fn conclusions(results: &DesignResults) -> Vec<String> {
     lines.extend(results.limits.iter().max_by(|a, b| a.part.total_cmp(&b.part)).map(|worst| {
         format!(
             "No limit is exceeded at 1 kHz; the nearest is the {} of {}, used by {:.1} % at {:.3} s.",
-            worst.quantity,
+            worst.quantity.name(),
             visible(&worst.joint),
             100.0 * worst.part,
             worst.at_s
@@ -181,7 +181,7 @@ pub(super) fn limits(results: &DesignResults) -> Table {
         let [low, high] = l.limit.map(|v| significant(v, 4));
         let [least, most] = l.reached.map(|v| significant(v, 4));
         let (used, at) = (format!("{:.1}", 100.0 * l.part), format!("{:.3}", l.at_s));
-        vec![visible(&l.joint).into_owned(), l.quantity.to_owned(), low, high, least, most, used, at]
+        vec![visible(&l.joint).into_owned(), l.quantity.name().to_owned(), low, high, least, most, used, at]
     };
     Table {
         title: "Limits at 1 kHz, SI".to_owned(),

@@ -1,7 +1,7 @@
 use serde::Serialize;
 
-use super::{Grade, ParameterResult};
-use crate::{robot::JointKind, series::Series, trajectory::Moves};
+use super::{Grade, JointResult, Limited, ParameterResult};
+use crate::{series::Series, trajectory::Moves};
 
 /// A designed motion, and what its record will tell.
 #[derive(Debug, Clone)]
@@ -11,7 +11,7 @@ pub struct DesignResults {
     /// Name of the robot.
     pub robot: String,
     /// The joints.
-    pub joints: Vec<DesignedJoint>,
+    pub joints: Vec<JointResult>,
     /// Samples per second.
     pub sample_rate_hz: f64,
     /// Positions, rad or m.
@@ -34,7 +34,7 @@ pub struct DesignResults {
     pub criterion: String,
     /// The searches.
     pub starts: Vec<SearchResult>,
-    /// The limits, each joint's in the order of [`LimitUse::quantity`]'s names.
+    /// The limits, each joint's in the order of [`Limited::ALL`].
     pub limits: Vec<LimitUse>,
     /// What is promised of each parameter.
     pub promised: Vec<PromisedParameter>,
@@ -46,15 +46,6 @@ pub struct DesignResults {
     pub half_width_percent: f64,
     /// The experiment file for the record, without the robot's path.
     pub experiment: ExperimentText,
-}
-
-/// A joint of a designed motion.
-#[derive(Debug, Clone)]
-pub struct DesignedJoint {
-    /// Its name.
-    pub name: String,
-    /// Whether it turns or slides.
-    pub kind: JointKind,
 }
 
 /// One search.
@@ -101,8 +92,8 @@ pub struct LimitUse {
     pub joint: String,
     /// Number of the coordinate, from zero.
     pub coordinate: usize,
-    /// `position`, `velocity`, `acceleration`, `jerk`, `torque` or `power`.
-    pub quantity: &'static str,
+    /// What is limited.
+    pub quantity: Limited,
     /// Lower and upper limit.
     pub limit: [f64; 2],
     /// Smallest and largest value at 1 kHz.
