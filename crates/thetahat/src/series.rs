@@ -112,6 +112,11 @@ impl Series {
         }
     }
 
+    /// Adds a series of the same form.
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.values.iter_mut().zip(&other.values).for_each(|(value, other)| *value += other);
+    }
+
     /// A copy of channel `c` over time.
     #[must_use]
     pub fn channel(&self, c: usize) -> Vec<f64> {

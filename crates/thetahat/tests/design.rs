@@ -9,7 +9,7 @@ use thetahat::{
     experiment::Experiment,
     preparation::PreparationError,
     reduction::ReduceOptions,
-    results::{DesignResults, Limited},
+    results::{DesignResults, Limited, PromisedParameter},
     series::Series,
 };
 use thetahat_testing::{Folder, project};
@@ -77,6 +77,8 @@ fn differences(values: &[f64], rate_hz: f64) -> Vec<f64> {
 fn values_that_cannot_be_used_are_named() {
     assert_eq!(key("torque = 0.1", "torque = 0"), "[noise] torque");
     assert_eq!(key("torque = 0.1", "torque = [0.1]"), "[noise] torque");
+    assert_eq!(key("torque = 0.1", ""), "[noise]");
+    assert_eq!(key("torque = 0.1", "torque = 0.1\nresults = 'results.json'"), "[noise]");
     assert_eq!(key("duration_s = 4", "duration_s = 0.2"), "duration_s");
     assert_eq!(key("duration_s = 4", "duration_s = -1"), "duration_s");
     assert_eq!(key("velocity = [250, 350]", "velocity = [250, 350, 1]"), "[limits] velocity");
@@ -214,6 +216,14 @@ fn files_are_written_and_name_the_robot() {
     let yaml = std::fs::read_to_string(folder.path().join("trajectory.yaml")).unwrap();
     assert_eq!(yaml.lines().filter(|l| l.starts_with("- {positions: [")).count(), results.q.len());
     assert!(yaml.contains("joint_names: [\"shoulder\",\"elbow\"]"));
+    // Three harmonics in 4 s: 0.75 Hz, and what the quintics add.
+    assert!(results.spectrum.end_hz.iter().all(|hz| (0.5..3.0).contains(hz)), "{:?}", results.spectrum.end_hz);
+    let page = std::fs::read_to_string(folder.path().join("design.html")).unwrap();
+    for words in
+        ["Frequencies of the motion", "the robot where it starts", "position filter 40", "shoulder: rad, s, N m"]
+    {
+        assert!(page.contains(words), "{words}");
+    }
 }
 
 /// The design with its controller, whose loop is simulated.
@@ -235,6 +245,45 @@ fn rehearsal(folder: &Folder, text: &str) -> (Design, thetahat::results::DesignR
     (design, results, experiment)
 }
 
+/// The rehearsal is recorded with the noise of the design, of positions too; without a controller, under a usual one.
+#[test]
+fn a_rehearsal_has_the_noise_of_the_design() {
+    let folder = Folder::new();
+    let text = DESIGN.replace("torque = 0.1", "torque = 0.1\nposition = 0.01");
+    let (_, promised, experiment) = rehearsal(&folder, &text);
+    let (_, quiet, _) = rehearsal(&folder, DESIGN);
+    let results = experiment.run(Path::new(""), &mut |_| {}).unwrap();
+    let run = results.runs.iter().find(|run| run.method.name() == promised.method).unwrap();
+    let ratio = |other: &DesignResults| {
+        let of = |p: &PromisedParameter| {
+            let [low, high] = run.parameter(&p.name).unwrap().interval_95.unwrap();
+            (0.5 * (high - low) / p.half_width_95).ln()
+        };
+        (other.promised.iter().map(of).sum::<f64>() / other.promised.len() as f64).exp()
+    };
+    let [of_own, of_quiet] = [ratio(&promised), ratio(&quiet)];
+    println!(
+        "intervals of the rehearsal {of_own:.2} times as wide as promised, {of_quiet:.2} without noise of positions"
+    );
+    assert!((0.75..1.33).contains(&of_own) && of_quiet > 2.0, "{of_own} {of_quiet}");
+}
+
+/// A noise that hides some parameters: a motion for them alone would show them better.
+#[test]
+fn what_stays_unknown_has_a_remedy() {
+    let design = parse(&DESIGN.replace("torque = 0.1", "torque = 40")).unwrap();
+    let results = design.run(2, &mut |_| {}).unwrap();
+    let is_unknown = |p: &&PromisedParameter| p.a_priori != 0.0 && p.half_width_95 >= p.a_priori.abs();
+    let unknown: Vec<&PromisedParameter> = results.promised.iter().filter(is_unknown).collect();
+    let times: Vec<f64> = results.promised.iter().filter_map(|p| p.by_own_motion).collect();
+    println!("{times:?}");
+    assert!(!unknown.is_empty() && unknown.len() < results.promised.len());
+    assert_eq!(times.len(), unknown.len());
+    assert!(times.iter().map(|t| t.ln()).sum::<f64>() > 0.0, "{times:?}");
+    let text = thetahat::report::design_text(&results, thetahat::report::TextWidth::DEFAULT);
+    assert!(text.contains("What would show them") && text.contains(&format!("{} after", unknown[0].name)), "{text}");
+}
+
 /// Records of the Monte Carlo: the deviation of each estimate is then known to 3.5 %.
 const RECORDS: u64 = 400;
 
@@ -253,6 +302,7 @@ fn the_promise_is_kept_by_records_of_the_closed_loop() {
         q: &motion.q,
         tau: &motion.tau,
         torque_noise: &[0.1, 0.1],
+        torque_spectrum: None,
         position_noise: &[0.0, 0.0],
     };
     let path = Path::new("design.toml");
@@ -465,6 +515,8 @@ fn shapes_stay_apart() {
     assert!(collision.pairs.iter().all(|pair| pair.distance >= 0.02), "{collision:?}");
     assert!(collision.pairs[0].distance < 0.03, "{collision:?}");
     assert!(!collision.has_way && collision.uncovered.is_empty());
+    let least = collision.least.iter().map(|[_, distance]| *distance).fold(f64::INFINITY, f64::min);
+    assert!(collision.least.len() == 4001 && least == collision.pairs[0].distance, "{least}");
     assert_eq!(design.run(1, &mut |_| {}).unwrap().q, results.q);
 }
 
@@ -514,6 +566,16 @@ fn results_at_hand_are_compared_with() {
     assert!((0.8..1.25).contains(&mean), "{mean}");
     let text = thetahat::report::design_text(&both, thetahat::report::TextWidth::DEFAULT);
     assert!(text.contains("times as narrow"), "{text}");
+    // The residual of that record is the noise of the design: a design with it promises the same.
+    let with_noise = |file: &str| with_controller().replace("torque = 0.1", &format!("results = '{file}'"));
+    let from_residual = Design::parse(&with_noise("results.json"), &design.path).unwrap().run(2, &mut |_| {}).unwrap();
+    let ratio = |(a, b): (&PromisedParameter, &PromisedParameter)| (a.half_width_95 / b.half_width_95).ln();
+    let mean = from_residual.promised.iter().zip(&alone.promised).map(ratio).sum::<f64>() / alone.promised.len() as f64;
+    println!("with the noise of the residual {:.3} times as wide", mean.exp());
+    assert!(mean.abs() < 0.15, "{mean}");
+    folder.write("joints.json", results.to_json().unwrap().replace("\"elbow\"", "\"hand\""));
+    let error = Design::parse(&with_noise("joints.json"), &design.path).unwrap_err();
+    assert!(matches!(&error, DesignError::NoNoise { .. }) && error.to_string().contains("joints.json"), "{error}");
     let other = with_controller().replace("[motion]", "compare = 'nowhere.json'\n[motion]");
     let error = Design::parse(&other, &design.path).unwrap().run(1, &mut |_| {}).unwrap_err();
     assert!(matches!(&error, DesignError::Results(_)) && error.to_string().contains("nowhere.json"), "{error}");

@@ -171,6 +171,7 @@ fn the_promise_is_kept() -> Result<(), Failed> {
         q: &motion.q,
         tau: &motion.tau,
         torque_noise: &NOISE,
+        torque_spectrum: None,
         position_noise: &[0.0; JOINTS],
     };
     let estimates: Vec<Vec<f64>> = std::thread::scope(|scope| {

@@ -34,8 +34,7 @@ impl Design {
         let (Some(last), Some(prior)) = (files.last(), problem.information.prior()) else { return Ok(None) };
         let reduction = Reduction::read_all(std::slice::from_ref(last))?;
         let seconds: f64 = reduction.recordings.iter().map(|r| r.window_s[1] - r.window_s[0]).sum();
-        let noise = self.file.noise.torque.to_list(self.robot.coordinate_count());
-        let again = prior.plus(&reduction.information(&noise)?, self.file.duration_s / seconds);
+        let again = prior.plus(&reduction.information(&self.noise.deviations)?, self.file.duration_s / seconds);
         Ok(problem.criterion.value(&again))
     }
 

@@ -171,6 +171,19 @@ pub enum DesignError {
         /// The results.
         file: PathBuf,
     },
+    /// Results have no residual of the robot's joints.
+    #[error(
+        "{}: [noise] results: {} has no residual of each of the robot's joints; give the results.json of an identification of this \
+         robot, or [noise] torque",
+        path.display(),
+        file.display()
+    )]
+    NoNoise {
+        /// The design file.
+        path: PathBuf,
+        /// The results.
+        file: PathBuf,
+    },
     /// Results cannot be read.
     #[error(transparent)]
     Results(#[from] ResultsError),

@@ -52,7 +52,7 @@ fn twin(design: &Design) -> String {
          unlisted = \"a-priori\"\nreference = {reference}\n\n[twin.sensors]\nencoder_counts_per_turn = 1048576\n\
          torque_noise = {:?}\nposition_noise = {:?}\ntorque_ripple = 0.0\nripple_per_turn = 0\nseed = {}\n{}",
         design.file.sample_rate_hz,
-        design.file.noise.torque.to_list(joints),
+        design.noise.deviations,
         design.file.noise.position.to_list(joints),
         design.file.motion.seed,
         if design.settings.controller.is_some() { "" } else { USUAL_CONTROLLER }

@@ -23,8 +23,9 @@
 //! | `surroundings_options`, `surroundings`, `clearances` | shapes that must stay apart |
 //! | `quadratic`, `optimiser`, `starts` | the search |
 //! | `verification`, `verified` | the limits at 1 kHz |
-//! | `at_hand` | what earlier recordings tell |
-//! | `promise` | what a record will tell |
+//! | `at_hand`, `noise` | what earlier recordings tell: of the parameters, and of the noise |
+//! | `promise`, `remedies` | what a record will tell; what would show what it leaves unknown |
+//! | `pictures` | what the report draws of the motion |
 //! | `run` | all of it |
 
 mod at_hand;
@@ -44,12 +45,15 @@ mod move_slopes;
 #[cfg(test)]
 mod move_tests;
 mod moves;
+mod noise;
 mod optimiser;
 mod options;
 mod outcome;
+mod pictures;
 mod problem;
 mod promise;
 mod quadratic;
+mod remedies;
 mod run;
 mod starts;
 mod sums;

@@ -22,7 +22,7 @@ impl Design {
         model: &Model,
         base: &BaseParameters,
         chosen: Chosen,
-        expected: &Expected,
+        (expected, remedies): (&Expected, &[Option<f64>]),
     ) -> Result<DesignResults, DesignError> {
         let Chosen { motion, torque, uses, starts, moves, collision, repeated } = chosen;
         let compared = self.compared()?;
@@ -42,6 +42,7 @@ impl Design {
                 standard_deviation: expected.standard_deviation[i],
                 half_width_95: half,
                 compared: compared.iter().flat_map(|c| &c.parameters).find(|p| p.name == parameter.name).cloned(),
+                by_own_motion: remedies[i],
                 seconds: (a_priori != 0.0).then_some(self.file.duration_s * times),
             }
         });
@@ -50,6 +51,7 @@ impl Design {
             return Err(DesignError::NothingToCompare { path: self.path.clone(), file });
         }
         let [q, dq, ddq, _] = motion;
+        let (skeleton, spectrum) = (self.skeleton(model, &q, collision.as_ref()), self.spectrum(&ddq));
         Ok(DesignResults {
             title: self.file.title.clone(),
             robot: self.robot.name.clone(),
@@ -60,6 +62,8 @@ impl Design {
             ddq,
             torque,
             moves,
+            skeleton,
+            spectrum,
             collision,
             repeated,
             compared: compared.map(|c| [c.title, c.method]),
@@ -79,7 +83,7 @@ impl Design {
 }
 
 /// The base parameters of standard ones; zero where what is left of the sum is rounding.
-fn without_rounding(base: &BaseParameters, standard: &[f64]) -> Vec<f64> {
+pub(super) fn without_rounding(base: &BaseParameters, standard: &[f64]) -> Vec<f64> {
     let value = |(parameter, value): (&BaseParameter, f64)| {
         let terms = parameter.regrouped.iter().map(|&(i, factor)| (factor * standard[i]).abs());
         let size = standard[parameter.kept].abs() + terms.sum::<f64>();

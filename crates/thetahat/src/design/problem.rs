@@ -50,10 +50,10 @@ impl Design {
             MotionKind::Fourier => self.sums(&kept),
             MotionKind::Moves => self.moves(&kept),
         };
-        let noise = file.noise.torque.to_list(limits.len());
+        let noise = &self.noise.deviations;
         Ok(Problem {
             criterion: self.criterion(model, base)?,
-            information: Information::new(model, &base.columns(), &noise).with_prior(self.prior(base, &noise)?),
+            information: Information::new(model, &base.columns(), noise).with_prior(self.prior(base, noise)?),
             sample_rate_hz: file.sample_rate_hz,
             constraints: Constraints::new(kept.clone(), &watched),
             clearances: self.clearances(model)?,
@@ -124,8 +124,7 @@ impl Design {
     /// the limits by the noise, in the root mean square.
     fn units(&self, model: &Model, base: &BaseParameters) -> Result<Vec<f64>, DesignError> {
         let limits = self.limits()?;
-        let noise = self.file.noise.torque.to_list(limits.len());
-        let information = Information::new(model, &base.columns(), &noise);
+        let information = Information::new(model, &base.columns(), &self.noise.deviations);
         let motion = random_states(&limits, self.file.motion.seed);
         let m = information.of(motion.each_ref(), 1.0 / RANDOM_STATES as f64, Sign::Exact);
         Ok((0..base.len()).map(|i| m.at(i, i)).collect())

@@ -12,6 +12,7 @@ use crate::{
     robot::Robot,
     run::Identification,
     series::Series,
+    signal::Spectrum,
 };
 
 /// The true motion of a robot and its torques, and how they will be recorded.
@@ -29,6 +30,8 @@ pub struct ExpectedRecord<'a> {
     pub tau: &'a Series,
     /// Standard deviation of the white noise on each torque.
     pub torque_noise: &'a [f64],
+    /// The densities of the noise on each torque instead, where it is not white.
+    pub torque_spectrum: Option<&'a Spectrum>,
     /// Standard deviation of the white noise on each position.
     pub position_noise: &'a [f64],
 }
@@ -97,7 +100,10 @@ impl ExpectedRecord<'_> {
         rng.set_stream(record);
         let [mut position, mut torque] = [self.q, self.tau].map(Series::clone);
         position.add_white_noise(self.position_noise, &mut rng);
-        torque.add_white_noise(self.torque_noise, &mut rng);
+        match self.torque_spectrum {
+            Some(spectrum) => torque.add(&spectrum.draw(torque.len(), self.sample_rate_hz, &mut rng)),
+            None => torque.add_white_noise(self.torque_noise, &mut rng),
+        }
         let recording = Recording::new(self.sample_rate_hz, position, torque).with_reference(self.q.clone());
         let method = self.method();
         let settings = Settings { controller: None, cases: Vec::new(), ..self.settings.clone() }.with_methods([method]);

@@ -5,6 +5,7 @@ use super::{
     error::DesignError,
     limits::JointLimits,
     motions::Motions,
+    optimiser::Problem,
     promise::{Expected, ExpectedRecord},
     starts::{Searches, Start, sign_scales},
     sums::Derivatives,
@@ -48,51 +49,53 @@ impl Design {
         let base = BaseParameters::with_fixed(&model, &self.settings.parameters.exclude, &self.settings.parameters.fix)
             .map_err(|source| DesignError::BaseParameters { path: self.path.clone(), source })?;
         progress("searching motions");
-        let chosen = self.choose(&model, &base, &limits, threads)?;
+        let problem = self.problem(&model, &base, &limits)?;
+        let chosen = self.choose(&model, &problem, &limits, threads)?;
         progress("promising intervals");
         let followed = self.followed(&model, &chosen.motion[0])?;
         let expected = match &followed {
             Some((q, tau)) => self.promise(q, tau, threads)?,
             None => self.promise(&chosen.motion[0], &chosen.torque, threads)?,
         };
-        self.results(&model, &base, chosen, &expected)
+        progress("looking for what would show more");
+        let remedies = self.remedies(&problem, (&base, &limits), (&chosen.motion, &expected), threads);
+        self.results(&model, &base, chosen, (&expected, &remedies))
     }
 
     /// The best motion of the searches that holds its limits.
     fn choose(
         &self,
         model: &Model,
-        base: &BaseParameters,
+        problem: &Problem,
         limits: &[JointLimits],
         threads: usize,
     ) -> Result<Chosen, DesignError> {
-        let problem = self.problem(model, base, limits)?;
         let motion = &self.file.motion;
         let searches = Searches { count: motion.starts, seed: motion.seed, threads, sign_scales: sign_scales(limits) };
-        let mut starts = searches.run(&problem);
+        let mut starts = searches.run(problem);
         starts.sort_by(|a, b| a.value.total_cmp(&b.value));
         let mut first_error = None;
         for k in 0..starts.len() {
-            match self.repaired(model, &problem, limits, &starts[k]) {
+            match self.repaired(model, problem, limits, &starts[k]) {
                 Ok((x, Verified { uses, collision })) => {
                     // The one that is taken stands first.
                     starts[..=k].rotate_right(1);
                     let motion = self.sampled(&problem.watched, &x);
                     let torque = problem.loads.torques([&motion[0], &motion[1], &motion[2]], Sign::Exact);
                     let moves = problem.watched.moves(&x);
-                    let repeated = self.repeated(&problem)?;
+                    let repeated = self.repeated(problem)?;
                     return Ok(Chosen { motion, torque, uses, starts, moves, collision, repeated });
                 }
                 Err(error) => _ = first_error.get_or_insert(error),
             }
         }
-        let (path, parameters) = (self.path.clone(), base.len());
+        let (path, parameters) = (self.path.clone(), problem.information.parameters());
         let starts = self.file.motion.starts;
         Err(first_error.unwrap_or(DesignError::ShowsTooLittle { path, starts, parameters }))
     }
 
     /// The motion at the rate of the trajectory.
-    fn sampled(&self, motions: &Motions, x: &[f64]) -> Derivatives {
+    pub(super) fn sampled(&self, motions: &Motions, x: &[f64]) -> Derivatives {
         let rate = self.file.sample_rate_hz;
         let count = (self.file.duration_s * rate).round() as usize;
         let grid: Vec<f64> = (0..=count).map(|k| (k as f64 / rate).min(self.file.duration_s)).collect();
@@ -116,14 +119,14 @@ impl Design {
     }
 
     fn promise(&self, q: &Series, tau: &Series, threads: usize) -> Result<Expected, DesignError> {
-        let torque_noise = self.file.noise.torque.to_list(q.channels());
         let record = ExpectedRecord {
             robot: &self.robot,
             settings: &self.settings,
             sample_rate_hz: self.file.sample_rate_hz,
             q,
             tau,
-            torque_noise: &torque_noise,
+            torque_noise: &self.noise.deviations,
+            torque_spectrum: self.noise.spectrum.as_ref(),
             position_noise: &self.position_noise(),
         };
         record.promise(&self.path, self.file.motion.seed, threads)

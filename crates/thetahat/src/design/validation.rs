@@ -1,7 +1,7 @@
 //! What a design file must hold before anything is searched.
 
 use super::{criterion::CriterionName, description::Design, error::DesignError, verification::RATE_HZ};
-use crate::dynamics::Model;
+use crate::{dynamics::Model, one_or_each::OneOrEach};
 
 /// Most samples of a motion, at its own rate and at 1 kHz, at which its limits are verified.
 const MOST_SAMPLES: f64 = 1e6;
@@ -55,13 +55,14 @@ impl Design {
 
     fn validate_noise(&self) -> Result<(), DesignError> {
         let joints = self.robot.coordinate_count();
-        let (torque, position) = (&self.file.noise.torque, &self.file.noise.position);
-        for (key, list) in [("[noise] torque", torque), ("[noise] position", position)] {
+        let (torque, position) = (self.file.noise.torque.as_ref(), &self.file.noise.position);
+        let lists = torque.map(|list| ("[noise] torque", list));
+        for (key, list) in lists.into_iter().chain([("[noise] position", position)]) {
             self.require(list.fits(joints), key, &format!("one value, or {joints}"), list.given().len())?;
         }
         let expected = "above zero: a record without noise would promise estimates without error; take the standard deviation \
                         of a torque at rest";
-        for &noise in torque.given() {
+        for &noise in torque.map_or(&[][..], OneOrEach::given) {
             self.require(noise > 0.0 && noise.is_finite(), "[noise] torque", expected, noise)?;
         }
         for &noise in position.given() {

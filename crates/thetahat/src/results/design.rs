@@ -1,6 +1,6 @@
 use serde::Serialize;
 
-use super::{Grade, JointResult, Limited, ParameterResult};
+use super::{Grade, JointResult, Limited, ParameterResult, Skeleton};
 use crate::{series::Series, trajectory::Moves};
 
 /// A designed motion, and what its record will tell.
@@ -24,6 +24,10 @@ pub struct DesignResults {
     pub torque: Series,
     /// The moves, where the motion is made of such: the last ends where the first starts.
     pub moves: Option<Moves>,
+    /// The robot where its shapes are nearest to one another, or else where it starts, and the way of its last joint.
+    pub skeleton: Option<Skeleton>,
+    /// What frequencies the motion has.
+    pub spectrum: MotionSpectrum,
     /// Distances of shapes, where the design has some.
     pub collision: Option<CollisionResults>,
     /// The criterion if the last recording at hand were repeated for the same time, nats.
@@ -48,6 +52,28 @@ pub struct DesignResults {
     pub experiment: ExperimentText,
 }
 
+/// The frequencies of a motion beside those that its record can have.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MotionSpectrum {
+    /// Frequencies at equal steps, Hz.
+    pub frequency_hz: Vec<f64>,
+    /// Root of the density of each joint's acceleration, over the largest of it.
+    pub of_joints: Vec<Vec<f64>>,
+    /// The frequency below which 99 % of the variance of each joint's acceleration lies, Hz.
+    pub end_hz: Vec<f64>,
+    /// What ends at a frequency: filters and loops.
+    pub bounds: Vec<SpectrumBound>,
+}
+
+/// A filter or a loop, and the frequency where it ends.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpectrumBound {
+    /// What it is.
+    pub name: &'static str,
+    /// Where it ends, Hz.
+    pub frequency_hz: f64,
+}
+
 /// One search.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SearchResult {
@@ -64,6 +90,8 @@ pub struct SearchResult {
 pub struct CollisionResults {
     /// The least distance that is allowed, m.
     pub margin: f64,
+    /// The least distance of any pair at instants of the motion: time in s, distance in m.
+    pub least: Vec<[f64; 2]>,
     /// Every pair that must stay apart, the nearest first.
     pub pairs: Vec<PairDistance>,
     /// Links whose shape is not known: a mesh, and no capsule is given.
@@ -123,6 +151,8 @@ pub struct PromisedParameter {
     pub half_width_95: f64,
     /// How long to record for the half width that is wanted, s: the motion is repeated. None where the a-priori value is zero.
     pub seconds: Option<f64>,
+    /// Where it stays unknown: how many times as narrow its interval is by a motion that is made for such parameters alone.
+    pub by_own_motion: Option<f64>,
     /// Its estimate in the results that are compared with.
     pub compared: Option<ParameterResult>,
 }
