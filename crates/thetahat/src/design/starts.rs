@@ -18,7 +18,7 @@ const USED: f64 = 0.9;
 const SIDES: [f64; 4] = [0.0, 1.0, 3.0, 9.0];
 
 /// Descents from what was found moved by random numbers, in units that take a joint to its limit, and their size.
-const KICKS: usize = 6;
+const KICKS: usize = 10;
 const KICK: f64 = 0.5;
 /// Least part of a random motion that is kept for shapes to stay apart.
 const LEAST_PART: f64 = 0.02;
@@ -63,9 +63,8 @@ impl Searches {
         let [wide, tight] = self.sign_scales.map(|scale| Sign::Smooth { scale });
         let (random, first_value) = best_of_random(problem, &mut rng, tight)?;
         let mut best = Local::from(problem, random, wide)?;
-        let env = |k: &str, d: f64| std::env::var(k).ok().and_then(|v| v.parse().ok()).unwrap_or(d);
-        for hop in 0..env("KICKS", KICKS as f64) as usize {
-            let kicked = kicked(problem, &best.found.x, &mut rng, hop);
+        for _ in 0..KICKS {
+            let kicked = kicked(problem, &best.found.x, &mut rng);
             if let Some(other) = Local::from(problem, kicked, wide) {
                 best = best.or_better(other);
             }
@@ -84,11 +83,7 @@ struct Local {
 
 impl Local {
     fn from(problem: &Problem, start: Vec<f64>, sign: Sign) -> Option<Self> {
-        let found = problem.optimise(
-            start,
-            sign,
-            std::env::var("COARSE").ok().and_then(|v| v.parse().ok()).unwrap_or(COARSE),
-        )?;
+        let found = problem.optimise(start, sign, COARSE)?;
         Some(Self { merit: problem.merit(&found.x, sign)?, found })
     }
 
@@ -101,24 +96,8 @@ impl Local {
 }
 
 /// A motion moved by random numbers, by less where shapes would come too near, and made smaller where it exceeds its limits.
-fn kicked(problem: &Problem, x: &[f64], rng: &mut ChaCha8Rng, hop: usize) -> Vec<f64> {
-    let env = |k: &str, d: f64| std::env::var(k).ok().and_then(|v| v.parse().ok()).unwrap_or(d);
-    let mode = env("MODE", 0.0) as usize;
-    let mut kick: Vec<f64> =
-        x.iter().map(|_| env("KICK", KICK) * Distribution::<f64>::sample(&StandardNormal, rng)).collect();
-    if let Motions::Sums { family, .. } = &problem.watched {
-        let joints = family.joints();
-        let chosen = match mode {
-            1 => vec![rng.random_range(0..joints)],
-            2 => vec![rng.random_range(0..joints), rng.random_range(0..joints)],
-            3 if hop % 2 == 0 => vec![rng.random_range(0..joints)],
-            4 => (0..joints).filter(|_| rng.random_bool(0.5)).collect(),
-            _ => (0..joints).collect(),
-        };
-        for joint in (0..joints).filter(|j| !chosen.contains(j)) {
-            kick[own(family, joint)].fill(0.0);
-        }
-    }
+fn kicked(problem: &Problem, x: &[f64], rng: &mut ChaCha8Rng) -> Vec<f64> {
+    let kick: Vec<f64> = x.iter().map(|_| KICK * Distribution::<f64>::sample(&StandardNormal, rng)).collect();
     apart(problem, &|part| {
         let moved = x.iter().zip(&kick).map(|(x, kick)| x + part * kick);
         match &problem.watched {
