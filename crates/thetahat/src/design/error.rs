@@ -55,7 +55,7 @@ pub enum DesignError {
         /// Its upper limit.
         upper: f64,
         /// Their unit, that of the file.
-        unit: String,
+        unit: &'static str,
         /// What to do.
         remedy: &'static str,
     },
@@ -107,7 +107,7 @@ pub enum DesignError {
         /// What the best motion needs.
         needed: f64,
         /// Their unit, that of the file.
-        unit: String,
+        unit: &'static str,
         /// When, s.
         at_s: f64,
         /// What to do.

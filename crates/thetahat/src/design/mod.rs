@@ -23,7 +23,7 @@
 //! | `surroundings_options`, `surroundings`, `clearances` | shapes that must stay apart |
 //! | `quadratic`, `optimiser`, `starts` | the search |
 //! | `verification`, `verified` | the limits at 1 kHz |
-//! | `at_hand`, `noise` | what earlier recordings tell: of the parameters, and of the noise |
+//! | `noise`, `at_hand` | the noise of a record; what earlier recordings tell of it and of the parameters |
 //! | `promise`, `remedies` | what a record will tell; what would show what it leaves unknown |
 //! | `pictures` | what the report draws of the motion |
 //! | `run` | all of it |

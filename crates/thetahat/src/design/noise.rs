@@ -1,12 +1,8 @@
-//! The noise of a record: white as the design says, or as an earlier identification left it in its residual.
+//! The noise of a record: white, or as an earlier identification left it in its residual.
 
 use std::f64::consts::{PI, TAU};
 
-use super::{description::Design, error::DesignError};
-use crate::{
-    results::{JointResidual, Results},
-    signal::Spectrum,
-};
+use crate::{results::JointResidual, signal::Spectrum};
 
 /// Noise of the torques, joint by joint.
 #[derive(Debug, Clone, Default)]
@@ -25,41 +21,9 @@ const STEPS: usize = 200;
 const LONGEST: f64 = 100.0;
 const HALVINGS: usize = 50;
 
-impl Design {
-    /// The noise of the torques.
-    pub(super) fn torque_noise(&self) -> Result<TorqueNoise, DesignError> {
-        let joints = self.robot.coordinate_count();
-        match (&self.file.noise.torque, self.noise_file()) {
-            (Some(torque), None) => Ok(TorqueNoise { deviations: torque.to_list(joints), spectrum: None }),
-            (None, Some(file)) => {
-                let results = Results::read(&file)?;
-                let rows = self.residual_of(&results);
-                let rows = rows.ok_or_else(|| DesignError::NoNoise { path: self.path.clone(), file: file.clone() })?;
-                let cutoff_hz = results.bandwidth.decimation_cutoff_hz;
-                Ok(of_rows(rows, cutoff_hz, self.file.sample_rate_hz))
-            }
-            (Some(_), Some(_)) | (None, None) => {
-                let expected = "one of torque, the standard deviations, and results, an earlier results.json";
-                Err(self.value("[noise]", expected, "both or none of them"))
-            }
-        }
-    }
-
-    /// The residual of each joint, where the results are of this robot's joints.
-    fn residual_of<'a>(&self, results: &'a Results) -> Option<&'a [JointResidual]> {
-        let names = self.robot.coordinates().map(|joint| &joint.name);
-        let is_same = names.eq(results.robot_joints.iter().map(|joint| &joint.name));
-        let taken = results.cases().into_iter().find_map(|case| results.taken_in(case)?.residual.as_ref());
-        let residual = taken.or_else(|| results.runs.iter().find_map(|run| run.residual.as_ref()))?;
-        let is_whole = residual.joints.len() == self.robot.coordinate_count();
-        let is_noise = residual.joints.iter().all(|joint| joint.rms > 0.0 && joint.rms.is_finite());
-        (is_same && is_whole && is_noise).then_some(&residual.joints)
-    }
-}
-
 /// Noise whose rows, behind a parallel filter, have the root mean squares and neighbours' correlations of residuals: white, or
 /// that of a first-order low-pass where neighbours are more alike than those of white noise.
-fn of_rows(rows: &[JointResidual], cutoff_hz: f64, sample_rate_hz: f64) -> TorqueNoise {
+pub(super) fn of_rows(rows: &[JointResidual], cutoff_hz: f64, sample_rate_hz: f64) -> TorqueNoise {
     let times: Vec<f64> = rows.iter().map(|row| correlation_time_s(row.autocorrelation, cutoff_hz)).collect();
     let per_row = (0.5 * sample_rate_hz / cutoff_hz).max(1.0).sqrt();
     let step_hz = cutoff_hz / STEPS as f64;

@@ -15,7 +15,7 @@ const DRAWS: usize = 12;
 /// Part of the limits that a random motion uses.
 const USED: f64 = 0.9;
 /// How far motions are led to the other side of a given start, in halves of the range, where that leaves them larger.
-const SIDES: [f64; 4] = [0.0, 1.0, 3.0, 9.0];
+const SIDES: [f64; 5] = [0.0, 1.0, 3.0, 9.0, 27.0];
 
 /// Descents from what was found moved by random numbers, in units that take a joint to its limit, and their size.
 const KICKS: usize = 10;

@@ -58,15 +58,18 @@ impl Limited {
 
     /// The unit of such a value.
     #[must_use]
-    pub fn file_unit(self, kind: JointKind) -> String {
-        let position = kind.file_unit();
+    pub fn file_unit(self, kind: JointKind) -> &'static str {
+        let of = |turning: &'static str, sliding: &'static str| match kind {
+            JointKind::Revolute => turning,
+            JointKind::Prismatic => sliding,
+        };
         match self {
-            Self::Position => position.to_owned(),
-            Self::Velocity => format!("{position}/s"),
-            Self::Acceleration => format!("{position}/s^2"),
-            Self::Jerk => format!("{position}/s^3"),
-            Self::Torque => kind.torque_unit().to_owned(),
-            Self::Power => "W".to_owned(),
+            Self::Position => kind.file_unit(),
+            Self::Velocity => of("degrees/s", "mm/s"),
+            Self::Acceleration => of("degrees/s^2", "mm/s^2"),
+            Self::Jerk => of("degrees/s^3", "mm/s^3"),
+            Self::Torque => kind.torque_unit(),
+            Self::Power => "W",
         }
     }
 }
