@@ -173,7 +173,7 @@ mod tests {
         [Robot::parse(text, Path::new("r.toml")).unwrap()].into_iter().chain(files.map(read)).collect()
     }
 
-    /// Every kind of term that needs no recorded channel.
+    /// Every kind of term that needs no recorded channel. A Stribeck exponent of one has a kink at rest, which differences do not see.
     const TERMS: &str = "
 [[term]]
 kind = 'joint-spring'
@@ -182,7 +182,7 @@ rest_deg = 30
 [[term]]
 kind = 'exponential-stribeck'
 velocity = 0.2
-exponent = 1
+exponent = 2
 [[term]]
 kind = 'spring'
 name = 'balancer'
