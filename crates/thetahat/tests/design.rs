@@ -39,10 +39,9 @@ fn key(from: &str, to: &str) -> String {
 }
 
 fn key_of(error: DesignError) -> String {
-    match error {
-        DesignError::Preparation { source: PreparationError::Value { key, .. }, .. } => key,
-        other => panic!("{other}"),
-    }
+    let text = error.to_string();
+    let DesignError::Preparation { source: PreparationError::Value { key, .. }, .. } = error else { panic!("{text}") };
+    key
 }
 
 /// The samples of a design are within the limits that it names, and as large as it says.

@@ -13,10 +13,22 @@ use crate::{
     results::{DesignResults, JointResult, PromisedParameter, SearchResult},
 };
 
-/// Part of a sum's terms below which the sum is rounding.
+/// Part of a sum's terms below which the sum is rounding, and part of the promised half width below which a value is that of a
+/// description's frames.
 const ROUNDING: f64 = 1e-12;
+const ROUNDING_OF_FRAMES: f64 = 1e-9;
 
 impl Design {
+    /// The a-priori values of the expected parameters; zero where what is known of one is rounding.
+    pub(super) fn a_priori_of(&self, base: &BaseParameters, expected: &Expected) -> Vec<f64> {
+        let all = without_rounding(base, &self.robot.a_priori_parameters());
+        let place = |parameter: &BaseParameter| base.parameters().iter().position(|p| p.name == parameter.name);
+        let value = |(parameter, half): (&BaseParameter, &f64)| {
+            place(parameter).map(|i| all[i]).filter(|value| value.abs() > ROUNDING_OF_FRAMES * half).unwrap_or(0.0)
+        };
+        expected.parameters.iter().zip(&expected.half_width_95).map(value).collect()
+    }
+
     pub(super) fn results(
         &self,
         model: &Model,
@@ -26,11 +38,10 @@ impl Design {
     ) -> Result<DesignResults, DesignError> {
         let Chosen { motion, torque, uses, starts, moves, collision, repeated } = chosen;
         let compared = self.compared()?;
-        let a_priori = without_rounding(base, &self.robot.a_priori_parameters());
+        let a_priori = self.a_priori_of(base, expected);
         let wanted = self.file.wanted.half_width_percent;
         let promised = expected.parameters.iter().enumerate().map(|(i, parameter)| {
-            let place = base.parameters().iter().position(|p| p.name == parameter.name);
-            let a_priori = place.map_or(0.0, |place| a_priori[place]);
+            let a_priori = a_priori[i];
             let half = expected.half_width_95[i];
             let times = (100.0 * half / (wanted * a_priori.abs())).powi(2);
             PromisedParameter {
@@ -83,7 +94,7 @@ impl Design {
 }
 
 /// The base parameters of standard ones; zero where what is left of the sum is rounding.
-pub(super) fn without_rounding(base: &BaseParameters, standard: &[f64]) -> Vec<f64> {
+fn without_rounding(base: &BaseParameters, standard: &[f64]) -> Vec<f64> {
     let value = |(parameter, value): (&BaseParameter, f64)| {
         let terms = parameter.regrouped.iter().map(|&(i, factor)| (factor * standard[i]).abs());
         let size = standard[parameter.kept].abs() + terms.sum::<f64>();

@@ -5,7 +5,6 @@ use super::{
     description::Design,
     limits::JointLimits,
     optimiser::Problem,
-    outcome::without_rounding,
     promise::Expected,
     starts::{Searches, sign_scales},
     sums::Derivatives,
@@ -25,10 +24,11 @@ impl Design {
         (motion, expected): (&Derivatives, &Expected),
         threads: usize,
     ) -> Vec<Option<f64>> {
-        let a_priori = without_rounding(base, &self.robot.a_priori_parameters());
+        let a_priori = self.a_priori_of(base, expected);
         let place = |name: &str| base.parameters().iter().position(|p| p.name == name);
-        let places = expected.parameters.iter().zip(&expected.half_width_95).map(|(parameter, half)| {
-            place(&parameter.name).filter(|&i| a_priori[i] != 0.0 && *half >= a_priori[i].abs())
+        let places = expected.parameters.iter().enumerate().map(|(i, parameter)| {
+            let is_unknown = a_priori[i] != 0.0 && expected.half_width_95[i] >= a_priori[i].abs();
+            place(&parameter.name).filter(|_| is_unknown)
         });
         let places: Vec<Option<usize>> = places.collect();
         let unknown: Vec<usize> = places.iter().copied().flatten().collect();
