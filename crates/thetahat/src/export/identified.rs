@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use super::{
+    choice::Kept,
     error::ExportError,
-    posterior::{Kept, Posterior},
+    posterior::Posterior,
     provenance::{MovedParameter, Provenance, moved},
     render::{Export, Target, export_robot},
     xml::number,

@@ -22,6 +22,7 @@
 
 mod body;
 mod check;
+mod choice;
 mod coupling;
 mod editor;
 mod error;
@@ -41,6 +42,7 @@ mod sdf;
 mod sdf_read;
 mod sidecar;
 mod split;
+mod spread;
 mod uncertainty;
 mod urdf_edit;
 mod urdf_new;

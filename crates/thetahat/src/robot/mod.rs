@@ -45,6 +45,7 @@ pub use quantity::{
 pub use sound::NotARobot;
 pub(crate) use source::read_text;
 pub use source::{RobotFile, RobotSource};
+pub(crate) use terms::{Formula, MathFunction};
 pub use terms::{
     ChannelFactor, Cylinder, Direction, Expression, LinkPoint, PointDescription, Shape, Stribeck, StribeckLaw,
     TermColumn, TermDescription, TermError, TwoPoints, Variable, channels_of,
