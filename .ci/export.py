@@ -132,7 +132,7 @@ def derivatives_of_pinocchio(path: Path, expected: Expected) -> float:
         mass = np.triu(data.M) + np.triu(data.M, 1).T
         blocks = [rates.T @ block @ rates for block in (data.dtau_dq, data.dtau_dv, mass)]
         n = rates.shape[1]
-        found = module.robot_inverse_dynamics_derivatives(expected.q[state], expected.dq[state], expected.ddq[state])
+        found = module.robot_torque_derivatives(expected.q[state], expected.dq[state], expected.ddq[state])
         for place, block in enumerate(blocks):
             difference = np.max(np.abs(found[:, place * n : (place + 1) * n] - block)) / np.max(np.abs(block))
             worst = max(worst, difference if np.isfinite(difference) else np.inf)

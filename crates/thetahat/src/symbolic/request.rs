@@ -103,7 +103,7 @@ impl ModelKind {
     pub fn identifier(self) -> &'static str {
         match self {
             Self::InverseDynamics => "inverse_dynamics",
-            Self::InverseDynamicsDerivatives => "inverse_dynamics_derivatives",
+            Self::InverseDynamicsDerivatives => "torque_derivatives",
             Self::MassMatrix => "mass_matrix",
             Self::ForwardDynamics => "forward_dynamics",
             Self::Regressor => "regressor",

@@ -57,12 +57,12 @@ exponent = 1.2
 kind = "expression"
 name = "own"
 joint = "elbow"
-expression = "exp(-abs(dq)) - ln(3 + q) * cbrt(q - 3) + tan(q/3) * asin(q/4) - acos(dq/4) * atan(q) + sinh(q) * cosh(dq) - tanh(dq)"
+expression = "exp(-abs(dq)) - ln(3 + q^2) * cbrt(sin(q) - 3) + tan(sin(q)) * asin(sin(q)/2) - acos(sin(dq)/2) * atan(q) + sinh(sin(q)) * cosh(sin(dq)) - tanh(dq)"
 [[term]]
 kind = "expression"
 name = "other"
 joint = "shoulder"
-expression = "asinh(q) + acosh(3 + dq) * atanh(q/5) - floor(3*q) + (3 + q)^(dq/2) + atan2(q, dq) * (q min dq) - (q max 0.2) * sqrt(3 + q)"
+expression = "asinh(q) + acosh(3 + dq^2) * atanh(sin(q)/2) - floor(3*q) + (3 + q^2)^sin(dq) + atan2(q, dq) * (q min dq) - (q max 0.2) * sqrt(3 + q^2)"
 "#;
 /// Robots whose derivatives are generated: those of large ones take compilers long.
 const WITH_DERIVATIVES: [&str; 4] = ["two_joint.toml", WITH_TERMS, "scara.toml", "tx40.toml"];
