@@ -112,7 +112,9 @@ fn a_robot_goes_into_a_users_own_model() {
         assert!(said.contains(words), "{words}: {said}");
     }
     let text = folder.text("arm.xml");
-    assert!(text.contains("<!-- my own -->") && text.contains("thetahat export") && text.contains("<light pos='0 0 3'/>"));
+    assert!(
+        text.contains("<!-- my own -->") && text.contains("thetahat export") && text.contains("<light pos='0 0 3'/>")
+    );
     assert!(refused(&into("mine.xml", &["--out", "mine.xml", "--force"])).contains("reads this file"));
     assert_eq!(folder.text("mine.xml"), mine);
     let sample = ["sample", "results.json", "--to", "mjcf", "--into", "mine.xml", "--count", "2", "--out", "samples"];
@@ -122,7 +124,11 @@ fn a_robot_goes_into_a_users_own_model() {
     assert!(refused(&run_with(&urdf)).contains("--to mjcf"));
     assert!(refused(&into("absent.xml", &[])).contains("absent.xml"));
     for (from, to, words) in [
-        ("name='elbow'", "name='knee'", "no body has the joint `elbow` of the identified robot; it has the joints shoulder, knee"),
+        (
+            "name='elbow'",
+            "name='knee'",
+            "no body has the joint `elbow` of the identified robot; it has the joints shoulder, knee",
+        ),
         ("<default><joint", "<default><joint name='elbow2'", "written: "),
         ("<light", "<include file='lights.xml'/><light", "takes in another file"),
         ("boundmass='1e-12'", "boundmass='30'", "boundmass = 30 would change `my_link_"),

@@ -52,7 +52,8 @@ impl User {
         let joint = body.children().find(|node| node.tag_name().name() == "joint").expect("a joint");
         let slides = joint.attribute("type") == Some("slide");
         let axis: Vector = numbers(joint, "axis");
-        let own = (turn(unit([amount(1.0), amount(2.0), 0.4]), amount(3.0)), [0.1 * amount(4.0), 0.02, 0.1 * amount(5.0)]);
+        let own =
+            (turn(unit([amount(1.0), amount(2.0), 0.4]), amount(3.0)), [0.1 * amount(4.0), 0.02, 0.1 * amount(5.0)]);
         // In the reference configuration the joint is elsewhere.
         let reference = 20.0 * amount(6.0);
         let moved = if slides {

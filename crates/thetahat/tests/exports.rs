@@ -143,8 +143,16 @@ fn a_users_own_mjcf_gets_the_identified_robot() {
         let export = export_robot(&robot, None, &parameters, Target::Into(&model), &["a test".to_owned()]).unwrap();
         let worst = export.check().unwrap_or_else(|e| panic!("{file}: {e}"));
         println!("{file}: {worst:.1e}");
-        assert!(!export.notes.iter().any(|note| note.contains("axes") || note.contains("gravity")), "{:?}", export.notes);
-        assert!(export.notes.iter().any(|note| note.contains("cover_1 keep their inertia; `my_link_1`")), "{:?}", export.notes);
+        assert!(
+            !export.notes.iter().any(|note| note.contains("axes") || note.contains("gravity")),
+            "{:?}",
+            export.notes
+        );
+        assert!(
+            export.notes.iter().any(|note| note.contains("cover_1 keep their inertia; `my_link_1`")),
+            "{:?}",
+            export.notes
+        );
         require_same_but_values(model.text(), &export.text);
         // Once more into what it has written: the same bytes.
         let again = MjcfModel::from_text(export.text.clone(), Path::new("mine.xml"));

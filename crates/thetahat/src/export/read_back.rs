@@ -40,7 +40,8 @@ pub(super) fn robot_of(said: &Said, links: &[ReadLink], tendons: &[Tendon], kine
 
 fn value(parameter: &Parameter, links: &[ReadLink], tendons: &[Tendon], kinematics: Kinematics) -> f64 {
     let place = parameter.number - 1;
-    let own = |t: &Tendon| t.joints.iter().find(|(joint, _)| *joint == place).map_or(0.0, |(_, weight)| weight * weight);
+    let own =
+        |t: &Tendon| t.joints.iter().find(|(joint, _)| *joint == place).map_or(0.0, |(_, weight)| weight * weight);
     let on_joint = |of: fn(&Tendon) -> f64| tendons.iter().map(|t| own(t) * of(t)).sum::<f64>();
     let of_motor = |of: fn(&Tendon) -> f64| tendons.iter().find(|t| t.motor == place).map_or(0.0, of);
     match parameter.quantity {

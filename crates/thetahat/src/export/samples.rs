@@ -71,11 +71,7 @@ impl IdentifiedModel {
     ///
     /// # Errors
     /// As [`export_robot`].
-    pub fn export_sample<'t>(
-        &self,
-        sample: &Sample,
-        target: impl Into<Target<'t>>,
-    ) -> Result<Export, ExportError> {
+    pub fn export_sample<'t>(&self, sample: &Sample, target: impl Into<Target<'t>>) -> Result<Export, ExportError> {
         let drawn = [
             format!("sample {} of the estimates, seed {}", sample.number, sample.seed),
             "base parameters drawn from the normal distribution about the estimates with their covariance; standard parameters: \

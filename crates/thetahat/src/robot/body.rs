@@ -1,8 +1,6 @@
 //! Frames in frames, and bodies seen in them.
 
-use crate::vector::{
-    IDENTITY, Mat3, Vec3, add, dot, product, scale, times, transpose, transpose_times, turned,
-};
+use crate::vector::{IDENTITY, Mat3, Vec3, add, dot, product, scale, times, transpose, transpose_times, turned};
 
 /// A frame in another: `x = rotation x' + origin`.
 #[derive(Debug, Clone, Copy)]
@@ -27,10 +25,7 @@ impl Frame {
 
     /// A frame that is given in this one, in the frame in which this one is given.
     pub(crate) fn then(&self, next: &Self) -> Self {
-        Self {
-            rotation: product(&self.rotation, &next.rotation),
-            origin: self.of_point(next.origin),
-        }
+        Self { rotation: product(&self.rotation, &next.rotation), origin: self.of_point(next.origin) }
     }
 }
 

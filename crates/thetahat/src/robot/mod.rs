@@ -45,13 +45,13 @@ pub use quantity::{
 pub use sound::NotARobot;
 pub(crate) use source::read_text;
 pub use source::{RobotFile, RobotSource};
-pub(crate) use terms::{Formula, MathFunction};
 pub use terms::{
     ChannelFactor, Cylinder, Direction, Expression, LinkPoint, PointDescription, Shape, Stribeck, StribeckLaw,
     TermColumn, TermDescription, TermError, TwoPoints, Variable, channels_of,
 };
+pub(crate) use terms::{Formula, MathFunction};
 pub use transmission::Transmission;
-pub(crate) use urdf::{parse_xml, roll_pitch_yaw};
 pub use urdf::{Place, Solid, UrdfError};
+pub(crate) use urdf::{parse_xml, roll_pitch_yaw};
 
 use joint::{LARGEST, MOST_JOINTS};

@@ -56,7 +56,8 @@ impl Forward<'_> {
             Node::Sum(a, b) => self.graph.add(self.found[a.index()], self.found[b.index()]),
             Node::Difference(a, b) => self.graph.add(self.found[a.index()], self.found[b.index()].times_sign(true)),
             Node::Product(a, b) => {
-                let (first, second) = (self.chained(b.positive(), a.positive()), self.chained(a.positive(), b.positive()));
+                let (first, second) =
+                    (self.chained(b.positive(), a.positive()), self.chained(a.positive(), b.positive()));
                 self.graph.add(first, second)
             }
             Node::Quotient(a, b) => {

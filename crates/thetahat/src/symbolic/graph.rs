@@ -358,7 +358,9 @@ impl Graph {
         match numbers {
             [Some(Some(x)), None] => self.constant(function.value(x, 0.0)),
             [Some(Some(x)), Some(Some(y))] => self.constant(function.value(x, y)),
-            [_, Some(Some(y))] if function == MathFunction::Power && y.fract() == 0.0 && (1.0..=MOST_FACTORS).contains(&y) => {
+            [_, Some(Some(y))]
+                if function == MathFunction::Power && y.fract() == 0.0 && (1.0..=MOST_FACTORS).contains(&y) =>
+            {
                 (1..y as usize).fold(a, |product, _| self.multiply(product, a))
             }
             [Some(None), _] | [Some(Some(_)), Some(None)] | [None, _] => self.intern(Node::Function(function, a, b)),

@@ -36,9 +36,9 @@ mod program;
 mod regressor;
 mod request;
 mod snapping;
-mod terms;
 #[cfg(test)]
 mod term_tests;
+mod terms;
 #[cfg(test)]
 mod tests;
 

@@ -91,7 +91,9 @@ impl Function {
             model: request.model,
             drives: request.drives,
             about: request.about.clone(),
-            has_terms: !robot.terms.is_empty() && request.model.has_drive_torques() && request.drives == DriveTorques::All,
+            has_terms: !robot.terms.is_empty()
+                && request.model.has_drive_torques()
+                && request.drives == DriveTorques::All,
             kept_drives: made.kept_drives(),
             parameters: made.parameters(),
             shape: made.shape(),

@@ -85,12 +85,8 @@ impl fmt::Display for OperationCount {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { multiplications, additions, divisions, sines, signs, functions } = self;
         write!(f, "{multiplications} multiplications, {additions} additions")?;
-        let others = [
-            (divisions, "divisions"),
-            (sines, "sines and cosines"),
-            (signs, "signs"),
-            (functions, "other functions"),
-        ];
+        let others =
+            [(divisions, "divisions"), (sines, "sines and cosines"), (signs, "signs"), (functions, "other functions")];
         for (number, what) in others {
             if *number > 0 {
                 write!(f, ", {number} {what}")?;

@@ -31,7 +31,9 @@ const EXPRESSIONS: [&str; 8] = [
 fn robot(expressions: &[&str]) -> Robot {
     let mut text = term_tests::ROBOT.to_owned();
     for (k, expression) in expressions.iter().enumerate() {
-        text += &format!("[[term]]\nkind = \"expression\"\nname = \"mine{k}\"\njoint = \"c\"\nexpression = \"{expression}\"\n");
+        text += &format!(
+            "[[term]]\nkind = \"expression\"\nname = \"mine{k}\"\njoint = \"c\"\nexpression = \"{expression}\"\n"
+        );
     }
     Robot::parse(&text, Path::new("all.toml")).unwrap()
 }
@@ -100,9 +102,11 @@ fn terms_that_no_code_has_are_refused_with_a_reason() {
     // What the term does not change is generated.
     let mass = Request::new(ModelKind::MassMatrix, ParameterSet::Standard);
     assert!(Function::new(&robot(&["q*temperature"]), &mass).is_ok());
-    let without = Request { drives: DriveTorques::Inertia, ..Request::new(ModelKind::InverseDynamics, ParameterSet::Base) };
+    let without =
+        Request { drives: DriveTorques::Inertia, ..Request::new(ModelKind::InverseDynamics, ParameterSet::Base) };
     assert!(Function::new(&robot(&["q*temperature"]), &without).is_ok());
-    let factor = term_tests::ROBOT.to_owned() + "[[term]]\nkind = \"channel-coulomb\"\nchannel = \"oil\"\nreference = 20\n";
+    let factor =
+        term_tests::ROBOT.to_owned() + "[[term]]\nkind = \"channel-coulomb\"\nchannel = \"oil\"\nreference = 20\n";
     let robot = Robot::parse(&factor, Path::new("all.toml")).unwrap();
     let refused = Function::new(&robot, &Request::new(ModelKind::Regressor, ParameterSet::Standard)).unwrap_err();
     assert!(refused.to_string().contains("recorded channel `oil`"), "{refused}");
@@ -126,7 +130,10 @@ fn check_derivatives(case: &Case, set: ParameterSet, what: &str) {
             for row in 0..n {
                 let expected = (above[row] - below[row]) / (2.0 * STEP);
                 let entry = found[row * 3 * n + array * n + c];
-                assert!((entry - expected).abs() < 2e-8 * size, "{what} {row} {array} {c}: {entry} {expected} of {size}");
+                assert!(
+                    (entry - expected).abs() < 2e-8 * size,
+                    "{what} {row} {array} {c}: {entry} {expected} of {size}"
+                );
             }
         }
     }

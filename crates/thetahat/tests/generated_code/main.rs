@@ -137,9 +137,8 @@ fn robot(file: &str) -> Robot {
 /// A function of each model.
 fn samples(file: &str) -> Vec<Sample> {
     let (robot, mut rng) = (robot(file), ChaCha8Rng::seed_from_u64(1640));
-    let is_wanted = |model: &ModelKind| {
-        *model != ModelKind::InverseDynamicsDerivatives || WITH_DERIVATIVES.contains(&file)
-    };
+    let is_wanted =
+        |model: &ModelKind| *model != ModelKind::InverseDynamicsDerivatives || WITH_DERIVATIVES.contains(&file);
     let models = ModelKind::ALL.iter().map(|(_, model)| *model).filter(is_wanted);
     models.map(|model| Sample::new(&robot, model, &mut rng)).collect()
 }
@@ -186,7 +185,12 @@ fn main() {
     let all = [
         trials("c", &ROBOTS, is_there("cc", &["--version"]), c::run),
         vec![Trial::test("own_sines_of_c", c::own_sines).with_ignored_flag(!is_there("cc", &["--version"]))],
-        trials("rust", &["two_joint.toml", WITH_TERMS, "scara.toml", "tx40.toml"], is_there("rustc", &["--version"]), rust::run),
+        trials(
+            "rust",
+            &["two_joint.toml", WITH_TERMS, "scara.toml", "tx40.toml"],
+            is_there("rustc", &["--version"]),
+            rust::run,
+        ),
         trials("python", &ROBOTS, python.is_some(), python::run),
         vec![
             Trial::test("matlab", text::matlab),

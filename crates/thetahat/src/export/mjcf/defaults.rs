@@ -26,7 +26,9 @@ impl<'a> Defaults<'a> {
 
     /// The attribute of an element: its own, or that of its class or of a class around that.
     pub(super) fn of(&self, element: Element<'a>, class: &'a str, key: &str) -> Option<&'a str> {
-        element.attribute(key).or_else(|| self.of_class(element.tag(), element.attribute("class").unwrap_or(class), key))
+        element
+            .attribute(key)
+            .or_else(|| self.of_class(element.tag(), element.attribute("class").unwrap_or(class), key))
     }
 
     fn of_class(&self, tag: &str, class: &'a str, key: &str) -> Option<&'a str> {
@@ -42,9 +44,9 @@ impl<'a> Defaults<'a> {
                 return None;
             }
             let outer = defaults.iter().find_map(|default| default.node.parent_element());
-            class = outer.filter(|node| node.tag_name().name() == "default").map_or(MAIN, |node| {
-                node.attribute("class").unwrap_or(MAIN)
-            });
+            class = outer
+                .filter(|node| node.tag_name().name() == "default")
+                .map_or(MAIN, |node| node.attribute("class").unwrap_or(MAIN));
         }
         None
     }

@@ -25,7 +25,7 @@ pub enum MjcfError {
         place: Place,
     },
     /// A compiler setting changes what is written.
-    #[error("{place}: {key} = `{found}` {what}; {remedy}")]
+    #[error("{place}: {key} = `{found}` {consequence}")]
     Setting {
         /// The element.
         place: Place,
@@ -33,10 +33,8 @@ pub enum MjcfError {
         key: &'static str,
         /// Its value.
         found: String,
-        /// What it does.
-        what: &'static str,
-        /// What to do.
-        remedy: &'static str,
+        /// What it does, and what to do.
+        consequence: &'static str,
     },
     /// A value is not what it must be.
     #[error("{place}: {key} is `{found}`, expected {expected}")]

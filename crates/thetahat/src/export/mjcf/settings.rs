@@ -3,7 +3,8 @@
 use super::{element::Element, error::MjcfError};
 use crate::{
     robot::{Frame, RigidBody},
-    vector::{Mat3, Vec3, axis_angle, cross, norm, product, quaternion_rotation, scale, transpose, with_z},
+    vector::{IDENTITY, Mat3, Vec3, axis_angle, cross, norm, product, quaternion_rotation, scale, transpose, with_z},
+    visible::visible,
 };
 
 /// Settings that later `<compiler>` elements of a file replace.
@@ -22,13 +23,8 @@ pub(super) struct Settings<'a> {
 impl<'a> Settings<'a> {
     /// Those of a file, unless they change inertias that the file states.
     pub(super) fn read(root: Element<'a>) -> Result<Self, MjcfError> {
-        let mut settings = Self {
-            degrees: true,
-            order: "xyz".to_owned(),
-            geoms_weigh: true,
-            groups: [0.0, 5.0],
-            bounds: Vec::new(),
-        };
+        let mut settings =
+            Self { degrees: true, order: "xyz".to_owned(), geoms_weigh: true, groups: [0.0, 5.0], bounds: Vec::new() };
         root.named("compiler").try_for_each(|compiler| settings.take(compiler))?;
         Ok(settings)
     }
@@ -40,7 +36,7 @@ impl<'a> Settings<'a> {
         }
         if let Some(order) = compiler.attribute("eulerseq") {
             if order.len() != 3 || !order.chars().all(|c| "xyzXYZ".contains(c)) {
-                let found = crate::visible::visible(order).into_owned();
+                let found = visible(order).into_owned();
                 let (place, key) = (compiler.place(), "eulerseq".to_owned());
                 return Err(MjcfError::Value { place, key, expected: "three of x y z X Y Z", found });
             }
@@ -105,14 +101,13 @@ impl<'a> Settings<'a> {
 
     /// Small letters turn about the axes that were turned before, large ones about those of the parent.
     fn euler(&self, angles: Vec3) -> Mat3 {
-        let mut rotation = crate::vector::IDENTITY;
+        let mut rotation = IDENTITY;
         for (letter, angle) in self.order.chars().zip(angles) {
             let place = ['x', 'y', 'z'].iter().position(|axis| *axis == letter.to_ascii_lowercase());
             let mut axis = [0.0; 3];
             axis[place.unwrap_or(0)] = 1.0;
             let turn = axis_angle(axis, self.angle(angle));
-            rotation =
-                if letter.is_ascii_lowercase() { product(&rotation, &turn) } else { product(&turn, &rotation) };
+            rotation = if letter.is_ascii_lowercase() { product(&rotation, &turn) } else { product(&turn, &rotation) };
         }
         rotation
     }
@@ -141,21 +136,24 @@ fn shortest_turn(z: Vec3) -> Mat3 {
 
 /// Refuses settings that change what `<inertial>` says.
 fn refuse(compiler: Element<'_>) -> Result<(), MjcfError> {
-    let setting = |key, found: &str, what, remedy| {
-        let found = crate::visible::visible(found).into_owned();
-        Err(MjcfError::Setting { place: compiler.place(), key, found, what, remedy })
+    let setting = |key: &'static str, consequence| {
+        let found = visible(compiler.attribute(key).unwrap_or_default()).into_owned();
+        Err(MjcfError::Setting { place: compiler.place(), key, found, consequence })
     };
-    if let Some(found) = compiler.attribute("inertiafromgeom").filter(|found| *found == "true") {
-        let remedy = "take the setting out: bodies with an <inertial> then have that one";
-        return setting("inertiafromgeom", found, "replaces every <inertial> by the geoms' inertia", remedy);
+    if compiler.attribute("inertiafromgeom") == Some("true") {
+        return setting(
+            "inertiafromgeom",
+            "replaces every <inertial> by the geoms' inertia; take the setting out: bodies with an <inertial> then have that one",
+        );
     }
     if compiler.number("settotalmass")?.is_some_and(|mass| mass > 0.0) {
-        let found = compiler.attribute("settotalmass").unwrap_or_default();
-        return setting("settotalmass", found, "scales every mass", "take the setting out");
+        return setting("settotalmass", "scales every mass; take the setting out");
     }
-    if let Some(found) = compiler.attribute("coordinate").filter(|found| *found == "global") {
-        let remedy = "write the model anew with a MuJoCo that still reads it (2.3.3), in local coordinates";
-        return setting("coordinate", found, "gives frames in that of the world", remedy);
+    if compiler.attribute("coordinate") == Some("global") {
+        return setting(
+            "coordinate",
+            "gives frames in that of the world; write the model anew with a MuJoCo that still reads it (2.3.3), in local coordinates",
+        );
     }
     Ok(())
 }

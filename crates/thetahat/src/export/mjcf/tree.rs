@@ -76,14 +76,8 @@ struct Reader<'a, 's> {
 
 impl<'a> Tree<'a> {
     pub(super) fn read(root: Element<'a>, settings: &Settings<'a>) -> Result<Self, MjcfError> {
-        let world = BodyElement {
-            element: root,
-            parent: WORLD,
-            frame: Frame::SAME,
-            inertial: None,
-            heavy: None,
-            made: None,
-        };
+        let world =
+            BodyElement { element: root, parent: WORLD, frame: Frame::SAME, inertial: None, heavy: None, made: None };
         let tree = Self { bodies: vec![world], joints: Vec::new(), defaults: Defaults::read(root) };
         let mut reader = Reader { tree, inside: HashMap::new(), settings };
         for section in root.named("worldbody") {
@@ -161,7 +155,8 @@ impl<'a> Reader<'a, '_> {
 
     /// Whether a geom gives its body inertia.
     fn weighs(&self, geom: Element<'a>, class: &'a str) -> bool {
-        let number = |key: &str| self.tree.defaults.of(geom, class, key).and_then(|text| text.trim().parse::<f64>().ok());
+        let number =
+            |key: &str| self.tree.defaults.of(geom, class, key).and_then(|text| text.trim().parse::<f64>().ok());
         let group = number("group").unwrap_or(0.0);
         let [first, last] = self.settings.groups;
         let massless = number("mass").map_or(number("density") == Some(0.0), |mass| mass == 0.0);

@@ -236,8 +236,17 @@ mod tests {
             .map(|o| format!("{}(0.9*q - 0.3*dq)", o.repr()))
             .collect();
         let texts = [
-            "-q^2 + dq*q - 3/q/dq", "2^q^dq", "-2*-q", "q - dq - 1", "q/dq*3", "(q+1)*PI - E*TAU", "q min dq*2", "atan2(q, dq)",
-            "max(q, dq)^2", "dq max 0.1 + q", "1 - s*exp(-abs(dq)/0.1)^2",
+            "-q^2 + dq*q - 3/q/dq",
+            "2^q^dq",
+            "-2*-q",
+            "q - dq - 1",
+            "q/dq*3",
+            "(q+1)*PI - E*TAU",
+            "q min dq*2",
+            "atan2(q, dq)",
+            "max(q, dq)^2",
+            "dq max 0.1 + q",
+            "1 - s*exp(-abs(dq)/0.1)^2",
         ];
         for text in names.iter().map(String::as_str).chain(texts) {
             let expression = Expression::parse(text, 0, 1).unwrap_or_else(|e| panic!("{text}: {e}"));

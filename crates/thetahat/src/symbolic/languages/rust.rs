@@ -69,7 +69,11 @@ pub(super) fn code(function: &Function, prefix: &str) -> String {
         lines(function).iter().map(|line| format!("// {line}").trim_end().to_owned() + "\n").collect();
     let mut text = format!("{comment}\n/// The numbers: `f64`, or `f32`.\npub type Real = f64;\n\n");
     if function.program.calls_functions() {
-        text = text.replacen("\n/// The numbers", "// The torque terms take functions of the standard library.\n\n/// The numbers", 1);
+        text = text.replacen(
+            "\n/// The numbers",
+            "// The torque terms take functions of the standard library.\n\n/// The numbers",
+            1,
+        );
     }
     if function.program.count().signs > 0 {
         text += SIGN;
