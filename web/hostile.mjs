@@ -11,6 +11,10 @@ import { fileURLToPath } from "node:url";
 const FOLDER = join(dirname(fileURLToPath(import.meta.url)), "wasm");
 const wasm = new WebAssembly.Module(readFileSync(join(FOLDER, "thetahat_web_bg.wasm")));
 const [count, ...files] = process.argv.slice(2);
+if (!(Number(count) > 0) || files.length === 0) {
+  console.error("node web/hostile.mjs COUNT FILE...: give how many copies to make, and of which files");
+  process.exit(2);
+}
 
 let instances = 0;
 /** A module of its own: each import of another address has its own memory. */

@@ -20,16 +20,22 @@ function* pairs(a, b, place = "") {
 /**
  * How many values were compared, the largest deviation, and where it is. Numbers deviate by their difference over the largest number at
  * the same place, since one of a list may be zero but for rounding; probabilities by their difference alone, since small ones have few
- * digits; anything else deviates infinitely where it differs.
+ * digits; numbers of the search for consistent parameters count a thousandth, as it stops at a gap; anything else deviates
+ * infinitely where it differs.
  */
 export function compare(found, expected) {
   const places = new Map();
   for (const pair of pairs(found, expected)) places.set(pair.place, [...(places.get(pair.place) ?? []), pair]);
   const deviations = [...places].flatMap(([place, values]) => {
-    const scale = place.endsWith("p_value") ? 1 : largestOf(values);
+    const scale = scaleOf(place, values);
     return values.map(({ a, b }) => ({ place, a, b, deviation: deviation(a, b, scale) }));
   });
   return { count: deviations.length, worst: deviations.reduce((most, one) => (one.deviation > most.deviation ? one : most), { deviation: 0 }) };
+}
+
+function scaleOf(place, values) {
+  if (place.endsWith("p_value")) return 1;
+  return largestOf(values) * (place.endsWith("smallest_eigenvalue") ? 1000 : 1);
 }
 
 function largestOf(values) {

@@ -65,6 +65,8 @@ mod pool;
 
 mod clock;
 
+mod number;
+
 pub mod files;
 
 pub mod visible;

@@ -1,11 +1,7 @@
 //! The record that is drawn.
 
 use serde::Serialize;
-use thetahat::{
-    preparation::Recording,
-    robot::{JointKind, Robot},
-    series::Series,
-};
+use thetahat::{preparation::Recording, results::JointResult, robot::Robot, series::Series};
 
 /// Most samples that are drawn.
 const MOST: usize = 2000;
@@ -17,8 +13,8 @@ pub(super) struct SeriesAnswer {
     position: Vec<Vec<f64>>,
     torque: Vec<Vec<f64>>,
     joints: Vec<String>,
-    position_unit: Vec<&'static str>,
-    torque_unit: Vec<&'static str>,
+    position_unit: Vec<String>,
+    torque_unit: Vec<String>,
     window_s: [f64; 2],
 }
 
@@ -29,20 +25,15 @@ impl SeriesAnswer {
         let time = |k: usize| k as f64 / recording.sample_rate_hz;
         let thinned =
             |series: &Series| (0..series.channels()).map(|c| kept().map(|k| series.sample(k)[c]).collect()).collect();
-        let units = |revolute, prismatic| {
-            let unit = move |kind| match kind {
-                JointKind::Revolute => revolute,
-                JointKind::Prismatic => prismatic,
-            };
-            robot.coordinates().map(|joint| unit(joint.kind)).collect()
-        };
+        let joints = JointResult::of_coordinates(robot);
+        let each = |text: fn(&JointResult) -> &String| joints.iter().map(|joint| text(joint).clone()).collect();
         Self {
             time_s: kept().map(time).collect(),
             position: thinned(&recording.position),
             torque: recording.torque.as_ref().map(thinned).unwrap_or_default(),
-            joints: robot.coordinates().map(|joint| joint.name.clone()).collect(),
-            position_unit: units("rad", "m"),
-            torque_unit: units("N m", "N"),
+            joints: each(|joint| &joint.name),
+            position_unit: each(|joint| &joint.position_unit),
+            torque_unit: each(|joint| &joint.torque_unit),
             window_s: window_s.unwrap_or([0.0, time(samples)]),
         }
     }

@@ -40,6 +40,7 @@ mod grades;
 mod json;
 mod model_text;
 mod move_programs;
+mod names;
 mod number;
 mod outputs;
 mod page;

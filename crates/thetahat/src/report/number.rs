@@ -1,36 +1,6 @@
-//! Numbers as text.
+//! Estimates and their deviations as text.
 
-/// What stands where there is no number.
-pub(super) const NONE: &str = "-";
-
-/// Power of ten of the first digit.
-fn magnitude(value: f64) -> i32 {
-    value.abs().log10().floor() as i32
-}
-
-/// A number with so many decimals, without a minus sign before zero.
-pub(super) fn fixed(value: f64, decimals: usize) -> String {
-    let text = format!("{value:.decimals$}");
-    match text.strip_prefix('-') {
-        Some(rest) if rest.chars().all(|c| c == '0' || c == '.') => rest.to_owned(),
-        _ => text,
-    }
-}
-
-/// A number with so many significant digits; very large and very small ones with a power of ten.
-pub(super) fn significant(value: f64, digits: usize) -> String {
-    if !value.is_finite() {
-        return NONE.to_owned();
-    }
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    let places = digits.saturating_sub(1);
-    match magnitude(value) {
-        m @ -4..=5 => fixed(value, usize::try_from(places as i32 - m).unwrap_or(0)),
-        _ => format!("{value:.places$e}"),
-    }
-}
+pub(super) use crate::number::{NONE, fixed, magnitude, significant};
 
 /// A number that was given: as it was, where that is short.
 pub(super) fn given(value: f64) -> String {
@@ -84,13 +54,5 @@ mod tests {
         assert_eq!(with_deviation(203.503, Some(1.146)), "203.5±1.1");
         assert_eq!(estimate(-0.000_1, Some(0.02)), "0.000");
         assert_eq!(with_percent("-0.03", Some(23.2)), "-0.03 (23.2 %)");
-    }
-
-    #[test]
-    fn significant_digits_keep_large_and_small_numbers_short() {
-        assert_eq!(significant(975.446, 3), "975");
-        assert_eq!(significant(0.001_077_4, 3), "0.00108");
-        assert_eq!(significant(1.5e-9, 3), "1.50e-9");
-        assert_eq!(significant(f64::NAN, 3), "-");
     }
 }

@@ -1,7 +1,7 @@
 //! Names and units of a joint in the figures; revolute units where the results do not tell the joint's kind.
 
 use super::wrap::shortened;
-use crate::results::{JointKind, Results};
+use crate::results::{JointKind, JointResult, Results};
 
 /// Longest name of a joint in a title.
 const LONGEST: usize = 20;
@@ -23,16 +23,12 @@ pub(super) fn torque(results: &Results, joint: usize) -> &str {
     results.robot_joints.get(joint).map_or("N m", |j| &j.torque_unit)
 }
 
-/// A joint by its number, with its name where that says more.
+/// A joint by its number, with its name where that says more, for a title.
 pub(super) fn joint(results: &Results, joint: usize) -> String {
     let number = joint + 1;
-    let name = results.robot_joints.get(joint).map_or("", |j| j.name.as_str());
-    let says_number = name.is_empty()
-        || name.trim_end_matches(|c: char| c.is_ascii_digit()).len() <= 6 && name.ends_with(&number.to_string());
-    if says_number {
-        return format!("Joint {number}");
-    }
-    format!("Joint {number} ({})", shortened(name, LONGEST))
+    let Some(of_robot) = results.robot_joints.get(joint) else { return format!("Joint {number}") };
+    let label = JointResult { name: shortened(&of_robot.name, LONGEST), ..of_robot.clone() }.label(number);
+    label.replacen('j', "J", 1)
 }
 
 /// Whether anything was measured of a joint.

@@ -14,6 +14,9 @@ use crate::{
 /// Most actions on a card.
 const ACTIONS: usize = 3;
 
+/// The last action where the data are to be mended.
+const AGAIN: &str = "then identify again: the other findings may have gone with it";
+
 /// The verdict and what it rests on. Nothing here is new: it is what the results hold, gathered.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Card {
@@ -25,7 +28,7 @@ pub struct Card {
     pub relative_error_percent: Option<f64>,
     /// Its relative error on what it has not seen.
     pub unseen: Option<Unseen>,
-    /// Name and relative error in percent of the joint with the largest error.
+    /// Label and relative error in percent of the joint with the largest error.
     pub worst_joint: Option<(String, f64)>,
     /// The names of its parameters by grade, in the order of [`Grade::ALL`].
     pub parameters: [Vec<String>; 4],
@@ -99,25 +102,63 @@ impl Results {
     fn worst_joint(&self, run: &RunResult) -> Option<(String, f64)> {
         let errors = run.joint_relative_error_percent.iter().enumerate().filter_map(|(j, e)| Some((j, (*e)?)));
         let (joint, error) = errors.max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let name = self.robot_joints.get(joint).map_or_else(|| (joint + 1).to_string(), |j| j.name.clone());
-        (run.joint_relative_error_percent.len() > 1).then_some((name, error))
+        (run.joint_relative_error_percent.len() > 1).then(|| (self.joint_label(joint), error))
     }
 
-    /// The remedies of the reasons, then that of parameters which the motion does not show.
+    /// A coordinate's joint, counted from zero, as [`JointResult::label`](super::JointResult::label) writes it.
+    #[must_use]
+    pub fn joint_label(&self, joint: usize) -> String {
+        let number = joint + 1;
+        self.robot_joints.get(joint).map_or_else(|| format!("joint {number}"), |j| j.label(number))
+    }
+
+    /// What mends the data, where that is what is wrong, as all else may follow from it; or else the remedies of the reasons,
+    /// then that of parameters which the motion does not show.
     fn actions(&self) -> Vec<String> {
+        let of_data = self.verdict_reasons.iter().filter(|r| r.is_of_data()).map(|r| &r.remedy);
+        let of_data = distinct(of_data, ACTIONS - 1);
+        if !of_data.is_empty() {
+            return of_data.into_iter().chain([AGAIN.to_owned()]).collect();
+        }
         let of_checks = self.findings.iter().filter(|r| !r.held_back).flat_map(|r| &r.findings);
         let not_excited = of_checks.filter(|f| f.code == Code::NotExcited).map(|f| &f.remedy);
-        let mut actions: Vec<String> = Vec::new();
-        for remedy in self.verdict_reasons.iter().map(|r| &r.remedy).chain(not_excited) {
-            if !remedy.is_empty() && !actions.contains(remedy) && actions.len() < ACTIONS {
-                actions.push(remedy.clone());
-            }
-        }
-        actions
+        distinct(self.verdict_reasons.iter().map(|r| &r.remedy).chain(not_excited), ACTIONS)
     }
 }
 
+/// The first texts that are not empty, each once.
+fn distinct<'a>(texts: impl Iterator<Item = &'a String>, most: usize) -> Vec<String> {
+    let mut found: Vec<String> = Vec::new();
+    for text in texts.filter(|text| !text.is_empty()) {
+        if found.len() < most && !found.contains(text) {
+            found.push(text.clone());
+        }
+    }
+    found
+}
+
 impl VerdictReason {
+    /// Whether the data forbid the numbers: whatever else is wrong may follow from that.
+    fn is_of_data(&self) -> bool {
+        let of_data = match self.code {
+            ReasonCode::CheckProblem | ReasonCode::RecordingsDisagree | ReasonCode::DriveGain => true,
+            ReasonCode::NotConverged
+            | ReasonCode::Undecided
+            | ReasonCode::NothingExplained
+            | ReasonCode::JointNotExplained
+            | ReasonCode::JointPoorlyExplained
+            | ReasonCode::Lag
+            | ReasonCode::CheckWarning
+            | ReasonCode::CrossValidation
+            | ReasonCode::NotPhysical
+            | ReasonCode::LastResort
+            | ReasonCode::CorrelatedResidual
+            | ReasonCode::Influence
+            | ReasonCode::FewRows => false,
+        };
+        of_data && self.verdict == Verdict::DoNotUse
+    }
+
     /// What was seen: the text without what to do.
     #[must_use]
     pub fn seen(&self) -> &str {
@@ -179,9 +220,18 @@ mod tests {
         let card = results.card();
         assert_eq!(card.method, Some(Method::IDIM_LS));
         assert_eq!((card.relative_error_percent, card.unseen), (Some(4.0), Some(Unseen::LeftOut(5.0))));
-        assert_eq!(card.worst_joint, Some(("elbow".to_owned(), 7.5)));
+        assert_eq!(card.worst_joint, Some(("joint 2 (elbow)".to_owned(), 7.5)));
         assert_eq!(card.parameters, ["a", "b", "c", "ia2"].map(|name| vec![name.to_owned()]));
         assert_eq!(card.actions, ["one", "two", "three"]);
+    }
+
+    #[test]
+    fn where_the_data_forbid_the_numbers_they_are_to_be_mended_first() {
+        let mut results = results();
+        results.verdict_reasons = ["exchange them", "", "set it"].map(reason).into();
+        results.verdict_reasons[0].code = ReasonCode::CheckProblem;
+        results.verdict_reasons[0].verdict = Verdict::DoNotUse;
+        assert_eq!(results.card().actions, ["exchange them", AGAIN]);
     }
 
     #[test]

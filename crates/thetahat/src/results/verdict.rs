@@ -55,6 +55,8 @@ pub enum ReasonCode {
     NothingExplained,
     /// A joint is explained no better than by zero or a constant.
     JointNotExplained,
+    /// A joint is explained, but much of its torque is left.
+    JointPoorlyExplained,
     /// Torques are later or earlier than positions.
     Lag,
     /// The checks warn of a recording that was used.
@@ -75,7 +77,7 @@ pub enum ReasonCode {
 
 impl ReasonCode {
     /// All codes, in order.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::CheckProblem,
         Self::RecordingsDisagree,
         Self::DriveGain,
@@ -83,6 +85,7 @@ impl ReasonCode {
         Self::Undecided,
         Self::NothingExplained,
         Self::JointNotExplained,
+        Self::JointPoorlyExplained,
         Self::Lag,
         Self::CheckWarning,
         Self::CrossValidation,
@@ -104,6 +107,7 @@ impl ReasonCode {
             Self::Undecided => "undecided",
             Self::NothingExplained => "nothing-explained",
             Self::JointNotExplained => "joint-not-explained",
+            Self::JointPoorlyExplained => "joint-poorly-explained",
             Self::CrossValidation => "cross-validation",
             Self::NotPhysical => "not-physical",
             Self::LastResort => "last-resort",

@@ -4,6 +4,7 @@ use crate::{
     base_parameters::{BaseParameter, BaseParameters},
     checks::{Code, Finding, Severity},
     consistency::{ConsistentSet, bounds_of},
+    number::significant,
     results::{PhysicalResult, RunResult},
     robot::{ParameterTable, Robot, Role},
 };
@@ -63,7 +64,7 @@ fn negative(
         value: high.unwrap_or(value),
         unit: unit.clone(),
         limit: Some(0.0),
-        message: format!("the {what} {name} is negative, {value:.3e} {unit}; {noise}"),
+        message: format!("the {what} {name} is negative, {} {unit}; {noise}", significant(value, 4)),
         remedy,
         parameters: vec![name.clone()],
     })
@@ -73,7 +74,7 @@ fn negative(
 fn outside(table: &ParameterTable, physical: &PhysicalResult, asked: bool) -> Option<Finding> {
     let lacking = |(name, lacking): (&String, &f64)| {
         let unit = table.index_of(name).map_or("kg m^2", |i| &*table.get(i).unit);
-        format!("{name} lacks {lacking:.2e} {unit}")
+        format!("{name} lacks {} {unit}", significant(*lacking, 3))
     };
     let all: Vec<String> = physical.outside.iter().zip(&physical.lacking).map(lacking).collect();
     if all.is_empty() {

@@ -18,13 +18,13 @@ const FEWEST_ROWS: f64 = 10.0;
 const ONE_SAMPLE: f64 = 1.0;
 
 pub(super) fn reasons(results: &Results) -> Vec<VerdictReason> {
-    let of_checks = results.findings.iter().flat_map(of_recording);
+    let of_checks = results.findings.iter().flat_map(|recording| of_recording(results, recording));
     let of_gains = results.drive_gains.iter().filter(|g| g.contradicts()).map(drive_gain);
     of_checks.chain(of_gains).chain(few_rows(results)).collect()
 }
 
 /// One reason for each code, with the finding of the largest evidence in words.
-fn of_recording(recording: &RecordingFindings) -> Vec<VerdictReason> {
+fn of_recording(results: &Results, recording: &RecordingFindings) -> Vec<VerdictReason> {
     let mut all: Vec<(ReasonCode, Verdict, Vec<&Finding>)> = Vec::new();
     for finding in &recording.findings {
         let Some((code, verdict)) = demanded(finding, recording.held_back) else { continue };
@@ -33,7 +33,9 @@ fn of_recording(recording: &RecordingFindings) -> Vec<VerdictReason> {
             None => all.push((code, verdict, vec![finding])),
         }
     }
-    all.iter().map(|(code, verdict, same)| of_findings(&recording.recording, (*code, *verdict), same)).collect()
+    let reason =
+        |(code, verdict, same): &(_, _, Vec<_>)| of_findings(results, &recording.recording, (*code, *verdict), same);
+    all.iter().map(reason).collect()
 }
 
 /// The rule of a finding, and what it demands; none where it says nothing of the estimate.
@@ -53,16 +55,16 @@ fn demanded(finding: &Finding, held_back: bool) -> Option<(ReasonCode, Verdict)>
     }
 }
 
-fn of_findings(recording: &str, (code, verdict): (ReasonCode, Verdict), same: &[&Finding]) -> VerdictReason {
+fn of_findings(
+    results: &Results,
+    recording: &str,
+    (code, verdict): (ReasonCode, Verdict),
+    same: &[&Finding],
+) -> VerdictReason {
     let worst = same.iter().max_by(|a, b| a.value.abs().total_cmp(&b.value.abs())).unwrap_or(&same[0]);
-    let joints: Vec<String> = same.iter().filter_map(|f| f.joint).map(|j| j.to_string()).collect();
-    let of_joints = match joints.as_slice() {
-        [] => String::new(),
-        [joint] => format!(" for joint {joint}"),
-        [_, ..] => format!(" for joints {}", joints.join(" ")),
-    };
-    let found = if code == ReasonCode::CheckProblem { "a problem" } else { "a warning" };
-    let seen = format!("{} has {found}{of_joints}, {}: {}", place(recording), worst.code, worst.message);
+    let joints = same.iter().filter_map(|f| f.joint).map(|joint| results.joint_label(joint - 1));
+    let places: Vec<String> = std::iter::once(place(recording)).chain(joints).collect();
+    let seen = format!("{} ({}, {})", worst.message, worst.code, places.join(", "));
     let said = Said::new(seen, &worst.remedy);
     let concerned = Concerned {
         joint: worst.joint_name.clone(),

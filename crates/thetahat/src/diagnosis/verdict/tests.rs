@@ -232,6 +232,13 @@ fn without_rows_the_error_of_a_joint_decides() {
 }
 
 #[test]
+fn a_joint_of_which_much_is_left_asks_for_care() {
+    let with = |percent| taken(|run| run.joint_relative_error_percent[1] = Some(percent));
+    assert_eq!(with(50.1), care(ReasonCode::JointPoorlyExplained));
+    assert_eq!(with(49.9).0, Verdict::Good);
+}
+
+#[test]
 fn a_joint_that_is_predicted_worse_than_by_zero_is_not_used() {
     let found = judged(|r| r.runs[0].findings = vec![finding(Code::WorseThanMean, Severity::Problem)]);
     assert_eq!(found, do_not_use(ReasonCode::JointNotExplained));

@@ -5,6 +5,7 @@ use serde::Serialize;
 use crate::{
     report::{
         grades::{class, is_counted, word},
+        names,
         number::significant,
     },
     results::{Card, Grade, Method, Results, Unseen, Verdict},
@@ -21,7 +22,11 @@ pub(in crate::report) struct HeadCard {
     pub(in crate::report) reason: String,
     /// Labels and texts.
     pub(in crate::report) facts: Vec<(&'static str, String)>,
+    /// How many parameters are sure, of how many; empty where no number is to be used.
+    pub(in crate::report) share: String,
     pub(in crate::report) grades: Vec<Graded>,
+    /// What the names of parameters mean: symbols and their meanings.
+    pub(in crate::report) key: Vec<(String, &'static str)>,
     /// Whether the grades hold only if the model does.
     pub(in crate::report) is_doubted: bool,
     pub(in crate::report) actions: Vec<String>,
@@ -37,8 +42,9 @@ pub(in crate::report) struct Graded {
     pub(in crate::report) count: usize,
     /// What is said of the names.
     pub(in crate::report) said: &'static str,
-    /// Of those that are sure, and of those that no robot has.
     pub(in crate::report) names: String,
+    /// Whether the names stand behind a fold.
+    pub(in crate::report) is_folded: bool,
 }
 
 impl HeadCard {
@@ -57,7 +63,9 @@ impl HeadCard {
             word,
             reason: results.verdict_reasons.first().map(|r| sentence(r.seen())).unwrap_or_default(),
             facts: facts(&card, verdict),
+            share: share(&card),
             grades: graded(&card),
+            key: names::key(card.parameters.iter().flatten().map(String::as_str)),
             is_doubted: card.model_is_doubted,
             reasons: results.verdict_reasons.iter().map(|r| (r.code.name(), sentence(&r.text))).collect(),
             actions: card.actions.iter().map(|action| sentence(action)).collect(),
@@ -83,6 +91,18 @@ fn facts(card: &Card, verdict: Verdict) -> Vec<(&'static str, String)> {
     [method, error, unseen, none].into_iter().flatten().collect()
 }
 
+/// How much of the estimate the verdict is about.
+fn share(card: &Card) -> String {
+    let all = card.parameters.iter().map(Vec::len).sum::<usize>();
+    if card.verdict == Some(Verdict::DoNotUse) || all == 0 {
+        return String::new();
+    }
+    let [sure, ..] = &card.parameters;
+    let are = if sure.len() == 1 { "is" } else { "are" };
+    let count = if sure.len() == all { "all".to_owned() } else { sure.len().to_string() };
+    format!("{count} of {all} parameters {are} {}", word(Grade::Sure, card.model_is_doubted))
+}
+
 /// The grades that parameters have; none where no number is to be used.
 fn graded(card: &Card) -> Vec<Graded> {
     if card.verdict == Some(Verdict::DoNotUse) {
@@ -92,14 +112,16 @@ fn graded(card: &Card) -> Vec<Graded> {
         Grade::Sure if card.model_is_doubted => "precise, but what the model lacks may shift them",
         Grade::Sure => "sure",
         Grade::Impossible => "negative, as no motor inertia or friction can be",
-        Grade::Rough | Grade::NotIdentified => "",
+        Grade::Rough => "rough",
+        Grade::NotIdentified => "not identified",
     };
     let of_grade = |(grade, of): (Grade, &Vec<String>)| Graded {
         class: class(grade),
         name: word(grade, card.model_is_doubted),
         count: of.len(),
         said: said(grade),
-        names: if said(grade).is_empty() { String::new() } else { of.join(" ") },
+        names: of.join(" "),
+        is_folded: matches!(grade, Grade::Rough | Grade::NotIdentified),
     };
     let all = Grade::ALL.into_iter().zip(&card.parameters);
     all.filter(|(grade, of)| is_counted(*grade, of.len())).map(of_grade).collect()
@@ -120,6 +142,29 @@ fn sentence(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_share_tells_how_much_the_verdict_is_about() {
+        let names = |count: usize| (0..count).map(|k| format!("p{k}")).collect::<Vec<_>>();
+        let card = |verdict, sure, rough| Card {
+            verdict: Some(verdict),
+            method: None,
+            relative_error_percent: None,
+            unseen: None,
+            worst_joint: None,
+            parameters: [names(sure), names(rough), Vec::new(), Vec::new()],
+            model_is_doubted: false,
+            actions: Vec::new(),
+        };
+        assert_eq!(share(&card(Verdict::Care, 6, 63)), "6 of 69 parameters are sure");
+        assert_eq!(share(&card(Verdict::Good, 1, 3)), "1 of 4 parameters is sure");
+        assert_eq!(share(&card(Verdict::Good, 4, 0)), "all of 4 parameters are sure");
+        assert_eq!(
+            share(&Card { model_is_doubted: true, ..card(Verdict::Care, 2, 3) }),
+            "2 of 5 parameters are precise"
+        );
+        assert_eq!(share(&card(Verdict::DoNotUse, 6, 63)), "");
+    }
 
     #[test]
     fn a_sentence_begins_with_a_capital_letter_and_ends_once() {
