@@ -264,7 +264,7 @@ pub(super) fn other_joints(matched: &Matched<'_>, robot: &Robot) -> Option<Strin
     })
 }
 
-/// The distance between a gravity of the world and that of a robot on the base, relative.
+/// Whether a gravity of the world is another than that of the robot on its base.
 pub(super) fn other_gravity(matched: &Matched<'_>, robot: &Robot, gravity: Vec3) -> bool {
     let difference = sub(matched.in_base(gravity), robot.gravity);
     norm(difference) > 1e-6 * norm(robot.gravity).max(1.0)
