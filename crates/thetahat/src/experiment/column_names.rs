@@ -1,6 +1,6 @@
 //! What the names of columns say: signal, joint, unit.
 
-use crate::recording::Unit;
+use super::unit_words;
 
 /// What a column seems to hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -39,7 +39,6 @@ pub(super) struct Reading {
     pub(super) signal: Signal,
     /// The last number in it.
     pub(super) number: Option<usize>,
-    pub(super) unit: Option<Unit>,
 }
 
 /// Reads the name of a column; none where it names no signal that is used.
@@ -60,10 +59,7 @@ pub(super) fn read(name: &str) -> Option<Reading> {
         (Some(Signal::Time) | None, false) | (Some(_), false) => signal,
         _ => None,
     }?;
-    let number = number_in(&words);
-    // A unit keeps its capitals together: `mNm` is one word.
-    let whole: Vec<String> = name.split(|c: char| !c.is_alphanumeric()).map(str::to_lowercase).collect();
-    Some(Reading { signal, number, unit: unit(&whole, signal).or_else(|| unit(&words, signal)) })
+    Some(Reading { signal, number: number_in(&words) })
 }
 
 /// Whether a name has no words but those of signals, of files and of units, and numbers.
@@ -108,46 +104,12 @@ fn has_word(words: &[String], list: &[&str]) -> bool {
     words.iter().any(|w| list.contains(&w.as_str()))
 }
 
-/// A unit that the name ends with, or has in brackets, if it measures what the signal is.
-fn unit(words: &[String], signal: Signal) -> Option<Unit> {
-    let candidates: &[(&str, Unit)] = match signal {
-        Signal::Position | Signal::Reference => &[
-            ("rad", Unit::Radian),
-            ("deg", Unit::Degree),
-            ("degree", Unit::Degree),
-            ("degrees", Unit::Degree),
-            ("rev", Unit::Revolution),
-            ("mm", Unit::Millimetre),
-            ("m", Unit::Metre),
-        ],
-        Signal::Torque => &[
-            ("nm", Unit::NewtonMetre),
-            ("mnm", Unit::MillinewtonMetre),
-            ("a", Unit::Ampere),
-            ("ma", Unit::Milliampere),
-            ("v", Unit::Volt),
-            ("n", Unit::Newton),
-        ],
-        Signal::Time => {
-            &[("ms", Unit::Millisecond), ("us", Unit::Microsecond), ("ns", Unit::Nanosecond), ("s", Unit::Second)]
-        }
-        Signal::Velocity => &[],
-    };
-    let found = |(word, unit): &(&str, Unit)| words.iter().skip(1).any(|w| w == word).then_some(*unit);
-    let drive = match signal {
-        Signal::Torque if words.iter().any(|w| w.starts_with("curr")) => Some(Unit::Ampere),
-        Signal::Torque if words.iter().any(|w| w == "voltage") => Some(Unit::Volt),
-        Signal::Time | Signal::Position | Signal::Velocity | Signal::Torque | Signal::Reference => None,
-    };
-    candidates.iter().find_map(found).or(drive)
-}
-
 /// The words of a name, lower case: cut at everything but letters and digits, between letters and digits, and where a
-/// small letter meets a capital one.
-fn words(name: &str) -> Vec<String> {
+/// small letter meets a capital one. A unit in brackets is no word.
+pub(super) fn words(name: &str) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     let mut before: Option<char> = None;
-    for c in name.chars() {
+    for c in unit_words::without_brackets(name).chars() {
         let joins =
             before.is_some_and(|b| b.is_ascii_digit() == c.is_ascii_digit() && !(b.is_lowercase() && c.is_uppercase()));
         match (c.is_alphanumeric(), words.last_mut()) {
@@ -190,23 +152,10 @@ mod tests {
             ("positions", Some((Signal::Position, None))),
             ("accelerations", None),
             ("note", None),
+            ("speed_3 [1/min]", Some((Signal::Velocity, Some(3)))),
+            ("q2 [A]", Some((Signal::Position, Some(2)))),
         ] {
             assert_eq!(signal(name), expected, "{name}");
-        }
-    }
-
-    #[test]
-    fn units_are_read_from_the_name() {
-        for (name, unit) in [
-            ("q1 [deg]", Some(Unit::Degree)),
-            ("q1_rad", Some(Unit::Radian)),
-            ("tau_1 (mNm)", Some(Unit::MillinewtonMetre)),
-            ("current_2", Some(Unit::Ampere)),
-            ("motor_current_2", Some(Unit::Ampere)),
-            ("time_ms", Some(Unit::Millisecond)),
-            ("q1", None),
-        ] {
-            assert_eq!(read(name).and_then(|r| r.unit), unit, "{name}");
         }
     }
 

@@ -410,6 +410,22 @@ pub enum RecordingError {
         found: usize,
     },
 
+    /// The list of gains is empty, as a proposal writes it for the user to fill in.
+    #[error(
+        "{file}: gain = [] of the columns {} is to be filled in: {channels} numbers, one for each channel: {what}",
+        columns.join(" ")
+    )]
+    GainToFillIn {
+        /// The file.
+        file: PathBuf,
+        /// Its columns.
+        columns: Vec<String>,
+        /// Number of channels.
+        channels: usize,
+        /// What a gain is: torque per ampere, for one.
+        what: String,
+    },
+
     /// A gain is zero, NaN or infinite.
     #[error(
         "{file}: gain of channel {channel} counted from 0: expected a finite number other than zero, found {found}"

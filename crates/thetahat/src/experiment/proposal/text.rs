@@ -70,6 +70,8 @@ pub struct ProposedChannels {
     pub channels_in_rows: bool,
     /// What the user should know of them.
     pub comment: String,
+    /// What their gain is, for the user to fill in, where the unit alone gives no torque or position.
+    pub gain: Option<String>,
     /// Whether they stand in a comment, for the user to put right.
     pub left_out: bool,
 }
@@ -183,6 +185,15 @@ impl Proposal {
         self.recordings.iter().flat_map(of_recording).chain(locks).collect()
     }
 
+    /// What the user must fill in before the experiment can run, a sentence each.
+    #[must_use]
+    pub fn to_fill_in(&self) -> Vec<String> {
+        let channels = self.recordings.iter().flat_map(|recording| &recording.channels);
+        let mut sentences: Vec<String> = channels.filter_map(|(_, channels)| channels.gain.clone()).collect();
+        sentences.dedup();
+        sentences
+    }
+
     fn locks_text(&self) -> String {
         if self.locks.is_empty() {
             return String::new();
@@ -241,10 +252,12 @@ impl ProposedChannels {
             Side::Motor => ", side = \"motor\"",
             Side::Joint => "",
         };
+        let gain = if self.gain.is_some() { ", gain = []" } else { "" };
+        let to_fill = self.gain.iter().map(|gain| format!("# {}\n", visible(gain))).collect::<String>();
         let cut = if self.drop_cut_line { ", drop_cut_line = true" } else { "" };
         let rows = if self.channels_in_rows { ", channels_in_rows = true" } else { "" };
         format!(
-            "# {}\n{}{name} = {{ file = {}{topic}, columns = [{}], unit = {}{side}{rows}{cut} }}\n",
+            "# {}\n{to_fill}{}{name} = {{ file = {}{topic}, columns = [{}], unit = {}{side}{gain}{rows}{cut} }}\n",
             self.comment,
             if self.left_out { "# " } else { "" },
             quoted(&self.file.display().to_string()),
