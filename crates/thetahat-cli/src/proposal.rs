@@ -43,8 +43,9 @@ pub fn write_experiment(init: &Init) -> Result<Ending, Box<dyn Error>> {
     replace_file(&init.out, proposal.text().as_bytes())
         .map_err(|e| format!("{}: cannot be written: {e}", init.out.display()))?;
     let to_fill_in: String = proposal.to_fill_in().iter().map(|what| format!("To fill in: {what}\n")).collect();
+    let not_used: String = proposal.not_used().iter().map(|what| format!("{what}\n")).collect();
     print(&format!(
-        "written: {out}\n{to_fill_in}Read it: what could not be known is marked as a guess. Then:\n  thetahat check {out}{options}\n  \
+        "written: {out}\n{not_used}{to_fill_in}Read it: what could not be known is marked as a guess. Then:\n  thetahat check {out}{options}\n  \
          thetahat identify {out}{options}\n",
         out = init.out.display(),
         options = options_for(&files),

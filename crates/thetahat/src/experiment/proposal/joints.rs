@@ -1,7 +1,7 @@
 //! Which joints of the robot a log has; the others are proposed to be locked.
 
 use super::{
-    super::column_names::{self, Signal},
+    super::column_names::Signal,
     columns,
     error::ProposalError,
     joint_names::columns_of,
@@ -154,11 +154,13 @@ impl<'a> Search<'_, 'a> {
             Signal::Torque => &self.request.torque,
             Signal::Time | Signal::Velocity | Signal::Reference => return Vec::new(),
         };
-        let is_of = |column: &&ColumnSummary| match asked.is_empty() {
-            true => column_names::read(&column.name).is_some_and(|r| r.signal == signal),
+        let is_of = |source: &Source<'a>, column: &ColumnSummary| match asked.is_empty() {
+            true => source.reading(&column.name).is_some_and(|r| r.signal == signal),
             false => asked.iter().any(|argument| is_named(argument, &column.name)),
         };
-        let of_file = |source: &Source<'a>| columns_of(&names, &source.columns().filter(is_of).collect::<Vec<_>>());
+        let of_file = |source: &Source<'a>| {
+            columns_of(&names, &source.columns().filter(|column| is_of(source, column)).collect::<Vec<_>>())
+        };
         self.sources.iter().map(of_file).filter(|of| of.iter().any(Option::is_some)).collect()
     }
 

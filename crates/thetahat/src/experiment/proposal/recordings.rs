@@ -1,5 +1,7 @@
+use std::path::PathBuf;
+
 use super::{
-    super::column_names::{self, Signal},
+    super::column_names::Signal,
     clock::clock,
     error::ProposalError,
     grouping::{Group, groups},
@@ -46,21 +48,37 @@ pub fn propose(
         robot_file: request.robot_file.clone(),
         locks: joints.locks.clone(),
         unused: unused(&sources, &recordings),
+        unused_files: unused_files(&sources, &recordings),
         recordings,
         signal: ProposedSignal::usual(rate_hz).with_window(request.window_s),
     })
 }
 
-/// Positions and torques that belong to no joint of the proposal.
+/// Columns of signals that are not used in the proposal, of the files that are.
 fn unused(sources: &[Source<'_>], recordings: &[ProposedRecording]) -> Vec<String> {
+    let used: Vec<&ProposedChannels> = recordings.iter().flat_map(used_channels).collect();
     let is_used = |name: &String| {
-        let used = recordings.iter().flat_map(|r| &r.channels).flat_map(|(_, channels)| &channels.columns);
-        used.into_iter()
-            .any(|column| column == name || column.strip_prefix(name.as_str()).is_some_and(|i| i.starts_with('[')))
+        let mut columns = used.iter().flat_map(|channels| &channels.columns);
+        columns.any(|column| column == name || column.strip_prefix(name.as_str()).is_some_and(|i| i.starts_with('[')))
     };
-    let is_signal =
-        |name: &String| column_names::read(name).is_some_and(|r| matches!(r.signal, Signal::Position | Signal::Torque));
-    sources.iter().flat_map(|source| source.names()).filter(|name| is_signal(name) && !is_used(name)).collect()
+    let of_source = |source: &Source<'_>| {
+        let is_signal = |name: &String| source.reading(name).is_some_and(|r| r.signal != Signal::Time);
+        source.names().into_iter().filter(|name| is_signal(name) && !is_used(name)).collect::<Vec<_>>()
+    };
+    sources.iter().filter(|source| uses(recordings, source)).flat_map(of_source).collect()
+}
+
+/// Files of which nothing is used.
+fn unused_files(sources: &[Source<'_>], recordings: &[ProposedRecording]) -> Vec<PathBuf> {
+    sources.iter().filter(|source| !uses(recordings, source)).map(|source| source.file.to_owned()).collect()
+}
+
+fn uses(recordings: &[ProposedRecording], source: &Source<'_>) -> bool {
+    recordings.iter().flat_map(used_channels).any(|channels| channels.file == source.file)
+}
+
+fn used_channels(recording: &ProposedRecording) -> impl Iterator<Item = &ProposedChannels> {
+    recording.channels.iter().map(|(_, channels)| channels).chain(&recording.clock.time)
 }
 
 struct Describer<'d, 'a> {

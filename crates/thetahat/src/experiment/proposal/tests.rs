@@ -480,3 +480,48 @@ fn drive_gains_of_the_robot_are_the_gains_of_currents() {
     assert_eq!(to_fill_in(&geared("drive_gain = [0.1, 0.2]\n")), "");
     assert!(to_fill_in(&geared("")).contains("the torque of the motor per A"), "{}", to_fill_in(&geared("")));
 }
+
+/// The columns of a signal as they are proposed for one file with this first line.
+fn columns_of(signal: &str, header: &str) -> Vec<String> {
+    let proposal = proposed_from(&[("log.csv", header)], request(), ARM).unwrap();
+    let channels = &proposal.recordings[0].channels;
+    channels.iter().find(|(name, _)| *name == signal).map(|(_, c)| c.columns.clone()).unwrap_or_default()
+}
+
+/// The names of a Franka log: what ends with `d` is desired, and the measured values are taken.
+#[test]
+fn desired_values_stand_beside_the_measured_ones() {
+    let header = "t,q_0,q_1,dq_0,dq_1,tau_J_0,tau_J_1,tau_J_d_0,tau_J_d_1,q_d_0,q_d_1,control_command_success_rate";
+    assert_eq!(columns_of("position", header), ["q_0", "q_1"]);
+    assert_eq!(columns_of("torque", header), ["tau_J_0", "tau_J_1"]);
+    assert_eq!(columns_of("reference", header), ["q_d_0", "q_d_1"]);
+}
+
+#[test]
+fn references_are_known_by_words_for_wanted_values() {
+    for reference in ["q_des", "q_soll", "Soll J", "joint_command"] {
+        let header = format!("t,q1,q2,{reference}1,{reference}2,tau1,tau2");
+        assert_eq!(columns_of("reference", &header), [format!("{reference}1"), format!("{reference}2")]);
+    }
+}
+
+#[test]
+fn a_file_of_commands_is_the_reference_and_what_is_not_used_is_told() {
+    let files = [
+        ("left_positions.csv", "t,a,b"),
+        ("left_efforts.csv", "t,a,b"),
+        ("left_command.csv", "t,a,b"),
+        ("left_temperature.csv", "t,a,b"),
+    ];
+    let proposal = proposed_from(&files, request(), ARM).unwrap();
+    let reference = &proposal.recordings[0].channels[2];
+    assert_eq!((reference.0, reference.1.file.to_str()), ("reference", Some("left_command.csv")));
+    assert!(
+        proposal.guesses().iter().any(|guess| guess.contains("and not of which signal")),
+        "{:?}",
+        proposal.guesses()
+    );
+    let expected = "Not used, as no signal of a joint that is identified: left_temperature.csv.";
+    assert_eq!(proposal.not_used().as_deref(), Some(expected));
+    assert!(proposal.text().contains(&format!("\n# {expected}\n")));
+}

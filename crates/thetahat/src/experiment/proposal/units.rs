@@ -101,9 +101,21 @@ impl Units<'_, '_> {
         };
         let measured = match self.named(signal, columns)? {
             Some(named) => Measured::new(named.units, position.side, named.why),
-            None => Measured::new(as_positions().collect(), position.side, "as the positions"),
+            None => Measured::new(as_positions().collect(), position.side, self.why_as_positions(columns)),
         };
         self.require_joints(&measured, columns).map(|()| measured)
+    }
+
+    fn why_as_positions(&self, columns: &[Chosen<'_>]) -> &'static str {
+        let stem = self.source.stem();
+        let is_untold = |name: &str| {
+            let name = if column_names::is_silent(name) { &stem } else { name };
+            column_names::says_only_wanted(name)
+        };
+        match columns.iter().any(|column| is_untold(&column.name)) {
+            true => "as the positions, a guess: the names say wanted values, and not of which signal",
+            false => "as the positions",
+        }
     }
 
     fn named(&self, signal: Signal, columns: &[Chosen<'_>]) -> Result<Option<NamedUnits>, Misfit> {
