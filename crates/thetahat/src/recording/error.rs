@@ -355,8 +355,8 @@ pub enum RecordingError {
     },
 
     /// The unit does not measure what the signal is.
-    #[error("{file}: the {signal} is {}, but its unit {:?} measures {}; correct the unit, the side (motor or joint) or the columns",
-        alternatives(.expected), .found.symbol(), .found.dimension())]
+    #[error("{file}: the {signal} is {}, but its unit {:?} measures {}; {}correct the unit, the side (motor or joint) or the columns",
+        alternatives(.expected), .found.symbol(), .found.dimension(), with_a_gain(.expected, *.found))]
     WrongDimension {
         /// The file.
         file: PathBuf,
@@ -579,6 +579,13 @@ fn quoted(names: &[String]) -> String {
         return "none".to_owned();
     }
     names.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ")
+}
+
+/// The remedy for torques in the unit of a drive.
+fn with_a_gain(expected: &[Dimension], found: Unit) -> &'static str {
+    let of_drive = matches!(found.dimension(), Dimension::Current | Dimension::Voltage | Dimension::Dimensionless);
+    let is_effort = expected.iter().all(|dimension| matches!(dimension, Dimension::Torque | Dimension::Force));
+    if of_drive && is_effort { "add gain = [...], the torque at the joint for each unit, or " } else { "" }
 }
 
 fn alternatives(dimensions: &[Dimension]) -> String {

@@ -36,21 +36,16 @@ pub enum ProposalError {
         columns: Vec<String>,
     },
     /// A unit stands in the name of a column, and is none of the signal or of the joint.
-    #[error(
-        "{}: column {column:?} is {problem}; state the unit with --{signal}-unit UNIT ({remedy}), or name the columns with \
-         --{signal} NAME,NAME,...", file.display()
-    )]
+    #[error("{}: column {column:?} is {problem}; {remedy}", file.display())]
     UnclearUnit {
         /// The recording.
         file: PathBuf,
-        /// `position` or `torque`.
-        signal: &'static str,
         /// The column.
         column: String,
         /// What it is written in, and why that cannot be.
         problem: String,
-        /// What helps beside the unit.
-        remedy: &'static str,
+        /// What the user can say.
+        remedy: String,
     },
     /// The columns that were named for a signal are more or fewer than the joints.
     #[error(

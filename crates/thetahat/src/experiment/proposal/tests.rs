@@ -426,13 +426,13 @@ fn a_unit_that_is_none_is_refused_and_not_replaced() {
     assert_eq!(
         error("t,q1,q2,q3,tau1 [Nm],tau2 [N],tau3 [Nm/rad]"),
         "log.csv: column \"tau3 [Nm/rad]\" is written in \"Nm/rad\", which is no unit of a torque that thetahat knows; state \
-         the unit with --torque-unit UNIT (1 is that of numbers which gain = [...] turns into torques), or name the columns \
-         with --torque NAME,NAME,..."
+         the unit with --torque-unit UNIT (1 for numbers that a gain turns into torques), or name other columns with --torque \
+         NAME,NAME,..."
     );
     assert_eq!(
         error("t,q1 [deg],q2 [deg],q3 [deg],tau1,tau2,tau3"),
-        "log.csv: column \"q2 [deg]\" is written in deg, an angle, and joint `b` slides; state the unit with \
-         --position-unit UNIT (name the columns in the order of the joints), or name the columns with --position NAME,NAME,..."
+        "log.csv: column \"q2 [deg]\" is written in deg, an angle, and joint `b` slides; name the columns in the order of the \
+         joints with --position NAME,NAME,..., or state the unit with --position-unit UNIT"
     );
     assert!(error("t,q1,q2 [A],q3,tau1,tau2,tau3").contains("\"A\", which is no unit of a position"));
     let stated = ProposalRequest { torque_unit: Some(Unit::NewtonMetre), ..request() };
