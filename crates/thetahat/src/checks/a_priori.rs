@@ -50,7 +50,7 @@ pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) {
     let common = wrong.len() >= SEVERAL.min(scales.len()) && wrong.len() > 1;
     let severity = if common { Severity::Problem } else { Severity::Warning };
     let only = if wrong.len() == 1 { Some(wrong[0].coordinate) } else { None };
-    exam.raise(evidence(only, off(middle)), severity, words(exam.subject.robot, &wrong, middle));
+    exam.raise(evidence(only, off(middle)), severity, words(exam.subject.robot, &wrong, middle, common));
 }
 
 fn evidence(coordinate: Option<usize>, value: f64) -> Evidence {
@@ -63,7 +63,8 @@ fn evidence(coordinate: Option<usize>, value: f64) -> Evidence {
     }
 }
 
-fn words(robot: &Robot, wrong: &[&Scale], middle: f64) -> Words {
+/// Gear ratios are named where several joints have theirs as a factor: one alone may have it by chance.
+fn words(robot: &Robot, wrong: &[&Scale], middle: f64, several: bool) -> Words {
     let joints: Vec<String> = wrong.iter().map(|s| (robot.joint_of(s.coordinate) + 1).to_string()).collect();
     let joints =
         if joints.len() == 1 { format!("joint {}", joints[0]) } else { format!("joints {}", joints.join(" ")) };
@@ -75,9 +76,9 @@ fn words(robot: &Robot, wrong: &[&Scale], middle: f64) -> Words {
         let expected = ratio.powi(power);
         ratio > 1.0 && (s.factor / expected).max(expected / s.factor) < ALIKE
     };
-    let remedy = if wrong.iter().all(|s| is_ratio(s, -1)) {
+    let remedy = if several && wrong.iter().all(|s| is_ratio(s, -1)) {
         "these are the gear ratios: set side = \"motor\" of torque in [recording]"
-    } else if wrong.iter().all(|s| is_ratio(s, 1)) {
+    } else if several && wrong.iter().all(|s| is_ratio(s, 1)) {
         "these are the gear ratios: set side = \"joint\" of torque in [recording]"
     } else {
         "check the unit of torque, and the side of the gears of torque and position (side = \"motor\" in [recording] with the \

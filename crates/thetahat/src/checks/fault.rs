@@ -29,11 +29,7 @@ const MOST_FAULTS: usize = 4;
 
 /// Corrects the record by every fault that is found.
 pub(super) fn check(exam: &mut Examination<'_>, record: &mut ThinnedRecord<'_>) {
-    let mut all = hypotheses(exam.subject.robot);
-    let work = (ROWS_PER_PARAMETER * record.parameters().pow(3)) as f64;
-    if all.len() as f64 * work > MOST_WORK {
-        all.retain(|hypothesis| hypothesis.coordinate.is_none());
-    }
+    let all = affordable(record);
     for round in 0..MOST_FAULTS {
         let Some(gains) = gains(record, &all) else { return };
         if round == 0 {
@@ -43,6 +39,23 @@ pub(super) fn check(exam: &mut Examination<'_>, record: &mut ThinnedRecord<'_>) 
         raise(exam, &all[best], gains[best]);
         record.correct(&all[best].correction);
     }
+}
+
+/// How many times smaller the correction of one fault makes the squared residual; one where none is found.
+pub(super) fn largest_gain(record: &ThinnedRecord<'_>) -> f64 {
+    let all = affordable(record);
+    let gains = gains(record, &all).unwrap_or_default();
+    best(&all, &gains).map_or(1.0, |best| gains[best])
+}
+
+/// The hypotheses that there is time to try.
+fn affordable(record: &ThinnedRecord<'_>) -> Vec<Hypothesis> {
+    let mut all = hypotheses(record.subject.robot);
+    let work = (ROWS_PER_PARAMETER * record.parameters().pow(3)) as f64;
+    if all.len() as f64 * work > MOST_WORK {
+        all.retain(|hypothesis| hypothesis.coordinate.is_none());
+    }
+    all
 }
 
 /// The strongest evidence of each code and limit.

@@ -105,6 +105,8 @@ pub enum Code {
     WorseThanMean,
     /// The recording is not of this robot.
     WrongRobot,
+    /// Gravity comes from elsewhere than the description says.
+    GravityDirection,
     /// The scale of a torque changes over the record.
     GainDrift,
     /// The friction of a joint changes over the record.
@@ -121,7 +123,7 @@ pub enum Code {
 
 impl Code {
     /// All codes, in order.
-    pub const ALL: [Self; 40] = [
+    pub const ALL: [Self; 41] = [
         Self::PositionScale,
         Self::PositionSign,
         Self::PositionZero,
@@ -156,6 +158,7 @@ impl Code {
         Self::APrioriScale,
         Self::WorseThanMean,
         Self::WrongRobot,
+        Self::GravityDirection,
         Self::GainDrift,
         Self::FrictionDrift,
         Self::SameRecording,
@@ -202,6 +205,7 @@ impl Code {
             Self::APrioriScale => "a-priori-scale",
             Self::WorseThanMean => "worse-than-mean",
             Self::WrongRobot => "wrong-robot",
+            Self::GravityDirection => "gravity-direction",
             Self::GainDrift => "gain-drift",
             Self::FrictionDrift => "friction-drift",
             Self::SameRecording => "same-recording",

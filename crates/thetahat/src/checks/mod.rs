@@ -34,6 +34,7 @@ mod finding;
 mod friction;
 mod friction_shapes;
 mod gear;
+mod gravity;
 mod hypotheses;
 mod lag;
 mod lag_search;
@@ -133,6 +134,9 @@ fn check_fit(exam: &mut Examination<'_>, signals: &Signals, record: &mut Thinned
     let blind = exam.has(&[Code::TorqueConstant, Code::JointStill, Code::JointDither])
         || !record.has_rows_for(record.parameters());
     if blind {
+        return excitation::check(exam, &record.of_estimated());
+    }
+    if record.is_long_enough() && gravity::check(exam, record) {
         return excitation::check(exam, &record.of_estimated());
     }
     fault::check(exam, record);

@@ -206,6 +206,51 @@ fn a_deviation_from_the_reference_is_that_of_the_coordinate_s_joint() {
     is_about(&crane.found(Code::ReferenceMismatch), 3, "slide", "joint 3: the motion is 1.000e-1 rad or m rms off");
 }
 
+/// Six joints with links of any parameters, recorded under usual gravity, in a description with another one.
+fn six_axes(stated: [f64; 3]) -> Crane {
+    let robot = Robot::parse(include_str!("../../demo/tx40.toml"), Path::new("tx40.toml")).unwrap();
+    let model = Model::new(&robot);
+    let all: Vec<usize> = (0..model.parameter_table().len()).collect();
+    let sine = |order: i32, j: usize, k: usize| {
+        let term = |frequency: f64, phase: f64| {
+            let omega = TAU * frequency;
+            omega.powi(order) * (omega * k as f64 / RATE_HZ + phase + TAU / 4.0 * f64::from(order)).sin()
+        };
+        0.6 * term(0.31 + 0.07 * j as f64, j as f64) + 0.3 * term(0.83 + 0.05 * j as f64, 2.0 * j as f64)
+    };
+    let [position, velocity, acceleration] = [0, 1, 2].map(|order| {
+        Series::from_values(6, (0..SAMPLES).flat_map(|k| (0..6).map(move |j| sine(order, j, k))).collect())
+    });
+    let phi = Regressor::new(&model, &all);
+    let values = phi.evaluate_series(&model, &position, &velocity, &acceleration, Sign::Exact);
+    let mut noise = noise();
+    let theta: Vec<f64> = all.iter().map(|_| 1.0 + 0.5 * noise()).collect();
+    let mut torque = Series::zeros(SAMPLES, 6);
+    for k in 0..SAMPLES {
+        for (entry, value) in phi.entries().iter().zip(values.sample(k)) {
+            torque.sample_mut(k)[entry.joint] += value * theta[entry.column];
+        }
+    }
+    torque.values_mut().iter_mut().for_each(|v| *v += noise());
+    let robot = Robot { gravity: stated, ..robot };
+    Crane { robot, position, torque, reconstructed_deviation: vec![0.0; 6] }
+}
+
+#[test]
+fn gravity_from_elsewhere_is_found() {
+    let tilt = 0.35_f64;
+    let ceiling = ([0.0, 0.0, 9.81], "180 degrees");
+    let wall = ([9.81, 0.0, 0.0], "90 degrees");
+    let tilted = ([0.0, 9.81 * tilt.sin(), -9.81 * tilt.cos()], "20 degrees");
+    for (stated, degrees) in [ceiling, wall, tilted] {
+        let found = six_axes(stated).found(Code::GravityDirection);
+        assert_eq!(found.severity, Severity::Problem);
+        assert!(found.message.contains(degrees) && found.remedy.contains("-9.81]"), "{found:?}");
+    }
+    let right = six_axes([0.0, 0.0, -9.81]).findings();
+    assert!(right.iter().all(|f| f.code != Code::GravityDirection), "{right:?}");
+}
+
 #[test]
 fn measures_have_the_joint_s_number() {
     let measures = Crane::recorded().with_subject(measure);

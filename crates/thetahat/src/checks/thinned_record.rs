@@ -9,7 +9,7 @@ use std::{cell::OnceCell, ops::Range, rc::Rc};
 use super::{affine::Affine, numbers::deviation, orthogonal_fit::OrthogonalFit, subject::Subject};
 use crate::{
     base_parameters::BaseParameters,
-    dynamics::Sign,
+    dynamics::{Model, Sign},
     identification::Assembly,
     linear_algebra::{Matrix, PivotedQr},
     regression::{Regression, RowLayout},
@@ -208,7 +208,12 @@ impl<'a> ThinnedRecord<'a> {
 
     /// The rows of the record as corrected so far, without weights.
     pub(super) fn regression(&self) -> Result<Regression, SignalError> {
-        let assembly = Assembly::new(self.subject.model, &self.base.columns(), self.decimator.clone());
+        self.regression_of(self.subject.model, &self.base.columns())
+    }
+
+    /// The same with some columns of another model of the robot.
+    pub(super) fn regression_of(&self, model: &Model, columns: &[usize]) -> Result<Regression, SignalError> {
+        let assembly = Assembly::new(model, columns, self.decimator.clone());
         let Motion { q, dq, ddq } = &self.motion;
         let x = assembly.observation_matrix(q, dq, ddq, Sign::Exact)?;
         let all = self.decimator.rows();

@@ -229,7 +229,7 @@ impl ConsistentSet {
     }
 
     /// Number of links.
-    pub(super) fn links(&self) -> usize {
+    pub(crate) fn links(&self) -> usize {
         self.links
     }
 

@@ -127,6 +127,7 @@ fn concern(code: Code) -> Concern {
         | Code::GearRatio
         | Code::APrioriScale
         | Code::WrongRobot
+        | Code::GravityDirection
         | Code::SameRecording
         | Code::RateContradicted
         | Code::RecordingsContradict => Concern::All,

@@ -121,9 +121,12 @@ impl Setup<'_> {
 /// The torques of standard parameters, of which few are not zero: `phi(q, dq, ddq) theta` in every sample.
 fn torques(model: &Model, theta: &[f64], motion: &Motion, channels: Option<Series>) -> Series {
     let columns: Vec<usize> = (0..theta.len()).filter(|&i| theta[i] != 0.0).collect();
+    let mut torque = Series::zeros(motion.q.len(), motion.q.channels());
+    if columns.is_empty() {
+        return torque;
+    }
     let regressor = Regressor::new(model, &columns).with_channels(channels);
     let phi = regressor.evaluate_series(model, &motion.q, &motion.dq, &motion.ddq, Sign::Exact);
-    let mut torque = Series::zeros(motion.q.len(), motion.q.channels());
     for k in 0..torque.len() {
         let tau = torque.sample_mut(k);
         for (entry, value) in regressor.entries().iter().zip(phi.sample(k)) {

@@ -7,10 +7,13 @@ use crate::{
     number::significant,
     results::{PhysicalResult, RunResult},
     robot::{ParameterTable, Robot, Role},
+    statistics::t_quantile,
 };
 
-/// Deviations outside from which links without bodies are more than noise.
-const MORE_THAN_NOISE: f64 = 2.0;
+/// Probability with which noise alone makes one of all conditions look broken.
+const CHANCE: f64 = 0.005;
+/// Deviations on each side of an interval of 95 %.
+const OF_INTERVAL: f64 = 1.96;
 /// Links and parameters that a message names.
 const NAMED: usize = 5;
 
@@ -24,37 +27,54 @@ pub(super) fn not_physical(
     asked: bool,
 ) -> Vec<Finding> {
     let table = set.parameter_table();
-    let of_parameter = |p: &BaseParameter| negative(robot, table, bounds_of(set, p), p, run, asked);
-    let mut findings: Vec<Finding> = base.parameters().iter().filter_map(of_parameter).collect();
-    findings.extend(outside(table, physical, asked));
+    let has_bound = |p: &&BaseParameter| bounds_of(set, p)[0] >= 0.0 && what_is(table, p).is_some();
+    let bounded: Vec<&BaseParameter> = base.parameters().iter().filter(has_bound).collect();
+    let of_parameter = |p: &&BaseParameter| negative(robot, table, p, bounded.len(), run, asked);
+    let mut findings: Vec<Finding> = bounded.iter().filter_map(of_parameter).collect();
+    findings.extend(outside(table, physical, more_than_noise(set.links() + bounded.len()), asked));
     findings.sort_by_key(|f| (f.severity, f.joint));
     findings
 }
 
-/// A motor inertia or a friction coefficient below zero: a problem where its interval excludes zero, else a note.
+/// What a parameter that no robot has below zero is called; none for those of links and loads.
+fn what_is(table: &ParameterTable, parameter: &BaseParameter) -> Option<&'static str> {
+    match table.get(parameter.kept).quantity.role() {
+        Role::MotorInertia => Some("motor inertia"),
+        Role::ViscousFriction | Role::CoulombFriction => Some("friction coefficient"),
+        Role::Inertial | Role::Load => None,
+    }
+}
+
+/// One of so many motor inertias and friction coefficients below zero: a problem where the interval that holds all of them excludes zero, else a
+/// warning where its own does, else a note.
 fn negative(
     robot: &Robot,
     table: &ParameterTable,
-    bounds: [f64; 2],
     parameter: &BaseParameter,
+    bounded: usize,
     run: &RunResult,
     asked: bool,
 ) -> Option<Finding> {
     let standard = table.get(parameter.kept);
-    let result = run.parameter(&parameter.name).filter(|p| p.estimate < 0.0 && bounds[0] >= 0.0)?;
+    let result = run.parameter(&parameter.name).filter(|p| p.estimate < 0.0)?;
     let joint_name = robot.joints.get(standard.number - 1).map(|j| j.name.clone());
     let joint = joint_name.clone().unwrap_or_else(|| standard.number.to_string());
-    let (what, remedy) = match standard.quantity.role() {
-        Role::MotorInertia => ("motor inertia", inertia_remedy(asked, &standard.name(), &joint)),
-        Role::ViscousFriction | Role::CoulombFriction => ("friction coefficient", friction_remedy(asked, &joint)),
-        Role::Inertial | Role::Load => return None,
+    let what = what_is(table, parameter)?;
+    let remedy = if standard.quantity.role() == Role::MotorInertia {
+        inertia_remedy(asked, &standard.name(), &joint)
+    } else {
+        friction_remedy(asked, &joint)
     };
     let (name, unit, value) = (&result.name, &result.unit, result.estimate);
     let high = result.interval_95.map(|[_, high]| high);
     let (severity, noise) = match high {
-        Some(high) if high < 0.0 => (Severity::Problem, "its 95 % interval ends below zero: noise does not explain it"),
-        Some(_) => (Severity::Note, "its 95 % interval holds zero: noise explains it"),
-        None => (Severity::Warning, "it has no interval"),
+        Some(high) if high >= 0.0 => (Severity::Note, "its 95 % interval holds zero: noise explains it".to_owned()),
+        Some(high) if value + (high - value) * more_than_noise(bounded) / OF_INTERVAL >= 0.0 => {
+            let chance = "its 95 % interval ends below zero, as that of one or another may by chance";
+            (Severity::Warning, format!("{chance}: {bounded} are tested"))
+        }
+        Some(_) => (Severity::Problem, "its 95 % interval ends below zero: noise does not explain it".to_owned()),
+        None => (Severity::Warning, "it has no interval".to_owned()),
     };
     Some(Finding {
         code: Code::NotPhysical,
@@ -70,8 +90,13 @@ fn negative(
     })
 }
 
+/// Deviations beyond which one of so many conditions is broken by more than noise (C. E. Bonferroni).
+fn more_than_noise(conditions: usize) -> f64 {
+    t_quantile(1.0 - CHANCE / conditions.max(1) as f64, f64::MAX).unwrap_or(f64::INFINITY)
+}
+
 /// Links and whatever else no robot can have together.
-fn outside(table: &ParameterTable, physical: &PhysicalResult, asked: bool) -> Option<Finding> {
+fn outside(table: &ParameterTable, physical: &PhysicalResult, limit: f64, asked: bool) -> Option<Finding> {
     let lacking = |(name, lacking): (&String, &f64)| {
         let unit = table.index_of(name).map_or("kg m^2", |i| &*table.get(i).unit);
         format!("{name} lacks {} {unit}", significant(*lacking, 3))
@@ -84,7 +109,7 @@ fn outside(table: &ParameterTable, physical: &PhysicalResult, asked: bool) -> Op
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
     let named = all.iter().take(NAMED).cloned().collect::<Vec<_>>().join(", ");
     let deviations = physical.deviations.unwrap_or(f64::INFINITY);
-    let is_noise = deviations < MORE_THAN_NOISE;
+    let is_noise = deviations < limit;
     let how_far = format!("{deviations:.1} standard deviations outside");
     let noise = if is_noise { "no more than noise explains" } else { "more than noise explains" };
     Some(Finding {
@@ -94,7 +119,7 @@ fn outside(table: &ParameterTable, physical: &PhysicalResult, asked: bool) -> Op
         joint_name: None,
         value: deviations,
         unit: "standard deviations".to_owned(),
-        limit: Some(MORE_THAN_NOISE),
+        limit: Some(limit),
         message: format!("these estimates are not physically possible: {named}{more}; {how_far}, {noise}"),
         remedy: link_remedy(asked, is_noise).to_owned(),
         parameters: physical.outside.clone(),

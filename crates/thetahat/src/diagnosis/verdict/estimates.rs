@@ -146,7 +146,7 @@ fn poorly_explained(results: &Results, run: &RunResult, not_explained: &[Verdict
     }
     let label = results.joint_label(joint);
     let whole = run.relative_error_percent.filter(|_| run.joint_relative_error_percent.len() > 1);
-    let where_all = whole.map(|e| format!(", where it leaves {e:.1} % of all torques")).unwrap_or_default();
+    let where_all = whole.map(|e| format!(", and {e:.1} % of all torques")).unwrap_or_default();
     let seen = format!("{} leaves {error:.0} % of the torque of {label} unexplained{where_all}", run.method);
     let said = Said::new(
         seen,
@@ -239,8 +239,26 @@ fn correlated_residual(results: &Results, run: &RunResult) -> Option<VerdictReas
          {label} ({}) correlate by {r1:.2}, where {limit:.2} is chance",
         run.method
     );
-    let said = Said::new(seen, "compare laws of friction by compare_terms = true in [estimation]");
+    let said = Said::new(seen, missing_remedy(results));
     let concerned = Concerned { joint: Some(name), ..of_method(run) };
     let numbers = [("autocorrelation", Some(r1)), ("limit", Some(limit))];
     (r1 > limit).then(|| reason(ReasonCode::CorrelatedResidual, Verdict::Care, &numbers, concerned, said))
+}
+
+/// What finds out what the model lacks, by what was tried already.
+fn missing_remedy(results: &Results) -> String {
+    let Some(comparison) = &results.term_comparison else {
+        return "compare laws of friction by compare_terms = true in [estimation]; where the torque is a command that the drive holds from \
+                sample to sample, say held = true beside its columns"
+            .to_owned();
+    };
+    let laws =
+        comparison.joints.iter().flat_map(|j| j.laws.iter().filter(|l| l.recommended).map(|l| (&j.joint, &l.law)));
+    let laws: Vec<String> = laws.map(|(joint, law)| format!("{law} at {joint}")).collect();
+    if laws.is_empty() {
+        return "no law of friction that was compared helps: where the torque is a command that the drive holds from sample to sample, say \
+                held = true beside its columns; else look at the residual over velocity, position and load in the report"
+            .to_owned();
+    }
+    format!("accept what the comparison of laws recommends ({}), as --full writes it out", laws.join(", "))
 }

@@ -64,7 +64,7 @@ fn of_findings(
     let worst = same.iter().max_by(|a, b| a.value.abs().total_cmp(&b.value.abs())).unwrap_or(&same[0]);
     let joints = same.iter().filter_map(|f| f.joint).map(|joint| results.joint_label(joint - 1));
     let places: Vec<String> = std::iter::once(place(recording)).chain(joints).collect();
-    let seen = format!("{} ({}, {})", worst.message, worst.code, places.join(", "));
+    let seen = format!("{}: {}, {}", worst.message, worst.code, places.join(", "));
     let said = Said::new(seen, &worst.remedy);
     let concerned = Concerned {
         joint: worst.joint_name.clone(),
