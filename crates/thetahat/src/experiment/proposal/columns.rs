@@ -22,6 +22,14 @@ pub(super) fn by_name<'a>(source: &Source<'a>, robot: &Robot, signal: Signal) ->
     in_order(robot, found)
 }
 
+/// Whether the name of a column says that it holds a signal, or where that says nothing, the name of its file.
+pub(super) fn says(source: &Source<'_>, column: &str, signal: Signal) -> bool {
+    match column_names::is_silent(column) {
+        true => of_file(source) == Some(signal),
+        false => source.reading(column).is_some_and(|reading| reading.signal == signal),
+    }
+}
+
 /// Whether the columns of a file say nothing, and its name says which signal they hold.
 pub(super) fn of_file(source: &Source<'_>) -> Option<Signal> {
     let names = [source.stem(), source.folder()];

@@ -8,8 +8,15 @@ pub(super) fn gain_of_torque(unit: Unit, counts: Option<&str>, side: Side) -> Op
         Dimension::Torque | Dimension::Force => return None,
         Dimension::Current => "per A",
         Dimension::Voltage => "per V",
-        _ if unit == Unit::Percent => "at 100 %",
-        _ => "per count",
+        Dimension::Dimensionless if unit == Unit::Percent => "at 100 %",
+        Dimension::Dimensionless => "per count",
+        Dimension::Angle
+        | Dimension::Length
+        | Dimension::AngularVelocity
+        | Dimension::LinearVelocity
+        | Dimension::AngularAcceleration
+        | Dimension::LinearAcceleration
+        | Dimension::Time => return None,
     };
     let what = match side {
         Side::Joint => format!("the torque at the joint {per} (N m, or N of a joint that slides)"),

@@ -155,7 +155,7 @@ impl<'a> Search<'_, 'a> {
             Signal::Time | Signal::Velocity | Signal::Reference => return Vec::new(),
         };
         let is_of = |source: &Source<'a>, column: &ColumnSummary| match asked.is_empty() {
-            true => source.reading(&column.name).is_some_and(|r| r.signal == signal),
+            true => columns::says(source, &column.name, signal),
             false => asked.iter().any(|argument| is_named(argument, &column.name)),
         };
         let of_file = |source: &Source<'a>| {

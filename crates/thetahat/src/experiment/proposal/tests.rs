@@ -525,3 +525,12 @@ fn a_file_of_commands_is_the_reference_and_what_is_not_used_is_told() {
     assert_eq!(proposal.not_used().as_deref(), Some(expected));
     assert!(proposal.text().contains(&format!("\n# {expected}\n")));
 }
+
+/// Files whose columns have the names of joints alone, and not of all.
+#[test]
+fn joints_are_told_by_columns_whose_file_says_the_signal() {
+    let files = [("positions.csv", "t,lift_joint,arm_joint"), ("efforts.csv", "t,lift_joint,arm_joint")];
+    let proposal = proposed_from(&files, request(), LIFT).unwrap();
+    assert_eq!(proposal.locks.iter().map(|lock| lock.joint.as_str()).collect::<Vec<_>>(), ["head_joint"]);
+    assert_eq!(proposal.recordings[0].channels[1].1.columns, ["lift_joint", "arm_joint"]);
+}
