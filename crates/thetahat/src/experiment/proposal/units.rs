@@ -125,8 +125,9 @@ impl Units<'_, '_> {
     /// The unit that the user stated; joints of the other kind have the one of their names, or SI.
     fn stated(&self, unit: Unit, named: Result<Option<NamedUnits>, Misfit>) -> Vec<Unit> {
         let named = named.ok().flatten().map(|named| named.units);
-        let of_name =
-            |channel: usize, kind| named.as_ref().map(|units| units[channel]).filter(|unit| fits(*unit, kind));
+        let of_name = |channel: usize, kind| {
+            named.as_ref().and_then(|units| units.get(channel).copied()).filter(|unit| fits(*unit, kind))
+        };
         let of_kind = |(channel, kind): (usize, JointKind)| match fits(unit, kind) {
             true => unit,
             false => of_name(channel, kind).unwrap_or_else(|| matching(unit, kind)),
