@@ -17,6 +17,9 @@ await firstScreen("demo", "report.png", 640);
 await firstScreen("tutorial/results", "tutorial/good.png", 560);
 await firstScreen("tutorial/swapped", "tutorial/do_not_use.png", 560);
 await torques("tutorial/results", "tutorial/torques.png");
+await figure("design/arm", "design/motion.png", "#motion figure:has(.panel .zero)");
+await figure("design/arm", "design/promised.png", "#promise .forest");
+await figure("design/cell", "design/distance.png", "#distances figure");
 await browser.close();
 
 /** What one sees of a report without scrolling. */
@@ -30,8 +33,13 @@ function torques(run, picture) {
   return keep(run, picture, (page, path) => figure(page).screenshot({ path }));
 }
 
-async function keep(run, picture, take) {
-  const { page, close } = await open(browser, join(runs, run, "report.html"), { width: WIDTH });
+/** A figure of the page of a design. */
+function figure(run, picture, selector) {
+  return keep(run, picture, (page, path) => page.locator(selector).first().screenshot({ path }), "design.html");
+}
+
+async function keep(run, picture, take, file = "report.html") {
+  const { page, close } = await open(browser, join(runs, run, file), { width: WIDTH });
   const path = join(docs, picture);
   await take(page, path);
   await close();

@@ -102,12 +102,12 @@ export class App {
     this.client.cancel();
   }
 
-  async export(format: ExportFormat, force: boolean): Promise<void> {
+  async export(format: ExportFormat, untrusted: boolean): Promise<void> {
     const { identified } = this.state;
     if (!identified) return;
     const results = identified.files["results.json"] ?? JSON.stringify(identified.results);
     await this.task("export", async () => {
-      const answer = JSON.parse(await this.client.call("export", [results, format, force])) as Exported;
+      const answer = JSON.parse(await this.client.call("export", [results, format, untrusted])) as Exported;
       this.set({ exported: { format, answer }, said: `The robot is written as ${format.toUpperCase()}.` });
     });
   }

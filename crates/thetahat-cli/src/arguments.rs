@@ -43,11 +43,11 @@ pub enum Command {
     ///
     /// Beside the file goes FILE.covariance.json, which says how sure its parameters are.
     ///
-    /// Exit code 1 where the verdict on the results is that they are not to be used, and --force exports them.
+    /// Exit code 1 where the verdict on the results is that they are not to be used, and --untrusted exports them.
     Export(Export),
     /// Write robots drawn from the distribution of the estimates, each physically consistent: for domain randomisation.
     ///
-    /// Exit code 1 where the verdict on the results is that they are not to be used, and --force takes them.
+    /// Exit code 1 where the verdict on the results is that they are not to be used, and --untrusted takes them.
     Sample(Sample),
     /// Predict the torques of another motion with identified parameters.
     Predict(Predict),
@@ -410,6 +410,8 @@ pub struct Generate {
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     #[command(flatten)]
+    pub trust: Trust,
+    #[command(flatten)]
     pub force: Force,
     /// Folder against which the path is resolved [default: the current one]
     #[arg(long, value_name = "DIR")]
@@ -464,9 +466,21 @@ pub struct Exported {
     /// The robot description itself, likewise
     #[arg(long, value_name = "FILE", conflicts_with = "data")]
     pub robot: Option<PathBuf>,
-    /// Export results that are not to be used, and replace files that thetahat did not write
+    /// A MuJoCo model of your own that gets the robot's inertias, armatures and friction; its other bytes stay
+    #[arg(long, value_name = "MODEL.xml")]
+    pub into: Option<PathBuf>,
+    #[command(flatten)]
+    pub trust: Trust,
+    #[command(flatten)]
+    pub force: Force,
+}
+
+/// Which results are taken.
+#[derive(Args)]
+pub struct Trust {
+    /// Take results whose verdict is that they are not to be used (do-not-use)
     #[arg(long)]
-    pub force: bool,
+    pub untrusted: bool,
 }
 
 #[derive(Args)]

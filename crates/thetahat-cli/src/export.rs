@@ -8,7 +8,7 @@ use std::{
 
 use thetahat::{
     experiment::{EstimateRequest, ExperimentError, IdentifiedRobot},
-    export::{ExportError, IdentifiedModel},
+    export::{ExportError, Format, IdentifiedModel, MjcfModel, Target},
     output::{OutputGuard, remove_own, replace_file},
 };
 
@@ -24,24 +24,25 @@ const DIGITS: usize = 6;
 
 /// Writes the robot of results, or prints it.
 pub fn export_robot(request: &Request) -> Result<Ending, Box<dyn Error>> {
+    let model = model(&request.exported)?;
     let identified = identified(&request.exported)?;
     let sidecar = request.out.as_deref().map(beside);
-    let guard = OutputGuard::new(identified.files.iter().cloned(), request.exported.force);
+    let guard = guard(&request.exported, &identified);
     request.out.iter().chain(&sidecar).try_for_each(|path| guard.file(path))?;
-    let model = IdentifiedModel::new(identified)?;
-    let export = model.export(request.exported.to)?;
+    let robot = IdentifiedModel::new(identified)?;
+    let export = robot.export(target(&request.exported, model.as_ref()))?;
     let checked = if request.check { Some(export.check()?) } else { None };
-    let said = model.in_words(&export, checked);
+    let said = robot.in_words(&export, checked);
     let Some((path, sidecar)) = request.out.as_ref().zip(sidecar) else {
         remark(&said)?;
         print(&export.text)?;
-        return Ok(Ending::of(Some(model.identified.verdict)));
+        return Ok(Ending::of(Some(robot.identified.verdict)));
     };
-    let covariance = model.covariance_json_or_reason()?;
+    let covariance = robot.covariance_json_or_reason()?;
     replace_file(path, export.text.as_bytes())?;
     print(&format!("{said}\nwritten: {}\n", path.display()))?;
     print(&format!("         {}\n", write_sidecar(&sidecar, covariance)?))?;
-    Ok(Ending::of(Some(model.identified.verdict)))
+    Ok(Ending::of(Some(robot.identified.verdict)))
 }
 
 /// Writes the covariance, or takes away that of an earlier export. Returns what there is to say of it.
@@ -58,33 +59,39 @@ fn write_sidecar(sidecar: &Path, covariance: Result<String, ExportError>) -> io:
 
 /// Writes robots drawn from the distribution of the estimates.
 pub fn sample_robots(request: &Sample) -> Result<Ending, Box<dyn Error>> {
+    let model = model(&request.exported)?;
     let identified = identified(&request.exported)?;
     let extension = request.exported.to.extension();
     let names: Vec<String> = (1..=request.count).map(|number| format!("{number:0DIGITS$}.{extension}")).collect();
-    let guard = OutputGuard::new(identified.files.iter().cloned(), request.exported.force);
+    let guard = guard(&request.exported, &identified);
     guard.folder(&request.out, names.iter().map(String::as_str))?;
     refuse_others(&request.out, request.count, extension)?;
-    let model = IdentifiedModel::new(identified)?;
-    write_samples(&model, request, &names)?;
+    let robot = IdentifiedModel::new(identified)?;
+    write_samples(&robot, target(&request.exported, model.as_ref()), request, &names)?;
     print(&format!(
         "{}: {} samples of the estimates by {}, seed {}\nwritten: {} to {}\n",
-        model.identified.robot.name,
+        robot.identified.robot.name,
         request.count,
-        model.identified.run.method,
+        robot.identified.run.method,
         request.seed,
         request.out.join(&names[0]).display(),
         names[names.len() - 1]
     ))?;
-    Ok(Ending::of(Some(model.identified.verdict)))
+    Ok(Ending::of(Some(robot.identified.verdict)))
 }
 
 /// Makes the samples in a folder of their own, and moves them once all are there.
-fn write_samples(model: &IdentifiedModel, request: &Sample, names: &[String]) -> Result<(), Box<dyn Error>> {
+fn write_samples(
+    robot: &IdentifiedModel,
+    target: Target<'_>,
+    request: &Sample,
+    names: &[String],
+) -> Result<(), Box<dyn Error>> {
     let unfinished = request.out.join(format!(".samples.{}.part", std::process::id()));
     fs::create_dir_all(&unfinished)?;
     let mut counter = Counter::new("samples");
     let (mut waiting, samples) = (names.iter().enumerate(), (request.count, request.seed));
-    let made = model.export_samples(samples, request.exported.to, threads(None), |_, export| {
+    let made = robot.export_samples(samples, target, threads(None), |_, export| {
         let Some((done, name)) = waiting.next() else { return Ok(()) };
         fs::write(unfinished.join(name), export.text)?;
         counter.tell(done + 1, names.len(), String::new());
@@ -117,6 +124,26 @@ fn refuse_others(folder: &Path, count: u32, extension: &str) -> Result<(), Box<d
     }
 }
 
+/// The model of the user's own that the robot goes into.
+fn model(request: &Exported) -> Result<Option<MjcfModel>, Box<dyn Error>> {
+    match (&request.into, request.to) {
+        (None, _) => Ok(None),
+        (Some(path), Format::Mjcf) => Ok(Some(MjcfModel::read(path)?)),
+        (Some(_), Format::Urdf | Format::Sdf | Format::Json) => {
+            Err("--into takes a MuJoCo model; give it with --to mjcf. A URDF that the robot was read from is edited without it".into())
+        }
+    }
+}
+
+fn target<'a>(request: &Exported, model: Option<&'a MjcfModel>) -> Target<'a> {
+    model.map_or(Target::File(request.to), Target::Into)
+}
+
+/// What is read is never replaced.
+fn guard(request: &Exported, identified: &IdentifiedRobot) -> OutputGuard {
+    OutputGuard::new(identified.files.iter().chain(&request.into).cloned(), request.force.force)
+}
+
 fn identified(request: &Exported) -> Result<IdentifiedRobot, ExperimentError> {
     IdentifiedRobot::read(
         &request.results,
@@ -124,7 +151,7 @@ fn identified(request: &Exported) -> Result<IdentifiedRobot, ExperimentError> {
             method: request.method,
             robot: request.robot.clone(),
             data: request.data.clone(),
-            force: request.force,
+            untrusted: request.trust.untrusted,
             ..EstimateRequest::default()
         },
     )

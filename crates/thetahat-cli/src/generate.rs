@@ -80,7 +80,7 @@ fn read_results(request: &Generate, path: PathBuf) -> Result<Source, Box<dyn Err
             method: request.method,
             robot: request.robot.clone(),
             data: None,
-            force: request.force.force,
+            untrusted: request.trust.untrusted,
         },
     )?;
     let theta = match request.parameters.unwrap_or(GeneratedParameters::Values) {

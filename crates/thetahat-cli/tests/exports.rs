@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use thetahat_testing::{Folder, project, refused, run, shown, succeeded};
+use thetahat_testing::{Folder, project, refused, run, shown, succeeded, users_mjcf};
 
 fn thetahat<'a>(folder: &Path, arguments: impl IntoIterator<Item = &'a str>) -> std::process::Output {
     run(env!("CARGO_BIN_EXE_thetahat"), folder, arguments)
@@ -67,13 +67,14 @@ fn what_cannot_be_exported_is_refused() {
     assert!(export("results.json", &["--out", "results.json"]).contains("reads this file"));
     assert_eq!(folder.text("theirs.urdf"), "<robot name=\"theirs\"/>");
     assert!(export("results.json", &["--method", "didim"]).contains("there are nominal idim-ls"));
-    let unread = refused(&thetahat(folder.path(), ["export", "results.json", "--to", "mjcf", "--check"]));
-    assert!(unread.contains("thetahat reads URDF alone"), "{unread}");
+    let unread = refused(&thetahat(folder.path(), ["export", "results.json", "--to", "json", "--check"]));
+    assert!(unread.contains("holds the parameters as they are"), "{unread}");
     let unknown = refused(&thetahat(folder.path(), ["export", "results.json", "--to", "dae"]));
     assert!(unknown.contains("urdf, mjcf, sdf, json"), "{unknown}");
     assert!(export("two_joint.toml", &[]).contains("is not the results.json"));
     folder.replace("results.json", "\"verdict\": \"", "\"verdict\": \"do-not-use\", \"was\": \"", "bad.json");
-    assert!(export("bad.json", &["--out", "bad.urdf"]).contains("do-not-use"));
+    let untrusted = export("bad.json", &["--out", "bad.urdf", "--force"]);
+    assert!(untrusted.contains("do-not-use") && untrusted.contains("--untrusted"), "{untrusted}");
     assert!(!folder.at("bad.urdf").exists());
     folder.replace("two_joint.toml", "a_m = 0.4", "a_m = 0.5", "two_joint.toml");
     let changed = export("results.json", &["--data", "."]);
@@ -81,8 +82,67 @@ fn what_cannot_be_exported_is_refused() {
     let another = project("robots/tx40.toml");
     let another = export("results.json", &["--robot", another.to_str().unwrap_or_default()]);
     assert!(another.contains("is not the robot of these results"), "{another}");
-    let forced = ["export", "bad.json", "--to", "urdf", "--out", "bad.urdf", "--force"];
-    assert_eq!(thetahat(folder.path(), forced).status.code(), Some(1), "exported, and not to be trusted");
+    let untrusted = ["export", "bad.json", "--to", "urdf", "--out", "bad.urdf", "--untrusted"];
+    assert_eq!(thetahat(folder.path(), untrusted).status.code(), Some(1), "exported, and not to be trusted");
+    // Each flag permits one thing.
+    let both = ["export", "bad.json", "--to", "urdf", "--out", "theirs.urdf", "--untrusted"];
+    assert!(refused(&thetahat(folder.path(), both)).contains("--force"));
+    let replaced = export_forced(&folder);
+    assert!(folder.text("theirs.urdf").contains("thetahat export"), "{replaced}");
+}
+
+fn export_forced(folder: &Folder) -> String {
+    let arguments = ["export", "results.json", "--to", "urdf", "--out", "theirs.urdf", "--force"];
+    succeeded(&thetahat(folder.path(), arguments))
+}
+
+/// A MuJoCo model of the user's own: written anew elsewhere, never replaced, and refused with what is wrong with it.
+#[test]
+fn a_robot_goes_into_a_users_own_model() {
+    let folder = identified();
+    let run_with = |arguments: &[&str]| thetahat(folder.path(), arguments.iter().copied());
+    succeeded(&run_with(&["export", "results.json", "--to", "mjcf", "--out", "written.xml"]));
+    let mine = users_mjcf(&folder.text("written.xml"));
+    folder.write("mine.xml", &mine);
+    let into = |model: &str, more: &[&str]| {
+        run_with(&[&["export", "results.json", "--to", "mjcf", "--into", model], more].concat())
+    };
+    let said = succeeded(&into("mine.xml", &["--out", "arm.xml", "--check"]));
+    for words in ["cover_1 keep their inertia", "read back", "written: arm.xml"] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    let text = folder.text("arm.xml");
+    assert!(
+        text.contains("<!-- my own -->") && text.contains("thetahat export") && text.contains("<light pos='0 0 3'/>")
+    );
+    assert!(refused(&into("mine.xml", &["--out", "mine.xml", "--force"])).contains("reads this file"));
+    assert_eq!(folder.text("mine.xml"), mine);
+    let sample = ["sample", "results.json", "--to", "mjcf", "--into", "mine.xml", "--count", "2", "--out", "samples"];
+    succeeded(&run_with(&sample));
+    assert!(folder.text("samples/000002.xml").contains("<light pos='0 0 3'/>"));
+    let urdf = ["export", "results.json", "--to", "urdf", "--into", "mine.xml"];
+    assert!(refused(&run_with(&urdf)).contains("--to mjcf"));
+    assert!(refused(&into("absent.xml", &[])).contains("absent.xml"));
+    for (from, to, words) in [
+        (
+            "name='elbow'",
+            "name='knee'",
+            "no body has the joint `elbow` of the identified robot; it has the joints shoulder, knee",
+        ),
+        ("<default><joint", "<default><joint name='elbow2'", "written: "),
+        ("<light", "<include file='lights.xml'/><light", "takes in another file"),
+        ("boundmass='1e-12'", "boundmass='30'", "boundmass = 30 would change `my_link_"),
+        ("boundmass='1e-12'", "inertiafromgeom='true'", "replaces every <inertial>"),
+        ("boundmass='1e-12'", "settotalmass='4'", "scales every mass"),
+        ("boundmass='1e-12'", "coordinate='global'", "in that of the world"),
+        ("angle='degree'", "angle='radian'", "its axis differs by"),
+        ("<mujoco", "<robot name='a'><mujoco", "is not XML"),
+    ] {
+        folder.write("changed.xml", mine.replacen(from, to, 1));
+        let output = into("changed.xml", &["--out", "changed_arm.xml"]);
+        assert!(shown(&output).contains(words), "{from} to {to}: {}", shown(&output));
+        assert_eq!(output.status.success(), words == "written: ", "{}", shown(&output));
+    }
 }
 
 /// Nothing of an earlier export stays beside another one, and nothing that was read is replaced.

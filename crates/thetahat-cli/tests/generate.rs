@@ -133,8 +133,8 @@ fn results_of_another_robot_or_without_trust_are_refused() {
     let quoted = |verdict: &str| format!("\"verdict\": \"{verdict}\"");
     folder.write("bad.json", text.replacen(&quoted(&verdict), &quoted("do-not-use"), 1));
     let message = refused(&generate(&folder, &[&["bad.json"], &arguments[1..]].concat()));
-    assert!(message.contains("do-not-use") && message.contains("--force"), "{message}");
-    succeeded(&generate(&folder, &[&["bad.json"], &arguments[1..], &["--force"]].concat()));
+    assert!(message.contains("do-not-use") && message.contains("--untrusted"), "{message}");
+    succeeded(&generate(&folder, &[&["bad.json"], &arguments[1..], &["--untrusted"]].concat()));
 }
 
 #[test]

@@ -129,11 +129,11 @@ impl Results {
         path: PathBuf,
         format: &str,
         method: Option<&str>,
-        force: bool,
+        untrusted: bool,
     ) -> PyResult<Vec<String>> {
         let format: Format = format.parse().map_err(|e: String| Raised::new("ResultsError", e))?;
         let method = method.map(str::parse).transpose().map_err(|e: UnknownMethod| Raised::from(e))?;
-        let request = EstimateRequest { method, force, ..EstimateRequest::default() };
+        let request = EstimateRequest { method, untrusted, ..EstimateRequest::default() };
         py.detach(|| {
             let refused = |e: ExportError| Raised::new("ResultsError", e);
             let model =

@@ -1,13 +1,16 @@
-//! What the tests of both crates share: temporary folders, runs of the program, the shared data, and assertions.
+//! What the tests of both crates share: temporary folders, runs of the program, the shared data, models
+//! of others, and assertions.
 //!
 //! Everything here panics where it fails, as tests do, except checks for tests that return their failure.
 
 mod assertions;
 mod folder;
+mod mjcf;
 mod program;
 mod shared;
 
 pub use assertions::{assert_close, ensure, ensure_printed};
 pub use folder::Folder;
+pub use mjcf::users_mjcf;
 pub use program::{refused, run, shown, succeeded};
 pub use shared::{Named, data, project, root, run_slow_with_shared_data, run_with_shared_data, shared};

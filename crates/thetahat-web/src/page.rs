@@ -109,8 +109,8 @@ impl PageSession {
     ///
     /// # Errors
     /// What the command `export` says.
-    pub fn export(&self, results: &str, format: &str, force: bool) -> Outcome<String> {
-        told(self.0.export(results, format, force))
+    pub fn export(&self, results: &str, format: &str, untrusted: bool) -> Outcome<String> {
+        told(self.0.export(results, format, untrusted))
     }
 }
 

@@ -153,10 +153,10 @@ impl Session {
     ///
     /// # Errors
     /// As the command `export`.
-    pub fn export(&self, results: &str, format: &str, force: bool) -> Outcome<String> {
+    pub fn export(&self, results: &str, format: &str, untrusted: bool) -> Outcome<String> {
         let path = Path::new("results.json");
         let results = Results::from_json(path, results)?;
-        let request = EstimateRequest { force, ..EstimateRequest::default() };
+        let request = EstimateRequest { untrusted, ..EstimateRequest::default() };
         let model = IdentifiedModel::of_results(path, &results, &request)?;
         let format: Format = format.parse()?;
         Ok(serde_json::to_string(&Exported::of(&model, format)?)?)

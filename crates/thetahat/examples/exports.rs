@@ -6,7 +6,8 @@
 //! ```
 //!
 //! DIR gets NAME.urdf, NAME.xml and NAME.sdf with NAME.urdf.json and so on: 1000 random states, and the torques of the robot as
-//! the format says it, with friction and without.
+//! the format says it, with friction and without. Beside them go NAME_into_a_users_own.xml, a user's MuJoCo model with the
+//! robot's values, and NAME_derivatives.py, generated derivatives of the links' torques.
 
 use std::{
     collections::BTreeMap,
@@ -22,10 +23,11 @@ use thetahat::{
     Robot,
     consistency::completed_a_priori,
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
-    export::{Export, Format, export_robot},
+    export::{Export, Format, MjcfModel, Target, export_robot},
     robot::{Parameter, Quantity, RobotSource, Role},
+    symbolic::{DriveTorques, Function, Language, ModelKind, ParameterSet, Request},
 };
-use thetahat_testing::{data, project, shared};
+use thetahat_testing::{data, project, shared, users_mjcf};
 
 const STATES: usize = 1000;
 
@@ -61,11 +63,36 @@ fn export(file: &Path, folder: &Path) -> Result<(), Box<dyn Error>> {
     let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     for format in [Format::Urdf, Format::Mjcf, Format::Sdf] {
         let export = export_robot(&robot, source.urdf_text(), &parameters, format, &[])?;
-        let path = folder.join(format!("{name}.{}", format.extension()));
-        fs::write(&path, &export.text)?;
-        fs::write(folder.join(format!("{name}.{}.json", format.extension())), torques(&export).to_string())?;
+        write(&export, &folder.join(format!("{name}.{}", format.extension())))?;
+        match format {
+            Format::Urdf => fs::write(folder.join(format!("{name}_derivatives.py")), derivatives(&export)?)?,
+            Format::Mjcf => {
+                let model = MjcfModel::from_text(users_mjcf(&export.text), Path::new("the user's model"));
+                let into = export_robot(&robot, None, &parameters, Target::Into(&model), &[])?;
+                write(&into, &folder.join(format!("{name}_into_a_users_own.xml")))?;
+            }
+            Format::Sdf | Format::Json => {}
+        }
     }
     Ok(())
+}
+
+/// A file with its torques beside it.
+fn write(export: &Export, path: &Path) -> Result<(), Box<dyn Error>> {
+    fs::write(path, &export.text)?;
+    let mut torques_file = path.file_name().unwrap_or_default().to_owned();
+    torques_file.push(".json");
+    Ok(fs::write(path.with_file_name(torques_file), torques(export).to_string())?)
+}
+
+/// Generated Python of the derivatives of the links' torques.
+fn derivatives(export: &Export) -> Result<String, Box<dyn Error>> {
+    let request = Request {
+        values: Some(export.parameters().to_vec()),
+        drives: DriveTorques::None,
+        ..Request::new(ModelKind::InverseDynamicsDerivatives, ParameterSet::Standard)
+    };
+    Ok(Language::Python.code(&Function::new(export.robot(), &request)?, Some("robot"))?)
 }
 
 /// A-priori parameters, with motor inertia and friction where there are none.

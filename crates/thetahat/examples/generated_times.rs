@@ -9,7 +9,7 @@ use thetahat::{
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     regressor::Regressor,
     robot::Robot,
-    symbolic::{DriveTorques, Function, Language, ModelKind, ParameterSet, Request},
+    symbolic::{Function, Language, ModelKind, ParameterSet, Request},
 };
 
 const CALLS: usize = 20_000;
@@ -34,14 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut program = "#include <stdio.h>\n#include <time.h>\n".to_owned();
     let mut body = String::new();
     for model in MODELS {
-        let request = Request {
-            model,
-            parameters: ParameterSet::Base,
-            values: None,
-            drives: DriveTorques::All,
-            about: Vec::new(),
-        };
-        let function = Function::new(&robot, &request)?;
+        let function = Function::new(&robot, &Request::new(model, ParameterSet::Base))?;
         let name = format!("tx40_{}", model.identifier());
         std::fs::write(folder.join(format!("{name}.h")), Language::C.code(&function, Some("tx40"))?)?;
         writeln!(program, "#include \"{name}.h\"")?;

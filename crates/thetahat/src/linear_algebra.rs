@@ -307,6 +307,12 @@ impl CholeskyFactor {
         from_faer(self.factor.solve(right).as_ref()).values
     }
 
+    /// `A^-1 B`.
+    #[must_use]
+    pub fn solve_matrix(&self, b: &Matrix) -> Matrix {
+        from_faer(self.factor.solve(b.view()).as_ref())
+    }
+
     /// The lower triangular L.
     #[must_use]
     pub fn lower(&self) -> Matrix {

@@ -10,6 +10,9 @@
 
 use std::ops::Range;
 
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
 /// Equally sampled channels, stored sample by sample: `values[k * channels + c]` is channel `c` at sample `k`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
@@ -97,6 +100,21 @@ impl Series {
     /// The channels at sample `k`, to write.
     pub fn sample_mut(&mut self, k: usize) -> &mut [f64] {
         &mut self.values[k * self.channels..(k + 1) * self.channels]
+    }
+
+    /// Adds white noise with a standard deviation for each channel: one number is drawn for each value, sample by sample.
+    pub(crate) fn add_white_noise(&mut self, deviations: &[f64], rng: &mut ChaCha8Rng) {
+        for k in 0..self.len() {
+            for (value, deviation) in self.sample_mut(k).iter_mut().zip(deviations) {
+                let noise: f64 = StandardNormal.sample(rng);
+                *value += deviation * noise;
+            }
+        }
+    }
+
+    /// Adds a series of the same form.
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.values.iter_mut().zip(&other.values).for_each(|(value, other)| *value += other);
     }
 
     /// A copy of channel `c` over time.

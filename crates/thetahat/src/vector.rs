@@ -69,3 +69,37 @@ pub(crate) fn turned(r: &Mat3, b: &Mat3) -> Mat3 {
 pub(crate) fn norm(a: Vec3) -> f64 {
     dot(a, a).sqrt()
 }
+
+/// `a - b`.
+pub(crate) fn sub(a: Vec3, b: Vec3) -> Vec3 {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// The rotation about an axis of length one.
+pub(crate) fn axis_angle(axis: Vec3, angle: f64) -> Mat3 {
+    let (s, c) = angle.sin_cos();
+    let [x, y, z] = axis;
+    let skew = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]];
+    let entry = |i: usize, j: usize| c * IDENTITY[i][j] + s * skew[i][j] + (1.0 - c) * axis[i] * axis[j];
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j)))
+}
+
+/// The rotation of a quaternion of length one: w, x, y, z.
+pub(crate) fn quaternion_rotation([w, x, y, z]: [f64; 4]) -> Mat3 {
+    [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+        [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+        [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+    ]
+}
+
+/// A rotation with a z axis: the identity where it is z, exact zeros and ones where it is an axis of the frame.
+pub(crate) fn with_z(z: Vec3) -> Mat3 {
+    let size = |i: &usize| z[*i].abs();
+    let largest = [2, 0, 1].into_iter().reduce(|a, b| if size(&b) > size(&a) { b } else { a }).unwrap_or(2);
+    let mut toward = [0.0; 3];
+    toward[(largest + 1) % 3] = 1.0;
+    let x = add(toward, scale(-dot(toward, z), z));
+    let x = scale(1.0 / norm(x), x);
+    transpose(&[x, cross(z, x), z])
+}

@@ -3,9 +3,14 @@
 use std::path::Path;
 
 use thetahat::{
-    design::{Design, DesignError, ExpectedRecord},
+    base_parameters::BaseParameters,
+    design::{Criterion, Design, DesignError, ExpectedRecord, Information},
+    dynamics::{Model, Sign},
     experiment::Experiment,
+    preparation::PreparationError,
     reduction::ReduceOptions,
+    results::{DesignResults, Limited, PromisedParameter},
+    series::Series,
 };
 use thetahat_testing::{Folder, project};
 
@@ -30,15 +35,49 @@ fn refused(from: &str, to: &str) -> Box<DesignError> {
 /// The key of a value that is refused.
 fn key(from: &str, to: &str) -> String {
     let error = refused(from, to);
+    key_of(*error)
+}
+
+fn key_of(error: DesignError) -> String {
     let text = error.to_string();
-    let DesignError::Value { key, .. } = *error else { panic!("{text}") };
+    let DesignError::Preparation { source: PreparationError::Value { key, .. }, .. } = error else { panic!("{text}") };
     key
+}
+
+/// The samples of a design are within the limits that it names, and as large as it says.
+fn assert_within_limits(results: &DesignResults) {
+    for limit in &results.limits {
+        let channel = |series: &Series| series.channel(limit.coordinate);
+        let values = match limit.quantity {
+            Limited::Position => channel(&results.q),
+            Limited::Velocity => channel(&results.dq),
+            Limited::Acceleration => channel(&results.ddq),
+            Limited::Jerk => differences(&channel(&results.ddq), results.sample_rate_hz),
+            Limited::Torque => channel(&results.torque),
+            Limited::Power => {
+                channel(&results.torque).iter().zip(channel(&results.dq)).map(|(tau, v)| tau * v).collect()
+            }
+        };
+        let [least, most] = [f64::min, f64::max].map(|better| values.iter().copied().reduce(better).unwrap());
+        let [lower, upper] = limit.limit;
+        assert!(least >= lower && most <= upper, "{limit:?}: from {least} to {most}");
+        let slack = 0.02 * (upper - lower);
+        assert!(least >= limit.reached[0] - slack && most <= limit.reached[1] + slack, "{limit:?}: {least} {most}");
+        assert!(least <= limit.reached[0] + slack && most >= limit.reached[1] - slack, "{limit:?}: {least} {most}");
+    }
+}
+
+/// Mean slopes between samples.
+fn differences(values: &[f64], rate_hz: f64) -> Vec<f64> {
+    values.windows(2).map(|pair| (pair[1] - pair[0]) * rate_hz).collect()
 }
 
 #[test]
 fn values_that_cannot_be_used_are_named() {
     assert_eq!(key("torque = 0.1", "torque = 0"), "[noise] torque");
     assert_eq!(key("torque = 0.1", "torque = [0.1]"), "[noise] torque");
+    assert_eq!(key("torque = 0.1", ""), "[noise]");
+    assert_eq!(key("torque = 0.1", "torque = 0.1\nresults = 'results.json'"), "[noise]");
     assert_eq!(key("duration_s = 4", "duration_s = 0.2"), "duration_s");
     assert_eq!(key("duration_s = 4", "duration_s = -1"), "duration_s");
     assert_eq!(key("velocity = [250, 350]", "velocity = [250, 350, 1]"), "[limits] velocity");
@@ -46,6 +85,12 @@ fn values_that_cannot_be_used_are_named() {
     assert_eq!(key("harmonics = 3", "harmonics = 0"), "[motion] harmonics");
     assert_eq!(key("harmonics = 3", "harmonics = 3\nstart = [0]"), "[motion] start");
     assert_eq!(key("harmonics = 3", "harmonics = 3\nstart = [0, 121]"), "[motion] start");
+    // In the file's units, and with what the margin of 2 % leaves.
+    let error = refused("harmonics = 3", "harmonics = 3\nstart = [0, 119]").to_string();
+    assert!(
+        error.contains("[motion] start is 119, expected from -117.6000 to 117.6000 degrees for joint elbow"),
+        "{error}"
+    );
     assert_eq!(key("[noise]", "[wanted]\ncriterion = 'chosen'\n[noise]"), "[wanted] parameters");
 }
 
@@ -55,7 +100,8 @@ fn limits_that_contradict_are_named_with_their_joint() {
     assert!(matches!(&*error, DesignError::Contradiction { joint, .. } if joint == "shoulder"), "{error}");
     let error = refused("[-120, 120]", "[30, 30]");
     assert!(matches!(&*error, DesignError::Contradiction { joint, .. } if joint == "elbow"), "{error}");
-    assert!(error.to_string().contains("[locked]"), "{error}");
+    let text = error.to_string();
+    assert!(text.contains("runs from 30.0000 to 30.0000 degrees") && text.contains("[locked]"), "{error}");
 }
 
 #[test]
@@ -86,7 +132,7 @@ fn a_torque_below_gravity_is_infeasible_and_named() {
     let design = parse(&DESIGN.replace("torque = [60, 25]", "torque = [0.5, 25]")).unwrap();
     let error = design.run(2, &mut |_| {}).unwrap_err();
     let named = matches!(&error, DesignError::Infeasible { joint, quantity: "torque", .. } if joint == "shoulder");
-    assert!(named, "{error}");
+    assert!(named && error.to_string().contains("it is 0.5000 N m"), "{error}");
 }
 
 /// Limits hold at 1 kHz, the motion rests at both ends, and no number depends on the threads.
@@ -94,7 +140,10 @@ fn a_torque_below_gravity_is_infeasible_and_named() {
 fn limits_hold_and_the_motion_rests_at_both_ends() {
     let design = parse(DESIGN).unwrap();
     let results = design.run(2, &mut |_| {}).unwrap();
-    assert!(results.limits.iter().all(|l| l.part <= 1.0), "{:?}", results.limits);
+    let quantities: Vec<Limited> = results.limits.iter().filter(|l| l.coordinate == 1).map(|l| l.quantity).collect();
+    assert_eq!(quantities, [Limited::Position, Limited::Velocity, Limited::Acceleration, Limited::Torque]);
+    assert_eq!(results.limits[4].limit, [-120.0, 120.0].map(f64::to_radians));
+    assert_within_limits(&results);
     assert!(results.limits.iter().any(|l| l.part > 0.9), "{:?}", results.limits);
     let last = results.q.len() - 1;
     for (series, tolerance) in [(&results.dq, 1e-9), (&results.ddq, 1e-8)] {
@@ -118,10 +167,40 @@ fn each_criterion_serves_its_own_purpose() {
     let volume = run("criterion = 'd'");
     let chosen = run("criterion = 'chosen'\nparameters = ['fc1']");
     assert!(deviation(&chosen, "fc1") < 0.97 * deviation(&volume, "fc1"));
-    for named in ["a", "worst"] {
-        let found = run(&format!("criterion = '{named}'"));
-        assert_eq!(found.promised.len(), volume.promised.len());
-        assert!(found.limits.iter().all(|l| l.part <= 1.0), "{named}");
+    let model = Model::new(&parse(DESIGN).unwrap().robot);
+    let information = Information::new(&model, &BaseParameters::of(&model, &[]).unwrap().columns(), &[0.1, 0.1]);
+    let of = |motion: [&Series; 3]| information.of(motion, 1.0, Sign::Exact);
+    // Each parameter's unit changes the torques at random states by the noise, as in the design, but for its random numbers.
+    let wave = |[one, other]: [f64; 2], w: f64| {
+        let values = (0..1000).flat_map(|k| [one * (w * f64::from(k)).sin(), other * (1.7 * w * f64::from(k)).cos()]);
+        Series::from_values(2, values.collect())
+    };
+    let states = [wave([1.5, 2.0], 0.37), wave([4.0, 6.0], 0.91), wave([26.0, 35.0], 1.33)];
+    let m = of(states.each_ref());
+    let weights: Vec<f64> = (0..m.rows()).map(|i| m.at(i, i)).collect();
+    for (name, criterion) in
+        [("a", Criterion::A { weights: weights.clone() }), ("worst", Criterion::Worst { weights: weights.clone() })]
+    {
+        let found = run(&format!("criterion = '{name}'"));
+        assert_within_limits(&found);
+        let [own, other] = [&found, &volume].map(|r| criterion.value(&of([&r.q, &r.dq, &r.ddq])).unwrap());
+        println!("{name}: {own} of its own motion, {other} of that of d");
+        assert!(own < other - 0.01, "{name}: {own} {other}");
+    }
+}
+
+/// From starts near a limit each search finds a motion that is much better than the one that it began with.
+#[test]
+fn a_motion_may_start_near_a_limit() {
+    for start in ["[0, 117]", "[-88, 117.5]"] {
+        let text = DESIGN.replace("harmonics = 3\nstarts = 2", &format!("harmonics = 3\nstarts = 4\nstart = {start}"));
+        let results = parse(&text).unwrap().run(2, &mut |_| {}).unwrap();
+        assert_within_limits(&results);
+        assert_eq!(results.starts.len(), 4);
+        println!("{start}: {:?}", results.starts);
+        assert!(results.starts.iter().all(|s| s.found < s.first - 4.0), "{start}: {:?}", results.starts);
+        let text = results.q.sample(0).iter().map(|q| format!("{:.1}", q.to_degrees())).collect::<Vec<_>>().join(", ");
+        assert!(start == "[0, 117]" && text == "0.0, 117.0" || text == "-88.0, 117.5", "{text}");
     }
 }
 
@@ -136,6 +215,14 @@ fn files_are_written_and_name_the_robot() {
     let yaml = std::fs::read_to_string(folder.path().join("trajectory.yaml")).unwrap();
     assert_eq!(yaml.lines().filter(|l| l.starts_with("- {positions: [")).count(), results.q.len());
     assert!(yaml.contains("joint_names: [\"shoulder\",\"elbow\"]"));
+    // Three harmonics in 4 s: 0.75 Hz, and what the quintics add.
+    assert!(results.spectrum.end_hz.iter().all(|hz| (0.5..3.0).contains(hz)), "{:?}", results.spectrum.end_hz);
+    let page = std::fs::read_to_string(folder.path().join("design.html")).unwrap();
+    for words in
+        ["Frequencies of the motion", "the robot where it starts", "position filter 40", "shoulder: rad, s, N m"]
+    {
+        assert!(page.contains(words), "{words}");
+    }
 }
 
 /// The design with its controller, whose loop is simulated.
@@ -157,6 +244,45 @@ fn rehearsal(folder: &Folder, text: &str) -> (Design, thetahat::results::DesignR
     (design, results, experiment)
 }
 
+/// The rehearsal is recorded with the noise of the design, of positions too; without a controller, under a usual one.
+#[test]
+fn a_rehearsal_has_the_noise_of_the_design() {
+    let folder = Folder::new();
+    let text = DESIGN.replace("torque = 0.1", "torque = 0.1\nposition = 0.01");
+    let (_, promised, experiment) = rehearsal(&folder, &text);
+    let (_, quiet, _) = rehearsal(&folder, DESIGN);
+    let results = experiment.run(Path::new(""), &mut |_| {}).unwrap();
+    let run = results.runs.iter().find(|run| run.method.name() == promised.method).unwrap();
+    let ratio = |other: &DesignResults| {
+        let of = |p: &PromisedParameter| {
+            let [low, high] = run.parameter(&p.name).unwrap().interval_95.unwrap();
+            (0.5 * (high - low) / p.half_width_95).ln()
+        };
+        (other.promised.iter().map(of).sum::<f64>() / other.promised.len() as f64).exp()
+    };
+    let [of_own, of_quiet] = [ratio(&promised), ratio(&quiet)];
+    println!(
+        "intervals of the rehearsal {of_own:.2} times as wide as promised, {of_quiet:.2} without noise of positions"
+    );
+    assert!((0.75..1.33).contains(&of_own) && of_quiet > 2.0, "{of_own} {of_quiet}");
+}
+
+/// A noise that hides some parameters: a motion for them alone would show them better.
+#[test]
+fn what_stays_unknown_has_a_remedy() {
+    let design = parse(&DESIGN.replace("torque = 0.1", "torque = 40")).unwrap();
+    let results = design.run(2, &mut |_| {}).unwrap();
+    let is_unknown = |p: &&PromisedParameter| p.a_priori != 0.0 && p.half_width_95 >= p.a_priori.abs();
+    let unknown: Vec<&PromisedParameter> = results.promised.iter().filter(is_unknown).collect();
+    let times: Vec<f64> = results.promised.iter().filter_map(|p| p.by_own_motion).collect();
+    println!("{times:?}");
+    assert!(!unknown.is_empty() && unknown.len() < results.promised.len());
+    assert_eq!(times.len(), unknown.len());
+    assert!(times.iter().map(|t| t.ln()).sum::<f64>() > 0.0, "{times:?}");
+    let text = thetahat::report::design_text(&results, thetahat::report::TextWidth::DEFAULT);
+    assert!(text.contains("What would show them") && text.contains(&format!("{} after", unknown[0].name)), "{text}");
+}
+
 /// Records of the Monte Carlo: the deviation of each estimate is then known to 3.5 %.
 const RECORDS: u64 = 400;
 
@@ -175,6 +301,7 @@ fn the_promise_is_kept_by_records_of_the_closed_loop() {
         q: &motion.q,
         tau: &motion.tau,
         torque_noise: &[0.1, 0.1],
+        torque_spectrum: None,
         position_noise: &[0.0, 0.0],
     };
     let path = Path::new("design.toml");
@@ -222,7 +349,7 @@ fn recordings_at_hand_are_known_before() {
 }
 
 /// A lift with two fingers, of which the right one follows the left one 1 mm ahead.
-fn lift_and_fingers() -> String {
+fn lift_and_fingers(more: &str) -> String {
     let link = |name: &str| {
         format!(
             "<link name='{name}'><inertial><origin xyz='0.1 0.02 0.03'/><mass value='2'/>\
@@ -237,7 +364,7 @@ fn lift_and_fingers() -> String {
     };
     let follows = "<mimic joint='left' multiplier='1' offset='0.001'/>";
     format!(
-        "<robot name='lift'>\n<link name='base'/>\n{}{}{}{}{}{}</robot>\n",
+        "<robot name='lift'>\n<link name='base'/>\n{}{}{}{}{}{}{more}</robot>\n",
         link("carriage"),
         link("left_finger"),
         link("right_finger"),
@@ -250,13 +377,43 @@ fn lift_and_fingers() -> String {
 /// Where a joint follows another, the limits of both hold.
 #[test]
 fn followers_hold_their_limits() {
-    let folder = Folder::with("lift.urdf", lift_and_fingers());
+    let folder = Folder::with("lift.urdf", lift_and_fingers(""));
     let text = "title = 'fingers'\nrobot = 'lift.urdf'\nduration_s = 4\nsample_rate_hz = 500\n[motion]\nharmonics = 3\nstarts = 1\n\
                 [limits]\nacceleration = 3000\n[noise]\ntorque = 0.1\n[signal]\ncutoff_hz = 20\ndecimation = 5\n";
     let design = Design::parse(text, &folder.path().join("design.toml")).unwrap();
     let results = design.run(1, &mut |_| {}).unwrap();
     let largest = (0..results.q.len()).map(|k| results.q.sample(k)[1]).fold(0.0, f64::max);
     assert!((0.03..=0.039).contains(&largest), "{largest}");
+}
+
+/// A lift, fingers and an arm on it, with limits of everything and a start off the middle.
+#[test]
+fn all_limits_of_a_lift_with_an_arm_hold() {
+    let arm = "<link name='arm'><inertial><origin xyz='0.2 0.01 0.02'/><mass value='3'/>\
+               <inertia ixx='0.02' ixy='0' ixz='0' iyy='0.1' iyz='0' izz='0.1'/></inertial></link>\n\
+               <joint name='elbow' type='revolute'><parent link='carriage'/><child link='arm'/><axis xyz='0 1 0'/>\
+               <limit lower='-1' upper='2' velocity='3' effort='40'/><dynamics damping='1' friction='0.5'/></joint>\n";
+    let folder = Folder::with("lift.urdf", lift_and_fingers(arm));
+    let text = |kind: &str| {
+        format!(
+            "title = 'lift'\nrobot = 'lift.urdf'\nduration_s = 4\nsample_rate_hz = 1000\n[motion]\n{kind}\nstarts = 2\n\
+             start = [60, 10, 80]\n[limits]\nacceleration = [3000, 1500, 900]\njerk = [60000, 40000, 20000]\n\
+             power = [40, 3, 12]\n[noise]\ntorque = 0.1\n[signal]\ncutoff_hz = 20\ndecimation = 5\n"
+        )
+    };
+    for kind in ["harmonics = 3", "kind = 'moves'\nmoves = 5"] {
+        let design = Design::parse(&text(kind), &folder.path().join("design.toml")).unwrap();
+        let results = design.run(2, &mut |_| {}).unwrap();
+        assert_eq!(results.limits.len(), 18, "three joints with six limits");
+        assert_within_limits(&results);
+        println!("{kind}: {:?} {:?}", results.starts, results.limits.iter().map(|l| l.part).collect::<Vec<_>>());
+        let start = results.q.sample(0);
+        let expected = [0.06, 0.01, 80f64.to_radians()];
+        assert!(start.iter().zip(expected).all(|(q, e)| (q - e).abs() < 1e-9), "{start:?}");
+        assert!(results.starts.iter().all(|s| s.found < s.first - 1.0), "{:?}", results.starts);
+        let of_power = |l: &&thetahat::results::LimitUse| l.quantity == Limited::Power;
+        assert!(results.limits.iter().filter(of_power).any(|l| l.part > 0.8), "{:?}", results.limits);
+    }
 }
 
 /// What the identification of the record could not do is refused before the search.
@@ -275,7 +432,7 @@ fn what_cannot_be_identified_is_refused() {
     let term = "[[term]]\nkind = 'channel-viscous'\njoints = ['shoulder']\nchannel = 'temperature'\nreference = 20\n";
     let folder = Folder::with("two_joint.toml", format!("{robot}\n{term}"));
     let error = Design::parse(DESIGN, &folder.path().join("design.toml")).unwrap_err();
-    assert!(matches!(&error, DesignError::Value { key, .. } if key == "[[term]]"), "{error}");
+    assert_eq!(key_of(error), "[[term]]");
 }
 
 /// A planar arm that moves from posture to posture.
@@ -288,7 +445,7 @@ fn moves_hold_their_limits_and_end_where_they_start() {
     for jerk in ["", "jerk = 60000"] {
         let design = parse(&moves(jerk)).unwrap();
         let results = design.run(2, &mut |_| {}).unwrap();
-        assert!(results.limits.iter().all(|l| l.part <= 1.0), "{:?}", results.limits);
+        assert_within_limits(&results);
         assert!(results.limits.iter().any(|l| l.part > 0.9), "{:?}", results.limits);
         let moves = results.moves.as_ref().unwrap();
         assert_eq!((moves.moves().len(), &moves.moves()[5].end[..]), (6, moves.start()));
@@ -357,14 +514,15 @@ fn shapes_stay_apart() {
     assert!(collision.pairs.iter().all(|pair| pair.distance >= 0.02), "{collision:?}");
     assert!(collision.pairs[0].distance < 0.03, "{collision:?}");
     assert!(!collision.has_way && collision.uncovered.is_empty());
+    let least = collision.least.iter().map(|[_, distance]| *distance).fold(f64::INFINITY, f64::min);
+    assert!(collision.least.len() == 4001 && least == collision.pairs[0].distance, "{least}");
     assert_eq!(design.run(1, &mut |_| {}).unwrap().q, results.q);
 }
 
 #[test]
 fn shapes_that_cannot_be_used_are_named() {
-    let key = |from: &str, to: &str| match parse(&with_collision(from, to)).map_err(|e| *e) {
-        Err(DesignError::Value { key, .. }) => key,
-        Err(error) => panic!("{error}"),
+    let key = |from: &str, to: &str| match parse(&with_collision(from, to)) {
+        Err(error) => key_of(*error),
         Ok(_) => panic!("{to} is taken"),
     };
     assert_eq!(key("margin = 20", "margin = -1"), "[collision] margin");
@@ -407,6 +565,16 @@ fn results_at_hand_are_compared_with() {
     assert!((0.8..1.25).contains(&mean), "{mean}");
     let text = thetahat::report::design_text(&both, thetahat::report::TextWidth::DEFAULT);
     assert!(text.contains("times as narrow"), "{text}");
+    // The residual of that record is the noise of the design: a design with it promises the same.
+    let with_noise = |file: &str| with_controller().replace("torque = 0.1", &format!("results = '{file}'"));
+    let from_residual = Design::parse(&with_noise("results.json"), &design.path).unwrap().run(2, &mut |_| {}).unwrap();
+    let ratio = |(a, b): (&PromisedParameter, &PromisedParameter)| (a.half_width_95 / b.half_width_95).ln();
+    let mean = from_residual.promised.iter().zip(&alone.promised).map(ratio).sum::<f64>() / alone.promised.len() as f64;
+    println!("with the noise of the residual {:.3} times as wide", mean.exp());
+    assert!(mean.abs() < 0.15, "{mean}");
+    folder.write("joints.json", results.to_json().unwrap().replace("\"elbow\"", "\"hand\""));
+    let error = Design::parse(&with_noise("joints.json"), &design.path).unwrap_err();
+    assert!(matches!(&error, DesignError::NoNoise { .. }) && error.to_string().contains("joints.json"), "{error}");
     let other = with_controller().replace("[motion]", "compare = 'nowhere.json'\n[motion]");
     let error = Design::parse(&other, &design.path).unwrap().run(1, &mut |_| {}).unwrap_err();
     assert!(matches!(&error, DesignError::Results(_)) && error.to_string().contains("nowhere.json"), "{error}");

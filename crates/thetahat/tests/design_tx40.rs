@@ -120,7 +120,20 @@ fn thirteen_moves() -> Result<(), Failed> {
         base.len(),
         results.starts
     );
-    ensure(results.limits.iter().all(|l| l.part <= 1.0), format!("{:?}", results.limits))?;
+    for (name, found, of_record) in [
+        ("position", &results.q, &q),
+        ("velocity", &results.dq, &dq),
+        ("acceleration", &results.ddq, &ddq),
+        ("torque", &results.torque, &torques(&robot, [&q, &dq, &ddq])),
+    ] {
+        let within = |(found, of_record): (&[f64; 2], &[f64; 2])| {
+            let largest = of_record[0].abs().max(of_record[1].abs());
+            let range = if name == "position" { *of_record } else { [-largest, largest] };
+            found[0] >= range[0] && found[1] <= range[1]
+        };
+        let (found, of_record) = (ranges(found), ranges(of_record));
+        ensure(found.iter().zip(&of_record).all(within), format!("{name}: {found:?} {of_record:?}"))?;
+    }
     ensure(results.moves.as_ref().is_some_and(|m| m.moves().len() == 13), "13 moves")?;
     ensure(times > 1.2, format!("deviations {times} times smaller"))
 }
@@ -158,6 +171,7 @@ fn the_promise_is_kept() -> Result<(), Failed> {
         q: &motion.q,
         tau: &motion.tau,
         torque_noise: &NOISE,
+        torque_spectrum: None,
         position_noise: &[0.0; JOINTS],
     };
     let estimates: Vec<Vec<f64>> = std::thread::scope(|scope| {

@@ -6,12 +6,12 @@ use thetahat::{
     Experiment, Identification, Method, Recording, Results, Settings,
     consistency::completed_a_priori,
     experiment::{EstimateRequest, ExperimentError, IdentifiedRobot},
-    export::{Export, ExportError, Format, IdentifiedModel, Provenance, export_robot},
+    export::{Export, ExportError, Format, IdentifiedModel, MjcfError, MjcfModel, Provenance, Target, export_robot},
     results::{NOMINAL, NoEstimate, ProfiledTerm, Status, Verdict},
     robot::{Locks, Robot, RobotError, RobotSource, TermDescription},
     run::with_constants,
 };
-use thetahat_testing::{Folder, data, project, shared};
+use thetahat_testing::{Folder, data, project, shared, users_mjcf};
 
 /// The robots of the checkout: of tables, with prismatic joints, trees, followers, motors that are coupled.
 const ROBOTS: [&str; 9] = [
@@ -78,14 +78,119 @@ fn a_file_that_says_something_else_is_found() {
     assert!(matches!(export.check(), Err(ExportError::RoundTrip { .. })));
 }
 
+/// A robot of the checkout with friction and motor inertia everywhere, and links that are bodies.
+fn whole(file: &str) -> (Robot, Vec<f64>) {
+    let source = RobotSource::read(&project("robots").join(file)).unwrap();
+    let robot =
+        if file.ends_with("urdf") { source.robot_without_transmission().unwrap() } else { source.robot().unwrap() };
+    let parameters = identified(&robot);
+    (robot, parameters)
+}
+
 #[test]
-fn other_formats_have_no_reader() {
-    let source = RobotSource::read(&project("robots/two_joint.toml")).unwrap();
-    let robot = source.robot().unwrap();
-    for format in [Format::Mjcf, Format::Sdf, Format::Json] {
-        let export = export_robot(&robot, None, &robot.a_priori_parameters(), format, &[]).unwrap();
-        assert!(matches!(export.check(), Err(ExportError::NoReader { .. })));
+fn mjcf_and_sdf_come_back() {
+    for file in ROBOTS {
+        let (robot, parameters) = whole(file);
+        for format in [Format::Mjcf, Format::Sdf] {
+            let export = export_robot(&robot, None, &parameters, format, &[]).unwrap();
+            let worst = export.check().unwrap_or_else(|e| panic!("{format} of {file}: {e}"));
+            assert!(worst < 1e-12, "{format} of {file}: {worst:e}");
+        }
     }
+    let (robot, parameters) = whole("two_joint.toml");
+    let json = export_robot(&robot, None, &parameters, Format::Json, &[]).unwrap();
+    assert!(matches!(json.check(), Err(ExportError::NoReader { format: Format::Json })));
+}
+
+/// A digit more, or a value that is not there: the file is another robot, or none.
+#[test]
+fn an_mjcf_or_sdf_that_says_something_else_is_found() {
+    let (robot, parameters) = whole("tx40.toml");
+    // The inertias of the first link do not all move anything: the last place is changed.
+    let changed = |format, from: &str, to: &str| {
+        let mut export = export_robot(&robot, None, &parameters, format, &[]).unwrap();
+        let at = export.text.rfind(from).unwrap_or_else(|| panic!("{from}"));
+        export.text.replace_range(at..at + from.len(), to);
+        export.check().expect_err(from)
+    };
+    for (format, from, to) in [
+        (Format::Mjcf, "mass=\"", "mass=\"1"),
+        (Format::Mjcf, "fullinertia=\"", "fullinertia=\"1"),
+        (Format::Mjcf, "armature=\"", "armature=\"1"),
+        (Format::Mjcf, "damping=\"", "damping=\"1"),
+        (Format::Mjcf, "frictionloss=\"", "frictionloss=\"1"),
+        (Format::Sdf, "<mass>", "<mass>1"),
+        (Format::Sdf, "<ixy>", "<ixy>1"),
+        (Format::Sdf, "<damping>", "<damping>1"),
+        (Format::Sdf, "<friction>", "<friction>1"),
+        (Format::Sdf, "<xyz>0 0 1", "<xyz>0 1 1"),
+    ] {
+        let error = changed(format, from, to);
+        assert!(matches!(error, ExportError::RoundTrip { .. }), "{from}: {error}");
+    }
+    assert!(matches!(changed(Format::Sdf, "<mass>", "<weight>"), ExportError::Robot(_) | ExportError::ReadBack { .. }));
+    let elsewhere = changed(Format::Mjcf, " axis=\"0 0 1\"", " axis=\"0 0.1 1\"");
+    assert!(
+        matches!(&elsewhere, ExportError::Mjcf(error) if matches!(**error, MjcfError::OtherAxis { .. })),
+        "{elsewhere}"
+    );
+}
+
+/// A MuJoCo model of a user's own, with other frames, notations and bodies beside, gets the robot's torques.
+#[test]
+fn a_users_own_mjcf_gets_the_identified_robot() {
+    for file in ROBOTS {
+        let (robot, parameters) = whole(file);
+        let written = export_robot(&robot, None, &parameters, Format::Mjcf, &[]).unwrap().text;
+        let model = MjcfModel::from_text(users_mjcf(&written), Path::new("mine.xml"));
+        let export = export_robot(&robot, None, &parameters, Target::Into(&model), &["a test".to_owned()]).unwrap();
+        let worst = export.check().unwrap_or_else(|e| panic!("{file}: {e}"));
+        println!("{file}: {worst:.1e}");
+        assert!(
+            !export.notes.iter().any(|note| note.contains("axes") || note.contains("gravity")),
+            "{:?}",
+            export.notes
+        );
+        assert!(
+            export.notes.iter().any(|note| note.contains("cover_1 keep their inertia; `my_link_1`")),
+            "{:?}",
+            export.notes
+        );
+        require_same_but_values(model.text(), &export.text);
+        // Once more into what it has written: the same bytes.
+        let again = MjcfModel::from_text(export.text.clone(), Path::new("mine.xml"));
+        let again = export_robot(&robot, None, &parameters, Target::Into(&again), &["a test".to_owned()]).unwrap();
+        assert!(again.text == export.text, "{file}");
+    }
+}
+
+/// Nothing differs but inertials, values of joints, and the tendons at the end.
+fn require_same_but_values(before: &str, after: &str) {
+    let rest = |text: &str| -> String {
+        let body = &text[text.find("<mujoco").unwrap()..text.find(" <actuator>").unwrap()];
+        body.split('<').map(unchanged).collect()
+    };
+    let (before_rest, after_rest) = (rest(before), rest(after));
+    assert!(before_rest == after_rest, "{before_rest}\n{after_rest}");
+    let end = |text: &str| text[text.find(" <actuator>").unwrap()..].replace("</mujoco>\r\n", "");
+    assert!(end(after).starts_with(&end(before)));
+}
+
+/// A tag and what follows it without what an export may change.
+fn unchanged(tag: &str) -> String {
+    const VALUES: [&str; 3] = ["armature", "damping", "frictionloss"];
+    let behind = |tag: &str| tag.split_once('>').unwrap().1.trim().to_owned();
+    if tag.starts_with("inertial") || tag.starts_with("/inertial") {
+        return behind(tag);
+    }
+    if !tag.starts_with("joint ref") {
+        return format!("<{}", tag.trim_end());
+    }
+    // Key, value, key, value.
+    let parts: Vec<&str> = tag.split_once('>').unwrap().0.split(['"', '\'']).collect();
+    let pairs = parts.chunks(2).map(|pair| (pair[0].trim().trim_end_matches('='), pair.get(1)));
+    let kept: Vec<String> = pairs.filter(|(key, _)| !VALUES.contains(key)).map(|pair| format!("{pair:?}")).collect();
+    format!("<{}>{}", kept.join(" "), behind(tag))
 }
 
 /// Everything that an edit must leave alone, written as nobody would: Windows line ends, single quotes, comments within elements,
@@ -209,7 +314,7 @@ fn two_joint() -> &'static Results {
 }
 
 fn forced() -> EstimateRequest {
-    EstimateRequest { force: true, ..EstimateRequest::default() }
+    EstimateRequest { untrusted: true, ..EstimateRequest::default() }
 }
 
 /// The value of a standard parameter.

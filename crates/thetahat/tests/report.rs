@@ -463,7 +463,9 @@ fn rooms_of(source: &str) -> Vec<String> {
             None => rooms.push(room(text)),
         }
     }
-    rooms.retain(|room| !["results", "series", "files", "output", "visible", "report", ""].contains(&room.as_str()));
+    rooms.retain(|room| {
+        !["results", "series", "number", "files", "output", "visible", "report", ""].contains(&room.as_str())
+    });
     rooms
 }
 

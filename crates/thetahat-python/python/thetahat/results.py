@@ -283,7 +283,7 @@ class Result:
         return [os.fspath(path) for path in self._native.write(os.fspath(folder))]
 
     def export(
-        self, path: str | os.PathLike[str], to: str | None = None, *, method: str | None = None, force: bool = False
+        self, path: str | os.PathLike[str], to: str | None = None, *, method: str | None = None, untrusted: bool = False
     ) -> list[str]:
         """Write the identified robot as a file that simulators and controllers read, with physically consistent inertias.
 
@@ -295,7 +295,7 @@ class Result:
             The format; without it that of the file's extension, and ``.xml`` is MJCF.
         method : str, optional
             Whose estimates; without it those that the advice takes.
-        force : bool
+        untrusted : bool
             Whether results whose verdict is ``"do-not-use"`` are exported.
 
         Returns
@@ -321,7 +321,7 @@ class Result:
         """
         file = os.fspath(path)
         extension = os.path.splitext(file)[1].lstrip(".")
-        return self._native.export(file, to or {"xml": "mjcf"}.get(extension, extension), method, force)
+        return self._native.export(file, to or {"xml": "mjcf"}.get(extension, extension), method, untrusted)
 
     def predict(self, q: ArrayLike, dq: ArrayLike, ddq: ArrayLike, *, run: Run | None = None) -> Array:
         """The torques that the estimates predict for a motion.

@@ -52,7 +52,7 @@ impl Specimen {
 
     fn seen_by(&self, sensors: &Sensors, motion: &SimulatedMotion) -> Recording {
         let transmission = &self.experiment.robot.transmission;
-        let (positions, drives) = sensors.record(motion, transmission);
+        let (positions, drives) = sensors.record(motion, &self.experiment.robot);
         let (position, torque) = (transmission.joint_positions(&positions), transmission.joint_torques(&drives));
         Recording {
             geared: true,

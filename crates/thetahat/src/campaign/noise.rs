@@ -2,12 +2,10 @@
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 
 use super::{NoiseLevel, row::Key};
 use crate::{
     experiment::{Experiment, TwinMotion},
-    robot::JointKind,
     series::Series,
     simulation::Sensors,
 };
@@ -40,43 +38,33 @@ pub(super) fn measure(
     let (mut position, mut torque) = match sensors(experiment).filter(|_| level.sensors) {
         Some(sensors) => {
             let transmission = &experiment.robot.transmission;
-            let (motors, drives) = sensors.record(&twin.motion, transmission);
+            let (motors, drives) = sensors.record(&twin.motion, &experiment.robot);
             (transmission.joint_positions(&motors), transmission.joint_torques(&drives))
         }
         None => (twin.motion.q.clone(), twin.motion.tau.clone()),
     };
-    add(&mut position, &position_deviations(experiment, level), rng);
-    add(&mut torque, &level.torque_noise.to_list(joints), rng);
+    position.add_white_noise(&position_deviations(experiment, level), rng);
+    torque.add_white_noise(&level.torque_noise.to_list(joints), rng);
     (position, torque)
 }
 
 /// The twin's sensors without their own noise.
 fn sensors(experiment: &Experiment) -> Option<Sensors> {
     let sensors = &experiment.file.twin.as_ref()?.sensors;
-    Some(Sensors { torque_noise: vec![0.0; sensors.torque_noise.len()], ..sensors.clone() })
+    let none = vec![0.0; sensors.torque_noise.len()];
+    Some(Sensors { torque_noise: none.clone(), position_noise: none, ..sensors.clone() })
 }
 
 /// Standard deviations of the positions, rad or m.
 fn position_deviations(experiment: &Experiment, level: &NoiseLevel) -> Vec<f64> {
     let given = level.position_noise.to_list(experiment.robot.coordinate_count());
-    let convert = |(value, kind): (f64, JointKind)| match kind {
-        JointKind::Revolute => value.to_radians(),
-        JointKind::Prismatic => 1e-3 * value,
-    };
-    given.into_iter().zip(experiment.robot.coordinates().map(|j| j.kind)).map(convert).collect()
-}
-
-fn add(series: &mut Series, deviations: &[f64], rng: &mut ChaCha8Rng) {
-    for k in 0..series.len() {
-        for (value, deviation) in series.sample_mut(k).iter_mut().zip(deviations) {
-            let noise: f64 = StandardNormal.sample(rng);
-            *value += deviation * noise;
-        }
-    }
+    given.into_iter().zip(experiment.robot.coordinates()).map(|(value, joint)| joint.kind.to_si(value)).collect()
 }
 
 #[cfg(test)]
 mod tests {
+    use rand_distr::{Distribution, StandardNormal};
+
     use super::*;
 
     #[test]

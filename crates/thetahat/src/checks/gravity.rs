@@ -14,7 +14,7 @@ use super::{
 use crate::{
     dynamics::{Model, Sign},
     linear_algebra::Matrix,
-    number::significant,
+    number::{fixed, significant},
     regression::Regression,
     regressor::Regressor,
     robot::{Quantity, Robot},
@@ -26,8 +26,9 @@ use crate::{
 const LIMIT: f64 = 1.3;
 /// Degrees below which no other direction is named.
 const LEAST_DEG: f64 = 2.0;
-/// Degrees from which no number is right.
+/// Degrees, and how many times smaller the squared residual is, from which no number is right.
 const WRONG_DEG: f64 = 10.0;
+const WRONG_RATIO: f64 = 4.0;
 /// Most steps of Gauss-Newton.
 const STEPS: usize = 6;
 /// Part of the squared residual that a step must take away.
@@ -53,14 +54,13 @@ pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) -> b
         exam.note_measure(evidence);
         return false;
     }
-    let severity = if angle > WRONG_DEG { Severity::Problem } else { Severity::Warning };
+    let severity = if angle > WRONG_DEG || ratio > WRONG_RATIO { Severity::Problem } else { Severity::Warning };
     exam.judge(evidence, severity, || words(ratio, found, angle));
     severity == Severity::Problem
 }
 
 fn words(ratio: f64, found: Vec3, angle: f64) -> Words {
-    let digits = |v: f64| if v.abs() < 0.005 { "0".to_owned() } else { significant(v, 3) };
-    let gravity = found.map(digits).join(", ");
+    let gravity = found.map(|component| fixed(component, 2)).join(", ");
     let message = format!(
         "the torques fit {} times better if gravity is [{gravity}] m/s^2 in the base frame, {angle:.0} degrees from the stated one: \
          the robot hangs, is on a wall, or its base is tilted",

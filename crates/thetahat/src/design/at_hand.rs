@@ -1,11 +1,16 @@
-//! What the user has already: reductions as known before, and results to compare with.
+//! What the user has already: reductions as known before, results to compare with, and their residual as noise.
 
-use super::{description::Design, error::DesignError, optimiser::Problem};
+use super::{
+    description::Design,
+    error::DesignError,
+    noise::{TorqueNoise, of_rows},
+    optimiser::Problem,
+};
 use crate::{
     base_parameters::BaseParameters,
     linear_algebra::Matrix,
     reduction::Reduction,
-    results::{ParameterResult, Results, RunResult},
+    results::{JointResidual, ParameterResult, Results, RunResult},
 };
 
 /// Estimates to compare with.
@@ -34,8 +39,7 @@ impl Design {
         let (Some(last), Some(prior)) = (files.last(), problem.information.prior()) else { return Ok(None) };
         let reduction = Reduction::read_all(std::slice::from_ref(last))?;
         let seconds: f64 = reduction.recordings.iter().map(|r| r.window_s[1] - r.window_s[0]).sum();
-        let noise = self.file.noise.torque.to_list(self.robot.coordinate_count());
-        let again = prior.plus(&reduction.information(&noise)?, self.file.duration_s / seconds);
+        let again = prior.plus(&reduction.information(&self.noise.deviations)?, self.file.duration_s / seconds);
         Ok(problem.criterion.value(&again))
     }
 
@@ -52,5 +56,35 @@ impl Design {
             method: run.method.name().to_owned(),
             parameters: run.parameters.clone(),
         }))
+    }
+
+    /// The noise of the torques.
+    pub(super) fn torque_noise(&self) -> Result<TorqueNoise, DesignError> {
+        let joints = self.robot.coordinate_count();
+        match (&self.file.noise.torque, self.noise_file()) {
+            (Some(torque), None) => Ok(TorqueNoise { deviations: torque.to_list(joints), spectrum: None }),
+            (None, Some(file)) => {
+                let results = Results::read(&file)?;
+                let rows = self.residual_of(&results);
+                let rows = rows.ok_or_else(|| DesignError::NoNoise { path: self.path.clone(), file: file.clone() })?;
+                let cutoff_hz = results.bandwidth.decimation_cutoff_hz;
+                Ok(of_rows(rows, cutoff_hz, self.file.sample_rate_hz))
+            }
+            (Some(_), Some(_)) | (None, None) => {
+                let expected = "one of torque, the standard deviations, and results, an earlier results.json";
+                Err(self.value("[noise]", expected, "both or none of them"))
+            }
+        }
+    }
+
+    /// The residual of each joint, where the results are of this robot's joints.
+    fn residual_of<'a>(&self, results: &'a Results) -> Option<&'a [JointResidual]> {
+        let names = self.robot.coordinates().map(|joint| &joint.name);
+        let is_same = names.eq(results.robot_joints.iter().map(|joint| &joint.name));
+        let taken = results.cases().into_iter().find_map(|case| results.taken_in(case)?.residual.as_ref());
+        let residual = taken.or_else(|| results.runs.iter().find_map(|run| run.residual.as_ref()))?;
+        let is_whole = residual.joints.len() == self.robot.coordinate_count();
+        let is_noise = residual.joints.iter().all(|joint| joint.rms > 0.0 && joint.rms.is_finite());
+        (is_same && is_whole && is_noise).then_some(&residual.joints)
     }
 }

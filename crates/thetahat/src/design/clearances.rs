@@ -86,7 +86,11 @@ impl Clearances {
         };
         let mut pairs: Vec<PairDistance> = (0..self.scene.pairs()).map(of).collect();
         pairs.sort_by(|a, b| a.distance.total_cmp(&b.distance));
-        CollisionResults { margin: self.margin, pairs, uncovered: uncovered.to_vec(), has_way: home.is_some() }
+        let least_of = |(k, distances): (usize, &Vec<f64>)| {
+            [k as f64 / rate_hz, distances.iter().copied().fold(f64::INFINITY, f64::min)]
+        };
+        let least = motion.iter().enumerate().map(least_of).collect();
+        CollisionResults { margin: self.margin, least, pairs, uncovered: uncovered.to_vec(), has_way: home.is_some() }
     }
 }
 

@@ -1,11 +1,7 @@
 use std::collections::BTreeSet;
 
-use super::{
-    limits::{JointLimits, Limited},
-    motions::Motions,
-    quadratic::Row,
-    sums::Derivatives,
-};
+use super::{limits::JointLimits, motions::Motions, quadratic::Row, sums::Derivatives};
+use crate::results::Limited;
 
 /// The limits of positions and their derivatives along a motion.
 #[derive(Debug, Clone)]
@@ -26,6 +22,8 @@ pub(super) struct Place {
 
 /// A signal is watched where it comes nearer to a limit than this part of half the range.
 const NEAR: f64 = 0.15;
+/// Part of a range within which a motion is at rest: rounding.
+const ROUNDING: f64 = 1e-12;
 /// Part of half the range by which a step may violate a limit that was not watched.
 const TOLERANCE: f64 = 1e-6;
 
@@ -33,6 +31,11 @@ impl Constraints {
     pub(super) fn new(limits: Vec<JointLimits>, motions: &Motions) -> Self {
         let has_rows = |limited: &Limited| motions.is_linear() || *limited != Limited::Position;
         Self { limits, limited: Limited::ALL.into_iter().filter(has_rows).collect() }
+    }
+
+    /// The limits of the joints.
+    pub(super) fn limits(&self) -> &[JointLimits] {
+        &self.limits
     }
 
     /// Makes every limit smaller by a part.
@@ -91,6 +94,27 @@ impl Constraints {
             }
         }
         largest
+    }
+
+    /// The largest factor by which each joint's motion about a posture can be multiplied within its limits.
+    pub(super) fn room(&self, motion: &Derivatives, about: &[f64]) -> Vec<f64> {
+        let of_joint = |(joint, limits): (usize, &JointLimits)| {
+            let mut room = f64::INFINITY;
+            for &limited in &self.limited {
+                let (Some(order), Some(range)) = (limited.order(), limits.range(limited)) else { continue };
+                let centre = if order == 0 { about[joint] } else { 0.0 };
+                let [lower, upper] = range.map(|end| end - centre);
+                let rest = ROUNDING * (upper - lower);
+                let of_value = |value: f64| match value - centre {
+                    by if by > rest => upper / by,
+                    by if by < -rest => lower / by,
+                    _ => f64::INFINITY,
+                };
+                room = motion[order].channel(joint).into_iter().map(of_value).fold(room, f64::min);
+            }
+            room
+        };
+        self.limits.iter().enumerate().map(of_joint).collect()
     }
 
     /// The rows of a step from a motion at these places, over half the range of each.

@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use crate::linear_algebra::Matrix;
+use crate::linear_algebra::{CholeskyFactor, Matrix};
 
 /// What a design makes small, as a function of the information `M` of the parameters: `C = M^-1` is their covariance.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,16 +68,11 @@ impl Criterion {
     /// The criterion of an information matrix; none where it does not show every parameter.
     #[must_use]
     pub fn value(&self, information: &Matrix) -> Option<f64> {
-        let (scaled, log_scale) = equilibrated(information)?;
-        let factor = scaled.matrix.cholesky()?;
+        let factored = Factored::of(information)?;
         match self {
-            Self::D => {
-                let lower = factor.lower();
-                let log_det: f64 = (0..lower.rows()).map(|i| 2.0 * lower.at(i, i).ln()).sum();
-                Some(-(log_det - 2.0 * log_scale)).filter(|v| v.is_finite())
-            }
+            Self::D => factored.volume(),
             Self::A { .. } | Self::Worst { .. } | Self::Chosen { .. } => {
-                self.of_covariance(&covariance(&scaled)?).map(|judged| judged.value)
+                self.of_covariance(&factored.covariance()).map(|judged| judged.value)
             }
         }
     }
@@ -85,12 +80,12 @@ impl Criterion {
     /// The same with its derivative.
     #[must_use]
     pub fn judge(&self, information: &Matrix) -> Option<Judged> {
-        let (scaled, _) = equilibrated(information)?;
-        let c = covariance(&scaled)?;
+        let factored = Factored::of(information)?;
+        let c = factored.covariance();
         match self {
             Self::D => {
                 let slope = Matrix::from_fn(c.rows(), c.columns(), |i, j| -c.at(i, j));
-                Some(Judged { value: self.value(information)?, slope })
+                Some(Judged { value: factored.volume()?, slope })
             }
             Self::A { .. } | Self::Worst { .. } | Self::Chosen { .. } => self.of_covariance(&c),
         }
@@ -132,29 +127,37 @@ fn diagonal(c: &Matrix, weights: &[f64], power: i32) -> (f64, Matrix) {
     (value, h)
 }
 
-/// `S M S` with ones on its diagonal.
-struct Equilibrated {
-    matrix: Matrix,
+/// The Cholesky factor of `S M S`, which has ones on its diagonal.
+struct Factored {
+    factor: CholeskyFactor,
     scale: Vec<f64>,
 }
 
-/// The matrix with ones on its diagonal, and the sum of the logarithms of its scale; none where a parameter has no
-/// information.
-fn equilibrated(m: &Matrix) -> Option<(Equilibrated, f64)> {
-    let diagonal: Vec<f64> = (0..m.rows()).map(|i| m.at(i, i)).collect();
-    if !diagonal.iter().all(|d| d.is_finite() && *d > 0.0) {
-        return None;
+impl Factored {
+    /// None where a parameter has no information, or a combination of them.
+    fn of(m: &Matrix) -> Option<Self> {
+        let diagonal: Vec<f64> = (0..m.rows()).map(|i| m.at(i, i)).collect();
+        if !diagonal.iter().all(|d| d.is_finite() && *d > 0.0) {
+            return None;
+        }
+        let scale: Vec<f64> = diagonal.iter().map(|d| 1.0 / d.sqrt()).collect();
+        let scaled = Matrix::from_fn(m.rows(), m.rows(), |i, j| m.at(i, j) * scale[i] * scale[j]);
+        Some(Self { factor: scaled.cholesky()?, scale })
     }
-    let scale: Vec<f64> = diagonal.iter().map(|d| 1.0 / d.sqrt()).collect();
-    let matrix = Matrix::from_fn(m.rows(), m.rows(), |i, j| m.at(i, j) * scale[i] * scale[j]);
-    let log_scale = scale.iter().map(|s| s.ln()).sum();
-    Some((Equilibrated { matrix, scale }, log_scale))
-}
 
-fn covariance(scaled: &Equilibrated) -> Option<Matrix> {
-    let size = scaled.matrix.rows();
-    let inverse = scaled.matrix.inverse_times_matrix(&Matrix::identity(size))?;
-    Some(Matrix::from_fn(size, size, |i, j| inverse.at(i, j) * scaled.scale[i] * scaled.scale[j]))
+    /// `-log det M`; none where it is not finite.
+    fn volume(&self) -> Option<f64> {
+        let lower = self.factor.lower();
+        let logs = self.scale.iter().enumerate().map(|(i, scale)| scale.ln() - lower.at(i, i).ln());
+        Some(2.0 * logs.sum::<f64>()).filter(|v| v.is_finite())
+    }
+
+    /// `M^-1`.
+    fn covariance(&self) -> Matrix {
+        let size = self.scale.len();
+        let inverse = self.factor.solve_matrix(&Matrix::identity(size));
+        Matrix::from_fn(size, size, |i, j| inverse.at(i, j) * self.scale[i] * self.scale[j])
+    }
 }
 
 #[cfg(test)]

@@ -7,13 +7,16 @@ use serde::Deserialize;
 
 use super::{
     error::DesignError,
+    noise::TorqueNoise,
     options::{LimitOptions, MotionOptions, NoiseOptions, Wanted},
     surroundings_options::CollisionOptions,
 };
 use crate::{
     control::ControllerDescription,
     files,
-    preparation::{EstimationOptions, ParameterSelection, Settings, SignalOptions, SimulationOptions},
+    preparation::{
+        EstimationOptions, ParameterSelection, PreparationError, Settings, SignalOptions, SimulationOptions,
+    },
     robot::{Locks, Robot, RobotSource},
 };
 
@@ -85,6 +88,8 @@ pub struct Design {
     pub robot_path: PathBuf,
     /// How the record will be identified.
     pub settings: Settings,
+    /// The noise of its torques.
+    pub(super) noise: TorqueNoise,
 }
 
 impl Design {
@@ -113,9 +118,10 @@ impl Design {
         let locks = Locks { locked: file.locked.clone(), until: Vec::new() };
         let robot = RobotSource::read(&robot_path)?.robot_with_locks(&locks, path)?;
         let settings = settings(&file);
-        let design = Self { path: path.to_owned(), tables, robot, robot_path, settings, file };
+        let noise = TorqueNoise::default();
+        let design = Self { path: path.to_owned(), tables, robot, robot_path, settings, noise, file };
         design.validate()?;
-        Ok(design)
+        Ok(Self { noise: design.torque_noise()?, ..design })
     }
 
     /// Every file that the design reads.
@@ -125,6 +131,7 @@ impl Design {
             .into_iter()
             .chain(self.prior_files())
             .chain(self.compared_file())
+            .chain(self.noise_file())
             .collect()
     }
 
@@ -134,12 +141,24 @@ impl Design {
     }
 
     pub(super) fn compared_file(&self) -> Option<PathBuf> {
-        self.file.compare.as_ref().map(|file| self.path.parent().unwrap_or(Path::new("")).join(file))
+        self.beside(self.file.compare.as_deref())
+    }
+
+    pub(super) fn noise_file(&self) -> Option<PathBuf> {
+        self.beside(self.file.noise.results.as_deref())
+    }
+
+    /// A file as it is named from the design's folder.
+    fn beside(&self, file: Option<&Path>) -> Option<PathBuf> {
+        file.map(|file| self.path.parent().unwrap_or(Path::new("")).join(file))
+    }
+
+    pub(super) fn refuse(&self, source: PreparationError) -> DesignError {
+        DesignError::Preparation { path: self.path.clone(), source }
     }
 
     pub(super) fn value(&self, key: &str, expected: &str, found: impl std::fmt::Display) -> DesignError {
-        let (expected, found) = (expected.to_owned(), found.to_string());
-        DesignError::Value { path: self.path.clone(), key: key.to_owned(), expected, found }
+        self.refuse(PreparationError::value(key, expected, found))
     }
 
     pub(super) fn require(
@@ -149,7 +168,7 @@ impl Design {
         expected: &str,
         found: impl std::fmt::Display,
     ) -> Result<(), DesignError> {
-        if holds { Ok(()) } else { Err(self.value(key, expected, found)) }
+        PreparationError::require(holds, key, expected, found).map_err(|source| self.refuse(source))
     }
 }
 

@@ -25,18 +25,6 @@ pub enum DesignError {
         /// The parser's message.
         message: String,
     },
-    /// A value cannot be used.
-    #[error("{}: {key} is {found}, expected {expected}", path.display())]
-    Value {
-        /// The design file.
-        path: PathBuf,
-        /// The key.
-        key: String,
-        /// What is allowed.
-        expected: String,
-        /// What was found.
-        found: String,
-    },
     /// A limit is neither in the design nor in the robot's description.
     #[error(
         "{}: joint {joint} has no limit of {quantity}: give [limits] {quantity}, since {} states none",
@@ -54,7 +42,7 @@ pub enum DesignError {
         quantity: &'static str,
     },
     /// Limits of a joint exclude one another.
-    #[error("{}: [limits] {quantity} of joint {joint} runs from {lower} to {upper}: {remedy}", path.display())]
+    #[error("{}: [limits] {quantity} of joint {joint} runs from {lower:.4} to {upper:.4} {unit}: {remedy}", path.display())]
     Contradiction {
         /// The design file.
         path: PathBuf,
@@ -62,14 +50,16 @@ pub enum DesignError {
         joint: String,
         /// The quantity.
         quantity: &'static str,
-        /// Its lower limit, SI.
+        /// Its lower limit.
         lower: f64,
-        /// Its upper limit, SI.
+        /// Its upper limit.
         upper: f64,
+        /// Their unit, that of the file.
+        unit: &'static str,
         /// What to do.
         remedy: &'static str,
     },
-    /// The settings of the identification cannot be used.
+    /// A value of the design, or of the settings of the identification, cannot be used.
     #[error("{}: {source}", path.display())]
     Preparation {
         /// The design file.
@@ -101,7 +91,7 @@ pub enum DesignError {
     },
     /// A limit does not hold.
     #[error(
-        "{}: [limits] {quantity} of joint {joint} cannot hold: it is {limit:.4} and the motion needs {needed:.4} at {at_s:.3} s; \
+        "{}: [limits] {quantity} of joint {joint} cannot hold: it is {limit:.4} {unit} and the motion needs {needed:.4} at {at_s:.3} s; \
          {remedy}",
         path.display()
     )]
@@ -112,10 +102,12 @@ pub enum DesignError {
         joint: String,
         /// The quantity.
         quantity: &'static str,
-        /// Its limit, SI.
+        /// Its limit.
         limit: f64,
-        /// What the best motion needs, SI.
+        /// What the best motion needs.
         needed: f64,
+        /// Their unit, that of the file.
+        unit: &'static str,
         /// When, s.
         at_s: f64,
         /// What to do.
@@ -174,6 +166,19 @@ pub enum DesignError {
         file.display()
     )]
     NothingToCompare {
+        /// The design file.
+        path: PathBuf,
+        /// The results.
+        file: PathBuf,
+    },
+    /// Results have no residual of the robot's joints.
+    #[error(
+        "{}: [noise] results: {} has no residual of each of the robot's joints; give the results.json of an identification of this \
+         robot, or [noise] torque",
+        path.display(),
+        file.display()
+    )]
+    NoNoise {
         /// The design file.
         path: PathBuf,
         /// The results.

@@ -1,7 +1,7 @@
 //! The experiment file that follows a design.
 
 use super::description::Design;
-use crate::{results::ExperimentText, robot::JointKind};
+use crate::results::{ExperimentText, JointResult};
 
 /// Files of a design and its record, beside one another.
 const TRAJECTORY: &str = "trajectory.csv";
@@ -9,6 +9,10 @@ const RECORDING: &str = "recording.csv";
 
 /// Tables of a design file that an experiment file has as well.
 const SETTINGS: [&str; 6] = ["signal", "parameters", "estimation", "controller", "simulation", "locked"];
+
+/// The loop of a rehearsal whose design has none: as it is simulated where none is described.
+const USUAL_CONTROLLER: &str = "\n# The design has no controller: this one stands for the robot's.\n[controller]\nlaw = \"pd\"\n\
+    bandwidth_hz = [10]\ndamping = 1.0\nvelocity_feed_forward = 1.0\nacceleration_feed_forward = 1.0\n";
 
 pub(super) fn experiment_text(design: &Design) -> ExperimentText {
     ExperimentText {
@@ -21,22 +25,16 @@ pub(super) fn experiment_text(design: &Design) -> ExperimentText {
 }
 
 /// A source of one signal of the joints.
-fn source(design: &Design, file: &str, name: &str, units: [&str; 2]) -> String {
-    let (mut columns, mut of_joints) = (Vec::new(), Vec::new());
-    for (j, joint) in design.robot.coordinates().enumerate() {
-        columns.push(format!("\"{name}_{}\"", j + 1));
-        of_joints.push(match joint.kind {
-            JointKind::Revolute => format!("\"{}\"", units[0]),
-            JointKind::Prismatic => format!("\"{}\"", units[1]),
-        });
-    }
-    format!("{{ file = \"{file}\", columns = [{}], unit = [{}] }}", columns.join(", "), of_joints.join(", "))
+fn source(design: &Design, file: &str, name: &str, unit: fn(JointResult) -> String) -> String {
+    let units: Vec<String> = JointResult::of_coordinates(&design.robot).into_iter().map(unit).collect();
+    let columns: Vec<String> = (1..=units.len()).map(|j| format!("{name}_{j}")).collect();
+    format!("{{ file = {file:?}, columns = {columns:?}, unit = {units:?} }}")
 }
 
 fn recording(design: &Design) -> String {
-    let position = source(design, RECORDING, "position", ["rad", "m"]);
-    let torque = source(design, RECORDING, "torque", ["N m", "N"]);
-    let reference = source(design, TRAJECTORY, "q", ["rad", "m"]);
+    let position = source(design, RECORDING, "position", |joint| joint.position_unit);
+    let torque = source(design, RECORDING, "torque", |joint| joint.torque_unit);
+    let reference = source(design, TRAJECTORY, "q", |joint| joint.position_unit);
     format!(
         "# The record of the motion: put in its file, columns and units where they are others.\n[recording]\n\
          sample_rate_hz = {}\nposition = {position}\ntorque = {torque}\nreference = {reference}\n",
@@ -44,17 +42,20 @@ fn recording(design: &Design) -> String {
     )
 }
 
-/// The robot that moves with its a-priori parameters, recorded with the noise of the design.
+/// The robot that moves with its a-priori parameters, recorded with the noise of the design; where the design has no
+/// controller, under the one that is usual.
 fn twin(design: &Design) -> String {
     let joints = design.robot.coordinate_count();
-    let reference = source(design, TRAJECTORY, "q", ["rad", "m"]);
+    let reference = source(design, TRAJECTORY, "q", |joint| joint.position_unit);
     format!(
         "# The robot with its a-priori parameters follows the motion: a rehearsal.\n[twin]\nsample_rate_hz = {}\n\
          unlisted = \"a-priori\"\nreference = {reference}\n\n[twin.sensors]\nencoder_counts_per_turn = 1048576\n\
-         torque_noise = {:?}\ntorque_ripple = 0.0\nripple_per_turn = 0\nseed = {}\n",
+         torque_noise = {:?}\nposition_noise = {:?}\ntorque_ripple = 0.0\nripple_per_turn = 0\nseed = {}\n{}",
         design.file.sample_rate_hz,
-        design.file.noise.torque.to_list(joints),
-        design.file.motion.seed
+        design.noise.deviations,
+        design.file.noise.position.to_list(joints),
+        design.file.motion.seed,
+        if design.settings.controller.is_some() { "" } else { USUAL_CONTROLLER }
     )
 }
 

@@ -3,7 +3,7 @@ use std::f64::consts::TAU;
 use crate::linear_algebra::Matrix;
 
 /// Derivatives of a motion that are computed: position, velocity, acceleration, jerk.
-pub const ORDERS: usize = 4;
+pub(super) const ORDERS: usize = 4;
 
 /// Functions of time of which the joints' motions are sums: they rest at zero at both ends.
 ///
@@ -49,6 +49,14 @@ impl FourierBasis {
     #[must_use]
     pub fn at(&self, t: f64) -> [Vec<f64>; ORDERS] {
         raw(self.period_s, self.harmonics, t).map(|row| self.solve(row))
+    }
+
+    /// What to take of each function for a motion to one side and back, the first harmonic's cosine, with a largest position
+    /// of one.
+    #[must_use]
+    pub fn excursion(&self) -> Vec<f64> {
+        let peak = raw(self.period_s, self.harmonics, 0.5 * self.period_s)[0][1];
+        (0..self.functions()).map(|m| if m <= 1 { self.triangle.at(m, 1) / peak } else { 0.0 }).collect()
     }
 
     /// `f R^-1`.
@@ -124,6 +132,18 @@ mod tests {
                     );
                 }
             }
+        }
+    }
+
+    #[test]
+    fn an_excursion_is_to_one_side() {
+        let basis = FourierBasis::new(7.0, 6);
+        let parts = basis.excursion();
+        let at = |t: f64| basis.at(t)[0].iter().zip(&parts).map(|(f, part)| f * part).sum::<f64>();
+        assert!((at(3.5) - 1.0).abs() < 1e-9);
+        for k in 1..70 {
+            let q = at(0.1 * f64::from(k));
+            assert!(q > 0.0 && q < 1.0 + 1e-9, "{q}");
         }
     }
 

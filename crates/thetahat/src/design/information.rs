@@ -47,6 +47,12 @@ impl Information {
         Self { prior, ..self }
     }
 
+    /// Number of parameters.
+    #[must_use]
+    pub fn parameters(&self) -> usize {
+        self.regressor.columns()
+    }
+
     /// M_0: what is known before.
     #[must_use]
     pub fn prior(&self) -> Option<&Matrix> {

@@ -1,72 +1,31 @@
-use crate::robot::Joint;
+use crate::{
+    results::Limited,
+    robot::{Joint, JointKind},
+};
 
 /// What a joint may do, SI: rad or m, N m or N, W.
 #[derive(Debug, Clone, PartialEq)]
-pub struct JointLimits {
+pub(super) struct JointLimits {
     /// Name of the joint.
-    pub joint: String,
+    pub(super) joint: String,
+    /// How it moves.
+    pub(super) kind: JointKind,
+    /// The coordinate at which the motion starts, where it is given: within every range.
+    pub(super) start: Option<f64>,
     /// Smallest coordinate.
-    pub lower: f64,
+    pub(super) lower: f64,
     /// Largest coordinate.
-    pub upper: f64,
+    pub(super) upper: f64,
     /// Largest velocity.
-    pub velocity: f64,
+    pub(super) velocity: f64,
     /// Largest acceleration.
-    pub acceleration: f64,
+    pub(super) acceleration: f64,
     /// Largest jerk.
-    pub jerk: Option<f64>,
+    pub(super) jerk: Option<f64>,
     /// Largest torque, friction included.
-    pub torque: Option<f64>,
+    pub(super) torque: Option<f64>,
     /// Largest product of torque and velocity.
-    pub power: Option<f64>,
-}
-
-/// A quantity that is limited.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Limited {
-    /// Position.
-    Position,
-    /// Velocity.
-    Velocity,
-    /// Acceleration.
-    Acceleration,
-    /// Jerk.
-    Jerk,
-    /// Torque.
-    Torque,
-    /// Product of torque and velocity.
-    Power,
-}
-
-impl Limited {
-    /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::Position, Self::Velocity, Self::Acceleration, Self::Jerk, Self::Torque, Self::Power];
-
-    /// Its name, as in a design file.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Position => "position",
-            Self::Velocity => "velocity",
-            Self::Acceleration => "acceleration",
-            Self::Jerk => "jerk",
-            Self::Torque => "torque",
-            Self::Power => "power",
-        }
-    }
-
-    /// Which derivative of the position it is; none where dynamics come in.
-    #[must_use]
-    pub fn order(self) -> Option<usize> {
-        match self {
-            Self::Position => Some(0),
-            Self::Velocity => Some(1),
-            Self::Acceleration => Some(2),
-            Self::Jerk => Some(3),
-            Self::Torque | Self::Power => None,
-        }
-    }
+    pub(super) power: Option<f64>,
 }
 
 impl JointLimits {
@@ -84,8 +43,7 @@ impl JointLimits {
     }
 
     /// Lower and upper limit of a quantity, where there is one.
-    #[must_use]
-    pub fn range(&self, limited: Limited) -> Option<[f64; 2]> {
+    pub(super) fn range(&self, limited: Limited) -> Option<[f64; 2]> {
         let symmetric = |limit: f64| [-limit, limit];
         match limited {
             Limited::Position => Some([self.lower, self.upper]),
@@ -98,27 +56,27 @@ impl JointLimits {
     }
 
     /// The middle of the range of positions.
-    #[must_use]
-    pub fn middle(&self) -> f64 {
+    pub(super) fn middle(&self) -> f64 {
         0.5 * (self.lower + self.upper)
     }
 
     /// Whether torque or power is limited.
-    #[must_use]
-    pub fn has_dynamic(&self) -> bool {
+    pub(super) fn has_dynamic(&self) -> bool {
         self.torque.is_some() || self.power.is_some()
     }
 
-    /// The limits less a part of each range.
-    #[must_use]
-    pub fn less(&self, part: f64) -> Self {
+    /// The limits less a part of each range; of positions the start stays in it.
+    pub(super) fn less(&self, part: f64) -> Self {
         let keep = 1.0 - part;
         let half = 0.5 * keep * (self.upper - self.lower);
+        let (lower, upper) = (self.middle() - half, self.middle() + half);
         let kept = |limit: Option<f64>| limit.map(|l| keep * l);
         Self {
             joint: self.joint.clone(),
-            lower: self.middle() - half,
-            upper: self.middle() + half,
+            kind: self.kind,
+            start: self.start,
+            lower: self.start.map_or(lower, |start| lower.min(start)),
+            upper: self.start.map_or(upper, |start| upper.max(start)),
             velocity: keep * self.velocity,
             acceleration: keep * self.acceleration,
             jerk: kept(self.jerk),

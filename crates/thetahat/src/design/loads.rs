@@ -1,12 +1,8 @@
-use super::{
-    limits::{JointLimits, Limited},
-    motions::Motions,
-    quadratic::Row,
-    sums::Derivatives,
-};
+use super::{limits::JointLimits, motions::Motions, quadratic::Row, sums::Derivatives};
 use crate::{
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     regressor::Regressor,
+    results::Limited,
     series::Series,
 };
 
@@ -53,11 +49,6 @@ impl Loads {
         tau
     }
 
-    /// Whether a joint has such a limit.
-    pub(super) fn is_limited(&self) -> bool {
-        self.limits.iter().any(JointLimits::has_dynamic)
-    }
-
     /// Use of the limits by every joint at every instant: load over limit, with its sign.
     fn uses<'a>(&'a self, motion: &'a Derivatives, tau: &'a Series) -> impl Iterator<Item = Use> + 'a {
         let of = move |limited: Limited, joint: usize, limit: f64| {
@@ -78,52 +69,65 @@ impl Loads {
         })
     }
 
-    /// The largest use of a limit: above one it is violated.
-    pub(super) fn use_of(&self, motion: &Derivatives, sign: Sign) -> f64 {
-        if !self.is_limited() {
-            return 0.0;
-        }
-        let tau = self.torques([&motion[0], &motion[1], &motion[2]], sign);
-        self.uses(motion, &tau).map(|u| u.part.abs()).fold(0.0, f64::max)
+    /// The torques of a motion that is looked at; none where no load is limited.
+    pub(super) fn limited_torques(&self, motion: &Derivatives, sign: Sign) -> Option<Series> {
+        let is_limited = self.limits.iter().any(JointLimits::has_dynamic);
+        is_limited.then(|| self.torques([&motion[0], &motion[1], &motion[2]], sign))
     }
 
-    /// The rows of a step from a motion, linearised at the extremes that are near a limit.
-    pub(super) fn rows(&self, motions: &Motions, x: &[f64], motion: &Derivatives, sign: Sign) -> Vec<Row> {
-        if !self.is_limited() {
-            return Vec::new();
-        }
-        let tau = self.torques([&motion[0], &motion[1], &motion[2]], sign);
-        let uses: Vec<Use> = self.uses(motion, &tau).collect();
+    /// The largest use of a limit by a motion with its torques: above one it is violated.
+    pub(super) fn use_of(&self, motion: &Derivatives, tau: &Series) -> f64 {
+        self.uses(motion, tau).map(|u| u.part.abs()).fold(0.0, f64::max)
+    }
+
+    /// The rows of a step from a motion with its torques, linearised at the extremes that are near a limit.
+    pub(super) fn rows(
+        &self,
+        motions: &Motions,
+        x: &[f64],
+        (motion, tau): (&Derivatives, &Series),
+        sign: Sign,
+    ) -> Vec<Row> {
+        let near = self.near(motion, tau);
+        let [by_q, by_dq, by_ddq] = self.torque_slopes(motion, &near, sign);
+        let row = |(k, of): (usize, &Use)| {
+            let mut slopes = [&by_q, &by_dq, &by_ddq].map(|series| series.window(k..k + 1));
+            if of.limited == Limited::Power {
+                let (torque, velocity) = (tau.sample(of.instant)[of.joint], motion[1].sample(of.instant)[of.joint]);
+                slopes.iter_mut().for_each(|s| s.values_mut().iter_mut().for_each(|v| *v *= velocity));
+                slopes[1].values_mut()[of.joint] += torque;
+            }
+            let per = of.part.signum() / of.limit;
+            let entries = motions.chain_at(x, of.instant, slopes).into_iter().map(|v| per * v).collect();
+            Row { start: 0, entries, bound: 1.0 - of.part.abs(), soft: true }
+        };
+        near.iter().enumerate().map(row).collect()
+    }
+
+    /// The extremes of each load that are near its limit.
+    fn near(&self, motion: &Derivatives, tau: &Series) -> Vec<Use> {
+        let uses: Vec<Use> = self.uses(motion, tau).collect();
         let is_extreme = |i: usize| {
             let same = |j: usize| uses[j].joint == uses[i].joint && uses[j].limited == uses[i].limited;
             let below = |j: usize| !same(j) || uses[j].part * uses[i].part.signum() <= uses[i].part.abs();
             below(i.saturating_sub(1)) && below((i + 1).min(uses.len() - 1))
         };
-        let near = (0..uses.len()).filter(|&i| uses[i].part.abs() > 1.0 - NEAR && is_extreme(i));
-        let at = At { motions, x, motion };
-        near.map(|i| self.row(&at, &tau, &uses[i], sign)).collect()
+        (0..uses.len()).filter(|&i| uses[i].part.abs() > 1.0 - NEAR && is_extreme(i)).map(|i| uses[i]).collect()
     }
 
-    fn row(&self, at: &At, tau: &Series, of: &Use, sign: Sign) -> Row {
-        let Use { limited, joint, instant, limit, part } = *of;
-        let mut slopes = self.torque_slopes(at.motion, joint, instant, sign);
-        if limited == Limited::Power {
-            let (torque, velocity) = (tau.sample(instant)[joint], at.motion[1].sample(instant)[joint]);
-            slopes.iter_mut().for_each(|s| s.values_mut().iter_mut().for_each(|v| *v *= velocity));
-            slopes[1].values_mut()[joint] += torque;
-        }
-        let per = part.signum() / limit;
-        let entries = at.motions.chain_at(at.x, instant, slopes).into_iter().map(|v| per * v).collect();
-        Row { start: 0, entries, bound: 1.0 - part.abs(), soft: true }
-    }
-
-    /// The derivatives of one joint's torque at one instant by q, dq and ddq.
-    fn torque_slopes(&self, motion: &Derivatives, joint: usize, instant: usize, sign: Sign) -> [Series; 3] {
-        let here = [0, 1, 2].map(|order: usize| motion[order].window(instant..instant + 1));
+    /// The derivatives, by q, dq and ddq, of the torque of each use's joint at its instant: one sample for each use.
+    fn torque_slopes(&self, motion: &Derivatives, uses: &[Use], sign: Sign) -> [Series; 3] {
+        let joints = self.model.coordinate_count();
+        let there = [0, 1, 2].map(|order: usize| {
+            let values = uses.iter().flat_map(|of| motion[order].sample(of.instant)).copied().collect();
+            Series::from_values(joints, values)
+        });
         let size = self.theta.len();
-        let mut weights = vec![0.0; size * self.model.coordinate_count()];
-        weights[joint * size..(joint + 1) * size].copy_from_slice(&self.theta);
-        self.regressor.weighted_slopes(&self.model, here.each_ref(), &weights, sign)
+        let mut weights = vec![0.0; uses.len() * joints * size];
+        for (of, weights) in uses.iter().zip(weights.chunks_exact_mut((joints * size).max(1))) {
+            weights[of.joint * size..(of.joint + 1) * size].copy_from_slice(&self.theta);
+        }
+        self.regressor.weighted_slopes(&self.model, there.each_ref(), &weights, sign)
     }
 }
 
@@ -137,9 +141,72 @@ struct Use {
     part: f64,
 }
 
-/// A motion where it is looked at.
-struct At<'a> {
-    motions: &'a Motions,
-    x: &'a [f64],
-    motion: &'a Derivatives,
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        design::{fourier::FourierBasis, sums::Sums},
+        robot::{JointKind, Robot},
+    };
+
+    fn robot() -> Robot {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/two_joint.toml");
+        Robot::read(&path).unwrap()
+    }
+
+    fn limits(joint: &str) -> JointLimits {
+        JointLimits {
+            joint: joint.to_owned(),
+            kind: JointKind::Revolute,
+            start: None,
+            lower: -1.5,
+            upper: 1.5,
+            velocity: 4.0,
+            acceleration: 25.0,
+            jerk: None,
+            torque: Some(25.0),
+            power: Some(60.0),
+        }
+    }
+
+    /// The rows of torque and power against what a step changes of the uses.
+    #[test]
+    fn rows_are_those_of_finite_differences() {
+        let robot = robot();
+        let model = Model::new(&robot);
+        let loads = Loads::new(&model, &robot.a_priori_parameters(), vec![limits("shoulder"), limits("elbow")]);
+        let family = Sums::new(FourierBasis::new(4.0, 3), vec![0.2, -0.1], true, &[[1.5, 4.0, 25.0]; 2]);
+        let time: Vec<f64> = (0..90).map(|k| 4.0 * (f64::from(k) + 0.5) / 90.0).collect();
+        let motions = Motions::Sums { sampled: family.sampled(&time), family };
+        let (sign, h) = (Sign::Smooth { scale: 0.3 }, 1e-6);
+        let x: Vec<f64> = (0..14).map(|i| 0.6 * (1.9 * f64::from(i)).sin()).collect();
+        let motion = motions.at(&x);
+        let tau = loads.limited_torques(&motion, sign).unwrap();
+        let near = loads.near(&motion, &tau);
+        let rows = loads.rows(&motions, &x, (&motion, &tau), sign);
+        assert!([Limited::Torque, Limited::Power].iter().all(|limited| near.iter().any(|of| of.limited == *limited)));
+        let parts = |x: &[f64]| -> Vec<f64> {
+            let motion = motions.at(x);
+            let tau = loads.limited_torques(&motion, sign).unwrap();
+            let is_same = |u: &&Use, of: &Use| (u.limited, u.joint, u.instant) == (of.limited, of.joint, of.instant);
+            let uses: Vec<Use> = loads.uses(&motion, &tau).collect();
+            near.iter().map(|of| uses.iter().find(|u| is_same(u, of)).unwrap().part.abs()).collect()
+        };
+        for i in 0..x.len() {
+            let moved = |by: f64| {
+                let mut x = x.clone();
+                x[i] += by;
+                parts(&x)
+            };
+            let (behind, before) = (moved(h), moved(-h));
+            for (k, row) in rows.iter().enumerate() {
+                let (found, central) = (row.entries[i], (behind[k] - before[k]) / (2.0 * h));
+                assert!(
+                    (found - central).abs() < 1e-7 * central.abs().max(1.0),
+                    "{:?} {i}: {found} {central}",
+                    near[k]
+                );
+            }
+        }
+    }
 }

@@ -13,18 +13,19 @@
 //!
 //! | file | what it does |
 //! | --- | --- |
-//! | `description`, `options`, `validation`, `validation_of_motion` | a design file, and what is refused of it |
+//! | `description`, `options`, `validation`, `validation_of_limits`, `validation_of_motion` | a design file, and what is refused of it |
 //! | `limits` | what the joints may do |
 //! | `fourier`, `sums` | motions as sums of functions of time that rest at both ends |
 //! | `moves`, `motions` | point-to-point moves; either kind at the instants where it is looked at |
 //! | `criterion`, `information` | the criterion with its derivatives |
 //! | `constraints`, `loads` | limits of positions and their derivatives; limits of torque and power |
-//! | `move_draws` | where searches of moves begin |
+//! | `move_slopes`, `move_draws` | derivatives of moves by their unknowns; where searches of moves begin |
 //! | `surroundings_options`, `surroundings`, `clearances` | shapes that must stay apart |
 //! | `quadratic`, `optimiser`, `starts` | the search |
 //! | `verification`, `verified` | the limits at 1 kHz |
-//! | `at_hand` | what earlier recordings tell |
-//! | `promise` | what a record will tell |
+//! | `noise`, `at_hand` | the noise of a record; what earlier recordings tell of it and of the parameters |
+//! | `promise`, `remedies` | what a record will tell; what would show what it leaves unknown |
+//! | `pictures` | what the report draws of the motion |
 //! | `run` | all of it |
 
 mod at_hand;
@@ -40,19 +41,26 @@ mod limits;
 mod loads;
 mod motions;
 mod move_draws;
+mod move_slopes;
+#[cfg(test)]
+mod move_tests;
 mod moves;
+mod noise;
 mod optimiser;
 mod options;
 mod outcome;
+mod pictures;
 mod problem;
 mod promise;
 mod quadratic;
+mod remedies;
 mod run;
 mod starts;
 mod sums;
 mod surroundings;
 mod surroundings_options;
 mod validation;
+mod validation_of_limits;
 mod validation_of_motion;
 mod verification;
 mod verified;
@@ -61,7 +69,6 @@ pub use criterion::{Criterion, CriterionName};
 pub use description::{Design, DesignFile};
 pub use error::DesignError;
 pub use information::{Information, Judgement};
-pub use limits::{JointLimits, Limited};
 pub use options::{LimitOptions, MotionKind, MotionOptions, NoiseOptions, Wanted};
 pub use promise::{Estimated, Expected, ExpectedRecord};
 pub use surroundings_options::{CapsuleOptions, CollisionOptions, ObstacleOptions};

@@ -1,11 +1,6 @@
 //! Rows of point-to-point moves that return to their first posture.
 
-use super::{
-    fourier::ORDERS,
-    limits::JointLimits,
-    quadratic::Row,
-    sums::{Derivatives, Slopes},
-};
+use super::{limits::JointLimits, sums::Derivatives};
 use crate::{
     series::Series,
     trajectory::{Move, Moves, PHASES, TimeLaw},
@@ -35,12 +30,12 @@ pub struct MoveFamily {
 #[derive(Debug, Clone, Copy)]
 pub struct Point {
     /// Number of the move.
-    number: usize,
-    phase: usize,
+    pub(super) number: usize,
+    pub(super) phase: usize,
     /// Part of the phase that has passed.
-    part: f64,
+    pub(super) part: f64,
     /// Part of the phase that the point stands for.
-    share: f64,
+    pub(super) share: f64,
 }
 
 /// Points and weights of Gauss and Legendre on the interval from 0 to 1.
@@ -62,7 +57,7 @@ impl MoveFamily {
         if self.limits.iter().any(|l| l.jerk.is_some()) { 3 } else { 2 }
     }
 
-    fn free_points(&self) -> usize {
+    pub(super) fn free_points(&self) -> usize {
         self.moves - usize::from(self.start.is_some())
     }
 
@@ -73,7 +68,7 @@ impl MoveFamily {
     }
 
     /// The first unknown of a posture, where it is not given.
-    fn of_point(&self, number: usize) -> Option<usize> {
+    pub(super) fn of_point(&self, number: usize) -> Option<usize> {
         let number = number % self.moves;
         match &self.start {
             None => Some(number * self.joints()),
@@ -110,7 +105,7 @@ impl MoveFamily {
     }
 
     /// The law of a move that starts at a time.
-    fn law(&self, x: &[f64], number: usize, start_s: f64) -> TimeLaw {
+    pub(super) fn law(&self, x: &[f64], number: usize, start_s: f64) -> TimeLaw {
         let first = self.of_widths(number);
         let width = |i: usize| if i < self.widths() { self.unit(i) * x[first + i] } else { self.smoothing_s };
         TimeLaw { start_s, t1_s: width(0), t2_s: width(1), t3_s: width(2) }
@@ -182,183 +177,8 @@ impl MoveFamily {
         points.iter().map(of).collect()
     }
 
-    /// The derivative by the unknowns of a function with these derivatives at points.
-    #[must_use]
-    pub fn chain(&self, points: &[Point], x: &[f64], slopes: &Slopes) -> Vec<f64> {
-        let mut sum = vec![0.0; self.unknowns()];
-        for (k, point) in points.iter().enumerate() {
-            let by_motion: Vec<&[f64]> = slopes.by_motion.iter().map(|series| series.sample(k)).collect();
-            self.add(&mut sum, point, x, &by_motion, slopes.by_seconds.get(k).copied().unwrap_or(0.0));
-        }
-        sum
-    }
-
-    fn add(&self, sum: &mut [f64], point: &Point, x: &[f64], by_motion: &[&[f64]], by_seconds: f64) {
-        let law = self.law(x, point.number, 0.0).in_phase(point.phase, point.part);
-        let ends = [point.number, point.number + 1].map(|number| (self.of_point(number), self.point(x, number)));
-        let [(at_from, from), (at_to, to)] = ends;
-        let mut by_width = law.seconds_by_width.map(|b| b * by_seconds * point.share);
-        for j in 0..self.joints() {
-            let by_end: f64 = by_motion.iter().zip(law.values).map(|(slope, value)| slope[j] * value).sum();
-            if let Some(first) = at_from {
-                sum[first + j] += self.half(j) * (by_motion[0][j] - by_end);
-            }
-            if let Some(first) = at_to {
-                sum[first + j] += self.half(j) * by_end;
-            }
-            for (slope, by_widths) in by_motion.iter().zip(law.slopes) {
-                by_width.iter_mut().zip(by_widths).for_each(|(b, width)| *b += slope[j] * (to[j] - from[j]) * width);
-            }
-        }
-        let first = self.of_widths(point.number);
-        (0..self.widths()).for_each(|i| sum[first + i] += self.unit(i) * by_width[i]);
-    }
-
-    /// The derivatives by the unknowns of one derivative of one joint's position at a point.
-    #[must_use]
-    pub fn signal(&self, point: &Point, x: &[f64], joint: usize, order: usize) -> Vec<f64> {
-        let (mut sum, zeros) = (vec![0.0; self.unknowns()], vec![0.0; self.joints()]);
-        let mut one = zeros.clone();
-        one[joint] = 1.0;
-        let by_motion: Vec<&[f64]> = (0..ORDERS).map(|o| if o == order { &one[..] } else { &zeros[..] }).collect();
-        self.add(&mut sum, point, x, &by_motion, 0.0);
-        sum
-    }
-
-    /// What holds of the unknowns alone, as rows of a step: the range of each joint, `T1 >= T2 + T3`, `T2 >= T3`, and the time.
-    pub(super) fn rows(&self, x: &[f64]) -> Vec<Row> {
-        let hard = |start, entries, bound: f64| Row { start, entries, bound: bound.max(0.0), soft: false };
-        let points = 0..self.of_widths(0);
-        let ranges = points.flat_map(|i| [hard(i, vec![1.0], 1.0 - x[i]), hard(i, vec![-1.0], 1.0 + x[i])]);
-        let orders = (0..self.moves).flat_map(|number| {
-            let (first, law) = (self.of_widths(number), self.law(x, number, 0.0));
-            let row = |factors: [f64; 3], bound: f64| {
-                hard(first, (0..self.widths()).map(|i| self.unit(i) * factors[i]).collect(), bound)
-            };
-            [
-                row([-1.0, 1.0, 1.0], law.t1_s - law.t2_s - law.t3_s),
-                row([0.0, -1.0, 1.0], law.t2_s - law.t3_s),
-                row([0.0, 0.0, -1.0], law.t3_s - self.smoothing_s),
-            ]
-        });
-        let units: Vec<f64> = (0..self.moves).flat_map(|_| (0..self.widths()).map(|i| self.unit(i))).collect();
-        let time = hard(self.of_widths(0), units, self.duration_s - self.time_s(x));
-        ranges.chain(orders).chain([time]).collect()
-    }
-
     /// How long the moves take with their rests, s.
     pub(super) fn time_s(&self, x: &[f64]) -> f64 {
         (0..self.moves).map(|number| self.law(x, number, 0.0).end_s() + self.rest_s).sum()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn limits(jerk: Option<f64>) -> Vec<JointLimits> {
-        let of = |joint: &str, upper: f64, velocity: f64| JointLimits {
-            joint: joint.to_owned(),
-            lower: -0.5,
-            upper,
-            velocity,
-            acceleration: 20.0,
-            jerk,
-            torque: None,
-            power: None,
-        };
-        vec![of("a", 1.5, 3.0), of("b", 2.0, 5.0)]
-    }
-
-    fn families() -> Vec<MoveFamily> {
-        let of = |jerk, start| MoveFamily {
-            limits: limits(jerk),
-            start,
-            moves: 3,
-            duration_s: 4.0,
-            smoothing_s: 0.01,
-            rest_s: 0.05,
-        };
-        vec![of(None, None), of(Some(200.0), None), of(Some(200.0), Some(vec![0.3, 0.1]))]
-    }
-
-    /// Unknowns of moves at some postures, slower than the limits allow.
-    fn unknowns(family: &MoveFamily) -> Vec<f64> {
-        let postures: Vec<f64> = (0..family.posture_unknowns()).map(|i| (1.7 * i as f64).sin()).collect();
-        let mut x = family.through(&postures);
-        x[family.posture_unknowns()..].chunks_exact_mut(family.widths()).for_each(|widths| {
-            widths[0] += 0.1;
-        });
-        x
-    }
-
-    /// Of sums of positions, velocities, accelerations and times at the points, each times a number.
-    #[test]
-    fn the_chain_is_that_of_finite_differences() {
-        for family in families() {
-            let (x, points) = (unknowns(&family), family.summed());
-            let number = |k: usize, j: usize, order: usize| ((3 * k + 5 * j + 7 * order) as f64).cos();
-            let value = |x: &[f64]| {
-                let (motion, seconds) = (family.motion(&points, x), family.seconds(&points, x));
-                let mut sum: f64 = seconds.iter().enumerate().map(|(k, s)| number(k, 0, 9) * s).sum();
-                for (order, series) in motion[..3].iter().enumerate() {
-                    for k in 0..points.len() {
-                        sum += series.sample(k).iter().enumerate().map(|(j, v)| number(k, j, order) * v).sum::<f64>();
-                    }
-                }
-                sum
-            };
-            let by_motion = [0, 1, 2].map(|order| {
-                Series::from_values(2, (0..2 * points.len()).map(|i| number(i / 2, i % 2, order)).collect())
-            });
-            let by_seconds = (0..points.len()).map(|k| number(k, 0, 9)).collect();
-            let exact = family.chain(&points, &x, &Slopes { by_motion, by_seconds });
-            for (i, exact) in exact.iter().enumerate() {
-                let h = 1e-6;
-                let moved = |h: f64| {
-                    value(&x.iter().enumerate().map(|(k, v)| if k == i { v + h } else { *v }).collect::<Vec<_>>())
-                };
-                let central = (moved(h) - moved(-h)) / (2.0 * h);
-                assert!((central - exact).abs() < 1e-6 * exact.abs().max(100.0), "{i}: {central} {exact}");
-            }
-        }
-    }
-
-    /// The points of the phases lie on the moves, and their times add up to the moves' own.
-    #[test]
-    fn points_are_of_the_moves() {
-        for family in families() {
-            let (x, points) = (unknowns(&family), family.summed());
-            let moves = family.moves(&x).unwrap();
-            let sum: f64 = family.seconds(&points, &x).iter().sum();
-            assert!((sum - (moves.end_s() - 2.0 * family.rest_s)).abs() < 1e-12);
-            assert_eq!(moves.start(), moves.moves()[2].end);
-            // The middle of the cruise of the second move.
-            let law = moves.moves()[1].law;
-            let cruise = points.iter().position(|p| p.number == 1 && p.phase == 3 && p.part == 0.5).unwrap();
-            let (mut q, mut dq, mut ddq) = ([0.0; 2], [0.0; 2], [0.0; 2]);
-            moves.evaluate(law.start_s + 0.5 * (law.t2_s + law.t3_s + law.t1_s), &mut q, &mut dq, &mut ddq);
-            let motion = family.motion(&points, &x);
-            for (found, expected) in motion.iter().zip([q, dq, ddq]) {
-                assert!(found.sample(cruise).iter().zip(expected).all(|(f, e)| (f - e).abs() < 1e-9));
-            }
-        }
-    }
-
-    /// Moves through postures hold the limits of velocity, acceleration and jerk.
-    #[test]
-    fn the_fastest_moves_hold_their_limits() {
-        for family in families() {
-            let postures: Vec<f64> = (0..family.posture_unknowns()).map(|i| (1.7 * i as f64).sin()).collect();
-            let x = family.through(&postures);
-            let motion = family.motion(&family.watched(), &x);
-            for (j, limits) in family.limits.iter().enumerate() {
-                let largest = |order: usize| motion[order].channel(j).into_iter().fold(0.0, |a: f64, v| a.max(v.abs()));
-                assert!(largest(1) <= limits.velocity * (1.0 + 1e-9));
-                assert!(largest(2) <= limits.acceleration * (1.0 + 1e-9));
-                assert!(limits.jerk.is_none_or(|jerk| largest(3) <= jerk * (1.0 + 1e-9)));
-            }
-            assert!(family.time_s(&x) <= family.duration_s);
-        }
     }
 }

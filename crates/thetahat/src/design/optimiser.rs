@@ -11,6 +11,7 @@ use super::{
 use crate::{
     dynamics::Sign,
     linear_algebra::{Matrix, dot},
+    series::Series,
 };
 
 /// What is optimised: the criterion of motions, within limits.
@@ -55,6 +56,14 @@ struct State {
     x: Vec<f64>,
     value: f64,
     gradient: Vec<f64>,
+    watched: Watched,
+}
+
+/// A motion where limits are looked at.
+struct Watched {
+    motion: Derivatives,
+    /// Its torques, where loads are limited.
+    tau: Option<Series>,
     /// The largest use of a limit that may be violated on the way.
     soft_use: f64,
 }
@@ -62,7 +71,7 @@ struct State {
 impl State {
     /// What is made small: the criterion, and what the violated load costs.
     fn merit(&self) -> f64 {
-        self.value + price(self.soft_use)
+        self.value + price(self.watched.soft_use)
     }
 }
 
@@ -86,16 +95,20 @@ impl Problem {
         self.summed.seconds(x).iter().map(|seconds| seconds * self.sample_rate_hz).collect()
     }
 
-    /// The largest use of a limit that may be violated on the way: torque, power and distances, and all where motions are not linear.
-    fn soft_use(&self, motion: &Derivatives, sign: Sign) -> f64 {
-        let clearance = self.clearance_use(motion);
-        let loads = self.loads.use_of(motion, self.sign_of_loads(sign)).max(clearance);
-        if self.watched.is_linear() { loads } else { loads.max(self.constraints.use_of(motion)) }
+    /// The motion where limits are looked at. Limits that may be violated on the way are those of torque, power and distances, and all
+    /// where motions are not linear.
+    fn look(&self, x: &[f64], sign: Sign) -> Watched {
+        let motion = self.watched.at(x);
+        let tau = self.loads.limited_torques(&motion, self.sign_of_loads(sign));
+        let of_loads = tau.as_ref().map_or(0.0, |tau| self.loads.use_of(&motion, tau));
+        let soft_use = of_loads.max(self.clearance_use(&motion));
+        let soft_use = if self.watched.is_linear() { soft_use } else { soft_use.max(self.constraints.use_of(&motion)) };
+        Watched { motion, tau, soft_use }
     }
 
     /// The criterion of a motion, and what violated limits cost.
     pub(super) fn merit(&self, x: &[f64], sign: Sign) -> Option<f64> {
-        Some(self.value(x, sign)? + price(self.soft_use(&self.watched.at(x), sign)))
+        Some(self.value(x, sign)? + price(self.look(x, sign).soft_use))
     }
 
     /// Makes the limits that may be violated on the way tighter by a part, and distances larger by some, m.
@@ -119,10 +132,9 @@ impl Problem {
         self.clearances.as_ref().map_or(0.0, |clearances| clearances.use_of(motion))
     }
 
-    fn state(&self, x: Vec<f64>, sign: Sign) -> Option<State> {
+    fn state(&self, x: Vec<f64>, watched: Watched, sign: Sign) -> Option<State> {
         let (value, gradient) = self.judge(&x, sign)?;
-        let soft_use = self.soft_use(&self.watched.at(&x), sign);
-        Some(State { x, value, gradient, soft_use })
+        Some(State { x, value, gradient, watched })
     }
 
     /// Sequential quadratic programming from a motion within its limits (J. Nocedal, S. Wright, "Numerical Optimization", 2006,
@@ -132,7 +144,8 @@ impl Problem {
     /// those of torque and power are linearised and may be violated on the way. A step that gains less than `least_gain`, in nats, is the last. None where the motion
     /// does not show every parameter.
     pub(super) fn optimise(&self, start: Vec<f64>, sign: Sign, least_gain: f64) -> Option<Found> {
-        let mut state = self.state(start, sign)?;
+        let watched = self.look(&start, sign);
+        let mut state = self.state(start, watched, sign)?;
         let scale = dot(&state.gradient, &state.gradient).sqrt();
         let mut hessian = Hessian::new(state.x.len(), scale);
         let mut steps = 0;
@@ -153,16 +166,17 @@ impl Problem {
 
     /// The step of the quadratic program, within all linear limits.
     fn step(&self, state: &State, hessian: &Matrix, sign: Sign) -> Option<Vec<f64>> {
-        let motion = self.watched.at(&state.x);
-        let mut others = self.loads.rows(&self.watched, &state.x, &motion, self.sign_of_loads(sign));
+        let Watched { motion, tau, .. } = &state.watched;
+        let of_loads = |tau| self.loads.rows(&self.watched, &state.x, (motion, tau), self.sign_of_loads(sign));
+        let mut others = tau.as_ref().map_or_else(Vec::new, of_loads);
         others.extend(self.watched.rows(&state.x));
         if let Some(clearances) = &self.clearances {
-            others.extend(clearances.rows(&self.watched, &state.x, &motion));
+            others.extend(clearances.rows(&self.watched, &state.x, motion));
         }
-        let mut places = self.constraints.near(&motion);
+        let mut places = self.constraints.near(motion);
         let mut found = None;
         for _ in 0..MOST_ROUNDS {
-            let mut rows = self.constraints.rows(&self.watched, &state.x, &motion, &places);
+            let mut rows = self.constraints.rows(&self.watched, &state.x, motion, &places);
             rows.extend(others.iter().cloned());
             let step = quadratic::least(hessian, &state.gradient, &rows, PRICE)?;
             found = Some(step);
@@ -174,12 +188,9 @@ impl Problem {
         found
     }
 
-    fn merit_within_limits(&self, x: &[f64], sign: Sign) -> Option<f64> {
-        let motion = self.watched.at(x);
-        if self.watched.is_linear() && self.constraints.use_of(&motion) > 1.0 + TOLERANCE {
-            return None;
-        }
-        Some(self.value(x, sign)? + price(self.soft_use(&motion, sign)))
+    /// Whether limits hold that no step may violate: those that are linear in the unknowns.
+    fn holds_hard_limits(&self, motion: &Derivatives) -> bool {
+        !self.watched.is_linear() || self.constraints.use_of(motion) <= 1.0 + TOLERANCE
     }
 
     /// The longest of halved steps that brings enough.
@@ -188,9 +199,10 @@ impl Problem {
         for _ in 0..MOST_HALVINGS {
             let promised = part * slope.min(0.0) * SUFFICIENT;
             let x = moved(&from.x, step, part);
-            let is_less = |merit: f64| merit < from.merit() + promised;
-            if self.merit_within_limits(&x, sign).is_some_and(is_less) {
-                return self.state(x, sign);
+            let watched = self.look(&x, sign);
+            let is_less = |value: f64| value + price(watched.soft_use) < from.merit() + promised;
+            if self.holds_hard_limits(&watched.motion) && self.value(&x, sign).is_some_and(is_less) {
+                return self.state(x, watched, sign);
             }
             part *= 0.5;
         }

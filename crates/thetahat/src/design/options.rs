@@ -1,5 +1,7 @@
 //! The tables of a design file.
 
+use std::path::PathBuf;
+
 use serde::Deserialize;
 
 use super::criterion::CriterionName;
@@ -120,7 +122,9 @@ impl Default for LimitOptions {
 #[serde(deny_unknown_fields)]
 pub struct NoiseOptions {
     /// Standard deviation of the white noise on each joint's torque, N m or N.
-    pub torque: OneOrEach<f64>,
+    pub torque: Option<OneOrEach<f64>>,
+    /// Results of an identification instead, whose residual is the noise of the torques.
+    pub results: Option<PathBuf>,
     /// Standard deviation of the white noise on each joint's position, degrees or mm.
     #[serde(default = "no_noise")]
     pub position: OneOrEach<f64>,

@@ -10,27 +10,38 @@ use super::{
 use crate::{
     base_parameters::{BaseParameter, BaseParameters},
     dynamics::Model,
-    results::{DesignResults, DesignedJoint, PromisedParameter, SearchResult},
+    results::{DesignResults, JointResult, PromisedParameter, SearchResult},
 };
 
-/// Part of a sum's terms below which the sum is rounding.
+/// Part of a sum's terms below which the sum is rounding, and part of the promised half width below which a value is that of a
+/// description's frames.
 const ROUNDING: f64 = 1e-12;
+const ROUNDING_OF_FRAMES: f64 = 1e-9;
 
 impl Design {
+    /// The a-priori values of the expected parameters; zero where what is known of one is rounding.
+    pub(super) fn a_priori_of(&self, base: &BaseParameters, expected: &Expected) -> Vec<f64> {
+        let all = without_rounding(base, &self.robot.a_priori_parameters());
+        let place = |parameter: &BaseParameter| base.parameters().iter().position(|p| p.name == parameter.name);
+        let value = |(parameter, half): (&BaseParameter, &f64)| {
+            place(parameter).map(|i| all[i]).filter(|value| value.abs() > ROUNDING_OF_FRAMES * half).unwrap_or(0.0)
+        };
+        expected.parameters.iter().zip(&expected.half_width_95).map(value).collect()
+    }
+
     pub(super) fn results(
         &self,
         model: &Model,
         base: &BaseParameters,
         chosen: Chosen,
-        expected: &Expected,
+        (expected, remedies): (&Expected, &[Option<f64>]),
     ) -> Result<DesignResults, DesignError> {
         let Chosen { motion, torque, uses, starts, moves, collision, repeated } = chosen;
         let compared = self.compared()?;
-        let a_priori = without_rounding(base, &self.robot.a_priori_parameters());
+        let a_priori = self.a_priori_of(base, expected);
         let wanted = self.file.wanted.half_width_percent;
         let promised = expected.parameters.iter().enumerate().map(|(i, parameter)| {
-            let place = base.parameters().iter().position(|p| p.name == parameter.name);
-            let a_priori = place.map_or(0.0, |place| a_priori[place]);
+            let a_priori = a_priori[i];
             let half = expected.half_width_95[i];
             let times = (100.0 * half / (wanted * a_priori.abs())).powi(2);
             PromisedParameter {
@@ -42,6 +53,7 @@ impl Design {
                 standard_deviation: expected.standard_deviation[i],
                 half_width_95: half,
                 compared: compared.iter().flat_map(|c| &c.parameters).find(|p| p.name == parameter.name).cloned(),
+                by_own_motion: remedies[i],
                 seconds: (a_priori != 0.0).then_some(self.file.duration_s * times),
             }
         });
@@ -50,16 +62,19 @@ impl Design {
             return Err(DesignError::NothingToCompare { path: self.path.clone(), file });
         }
         let [q, dq, ddq, _] = motion;
+        let (skeleton, spectrum) = (self.skeleton(model, &q, collision.as_ref()), self.spectrum(&ddq));
         Ok(DesignResults {
             title: self.file.title.clone(),
             robot: self.robot.name.clone(),
-            joints: self.robot.coordinates().map(|j| DesignedJoint { name: j.name.clone(), kind: j.kind }).collect(),
+            joints: JointResult::of_coordinates(&self.robot),
             sample_rate_hz: self.file.sample_rate_hz,
             q,
             dq,
             ddq,
             torque,
             moves,
+            skeleton,
+            spectrum,
             collision,
             repeated,
             compared: compared.map(|c| [c.title, c.method]),

@@ -11,7 +11,7 @@ use super::{
     error::DesignError,
     fourier::FourierBasis,
     information::Information,
-    limits::{JointLimits, Limited},
+    limits::JointLimits,
     loads::Loads,
     motions::Motions,
     moves::MoveFamily,
@@ -22,6 +22,7 @@ use super::{
 use crate::{
     base_parameters::BaseParameters,
     dynamics::{Model, Sign},
+    results::Limited,
     series::Series,
 };
 
@@ -30,8 +31,6 @@ const INSTANTS: usize = 30;
 const FEWEST_INSTANTS: usize = 200;
 /// Instants at which limits are looked at, for each harmonic.
 const WATCHED: usize = 60;
-/// Least part of every range that the search leaves unused, for what lies between the watched instants.
-const LEAST_MARGIN: f64 = 0.002;
 /// What is added to the margin of distances in the search, m.
 const BETWEEN: f64 = 0.004;
 /// Random states by which parameters of different units are compared.
@@ -46,15 +45,15 @@ impl Design {
         limits: &[JointLimits],
     ) -> Result<Problem, DesignError> {
         let file = &self.file;
-        let kept: Vec<JointLimits> = limits.iter().map(|l| l.less(file.limits.margin.max(LEAST_MARGIN))).collect();
+        let kept: Vec<JointLimits> = limits.iter().map(|l| l.less(self.margin())).collect();
         let [summed, watched] = match file.motion.kind {
             MotionKind::Fourier => self.sums(&kept),
             MotionKind::Moves => self.moves(&kept),
         };
-        let noise = file.noise.torque.to_list(limits.len());
+        let noise = &self.noise.deviations;
         Ok(Problem {
             criterion: self.criterion(model, base)?,
-            information: Information::new(model, &base.columns(), &noise).with_prior(self.prior(base, &noise)?),
+            information: Information::new(model, &base.columns(), noise).with_prior(self.prior(base, noise)?),
             sample_rate_hz: file.sample_rate_hz,
             constraints: Constraints::new(kept.clone(), &watched),
             clearances: self.clearances(model)?,
@@ -125,8 +124,7 @@ impl Design {
     /// the limits by the noise, in the root mean square.
     fn units(&self, model: &Model, base: &BaseParameters) -> Result<Vec<f64>, DesignError> {
         let limits = self.limits()?;
-        let noise = self.file.noise.torque.to_list(limits.len());
-        let information = Information::new(model, &base.columns(), &noise);
+        let information = Information::new(model, &base.columns(), &self.noise.deviations);
         let motion = random_states(&limits, self.file.motion.seed);
         let m = information.of(motion.each_ref(), 1.0 / RANDOM_STATES as f64, Sign::Exact);
         Ok((0..base.len()).map(|i| m.at(i, i)).collect())

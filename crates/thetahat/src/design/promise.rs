@@ -2,7 +2,6 @@
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 
 use super::error::DesignError;
 use crate::{
@@ -13,6 +12,7 @@ use crate::{
     robot::Robot,
     run::Identification,
     series::Series,
+    signal::Spectrum,
 };
 
 /// The true motion of a robot and its torques, and how they will be recorded.
@@ -30,6 +30,8 @@ pub struct ExpectedRecord<'a> {
     pub tau: &'a Series,
     /// Standard deviation of the white noise on each torque.
     pub torque_noise: &'a [f64],
+    /// The densities of the noise on each torque instead, where it is not white.
+    pub torque_spectrum: Option<&'a Spectrum>,
     /// Standard deviation of the white noise on each position.
     pub position_noise: &'a [f64],
 }
@@ -96,8 +98,12 @@ impl ExpectedRecord<'_> {
         let refuse = |source: PreparationError| DesignError::Preparation { path: path.to_owned(), source };
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(record);
-        let position = noisy(self.q, self.position_noise, &mut rng);
-        let torque = noisy(self.tau, self.torque_noise, &mut rng);
+        let [mut position, mut torque] = [self.q, self.tau].map(Series::clone);
+        position.add_white_noise(self.position_noise, &mut rng);
+        match self.torque_spectrum {
+            Some(spectrum) => torque.add(&spectrum.draw(torque.len(), self.sample_rate_hz, &mut rng)),
+            None => torque.add_white_noise(self.torque_noise, &mut rng),
+        }
         let recording = Recording::new(self.sample_rate_hz, position, torque).with_reference(self.q.clone());
         let method = self.method();
         let settings = Settings { controller: None, cases: Vec::new(), ..self.settings.clone() }.with_methods([method]);
@@ -118,15 +124,4 @@ impl ExpectedRecord<'_> {
 pub(super) fn promised_method(settings: &Settings) -> Method {
     let without = |m: &Method| m.needs() == Needs::Measurement;
     settings.estimation.methods.iter().copied().find(without).unwrap_or(Method::IDIM_LS)
-}
-
-fn noisy(series: &Series, deviations: &[f64], rng: &mut ChaCha8Rng) -> Series {
-    let mut noisy = series.clone();
-    for k in 0..noisy.len() {
-        for (value, deviation) in noisy.sample_mut(k).iter_mut().zip(deviations) {
-            let noise: f64 = StandardNormal.sample(rng);
-            *value += deviation * noise;
-        }
-    }
-    noisy
 }

@@ -4,12 +4,11 @@ use super::{
     description::Design,
     error::DesignError,
     limits::JointLimits,
-    loads::Loads,
     motions::Motions,
+    optimiser::Problem,
     promise::{Expected, ExpectedRecord},
     starts::{Searches, Start, sign_scales},
     sums::Derivatives,
-    verification::RATE_HZ,
     verified::Verified,
 };
 use crate::{
@@ -50,78 +49,63 @@ impl Design {
         let base = BaseParameters::with_fixed(&model, &self.settings.parameters.exclude, &self.settings.parameters.fix)
             .map_err(|source| DesignError::BaseParameters { path: self.path.clone(), source })?;
         progress("searching motions");
-        let chosen = self.choose(&model, &base, &limits, threads)?;
+        let problem = self.problem(&model, &base, &limits)?;
+        let chosen = self.choose(&model, &problem, &limits, threads)?;
         progress("promising intervals");
-        let [q, dq, ddq, _] = &chosen.motion;
-        let record = self.expected_motion(&model, q, dq, ddq)?;
-        let expected = self.promise(&record, threads)?;
-        self.results(&model, &base, chosen, &expected)
+        let followed = self.followed(&model, &chosen.motion[0])?;
+        let expected = match &followed {
+            Some((q, tau)) => self.promise(q, tau, threads)?,
+            None => self.promise(&chosen.motion[0], &chosen.torque, threads)?,
+        };
+        progress("looking for what would show more");
+        let remedies = self.remedies(&problem, (&base, &limits), (&chosen.motion, &expected), threads);
+        self.results(&model, &base, chosen, (&expected, &remedies))
     }
 
     /// The best motion of the searches that holds its limits.
     fn choose(
         &self,
         model: &Model,
-        base: &BaseParameters,
+        problem: &Problem,
         limits: &[JointLimits],
         threads: usize,
     ) -> Result<Chosen, DesignError> {
-        let problem = self.problem(model, base, limits)?;
         let motion = &self.file.motion;
         let searches = Searches { count: motion.starts, seed: motion.seed, threads, sign_scales: sign_scales(limits) };
-        let mut starts = searches.run(&problem);
+        let mut starts = searches.run(problem);
         starts.sort_by(|a, b| a.value.total_cmp(&b.value));
         let mut first_error = None;
         for k in 0..starts.len() {
-            match self.repaired(model, &problem, limits, &starts[k]) {
-                Ok((x, Verified { motion, torque, uses, collision })) => {
+            match self.repaired(model, problem, limits, &starts[k]) {
+                Ok((x, Verified { uses, collision })) => {
                     // The one that is taken stands first.
                     starts[..=k].rotate_right(1);
-                    let motion = self.sampled(&problem.watched, &x, motion);
-                    let (torque, moves) = (self.torques(model, &motion, torque), problem.watched.moves(&x));
-                    let repeated = self.repeated(&problem)?;
+                    let motion = self.sampled(&problem.watched, &x);
+                    let torque = problem.loads.torques([&motion[0], &motion[1], &motion[2]], Sign::Exact);
+                    let moves = problem.watched.moves(&x);
+                    let repeated = self.repeated(problem)?;
                     return Ok(Chosen { motion, torque, uses, starts, moves, collision, repeated });
                 }
                 Err(error) => _ = first_error.get_or_insert(error),
             }
         }
-        let (path, parameters) = (self.path.clone(), base.len());
+        let (path, parameters) = (self.path.clone(), problem.information.parameters());
         let starts = self.file.motion.starts;
         Err(first_error.unwrap_or(DesignError::ShowsTooLittle { path, starts, parameters }))
     }
 
-    /// The motion at the rate of the trajectory; that at 1 kHz where this is the rate.
-    fn sampled(&self, motions: &Motions, x: &[f64], at_1_khz: Derivatives) -> Derivatives {
+    /// The motion at the rate of the trajectory.
+    pub(super) fn sampled(&self, motions: &Motions, x: &[f64]) -> Derivatives {
         let rate = self.file.sample_rate_hz;
-        if rate == RATE_HZ {
-            return at_1_khz;
-        }
         let count = (self.file.duration_s * rate).round() as usize;
         let grid: Vec<f64> = (0..=count).map(|k| (k as f64 / rate).min(self.file.duration_s)).collect();
         motions.on(x, &grid)
     }
 
-    fn torques(&self, model: &Model, motion: &Derivatives, at_1_khz: Series) -> Series {
-        if motion[0].len() == at_1_khz.len() {
-            return at_1_khz;
-        }
-        let loads = Loads::new(model, &self.robot.a_priori_parameters(), Vec::new());
-        loads.torques([&motion[0], &motion[1], &motion[2]], Sign::Exact)
-    }
-
-    /// The motion that the robot will make and its torques: that of the closed loop where its controller is known.
-    pub(super) fn expected_motion(
-        &self,
-        model: &Model,
-        q: &Series,
-        dq: &Series,
-        ddq: &Series,
-    ) -> Result<(Series, Series), DesignError> {
+    /// The motion that the robot makes in the closed loop, and its torques; none where no controller is described.
+    fn followed(&self, model: &Model, q: &Series) -> Result<Option<(Series, Series)>, DesignError> {
+        let Some(controller) = &self.settings.controller else { return Ok(None) };
         let theta = self.robot.a_priori_parameters();
-        let Some(controller) = &self.settings.controller else {
-            let loads = Loads::new(model, &theta, Vec::new());
-            return Ok((q.clone(), loads.torques([q, dq, ddq], Sign::Exact)));
-        };
         let rate = self.file.sample_rate_hz;
         let reference = Reference::Sampled(SampledReference::new(q.clone(), rate));
         let setup = Setup { robot: &self.robot, settings: &self.settings };
@@ -131,18 +115,18 @@ impl Design {
         let motion = closed_loop
             .simulate(&theta, &inertia, &grid)
             .map_err(|source| DesignError::Loop { path: self.path.clone(), source })?;
-        Ok((motion.q, motion.tau))
+        Ok(Some((motion.q, motion.tau)))
     }
 
-    fn promise(&self, (q, tau): &(Series, Series), threads: usize) -> Result<Expected, DesignError> {
-        let torque_noise = self.file.noise.torque.to_list(q.channels());
+    fn promise(&self, q: &Series, tau: &Series, threads: usize) -> Result<Expected, DesignError> {
         let record = ExpectedRecord {
             robot: &self.robot,
             settings: &self.settings,
             sample_rate_hz: self.file.sample_rate_hz,
             q,
             tau,
-            torque_noise: &torque_noise,
+            torque_noise: &self.noise.deviations,
+            torque_spectrum: self.noise.spectrum.as_ref(),
             position_noise: &self.position_noise(),
         };
         record.promise(&self.path, self.file.motion.seed, threads)

@@ -14,9 +14,11 @@ use crate::{dynamics::Sign, pool::in_parallel};
 const DRAWS: usize = 12;
 /// Part of the limits that a random motion uses.
 const USED: f64 = 0.9;
+/// How far motions are led to the other side of a given start, in halves of the range, where that leaves them larger.
+const SIDES: [f64; 5] = [0.0, 1.0, 3.0, 9.0, 27.0];
 
 /// Descents from what was found moved by random numbers, in units that take a joint to its limit, and their size.
-const KICKS: usize = 6;
+const KICKS: usize = 10;
 const KICK: f64 = 0.5;
 /// Least part of a random motion that is kept for shapes to stay apart.
 const LEAST_PART: f64 = 0.02;
@@ -26,7 +28,8 @@ const CENTRE: f64 = 0.8;
 const COARSE: f64 = 1.0;
 const FINE: f64 = 0.01;
 
-/// Velocity scales of the sign in the search, as parts of the median of the velocity limits.
+/// Velocity scales of the sign in the search: the wide one as a part of the median of the velocity limits, the tight one of
+/// the smallest.
 const SIGN_SCALES: [f64; 2] = [0.02, 0.005];
 
 /// How several searches are made.
@@ -98,33 +101,46 @@ fn kicked(problem: &Problem, x: &[f64], rng: &mut ChaCha8Rng) -> Vec<f64> {
     apart(problem, &|part| {
         let moved = x.iter().zip(&kick).map(|(x, kick)| x + part * kick);
         match &problem.watched {
-            Motions::Sums { family, .. } => within(problem, family, moved.collect()),
+            Motions::Sums { family, .. } => within(problem, family, &moved.collect::<Vec<_>>(), 1.0),
             Motions::Moves { family, .. } => family.through(&moved.take(family.posture_unknowns()).collect::<Vec<_>>()),
         }
     })
 }
 
-/// The sums with each joint's made smaller where it exceeds its limits.
-fn within(problem: &Problem, family: &Sums, mut x: Vec<f64>) -> Vec<f64> {
-    for joint in 0..family.joints() {
-        let used = use_of_joint(problem, family, &x, joint);
-        x[own(family, joint)].iter_mut().for_each(|v| *v *= (USED / used).min(1.0));
+/// Sums within their limits: each joint's motion about its start times the factor that leaves a part of the limits unused, but
+/// no more than `most`. About a start near a limit the motion is led to the other side, as far as that makes the factor larger.
+fn within(problem: &Problem, family: &Sums, x: &[f64], most: f64) -> Vec<f64> {
+    let sides = if family.has_free_start() { &SIDES[..1] } else { &SIDES[..] };
+    let led = sides.iter().map(|side| {
+        let led = led(problem, family, x, *side);
+        let room = problem.constraints.room(&problem.watched.at(&led), family.centre());
+        (led, room)
+    });
+    let led: Vec<_> = led.collect();
+    let of_joint = |joint: usize| {
+        let factor = |(_, room): &(Vec<f64>, Vec<f64>)| (USED * room[joint]).min(most);
+        let best = led.iter().reduce(|best, other| if factor(other) > factor(best) { other } else { best });
+        best.map_or_else(Vec::new, |best| best.0[own(family, joint)].iter().map(|v| factor(best) * v).collect())
+    };
+    (0..family.joints()).flat_map(of_joint).collect()
+}
+
+/// The sums with each joint led to the far side of its range, by a part of half of it.
+fn led(problem: &Problem, family: &Sums, x: &[f64], side: f64) -> Vec<f64> {
+    let mut led = x.to_vec();
+    for (joint, limits) in problem.constraints.limits().iter().enumerate() {
+        let far = (limits.middle() - family.centre()[joint]).signum();
+        let by = side * far * 0.5 * (limits.upper - limits.lower);
+        let all = led[own(family, joint)].iter_mut().zip(family.excursion(joint));
+        all.for_each(|(v, excursion)| *v += by * excursion);
     }
-    x
+    led
 }
 
 /// The unknowns of a joint.
 fn own(family: &Sums, joint: usize) -> std::ops::Range<usize> {
     let size = family.unknowns_of_joint();
     joint * size..(joint + 1) * size
-}
-
-/// The largest use of a limit by one joint's motion.
-fn use_of_joint(problem: &Problem, family: &Sums, x: &[f64], joint: usize) -> f64 {
-    let mut alone = vec![0.0; x.len()];
-    let own = own(family, joint);
-    alone[own.clone()].copy_from_slice(&x[own]);
-    problem.constraints.use_of(&problem.watched.at(&alone))
 }
 
 /// The best of random motions, each as large as its limits allow, and its criterion.
@@ -148,7 +164,7 @@ fn random(problem: &Problem, rng: &mut ChaCha8Rng) -> Vec<f64> {
             let centre = free_centre(family, rng);
             apart(problem, &|part| {
                 let moved = x.iter().zip(&centre).map(|(x, c)| c + part * (x - c));
-                within(problem, family, moved.collect())
+                within(problem, family, &moved.collect::<Vec<_>>(), 1.0)
             })
         }
         Motions::Moves { family, .. } => {
@@ -198,17 +214,14 @@ fn random_sums(problem: &Problem, family: &Sums, rng: &mut ChaCha8Rng) -> Vec<f6
     for j in 0..family.joints() {
         x[j * size..j * size + free].iter_mut().for_each(|c| *c *= 0.1);
     }
-    for joint in 0..family.joints() {
-        let used = use_of_joint(problem, family, &x, joint);
-        x[own(family, joint)].iter_mut().for_each(|v| *v *= USED / used);
-    }
-    x
+    within(problem, family, &x, f64::INFINITY)
 }
 
-/// Wide velocity scales first.
+/// The wide velocity scale, of all joints in the mean, then the tight one, which the slowest joint needs: joints that turn and
+/// those that slide have one scale.
 pub(super) fn sign_scales(limits: &[JointLimits]) -> [f64; 2] {
     let mut velocities: Vec<f64> = limits.iter().map(|l| l.velocity).collect();
     velocities.sort_by(f64::total_cmp);
-    let median = velocities[velocities.len() / 2];
-    SIGN_SCALES.map(|part| part * median)
+    let [wide, tight] = SIGN_SCALES;
+    [wide * velocities[velocities.len() / 2], tight * velocities[0]]
 }

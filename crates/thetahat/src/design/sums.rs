@@ -37,7 +37,7 @@ pub struct Slopes {
 pub type Derivatives = [Series; ORDERS];
 
 impl Sums {
-    /// Sums of a basis about `centre`, with a free start posture where `free_range` has half the range of each joint.
+    /// Sums of a basis about `centre`, with a free start posture or without.
     /// `reach` is half the range, the velocity and the acceleration to which an unknown of one takes a joint.
     #[must_use]
     pub fn new(basis: FourierBasis, centre: Vec<f64>, has_free_start: bool, reach: &[[f64; 3]]) -> Self {
@@ -86,6 +86,20 @@ impl Sums {
     #[must_use]
     pub fn unit(&self, joint: usize, unknown: usize) -> f64 {
         self.scale[joint][unknown]
+    }
+
+    /// The posture about which motions are sums: the start where it is given, else the middle of the range.
+    #[must_use]
+    pub fn centre(&self) -> &[f64] {
+        &self.centre
+    }
+
+    /// Unknowns of one joint for a motion to one side and back by one rad or m.
+    #[must_use]
+    pub fn excursion(&self, joint: usize) -> Vec<f64> {
+        let parts = self.basis.excursion();
+        let of_start = self.has_free_start.then_some(0.0);
+        of_start.into_iter().chain(parts).zip(&self.scale[joint]).map(|(part, unit)| part / unit).collect()
     }
 
     /// The functions at instants from zero to the duration.

@@ -1,18 +1,7 @@
 //! What a design file must hold before anything is searched.
 
-use super::{
-    criterion::CriterionName,
-    description::Design,
-    error::DesignError,
-    limits::{JointLimits, Limited},
-    options::LimitOptions,
-    verification::RATE_HZ,
-};
-use crate::{
-    dynamics::Model,
-    one_or_each::OneOrEach,
-    robot::{Joint, JointKind},
-};
+use super::{criterion::CriterionName, description::Design, error::DesignError, verification::RATE_HZ};
+use crate::{dynamics::Model, one_or_each::OneOrEach};
 
 /// Most samples of a motion, at its own rate and at 1 kHz, at which its limits are verified.
 const MOST_SAMPLES: f64 = 1e6;
@@ -20,11 +9,10 @@ const MOST_SAMPLES: f64 = 1e6;
 const WHOLE: f64 = 1e-6;
 /// Periods of the position filter's cut-off that the edges of a record cost at either end, and one that is left.
 const FEWEST_PERIODS: f64 = 15.0;
+
 impl Design {
     pub(super) fn validate(&self) -> Result<(), DesignError> {
-        self.settings
-            .validate(&self.robot)
-            .map_err(|source| DesignError::Preparation { path: self.path.clone(), source })?;
+        self.settings.validate(&self.robot).map_err(|source| self.refuse(source))?;
         self.validate_duration()?;
         self.validate_motion()?;
         self.validate_noise()?;
@@ -67,13 +55,14 @@ impl Design {
 
     fn validate_noise(&self) -> Result<(), DesignError> {
         let joints = self.robot.coordinate_count();
-        let (torque, position) = (&self.file.noise.torque, &self.file.noise.position);
-        for (key, list) in [("[noise] torque", torque), ("[noise] position", position)] {
+        let (torque, position) = (self.file.noise.torque.as_ref(), &self.file.noise.position);
+        let lists = torque.map(|list| ("[noise] torque", list));
+        for (key, list) in lists.into_iter().chain([("[noise] position", position)]) {
             self.require(list.fits(joints), key, &format!("one value, or {joints}"), list.given().len())?;
         }
         let expected = "above zero: a record without noise would promise estimates without error; take the standard deviation \
                         of a torque at rest";
-        for &noise in torque.given() {
+        for &noise in torque.map_or(&[][..], OneOrEach::given) {
             self.require(noise > 0.0 && noise.is_finite(), "[noise] torque", expected, noise)?;
         }
         for &noise in position.given() {
@@ -96,103 +85,6 @@ impl Design {
         self.require(percent > 0.0 && percent.is_finite(), "[wanted] half_width_percent", "above zero", percent)
     }
 
-    /// The limits of every coordinate, SI: those of the design, or else of the robot's description.
-    pub(super) fn limits(&self) -> Result<Vec<JointLimits>, DesignError> {
-        let joints: Vec<&Joint> = self.robot.coordinates().collect();
-        let options = &self.file.limits;
-        self.require((0.0..0.5).contains(&options.margin), "[limits] margin", "from 0 to 0.5", options.margin)?;
-        self.require_lengths(options, joints.len())?;
-        let mut limits =
-            joints.iter().enumerate().map(|(j, joint)| self.limits_of(joint, j)).collect::<Result<Vec<_>, _>>()?;
-        for (limits, leader) in limits.iter_mut().zip(self.robot.coordinate_joints()) {
-            self.robot.joints.iter().for_each(|joint| limits.hold_follower(joint, leader));
-        }
-        if let Some(start) = self.start_posture() {
-            for (limits, start) in limits.iter().zip(start) {
-                let expected =
-                    format!("from {:.4} to {:.4} rad or m for joint {}", limits.lower, limits.upper, limits.joint);
-                self.require((limits.lower..=limits.upper).contains(&start), "[motion] start", &expected, start)?;
-            }
-        }
-        Ok(limits)
-    }
-
-    fn require_lengths(&self, options: &LimitOptions, joints: usize) -> Result<(), DesignError> {
-        if let Some(position) = &options.position {
-            self.require(position.len() == joints, "[limits] position", &format!("{joints} ranges"), position.len())?;
-        }
-        let lists = [
-            ("[limits] velocity", &options.velocity),
-            ("[limits] acceleration", &options.acceleration),
-            ("[limits] jerk", &options.jerk),
-            ("[limits] torque", &options.torque),
-            ("[limits] power", &options.power),
-        ];
-        for (key, list) in lists {
-            let Some(list) = list else { continue };
-            self.require(list.fits(joints), key, &format!("one value, or {joints}"), list.given().len())?;
-            for &value in list.given() {
-                self.require(value > 0.0 && value.is_finite(), key, "a finite number above zero", value)?;
-            }
-        }
-        Ok(())
-    }
-
-    fn limits_of(&self, joint: &Joint, number: usize) -> Result<JointLimits, DesignError> {
-        let options = &self.file.limits;
-        let si = |value: f64| si(joint.kind, value);
-        let given = |list: &Option<OneOrEach<f64>>| list.as_ref().map(|list| *list.of(number));
-        let missing = |quantity| DesignError::NoLimit {
-            path: self.path.clone(),
-            robot: self.robot_path.clone(),
-            joint: joint.name.clone(),
-            quantity,
-        };
-        let stated = joint.limits.lower.zip(joint.limits.upper);
-        let [lower, upper] = match (&options.position, stated) {
-            (Some(ranges), _) => ranges[number].map(si),
-            (None, Some((lower, upper))) => [lower, upper],
-            (None, None) => return Err(missing(Limited::Position.name())),
-        };
-        self.require_range(joint, [lower, upper])?;
-        let velocity = given(&options.velocity).map(si).or(joint.limits.velocity);
-        let velocity = velocity.filter(|v| *v > 0.0).ok_or_else(|| missing(Limited::Velocity.name()))?;
-        let acceleration = given(&options.acceleration).map(si).ok_or_else(|| missing(Limited::Acceleration.name()))?;
-        Ok(JointLimits {
-            joint: joint.name.clone(),
-            lower,
-            upper,
-            velocity,
-            acceleration,
-            jerk: given(&options.jerk).map(si),
-            torque: given(&options.torque).or(joint.limits.effort.filter(|effort| *effort > 0.0)),
-            power: given(&options.power),
-        })
-    }
-
-    /// A range of positions in which a joint can move.
-    fn require_range(&self, joint: &Joint, [lower, upper]: [f64; 2]) -> Result<(), DesignError> {
-        let remedy = match lower.partial_cmp(&upper) {
-            Some(std::cmp::Ordering::Less) if lower.is_finite() && upper.is_finite() => return Ok(()),
-            Some(std::cmp::Ordering::Equal) => "the joint cannot move; name it in [locked]",
-            Some(std::cmp::Ordering::Less | std::cmp::Ordering::Greater) | None => {
-                "give the smaller number first, both finite"
-            }
-        };
-        let (path, joint, quantity) = (self.path.clone(), joint.name.clone(), Limited::Position.name());
-        Err(DesignError::Contradiction { path, joint, quantity, lower, upper, remedy })
-    }
-
-    /// The posture in which the motion starts, rad or m.
-    pub(super) fn start_posture(&self) -> Option<Vec<f64>> {
-        self.file.motion.start.as_ref().map(|start| self.posture(start))
-    }
-
-    /// Degrees or mm as rad or m.
-    pub(super) fn posture(&self, values: &[f64]) -> Vec<f64> {
-        self.robot.coordinates().zip(values).map(|(joint, value)| si(joint.kind, *value)).collect()
-    }
-
     fn validate_collision(&self) -> Result<(), DesignError> {
         let Some(options) = &self.file.collision else { return Ok(()) };
         let (margin, joints) = (options.margin, self.robot.coordinate_count());
@@ -213,14 +105,6 @@ impl Design {
     /// The noise of each joint's position, rad or m.
     pub(super) fn position_noise(&self) -> Vec<f64> {
         let joints = self.robot.coordinates().enumerate();
-        joints.map(|(j, joint)| si(joint.kind, *self.file.noise.position.of(j))).collect()
-    }
-}
-
-/// Degrees to rad, mm to m.
-fn si(kind: JointKind, value: f64) -> f64 {
-    match kind {
-        JointKind::Revolute => value.to_radians(),
-        JointKind::Prismatic => 1e-3 * value,
+        joints.map(|(j, joint)| joint.kind.to_si(*self.file.noise.position.of(j))).collect()
     }
 }

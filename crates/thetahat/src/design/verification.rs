@@ -1,10 +1,10 @@
 //! The limits along a motion at 1 kHz.
 
-use super::{
-    limits::{JointLimits, Limited},
-    sums::Derivatives,
+use super::{limits::JointLimits, sums::Derivatives};
+use crate::{
+    results::{LimitUse, Limited},
+    series::Series,
 };
-use crate::{results::LimitUse, series::Series};
 
 /// Samples per second at which limits are looked at.
 pub(super) const RATE_HZ: f64 = 1000.0;
@@ -40,7 +40,7 @@ fn use_of(coordinate: usize, limits: &JointLimits, limited: Limited, limit: [f64
     LimitUse {
         joint: limits.joint.clone(),
         coordinate,
-        quantity: limited.name(),
+        quantity: limited,
         limit,
         reached,
         at_s: largest as f64 / RATE_HZ,

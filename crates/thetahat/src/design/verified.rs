@@ -9,12 +9,11 @@ use super::{
     motions::Motions,
     optimiser::Problem,
     starts::{Start, sign_scales},
-    sums::Derivatives,
     verification::{RATE_HZ, uses},
 };
 use crate::{
     dynamics::{Model, Sign},
-    results::{CollisionResults, LimitUse},
+    results::{CollisionResults, JointResult, LimitUse},
     series::Series,
 };
 
@@ -22,10 +21,8 @@ use crate::{
 const REPAIRS: usize = 3;
 const REPAIR_GAIN: f64 = 0.05;
 
-/// A motion at 1 kHz.
+/// What a motion needs at 1 kHz.
 pub(super) struct Verified {
-    pub(super) motion: Derivatives,
-    pub(super) torque: Series,
     pub(super) uses: Vec<LimitUse>,
     pub(super) collision: Option<CollisionResults>,
 }
@@ -105,18 +102,21 @@ impl Design {
         let [lower, upper] = worst.reached;
         let is_lower = (worst.limit[0] - lower) > (upper - worst.limit[1]);
         let (limit, needed) = if is_lower { (worst.limit[0], lower) } else { (worst.limit[1], upper) };
+        let joint = &JointResult::of_coordinates(&self.robot)[worst.coordinate];
+        let in_file = |value: f64| worst.quantity.to_file(joint.kind, value);
         DesignError::Infeasible {
             path: self.path.clone(),
             joint: worst.joint.clone(),
-            quantity: worst.quantity,
-            limit,
-            needed,
+            quantity: worst.quantity.name(),
+            limit: in_file(limit),
+            needed: in_file(needed),
+            unit: worst.quantity.file_unit(joint.kind),
             at_s: worst.at_s,
             remedy: "raise it, check the robot's a-priori parameters and friction, or choose another [motion] start",
         }
     }
 
-    /// The motion at 1 kHz with its torques, how far it uses the limits, and distances.
+    /// How far a motion uses the limits at 1 kHz, and its distances.
     fn verify(
         &self,
         model: &Model,
@@ -130,6 +130,6 @@ impl Design {
         let loads = Loads::new(model, &self.robot.a_priori_parameters(), limits.to_vec());
         let torque = loads.torques([&motion[0], &motion[1], &motion[2]], Sign::Exact);
         let (uses, collision) = (uses(limits, &motion, &torque), self.collision(model, &motion[0])?);
-        Ok(Verified { motion, torque, uses, collision })
+        Ok(Verified { uses, collision })
     }
 }

@@ -56,7 +56,7 @@ mod solve;
 mod state;
 mod term_columns;
 #[cfg(test)]
-mod term_tests;
+pub(crate) mod term_tests;
 mod term_torques;
 mod terms;
 mod twist;
@@ -77,4 +77,5 @@ pub(crate) use jacobian::Jacobian;
 pub(crate) use motion::LinkMotion;
 pub(crate) use series::gather;
 pub(crate) use solve::{factorise, multiply_factors, solve_factorised};
+pub(crate) use term_torques::LEAST_GAS;
 pub(crate) use twist::Twist;

@@ -13,7 +13,7 @@ use crate::{
 const SIGN: Sign = Sign::Smooth { scale: 0.1 };
 
 /// A tree with a prismatic joint, a follower and a coupled motor; every kind of term but those of channels and accelerations.
-const ROBOT: &str = r#"
+pub(crate) const ROBOT: &str = r#"
 name = "all"
 gravity = [0.3, -1.2, -9.7]
 [[joint]]

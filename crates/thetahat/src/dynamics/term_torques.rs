@@ -15,7 +15,7 @@ use crate::{
 };
 
 /// Least part of the gas that a cylinder leaves: beyond, its force no longer grows.
-const LEAST_GAS: f64 = 0.05;
+pub(crate) const LEAST_GAS: f64 = 0.05;
 
 impl Model {
     /// Adds the torques of the terms.

@@ -223,7 +223,8 @@ pub struct TwinDescription {
 impl TwinDescription {
     /// Lists of one value, which is for all joints, become lists with one for each.
     fn repeat_for(&mut self, joints: usize) {
-        for list in [&mut self.max_velocity, &mut self.sensors.torque_noise, &mut self.sensors.torque_ripple] {
+        let Sensors { torque_noise, position_noise, torque_ripple, .. } = &mut self.sensors;
+        for list in [&mut self.max_velocity, torque_noise, position_noise, torque_ripple] {
             if let [value] = list[..] {
                 *list = vec![value; joints];
             }

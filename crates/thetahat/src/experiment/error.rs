@@ -94,7 +94,7 @@ pub enum ExperimentError {
     /// The results are not to be used.
     #[error(
         "{}: the verdict on these results is do-not-use: {}; put that right and identify again, or take them all the \
-         same with --force",
+         same with --untrusted",
         path.display(), reasons.join("; ")
     )]
     NotTrusted {

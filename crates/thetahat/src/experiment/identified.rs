@@ -29,13 +29,13 @@ pub struct EstimateRequest {
     /// The folder in which that description is looked for by its name.
     pub data: Option<PathBuf>,
     /// Whether results whose verdict is do-not-use are taken.
-    pub force: bool,
+    pub untrusted: bool,
 }
 
 impl Default for EstimateRequest {
     /// The nominal estimate that the results advise.
     fn default() -> Self {
-        Self { case: NOMINAL.to_owned(), method: None, robot: None, data: None, force: false }
+        Self { case: NOMINAL.to_owned(), method: None, robot: None, data: None, untrusted: false }
     }
 }
 
@@ -83,7 +83,7 @@ impl IdentifiedRobot {
     /// another description than the one that was identified.
     pub fn of_results(path: &Path, results: &Results, request: &EstimateRequest) -> Result<Self, ExperimentError> {
         let (verdict, verdict_reasons) = judged(results);
-        if verdict == Verdict::DoNotUse && !request.force {
+        if verdict == Verdict::DoNotUse && !request.untrusted {
             return Err(not_trusted(path, &verdict_reasons));
         }
         let no_estimate = |source| ExperimentError::NoEstimate { path: path.to_owned(), source };

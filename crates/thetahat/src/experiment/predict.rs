@@ -48,7 +48,7 @@ pub fn predict(request: &PredictionRequest) -> Result<Prediction, ExperimentErro
         case: request.case.clone(),
         method: request.method,
         // A prediction carries the verdict.
-        force: true,
+        untrusted: true,
         ..EstimateRequest::default()
     };
     let identified = IdentifiedRobot::read(&request.results, &chosen)?;

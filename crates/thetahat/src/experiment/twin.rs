@@ -13,7 +13,6 @@ use crate::{
     preparation::{PreparationError, Recording},
     recording::ChannelSource,
     results::TwinRecord,
-    robot::JointKind,
     scheduling::closed_loop,
     series::Series,
     simulation::{OutputGrid, Reference, SampledReference, Sensors, SimulatedMotion, SimulatorBias},
@@ -154,7 +153,7 @@ impl Experiment {
 
     /// The recording of a twin's motion by its sensors.
     pub(super) fn record_motion(&self, sensors: &Sensors, sample_rate_hz: f64, twin: &TwinMotion) -> Recording {
-        let (positions, drive_signals) = sensors.record(&twin.motion, &self.robot.transmission);
+        let (positions, drive_signals) = sensors.record(&twin.motion, &self.robot);
         let position = self.robot.transmission.joint_positions(&positions);
         let torque = self.robot.transmission.joint_torques(&drive_signals);
         let sample_time_s = self.settings.controller.as_ref().map_or(0.0, |c| c.sample_time_s);
@@ -190,12 +189,7 @@ impl Experiment {
     fn plan(&self, twin: &TwinDescription) -> Result<Moves, ExperimentError> {
         // Angles in degrees, lengths in mm.
         let si = |values: &Vec<f64>| -> Vec<f64> {
-            let model = self.robot.coordinates().map(|j| j.kind);
-            let convert = |(v, kind): (&f64, _)| match kind {
-                JointKind::Revolute => v.to_radians(),
-                JointKind::Prismatic => 1e-3 * v,
-            };
-            values.iter().zip(model).map(convert).collect()
+            values.iter().zip(self.robot.coordinates()).map(|(value, joint)| joint.kind.to_si(*value)).collect()
         };
         let points: Vec<Vec<f64>> = twin.points.iter().map(si).collect();
         let limits = MotionLimits {

@@ -115,8 +115,11 @@ impl Experiment {
     fn validate_twin(&self, twin: &TwinDescription) -> Result<(), ExperimentError> {
         let n = self.robot.coordinate_count();
         let sensors = &twin.sensors;
-        let lists =
-            [("sensors.torque_noise", &sensors.torque_noise), ("sensors.torque_ripple", &sensors.torque_ripple)];
+        let lists = [
+            ("sensors.torque_noise", &sensors.torque_noise),
+            ("sensors.position_noise", &sensors.position_noise),
+            ("sensors.torque_ripple", &sensors.torque_ripple),
+        ];
         let points = twin.points.iter().map(|p| ("points", p));
         let of_moves = twin.reference.is_none().then_some(("max_velocity", &twin.max_velocity));
         for (key, list) in of_moves.into_iter().chain(lists).chain(points) {

@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use crate::{consistency::ConsistencyError, experiment::ExperimentError, identification::Method, robot::RobotError};
 
-use super::format::Format;
+use super::{format::Format, mjcf::MjcfError};
 
 /// Why a robot is not exported.
 #[derive(Debug, thiserror::Error)]
@@ -14,6 +14,9 @@ pub enum ExportError {
     /// A robot description cannot be used.
     #[error(transparent)]
     Robot(Box<RobotError>),
+    /// A MuJoCo model of the user's own cannot be edited.
+    #[error(transparent)]
+    Mjcf(Box<MjcfError>),
     /// No consistent parameters lie within the intervals.
     #[error(
         "{}: no robot made of bodies has base parameters within the 95 % intervals of {method}{}; conditions in conflict: {}. \
@@ -65,10 +68,16 @@ pub enum ExportError {
     #[error("the export cannot be written as JSON: {0}")]
     Unwritable(#[from] serde_json::Error),
     /// No reader for a check.
-    #[error("{} cannot be read back: thetahat reads URDF alone; leave out --check", format.title())]
+    #[error("{} is not read back: it holds the parameters as they are; leave out --check", format.title())]
     NoReader {
         /// The format.
         format: Format,
+    },
+    /// What was read back lacks something.
+    #[error("the export read back has no {missing}; please report this with the robot description")]
+    ReadBack {
+        /// What it lacks.
+        missing: String,
     },
     /// What was read back has other joints.
     #[error(
@@ -103,5 +112,11 @@ impl From<ExperimentError> for ExportError {
 impl From<RobotError> for ExportError {
     fn from(error: RobotError) -> Self {
         Self::Robot(Box::new(error))
+    }
+}
+
+impl From<MjcfError> for ExportError {
+    fn from(error: MjcfError) -> Self {
+        Self::Mjcf(Box::new(error))
     }
 }

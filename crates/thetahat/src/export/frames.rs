@@ -74,6 +74,7 @@ const UPRIGHT: f64 = 1e-15;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::vector::quaternion_rotation;
 
     fn turn(roll: f64, pitch: f64, yaw: f64) -> Mat3 {
         let about = |axis: usize, angle: f64| -> Mat3 {
@@ -86,14 +87,6 @@ mod tests {
         product(&product(&about(2, yaw), &about(1, pitch)), &about(0, roll))
     }
 
-    fn rotation_of([w, x, y, z]: [f64; 4]) -> Mat3 {
-        [
-            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
-            [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
-            [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
-        ]
-    }
-
     #[test]
     fn any_rotation_comes_back_from_angles_and_from_a_quaternion() {
         use std::f64::consts::{FRAC_PI_2, PI};
@@ -104,7 +97,7 @@ mod tests {
                     let rotation = turn(roll, pitch, yaw);
                     let frame = LinkFrame { rotation, origin: [0.0; 3], axis: [0.0, 0.0, 1.0] };
                     let [r, p, y] = frame.roll_pitch_yaw();
-                    for back in [turn(r, p, y), rotation_of(frame.quaternion())] {
+                    for back in [turn(r, p, y), quaternion_rotation(frame.quaternion())] {
                         let pairs = rotation.as_flattened().iter().zip(back.as_flattened());
                         let worst = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
                         assert!(worst < 4e-15, "{roll} {pitch} {yaw}: {worst:e}");

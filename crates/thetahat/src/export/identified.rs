@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use super::{
+    choice::Kept,
     error::ExportError,
-    format::Format,
-    posterior::{Kept, Posterior},
+    posterior::Posterior,
     provenance::{MovedParameter, Provenance, moved},
-    render::{Export, export_robot},
+    render::{Export, Target, export_robot},
     xml::number,
 };
 use crate::{
@@ -60,9 +60,9 @@ impl IdentifiedModel {
     ///
     /// # Errors
     /// As [`export_robot`].
-    pub fn export(&self, format: Format) -> Result<Export, ExportError> {
+    pub fn export<'t>(&self, target: impl Into<Target<'t>>) -> Result<Export, ExportError> {
         let Self { identified, standard, .. } = self;
-        export_robot(&identified.robot, identified.source.urdf_text(), standard, format, &self.about())
+        export_robot(&identified.robot, identified.source.urdf_text(), standard, target, &self.about())
     }
 
     /// What there is to say of the exported parameters, a sentence each: how they were chosen, what moved, and what was not

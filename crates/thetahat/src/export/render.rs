@@ -1,17 +1,44 @@
 //! The file of a robot in each format.
 
 use super::{
+    editor::Edited,
     error::ExportError,
     format::Format,
     header,
     json::json,
-    mjcf::mjcf,
+    mjcf::{self, MjcfModel},
     said::{Said, said},
     sdf::sdf,
     urdf_edit::edited,
     urdf_new,
 };
 use crate::robot::Robot;
+
+/// What an export is made of.
+#[derive(Debug, Clone, Copy)]
+pub enum Target<'a> {
+    /// A file of a format: for URDF the one that the robot was read from, edited, and else a new one.
+    File(Format),
+    /// A MuJoCo model of the user's own, edited.
+    Into(&'a MjcfModel),
+}
+
+impl From<Format> for Target<'_> {
+    fn from(format: Format) -> Self {
+        Self::File(format)
+    }
+}
+
+impl Target<'_> {
+    /// The format of the file.
+    #[must_use]
+    pub fn format(self) -> Format {
+        match self {
+            Self::File(format) => format,
+            Self::Into(_) => Format::Mjcf,
+        }
+    }
+}
 
 /// An exported robot.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,6 +52,8 @@ pub struct Export {
     /// What was done beside, as how bodies were split; it is in the file as well.
     pub notes: Vec<String>,
     pub(super) said: Said,
+    /// Whether it is a file of the user's own with its own kinematics.
+    pub(super) is_edited_model: bool,
 }
 
 impl Export {
@@ -42,34 +71,34 @@ impl Export {
 }
 
 /// A robot with these standard parameters, SI and in the order of its table, as a file. `urdf` is the text of the URDF that
-/// it was read from: it is edited, and all that is no inertia and no friction stays byte for byte. `about` are lines for the
-/// comment at the start of the file.
+/// it was read from: it is edited, and all that is no inertia and no friction stays byte for byte; so is a MuJoCo model that the
+/// robot goes into. `about` are lines for the comment at the start of the file.
 ///
 /// Links need a mass above zero; whether they are bodies is not checked.
 ///
 /// # Errors
-/// [`ExportError::Robot`] for a URDF that is not that of the robot.
-pub fn export_robot(
+/// [`ExportError::Robot`] for a URDF that is not that of the robot, and [`ExportError::Mjcf`] for a model that is not.
+pub fn export_robot<'t>(
     robot: &Robot,
     urdf: Option<&str>,
     parameters: &[f64],
-    format: Format,
+    target: impl Into<Target<'t>>,
     about: &[String],
 ) -> Result<Export, ExportError> {
-    let said = said(robot, parameters, format);
-    let mut notes = Vec::new();
+    let target = target.into();
+    let said = said(robot, parameters, target.format());
     let header = |notes: &[String]| header::comment(robot, &said, about, notes);
-    let text = match (format, urdf) {
-        (Format::Urdf, Some(text)) => {
-            let edited = edited(text, &said)?;
-            let text = edited.with_header(&header(&edited.notes));
-            notes = edited.notes;
-            text
+    let whole = |edited: Edited| (edited.with_header(&header(&edited.notes)), edited.notes);
+    let (text, notes) = match (target, urdf) {
+        (Target::Into(model), _) => whole(mjcf::edited(model, &said)?),
+        (Target::File(Format::Urdf), Some(text)) => whole(edited(text, &said)?),
+        (Target::File(Format::Urdf), None) => {
+            (urdf_new::urdf(&said, &header(&[]), robot.transmission.ratios().as_deref()), Vec::new())
         }
-        (Format::Urdf, None) => urdf_new::urdf(&said, &header(&[]), robot.transmission.ratios().as_deref()),
-        (Format::Mjcf, _) => mjcf(&said, &header(&[])),
-        (Format::Sdf, _) => sdf(&said, &header(&[])),
-        (Format::Json, _) => json(&said, about)?,
+        (Target::File(Format::Mjcf), _) => (mjcf::mjcf(&said, &header(&[])), Vec::new()),
+        (Target::File(Format::Sdf), _) => (sdf(&said, &header(&[])), Vec::new()),
+        (Target::File(Format::Json), _) => (json(&said, about)?, Vec::new()),
     };
-    Ok(Export { format, text, unsaid: said.unsaid.clone(), notes, said })
+    let is_edited_model = matches!(target, Target::Into(_));
+    Ok(Export { format: target.format(), text, unsaid: said.unsaid.clone(), notes, said, is_edited_model })
 }

@@ -6,9 +6,8 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::{
     error::ExportError,
-    format::Format,
     identified::IdentifiedModel,
-    render::{Export, export_robot},
+    render::{Export, Target, export_robot},
 };
 use crate::pool::in_order;
 
@@ -58,11 +57,11 @@ impl IdentifiedModel {
     pub fn export_samples<E: From<ExportError>>(
         &self,
         (count, seed): (u32, u64),
-        format: Format,
+        target: Target<'_>,
         threads: usize,
         mut take: impl FnMut(u32, Export) -> Result<(), E>,
     ) -> Result<(), E> {
-        let made = |number| self.export_sample(&self.sample(number, seed)?, format);
+        let made = |number| self.export_sample(&self.sample(number, seed)?, target);
         // Samples have numbers of 32 bits.
         let number = |k: usize| k as u32 + 1;
         in_order(count as usize, threads, |k| made(number(k)), |k, export| take(number(k), export?))
@@ -72,7 +71,7 @@ impl IdentifiedModel {
     ///
     /// # Errors
     /// As [`export_robot`].
-    pub fn export_sample(&self, sample: &Sample, format: Format) -> Result<Export, ExportError> {
+    pub fn export_sample<'t>(&self, sample: &Sample, target: impl Into<Target<'t>>) -> Result<Export, ExportError> {
         let drawn = [
             format!("sample {} of the estimates, seed {}", sample.number, sample.seed),
             "base parameters drawn from the normal distribution about the estimates with their covariance; standard parameters: \
@@ -81,6 +80,6 @@ impl IdentifiedModel {
         ];
         let about = [vec![self.identified.origin()], drawn.into(), self.provenance_in_words()].concat();
         let Self { identified, .. } = self;
-        export_robot(&identified.robot, identified.source.urdf_text(), &sample.standard, format, &about)
+        export_robot(&identified.robot, identified.source.urdf_text(), &sample.standard, target, &about)
     }
 }

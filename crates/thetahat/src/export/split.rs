@@ -1,13 +1,11 @@
-//! How an identified link is split among the links of a URDF that make it up.
+//! How an identified link is split among the links of a file that make it up.
 //!
-//! A URDF may fix links to the one behind a moving joint. Motion shows them as one body. The rule: the fixed links keep the
+//! A file may fix links to the one behind a moving joint. Motion shows them as one body. The rule: the fixed links keep the
 //! inertia that the file gives them, and the link behind the joint gets the rest, if that is a body. If not, all fixed links
 //! are scaled by half the largest factor that leaves a body.
 
-use crate::{
-    consistency::{Symmetric, pseudo_inertia},
-    robot::LinkPart,
-};
+use super::xml::number;
+use crate::consistency::{Symmetric, pseudo_inertia};
 
 /// Smallest eigenvalue of a pseudo-inertia matrix, relative to the largest, of a body that a simulator can use.
 const DEFINITE: f64 = 1e-9;
@@ -23,9 +21,23 @@ pub(super) struct Shares {
     pub(super) factor: f64,
 }
 
-/// The split of a moving link with inertial parameters `whole` among its parts.
-pub(super) fn split(whole: [f64; 10], fixed: &[&LinkPart]) -> Shares {
-    let sum = fixed.iter().fold([0.0; 10], |sum, part| plus(sum, part.in_carrier, 1.0));
+impl Shares {
+    /// What was done, in words: `fixed` are the names of the fixed links.
+    pub(super) fn in_words(&self, fixed: &[&str], carrier: &str) -> String {
+        let kept = if self.factor == 1.0 {
+            "keep their inertia".to_owned()
+        } else {
+            format!("have {} of theirs", number(self.factor))
+        };
+        let fixed = fixed.join(", ");
+        format!("{fixed} {kept}; `{carrier}`, to which they are fixed, has the rest of the identified link")
+    }
+}
+
+/// The split of a moving link with inertial parameters `whole` among its parts: the fixed links, in the frame of the link that
+/// carries them.
+pub(super) fn split(whole: [f64; 10], fixed: &[[f64; 10]]) -> Shares {
+    let sum = fixed.iter().fold([0.0; 10], |sum, part| plus(sum, *part, 1.0));
     let is_body = |factor: &f64| has_volume(&pseudo_inertia(plus(whole, sum, -factor)));
     let factor = if is_body(&1.0) { 1.0 } else { 0.5 * largest(&is_body) };
     Shares { carrier: plus(whole, sum, -factor), factor }
@@ -52,35 +64,22 @@ fn has_volume(p: &Symmetric) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vector::IDENTITY;
 
     fn ball(mass: f64) -> [f64; 10] {
         let i = 0.4 * mass * 0.01;
         [i, 0.0, 0.0, i, 0.0, i, 0.0, 0.0, 0.0, mass]
     }
 
-    fn fixed(body: [f64; 10]) -> LinkPart {
-        LinkPart {
-            name: "tool".to_owned(),
-            carrier: Some(0),
-            is_carrier: false,
-            own: body,
-            in_carrier: body,
-            placement: (IDENTITY, [0.0; 3]),
-            shapes: Vec::new(),
-        }
-    }
-
     #[test]
     fn fixed_links_keep_theirs_where_the_rest_is_a_body() {
-        let shares = split(ball(3.0), &[&fixed(ball(1.0))]);
+        let shares = split(ball(3.0), &[ball(1.0)]);
         assert_eq!(shares.factor, 1.0);
         assert_eq!(shares.carrier[9], 2.0);
     }
 
     #[test]
     fn fixed_links_that_are_too_heavy_are_scaled() {
-        let shares = split(ball(3.0), &[&fixed(ball(2.0)), &fixed(ball(2.0))]);
+        let shares = split(ball(3.0), &[ball(2.0), ball(2.0)]);
         assert!((shares.factor - 0.375).abs() < 1e-6, "{}", shares.factor);
         assert!((shares.carrier[9] - 1.5).abs() < 1e-5);
     }

@@ -258,6 +258,7 @@ impl FilteredRecording {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::robot::Robot;
 
     /// At 1 kHz and 50 Hz a gap of 10 samples is short, and 100 samples are an edge.
     #[test]
@@ -265,5 +266,14 @@ mod tests {
         let at = |gaps: &[Range<usize>]| left_out(gaps, &(1000..5000), 1000.0, 50.0);
         assert_eq!(at(&[2000..2003, 2004..2005, 3000..3011]), [997..1006, 1900..2111]);
         assert_eq!(at(&[100..300, 990..1000, 4999..5000, 6000..6001]), [0..10, 3998..4000]);
+    }
+
+    #[test]
+    fn values_that_are_all_zero_have_no_torque() {
+        let robot = Robot::parse(include_str!("../../demo/tx40.toml"), std::path::Path::new("tx40.toml")).unwrap();
+        let model = Model::new(&robot);
+        let [q, dq, ddq] = [0, 1, 2].map(|_| Series::zeros(3, 6));
+        let theta = vec![0.0; model.parameter_table().len()];
+        assert_eq!(torques(&model, &theta, &Motion { q, dq, ddq }, None), Series::zeros(3, 6));
     }
 }

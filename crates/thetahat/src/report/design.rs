@@ -4,8 +4,8 @@
 use std::path::{Component, Path, PathBuf};
 
 use super::{
-    design_figures::{motions, searches},
-    design_tables::{conclusions, distances, facts, limits, nearness, promised},
+    design_figures::{distance, motions, robot, searches, spectrum},
+    design_tables::{conclusions, distances, facts, frequencies, limits, nearness, promised},
     error::ReportError,
     files,
     move_programs::{MOVE_FILES, move_programs},
@@ -71,14 +71,22 @@ fn page(results: &DesignResults) -> Result<String, ReportError> {
         Section {
             id: "motion",
             title: "The motion and its limits",
-            figures: vec![motions(results)],
+            figures: robot(results).into_iter().chain([motions(results)]).collect(),
             tables: vec![limits(results)],
+            ..Section::default()
+        },
+        Section {
+            id: "spectrum",
+            title: "Frequencies of the motion",
+            lines: frequencies(results),
+            figures: vec![spectrum(results)],
             ..Section::default()
         },
         Section {
             id: "distances",
             title: "How near shapes come",
             lines: results.collision.iter().flat_map(nearness).collect(),
+            figures: results.collision.iter().map(distance).collect(),
             tables: results.collision.iter().map(distances).collect(),
             ..Section::default()
         },

@@ -5,7 +5,7 @@ use super::{
     table::Table,
 };
 use crate::{
-    results::{CollisionResults, DesignResults, Grade, LimitUse, PairDistance, PromisedParameter},
+    results::{CollisionResults, DesignResults, Grade, LimitUse, PairDistance, PromisedParameter, SpectrumBound},
     visible::visible,
 };
 
@@ -48,11 +48,12 @@ pub(super) fn conclusions(results: &DesignResults) -> Vec<String> {
     let unknown: Vec<&str> = known().filter(|p| p.grade() == Grade::NotIdentified).map(|p| p.name.as_str()).collect();
     if !unknown.is_empty() {
         lines.push(format!("Not told from zero: {}.", unknown.join(", ")));
+        lines.extend(remedy(results));
     }
     lines.extend(results.limits.iter().max_by(|a, b| a.part.total_cmp(&b.part)).map(|worst| {
         format!(
             "No limit is exceeded at 1 kHz; the nearest is the {} of {}, used by {:.1} % at {:.3} s.",
-            worst.quantity,
+            worst.quantity.name(),
             visible(&worst.joint),
             100.0 * worst.part,
             worst.at_s
@@ -63,6 +64,26 @@ pub(super) fn conclusions(results: &DesignResults) -> Vec<String> {
     let best = results.starts.first().map(|s| s.found);
     lines.extend(results.repeated.zip(best).map(|(repeated, best)| repetition(repeated, best)));
     lines
+}
+
+/// How long to record until what stays unknown is told from zero, by this motion and by one for such parameters alone.
+fn remedy(results: &DesignResults) -> Option<String> {
+    let duration_s = duration_s(results);
+    let one = |p: &PromisedParameter| {
+        let times = p.by_own_motion?;
+        let seconds = duration_s * (p.half_width_95 / p.a_priori).powi(2);
+        let [seconds, own] = [seconds, seconds / times.powi(2)].map(|s| significant(s, 2));
+        Some(format!("{} after {seconds} s of this motion, {own} s of that", p.name))
+    };
+    let all: Vec<String> = results.promised.iter().filter_map(one).collect();
+    (!all.is_empty()).then(|| {
+        format!(
+            "What would show them: a motion for them alone ([wanted] criterion = \"chosen\", parameters = their names), or a longer \
+             record. Told from zero, by the information of both motions: {}. A known payload adds its own torque and tells nothing \
+             of these.",
+            all.join("; ")
+        )
+    })
 }
 
 /// What the intervals say beside those of earlier results.
@@ -88,6 +109,24 @@ fn repetition(repeated: f64, best: f64) -> String {
     } else {
         format!("Repeat the last recording instead: for as long it makes the criterion {:.2} nats lower.", -gain)
     }
+}
+
+/// Whether the motion is within what filters and the controller let through.
+pub(super) fn frequencies(results: &DesignResults) -> Vec<String> {
+    let spectrum = &results.spectrum;
+    let end = spectrum.end_hz.iter().copied().fold(0.0, f64::max);
+    let bound = |b: &SpectrumBound| format!("{} {} Hz", b.name, significant(b.frequency_hz, 3));
+    let bounds: Vec<String> = spectrum.bounds.iter().map(bound).collect();
+    let passed: Vec<&str> = spectrum.bounds.iter().filter(|b| b.frequency_hz < end).map(|b| b.name).collect();
+    let verdict = match passed[..] {
+        [] => "all of them let the motion through".to_owned(),
+        _ => format!("the motion reaches beyond: {}", passed.join(", ")),
+    };
+    vec![format!(
+        "99 % of the variance of each joint's acceleration lies below {} Hz. Beside it: {}; {verdict}.",
+        significant(end, 3),
+        bounds.join(", ")
+    )]
 }
 
 /// What the distances of shapes say.
@@ -181,7 +220,7 @@ pub(super) fn limits(results: &DesignResults) -> Table {
         let [low, high] = l.limit.map(|v| significant(v, 4));
         let [least, most] = l.reached.map(|v| significant(v, 4));
         let (used, at) = (format!("{:.1}", 100.0 * l.part), format!("{:.3}", l.at_s));
-        vec![visible(&l.joint).into_owned(), l.quantity.to_owned(), low, high, least, most, used, at]
+        vec![visible(&l.joint).into_owned(), l.quantity.name().to_owned(), low, high, least, most, used, at]
     };
     Table {
         title: "Limits at 1 kHz, SI".to_owned(),

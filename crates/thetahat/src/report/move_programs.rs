@@ -4,7 +4,7 @@ use serde_json::json;
 
 use super::number::significant;
 use crate::{
-    results::{DesignResults, DesignedJoint, JointKind, Move, Moves},
+    results::{DesignResults, JointResult, Limited, Move, Moves},
     visible::visible,
 };
 
@@ -51,7 +51,7 @@ impl<'a> Target<'a> {
         let law = to.law;
         let rates = [1.0 / law.t1_s, 1.0 / (law.t1_s * law.t2_s)];
         let farthest = distances.iter().copied().fold(0.0, f64::max);
-        let part = |quantity: &str, rate: f64| {
+        let part = |quantity: Limited, rate: f64| {
             let limits = results.limits.iter().filter(|l| l.quantity == quantity);
             limits.map(|l| distances[l.coordinate] * rate / l.limit[1]).fold(0.0, f64::max)
         };
@@ -60,7 +60,7 @@ impl<'a> Target<'a> {
             end: &to.end,
             seconds: law.t1_s + law.t2_s + law.t3_s,
             leading: rates.map(|rate| farthest * rate),
-            percent: [percent(part("velocity", rates[0])), percent(part("acceleration", rates[1]))],
+            percent: [percent(part(Limited::Velocity, rates[0])), percent(part(Limited::Acceleration, rates[1]))],
         }
     }
 }
@@ -89,10 +89,7 @@ impl Program<'_> {
 
     /// Degrees or mm.
     fn degrees(&self, posture: &[f64]) -> Vec<String> {
-        let value = |(joint, value): (&DesignedJoint, &f64)| match joint.kind {
-            JointKind::Revolute => format!("{:.4}", value.to_degrees()),
-            JointKind::Prismatic => format!("{:.4}", 1e3 * value),
-        };
+        let value = |(joint, value): (&JointResult, &f64)| format!("{:.4}", joint.kind.to_file(*value));
         self.results.joints.iter().zip(posture).map(value).collect()
     }
 

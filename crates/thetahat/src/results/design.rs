@@ -1,7 +1,7 @@
 use serde::Serialize;
 
-use super::{Grade, ParameterResult};
-use crate::{robot::JointKind, series::Series, trajectory::Moves};
+use super::{Grade, JointResult, Limited, ParameterResult, Skeleton};
+use crate::{series::Series, trajectory::Moves};
 
 /// A designed motion, and what its record will tell.
 #[derive(Debug, Clone)]
@@ -11,7 +11,7 @@ pub struct DesignResults {
     /// Name of the robot.
     pub robot: String,
     /// The joints.
-    pub joints: Vec<DesignedJoint>,
+    pub joints: Vec<JointResult>,
     /// Samples per second.
     pub sample_rate_hz: f64,
     /// Positions, rad or m.
@@ -24,6 +24,10 @@ pub struct DesignResults {
     pub torque: Series,
     /// The moves, where the motion is made of such: the last ends where the first starts.
     pub moves: Option<Moves>,
+    /// The robot where its shapes are nearest to one another, or else where it starts, and the way of its last joint.
+    pub skeleton: Option<Skeleton>,
+    /// What frequencies the motion has.
+    pub spectrum: MotionSpectrum,
     /// Distances of shapes, where the design has some.
     pub collision: Option<CollisionResults>,
     /// The criterion if the last recording at hand were repeated for the same time, nats.
@@ -34,7 +38,7 @@ pub struct DesignResults {
     pub criterion: String,
     /// The searches.
     pub starts: Vec<SearchResult>,
-    /// The limits, each joint's in the order of [`LimitUse::quantity`]'s names.
+    /// The limits, each joint's in the order of [`Limited::ALL`].
     pub limits: Vec<LimitUse>,
     /// What is promised of each parameter.
     pub promised: Vec<PromisedParameter>,
@@ -48,13 +52,26 @@ pub struct DesignResults {
     pub experiment: ExperimentText,
 }
 
-/// A joint of a designed motion.
-#[derive(Debug, Clone)]
-pub struct DesignedJoint {
-    /// Its name.
-    pub name: String,
-    /// Whether it turns or slides.
-    pub kind: JointKind,
+/// The frequencies of a motion beside those that its record can have.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MotionSpectrum {
+    /// Frequencies at equal steps, Hz.
+    pub frequency_hz: Vec<f64>,
+    /// Root of the density of each joint's acceleration, over the largest of it.
+    pub of_joints: Vec<Vec<f64>>,
+    /// The frequency below which 99 % of the variance of each joint's acceleration lies, Hz.
+    pub end_hz: Vec<f64>,
+    /// What ends at a frequency: filters and loops.
+    pub bounds: Vec<SpectrumBound>,
+}
+
+/// A filter or a loop, and the frequency where it ends.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpectrumBound {
+    /// What it is.
+    pub name: &'static str,
+    /// Where it ends, Hz.
+    pub frequency_hz: f64,
 }
 
 /// One search.
@@ -73,6 +90,8 @@ pub struct SearchResult {
 pub struct CollisionResults {
     /// The least distance that is allowed, m.
     pub margin: f64,
+    /// The least distance of any pair at instants of the motion: time in s, distance in m.
+    pub least: Vec<[f64; 2]>,
     /// Every pair that must stay apart, the nearest first.
     pub pairs: Vec<PairDistance>,
     /// Links whose shape is not known: a mesh, and no capsule is given.
@@ -101,8 +120,8 @@ pub struct LimitUse {
     pub joint: String,
     /// Number of the coordinate, from zero.
     pub coordinate: usize,
-    /// `position`, `velocity`, `acceleration`, `jerk`, `torque` or `power`.
-    pub quantity: &'static str,
+    /// What is limited.
+    pub quantity: Limited,
     /// Lower and upper limit.
     pub limit: [f64; 2],
     /// Smallest and largest value at 1 kHz.
@@ -132,6 +151,8 @@ pub struct PromisedParameter {
     pub half_width_95: f64,
     /// How long to record for the half width that is wanted, s: the motion is repeated. None where the a-priori value is zero.
     pub seconds: Option<f64>,
+    /// Where it stays unknown: how many times as narrow its interval is by a motion that is made for such parameters alone.
+    pub by_own_motion: Option<f64>,
     /// Its estimate in the results that are compared with.
     pub compared: Option<ParameterResult>,
 }

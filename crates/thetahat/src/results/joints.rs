@@ -22,12 +22,12 @@ impl JointResult {
     /// The joints of a robot, one for each coordinate and in their order.
     #[must_use]
     pub fn of_coordinates(robot: &Robot) -> Vec<Self> {
-        let result = |name: &str, kind| {
-            let (position_unit, torque_unit) = match kind {
-                JointKind::Revolute => ("rad", "N m"),
-                JointKind::Prismatic => ("m", "N"),
+        let result = |name: &str, kind: JointKind| {
+            let position_unit = match kind {
+                JointKind::Revolute => "rad",
+                JointKind::Prismatic => "m",
             };
-            let [position_unit, torque_unit] = [position_unit, torque_unit].map(str::to_owned);
+            let [position_unit, torque_unit] = [position_unit, kind.torque_unit()].map(str::to_owned);
             Self { name: name.to_owned(), kind, position_unit, torque_unit }
         };
         robot.coordinates().map(|joint| result(&joint.name, joint.kind)).collect()

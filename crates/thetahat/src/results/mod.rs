@@ -39,6 +39,7 @@ mod file;
 mod filter;
 mod grade;
 mod joints;
+mod limited;
 mod parameters;
 mod payload;
 mod physical;
@@ -56,8 +57,8 @@ pub use card::{Card, Unseen};
 pub use content::{NOMINAL, Results, SCHEMA};
 pub use curves::{Bin, Frame, HeldBackPlots, Plots, RecordStart, ResidualCurves, RunPlots, Skeleton};
 pub use design::{
-    CollisionResults, DesignResults, DesignedJoint, ExperimentText, LimitUse, PairDistance, PromisedParameter,
-    SearchResult,
+    CollisionResults, DesignResults, ExperimentText, LimitUse, MotionSpectrum, PairDistance, PromisedParameter,
+    SearchResult, SpectrumBound,
 };
 pub use diagnosis::{
     Advice, ApproximatedParameter, ApproximationResult, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis,
@@ -69,6 +70,7 @@ pub use file::ResultsError;
 pub use filter::{ComparedFilter, Filter, FilterChoice, FilterError};
 pub use grade::Grade;
 pub use joints::JointResult;
+pub use limited::Limited;
 pub use parameters::{EliminationResult, ParameterResult};
 pub use payload::{DriveGainResult, PayloadParameter, PayloadResult};
 pub use physical::{ConsistencyTest, ConsistentEstimate, ConsistentParameter, PhysicalResult};

@@ -1,37 +1,45 @@
 //! Frames in frames, and bodies seen in them.
 
-use crate::vector::{IDENTITY, Mat3, Vec3, add, dot, product, scale, times, turned};
+use crate::vector::{IDENTITY, Mat3, Vec3, add, dot, product, scale, times, transpose, transpose_times, turned};
 
 /// A frame in another: `x = rotation x' + origin`.
-#[derive(Clone, Copy)]
-pub(in crate::robot) struct Frame {
-    pub(in crate::robot) rotation: Mat3,
-    pub(in crate::robot) origin: Vec3,
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Frame {
+    pub(crate) rotation: Mat3,
+    pub(crate) origin: Vec3,
 }
 
 impl Frame {
-    pub(in crate::robot) const SAME: Self = Self { rotation: IDENTITY, origin: [0.0; 3] };
+    pub(crate) const SAME: Self = Self { rotation: IDENTITY, origin: [0.0; 3] };
+
+    /// A point of this frame in the frame in which it is given.
+    pub(crate) fn of_point(&self, point: Vec3) -> Vec3 {
+        add(self.origin, times(&self.rotation, point))
+    }
+
+    /// The frame in which this one is given, in this one.
+    pub(crate) fn inverse(&self) -> Self {
+        let origin = scale(-1.0, transpose_times(&self.rotation, self.origin));
+        Self { rotation: transpose(&self.rotation), origin }
+    }
 
     /// A frame that is given in this one, in the frame in which this one is given.
-    pub(in crate::robot) fn then(&self, next: &Self) -> Self {
-        Self {
-            rotation: product(&self.rotation, &next.rotation),
-            origin: add(self.origin, times(&self.rotation, next.origin)),
-        }
+    pub(crate) fn then(&self, next: &Self) -> Self {
+        Self { rotation: product(&self.rotation, &next.rotation), origin: self.of_point(next.origin) }
     }
 }
 
 /// Mass, first moments and inertia about the origin of a frame.
 #[derive(Clone, Copy, Default, PartialEq)]
-pub(in crate::robot) struct Body {
-    pub(in crate::robot) m: f64,
-    pub(in crate::robot) ms: Vec3,
-    pub(in crate::robot) inertia: Mat3,
+pub(crate) struct Body {
+    pub(crate) m: f64,
+    pub(crate) ms: Vec3,
+    pub(crate) inertia: Mat3,
 }
 
 impl Body {
     /// The same body, given in a frame, about the origin in which that frame is given.
-    pub(in crate::robot) fn seen_in(&self, frame: &Frame) -> Self {
+    pub(crate) fn seen_in(&self, frame: &Frame) -> Self {
         let (p, s) = (frame.origin, times(&frame.rotation, self.ms));
         let mut inertia = turned(&frame.rotation, &self.inertia);
         let spherical = 2.0 * dot(p, s) + self.m * dot(p, p);
@@ -44,7 +52,7 @@ impl Body {
         Self { m: self.m, ms: add(s, scale(self.m, p)), inertia }
     }
 
-    pub(in crate::robot) fn absorb(&mut self, other: &Self) {
+    pub(crate) fn absorb(&mut self, other: &Self) {
         self.m += other.m;
         self.ms = add(self.ms, other.ms);
         for (mine, theirs) in self.inertia.iter_mut().zip(&other.inertia) {
@@ -53,12 +61,12 @@ impl Body {
     }
 
     /// From its parameters in the order of [`crate::robot::INERTIAL`].
-    pub(in crate::robot) fn from_parameters([xx, xy, xz, yy, yz, zz, mx, my, mz, m]: [f64; 10]) -> Self {
+    pub(crate) fn from_parameters([xx, xy, xz, yy, yz, zz, mx, my, mz, m]: [f64; 10]) -> Self {
         Self { m, ms: [mx, my, mz], inertia: [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]] }
     }
 
     /// In the order of [`crate::robot::INERTIAL`].
-    pub(in crate::robot) fn parameters(&self) -> [f64; 10] {
+    pub(crate) fn parameters(&self) -> [f64; 10] {
         let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = self.inertia;
         let [mx, my, mz] = self.ms;
         [xx, xy, xz, yy, yz, zz, mx, my, mz, self.m]

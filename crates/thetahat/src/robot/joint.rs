@@ -18,6 +18,44 @@ pub enum JointKind {
     Prismatic,
 }
 
+impl JointKind {
+    /// Degrees as rad, mm as m.
+    #[must_use]
+    pub fn to_si(self, value: f64) -> f64 {
+        match self {
+            Self::Revolute => value.to_radians(),
+            Self::Prismatic => 1e-3 * value,
+        }
+    }
+
+    /// Rad as degrees, m as mm.
+    #[must_use]
+    pub fn to_file(self, value: f64) -> f64 {
+        match self {
+            Self::Revolute => value.to_degrees(),
+            Self::Prismatic => 1e3 * value,
+        }
+    }
+
+    /// The unit of a torque or force.
+    #[must_use]
+    pub fn torque_unit(self) -> &'static str {
+        match self {
+            Self::Revolute => "N m",
+            Self::Prismatic => "N",
+        }
+    }
+
+    /// The unit of a position in files that people write.
+    #[must_use]
+    pub fn file_unit(self) -> &'static str {
+        match self {
+            Self::Revolute => "degrees",
+            Self::Prismatic => "mm",
+        }
+    }
+}
+
 /// A moving joint with the link behind it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {

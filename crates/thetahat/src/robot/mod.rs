@@ -31,6 +31,7 @@ mod transmission;
 mod tree;
 mod urdf;
 
+pub(crate) use body::{Body as RigidBody, Frame};
 pub use description::{Doubt, Robot};
 pub use error::RobotError;
 pub use joint::{DenavitHartenberg, Joint, JointKind, Limits, Mimic, Placement};
@@ -42,13 +43,15 @@ pub use quantity::{
     Bound, Friction, INERTIAL, JointQuantity, LinkQuantity, MotorQuantity, Quantity, Role, TermQuantity,
 };
 pub use sound::NotARobot;
+pub(crate) use source::read_text;
 pub use source::{RobotFile, RobotSource};
 pub use terms::{
     ChannelFactor, Cylinder, Direction, Expression, LinkPoint, PointDescription, Shape, Stribeck, StribeckLaw,
     TermColumn, TermDescription, TermError, TwoPoints, Variable, channels_of,
 };
+pub(crate) use terms::{Formula, MathFunction};
 pub use transmission::Transmission;
-pub(crate) use urdf::roll_pitch_yaw;
 pub use urdf::{Place, Solid, UrdfError};
+pub(crate) use urdf::{parse_xml, roll_pitch_yaw};
 
 use joint::{LARGEST, MOST_JOINTS};

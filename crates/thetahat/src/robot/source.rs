@@ -175,7 +175,8 @@ fn is_xml(text: &str) -> bool {
     text.trim_start_matches('\u{feff}').trim_start().starts_with('<')
 }
 
-fn read_text(path: &Path) -> Result<String, RobotError> {
+/// The text of a description, of at most 16 MiB.
+pub(crate) fn read_text(path: &Path) -> Result<String, RobotError> {
     let unreadable = |e: std::io::Error| RobotError::Unreadable { path: path.to_owned(), reason: e.to_string() };
     let mut text = String::new();
     files::open(path).and_then(|file| file.take(LONGEST + 1).read_to_string(&mut text)).map_err(unreadable)?;

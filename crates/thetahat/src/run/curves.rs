@@ -51,11 +51,17 @@ fn starts(prepared: &[Prepared], problem: &Problem) -> Vec<RecordStart> {
 /// The frames of a robot at the mean of its motion, and the way of the last one.
 fn skeleton(robot: &Robot, model: &Model, positions: &[&Series]) -> Option<Skeleton> {
     let samples: usize = positions.iter().map(|q| q.len()).sum();
-    let last = model.link_count().checked_sub(1)?;
     let mean = |c: usize| positions.iter().flat_map(|q| q.channel(c)).sum::<f64>() / samples.max(1) as f64;
     let mean: Vec<f64> = (0..model.coordinate_count()).map(mean).collect();
+    skeleton_in(robot, model, &mean, positions)
+}
+
+/// The frames of a robot in a posture, and the way of the last one along positions.
+pub(crate) fn skeleton_in(robot: &Robot, model: &Model, posture: &[f64], positions: &[&Series]) -> Option<Skeleton> {
+    let samples: usize = positions.iter().map(|q| q.len()).sum();
+    let last = model.link_count().checked_sub(1)?;
     let frame = |j: usize| {
-        let (origin, axis) = model.frame(j, &mean);
+        let (origin, axis) = model.frame(j, posture);
         Frame { parent: model.carrier(j), origin, axis }
     };
     let step = samples.div_ceil(WAY).max(1);

@@ -40,6 +40,7 @@ mod uncertain;
 mod with_rest;
 mod worse_than_zero;
 
+pub(crate) use curves::skeleton_in;
 pub(crate) use examination::{check_recordings, examine_robot};
 pub use identification::Identification;
 pub(crate) use identification::{CaseProblem, explain};

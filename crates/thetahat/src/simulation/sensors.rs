@@ -6,7 +6,10 @@ use rand_distr::{Distribution, StandardNormal};
 use serde::Deserialize;
 
 use super::motion::SimulatedMotion;
-use crate::{one_or_each, robot::Transmission, series::Series};
+use crate::{one_or_each, robot::Robot, series::Series};
+
+/// Stream of the random numbers of positions; the torques have stream zero.
+const POSITIONS: u64 = 1;
 
 /// What lies between a simulated motion and its record: encoders, torque ripple and torque noise.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -17,6 +20,9 @@ pub struct Sensors {
     /// Standard deviation of the white noise on each joint torque, N m or N.
     #[serde(deserialize_with = "one_or_each::list")]
     pub torque_noise: Vec<f64>,
+    /// Standard deviation of the white noise on each joint position, degrees or mm; none without a word.
+    #[serde(default = "no_noise", deserialize_with = "one_or_each::list")]
+    pub position_noise: Vec<f64>,
     /// Amplitude of the ripple on each joint torque, N m or N.
     #[serde(deserialize_with = "one_or_each::list")]
     pub torque_ripple: Vec<f64>,
@@ -26,11 +32,16 @@ pub struct Sensors {
     pub seed: u64,
 }
 
+fn no_noise() -> Vec<f64> {
+    vec![0.0]
+}
+
 impl Sensors {
-    /// The record of a motion: motor positions in rad and drive signals, as a robot's controller would log them.
+    /// The record of a robot's motion: motor positions in rad and drive signals, as its controller would log them.
     #[must_use]
-    pub fn record(&self, motion: &SimulatedMotion, transmission: &Transmission) -> (Series, Series) {
-        let mut positions = transmission.motor_positions(&motion.q);
+    pub fn record(&self, motion: &SimulatedMotion, robot: &Robot) -> (Series, Series) {
+        let transmission = &robot.transmission;
+        let mut positions = transmission.motor_positions(&self.noisy_positions(&motion.q, robot));
         let mut torques = motion.tau.clone();
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         for k in 0..torques.len() {
@@ -44,5 +55,18 @@ impl Sensors {
         let step = TAU / self.encoder_counts_per_turn;
         positions.values_mut().iter_mut().for_each(|p| *p = step * (*p / step).round());
         (positions, transmission.drive_signals(&torques))
+    }
+
+    /// Positions with their noise, whose numbers are not those of the torques'.
+    fn noisy_positions(&self, q: &Series, robot: &Robot) -> Series {
+        let mut q = q.clone();
+        let joints = self.position_noise.iter().zip(robot.coordinates());
+        let deviations: Vec<f64> = joints.map(|(value, joint)| joint.kind.to_si(*value)).collect();
+        if deviations.iter().any(|deviation| *deviation > 0.0) {
+            let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+            rng.set_stream(POSITIONS);
+            q.add_white_noise(&deviations, &mut rng);
+        }
+        q
     }
 }

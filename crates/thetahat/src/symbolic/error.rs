@@ -7,14 +7,34 @@ pub enum SymbolicError {
     /// The base parameters are not clear.
     #[error("{0}")]
     BaseParameters(#[from] BaseParametersError),
-    /// A torque term of the robot has no form in generated code.
+    /// A torque term takes a recorded channel.
     #[error(
-        "the torque term of `{parameter}` has no form in generated code; take [[term]] out of the robot's description, or \
-         generate --model mass-matrix, gravity, coriolis, forward-kinematics or jacobian, which it does not change"
+        "the torque term of `{parameter}` takes the recorded channel `{channel}`, which is no input of generated code; take the term \
+         out of the robot's description, or generate --model mass-matrix, gravity, coriolis, forward-kinematics or jacobian, which \
+         it does not change"
     )]
-    Term {
+    Channel {
         /// Its parameter.
         parameter: String,
+        /// The channel.
+        channel: String,
+    },
+    /// A torque term takes accelerations, which are what direct dynamics finds.
+    #[error(
+        "the torque term of `{parameter}` takes accelerations, which direct dynamics would have to find from themselves; take the \
+         term out of the robot's description, or generate --model idm or regressor"
+    )]
+    Acceleration {
+        /// Its parameter.
+        parameter: String,
+    },
+    /// A user's expression has no form in generated code.
+    #[error("the expression of `{parameter}` has no form in generated code: {problem}; write it with other operators")]
+    Expression {
+        /// Its parameter.
+        parameter: String,
+        /// Why.
+        problem: String,
     },
     /// Parameters of other number than the model has.
     #[error("{found} parameter values, and the robot has {expected} standard parameters; give one for each")]

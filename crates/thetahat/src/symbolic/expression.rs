@@ -5,7 +5,11 @@ use std::{
     ops::{Add, Div, Mul, Neg, Sub},
 };
 
-use super::graph::{Array, Graph, Signed};
+use super::{
+    derivative::derivatives,
+    graph::{Array, Graph, Signed},
+};
+use crate::robot::MathFunction;
 
 /// Where expressions are made.
 #[derive(Debug, Default)]
@@ -76,6 +80,29 @@ impl<'g> Expression<'g> {
 
     pub(super) fn sign(self) -> Self {
         self.map(Graph::sign)
+    }
+
+    /// The magnitude.
+    pub(super) fn magnitude(self) -> Self {
+        self * self.sign()
+    }
+
+    /// A function of one argument.
+    pub(super) fn function(self, function: MathFunction) -> Self {
+        self.map(|graph, a| graph.function(function, a, None))
+    }
+
+    /// A function of two arguments.
+    pub(super) fn function_with(self, function: MathFunction, other: Self) -> Self {
+        self.with(other, |graph, a, b| graph.function(function, a, Some(b)))
+    }
+
+    /// The derivatives of expressions with respect to an input; the sign of a velocity is taken as constant.
+    pub(super) fn derivatives(of: &[Self], array: Array, index: usize) -> Vec<Self> {
+        let Some(builder) = of.first().map(|first| first.builder) else { return Vec::new() };
+        let mut graph = builder.graph.borrow_mut();
+        let values: Vec<Signed> = of.iter().map(|expression| expression.value).collect();
+        derivatives(&mut graph, &values, array, index).into_iter().map(|value| builder.expression(value)).collect()
     }
 
     fn map(self, f: impl Fn(&mut Graph, Signed) -> Signed) -> Self {

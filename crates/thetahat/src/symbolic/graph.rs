@@ -5,8 +5,12 @@
 
 use std::collections::HashMap;
 
+use crate::robot::MathFunction;
+
 /// Part of the larger operand below which a sum of constants is rounding.
 const CANCELLED: f64 = 4.0 * f64::EPSILON;
+/// Largest power that is a product.
+const MOST_FACTORS: f64 = 4.0;
 
 /// What a generated function takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -48,6 +52,8 @@ pub(super) enum Node {
     Difference(NodeId, NodeId),
     Product(NodeId, NodeId),
     Quotient(NodeId, NodeId),
+    /// Of one argument or of two.
+    Function(MathFunction, Signed, Option<Signed>),
 }
 
 /// When a value is known.
@@ -74,7 +80,7 @@ impl NodeId {
         self.0 as usize
     }
 
-    fn positive(self) -> Signed {
+    pub(super) fn positive(self) -> Signed {
         Signed { node: self, negative: false }
     }
 }
@@ -96,6 +102,7 @@ impl Node {
             Self::Constant(_) | Self::Input(..) => [None, None],
             Self::Sine(a) | Self::Cosine(a) | Self::Sign(a) => [Some(a), None],
             Self::Sum(a, b) | Self::Difference(a, b) | Self::Product(a, b) | Self::Quotient(a, b) => [Some(a), Some(b)],
+            Self::Function(_, a, b) => [Some(a.node), b.map(|b| b.node)],
         };
         first.into_iter().chain(second)
     }
@@ -104,6 +111,12 @@ impl Node {
 impl Graph {
     pub(super) fn node(&self, id: NodeId) -> Node {
         self.nodes[id.index()]
+    }
+
+    /// The node at a place.
+    pub(super) fn id(&self, place: usize) -> NodeId {
+        debug_assert!(place < self.nodes.len());
+        NodeId(place as u32)
     }
 
     pub(super) fn level(&self, id: NodeId) -> Level {
@@ -128,7 +141,8 @@ impl Graph {
             | Node::Sum(..)
             | Node::Difference(..)
             | Node::Product(..)
-            | Node::Quotient(..) => Level::Constant,
+            | Node::Quotient(..)
+            | Node::Function(..) => Level::Constant,
         };
         let level = node.operands().map(|id| self.level(id)).fold(own, Level::max);
         let id = NodeId(self.nodes.len() as u32);
@@ -159,7 +173,8 @@ impl Graph {
             | Node::Sum(..)
             | Node::Difference(..)
             | Node::Product(..)
-            | Node::Quotient(..) => None,
+            | Node::Quotient(..)
+            | Node::Function(..) => None,
         }
     }
 
@@ -283,7 +298,8 @@ impl Graph {
             | Node::Cosine(_)
             | Node::Sign(_)
             | Node::Product(..)
-            | Node::Quotient(..) => return None,
+            | Node::Quotient(..)
+            | Node::Function(..) => return None,
         };
         Some([a.positive().times_sign(of.negative), b.positive().times_sign(of.negative != negative)])
     }
@@ -334,6 +350,21 @@ impl Graph {
     fn ordered_product(&mut self, a: Signed, b: Signed) -> Signed {
         let (first, second) = if a.node < b.node { (a.node, b.node) } else { (b.node, a.node) };
         self.intern(Node::Product(first, second))
+    }
+
+    /// A function beside sine and cosine, of one argument or of two.
+    pub(super) fn function(&mut self, function: MathFunction, a: Signed, b: Option<Signed>) -> Signed {
+        let numbers = [Some(a), b].map(|argument| argument.map(|argument| self.value(argument)));
+        match numbers {
+            [Some(Some(x)), None] => self.constant(function.value(x, 0.0)),
+            [Some(Some(x)), Some(Some(y))] => self.constant(function.value(x, y)),
+            [_, Some(Some(y))]
+                if function == MathFunction::Power && y.fract() == 0.0 && (1.0..=MOST_FACTORS).contains(&y) =>
+            {
+                (1..y as usize).fold(a, |product, _| self.multiply(product, a))
+            }
+            [Some(None), _] | [Some(Some(_)), Some(None)] | [None, _] => self.intern(Node::Function(function, a, b)),
+        }
     }
 
     pub(super) fn divide(&mut self, a: Signed, b: Signed) -> Signed {

@@ -19,6 +19,7 @@
 //! ```
 
 mod base_formulas;
+mod derivative;
 mod drives;
 mod error;
 mod expression;
@@ -35,6 +36,9 @@ mod program;
 mod regressor;
 mod request;
 mod snapping;
+#[cfg(test)]
+mod term_tests;
+mod terms;
 #[cfg(test)]
 mod tests;
 

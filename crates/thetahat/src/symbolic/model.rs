@@ -15,11 +15,12 @@ use super::{
     regressor::link_columns,
     request::{DriveTorques, ModelKind, ParameterSet, Request},
     snapping::{Snapped, snapped},
+    terms::{TermTorques, term_torques},
 };
 use crate::{
     base_parameters::{BaseParameter, BaseParameters},
     dynamics::Model,
-    robot::{JointKind, LinkQuantity, Parameter, Quantity, Robot},
+    robot::{JointKind, LinkQuantity, Parameter, Quantity, Robot, TermColumn},
 };
 
 /// Units of length that are tried: each costs a program.
@@ -55,6 +56,8 @@ pub struct Function {
     pub drives: DriveTorques,
     /// Where the parameters are from, a line each.
     pub about: Vec<String>,
+    /// Whether torque terms of the robot's own are in it.
+    pub has_terms: bool,
     /// Base parameters that hold what was to be left out: their sums have a drive's parameter in them.
     pub kept_drives: Vec<String>,
     /// Numbers of the description that were taken as special ones.
@@ -69,12 +72,9 @@ impl Function {
     /// The function of a robot with the fewest operations, over the units of length that its description offers.
     ///
     /// # Errors
-    /// [`SymbolicError`] for a torque term, base parameters that are not clear, values of another number, or values for
+    /// [`SymbolicError`] for a torque term that has no form in code, base parameters that are not clear, values of another number, or values for
     /// which the mass matrix is singular.
     pub fn new(robot: &Robot, request: &Request) -> Result<Self, SymbolicError> {
-        if let Some(term) = robot.terms.first().filter(|_| request.model.has_drive_torques()) {
-            return Err(SymbolicError::Term { parameter: term.parameter.clone() });
-        }
         let (robot, snapped) = snapped(robot);
         let made = Made::new(&robot, request)?;
         let mut program = made.program(1.0)?;
@@ -91,6 +91,9 @@ impl Function {
             model: request.model,
             drives: request.drives,
             about: request.about.clone(),
+            has_terms: !robot.terms.is_empty()
+                && request.model.has_drive_torques()
+                && request.drives == DriveTorques::All,
             kept_drives: made.kept_drives(),
             parameters: made.parameters(),
             shape: made.shape(),
@@ -202,6 +205,7 @@ impl<'a> Made<'a> {
             ModelKind::InverseDynamics | ModelKind::ForwardDynamics | ModelKind::Gravity | ModelKind::Coriolis => {
                 [n, 1]
             }
+            ModelKind::InverseDynamicsDerivatives => [n, 3 * n],
             ModelKind::MassMatrix => [n, n],
             ModelKind::Regressor => [n, self.count()],
             ModelKind::ForwardKinematics => [3 * tips, 4],
@@ -238,17 +242,22 @@ impl<'a> Made<'a> {
         let links = links(&chain, self.robot, &theta);
         let state = Arrays::new(&chain);
         Ok(match self.request.model {
-            ModelKind::InverseDynamics => torques(&drives, &links, state.rates(true, true, true)),
+            ModelKind::InverseDynamics => self.torques(&drives, &links, state.rates(true, true, true))?,
+            ModelKind::InverseDynamicsDerivatives => {
+                let torques = self.torques(&drives, &links, state.rates(true, true, true))?;
+                derivatives_of(&torques)
+            }
             ModelKind::Gravity => link_torques(&chain, &links, state.rates(false, false, true)),
             ModelKind::Coriolis => link_torques(&chain, &links, state.rates(true, false, false)),
             ModelKind::MassMatrix => full(&mass_matrix(&drives, &links), chain.coordinates),
             ModelKind::ForwardDynamics => {
-                let bias = torques(&drives, &links, state.rates(true, false, true));
+                self.require_no_acceleration()?;
+                let bias = self.torques(&drives, &links, state.rates(true, false, true))?;
                 let tau = builder.inputs(Array::Torque, chain.coordinates);
                 let rest = tau.into_iter().zip(bias).map(|(tau, bias)| tau - bias).collect();
                 solve(mass_matrix(&drives, &links), rest).map_err(|coordinate| self.not_definite(coordinate))?
             }
-            ModelKind::Regressor => self.regressor(&drives, state.rates(true, true, true)),
+            ModelKind::Regressor => self.regressor(&drives, state.rates(true, true, true))?,
             ModelKind::ForwardKinematics => {
                 let poses = poses(&chain);
                 tips(self.robot).into_iter().flat_map(|link| entries(&chain, &poses[link])).collect()
@@ -257,16 +266,58 @@ impl<'a> Made<'a> {
         })
     }
 
+    /// The torques of the links, the drives and the terms.
+    fn torques<'g>(
+        &self,
+        drives: &Drives<'_, 'g>,
+        links: &[PseudoInertia<'g>],
+        rates: Rates<'_, 'g>,
+    ) -> Result<Vec<Expression<'g>>, SymbolicError> {
+        let mut torques = link_torques(drives.chain, links, rates);
+        drives.add_inertia(rates, &mut torques);
+        drives.add_friction(rates, &mut torques);
+        let terms = self.terms(drives.chain, rates)?;
+        for (parameter, value) in self.model.parameter_table().iter().zip(drives.theta) {
+            let Quantity::Term(term) = parameter.quantity else { continue };
+            for &(coordinate, torque) in &terms[term.column] {
+                torques[coordinate] = torques[coordinate] + torque * *value;
+            }
+        }
+        Ok(torques)
+    }
+
+    /// The torques of the terms for a unit of their parameters; none are computed where the request leaves them out.
+    fn terms<'g>(&self, chain: &Chain<'g>, rates: Rates<'_, 'g>) -> Result<Vec<TermTorques<'g>>, SymbolicError> {
+        match self.request.drives {
+            DriveTorques::All => term_torques(chain, self.robot, rates),
+            DriveTorques::Inertia | DriveTorques::None => Ok(vec![Vec::new(); self.robot.terms.len()]),
+        }
+    }
+
+    /// Refuses terms that the accelerations would depend on, which depend on them.
+    fn require_no_acceleration(&self) -> Result<(), SymbolicError> {
+        let takes = |term: &&TermColumn| term.shape.needs_acceleration();
+        match self.robot.terms.iter().find(takes).filter(|_| self.request.drives == DriveTorques::All) {
+            Some(term) => Err(SymbolicError::Acceleration { parameter: term.parameter.clone() }),
+            None => Ok(()),
+        }
+    }
+
     fn not_definite(&self, coordinate: usize) -> SymbolicError {
         let joint = self.robot.coordinates().nth(coordinate).map_or_else(String::new, |joint| joint.name.clone());
         SymbolicError::NotDefinite { joint }
     }
 
     /// Row by row, a column for each parameter.
-    fn regressor<'g>(&self, drives: &Drives<'_, 'g>, rates: Rates<'_, 'g>) -> Vec<Expression<'g>> {
+    fn regressor<'g>(
+        &self,
+        drives: &Drives<'_, 'g>,
+        rates: Rates<'_, 'g>,
+    ) -> Result<Vec<Expression<'g>>, SymbolicError> {
         let chain = drives.chain;
         let axes: Vec<_> = self.robot.joints.iter().map(|joint| joint.link_axes).collect();
         let columns = link_columns(chain, &motions(chain, rates), &axes);
+        let terms = self.terms(drives.chain, rates)?;
         let places = self.columns();
         let mut phi = vec![chain.builder.zero(); chain.coordinates * places.len()];
         for (place, index) in places.iter().enumerate() {
@@ -280,25 +331,25 @@ impl<'a> Made<'a> {
                     let of_link = columns.iter().filter(|column| column.link == number);
                     of_link.map(|column| (column.coordinate, column.entries[component(quantity)])).collect()
                 }
-                quantity @ (Quantity::Joint(_) | Quantity::Motor(_) | Quantity::Term(_)) => {
-                    drives.column(quantity, number, rates)
-                }
+                Quantity::Term(term) => terms[term.column].clone(),
+                quantity @ (Quantity::Joint(_) | Quantity::Motor(_)) => drives.column(quantity, number, rates),
             };
             for (coordinate, entry) in entries {
                 let value = &mut phi[coordinate * places.len() + place];
                 *value = *value + entry;
             }
         }
-        phi
+        Ok(phi)
     }
 }
 
-/// The torques of the links and the drives.
-fn torques<'g>(drives: &Drives<'_, 'g>, links: &[PseudoInertia<'g>], rates: Rates<'_, 'g>) -> Vec<Expression<'g>> {
-    let mut torques = link_torques(drives.chain, links, rates);
-    drives.add_inertia(rates, &mut torques);
-    drives.add_friction(rates, &mut torques);
-    torques
+/// Row by row the derivatives with respect to positions, velocities and accelerations.
+fn derivatives_of<'g>(torques: &[Expression<'g>]) -> Vec<Expression<'g>> {
+    let n = torques.len();
+    let arrays = [Array::Position, Array::Velocity, Array::Acceleration];
+    let by_input = arrays.iter().flat_map(|array| (0..n).map(|c| Expression::derivatives(torques, *array, c)));
+    let columns: Vec<Vec<Expression<'g>>> = by_input.collect();
+    (0..n).flat_map(|row| columns.iter().map(move |column| column[row])).collect()
 }
 
 fn component(quantity: LinkQuantity) -> usize {

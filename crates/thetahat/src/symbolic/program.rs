@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::graph::{Array, Graph, Level, Node, NodeId, Signed};
+use crate::robot::MathFunction;
 
 /// A function as a list of operations, each of operands before it.
 #[derive(Debug, Clone)]
@@ -29,6 +30,7 @@ pub(super) enum Kind {
     Difference(Value, Value),
     Product(Value, Value),
     Quotient(Value, Value),
+    Function(MathFunction, Operand, Option<Operand>),
 }
 
 /// What an operation takes.
@@ -60,6 +62,8 @@ pub struct OperationCount {
     pub sines: usize,
     /// Signs of velocities.
     pub signs: usize,
+    /// Other functions, such as exponentials of friction laws.
+    pub functions: usize,
 }
 
 /// The arrays that a function takes.
@@ -79,9 +83,11 @@ pub struct Inputs<'a> {
 
 impl fmt::Display for OperationCount {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { multiplications, additions, divisions, sines, signs } = self;
+        let Self { multiplications, additions, divisions, sines, signs, functions } = self;
         write!(f, "{multiplications} multiplications, {additions} additions")?;
-        for (number, what) in [(divisions, "divisions"), (sines, "sines and cosines"), (signs, "signs")] {
+        let others =
+            [(divisions, "divisions"), (sines, "sines and cosines"), (signs, "signs"), (functions, "other functions")];
+        for (number, what) in others {
             if *number > 0 {
                 write!(f, ", {number} {what}")?;
             }
@@ -96,6 +102,7 @@ impl Kind {
         let (first, second) = match self {
             Self::Sine(a) | Self::Cosine(a) | Self::Sign(a) => (a, None),
             Self::Sum(a, b) | Self::Difference(a, b) | Self::Product(a, b) | Self::Quotient(a, b) => (a, Some(b)),
+            Self::Function(_, a, b) => (a.value, b.map(|b| b.value)),
         };
         std::iter::once(first).chain(second)
     }
@@ -124,10 +131,16 @@ impl Program {
                 Kind::Sum(..) | Kind::Difference(..) => &mut count.additions,
                 Kind::Product(..) => &mut count.multiplications,
                 Kind::Quotient(..) => &mut count.divisions,
+                Kind::Function(..) => &mut count.functions,
             };
             *of_kind += 1;
         }
         count
+    }
+
+    /// Whether it calls functions beside sine and cosine, at all or for what the parameters decide.
+    pub(super) fn calls_functions(&self) -> bool {
+        self.operations.iter().any(|operation| matches!(operation.kind, Kind::Function(..)))
     }
 
     /// The outputs in a state.
@@ -139,6 +152,7 @@ impl Program {
         let mut results = Vec::with_capacity(self.operations.len());
         for operation in &self.operations {
             let of = |value: Value| evaluated(value, inputs, &results);
+            let signed = |operand: Operand| if operand.negative { -of(operand.value) } else { of(operand.value) };
             results.push(match operation.kind {
                 Kind::Sine(a) => of(a).sin(),
                 Kind::Cosine(a) => of(a).cos(),
@@ -148,6 +162,7 @@ impl Program {
                 Kind::Difference(a, b) => of(a) - of(b),
                 Kind::Product(a, b) => of(a) * of(b),
                 Kind::Quotient(a, b) => of(a) / of(b),
+                Kind::Function(function, a, b) => function.value(signed(a), b.map_or(0.0, signed)),
             });
         }
         let output = |operand: &Operand| {
@@ -188,6 +203,7 @@ fn schedule(graph: &Graph, id: NodeId, places: &mut [Option<usize>], operations:
         schedule(graph, operand, places, operations);
     }
     let of = |id: NodeId| value(graph, id, places);
+    let signed = |a: Signed| Operand { value: of(a.node), negative: a.negative };
     let kind = match node {
         Node::Constant(_) | Node::Input(..) => return,
         Node::Sine(a) => Kind::Sine(of(a)),
@@ -197,6 +213,7 @@ fn schedule(graph: &Graph, id: NodeId, places: &mut [Option<usize>], operations:
         Node::Difference(a, b) => Kind::Difference(of(a), of(b)),
         Node::Product(a, b) => Kind::Product(of(a), of(b)),
         Node::Quotient(a, b) => Kind::Quotient(of(a), of(b)),
+        Node::Function(function, a, b) => Kind::Function(function, signed(a), b.map(signed)),
     };
     places[id.index()] = Some(operations.len());
     operations.push(Operation { kind, is_fixed: graph.level(id) < Level::State });

@@ -8,6 +8,8 @@ use crate::robot::Quantity;
 pub enum ModelKind {
     /// Torques of a motion.
     InverseDynamics,
+    /// Their derivatives with respect to positions, velocities and accelerations: three blocks of columns.
+    InverseDynamicsDerivatives,
     /// The mass matrix, row by row.
     MassMatrix,
     /// Accelerations of torques.
@@ -60,6 +62,14 @@ pub struct Request {
     pub about: Vec<String>,
 }
 
+impl Request {
+    /// A model with all that the drives do and its parameters as an input.
+    #[must_use]
+    pub fn new(model: ModelKind, parameters: ParameterSet) -> Self {
+        Self { model, parameters, values: None, drives: DriveTorques::All, about: Vec::new() }
+    }
+}
+
 impl DriveTorques {
     /// All choices, with their names on the command line.
     pub const ALL: [(&'static str, Self); 3] = [("all", Self::All), ("inertia", Self::Inertia), ("none", Self::None)];
@@ -76,8 +86,9 @@ impl DriveTorques {
 
 impl ModelKind {
     /// All models, with their names on the command line.
-    pub const ALL: [(&'static str, Self); 8] = [
+    pub const ALL: [(&'static str, Self); 9] = [
         ("idm", Self::InverseDynamics),
+        ("idm-derivatives", Self::InverseDynamicsDerivatives),
         ("mass-matrix", Self::MassMatrix),
         ("ddm", Self::ForwardDynamics),
         ("regressor", Self::Regressor),
@@ -92,6 +103,7 @@ impl ModelKind {
     pub fn identifier(self) -> &'static str {
         match self {
             Self::InverseDynamics => "inverse_dynamics",
+            Self::InverseDynamicsDerivatives => "torque_derivatives",
             Self::MassMatrix => "mass_matrix",
             Self::ForwardDynamics => "forward_dynamics",
             Self::Regressor => "regressor",
@@ -106,7 +118,9 @@ impl ModelKind {
     #[must_use]
     pub fn inputs(self) -> &'static [Array] {
         match self {
-            Self::InverseDynamics | Self::Regressor => &[Array::Position, Array::Velocity, Array::Acceleration],
+            Self::InverseDynamics | Self::InverseDynamicsDerivatives | Self::Regressor => {
+                &[Array::Position, Array::Velocity, Array::Acceleration]
+            }
             Self::ForwardDynamics => &[Array::Position, Array::Velocity, Array::Torque],
             Self::Coriolis => &[Array::Position, Array::Velocity],
             Self::MassMatrix | Self::Gravity | Self::ForwardKinematics | Self::Jacobian => &[Array::Position],
@@ -117,7 +131,12 @@ impl ModelKind {
     #[must_use]
     pub fn takes_parameters(self) -> bool {
         match self {
-            Self::InverseDynamics | Self::MassMatrix | Self::ForwardDynamics | Self::Gravity | Self::Coriolis => true,
+            Self::InverseDynamics
+            | Self::InverseDynamicsDerivatives
+            | Self::MassMatrix
+            | Self::ForwardDynamics
+            | Self::Gravity
+            | Self::Coriolis => true,
             Self::Regressor | Self::ForwardKinematics | Self::Jacobian => false,
         }
     }
@@ -126,7 +145,11 @@ impl ModelKind {
     pub(super) fn is_vector(self) -> bool {
         match self {
             Self::InverseDynamics | Self::ForwardDynamics | Self::Gravity | Self::Coriolis => true,
-            Self::MassMatrix | Self::Regressor | Self::ForwardKinematics | Self::Jacobian => false,
+            Self::InverseDynamicsDerivatives
+            | Self::MassMatrix
+            | Self::Regressor
+            | Self::ForwardKinematics
+            | Self::Jacobian => false,
         }
     }
 
@@ -134,6 +157,7 @@ impl ModelKind {
     pub(super) fn has_parameters(self) -> bool {
         match self {
             Self::InverseDynamics
+            | Self::InverseDynamicsDerivatives
             | Self::MassMatrix
             | Self::ForwardDynamics
             | Self::Regressor
@@ -145,7 +169,7 @@ impl ModelKind {
 
     pub(super) fn has_drive_torques(self) -> bool {
         match self {
-            Self::InverseDynamics | Self::ForwardDynamics | Self::Regressor => true,
+            Self::InverseDynamics | Self::InverseDynamicsDerivatives | Self::ForwardDynamics | Self::Regressor => true,
             Self::MassMatrix | Self::Gravity | Self::Coriolis | Self::ForwardKinematics | Self::Jacobian => false,
         }
     }

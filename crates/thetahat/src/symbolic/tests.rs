@@ -41,16 +41,16 @@ fn robots() -> impl Iterator<Item = Robot> {
 }
 
 #[derive(Clone)]
-struct Case {
-    robot: Robot,
-    model: Model,
-    theta: Vec<f64>,
+pub(super) struct Case {
+    pub(super) robot: Robot,
+    pub(super) model: Model,
+    pub(super) theta: Vec<f64>,
     parameters: DynamicParameters,
-    state: [Vec<f64>; 3],
+    pub(super) state: [Vec<f64>; 3],
 }
 
 impl Case {
-    fn new(robot: Robot, rng: &mut ChaCha8Rng) -> Self {
+    pub(super) fn new(robot: Robot, rng: &mut ChaCha8Rng) -> Self {
         let model = Model::new(&robot);
         let mut random = |n: usize| -> Vec<f64> { (0..n).map(|_| rng.random_range(-2.0..2.0)).collect() };
         let theta = random(model.parameter_table().len());
@@ -60,16 +60,15 @@ impl Case {
         Self { robot, model, theta, parameters, state }
     }
 
-    fn inverse_dynamics(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Vec<f64> {
+    pub(super) fn inverse_dynamics(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Vec<f64> {
         let mut tau = vec![0.0; q.len()];
         let mut workspace = Workspace::new(&self.model);
         self.model.inverse_dynamics(&self.parameters, State::new(q, dq), ddq, Sign::Exact, &mut workspace, &mut tau);
         tau
     }
 
-    fn function(&self, model: ModelKind, parameters: ParameterSet) -> Function {
-        let request = Request { model, parameters, values: None, drives: DriveTorques::All, about: Vec::new() };
-        Function::new(&self.robot, &request).unwrap()
+    pub(super) fn function(&self, model: ModelKind, parameters: ParameterSet) -> Function {
+        Function::new(&self.robot, &Request::new(model, parameters)).unwrap()
     }
 
     /// The output of a function with the parameters' values in it.
@@ -87,7 +86,7 @@ impl Case {
         Self { parameters: DynamicParameters::new(&self.model, &theta), theta, ..self.clone() }
     }
 
-    fn values(&self, set: ParameterSet) -> Vec<f64> {
+    pub(super) fn values(&self, set: ParameterSet) -> Vec<f64> {
         match set {
             ParameterSet::Standard => self.theta.clone(),
             ParameterSet::Base => BaseParameters::of(&self.model, &[]).unwrap().from_standard(&self.theta),
@@ -107,14 +106,14 @@ impl Case {
         )
     }
 
-    fn evaluate(&self, model: ModelKind, parameters: ParameterSet) -> Vec<f64> {
+    pub(super) fn evaluate(&self, model: ModelKind, parameters: ParameterSet) -> Vec<f64> {
         let theta = self.values(parameters);
         let [q, dq, ddq] = &self.state;
         self.function(model, parameters).program.evaluate(&Inputs { q, dq, ddq, tau: ddq, theta: &theta })
     }
 }
 
-fn ensure_close(found: &[f64], expected: &[f64], what: &str) {
+pub(super) fn ensure_close(found: &[f64], expected: &[f64], what: &str) {
     let size = expected.iter().fold(1e-3, |size: f64, value| size.max(value.abs()));
     assert_eq!(found.len(), expected.len(), "{what}");
     for (place, (a, b)) in found.iter().zip(expected).enumerate() {
@@ -122,7 +121,7 @@ fn ensure_close(found: &[f64], expected: &[f64], what: &str) {
     }
 }
 
-fn of_each_robot(check: impl Fn(&Case, &str)) {
+pub(super) fn of_each_robot(check: impl Fn(&Case, &str)) {
     let mut rng = ChaCha8Rng::seed_from_u64(16);
     for robot in robots() {
         for _ in 0..3 {
@@ -132,7 +131,7 @@ fn of_each_robot(check: impl Fn(&Case, &str)) {
     }
 }
 
-const SETS: [ParameterSet; 2] = [ParameterSet::Standard, ParameterSet::Base];
+pub(super) const SETS: [ParameterSet; 2] = [ParameterSet::Standard, ParameterSet::Base];
 
 #[test]
 fn inverse_dynamics_is_that_of_the_kernels() {
@@ -186,7 +185,7 @@ fn forward_dynamics_reverses_inverse_dynamics() {
 }
 
 /// Parameters of balls of 1 kg on the links' frames, with motors: the mass matrix is positive definite.
-fn bodies(model: &Model) -> Vec<f64> {
+pub(super) fn bodies(model: &Model) -> Vec<f64> {
     let value = |parameter: &Parameter| match parameter.quantity {
         Quantity::Link(LinkQuantity::Xx | LinkQuantity::Yy | LinkQuantity::Zz) => 0.1,
         Quantity::Link(LinkQuantity::M) => 1.0,
@@ -244,13 +243,7 @@ fn values_without_inertia_have_no_accelerations() {
                 [parameters]\nzz1 = 1\n";
     let robot = Robot::parse(text, Path::new("arm.toml")).unwrap();
     let values = Some(robot.a_priori_parameters());
-    let request = |model| Request {
-        model,
-        parameters: ParameterSet::Base,
-        values: values.clone(),
-        drives: DriveTorques::All,
-        about: Vec::new(),
-    };
+    let request = |model| Request { values: values.clone(), ..Request::new(model, ParameterSet::Base) };
     let error = Function::new(&robot, &request(ModelKind::ForwardDynamics)).unwrap_err();
     assert_eq!(error, SymbolicError::NotDefinite { joint: "b".to_owned() });
     assert!(Function::new(&robot, &request(ModelKind::InverseDynamics)).is_ok());
@@ -259,13 +252,7 @@ fn values_without_inertia_have_no_accelerations() {
 #[test]
 fn base_parameters_that_hold_what_is_left_out_are_named() {
     let robot = robots().next().unwrap();
-    let request = |drives| Request {
-        model: ModelKind::InverseDynamics,
-        parameters: ParameterSet::Base,
-        values: None,
-        drives,
-        about: Vec::new(),
-    };
+    let request = |drives| Request { drives, ..Request::new(ModelKind::InverseDynamics, ParameterSet::Base) };
     let kept = |drives| Function::new(&robot, &request(drives)).unwrap().kept_drives;
     assert_eq!(kept(DriveTorques::None), ["zz1r"]);
     assert!(kept(DriveTorques::Inertia).is_empty() && kept(DriveTorques::All).is_empty());
@@ -276,16 +263,7 @@ fn base_parameters_that_hold_what_is_left_out_are_named() {
 fn a_function_without_terms_is_code_all_the_same() {
     let text = "name = 'slide /* of'\n[[joint]]\nname = 'a'\nkind = 'prismatic'\n";
     let robot = Robot::parse(text, Path::new("slide.toml")).unwrap();
-    let of = |model| {
-        let request = Request {
-            model,
-            parameters: ParameterSet::Base,
-            values: None,
-            drives: DriveTorques::All,
-            about: Vec::new(),
-        };
-        Function::new(&robot, &request).unwrap()
-    };
+    let of = |model| Function::new(&robot, &Request::new(model, ParameterSet::Base)).unwrap();
     let latex = Language::Latex.code(&of(ModelKind::Coriolis), None).unwrap();
     assert!(latex.contains("All entries are zero"), "{latex}");
     let c = Language::C.code(&of(ModelKind::Coriolis), None).unwrap();

@@ -128,7 +128,7 @@ pub fn twin(change: impl FnOnce(&mut TwinDescription)) -> Record {
     let grid = OutputGrid { start_s: 0.0, sample_rate_hz: twin.sample_rate_hz, samples };
     let inertia = closed_loop.motor_inertia(&theta, moves.end_s());
     let motion = closed_loop.simulate(&theta, &inertia, &grid).unwrap();
-    let (positions, drive) = twin.sensors.record(&motion, &robot.transmission);
+    let (positions, drive) = twin.sensors.record(&motion, &robot);
     let signal = experiment.settings.signal;
     let mut record = Record {
         excluded,

@@ -17,11 +17,12 @@ use rand_chacha::ChaCha8Rng;
 use thetahat::{
     dynamics::Model,
     robot::{Locks, Robot, RobotSource},
-    symbolic::{Array, DriveTorques, Function, Inputs, ModelKind, ParameterSet, Request},
+    symbolic::{Array, Function, Inputs, ModelKind, ParameterSet, Request},
 };
 
-const ROBOTS: [&str; 8] = [
+const ROBOTS: [&str; 9] = [
     "two_joint.toml",
+    WITH_TERMS,
     "tx40.toml",
     "ur10.toml",
     "branching.urdf",
@@ -30,6 +31,41 @@ const ROBOTS: [&str; 8] = [
     "scara.toml",
     "quadruped.urdf",
 ];
+
+/// The two-joint robot with torque terms, and every function that they can take.
+const WITH_TERMS: &str = "two_joint_with_terms.toml";
+const TERMS: &str = r#"
+[[term]]
+kind = "exponential-stribeck"
+velocity = 0.3
+exponent = 1.3
+[[term]]
+kind = "load-friction"
+[[term]]
+kind = "motor-harmonics"
+harmonics = [0.05]
+[[term]]
+kind = "hydraulic"
+name = "balancer"
+direction = "pull"
+from = { point_m = [-0.6, 0.3, 1.0] }
+to = { link_of = "elbow", point_m = [0.2, 0.0, 0.1] }
+length_m = 1.0
+gas_length_m = 0.8
+exponent = 1.2
+[[term]]
+kind = "expression"
+name = "own"
+joint = "elbow"
+expression = "exp(-abs(dq)) - ln(3 + q^2) * cbrt(sin(q) - 3) + tan(sin(q)) * asin(sin(q)/2) - acos(sin(dq)/2) * atan(q) + sinh(sin(q)) * cosh(sin(dq)) - tanh(dq)"
+[[term]]
+kind = "expression"
+name = "other"
+joint = "shoulder"
+expression = "asinh(q) + acosh(3 + dq^2) * atanh(sin(q)/2) - floor(3*q) + (3 + q^2)^sin(dq) + atan2(q, dq) * (q min dq) - (q max 0.2) * sqrt(3 + q^2)"
+"#;
+/// Robots whose derivatives are generated: those of large ones take compilers long.
+const WITH_DERIVATIVES: [&str; 4] = ["two_joint.toml", WITH_TERMS, "scara.toml", "tx40.toml"];
 
 /// Relative to the largest entry.
 const ROUNDING: f64 = 1e-12;
@@ -47,8 +83,7 @@ struct Sample {
 impl Sample {
     fn new(robot: &Robot, model: ModelKind, rng: &mut ChaCha8Rng) -> Self {
         let parameters = if rng.random_bool(0.5) { ParameterSet::Base } else { ParameterSet::Standard };
-        let request = Request { model, parameters, values: None, drives: DriveTorques::All, about: Vec::new() };
-        let function = Function::new(robot, &request).unwrap();
+        let function = Function::new(robot, &Request::new(model, parameters)).unwrap();
         let mut random = |n: usize| -> Vec<f64> { (0..n).map(|_| rng.random_range(-2.0..2.0)).collect() };
         let n = Model::new(robot).coordinate_count();
         let theta = random(function.parameters.len());
@@ -90,6 +125,10 @@ impl Sample {
 }
 
 fn robot(file: &str) -> Robot {
+    if file == WITH_TERMS {
+        let text = std::fs::read_to_string(thetahat_testing::project("robots/two_joint.toml")).unwrap();
+        return Robot::parse(&(text + TERMS), Path::new(file)).unwrap();
+    }
     let source = RobotSource::read(&thetahat_testing::project("robots").join(file)).unwrap();
     let until = if file.starts_with("mobile") { vec!["arm_7_joint".to_owned()] } else { Vec::new() };
     source.robot_with_locks(&Locks { until, ..Locks::default() }, Path::new("the test")).unwrap()
@@ -98,7 +137,10 @@ fn robot(file: &str) -> Robot {
 /// A function of each model.
 fn samples(file: &str) -> Vec<Sample> {
     let (robot, mut rng) = (robot(file), ChaCha8Rng::seed_from_u64(1640));
-    ModelKind::ALL.iter().map(|(_, model)| Sample::new(&robot, *model, &mut rng)).collect()
+    let is_wanted =
+        |model: &ModelKind| *model != ModelKind::InverseDynamicsDerivatives || WITH_DERIVATIVES.contains(&file);
+    let models = ModelKind::ALL.iter().map(|(_, model)| *model).filter(is_wanted);
+    models.map(|model| Sample::new(&robot, model, &mut rng)).collect()
 }
 
 /// Splits printed numbers among functions, and checks them.
@@ -143,7 +185,12 @@ fn main() {
     let all = [
         trials("c", &ROBOTS, is_there("cc", &["--version"]), c::run),
         vec![Trial::test("own_sines_of_c", c::own_sines).with_ignored_flag(!is_there("cc", &["--version"]))],
-        trials("rust", &["two_joint.toml", "scara.toml", "tx40.toml"], is_there("rustc", &["--version"]), rust::run),
+        trials(
+            "rust",
+            &["two_joint.toml", WITH_TERMS, "scara.toml", "tx40.toml"],
+            is_there("rustc", &["--version"]),
+            rust::run,
+        ),
         trials("python", &ROBOTS, python.is_some(), python::run),
         vec![
             Trial::test("matlab", text::matlab),

@@ -44,7 +44,7 @@ fn by_octave(samples: &[Sample]) -> Result<(), Failed> {
 }
 
 pub fn latex() -> Result<(), Failed> {
-    for sample in samples("tx40.toml") {
+    for sample in samples("tx40.toml").iter().chain(&samples(super::WITH_TERMS)) {
         let code = Language::Latex.code(&sample.function, None)?;
         let body: String = code.lines().filter(|line| !line.starts_with('%')).collect();
         let count = |text: &str| body.matches(text).count();

@@ -17,6 +17,6 @@ pub(super) use errors::{Heat, errors};
 pub(super) use figure::{Figure, Key, keys_of};
 pub(super) use forest::{Forest, forest, other_parameters, promised_forest};
 pub(super) use misfit::misfit;
-pub(super) use skeleton::skeleton;
+pub(super) use skeleton::{skeleton, skeleton_of};
 pub(super) use torques::{held_back, torques};
 pub(super) use tracking::tracking;

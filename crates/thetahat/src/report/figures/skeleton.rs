@@ -3,7 +3,7 @@
 use super::figure::{Figure, Key};
 use crate::{
     report::plot::{Axis, Chart, Curve, Panel, Range, Text, pixel},
-    results::{Plots, Results, Skeleton},
+    results::{Results, Skeleton},
 };
 
 const WIDTH: f64 = 260.0;
@@ -14,10 +14,13 @@ const AXIS: f64 = 0.07;
 const AZIMUTH: f64 = 0.9;
 const ELEVATION: f64 = 0.35;
 
-/// None where the robot has no extent.
+/// The robot of an identification.
 pub(in crate::report) fn skeleton(results: &Results) -> Option<Figure> {
-    let Plots { skeleton, .. } = &results.plots;
-    let skeleton = skeleton.as_ref()?;
+    skeleton_of(results.plots.skeleton.as_ref()?, &results.robot, "the robot in its mean pose")
+}
+
+/// None where the robot has no extent.
+pub(in crate::report) fn skeleton_of(skeleton: &Skeleton, robot: &str, caption: &str) -> Option<Figure> {
     let view = View::onto(skeleton.gravity);
     let points: Vec<[f64; 3]> = [[0.0; 3]]
         .into_iter()
@@ -26,13 +29,13 @@ pub(in crate::report) fn skeleton(results: &Results) -> Option<Figure> {
         .collect();
     let size = extent(&points);
     (size > 0.0).then(|| Figure {
-        caption: "the robot in its mean pose".to_owned(),
+        caption: caption.to_owned(),
         legend: vec![
             Key::new("link", "links"),
             Key::new("joint-axis", "joint axes"),
             Key::new("tool", "way of the last joint"),
         ],
-        charts: vec![Chart::new(results.robot.clone(), "", WIDTH).with(HEIGHT, |p| draw(p, skeleton, (&view, size)))],
+        charts: vec![Chart::new(robot.to_owned(), "", WIDTH).with(HEIGHT, |p| draw(p, skeleton, (&view, size)))],
         notes: vec![
             "Joints in the frames of the description, straight lines between them; down is the direction of gravity."
                 .to_owned(),

@@ -7,6 +7,7 @@ mod column;
 mod description;
 mod error;
 mod expression;
+mod formula;
 mod joint_terms;
 mod point_terms;
 mod resolve;
@@ -17,3 +18,4 @@ pub use column::{
 pub use description::{Direction, PointDescription, TermDescription};
 pub use error::TermError;
 pub use expression::{Expression, Variable};
+pub(crate) use formula::{Formula, MathFunction};

@@ -12,8 +12,8 @@ const MOST_NAMESPACES: usize = 1000;
 /// Links and joints, the fixed ones included.
 const MOST_PARTS: usize = 4000;
 
-/// The XML of a URDF.
-pub(super) fn parse<'a>(text: &'a str, path: &Path) -> Result<Document<'a>, UrdfError> {
+/// The XML of a robot's file.
+pub(crate) fn parse<'a>(text: &'a str, path: &Path) -> Result<Document<'a>, UrdfError> {
     let too_large = |what, limit| UrdfError::TooLarge { path: path.to_owned(), what, limit };
     if text.matches("xmlns").count() > MOST_NAMESPACES {
         return Err(too_large("XML namespaces", MOST_NAMESPACES));

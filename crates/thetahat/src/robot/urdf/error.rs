@@ -46,7 +46,7 @@ pub enum UrdfError {
         place: Place,
     },
     /// The file is beyond any robot.
-    #[error("{}: the URDF has more than {limit} {what}, the most that is read", path.display())]
+    #[error("{}: the file has more than {limit} {what}, the most that is read", path.display())]
     TooLarge {
         /// The file.
         path: PathBuf,

@@ -1,7 +1,7 @@
 use super::{UrdfError, element::Element, links};
 use crate::{
     robot::{JointKind, Limits, body::Frame},
-    vector::{IDENTITY, Mat3, Vec3, add, cross, dot, norm, scale},
+    vector::{IDENTITY, Mat3, norm, scale, with_z},
 };
 
 /// An axis shorter than this has no direction.
@@ -109,17 +109,6 @@ fn axes(element: Element<'_>) -> Result<Mat3, UrdfError> {
         return Err(axis.value("xyz", "an axis other than zero, such as 0 0 1", found));
     }
     Ok(with_z(scale(1.0 / length, xyz)))
-}
-
-/// A rotation with a z axis: the identity where it is z, exact zeros and ones where it is an axis of the frame.
-fn with_z(z: Vec3) -> Mat3 {
-    let size = |i: &usize| z[*i].abs();
-    let largest = [2, 0, 1].into_iter().reduce(|a, b| if size(&b) > size(&a) { b } else { a }).unwrap_or(2);
-    let mut toward = [0.0; 3];
-    toward[(largest + 1) % 3] = 1.0;
-    let x = add(toward, scale(-dot(toward, z), z));
-    let x = scale(1.0 / norm(x), x);
-    crate::vector::transpose(&[x, cross(z, x), z])
 }
 
 fn limits(element: Element<'_>) -> Result<Limits, UrdfError> {

@@ -21,6 +21,7 @@ mod shapes;
 mod structure;
 mod transmissions;
 
+pub(crate) use document::parse as parse_xml;
 pub use error::{Place, UrdfError};
 pub(crate) use links::roll_pitch_yaw;
 pub use shapes::Solid;

@@ -3,8 +3,10 @@
 use super::{
     super::{graph::Array, model::Function},
     documentation::{array_name, lines, output_name},
+    functions::in_c,
     statements::{Call, Parts, Syntax},
 };
+use crate::robot::MathFunction;
 
 /// What every file begins with. The macros can be defined before.
 const PRELUDE: &str = "\
@@ -133,6 +135,11 @@ impl Syntax for C {
         format!("{name}({argument})")
     }
 
+    fn function(&self, function: MathFunction, arguments: &[String]) -> String {
+        let arguments: Vec<String> = arguments.iter().map(|argument| format!("(double)({argument})")).collect();
+        format!("(THETAHAT_REAL){}({})", in_c(function), arguments.join(", "))
+    }
+
     fn define(&self, name: &str, value: &str) -> String {
         format!("    const THETAHAT_REAL {name} = {value};")
     }
@@ -155,6 +162,9 @@ pub(super) fn code(function: &Function, prefix: &str) -> String {
         "/*\n{} */\n#ifndef {guard}\n#define {guard}\n\n{PRELUDE}\n",
         comment.replace("*/", "* /").replace("/*", "/ *")
     );
+    if function.program.calls_functions() {
+        text += "#include <math.h>\n\n";
+    }
     text += &file.prototypes();
     text += &file.prepare();
     text += &file.state();

@@ -26,6 +26,7 @@ pub(super) fn array_name(array: Array) -> &'static str {
 pub(super) fn output_name(model: ModelKind) -> &'static str {
     match model {
         ModelKind::InverseDynamics => "tau",
+        ModelKind::InverseDynamicsDerivatives => "derivatives",
         ModelKind::MassMatrix => "m",
         ModelKind::ForwardDynamics => "ddq",
         ModelKind::Regressor => "phi",
@@ -62,6 +63,7 @@ pub(super) fn lines(function: &Function) -> Vec<String> {
 fn title(model: ModelKind) -> &'static str {
     match model {
         ModelKind::InverseDynamics => "torques of a motion (inverse dynamic model)",
+        ModelKind::InverseDynamicsDerivatives => "derivatives of the torques of a motion",
         ModelKind::MassMatrix => "mass matrix",
         ModelKind::ForwardDynamics => "accelerations of torques (direct dynamic model)",
         ModelKind::Regressor => "regressor: tau = phi theta",
@@ -91,6 +93,9 @@ fn output(function: &Function) -> String {
     let tips: Vec<_> = function.tips.iter().map(|tip| visible(tip)).collect();
     let what = match function.model {
         ModelKind::InverseDynamics => "torques of the joints",
+        ModelKind::InverseDynamicsDerivatives => {
+            "a row for each torque: its derivatives by q, then by dq, then by ddq (the mass matrix); signs of velocities are taken as constant"
+        }
         ModelKind::Gravity => "torques that hold the robot against gravity",
         ModelKind::Coriolis => "torques beside those of gravity, friction and accelerations",
         ModelKind::ForwardDynamics => "accelerations of the joints; not finite where the mass matrix is singular",
@@ -102,6 +107,7 @@ fn output(function: &Function) -> String {
     let of_tips = match function.model {
         ModelKind::ForwardKinematics | ModelKind::Jacobian => format!("; tips: the links behind {}", tips.join(", ")),
         ModelKind::InverseDynamics
+        | ModelKind::InverseDynamicsDerivatives
         | ModelKind::MassMatrix
         | ModelKind::ForwardDynamics
         | ModelKind::Regressor
@@ -114,12 +120,17 @@ fn output(function: &Function) -> String {
 /// Which torques of the drives are in it.
 fn drives(function: &Function) -> Option<String> {
     match function.model {
-        ModelKind::InverseDynamics | ModelKind::ForwardDynamics | ModelKind::Regressor | ModelKind::MassMatrix => {}
+        ModelKind::InverseDynamics
+        | ModelKind::InverseDynamicsDerivatives
+        | ModelKind::ForwardDynamics
+        | ModelKind::Regressor
+        | ModelKind::MassMatrix => {}
         ModelKind::Gravity | ModelKind::Coriolis | ModelKind::ForwardKinematics | ModelKind::Jacobian => return None,
     }
     let what = match (function.drives, function.model) {
         (DriveTorques::None, _) => "none: the links alone",
         (DriveTorques::Inertia, _) | (DriveTorques::All, ModelKind::MassMatrix) => "inertia of the motors",
+        (DriveTorques::All, _) if function.has_terms => "inertia of the motors, friction, offsets and torque terms",
         (DriveTorques::All, _) => "inertia of the motors, friction and offsets",
     };
     let kept = match function.kept_drives.join(", ") {

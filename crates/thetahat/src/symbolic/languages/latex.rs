@@ -2,6 +2,8 @@
 
 use std::collections::HashMap;
 
+use crate::robot::MathFunction;
+
 use super::{
     super::{
         graph::Array,
@@ -10,6 +12,7 @@ use super::{
         request::ModelKind,
     },
     documentation::lines,
+    functions::in_latex,
 };
 
 /// Longest expression that is written where it is used, in characters.
@@ -112,7 +115,21 @@ impl<'a> Writer<'a> {
             },
             Kind::Product(a, b) => Text { text: product(a, b), strength: Strength::Product },
             Kind::Quotient(a, b) => Text::atom(format!("\\frac{{{}}}{{{}}}", of(a).text, of(b).text)),
+            Kind::Function(function, a, b) => {
+                let argument = |operand: Operand| signed(&self.texts, self.function, operand);
+                let arguments: Vec<String> = std::iter::once(a).chain(b).map(argument).collect();
+                Text::atom(called(function, &arguments))
+            }
         }
+    }
+}
+
+/// A root and a power as they are usual, any other function by its name.
+fn called(function: MathFunction, arguments: &[String]) -> String {
+    match (function, arguments) {
+        (MathFunction::SquareRoot, [argument]) => format!("\\sqrt{{{argument}}}"),
+        (MathFunction::Power, [base, exponent]) => format!("\\left({base}\\right)^{{{exponent}}}"),
+        _ => format!("{}\\left({}\\right)", in_latex(function), arguments.join(", ")),
     }
 }
 
@@ -166,6 +183,7 @@ fn output_symbol(function: &Function, place: usize) -> String {
     let (row, column) = (place / columns + 1, place % columns + 1);
     match function.model {
         ModelKind::InverseDynamics => format!("\\tau_{{{row}}}"),
+        ModelKind::InverseDynamicsDerivatives => format!("D_{{{row},{column}}}"),
         ModelKind::ForwardDynamics => format!("\\ddot{{q}}_{{{row}}}"),
         ModelKind::Gravity => format!("g_{{{row}}}"),
         ModelKind::Coriolis => format!("c_{{{row}}}"),

@@ -3,8 +3,10 @@
 use super::{
     super::{graph::Array, model::Function},
     documentation::{array_name, lines, output_name},
+    functions::in_matlab,
     statements::{Call, Parts, Syntax},
 };
+use crate::robot::MathFunction;
 
 struct Matlab;
 
@@ -35,6 +37,10 @@ impl Syntax for Matlab {
             Call::Sign => "sign",
         };
         format!("{name}({argument})")
+    }
+
+    fn function(&self, function: MathFunction, arguments: &[String]) -> String {
+        in_matlab(function, arguments)
     }
 
     fn operators(&self) -> [&'static str; 2] {

@@ -2,6 +2,7 @@
 
 mod c;
 mod documentation;
+mod functions;
 mod identifier;
 mod latex;
 mod matlab;

@@ -3,8 +3,10 @@
 use super::{
     super::{graph::Array, model::Function},
     documentation::{array_name, lines, output_name},
+    functions::in_numpy,
     statements::{Call, Parts, Syntax},
 };
+use crate::robot::MathFunction;
 
 struct Python;
 
@@ -34,6 +36,10 @@ impl Syntax for Python {
             Call::Sign => "sign",
         };
         format!("np.{name}({argument})")
+    }
+
+    fn function(&self, function: MathFunction, arguments: &[String]) -> String {
+        format!("np.{}({})", in_numpy(function), arguments.join(", "))
     }
 
     fn define(&self, name: &str, value: &str) -> String {

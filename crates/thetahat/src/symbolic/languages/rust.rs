@@ -3,8 +3,10 @@
 use super::{
     super::{graph::Array, model::Function},
     documentation::{array_name, lines, output_name},
+    functions::in_rust,
     statements::{Call, Parts, Syntax},
 };
+use crate::robot::MathFunction;
 
 /// The sign of a velocity.
 const SIGN: &str = "\
@@ -44,6 +46,10 @@ impl Syntax for Rust {
         }
     }
 
+    fn function(&self, function: MathFunction, arguments: &[String]) -> String {
+        format!("Real::{}({})", in_rust(function), arguments.join(", "))
+    }
+
     fn define(&self, name: &str, value: &str) -> String {
         format!("    let {name} = {value};")
     }
@@ -62,6 +68,13 @@ pub(super) fn code(function: &Function, prefix: &str) -> String {
     let comment: String =
         lines(function).iter().map(|line| format!("// {line}").trim_end().to_owned() + "\n").collect();
     let mut text = format!("{comment}\n/// The numbers: `f64`, or `f32`.\npub type Real = f64;\n\n");
+    if function.program.calls_functions() {
+        text = text.replacen(
+            "\n/// The numbers",
+            "// The torque terms take functions of the standard library.\n\n/// The numbers",
+            1,
+        );
+    }
     if function.program.count().signs > 0 {
         text += SIGN;
     }

@@ -6,6 +6,7 @@ use super::super::{
     graph::Array,
     program::{Kind, Operand, Operation, Program, Value},
 };
+use crate::robot::MathFunction;
 
 /// How a language writes what statements are made of.
 pub(super) trait Syntax {
@@ -17,6 +18,8 @@ pub(super) trait Syntax {
     fn constant(&self, place: usize) -> String;
     /// A sine, cosine or sign.
     fn call(&self, function: Call, argument: &str) -> String;
+    /// Another function, of one argument or of two.
+    fn function(&self, function: MathFunction, arguments: &[String]) -> String;
     /// Product and quotient.
     fn operators(&self) -> [&'static str; 2] {
         [" * ", " / "]
@@ -178,6 +181,10 @@ impl<S: Syntax> Scope<'_, S> {
             Kind::Difference(a, b) => two(a, " - ", b),
             Kind::Product(a, b) => two(a, times, b),
             Kind::Quotient(a, b) => two(a, over, b),
+            Kind::Function(function, a, b) => {
+                let arguments: Vec<String> = std::iter::once(a).chain(b).map(|a| self.operand(a)).collect();
+                self.syntax.function(function, &arguments)
+            }
         }
     }
 }

@@ -1,16 +1,18 @@
 //! A new MJCF of a robot: MuJoCo's model file.
 
-use super::{
-    body::Body,
-    coupling::beside,
-    frames::{LinkFrame, link_name},
-    said::Said,
-    xml::{escaped, number, numbers},
+use crate::{
+    export::{
+        body::Body,
+        coupling::{Tendon, beside},
+        frames::{LinkFrame, link_name},
+        said::Said,
+        xml::{escaped, number, numbers},
+    },
+    robot::{JointKind, JointQuantity, Robot},
 };
-use crate::robot::{JointKind, JointQuantity, Robot};
 
 /// The MJCF of a robot, with `header` at its start.
-pub(super) fn mjcf(said: &Said, header: &str) -> String {
+pub(in crate::export) fn mjcf(said: &Said, header: &str) -> String {
     let robot = &said.robot;
     let mut lines = vec![
         format!("<mujoco model=\"{}\">", escaped(&robot.name)),
@@ -38,15 +40,15 @@ fn add_body(said: &Said, k: usize, depth: usize, lines: &mut Vec<String>) {
         numbers(&frame.origin),
         numbers(&frame.quaternion())
     ));
-    lines.push(format!("{space}  {}", inertial(said, k)));
+    lines.push(format!("{space}  {}", inertial(&Body::new(said.inertial_of(k)))));
     lines.push(format!("{space}  {}", joint(said, k, &frame)));
     let children = (0..said.robot.joints.len()).filter(|&j| said.robot.joints[j].parent == Some(k));
     children.for_each(|child| add_body(said, child, depth + 1, lines));
     lines.push(format!("{space}</body>"));
 }
 
-fn inertial(said: &Said, k: usize) -> String {
-    let body = Body::new(said.inertial_of(k));
+/// The `<inertial>` of a body.
+pub(super) fn inertial(body: &Body) -> String {
     let [xx, xy, xz, yy, yz, zz] = body.six();
     format!(
         "<inertial pos=\"{}\" mass=\"{}\" fullinertia=\"{}\"/>",
@@ -76,8 +78,13 @@ fn joint(said: &Said, k: usize, frame: &LinkFrame) -> String {
     )
 }
 
+/// The name of a coupled motor's tendon.
+pub(super) fn tendon_name(tendon: &Tendon) -> String {
+    format!("motor_{}", tendon.motor + 1)
+}
+
 /// Motors that turn with several joints, as fixed tendons.
-fn coupled_motors(said: &Said) -> Vec<String> {
+pub(super) fn coupled_motors(said: &Said) -> Vec<String> {
     if said.tendons.is_empty() {
         return Vec::new();
     }
@@ -85,8 +92,8 @@ fn coupled_motors(said: &Said) -> Vec<String> {
     for tendon in &said.tendons {
         let [armature, damping, friction] = [tendon.armature, tendon.damping, tendon.friction_loss].map(number);
         lines.push(format!(
-            "    <fixed name=\"motor_{}\" armature=\"{armature}\" damping=\"{damping}\" frictionloss=\"{friction}\">",
-            tendon.motor + 1
+            "    <fixed name=\"{}\" armature=\"{armature}\" damping=\"{damping}\" frictionloss=\"{friction}\">",
+            tendon_name(tendon)
         ));
         let joint = |(j, weight): &(usize, f64)| {
             let name = escaped(&said.robot.joints[*j].name);

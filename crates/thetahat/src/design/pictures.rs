@@ -1,0 +1,65 @@
+//! What the report draws of a motion: where the robot is, and its frequencies.
+
+use super::description::Design;
+use crate::{
+    dynamics::Model,
+    results::{CollisionResults, MotionSpectrum, Skeleton, SpectrumBound},
+    run::skeleton_in,
+    series::Series,
+    signal::Spectrum,
+};
+
+/// The parallel filter cuts at this part of the rate of the rows.
+const OF_ROWS: f64 = 0.4;
+/// Part of the variance below the end of a spectrum.
+const MOST: f64 = 0.99;
+/// Frequencies are drawn up to so many times the highest bound.
+const BEYOND: f64 = 1.5;
+
+impl Design {
+    /// The robot where its shapes are nearest to one another, or else where it starts.
+    pub(super) fn skeleton(&self, model: &Model, q: &Series, collision: Option<&CollisionResults>) -> Option<Skeleton> {
+        let nearest = collision.and_then(|c| c.pairs.first()?.at_s).unwrap_or(0.0);
+        let sample = ((nearest * self.file.sample_rate_hz).round() as usize).min(q.len() - 1);
+        skeleton_in(&self.robot, model, q.sample(sample), &[q])
+    }
+
+    /// The frequencies of accelerations beside those of the filters and the controller.
+    pub(super) fn spectrum(&self, ddq: &Series) -> MotionSpectrum {
+        let bounds = self.bounds();
+        let highest = bounds.iter().map(|b| b.frequency_hz).fold(0.0, f64::max);
+        let spectrum = Spectrum::of(ddq, self.file.sample_rate_hz);
+        let frequency_hz: Vec<f64> = spectrum.frequencies_hz().take_while(|f| *f <= BEYOND * highest).collect();
+        let of_joint = |density: &Vec<f64>| {
+            let largest = density.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+            density.iter().take(frequency_hz.len()).map(|d| (d / largest).sqrt()).collect()
+        };
+        MotionSpectrum {
+            of_joints: spectrum.density.iter().map(of_joint).collect(),
+            end_hz: spectrum.density.iter().map(|density| end_hz(density, spectrum.step_hz)).collect(),
+            frequency_hz,
+            bounds,
+        }
+    }
+
+    fn bounds(&self) -> Vec<SpectrumBound> {
+        let signal = &self.file.signal;
+        let rows = OF_ROWS * self.file.sample_rate_hz / signal.decimation as f64;
+        let bound = |name, frequency_hz| SpectrumBound { name, frequency_hz };
+        let loops = self.settings.controller.iter().flat_map(|controller| &controller.bandwidth_hz);
+        let slowest = loops.copied().reduce(f64::min).map(|hz| bound("controller", hz));
+        let filters = [bound("position filter", signal.cutoff_hz), bound("rows", rows)];
+        filters.into_iter().chain(slowest).collect()
+    }
+}
+
+/// The frequency below which most of the variance lies.
+fn end_hz(density: &[f64], step_hz: f64) -> f64 {
+    let all: f64 = density.iter().sum();
+    let mut sum = 0.0;
+    let end = density.iter().position(|d| {
+        sum += d;
+        sum >= MOST * all
+    });
+    end.unwrap_or(0) as f64 * step_hz
+}

@@ -1,0 +1,65 @@
+//! What would show the parameters that a motion leaves unknown: a motion for them alone.
+
+use super::{
+    criterion::Criterion,
+    description::Design,
+    limits::JointLimits,
+    optimiser::Problem,
+    promise::Expected,
+    starts::{Searches, sign_scales},
+    sums::Derivatives,
+};
+use crate::{base_parameters::BaseParameters, dynamics::Sign, linear_algebra::Matrix};
+
+/// Searches for the motion that shows what stays unknown.
+const STARTS: usize = 2;
+
+impl Design {
+    /// For each expected parameter that stays unknown: how many times as narrow its interval is where the motion is made for
+    /// those that stay unknown alone. By the information of both motions; limits are those of the search.
+    pub(super) fn remedies(
+        &self,
+        problem: &Problem,
+        (base, limits): (&BaseParameters, &[JointLimits]),
+        (motion, expected): (&Derivatives, &Expected),
+        threads: usize,
+    ) -> Vec<Option<f64>> {
+        let a_priori = self.a_priori_of(base, expected);
+        let place = |name: &str| base.parameters().iter().position(|p| p.name == name);
+        let places = expected.parameters.iter().enumerate().map(|(i, parameter)| {
+            let is_unknown = a_priori[i] != 0.0 && expected.half_width_95[i] >= a_priori[i].abs();
+            place(&parameter.name).filter(|_| is_unknown)
+        });
+        let places: Vec<Option<usize>> = places.collect();
+        let unknown: Vec<usize> = places.iter().copied().flatten().collect();
+        let made = self.made_for(problem, limits, &unknown, threads);
+        let (Some(made), Some(own)) = (made, variances(problem, motion)) else { return vec![None; places.len()] };
+        places.into_iter().map(|place| place.map(|i| (own[i] / made[i]).sqrt())).collect()
+    }
+
+    /// The variances of all parameters by the best motion for some of them; none where there are none, or no motion is found.
+    fn made_for(
+        &self,
+        problem: &Problem,
+        limits: &[JointLimits],
+        unknown: &[usize],
+        threads: usize,
+    ) -> Option<Vec<f64>> {
+        if unknown.is_empty() {
+            return None;
+        }
+        let problem = Problem { criterion: Criterion::Chosen { columns: unknown.to_vec() }, ..problem.clone() };
+        let searches =
+            Searches { count: STARTS, seed: self.file.motion.seed, threads, sign_scales: sign_scales(limits) };
+        let best = searches.run(&problem).into_iter().min_by(|a, b| a.value.total_cmp(&b.value))?;
+        variances(&problem, &self.sampled(&problem.watched, &best.x))
+    }
+}
+
+/// The variance of each base parameter by the record of a motion.
+fn variances(problem: &Problem, motion: &Derivatives) -> Option<Vec<f64>> {
+    let information = problem.information.of([&motion[0], &motion[1], &motion[2]], 1.0, Sign::Exact);
+    let size = information.rows();
+    let covariance = information.inverse_times_matrix(&Matrix::identity(size))?;
+    Some((0..size).map(|i| covariance.at(i, i)).collect())
+}
