@@ -35,11 +35,11 @@ pub fn inspect_recordings(request: &Inspect) -> Result<Ending, Box<dyn Error>> {
 }
 
 pub fn write_experiment(init: &Init) -> Result<Ending, Box<dyn Error>> {
+    OutputGuard::new(init.recording.iter().chain([&init.robot]).cloned(), init.force.force).file(&init.out)?;
     let contents = contents(&init.recording, &init.columns)?;
     let folder = init.out.parent().map_or_else(PathBuf::new, Path::to_owned);
     let files = ProposalFiles { robot: init.robot.clone(), recordings: init.recording.clone(), folder };
     let proposal = proposal(&files, &init.columns, &contents)?;
-    OutputGuard::new(init.recording.iter().chain([&init.robot]).cloned(), init.force.force).file(&init.out)?;
     replace_file(&init.out, proposal.text().as_bytes())
         .map_err(|e| format!("{}: cannot be written: {e}", init.out.display()))?;
     let to_fill_in: String = proposal.to_fill_in().iter().map(|what| format!("To fill in: {what}\n")).collect();

@@ -98,7 +98,7 @@ fn better(record: &ThinnedRecord<'_>, stated: Vec3) -> Option<(f64, Vec3)> {
 }
 
 /// The best direction near a start.
-fn refined<'r>(record: &'r ThinnedRecord<'_>, start: Weighed) -> Weighed {
+fn refined(record: &ThinnedRecord<'_>, start: Weighed) -> Weighed {
     let mut best = start;
     for _ in 0..STEPS {
         let Some(next) = best.next(record).filter(|next| next.squares() < (1.0 - PROGRESS) * best.squares()) else {

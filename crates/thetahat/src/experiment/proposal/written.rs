@@ -54,8 +54,8 @@ pub(super) fn dimensions(signal: Signal) -> &'static [Dimension] {
 fn in_words(name: &str, signal: Signal) -> Option<Unit> {
     let whole: Vec<String> = name.split(|c: char| !c.is_alphanumeric()).map(str::to_owned).collect();
     let last = |words: &[String]| {
-        let units = words.iter().skip(1).filter_map(|word| unit_words::unit(word));
-        units.filter(|unit| dimensions(signal).contains(&unit.dimension())).next_back()
+        let mut units = words.iter().skip(1).filter_map(|word| unit_words::unit(word));
+        units.rfind(|unit| dimensions(signal).contains(&unit.dimension()))
     };
     last(&whole).or_else(|| last(&column_names::words(name)))
 }
