@@ -6,7 +6,7 @@ use std::{
 };
 
 use thetahat::{
-    experiment::{ProposalFiles, ProposalRequest, propose},
+    experiment::{Proposal, ProposalFiles, ProposalRequest, propose},
     output::{OutputGuard, replace_file},
     recording::{Contents, RecordingError, inspect_with_time},
     report,
@@ -29,21 +29,23 @@ pub fn inspect_recordings(request: &Inspect) -> Result<Ending, Box<dyn Error>> {
     if let Some(robot) = &request.robot {
         let files = ProposalFiles::beside_recordings(robot.clone(), files);
         let proposal = proposal(&files, &request.columns, &contents)?;
-        print(&format!("\nproposed experiment; `thetahat init` writes it:\n\n{proposal}"))?;
+        print(&format!("\nproposed experiment; `thetahat init` writes it:\n\n{}", proposal.text()))?;
     }
     Ok(Ending::Good)
 }
 
 pub fn write_experiment(init: &Init) -> Result<Ending, Box<dyn Error>> {
+    OutputGuard::new(init.recording.iter().chain([&init.robot]).cloned(), init.force.force).file(&init.out)?;
     let contents = contents(&init.recording, &init.columns)?;
     let folder = init.out.parent().map_or_else(PathBuf::new, Path::to_owned);
     let files = ProposalFiles { robot: init.robot.clone(), recordings: init.recording.clone(), folder };
     let proposal = proposal(&files, &init.columns, &contents)?;
-    OutputGuard::new(init.recording.iter().chain([&init.robot]).cloned(), init.force.force).file(&init.out)?;
-    replace_file(&init.out, proposal.as_bytes())
+    replace_file(&init.out, proposal.text().as_bytes())
         .map_err(|e| format!("{}: cannot be written: {e}", init.out.display()))?;
+    let to_fill_in: String = proposal.to_fill_in().iter().map(|what| format!("To fill in: {what}\n")).collect();
+    let not_used: String = proposal.not_used().iter().map(|what| format!("{what}\n")).collect();
     print(&format!(
-        "written: {out}\nRead it: what could not be known is marked as a guess. Then:\n  thetahat check {out}{options}\n  \
+        "written: {out}\n{not_used}{to_fill_in}Read it: what could not be known is marked as a guess. Then:\n  thetahat check {out}{options}\n  \
          thetahat identify {out}{options}\n",
         out = init.out.display(),
         options = options_for(&files),
@@ -60,6 +62,7 @@ fn options_for(files: &ProposalFiles) -> String {
     let data = files.data_folder();
     let mut options = String::new();
     if data != files.folder {
+        let data = if data.as_os_str().is_empty() { Path::new(".") } else { &data };
         options += &format!(" --data {}", data.display());
     }
     if !files.robot_is_found() {
@@ -68,13 +71,12 @@ fn options_for(files: &ProposalFiles) -> String {
     options
 }
 
-/// The text of the experiment file.
-fn proposal(files: &ProposalFiles, columns: &Columns, contents: &[Contents]) -> Result<String, Box<dyn Error>> {
+fn proposal(files: &ProposalFiles, columns: &Columns, contents: &[Contents]) -> Result<Proposal, Box<dyn Error>> {
     let request = files.name_in(request(columns));
     let source = RobotSource::read(&files.robot)?;
     let proposal = propose(&request, &source, contents)?;
     let _progress = Progress::of("choosing the filter on a twin of the record");
-    Ok(proposal.with_chosen_filter(source.to_text(), &files.data_folder(), threads(None))?.text())
+    Ok(proposal.with_chosen_filter(source.to_text(), &files.data_folder(), threads(None))?)
 }
 
 fn request(columns: &Columns) -> ProposalRequest {

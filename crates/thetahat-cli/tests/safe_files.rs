@@ -95,7 +95,8 @@ fn a_proposal_replaces_an_experiment_with_force_only() {
     is_refused(&folder, init, &["experiment.toml", "is there already", "--force"]);
     assert_eq!(folder.text("experiment.toml"), EXPERIMENT);
     succeeds(&folder, &format!("{init} --force"));
-    assert!(folder.text("experiment.toml").starts_with("# Proposed from"));
+    assert!(folder.text("experiment.toml").starts_with("# Proposed by thetahat from"));
+    is_refused(&folder, init, &["is there already, and may hold your changes", "--force"]);
     let over = |input: &str| format!("init --robot robot.toml --recording record.csv --out {input} --force");
     is_refused(&folder, &over("record.csv"), &["record.csv", "the command reads this file"]);
     is_refused(&folder, &over("robot.toml"), &["robot.toml", "the command reads this file"]);

@@ -36,6 +36,9 @@ pub(crate) const TRAJECTORY: &str = "time_s,\"q_1\"";
 /// How the comment of an exported robot begins.
 pub(crate) const EXPORT: &str = "thetahat export ";
 
+/// How a proposed experiment begins.
+pub(crate) const PROPOSAL: &str = "# Proposed by thetahat from ";
+
 /// First bytes among which a mark stands.
 const HEAD: u64 = 512;
 
@@ -81,6 +84,15 @@ pub enum OutputError {
         /// The file.
         path: PathBuf,
     },
+    /// A file is there that this program wrote for the user to edit.
+    #[error(
+        "{}: is there already, and may hold your changes; give another place with --out, or replace it with --force",
+        path.display()
+    )]
+    MayHoldChanges {
+        /// The file.
+        path: PathBuf,
+    },
     /// What is there cannot be read.
     #[error("{}: cannot be read: {source}", path.display())]
     Unreadable {
@@ -122,10 +134,14 @@ impl OutputGuard {
             return Err(OutputError::IsInput { path: path.to_owned() });
         }
         let unreadable = |source| OutputError::Unreadable { path: path.to_owned(), source };
-        if self.force || is_own(path).map_err(unreadable)? {
+        if self.force {
             return Ok(());
         }
-        Err(OutputError::NotOurs { path: path.to_owned() })
+        let head = head(path).map_err(unreadable)?;
+        if head.starts_with(PROPOSAL.as_bytes()) {
+            return Err(OutputError::MayHoldChanges { path: path.to_owned() });
+        }
+        if has_mark(&head) { Ok(()) } else { Err(OutputError::NotOurs { path: path.to_owned() }) }
     }
 
     /// Checks that files of these names can be written into a folder, which need not be there.
@@ -159,9 +175,17 @@ pub fn remove_own(path: &Path) -> io::Result<bool> {
 
 /// Whether this program wrote a file.
 fn is_own(path: &Path) -> io::Result<bool> {
+    head(path).map(|head| has_mark(&head))
+}
+
+fn has_mark(head: &[u8]) -> bool {
+    MARKS.iter().any(|mark| memchr::memmem::find(head, mark).is_some())
+}
+
+fn head(path: &Path) -> io::Result<Vec<u8>> {
     let mut head = Vec::new();
     File::open(path)?.take(HEAD).read_to_end(&mut head)?;
-    Ok(MARKS.iter().any(|mark| memchr::memmem::find(&head, mark).is_some()))
+    Ok(head)
 }
 
 /// What is at a place, in words.

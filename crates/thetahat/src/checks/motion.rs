@@ -3,7 +3,7 @@
 use super::{
     examination::{Evidence, Examination, Words},
     finding::{Code, Severity},
-    numbers::span,
+    numbers::{mean, span},
     signals::{STILL, Signals},
 };
 
@@ -27,6 +27,7 @@ fn still_joint(exam: &mut Examination<'_>, signals: &Signals, j: usize) {
     let evidence = Evidence { code: Code::JointStill, coordinate: Some(j), value, unit: "times too slow", limit: 1.0 };
     let parameters = exam.subject.parameter_names_of(j);
     let number = exam.subject.joint_number(j);
+    let name = exam.subject.robot.coordinates().nth(j).map_or("", |joint| joint.name.as_str());
     // A joint that is held on purpose, with nothing estimated of it, harms nothing.
     let severity = if parameters.is_empty() { Severity::Note } else { Severity::Problem };
     exam.judge(evidence, severity, || {
@@ -36,7 +37,11 @@ fn still_joint(exam: &mut Examination<'_>, signals: &Signals, j: usize) {
                 span(&signals.raw.channel(j)),
                 signals.peak[j]
             ),
-            "move it, or take its parameters out of the estimate; if it did move, check the position channel",
+            format!(
+                "move it, or lock it where it stands: {name:?} = {at:.6} in [locked] of the experiment, its columns left out, which \
+                 `thetahat init --lock '{name}={at:.6}'` writes; if it did move, check the position channel",
+                at = mean(&signals.raw.channel(j)),
+            ),
         );
         words.about(parameters)
     });

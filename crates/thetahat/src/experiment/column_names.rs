@@ -1,6 +1,6 @@
 //! What the names of columns say: signal, joint, unit.
 
-use crate::recording::Unit;
+use super::unit_words;
 
 /// What a column seems to hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -13,21 +13,65 @@ pub(super) enum Signal {
 }
 
 /// Words that name a signal, each in the spellings that logs use.
-const TIME: [&str; 6] = ["t", "time", "times", "timestamp", "stamp", "sec"];
-const POSITION: [&str; 11] =
-    ["q", "qm", "pos", "position", "positions", "angle", "angles", "theta", "enc", "encoder", "x"];
-const VELOCITY: [&str; 8] = ["dq", "qd", "qdot", "vel", "velocity", "velocities", "speed", "speeds"];
-const TORQUE: [&str; 14] = [
-    "tau", "torque", "torques", "trq", "effort", "efforts", "moment", "force", "current", "currents", "curr", "vir",
-    "voltage", "u",
+const TIME: [&str; 8] = ["t", "time", "times", "timestamp", "stamp", "sec", "zeit", "zeitstempel"];
+const POSITION: [&str; 14] = [
+    "q",
+    "qm",
+    "pos",
+    "position",
+    "positions",
+    "angle",
+    "angles",
+    "theta",
+    "enc",
+    "encoder",
+    "x",
+    "lage",
+    "winkel",
+    "ist",
+];
+const VELOCITY: [&str; 9] = ["dq", "qd", "qdot", "vel", "velocity", "velocities", "speed", "speeds", "geschwindigkeit"];
+const TORQUE: [&str; 17] = [
+    "tau",
+    "torque",
+    "torques",
+    "trq",
+    "effort",
+    "efforts",
+    "moment",
+    "force",
+    "current",
+    "currents",
+    "curr",
+    "vir",
+    "voltage",
+    "u",
+    "drehmoment",
+    "momente",
+    "strom",
 ];
 const OTHER: [&str; 8] = ["ddq", "qdd", "acc", "accel", "acceleration", "accelerations", "temp", "temperature"];
 /// Words by which a signal is the wanted one and not the measured one.
-const WANTED: [&str; 10] =
-    ["ref", "reference", "target", "des", "desired", "cmd", "command", "commanded", "setpoint", "goal"];
+const WANTED: [&str; 13] = [
+    "ref",
+    "reference",
+    "references",
+    "target",
+    "des",
+    "desired",
+    "cmd",
+    "command",
+    "commands",
+    "commanded",
+    "setpoint",
+    "goal",
+    "soll",
+];
+/// Short for "desired" behind the name of a signal: `q_d`, `tau_J_d`.
+const DESIRED: &str = "d";
 
 /// Spellings of a reference of the positions in one word.
-const REFERENCE: [&str; 5] = ["qg", "qref", "qdes", "qcmd", "qr"];
+const REFERENCE: [&str; 6] = ["qg", "qref", "qdes", "qcmd", "qr", "qsoll"];
 
 /// Words of file names that tell files of one recording apart no more than those of its signals do.
 const FILLERS: [&str; 12] =
@@ -39,13 +83,48 @@ pub(super) struct Reading {
     pub(super) signal: Signal,
     /// The last number in it.
     pub(super) number: Option<usize>,
-    pub(super) unit: Option<Unit>,
 }
 
 /// Reads the name of a column; none where it names no signal that is used.
 pub(super) fn read(name: &str) -> Option<Reading> {
     let words = words(name);
-    let has = |list: &[&str]| has_word(&words, list);
+    let signal = signal(&words, has_word(&words, &WANTED))?;
+    Some(Reading { signal, number: number_in(&words) })
+}
+
+/// The same of a column beside others: `q_d` is the desired value where there is a `q`, and not the position of a joint `d`.
+pub(super) fn read_among<'n>(name: &str, mut others: impl Iterator<Item = &'n str>) -> Option<Reading> {
+    let words = words(name);
+    let without = without_desired(&words);
+    let is_desired = without.is_some_and(|without| others.any(|other| self::words(other) == without));
+    let signal = signal(&words, is_desired || has_word(&words, &WANTED))?;
+    Some(Reading { signal, number: number_in(&words) })
+}
+
+/// What the name of a file says that its columns hold: wanted values of nothing else are those of the positions.
+pub(super) fn read_file_name(name: &str) -> Option<Signal> {
+    if says_only_wanted(name) {
+        return Some(Signal::Reference);
+    }
+    let words = words(name);
+    signal(&words, without_desired(&words).is_some() || has_word(&words, &WANTED))
+}
+
+/// Whether a name says that values are wanted ones, and not of which signal.
+pub(super) fn says_only_wanted(name: &str) -> bool {
+    let words = words(name);
+    let lists: [&[&str]; 5] = [&TIME, &POSITION, &VELOCITY, &TORQUE, &OTHER];
+    has_word(&words, &WANTED) && !lists.iter().any(|list| has_word(&words, list))
+}
+
+/// The words without the one for "desired"; none where there is none.
+fn without_desired(words: &[String]) -> Option<Vec<String>> {
+    let at = words.iter().skip(1).rposition(|word| word == DESIRED)? + 1;
+    Some([&words[..at], &words[at + 1..]].concat())
+}
+
+fn signal(words: &[String], is_wanted: bool) -> Option<Signal> {
+    let has = |list: &[&str]| has_word(words, list);
     let signal = match (has(&POSITION), has(&VELOCITY), has(&TORQUE), has(&TIME)) {
         _ if has(&OTHER) => None,
         (_, true, ..) => Some(Signal::Velocity),
@@ -54,16 +133,12 @@ pub(super) fn read(name: &str) -> Option<Reading> {
         (.., true) => Some(Signal::Time),
         _ => None,
     };
-    let signal = match (signal, has(&WANTED)) {
+    match (signal, is_wanted) {
         (None, _) if has(&REFERENCE) && !has(&OTHER) => Some(Signal::Reference),
         (Some(Signal::Position), true) => Some(Signal::Reference),
         (Some(Signal::Time) | None, false) | (Some(_), false) => signal,
         _ => None,
-    }?;
-    let number = number_in(&words);
-    // A unit keeps its capitals together: `mNm` is one word.
-    let whole: Vec<String> = name.split(|c: char| !c.is_alphanumeric()).map(str::to_lowercase).collect();
-    Some(Reading { signal, number, unit: unit(&whole, signal).or_else(|| unit(&words, signal)) })
+    }
 }
 
 /// Whether a name has no words but those of signals, of files and of units, and numbers.
@@ -108,46 +183,12 @@ fn has_word(words: &[String], list: &[&str]) -> bool {
     words.iter().any(|w| list.contains(&w.as_str()))
 }
 
-/// A unit that the name ends with, or has in brackets, if it measures what the signal is.
-fn unit(words: &[String], signal: Signal) -> Option<Unit> {
-    let candidates: &[(&str, Unit)] = match signal {
-        Signal::Position | Signal::Reference => &[
-            ("rad", Unit::Radian),
-            ("deg", Unit::Degree),
-            ("degree", Unit::Degree),
-            ("degrees", Unit::Degree),
-            ("rev", Unit::Revolution),
-            ("mm", Unit::Millimetre),
-            ("m", Unit::Metre),
-        ],
-        Signal::Torque => &[
-            ("nm", Unit::NewtonMetre),
-            ("mnm", Unit::MillinewtonMetre),
-            ("a", Unit::Ampere),
-            ("ma", Unit::Milliampere),
-            ("v", Unit::Volt),
-            ("n", Unit::Newton),
-        ],
-        Signal::Time => {
-            &[("ms", Unit::Millisecond), ("us", Unit::Microsecond), ("ns", Unit::Nanosecond), ("s", Unit::Second)]
-        }
-        Signal::Velocity => &[],
-    };
-    let found = |(word, unit): &(&str, Unit)| words.iter().skip(1).any(|w| w == word).then_some(*unit);
-    let drive = match signal {
-        Signal::Torque if words.iter().any(|w| w.starts_with("curr")) => Some(Unit::Ampere),
-        Signal::Torque if words.iter().any(|w| w == "voltage") => Some(Unit::Volt),
-        Signal::Time | Signal::Position | Signal::Velocity | Signal::Torque | Signal::Reference => None,
-    };
-    candidates.iter().find_map(found).or(drive)
-}
-
 /// The words of a name, lower case: cut at everything but letters and digits, between letters and digits, and where a
-/// small letter meets a capital one.
-fn words(name: &str) -> Vec<String> {
+/// small letter meets a capital one. A unit in brackets is no word.
+pub(super) fn words(name: &str) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     let mut before: Option<char> = None;
-    for c in name.chars() {
+    for c in unit_words::without_brackets(name).chars() {
         let joins =
             before.is_some_and(|b| b.is_ascii_digit() == c.is_ascii_digit() && !(b.is_lowercase() && c.is_uppercase()));
         match (c.is_alphanumeric(), words.last_mut()) {
@@ -190,23 +231,15 @@ mod tests {
             ("positions", Some((Signal::Position, None))),
             ("accelerations", None),
             ("note", None),
+            ("q_soll_2", Some((Signal::Reference, Some(2)))),
+            ("Ist J1 [deg]", Some((Signal::Position, Some(1)))),
+            ("IstMoment 1", Some((Signal::Torque, Some(1)))),
+            ("Zeitstempel [ms]", Some((Signal::Time, None))),
+            ("q_d", Some((Signal::Position, None))),
+            ("speed_3 [1/min]", Some((Signal::Velocity, Some(3)))),
+            ("q2 [A]", Some((Signal::Position, Some(2)))),
         ] {
             assert_eq!(signal(name), expected, "{name}");
-        }
-    }
-
-    #[test]
-    fn units_are_read_from_the_name() {
-        for (name, unit) in [
-            ("q1 [deg]", Some(Unit::Degree)),
-            ("q1_rad", Some(Unit::Radian)),
-            ("tau_1 (mNm)", Some(Unit::MillinewtonMetre)),
-            ("current_2", Some(Unit::Ampere)),
-            ("motor_current_2", Some(Unit::Ampere)),
-            ("time_ms", Some(Unit::Millisecond)),
-            ("q1", None),
-        ] {
-            assert_eq!(read(name).and_then(|r| r.unit), unit, "{name}");
         }
     }
 
@@ -216,5 +249,24 @@ mod tests {
         assert_eq!(without_signal("run2_q"), without_signal("tau_run2"));
         assert_ne!(without_signal("run1_q"), without_signal("run2_tau"));
         assert!(is_silent("Joint_1") && is_silent("7") && !is_silent("temperature_1") && !is_silent("target"));
+    }
+
+    #[test]
+    fn a_d_is_the_desired_value_beside_the_same_without() {
+        let among = |name, others: &[&str]| read_among(name, others.iter().copied()).map(|r| r.signal);
+        assert_eq!(among("q_d_0", &["q_0", "q_1"]), Some(Signal::Reference));
+        assert_eq!(among("tau_J_d_3", &["tau_J_3"]), None);
+        assert_eq!(among("q_d", &["q_a", "q_b", "q_c"]), Some(Signal::Position));
+        assert_eq!(among("d.position", &["position"]), Some(Signal::Position));
+    }
+
+    #[test]
+    fn names_of_files_say_what_their_columns_hold() {
+        let wanted = ["left_command", "reference", "q_d", "positions_soll"].map(read_file_name);
+        assert_eq!(wanted, [Some(Signal::Reference); 4]);
+        assert_eq!(
+            ["tau_J_d", "torque_command", "left", "messung_moment"].map(read_file_name),
+            [None, None, None, Some(Signal::Torque)]
+        );
     }
 }

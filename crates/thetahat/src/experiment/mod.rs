@@ -27,6 +27,7 @@ mod robot_file;
 mod run;
 mod subject;
 mod twin;
+mod unit_words;
 mod validation;
 
 pub(crate) use paths::beside;

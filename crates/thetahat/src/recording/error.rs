@@ -355,8 +355,8 @@ pub enum RecordingError {
     },
 
     /// The unit does not measure what the signal is.
-    #[error("{file}: the {signal} is {}, but its unit {:?} measures {}; correct the unit, the side (motor or joint) or the columns",
-        alternatives(.expected), .found.symbol(), .found.dimension())]
+    #[error("{file}: the {signal} is {}, but its unit {:?} measures {}; {}correct the unit, the side (motor or joint) or the columns",
+        alternatives(.expected), .found.symbol(), .found.dimension(), with_a_gain(.expected, *.found))]
     WrongDimension {
         /// The file.
         file: PathBuf,
@@ -408,6 +408,22 @@ pub enum RecordingError {
         expected: usize,
         /// Number of gains.
         found: usize,
+    },
+
+    /// The list of gains is empty, as a proposal writes it for the user to fill in.
+    #[error(
+        "{file}: gain = [] of the columns {} is to be filled in: {channels} numbers, one for each channel: {what}",
+        columns.join(" ")
+    )]
+    GainToFillIn {
+        /// The file.
+        file: PathBuf,
+        /// Its columns.
+        columns: Vec<String>,
+        /// Number of channels.
+        channels: usize,
+        /// What a gain is: torque per ampere, for one.
+        what: String,
     },
 
     /// A gain is zero, NaN or infinite.
@@ -563,6 +579,13 @@ fn quoted(names: &[String]) -> String {
         return "none".to_owned();
     }
     names.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ")
+}
+
+/// The remedy for torques in the unit of a drive.
+fn with_a_gain(expected: &[Dimension], found: Unit) -> &'static str {
+    let of_drive = matches!(found.dimension(), Dimension::Current | Dimension::Voltage | Dimension::Dimensionless);
+    let is_effort = expected.iter().all(|dimension| matches!(dimension, Dimension::Torque | Dimension::Force));
+    if of_drive && is_effort { "add gain = [...], the torque at the joint for each unit, or " } else { "" }
 }
 
 fn alternatives(dimensions: &[Dimension]) -> String {

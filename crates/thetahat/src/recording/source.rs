@@ -170,6 +170,10 @@ impl ChannelSource {
     pub(super) fn factors(&self, channels: usize) -> Result<Vec<f64>, RecordingError> {
         self.require_unit_count(channels)?;
         let gain = self.gain.as_ref().unwrap_or(&OneOrEach::One(1.0));
+        if gain.given().is_empty() {
+            let (file, columns, what) = (self.file.clone(), self.columns.clone(), self.what_gains_are());
+            return Err(RecordingError::GainToFillIn { file, columns, channels, what });
+        }
         if !gain.fits(channels) {
             let file = self.file.clone();
             return Err(RecordingError::GainCount { file, expected: channels, found: gain.given().len() });
@@ -179,6 +183,29 @@ impl ChannelSource {
             return Err(RecordingError::BadGain { file, channel, found: *gain.of(channel) });
         }
         Ok((0..channels).map(|c| gain.of(c) * self.unit.of(c).to_si()).collect())
+    }
+
+    /// What a gain turns into the signal, by the unit.
+    fn what_gains_are(&self) -> String {
+        let place = match self.side {
+            Side::Joint => "at the joint",
+            Side::Motor => "of the motor",
+        };
+        match self.unit.of(0).dimension() {
+            Dimension::Current => format!("the torque {place} per A"),
+            Dimension::Voltage => format!("the torque {place} per V"),
+            Dimension::Dimensionless if *self.unit.of(0) == Unit::Percent => format!("the torque {place} at 100 %"),
+            Dimension::Dimensionless => format!("the torque {place} per count"),
+            Dimension::Angle
+            | Dimension::Length
+            | Dimension::AngularVelocity
+            | Dimension::LinearVelocity
+            | Dimension::AngularAcceleration
+            | Dimension::LinearAcceleration
+            | Dimension::Torque
+            | Dimension::Force
+            | Dimension::Time => format!("a factor to values in {}", self.unit.of(0)),
+        }
     }
 
     pub(super) fn refuse_repetition(&self) -> Result<(), RecordingError> {

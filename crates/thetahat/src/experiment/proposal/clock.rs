@@ -89,6 +89,7 @@ fn recorded(source: &Source<'_>, time: &TimeSummary) -> ProposedClock {
             drop_cut_line: source.is_cut(),
             channels_in_rows: false,
             comment,
+            gain: None,
             left_out: false,
         }),
     }

@@ -11,19 +11,35 @@ type Numbered<'a> = (&'a ColumnSummary, Option<usize>);
 /// The columns that hold a signal, one channel for each joint, in the order of the joints: those whose names say so, or
 /// where the names of the columns say nothing, those of a file whose name does.
 pub(super) fn by_name<'a>(source: &Source<'a>, robot: &Robot, signal: Signal) -> Result<Vec<Chosen<'a>>, String> {
-    let named =
-        |c: &'a ColumnSummary| column_names::read(&c.name).filter(|r| r.signal == signal).map(|r| (c, r.number));
+    let named = |c: &'a ColumnSummary| source.reading(&c.name).filter(|r| r.signal == signal).map(|r| (c, r.number));
     let mut found: Vec<Numbered<'a>> = source.columns().filter_map(named).collect();
+    if found.is_empty() && signal == Signal::Reference {
+        found = wanted(source);
+    }
     if found.is_empty() && of_file(source) == Some(signal) {
         found = silent(source);
     }
     in_order(robot, found)
 }
 
+/// Whether the name of a column says that it holds a signal, or where that says nothing, the name of its file.
+pub(super) fn says(source: &Source<'_>, column: &str, signal: Signal) -> bool {
+    match column_names::is_silent(column) {
+        true => of_file(source) == Some(signal),
+        false => source.reading(column).is_some_and(|reading| reading.signal == signal),
+    }
+}
+
 /// Whether the columns of a file say nothing, and its name says which signal they hold.
 pub(super) fn of_file(source: &Source<'_>) -> Option<Signal> {
     let names = [source.stem(), source.folder()];
-    names.iter().find_map(|name| column_names::read(name)).map(|r| r.signal)
+    names.iter().find_map(|name| column_names::read_file_name(name))
+}
+
+/// The columns of wanted values whose names do not say of which signal.
+fn wanted<'a>(source: &Source<'a>) -> Vec<Numbered<'a>> {
+    let wanted = source.columns().filter(|c| column_names::says_only_wanted(&c.name));
+    wanted.map(|c| (c, column_names::number(&c.name))).collect()
 }
 
 /// The columns whose names say nothing and that are no times.

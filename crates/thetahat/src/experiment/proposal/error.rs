@@ -35,6 +35,18 @@ pub enum ProposalError {
         /// Its columns.
         columns: Vec<String>,
     },
+    /// A unit stands in the name of a column, and is none of the signal or of the joint.
+    #[error("{}: column {column:?} is {problem}; {remedy}", file.display())]
+    UnclearUnit {
+        /// The recording.
+        file: PathBuf,
+        /// The column.
+        column: String,
+        /// What it is written in, and why that cannot be.
+        problem: String,
+        /// What the user can say.
+        remedy: String,
+    },
     /// The columns that were named for a signal are more or fewer than the joints.
     #[error(
         "--{signal} names {found} columns; {robot} has {joints} joints, and one is needed for each of them; \

@@ -13,11 +13,13 @@ impl Proposal {
     /// [`ExperimentError`] where the proposal itself is not an experiment, as of a robot that cannot be used.
     pub fn with_chosen_filter(self, robot_text: String, data: &Path, threads: usize) -> Result<Self, ExperimentError> {
         let experiment = Experiment::from_texts(Path::new("the proposed experiment"), self.text(), robot_text)?;
-        let signal = match experiment.choose_filter(data, false, threads) {
-            Ok(choice) => ProposedSignal::chosen(&choice),
-            Err(error) => {
-                let rate_hz = self.recordings.first().map_or(0.0, |r| r.clock.rate_hz);
-                ProposedSignal::not_chosen(rate_hz, &error.to_string())
+        let rate_hz = self.recordings.first().map_or(0.0, |r| r.clock.rate_hz);
+        let signal = if !self.to_fill_in().is_empty() {
+            ProposedSignal::not_chosen(rate_hz, "a gain is to be filled in; then `thetahat check` compares filters")
+        } else {
+            match experiment.choose_filter(data, false, threads) {
+                Ok(choice) => ProposedSignal::chosen(&choice),
+                Err(error) => ProposedSignal::not_chosen(rate_hz, &error.to_string()),
             }
         };
         Ok(Self { signal: signal.with_window(self.signal.window_s), ..self })

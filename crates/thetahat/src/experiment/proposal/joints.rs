@@ -1,7 +1,7 @@
 //! Which joints of the robot a log has; the others are proposed to be locked.
 
 use super::{
-    super::column_names::{self, Signal},
+    super::column_names::Signal,
     columns,
     error::ProposalError,
     joint_names::columns_of,
@@ -10,7 +10,7 @@ use super::{
     units::Units,
 };
 use crate::{
-    recording::{ChannelSummary, ColumnSummary, Dimension, Side},
+    recording::{ChannelSummary, ColumnSummary, Side},
     robot::{Joint, JointKind, Locks, Robot, RobotSource},
 };
 
@@ -154,11 +154,13 @@ impl<'a> Search<'_, 'a> {
             Signal::Torque => &self.request.torque,
             Signal::Time | Signal::Velocity | Signal::Reference => return Vec::new(),
         };
-        let is_of = |column: &&ColumnSummary| match asked.is_empty() {
-            true => column_names::read(&column.name).is_some_and(|r| r.signal == signal),
+        let is_of = |source: &Source<'a>, column: &ColumnSummary| match asked.is_empty() {
+            true => columns::says(source, &column.name, signal),
             false => asked.iter().any(|argument| is_named(argument, &column.name)),
         };
-        let of_file = |source: &Source<'a>| columns_of(&names, &source.columns().filter(is_of).collect::<Vec<_>>());
+        let of_file = |source: &Source<'a>| {
+            columns_of(&names, &source.columns().filter(|column| is_of(source, column)).collect::<Vec<_>>())
+        };
         self.sources.iter().map(of_file).filter(|of| of.iter().any(Option::is_some)).collect()
     }
 
@@ -179,22 +181,20 @@ impl<'a> Search<'_, 'a> {
         let kind = self.joints().nth(coordinate)?.kind;
         let of_kind: Vec<usize> =
             self.joints().enumerate().filter(|(_, joint)| joint.kind == kind).map(|(j, _)| j).collect();
-        let (source, columns): (Source<'a>, Vec<Chosen<'a>>) = self.sources.iter().find_map(|source| {
+        let (source, columns): (Source<'a>, Vec<(usize, Chosen<'a>)>) = self.sources.iter().find_map(|source| {
             let one = Search { sources: std::slice::from_ref(source), ..*self }.by_name(Signal::Position);
             let of_file = one.into_iter().next()?;
             of_file[coordinate]?;
-            let columns: Vec<Chosen<'a>> = of_kind.iter().filter_map(|&j| of_file[j]).map(Chosen::of).collect();
-            Some((*source, columns))
+            let column = |&j: &usize| Some((j, Chosen::of(of_file[j]?)));
+            Some((*source, of_kind.iter().filter_map(column).collect()))
         })?;
-        let measured = Units { request: self.request, robot: self.robot, source }.of_position(&columns);
-        let own = match kind {
-            JointKind::Revolute => Dimension::Angle,
-            JointKind::Prismatic => Dimension::Length,
-        };
-        match (measured.side, measured.unit.dimension() == own) {
-            (Side::Motor, _) => None,
-            (Side::Joint, true) => Some(measured.unit.to_si()),
-            (Side::Joint, false) => Some(1.0),
+        let (places, columns): (Vec<usize>, Vec<Chosen<'a>>) = columns.into_iter().unzip();
+        let joints = places.iter().filter_map(|&j| self.joints().nth(j)).collect();
+        let measured = Units { request: self.request, robot: self.robot, source, joints }.of_position(&columns).ok()?;
+        let unit = places.iter().zip(&measured.units).find(|(place, _)| **place == coordinate)?.1;
+        match (measured.side, &measured.gain) {
+            (Side::Joint, None) => Some(unit.to_si()),
+            (Side::Motor, _) | (Side::Joint, Some(_)) => None,
         }
     }
 
@@ -221,7 +221,8 @@ impl<'a> Search<'_, 'a> {
             let value = joint.limits.neutral();
             let from = if value == 0.0 { "0" } else { "the middle of its limits, as 0 is outside of them" };
             let is_recorded = self.by_name(Signal::Position).iter().any(|of| of[coordinate].is_some());
-            let place = if is_recorded { "in the log as its motor's position" } else { "not in the log" };
+            let place =
+                if is_recorded { "in the log, but not as the joint's angle or length" } else { "not in the log" };
             let why = format!("{place}, so a guess: {from}");
             return Ok(ProposedLock { joint: name, value, why });
         };

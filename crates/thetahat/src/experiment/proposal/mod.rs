@@ -10,6 +10,8 @@
 //! | `columns` | which columns of a file hold a signal, by their names or the file's |
 //! | `offer` | what each file offers |
 //! | `grouping` | which files are of one recording |
+//! | `written`, `unit_names` | the units that names say, of a column and of each channel |
+//! | `gains` | what a gain is to hold, where a unit is no torque |
 //! | `units` | units and sides, by names and ranges |
 //! | `clock` | times or a rate |
 //! | `recordings` | each recording as it is to be described |
@@ -21,6 +23,7 @@ mod columns;
 mod error;
 mod files;
 mod filter;
+mod gains;
 mod grouping;
 mod joint_names;
 mod joints;
@@ -30,7 +33,9 @@ mod recordings;
 mod request;
 mod source;
 mod text;
+mod unit_names;
 mod units;
+mod written;
 
 pub use error::ProposalError;
 pub use files::ProposalFiles;

@@ -1,5 +1,7 @@
+use std::path::PathBuf;
+
 use super::{
-    super::column_names::{self, Signal},
+    super::column_names::Signal,
     clock::clock,
     error::ProposalError,
     grouping::{Group, groups},
@@ -8,12 +10,13 @@ use super::{
     request::ProposalRequest,
     source::{Chosen, Source},
     text::{Proposal, ProposedChannels, ProposedRecording, ProposedSignal},
+    unit_names::Misfit,
     units::{Measured, Units, range},
 };
 use crate::{
-    one_or_each::OneOrEach,
-    recording::{Contents, Dimension, Unit},
-    robot::{JointKind, Robot, RobotSource},
+    recording::Contents,
+    robot::{Robot, RobotSource},
+    visible::visible,
 };
 
 /// A reference whose range is beyond this many times the positions', or below the inverse, is in another unit.
@@ -45,21 +48,37 @@ pub fn propose(
         robot_file: request.robot_file.clone(),
         locks: joints.locks.clone(),
         unused: unused(&sources, &recordings),
+        unused_files: unused_files(&sources, &recordings),
         recordings,
         signal: ProposedSignal::usual(rate_hz).with_window(request.window_s),
     })
 }
 
-/// Positions and torques that belong to no joint of the proposal.
+/// Columns of signals that are not used in the proposal, of the files that are.
 fn unused(sources: &[Source<'_>], recordings: &[ProposedRecording]) -> Vec<String> {
+    let used: Vec<&ProposedChannels> = recordings.iter().flat_map(used_channels).collect();
     let is_used = |name: &String| {
-        let used = recordings.iter().flat_map(|r| &r.channels).flat_map(|(_, channels)| &channels.columns);
-        used.into_iter()
-            .any(|column| column == name || column.strip_prefix(name.as_str()).is_some_and(|i| i.starts_with('[')))
+        let mut columns = used.iter().flat_map(|channels| &channels.columns);
+        columns.any(|column| column == name || column.strip_prefix(name.as_str()).is_some_and(|i| i.starts_with('[')))
     };
-    let is_signal =
-        |name: &String| column_names::read(name).is_some_and(|r| matches!(r.signal, Signal::Position | Signal::Torque));
-    sources.iter().flat_map(|source| source.names()).filter(|name| is_signal(name) && !is_used(name)).collect()
+    let of_source = |source: &Source<'_>| {
+        let is_signal = |name: &String| source.reading(name).is_some_and(|r| r.signal != Signal::Time);
+        source.names().into_iter().filter(|name| is_signal(name) && !is_used(name)).collect::<Vec<_>>()
+    };
+    sources.iter().filter(|source| uses(recordings, source)).flat_map(of_source).collect()
+}
+
+/// Files of which nothing is used.
+fn unused_files(sources: &[Source<'_>], recordings: &[ProposedRecording]) -> Vec<PathBuf> {
+    sources.iter().filter(|source| !uses(recordings, source)).map(|source| source.file.to_owned()).collect()
+}
+
+fn uses(recordings: &[ProposedRecording], source: &Source<'_>) -> bool {
+    recordings.iter().flat_map(used_channels).any(|channels| channels.file == source.file)
+}
+
+fn used_channels(recording: &ProposedRecording) -> impl Iterator<Item = &ProposedChannels> {
+    recording.channels.iter().map(|(_, channels)| channels).chain(&recording.clock.time)
 }
 
 struct Describer<'d, 'a> {
@@ -73,23 +92,25 @@ impl<'a> Describer<'_, 'a> {
     fn recording(&self, named: bool) -> Result<ProposedRecording, ProposalError> {
         let (p, t) = (&self.offers[self.group.position], &self.offers[self.group.torque]);
         let (position, torque) = (p.position.as_deref().unwrap_or_default(), t.torque.as_deref().unwrap_or_default());
-        let unit = self.units(p).of_position(position);
+        let unit = self.units(p).of_position(position)?;
+        let of_torque = self.units(t).of_torque(torque, &unit)?;
         let mut channels = vec![
             ("position", self.described(&p.source, position, &unit)),
-            ("torque", self.described(&t.source, torque, &self.units(t).of_torque(torque, &unit))),
+            ("torque", self.described(&t.source, torque, &of_torque)),
         ];
         if let Some((offer, reference)) = self.other(|o| o.reference.as_deref()) {
-            channels.push(("reference", self.reference_of(&offer.source, reference, position, &unit)));
+            channels.push(("reference", self.reference_of(offer, reference, position, &unit)));
         }
         if let Some((offer, velocity)) = self.other(|o| o.velocity.as_deref()) {
-            channels.push(("velocity", self.described(&offer.source, velocity, &self.units(offer).of_velocity(&unit))));
+            channels.push(("velocity", self.described_as(Signal::Velocity, offer, velocity, &unit).0));
         }
         let clock = clock(self.request, self.offers, self.group)?;
         Ok(ProposedRecording { name: named.then(|| p.source.stem()), clock, channels })
     }
 
     fn units(&self, offer: &Offer<'a>) -> Units<'_, 'a> {
-        Units { request: self.request, robot: self.robot, source: offer.source }
+        let joints = self.robot.coordinates().collect();
+        Units { request: self.request, robot: self.robot, source: offer.source, joints }
     }
 
     /// The first of the files that has a signal.
@@ -106,27 +127,45 @@ impl<'a> Describer<'_, 'a> {
             file: source.file.to_owned(),
             topic: source.topic().map(str::to_owned),
             columns: columns.iter().map(|c| c.name.clone()).collect(),
-            unit: of_joints(self.robot, measured.unit),
+            unit: measured.unit(),
             side: measured.side,
             drop_cut_line: source.is_cut(),
             channels_in_rows: columns.iter().any(|c| c.in_rows),
             comment: format!("From {least:.4} to {most:.4}; unit {}.", measured.why),
+            gain: measured.gain.clone(),
             left_out: false,
         }
     }
 
-    /// The reference in the unit of the positions; left out where its range says that it is in another.
+    /// A signal that is not needed, and its units; left out where its names have a unit that cannot be its own.
+    fn described_as(
+        &self,
+        signal: Signal,
+        offer: &Offer<'a>,
+        columns: &[Chosen<'_>],
+        position: &Measured,
+    ) -> (ProposedChannels, Option<Measured>) {
+        match self.units(offer).of_other(signal, columns, position) {
+            Ok(measured) => (self.described(&offer.source, columns, &measured), Some(measured)),
+            Err(Misfit { column, problem, .. }) => {
+                let channels = self.described(&offer.source, columns, position);
+                let why = format!("Left out: column {column:?} is {problem}.");
+                (ProposedChannels { comment: visible(&why).into_owned(), left_out: true, ..channels }, None)
+            }
+        }
+    }
+
+    /// The reference; left out where its range says that it is in another unit.
     fn reference_of(
         &self,
-        source: &Source<'_>,
+        offer: &Offer<'a>,
         reference: &[Chosen<'_>],
         position: &[Chosen<'_>],
-        unit: &Measured,
+        of_position: &Measured,
     ) -> ProposedChannels {
-        let channels =
-            self.described(source, reference, &Measured { why: "as the positions".to_owned(), ..unit.clone() });
-        let [of_position, of_reference] = [position, reference].map(|c| range(c)).map(|[least, most]| most - least);
-        let ratio = of_position / of_reference;
+        let (channels, measured) = self.described_as(Signal::Reference, offer, reference, of_position);
+        let Some(measured) = measured else { return channels };
+        let ratio = travel(position, of_position) / travel(reference, &measured);
         if (1.0 / REFERENCE_RANGE..REFERENCE_RANGE).contains(&ratio) {
             return channels;
         }
@@ -136,29 +175,11 @@ impl<'a> Describer<'_, 'a> {
     }
 }
 
-/// A unit for each joint, where some of them turn and others slide.
-fn of_joints(robot: &Robot, unit: Unit) -> OneOrEach<Unit> {
-    let kinds: Vec<JointKind> = robot.coordinates().map(|j| j.kind).collect();
-    if kinds.windows(2).all(|pair| pair[0] == pair[1]) {
-        return OneOrEach::One(unit);
-    }
-    let (angular, linear) = match unit.dimension() {
-        Dimension::Angle => (unit, Unit::Metre),
-        Dimension::Length => (Unit::Radian, unit),
-        Dimension::AngularVelocity => (unit, Unit::MetrePerSecond),
-        Dimension::LinearVelocity => (Unit::RadianPerSecond, unit),
-        Dimension::Torque => (unit, Unit::Newton),
-        Dimension::Force => (Unit::NewtonMetre, unit),
-        Dimension::AngularAcceleration
-        | Dimension::LinearAcceleration
-        | Dimension::Current
-        | Dimension::Voltage
-        | Dimension::Time
-        | Dimension::Dimensionless => return OneOrEach::One(unit),
-    };
-    let of_kind = |kind: &JointKind| match kind {
-        JointKind::Revolute => angular,
-        JointKind::Prismatic => linear,
-    };
-    OneOrEach::Each(kinds.iter().map(of_kind).collect())
+/// From the least to the largest value, in SI units.
+fn travel(columns: &[Chosen<'_>], measured: &Measured) -> f64 {
+    let channels = columns.iter().flat_map(|c| c.channels).zip(&measured.units);
+    let ends = channels.flat_map(|(channel, unit)| [channel.min, channel.max].map(|end| end.map(|v| v * unit.to_si())));
+    let (least, most) =
+        ends.flatten().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), v| (v.min(least), v.max(most)));
+    most - least
 }

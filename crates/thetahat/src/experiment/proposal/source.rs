@@ -1,5 +1,6 @@
 use std::path::Path;
 
+use super::super::column_names::{self, Reading};
 use crate::recording::{ChannelSummary, ColumnSummary, Contents, Format, TableSummary};
 
 /// A column, or one channel of it, as the experiment is to name it.
@@ -52,6 +53,11 @@ impl<'a> Source<'a> {
 
     pub(super) fn names(&self) -> Vec<String> {
         self.columns().map(|c| c.name.clone()).collect()
+    }
+
+    /// What the name of one of its columns says, beside the others.
+    pub(super) fn reading(&self, column: &str) -> Option<Reading> {
+        column_names::read_among(column, self.columns().map(|other| other.name.as_str()))
     }
 
     pub(super) fn samples(&self) -> usize {

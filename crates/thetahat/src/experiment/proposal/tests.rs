@@ -373,3 +373,164 @@ fn guesses_are_told() {
         ProposalRequest { position_unit: Some(Unit::Radian), torque_unit: Some(Unit::NewtonMetre), ..request() };
     assert!(proposed_from(&[("log.csv", "t,q1,q2,tau1,tau2")], stated, ARM).unwrap().guesses().is_empty());
 }
+
+const SCARA: &str = "name = 'scara'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n[[joint]]\nname = 'b'\nkind = 'prismatic'\n\
+                     [[joint]]\nname = 'c'\nkind = 'revolute'\n";
+
+/// The unit of a signal as it is proposed for one file with this first line.
+fn unit_of(signal: &str, header: &str, robot: &str) -> Vec<Unit> {
+    let proposal = proposed_from(&[("log.csv", header)], request(), robot).unwrap();
+    let channels = &proposal.recordings[0].channels;
+    channels.iter().find(|(name, _)| *name == signal).map(|(_, c)| c.unit.given().to_vec()).unwrap()
+}
+
+/// Each joint has the unit of its own column, whatever that of the first is.
+#[test]
+fn units_are_read_of_each_column() {
+    let header = "t,q1 [deg],q2 [mm],q3 [rad],dq1 [deg/s],dq2 [m/s],dq3 [rpm],tau1 [mNm],tau2 [kN],tau3 [Nm]";
+    assert_eq!(unit_of("position", header, SCARA), [Unit::Degree, Unit::Millimetre, Unit::Radian]);
+    assert_eq!(unit_of("torque", header, SCARA), [Unit::MillinewtonMetre, Unit::Kilonewton, Unit::NewtonMetre]);
+    let velocity = [Unit::DegreePerSecond, Unit::MetrePerSecond, Unit::RevolutionPerMinute];
+    assert_eq!(unit_of("velocity", header, SCARA), velocity);
+    let header = "t,q1 [deg],q2 [mm],q3 [deg],q1_ref [rad],q2_ref [mm],q3_ref [rad],tau1,tau2,tau3";
+    assert_eq!(unit_of("position", header, SCARA), [Unit::Degree, Unit::Millimetre, Unit::Degree]);
+    assert_eq!(unit_of("reference", header, SCARA), [Unit::Radian, Unit::Millimetre, Unit::Radian]);
+    assert_eq!(
+        unit_of("position", "t,q1 [deg],q2,q3 [deg],tau1,tau2,tau3", SCARA),
+        [Unit::Degree, Unit::Metre, Unit::Degree]
+    );
+}
+
+#[test]
+fn a_unit_that_was_filled_is_a_guess() {
+    let proposal = |header| proposed_from(&[("log.csv", header)], request(), SCARA).unwrap();
+    let filled = proposal("t,q1 [deg],q2,q3 [deg],tau1 [Nm],tau2 [N],tau3 [Nm]").guesses();
+    assert!(matches!(&filled[..], [one] if one.contains("a guess where they have none")), "{filled:?}");
+    let named = proposal("t,q1 [deg],q2 [mm],q3 [deg],tau1 [Nm],tau2 [N],tau3 [Nm]").guesses();
+    assert!(named.is_empty(), "{named:?}");
+}
+
+/// A stated unit is that of the joints that have such; the others keep the one in their names.
+#[test]
+fn a_stated_unit_leaves_joints_of_the_other_kind_theirs() {
+    let stated = ProposalRequest { position_unit: Some(Unit::Radian), ..request() };
+    let header = "t,q1 [deg],q2 [mm],q3 [deg],tau1,tau2,tau3";
+    let proposal = proposed_from(&[("log.csv", header)], stated, SCARA).unwrap();
+    let units = proposal.recordings[0].channels[0].1.unit.given();
+    assert_eq!(units, [Unit::Radian, Unit::Millimetre, Unit::Radian]);
+}
+
+#[test]
+fn a_unit_that_is_none_is_refused_and_not_replaced() {
+    let error = |header| proposed_from(&[("log.csv", header)], request(), SCARA).unwrap_err().to_string();
+    assert_eq!(
+        error("t,q1,q2,q3,tau1 [Nm],tau2 [N],tau3 [Nm/rad]"),
+        "log.csv: column \"tau3 [Nm/rad]\" is written in \"Nm/rad\", which is no unit of a torque that thetahat knows; state \
+         the unit with --torque-unit UNIT (1 for numbers that a gain turns into torques), or name other columns with --torque \
+         NAME,NAME,..."
+    );
+    assert_eq!(
+        error("t,q1 [deg],q2 [deg],q3 [deg],tau1,tau2,tau3"),
+        "log.csv: column \"q2 [deg]\" is written in deg, an angle, and joint `b` slides; name the columns in the order of the \
+         joints with --position NAME,NAME,..., or state the unit with --position-unit UNIT"
+    );
+    assert!(error("t,q1,q2 [A],q3,tau1,tau2,tau3").contains("\"A\", which is no unit of a position"));
+    let stated = ProposalRequest { torque_unit: Some(Unit::NewtonMetre), ..request() };
+    assert!(proposed_from(&[("log.csv", "t,q1,q2,q3,tau1,tau2,tau3 [Nm/rad]")], stated, SCARA).is_ok());
+    let text = proposed("t,q1,q2,dq1 [g],dq2 [g],tau1,tau2", request()).unwrap();
+    assert!(text.contains("\n# velocity = {") && text.contains("is written in \"g\""), "{text}");
+}
+
+/// What no unit turns into torques or positions has a gain to be filled in, and the next command asks for it by its name.
+#[test]
+fn a_gain_is_asked_for_where_a_unit_is_no_torque() {
+    for (columns, unit, asked, per) in [
+        ("tau1 [%],tau2 [%]", "%", "written in %, which is no torque", "the torque at the joint at 100 %"),
+        ("current_1,current_2", "A", "written in A, which is no torque", "the torque at the joint per A"),
+        ("tau1 [mA],tau2 [mA]", "mA", "written in mA, which is no torque", "the torque at the joint per A"),
+        ("tau1 [inc],tau2 [inc]", "1", "written in inc, which is no torque", "the torque at the joint per count"),
+    ] {
+        let header = format!("t,q1,q2,{columns}");
+        let proposal = proposed_from(&[("log.csv", &header)], request(), ARM).unwrap();
+        assert!(matches!(&proposal.to_fill_in()[..], [one] if one.contains(asked) && one.contains(per)), "{columns}");
+        let text = proposal.text();
+        assert!(text.contains(&format!("unit = \"{unit}\", gain = [] }}")) && text.contains(asked), "{text}");
+        let folder = thetahat_testing::Folder::new();
+        folder.write("log.csv", format!("{header}\n0,1,2,3,4\n0.001,1,2,3,4\n0.002,1,2,3,4\n"));
+        let read = |text| super::super::Experiment::from_texts(Path::new("e.toml"), text, ARM.to_owned()).unwrap();
+        let error = read(text.clone()).recordings(folder.path()).unwrap_err().to_string();
+        assert!(
+            error.contains("gain = []") && error.contains(&format!("2 numbers, one for each channel: {per}")),
+            "{error}"
+        );
+        assert!(read(text.replace("gain = []", "gain = [10, 20]")).recordings(folder.path()).is_ok());
+    }
+    let positions = proposed("t,q1 [counts],q2 [counts],tau1,tau2", request()).unwrap();
+    assert!(positions.contains("unit = \"rad\", gain = [] }") && positions.contains("rad (m of"), "{positions}");
+}
+
+/// Behind the gears the robot's drive gains turn currents into torques, and need no gain beside them.
+#[test]
+fn drive_gains_of_the_robot_are_the_gains_of_currents() {
+    let geared = |gains: &str| format!("{ARM}[transmission]\nmatrix = [[40, 0], [0, 50]]\n{gains}");
+    let side = || ProposalRequest { side: Some(Side::Motor), ..request() };
+    let to_fill_in = |robot: &str| {
+        proposed_from(&[("log.csv", "t,q1,q2,i_curr_1,i_curr_2")], side(), robot).unwrap().to_fill_in().join(" ")
+    };
+    assert_eq!(to_fill_in(&geared("drive_gain = [0.1, 0.2]\n")), "");
+    assert!(to_fill_in(&geared("")).contains("the torque of the motor per A"), "{}", to_fill_in(&geared("")));
+}
+
+/// The columns of a signal as they are proposed for one file with this first line.
+fn columns_of(signal: &str, header: &str) -> Vec<String> {
+    let proposal = proposed_from(&[("log.csv", header)], request(), ARM).unwrap();
+    let channels = &proposal.recordings[0].channels;
+    channels.iter().find(|(name, _)| *name == signal).map(|(_, c)| c.columns.clone()).unwrap_or_default()
+}
+
+/// The names of a Franka log: what ends with `d` is desired, and the measured values are taken.
+#[test]
+fn desired_values_stand_beside_the_measured_ones() {
+    let header = "t,q_0,q_1,dq_0,dq_1,tau_J_0,tau_J_1,tau_J_d_0,tau_J_d_1,q_d_0,q_d_1,control_command_success_rate";
+    assert_eq!(columns_of("position", header), ["q_0", "q_1"]);
+    assert_eq!(columns_of("torque", header), ["tau_J_0", "tau_J_1"]);
+    assert_eq!(columns_of("reference", header), ["q_d_0", "q_d_1"]);
+}
+
+#[test]
+fn references_are_known_by_words_for_wanted_values() {
+    for reference in ["q_des", "q_soll", "Soll J", "joint_command"] {
+        let header = format!("t,q1,q2,{reference}1,{reference}2,tau1,tau2");
+        assert_eq!(columns_of("reference", &header), [format!("{reference}1"), format!("{reference}2")]);
+    }
+}
+
+#[test]
+fn a_file_of_commands_is_the_reference_and_what_is_not_used_is_told() {
+    let files = [
+        ("left_positions.csv", "t,a,b"),
+        ("left_efforts.csv", "t,a,b"),
+        ("left_command.csv", "t,a,b"),
+        ("left_temperature.csv", "t,a,b"),
+    ];
+    let proposal = proposed_from(&files, request(), ARM).unwrap();
+    let reference = &proposal.recordings[0].channels[2];
+    assert_eq!((reference.0, reference.1.file.to_str()), ("reference", Some("left_command.csv")));
+    assert!(
+        proposal.guesses().iter().any(|guess| guess.contains("and not of which signal")),
+        "{:?}",
+        proposal.guesses()
+    );
+    let expected = "Not used, as no signal of a joint that is identified: left_temperature.csv.";
+    assert_eq!(proposal.not_used().as_deref(), Some(expected));
+    assert!(proposal.text().contains(&format!("\n# {expected}\n")));
+}
+
+/// Files whose columns have the names of joints alone, and not of all.
+#[test]
+fn joints_are_told_by_columns_whose_file_says_the_signal() {
+    let files = [("positions.csv", "t,lift_joint,arm_joint"), ("efforts.csv", "t,lift_joint,arm_joint")];
+    let proposal = proposed_from(&files, request(), LIFT).unwrap();
+    assert_eq!(proposal.locks.iter().map(|lock| lock.joint.as_str()).collect::<Vec<_>>(), ["head_joint"]);
+    assert_eq!(proposal.recordings[0].channels[1].1.columns, ["lift_joint", "arm_joint"]);
+}

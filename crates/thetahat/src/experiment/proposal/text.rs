@@ -3,6 +3,7 @@ use std::{fmt::Write as _, path::PathBuf};
 use super::joints::ProposedLock;
 use crate::{
     one_or_each::OneOrEach,
+    output::PROPOSAL,
     recording::{Side, Unit},
     results::{Filter, FilterChoice},
     visible::visible,
@@ -23,8 +24,10 @@ pub struct Proposal {
     pub robot_file: PathBuf,
     /// The joints that are locked, as the log lacks them.
     pub locks: Vec<ProposedLock>,
-    /// Columns of positions and torques that are of no joint that is identified.
+    /// Columns of signals that are not used, as those of joints that are not identified.
     pub unused: Vec<String>,
+    /// Files of which nothing is used.
+    pub unused_files: Vec<PathBuf>,
     /// The recordings.
     pub recordings: Vec<ProposedRecording>,
     /// Filters, decimation and window.
@@ -70,6 +73,8 @@ pub struct ProposedChannels {
     pub channels_in_rows: bool,
     /// What the user should know of them.
     pub comment: String,
+    /// What their gain is, for the user to fill in, where the unit alone gives no torque or position.
+    pub gain: Option<String>,
     /// Whether they stand in a comment, for the user to put right.
     pub left_out: bool,
 }
@@ -154,7 +159,7 @@ impl Proposal {
     #[must_use]
     pub fn text(&self) -> String {
         let mut text = format!(
-            "# Proposed from {}. Read every line, then run `thetahat check`: it examines the units and signs.\n\
+            "{PROPOSAL}{}. Read every line, then run `thetahat check`: it examines the units and signs.\n\
              title = {}\nrobot = {}\n",
             visible(&self.files()),
             quoted(&self.title),
@@ -183,6 +188,15 @@ impl Proposal {
         self.recordings.iter().flat_map(of_recording).chain(locks).collect()
     }
 
+    /// What the user must fill in before the experiment can run, a sentence each.
+    #[must_use]
+    pub fn to_fill_in(&self) -> Vec<String> {
+        let channels = self.recordings.iter().flat_map(|recording| &recording.channels);
+        let mut sentences: Vec<String> = channels.filter_map(|(_, channels)| channels.gain.clone()).collect();
+        sentences.dedup();
+        sentences
+    }
+
     fn locks_text(&self) -> String {
         if self.locks.is_empty() {
             return String::new();
@@ -195,17 +209,19 @@ impl Proposal {
             + &lines
     }
 
+    /// What of the recordings is not used: files, and columns of signals; none where all is.
+    #[must_use]
+    pub fn not_used(&self) -> Option<String> {
+        let files = self.unused_files.iter().map(|file| file.display().to_string());
+        let all: Vec<String> = files.chain(self.unused.iter().cloned()).collect();
+        let more = all.len().saturating_sub(SHOWN);
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        let shown = visible(&all[..all.len().min(SHOWN)].join(" ")).into_owned();
+        (!all.is_empty()).then(|| format!("Not used, as no signal of a joint that is identified: {shown}{more}."))
+    }
+
     fn unused_text(&self) -> String {
-        match &self.unused[..] {
-            [] => String::new(),
-            some if some.len() <= SHOWN => {
-                format!("\n# Of no joint that is identified, and left out: {}.\n", some.join(" "))
-            }
-            some => {
-                let (shown, more) = (some[..SHOWN].join(" "), some.len() - SHOWN);
-                format!("\n# Of no joint that is identified, and left out: {shown} and {more} more.\n")
-            }
-        }
+        self.not_used().map(|text| format!("\n# {text}\n")).unwrap_or_default()
     }
 
     fn files(&self) -> String {
@@ -241,10 +257,12 @@ impl ProposedChannels {
             Side::Motor => ", side = \"motor\"",
             Side::Joint => "",
         };
+        let gain = if self.gain.is_some() { ", gain = []" } else { "" };
+        let to_fill = self.gain.iter().map(|gain| format!("# {}\n", visible(gain))).collect::<String>();
         let cut = if self.drop_cut_line { ", drop_cut_line = true" } else { "" };
         let rows = if self.channels_in_rows { ", channels_in_rows = true" } else { "" };
         format!(
-            "# {}\n{}{name} = {{ file = {}{topic}, columns = [{}], unit = {}{side}{rows}{cut} }}\n",
+            "# {}\n{to_fill}{}{name} = {{ file = {}{topic}, columns = [{}], unit = {}{side}{gain}{rows}{cut} }}\n",
             self.comment,
             if self.left_out { "# " } else { "" },
             quoted(&self.file.display().to_string()),

@@ -1,93 +1,219 @@
 use super::{
-    super::column_names,
+    super::column_names::{self, Signal},
+    error::ProposalError,
+    gains::{gain_of_position, gain_of_torque},
     request::ProposalRequest,
     source::{Chosen, Source},
+    unit_names::{Misfit, NamedUnits, fits, matching, named_units, require_units_of_joints},
 };
 use crate::{
     linear_algebra::Matrix,
-    recording::{Side, Unit},
-    robot::{JointKind, Robot},
+    one_or_each::OneOrEach,
+    recording::{Dimension, Side, Unit},
+    robot::{Joint, JointKind, Robot},
 };
 
 /// Joint angles beyond this, rad, are no joint angles in rad: more than two turns.
 const LARGEST_ANGLE: f64 = 4.0 * std::f64::consts::PI;
 
-/// Unit and side of a signal, and where they are known from.
+/// Units and side of a signal, and where they are known from.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Measured {
-    pub(super) unit: Unit,
+    /// One for each channel.
+    pub(super) units: Vec<Unit>,
     pub(super) side: Side,
     pub(super) why: String,
+    /// What the gain is that the user must give, where the unit alone gives no torque or position.
+    pub(super) gain: Option<String>,
+}
+
+impl Measured {
+    fn new(units: Vec<Unit>, side: Side, why: &str) -> Self {
+        Self { units, side, why: why.to_owned(), gain: None }
+    }
+
+    /// The unit of all channels, or that of each where they differ.
+    pub(super) fn unit(&self) -> OneOrEach<Unit> {
+        match &self.units[..] {
+            [first, others @ ..] if others.iter().all(|unit| unit == first) => OneOrEach::One(*first),
+            units => OneOrEach::Each(units.to_vec()),
+        }
+    }
 }
 
 /// What the units of a file's signals are told from.
 pub(super) struct Units<'u, 'a> {
     pub(super) request: &'u ProposalRequest,
-    pub(super) robot: &'u Robot,
     pub(super) source: Source<'a>,
+    pub(super) robot: &'u Robot,
+    /// The joints of the channels.
+    pub(super) joints: Vec<&'u Joint>,
 }
 
 impl Units<'_, '_> {
-    pub(super) fn of_position(&self, columns: &[Chosen<'_>]) -> Measured {
-        let joint = |unit, why: &str| Measured { unit, side: self.named_side(columns), why: why.to_owned() };
-        let largest = largest(columns);
-        match (self.request.position_unit, self.named(columns)) {
-            (Some(unit), _) => self.on_a_side(unit, columns, "as stated"),
-            (None, Some(unit)) => self.on_a_side(unit, columns, "from the names"),
-            _ if self.is_prismatic() => joint(Unit::Metre, "a guess: linear joints"),
-            _ if self.source.is_bag() => joint(Unit::Radian, "as JointState has it"),
-            _ if largest > LARGEST_ANGLE && self.fits_behind_the_gears(columns) => {
-                let why = "a guess: too large for rad on the joint side, not behind the robot's gears".to_owned();
-                Measured { unit: Unit::Radian, side: Side::Motor, why }
+    pub(super) fn of_position(&self, columns: &[Chosen<'_>]) -> Result<Measured, ProposalError> {
+        let named = self.named(Signal::Position, columns);
+        match (self.request.position_unit, named) {
+            (Some(unit), named) => Ok(self.on_a_side(self.stated(unit, named), columns, "as stated")),
+            (None, Err(misfit)) => Err(self.refused("position", misfit)),
+            (None, Ok(None)) => Ok(self.guessed_position(columns)),
+            (None, Ok(Some(NamedUnits { units, why, counts }))) => {
+                let measured = self.on_a_side(units, columns, why);
+                self.require_joints(&measured, columns).map_err(|misfit| self.refused("position", misfit))?;
+                Ok(Measured { gain: counts.map(|word| gain_of_position(&word)), ..measured })
             }
-            _ if largest > LARGEST_ANGLE => joint(Unit::Degree, "a guess: too large for rad on the joint side"),
-            _ => joint(Unit::Radian, "a guess from the range"),
         }
     }
 
     /// The torques are on the side that their names say, or else on that of the positions.
-    pub(super) fn of_torque(&self, columns: &[Chosen<'_>], position: &Measured) -> Measured {
+    pub(super) fn of_torque(&self, columns: &[Chosen<'_>], position: &Measured) -> Result<Measured, ProposalError> {
         let side = match (self.named_side(columns), position.side) {
             (Side::Joint, Side::Joint) => Side::Joint,
             (Side::Motor, _) | (_, Side::Motor) => Side::Motor,
         };
-        let (unit, why) = match (self.request.torque_unit, self.named(columns)) {
-            (Some(unit), _) => (unit, "as stated"),
-            (None, Some(unit @ (Unit::Ampere | Unit::Milliampere | Unit::Volt))) => (unit, drive_unit(side)),
-            (None, Some(unit)) => (unit, "from the names"),
-            _ if self.source.is_bag() => (self.effort(), "as JointState has it"),
-            _ => (self.effort(), "a guess: nothing says it"),
+        let named = self.named(Signal::Torque, columns);
+        let (units, why, counts) = match (self.request.torque_unit, named) {
+            (Some(unit), named) => (self.stated(unit, named), "as stated", None),
+            (None, Err(misfit)) => return Err(self.refused("torque", misfit)),
+            (None, Ok(Some(NamedUnits { units, why, counts }))) => (units, why, counts),
+            (None, Ok(None)) if self.source.is_bag() => (self.each(Unit::NewtonMetre), "as JointState has it", None),
+            (None, Ok(None)) => (self.each(Unit::NewtonMetre), "a guess: nothing says it", None),
         };
-        Measured { unit, side, why: why.to_owned() }
+        let measured = Measured::new(units, side, why);
+        if self.request.torque_unit.is_none() {
+            self.require_joints(&measured, columns).map_err(|misfit| self.refused("torque", misfit))?;
+        }
+        Ok(self.with_gain_of_torque(measured, counts.as_deref()))
     }
 
-    /// The unit of velocities that goes with that of the positions.
-    pub(super) fn of_velocity(&self, position: &Measured) -> Measured {
-        let unit = if position.unit == Unit::Degree {
-            Unit::DegreePerSecond
-        } else if position.unit == Unit::Millimetre {
-            Unit::MillimetrePerSecond
-        } else if self.is_prismatic() {
-            Unit::MetrePerSecond
+    /// The units of another signal: as its names say, or else those that go with the positions.
+    pub(super) fn of_other(
+        &self,
+        signal: Signal,
+        columns: &[Chosen<'_>],
+        position: &Measured,
+    ) -> Result<Measured, Misfit> {
+        let as_positions = || {
+            position.units.iter().map(|unit| match signal {
+                Signal::Velocity => velocity_unit(*unit),
+                Signal::Position | Signal::Reference | Signal::Torque | Signal::Time => *unit,
+            })
+        };
+        let measured = match self.named(signal, columns)? {
+            Some(named) => Measured::new(named.units, position.side, named.why),
+            None => Measured::new(as_positions().collect(), position.side, self.why_as_positions(columns)),
+        };
+        self.require_joints(&measured, columns).map(|()| measured)
+    }
+
+    fn why_as_positions(&self, columns: &[Chosen<'_>]) -> &'static str {
+        let stem = self.source.stem();
+        let is_untold = |name: &str| {
+            let name = if column_names::is_silent(name) { &stem } else { name };
+            column_names::says_only_wanted(name)
+        };
+        match columns.iter().any(|column| is_untold(&column.name)) {
+            true => "as the positions, a guess: the names say wanted values, and not of which signal",
+            false => "as the positions",
+        }
+    }
+
+    fn named(&self, signal: Signal, columns: &[Chosen<'_>]) -> Result<Option<NamedUnits>, Misfit> {
+        named_units(&self.source, signal, columns, &self.kinds())
+    }
+
+    /// The unit that the user stated; joints of the other kind have the one of their names, or SI.
+    fn stated(&self, unit: Unit, named: Result<Option<NamedUnits>, Misfit>) -> Vec<Unit> {
+        let named = named.ok().flatten().map(|named| named.units);
+        let of_name = |channel: usize, kind| {
+            named.as_ref().and_then(|units| units.get(channel).copied()).filter(|unit| fits(*unit, kind))
+        };
+        let of_kind = |(channel, kind): (usize, JointKind)| match fits(unit, kind) {
+            true => unit,
+            false => of_name(channel, kind).unwrap_or_else(|| matching(unit, kind)),
+        };
+        self.kinds().into_iter().enumerate().map(of_kind).collect()
+    }
+
+    fn guessed_position(&self, columns: &[Chosen<'_>]) -> Measured {
+        let joint = |unit, why: &str| Measured::new(self.each(unit), self.named_side(columns), why);
+        let largest = self.largest_angle(columns);
+        if self.kinds().iter().all(|kind| *kind == JointKind::Prismatic) {
+            joint(Unit::Metre, "a guess: linear joints")
+        } else if self.source.is_bag() {
+            joint(Unit::Radian, "as JointState has it")
+        } else if largest > LARGEST_ANGLE && self.fits_behind_the_gears(columns) {
+            let why = "a guess: too large for rad on the joint side, not behind the robot's gears";
+            Measured::new(self.each(Unit::Radian), Side::Motor, why)
+        } else if largest > LARGEST_ANGLE {
+            joint(Unit::Degree, "a guess: too large for rad on the joint side")
         } else {
-            Unit::RadianPerSecond
+            joint(Unit::Radian, "a guess from the range")
+        }
+    }
+
+    /// On the motors' side the robot's drive gains turn a drive's unit into torque, where it has any.
+    fn with_gain_of_torque(&self, measured: Measured, counts: Option<&str>) -> Measured {
+        let of_drive = |unit: &&Unit| !matches!(unit.dimension(), Dimension::Torque | Dimension::Force);
+        let Some(&unit) = measured.units.iter().find(of_drive) else { return measured };
+        let has_drive_gain = self.robot.transmission.drive_gain().iter().any(|gain| *gain != 1.0);
+        match measured.side {
+            Side::Motor if has_drive_gain => {
+                let why = format!("{}; the robot's drive_gain is to turn it into torque", measured.why);
+                Measured { why, ..measured }
+            }
+            Side::Motor | Side::Joint => Measured { gain: gain_of_torque(unit, counts, measured.side), ..measured },
+        }
+    }
+
+    fn require_joints(&self, measured: &Measured, columns: &[Chosen<'_>]) -> Result<(), Misfit> {
+        match measured.side {
+            Side::Motor => Ok(()),
+            Side::Joint => require_units_of_joints(&measured.units, columns, self.joints.iter().copied()),
+        }
+    }
+
+    fn refused(&self, signal: &'static str, misfit: Misfit) -> ProposalError {
+        let Misfit { column, problem, is_of_a_joint } = misfit;
+        let remedy = match (is_of_a_joint, signal) {
+            (true, _) => format!(
+                "name the columns in the order of the joints with --{signal} NAME,NAME,..., or state the unit with --{signal}-unit UNIT"
+            ),
+            (false, "torque") => {
+                "state the unit with --torque-unit UNIT (1 for numbers that a gain turns into torques), or name other columns \
+                 with --torque NAME,NAME,..."
+                    .to_owned()
+            }
+            (false, _) => format!(
+                "state the unit with --{signal}-unit UNIT, or name other columns with --{signal} NAME,NAME,..."
+            ),
         };
-        Measured { unit, side: position.side, why: "as the positions".to_owned() }
+        ProposalError::UnclearUnit { file: self.source.file.to_owned(), column, problem, remedy }
     }
 
-    fn effort(&self) -> Unit {
-        if self.is_prismatic() { Unit::Newton } else { Unit::NewtonMetre }
+    /// A unit for each channel, that of SI for joints of the other kind.
+    fn each(&self, unit: Unit) -> Vec<Unit> {
+        self.kinds().into_iter().map(|kind| matching(unit, kind)).collect()
     }
 
-    fn is_prismatic(&self) -> bool {
-        self.robot.coordinates().all(|j| j.kind == JointKind::Prismatic)
+    fn kinds(&self) -> Vec<JointKind> {
+        self.joints.iter().map(|joint| joint.kind).collect()
     }
 
-    /// A known unit on the side that the names say, or else the motors' where angles are too large for joints.
-    fn on_a_side(&self, unit: Unit, columns: &[Chosen<'_>], why: &str) -> Measured {
-        let too_large = unit == Unit::Radian && largest(columns) > LARGEST_ANGLE && self.fits_behind_the_gears(columns);
+    /// The largest value of the joints that turn.
+    fn largest_angle(&self, columns: &[Chosen<'_>]) -> f64 {
+        let turning =
+            columns.iter().flat_map(|c| c.channels).zip(self.kinds()).filter(|(_, k)| *k == JointKind::Revolute);
+        let ends = turning.flat_map(|(channel, _)| [channel.min, channel.max]).flatten();
+        ends.fold(0.0, |largest, end| end.abs().max(largest))
+    }
+
+    /// Known units on the side that the names say, or else the motors' where angles are too large for joints.
+    fn on_a_side(&self, units: Vec<Unit>, columns: &[Chosen<'_>], why: &str) -> Measured {
+        let is_in_rad = self.kinds().iter().zip(&units).all(|(k, u)| *k == JointKind::Prismatic || *u == Unit::Radian);
+        let too_large = is_in_rad && self.largest_angle(columns) > LARGEST_ANGLE && self.fits_behind_the_gears(columns);
         let side = if too_large { Side::Motor } else { self.named_side(columns) };
-        Measured { unit, side, why: why.to_owned() }
+        Measured::new(units, side, why)
     }
 
     /// The side as stated, or else the motors' where the names say so and the robot has gears.
@@ -119,25 +245,21 @@ impl Units<'_, '_> {
         let joints = self.robot.transmission.joint_positions(&motors);
         joints.values().iter().all(|q| q.abs() <= LARGEST_ANGLE)
     }
-
-    /// The unit in the name of the first column, or in the file's where the columns say nothing.
-    fn named(&self, columns: &[Chosen<'_>]) -> Option<Unit> {
-        let column = columns.first()?;
-        let name = if column_names::is_silent(&column.name) { self.source.stem() } else { column.name.clone() };
-        column_names::read(&name).and_then(|r| r.unit)
-    }
 }
 
-fn drive_unit(side: Side) -> &'static str {
-    match side {
-        Side::Motor => "from the names; the robot's drive_gain is to turn it into torque",
-        Side::Joint => "from the names; add gain = [...], torque per unit, one for each joint",
+/// The unit of velocities that goes with one of positions.
+fn velocity_unit(position: Unit) -> Unit {
+    if position == Unit::Degree {
+        Unit::DegreePerSecond
+    } else if position == Unit::Revolution {
+        Unit::RevolutionPerSecond
+    } else if position == Unit::Millimetre {
+        Unit::MillimetrePerSecond
+    } else if position.dimension() == Dimension::Length {
+        Unit::MetrePerSecond
+    } else {
+        Unit::RadianPerSecond
     }
-}
-
-fn largest(columns: &[Chosen<'_>]) -> f64 {
-    let [least, most] = range(columns);
-    least.abs().max(most.abs())
 }
 
 /// The least and the largest value of some columns.

@@ -59,12 +59,18 @@ pub(super) fn times(columns: &[Column], in_seconds: bool, asked: Option<&str>) -
     summaries.into_iter().map(|(_, summary)| summary).collect()
 }
 
-/// Whether a name is one of a time: `t`, `time`, `stamp` and their like, with or without a unit.
+/// Whether a name is one of a time: `t`, `time`, `stamp` and their like, with or without a unit, by itself or behind a path.
 fn is_named(name: &str) -> bool {
-    let name = name.rsplit('.').next().unwrap_or(name).to_ascii_lowercase();
-    let word = name.trim_start_matches('_').split(['_', ' ', '[', '(', '/']).next().unwrap_or_default();
-    matches!(word, "t" | "time" | "times" | "stamp" | "stamps" | "timestamp" | "timestamps" | "clock" | "zeit")
-        || matches!(name.as_str(), "log_time" | "sample_time" | "sim_time" | "elapsed_time")
+    let name = name.to_ascii_lowercase();
+    let last = |sign| name.rsplit(sign).next().unwrap_or_default();
+    is_word_of_time(last('.')) || is_word_of_time(last('/'))
+}
+
+fn is_word_of_time(name: &str) -> bool {
+    const WORDS: [&str; 10] =
+        ["t", "time", "times", "stamp", "stamps", "timestamp", "timestamps", "clock", "zeit", "zeitstempel"];
+    let word = name.trim_start_matches(['_', '%', '#']).split(['_', ' ', '[', '(', '/']).next().unwrap_or_default();
+    WORDS.contains(&word) || matches!(name, "log_time" | "sample_time" | "sim_time" | "elapsed_time")
 }
 
 fn time(column: &Column, in_seconds: bool, is_named: bool) -> Option<TimeSummary> {
@@ -135,4 +141,22 @@ fn unit(name: &str, period: f64) -> Unit {
     let named = UNITS.into_iter().find(|unit| name != word && unit.symbol() == word);
     let likely = || UNITS.into_iter().find(|unit| RATES.contains(&(1.0 / (period * unit.to_si()))));
     named.or_else(likely).unwrap_or(Unit::Second)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_known_by_their_names() {
+        for name in
+            ["t", "Time/s", "Zeitstempel [ms]", "Zeit", "%time", "/joint_states/header/stamp", "header.stamp", "stamp"]
+        {
+            assert!(is_named(name), "{name}");
+        }
+        for name in ["q1", "stampede", "Temperatur [C]", "/joint_states/a/position"] {
+            assert!(!is_named(name), "{name}");
+        }
+        assert_eq!(unit("Zeitstempel [ms]", 2.0), Unit::Millisecond);
+    }
 }
