@@ -29,6 +29,8 @@ const LEAST_DEG: f64 = 2.0;
 /// Degrees, and how many times smaller the squared residual is, from which no number is right.
 const WRONG_DEG: f64 = 10.0;
 const WRONG_RATIO: f64 = 4.0;
+/// Relative error of the fit with another gravity from which it is no explanation: the description may be of another robot.
+const POOR: f64 = 0.15;
 /// Most steps of Gauss-Newton.
 const STEPS: usize = 6;
 /// Part of the squared residual that a step must take away.
@@ -77,7 +79,8 @@ fn angle_deg(a: Vec3, b: Vec3) -> f64 {
     norm(cross(a, b)).atan2(dot(a, b)).to_degrees()
 }
 
-/// How many times smaller the squared residual is with another gravity of the same length, and that gravity; none without gravity or links.
+/// How many times smaller the squared residual is with another gravity of the same length, and that gravity; the stated one where no other explains
+/// the torques, none without gravity or links.
 fn better(record: &ThinnedRecord<'_>, stated: Vec3) -> Option<(f64, Vec3)> {
     let length = norm(stated);
     if length == 0.0 {
@@ -94,6 +97,9 @@ fn better(record: &ThinnedRecord<'_>, stated: Vec3) -> Option<(f64, Vec3)> {
     let squares = of_stated.squares();
     let best = all.fold(of_stated, |best, other| if other.squares() < best.squares() { other } else { best });
     let best = refined(record, best);
+    if best.fit.relative_error() > POOR {
+        return Some((1.0, stated));
+    }
     Some((squares / best.squares(), best.gravity))
 }
 
