@@ -120,7 +120,7 @@ fn a_log_of_eight_joints_of_twelve_is_identified_with_the_others_locked() {
         "columns = [\"torso_lift_joint.position\", \"arm_1_joint.position\", \"arm_2_joint.position\"",
         "unit = [\"m\", \"rad\", \"rad\", \"rad\", \"rad\", \"rad\", \"rad\", \"rad\"]",
         "unit = [\"N\", \"N m\"",
-        "left out: head_1_joint.position head_2_joint.position wheel_left_joint.position.",
+        "Not used, as no signal of a joint that is identified: head_1_joint.position head_2_joint.position wheel_left_joint.position.",
     ] {
         assert!(text.contains(line), "`{line}` is not in\n{text}");
     }
@@ -165,9 +165,9 @@ fn what_cannot_be_told_or_locked_is_said() {
     assert!(
         manipulator.0.text("experiment.toml").contains("head_2_joint = 0.5  # not in the log, so a guess: the middle")
     );
-    let message = refused(
-        &manipulator.run("init --robot mobile_manipulator.urdf --recording twin.csv --joints arm_2_joint,arm_1_joint"),
-    );
+    let two =
+        "init --robot mobile_manipulator.urdf --recording twin.csv --joints arm_2_joint,arm_1_joint --out two.toml";
+    let message = refused(&manipulator.run(two));
     assert!(
         message
             .contains("--joints arm_2_joint,arm_1_joint: expected joints of the robot, in its order: torso_lift_joint"),
