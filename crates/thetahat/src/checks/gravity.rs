@@ -69,8 +69,8 @@ fn words(ratio: f64, found: Vec3, angle: f64) -> Words {
         significant(ratio.sqrt(), 3)
     );
     let remedy = format!(
-        "look at how the base is mounted, and at the zeros of the first joints; then give gravity = [{gravity}] in the robot's TOML \
-         (for a URDF: a TOML with urdf = \"...\" and that line)"
+        "look at how the base is mounted; if so, give gravity = [{gravity}] in the robot's TOML (for a URDF: a TOML with urdf = \
+         \"...\" and that line), else look at the zeros of the first joints, and whether the description is of this robot"
     );
     Words::new(message, remedy)
 }

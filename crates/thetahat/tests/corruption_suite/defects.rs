@@ -185,7 +185,7 @@ fn of_torques() -> Vec<Defect> {
 }
 
 fn of_motions() -> Vec<Defect> {
-    use Code::{JointDither, JointStill, PoorFit, PositionZero, WorseThanMean, WrongRobot};
+    use Code::{GravityDirection, JointDither, JointStill, PoorFit, PositionZero, WorseThanMean, WrongRobot};
     vec![
         Defect {
             name: "the last joint is held",
@@ -207,7 +207,8 @@ fn of_motions() -> Vec<Defect> {
         },
         Defect {
             name: "the description of another robot",
-            codes: &[WrongRobot, PositionZero, PoorFit, WorseThanMean],
+            // With the places of seven axes reversed, gravity comes from another side of the base.
+            codes: &[WrongRobot, GravityDirection, PositionZero, PoorFit, WorseThanMean],
             unseen: &[],
             apply: other_robot,
         },
