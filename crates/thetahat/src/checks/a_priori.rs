@@ -127,14 +127,7 @@ fn a_priori_torque(record: &ThinnedRecord<'_>) -> Option<Series> {
         return None;
     }
     let Motion { q, dq, ddq } = &record.motion;
-    let regressor = Regressor::new(model, &given);
-    let phi = regressor.evaluate_series(model, q, dq, ddq, Sign::Exact);
-    let mut torque = Series::zeros(q.len(), record.coordinates());
-    for k in 0..q.len() {
-        let tau = torque.sample_mut(k);
-        for (entry, value) in regressor.entries().iter().zip(phi.sample(k)) {
-            tau[entry.joint] += value * theta[given[entry.column]];
-        }
-    }
+    let values: Vec<f64> = given.iter().map(|&i| theta[i]).collect();
+    let torque = Regressor::new(model, &given).torques(model, [q, dq, ddq], Sign::Exact, &values);
     record.decimator.filter(&torque).ok()
 }

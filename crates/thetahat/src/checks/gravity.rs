@@ -151,17 +151,9 @@ impl Weighed {
         let model = Model::new(&Robot { gravity: direction, ..record.subject.robot.clone() });
         let links = |(column, value): (&usize, &f64)| is_link(&model, *column).then_some((*column, *value));
         let (columns, values): (Vec<usize>, Vec<f64>) = self.columns.iter().zip(theta).filter_map(links).unzip();
-        let regressor = Regressor::new(&model, &columns);
         let q = &record.motion.q;
         let rest = Series::zeros(q.len(), q.channels());
-        let phi = regressor.evaluate_series(&model, q, &rest, &rest, Sign::Exact);
-        let mut torque = Series::zeros(q.len(), record.coordinates());
-        for k in 0..q.len() {
-            let tau = torque.sample_mut(k);
-            for (entry, value) in regressor.entries().iter().zip(phi.sample(k)) {
-                tau[entry.joint] += value * values[entry.column];
-            }
-        }
+        let torque = Regressor::new(&model, &columns).torques(&model, [q, &rest, &rest], Sign::Exact, &values);
         Some(record.stack(&record.decimator.filter(&torque).ok()?))
     }
 

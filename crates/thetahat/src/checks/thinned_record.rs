@@ -254,15 +254,8 @@ impl<'a> ThinnedRecord<'a> {
 
     /// The torques of a motion with parameters `theta`, not filtered.
     pub(super) fn predict(&self, motion: &Motion, theta: &[f64]) -> Series {
-        let phi = self.regressor.evaluate_series(self.subject.model, &motion.q, &motion.dq, &motion.ddq, Sign::Exact);
-        let mut tau = Series::zeros(phi.len(), self.coordinates());
-        for k in 0..phi.len() {
-            let torque = tau.sample_mut(k);
-            for (entry, value) in self.regressor.entries().iter().zip(phi.sample(k)) {
-                torque[entry.joint] += value * theta[entry.column];
-            }
-        }
-        tau
+        let Motion { q, dq, ddq } = motion;
+        self.regressor.torques(self.subject.model, [q, dq, ddq], Sign::Exact, theta)
     }
 
     /// Deviation of each joint's predicted friction, part of that of the rest of its torque.

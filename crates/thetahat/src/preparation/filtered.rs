@@ -121,19 +121,9 @@ impl Setup<'_> {
 /// The torques of standard parameters, of which few are not zero: `phi(q, dq, ddq) theta` in every sample.
 fn torques(model: &Model, theta: &[f64], motion: &Motion, channels: Option<Series>) -> Series {
     let columns: Vec<usize> = (0..theta.len()).filter(|&i| theta[i] != 0.0).collect();
-    let mut torque = Series::zeros(motion.q.len(), motion.q.channels());
-    if columns.is_empty() {
-        return torque;
-    }
-    let regressor = Regressor::new(model, &columns).with_channels(channels);
-    let phi = regressor.evaluate_series(model, &motion.q, &motion.dq, &motion.ddq, Sign::Exact);
-    for k in 0..torque.len() {
-        let tau = torque.sample_mut(k);
-        for (entry, value) in regressor.entries().iter().zip(phi.sample(k)) {
-            tau[entry.joint] += value * theta[columns[entry.column]];
-        }
-    }
-    torque
+    let given: Vec<f64> = columns.iter().map(|&i| theta[i]).collect();
+    let Motion { q, dq, ddq } = motion;
+    Regressor::new(model, &columns).with_channels(channels).torques(model, [q, dq, ddq], Sign::Exact, &given)
 }
 
 /// The window of a record of so many samples that moves in a range of them: the stated one, or the moving part without the

@@ -20,6 +20,22 @@ impl Regressor {
         phi
     }
 
+    /// `phi(q, dq, ddq) theta` in every sample, one value of `theta` for each column: N m or N, one channel for each coordinate.
+    pub(crate) fn torques(&self, model: &Model, [q, dq, ddq]: [&Series; 3], sign: Sign, theta: &[f64]) -> Series {
+        let mut torque = Series::zeros(q.len(), q.channels());
+        if self.entries().is_empty() {
+            return torque;
+        }
+        let phi = self.evaluate_series(model, q, dq, ddq, sign);
+        for k in 0..q.len() {
+            let tau = torque.sample_mut(k);
+            for (entry, value) in self.entries().iter().zip(phi.sample(k)) {
+                tau[entry.joint] += value * theta[entry.column];
+            }
+        }
+        torque
+    }
+
     /// The entries of the samples in `range`, sample by sample.
     pub fn evaluate_samples(
         &self,

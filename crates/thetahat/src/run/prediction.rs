@@ -98,14 +98,6 @@ impl Predictor<'_> {
         let recording = &filtered.recording;
         let Motion { q, dq, ddq } = self.setup.band_pass(&recording.position, recording.sample_rate_hz)?;
         let regressor = Regressor::new(&self.basis.model, &self.columns).with_channels(filtered.channels.clone());
-        let phi = regressor.evaluate_series(&self.basis.model, &q, &dq, &ddq, Sign::Exact);
-        let mut torque = Series::zeros(q.len(), q.channels());
-        for k in 0..q.len() {
-            let tau = torque.sample_mut(k);
-            for (entry, value) in regressor.entries().iter().zip(phi.sample(k)) {
-                tau[entry.joint] += value * self.theta[entry.column];
-            }
-        }
-        Ok(torque)
+        Ok(regressor.torques(&self.basis.model, [&q, &dq, &ddq], Sign::Exact, &self.theta))
     }
 }

@@ -11,7 +11,6 @@ use super::{
 };
 use crate::{
     dynamics::{DynamicParameters, Sign, State, Workspace, term_tests},
-    regressor::Regressor,
     robot::Robot,
 };
 
@@ -60,18 +59,9 @@ fn terms_have_the_torques_of_the_kernels() {
 #[test]
 fn terms_have_the_columns_of_the_kernels() {
     for case in cases(&robot(&EXPRESSIONS)) {
-        let columns: Vec<usize> = (0..case.theta.len()).collect();
-        let regressor = Regressor::new(&case.model, &columns);
-        let mut entries = vec![0.0; regressor.entries().len()];
-        let [q, dq, ddq] = &case.state;
-        let mut workspace = Workspace::new(&case.model);
-        regressor.evaluate(&case.model, State::new(q, dq), ddq, Sign::Exact, &mut workspace, &mut entries);
-        let mut expected = vec![0.0; q.len() * columns.len()];
-        for (entry, value) in regressor.entries().iter().zip(entries) {
-            expected[entry.joint * columns.len() + entry.column] += value;
-        }
-        let found = case.evaluate(ModelKind::Regressor, ParameterSet::Standard);
-        for (found, expected) in found.chunks(columns.len()).zip(expected.chunks(columns.len())) {
+        let (found, expected) = (case.evaluate(ModelKind::Regressor, ParameterSet::Standard), case.kernel_regressor());
+        let columns = case.theta.len();
+        for (found, expected) in found.chunks(columns).zip(expected.chunks(columns)) {
             ensure_close(found, expected, "columns");
         }
     }

@@ -67,6 +67,21 @@ impl Case {
         tau
     }
 
+    /// `phi` of the kernels, row by row.
+    pub(super) fn kernel_regressor(&self) -> Vec<f64> {
+        let columns: Vec<usize> = (0..self.theta.len()).collect();
+        let regressor = Regressor::new(&self.model, &columns);
+        let mut entries = vec![0.0; regressor.entries().len()];
+        let [q, dq, ddq] = &self.state;
+        let mut workspace = Workspace::new(&self.model);
+        regressor.evaluate(&self.model, State::new(q, dq), ddq, Sign::Exact, &mut workspace, &mut entries);
+        let mut phi = vec![0.0; q.len() * columns.len()];
+        for (entry, value) in regressor.entries().iter().zip(entries) {
+            phi[entry.joint * columns.len() + entry.column] += value;
+        }
+        phi
+    }
+
     pub(super) fn function(&self, model: ModelKind, parameters: ParameterSet) -> Function {
         Function::new(&self.robot, &Request::new(model, parameters)).unwrap()
     }
@@ -292,17 +307,7 @@ fn the_regressor_times_the_parameters_is_inverse_dynamics() {
 #[test]
 fn the_regressor_is_that_of_the_kernels() {
     of_each_robot(|case, name| {
-        let columns: Vec<usize> = (0..case.theta.len()).collect();
-        let regressor = Regressor::new(&case.model, &columns);
-        let mut entries = vec![0.0; regressor.entries().len()];
-        let [q, dq, ddq] = &case.state;
-        let mut workspace = Workspace::new(&case.model);
-        regressor.evaluate(&case.model, State::new(q, dq), ddq, Sign::Exact, &mut workspace, &mut entries);
-        let mut expected = vec![0.0; q.len() * columns.len()];
-        for (entry, value) in regressor.entries().iter().zip(entries) {
-            expected[entry.joint * columns.len() + entry.column] += value;
-        }
-        ensure_close(&case.evaluate(ModelKind::Regressor, ParameterSet::Standard), &expected, name);
+        ensure_close(&case.evaluate(ModelKind::Regressor, ParameterSet::Standard), &case.kernel_regressor(), name);
     });
 }
 
