@@ -34,8 +34,12 @@ const SAME_DEVIATIONS: f64 = 4.0;
 const SAME_PART: f64 = 0.35;
 /// Lag in samples below which it is noted only.
 const ONE_SAMPLE: f64 = 1.0;
-/// Lag in samples that torques have which hold until the next sample: half a sample, as well as it is measured.
-const HELD: std::ops::RangeInclusive<f64> = -0.85..=-0.2;
+/// Lag in samples of torques that hold until the next sample, and what of it is measured: on twins whose delay is known,
+/// friction without a column makes up to 0.2 samples, on the EMPS 0.3.
+const HELD: f64 = -0.5;
+const MEASURED_HELD: std::ops::RangeInclusive<f64> = -0.85..=-0.25;
+/// Samples by which the lag of a joint may differ: it is nearer to half a sample than to none.
+const JOINT_HELD_WITHIN: f64 = 0.25;
 /// Part of the information of a common lag that joints with another lag may hold.
 const DISAGREEING: f64 = 0.2;
 /// Deviation of a joint's friction, relative to that of the rest of its torque, from which a lag of the joint alone is one of
@@ -78,8 +82,15 @@ fn measured(record: &ThinnedRecord<'_>, shapes: &Matrix) -> Option<Vec<Delay>> {
     };
     let joints = 0..record.coordinates();
     let friction = record.friction_share(&parameters.theta());
-    if is_certain(&all, 0) && agree(&each, &friction, all.steps[0]) {
-        return Some(vec![Delay::new(&search, joints.collect(), &all)]);
+    let common = Delay::new(&search, joints.clone().collect(), &all);
+    let is_one = |j: usize| same(each.steps[j], each.deviation[j], all.steps[0]);
+    let is_half = |j: usize| {
+        let from_half = (each.steps[j] * common.samples_per_step - HELD).abs();
+        from_half < (SAME_DEVIATIONS * each.deviation[j] * common.samples_per_step).max(JOINT_HELD_WITHIN)
+    };
+    let may_hold = common.is_held(record.subject) && agree(&each, &friction, is_half);
+    if is_certain(&all, 0) && (may_hold || agree(&each, &friction, is_one)) {
+        return Some(vec![common]);
     }
     let certain = joints.filter(|&j| is_certain(&each, j) && stands_out(&each, &friction, j));
     let certain = certain.map(|j| Delay::new(&search, vec![j], &each));
@@ -88,13 +99,12 @@ fn measured(record: &ThinnedRecord<'_>, shapes: &Matrix) -> Option<Vec<Delay>> {
     Some(if is_one { late } else { Vec::new() })
 }
 
-/// Whether the joints that tell something of the lag have this one. What a joint tells is less by its friction, relative to
-/// the rest of its torque: friction of a law that no column has looks like a lag.
-fn agree(each: &Lags, friction: &[f64], steps: f64) -> bool {
+/// Whether the joints that tell something of the lag have the one that is asked for. What a joint tells is less by its
+/// friction, relative to the rest of its torque: friction of a law that no column has looks like a lag.
+fn agree(each: &Lags, friction: &[f64], has_it: impl Fn(usize) -> bool) -> bool {
     let information = |j: usize| 1.0 / (each.deviation[j].powi(2) * (1.0 + friction[j].powi(2))).max(f64::MIN_POSITIVE);
     let joints = 0..each.steps.len();
-    let others =
-        joints.clone().filter(|&j| !same(each.steps[j], each.deviation[j], steps)).map(information).sum::<f64>();
+    let others = joints.clone().filter(|&j| !has_it(j)).map(information).sum::<f64>();
     others <= DISAGREEING * joints.map(information).sum::<f64>()
 }
 
@@ -180,11 +190,12 @@ impl Delay {
     /// Raises it; whether the record is to be put right.
     fn raise(&self, exam: &mut Examination<'_>) -> bool {
         let matters = self.explained.strength() > 1.0 && self.samples().abs() >= ONE_SAMPLE;
+        let is_held = self.is_held(exam.subject);
         let coordinate = (!self.of_all).then_some(self.joints[0]);
         let evidence = evidence(coordinate, self.explained.strength());
         exam.note_measure(evidence);
-        if matters || self.explained.residual > NOTE_PERCENT {
-            let severity = if matters { Severity::Warning } else { Severity::Note };
+        if matters || is_held || self.explained.residual > NOTE_PERCENT {
+            let severity = if matters || is_held { Severity::Warning } else { Severity::Note };
             let evidence = Evidence { value: self.samples(), unit: "samples", limit: f64::NAN, ..evidence };
             let number = coordinate.map(|c| exam.subject.joint_number(c));
             let words = self.words(number, exam.subject);
@@ -195,7 +206,7 @@ impl Delay {
 
     /// Whether it is that of torques that hold until the next sample, and nothing says that they do.
     fn is_held(&self, subject: &Subject<'_>) -> bool {
-        self.of_all && subject.held_part_of_step == 0.0 && HELD.contains(&self.samples())
+        self.of_all && subject.held_part_of_step == 0.0 && MEASURED_HELD.contains(&self.samples())
     }
 
     fn words(&self, joint_number: Option<usize>, subject: &Subject<'_>) -> Words {

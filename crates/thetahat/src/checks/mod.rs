@@ -38,6 +38,7 @@ mod gravity;
 mod hypotheses;
 mod lag;
 mod lag_search;
+mod late_stamps;
 mod levels;
 mod motion;
 mod numbers;

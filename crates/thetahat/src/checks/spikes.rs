@@ -15,6 +15,10 @@ const VISIBLE: f64 = 0.01;
 const STEPS: f64 = 3.0;
 /// Samples around to each side whose steps are looked at.
 const AROUND: usize = 8;
+/// Part of the samples from which outliers of one size are the drive's own, and how far the sizes may differ: their upper and
+/// lower decile. A velocity loop answers each step of a coarse encoder with the same torque.
+const OFTEN: f64 = 0.01;
+const ONE_SIZE: f64 = 1.25;
 /// Samples of which the median is taken.
 const NEIGHBOURS: usize = 5;
 
@@ -33,19 +37,43 @@ fn spikes(exam: &mut Examination<'_>, code: Code, series: &Series, j: usize) {
     let x = series.channel(j);
     let found = outliers(&x);
     let (count, start) = (found.len(), exam.subject.signal.window.start);
+    let first = found.first().map_or(0, |outlier| outlier.sample + start);
     let evidence = Evidence { code, coordinate: Some(j), value: count as f64, unit: "samples", limit: 0.5 };
+    let off = format!("joint {number}: {count} samples of the {what} lie far off their neighbours");
+    if let Some(size) = steps_of_a_drive(&found, x.len()) {
+        exam.judge(evidence, Severity::Note, || {
+            Words::new(
+                format!("{off}, by {size:.3} each, the first is sample {first}"),
+                "nothing to do where the drive's velocity loop sees the single steps of its encoder: the drive gives these \
+                 torques, and decimation averages them",
+            )
+        });
+        return;
+    }
     exam.judge(evidence, Severity::Warning, || {
-        let first = found.first().map_or(0, |k| k + start);
         Words::new(
-            format!(
-                "joint {number}: {count} samples of the {what} lie far off their neighbours, the first is sample {first}"
-            ),
+            format!("{off}, the first is sample {first}"),
             "replace them by their neighbours' mean, or find the loose contact or transmission error",
         )
     });
 }
 
-fn outliers(x: &[f64]) -> Vec<usize> {
+/// A sample that is far off its neighbours.
+struct Outlier {
+    sample: usize,
+    /// Distance from the median of those around.
+    size: f64,
+}
+
+/// The size of outliers that are so many and so much alike that a drive makes them.
+fn steps_of_a_drive(found: &[Outlier], samples: usize) -> Option<f64> {
+    let sizes: Vec<f64> = found.iter().map(|outlier| outlier.size).collect();
+    let often = sizes.len() as f64 > OFTEN * samples as f64;
+    let alike = often && quantile(&sizes, 0.9) < ONE_SIZE * quantile(&sizes, 0.1);
+    alike.then(|| quantile(&sizes, 0.5))
+}
+
+fn outliers(x: &[f64]) -> Vec<Outlier> {
     let off: Vec<f64> =
         x.windows(NEIGHBOURS).map(|w| w[NEIGHBOURS / 2] - median([w[0], w[1], w[2], w[3], w[4]])).collect();
     let scale = NORMAL_PER_MEDIAN * quantile_abs(off.iter().copied().filter(|d| *d != 0.0), 0.5);
@@ -54,7 +82,8 @@ fn outliers(x: &[f64]) -> Vec<usize> {
     let limit = (OUTLYING * scale).max(VISIBLE * (high - low));
     let is_far = |k: usize| limit > 0.0 && off[k].abs() > limit;
     let stands_out = |k: &usize| off[*k].abs() > STEPS * largest_step_around(x, *k, &is_far);
-    (0..off.len()).filter(|k| is_far(*k)).filter(stands_out).map(|k| k + NEIGHBOURS / 2).collect()
+    let outlier = |k: usize| Outlier { sample: k + NEIGHBOURS / 2, size: off[k].abs() };
+    (0..off.len()).filter(|k| is_far(*k)).filter(stands_out).map(outlier).collect()
 }
 
 /// The largest step between neighbours of the samples around, without those that are far off themselves. `k` is the
@@ -75,6 +104,10 @@ fn median(mut window: [f64; NEIGHBOURS]) -> f64 {
 mod tests {
     use super::*;
 
+    fn samples(x: &[f64]) -> Vec<usize> {
+        outliers(x).iter().map(|outlier| outlier.sample).collect()
+    }
+
     fn noise(k: usize) -> f64 {
         ((78.233 * k as f64).sin() * 43_758.545_3).fract()
     }
@@ -83,13 +116,13 @@ mod tests {
     #[test]
     fn smooth_swings_and_stick_slip_have_no_outliers() {
         let swing: Vec<f64> = (0..2000).map(|k| 50.0 * (1.1 * k as f64).sin().powi(3)).collect();
-        assert_eq!(outliers(&swing), [0; 0]);
+        assert_eq!(samples(&swing), [0; 0]);
         let slow: Vec<f64> = (0..2000).map(|k| 10.0 * (0.002 * k as f64).sin() + 1e-3 * noise(k)).collect();
         let slip: Vec<f64> = (0..2000).map(|k| slow[k] + 0.2 * (k % 25) as f64).collect();
-        assert_eq!(outliers(&slip), [0; 0]);
+        assert_eq!(samples(&slip), [0; 0]);
         let reversal = |v: f64| v.signum() * (1.0 + 0.6 * (-(v / 0.05).powi(2)).exp());
         let friction: Vec<f64> = (0..2000).map(|k| reversal((0.05 * k as f64 + 0.3).sin()) + 1e-3 * noise(k)).collect();
-        assert_eq!(outliers(&friction), [0; 0]);
+        assert_eq!(samples(&friction), [0; 0]);
     }
 
     #[test]
@@ -98,6 +131,19 @@ mod tests {
         x[300] += 4.0;
         x[1000] -= 5.0;
         x[1001] -= 5.0;
-        assert_eq!(outliers(&x), [300, 1000, 1001]);
+        assert_eq!(samples(&x), [300, 1000, 1001]);
+        assert!(steps_of_a_drive(&outliers(&x), x.len()).is_none());
+    }
+
+    #[test]
+    fn many_of_one_size_are_of_the_drive_and_many_of_any_size_are_faults() {
+        let with = |size: fn(usize) -> f64| -> Vec<f64> {
+            let chatter = |k: usize| if k % 17 == 0 { size(k) } else { 0.0 };
+            (0..4000).map(|k| 10.0 * (0.002 * k as f64).sin() + 1e-3 * noise(k) + chatter(k)).collect()
+        };
+        let size = |x: &[f64]| steps_of_a_drive(&outliers(x), x.len());
+        let step = size(&with(|_| 3.0)).unwrap();
+        assert!((step - 3.0).abs() < 0.05, "{step}");
+        assert!(size(&with(|k| 5.0 * noise(k))).is_none());
     }
 }

@@ -3,6 +3,7 @@
 use super::{
     examination::{Evidence, Examination, Words},
     finding::{Code, Severity},
+    late_stamps::{Stamped, stamped},
     numbers::{quantile_abs, rms},
 };
 
@@ -13,6 +14,8 @@ const JITTER_LIMIT_PERCENT: f64 = 5.0;
 const GAP: f64 = 0.75;
 /// A step that is later by less is no gap.
 const HALF_A_STEP: f64 = 0.5;
+/// Part of the samples, percent, of which it does not matter that they are missing, where their rows are left out.
+const FEW_MISSING_PERCENT: f64 = 1.0;
 /// Deviation of a stated rate from that of the times, percent.
 const RATE_LIMIT_PERCENT: f64 = 1.0;
 /// Steps around a gap over which late stamps make up for one another.
@@ -29,9 +32,18 @@ pub(super) fn check(exam: &mut Examination<'_>) {
     let late: Vec<f64> = steps.iter().map(|s| s / median - 1.0).collect();
     let gaps = gaps(&late);
     let missing = 0.0 + gaps.iter().map(|&k| late[k].round().max(1.0)).sum::<f64>();
+    check_gaps(exam, time, &gaps, missing);
+    let regular: Vec<f64> = late.iter().enumerate().filter(|(k, _)| !gaps.contains(k)).map(|(_, l)| *l).collect();
+    check_jitter(exam, time, &regular, (median, gaps.is_empty()));
+}
+
+/// Gaps behind some samples, in which so many are missing.
+fn check_gaps(exam: &mut Examination<'_>, time: &[f64], gaps: &[usize], missing: f64) {
     let evidence =
         Evidence { code: Code::DroppedSamples, coordinate: None, value: missing, unit: "samples", limit: 0.5 };
-    exam.judge(evidence, Severity::Warning, || {
+    let is_much = 100.0 * missing > FEW_MISSING_PERCENT * time.len() as f64;
+    let severity = if is_much { Severity::Warning } else { Severity::Note };
+    exam.judge(evidence, severity, || {
         let first = gaps.first().map_or(0.0, |&k| time[k]);
         Words::new(
             format!(
@@ -39,22 +51,47 @@ pub(super) fn check(exam: &mut Examination<'_>) {
                  rows in and beside them are left out",
                 gaps.len()
             ),
-            "where much is left out, record again, with a logger that keeps up",
+            if is_much { "record again, with a logger that keeps up" } else { "nothing to do: little is left out" },
         )
     });
-    let regular: Vec<f64> = late.iter().enumerate().filter(|(k, _)| !gaps.contains(k)).map(|(_, l)| *l).collect();
-    let value = 100.0 * rms(&regular);
+}
+
+/// Deviations of the steps from the median one, as parts of it, in a record that may be whole.
+fn check_jitter(exam: &mut Examination<'_>, time: &[f64], regular: &[f64], (median, is_whole): (f64, bool)) {
+    let value = 100.0 * rms(regular);
     let evidence =
         Evidence { code: Code::ClockJitter, coordinate: None, value, unit: "% of a step", limit: JITTER_LIMIT_PERCENT };
-    exam.judge(evidence, Severity::Warning, || {
+    if value <= JITTER_LIMIT_PERCENT {
+        exam.note_measure(evidence);
+        return;
+    }
+    let whose = stamped(exam.subject, time);
+    let severity = if whose == Stamped::Sampling { Severity::Note } else { Severity::Warning };
+    let rate = exam.subject.sample_rate_hz;
+    exam.judge(evidence, severity, || {
         let largest = 100.0 * quantile_abs(regular.iter().copied(), 1.0);
+        let (seen, remedy) = match whose {
+            Stamped::Sampling => ("the positions show that the stamps are those of the samples", "nothing to do".to_owned()),
+            Stamped::Arrival => (
+                "the positions show that the samples were taken at equal steps and stamped at their arrival",
+                if is_whole {
+                    format!("state sample_rate_hz = {rate:.6} in place of time, or log by the controller's clock")
+                } else {
+                    "log by the controller's clock".to_owned()
+                },
+            ),
+            Stamped::Unknown => (
+                "the positions do not tell whether the stamps are those of the samples or of their arrival",
+                "nothing where they are those of the samples; where they are of the arrival, log by the controller's clock"
+                    .to_owned(),
+            ),
+        };
         Words::new(
             format!(
                 "the time between samples varies by {value:.1} % rms (at most {largest:.0} %) about {median:.6} s; the \
-                 record is brought to equal steps by its stamps"
+                 record is brought to equal steps by its stamps; {seen}"
             ),
-            "nothing where the stamps are those of the samples; where they are of the arrival, log by the controller's \
-             clock",
+            remedy,
         )
     });
 }

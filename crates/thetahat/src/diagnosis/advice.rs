@@ -36,17 +36,17 @@ fn distrusts(evidence: &Evidence<'_>, method: Method) -> bool {
     evidence.problems.refuse_all() || by_ls || by_instruments || by_simulator || !evidence.has_estimate(method)
 }
 
-/// IV wherever its instruments are strong, since it needs no exact simulator; then LS, then the methods that fit the simulated
-/// loop, those with exact sensitivities first and torques before positions. None of them where
-/// DIDIM and IV differ and it cannot be told which is wrong, or where the recordings have a problem that makes every number
-/// worthless.
+/// IV wherever its instruments are strong, since it needs no exact simulator, unless LS agrees and is much more precise; then
+/// LS, then the methods that fit the simulated loop, those with exact sensitivities first and torques before positions. None
+/// of them where DIDIM and IV differ and it cannot be told which is wrong, or where the recordings have a problem that makes
+/// every number worthless.
 fn take(evidence: &Evidence<'_>) -> Option<Method> {
     if evidence.verdict() == Some(Comparison::Undecided) || evidence.problems.refuse_all() {
         return None;
     }
-    [Method::IDIM_IV, Method::IDIM_LS, Method::CLIE, Method::DIDIM, Method::CLOE]
-        .into_iter()
-        .find(|m| evidence.ran(*m).is_some() && !distrusts(evidence, *m))
+    let first = evidence.wasteful_iv().map(|_| Method::IDIM_LS);
+    let in_order = [Method::IDIM_IV, Method::IDIM_LS, Method::CLIE, Method::DIDIM, Method::CLOE];
+    first.into_iter().chain(in_order).find(|m| evidence.ran(*m).is_some() && !distrusts(evidence, *m))
 }
 
 #[cfg(test)]
@@ -127,8 +127,11 @@ pub(super) mod tests {
                     instruments: converged(Method::IDIM_IV).then(|| instruments(f)),
                     biased_simulator: converged(Method::DIDIM).then(|| simulator(verdict)),
                 };
-                let evidence = Evidence { diagnosis: &diagnosis, runs: runs.clone(), problems: Problems::default() };
-                each(&evidence, &advice(&evidence));
+                for iv_to_ls in [Some(1.1), Some(5.0)] {
+                    let (runs, problems) = (runs.clone(), Problems::default());
+                    let evidence = Evidence { diagnosis: &diagnosis, runs, iv_to_ls, problems };
+                    each(&evidence, &advice(&evidence));
+                }
             }
         }
     }
@@ -151,7 +154,8 @@ pub(super) mod tests {
     fn nothing_is_taken_of_recordings_that_are_worthless() {
         all(&mut |evidence, _| {
             let problems = Problems::all_of("wrong-robot in recording 1");
-            let refused = advice(&Evidence { diagnosis: evidence.diagnosis, runs: evidence.runs.clone(), problems });
+            let (runs, iv_to_ls) = (evidence.runs.clone(), evidence.iv_to_ls);
+            let refused = advice(&Evidence { diagnosis: evidence.diagnosis, runs, iv_to_ls, problems });
             assert!(refused.take.is_none() && refused.distrust.len() == evidence.runs.len(), "{refused:?}");
             assert_eq!(
                 refused.text,
@@ -159,6 +163,29 @@ pub(super) mod tests {
                  recording 1). Solve it first."
             );
         });
+    }
+
+    #[test]
+    fn ls_is_taken_where_iv_agrees_and_is_five_times_as_uncertain() {
+        let diagnosis = CaseDiagnosis {
+            case: "nominal".to_owned(),
+            approximation: None,
+            endogeneity: Some(EndogeneityResult {
+                average_difference: 0.3,
+                ..endogeneity(Comparison::SmallDifference)
+            }),
+            instruments: Some(instruments(300.0)),
+            biased_simulator: None,
+        };
+        let ran = |method| Ran { method, status: Status::Converged, fit: Some(5.0), unseen: Some(7.0), widening: None };
+        let runs = vec![ran(Method::IDIM_LS), ran(Method::IDIM_IV)];
+        let of = |iv_to_ls| {
+            advice(&Evidence { diagnosis: &diagnosis, runs: runs.clone(), iv_to_ls, problems: Problems::default() })
+        };
+        assert_eq!(of(Some(1.2)).take, Some(Method::IDIM_IV));
+        let wasteful = of(Some(5.0));
+        assert_eq!((wasteful.take, wasteful.distrust), (Some(Method::IDIM_LS), Vec::new()));
+        assert!(wasteful.text.contains("5 times as uncertain"), "{}", wasteful.text);
     }
 
     #[test]

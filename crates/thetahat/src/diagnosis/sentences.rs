@@ -57,10 +57,11 @@ fn take_iv(evidence: &Evidence<'_>) -> String {
 }
 
 fn take_ls(evidence: &Evidence<'_>) -> String {
-    let why = match (evidence.weak(), evidence.ran(Method::IDIM_IV)) {
-        (Some(weak), _) => weak_text(weak),
-        (None, Some(_)) => "idim-iv has no converged estimate to test it.".to_owned(),
-        (None, None) => "Nothing tests it: idim-iv was not run; add it to methods.".to_owned(),
+    let why = match (evidence.weak(), evidence.wasteful_iv(), evidence.ran(Method::IDIM_IV)) {
+        (Some(weak), _, _) => weak_text(weak),
+        (None, Some((ratio, close)), _) => wasteful_text(ratio, close),
+        (None, None, Some(_)) => "idim-iv has no converged estimate to test it.".to_owned(),
+        (None, None, None) => "Nothing tests it: idim-iv was not run; add it to methods.".to_owned(),
     };
     let numbers = evidence.ran(Method::IDIM_LS).map(ls_numbers).unwrap_or_default();
     format!("Take idim-ls{numbers}. {why}")
@@ -96,6 +97,16 @@ fn ls_numbers(run: &Ran) -> String {
         run.widening.map(|w| format!("its deviations with correlated errors are {} times the classical", short(w)));
     let all: Vec<String> = unseen.into_iter().chain(wider).collect();
     if all.is_empty() { String::new() } else { format!(": {}", all.join("; ")) }
+}
+
+fn wasteful_text(ratio: f64, close: &EndogeneityResult) -> String {
+    format!(
+        "idim-iv is {} times as uncertain, since its simulated motion resembles the measured one too little, and differs from \
+         idim-ls by {} of its own deviations on average: an error of idim-ls of {} of the deviations of idim-ls would not show.",
+        short(ratio),
+        short(close.average_difference),
+        short(ratio * close.average_difference),
+    )
 }
 
 fn weak_text(weak: &InstrumentResult) -> String {

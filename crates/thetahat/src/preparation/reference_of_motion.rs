@@ -22,7 +22,7 @@ use crate::{
 const BAD_FIT: f64 = 0.05;
 /// The same up to which nothing else than moves is looked for.
 const GOOD_FIT: f64 = 0.01;
-/// Part of a period in which a periodic motion and its transients are joined.
+/// Part of a period in which a periodic motion and its transients are joined, at each end of the stretch.
 const JOINED: f64 = 0.25;
 
 impl Setup<'_> {
@@ -85,13 +85,14 @@ fn of_periodic(periodic: Periodic, smoothed: Smoothed, rate: f64) -> RecordedRef
     }
 }
 
-/// Smoothed motion less series outside the stretch, where it grows from zero with continuous accelerations.
+/// Smoothed motion less series outside the stretch. It grows from zero with continuous accelerations inside, where both
+/// describe the motion: outside, a motion may leave the series at once.
 fn transient(series: &FourierSeries, smoothed: &Series, [from_s, to_s]: [f64; 2], rate: f64) -> Series {
     let mut transient = series.sample(rate, smoothed.len()).q;
     let length_s = JOINED / series.base_frequency_hz();
     for k in 0..smoothed.len() {
         let t = k as f64 / rate;
-        let s = ((from_s - t).max(t - to_s).max(0.0) / length_s).min(1.0);
+        let s = (1.0 - (t - from_s).min(to_s - t) / length_s).clamp(0.0, 1.0);
         let part = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
         let motion = smoothed.sample(k);
         transient.sample_mut(k).iter_mut().zip(motion).for_each(|(r, m)| *r = part * (m - *r));

@@ -170,8 +170,9 @@ impl Proposal {
         let head = if self.recordings.len() == 1 { "[recording]" } else { "[[recording]]" };
         self.recordings.iter().for_each(|recording| text += &format!("\n{head}\n{}", recording.text()));
         text += &self.signal.text();
-        text += "\n# IDIM-IV and DIDIM simulate the closed loop: with the controller's law in [controller] \
-                 (docs/experiments.md) add\n# \"idim-iv\" and \"didim\".\n[estimation]\nmethods = [\"idim-ls\"]\n";
+        text += "\n# IDIM-IV tests IDIM-LS; without [controller] it simulates a guess of the closed loop, which is enough for it. \
+                 With\n# the controller's law in [controller] (docs/experiments.md) \"didim\" can be added.\n\
+                 [estimation]\nmethods = [\"idim-ls\", \"idim-iv\"]\n";
         text
     }
 
