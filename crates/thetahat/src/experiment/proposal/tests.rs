@@ -469,6 +469,18 @@ fn a_gain_is_asked_for_where_a_unit_is_no_torque() {
     assert!(positions.contains("unit = \"rad\", gain = [] }") && positions.contains("rad (m of"), "{positions}");
 }
 
+/// Files of torques are called currents too: their name alone asks for no gain, and says how to give one.
+#[test]
+fn the_name_of_a_file_alone_makes_no_current() {
+    let files = [("pos_data.csv", "Joint_1,Joint_2"), ("curr_data.csv", "Joint_1,Joint_2")];
+    let at_a_rate = ProposalRequest { sample_rate_hz: Some(1000.0), ..request() };
+    let proposal = proposed_from(&files, at_a_rate, ARM).unwrap();
+    assert!(proposal.to_fill_in().is_empty());
+    let guess =
+        "a guess: only the name of the file says a current; where they are in A, write unit = \"A\" and gain = [...]";
+    assert!(proposal.text().contains(guess) && proposal.text().contains("unit = \"N m\""), "{}", proposal.text());
+}
+
 /// Behind the gears the robot's drive gains turn currents into torques, and need no gain beside them.
 #[test]
 fn drive_gains_of_the_robot_are_the_gains_of_currents() {

@@ -3,7 +3,7 @@
 use super::{
     super::column_names::{self, Signal},
     source::{Chosen, Source},
-    written::{Written, dimensions, written},
+    written::{Written, dimensions, of_a_drive, spelt_out, written},
 };
 use crate::{
     recording::{Dimension, Unit},
@@ -113,11 +113,20 @@ fn counted(signal: Signal) -> Option<Unit> {
 
 /// The unit in the name of the file, where the columns say nothing.
 fn of_file(source: &Source<'_>, signal: Signal, columns: &[Chosen<'_>]) -> Option<Unit> {
-    let all_silent = columns.iter().all(|column| column_names::is_silent(&column.name));
-    match written(&source.stem(), signal).filter(|_| all_silent) {
+    match spelt_out(&source.stem(), signal).filter(|_| are_silent(columns)) {
         Some(Written::Unit(unit)) => Some(unit),
         Some(Written::Counts(_) | Written::Unknown(_)) | None => None,
     }
+}
+
+/// The unit of a drive that the name of the file hints at, where the columns say nothing: files of torques in N m are called
+/// currents too.
+pub(super) fn hint_of_file(source: &Source<'_>, columns: &[Chosen<'_>]) -> Option<Unit> {
+    of_a_drive(&source.stem(), Signal::Torque).filter(|_| are_silent(columns))
+}
+
+fn are_silent(columns: &[Chosen<'_>]) -> bool {
+    columns.iter().all(|column| column_names::is_silent(&column.name))
 }
 
 fn no_unit(column: &Chosen<'_>, text: &str, signal: Signal) -> Misfit {

@@ -4,7 +4,7 @@ use super::{
     gains::{gain_of_position, gain_of_torque},
     request::ProposalRequest,
     source::{Chosen, Source},
-    unit_names::{Misfit, NamedUnits, fits, matching, named_units, require_units_of_joints},
+    unit_names::{Misfit, NamedUnits, fits, hint_of_file, matching, named_units, require_units_of_joints},
 };
 use crate::{
     linear_algebra::Matrix,
@@ -73,13 +73,12 @@ impl Units<'_, '_> {
         };
         let named = self.named(Signal::Torque, columns);
         let (units, why, counts) = match (self.request.torque_unit, named) {
-            (Some(unit), named) => (self.stated(unit, named), "as stated", None),
+            (Some(unit), named) => (self.stated(unit, named), "as stated".to_owned(), None),
             (None, Err(misfit)) => return Err(self.refused("torque", misfit)),
-            (None, Ok(Some(NamedUnits { units, why, counts }))) => (units, why, counts),
-            (None, Ok(None)) if self.source.is_bag() => (self.each(Unit::NewtonMetre), "as JointState has it", None),
-            (None, Ok(None)) => (self.each(Unit::NewtonMetre), "a guess: nothing says it", None),
+            (None, Ok(Some(NamedUnits { units, why, counts }))) => (units, why.to_owned(), counts),
+            (None, Ok(None)) => (self.each(Unit::NewtonMetre), self.why_torque(columns), None),
         };
-        let measured = Measured::new(units, side, why);
+        let measured = Measured::new(units, side, &why);
         if self.request.torque_unit.is_none() {
             self.require_joints(&measured, columns).map_err(|misfit| self.refused("torque", misfit))?;
         }
@@ -104,6 +103,19 @@ impl Units<'_, '_> {
             None => Measured::new(as_positions().collect(), position.side, self.why_as_positions(columns)),
         };
         self.require_joints(&measured, columns).map(|()| measured)
+    }
+
+    /// Why torques are taken for torques that no name of a column says to be any.
+    fn why_torque(&self, columns: &[Chosen<'_>]) -> String {
+        match hint_of_file(&self.source, columns) {
+            Some(unit) => format!(
+                "a guess: only the name of the file says {}; where they are in {unit}, write unit = \"{unit}\" and gain = [...], \
+                 the torque per {unit} of each column",
+                if unit == Unit::Volt { "a voltage" } else { "a current" }
+            ),
+            None if self.source.is_bag() => "as JointState has it".to_owned(),
+            None => "a guess: nothing says it".to_owned(),
+        }
     }
 
     fn why_as_positions(&self, columns: &[Chosen<'_>]) -> &'static str {

@@ -18,6 +18,11 @@ pub(super) enum Written {
 /// The unit that a name has in brackets, or ends with, or that a word of it stands for; words that measure something else
 /// than the signal are no units.
 pub(super) fn written(name: &str, signal: Signal) -> Option<Written> {
+    spelt_out(name, signal).or_else(|| of_a_drive(name, signal).map(Written::Unit))
+}
+
+/// The unit that a name has in brackets, or ends with.
+pub(super) fn spelt_out(name: &str, signal: Signal) -> Option<Written> {
     if let Some(text) = unit_words::in_brackets(name) {
         return Some(match unit_words::unit(text) {
             Some(unit) => Written::Unit(unit),
@@ -30,10 +35,17 @@ pub(super) fn written(name: &str, signal: Signal) -> Option<Written> {
     }
     let words = column_names::words(name);
     let count = words.iter().skip(1).find(|word| unit_words::is_count(word));
-    match (in_words(name, signal), count) {
-        (Some(unit), _) => Some(Written::Unit(unit)),
-        (None, Some(word)) => Some(Written::Counts(word.clone())),
-        (None, None) => of_a_drive(&words, signal).map(Written::Unit),
+    in_words(name, signal).map(Written::Unit).or_else(|| count.cloned().map(Written::Counts))
+}
+
+/// A current is in A and a voltage in V where nothing else is said.
+pub(super) fn of_a_drive(name: &str, signal: Signal) -> Option<Unit> {
+    let words = column_names::words(name);
+    let has = |of: fn(&str) -> bool| signal == Signal::Torque && words.iter().any(|word| of(word));
+    match (has(|word| word.starts_with("curr")), has(|word| word == "voltage")) {
+        (true, _) => Some(Unit::Ampere),
+        (false, true) => Some(Unit::Volt),
+        (false, false) => None,
     }
 }
 
@@ -58,16 +70,6 @@ fn in_words(name: &str, signal: Signal) -> Option<Unit> {
         units.rfind(|unit| dimensions(signal).contains(&unit.dimension()))
     };
     last(&whole).or_else(|| last(&column_names::words(name)))
-}
-
-/// A current is in A and a voltage in V where nothing else is said.
-fn of_a_drive(words: &[String], signal: Signal) -> Option<Unit> {
-    let has = |of: fn(&str) -> bool| signal == Signal::Torque && words.iter().any(|word| of(word));
-    match (has(|word| word.starts_with("curr")), has(|word| word == "voltage")) {
-        (true, _) => Some(Unit::Ampere),
-        (false, true) => Some(Unit::Volt),
-        (false, false) => None,
-    }
 }
 
 #[cfg(test)]
