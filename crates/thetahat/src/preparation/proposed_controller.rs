@@ -23,16 +23,20 @@ const EXPLAINED: f64 = 0.5;
 pub(crate) struct ProposedController {
     pub(crate) description: ControllerDescription,
     /// What is told of it.
-    pub(crate) note: String,
+    pub(crate) what: String,
 }
 
 impl Settings {
     /// Whether IV is asked for without a controller to simulate.
     pub(crate) fn lacks_controller(&self) -> bool {
         let asked = |case: &Case| case.methods.clone().unwrap_or_else(|| self.estimation.methods.clone());
-        let is_iv = |m: &Method| m.needs() == Needs::Instruments && m.design() == Design::Measured;
         self.controller.is_none() && self.all_cases().iter().any(|case| asked(case).iter().any(is_iv))
     }
+}
+
+/// Whether a method needs no more of a simulated loop than that it follows the motion.
+pub(crate) fn is_iv(method: &Method) -> bool {
+    method.needs() == Needs::Instruments && method.design() == Design::Measured
 }
 
 /// A PD loop around each motor: one that lags as the recorded motion lags behind its recorded reference, else one of 10 Hz with
@@ -47,17 +51,15 @@ pub(crate) fn propose_controller(recordings: &[&FilteredRecording]) -> ProposedC
                     acceleration_feed_forward: 0.0,
                     ..followed
                 },
-                note: format!(
-                    "no [controller] is described; simulated is a guess, a PD loop of {hz:.1} Hz for each motor without \
-                     feed-forward, from how the motion lags behind its reference"
+                what: format!(
+                    "simulated is a guess, a PD loop of {hz:.1} Hz for each motor without feed-forward, from how the motion \
+                     lags behind its reference"
                 ),
             }
         }
         None => ProposedController {
             description: ControllerDescription::pd(USUAL_HZ),
-            note: format!(
-                "no [controller] is described; simulated is a guess, a PD loop of {USUAL_HZ} Hz for each motor"
-            ),
+            what: format!("simulated is a guess, a PD loop of {USUAL_HZ} Hz for each motor"),
         },
     }
 }
@@ -130,7 +132,7 @@ mod tests {
         assert_eq!(proposed.description.velocity_feed_forward, 0.0);
         for none in [propose_controller(&[&lagging(100.0)]), propose_controller(&[])] {
             assert_eq!(none.description, ControllerDescription::pd(USUAL_HZ));
-            assert!(none.note.contains("guess"));
+            assert!(none.what.contains("guess"));
         }
     }
 }

@@ -13,8 +13,8 @@ use super::{
 use crate::{
     diagnosis::{Estimated, advise, diagnose, judge},
     identification::{Method, Status},
-    preparation::{Case, PreparationError, Problem},
-    results::{CaseDiagnosis, JointResult, Plots, RecordingFindings, Results, RunResult, SCHEMA},
+    preparation::{Case, PreparationError, Problem, is_iv, propose_controller},
+    results::{CaseDiagnosis, JointResult, NOMINAL, Plots, RecordingFindings, Results, RunResult, SCHEMA},
     scheduling::{EstimationJob, RunOptions, instruments_side_by_side, run_all},
     simulation::SimulatorBias,
 };
@@ -90,9 +90,43 @@ impl Identification {
             assessed[k] = Some((run, estimated));
             Ok::<(), PreparationError>(())
         })?;
+        for (&(c, method), run) in all.iter().zip(assessed.iter_mut().flatten()) {
+            let (case, problem) = (&cases[c], self.problem_of(problems, &cases[c]));
+            if let Some(better) = self.again_in_a_guessed_loop((problem, case), method, &run.0)? {
+                *run = better;
+            }
+        }
         let mut by_case: Vec<Vec<_>> = cases.iter().map(|_| Vec::new()).collect();
         all.iter().zip(assessed).for_each(|((c, _), run)| by_case[*c].extend(run));
         Ok(by_case)
+    }
+
+    /// IV of the nominal case once more, where it did not converge in the loop that is described: a guess of a loop is enough for
+    /// it. None where that does not converge either.
+    fn again_in_a_guessed_loop(
+        &self,
+        (problem, case): (&CaseProblem, &Case),
+        method: Method,
+        failed: &RunResult,
+    ) -> Result<Option<(RunResult, Estimated)>, PreparationError> {
+        let is_described = self.setup().settings.controller.is_some() && case.name == NOMINAL;
+        if failed.status == Status::Converged || !is_iv(&method) || !is_described {
+            return Ok(None);
+        }
+        let guess = propose_controller(&filtered(&self.main));
+        let jobs = [self.job_in_loop_of(&guess.description, (problem, case), method)];
+        let iteration = self.setup().settings.estimation.iteration();
+        let options = RunOptions { iteration, motion_step: Some(1), threads: self.threads };
+        let mut again = None;
+        run_all(&jobs, options, &mut |_| {}, &mut |_, finished| {
+            again = Some(Assessment { identification: self, case, job: &jobs[0] }.assess(finished)?);
+            Ok::<(), PreparationError>(())
+        })?;
+        Ok(again.filter(|(run, _)| run.status == Status::Converged).map(|(mut run, estimated)| {
+            let why = failed.reason.as_deref().unwrap_or("no reason is known");
+            run.notes.insert(0, format!("in the loop of [controller] it did not converge ({why}); {}", guess.what));
+            (run, estimated)
+        }))
     }
 
     /// Compares the methods of a case; what needs a simulator with another bias makes one.

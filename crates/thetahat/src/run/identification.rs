@@ -210,7 +210,8 @@ impl Identification {
         };
         let mut filtered: Vec<String> = self.main.iter().filter_map(smoothed).collect();
         filtered.dedup();
-        self.proposed.as_ref().map(|p| p.note.clone()).into_iter().chain(filtered).collect()
+        let of_proposed = |p: &ProposedController| format!("no [controller] is described; {}", p.what);
+        self.proposed.as_ref().map(of_proposed).into_iter().chain(filtered).collect()
     }
 
     /// One problem for each friction model, the nominal one first.
@@ -241,6 +242,26 @@ impl Identification {
     /// A method of a case.
     pub(crate) fn job<'s>(&'s self, problem: &'s CaseProblem, case: &Case, method: Method) -> EstimationJob<'s> {
         let simulator = self.simulator(&self.main, &problem.problem, case);
+        self.job_with(problem, method, simulator)
+    }
+
+    /// A method of a case in the loop of a controller that takes the place of the one described.
+    pub(super) fn job_in_loop_of<'s>(
+        &'s self,
+        controller: &'s ControllerDescription,
+        (problem, case): (&'s CaseProblem, &Case),
+        method: Method,
+    ) -> EstimationJob<'s> {
+        let simulator = self.simulator_of(controller, &self.main, &problem.problem, case);
+        self.job_with(problem, method, simulator)
+    }
+
+    fn job_with<'s>(
+        &'s self,
+        problem: &'s CaseProblem,
+        method: Method,
+        simulator: Option<Simulator<'s>>,
+    ) -> EstimationJob<'s> {
         let of_recordings: Vec<f64> = self.main.iter().map(|p| p.filtered.recording.weight).collect();
         let weights = problem.weights(&self.settings, method, &of_recordings);
         EstimationJob::new(&problem.problem, method, weights, simulator)
@@ -252,7 +273,16 @@ impl Identification {
         problem: &'s Problem,
         case: &Case,
     ) -> Option<Simulator<'s>> {
-        let controller = self.controller()?;
+        self.simulator_of(self.controller()?, prepared, problem, case)
+    }
+
+    fn simulator_of<'s>(
+        &'s self,
+        controller: &'s ControllerDescription,
+        prepared: &'s [Prepared],
+        problem: &'s Problem,
+        case: &Case,
+    ) -> Option<Simulator<'s>> {
         let recordings =
             prepared.iter().map(|p| Some((&p.filtered, p.reference.as_ref()?))).collect::<Option<Vec<_>>>()?;
         Some(Simulator::new(self.setup(), problem, &recordings, controller, case))

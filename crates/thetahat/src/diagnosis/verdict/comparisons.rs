@@ -18,13 +18,16 @@ pub(super) fn reasons(results: &Results) -> Vec<VerdictReason> {
 
 fn not_converged(run: &RunResult, taken: Option<Method>) -> VerdictReason {
     let why = run.reason.clone().unwrap_or_else(|| "no reason is known".to_owned());
-    let then = match taken {
-        Some(method) => format!(
-            "the numbers of {method}, which the advice takes, hold: look at what is said of {}, or leave it \
-             out of methods",
-            run.method
+    let (verdict, then) = match taken {
+        Some(method) => (
+            Verdict::Care,
+            format!(
+                "the numbers of {method}, which the advice takes, hold: look at what is said of {}, or leave it \
+                 out of methods",
+                run.method
+            ),
         ),
-        None => "take none of its numbers".to_owned(),
+        None => (Verdict::DoNotUse, "take none of its numbers".to_owned()),
     };
     let concerned = Concerned { method: Some(run.method), ..Concerned::default() };
     let numbers = [
@@ -32,7 +35,7 @@ fn not_converged(run: &RunResult, taken: Option<Method>) -> VerdictReason {
         ("parameter_change_deviations", run.convergence.last().and_then(|i| i.parameter_change)),
     ];
     let said = Said::new(format!("{} did not converge ({why})", run.method), then);
-    reason(ReasonCode::NotConverged, Verdict::DoNotUse, &numbers, concerned, said)
+    reason(ReasonCode::NotConverged, verdict, &numbers, concerned, said)
 }
 
 /// No method to take, where it is not a problem of the recordings that says so.

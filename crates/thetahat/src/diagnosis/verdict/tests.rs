@@ -173,10 +173,12 @@ fn a_nominal_run_that_did_not_converge_names_the_numbers_that_hold() {
     let mut results = good();
     results.runs[0].status = Status::Stalled;
     results.runs.push(RunResult::new("gear_ratio_0.9", Method::DIDIM, Status::Diverged));
-    assert_eq!(judge(&mut results), Verdict::DoNotUse);
+    assert_eq!(judge(&mut results), Verdict::Care);
     let [reason] = &results.verdict_reasons[..] else { panic!("{:?}", results.verdict_reasons) };
     assert_eq!(reason.concerned.method, Some(Method::IDIM_LS));
     assert!(reason.text.contains("the numbers of idim-iv, which the advice takes, hold"), "{}", reason.text);
+    results.advice[0] = advice(None);
+    assert_eq!(judge(&mut results), Verdict::DoNotUse);
 }
 
 #[test]
