@@ -48,8 +48,8 @@ fn judge(exam: &mut Examination<'_>, j: usize, code: Code, drift: Drift) {
             GAIN_LIMIT_PERCENT,
             SURE_OF_GAIN,
             "scale of the torque",
-            "check the drive's gain over temperature; cut the record into shorter ones ([signal] window_start_s, \
-             window_end_s) and compare their estimates",
+            "check the drive's gain over temperature, and whether a payload was taken up or put down; cut the record into \
+             shorter ones ([signal] window_start_s, window_end_s) and compare their estimates",
         )
     } else {
         (

@@ -8,6 +8,9 @@ use crate::{
 
 /// F statistic below which instruments are weak (D. Staiger, J. H. Stock, 1997).
 pub(super) const WEAK: f64 = 10.0;
+/// Root mean square of the differences of estimates, in their standard deviations, from which two methods contradict each other:
+/// on the TX40 CLIE and DIDIM differ from IV by 0.3.
+const CONTRADICTING: f64 = 3.0;
 /// Times that the deviations of IV are those of LS from which its instruments say too little: together with a difference below
 /// half a deviation of IV, the mean square error of LS is at most half of that of IV.
 const WASTEFUL: f64 = 2.0;
@@ -42,7 +45,37 @@ pub(super) struct Evidence<'a> {
     pub(super) runs: Vec<Ran>,
     /// Median over the parameters of the deviation of IV over that of LS.
     pub(super) iv_to_ls: Option<f64>,
+    /// How far methods that fit the simulated loop are from those that use the measured motion.
+    pub(super) distances: Vec<Distance>,
     pub(super) problems: Problems,
+}
+
+/// The difference of two estimates.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Distance {
+    /// The method that fits the simulated loop, and the one that uses the measured motion.
+    pub(super) methods: [Method; 2],
+    /// Root mean square over the parameters, in standard deviations of the difference.
+    pub(super) rms: f64,
+    /// The parameter that differs most.
+    pub(super) most: String,
+}
+
+impl Distance {
+    /// None where a method has no estimate with deviations.
+    fn of(methods: [Method; 2], runs: &[&RunResult]) -> Option<Self> {
+        let [of_loop, measured] = methods.map(|method| converged(runs, method));
+        let (of_loop, measured) = (of_loop?, measured?);
+        let difference = |p: &ParameterResult| {
+            let other = measured.parameter(&p.name)?;
+            let deviation = deviation(p)?.hypot(deviation(other)?);
+            Some(((p.estimate - other.estimate).abs() / deviation, p.name.clone())).filter(|(d, _)| d.is_finite())
+        };
+        let all: Vec<(f64, String)> = of_loop.parameters.iter().filter_map(difference).collect();
+        let rms = (all.iter().map(|(d, _)| d * d).sum::<f64>() / all.len().max(1) as f64).sqrt();
+        let most = all.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?.1;
+        Some(Self { methods, rms, most })
+    }
 }
 
 impl<'a> Evidence<'a> {
@@ -50,8 +83,10 @@ impl<'a> Evidence<'a> {
     pub(super) fn of(diagnosis: &'a CaseDiagnosis, runs: &[RunResult], findings: &[RecordingFindings]) -> Self {
         let own: Vec<&RunResult> = runs.iter().filter(|r| r.case == diagnosis.case).collect();
         let problems = Problems::of(findings, &own);
-        let iv_to_ls = deviations_to_ls(&own);
-        Self { diagnosis, runs: own.iter().map(|r| Ran::of(r)).collect(), iv_to_ls, problems }
+        let pairs = [Method::CLIE, Method::CLOE].map(|m| [[m, Method::IDIM_IV], [m, Method::IDIM_LS]]);
+        let distances = pairs.as_flattened().iter().filter_map(|pair| Distance::of(*pair, &own)).collect();
+        let runs = own.iter().map(|r| Ran::of(r)).collect();
+        Self { diagnosis, runs, iv_to_ls: deviations_to_ls(&own), distances, problems }
     }
 
     pub(super) fn ran(&self, method: Method) -> Option<&Ran> {
@@ -73,6 +108,13 @@ impl<'a> Evidence<'a> {
         Some((ratio, close))
     }
 
+    /// How far a method is from IV, or where that has no strong estimate from LS, where it contradicts it.
+    pub(super) fn contradiction(&self, method: Method) -> Option<&Distance> {
+        let by = |measured: Method| self.distances.iter().find(|d| d.methods == [method, measured]);
+        let iv = by(Method::IDIM_IV).filter(|_| self.weak().is_none());
+        iv.or_else(|| by(Method::IDIM_LS)).filter(|d| d.rms > CONTRADICTING)
+    }
+
     pub(super) fn verdict(&self) -> Option<Comparison> {
         self.diagnosis.biased_simulator.as_ref().map(|b| b.verdict)
     }
@@ -82,17 +124,20 @@ impl<'a> Evidence<'a> {
     }
 }
 
-/// Median over the parameters of the standard deviation of IV over that of LS; of correlated errors, where both have it.
+fn converged<'r>(runs: &[&'r RunResult], method: Method) -> Option<&'r RunResult> {
+    runs.iter().find(|r| r.method == method && r.status == Status::Converged).copied()
+}
+
+/// The standard deviation with correlated errors, or else the classical one.
+fn deviation(parameter: &ParameterResult) -> Option<f64> {
+    parameter.standard_deviation_robust.or(parameter.standard_deviation)
+}
+
+/// Median over the parameters of the standard deviation of IV over that of LS.
 fn deviations_to_ls(runs: &[&RunResult]) -> Option<f64> {
-    let of = |method: Method| runs.iter().find(|r| r.method == method && r.status == Status::Converged);
-    let (ls, iv) = (of(Method::IDIM_LS)?, of(Method::IDIM_IV)?);
-    let ratio = |of_iv: &ParameterResult| {
-        let of_ls = ls.parameter(&of_iv.name)?;
-        let correlated = of_iv.standard_deviation_robust.zip(of_ls.standard_deviation_robust);
-        let (iv, ls) = correlated.or(of_iv.standard_deviation.zip(of_ls.standard_deviation))?;
-        Some(iv / ls).filter(|r| r.is_finite())
-    };
-    let mut ratios: Vec<f64> = iv.parameters.iter().filter_map(ratio).collect();
+    let (ls, iv) = (converged(runs, Method::IDIM_LS)?, converged(runs, Method::IDIM_IV)?);
+    let ratio = |p: &ParameterResult| Some(deviation(p)? / deviation(ls.parameter(&p.name)?)?);
+    let mut ratios: Vec<f64> = iv.parameters.iter().filter_map(ratio).filter(|r| r.is_finite()).collect();
     ratios.sort_by(f64::total_cmp);
     ratios.get(ratios.len() / 2).copied()
 }

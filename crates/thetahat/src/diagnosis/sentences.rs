@@ -1,6 +1,6 @@
 //! The advice in words.
 
-use super::evidence::{Evidence, Ran, WEAK};
+use super::evidence::{Distance, Evidence, Ran, WEAK};
 use crate::{
     identification::{Method, Status},
     results::{BiasExplanation, BiasedSimulatorResult, Comparison, EndogeneityResult, InstrumentResult},
@@ -76,6 +76,20 @@ pub(super) fn on_simulator(evidence: &Evidence<'_>) -> String {
         (Some(test), Some(_)) if evidence.weak().is_some() && !test.verdict.distrusts() => String::new(),
         (Some(test), Some(_)) => simulator_text(test) + &same_simulator(evidence, test),
     }
+}
+
+/// The sentences on methods whose estimates contradict those of the measured motion.
+pub(super) fn on_contradictions(evidence: &Evidence<'_>) -> String {
+    let contradictions = [Method::CLIE, Method::CLOE].into_iter().filter_map(|m| evidence.contradiction(m));
+    let sentence = |distance: &Distance| {
+        let [method, measured] = distance.methods;
+        format!(
+            "Distrust {method}: it differs from {measured} by {} standard deviations (rms), most in {}.",
+            short(distance.rms),
+            distance.most
+        )
+    };
+    contradictions.map(sentence).collect::<Vec<_>>().join(" ")
 }
 
 /// What an alarm about the simulator means for the other methods that fit it; empty where none was run.
