@@ -12,6 +12,8 @@ use super::{
 const LIMIT_PERCENT: f64 = 6.0;
 /// Part of the squared error that a further doubling must leave at most.
 const SMALLER: f64 = 0.8;
+/// How many times as large the squared error must be with the experiment's cut-off: less is chance of the stretches.
+const WORTH_IT: f64 = 1.2;
 /// Highest cut-off, part of the sample rate.
 const HIGHEST: f64 = 0.4;
 
@@ -24,7 +26,7 @@ pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) {
     let squares = |record: &ThinnedRecord<'_>| record.fit().ok()?.held_out_squares();
     let at = |cutoff_hz: f64| record.with_cutoff(cutoff_hz).and_then(|wider| squares(&wider));
     let (Some(narrow), Some(wide)) = (squares(record), at(2.0 * cutoff)) else { return };
-    let value = 100.0 * (narrow - wide).max(0.0).sqrt();
+    let value = if narrow > WORTH_IT * wide { 100.0 * (narrow - wide).sqrt() } else { 0.0 };
     let evidence =
         Evidence { code: Code::CutoffLow, coordinate: None, value, unit: "% of the torques", limit: LIMIT_PERCENT };
     exam.judge(evidence, Severity::Warning, || {

@@ -60,17 +60,25 @@ fn still_periods(exam: &mut Examination<'_>, signals: &Signals) {
         limit: REST_LIMIT_PERCENT,
     };
     let (rate, start) = (exam.subject.sample_rate_hz, exam.subject.signal.window.start);
-    exam.judge(evidence, Severity::Warning, || {
+    let left_out = exam.subject.rests_left_out;
+    exam.judge(evidence, if left_out { Severity::Note } else { Severity::Warning }, || {
         let at = |k: usize| (start + k) as f64 / rate;
+        let (rows, remedy) = if left_out {
+            ("these samples make no rows", "nothing to do: [signal] mask leaves them out")
+        } else {
+            (
+                "the sign of the velocity is noise there",
+                "leave them out by mask = \"near-rest\" in [signal], or set window_start_s and window_end_s to the moving part",
+            )
+        };
         let longest = rests.iter().max_by_key(|r| r.len()).cloned().unwrap_or(0..0);
         Words::new(
             format!(
-                "no joint moves for {value:.0} % of the window, the longest time from {:.3} s to {:.3} s; the sign of \
-                 the velocity is noise there",
+                "no joint moves for {value:.0} % of the window, the longest time from {:.3} s to {:.3} s; {rows}",
                 at(longest.start),
                 at(longest.end)
             ),
-            "set [signal] window_start_s and window_end_s to the moving part, or cut the rests out of the record",
+            remedy,
         )
     });
 }

@@ -138,7 +138,7 @@ mod tests {
     #[test]
     fn many_of_one_size_are_of_the_drive_and_many_of_any_size_are_faults() {
         let with = |size: fn(usize) -> f64| -> Vec<f64> {
-            let chatter = |k: usize| if k % 17 == 0 { size(k) } else { 0.0 };
+            let chatter = |k: usize| if k.is_multiple_of(17) { size(k) } else { 0.0 };
             (0..4000).map(|k| 10.0 * (0.002 * k as f64).sin() + 1e-3 * noise(k) + chatter(k)).collect()
         };
         let size = |x: &[f64]| steps_of_a_drive(&outliers(x), x.len());

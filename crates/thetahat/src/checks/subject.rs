@@ -58,6 +58,8 @@ pub struct Subject<'a> {
     pub added_signal: bool,
     /// Samples, counted in the window, that make no rows, in ranges that rise: gaps and what the filter makes of them.
     pub left_out: &'a [Range<usize>],
+    /// Whether samples near rest make no rows either.
+    pub rests_left_out: bool,
     /// The rate that the times of the file have, where another is stated: the column and its rate, Hz.
     pub contradicting_times: Option<(&'a str, f64)>,
     /// Filters, decimation and window.

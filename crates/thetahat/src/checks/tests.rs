@@ -106,6 +106,7 @@ impl Crane {
             reconstructed_deviation: Some(&self.reconstructed_deviation),
             held_part_of_step: 0.0,
             left_out: &[],
+            rests_left_out: false,
             contradicting_times: None,
             added_signal: false,
             signal: SignalSettings { filter_order: 4, cutoff_hz: 20.0, decimation: 10, window: 100..SAMPLES - 100 },

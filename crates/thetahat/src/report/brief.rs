@@ -2,7 +2,8 @@
 
 use super::{
     facts, findings,
-    number::{NONE, estimate, optional},
+    grades::word,
+    number::{self, NONE, estimate, optional},
     payload, physical,
     table::Table,
     tables, terms,
@@ -23,13 +24,14 @@ pub fn brief(results: &Results, width: TextWidth) -> String {
     parts.push(physical::brief(results, width));
     parts.extend(payload::tables(results).iter().map(|table| table.to_text(width)));
     parts.push(terms::profiled(results).map(|line| wrap(&line, "", width)).collect());
-    parts.extend(results.taken().map(|run| estimates(run, width)));
+    parts.extend(results.taken().map(|run| estimates(run, results.model_is_doubted(), width)));
     parts.retain(|part| !part.is_empty());
     parts.join("\n")
 }
 
 fn head(results: &Results, width: TextWidth) -> String {
-    let rates: Vec<String> = results.recordings.iter().map(|r| format!("{} Hz", r.sample_rate_hz)).collect();
+    let rates: Vec<String> =
+        results.recordings.iter().map(|r| format!("{} Hz", number::rate(r.sample_rate_hz))).collect();
     let rate = rates
         .first()
         .filter(|first| rates.iter().all(|r| r == *first))
@@ -73,16 +75,19 @@ fn runs(results: &Results, width: TextWidth) -> String {
 }
 
 /// The estimates of a run by grade, as many side by side as fit; of those that are not identified the names.
-fn estimates(run: &RunResult, width: TextWidth) -> String {
+fn estimates(run: &RunResult, model_is_doubted: bool, width: TextWidth) -> String {
     let mut text = wrap(&format!("Estimates of {} \u{b1} half of the 95 % interval", run.method), "", width);
     for (grade, what) in [
-        (Grade::Sure, "sure: the interval is within 20 % of the estimate"),
-        (Grade::Rough, "rough: the interval is wider, and excludes zero"),
-        (Grade::Impossible, "impossible: a negative motor inertia or friction, with its whole interval"),
+        (Grade::Sure, "the interval is within 20 % of the estimate"),
+        (Grade::Rough, "the interval is wider, and excludes zero"),
+        (
+            Grade::Impossible,
+            "a motor inertia or friction that is negative, beyond what noise makes of one of all of them",
+        ),
     ] {
         let known: Vec<_> = run.graded(grade).collect();
         if !known.is_empty() {
-            text += &wrap(what, "  ", width);
+            text += &wrap(&format!("{}: {what}", word(grade, model_is_doubted)), "  ", width);
             text += &side_by_side(&cells(&known), width);
         }
     }

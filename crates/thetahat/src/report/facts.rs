@@ -2,7 +2,7 @@
 
 use super::{
     diagnosis,
-    number::{given, optional, significant},
+    number::{given, optional, rate, significant},
     units, verdict,
 };
 use crate::results::{JointKind, LockedJoint, NearRestResult, RecordingResult, ReferenceResult, Results};
@@ -45,7 +45,7 @@ fn locked(joints: &[LockedJoint]) -> String {
 /// A line for each recording; its name is shown where there are several.
 fn recordings(label: &'static str, recordings: &[RecordingResult]) -> Vec<(&'static str, String)> {
     let line = |r: &RecordingResult| {
-        let [start, end, rate] = [r.window_s[0], r.window_s[1], r.sample_rate_hz].map(given);
+        let ([start, end], rate) = (r.window_s.map(given), rate(r.sample_rate_hz));
         let name = if recordings.len() > 1 { format!("{}: ", r.name) } else { String::new() };
         let weight = if r.weight == 1.0 { String::new() } else { format!(", weight {}", given(r.weight)) };
         let resampled = r.resampling.map(|j| {

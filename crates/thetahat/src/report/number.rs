@@ -8,6 +8,20 @@ pub(super) fn given(value: f64) -> String {
     if text.len() <= 8 { text } else { significant(value, 4) }
 }
 
+/// A sample rate, Hz: as it is where that is short, as a clock's stamps give it with six digits.
+pub(super) fn rate(hz: f64) -> String {
+    let text = hz.to_string();
+    if text.len() <= 8 {
+        return text;
+    }
+    let six = significant(hz, 6);
+    if six.contains('.') && !six.contains('e') {
+        six.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        six
+    }
+}
+
 /// A number with so many significant digits, or a dash.
 pub(super) fn optional(value: Option<f64>, digits: usize) -> String {
     value.map_or_else(|| NONE.to_owned(), |v| significant(v, digits))
@@ -47,6 +61,14 @@ pub(super) fn with_percent(estimate: &str, percent: Option<f64>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_rate_of_stamps_has_six_digits() {
+        assert_eq!(
+            [125.000_000_004_5, 99.999_949, 499.999_055, 1000.0, 5e3].map(rate),
+            ["125", "99.9999", "499.999", "1000", "5000"]
+        );
+    }
 
     #[test]
     fn digits_follow_the_standard_deviation() {

@@ -70,9 +70,15 @@ impl Results {
             worst_joint: run.and_then(|r| self.worst_joint(r)),
             parameters: Grade::ALL
                 .map(|grade| run.iter().flat_map(|r| r.graded(grade)).map(|p| p.name.clone()).collect()),
-            model_is_doubted: self.verdict_reasons.iter().any(|r| r.code == ReasonCode::CorrelatedResidual),
+            model_is_doubted: self.model_is_doubted(),
             actions: self.actions(),
         }
+    }
+
+    /// Whether something is missing in the model or in the processing: it may have shifted estimates that are precise.
+    #[must_use]
+    pub fn model_is_doubted(&self) -> bool {
+        self.verdict_reasons.iter().any(|r| r.code == ReasonCode::CorrelatedResidual)
     }
 
     /// The run of the nominal case whose numbers to take.

@@ -21,7 +21,7 @@ pub enum Grade {
     Rough,
     /// Its interval holds zero, or there is none: the record does not tell it from zero.
     NotIdentified,
-    /// A motor inertia or a friction coefficient whose interval lies below zero: no robot has it.
+    /// A motor inertia or a friction coefficient that is negative beyond what noise makes of one of all of them: no robot has it.
     Impossible,
 }
 

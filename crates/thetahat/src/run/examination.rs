@@ -62,6 +62,7 @@ fn subject_of<'a>(
         reconstructed_deviation: None,
         held_part_of_step: recording.held_part_of_step(),
         left_out: &filtered.left_out,
+        rests_left_out: filtered.near_rest.is_some(),
         contradicting_times: recording.contradicting_times.as_ref().map(|(column, rate)| (column.as_str(), *rate)),
         added_signal: recording.added_signal.is_some(),
         signal: SignalSettings {

@@ -34,7 +34,7 @@ pub(super) fn reasons(results: &Results) -> Vec<VerdictReason> {
     for run in judged_runs(results) {
         let mut of_run = not_explained(results, run);
         of_run.extend(poorly_explained(results, run, &of_run));
-        of_run.extend(cross_validation(run));
+        of_run.extend(cross_validation(results, run));
         of_run.extend(run.physical.iter().flat_map(|p| &p.findings).filter_map(|f| not_physical(results, run, f)));
         of_run.extend(influence(run));
         of_run.extend(correlated_residual(results, run));
@@ -178,7 +178,7 @@ fn of_finding(code: ReasonCode, verdict: Verdict, run: &RunResult, finding: &Fin
     reason(code, verdict, &[("value", Some(finding.value)), ("limit", finding.limit)], concerned, said)
 }
 
-fn cross_validation(run: &RunResult) -> Option<VerdictReason> {
+fn cross_validation(results: &Results, run: &RunResult) -> Option<VerdictReason> {
     let (unseen, fit) = (run.cross_validation_relative_error_percent?, run.relative_error_percent?);
     let ratio = unseen / fit;
     let is_far = ratio > CROSS_VALIDATION_FAR || unseen > USELESS_PERCENT;
@@ -188,7 +188,11 @@ fn cross_validation(run: &RunResult) -> Option<VerdictReason> {
         "{} has an error of {unseen:.3} % on what it has not seen, {ratio:.1} times the {fit:.3} % of its fit",
         run.method
     );
-    let said = Said::new(seen, "estimate fewer parameters (estimate = \"essential\"), or record more motion");
+    let remedy = match &results.elimination {
+        Some(_) => "record more motion",
+        None => "estimate fewer parameters (estimate = \"essential\"), or record more motion",
+    };
+    let said = Said::new(seen, remedy);
     (ratio > CROSS_VALIDATION).then(|| reason(ReasonCode::CrossValidation, verdict, &numbers, of_method(run), said))
 }
 
@@ -247,18 +251,20 @@ fn correlated_residual(results: &Results, run: &RunResult) -> Option<VerdictReas
 
 /// What finds out what the model lacks, by what was tried already.
 fn missing_remedy(results: &Results) -> String {
+    let is_held = results.recordings.iter().all(|r| r.torque_hold_s > 0.0);
+    let hold = if is_held {
+        "look at the residual over velocity, position and load in the report"
+    } else {
+        "where the torque is a command that the drive holds from sample to sample, say held = true beside its columns"
+    };
     let Some(comparison) = &results.term_comparison else {
-        return "compare laws of friction by compare_terms = true in [estimation]; where the torque is a command that the drive holds from \
-                sample to sample, say held = true beside its columns"
-            .to_owned();
+        return format!("compare laws of friction by compare_terms = true in [estimation]; {hold}");
     };
     let laws =
         comparison.joints.iter().flat_map(|j| j.laws.iter().filter(|l| l.recommended).map(|l| (&j.joint, &l.law)));
     let laws: Vec<String> = laws.map(|(joint, law)| format!("{law} at {joint}")).collect();
     if laws.is_empty() {
-        return "no law of friction that was compared helps: where the torque is a command that the drive holds from sample to sample, say \
-                held = true beside its columns; else look at the residual over velocity, position and load in the report"
-            .to_owned();
+        return format!("no law of friction that was compared helps: {hold}");
     }
     format!("accept what the comparison of laws recommends ({}), as --full writes it out", laws.join(", "))
 }

@@ -121,7 +121,7 @@ fn of_parameters(
         }
     }
     (!groups.is_empty()).then(|| Forest {
-        conclusion: conclusion(main, wanted),
+        conclusion: conclusion(main, results.model_is_doubted(), wanted),
         id: id(case, what),
         caption: format!("{what} of {} with their 95 % intervals ({case})", main.method.name()),
         legend: plot.legend(&groups),
@@ -133,12 +133,12 @@ fn of_parameters(
 }
 
 /// How many parameters have each grade.
-fn conclusion(run: &RunResult, wanted: fn(&ParameterResult) -> bool) -> String {
+fn conclusion(run: &RunResult, model_is_doubted: bool, wanted: fn(&ParameterResult) -> bool) -> String {
     let count = |grade: Grade| (grade, run.graded(grade).filter(|p| wanted(p)).count());
     let counts = Grade::ALL.map(count);
     let shown: usize = counts.iter().map(|(_, count)| count).sum();
     let of = if shown < run.parameters.len() { format!(" of {}", run.parameters.len()) } else { String::new() };
-    format!("{shown}{of} parameters: {}.", counted(counts, false))
+    format!("{shown}{of} parameters: {}.", counted(counts, model_is_doubted))
 }
 
 /// A name that an attribute can hold.
@@ -156,8 +156,9 @@ fn notes(run: &RunResult, groups: &[ForestGroup]) -> Vec<String> {
         run.method.name()
     );
     let arrows = (off > 0).then(|| format!("An arrow marks what lies beyond {FARTHEST} %, in {off} rows."));
-    let grades = "sure: half of the interval is at most a fifth of the estimate; rough: wider, without zero; not identified: the \
-                  interval holds zero; impossible: a motor inertia or friction whose interval lies below zero. Intervals allow for errors that are correlated from row to row.";
+    let grades = "sure, or precise where the model is in doubt: half of the interval is at most a fifth of the estimate; rough: wider, \
+                  without zero; not identified: the interval holds zero; impossible: a motor inertia or friction that is negative \
+                  beyond what noise makes of one of all of them. Intervals allow for errors that are correlated from row to row.";
     [Some(axis), arrows, Some(grades.to_owned())].into_iter().flatten().collect()
 }
 
