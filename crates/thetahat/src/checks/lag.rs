@@ -229,7 +229,8 @@ impl Delay {
         } else if size < ONE_SAMPLE {
             "nothing to do: it is less than a sample".to_owned()
         } else {
-            format!("shift the torque against the position before the estimate{also}")
+            let delay_s = self.samples() / self.rate;
+            format!("say how late the torque is: delay_s = {delay_s:.5} beside its columns{also}")
         };
         Words::new(message, remedy)
     }

@@ -140,7 +140,9 @@ impl Ahead {
         };
         let samples = signals.raw.len().saturating_sub(1);
         let weight = |&j: &usize| {
-            let size = quantile_abs((0..samples).map(|k| step(k, j).1), 0.5) * NORMAL_PER_MEDIAN;
+            // A joint at rest is off by nothing, and at times by one of its steps.
+            let count = step_of(&signals.raw.channel(j)).unwrap_or(0.0);
+            let size = (quantile_abs((0..samples).map(|k| step(k, j).1), 0.5) * NORMAL_PER_MEDIAN).max(count);
             1.0 / (size + ROUNDING * quantile_abs((0..samples).map(|k| signals.raw.sample(k)[j]), 1.0)).powi(2)
         };
         let weights: Vec<f64> = joints.iter().map(weight).collect();

@@ -22,9 +22,12 @@ pub struct NearRest {
     pub widened: usize,
 }
 
-/// Largest part of a joint's samples that is left out: a joint that hardly moves keeps all, so that what gravity and the other
-/// joints do to it is told.
+/// Largest part of a joint's samples that is left out where little is left: a joint that hardly moves keeps all, so that what
+/// gravity and the other joints do to it is told.
 const LARGEST_PART: f64 = 0.8;
+/// Times the samples by which a rest is widened, a period of the cut-off, that are enough to be left: a joint that moves alone
+/// for a part of the record tells of its friction there.
+const ENOUGH_PERIODS: usize = 20;
 
 impl RowMask {
     /// Leaves out the samples of each coordinate on which a jump acts near rest. None where nothing is left out.
@@ -33,7 +36,7 @@ impl RowMask {
         let mut channels = rule.used(jumps, dq);
         for used in &mut channels {
             let left_out = used.iter().filter(|u| **u == 0.0).count();
-            if hardly_moves(left_out, used.len()) {
+            if hardly_moves(left_out, used.len(), rule.widened) {
                 used.fill(1.0);
             }
         }
@@ -88,9 +91,10 @@ impl NearRest {
     }
 }
 
-/// Whether a coordinate keeps all its samples, of which so many are near rest.
-pub(crate) fn hardly_moves(near_rest: usize, samples: usize) -> bool {
-    near_rest as f64 > LARGEST_PART * samples as f64
+/// Whether a coordinate keeps all its samples, of which so many are near rest, where rests are widened by some.
+pub(crate) fn hardly_moves(near_rest: usize, samples: usize, widened: usize) -> bool {
+    let is_left = samples - near_rest;
+    near_rest as f64 > LARGEST_PART * samples as f64 && is_left < ENOUGH_PERIODS * widened.max(1)
 }
 
 /// The part of a row that is used, from its sample of the decimated mask.
@@ -146,6 +150,19 @@ mod tests {
         let dq = Series::from_channels(&[vec![1e-3; 30]]);
         let rule = NearRest { velocity: vec![0.1], widened: 1 };
         assert_eq!(RowMask::near_rest(&[own(0)], &dq, &rule), None);
+    }
+
+    /// It kept its rests, where the velocity's noise is the sign of its friction: fc was 0.11 where 0.5 is true.
+    #[test]
+    fn a_joint_that_moves_for_a_tenth_of_the_record_keeps_that_tenth() {
+        let moves =
+            |from: usize, to: usize| (0..5000).map(|k| if (from..to).contains(&k) { 1.0 } else { 1e-3 }).collect();
+        let left_out = |samples: usize| {
+            let dq = Series::from_channels(&[moves(2000, 2000 + samples)]);
+            RowMask::near_rest(&[own(0)], &dq, &NearRest { velocity: vec![0.1], widened: 20 }).map(|m| m.left_out()[0])
+        };
+        assert_eq!(left_out(500), Some(1.0 - 460.0 / 5000.0));
+        assert_eq!(left_out(400), None);
     }
 
     #[test]

@@ -27,7 +27,7 @@ const JOINED: f64 = 0.25;
 
 impl Setup<'_> {
     /// Moves where the motion is made of them, a Fourier series where it repeats, else the motion itself, smoothed.
-    pub(super) fn reference_of_motion(&self, recording: &Recording) -> Result<RecordedReference, PreparationError> {
+    pub(crate) fn reference_of_motion(&self, recording: &Recording) -> Result<RecordedReference, PreparationError> {
         let rate = recording.sample_rate_hz;
         let motion = self.band_pass(&recording.position, rate)?;
         let moves = reconstruct(&recording.position, &motion.dq, rate).ok();

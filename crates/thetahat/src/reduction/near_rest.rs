@@ -59,7 +59,7 @@ impl NearRestMask {
     /// this one is it.
     pub(super) fn after(&self, left_out: &[usize]) -> Option<Self> {
         let samples = self.window.len();
-        let keeps = |(keeps, &left_out): (&bool, &usize)| *keeps || hardly_moves(left_out, samples);
+        let keeps = |(keeps, &left_out): (&bool, &usize)| *keeps || hardly_moves(left_out, samples, self.rule.widened);
         let keeps_all: Vec<bool> = self.keeps_all.iter().zip(left_out).map(keeps).collect();
         (keeps_all != self.keeps_all).then(|| Self { keeps_all, ..self.clone() })
     }

@@ -92,7 +92,7 @@ impl Identification {
         })?;
         for (&(c, method), run) in all.iter().zip(assessed.iter_mut().flatten()) {
             let (case, problem) = (&cases[c], self.problem_of(problems, &cases[c]));
-            if let Some(better) = self.again_in_a_guessed_loop((problem, case), method, &run.0)? {
+            if let Some(better) = self.again_along_the_motion((problem, case), method, &run.0)? {
                 *run = better;
             }
         }
@@ -101,21 +101,25 @@ impl Identification {
         Ok(by_case)
     }
 
-    /// IV of the nominal case once more, where it did not converge in the loop that is described: a guess of a loop is enough for
-    /// it. None where that does not converge either.
-    fn again_in_a_guessed_loop(
+    /// IV of the nominal case once more, where it did not converge in the loop that is described or along the reference that is
+    /// recorded: a guess of a loop along the motion is enough for it. None where that does not converge either.
+    fn again_along_the_motion(
         &self,
         (problem, case): (&CaseProblem, &Case),
         method: Method,
         failed: &RunResult,
     ) -> Result<Option<(RunResult, Estimated)>, PreparationError> {
-        let is_described = self.setup().settings.controller.is_some() && case.name == NOMINAL;
-        if failed.status == Status::Converged || !is_iv(&method) || !is_described {
+        let setup = self.setup();
+        let is_described = setup.settings.controller.is_some();
+        let has_reference = self.main.iter().any(|p| p.filtered.recording.reference.is_some());
+        let is_other = (is_described || has_reference) && case.name == NOMINAL;
+        if failed.status == Status::Converged || !is_iv(&method) || !is_other {
             return Ok(None);
         }
-        let guess = propose_controller(&filtered(&self.main));
-        let jobs = [self.job_in_loop_of(&guess.description, (problem, case), method)];
-        let iteration = self.setup().settings.estimation.iteration();
+        let guess = propose_controller(&[]);
+        let along = self.main.iter().map(|p| p.along_its_motion(setup)).collect::<Result<Vec<_>, _>>()?;
+        let jobs = [self.job_in_loop_of((&guess.description, &along), (problem, case), method)];
+        let iteration = setup.settings.estimation.iteration();
         let options = RunOptions { iteration, motion_step: Some(1), threads: self.threads };
         let mut again = None;
         run_all(&jobs, options, &mut |_| {}, &mut |_, finished| {
@@ -123,8 +127,9 @@ impl Identification {
             Ok::<(), PreparationError>(())
         })?;
         Ok(again.filter(|(run, _)| run.status == Status::Converged).map(|(mut run, estimated)| {
+            let place = if is_described { "in the loop of [controller]" } else { "along the recorded reference" };
             let why = failed.reason.as_deref().unwrap_or("no reason is known");
-            run.notes.insert(0, format!("in the loop of [controller] it did not converge ({why}); {}", guess.what));
+            run.notes = vec![format!("{place} it did not converge ({why}); {} along the recorded motion", guess.what)];
             (run, estimated)
         }))
     }

@@ -245,14 +245,14 @@ impl Identification {
         self.job_with(problem, method, simulator)
     }
 
-    /// A method of a case in the loop of a controller that takes the place of the one described.
+    /// A method of a case in the loop of another controller than the one described, along other references than the recorded ones.
     pub(super) fn job_in_loop_of<'s>(
         &'s self,
-        controller: &'s ControllerDescription,
+        (controller, prepared): (&'s ControllerDescription, &'s [Prepared]),
         (problem, case): (&'s CaseProblem, &Case),
         method: Method,
     ) -> EstimationJob<'s> {
-        let simulator = self.simulator_of(controller, &self.main, &problem.problem, case);
+        let simulator = self.simulator_of(controller, prepared, &problem.problem, case);
         self.job_with(problem, method, simulator)
     }
 

@@ -17,6 +17,13 @@ impl Prepared {
         Ok(Self { filtered, reference })
     }
 
+    /// The same recording, whose simulations follow its motion whatever reference is recorded.
+    pub(super) fn along_its_motion(&self, setup: Setup<'_>) -> Result<Self, PreparationError> {
+        let filtered = self.filtered.clone();
+        let reference = Some(setup.reference_of_motion(&filtered.recording)?);
+        Ok(Self { filtered, reference })
+    }
+
     pub(super) fn describe(&self, problem: &Problem) -> RecordingResult {
         let recording = &self.filtered.recording;
         RecordingResult {

@@ -213,6 +213,7 @@ impl Record {
             reconstructed_deviation: None,
             held_part_of_step: 0.0,
             left_out: &[],
+            rests_left_out: false,
             contradicting_times: None,
             added_signal: false,
             signal: self.signal.clone(),

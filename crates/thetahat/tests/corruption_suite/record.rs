@@ -64,6 +64,7 @@ impl Record {
             reconstructed_deviation: self.reconstructed_deviation.as_deref(),
             held_part_of_step: 0.0,
             left_out: &[],
+            rests_left_out: false,
             contradicting_times: None,
             added_signal: self.added_signal,
             signal: self.signal.clone(),

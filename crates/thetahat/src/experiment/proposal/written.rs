@@ -62,14 +62,18 @@ pub(super) fn dimensions(signal: Signal) -> &'static [Dimension] {
 }
 
 /// The last word behind the first that is a unit of the signal. Between other signs a unit keeps its capitals together:
-/// `mNm` is one word.
+/// `mNm` is one word. A single letter is one where it stands by itself as its symbol is written: `a1` is no current.
 fn in_words(name: &str, signal: Signal) -> Option<Unit> {
     let whole: Vec<String> = name.split(|c: char| !c.is_alphanumeric()).map(str::to_owned).collect();
-    let last = |words: &[String]| {
-        let mut units = words.iter().skip(1).filter_map(|word| unit_words::unit(word));
+    let last = |words: &[String], is_whole: bool| {
+        let unit = |word: &String| {
+            let is_symbol = |unit: &Unit| word.chars().count() > 1 || (is_whole && unit.symbol() == word);
+            unit_words::unit(word).filter(is_symbol)
+        };
+        let mut units = words.iter().skip(1).filter_map(unit);
         units.rfind(|unit| dimensions(signal).contains(&unit.dimension()))
     };
-    last(&whole).or_else(|| last(&column_names::words(name)))
+    last(&whole, true).or_else(|| last(&column_names::words(name), false))
 }
 
 #[cfg(test)]
@@ -88,6 +92,9 @@ mod tests {
             ("torque_mNm", Signal::Torque, Some(Written::Unit(Unit::MillinewtonMetre))),
             ("current_2", Signal::Torque, Some(Written::Unit(Unit::Ampere))),
             ("motor_current_2 [mA]", Signal::Torque, Some(Written::Unit(Unit::Milliampere))),
+            ("joint_a1_effort", Signal::Torque, None),
+            ("joint_a1.effort", Signal::Torque, None),
+            ("motor_3_A", Signal::Torque, Some(Written::Unit(Unit::Ampere))),
             ("tau1 [%]", Signal::Torque, Some(Written::Unit(Unit::Percent))),
             ("torque % 1", Signal::Torque, Some(Written::Unit(Unit::Percent))),
             ("tau1 [Nm/rad]", Signal::Torque, unknown("Nm/rad")),
