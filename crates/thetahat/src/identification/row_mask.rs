@@ -27,7 +27,7 @@ pub struct NearRest {
 const LARGEST_PART: f64 = 0.8;
 /// Times the samples by which a rest is widened, a period of the cut-off, that are enough to be left: a joint that moves alone
 /// for a part of the record tells of its friction there.
-const ENOUGH_PERIODS: usize = 20;
+const ENOUGH_PERIODS: usize = 8;
 
 impl RowMask {
     /// Leaves out the samples of each coordinate on which a jump acts near rest. None where nothing is left out.
@@ -162,7 +162,7 @@ mod tests {
             RowMask::near_rest(&[own(0)], &dq, &NearRest { velocity: vec![0.1], widened: 20 }).map(|m| m.left_out()[0])
         };
         assert_eq!(left_out(500), Some(1.0 - 460.0 / 5000.0));
-        assert_eq!(left_out(400), None);
+        assert_eq!(left_out(199), None);
     }
 
     #[test]
