@@ -12,8 +12,6 @@ use crate::{
 
 /// Relative standard deviation, percent, above which a parameter is named: that above which an elimination looks at it.
 const LIMIT_PERCENT: f64 = 30.0;
-/// Change of the error on parts left out, percent, that is worth a word.
-const WORTH_SAYING_PERCENT: f64 = 2.0;
 /// Relative tolerance of the rank, as for the estimate.
 const RANK_TOLERANCE: f64 = 1e-10;
 
@@ -60,8 +58,10 @@ fn remedy(setup: Setup<'_>, problem: &Problem) -> String {
     let Some(trial) = whole.then(|| Trial::new(setup, problem)).flatten() else { return motion.to_owned() };
     let Trial { eliminated, whole, essential } = trial;
     let change = 100.0 * (essential / whole - 1.0).abs();
-    if change < WORTH_SAYING_PERCENT {
-        return motion.to_owned();
+    if change < 0.5 {
+        return format!(
+            "{motion}; leaving out {eliminated} parameters by estimate = \"essential\" does not change the error on parts left out"
+        );
     }
     if essential <= whole {
         return format!(

@@ -1,8 +1,10 @@
 //! Corruptions of a record, one by one, with the finding that each must raise.
 
+use std::path::Path;
+
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use thetahat::{checks::Code, control::ControllerDescription, robot::Transmission, series::Series};
+use thetahat::{checks::Code, control::ControllerDescription, recording::Clock, robot::Transmission, series::Series};
 
 use super::record::Record;
 
@@ -147,6 +149,12 @@ fn samples() -> Vec<Corruption> {
             let mut rng = ChaCha8Rng::seed_from_u64(3);
             let step = 1.0 / r.rate_hz;
             r.time_s.iter_mut().flatten().for_each(|t| *t += step * 0.2 * rng.random_range(-1.0..1.0));
+            // The samples were taken at equal steps, and are brought to those that the stamps say.
+            let stamps = r.time_s.clone().expect("the record has time stamps");
+            let clock = Clock::from_stamps(stamps, 0.5, Path::new("record.csv"), "t").expect("the stamps are a clock");
+            for series in [&mut r.position, &mut r.torque] {
+                *series = clock.to_equal_steps(series.clone());
+            }
         })
         .given(Beside::TimeStamps),
     ]

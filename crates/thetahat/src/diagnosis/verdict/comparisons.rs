@@ -18,7 +18,7 @@ pub(super) fn reasons(results: &Results) -> Vec<VerdictReason> {
 
 fn not_converged(run: &RunResult, taken: Option<Method>) -> VerdictReason {
     let why = run.reason.clone().unwrap_or_else(|| "no reason is known".to_owned());
-    let (verdict, then) = match taken {
+    let (verdict, then) = match taken.filter(|method| *method != run.method) {
         Some(method) => (
             Verdict::Care,
             format!(
