@@ -195,9 +195,7 @@ struct Bias {
 
 impl Bias {
     fn add(&mut self, run: &RunResult) {
-        let error = |p: &thetahat::results::ParameterResult| {
-            Some((p.estimate - p.true_value?) / p.standard_deviation_robust.or(p.standard_deviation)?)
-        };
+        let error = |p: &thetahat::results::ParameterResult| Some((p.estimate - p.true_value?) / p.deviation()?);
         let errors: Vec<f64> = run.parameters.iter().filter_map(error).collect();
         self.sums.resize(errors.len().max(self.sums.len()), 0.0);
         self.sums.iter_mut().zip(&errors).for_each(|(s, e)| *s += e);

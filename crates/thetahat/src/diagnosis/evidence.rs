@@ -4,6 +4,7 @@ use crate::{
     results::{
         CaseDiagnosis, Comparison, EndogeneityResult, InstrumentResult, ParameterResult, RecordingFindings, RunResult,
     },
+    statistics::median,
 };
 
 /// F statistic below which instruments are weak (D. Staiger, J. H. Stock, 1997).
@@ -68,7 +69,7 @@ impl Distance {
         let (of_loop, measured) = (of_loop?, measured?);
         let difference = |p: &ParameterResult| {
             let other = measured.parameter(&p.name)?;
-            let deviation = deviation(p)?.hypot(deviation(other)?);
+            let deviation = p.deviation()?.hypot(other.deviation()?);
             Some(((p.estimate - other.estimate).abs() / deviation, p.name.clone())).filter(|(d, _)| d.is_finite())
         };
         let all: Vec<(f64, String)> = of_loop.parameters.iter().filter_map(difference).collect();
@@ -128,16 +129,10 @@ fn converged<'r>(runs: &[&'r RunResult], method: Method) -> Option<&'r RunResult
     runs.iter().find(|r| r.method == method && r.status == Status::Converged).copied()
 }
 
-/// The standard deviation with correlated errors, or else the classical one.
-fn deviation(parameter: &ParameterResult) -> Option<f64> {
-    parameter.standard_deviation_robust.or(parameter.standard_deviation)
-}
-
 /// Median over the parameters of the standard deviation of IV over that of LS.
 fn deviations_to_ls(runs: &[&RunResult]) -> Option<f64> {
     let (ls, iv) = (converged(runs, Method::IDIM_LS)?, converged(runs, Method::IDIM_IV)?);
-    let ratio = |p: &ParameterResult| Some(deviation(p)? / deviation(ls.parameter(&p.name)?)?);
-    let mut ratios: Vec<f64> = iv.parameters.iter().filter_map(ratio).filter(|r| r.is_finite()).collect();
-    ratios.sort_by(f64::total_cmp);
-    ratios.get(ratios.len() / 2).copied()
+    let ratio = |p: &ParameterResult| Some(p.deviation()? / ls.parameter(&p.name)?.deviation()?);
+    let ratios: Vec<f64> = iv.parameters.iter().filter_map(ratio).filter(|r| r.is_finite()).collect();
+    (!ratios.is_empty()).then(|| median(&ratios))
 }

@@ -1,10 +1,10 @@
 //! Where exported standard parameters come from.
 
-use super::uncertainty::deviation;
 use crate::{
     base_parameters::{BaseParameter, BaseParameters},
     experiment::IdentifiedRobot,
     preparation::{KnownQuantity, ParameterSelection},
+    results::ParameterResult,
     robot::ParameterTable,
 };
 
@@ -82,7 +82,7 @@ pub(super) fn moved(identified: &IdentifiedRobot, standard: &[f64]) -> Vec<Moved
     let exported = base.from_standard(standard);
     let mut moved: Vec<MovedParameter> = Vec::new();
     for ((parameter, estimate), exported) in base.parameters().iter().zip(estimates).zip(exported) {
-        let deviation = identified.run.parameter(&parameter.name).and_then(deviation);
+        let deviation = identified.run.parameter(&parameter.name).and_then(ParameterResult::deviation);
         let difference = exported - estimate;
         let usual = deviation.unwrap_or_else(|| size_of_terms(parameter, standard));
         if difference.abs() > ROUNDING * estimate.abs().max(usual) {

@@ -30,7 +30,7 @@ impl Uncertainty {
                 run.covariance[row * (row + 1) / 2 + column]
             })
         } else {
-            let deviations = estimates.iter().map(deviation).collect::<Option<Vec<f64>>>()?;
+            let deviations = estimates.iter().map(ParameterResult::deviation).collect::<Option<Vec<f64>>>()?;
             Matrix::from_fn(n, n, |i, j| if i == j { deviations[i] * deviations[i] } else { 0.0 })
         };
         let factor = CovarianceFactor::of(&covariance).and_then(|factor| {
@@ -50,9 +50,4 @@ impl Uncertainty {
     pub(super) fn whitening(&self) -> Option<&Matrix> {
         self.factor.as_ref().map(|(_, whitening)| whitening)
     }
-}
-
-/// The standard deviation with correlated errors, or else the classical one.
-pub(super) fn deviation(parameter: &ParameterResult) -> Option<f64> {
-    parameter.standard_deviation_robust.or(parameter.standard_deviation)
 }

@@ -91,8 +91,7 @@ fn settings(compared: &SideBySide) -> Option<Table> {
 fn parameters(compared: &SideBySide) -> Table {
     let sides = compared.sides.len();
     let value = |p: &Option<ParameterResult>| {
-        let text =
-            |p: &ParameterResult| with_deviation(p.estimate, p.standard_deviation_robust.or(p.standard_deviation));
+        let text = |p: &ParameterResult| with_deviation(p.estimate, p.deviation());
         p.as_ref().map_or_else(|| NONE.to_owned(), text)
     };
     let difference = |d: &Option<f64>| {

@@ -42,6 +42,12 @@ impl Grade {
 }
 
 impl ParameterResult {
+    /// The standard deviation with correlated errors, or else the classical one.
+    #[must_use]
+    pub fn deviation(&self) -> Option<f64> {
+        self.standard_deviation_robust.or(self.standard_deviation)
+    }
+
     /// Half of `interval_95`, or 1.96 classical deviations where there is no interval.
     #[must_use]
     pub fn half_width(&self) -> Option<f64> {

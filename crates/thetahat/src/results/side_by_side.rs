@@ -126,8 +126,7 @@ fn deviations_above(first: &ParameterResult, other: &ParameterResult) -> Option<
     if first.unit != other.unit {
         return None;
     }
-    let deviation = |p: &ParameterResult| p.standard_deviation_robust.or(p.standard_deviation);
-    let (difference, of_difference) = (other.estimate - first.estimate, deviation(first)?.hypot(deviation(other)?));
+    let (difference, of_difference) = (other.estimate - first.estimate, first.deviation()?.hypot(other.deviation()?));
     match (difference == 0.0, of_difference > 0.0) {
         (true, _) => Some(0.0),
         (false, true) => Some(difference / of_difference),

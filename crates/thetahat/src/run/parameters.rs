@@ -34,7 +34,7 @@ pub(crate) fn parameter_results(
 pub(crate) fn covariance_of(fit: &Fit, parameters: &[ParameterResult]) -> Vec<f64> {
     let factor = |(i, p): (usize, &ParameterResult)| {
         let classical = fit.standard_deviation[i];
-        let deviation = p.standard_deviation_robust.or(p.standard_deviation).unwrap_or(classical);
+        let deviation = p.deviation().unwrap_or(classical);
         if classical > 0.0 { deviation / classical } else { 1.0 }
     };
     let factors: Vec<f64> = parameters.iter().enumerate().map(factor).collect();

@@ -12,6 +12,8 @@ use crate::{
 
 /// Relative standard deviation, percent, above which a parameter is named: that above which an elimination looks at it.
 const LIMIT_PERCENT: f64 = 30.0;
+/// Change of the error on parts left out, percent, that does not round to zero.
+const VISIBLE_PERCENT: f64 = 0.5;
 /// Relative tolerance of the rank, as for the estimate.
 const RANK_TOLERANCE: f64 = 1e-10;
 
@@ -58,7 +60,7 @@ fn remedy(setup: Setup<'_>, problem: &Problem) -> String {
     let Some(trial) = whole.then(|| Trial::new(setup, problem)).flatten() else { return motion.to_owned() };
     let Trial { eliminated, whole, essential } = trial;
     let change = 100.0 * (essential / whole - 1.0).abs();
-    if change < 0.5 {
+    if change < VISIBLE_PERCENT {
         return format!(
             "{motion}; leaving out {eliminated} parameters by estimate = \"essential\" does not change the error on parts left out"
         );
