@@ -6,6 +6,7 @@
 mod arguments;
 #[path = "../examples/robustness/cells.rs"]
 mod cells;
+#[expect(dead_code, reason = "other motions are those of the filter study")]
 #[path = "../examples/twins/mod.rs"]
 mod twins;
 
@@ -18,6 +19,7 @@ use thetahat::{
     results::RunResult,
 };
 use twins::{
+    reference::Kind,
     robots::robots,
     twin::{NOISE, RATE_HZ, Sampling, Twin},
 };
@@ -33,7 +35,7 @@ fn arguments(robot: &str) -> Arguments {
 
 fn twin_of(robot: &str) -> Twin {
     let arguments = arguments(robot);
-    let sampling = Sampling { duration_s: arguments.duration_s(), rate_hz: RATE_HZ };
+    let sampling = Sampling { kind: Kind::Periodic, duration_s: arguments.duration_s(), rate_hz: RATE_HZ };
     Twin::new(robots(&arguments.robot, arguments.data.as_deref()).unwrap().remove(0), sampling, arguments.seed).unwrap()
 }
 

@@ -32,8 +32,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     println!(
-        "| case | robot | rate Hz | length s | position noise | torque noise % | low-passed Hz | late samples | chosen | best | \
-         error over the best's | s |\n| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |"
+        "| case | robot | motion | rate Hz | length s | position noise | torque noise % | low-passed Hz | late samples | chosen | best | \
+         error over the best's | s |\n| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |"
     );
     let mut ratios = Vec::new();
     for number in first..first + cases {

@@ -13,6 +13,7 @@
 mod arguments;
 mod cells;
 mod table;
+#[expect(dead_code, reason = "other motions are those of the filter study")]
 #[path = "../twins/mod.rs"]
 mod twins;
 
@@ -23,6 +24,7 @@ use cells::{Cell, run_cells};
 use table::{failures, robot_row, totals};
 use thetahat::identification::{Method, Needs};
 use twins::{
+    reference::Kind,
     robots::robots,
     twin::{RATE_HZ, Sampling, Twin},
 };
@@ -37,7 +39,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
     let mut all: Vec<Cell> = Vec::new();
     for robot in robots(&arguments.robot, arguments.data.as_deref())? {
-        let twin = Twin::new(robot, Sampling { duration_s: arguments.duration_s(), rate_hz: RATE_HZ }, arguments.seed)?;
+        let twin = Twin::new(
+            robot,
+            Sampling { kind: Kind::Periodic, duration_s: arguments.duration_s(), rate_hz: RATE_HZ },
+            arguments.seed,
+        )?;
         let cells = run_cells(&twin, &arguments)?;
         for method in &arguments.methods {
             println!("{}", robot_row(&twin, *method, &cells, &arguments.factors));

@@ -12,7 +12,10 @@ use thetahat::{
     simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulatorBias, Solver},
 };
 
-use super::{reference::periodic, robots::Subject};
+use super::{
+    reference::{Kind, motion},
+    robots::Subject,
+};
 
 /// Rate of the references.
 pub const RATE_HZ: f64 = 500.0;
@@ -43,6 +46,7 @@ pub const NOISE: [Noise; 2] =
 /// How long a twin moves, and how it is sampled.
 #[derive(Debug, Clone, Copy)]
 pub struct Sampling {
+    pub kind: Kind,
     pub duration_s: f64,
     pub rate_hz: f64,
 }
@@ -64,12 +68,12 @@ pub struct Twin {
 impl Twin {
     pub fn new(
         subject: Subject,
-        Sampling { duration_s, rate_hz }: Sampling,
+        Sampling { kind, duration_s, rate_hz }: Sampling,
         seed: u64,
     ) -> Result<Self, Box<dyn Error>> {
         let Subject { name, robot, has_motor_inertias } = subject;
         let cad = completed_a_priori(&robot, None);
-        let reference = periodic(&robot, duration_s, RATE_HZ, seed);
+        let reference = motion(kind, &robot, duration_s, RATE_HZ, seed);
         let model = Model::new(&robot);
         let usual = Usual::along(&reference, &model, &cad);
         let mut truth = cad.clone();
@@ -85,6 +89,14 @@ impl Twin {
         }
         let (motion, inertia) = simulate(&robot, &model, &truth, &reference, rate_hz)?;
         Ok(Self { name, robot, cad, truth, reference, rate_hz, motion, inertia })
+    }
+
+    /// The Coulomb friction of each coordinate.
+    pub fn coulomb_friction(&self) -> Vec<f64> {
+        let model = Model::new(&self.robot);
+        let index = |joint| model.parameter_table().index(Quantity::Joint(JointQuantity::Fc), joint);
+        let of = |joint| index(joint).map_or(0.0, |i| self.truth[i]);
+        self.robot.coordinate_joints().into_iter().map(of).collect()
     }
 
     /// The loop with gains for so many times the true bandwidth.

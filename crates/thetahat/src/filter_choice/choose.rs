@@ -5,8 +5,10 @@ use std::{collections::BTreeMap, ops::Range};
 use super::{
     bands,
     grid::{FilterGrid, for_dynamics},
-    score::{Errors, Tried, relative_errors},
-    twin::{Mover, Noise, RecordTwin, left},
+    low_pass::rate_of_noise,
+    recorder::Recorder,
+    score::{Errors, Tried, relative_errors, sizes},
+    twin::{Mover, Noise, RecordTwin},
 };
 use crate::{
     base_parameters::BaseParameters,
@@ -30,8 +32,8 @@ const RECORDS: [usize; 2] = [3, 10];
 const SAMPLES: usize = 600_000;
 /// Twins: each is made with the filter that those before chose.
 const TWINS: usize = 2;
-/// Errors up to this multiple of the least are as good: twins do not tell them apart.
-const AS_GOOD: f64 = 1.05;
+/// Octaves within which filters are neighbours: half an octave in both of their parts.
+const NEIGHBOURS: f64 = 0.8;
 /// Rows for each parameter that a chosen filter keeps, where the record has them: behind fewer it is chance which motions they show,
 /// and a twin of slightly other parameters does not foretell the errors.
 const ROWS_PER_PARAMETER: f64 = 10.0;
@@ -127,6 +129,7 @@ struct Twin {
     record: RecordTwin,
     names: ParameterChoice,
     truth: Vec<f64>,
+    sizes: Vec<f64>,
 }
 
 /// An estimate that a robot can have.
@@ -134,8 +137,7 @@ struct Truth {
     estimated: BaseParameters,
     /// Standard parameters of a robot near the estimate.
     standard: Vec<f64>,
-    /// What the estimate leaves of the torques.
-    left: Series,
+    recorder: Recorder,
     controller: ControllerDescription,
 }
 
@@ -157,8 +159,8 @@ impl<'a> Study<'a> {
 
     /// The frequency below which nearly all of each joint's velocity lies, Hz: no noise can be in it.
     fn dynamics_hz(&self) -> f64 {
-        let rate = self.recording.sample_rate_hz;
-        let spectrum = Spectrum::of(&self.recording.position, rate);
+        let spectrum = Spectrum::of(&self.recording.position, self.recording.sample_rate_hz);
+        let rate = rate_of_noise(&self.recording);
         let dynamics = |j| bands::dynamics_hz(&spectrum, j, rate);
         (0..self.recording.position.channels()).map(dynamics).fold(0.0, f64::max)
     }
@@ -196,8 +198,9 @@ impl<'a> Study<'a> {
         for _ in 1..TWINS {
             let twin = self.twin(best(&filters[of_grid.clone()], &errors).unwrap_or(first), first)?;
             let others = self.relative_errors(&twin, &filters, threads);
-            errors = errors.iter().zip(&others).map(|(a, b)| Some(FilterError::mean((*a)?, (*b)?))).collect();
+            errors = errors.iter().zip(&others).map(|(a, b)| Some(FilterError::mean(&[(*a)?, (*b)?]))).collect();
         }
+        let errors = smoothed(&filters, &errors);
         let best = best(&filters[of_grid], &errors).unwrap_or(first);
         let with_error = |(&filter, error): (&Filter, _)| ComparedFilter { filter, error };
         let mut compared: Vec<ComparedFilter> = filters.iter().zip(errors).map(with_error).collect();
@@ -216,12 +219,14 @@ impl<'a> Study<'a> {
     /// A twin with the parameters that a filter gives: its noise is what the estimate leaves, its motion that of a robot near
     /// it that follows the recorded one behind the position filter of `motion`.
     fn twin(&self, filter: Filter, motion: Filter) -> Result<Twin, FilterChoiceError> {
-        let Truth { estimated, standard, controller, left } = self.truth(filter)?;
+        let Truth { estimated, standard, controller, recorder } = self.truth(filter)?;
         let model = &self.basis.model;
         let mover = Mover { robot: self.robot, model, theta: &standard, controller: &controller };
-        let record = RecordTwin::of(&self.recording, motion.cutoff_hz, &left, &mover)?;
+        let record = RecordTwin::of(&self.recording, motion.cutoff_hz, &recorder, &mover)?;
         let names = ParameterChoice::List(estimated.parameters().iter().map(|p| p.name.clone()).collect());
-        Ok(Twin { record, names, truth: estimated.from_standard(&standard) })
+        let truth = estimated.from_standard(&standard);
+        let sizes = sizes(model, &estimated, &truth);
+        Ok(Twin { record, names, truth, sizes })
     }
 
     /// The errors of the estimates from a twin behind each filter.
@@ -233,10 +238,10 @@ impl<'a> Study<'a> {
         let tried = |i: usize| {
             let filter = filters[i];
             let errors = |record: &Recording| self.errors(record, &noise, filter, twin);
-            let errors = Errors::mean(&records.iter().map(errors).collect::<Vec<_>>())?;
+            let errors = Errors::mean(&records.iter().map(errors).collect::<Vec<_>>())?.within(&twin.sizes);
             Some(Tried { filter, estimates: self.estimates(filter, &twin.names)?, errors })
         };
-        relative_errors(&pool::in_parallel(filters.len(), threads, tried), self.part)
+        relative_errors(&pool::in_parallel(filters.len(), threads, tried), &twin.sizes, self.part)
     }
 
     /// The estimates from the record itself.
@@ -252,15 +257,17 @@ impl<'a> Study<'a> {
         let (problem, filtered) = self.problem(&settings, record, names).ok()?;
         let influence = Method::IDIM_LS.influence(&problem.regression, None).ok()?;
         let found = influence.transpose_times(&problem.regression.y);
-        let bias = found.iter().zip(truth).map(|(found, truth)| (found - truth).powi(2)).collect();
+        let bias: Vec<f64> = found.iter().zip(truth).map(|(found, truth)| found - truth).collect();
         let mut variance = vec![0.0; truth.len()];
+        let mut draws = Vec::new();
         for draw in noise {
             let rows = problem.assembly(0).measurement_vector(&draw.window(filtered.window.clone())).ok()?;
             let errors = influence.transpose_times(&rows);
             let share = self.part / noise.len() as f64;
-            variance.iter_mut().zip(errors).for_each(|(v, e)| *v += share * e * e);
+            variance.iter_mut().zip(&errors).for_each(|(v, e)| *v += share * e * e);
+            draws.push(bias.iter().zip(errors).map(|(bias, error)| bias + error).collect());
         }
-        Some(Errors { bias, variance })
+        Some(Errors { bias: bias.iter().map(|b| b * b).collect(), variance, draws })
     }
 
     /// The robot nearest to the estimate with a filter, with the parameters that the motion separates.
@@ -278,9 +285,9 @@ impl<'a> Study<'a> {
         let options = SimulationOptions::default();
         let near = set.ok().and_then(|set| nearest_to_simulate(set, &problem.base, &r, &all, &options, None).ok());
         let found = problem.base.to_standard(&all);
-        let left = left(&filtered.centred_torque(), &filtered.motion, &problem.model, &found);
+        let recorder = Recorder::of(&problem, &filtered, &columns, &found)?;
         let standard = near.map_or(found, |fit| fit.standard);
-        Ok(Truth { estimated, standard, left, controller: propose_controller(&[&filtered]).description })
+        Ok(Truth { estimated, standard, recorder, controller: propose_controller(&[&filtered]).description })
     }
 
     /// X and y of a recording behind a filter.
@@ -296,19 +303,30 @@ impl<'a> Study<'a> {
     }
 }
 
-/// The narrowest of the filters that are as good as the one with the least error: what a model leaves out, flexible joints and the
-/// ripple of gears, grows with frequency, and no twin has it.
+/// The filter with the least error.
 fn best(filters: &[Filter], errors: &[Option<FilterError>]) -> Option<Filter> {
-    let totals: Vec<(Filter, f64)> =
-        filters.iter().zip(errors).filter_map(|(filter, error)| Some((*filter, error.as_ref()?.total))).collect();
-    let least = totals.iter().map(|(_, total)| *total).fold(f64::INFINITY, f64::min);
-    let good = totals.into_iter().filter(|(_, total)| *total <= AS_GOOD * least);
-    let narrower = |a: &(Filter, f64), b: &(Filter, f64)| a.0.decimation.cmp(&b.0.decimation).then(b.1.total_cmp(&a.1));
-    good.max_by(narrower).map(|(filter, _)| filter)
+    let totals = filters.iter().zip(errors).filter_map(|(filter, error)| Some((*filter, error.as_ref()?.total)));
+    totals.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(filter, _)| filter)
+}
+
+/// The geometric means of the errors over each filter and its neighbours: the error of one filter on few records is partly chance.
+fn smoothed(filters: &[Filter], errors: &[Option<FilterError>]) -> Vec<Option<FilterError>> {
+    let around = |(filter, error): (&Filter, &Option<FilterError>)| {
+        error.as_ref()?;
+        let pairs = filters.iter().zip(errors).filter(|(other, _)| octaves(*filter, **other) <= NEIGHBOURS);
+        Some(FilterError::mean(&pairs.filter_map(|(_, error)| *error).collect::<Vec<_>>()))
+    };
+    filters.iter().zip(errors).map(around).collect()
+}
+
+/// How far apart filters are, octaves.
+fn octaves(a: Filter, b: Filter) -> f64 {
+    let cutoffs = (a.cutoff_hz / b.cutoff_hz).log2();
+    cutoffs.hypot((a.decimation as f64 / b.decimation as f64).log2())
 }
 
 /// The columns that the motion separates, and the estimate with them.
-fn separated(regression: &Regression) -> Result<(Vec<usize>, Vec<f64>), EstimationError> {
+pub(super) fn separated(regression: &Regression) -> Result<(Vec<usize>, Vec<f64>), EstimationError> {
     let all = 0..regression.x.columns();
     match idim_ls(regression, Divisor::default()) {
         Ok(fit) => Ok((all.collect(), fit.theta)),
@@ -318,5 +336,24 @@ fn separated(regression: &Regression) -> Result<(Vec<usize>, Vec<f64>), Estimati
             Ok((columns, fit.theta))
         }
         Err(error) => Err(error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_are_those_of_a_neighbourhood() {
+        let filter = |cutoff_hz, decimation| Filter { cutoff_hz, decimation };
+        let error = |total| Some(FilterError { total, bias: total });
+        // The lucky one at 40 Hz stands among filters that are worse than those around 10 Hz.
+        let filters =
+            [filter(7.0, 8), filter(10.0, 8), filter(14.0, 8), filter(28.0, 2), filter(40.0, 2), filter(56.0, 2)];
+        let errors = [error(1.1), error(1.1), error(1.1), error(4.0), error(1.0), None];
+        let smooth = smoothed(&filters, &errors);
+        assert_eq!(best(&filters, &errors), Some(filters[4]));
+        assert!((smooth[1].unwrap().total - 1.1).abs() < 1e-12 && (smooth[4].unwrap().bias - 2.0).abs() < 1e-12);
+        assert_eq!((smooth[5], best(&filters, &smooth).map(|f| f.decimation)), (None, Some(8)));
     }
 }

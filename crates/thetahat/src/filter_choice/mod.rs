@@ -17,8 +17,12 @@
 mod bands;
 mod choose;
 mod grid;
+mod low_pass;
+mod recorder;
 mod score;
+mod static_friction;
 mod twin;
 
 pub use choose::{FilterChoiceError, choose_filter, estimate_behind};
 pub use grid::FilterGrid;
+pub use score::sizes;

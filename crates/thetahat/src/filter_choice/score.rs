@@ -1,6 +1,10 @@
 //! How far estimates with a filter are from the truth.
 
-use crate::results::{Filter, FilterError};
+use crate::{
+    base_parameters::BaseParameters,
+    dynamics::Model,
+    results::{Filter, FilterError},
+};
 
 /// Squared differences of estimates that the errors of the narrower filter explain, in multiples of those.
 const ALLOWED: f64 = 3.0;
@@ -8,6 +12,8 @@ const ALLOWED: f64 = 3.0;
 const COMPARABLE: f64 = 9.0;
 /// Part of the parameters that must differ by more than that: one that a narrow filter hardly shows differs by chance.
 const DIFFERENT: f64 = 0.3;
+/// How many times more of them than differ in any record of a twin.
+const NOT_BY_CHANCE: f64 = 3.0;
 
 /// Errors of the estimates with one filter: mean squares, one for each parameter.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,9 +22,30 @@ pub(super) struct Errors {
     pub(super) bias: Vec<f64>,
     /// What the noise of the torques brings.
     pub(super) variance: Vec<f64>,
+    /// Errors of single draws of both, the same draws behind every filter.
+    pub(super) draws: Vec<Vec<f64>>,
+}
+
+/// The size of each base parameter: the largest value of those of its joint or link that have its unit. An error beyond it says
+/// that nothing is known of the parameter, however large it is.
+#[must_use]
+pub fn sizes(model: &Model, base: &BaseParameters, values: &[f64]) -> Vec<f64> {
+    let table = model.parameter_table();
+    let group = |p: usize| {
+        let parameter = &base.parameters()[p];
+        (table.get(parameter.kept).number, &parameter.unit)
+    };
+    let all = 0..values.len();
+    let of_group = |p: usize| all.clone().filter(move |&other| group(other) == group(p));
+    all.clone().map(|p| of_group(p).map(|other| values[other].abs()).fold(0.0, f64::max)).collect()
 }
 
 impl Errors {
+    /// The same with none beyond the sizes of the parameters.
+    pub(super) fn within(self, sizes: &[f64]) -> Self {
+        Self { bias: within(self.bias, sizes), variance: within(self.variance, sizes), draws: self.draws }
+    }
+
     fn squares(&self) -> impl Iterator<Item = f64> {
         self.bias.iter().zip(&self.variance).map(|(bias, variance)| bias + variance)
     }
@@ -30,7 +57,8 @@ impl Errors {
             let parameters = all.first().map_or(0, |e| of(e).len());
             (0..parameters).map(|p| all.iter().map(|e| of(e)[p]).sum::<f64>() / all.len() as f64).collect()
         };
-        Some(Self { bias: mean(&|e| &e.bias), variance: mean(&|e| &e.variance) })
+        let draws = all.iter().flat_map(|e| e.draws.iter().cloned()).collect();
+        Some(Self { bias: mean(&|e| &e.bias), variance: mean(&|e| &e.variance), draws })
     }
 }
 
@@ -46,11 +74,11 @@ pub(super) struct Tried {
 
 /// The relative errors of filters; none where a filter gives no estimate.
 ///
-/// What the twins do not know of, a record that was low-passed, a lag, friction that changes smoothly, shows in the record's own
-/// estimates: those of a wide filter differ from those of a narrower one by more than the narrower one's errors. The part beyond
-/// is bias of the wide one (A. Goldenshluger, O. Lepski, "Bandwidth selection in kernel density estimation: oracle inequalities
+/// What the twins do not know of, such as friction that changes smoothly, shows in the record's own estimates: those of a wide filter
+/// differ from those of a narrower one by more than the narrower one's errors, and more often than in records of the twin. The part
+/// beyond is bias of the wide one (A. Goldenshluger, O. Lepski, "Bandwidth selection in kernel density estimation: oracle inequalities
 /// and adaptive minimax optimality", Annals of Statistics 39 (2011), section 3). `part` of all samples are in the twins.
-pub(super) fn relative_errors(all: &[Option<Tried>], part: f64) -> Vec<Option<FilterError>> {
+pub(super) fn relative_errors(all: &[Option<Tried>], sizes: &[f64], part: f64) -> Vec<Option<FilterError>> {
     let parameters = all.iter().flatten().map(|t| t.estimates.len()).next().unwrap_or(0);
     let mut least = vec![f64::MAX; parameters];
     for tried in all.iter().flatten() {
@@ -65,12 +93,15 @@ pub(super) fn relative_errors(all: &[Option<Tried>], part: f64) -> Vec<Option<Fi
         let is_comparable =
             |other: &&Tried| is_narrower(other.filter, of.filter) && mean(&mut other.errors.squares()) <= limit;
         let narrower = all.iter().flatten().filter(is_comparable);
-        let beyond = |other: &Tried| {
-            let beyond = beyond(of, other, part);
-            let different = beyond.iter().filter(|excess| **excess > 0.0).count();
-            if (different as f64) < DIFFERENT * parameters as f64 { 0.0 } else { mean(&mut beyond.into_iter()) }
+        let from = |narrow: &Tried| {
+            let allowed = allowed(narrow, part);
+            let excess = beyond(&of.estimates, &narrow.estimates, &allowed);
+            let draws = of.errors.draws.iter().zip(&narrow.errors.draws);
+            let by_chance = draws.map(|(of, narrow)| positive(&beyond(of, narrow, &allowed))).max().unwrap_or(0);
+            let limit = (DIFFERENT * parameters as f64).max(NOT_BY_CHANCE * by_chance as f64);
+            if (positive(&excess) as f64) < limit { 0.0 } else { mean(&mut within(excess, sizes).into_iter()) }
         };
-        narrower.map(beyond).fold(0.0, f64::max)
+        narrower.map(from).fold(0.0, f64::max)
     };
     let relative = |tried: &Tried| {
         let drift = drift(tried);
@@ -85,11 +116,25 @@ fn is_narrower(filter: Filter, other: Filter) -> bool {
     filter != other && filter.decimation >= other.decimation && filter.cutoff_hz <= other.cutoff_hz
 }
 
-/// By how much the squared differences of two estimates exceed what the errors of the narrower filter allow.
-fn beyond(wide: &Tried, narrow: &Tried, part: f64) -> Vec<f64> {
-    let differences = wide.estimates.iter().zip(&narrow.estimates).map(|(w, n)| (w - n).powi(2));
-    let allowed = narrow.errors.bias.iter().zip(&narrow.errors.variance).map(move |(b, v)| b + v / part);
-    differences.zip(allowed).map(|(difference, allowed)| difference - ALLOWED * allowed).collect()
+/// The squared differences that the errors of the narrower filter allow; the twins have `part` of all samples.
+fn allowed(narrow: &Tried, part: f64) -> Vec<f64> {
+    let errors = narrow.errors.bias.iter().zip(&narrow.errors.variance);
+    errors.map(|(bias, variance)| ALLOWED * (bias + variance / part)).collect()
+}
+
+/// By how much the squared differences of two estimates exceed what is allowed.
+fn beyond(wide: &[f64], narrow: &[f64], allowed: &[f64]) -> Vec<f64> {
+    let differences = wide.iter().zip(narrow).map(|(w, n)| (w - n).powi(2));
+    differences.zip(allowed).map(|(difference, allowed)| difference - allowed).collect()
+}
+
+/// Squared errors, none beyond the sizes of the parameters.
+fn within(squares: Vec<f64>, sizes: &[f64]) -> Vec<f64> {
+    squares.into_iter().zip(sizes).map(|(square, size)| square.min(size * size)).collect()
+}
+
+fn positive(values: &[f64]) -> usize {
+    values.iter().filter(|value| **value > 0.0).count()
 }
 
 #[cfg(test)]
@@ -97,20 +142,37 @@ mod tests {
     use super::*;
 
     fn tried(cutoff_hz: f64, decimation: usize, estimate: f64, variance: f64) -> Option<Tried> {
-        let errors = Errors { bias: vec![0.0; 2], variance: vec![variance, 100.0 * variance] };
+        let errors = Errors { bias: vec![0.0; 2], variance: vec![variance, 100.0 * variance], draws: Vec::new() };
         Some(Tried { filter: Filter { cutoff_hz, decimation }, estimates: vec![estimate; 2], errors })
     }
 
     #[test]
     fn errors_count_in_units_of_the_least() {
-        let found = relative_errors(&[tried(10.0, 2, 0.0, 1.0), None, tried(5.0, 4, 0.0, 9.0)], 1.0);
+        let found = relative_errors(&[tried(10.0, 2, 0.0, 1.0), None, tried(5.0, 4, 0.0, 9.0)], &[100.0; 2], 1.0);
         let error = |total| Some(FilterError { total, bias: 0.0 });
         assert_eq!(found, [error(1.0), None, error(3.0)]);
     }
 
     #[test]
+    fn a_drift_that_twins_have_too_is_chance() {
+        let with_draw = |tried: Option<Tried>, draw: f64| {
+            let tried = tried.unwrap();
+            Some(Tried { errors: Errors { draws: vec![vec![draw; 2]], ..tried.errors.clone() }, ..tried })
+        };
+        let pair = |draw| [with_draw(tried(40.0, 1, 5.0, 1e-2), draw), with_draw(tried(10.0, 4, 0.0, 4e-2), 0.0)];
+        let bias_of_wide = |draw| relative_errors(&pair(draw), &[100.0; 2], 1.0)[0].unwrap().bias;
+        assert!(bias_of_wide(0.0) > 10.0 && bias_of_wide(5.0) == 0.0);
+    }
+
+    #[test]
+    fn errors_beyond_the_size_of_a_parameter_are_alike() {
+        let errors = Errors { bias: vec![9.0, 1e6], variance: vec![1.0, 1e9], draws: Vec::new() }.within(&[10.0, 10.0]);
+        assert_eq!((errors.bias, errors.variance), (vec![9.0, 100.0], vec![1.0, 100.0]));
+    }
+
+    #[test]
     fn an_estimate_that_drifts_as_the_filter_widens_has_bias() {
-        let found = relative_errors(&[tried(40.0, 1, 5.0, 1e-2), tried(10.0, 4, 0.0, 4e-2)], 1.0);
+        let found = relative_errors(&[tried(40.0, 1, 5.0, 1e-2), tried(10.0, 4, 0.0, 4e-2)], &[100.0; 2], 1.0);
         let [wide, narrow] = [&found[0], &found[1]].map(|e| e.unwrap());
         assert!(wide.total > 10.0 && wide.bias > 10.0 && narrow.total == 2.0 && narrow.bias == 0.0);
     }

@@ -3,12 +3,17 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::bands;
+use super::{
+    bands,
+    low_pass::rate_of_noise,
+    recorder::{Recorder, left},
+    static_friction::StaticFriction,
+};
 use crate::{
     control::ControllerDescription,
-    dynamics::{DynamicParameters, Model, Sign, State, Workspace},
+    dynamics::Model,
     preparation::{Recording, STILL, SimulationOptions},
-    robot::Robot,
+    robot::{JointQuantity, Quantity, Robot},
     series::Series,
     signal::{Motion, Padding, SecondOrderSections, SignalError, Spectrum, zero_phase},
     simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatorBias, Solver},
@@ -37,6 +42,7 @@ pub(super) struct RecordTwin {
     sample_rate_hz: f64,
     position: Series,
     torque: Series,
+    static_friction: StaticFriction,
     position_noise: Spectrum,
     torque_noise: Spectrum,
 }
@@ -52,25 +58,28 @@ pub(super) struct Mover<'a> {
 
 impl RecordTwin {
     /// The twin of a recording: a controlled robot follows its motion below `motion_hz`. Friction and loop leave in motion and
-    /// torques what that band does not hold. The noise of the torques is like `left`, what the model leaves of them.
+    /// torques what that band does not hold. Its torques are recorded as those of the record were.
     pub(super) fn of(
         recording: &Recording,
         motion_hz: f64,
-        left: &Series,
+        recorder: &Recorder,
         mover: &Mover<'_>,
     ) -> Result<Self, SignalError> {
         let Recording { sample_rate_hz: rate, position: recorded, .. } = recording;
         let positions = Spectrum::of(recorded, *rate);
-        let bands: Vec<f64> = (0..recorded.channels()).map(|j| bands::above_noise_hz(&positions, j, *rate)).collect();
+        let noise_rate = rate_of_noise(recording);
+        let bands: Vec<f64> =
+            (0..recorded.channels()).map(|j| bands::above_noise_hz(&positions, j, noise_rate)).collect();
         let noise = less(recorded, &low_passed(recorded, &bands, *rate)?);
         let reference = low_passed(recorded, &vec![motion_hz; recorded.channels()], *rate)?;
-        let (position, torque) = mover.follow(reference, *rate);
+        let (position, torque, static_friction) = mover.follow(reference, *rate);
         Ok(Self {
             sample_rate_hz: *rate,
             position,
-            torque,
+            torque: recorder.recorded(torque, *rate)?,
+            static_friction,
             position_noise: flat_below(Spectrum::of(&noise, *rate), &bands),
-            torque_noise: Spectrum::of(left, *rate),
+            torque_noise: Spectrum::of(&recorder.noise, *rate),
         })
     }
 
@@ -78,7 +87,8 @@ impl RecordTwin {
     pub(super) fn record(&self, seed: u64) -> Recording {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let noise = self.position_noise.draw(self.position.len(), self.sample_rate_hz, &mut rng);
-        Recording::new(self.sample_rate_hz, plus(&self.position, &noise), self.torque.clone())
+        let torque = plus(&self.torque, &self.static_friction.draw(&mut rng));
+        Recording::new(self.sample_rate_hz, plus(&self.position, &noise), torque)
     }
 
     /// Several draws of the noise of the torques.
@@ -91,7 +101,7 @@ impl RecordTwin {
 
 impl Mover<'_> {
     /// Motion and torques along a reference; the reference itself with its torques where the loop cannot be simulated.
-    fn follow(&self, reference: Series, rate: f64) -> (Series, Series) {
+    fn follow(&self, reference: Series, rate: f64) -> (Series, Series, StaticFriction) {
         let samples = reference.len();
         let sign_velocity_scale = sign_velocity_scale(&reference, rate);
         let followed = Reference::Sampled(SampledReference::new(reference.clone(), rate));
@@ -109,27 +119,26 @@ impl Mover<'_> {
         let inertia = closed_loop.motor_inertia(self.theta, samples as f64 / rate);
         let grid = OutputGrid { start_s: 0.0, sample_rate_hz: rate, samples };
         match closed_loop.simulate(self.theta, &inertia, &grid) {
-            Ok(motion) => (motion.q, motion.tau),
+            Ok(motion) => {
+                let static_friction = self.static_friction(&motion.dq, sign_velocity_scale);
+                (motion.q, motion.tau, static_friction)
+            }
             Err(_) => {
-                let torque = torques_along(&reference, rate, self.model, self.theta);
-                (reference, torque)
+                let motion = differentiated(reference, rate);
+                let none = left(&Series::zeros(samples, motion.q.channels()), &motion, self.model, self.theta);
+                let torque = Series::from_values(none.channels(), none.values().iter().map(|v| -v).collect());
+                (motion.q, torque, self.static_friction(&motion.dq, sign_velocity_scale))
             }
         }
     }
-}
 
-/// What a model leaves of torques.
-pub(super) fn left(torque: &Series, motion: &Motion, model: &Model, theta: &[f64]) -> Series {
-    let (parameters, mut workspace) = (DynamicParameters::new(model, theta), Workspace::new(model));
-    let mut left = torque.clone();
-    let mut tau = vec![0.0; torque.channels()];
-    for k in 0..torque.len() {
-        let state = State::new(motion.q.sample(k), motion.dq.sample(k));
-        let ddq = motion.ddq.sample(k);
-        model.inverse_dynamics(&parameters, state, ddq, Sign::Exact, &mut workspace, &mut tau);
-        left.sample_mut(k).iter_mut().zip(&tau).for_each(|(left, tau)| *left -= tau);
+    /// What static friction may add to the smooth one of a motion.
+    fn static_friction(&self, dq: &Series, sign_velocity_scale: f64) -> StaticFriction {
+        let index = |joint| self.model.parameter_table().index(Quantity::Joint(JointQuantity::Fc), joint);
+        let coulomb = |joint| index(joint).map_or(0.0, |i| self.theta[i].abs());
+        let coulomb: Vec<f64> = self.robot.coordinate_joints().into_iter().map(coulomb).collect();
+        StaticFriction::new(&coulomb, dq, sign_velocity_scale)
     }
-    left
 }
 
 /// Each channel below its own frequency.
@@ -152,14 +161,13 @@ fn sign_velocity_scale(q: &Series, rate: f64) -> f64 {
     (OF_VELOCITY * slowest).min(SimulationOptions::default().sign_velocity_scale)
 }
 
-/// The torques of a model along positions.
-fn torques_along(q: &Series, rate: f64, model: &Model, theta: &[f64]) -> Series {
-    let mut motion = Motion { q: q.clone(), dq: q.clone(), ddq: q.clone() };
+/// Positions with their derivatives.
+fn differentiated(q: Series, rate: f64) -> Motion {
+    let (mut dq, mut ddq) = (q.clone(), q.clone());
     for k in 0..q.len() {
-        differentiate(q, k, rate, motion.dq.sample_mut(k), motion.ddq.sample_mut(k));
+        differentiate(&q, k, rate, dq.sample_mut(k), ddq.sample_mut(k));
     }
-    let none = left(&Series::zeros(q.len(), q.channels()), &motion, model, theta);
-    Series::from_values(q.channels(), none.values().iter().map(|v| -v).collect())
+    Motion { q, dq, ddq }
 }
 
 /// First and second derivative at a sample; positions stand still beyond the ends.

@@ -20,10 +20,12 @@ pub struct FilterError {
 }
 
 impl FilterError {
-    /// The geometric mean of two.
+    /// The geometric mean of several.
     #[must_use]
-    pub fn mean(a: Self, b: Self) -> Self {
-        Self { total: (a.total * b.total).sqrt(), bias: (a.bias * b.bias).sqrt() }
+    pub fn mean(errors: &[Self]) -> Self {
+        let mean =
+            |of: &dyn Fn(&Self) -> f64| (errors.iter().map(|e| of(e).ln()).sum::<f64>() / errors.len() as f64).exp();
+        Self { total: mean(&|e| e.total), bias: mean(&|e| e.bias) }
     }
 }
 
