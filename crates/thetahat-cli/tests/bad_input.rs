@@ -385,10 +385,10 @@ fn several_columns_of_time() {
 
 #[test]
 fn unknown_unit() {
-    Case::valid().experiment("unit = \"N\"", "unit = \"Nm\"").is_refused(&[
+    Case::valid().experiment("unit = \"N\"", "unit = \"lbf\"").is_refused(&[
         "experiment.toml",
         "line 8",
-        "Nm",
+        "lbf",
         "\"N m\"",
     ]);
 }

@@ -243,8 +243,10 @@ impl fmt::Display for Unit {
 impl FromStr for Unit {
     type Err = UnknownUnit;
 
+    /// A unit by its symbol; `Nm`, `N*m` and `N·m` are `N m`.
     fn from_str(symbol: &str) -> Result<Self, UnknownUnit> {
-        let known = Self::ALL.into_iter().find(|unit| unit.symbol() == symbol);
+        let letters = |symbol: &str| symbol.replace([' ', '*', '·'], "");
+        let known = Self::ALL.into_iter().find(|unit| letters(unit.symbol()) == letters(symbol));
         known.ok_or_else(|| UnknownUnit {
             found: symbol.to_owned(),
             expected: Self::ALL.map(|unit| format!("\"{unit}\"")).to_vec(),
@@ -278,6 +280,15 @@ mod tests {
     }
 
     #[test]
+    fn a_product_is_written_in_several_ways() {
+        for symbol in ["N m", "Nm", "N*m", "N·m"] {
+            assert_eq!(symbol.parse::<Unit>().unwrap(), Unit::NewtonMetre);
+        }
+        assert_eq!("mNm".parse::<Unit>().unwrap(), Unit::MillinewtonMetre);
+        assert!("nm".parse::<Unit>().is_err());
+    }
+
+    #[test]
     fn factors_lead_to_si() {
         assert_eq!(Unit::Revolution.to_si(), 2.0 * PI);
         assert_eq!(Unit::Millimetre.to_si(), 1e-3);
@@ -288,8 +299,8 @@ mod tests {
 
     #[test]
     fn unknown_symbol_is_refused_with_the_known_ones() {
-        let UnknownUnit { found, expected } = "Nm".parse::<Unit>().unwrap_err();
-        assert_eq!(found, "Nm");
+        let UnknownUnit { found, expected } = "lbf".parse::<Unit>().unwrap_err();
+        assert_eq!(found, "lbf");
         assert!(expected.contains(&"\"N m\"".to_owned()));
     }
 }
