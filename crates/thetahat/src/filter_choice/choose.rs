@@ -4,27 +4,28 @@ use std::{collections::BTreeMap, ops::Range};
 
 use super::{
     bands,
+    error::FilterChoiceError,
     grid::{FilterGrid, for_dynamics},
     low_pass::rate_of_noise,
     recorder::Recorder,
     score::{Errors, Tried, relative_errors, sizes},
+    separated::separated,
     twin::{Mover, Noise, RecordTwin},
 };
 use crate::{
     base_parameters::BaseParameters,
     consistency::{SimulationOptions, nearest_to_simulate},
     control::ControllerDescription,
-    identification::{Divisor, EstimationError, Method, idim_ls},
+    identification::{Divisor, Method, idim_ls},
     pool,
     preparation::{
         Basis, Case, FilteredRecording, ParameterChoice, ParameterSelection, PreparationError, Problem, Recording,
         Settings, Setup, SignalOptions, propose_controller,
     },
-    regression::Regression,
     results::{ComparedFilter, Filter, FilterChoice, FilterError},
     robot::Robot,
     series::Series,
-    signal::{SignalError, Spectrum},
+    signal::Spectrum,
 };
 
 /// Records whose positions have other noise: as many as make so many samples of all joints, within limits.
@@ -39,39 +40,6 @@ const NEIGHBOURS: f64 = 0.8;
 const ROWS_PER_PARAMETER: f64 = 10.0;
 /// Longest stretch of a record of which a twin is made, in samples.
 const LONGEST: usize = 40_000;
-
-/// Why no filter can be chosen.
-#[derive(Debug, Clone, thiserror::Error)]
-#[non_exhaustive]
-pub enum FilterChoiceError {
-    /// The recording cannot be used.
-    #[error("{source}")]
-    Preparation {
-        /// Why.
-        #[from]
-        source: PreparationError,
-    },
-    /// The recording cannot be filtered.
-    #[error("{source}")]
-    Signal {
-        /// Why.
-        #[from]
-        source: SignalError,
-    },
-    /// No estimate.
-    #[error("{source}")]
-    Estimation {
-        /// Why.
-        #[from]
-        source: EstimationError,
-    },
-    /// Torque terms take recorded channels, which twins do not have.
-    #[error("torque terms take recorded channels, which a twin does not have; choose the filter without these terms")]
-    Channels,
-    /// There is no recording with torques.
-    #[error("no recording has torques: a filter is chosen from what it does to the estimates")]
-    NoTorque,
-}
 
 /// The filter with which IDIM-LS gives the estimates that are nearest to the truth, on twins of the longest recording.
 ///
@@ -323,20 +291,6 @@ fn smoothed(filters: &[Filter], errors: &[Option<FilterError>]) -> Vec<Option<Fi
 fn octaves(a: Filter, b: Filter) -> f64 {
     let cutoffs = (a.cutoff_hz / b.cutoff_hz).log2();
     cutoffs.hypot((a.decimation as f64 / b.decimation as f64).log2())
-}
-
-/// The columns that the motion separates, and the estimate with them.
-pub(super) fn separated(regression: &Regression) -> Result<(Vec<usize>, Vec<f64>), EstimationError> {
-    let all = 0..regression.x.columns();
-    match idim_ls(regression, Divisor::default()) {
-        Ok(fit) => Ok((all.collect(), fit.theta)),
-        Err(EstimationError::NotIdentifiable { dependent, .. }) => {
-            let columns: Vec<usize> = all.filter(|c| !dependent.contains(c)).collect();
-            let fit = idim_ls(&regression.with_columns(&columns), Divisor::default())?;
-            Ok((columns, fit.theta))
-        }
-        Err(error) => Err(error),
-    }
 }
 
 #[cfg(test)]

@@ -16,13 +16,16 @@
 
 mod bands;
 mod choose;
+mod error;
 mod grid;
 mod low_pass;
 mod recorder;
 mod score;
+mod separated;
 mod static_friction;
 mod twin;
 
-pub use choose::{FilterChoiceError, choose_filter, estimate_behind};
+pub use choose::{choose_filter, estimate_behind};
+pub use error::FilterChoiceError;
 pub use grid::FilterGrid;
 pub use score::sizes;

@@ -1,6 +1,6 @@
 //! How the torques of a record were recorded, as far as an estimate tells: their noise, their lag, the low-pass they went through.
 
-use super::{choose::FilterChoiceError, low_pass::low_pass_hz};
+use super::{error::FilterChoiceError, low_pass::low_pass_hz};
 use crate::{
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     identification::Method,
@@ -100,7 +100,7 @@ pub(super) fn left(torque: &Series, motion: &Motion, model: &Model, theta: &[f64
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::separated::separated, *};
     use crate::{
         linear_algebra::Matrix,
         preparation::{Case, ParameterChoice, Recording, Settings, Setup},
@@ -134,7 +134,7 @@ mod tests {
             let filtered = setup.filter(recording).unwrap();
             let basis = setup.basis(&Case::nominal()).unwrap();
             let problem = setup.problem_on(basis, &[&filtered], &ParameterChoice::Base).unwrap();
-            let (columns, theta) = super::super::choose::separated(&problem.regression).unwrap();
+            let (columns, theta) = separated(&problem.regression).unwrap();
             let mut base = vec![0.0; problem.base.len()];
             columns.iter().zip(theta).for_each(|(&c, value)| base[c] = value);
             let recorder = Recorder::of(&problem, &filtered, &columns, &problem.base.to_standard(&base)).unwrap();
