@@ -1,6 +1,7 @@
 //! How near the filter that is chosen from a record comes to the best of a grid: the table of `docs/filter_choice.md`.
 //!
-//! Twins of several robots move slowly or fast, are sampled at 30 Hz to 5 kHz, and are recorded with noise of random size. The
+//! Twins of several robots move, are sampled at 30 Hz to 5 kHz, and are recorded with noise of random size: cases 1 to 100 periodically,
+//! those above from rest to rest, one joint after the other, slowly or periodically, some with the steps of encoders. The
 //! rms error of the estimates against the truth is compared with that of every filter of a wide grid, over records with other
 //! noise of the same kind. Each parameter's error counts in units of the least rms error that any filter gives it.
 //!
