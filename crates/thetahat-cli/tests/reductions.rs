@@ -305,7 +305,10 @@ fn reductions_of_other_robots_and_filters() {
         ("joint", "joints"),
         ("cutoff", "cut-off in Hz differs: 40 in the first, 50 in the other"),
         ("decimation", "decimation differs: 10"),
-        ("mask", "mask near rest differs: near-rest, sign_velocity_scale 0.05 in the first, none in the other"),
+        (
+            "mask",
+            "mask near rest differs: near-rest, sign_velocity_scale 0.05, zero beyond the window in the first, none, zero beyond the window in the other",
+        ),
     ] {
         folder.succeeds(&format!("reduce {name}.toml --out {name}.reduction"));
         let solve = format!("solve a.reduction {name}.reduction --out out --merged m");

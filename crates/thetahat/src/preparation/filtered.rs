@@ -177,9 +177,9 @@ fn left_out(gaps: &[Range<usize>], window: &Range<usize>, rate_hz: f64, cutoff_h
 }
 
 impl FilteredRecording {
-    /// The decimation of its window by a factor.
-    pub(crate) fn decimator(&self, factor: usize) -> Result<Decimator, SignalError> {
-        Ok(Decimator::new(factor, self.window.len())?.leaving_out(&self.left_out))
+    /// The decimation of its window.
+    pub(crate) fn decimator(&self, signal: &SignalOptions) -> Result<Decimator, SignalError> {
+        Ok(signal.decimator(self.window.len())?.leaving_out(&self.left_out))
     }
 
     /// The samples of its window that are near rest, of a model with these parameters; none where all make rows.

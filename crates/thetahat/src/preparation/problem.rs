@@ -75,7 +75,7 @@ impl Setup<'_> {
         choice: &ParameterChoice,
     ) -> Result<Problem, PreparationError> {
         self.require_rows(recordings, choice, base.len())?;
-        let decimator = |r: &&FilteredRecording| r.decimator(self.settings.signal.decimation);
+        let decimator = |r: &&FilteredRecording| r.decimator(&self.settings.signal);
         let decimators = recordings.iter().map(decimator).collect::<Result<Vec<_>, _>>()?;
         let rows: Vec<usize> = decimators.iter().map(Decimator::rows).collect();
         let masks: Vec<_> = recordings.iter().map(|r| r.mask(&model, &base.columns())).collect();

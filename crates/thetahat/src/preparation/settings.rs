@@ -12,7 +12,7 @@ use crate::{
     identification::{Convergence, Divisor, EliminationRule, IterationOptions, Method, Weighting},
     results::NOMINAL,
     robot::Friction,
-    signal::Derivative,
+    signal::{Decimator, Derivative, SignalError},
     simulation::{SimulatorBias, Solver},
 };
 
@@ -135,7 +135,8 @@ pub struct SignalOptions {
     pub mask: Mask,
 }
 
-/// Which samples of a joint make no rows: near rest, a wrong sign of the velocity makes a wrong sign of its friction.
+/// Which samples of a joint make no rows: near rest, a wrong sign of the velocity makes a wrong sign of its friction. What makes
+/// no rows is zero for the parallel filter; where there is a mask, so is what lies beyond the window.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(untagged, expecting = "expected \"near-rest\", \"none\" or { velocity, widened_s }")]
 pub enum Mask {
@@ -195,6 +196,15 @@ impl SignalOptions {
             (None, None) => self,
             (window_start_s, window_end_s) => Self { window_start_s, window_end_s, ..self },
         }
+    }
+
+    /// The decimation of a window of so many samples: of records that are zero beyond their ends, unless every sample makes rows.
+    pub(crate) fn decimator(&self, samples: usize) -> Result<Decimator, SignalError> {
+        let decimator = Decimator::new(self.decimation, samples)?;
+        Ok(match self.mask {
+            Mask::Named(NamedMask::None) => decimator,
+            Mask::Named(NamedMask::NearRest) | Mask::Stated(_) => decimator.of_zero_beyond(),
+        })
     }
 }
 

@@ -57,7 +57,7 @@ impl Identity {
             cutoff_hz: signal.cutoff_hz,
             decimation: signal.decimation,
             derivative: signal.derivative.to_string(),
-            mask: if has_jumps { mask_in_words(&experiment.settings) } else { every_sample() },
+            mask: mask_in_words(&experiment.settings, has_jumps),
         }
     }
 
@@ -97,14 +97,15 @@ impl Identity {
 }
 
 /// What decides which samples make no rows, but for the noise of each recording.
-fn mask_in_words(settings: &Settings) -> String {
-    let mask = settings.signal.mask;
-    match mask {
-        Mask::Named(NamedMask::None) | Mask::Stated(_) => mask.to_string(),
-        Mask::Named(NamedMask::NearRest) => {
-            format!("{mask}, sign_velocity_scale {}", settings.simulation.sign_velocity_scale)
-        }
-    }
+fn mask_in_words(settings: &Settings, has_jumps: bool) -> String {
+    let (mask, scale) = (settings.signal.mask, settings.simulation.sign_velocity_scale);
+    let near_rest = match mask {
+        Mask::Named(NamedMask::None) => return every_sample(),
+        Mask::Stated(_) | Mask::Named(NamedMask::NearRest) if !has_jumps => every_sample(),
+        Mask::Stated(_) => mask.to_string(),
+        Mask::Named(NamedMask::NearRest) => format!("{mask}, sign_velocity_scale {scale}"),
+    };
+    format!("{near_rest}, zero beyond the window")
 }
 
 /// The columns that act on each joint, in order.

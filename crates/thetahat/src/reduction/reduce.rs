@@ -195,7 +195,7 @@ impl<'a> Reducer<'a> {
         let jumps = self.jumps();
         let surveyed = Survey::new(&pieces, self.options.threads, tell).run(&signal, !jumps.is_empty())?;
         let Surveyed { window, near_rest, pieces: mut before } = surveyed;
-        let decimator = Decimator::new(signal.decimation, window.len()).map_err(|e| refuse(self.experiment, e))?;
+        let decimator = signal.decimator(window.len()).map_err(|e| refuse(self.experiment, e))?;
         let simulated = |theta: &Vec<f64>| {
             Simulated::new(self.experiment, (self.model, self.base), source, theta, (pieces.reach, &window))
         };

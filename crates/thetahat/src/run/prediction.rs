@@ -83,7 +83,7 @@ struct Predictor<'a> {
 impl Predictor<'_> {
     /// The decimated rows of the window, and their prediction.
     fn rows(&self, filtered: &FilteredRecording) -> Result<(Regression, Vec<f64>), PreparationError> {
-        let decimator = filtered.decimator(self.setup.settings.signal.decimation)?;
+        let decimator = filtered.decimator(&self.setup.settings.signal)?;
         let layout = RowLayout::new(self.basis.model.coordinate_count(), &[decimator.rows()]);
         let mask = filtered.mask(&self.basis.model, &self.columns);
         let assembly = Assembly::new(&self.basis.model, &self.columns, decimator).masked(mask);

@@ -6,9 +6,9 @@ use crate::series::Series;
 
 use super::design::SecondOrderSections;
 use super::error::SignalError;
-use super::forward_backward::{Kept, Shape};
+use super::forward_backward::Kept;
 use super::join::{Joined, filter_and_keep};
-use super::pieces::{DecimatedPiece, PiecePass};
+use super::pieces::{DecimatedPiece, Extension, PiecePass, Record};
 use super::pole_sums::PoleSums;
 use super::zero_phase::{Padding, zero_phase};
 
@@ -44,6 +44,7 @@ pub struct Decimator {
     gaps: Vec<Range<usize>>,
     /// The places of the rows that are given among those of a record without gaps; empty without gaps.
     rows: Vec<usize>,
+    extension: Extension,
 }
 
 /// The parallel filter: its sections, which give every sample, and its sums over poles, which give those kept.
@@ -67,7 +68,8 @@ impl Decimator {
             return Err(SignalError::RecordTooShort { needed, found: samples });
         }
         let kept = Kept { first: (samples - 1) % factor, step: factor };
-        Ok(Self { samples, kept, filter: low_pass(factor)?, gaps: Vec::new(), rows: Vec::new() })
+        let (filter, extension) = (low_pass(factor)?, Extension::Odd(Padding::Matlab.samples(ORDER)));
+        Ok(Self { samples, kept, filter, gaps: Vec::new(), rows: Vec::new(), extension })
     }
 
     /// The same for records of which some samples are not used, in ranges that rise. There every channel goes on at the mean
@@ -80,6 +82,14 @@ impl Decimator {
         let rows =
             if gaps.is_empty() { Vec::new() } else { kept.filter(|(_, k)| is_used(k)).map(|(row, _)| row).collect() };
         Self { gaps: gaps.to_vec(), rows, ..self }
+    }
+
+    /// The same of records that are zero before their first and behind their last sample. MATLAB's odd extension gives the rows
+    /// at the ends nearly the values of single samples, with their noise; that of the other rows is low-passed. Zeros keep sums of
+    /// channels sums, and what holds of samples holds of rows.
+    #[must_use]
+    pub fn of_zero_beyond(self) -> Self {
+        Self { extension: Extension::Zero, ..self }
     }
 
     /// What the filter makes of a constant one.
@@ -136,8 +146,8 @@ impl Decimator {
     /// The rows of a record without gaps.
     fn all_rows(&self, channels: usize, mut fill: impl FnMut(usize, &mut [f64])) -> Series {
         if let Some(filter) = &self.filter {
-            let shape = Shape { samples: self.samples, channels, padding: Padding::Matlab.samples(ORDER) };
-            return filter_and_keep(&filter.sums, shape, self.kept, fill);
+            let record = Record { samples: self.samples, channels, extension: self.extension };
+            return filter_and_keep(&filter.sums, record, self.kept, fill);
         }
         let mut series = Series::zeros(self.samples, channels);
         (0..self.samples).for_each(|k| fill(k, series.sample_mut(k)));
@@ -173,8 +183,8 @@ impl Decimator {
         mut fill: impl FnMut(usize, &mut [f64]),
     ) -> Result<DecimatedPiece, SignalError> {
         if let Some(filter) = &self.filter {
-            let shape = Shape { samples: self.samples, channels, padding: Padding::Matlab.samples(ORDER) };
-            return Ok(PiecePass::new(&filter.sums, shape, self.kept, fill).run(piece));
+            let record = Record { samples: self.samples, channels, extension: self.extension };
+            return Ok(PiecePass::new(&filter.sums, record, self.kept, fill).run(piece));
         }
         let mut rows = Series::zeros(piece.len(), channels);
         piece.enumerate().for_each(|(row, k)| fill(k, rows.sample_mut(row)));
@@ -187,8 +197,8 @@ impl Decimator {
         Joiner(self.filter.as_ref().map(|filter| Joined::new(&filter.sums, self.rows())))
     }
 
-    /// All samples of the filtered series, from which [`Self::decimate`] keeps some. The length is free, so that the
-    /// filter can be probed.
+    /// All samples of the series filtered with an odd extension, from which [`Self::decimate`] with that extension keeps some. The
+    /// length is free, so that the filter can be probed.
     ///
     /// # Errors
     /// If the series is not longer than the padding.
@@ -333,6 +343,31 @@ mod tests {
             assert_eq!(joined.len(), whole.values().len());
             for (j, w) in joined.iter().zip(whole.values()) {
                 assert!((j - w).abs() < 1e-12 * w.abs(), "factor {factor}, pieces of {rows}: {j} {w}");
+            }
+        }
+        Ok(())
+    }
+
+    /// Many zeros before and behind the record, where the extension of their ends no longer matters.
+    #[test]
+    fn zeros_beyond_the_ends_are_zeros() -> Result<(), SignalError> {
+        for (factor, samples, rows) in [(2, 25, 40), (10, 999, 30), (100, 3001, 50)] {
+            let margin = 200 * factor;
+            let value = |k: usize| 50.0 + (k as f64 * 0.37).sin() + ((k * k) % 17) as f64;
+            let decimator = Decimator::new(factor, samples)?.of_zero_beyond();
+            let found = decimator.decimate_computed(1, |k, sample| sample[0] = value(k))?;
+            let of_padded = |k: usize| k.checked_sub(margin).filter(|k| *k < samples).map_or(0.0, value);
+            let padded = Series::from_values(1, (0..samples + 2 * margin).map(of_padded).collect());
+            let padded = Decimator::new(factor, padded.len())?.filter(&padded)?;
+            let (mut joiner, mut joined) = (decimator.joiner(), Vec::new());
+            for piece in decimator.pieces(rows) {
+                let piece = decimator.decimate_piece(piece, 1, |k, sample| sample[0] = value(k))?;
+                joiner.take(piece).iter().for_each(|rows| joined.extend(rows.values().iter().copied()));
+            }
+            for ((row, k), piecewise) in decimator.kept().enumerate().zip(joined) {
+                let (row, expected) = (found.sample(row)[0], padded.sample(margin + k)[0]);
+                assert!((row - expected).abs() < 1e-9, "factor {factor}, sample {k} of {samples}: {row} {expected}");
+                assert!((row - piecewise).abs() < 1e-9);
             }
         }
         Ok(())

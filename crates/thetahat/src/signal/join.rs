@@ -5,8 +5,8 @@
 
 use std::collections::VecDeque;
 
-use super::forward_backward::{Kept, Shape};
-use super::pieces::{DecimatedPiece, PiecePass, Tail};
+use super::forward_backward::Kept;
+use super::pieces::{DecimatedPiece, PiecePass, Record, Tail};
 use super::pole_sums::{PoleSums, Sums};
 use crate::series::Series;
 
@@ -17,14 +17,14 @@ const NEGLIGIBLE: f64 = 1e-20;
 /// it: the record as one piece. `fill` writes the channels of one sample after the other.
 pub(super) fn filter_and_keep(
     sums: &PoleSums,
-    shape: Shape,
+    record: Record,
     kept: Kept,
     fill: impl FnMut(usize, &mut [f64]),
 ) -> Series {
-    let rows = kept.indices(shape.samples).count();
+    let rows = kept.indices(record.samples).count();
     let mut joined = Joined::new(sums, rows);
-    let finished = joined.take(PiecePass::new(sums, shape, kept, fill).run(0..rows));
-    finished.into_iter().next().unwrap_or_else(|| Series::zeros(0, shape.channels))
+    let finished = joined.take(PiecePass::new(sums, record, kept, fill).run(0..rows));
+    finished.into_iter().next().unwrap_or_else(|| Series::zeros(0, record.channels))
 }
 
 /// The pieces of a record on their way to rows.

@@ -5,9 +5,36 @@
 
 use std::ops::Range;
 
-use super::forward_backward::{Kept, Shape};
+use super::forward_backward::Kept;
 use super::pole_sums::{Interval, LANES, PoleSums, Sums, WEIGHTS, interval_sums};
 use crate::series::Series;
+
+/// What stands before and behind a record.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Extension {
+    /// So many samples of its odd reflection, `2 x[0] - x[k]`, and beyond them the last of those.
+    Odd(usize),
+    /// Zeros.
+    Zero,
+}
+
+/// Size of a record: samples and channels, and how it goes on at both ends.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Record {
+    pub samples: usize,
+    pub channels: usize,
+    pub extension: Extension,
+}
+
+impl Extension {
+    /// Samples of the record that it reflects, less the one about which it does.
+    fn reflected(self) -> usize {
+        match self {
+            Self::Odd(samples) => samples,
+            Self::Zero => 0,
+        }
+    }
+}
 
 /// Consecutive kept samples of a record, as far as the samples between them determine them.
 #[derive(Debug, Clone)]
@@ -18,7 +45,7 @@ pub struct DecimatedPiece {
     /// Causal sums of each channel at the last row, anticausal ones before the first interval.
     pub(super) causal: Vec<Sums>,
     pub(super) anticausal: Vec<Sums>,
-    /// The extension behind the record, where this is its last piece.
+    /// The odd extension behind the record, where this is its last piece and has one.
     pub(super) tail: Option<Tail>,
 }
 
@@ -45,7 +72,7 @@ impl DecimatedPiece {
 /// One piece on its way through the sums.
 pub(super) struct PiecePass<'a, F> {
     sums: &'a PoleSums,
-    shape: Shape,
+    record: Record,
     kept: Kept,
     fill: F,
     /// Channels, filled up with zeros to whole tiles.
@@ -59,15 +86,15 @@ pub(super) struct PiecePass<'a, F> {
 }
 
 impl<'a, F: FnMut(usize, &mut [f64])> PiecePass<'a, F> {
-    pub(super) fn new(sums: &'a PoleSums, shape: Shape, kept: Kept, fill: F) -> Self {
-        let width = shape.channels.next_multiple_of(LANES);
-        let tail = vec![0.0; (shape.padding + 1) * width];
-        Self { sums, shape, kept, fill, width, head: Vec::new(), tail, weights: Vec::new(), spare: Vec::new() }
+    pub(super) fn new(sums: &'a PoleSums, record: Record, kept: Kept, fill: F) -> Self {
+        let width = record.channels.next_multiple_of(LANES);
+        let tail = vec![0.0; (record.extension.reflected() + 1) * width];
+        Self { sums, record, kept, fill, width, head: Vec::new(), tail, weights: Vec::new(), spare: Vec::new() }
     }
 
     /// The piece with these kept samples.
     pub(super) fn run(mut self, rows: Range<usize>) -> DecimatedPiece {
-        let mut output = Series::zeros(rows.len(), self.shape.channels);
+        let mut output = Series::zeros(rows.len(), self.record.channels);
         let mut lengths = Vec::with_capacity(rows.len());
         let mut causal = vec![Sums::default(); self.width];
         let mut behind = Vec::with_capacity(rows.len());
@@ -83,8 +110,8 @@ impl<'a, F: FnMut(usize, &mut [f64])> PiecePass<'a, F> {
             self.spare = interval.values;
         }
         let anticausal = self.add_anticausal(&lengths, &behind, &mut output);
-        let is_last = self.kept.first + self.kept.step * (rows.end - 1) + 1 == self.shape.samples;
-        let tail = is_last.then(|| self.tail());
+        let is_last = self.kept.first + self.kept.step * (rows.end - 1) + 1 == self.record.samples;
+        let tail = (is_last && self.record.extension != Extension::Zero).then(|| self.tail());
         DecimatedPiece { rows: output, lengths, causal, anticausal, tail }
     }
 
@@ -105,7 +132,7 @@ impl<'a, F: FnMut(usize, &mut [f64])> PiecePass<'a, F> {
     fn interval(&mut self, range: Range<usize>) -> Interval {
         let mut values = std::mem::take(&mut self.spare);
         values.resize(range.len() * self.width, 0.0);
-        let Shape { samples, channels, padding } = self.shape;
+        let (Record { samples, channels, .. }, padding) = (self.record, self.record.extension.reflected());
         for (k, sample) in range.clone().zip(values.chunks_mut(self.width)) {
             match self.head.get(k * self.width..(k + 1) * self.width) {
                 Some(known) => sample.copy_from_slice(known),
@@ -118,13 +145,13 @@ impl<'a, F: FnMut(usize, &mut [f64])> PiecePass<'a, F> {
         Interval { samples: range.len(), values }
     }
 
-    /// The extension before the record and its samples up to the first one kept. The sums before it assume that the record
-    /// has always had its first value.
+    /// The extension before the record and its samples up to the first one kept. The sums before an odd extension assume that
+    /// the record has always had its first value.
     fn first_interval(&mut self, causal: &mut [Sums]) -> Interval {
-        let (padding, width) = (self.shape.padding, self.width);
+        let (padding, width) = (self.record.extension.reflected(), self.width);
         let mut head = vec![0.0; (padding + 1) * width];
         let fill = &mut self.fill;
-        head.chunks_mut(width).enumerate().for_each(|(k, sample)| fill(k, &mut sample[..self.shape.channels]));
+        head.chunks_mut(width).enumerate().for_each(|(k, sample)| fill(k, &mut sample[..self.record.channels]));
         let mut values: Vec<f64> = Vec::new();
         for k in (1..=padding).rev() {
             values.extend((0..width).map(|c| 2.0 * head[c] - head[k * width + c]));
@@ -136,9 +163,9 @@ impl<'a, F: FnMut(usize, &mut [f64])> PiecePass<'a, F> {
         Interval { samples: padding + record.samples, values }
     }
 
-    /// The extension behind the record.
+    /// The odd extension behind the record.
     fn tail(&mut self) -> Tail {
-        let (padding, width) = (self.shape.padding, self.width);
+        let (padding, width) = (self.record.extension.reflected(), self.width);
         let last = &self.tail[padding * width..];
         let reflected = (1..=padding).flat_map(|k| {
             let sample = &self.tail[(padding - k) * width..][..width];
