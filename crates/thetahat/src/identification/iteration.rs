@@ -32,6 +32,10 @@ impl Default for Convergence {
 
 /// Halvings of a step of the parameters whose simulation fails.
 const HALVINGS: usize = 4;
+/// Changes of IV, in multiples of the limit of a change, that so many iterations in a row stay within: instruments of any of these
+/// simulations are as good as those of another, and the estimates with them differ by no more.
+const SETTLED: f64 = 5.0;
+const SETTLED_FOR: usize = 3;
 
 /// Iterates IDIM-IV (10) or DIDIM (19) from `start`: simulate, build Z, estimate, until both relative changes are small.
 ///
@@ -175,6 +179,14 @@ impl Estimation {
         self.fail(Status::Stalled, Reason::Stalled { cause, relative_error_percent, parameter_change });
     }
 
+    /// Whether instruments of further simulations would not change an estimate by IV.
+    fn is_settled(&self) -> bool {
+        let limit = SETTLED * self.options.convergence.parameter_change;
+        let changes = self.outcome.iterations.iter().rev().map_while(|i| i.parameter_change);
+        let in_a_row = changes.take_while(|change| *change <= limit).take(SETTLED_FOR).count();
+        self.method == Method::IDIM_IV && in_a_row == SETTLED_FOR
+    }
+
     fn accept(&mut self, fit: Fit, z: Matrix, regression: &Regression) {
         let error = norm(&regression.whiten(&regression.residual(&fit.prediction)));
         // What was simulated first were start values, no estimate.
@@ -186,7 +198,7 @@ impl Estimation {
         let small = |change: Option<f64>, limit: f64| change.is_some_and(|c| c <= limit);
         let Convergence { parameter_change: parameter_limit, error_change: error_limit, iterations } =
             self.options.convergence;
-        if small(parameter_change, parameter_limit) && small(error_change, error_limit) {
+        if (small(parameter_change, parameter_limit) && small(error_change, error_limit)) || self.is_settled() {
             (self.outcome.status, self.outcome.reason) = (Status::Converged, None);
         } else if self.outcome.iterations.len() < iterations {
             let next =
@@ -248,6 +260,24 @@ mod tests {
             assert_eq!(outcome.status, Status::Converged);
             assert!((outcome.fit.unwrap().theta[0] - 2.0).abs() < 1e-8, "{method:?}");
         }
+    }
+
+    /// A simulator that jumps to and fro between two states: its instruments are valid in both, and DIDIM has no fixed point.
+    #[test]
+    fn iv_settles_where_any_instruments_give_nearly_the_same() {
+        let Regression { x, y, .. } = measured();
+        let y = y.iter().enumerate().map(|(k, y)| y + 1e-2 * (7.7 * k as f64).sin()).collect();
+        let regression = Regression::of_one_series(x.as_ref().clone(), y);
+        let run = |method: Method, jump: f64| {
+            let mut calls = 0;
+            let mut jumping = |_: &[f64]| {
+                calls += 1;
+                Ok(z_of(if calls % 2 == 0 { 2.0 + jump } else { 2.0 - jump }))
+            };
+            iterate(method, &regression, IterationOptions::default(), &[1.0], &mut jumping).status
+        };
+        assert_eq!(run(Method::IDIM_IV, 2.0), Status::Converged);
+        assert_eq!([run(Method::IDIM_IV, 8.0), run(Method::DIDIM, 2.0)], [Status::Stalled; 2]);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Step control of a fixed-point iteration: which parameters are simulated after an estimate.
 //!
 //! As long as the changes shrink, the estimate itself is simulated. Where they do not, they are the simulation's errors, or the
-//! map from simulated to estimated parameters is no contraction: simulations get finer tolerances, then steps are mixed by
+//! map from simulated to estimated parameters is no contraction: simulations get finer tolerances, and steps are mixed by
 //! Anderson's method, in the metric of the regression (D. G. Anderson, "Iterative procedures for nonlinear integral equations",
 //! Journal of the ACM 12(4), 1965; H. F. Walker, P. Ni, SIAM J. Numer. Anal. 49(4), 2011, algorithm AA).
 
@@ -20,7 +20,13 @@ const DEPENDENT: f64 = 1e-4;
 /// Least part of an estimate's change that is made.
 const LEAST_PART: f64 = 1.0 / 16.0;
 
-/// What is done where changes do not shrink. A refinement is the first measure unless simulations are fine already.
+/// Refinements at the most.
+const REFINEMENTS: usize = 2;
+/// Change in deviations below which a change that does not shrink is rather the simulation's error: it is refined once more
+/// before steps are mixed.
+const CLOSE: f64 = 1.0;
+
+/// What is done where changes do not shrink.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Measure {
     /// Simulations get finer tolerances.
@@ -28,8 +34,6 @@ enum Measure {
     /// Steps are mixed, and half of each change is made.
     Mix,
 }
-
-const MEASURES: [Measure; 3] = [Measure::Refine, Measure::Mix, Measure::Refine];
 
 /// A simulated vector of parameters and what became of it.
 #[derive(Debug, Clone)]
@@ -44,8 +48,7 @@ struct Step {
 #[derive(Debug, Clone)]
 pub(super) struct Steps {
     taken: Vec<Step>,
-    /// How many of the measures were taken.
-    measures: usize,
+    refinements: usize,
     is_mixed: bool,
     part: f64,
     smallest: f64,
@@ -58,7 +61,7 @@ impl Steps {
     pub(super) fn new() -> Self {
         Self {
             taken: Vec::new(),
-            measures: 0,
+            refinements: 0,
             is_mixed: false,
             part: 1.0,
             smallest: f64::INFINITY,
@@ -103,11 +106,12 @@ impl Steps {
         if self.without_progress < WITHOUT_PROGRESS {
             return;
         }
-        if self.measures == 0 && self.tolerance <= FINER {
-            self.measures = 1;
+        if self.refinements == 0 && self.tolerance <= FINER {
+            self.refinements = 1;
         }
-        match MEASURES.get(self.measures) {
+        match self.measure(largest) {
             Some(Measure::Refine) => {
+                self.refinements += 1;
                 self.tolerance *= FINER;
                 let last = self.taken.len().saturating_sub(1);
                 self.taken.drain(..last);
@@ -118,7 +122,17 @@ impl Steps {
             }
             None => return,
         }
-        (self.measures, self.smallest, self.without_progress) = (self.measures + 1, largest, 0);
+        (self.smallest, self.without_progress) = (largest, 0);
+    }
+
+    /// What is tried next against changes as large as `largest`, in deviations. A refinement is first, unless simulations are
+    /// fine already.
+    fn measure(&self, largest: f64) -> Option<Measure> {
+        let wants_to_refine = self.refinements == 0 || largest < CLOSE || self.is_mixed;
+        if self.refinements < REFINEMENTS && wants_to_refine {
+            return Some(Measure::Refine);
+        }
+        (!self.is_mixed).then_some(Measure::Mix)
     }
 
     fn shorten(&mut self) {
@@ -195,15 +209,24 @@ mod tests {
         assert!(iterate(14) < 1e-9, "{}", iterate(14));
     }
 
+    /// The control after so many changes of one size to and fro.
+    fn after_noise(size: f64, steps: usize) -> Steps {
+        let mut control = Steps::new();
+        for k in 0..steps {
+            let change = if k % 2 == 0 { size } else { -size };
+            control.next(&[0.0], &[change], &Matrix::identity(1), Some(size));
+        }
+        control
+    }
+
     #[test]
     fn changes_that_do_not_shrink_refine_the_simulations_first() {
-        let mut control = Steps::new();
-        let design = Matrix::identity(1);
-        for k in 0..4 {
-            let noise = if k % 2 == 0 { 0.1 } else { -0.1 };
-            let next = control.next(&[0.0], &[noise], &design, Some(0.1));
-            assert_eq!(next, vec![noise]);
+        for size in [0.1, 10.0] {
+            let control = after_noise(size, 4);
+            assert_eq!((control.tolerance, control.is_mixed), (FINER, false));
         }
-        assert_eq!(control.tolerance, FINER);
+        let [small, large] = [0.1, 10.0].map(|size| after_noise(size, 6));
+        assert_eq!((small.tolerance, small.is_mixed), (FINER * FINER, false));
+        assert_eq!((large.tolerance, large.is_mixed), (FINER, true));
     }
 }
