@@ -44,7 +44,7 @@ fn one_screen_begins_and_ends_with_the_verdict() {
     assert!(text.starts_with("\u{2713} GOOD: take idim-iv"), "{text}");
     let card = card(&text);
     assert!(card.starts_with("\u{2713} GOOD: take idim-iv"), "{card}");
-    for what in ["error ", "on parts left out in turn", "worst joint ", "sure, ", "not identified of 60", "next  "] {
+    for what in ["error ", "unseen ", "worst joint ", "sure, ", "not identified of 60", "next  "] {
         assert!(card.contains(what), "{what}: {card}");
     }
     assert!(text.contains("nominal         idim-iv  converged"), "{text}");

@@ -104,9 +104,10 @@ fn same_simulator(evidence: &Evidence<'_>, test: &BiasedSimulatorResult) -> Stri
 
 /// How an LS estimate fits what it has and has not seen, and how far its classical deviations are too small.
 fn ls_numbers(run: &Ran) -> String {
-    let unseen = run.unseen.zip(run.fit).map(|(unseen, fit)| {
-        format!("its error is {} % on data that it has not seen, {} % on its own", short(unseen), short(fit))
-    });
+    let unseen = run
+        .unseen
+        .zip(run.fit)
+        .map(|(unseen, fit)| format!("its unseen error is {} %, that of its fit {} %", short(unseen), short(fit)));
     let wider =
         run.widening.map(|w| format!("its deviations with correlated errors are {} times the classical", short(w)));
     let all: Vec<String> = unseen.into_iter().chain(wider).collect();

@@ -57,8 +57,8 @@ fn facts(card: &Card) -> Vec<(&'static str, String)> {
 
 fn unseen(card: &Card) -> String {
     match card.unseen {
-        Some(Unseen::HeldBack(error)) => format!("; {} % on what was held back", significant(error, 3)),
-        Some(Unseen::LeftOut(error)) => format!("; {} % on parts left out in turn", significant(error, 3)),
+        Some(Unseen::HeldBack(error)) => format!("; unseen {} %, on what was held back", significant(error, 3)),
+        Some(Unseen::LeftOut(error)) => format!("; unseen {} %, on parts left out in turn", significant(error, 3)),
         None => "; not validated".to_owned(),
     }
 }

@@ -154,7 +154,7 @@ pub(super) fn residuals(results: &Results) -> Option<Table> {
     let row = |r: &RunResult| Some(residual_row(r, r.residual.as_ref()?));
     let rows: Vec<Vec<String>> = results.runs.iter().filter_map(row).collect();
     (!rows.is_empty()).then(|| Table {
-        title: "Residuals, cross-validation and influence".to_owned(),
+        title: "Residuals, unseen errors and influence".to_owned(),
         lead: 2,
         head: strings(&["case", "method", "r1", "white", "normal", "Levene p", "cv 95 %", "left out", "moves", "by, sd"]),
         rows,

@@ -16,7 +16,7 @@ const SIMULATED: [&str; 4] = ["position", "velocity", "acceleration", "torque"];
 /// Figures of a run that a publication may print: name in the file of published figures, and heading.
 const RUN_FIGURES: [(&str, &str); 3] = [
     ("relative_error_percent", "relative error %"),
-    ("cross_validation_relative_error_percent", "cross-validation %"),
+    ("cross_validation_relative_error_percent", "unseen %"),
     ("condition_number", "condition number"),
 ];
 

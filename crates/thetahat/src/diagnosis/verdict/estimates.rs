@@ -184,10 +184,8 @@ fn cross_validation(results: &Results, run: &RunResult) -> Option<VerdictReason>
     let is_far = ratio > CROSS_VALIDATION_FAR || unseen > USELESS_PERCENT;
     let verdict = if is_far { Verdict::DoNotUse } else { Verdict::Care };
     let numbers = [("unseen_percent", Some(unseen)), ("fit_percent", Some(fit)), ("limit", Some(CROSS_VALIDATION))];
-    let seen = format!(
-        "{} has an error of {unseen:.3} % on what it has not seen, {ratio:.1} times the {fit:.3} % of its fit",
-        run.method
-    );
+    let seen =
+        format!("{} has an unseen error of {unseen:.3} %, {ratio:.1} times the {fit:.3} % of its fit", run.method);
     let remedy = match &results.elimination {
         Some(_) => "record more motion",
         None => "estimate fewer parameters (estimate = \"essential\"), or record more motion",
@@ -238,8 +236,8 @@ fn correlated_residual(results: &Results, run: &RunResult) -> Option<VerdictReas
     let (r1, limit) = (worst.autocorrelation, correlated_from(results, run));
     let (name, label) = (joint_name(results, worst.joint), results.joint_label(worst.joint - 1));
     let seen = format!(
-        "Something is missing in the model (a law of friction, elasticity, a length) or in the processing (a torque that is held, \
-         friction's sign near rest), and estimates may be off by more than their intervals say: neighbouring rows of the residual of \
+        "Something is missing in the model (a law of friction, elasticity, a length) or in the processing (friction's sign near \
+         rest), and estimates may be off by more than their intervals say: neighbouring rows of the residual of \
          {label} ({}) correlate by {r1:.2}, where {limit:.2} is chance",
         run.method
     );
@@ -249,22 +247,17 @@ fn correlated_residual(results: &Results, run: &RunResult) -> Option<VerdictReas
     (r1 > limit).then(|| reason(ReasonCode::CorrelatedResidual, Verdict::Care, &numbers, concerned, said))
 }
 
-/// What finds out what the model lacks, by what was tried already.
+/// What finds out what the model lacks, by what was tried already. Torques that are held are told of by the lag that they have.
 fn missing_remedy(results: &Results) -> String {
-    let is_held = results.recordings.iter().all(|r| r.torque_hold_s > 0.0);
-    let hold = if is_held {
-        "look at the residual over velocity, position and load in the report"
-    } else {
-        "where the torque is a command that the drive holds from sample to sample, say held = true beside its columns"
-    };
+    let look = "look at the residual over velocity, position and load in the report";
     let Some(comparison) = &results.term_comparison else {
-        return format!("compare laws of friction by compare_terms = true in [estimation]; {hold}");
+        return format!("compare laws of friction by compare_terms = true in [estimation]; {look}");
     };
     let laws =
         comparison.joints.iter().flat_map(|j| j.laws.iter().filter(|l| l.recommended).map(|l| (&j.joint, &l.law)));
     let laws: Vec<String> = laws.map(|(joint, law)| format!("{law} at {joint}")).collect();
     if laws.is_empty() {
-        return format!("no law of friction that was compared helps: {hold}");
+        return format!("no law of friction that was compared helps: {look}");
     }
     format!("accept what the comparison of laws recommends ({}), as --full writes it out", laws.join(", "))
 }

@@ -57,10 +57,10 @@ pub(in crate::report) fn errors(results: &Results) -> Option<Heat> {
     (joints > 1 || runs.len() > 1).then(|| Heat {
         conclusion: taken.and_then(|r| conclusion(results, r)).unwrap_or_default(),
         title: if of_positions { "Relative errors, %" } else { "Relative errors of the torque, %" }.to_owned(),
-        head: ["all".to_owned()].into_iter().chain((0..joints).map(of_joint)).chain(["not seen".to_owned()]).collect(),
+        head: ["all".to_owned()].into_iter().chain((0..joints).map(of_joint)).chain(["unseen".to_owned()]).collect(),
         rows: runs.iter().map(row).collect(),
         note: format!(
-            "100 |y - y_hat| / |y|{}; not seen: cross-validation, on what the estimate was not made from. The darker, the larger; \
+            "100 |y - y_hat| / |y|{}; unseen: on what the estimate was not made from. The darker, the larger; \
              the full colour is 100 % or more.",
             if of_positions { ", of the positions for cloe, of the torque for the others" } else { "" }
         ),
