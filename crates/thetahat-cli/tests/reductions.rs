@@ -307,7 +307,7 @@ fn reductions_of_other_robots_and_filters() {
         ("decimation", "decimation differs: 10"),
         (
             "mask",
-            "mask near rest differs: near-rest, sign_velocity_scale 0.05, zero beyond the window in the first, none, zero beyond the window in the other",
+            "mask near rest differs: near-rest, sign_velocity_scale 0.05, zero beyond the window in the first, none in the other",
         ),
     ] {
         folder.succeeds(&format!("reduce {name}.toml --out {name}.reduction"));

@@ -32,10 +32,16 @@ impl Default for Convergence {
 
 /// Halvings of a step of the parameters whose simulation fails.
 const HALVINGS: usize = 4;
-/// Changes of IV, in multiples of the limit of a change, that so many iterations in a row stay within: instruments of any of these
-/// simulations are as good as those of another, and the estimates with them differ by no more.
+/// Changes, in multiples of their limit, that so many iterations in a row stay within where they have settled.
 const SETTLED: f64 = 5.0;
 const SETTLED_FOR: usize = 3;
+
+impl Convergence {
+    /// Whether changes have settled, the last one first: they are no longer the estimates' but the simulations'.
+    pub(super) fn are_settled(&self, changes: impl Iterator<Item = f64>) -> bool {
+        changes.take(SETTLED_FOR).filter(|change| *change <= SETTLED * self.parameter_change).count() == SETTLED_FOR
+    }
+}
 
 /// Iterates IDIM-IV (10) or DIDIM (19) from `start`: simulate, build Z, estimate, until both relative changes are small.
 ///
@@ -179,12 +185,10 @@ impl Estimation {
         self.fail(Status::Stalled, Reason::Stalled { cause, relative_error_percent, parameter_change });
     }
 
-    /// Whether instruments of further simulations would not change an estimate by IV.
+    /// Whether instruments of further simulations would not change an estimate by IV: those of any of the last are valid.
     fn is_settled(&self) -> bool {
-        let limit = SETTLED * self.options.convergence.parameter_change;
         let changes = self.outcome.iterations.iter().rev().map_while(|i| i.parameter_change);
-        let in_a_row = changes.take_while(|change| *change <= limit).take(SETTLED_FOR).count();
-        self.method == Method::IDIM_IV && in_a_row == SETTLED_FOR
+        self.method == Method::IDIM_IV && self.options.convergence.are_settled(changes)
     }
 
     fn accept(&mut self, fit: Fit, z: Matrix, regression: &Regression) {
@@ -278,6 +282,13 @@ mod tests {
         };
         assert_eq!(run(Method::IDIM_IV, 2.0), Status::Converged);
         assert_eq!([run(Method::IDIM_IV, 8.0), run(Method::DIDIM, 2.0)], [Status::Stalled; 2]);
+    }
+
+    #[test]
+    fn changes_settle_within_five_limits_three_times_in_a_row() {
+        let settled = |changes: &[f64]| Convergence::default().are_settled(changes.iter().copied());
+        assert!(settled(&[0.2, 0.25, 0.1, 7.0]));
+        assert!(!settled(&[0.2, 0.26, 0.1, 0.1]) && !settled(&[0.2, 0.1]));
     }
 
     #[test]

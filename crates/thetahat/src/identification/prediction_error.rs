@@ -24,7 +24,7 @@ const PROGRESS: f64 = 0.5;
 const FINER: f64 = 0.1;
 const REFINEMENTS: i32 = 2;
 /// The undamped step, in standard deviations, up to which a point counts as the minimum where no step makes the error smaller.
-const SETTLED: f64 = 1.0;
+const AT_MINIMUM: f64 = 1.0;
 /// Part of the error by which rounding may raise it.
 const ROUNDING: f64 = 1e-13;
 
@@ -53,9 +53,10 @@ pub struct PredictionErrorEstimation {
     point: Option<Linearised>,
     damping: f64,
     linearised: usize,
-    /// The undamped step where it was linearised last, in standard deviations, and how often tolerances were made finer.
-    whole_step: Option<f64>,
+    /// The undamped steps in standard deviations where it was linearised, and how often tolerances were made finer.
+    whole_steps: Vec<f64>,
     refinements: i32,
+    is_held_up: bool,
     outcome: Outcome,
 }
 
@@ -87,8 +88,9 @@ impl PredictionErrorEstimation {
             point: None,
             damping: 0.0,
             linearised: 0,
-            whole_step: None,
+            whole_steps: Vec::new(),
             refinements: 0,
+            is_held_up: false,
             outcome,
         }
     }
@@ -107,6 +109,21 @@ impl PredictionErrorEstimation {
     #[must_use]
     pub fn tolerance(&self) -> f64 {
         FINER.powi(self.refinements)
+    }
+
+    /// Whether simulations keep it from the minimum, which is near: one of a step fails, or the finest ones leave errors that keep
+    /// the steps from getting small.
+    #[must_use]
+    pub fn is_held_up(&self) -> bool {
+        self.is_held_up
+    }
+
+    /// Starts anew from what the undamped step leads to, whatever the error is there.
+    pub fn start_anew(&mut self, admit: &mut Admit<'_>) {
+        let Some(point) = &self.point else { return };
+        self.stage = Stage::Start(admit(point.step(0.0)));
+        self.whole_steps.clear();
+        (self.best, self.damping, self.is_held_up) = (None, 0.0, false);
     }
 
     /// How it ended, or how far it is.
@@ -161,6 +178,7 @@ impl PredictionErrorEstimation {
         self.stage = match (self.starts.pop(), &self.best, failure) {
             (Some(next), _, _) => Stage::Start(next),
             (None, Some((best, _)), _) => Stage::Linearise(best.clone()),
+            (None, None, Some(cause)) if self.point.is_some() => return self.stall(cause),
             (None, None, Some(cause)) => return self.end(Status::Diverged, Some(Reason::Simulation(cause))),
             (None, None, None) => Stage::Over,
         };
@@ -178,21 +196,35 @@ impl PredictionErrorEstimation {
             self.note(fit, regression);
         }
         let point = Linearised::new(theta, simulated, fit, regression);
-        let before = std::mem::replace(&mut self.whole_step, point.whole_step_in_deviations(admit));
-        let is_stuck = self.whole_step.zip(before).is_some_and(|(now, before)| now < NEAR && now > PROGRESS * before);
-        let is_small = self.whole_step.is_some_and(|c| c <= self.options.convergence.parameter_change);
+        let before = self.whole_step();
+        self.whole_steps.push(point.whole_step_in_deviations(admit).unwrap_or(f64::INFINITY));
+        let now = self.whole_step();
+        let is_stuck = now < NEAR && now > PROGRESS * before;
+        let is_small = now <= self.options.convergence.parameter_change;
         self.best = Some((point.theta.clone(), error(regression, &point.simulated.response)));
         self.point = Some(point);
         self.linearised += 1;
-        if is_small {
+        if is_small || self.is_settled() {
             self.end(Status::Converged, None);
         } else if self.linearised >= self.options.convergence.iterations {
             self.end_at_limit();
         } else if is_stuck && self.refinements < REFINEMENTS {
             self.refine();
         } else {
+            self.is_held_up = is_stuck;
             self.step(admit);
         }
+    }
+
+    /// The last undamped step in standard deviations; none is infinite.
+    fn whole_step(&self) -> f64 {
+        self.whole_steps.last().copied().unwrap_or(f64::INFINITY)
+    }
+
+    /// Whether undamped steps are as small as the errors of the finest simulations let them be.
+    fn is_settled(&self) -> bool {
+        let steps = self.whole_steps.iter().rev().copied();
+        self.refinements == REFINEMENTS && self.options.convergence.are_settled(steps)
     }
 
     /// Tries the step with the damping as it is.
@@ -204,6 +236,7 @@ impl PredictionErrorEstimation {
     /// Accepts a step that makes the error smaller; damps any other.
     fn judge(&mut self, theta: Vec<f64>, found: Result<f64, SimulationError>, admit: &mut Admit<'_>) {
         let best = self.best.as_ref().map_or(f64::INFINITY, |(_, error)| *error);
+        self.is_held_up = found.is_err() && self.whole_step() < NEAR;
         match found {
             Ok(error) if error <= best * (1.0 + ROUNDING) => {
                 self.damping /= DAMPING_FACTOR;
@@ -217,7 +250,7 @@ impl PredictionErrorEstimation {
                 self.damping = (self.damping * DAMPING_FACTOR).max(FIRST_DAMPING);
                 self.step(admit);
             }
-            Ok(_) if self.refinements < REFINEMENTS && self.whole_step.is_some_and(|c| c < NEAR) => self.refine(),
+            Ok(_) if self.refinements < REFINEMENTS && self.whole_step() < NEAR => self.refine(),
             Ok(_) => self.end_at_limit(),
             Err(cause) => self.stall(cause),
         }
@@ -242,7 +275,7 @@ impl PredictionErrorEstimation {
         self.outcome.iterations.push(Iteration { theta, relative_error_percent, parameter_change, error_change });
     }
 
-    fn has_settled(&self) -> bool {
+    fn has_stopped(&self) -> bool {
         let limits = self.options.convergence;
         let small = |change: Option<f64>, limit: f64| change.is_some_and(|c| c <= limit);
         self.outcome.iterations.last().is_some_and(|last| {
@@ -258,7 +291,7 @@ impl PredictionErrorEstimation {
     /// Ends where no step makes the error smaller, or the iterations are used up. Near the minimum, with changes below their
     /// limits, that is as close as simulations can tell.
     fn end_at_limit(&mut self) {
-        if self.whole_step.is_some_and(|whole| whole <= SETTLED) && self.has_settled() {
+        if self.whole_step() <= AT_MINIMUM && self.has_stopped() {
             return self.end(Status::Converged, None);
         }
         let (relative_error_percent, parameter_change) = self.reached();
@@ -298,7 +331,7 @@ fn error(regression: &Regression, response: &[f64]) -> f64 {
 mod tests {
     use super::*;
     use crate::{
-        identification::{Divisor, Method},
+        identification::{Divisor, Method, linearised::GaussNewtonStep},
         linear_algebra::Matrix,
     };
 
@@ -395,6 +428,43 @@ mod tests {
         let theta = outcome.fit.unwrap().theta;
         assert!(theta[0] > 1.2 && theta[0] <= 1.3, "{theta:?}");
         assert!(outcome.reason.unwrap().to_string().contains("kept is the last estimate"));
+    }
+
+    /// Simulations fail between the start and the minimum, which is near: the estimation starts anew where they do not.
+    #[test]
+    fn near_the_minimum_a_failing_simulation_asks_for_another_set() {
+        let free = estimate(vec![vec![1.4, 0.2]], f64::INFINITY).fit.unwrap();
+        let [limit, start] = [1.0, 2.0].map(|n| free.theta[0] - n * free.standard_deviation[0]);
+        let simulated = |theta: &[f64]| {
+            if theta[0] > limit { Err(SimulationError::StepTooSmall { time_s: 1.0 }) } else { Ok(simulate(theta)) }
+        };
+        let (regression, mut is_kept) = (record(), false);
+        let options = IterationOptions::default();
+        let mut estimation = PredictionErrorEstimation::new(options, vec![vec![start, free.theta[1]]]);
+        let mut anew = Vec::new();
+        while let Some(wanted) = estimation.wanted() {
+            let mut admit = |step: GaussNewtonStep| {
+                let first = if is_kept { step.theta[0].min(limit) } else { step.theta[0] };
+                vec![first, step.theta[1]]
+            };
+            match wanted {
+                Wanted::Response(theta) => {
+                    let response = simulated(theta).map(|s| s.response);
+                    estimation.take_response(response, &regression, &mut admit);
+                }
+                Wanted::Sensitivities(theta) => {
+                    estimation.take_sensitivities(simulated(theta), &regression, &mut admit);
+                }
+            }
+            if estimation.is_held_up() && !is_kept {
+                is_kept = true;
+                anew.push(estimation.outcome.simulations);
+                estimation.start_anew(&mut |step| vec![step.theta[0].min(limit), step.theta[1]]);
+            }
+        }
+        assert_eq!(anew, [3], "the start, its linearisation and the first step");
+        let outcome = estimation.into_outcome();
+        assert_eq!((outcome.status, outcome.fit.unwrap().theta[0]), (Status::Converged, limit));
     }
 
     #[test]

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     identification::{
-        GaussNewtonStep, IterationOptions, Outcome, PredictionErrorEstimation, SimulatedResponse, Wanted,
+        GaussNewtonStep, IterationOptions, Method, Outcome, PredictionErrorEstimation, SimulatedResponse, Wanted,
     },
     simulation::SimulationError,
 };
@@ -46,20 +46,23 @@ impl<'a> Fitting<'a> {
         })
     }
 
-    /// Takes what was simulated.
+    /// Takes what was simulated. Where simulations near the minimum keep it from being found, it is sought among physical
+    /// parameters.
     pub(super) fn take(&mut self, simulated: Result<Simulated, SimulationError>) {
         let (regression, of_robot) = (&self.job.regression, self.job.start.len());
+        let mut admit = |step| admit(&mut self.physical, of_robot, step);
         match self.estimation.wanted() {
             Some(Wanted::Response(_)) => {
-                let response = self.response(simulated);
-                let mut admit = |step| admit(&mut self.physical, of_robot, step);
+                let response = response(self.simulator, self.job.method, simulated);
                 self.estimation.take_response(response, regression, &mut admit);
             }
             Some(Wanted::Sensitivities(_)) => {
-                let mut admit = |step| admit(&mut self.physical, of_robot, step);
                 self.estimation.take_sensitivities(sensitivities(simulated), regression, &mut admit);
             }
             None => {}
+        }
+        if self.estimation.is_held_up() && self.physical.keep_in_set() {
+            self.estimation.start_anew(&mut |step| self::admit(&mut self.physical, of_robot, step));
         }
     }
 
@@ -77,13 +80,17 @@ impl<'a> Fitting<'a> {
     pub(super) fn into_outcome(self) -> Outcome {
         self.estimation.into_outcome()
     }
+}
 
-    fn response(&self, simulated: Result<Simulated, SimulationError>) -> Result<Vec<f64>, SimulationError> {
-        match simulated? {
-            Simulated::Motions(motions) => self.simulator.response_of(&motions, self.job.method.response()),
-            Simulated::Response(SimulatedResponse { response, .. }) => Ok(response),
-            Simulated::Instruments(_) => Err(SimulationError::TooShortToFilter),
-        }
+fn response(
+    simulator: &Simulator<'_>,
+    method: Method,
+    simulated: Result<Simulated, SimulationError>,
+) -> Result<Vec<f64>, SimulationError> {
+    match simulated? {
+        Simulated::Motions(motions) => simulator.response_of(&motions, method.response()),
+        Simulated::Response(SimulatedResponse { response, .. }) => Ok(response),
+        Simulated::Instruments(_) => Err(SimulationError::TooShortToFilter),
     }
 }
 

@@ -14,6 +14,10 @@ use crate::{
 /// Part of the a-priori mass matrix above which that of start values is simulated as it is: they are the user's.
 const PART_AT_START: f64 = 0.01;
 
+/// Weight of the divergence from the a-priori parameters among those that a fit may take, relative to `|R theta_hat|^2`: it only
+/// keeps them together, since steps are judged by the error alone.
+const PULL_OF_FITS: f64 = 1e-11;
+
 /// Simulations for IV of a robot in the place of its estimate that have viscous friction.
 const WITH_VISCOUS: usize = 6;
 
@@ -53,6 +57,8 @@ pub(super) struct Physical<'a> {
     simulations: usize,
     /// Once an estimate could not be simulated, physical parameters are, to the end.
     is_needed: bool,
+    /// Whether every step of a fit leads to physical parameters, to the end.
+    is_kept_in_set: bool,
     /// An estimate in the physical set with its standard parameters.
     constrained: Option<(Vec<f64>, Vec<f64>)>,
     failure: Option<ConsistencyError>,
@@ -72,6 +78,7 @@ impl<'a> Physical<'a> {
             before: None,
             simulations: 0,
             is_needed: false,
+            is_kept_in_set: false,
             constrained: None,
             failure: None,
             current: Parameters::Estimated(Vec::new()),
@@ -135,20 +142,26 @@ impl<'a> Physical<'a> {
         if starts.is_empty() { vec![start.to_vec()] } else { starts }
     }
 
-    /// What a step leads to: `theta` where it can be simulated, else the parameters of the physical set nearest to it in the
-    /// metric `|R (theta - theta_hat)|` of the step.
+    /// What a step leads to: `theta` where it can be simulated and need not be physical, else the parameters of the physical set
+    /// nearest to it in the metric `|R (theta - theta_hat)|` of the step.
     pub(super) fn admit(&mut self, theta: Vec<f64>, r: &Matrix) -> Vec<f64> {
         let estimated = &self.problem.estimated;
-        self.is_needed = !self.is_safe(&estimated.to_standard(&theta), margin(self.design).part);
+        self.is_needed = self.is_kept_in_set || !self.is_safe(&estimated.to_standard(&theta), margin(self.design).part);
         if !self.is_needed {
             return theta;
         }
-        self.nearest_in(estimated, r, &theta).map_or(theta, |standard| estimated.from_standard(&standard))
+        let options = SimulationOptions { pull: PULL_OF_FITS, ..margin(self.design).options };
+        self.nearest_in(estimated, r, &theta, &options).map_or(theta, |standard| estimated.from_standard(&standard))
     }
 
-    /// Whether what was admitted last is in the physical set because it could not be simulated as it was.
+    /// Whether what was admitted last is in the physical set because free estimates could not be simulated well enough.
     pub(super) fn is_needed(&self) -> bool {
         self.is_needed
+    }
+
+    /// Lets every step of a fit lead to physical parameters from now on; false where they did already, or there is no such set.
+    pub(super) fn keep_in_set(&mut self) -> bool {
+        self.set.is_ok() && !std::mem::replace(&mut self.is_kept_in_set, true)
     }
 
     /// Asks for physical parameters from now on; false where they were already.
@@ -169,8 +182,8 @@ impl<'a> Physical<'a> {
                 "simulates the physically consistent robot nearest to its estimate, which is no robot's, without Coulomb friction"
             }
             Design::Simulated if self.is_needed => {
-                "estimates in the physically consistent set, since its free estimates could not be simulated; deviations \
-                 are those of a free estimate"
+                "estimates in the physically consistent set, since simulations of its free estimates fail or vary \
+                 too much from one to the next; deviations are those of a free estimate"
             }
             Design::Simulated => {
                 "starts from the physically consistent parameters nearest to the estimate of LS, since its start values are \
@@ -234,12 +247,19 @@ impl<'a> Physical<'a> {
     fn nearest(&mut self, estimate: &[f64]) -> Option<Vec<f64>> {
         let (problem, base) = (self.problem, &self.problem.base);
         let r = self.r.take().unwrap_or_else(|| triangular_factor(problem, self.regression, None));
-        let standard = self.nearest_in(base, &r, &in_base(base, &problem.estimated, estimate));
+        let options = margin(self.design).options;
+        let standard = self.nearest_in(base, &r, &in_base(base, &problem.estimated, estimate), &options);
         self.r = Some(r);
         standard
     }
 
-    fn nearest_in(&mut self, base: &BaseParameters, r: &Matrix, estimate: &[f64]) -> Option<Vec<f64>> {
+    fn nearest_in(
+        &mut self,
+        base: &BaseParameters,
+        r: &Matrix,
+        estimate: &[f64],
+        options: &SimulationOptions,
+    ) -> Option<Vec<f64>> {
         let set = match self.set {
             Ok(set) => set,
             Err(e) => {
@@ -247,7 +267,7 @@ impl<'a> Physical<'a> {
                 return None;
             }
         };
-        match nearest_to_simulate(set, base, r, estimate, &margin(self.design).options, self.before.as_ref()) {
+        match nearest_to_simulate(set, base, r, estimate, options, self.before.as_ref()) {
             Ok(fit) => {
                 let standard = fit.standard.clone();
                 self.before = Some(fit);
