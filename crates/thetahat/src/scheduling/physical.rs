@@ -181,9 +181,13 @@ impl<'a> Physical<'a> {
             Design::Measured => {
                 "simulates the physically consistent robot nearest to its estimate, which is no robot's, without Coulomb friction"
             }
+            Design::Simulated if self.is_kept_in_set => {
+                "estimates in the physically consistent set, since near the minimum simulations of its free estimates fail, or \
+                 vary too much from one to the next; deviations are those of a free estimate"
+            }
             Design::Simulated if self.is_needed => {
-                "estimates in the physically consistent set, since simulations of its free estimates fail or vary \
-                 too much from one to the next; deviations are those of a free estimate"
+                "estimates in the physically consistent set, since its free estimates could not be simulated; deviations \
+                 are those of a free estimate"
             }
             Design::Simulated => {
                 "starts from the physically consistent parameters nearest to the estimate of LS, since its start values are \
