@@ -80,8 +80,8 @@ fn facts(card: &Card, verdict: Verdict) -> Vec<(&'static str, String)> {
         Verdict::DoNotUse => ("Method", format!("none; the numbers below are of {}", m.name())),
     });
     let unseen = card.unseen.map(|unseen| match unseen {
-        Unseen::HeldBack(error) => ("Error on the held-back record", percent(error)),
-        Unseen::LeftOut(error) => ("Error on parts left out", percent(error)),
+        Unseen::HeldBack(error) => ("Unseen error, on the held-back record", percent(error)),
+        Unseen::LeftOut(error) => ("Unseen error, on parts left out", percent(error)),
     });
     let at = |(name, error): &(String, f64)| format!(" overall, {} at {name}", percent(*error));
     let worst = card.worst_joint.as_ref().map(at).unwrap_or_default();
