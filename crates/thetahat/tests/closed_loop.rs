@@ -8,8 +8,8 @@ use thetahat::{
     robot::Robot,
     series::Series,
     simulation::{
-        ClosedLoop, Job, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulationError, SimulatorBias,
-        Solver, simulate_all,
+        BiasKind, ClosedLoop, Job, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulationError,
+        SimulatorBias, Solver, simulate_all,
     },
     trajectory::{MotionLimits, Moves, plan},
 };
@@ -184,6 +184,35 @@ fn a_biased_reference_is_scaled_moved_and_late() {
         let expected = 0.2 + 1.1 * (nominal.q.sample(k - 20)[0] - 0.2) + 0.01;
         let found = biased.q.sample(k)[0];
         assert!((found - expected).abs() < 1e-4, "{k}: {found} against {expected}");
+    }
+}
+
+/// Two axes at right angles: the first sees `zz1 + xx2 sin^2 q2 + yy2 cos^2 q2`.
+#[test]
+fn the_inertia_of_a_motor_is_averaged_along_the_reference() {
+    let robot = "name = \"elbow\"\n[[joint]]\nname = \"a\"\nkind = \"revolute\"\n[[joint]]\nname = \"b\"\n\
+                 kind = \"revolute\"\nalpha_deg = 90\n[transmission]\nmatrix = [[1, 0], [0, 1]]\n\
+                 [parameters]\nzz1 = 0.2\nxx2 = 0.9\nyy2 = 0.1\nzz2 = 0.3\n";
+    let turn = |k: usize| 1.2 * k as f64 / RATE;
+    let values = (0..=1000).flat_map(|k| [0.0, turn(k)]).collect();
+    let reference = Reference::Sampled(SampledReference::new(Series::from_values(2, values), RATE));
+    let bench = Bench::new(robot, "law = \"pd\"\nbandwidth_hz = [10.0]", reference);
+    let inertia = bench.closed_loop().motor_inertia(&bench.robot.a_priori_parameters(), 1.0);
+    // The mean of sin^2 over an angle that grows evenly from 0 to 1.2 rad.
+    let mean_square_sine = 0.5 - (2.4_f64).sin() / 4.8;
+    let expected = 0.2 + 0.9 * mean_square_sine + 0.1 * (1.0 - mean_square_sine);
+    assert!((inertia[0] / expected - 1.0).abs() < 0.01, "{} against {expected}", inertia[0]);
+    assert!((inertia[1] - 0.3).abs() < 1e-12);
+}
+
+/// A factor of one and an addition of zero change nothing.
+#[test]
+fn what_multiplies_is_a_factor_and_what_is_added_is_not() {
+    use BiasKind::{ControllerGain, Delay, DriveGain, Friction, GearRatio, ReferenceOffset, ReferenceScale};
+    for kind in [GearRatio, DriveGain, ControllerGain, Delay, ReferenceScale, ReferenceOffset, Friction] {
+        let neutral = if kind.is_factor() { 1.0 } else { 0.0 };
+        assert_eq!(SimulatorBias::NONE.with(kind, neutral), SimulatorBias::NONE, "{kind:?}");
+        assert_ne!(SimulatorBias::NONE.with(kind, 1.0 - neutral), SimulatorBias::NONE, "{kind:?}");
     }
 }
 

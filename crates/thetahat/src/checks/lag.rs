@@ -23,6 +23,9 @@ use crate::linear_algebra::Matrix;
 const EXPLAINED_LIMIT_PERCENT: f64 = 25.0;
 /// Rms torque that it must explain, percent of the torque's deviation.
 const EFFECT_LIMIT_PERCENT: f64 = 5.0;
+/// Part of the squared residual from which a lag matters however small the torque is, percent: it is most of what the model
+/// leaves, and estimates are off by several of their deviations.
+const MOST_OF_RESIDUAL_PERCENT: f64 = 50.0;
 /// Part of the squared residual from which a common lag is worth a note, percent.
 const NOTE_PERCENT: f64 = 5.0;
 /// Relative error of the fit beside the friction shapes, percent, from which something else than friction and a lag is wrong.
@@ -134,9 +137,10 @@ struct Explained {
 }
 
 impl Explained {
-    /// The smaller of its two parts of their limits.
+    /// The smaller of its two parts of their limits, or the part of the residual's own limit if that is larger.
     fn strength(self) -> f64 {
-        (self.residual / EXPLAINED_LIMIT_PERCENT).min(self.torque / EFFECT_LIMIT_PERCENT)
+        let both = (self.residual / EXPLAINED_LIMIT_PERCENT).min(self.torque / EFFECT_LIMIT_PERCENT);
+        both.max(self.residual / MOST_OF_RESIDUAL_PERCENT)
     }
 }
 

@@ -260,6 +260,27 @@ mod tests {
         ((y[0] - 1.0).abs().max(y[1].abs()), largest)
     }
 
+    /// A slope of time alone, `t^4`: integrated exactly by a fifth-order formula whose stages are at the right times.
+    #[test]
+    fn stages_are_at_their_times() {
+        let mut integrator = DormandPrince::fixed(0.5, vec![0.0]);
+        integrator.begin(1.0, 3.0);
+        loop {
+            match integrator.proceed().unwrap() {
+                Next::Slope => {
+                    let (t, _, dy) = integrator.wanted();
+                    dy[0] = t.powi(4);
+                }
+                Next::Step(_) | Next::Linearisation => {}
+                Next::End => break,
+            }
+        }
+        assert!((integrator.state()[0] - (3.0_f64.powi(5) - 1.0) / 5.0).abs() < 1e-12);
+        for (c, weights) in C.iter().zip(A) {
+            assert!((weights.iter().sum::<f64>() - c).abs() < 1e-14, "the stage at {c}");
+        }
+    }
+
     #[test]
     fn fixed_steps_converge_with_the_fifth_order_and_the_interpolant_with_the_fourth() {
         let run = |step_s| oscillate(|start| DormandPrince::fixed(step_s, start));
