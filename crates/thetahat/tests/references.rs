@@ -6,8 +6,13 @@ use std::{f64::consts::TAU, path::Path};
 
 use followed_twin::{RATE_HZ, controller, record, robot};
 use thetahat::{
-    Experiment, Identification, Method, Recording, Results, Settings, checks::Code, identification::Status,
-    preparation::ReferenceCorrection, series::Series, signal::delayed,
+    Experiment, Identification, Method, Recording, Results, Settings,
+    checks::Code,
+    identification::Status,
+    preparation::ReferenceCorrection,
+    series::Series,
+    signal::delayed,
+    trajectory::{Move, Moves, TimeLaw},
 };
 
 const BASE_HZ: f64 = 0.4;
@@ -144,4 +149,21 @@ fn one_move_is_validated_by_its_parts() {
     let run = &results.runs[0];
     assert!(run.cross_validation_relative_error_percent.is_some(), "{:?}", run.reason);
     assert!(run.influence.as_ref().unwrap().part.starts_with("part "), "{:?}", run.influence);
+}
+
+/// A record that is held back was said to be "off the reconstructed moves": it need not be made of moves, and nothing of the
+/// estimate follows it.
+#[test]
+fn a_motion_that_is_held_back_need_not_be_made_of_moves() {
+    let law = |start_s| TimeLaw { start_s, t1_s: 0.5, t2_s: 0.2, t3_s: 0.05 };
+    let to = |(k, end): (usize, [f64; 2])| Move { law: law(0.5 + k as f64), end: end.to_vec() };
+    let ends = [[0.8, -0.6], [-0.5, 0.9], [0.4, 0.2], [-0.7, -0.8], [0.6, 0.5], [0.0, 0.0]];
+    let moves = Moves::new(vec![0.0; 2], ends.into_iter().enumerate().map(to).collect()).unwrap();
+    let along_moves = record(&moves.sample(RATE_HZ, (7.0 * RATE_HZ) as usize).q, 2e-4);
+    let sines = record(&wave(6.0), 2e-4);
+    let identification = Identification::new(&robot(), vec![along_moves], settings()).unwrap();
+    let results = identification.with_validation(vec![sines]).unwrap().run().unwrap();
+    assert_eq!(results.recordings[0].reference.as_ref().unwrap().origin, "reconstructed");
+    assert!(results.findings.iter().any(|f| f.held_back), "{:?}", results.findings);
+    assert!(mismatches(&results).is_empty(), "{:?}", mismatches(&results));
 }

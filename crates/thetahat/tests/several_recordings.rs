@@ -3,6 +3,7 @@
 
 use std::{fmt::Write as _, path::Path};
 
+use thetahat::checks::{Code, Severity};
 use thetahat::experiment::{Experiment, ExperimentError};
 use thetahat::results::Results;
 use thetahat_testing::Folder;
@@ -149,7 +150,7 @@ fn a_recording_has_its_own_window() {
     assert_eq!((results.samples_used, results.recordings[0].window_s), (2000, [1.0, 3.0]));
 }
 
-/// Stamps that jitter by up to 30 % of a step.
+/// Stamps that jitter by up to 30 % of a step. The remedy was to resample the record, which the program does.
 #[test]
 fn jittering_stamps_are_resampled() {
     let folder = Recordings::new();
@@ -160,6 +161,9 @@ fn jittering_stamps_are_resampled() {
     let resampling = results.recordings[0].resampling.unwrap();
     assert!((0.2..0.31).contains(&resampling.largest_deviation), "{resampling:?}");
     assert_truth(&results, TRUTH[3], FILTER);
+    let found = results.findings[0].findings.iter().find(|f| f.code == Code::ClockJitter).unwrap();
+    assert!(found.message.contains("the record is brought to equal steps by its stamps"), "{}", found.message);
+    assert_eq!((found.severity, found.remedy.as_str()), (Severity::Note, "nothing to do"));
     let strict = with_time.replace("time =", "largest_jitter = 0.1\ntime =");
     assert!(folder.identify(&strict).unwrap_err().to_string().contains("largest_jitter"));
 }

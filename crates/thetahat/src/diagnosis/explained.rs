@@ -5,7 +5,7 @@ use crate::{
     linear_algebra::{Matrix, PivotedQr, norm},
     regression::Regression,
     results::Explained,
-    statistics::{f_test, median},
+    statistics::{FTest, f_test, median},
 };
 
 /// Shifts of the torque against the motion, at the most.
@@ -14,20 +14,42 @@ const SHIFTS: usize = 200;
 const MEDIAN_DISTANCE: f64 = 0.6745;
 
 /// Compares the fit of joint `j` with that of a constant. The F-test counts as many rows as independent ones of the residual are
-/// worth; where it cannot exclude chance, because they are too few, the joint's parameters are fitted to the same torque
-/// shifted in time: a torque that belongs to the motion is explained better than these are.
-pub(super) fn explained(regression: &Regression, j: usize, residual: &[&[f64]]) -> Option<Explained> {
+/// worth, and every parameter that acts on the joint; where it cannot exclude chance, as many as the joint's own rows determine,
+/// `absorbed`: other joints determine the rest. Where that cannot either, because rows are too few, the joint's parameters are
+/// fitted to the same torque shifted in time: a torque that belongs to the motion is explained better than these are.
+pub(super) fn explained(
+    regression: &Regression,
+    j: usize,
+    residual: &[&[f64]],
+    absorbed: &dyn Fn(usize) -> f64,
+) -> Option<Explained> {
     let rows: Vec<usize> = regression.layout.used_rows_of_joint(j).collect();
     let x = acting(regression, &rows);
     let y: Vec<f64> = rows.iter().map(|&k| regression.y[k]).collect();
     let centred = less_mean(&y);
     let of_mean = norm(&centred).powi(2);
     let of_model = norm(&residual.concat()).powi(2);
-    let parameters = x.columns().max(2);
     let independent = independent_rows(residual).floor() as usize;
-    let test = f_test(of_mean, 1, of_model, parameters, independent.max(parameters + 1))?;
-    let stands_out = if test.p_value <= Explained::LIMIT { None } else { stands_out(&x, &centred) };
+    let test_of = |parameters: usize| {
+        let parameters = parameters.max(2);
+        f_test(of_mean, 1, of_model, parameters, independent.max(parameters + 1))
+    };
+    let is_certain = |test: &FTest| test.p_value <= Explained::LIMIT;
+    let test = test_of(x.columns())?;
+    let test = if is_certain(&test) { test } else { test_of(absorbed(j).ceil() as usize)? };
+    let stands_out = if is_certain(&test) { None } else { stands_out(&x, &centred) };
     Some(Explained { test, stands_out })
+}
+
+/// How many parameters the rows of each joint determine: the sums of their leverages, whitened, which are all parameters together.
+pub(super) fn absorbed(regression: &Regression) -> Vec<f64> {
+    let q = PivotedQr::new(&regression.whiten_matrix(&regression.x)).thin_q();
+    let mut leverage = vec![0.0; q.rows()];
+    for c in 0..q.columns() {
+        leverage.iter_mut().zip(q.column(c)).for_each(|(h, q)| *h += q * q);
+    }
+    let of_joint = |j: usize| regression.layout.used_rows_of_joint(j).map(|k| leverage[k]).sum();
+    (0..regression.layout.joints()).map(of_joint).collect()
 }
 
 /// The columns that are not zero in some rows.
@@ -92,7 +114,30 @@ mod tests {
     fn of(regression: &Regression) -> Explained {
         let theta = PivotedQr::new(&regression.x).solve(&regression.y);
         let residual = regression.residual(&regression.x.times(&theta));
-        explained(regression, 0, &[&residual]).unwrap()
+        explained(regression, 0, &[&residual], &|j| absorbed(regression)[j]).unwrap()
+    }
+
+    /// Of forty joints that share their parameters, each one's torque was said to be "explained no better than a constant does", and
+    /// "0 % of it" left: all parameters were counted against the rows of one joint.
+    #[test]
+    fn parameters_that_other_joints_determine_do_not_count() {
+        let (joints, rows, columns) = (20, 60, 50);
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let x = Matrix::from_fn(joints * rows, columns, |k, c| (0.37 * (k * (c + 1)) as f64 + c as f64).sin());
+        let theta: Vec<f64> = (0..columns).map(|_| rng.random_range(-1.0..1.0)).collect();
+        let mut y = x.times(&theta);
+        y.iter_mut().for_each(|y| *y += rng.random_range(-0.1..0.1));
+        // The last joint has noise alone.
+        y[(joints - 1) * rows..].iter_mut().for_each(|y| *y = rng.random_range(-1.0..1.0));
+        let regression = Regression::new(x, y, RowLayout::new(joints, &[rows]));
+        let residual = regression.residual(&regression.x.times(&theta));
+        let absorbed = absorbed(&regression);
+        assert!((absorbed.iter().sum::<f64>() - columns as f64).abs() < 1e-9, "{absorbed:?}");
+        for (j, runs) in regression.layout.runs(&residual).iter().enumerate() {
+            let found = explained(&regression, j, runs, &|j| absorbed[j]).unwrap();
+            assert_eq!(found.is_by_chance(), j == joints - 1, "joint {j}: {found:?}");
+            assert!(found.test.p_value < Explained::LIMIT || j == joints - 1, "joint {j}: {found:?}");
+        }
     }
 
     #[test]

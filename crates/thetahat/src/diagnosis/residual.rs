@@ -1,4 +1,6 @@
-use super::explained::explained;
+use std::cell::LazyCell;
+
+use super::explained::{absorbed, explained};
 use crate::{
     linear_algebra::norm,
     regression::Regression,
@@ -11,8 +13,9 @@ pub(crate) fn residual(regression: &Regression, prediction: &[f64]) -> ResidualR
     let residual = regression.residual(prediction);
     let joints = regression.layout.runs(&residual);
     let shortest = regression.layout.blocks().iter().map(|b| b.rows.len()).min().unwrap_or(0);
+    let absorbed = LazyCell::new(|| absorbed(regression));
     let joint = |(j, runs): (usize, &Vec<&[f64]>)| JointResidual {
-        explained: explained(regression, j, runs),
+        explained: explained(regression, j, runs, &|j| absorbed[j]),
         ..joint_residual(j + 1, runs, usual_lags(shortest))
     };
     // A joint that is fitted exactly, as one that is locked and without torque, has no residual to test.

@@ -197,7 +197,7 @@ mod tests {
         let (z, x) = (motion(1.1), motion(1.0));
         let compared = SimulatorComparison::new(&z, &x.plus(&z, 0.01), &y, &layout()).unwrap();
         let didim = PivotedQr::new(&z).solve(&y);
-        let iv = IvEstimate::new(&z, &x.plus(&z, 0.01), &y, &layout()).unwrap().theta;
+        let iv = IvEstimate::with_basis(&PivotedQr::new(&z).thin_q(), &x.plus(&z, 0.01), &y, &layout()).unwrap().theta;
         let residual =
             |a: &Matrix, theta: &[f64]| norm(&a.times(theta).iter().zip(&y).map(|(p, y)| y - p).collect::<Vec<_>>());
         let ratio = residual(&z, &didim) / residual(&x.plus(&z, 0.01), &iv);

@@ -84,23 +84,22 @@ impl RowNoise {
     }
 }
 
-/// `Q^T S Q` over rows that follow one another, with the Toeplitz matrix S of an autocovariance.
+/// `Q^T S Q` over rows that follow one another, with the Toeplitz matrix S of an autocovariance: `G + G^T` with `G = Q^T H Q`,
+/// where H is the lower half of S, with half its diagonal.
 fn covariance_of_rows(rows: &Matrix, autocovariance: &[f64]) -> Matrix {
     let mut filtered = Matrix::zeros(rows.rows(), rows.columns());
     for c in 0..rows.columns() {
-        convolve(rows.column(c), autocovariance, filtered.column_mut(c));
+        add_lower_half(rows.column(c), autocovariance, filtered.column_mut(c));
     }
-    rows.transposed_times(&filtered)
+    let half = rows.transposed_times(&filtered);
+    half.plus(&half.transpose(), 1.0)
 }
 
-/// `out = S x`.
-fn convolve(x: &[f64], autocovariance: &[f64], out: &mut [f64]) {
+/// `out += H x`.
+fn add_lower_half(x: &[f64], autocovariance: &[f64], out: &mut [f64]) {
     for (k, covariance) in autocovariance.iter().enumerate().take(x.len()) {
-        let kept = x.len() - k;
-        out[k..].iter_mut().zip(&x[..kept]).for_each(|(o, x)| *o += covariance * x);
-        if k > 0 {
-            out[..kept].iter_mut().zip(&x[k..]).for_each(|(o, x)| *o += covariance * x);
-        }
+        let factor = if k == 0 { covariance / 2.0 } else { *covariance };
+        out[k..].iter_mut().zip(x).for_each(|(o, x)| *o += factor * x);
     }
 }
 

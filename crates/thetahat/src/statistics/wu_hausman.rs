@@ -34,18 +34,18 @@ pub struct WuHausman {
 #[must_use]
 pub fn wu_hausman(z: &Matrix, x: &Matrix, y: &[f64], layout: &RowLayout) -> Option<WuHausman> {
     let (rows, columns) = (x.rows(), x.columns());
-    let q_x = PivotedQr::new(x).thin_q();
+    let (qr_x, q_z) = (PivotedQr::new(x), PivotedQr::new(z).thin_q());
+    let q_x = qr_x.thin_q();
     let residual = without(&q_x, y);
-    let left = left_by_instruments(z, x)?;
+    let left = left_by_instruments(&q_z, x)?;
     let added = orthonormal(&without_columns(&q_x, &left));
     let delta = added.transpose_times(&residual);
     let (all, explained) = (norm(&residual).powi(2), norm(&delta).powi(2));
     let classical = f_test(all, columns, all - explained, columns + added.columns(), rows)?;
     let noise = RowNoise::of(&residual, layout);
     let robust = noise.covariance(&added).inverse_quadratic_form(&delta)?;
-    let iv = IvEstimate::new(z, x, y, layout)?;
-    let theta_ls = PivotedQr::new(x).solve(y);
-    let difference: Vec<f64> = iv.theta.iter().zip(&theta_ls).map(|(a, b)| a - b).collect();
+    let iv = IvEstimate::with_basis(&q_z, x, y, layout)?;
+    let difference: Vec<f64> = iv.theta.iter().zip(&qr_x.solve(y)).map(|(a, b)| a - b).collect();
     Some(WuHausman {
         classical,
         robust: chi_squared_test(robust, added.columns())?,
@@ -55,9 +55,9 @@ pub fn wu_hausman(z: &Matrix, x: &Matrix, y: &[f64], layout: &RowLayout) -> Opti
     })
 }
 
-/// `X - Z Z^+ X` without the columns of which nothing is left, each of length one.
-fn left_by_instruments(z: &Matrix, x: &Matrix) -> Option<Matrix> {
-    let left = without_columns(&PivotedQr::new(z).thin_q(), x);
+/// `X - Q Q^T X`, where Q is the basis of the instruments, without the columns of which nothing is left, each of length one.
+fn left_by_instruments(q: &Matrix, x: &Matrix) -> Option<Matrix> {
+    let left = without_columns(q, x);
     let noisy: Vec<usize> =
         (0..x.columns()).filter(|&c| norm(left.column(c)) > EXOGENOUS * norm(x.column(c))).collect();
     let mut left = left.select_columns(&noisy);
@@ -97,10 +97,6 @@ pub(super) struct IvEstimate {
 }
 
 impl IvEstimate {
-    pub(super) fn new(z: &Matrix, x: &Matrix, y: &[f64], layout: &RowLayout) -> Option<Self> {
-        Self::with_basis(&PivotedQr::new(z).thin_q(), x, y, layout)
-    }
-
     pub(super) fn with_basis(q: &Matrix, x: &Matrix, y: &[f64], layout: &RowLayout) -> Option<Self> {
         let projected = q.transposed_times(x);
         let qr = PivotedQr::new(&projected);

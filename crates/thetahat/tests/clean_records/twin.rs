@@ -187,6 +187,20 @@ fn frictionless(robot: &Robot, model: &Model, [q, dq, ddq]: [Series; 3]) -> Seri
 }
 
 impl Record {
+    /// The same with white noise on the recorded velocities, part of their deviation, and those late by some samples.
+    pub fn with_velocity(mut self, noise: f64, late: usize) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let own = self.velocity.clone();
+        for j in 0..own.channels() {
+            let rms = (own.channel(j).iter().map(|v| v * v).sum::<f64>() / own.len() as f64).sqrt();
+            for k in 0..own.len() {
+                let draw: f64 = StandardNormal.sample(&mut rng);
+                self.velocity.sample_mut(k)[j] = own.sample(k.saturating_sub(late))[j] + noise * rms * draw;
+            }
+        }
+        self
+    }
+
     /// What the checks find.
     pub fn findings(&self) -> Vec<Finding> {
         self.findings_with(&|_| true)

@@ -13,6 +13,8 @@ use crate::{
 const UNEXPLAINED_PERCENT: f64 = 95.0;
 /// The same from which much of it is left. Clean: 12 (TX40), 6 (UR10); the KUKA has 54 at its last joint, and care.
 const POORLY_PERCENT: f64 = 50.0;
+/// What to do where rows are too few.
+const RECORD_LONGER: &str = "record longer, or estimate fewer parameters";
 /// The error of what was left out over that of the fit, from which it is much above it. Clean: 1.5 (EMPS), 1.2 (TX40); the KUKA
 /// has 4.5, and care.
 const CROSS_VALIDATION: f64 = 2.0;
@@ -115,24 +117,41 @@ fn by_error(run: &RunResult) -> Vec<NotExplained> {
     errors.filter_map(large).collect()
 }
 
+/// Whether little is left, and the rows are too few to exclude that so many parameters do that by chance.
+fn is_too_short(error_percent: Option<f64>) -> bool {
+    error_percent.is_some_and(|error| error < POORLY_PERCENT)
+}
+
 fn nothing_explained(run: &RunResult, first: &NotExplained) -> VerdictReason {
-    let seen = format!(
-        "The model explains no torque better than a constant does, {} leaves {:.0} % of them",
-        run.method,
-        run.relative_error_percent.unwrap_or(f64::NAN)
-    );
-    let said = Said::new(seen, "check that the torques belong to this motion and this robot");
+    let error = run.relative_error_percent;
+    let said = if is_too_short(error) {
+        let seen = format!("The rows are too few to tell what {} explains of the torques from chance", run.method);
+        Said::new(seen, RECORD_LONGER)
+    } else {
+        let seen = format!(
+            "The model explains no torque better than a constant does, {} leaves {:.0} % of them",
+            run.method,
+            error.unwrap_or(f64::NAN)
+        );
+        Said::new(seen, "check that the torques belong to this motion and this robot")
+    };
     reason(ReasonCode::NothingExplained, Verdict::DoNotUse, &first.numbers(), of_method(run), said)
 }
 
 fn joint_not_explained(results: &Results, run: &RunResult, found: &NotExplained) -> VerdictReason {
     let (name, label) = (joint_name(results, found.joint), results.joint_label(found.joint - 1));
-    let seen = format!(
-        "{} explains the torque of {label} no better than a constant does, and leaves {:.0} % of it",
-        run.method,
-        found.error_percent.unwrap_or(f64::NAN)
-    );
-    let said = Said::new(seen, format!("check the torque column of {label}"));
+    let said = if is_too_short(found.error_percent) {
+        let seen =
+            format!("The rows of {label} are too few to tell what {} explains of its torque from chance", run.method);
+        Said::new(seen, RECORD_LONGER)
+    } else {
+        let seen = format!(
+            "{} explains the torque of {label} no better than a constant does, and leaves {:.0} % of it",
+            run.method,
+            found.error_percent.unwrap_or(f64::NAN)
+        );
+        Said::new(seen, format!("check the torque column of {label}"))
+    };
     let concerned = Concerned { joint: Some(name), ..of_method(run) };
     reason(ReasonCode::JointNotExplained, Verdict::DoNotUse, &found.numbers(), concerned, said)
 }

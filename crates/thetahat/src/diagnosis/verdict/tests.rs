@@ -221,6 +221,23 @@ fn a_joint_and_a_robot_that_are_not_explained_are_not_used() {
     assert_eq!(joints(vec![joint(1, 1e-30, None), joint(2, 0.3, Some(9.0))]).0, Verdict::Good);
 }
 
+/// It said "idim-ls explains the torque of joint 3 no better than a constant does, and leaves 0 % of it".
+#[test]
+fn few_rows_are_no_fault_of_the_column() {
+    let text = |left_percent| {
+        let mut results = good();
+        let run = &mut results.runs[1];
+        let joints = vec![joint(1, 1e-30, None), joint(2, 0.3, None)];
+        run.residual = Some(ResidualResult { joints, homoscedasticity: None });
+        run.joint_relative_error_percent[1] = Some(left_percent);
+        assert_eq!(judge(&mut results), Verdict::DoNotUse);
+        results.verdict_reasons[0].text.clone()
+    };
+    assert!(text(0.3).contains("are too few to tell"), "{}", text(0.3));
+    assert!(text(0.3).ends_with("record longer, or estimate fewer parameters."), "{}", text(0.3));
+    assert!(text(98.0).contains("no better than a constant does, and leaves 98 % of it"), "{}", text(98.0));
+}
+
 /// Estimates from a reduction have no rows to test.
 #[test]
 fn without_rows_the_error_of_a_joint_decides() {
