@@ -268,4 +268,15 @@ mod tests {
         let result = BaseParameters::of(&model, &["iam7".to_owned()]);
         assert!(matches!(result, Err(BaseParametersError::UnknownStandardParameter { .. })));
     }
+
+    /// A truth that has another value for a fixed parameter is no truth of the estimated ones.
+    #[test]
+    fn a_standard_vector_agrees_only_with_its_own_fixed_value() {
+        let model = Model::new(&Robot::parse(TX40, Path::new("tx40.toml")).unwrap());
+        let base = BaseParameters::with_fixed(&model, &[], &[("fv1".to_owned(), 8.0)].into()).unwrap();
+        let mut theta = base.to_standard(&vec![0.0; base.parameters().len()]);
+        assert!(base.agrees_with_fixed(&theta));
+        theta[base.fixed[0].0] = 8.5;
+        assert!(!base.agrees_with_fixed(&theta));
+    }
 }
