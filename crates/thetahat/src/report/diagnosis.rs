@@ -1,7 +1,7 @@
 //! Advice and diagnosis: which numbers to take, and the tests behind it.
 
 use super::{
-    closed_loop,
+    closed_loop, hidden_bias,
     number::{NONE, optional, significant},
     section::Section,
     table::{Table, strings},
@@ -30,6 +30,7 @@ pub(super) fn section(results: &Results) -> Section {
         closed_loop::approximation(results),
         closed_loop::loop_parameters(results),
         residuals(results),
+        hidden_bias::table(results),
     ];
     let folded = [closed_loop::whole_approximation(results), joint_residuals(results)];
     Section {

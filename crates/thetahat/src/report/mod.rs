@@ -37,6 +37,7 @@ mod figures;
 mod files;
 mod findings;
 mod grades;
+mod hidden_bias;
 mod json;
 mod model_text;
 mod move_programs;

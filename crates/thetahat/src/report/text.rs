@@ -3,7 +3,7 @@
 use super::{
     closed_loop, diagnosis, facts,
     findings::{findings_text, of_runs_text},
-    payload, physical,
+    hidden_bias, payload, physical,
     published::Published,
     sections,
     tables::{self, Detail},
@@ -59,6 +59,7 @@ pub fn diagnosis(results: &Results, width: TextWidth) -> String {
         closed_loop::approximation(results),
         closed_loop::loop_parameters(results),
         diagnosis::residuals(results),
+        hidden_bias::table(results),
     ];
     let tables = tables.into_iter().flatten().map(|t| t.to_text(width));
     let notes: String = diagnosis::notes(results).iter().map(|line| wrap(line, "", width)).collect();

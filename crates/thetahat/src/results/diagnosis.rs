@@ -71,6 +71,32 @@ pub struct Influence {
     pub change: f64,
 }
 
+/// An error that an estimate's residual hardly shows, and no interval holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum HiddenError {
+    /// The torques of all joints are late; its size is the delay, s.
+    LateTorque,
+    /// Friction of a joint is larger near rest and falls to `1/e` of that at a tenth of the largest velocity; its size is the
+    /// friction at rest less the Coulomb friction, N m or N.
+    FrictionNearRest,
+}
+
+/// The bias of a run by an error of the largest size that the record leaves possible.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct HiddenBias {
+    /// The error.
+    pub error: HiddenError,
+    /// The coordinate that it belongs to, counted from one; none where it belongs to all.
+    pub joint: Option<usize>,
+    /// 95 % interval of the error's size, which is estimated beside the parameters.
+    pub size_interval_95: [f64; 2],
+    /// The parameter that it moves by most of its standard deviations.
+    pub parameter: String,
+    /// By how many standard deviations with correlated errors, at the end of the interval that moves it further.
+    pub deviations: f64,
+}
+
 /// What one case says of its methods.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct CaseDiagnosis {

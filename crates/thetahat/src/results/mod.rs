@@ -62,8 +62,8 @@ pub use design::{
 };
 pub use diagnosis::{
     Advice, ApproximatedParameter, ApproximationResult, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis,
-    Comparison, EndogeneityResult, Explained, Influence, InstrumentResult, JointResidual, ParameterDifference,
-    ResidualResult,
+    Comparison, EndogeneityResult, Explained, HiddenBias, HiddenError, Influence, InstrumentResult, JointResidual,
+    ParameterDifference, ResidualResult,
 };
 pub use estimate::NoEstimate;
 pub use file::ResultsError;

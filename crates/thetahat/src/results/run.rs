@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     curves::RunPlots,
-    diagnosis::{Influence, ResidualResult},
+    diagnosis::{HiddenBias, Influence, ResidualResult},
     parameters::ParameterResult,
     physical::PhysicalResult,
 };
@@ -54,6 +54,9 @@ pub struct RunResult {
     /// The part of the record without which the estimates change most.
     #[serde(default)]
     pub influence: Option<Influence>,
+    /// How far errors that no interval holds may have moved the estimates, of nominal runs.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub hidden_bias: Vec<HiddenBias>,
     /// The tests of the residual.
     #[serde(default)]
     pub residual: Option<ResidualResult>,
@@ -133,6 +136,7 @@ impl RunResult {
             cross_validation_relative_error_percent: None,
             cross_validation_interval_95_percent: None,
             influence: None,
+            hidden_bias: Vec::new(),
             residual: None,
             validation_condition_number: None,
             condition_number: None,

@@ -42,9 +42,14 @@ impl Identification {
         let (mut runs, mut diagnostics) = (Vec::new(), Vec::new());
         for (case, assessed) in cases.iter().zip(assessed) {
             progress(&format!("{}: diagnosis", case.name));
-            let (results, estimated): (Vec<_>, Vec<_>) = assessed.into_iter().unzip();
+            let (mut results, estimated): (Vec<RunResult>, Vec<Estimated>) = assessed.into_iter().unzip();
+            let problem = &self.problem_of(&problems, case).problem;
+            if case.name == NOMINAL {
+                let runs = results.iter_mut().zip(&estimated);
+                runs.for_each(|(run, estimated)| run.hidden_bias = self.hidden_biases(problem, run, estimated));
+            }
             runs.extend(results);
-            diagnostics.push(self.diagnose(&self.problem_of(&problems, case).problem, case, &estimated));
+            diagnostics.push(self.diagnose(problem, case, &estimated));
         }
         progress("checking the recordings");
         let findings = self.findings(&problems[0].problem, &runs);

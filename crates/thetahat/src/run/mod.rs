@@ -23,6 +23,7 @@ mod cross_validation;
 mod curves;
 mod drive_gains;
 mod examination;
+mod hidden_bias;
 mod identification;
 mod linear;
 mod not_physical;

@@ -6,7 +6,9 @@ use super::{
 };
 use crate::{
     checks::{Finding, Severity},
-    results::{Concerned, Explained, JointResidual, ReasonCode, Results, RunResult, Verdict, VerdictReason},
+    results::{
+        Concerned, Explained, HiddenError, JointResidual, ReasonCode, Results, RunResult, Verdict, VerdictReason,
+    },
 };
 
 /// Relative error of a joint, percent, from which its torque is not explained where there are no rows to test. Clean: 54 (KUKA).
@@ -30,6 +32,8 @@ const INFLUENCE: f64 = 4.0;
 /// recorded robot has 0.65 to 0.97, and care.
 const WHITE: f64 = 0.23;
 const MORE_DEVIATIONS: f64 = 2.0;
+/// Standard deviations by which a simulated error moves an estimate, from which it is told: half of its 95 % interval.
+const MORE_THAN_INTERVAL: f64 = 2.0;
 
 pub(super) fn reasons(results: &Results) -> Vec<VerdictReason> {
     let mut reasons: Vec<VerdictReason> = Vec::new();
@@ -257,13 +261,29 @@ fn correlated_residual(results: &Results, run: &RunResult) -> Option<VerdictReas
     let seen = format!(
         "Something is missing in the model (a law of friction, elasticity, a length) or in the processing (friction's sign near \
          rest), and estimates may be off by more than their intervals say: neighbouring rows of the residual of \
-         {label} ({}) correlate by {r1:.2}, where {limit:.2} is chance",
-        run.method
+         {label} ({}) correlate by {r1:.2}, where {limit:.2} is chance{}",
+        run.method,
+        largest_hidden_bias(results, run).unwrap_or_default()
     );
     let said = Said::new(seen, missing_remedy(results));
     let concerned = Concerned { joint: Some(name), ..of_method(run) };
     let numbers = [("autocorrelation", Some(r1)), ("limit", Some(limit))];
     (r1 > limit).then(|| reason(ReasonCode::CorrelatedResidual, Verdict::Care, &numbers, concerned, said))
+}
+
+/// The simulated error that may have moved an estimate furthest, where that is more than its interval says.
+fn largest_hidden_bias(results: &Results, run: &RunResult) -> Option<String> {
+    let biases = run.hidden_bias.iter().filter(|b| b.deviations.abs() > MORE_THAN_INTERVAL);
+    let largest = biases.max_by(|a, b| a.deviations.abs().total_cmp(&b.deviations.abs()))?;
+    let error = match (largest.error, largest.joint) {
+        (HiddenError::FrictionNearRest, Some(joint)) => {
+            format!("friction near rest of {}", results.joint_label(joint - 1))
+        }
+        (HiddenError::FrictionNearRest, None) => "friction near rest".to_owned(),
+        (HiddenError::LateTorque, _) => "a delay of the torques".to_owned(),
+    };
+    let (parameter, deviations) = (&largest.parameter, largest.deviations.abs());
+    Some(format!("; {error} alone may have moved {parameter} by {deviations:.1} standard deviations"))
 }
 
 /// What finds out what the model lacks, by what was tried already. Torques that are held are told of by the lag that they have.

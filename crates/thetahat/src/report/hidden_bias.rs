@@ -1,0 +1,45 @@
+//! How far errors that no interval holds may have moved the estimates.
+
+use super::{
+    number::{signed, significant},
+    table::{Table, strings},
+    units,
+};
+use crate::results::{HiddenBias, HiddenError, Results, RunResult};
+
+/// For each run the delay of the torques, and the joint whose friction near rest moves a parameter furthest.
+pub(super) fn table(results: &Results) -> Option<Table> {
+    let of_run = |run: &RunResult| -> Vec<Vec<String>> {
+        let furthest = |error: HiddenError| {
+            let biases = run.hidden_bias.iter().filter(move |b| b.error == error);
+            biases.max_by(|a, b| a.deviations.abs().total_cmp(&b.deviations.abs()))
+        };
+        let errors = [HiddenError::LateTorque, HiddenError::FrictionNearRest];
+        errors.into_iter().filter_map(furthest).map(|bias| row(results, run, bias)).collect()
+    };
+    let rows: Vec<Vec<String>> = results.runs.iter().flat_map(of_run).collect();
+    (!rows.is_empty()).then(|| Table {
+        title: "Bias that no interval holds".to_owned(),
+        lead: 3,
+        head: strings(&["method", "if", "unit", "from", "to", "moves", "by, sd"]),
+        rows,
+        notes: strings(&[
+            "from, to: 95 % interval of the error's size, estimated beside the parameters; without zero, the residual shows the \
+             error. moves, by: the parameter that the farther end moves most, in its standard deviations with correlated errors.",
+        ]),
+        ..Table::default()
+    })
+}
+
+fn row(results: &Results, run: &RunResult, bias: &HiddenBias) -> Vec<String> {
+    let joint = bias.joint.unwrap_or(1);
+    let (what, unit, scale) = match bias.error {
+        HiddenError::LateTorque => ("torques are late".to_owned(), "ms", 1e3),
+        HiddenError::FrictionNearRest => {
+            (format!("more friction near rest, joint {joint}"), units::torque(results, joint - 1), 1.0)
+        }
+    };
+    let [from, to] = bias.size_interval_95.map(|size| significant(scale * size, 2));
+    let moves = [bias.parameter.clone(), signed(bias.deviations)];
+    [run.method.name().to_owned(), what, unit.to_owned(), from, to].into_iter().chain(moves).collect()
+}
