@@ -10,11 +10,11 @@ use thetahat::{
     report::{self, Agreement, Published, ReportError, TextWidth, text, write_all},
     results::{
         Advice, Bandwidth, BiasExplanation, BiasKind, BiasedSimulatorResult, Bin, CaseDiagnosis, Code, Comparison,
-        Concerned, EliminationResult, EndogeneityResult, FTest, Finding, Frame, HeldBackPlots, Influence,
-        IterationResult, JointKind, JointResidual, JointResult, Method, ParameterDifference, ParameterResult, Plots,
-        ReasonCode, RecordStart, RecordingFindings, RecordingResult, ReferenceResult, ResidualCurves, ResidualResult,
-        Results, ResultsError, RunPlots, RunResult, SCHEMA, Severity, Skeleton, Status, Verdict, VerdictReason,
-        Weighting,
+        Concerned, EliminationResult, EndogeneityResult, FTest, Finding, Frame, HeldBackPlots, HiddenBias, HiddenError,
+        Influence, IterationResult, JointKind, JointResidual, JointResult, Method, ParameterDifference,
+        ParameterResult, Plots, ReasonCode, RecordStart, RecordingFindings, RecordingResult, ReferenceResult,
+        ResidualCurves, ResidualResult, Results, ResultsError, RunPlots, RunResult, SCHEMA, Severity, Skeleton, Status,
+        Verdict, VerdictReason, Weighting,
     },
     statistics::chi_squared_test,
 };
@@ -87,6 +87,7 @@ fn run(case: &str, method: Method) -> RunResult {
         cross_validation_relative_error_percent: None,
         cross_validation_interval_95_percent: Some([5.1, 6.9]),
         influence: Some(Influence { part: "move 10".to_owned(), parameter: "zz1r".to_owned(), change: -4.7 }),
+        hidden_bias: hidden_bias(),
         residual: Some(residual()),
         validation_condition_number: None,
         condition_number: Some(975.4),
@@ -104,6 +105,22 @@ fn run(case: &str, method: Method) -> RunResult {
             ..RunPlots::default()
         },
     }
+}
+
+/// Of the two joints the second moves a parameter further.
+fn hidden_bias() -> Vec<HiddenBias> {
+    let of = |error, joint, size_interval_95, deviations| HiddenBias {
+        error,
+        joint,
+        size_interval_95,
+        parameter: "zz1r".to_owned(),
+        deviations,
+    };
+    vec![
+        of(HiddenError::LateTorque, None, [-0.00134, 0.00029], -1.2),
+        of(HiddenError::FrictionNearRest, Some(1), [-0.5, 0.5], 0.4),
+        of(HiddenError::FrictionNearRest, Some(2), [-5.5, -4.2], -9.2),
+    ]
 }
 
 fn residual() -> ResidualResult {
@@ -187,6 +204,7 @@ fn diverged(case: &str) -> RunResult {
         f_test: None,
         residual: None,
         influence: None,
+        hidden_bias: Vec::new(),
         convergence: Vec::new(),
         parameters: Vec::new(),
         plots: RunPlots::default(),
@@ -726,6 +744,19 @@ fn agreement_is_counted() {
     let text = text::published(&results, &published, "nominal", WIDTH);
     assert!(text.contains("idim-ls 2 of 3") && text.contains("* +29.0"), "{text}");
     assert!(text::published_runs(&results, &published, WIDTH).contains("5.75  5.530"));
+}
+
+/// The delay, and of the joints that whose friction moves a parameter furthest.
+#[test]
+fn bias_that_no_interval_holds_is_a_table_with_the_error_and_its_size() {
+    let text = text::diagnosis(&results(), WIDTH);
+    let table = between(&text, "Bias that no interval holds", "  from, to:");
+    assert!(table.contains("torques are late"), "{table}");
+    let row = table.lines().find(|line| line.contains("torques are late")).unwrap();
+    let cells: Vec<&str> = row.split_whitespace().rev().take(5).collect();
+    assert_eq!(cells, ["-1.2", "zz1r", "0.29", "-1.3", "ms"]);
+    assert!(table.contains("rest friction, joint 2"), "{table}");
+    assert!(!table.contains("rest friction, joint 1"), "{table}");
 }
 
 #[test]

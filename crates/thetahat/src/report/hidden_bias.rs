@@ -24,8 +24,8 @@ pub(super) fn table(results: &Results) -> Option<Table> {
         head: strings(&["method", "if", "unit", "from", "to", "moves", "by, sd"]),
         rows,
         notes: strings(&[
-            "from, to: 95 % interval of the error's size, estimated beside the parameters; without zero, the residual shows the \
-             error. moves, by: the parameter that the farther end moves most, in its standard deviations with correlated errors.",
+            "rest friction: that at rest less Coulomb friction. from, to: 95 % interval of the error's size, estimated beside the \
+             parameters; without zero, the residual shows the error. moves, by: the parameter that the farther end moves most, in its standard deviations with correlated errors.",
         ]),
         ..Table::default()
     })
@@ -36,7 +36,7 @@ fn row(results: &Results, run: &RunResult, bias: &HiddenBias) -> Vec<String> {
     let (what, unit, scale) = match bias.error {
         HiddenError::LateTorque => ("torques are late".to_owned(), "ms", 1e3),
         HiddenError::FrictionNearRest => {
-            (format!("more friction near rest, joint {joint}"), units::torque(results, joint - 1), 1.0)
+            (format!("rest friction, joint {joint}"), units::torque(results, joint - 1), 1.0)
         }
     };
     let [from, to] = bias.size_interval_95.map(|size| significant(scale * size, 2));

@@ -97,6 +97,15 @@ pub struct HiddenBias {
     pub deviations: f64,
 }
 
+impl HiddenBias {
+    /// Whether the residual shows the error: its interval has no zero.
+    #[must_use]
+    pub fn is_seen(&self) -> bool {
+        let [from, to] = self.size_interval_95;
+        from > 0.0 || to < 0.0
+    }
+}
+
 /// What one case says of its methods.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct CaseDiagnosis {

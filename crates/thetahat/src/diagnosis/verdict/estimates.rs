@@ -271,9 +271,10 @@ fn correlated_residual(results: &Results, run: &RunResult) -> Option<VerdictReas
     (r1 > limit).then(|| reason(ReasonCode::CorrelatedResidual, Verdict::Care, &numbers, concerned, said))
 }
 
-/// The simulated error that may have moved an estimate furthest, where that is more than its interval says.
+/// Of the simulated errors that the residual shows, the one that may have moved an estimate furthest, where that is more than its
+/// interval says.
 fn largest_hidden_bias(results: &Results, run: &RunResult) -> Option<String> {
-    let biases = run.hidden_bias.iter().filter(|b| b.deviations.abs() > MORE_THAN_INTERVAL);
+    let biases = run.hidden_bias.iter().filter(|b| b.is_seen() && b.deviations.abs() > MORE_THAN_INTERVAL);
     let largest = biases.max_by(|a, b| a.deviations.abs().total_cmp(&b.deviations.abs()))?;
     let error = match (largest.error, largest.joint) {
         (HiddenError::FrictionNearRest, Some(joint)) => {
