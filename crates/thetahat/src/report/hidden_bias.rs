@@ -24,8 +24,8 @@ pub(super) fn table(results: &Results) -> Option<Table> {
         head: strings(&["method", "if", "unit", "from", "to", "moves", "by, sd"]),
         rows,
         notes: strings(&[
-            "rest friction: that at rest less Coulomb friction. from, to: 95 % interval of the error's size, estimated beside the \
-             parameters; without zero, the residual shows the error. moves, by: the parameter that the farther end moves most, in its standard deviations with correlated errors.",
+            "rest friction: that at rest less Coulomb friction. from, to: 95 % interval of the error's size; without zero, the \
+             residual shows it. moves, by: the parameter that the farther end moves most, in its robust deviations.",
         ]),
         ..Table::default()
     })
