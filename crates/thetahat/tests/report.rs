@@ -750,7 +750,7 @@ fn agreement_is_counted() {
 #[test]
 fn bias_that_no_interval_holds_is_a_table_with_the_error_and_its_size() {
     let text = text::diagnosis(&results(), WIDTH);
-    let table = between(&text, "Bias that no interval holds", "  from, to:");
+    let table = between(&text, "Bias that no interval holds", "rest friction: that at");
     assert!(table.contains("torques are late"), "{table}");
     let row = table.lines().find(|line| line.contains("torques are late")).unwrap();
     let cells: Vec<&str> = row.split_whitespace().rev().take(5).collect();
