@@ -30,8 +30,8 @@ pub fn show(
         print(&written(files.as_deref()))?;
         print(&format!("{}\n", "-".repeat(width().columns())))?;
     }
-    print_verdict(results)?;
     print(&report::card_text(results, width()))?;
+    print_verdict(results)?;
     Ok(Ending::of(results.verdict))
 }
 

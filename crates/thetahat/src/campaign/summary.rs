@@ -56,7 +56,8 @@ fn parameters(runs: &CampaignRuns, converged: &[&Row]) -> Vec<ParameterSummary> 
         let (estimates, deviations): (Vec<f64>, Vec<f64>) = pairs.unzip();
         let (truth, mean) = (p.truth?, mean(estimates.iter().copied())?);
         let classical = estimates.iter().zip(&deviations).filter(|(e, d)| (*e - truth).abs() <= NORMAL_95 * **d);
-        let holds = |r: &&&Row| r.intervals[i].is_some_and(|[low, high]| (low..=high).contains(&truth));
+        let intervals = || converged.iter().filter_map(|r| r.intervals[i]);
+        let holding = |value: f64| intervals().filter(|[low, high]| (*low..=*high).contains(&value)).count();
         let percent = |count: usize| 100.0 * count as f64 / estimates.len() as f64;
         Some(ParameterSummary {
             name: p.name.clone(),
@@ -65,8 +66,9 @@ fn parameters(runs: &CampaignRuns, converged: &[&Row]) -> Vec<ParameterSummary> 
             mean,
             spread: standard_deviation(&estimates),
             deviation: self::mean(deviations.iter().copied())?,
-            coverage_percent: percent(converged.iter().filter(holds).count()),
+            coverage_percent: percent(holding(truth)),
             classical_coverage_percent: percent(classical.count()),
+            told_percent: percent(intervals().count() - holding(0.0)),
             count: estimates.len(),
         })
     };

@@ -66,7 +66,7 @@ fn judge(exam: &mut Examination<'_>, j: usize, code: Code, drift: Drift) {
     let number = exam.subject.joint_number(j);
     exam.judge(evidence, Severity::Warning, || {
         let message = format!(
-            "joint {number}: the {what} changes by {percent:+.1} % (+- {:.1}) from the start to the end of the record",
+            "joint {number}: the {what} changes by {percent:+.1} % (± {:.1}) from the start to the end of the record",
             100.0 * drift.deviation
         );
         Words::new(message, remedy)

@@ -219,7 +219,7 @@ impl Delay {
         let whose = joint_number
             .map_or_else(|| "the torques are".to_owned(), |number| format!("joint {number}: the torque is"));
         let message = format!(
-            "{whose} {size:.1} samples ({:.2} ms, +- {:.2}) {order} than the position; without that the squared \
+            "{whose} {size:.1} samples ({:.2} ± {:.2} ms) {order} than the position; without that the squared \
              residual is {:.0} % smaller",
             ms(self.steps.abs()),
             ms(self.deviation),
@@ -228,7 +228,7 @@ impl Delay {
         let also = if subject.controller.is_some() { ", and state the delay of [controller]" } else { "" };
         let remedy = if self.is_held(subject) {
             "if the torque is a drive signal that the controller holds until its next sample, say so by held = true \
-             beside its columns: it is half a sample early"
+             beside its columns, which takes half a sample off"
                 .to_owned()
         } else if size < ONE_SAMPLE {
             "nothing to do: it is less than a sample".to_owned()

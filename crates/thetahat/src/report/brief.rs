@@ -2,7 +2,6 @@
 
 use super::{
     facts, findings,
-    grades::word,
     number::{self, NONE, estimate, optional},
     payload, physical,
     table::Table,
@@ -24,7 +23,7 @@ pub fn brief(results: &Results, width: TextWidth) -> String {
     parts.push(physical::brief(results, width));
     parts.extend(payload::tables(results).iter().map(|table| table.to_text(width)));
     parts.push(terms::profiled(results).map(|line| wrap(&line, "", width)).collect());
-    parts.extend(results.taken().map(|run| estimates(run, results.model_is_doubted(), width)));
+    parts.extend(results.taken().map(|run| estimates(run, width)));
     parts.retain(|part| !part.is_empty());
     parts.join("\n")
 }
@@ -39,21 +38,34 @@ fn head(results: &Results, width: TextWidth) -> String {
     let several =
         if results.recordings.len() > 1 { format!("{} recordings, ", results.recordings.len()) } else { String::new() };
     let used = format!(
-        "{}: {several}{} samples{rate}, {} rows after decimation",
-        results.robot, results.samples_used, results.decimated_rows
+        "{}: {several}{} samples{rate}, {} rows of {} after decimation",
+        results.robot,
+        results.samples_used,
+        results.decimated_rows,
+        counted_joints(results)
     );
     let locked = facts::locked_joints(results).map(|joints| format!("locked: {joints}"));
     let lines = [Some(results.title.clone()), Some(used), locked];
     lines.iter().flatten().map(|line| wrap(line, "", width)).collect()
 }
 
+/// The rows are those of all joints together.
+fn counted_joints(results: &Results) -> String {
+    match results.runs.iter().map(|r| r.joint_relative_error_percent.len()).max() {
+        Some(0 | 1) | None => "one joint".to_owned(),
+        Some(joints) => format!("{joints} joints"),
+    }
+}
+
 /// One row for each run; the cases where there are several.
 fn runs(results: &Results, width: TextWidth) -> String {
     let several = results.cases().len() > 1;
+    let taken = results.taken().map(|r| (r.case.clone(), r.method));
+    let is_taken = |r: &RunResult| taken.as_ref().is_some_and(|(case, method)| (case, method) == (&r.case, &r.method));
     let row = |r: &RunResult| {
         let case = several.then(|| r.case.clone());
         let figures = [
-            r.method.name().to_owned(),
+            if is_taken(r) { format!("{} *", r.method.name()) } else { r.method.name().to_owned() },
             r.status.name().to_owned(),
             optional(r.relative_error_percent, 3),
             optional(r.cross_validation_relative_error_percent, 3),
@@ -68,26 +80,27 @@ fn runs(results: &Results, width: TextWidth) -> String {
         lead: if several { 3 } else { 2 },
         head: head.map(str::to_owned).collect(),
         rows: results.runs.iter().map(row).collect(),
-        notes: unseen.map(|text| format!("unseen: {text}.")).into_iter().chain(tables::reasons(&runs)).collect(),
+        notes: unseen
+            .map(|text| format!("* to take. unseen: {text}."))
+            .into_iter()
+            .chain(tables::reasons(&runs))
+            .collect(),
         ..Table::default()
     };
     table.to_text(width)
 }
 
 /// The estimates of a run by grade, as many side by side as fit; of those that are not identified the names.
-fn estimates(run: &RunResult, model_is_doubted: bool, width: TextWidth) -> String {
+fn estimates(run: &RunResult, width: TextWidth) -> String {
     let mut text = wrap(&format!("Estimates of {} \u{b1} half of the 95 % interval", run.method), "", width);
     for (grade, what) in [
-        (Grade::Sure, "the interval is within 20 % of the estimate"),
-        (Grade::Rough, "the interval is wider, and excludes zero"),
-        (
-            Grade::Impossible,
-            "a motor inertia or friction that is negative, beyond what noise makes of one of all of them",
-        ),
+        (Grade::Precise, "the interval is within 20 % of the estimate"),
+        (Grade::Rough, rough(run)),
+        (Grade::Impossible, "a motor inertia or friction below zero"),
     ] {
         let known: Vec<_> = run.graded(grade).collect();
         if !known.is_empty() {
-            text += &wrap(&format!("{}: {what}", word(grade, model_is_doubted)), "  ", width);
+            text += &wrap(&format!("{}: {what}", grade.name()), "  ", width);
             text += &side_by_side(&cells(&known), width);
         }
     }
@@ -98,6 +111,15 @@ fn estimates(run: &RunResult, model_is_doubted: bool, width: TextWidth) -> Strin
     }
     let held = tables::interval_counts(&[run]);
     text + &held.map_or_else(String::new, |line| wrap(&line, "  ", width))
+}
+
+/// Why estimates are no more than rough.
+fn rough(run: &RunResult) -> &'static str {
+    if run.hidden_bias.is_empty() {
+        "the interval is wider, and excludes zero"
+    } else {
+        "the interval is wider, or friction near rest or a delay may have moved them further"
+    }
 }
 
 /// Name, value, half of the interval and unit of each parameter, in columns of the same width.

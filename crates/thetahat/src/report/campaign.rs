@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::{
     box_plot::{BoxGroup, BoxOf, box_chart},
     campaign_figures::{bias, coverage},
+    campaign_power::power,
     campaign_tables::{LEGEND, comparison, parameters},
     error::ReportError,
     figures::{Figure, Key},
@@ -44,7 +45,7 @@ pub fn write_campaign(results: &CampaignResults, directory: &Path) -> Result<Pat
         Section {
             id: "coverage",
             title: "What the methods get right",
-            figures: [coverage(&results.summaries), bias(&results.summaries)].into_iter().flatten().collect(),
+            figures: [coverage, bias, power].into_iter().filter_map(|figure| figure(&results.summaries)).collect(),
             ..Section::default()
         },
         Section { id: "boxes", title: "Distributions", figures: figures(results), ..Section::default() },
@@ -92,7 +93,7 @@ fn facts(results: &CampaignResults) -> Vec<(&'static str, String)> {
 }
 
 fn extent(Extent { run, described }: Extent) -> String {
-    format!("{run} of {described}")
+    if run == described { run.to_string() } else { format!("{run}, of the {described} that are described") }
 }
 
 fn claims(results: &CampaignResults) -> Vec<String> {
@@ -128,7 +129,7 @@ fn figures(results: &CampaignResults) -> Vec<Figure> {
         let chart = |(title, metric): &(&str, Metric)| box_chart((*title).to_owned(), &groups(&of_case, *metric));
         Figure {
             conclusion: closest(case, &of_case),
-            caption: format!("{case}: converged runs; whiskers to the extremes, boxes over the middle half"),
+            caption: format!("converged runs of {case}; whiskers to the extremes, boxes over the middle half"),
             legend: legend_of(&of_case),
             charts: metrics.iter().map(chart).collect(),
             ..Figure::default()

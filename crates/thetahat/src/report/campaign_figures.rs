@@ -100,11 +100,16 @@ fn conclusion(summaries: &[MethodSummary], methods: &[Method], half: f64) -> Str
         let of_method = summaries.iter().filter(|s| s.method == method.name());
         let all = of_method.filter_map(|s| Some((s.coverage_percent?, s)));
         let (coverage, at) = all.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let verdict = if coverage < PROMISED - half { "less than promised" } else { "as promised" };
-        Some(format!("those of {method} {} % at worst, {verdict} ({}, {})", fixed(coverage, 1), at.case, at.noise))
+        Some((format!("{method} {} % ({}, {})", fixed(coverage, 1), at.case, at.noise), coverage >= PROMISED - half))
     };
-    let all: Vec<String> = methods.iter().filter_map(worst).collect();
-    format!("Intervals of 95 % hold the truth: {}.", all.join("; "))
+    let (keep, miss): (Vec<_>, Vec<_>) = methods.iter().filter_map(worst).partition(|(_, keeps)| *keeps);
+    let listed = |what: &str, of: Vec<(String, bool)>| {
+        let texts: Vec<String> = of.into_iter().map(|(text, _)| text).collect();
+        (!texts.is_empty()).then(|| format!("{what}, at worst: {}.", texts.join(", ")))
+    };
+    let miss = listed("Intervals of 95 % hold the truth less often than promised", miss);
+    let keep = listed("Intervals of 95 % hold the truth as promised", keep);
+    miss.into_iter().chain(keep).collect::<Vec<_>>().join(" ")
 }
 
 /// Rms of the bias in deviations; none where no summary says it.
@@ -128,7 +133,10 @@ pub(super) fn bias(summaries: &[MethodSummary]) -> Option<Figure> {
         caption: "bias of the estimates over the noise, on an axis of powers of ten".to_owned(),
         legend: places.keys(),
         charts: vec![chart],
-        notes: vec!["The line is one deviation: above it an error is more than the numbers say.".to_owned()],
+        notes: vec![
+            "Above the line at one deviation the bias is larger than the deviations that the estimates state."
+                .to_owned(),
+        ],
     })
 }
 
@@ -165,11 +173,15 @@ mod tests {
             [summary("idim-ls", "low", 94.0), summary("idim-ls", "high", 40.0), summary("idim-iv", "low", 95.5)];
         let figure = coverage(&summaries).unwrap();
         assert!(
-            figure.conclusion.contains("idim-ls 40.0 % at worst, less than promised (nominal, high)"),
+            figure.conclusion.contains("less often than promised, at worst: idim-ls 40.0 % (nominal, high)."),
             "{}",
             figure.conclusion
         );
-        assert!(figure.conclusion.contains("idim-iv 95.5 % at worst, as promised"), "{}", figure.conclusion);
+        assert!(
+            figure.conclusion.contains("as promised, at worst: idim-iv 95.5 % (nominal, low)."),
+            "{}",
+            figure.conclusion
+        );
         let panel = &figure.charts[0].panels[0];
         assert_eq!(panel.x_ticks.len(), 2);
         let nominal = panel.paths.iter().find(|p| p.class == "nominal").unwrap();

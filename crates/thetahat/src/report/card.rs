@@ -2,10 +2,10 @@
 
 use super::{
     grades::counted,
-    number::significant,
-    wrap::{TextWidth, labelled, wrap_to},
+    number::{fixed, significant},
+    wrap::{TextWidth, labelled},
 };
-use crate::results::{Card, Grade, Results, Unseen, Verdict};
+use crate::results::{Card, Grade, Physical, Results, Unseen, Verdict};
 
 /// Columns of the labels.
 const LABEL: usize = 12;
@@ -20,7 +20,8 @@ pub fn headline(results: &Results) -> String {
 }
 
 fn headline_of(card: &Card) -> String {
-    let take = card.method.map_or_else(|| "no method has numbers to take".to_owned(), |m| format!("take {m}"));
+    let case = card.case.as_ref().map(|case| format!(", case {case}")).unwrap_or_default();
+    let take = card.method.map_or_else(|| "no method has numbers to take".to_owned(), |m| format!("take {m}{case}"));
     match card.verdict {
         Some(Verdict::Good) => format!("\u{2713} GOOD: {take}"),
         Some(Verdict::Care) => format!("! CARE: {take}, and read why"),
@@ -29,16 +30,17 @@ fn headline_of(card: &Card) -> String {
     }
 }
 
-/// What the verdict rests on, and what to do next: the lines under the headline.
+/// What the verdict rests on, what to do next, and the numbers: the lines above the headline, which ends what is printed.
 #[must_use]
 pub fn card_text(results: &Results, width: TextWidth) -> String {
     let card = results.card();
-    let because = because(results, width).into_iter().map(|text| ("because", text));
+    let because = because(results).into_iter().map(|text| ("because", text));
+    let next = if card.verdict == Some(Verdict::Good) { "to improve" } else { "next" };
     let numbered = |(number, action): (usize, &String)| {
-        let label = if number == 0 { "next" } else { "" };
+        let label = if number == 0 { next } else { "" };
         (label, format!("{}. {action}", number + 1))
     };
-    let lines = facts(&card).into_iter().chain(because).chain(card.actions.iter().enumerate().map(numbered));
+    let lines = because.chain(card.actions.iter().enumerate().map(numbered)).chain(facts(&card));
     lines.map(|(label, text)| labelled(label, &text, LABEL, width)).collect()
 }
 
@@ -49,6 +51,7 @@ fn facts(card: &Card) -> Vec<(&'static str, String)> {
     let facts = [
         card.relative_error_percent.map(|error| ("error", format!("{} %{}", significant(error, 3), unseen(card)))),
         card.worst_joint.as_ref().map(|joint| ("worst joint", worst(joint))),
+        card.physical.map(|physical| ("physical", physically(physical).to_owned())),
         Some(("parameters", known(card))),
     ];
     let method = (card.verdict == Some(Verdict::DoNotUse)).then(|| ("method", format!("{method}, of those that ran")));
@@ -56,10 +59,21 @@ fn facts(card: &Card) -> Vec<(&'static str, String)> {
 }
 
 fn unseen(card: &Card) -> String {
-    match card.unseen {
-        Some(Unseen::HeldBack(error)) => format!("; unseen {} %, on what was held back", significant(error, 3)),
-        Some(Unseen::LeftOut(error)) => format!("; unseen {} %, on parts left out in turn", significant(error, 3)),
-        None => "; not validated".to_owned(),
+    let Some(unseen) = card.unseen else { return "; not validated".to_owned() };
+    let on = match unseen {
+        Unseen::HeldBack(_) => "on what was held back",
+        Unseen::LeftOut(_) => "on parts left out in turn",
+    };
+    let times = card.times_unseen().map(|times| format!(" ({} times)", fixed(times, 1))).unwrap_or_default();
+    format!("; unseen {} %{times}, {on}", significant(unseen.percent(), 3))
+}
+
+/// Whether a robot made of bodies has the estimates, and what to do where none has.
+pub(super) fn physically(physical: Physical) -> &'static str {
+    match physical {
+        Physical::Yes => "yes, some robot has these numbers",
+        Physical::WithinNoise => "within noise; set physical = true before you simulate with them",
+        Physical::No => "no robot has these numbers; set physical = true before you simulate with them",
     }
 }
 
@@ -70,28 +84,13 @@ fn known(card: &Card) -> String {
     }
     let counts = Grade::ALL.into_iter().zip(card.parameters.iter().map(Vec::len));
     let doubt = if card.model_is_doubted { "; what the model lacks may shift them" } else { "" };
-    format!(
-        "{} of {}{doubt}",
-        counted(counts, card.model_is_doubted),
-        card.parameters.iter().map(Vec::len).sum::<usize>()
-    )
+    format!("{} of {}{doubt}", counted(counts), card.parameters.iter().map(Vec::len).sum::<usize>())
 }
 
-/// As much of a text as stands in two lines of so many characters.
-fn first_lines(text: &str, columns: usize) -> String {
-    let lines: Vec<String> = wrap_to(text, columns);
-    match lines.as_slice() {
-        [first, second, _, ..] => format!("{first} {}…", wrap_to(second, columns - 1).swap_remove(0)),
-        [] | [_] | [_, _] => lines.join(" "),
-    }
-}
-
-/// The gravest reasons in two lines each, and how many more there are.
-fn because(results: &Results, width: TextWidth) -> Vec<String> {
+/// The gravest reasons, and how many more there are.
+fn because(results: &Results) -> Vec<String> {
     let reasons = &results.verdict_reasons;
-    let line = |text: &str| first_lines(text, width.columns() - LABEL);
-    let mut lines: Vec<String> =
-        reasons.iter().take(REASONS).map(|r| line(&format!("[{}] {}", r.code, r.seen()))).collect();
+    let mut lines: Vec<String> = reasons.iter().take(REASONS).map(|r| format!("{} [{}]", r.seen(), r.code)).collect();
     let more = reasons.len().saturating_sub(REASONS);
     let plural = if more == 1 { "" } else { "s" };
     lines.extend((more > 0).then(|| format!("{more} more reason{plural}, with --full")));

@@ -39,10 +39,10 @@ fn motion(results: &DesignResults) -> String {
 pub(super) fn conclusions(results: &DesignResults) -> Vec<String> {
     let known = || results.promised.iter().filter(|p| p.a_priori != 0.0);
     let count = |grade: Grade| known().filter(|p| p.grade() == grade).count();
-    let [sure, rough, lost] = [Grade::Sure, Grade::Rough, Grade::NotIdentified].map(count);
+    let [precise, rough, lost] = [Grade::Precise, Grade::Rough, Grade::NotIdentified].map(count);
     let (all, known_ones) = (results.promised.len(), known().count());
     let mut lines = vec![format!(
-        "{all} parameters are promised. Of the {known_ones} whose a-priori value is not zero, if that is right: {sure} sure, \
+        "{all} parameters are promised. Of the {known_ones} whose a-priori value is not zero, if that is right: {precise} precise, \
          {rough} rough, {lost} not told from zero."
     )];
     let unknown: Vec<&str> = known().filter(|p| p.grade() == Grade::NotIdentified).map(|p| p.name.as_str()).collect();

@@ -2,12 +2,13 @@
 
 use super::{
     number::significant,
-    wrap::{TextWidth, shortened, wrap},
+    wrap::{TextWidth, labelled, shortened, wrap, wrap_to},
 };
-use crate::{
-    results::{Filter, FilterChoice, Finding, RecordingFindings, Results, RunResult, Severity},
-    visible::visible_lines,
-};
+use crate::results::{Filter, FilterChoice, Finding, RecordingFindings, Results, RunResult, Severity};
+
+/// Lines of a finding on the first screen, and their indent where they stand below its code.
+const LINES: usize = 3;
+const INDENT: &str = "           ";
 
 const SEVERITIES: [Severity; 3] = [Severity::Problem, Severity::Warning, Severity::Note];
 
@@ -38,12 +39,31 @@ pub(super) fn brief(results: &Results, width: TextWidth) -> String {
     });
     let mut lines: Vec<(Severity, String)> = Vec::new();
     for (finding, text) in of_recordings.chain(of_estimates(&results.runs)) {
-        let line = format!("{:<8} {:<20} {text}", label(finding.severity), finding.code.to_string());
-        lines.push((finding.severity, format!("  {}\n", shortened(&visible_lines(&line), width.columns() - 2))));
+        lines.push((finding.severity, in_lines(finding, &text, width)));
     }
     lines.sort_by_key(|(severity, _)| SEVERITIES.iter().position(|s| s == severity));
     let lines: String = lines.into_iter().map(|(_, line)| line).collect();
-    if lines.is_empty() { "Findings: none\n".to_owned() } else { format!("Findings (whole with --full)\n{lines}") }
+    if lines.is_empty() { "Findings: none\n".to_owned() } else { format!("Findings (--full says what to do)\n{lines}") }
+}
+
+/// Severity and code, and the text beside them; below them where there is little room.
+fn in_lines(finding: &Finding, text: &str, width: TextWidth) -> String {
+    let named = format!("  {:<8} {:<20} ", label(finding.severity), finding.code.to_string());
+    let column = named.chars().count();
+    if width.columns() >= 2 * column {
+        return labelled(&named, &first_lines(text, width.columns() - column), column, width);
+    }
+    format!("{}\n{}", named.trim_end(), wrap(&first_lines(text, width.columns() - INDENT.len()), INDENT, width))
+}
+
+/// As much of a text as stands in a few lines of so many characters.
+fn first_lines(text: &str, columns: usize) -> String {
+    let lines = wrap_to(text, columns);
+    if lines.len() <= LINES {
+        return lines.join(" ");
+    }
+    let last = shortened(&format!("{} {}", lines[LINES - 1], lines[LINES]), columns - 1);
+    [&lines[..LINES - 1], &[last]].concat().join(" ")
 }
 
 /// The joints, and the message of the largest value without its joint.

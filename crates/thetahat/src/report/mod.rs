@@ -22,6 +22,7 @@ mod box_plot;
 mod brief;
 mod campaign;
 mod campaign_figures;
+mod campaign_power;
 mod campaign_tables;
 mod card;
 mod closed_loop;

@@ -1,7 +1,7 @@
 //! The sections of the page: the torques and the estimates, then everything else on demand.
 
 use super::{
-    diagnosis,
+    card, diagnosis,
     facts::{facts, weights},
     figures, findings,
     number::significant,
@@ -12,7 +12,7 @@ use super::{
     tables::{self, Detail},
     terms,
 };
-use crate::results::{FTest, Results, RunResult, Verdict};
+use crate::results::{FTest, Results, RunResult, Status, Verdict};
 
 /// Probability below which an F-test rejects.
 const SIGNIFICANCE: f64 = 0.05;
@@ -27,7 +27,7 @@ pub(super) fn all(results: &Results, published: Option<&Published>) -> Vec<Secti
         residuals(results),
         correlations(results),
         diagnosis(results),
-        physical::section(results).folded(""),
+        physical::section(results).folded(physical_hint(results)),
         payload::section(results).folded(""),
         terms::section(results).folded(""),
     ];
@@ -36,6 +36,11 @@ pub(super) fn all(results: &Results, published: Option<&Published>) -> Vec<Secti
     sections.extend([elimination(results), method(results)]);
     sections.retain(|s| !s.is_empty());
     sections
+}
+
+/// What is known of the estimates that are taken.
+fn physical_hint(results: &Results) -> &'static str {
+    results.card().physical.map_or("", card::physically)
 }
 
 /// The case whose figures are shown at once, and the others.
@@ -70,7 +75,7 @@ fn torques(results: &Results) -> Section {
 
 fn estimates(results: &Results, published: Option<&Published>) -> Section {
     let (first, others) = cases(results);
-    let further = first.and_then(|case| figures::other_parameters(results, case));
+    let further = first.and_then(|case| figures::not_identified(results, published, case));
     Section {
         id: "estimates",
         title: "Estimates",
@@ -95,7 +100,9 @@ fn summary(results: &Results) -> Section {
         ..Section::default()
     };
     let plural = if runs.len() == 1 { "" } else { "s" };
-    section.folded(format!("{} run{plural}", runs.len()))
+    let converged = runs.iter().filter(|r| r.status == Status::Converged).count();
+    let all = if converged == runs.len() { "all".to_owned() } else { converged.to_string() };
+    section.folded(format!("{} run{plural}, {all} converged", runs.len()))
 }
 
 fn findings(results: &Results) -> Section {
@@ -141,7 +148,7 @@ fn diagnosis(results: &Results) -> Section {
     };
     let section = diagnosis::section(results);
     let lines = advice.into_iter().chain(section.lines).collect();
-    Section { lines, ..section }.folded("what tells the methods apart")
+    Section { lines, ..section }.folded("which method to take, and why")
 }
 
 fn comparison(results: &Results, published: &Published) -> Section {

@@ -77,35 +77,41 @@ fn sections(sensitivity: &Sensitivity) -> Vec<Section> {
 pub(super) fn conclusions(sensitivity: &Sensitivity) -> Vec<String> {
     let of_kind = |kind: BiasKind| {
         let per_method = methods(sensitivity).into_iter().filter_map(|method| {
-            let change = change_per_unit(sensitivity, kind, method)?;
-            Some(format!("{} by {}", method.name(), significant(change, 2)))
+            let [size, change] = smallest_change(sensitivity, kind, method)?;
+            Some((size, format!("{} by {}", method.name(), significant(change / size, 2))))
         });
-        let changes: Vec<String> = per_method.collect();
-        (!changes.is_empty()).then(|| format!("{} moves {} deviations.", unit_of_error(kind), changes.join(", ")))
+        let (sizes, changes): (Vec<f64>, Vec<String>) = per_method.unzip();
+        let tried = sizes.into_iter().fold(0.0, f64::max);
+        let (error, unit) = unit_of_error(kind);
+        let changes = changes.join(", ");
+        (tried > 0.0).then(|| {
+            format!("{error} moves {changes} standard deviations, in proportion from {} {unit}.", significant(tried, 2))
+        })
     };
     BiasKind::ALL.into_iter().filter_map(of_kind).collect()
 }
 
-/// The change for 1 % of a factor, or for one unit of what is added: that of the smallest error, in proportion.
-fn change_per_unit(sensitivity: &Sensitivity, kind: BiasKind, method: Method) -> Option<f64> {
+/// The smallest error of a kind, in percent of a factor or in units of what is added, and the change with it.
+fn smallest_change(sensitivity: &Sensitivity, kind: BiasKind, method: Method) -> Option<[f64; 2]> {
     let is_of = |p: &&SensitivityPoint| p.kind == kind && p.method == method && p.status == Status::Converged;
     let of_kind = sensitivity.points.iter().filter(is_of);
     let size =
         |p: &SensitivityPoint| if kind.is_factor() { 100.0 * (p.value - 1.0).abs() } else { shown_value(p).abs() };
     let changes = of_kind.filter_map(|p| Some((size(p), p.rms_change?))).filter(|(size, _)| *size > 0.0);
     let (size, change) = changes.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    Some(change / size)
+    Some([size, change])
 }
 
-fn unit_of_error(kind: BiasKind) -> String {
+/// One unit of an error in words, and the unit.
+fn unit_of_error(kind: BiasKind) -> (String, &'static str) {
     match kind {
-        BiasKind::Delay => "1 ms of delay".to_owned(),
-        BiasKind::ReferenceOffset => "1 mrad or mm of the reference's offset".to_owned(),
+        BiasKind::Delay => ("1 ms of delay".to_owned(), "ms"),
+        BiasKind::ReferenceOffset => ("1 mrad or mm of the reference's offset".to_owned(), "mrad or mm"),
         BiasKind::GearRatio
         | BiasKind::DriveGain
         | BiasKind::ControllerGain
         | BiasKind::ReferenceScale
-        | BiasKind::Friction => format!("1 % of error of the {}", kind.name()),
+        | BiasKind::Friction => (format!("1 % of error of the {}", kind.name()), "%"),
     }
 }
 

@@ -107,6 +107,8 @@ pub struct ParameterSummary {
     pub coverage_percent: f64,
     /// The same of the estimates with 1.96 classical standard deviations on both sides.
     pub classical_coverage_percent: f64,
+    /// Part of the 95 % intervals that do not hold zero, percent: how often the parameter is told from zero.
+    pub told_percent: f64,
     /// Estimates.
     pub count: usize,
 }

@@ -7,12 +7,16 @@ use super::{
     verdict::{ReasonCode, Verdict, VerdictReason},
 };
 use crate::{
-    checks::Code,
+    checks::{Code, Severity},
     identification::{Method, Status},
+    number::significant,
 };
 
 /// Most actions on a card.
 const ACTIONS: usize = 3;
+
+/// Part of the unseen error below which another case fits clearly better.
+const BETTER: f64 = 0.95;
 
 /// The last action where the data are to be mended.
 const AGAIN: &str = "then identify again: the other findings may have gone with it";
@@ -24,6 +28,8 @@ pub struct Card {
     pub verdict: Option<Verdict>,
     /// The method whose numbers to take; none where none has numbers to take.
     pub method: Option<Method>,
+    /// The case that they are of, where there are several.
+    pub case: Option<String>,
     /// Its relative error, percent of the torques (of the positions for `cloe`).
     pub relative_error_percent: Option<f64>,
     /// Its relative error on what it has not seen.
@@ -34,8 +40,21 @@ pub struct Card {
     pub parameters: [Vec<String>; 4],
     /// Whether something that the model lacks shows in the residual: grades then hold if the model does.
     pub model_is_doubted: bool,
+    /// Whether a robot made of bodies has the estimates; none where that was not examined.
+    pub physical: Option<Physical>,
     /// What to do next, the most urgent first; at most three.
     pub actions: Vec<String>,
+}
+
+/// Whether a robot made of bodies has the estimates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Physical {
+    /// One has.
+    Yes,
+    /// None has, by no more than noise explains.
+    WithinNoise,
+    /// None has.
+    No,
 }
 
 /// The relative error on data that the estimate was not made from, percent.
@@ -71,7 +90,9 @@ impl Results {
             parameters: Grade::ALL
                 .map(|grade| run.iter().flat_map(|r| r.graded(grade)).map(|p| p.name.clone()).collect()),
             model_is_doubted: self.model_is_doubted(),
-            actions: self.actions(),
+            case: run.map(|r| r.case.clone()).filter(|_| self.cases().len() > 1),
+            physical: run.and_then(RunResult::physically),
+            actions: self.better_case().into_iter().chain(self.actions()).take(ACTIONS).collect(),
         }
     }
 
@@ -103,6 +124,25 @@ impl Results {
     pub fn unseen(&self, run: &RunResult) -> Option<Unseen> {
         let kind = if self.validation_recordings.is_empty() { Unseen::LeftOut } else { Unseen::HeldBack };
         run.cross_validation_relative_error_percent.map(kind)
+    }
+
+    /// What to look at, where the same method fits another case clearly better: its model holds more than the nominal one.
+    fn better_case(&self) -> Option<String> {
+        let run = self.taken().filter(|_| self.verdict != Some(Verdict::DoNotUse))?;
+        let errors = |r: &RunResult| Some((r.relative_error_percent?, self.unseen(r)?.percent()));
+        let (fit, unseen) = errors(run)?;
+        let others = self.runs.iter().filter(|r| r.method == run.method && r.status == Status::Converged);
+        let better =
+            others.filter_map(|r| Some((r, errors(r)?))).filter(|(_, (f, u))| *f < fit && *u < BETTER * unseen);
+        let (other, (other_fit, other_unseen)) = better.min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
+        Some(format!(
+            "compare with case {}, which fits better: {} % (unseen {} %) beside {} % (unseen {} %)",
+            other.case,
+            significant(other_fit, 3),
+            significant(other_unseen, 3),
+            significant(fit, 3),
+            significant(unseen, 3)
+        ))
     }
 
     fn worst_joint(&self, run: &RunResult) -> Option<(String, f64)> {
@@ -141,6 +181,28 @@ fn distinct<'a>(texts: impl Iterator<Item = &'a String>, most: usize) -> Vec<Str
         }
     }
     found
+}
+
+impl Card {
+    /// How many times the error of the fit the error on what was not seen is.
+    #[must_use]
+    pub fn times_unseen(&self) -> Option<f64> {
+        let times = self.unseen?.percent() / self.relative_error_percent?;
+        times.is_finite().then_some(times)
+    }
+}
+
+impl RunResult {
+    /// Whether a robot made of bodies has its estimates.
+    fn physically(&self) -> Option<Physical> {
+        let physical = self.physical.as_ref()?;
+        let mut findings = physical.findings.iter().filter(|f| f.code == Code::NotPhysical);
+        Some(match (physical.consistent, findings.any(|f| f.severity != Severity::Note)) {
+            (true, _) => Physical::Yes,
+            (false, false) => Physical::WithinNoise,
+            (false, true) => Physical::No,
+        })
+    }
 }
 
 impl VerdictReason {

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::{parameters::ParameterResult, run::RunResult};
 use crate::checks::{Code, Finding, Severity};
 
-/// Half width of a 95 % interval, of the estimate's size, up to which a parameter is sure.
-const SURE: f64 = 0.2;
+/// Half width of a 95 % interval, of the estimate's size, up to which a parameter is precise.
+const PRECISE: f64 = 0.2;
 
 /// Standard deviations in half of a 95 % interval of normal errors.
 const HALF_WIDTH: f64 = 1.96;
@@ -15,25 +15,25 @@ const HALF_WIDTH: f64 = 1.96;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Grade {
-    /// The half of its interval is at most a fifth of the estimate.
-    Sure,
-    /// Its interval is wider, and excludes zero.
+    /// The half of its interval is at most a fifth of the estimate, and no error that the residual shows moves it further.
+    Precise,
+    /// Its interval is wider, or such an error may move it further; its interval excludes zero.
     Rough,
     /// Its interval holds zero, or there is none: the record does not tell it from zero.
     NotIdentified,
-    /// A motor inertia or a friction coefficient that is negative beyond what noise makes of one of all of them: no robot has it.
+    /// A motor inertia or a friction coefficient whose interval lies below zero: no robot has it.
     Impossible,
 }
 
 impl Grade {
     /// All grades, the best first.
-    pub const ALL: [Self; 4] = [Self::Sure, Self::Rough, Self::NotIdentified, Self::Impossible];
+    pub const ALL: [Self; 4] = [Self::Precise, Self::Rough, Self::NotIdentified, Self::Impossible];
 
     /// Its name in words.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
-            Self::Sure => "sure",
+            Self::Precise => "precise",
             Self::Rough => "rough",
             Self::NotIdentified => "not identified",
             Self::Impossible => "impossible",
@@ -65,7 +65,7 @@ impl ParameterResult {
     /// How well its interval says that it is known.
     pub(super) fn grade_of_interval(&self) -> Grade {
         match self.half_width() {
-            Some(half) if half <= SURE * self.estimate.abs() => Grade::Sure,
+            Some(half) if half <= PRECISE * self.estimate.abs() => Grade::Precise,
             Some(half) if half < self.estimate.abs() => Grade::Rough,
             Some(_) | None => Grade::NotIdentified,
         }
@@ -76,8 +76,20 @@ impl RunResult {
     /// How well one of the parameters is known.
     #[must_use]
     pub fn grade(&self, parameter: &ParameterResult) -> Grade {
-        let is_impossible = self.impossible().any(|name| *name == parameter.name);
-        if is_impossible { Grade::Impossible } else { parameter.grade_of_interval() }
+        if self.impossible().any(|name| *name == parameter.name) {
+            return Grade::Impossible;
+        }
+        match parameter.grade_of_interval() {
+            Grade::Precise if self.may_be_moved(parameter) => Grade::Rough,
+            grade => grade,
+        }
+    }
+
+    /// Whether an error that the residual shows may have moved a parameter by more than a precise one is uncertain.
+    fn may_be_moved(&self, parameter: &ParameterResult) -> bool {
+        let of_parameter = self.hidden_bias.iter().filter(|b| b.is_seen() && b.parameter == parameter.name);
+        let shifts = of_parameter.filter_map(|b| Some((b.deviations * parameter.deviation()?).abs()));
+        shifts.fold(0.0, f64::max) > PRECISE * parameter.estimate.abs()
     }
 
     /// The parameters of this run with a grade.
@@ -85,20 +97,26 @@ impl RunResult {
         self.parameters.iter().filter(move |p| self.grade(p) == grade)
     }
 
-    /// The names of the parameters whose intervals hold nothing that a robot can have.
+    /// The names of the parameters whose intervals hold nothing that a robot can have: findings about one joint are those of a
+    /// parameter that is negative.
     fn impossible(&self) -> impl Iterator<Item = &String> {
         let findings = self.physical.iter().flat_map(|p| &p.findings);
-        let is_problem = |f: &&Finding| f.code == Code::NotPhysical && f.severity == Severity::Problem;
-        findings.filter(is_problem).flat_map(|f| &f.parameters)
+        let is_negative =
+            |f: &&Finding| f.code == Code::NotPhysical && f.severity != Severity::Note && f.joint.is_some();
+        findings.filter(is_negative).flat_map(|f| &f.parameters)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{
+        identification::{Method, Status},
+        results::{HiddenBias, HiddenError},
+    };
 
-    fn graded(estimate: f64, interval_95: Option<[f64; 2]>, standard_deviation: Option<f64>) -> Grade {
-        let parameter = ParameterResult {
+    fn parameter(estimate: f64, interval_95: Option<[f64; 2]>, standard_deviation: Option<f64>) -> ParameterResult {
+        ParameterResult {
             name: "zz1r".to_owned(),
             estimate,
             standard_deviation,
@@ -109,19 +127,41 @@ mod tests {
             shown: true,
             standard_deviation_robust: None,
             interval_95,
-        };
-        parameter.grade_of_interval()
+        }
+    }
+
+    fn graded(estimate: f64, interval_95: Option<[f64; 2]>, standard_deviation: Option<f64>) -> Grade {
+        parameter(estimate, interval_95, standard_deviation).grade_of_interval()
     }
 
     #[test]
     fn the_interval_decides_and_the_deviation_where_there_is_none() {
-        assert_eq!(graded(-2.0, Some([-2.4, -1.6]), None), Grade::Sure);
+        assert_eq!(graded(-2.0, Some([-2.4, -1.6]), None), Grade::Precise);
         assert_eq!(graded(2.0, Some([1.5, 2.5]), Some(1e-9)), Grade::Rough);
         assert_eq!(graded(2.0, Some([-0.1, 4.1]), Some(1e-9)), Grade::NotIdentified);
-        assert_eq!(graded(2.0, None, Some(0.2)), Grade::Sure);
+        assert_eq!(graded(2.0, None, Some(0.2)), Grade::Precise);
         assert_eq!(graded(2.0, None, Some(1.0)), Grade::Rough);
         assert_eq!(graded(2.0, None, None), Grade::NotIdentified);
         assert_eq!(graded(f64::NAN, Some([0.0, 1.0]), None), Grade::NotIdentified);
-        assert_eq!(graded(0.8, None, Some(0.0)), Grade::Sure);
+        assert_eq!(graded(0.8, None, Some(0.0)), Grade::Precise);
+    }
+
+    #[test]
+    fn an_error_that_the_residual_shows_makes_a_precise_parameter_rough() {
+        let fc2 = ParameterResult { name: "fc2".to_owned(), ..parameter(8.0, Some([7.5, 8.5]), Some(0.27)) };
+        let bias = |size_interval_95, deviations| HiddenBias {
+            error: HiddenError::FrictionNearRest,
+            joint: Some(2),
+            size_interval_95,
+            parameter: "fc2".to_owned(),
+            deviations,
+        };
+        let grade = |hidden_bias| {
+            let run = RunResult::new("nominal", Method::IDIM_IV, Status::Converged);
+            RunResult { hidden_bias: vec![hidden_bias], ..run }.grade(&fc2)
+        };
+        assert_eq!(grade(bias([4.2, 5.5], -9.2)), Grade::Rough, "2.5 of 8.0");
+        assert_eq!(grade(bias([4.2, 5.5], -3.0)), Grade::Precise, "0.8 of 8.0");
+        assert_eq!(grade(bias([-1.0, 5.5], -9.2)), Grade::Precise, "the residual does not show it");
     }
 }

@@ -55,14 +55,14 @@ pub enum ReasonCode {
     NothingExplained,
     /// A joint is explained no better than by zero or a constant.
     JointNotExplained,
-    /// A joint is explained, but much of its torque is left.
-    JointPoorlyExplained,
     /// Torques are later or earlier than positions.
     Lag,
     /// The checks warn of a recording that was used.
     CheckWarning,
     /// The estimate predicts what it has not seen much worse than what it was made from.
     CrossValidation,
+    /// A joint is explained, but much of its torque is left.
+    JointPoorlyExplained,
     /// No robot has the estimates.
     NotPhysical,
     /// Only a method is left whose simulator nothing tests.
@@ -85,10 +85,10 @@ impl ReasonCode {
         Self::Undecided,
         Self::NothingExplained,
         Self::JointNotExplained,
-        Self::JointPoorlyExplained,
         Self::Lag,
         Self::CheckWarning,
         Self::CrossValidation,
+        Self::JointPoorlyExplained,
         Self::NotPhysical,
         Self::LastResort,
         Self::CorrelatedResidual,

@@ -11,6 +11,7 @@ use super::{
     uncertain,
 };
 use crate::{
+    clock::Stopwatch,
     diagnosis::{Estimated, advise, diagnose, judge},
     identification::{Method, Status},
     preparation::{Case, PreparationError, Problem, is_iv, propose_controller},
@@ -18,6 +19,14 @@ use crate::{
     scheduling::{EstimationJob, RunOptions, instruments_side_by_side, run_all},
     simulation::SimulatorBias,
 };
+
+/// How long the estimates that are left take, in words, if they take as long as those that are done.
+fn time_left(seconds: f64, done: usize, of: usize) -> String {
+    if done == 0 || done == of || seconds == 0.0 {
+        return String::new();
+    }
+    format!(", about {:.0} s left", (seconds / done as f64 * (of - done) as f64).max(1.0))
+}
 
 impl Identification {
     /// Runs every case and method.
@@ -77,10 +86,11 @@ impl Identification {
         let jobs: Vec<EstimationJob<'_>> = all.iter().map(job).collect();
         let options = RunOptions { iteration: estimation.iteration(), motion_step: Some(1), threads: self.threads };
         let mut assessed: Vec<Option<(RunResult, Estimated)>> = all.iter().map(|_| None).collect();
-        let done = Cell::new(0);
+        let (done, stopwatch) = (Cell::new(0), Stopwatch::start());
         let mut tell = |simulations| {
             let (done, of) = (done.get(), all.len());
-            progress(&format!("{done} of {of} estimates, {simulations} simulations side by side"));
+            let left = time_left(stopwatch.seconds(), done, of);
+            progress(&format!("{done} of {of} estimates{left}, {simulations} simulations side by side"));
         };
         run_all(&jobs, options, &mut tell, &mut |k, finished| {
             done.set(done.get() + 1);
@@ -214,5 +224,17 @@ impl Identification {
         let nominal = Case::nominal();
         let validation = self.setup().validation_problem(&nominal, &filtered(&self.validation), &problem.estimated)?;
         Ok(Plots { held_back: curves::held_back(&self.validation, &validation), ..shared })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_left_follows_from_what_is_done() {
+        assert_eq!(time_left(4.0, 2, 6), ", about 8 s left");
+        assert_eq!(time_left(0.1, 5, 6), ", about 1 s left");
+        assert_eq!((time_left(4.0, 0, 6), time_left(4.0, 6, 6)), (String::new(), String::new()));
     }
 }

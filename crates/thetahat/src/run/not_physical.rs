@@ -68,12 +68,11 @@ fn negative(
     let (name, unit, value) = (&result.name, &result.unit, result.estimate);
     let high = result.interval_95.map(|[_, high]| high);
     let (severity, noise) = match high {
-        Some(high) if high >= 0.0 => (Severity::Note, "its 95 % interval holds zero: noise explains it".to_owned()),
+        Some(high) if high >= 0.0 => (Severity::Note, "noise explains it: its 95 % interval holds zero".to_owned()),
         Some(high) if value + (high - value) * more_than_noise(bounded) / OF_INTERVAL >= 0.0 => {
-            let chance = "its 95 % interval ends below zero, as that of one or another may by chance";
-            (Severity::Warning, format!("{chance}: {bounded} are tested"))
+            (Severity::Warning, format!("noise may explain it, as {bounded} such intervals are tested"))
         }
-        Some(_) => (Severity::Problem, "its 95 % interval ends below zero: noise does not explain it".to_owned()),
+        Some(_) => (Severity::Problem, "noise does not explain it".to_owned()),
         None => (Severity::Warning, "it has no interval".to_owned()),
     };
     Some(Finding {
@@ -84,7 +83,7 @@ fn negative(
         value: high.unwrap_or(value),
         unit: unit.clone(),
         limit: Some(0.0),
-        message: format!("the {what} {name} is negative, {} {unit}; {noise}", significant(value, 4)),
+        message: format!("the {what} {name} is negative, {} {unit}; {noise}", significant(value, 2)),
         remedy,
         parameters: vec![name.clone()],
     })
@@ -99,7 +98,7 @@ fn more_than_noise(conditions: usize) -> f64 {
 fn outside(table: &ParameterTable, physical: &PhysicalResult, limit: f64, asked: bool) -> Option<Finding> {
     let lacking = |(name, lacking): (&String, &f64)| {
         let unit = table.index_of(name).map_or("kg m^2", |i| &*table.get(i).unit);
-        format!("{name} lacks {} {unit}", significant(*lacking, 3))
+        format!("{name} by {} {unit}", significant(*lacking, 2))
     };
     let all: Vec<String> = physical.outside.iter().zip(&physical.lacking).map(lacking).collect();
     if all.is_empty() {
@@ -110,7 +109,6 @@ fn outside(table: &ParameterTable, physical: &PhysicalResult, limit: f64, asked:
     let named = all.iter().take(NAMED).cloned().collect::<Vec<_>>().join(", ");
     let deviations = physical.deviations.unwrap_or(f64::INFINITY);
     let is_noise = deviations < limit;
-    let how_far = format!("{deviations:.1} standard deviations outside");
     let noise = if is_noise { "no more than noise explains" } else { "more than noise explains" };
     Some(Finding {
         code: Code::NotPhysical,
@@ -120,7 +118,9 @@ fn outside(table: &ParameterTable, physical: &PhysicalResult, limit: f64, asked:
         value: deviations,
         unit: "standard deviations".to_owned(),
         limit: Some(limit),
-        message: format!("these estimates are not physically possible: {named}{more}; {how_far}, {noise}"),
+        message: format!(
+            "no robot has these estimates: they are {deviations:.1} standard deviations outside, {noise}; too small are {named}{more}"
+        ),
         remedy: link_remedy(asked, is_noise).to_owned(),
         parameters: physical.outside.clone(),
     })

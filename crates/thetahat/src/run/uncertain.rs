@@ -5,6 +5,7 @@ use crate::{
     checks::{Code, Finding, Severity},
     identification::{Method, Needs, eliminate},
     linear_algebra::{Matrix, PivotedQr, dot, norm},
+    number::significant,
     preparation::{NamedChoice, ParameterChoice, Problem, Setup, Simulable},
     regression::Regression,
     results::{NOMINAL, ParameterResult, RunResult},
@@ -65,14 +66,15 @@ fn remedy(setup: Setup<'_>, problem: &Problem) -> String {
             "{motion}; leaving out {eliminated} parameters by estimate = \"essential\" does not change the error on parts left out"
         );
     }
+    let errors = format!("from {} to {} %", significant(whole, 3), significant(essential, 3));
     if essential <= whole {
         return format!(
-            "{motion}, or leave out {eliminated} parameters by estimate = \"essential\", which makes the error on parts left out \
-             {change:.0} % smaller"
+            "{motion}, or leave out {eliminated} parameters by estimate = \"essential\": the error on fifths of the record that are \
+             left out falls {errors}"
         );
     }
     format!(
-        "{motion}; leave estimate as it is: \"essential\" would make the error on parts left out {change:.0} % larger"
+        "{motion}; leave estimate as it is: with \"essential\" the error on fifths that are left out rises {errors}"
     )
 }
 

@@ -6,6 +6,7 @@ use super::{
 };
 use crate::{
     checks::{Finding, Severity},
+    number::significant,
     results::{
         Concerned, Explained, HiddenError, JointResidual, ReasonCode, Results, RunResult, Verdict, VerdictReason,
     },
@@ -41,7 +42,7 @@ pub(super) fn reasons(results: &Results) -> Vec<VerdictReason> {
         let mut of_run = not_explained(results, run);
         of_run.extend(poorly_explained(results, run, &of_run));
         of_run.extend(cross_validation(results, run));
-        of_run.extend(run.physical.iter().flat_map(|p| &p.findings).filter_map(|f| not_physical(results, run, f)));
+        of_run.extend(not_physical(results, run));
         of_run.extend(influence(run));
         of_run.extend(correlated_residual(results, run));
         add(&mut reasons, of_run);
@@ -207,8 +208,12 @@ fn cross_validation(results: &Results, run: &RunResult) -> Option<VerdictReason>
     let is_far = ratio > CROSS_VALIDATION_FAR || unseen > USELESS_PERCENT;
     let verdict = if is_far { Verdict::DoNotUse } else { Verdict::Care };
     let numbers = [("unseen_percent", Some(unseen)), ("fit_percent", Some(fit)), ("limit", Some(CROSS_VALIDATION))];
-    let seen =
-        format!("{} has an unseen error of {unseen:.3} %, {ratio:.1} times the {fit:.3} % of its fit", run.method);
+    let seen = format!(
+        "{} fits too closely: its unseen error is {} %, {ratio:.1} times the {} % of its fit",
+        run.method,
+        significant(unseen, 3),
+        significant(fit, 3)
+    );
     let remedy = match &results.elimination {
         Some(_) => "record more motion",
         None => "estimate fewer parameters (estimate = \"essential\"), or record more motion",
@@ -217,19 +222,43 @@ fn cross_validation(results: &Results, run: &RunResult) -> Option<VerdictReason>
     (ratio > CROSS_VALIDATION).then(|| reason(ReasonCode::CrossValidation, verdict, &numbers, of_method(run), said))
 }
 
+/// What no robot has: one reason for all parameters that are negative and demand the same, and one for links.
+fn not_physical(results: &Results, run: &RunResult) -> Vec<VerdictReason> {
+    let findings = run.physical.iter().flat_map(|p| &p.findings);
+    let mut reasons: Vec<VerdictReason> = Vec::new();
+    for (verdict, finding) in findings.filter_map(|f| Some((demanded(results, run, f)?, f))) {
+        let alike =
+            |r: &&mut VerdictReason| finding.joint.is_some() && r.verdict == verdict && r.concerned.joint.is_some();
+        match reasons.iter_mut().find(alike) {
+            Some(reason) => also(reason, finding),
+            None => reasons.push(of_finding(ReasonCode::NotPhysical, verdict, run, finding)),
+        }
+    }
+    reasons
+}
+
+/// Adds a further parameter to a reason.
+fn also(reason: &mut VerdictReason, finding: &Finding) {
+    let more = finding.parameters.join(", ");
+    let negative = finding.message.split(';').next().unwrap_or_default();
+    let seen = format!("{}; {negative}, likewise", reason.seen());
+    let link = if reason.remedy.contains("; likewise ") { ", " } else { "; likewise " };
+    reason.remedy = format!("{}{link}{more}", reason.remedy);
+    reason.text = format!("{seen}; {}.", reason.remedy);
+}
+
 /// An interval that excludes zero says that noise does not explain a negative inertia or friction. It says nothing where the
 /// residual of the joint is no noise: what the model lacks may explain it.
-fn not_physical(results: &Results, run: &RunResult, finding: &Finding) -> Option<VerdictReason> {
+fn demanded(results: &Results, run: &RunResult, finding: &Finding) -> Option<Verdict> {
     let named = |joint: &&JointResidual| Some(joint_name(results, joint.joint)) == finding.joint_name;
     let of_joint = run.residual.iter().flat_map(|r| &r.joints).find(named);
     let limit = correlated_from(results, run);
     let interval_holds = of_joint.is_none_or(|joint| joint.autocorrelation <= limit);
-    let verdict = match finding.severity {
-        Severity::Problem if interval_holds => Verdict::DoNotUse,
-        Severity::Problem | Severity::Warning => Verdict::Care,
-        Severity::Note => return None,
-    };
-    Some(of_finding(ReasonCode::NotPhysical, verdict, run, finding))
+    match finding.severity {
+        Severity::Problem if interval_holds => Some(Verdict::DoNotUse),
+        Severity::Problem | Severity::Warning => Some(Verdict::Care),
+        Severity::Note => None,
+    }
 }
 
 fn influence(run: &RunResult) -> Option<VerdictReason> {
@@ -259,11 +288,11 @@ fn correlated_residual(results: &Results, run: &RunResult) -> Option<VerdictReas
     let (r1, limit) = (worst.autocorrelation, correlated_from(results, run));
     let (name, label) = (joint_name(results, worst.joint), results.joint_label(worst.joint - 1));
     let seen = format!(
-        "Something is missing in the model (a law of friction, elasticity, a length) or in the processing (friction's sign near \
-         rest), and estimates may be off by more than their intervals say: neighbouring rows of the residual of \
-         {label} ({}) correlate by {r1:.2}, where {limit:.2} is chance{}",
-        run.method,
-        largest_hidden_bias(results, run).unwrap_or_default()
+        "The residual of {label} is no noise: the model lacks something (a law of friction, elasticity, a length), or the \
+         processing does (friction's sign near rest). True values may lie outside their intervals{}. Neighbouring rows of {} \
+         correlate by {r1:.2}, where {limit:.2} is chance",
+        largest_hidden_bias(results, run).unwrap_or_default(),
+        run.method
     );
     let said = Said::new(seen, missing_remedy(results));
     let concerned = Concerned { joint: Some(name), ..of_method(run) };
@@ -283,8 +312,10 @@ fn largest_hidden_bias(results: &Results, run: &RunResult) -> Option<String> {
         (HiddenError::FrictionNearRest, None) => "friction near rest".to_owned(),
         (HiddenError::LateTorque, _) => "a delay of the torques".to_owned(),
     };
-    let (parameter, deviations) = (&largest.parameter, largest.deviations.abs());
-    Some(format!("; {error} alone may have moved {parameter} by {deviations:.1} standard deviations"))
+    let parameter = run.parameter(&largest.parameter)?;
+    let shift = significant(largest.deviations.abs() * parameter.deviation()?, 2);
+    let of_it = 100.0 * largest.deviations.abs() * parameter.deviation()? / parameter.estimate.abs();
+    Some(format!(": {error} alone may have moved {} by {shift} {} ({of_it:.0} %)", parameter.name, parameter.unit))
 }
 
 /// What finds out what the model lacks, by what was tried already. Torques that are held are told of by the lag that they have.

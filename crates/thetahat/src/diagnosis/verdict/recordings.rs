@@ -63,8 +63,10 @@ fn of_findings(
 ) -> VerdictReason {
     let worst = same.iter().max_by(|a, b| a.value.abs().total_cmp(&b.value.abs())).unwrap_or(&same[0]);
     let joints = same.iter().filter_map(|f| f.joint).map(|joint| results.joint_label(joint - 1));
-    let places: Vec<String> = std::iter::once(place(recording)).chain(joints).collect();
-    let seen = format!("{}: {}, {}", worst.message, worst.code, places.join(", "));
+    let recording_of_several = (results.findings.len() > 1).then(|| place(recording));
+    let places: Vec<String> = recording_of_several.into_iter().chain(joints).collect();
+    let at = if places.is_empty() { String::new() } else { format!("; seen at {}", places.join(", ")) };
+    let seen = format!("{}{at}", worst.message);
     let said = Said::new(seen, &worst.remedy);
     let concerned = Concerned {
         joint: worst.joint_name.clone(),

@@ -57,11 +57,11 @@ pub(in crate::report) fn errors(results: &Results) -> Option<Heat> {
     (joints > 1 || runs.len() > 1).then(|| Heat {
         conclusion: taken.and_then(|r| conclusion(results, r)).unwrap_or_default(),
         title: if of_positions { "Relative errors, %" } else { "Relative errors of the torque, %" }.to_owned(),
-        head: ["all".to_owned()].into_iter().chain((0..joints).map(of_joint)).chain(["unseen".to_owned()]).collect(),
+        head: ["all", "unseen"].map(str::to_owned).into_iter().chain((0..joints).map(of_joint)).collect(),
         rows: runs.iter().map(row).collect(),
         note: format!(
-            "100 |y - y_hat| / |y|{}; unseen: on what the estimate was not made from. The darker, the larger; \
-             the full colour is 100 % or more.",
+            "Rms of the residual over rms of the measured signal{}; unseen: on data that the estimate was not made from. The darker, \
+             the larger; the full colour is 100 % or more.",
             if of_positions { ", of the positions for cloe, of the torque for the others" } else { "" }
         ),
     })
@@ -75,8 +75,7 @@ fn cells(run: &RunResult, joints: usize) -> Vec<HeatCell> {
         HeatCell { is_worst: joints > 1 && error.is_some_and(|e| e == worst), ..cell(error) }
     };
     let ends = [run.relative_error_percent, run.cross_validation_relative_error_percent].map(cell);
-    let [all, unseen] = ends;
-    [all].into_iter().chain((0..joints).map(joint)).chain([unseen]).collect()
+    ends.into_iter().chain((0..joints).map(joint)).collect()
 }
 
 fn cell(error: Option<f64>) -> HeatCell {

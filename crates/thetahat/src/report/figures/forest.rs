@@ -66,14 +66,27 @@ pub(in crate::report) struct Shape {
     pub(in crate::report) data: String,
 }
 
-/// The shown estimates of a case.
+/// The estimates of a case that are identified.
 pub(in crate::report) fn forest(results: &Results, published: Option<&Published>, case: &str) -> Option<Forest> {
-    of_parameters(results, published, (case, "estimates"), |p| p.shown)
+    let forest = of_parameters(results, published, (case, "estimates"), is_first)?;
+    let counts = Grade::ALL.map(|grade| (grade, main_run(results, case).map_or(0, |run| run.graded(grade).count())));
+    let all: usize = counts.iter().map(|(_, count)| count).sum();
+    Some(Forest { conclusion: format!("{all} parameters: {}.", counted(counts)), ..forest })
 }
 
-/// Those that are not shown.
-pub(in crate::report) fn other_parameters(results: &Results, case: &str) -> Option<Forest> {
-    of_parameters(results, None, (case, "further estimates"), |p| !p.shown)
+/// Those that are not identified.
+pub(in crate::report) fn not_identified(
+    results: &Results,
+    published: Option<&Published>,
+    case: &str,
+) -> Option<Forest> {
+    of_parameters(results, published, (case, "not identified"), |run, p| !is_first(run, p))
+}
+
+/// Whether a parameter is among those that are identified; where none is, among those that are shown.
+fn is_first(run: &RunResult, parameter: &ParameterResult) -> bool {
+    let identified = |p: &ParameterResult| run.grade(p) != Grade::NotIdentified;
+    identified(parameter) || (parameter.shown && !run.parameters.iter().any(identified))
 }
 
 /// What a design promises: intervals about the a-priori values, without those that are zero.
@@ -106,13 +119,13 @@ fn of_parameters(
     results: &Results,
     published: Option<&Published>,
     (case, what): (&str, &str),
-    wanted: fn(&ParameterResult) -> bool,
+    wanted: fn(&RunResult, &ParameterResult) -> bool,
 ) -> Option<Forest> {
     let main = main_run(results, case)?;
     let others = runs_of(results, case).into_iter().filter(|r| r.method != main.method && !r.parameters.is_empty());
     let plot = Plot { runs: [main].into_iter().chain(others).collect(), published };
     let mut groups: Vec<ForestGroup> = Vec::new();
-    for (k, parameter) in main.parameters.iter().enumerate().filter(|(_, p)| wanted(p)) {
+    for (k, parameter) in main.parameters.iter().enumerate().filter(|(_, p)| wanted(main, p)) {
         let label = main.plots.numbers.get(k).map_or_else(String::new, |number| format!("Joint {number}"));
         let row = plot.row(k, parameter);
         match groups.iter_mut().find(|g| g.label == label) {
@@ -121,24 +134,15 @@ fn of_parameters(
         }
     }
     (!groups.is_empty()).then(|| Forest {
-        conclusion: conclusion(main, results.model_is_doubted(), wanted),
+        conclusion: String::new(),
         id: id(case, what),
-        caption: format!("{what} of {} with their 95 % intervals ({case})", main.method.name()),
+        caption: format!("{what} of {} with 95 % intervals ({case})", main.method.name()),
         legend: plot.legend(&groups),
         width: WIDTH,
         ticks: ticks(),
         notes: notes(main, &groups),
         groups,
     })
-}
-
-/// How many parameters have each grade.
-fn conclusion(run: &RunResult, model_is_doubted: bool, wanted: fn(&ParameterResult) -> bool) -> String {
-    let count = |grade: Grade| (grade, run.graded(grade).filter(|p| wanted(p)).count());
-    let counts = Grade::ALL.map(count);
-    let shown: usize = counts.iter().map(|(_, count)| count).sum();
-    let of = if shown < run.parameters.len() { format!(" of {}", run.parameters.len()) } else { String::new() };
-    format!("{shown}{of} parameters: {}.", counted(counts, model_is_doubted))
 }
 
 /// A name that an attribute can hold.
@@ -151,14 +155,14 @@ fn notes(run: &RunResult, groups: &[ForestGroup]) -> Vec<String> {
     let is_off = |row: &&ForestRow| row.shapes.iter().any(|s| s.class.starts_with("arrow"));
     let off = groups.iter().flat_map(|g| &g.rows).filter(is_off).count();
     let axis = format!(
-        "The picture shows differences from the estimate of {}, in percent of its size, on an axis that widens small differences. \
-         Zero lies at -100 %, of a negative estimate at +100 %: an interval that reaches it holds zero.",
+        "The picture shows differences from the estimate of {}, in percent of its size; small differences are widened. The value \
+         zero lies at -100 % of a positive estimate, at +100 % of a negative one: an interval that reaches it holds zero.",
         run.method.name()
     );
     let arrows = (off > 0).then(|| format!("An arrow marks what lies beyond {FARTHEST} %, in {off} rows."));
-    let grades = "sure, or precise where the model is in doubt: half of the interval is at most a fifth of the estimate; rough: wider, \
-                  without zero; not identified: the interval holds zero; impossible: a motor inertia or friction that is negative \
-                  beyond what noise makes of one of all of them. Intervals allow for errors that are correlated from row to row.";
+    let grades = "precise: the interval is within 20 % of the estimate; rough: it is wider, or friction near rest or a delay may have \
+                  moved the estimate further; not identified: it holds zero; impossible: a motor inertia or friction below zero. \
+                  Intervals allow for errors that are correlated from row to row.";
     [Some(axis), arrows, Some(grades.to_owned())].into_iter().flatten().collect()
 }
 

@@ -4,9 +4,10 @@ use serde::Serialize;
 
 use crate::{
     report::{
-        grades::{class, is_counted, word},
+        card::physically,
+        grades::{class, is_counted},
         names,
-        number::significant,
+        number::{fixed, significant},
     },
     results::{Card, Grade, Method, Results, Unseen, Verdict},
 };
@@ -22,13 +23,15 @@ pub(in crate::report) struct HeadCard {
     pub(in crate::report) reason: String,
     /// Labels and texts.
     pub(in crate::report) facts: Vec<(&'static str, String)>,
-    /// How many parameters are sure, of how many; empty where no number is to be used.
+    /// How many parameters are precise, of how many; empty where no number is to be used.
     pub(in crate::report) share: String,
     pub(in crate::report) grades: Vec<Graded>,
     /// What the names of parameters mean: symbols and their meanings.
     pub(in crate::report) key: Vec<(String, &'static str)>,
     /// Whether the grades hold only if the model does.
     pub(in crate::report) is_doubted: bool,
+    /// What the actions are for.
+    pub(in crate::report) next: &'static str,
     pub(in crate::report) actions: Vec<String>,
     /// Every reason, with its code.
     pub(in crate::report) reasons: Vec<(&'static str, String)>,
@@ -67,6 +70,10 @@ impl HeadCard {
             grades: graded(&card),
             key: names::key(card.parameters.iter().flatten().map(String::as_str)),
             is_doubted: card.model_is_doubted,
+            next: match verdict {
+                Verdict::Good => "What would make it better",
+                Verdict::Care | Verdict::DoNotUse => "What to do next",
+            },
             reasons: results.verdict_reasons.iter().map(|r| (r.code.name(), sentence(&r.text))).collect(),
             actions: card.actions.iter().map(|action| sentence(action)).collect(),
         })
@@ -76,19 +83,25 @@ impl HeadCard {
 fn facts(card: &Card, verdict: Verdict) -> Vec<(&'static str, String)> {
     let percent = |e: f64| format!("{} %", significant(e, 3));
     let method = card.method.map(|m| match verdict {
-        Verdict::Good | Verdict::Care => ("Method to take", m.name().to_owned()),
+        Verdict::Good | Verdict::Care => {
+            let case = card.case.as_ref().map(|case| format!(", case {case}")).unwrap_or_default();
+            ("Method to take", format!("{m}{case}"))
+        }
         Verdict::DoNotUse => ("Method", format!("none; the numbers below are of {}", m.name())),
     });
+    let times = card.times_unseen().map(|times| format!(", {} times", fixed(times, 1))).unwrap_or_default();
     let unseen = card.unseen.map(|unseen| match unseen {
-        Unseen::HeldBack(error) => ("Unseen error, on the held-back record", percent(error)),
-        Unseen::LeftOut(error) => ("Unseen error, on parts left out", percent(error)),
+        Unseen::HeldBack(error) => ("Unseen error, on the held-back record", percent(error) + &times),
+        Unseen::LeftOut(error) => ("Unseen error, on parts left out", percent(error) + &times),
     });
+    let physical = card.physical.filter(|_| verdict != Verdict::DoNotUse);
+    let physical = physical.map(|physical| ("Physically possible", physically(physical).to_owned()));
     let at = |(name, error): &(String, f64)| format!(" overall, {} at {name}", percent(*error));
     let worst = card.worst_joint.as_ref().map(at).unwrap_or_default();
     let of = if card.method == Some(Method::CLOE) { "Error of the positions" } else { "Error of the torque" };
     let error = card.relative_error_percent.map(|error| (of, percent(error) + &worst));
     let none = (verdict == Verdict::DoNotUse).then(|| ("Parameters to use", "none".to_owned()));
-    [method, error, unseen, none].into_iter().flatten().collect()
+    [method, error, unseen, physical, none].into_iter().flatten().collect()
 }
 
 /// How much of the estimate the verdict is about.
@@ -100,7 +113,7 @@ fn share(card: &Card) -> String {
     let [sure, ..] = &card.parameters;
     let are = if sure.len() == 1 { "is" } else { "are" };
     let count = if sure.len() == all { "all".to_owned() } else { sure.len().to_string() };
-    format!("{count} of {all} parameters {are} {}", word(Grade::Sure, card.model_is_doubted))
+    format!("{count} of {all} parameters {are} {}", Grade::Precise.name())
 }
 
 /// The grades that parameters have; none where no number is to be used.
@@ -109,19 +122,19 @@ fn graded(card: &Card) -> Vec<Graded> {
         return Vec::new();
     }
     let said = |grade| match grade {
-        Grade::Sure if card.model_is_doubted => "precise, but what the model lacks may shift them",
-        Grade::Sure => "sure",
-        Grade::Impossible => "negative, as no motor inertia or friction can be",
-        Grade::Rough => "rough",
+        Grade::Precise if card.model_is_doubted => "precise, but what the model lacks may shift them",
+        Grade::Precise => "precise",
+        Grade::Impossible => "impossible, below zero",
+        Grade::Rough => "rough: use them with doubt",
         Grade::NotIdentified => "not identified",
     };
     let of_grade = |(grade, of): (Grade, &Vec<String>)| Graded {
         class: class(grade),
-        name: word(grade, card.model_is_doubted),
+        name: grade.name(),
         count: of.len(),
         said: said(grade),
         names: of.join(" "),
-        is_folded: matches!(grade, Grade::Rough | Grade::NotIdentified),
+        is_folded: grade == Grade::NotIdentified,
     };
     let all = Grade::ALL.into_iter().zip(&card.parameters);
     all.filter(|(grade, of)| is_counted(*grade, of.len())).map(of_grade).collect()
@@ -129,11 +142,13 @@ fn graded(card: &Card) -> Vec<Graded> {
 
 /// A text that begins with a capital letter and ends with a full stop.
 ///
-/// The name of a method keeps its letters.
+/// Names keep their letters: a first word with a digit, a hyphen or an underscore, and that of a method.
 fn sentence(text: &str) -> String {
-    let begins_with_method = Method::all().any(|m| text.trim().starts_with(m.name()));
+    let first_word = text.split_whitespace().next().unwrap_or_default();
+    let begins_with_name = first_word.contains(|c: char| c.is_ascii_digit() || "-_".contains(c))
+        || Method::all().any(|m| m.name() == first_word);
     let mut letters = text.trim().chars();
-    let upper = |c: char| if begins_with_method { c.to_string() } else { c.to_uppercase().collect() };
+    let upper = |c: char| if begins_with_name { c.to_string() } else { c.to_uppercase().collect() };
     let first: String = letters.next().map(upper).unwrap_or_default();
     let end = if text.trim_end().ends_with(['.', '!', '?']) || text.is_empty() { "" } else { "." };
     format!("{first}{}{end}", letters.as_str())
@@ -149,6 +164,8 @@ mod tests {
         let card = |verdict, sure, rough| Card {
             verdict: Some(verdict),
             method: None,
+            case: None,
+            physical: None,
             relative_error_percent: None,
             unseen: None,
             worst_joint: None,
@@ -156,9 +173,9 @@ mod tests {
             model_is_doubted: false,
             actions: Vec::new(),
         };
-        assert_eq!(share(&card(Verdict::Care, 6, 63)), "6 of 69 parameters are sure");
-        assert_eq!(share(&card(Verdict::Good, 1, 3)), "1 of 4 parameters is sure");
-        assert_eq!(share(&card(Verdict::Good, 4, 0)), "all of 4 parameters are sure");
+        assert_eq!(share(&card(Verdict::Care, 6, 63)), "6 of 69 parameters are precise");
+        assert_eq!(share(&card(Verdict::Good, 1, 3)), "1 of 4 parameters is precise");
+        assert_eq!(share(&card(Verdict::Good, 4, 0)), "all of 4 parameters are precise");
         assert_eq!(
             share(&Card { model_is_doubted: true, ..card(Verdict::Care, 2, 3) }),
             "2 of 5 parameters are precise"
@@ -171,6 +188,8 @@ mod tests {
         assert_eq!(sentence("shift it by 2 ms"), "Shift it by 2 ms.");
         assert_eq!(sentence("Done."), "Done.");
         assert_eq!(sentence("idim-ls differs"), "idim-ls differs.");
+        assert_eq!(sentence("didim differs"), "didim differs.");
+        assert_eq!(sentence("mx2 changes"), "mx2 changes.");
         assert_eq!(sentence(""), "");
     }
 }

@@ -90,6 +90,7 @@ const MORE: f64 = 1.5;
 const FEW: f64 = 5.0;
 
 impl Axis {
+    #[cfg(test)]
     pub(in crate::report) fn linear(range: Range, from: f64, to: f64) -> Self {
         Self { range, scale: Scale::Linear, from, to }
     }

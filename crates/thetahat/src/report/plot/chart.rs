@@ -15,7 +15,7 @@ pub(in crate::report) const WIDE: f64 = 760.0;
 /// Margins around the panels, pixels.
 const LEFT: f64 = 46.0;
 const RIGHT: f64 = 10.0;
-const TOP: f64 = 31.0;
+const TOP: f64 = 36.0;
 const BOTTOM: f64 = 32.0;
 /// Space between two panels.
 const GAP: f64 = 17.0;
@@ -55,6 +55,7 @@ pub(in crate::report) struct Panel {
     /// Values at the left and right end, and at the lower and upper one.
     pub(in crate::report) x: [f64; 2],
     pub(in crate::report) y: [f64; 2],
+    pub(in crate::report) x_scale: Scale,
     pub(in crate::report) y_scale: Scale,
     pub(in crate::report) x_ticks: Vec<Tick>,
     pub(in crate::report) y_ticks: Vec<Tick>,
@@ -100,6 +101,7 @@ impl Panel {
             height,
             x: [0.0, 1.0],
             y: [0.0, 1.0],
+            x_scale: Scale::Linear,
             y_scale: Scale::Linear,
             x_ticks: Vec::new(),
             y_ticks: Vec::new(),
@@ -118,8 +120,16 @@ impl Panel {
 
     /// The axis from left to right.
     pub(in crate::report) fn over(mut self, x: Range, step: f64) -> Self {
-        self.x = [x.low, x.high];
+        (self.x, self.x_scale) = ([x.low, x.high], Scale::Linear);
         self.x_ticks = self.x_axis().ticks(self.width / X_TICK, step);
+        self
+    }
+
+    /// The same by powers of ten.
+    pub(in crate::report) fn over_by_powers(mut self, values: impl Iterator<Item = f64>) -> Self {
+        let Range { low, high } = Axis::logarithmic(values, 0.0, self.width).range;
+        (self.x, self.x_scale) = ([low, high], Scale::Logarithmic);
+        self.x_ticks = self.x_axis().ticks(self.width / X_TICK, 0.0);
         self
     }
 
@@ -140,7 +150,7 @@ impl Panel {
 
     /// The axes in pixels from the panel's corner.
     pub(in crate::report) fn x_axis(&self) -> Axis {
-        Axis::linear(Range { low: self.x[0], high: self.x[1] }, 0.0, self.width)
+        Axis { range: Range { low: self.x[0], high: self.x[1] }, scale: self.x_scale, from: 0.0, to: self.width }
     }
 
     pub(in crate::report) fn y_axis(&self) -> Axis {
