@@ -115,10 +115,10 @@ fn estimates(run: &RunResult, width: TextWidth) -> String {
 
 /// Why estimates are no more than rough.
 fn rough(run: &RunResult) -> &'static str {
-    if run.hidden_bias.is_empty() {
-        "the interval is wider, and excludes zero"
-    } else {
+    if run.graded(Grade::Rough).any(|p| run.may_be_moved(p)) {
         "the interval is wider, or friction near rest or a delay may have moved them further"
+    } else {
+        "the interval is wider, and excludes zero"
     }
 }
 

@@ -51,7 +51,9 @@ fn facts(card: &Card) -> Vec<(&'static str, String)> {
     let facts = [
         card.relative_error_percent.map(|error| ("error", format!("{} %{}", significant(error, 3), unseen(card)))),
         card.worst_joint.as_ref().map(|joint| ("worst joint", worst(joint))),
-        card.physical.map(|physical| ("physical", physically(physical).to_owned())),
+        card.physical
+            .filter(|_| card.verdict != Some(Verdict::DoNotUse))
+            .map(|physical| ("physical", physically(physical).to_owned())),
         Some(("parameters", known(card))),
     ];
     let method = (card.verdict == Some(Verdict::DoNotUse)).then(|| ("method", format!("{method}, of those that ran")));
@@ -71,7 +73,7 @@ fn unseen(card: &Card) -> String {
 /// Whether a robot made of bodies has the estimates, and what to do where none has.
 pub(super) fn physically(physical: Physical) -> &'static str {
     match physical {
-        Physical::Yes => "yes, some robot has these numbers",
+        Physical::Yes => "yes, a robot can have these numbers",
         Physical::WithinNoise => "within noise; set physical = true before you simulate with them",
         Physical::No => "no robot has these numbers; set physical = true before you simulate with them",
     }

@@ -147,9 +147,11 @@ fn interval(p: &ParameterResult) -> String {
     p.interval_95.map_or_else(|| NONE.to_owned(), text)
 }
 
-/// Every parameter of a case with its unit, formula, classical standard deviations and intervals.
+/// Every parameter of a case with its unit, classical standard deviations and intervals, and in the first case its formula.
 pub(super) fn formulas(results: &Results, case: &str) -> Table {
     let runs = runs_of(results, case);
+    let is_first = results.cases().first() == Some(&case);
+    let head: &[&str] = if is_first { &["name", "unit", "formula"] } else { &["name", "unit"] };
     let cells = |r: &&RunResult, name: &str| {
         let percent = |p: &ParameterResult| optional(p.relative_standard_deviation_percent, 3);
         [
@@ -159,14 +161,14 @@ pub(super) fn formulas(results: &Results, case: &str) -> Table {
         ]
     };
     let row = |p: &ParameterResult| {
-        let lead = [p.name.clone(), p.expression.clone(), p.unit.clone()];
-        lead.into_iter().chain(runs.iter().flat_map(|r| cells(r, &p.name))).collect()
+        let lead = [p.name.clone(), p.unit.clone(), p.expression.clone()];
+        lead.into_iter().take(head.len()).chain(runs.iter().flat_map(|r| cells(r, &p.name))).collect()
     };
     Table {
         title: format!("{case}: all parameters"),
-        lead: 3,
+        lead: head.len(),
         groups: method_groups(&runs, 3),
-        head: repeated_head(&["name", "formula", "unit"], &["estimate±sd", "sd %", "95 % interval"], runs.len()),
+        head: repeated_head(head, &["estimate±sd", "sd %", "95 % interval"], runs.len()),
         rows: parameters_in(&runs, |_| true).into_iter().map(row).collect(),
         notes: reasons(&runs),
     }

@@ -86,7 +86,7 @@ impl RunResult {
     }
 
     /// Whether an error that the residual shows may have moved a parameter by more than a precise one is uncertain.
-    fn may_be_moved(&self, parameter: &ParameterResult) -> bool {
+    pub(crate) fn may_be_moved(&self, parameter: &ParameterResult) -> bool {
         let of_parameter = self.hidden_bias.iter().filter(|b| b.is_seen() && b.parameter == parameter.name);
         let shifts = of_parameter.filter_map(|b| Some((b.deviations * parameter.deviation()?).abs()));
         shifts.fold(0.0, f64::max) > PRECISE * parameter.estimate.abs()

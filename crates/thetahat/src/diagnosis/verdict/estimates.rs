@@ -222,29 +222,40 @@ fn cross_validation(results: &Results, run: &RunResult) -> Option<VerdictReason>
     (ratio > CROSS_VALIDATION).then(|| reason(ReasonCode::CrossValidation, verdict, &numbers, of_method(run), said))
 }
 
-/// What no robot has: one reason for all parameters that are negative and demand the same, and one for links.
+/// What no robot has: one reason for parameters that are negative alike, and one for links.
 fn not_physical(results: &Results, run: &RunResult) -> Vec<VerdictReason> {
     let findings = run.physical.iter().flat_map(|p| &p.findings);
-    let mut reasons: Vec<VerdictReason> = Vec::new();
+    let mut groups: Vec<(Verdict, Vec<&Finding>)> = Vec::new();
     for (verdict, finding) in findings.filter_map(|f| Some((demanded(results, run, f)?, f))) {
-        let alike =
-            |r: &&mut VerdictReason| finding.joint.is_some() && r.verdict == verdict && r.concerned.joint.is_some();
-        match reasons.iter_mut().find(alike) {
-            Some(reason) => also(reason, finding),
-            None => reasons.push(of_finding(ReasonCode::NotPhysical, verdict, run, finding)),
+        match groups.iter_mut().find(|(v, same)| *v == verdict && are_alike(same[0], finding)) {
+            Some((_, same)) => same.push(finding),
+            None => groups.push((verdict, vec![finding])),
         }
     }
-    reasons
+    groups.iter().map(|(verdict, same)| of_negative(*verdict, run, same)).collect()
 }
 
-/// Adds a further parameter to a reason.
-fn also(reason: &mut VerdictReason, finding: &Finding) {
-    let more = finding.parameters.join(", ");
-    let negative = finding.message.split(';').next().unwrap_or_default();
-    let seen = format!("{}; {negative}, likewise", reason.seen());
-    let link = if reason.remedy.contains("; likewise ") { ", " } else { "; likewise " };
-    reason.remedy = format!("{}{link}{more}", reason.remedy);
-    reason.text = format!("{seen}; {}.", reason.remedy);
+/// Whether two findings about joints are as grave, and have remedies that differ in names alone.
+fn are_alike(one: &Finding, other: &Finding) -> bool {
+    let nameless = |f: &Finding| {
+        let names = f.parameters.iter().chain(&f.joint_name);
+        names.fold(f.remedy.clone(), |text, name| text.replace(name.as_str(), ""))
+    };
+    one.joint.is_some() && one.severity == other.severity && nameless(one) == nameless(other)
+}
+
+/// The reason of the first finding, which names the parameters of the others.
+fn of_negative(verdict: Verdict, run: &RunResult, same: &[&Finding]) -> VerdictReason {
+    let mut reason = of_finding(ReasonCode::NotPhysical, verdict, run, same[0]);
+    let named = |f: &&Finding| f.message.split(';').next().unwrap_or_default().to_owned();
+    let others: Vec<String> = same[1..].iter().map(named).collect();
+    if !others.is_empty() {
+        let names: Vec<&str> = same[1..].iter().flat_map(|f| &f.parameters).map(String::as_str).collect();
+        let seen = format!("{}; likewise {}", reason.seen(), others.join(", "));
+        reason.remedy = format!("{}; likewise {}", reason.remedy, names.join(", "));
+        reason.text = format!("{seen}; {}.", reason.remedy);
+    }
+    reason
 }
 
 /// An interval that excludes zero says that noise does not explain a negative inertia or friction. It says nothing where the
@@ -288,11 +299,10 @@ fn correlated_residual(results: &Results, run: &RunResult) -> Option<VerdictReas
     let (r1, limit) = (worst.autocorrelation, correlated_from(results, run));
     let (name, label) = (joint_name(results, worst.joint), results.joint_label(worst.joint - 1));
     let seen = format!(
-        "The residual of {label} is no noise: the model lacks something (a law of friction, elasticity, a length), or the \
-         processing does (friction's sign near rest). True values may lie outside their intervals{}. Neighbouring rows of {} \
-         correlate by {r1:.2}, where {limit:.2} is chance",
-        largest_hidden_bias(results, run).unwrap_or_default(),
-        run.method
+        "The residual of {label} is no noise ({}): the model lacks something (a law of friction, elasticity, a length), or the \
+         processing does (friction's sign near rest). True values may lie outside their intervals{}",
+        run.method,
+        largest_hidden_bias(results, run).unwrap_or_default()
     );
     let said = Said::new(seen, missing_remedy(results));
     let concerned = Concerned { joint: Some(name), ..of_method(run) };

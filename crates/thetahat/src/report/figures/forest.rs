@@ -52,6 +52,8 @@ pub(in crate::report) struct ForestRow {
     pub(in crate::report) unit: String,
     pub(in crate::report) formula: String,
     pub(in crate::report) estimate: String,
+    /// Half of the interval.
+    pub(in crate::report) half: String,
     pub(in crate::report) interval: String,
     pub(in crate::report) grade: &'static str,
     pub(in crate::report) grade_class: &'static str,
@@ -123,7 +125,8 @@ fn of_parameters(
 ) -> Option<Forest> {
     let main = main_run(results, case)?;
     let others = runs_of(results, case).into_iter().filter(|r| r.method != main.method && !r.parameters.is_empty());
-    let plot = Plot { runs: [main].into_iter().chain(others).collect(), published };
+    let says_formulas = results.cases().first() == Some(&case);
+    let plot = Plot { runs: [main].into_iter().chain(others).collect(), published, says_formulas };
     let mut groups: Vec<ForestGroup> = Vec::new();
     for (k, parameter) in main.parameters.iter().enumerate().filter(|(_, p)| wanted(main, p)) {
         let label = main.plots.numbers.get(k).map_or_else(String::new, |number| format!("Joint {number}"));
@@ -183,6 +186,8 @@ fn ticks() -> Vec<Tick> {
 struct Plot<'a> {
     runs: Vec<&'a RunResult>,
     published: Option<&'a Published>,
+    /// Whether rows tell the formulas of their parameters: those of the first case do.
+    says_formulas: bool,
 }
 
 impl Plot<'_> {
@@ -195,6 +200,7 @@ impl Plot<'_> {
         ForestRow {
             height: HEIGHT + LANE * self.runs.len() as f64,
             shapes: intervals.flatten().chain(marks).collect(),
+            formula: if self.says_formulas { of_main.expression.clone() } else { String::new() },
             ..words(of_main, self.runs[0].grade(of_main))
         }
     }
@@ -226,7 +232,8 @@ fn promised_row(promised: &PromisedParameter) -> ForestRow {
     let compared = promised.compared.as_ref();
     shapes.extend(compared.into_iter().flat_map(|other| interval("idim-iv", parameter.estimate, other, lane(1.0))));
     let lanes = if compared.is_some() { 2.0 } else { 1.0 };
-    ForestRow { shapes, height: HEIGHT + lanes * LANE, ..words(&parameter, promised.grade()) }
+    let formula = parameter.expression.clone();
+    ForestRow { shapes, formula, height: HEIGHT + lanes * LANE, ..words(&parameter, promised.grade()) }
 }
 
 /// The row of a parameter without its picture.
@@ -236,8 +243,9 @@ fn words(of_main: &ParameterResult, grade: Grade) -> ForestRow {
     ForestRow {
         name: of_main.name.clone(),
         unit: of_main.unit.clone(),
-        formula: of_main.expression.clone(),
+        formula: String::new(),
         estimate: estimate(of_main.estimate, digits),
+        half: half.map_or_else(|| NONE.to_owned(), |half| estimate(half, digits)),
         interval: of_main
             .interval_95
             .map_or_else(|| NONE.to_owned(), |ends| ends.map(|e| estimate(e, digits)).join(" to ")),
