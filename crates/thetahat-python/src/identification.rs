@@ -64,7 +64,9 @@ fn user_estimator(name: &str, function: Py<PyAny>) -> Result<UserEstimator, Rais
 fn call(py: Python<'_>, function: &Py<PyAny>, rows: &UserRegression) -> PyResult<UserEstimate> {
     let z = rows.z.clone().map(|z| matrix_array(py, z)).transpose()?;
     let (x, y) = (matrix_array(py, rows.x.clone())?, rows.y.clone().into_pyarray(py));
-    let arguments = (x, y, z, rows.joint.clone(), rows.recording.clone(), rows.names.clone(), rows.units.clone());
+    let share = rows.share.clone().into_pyarray(py);
+    let arguments =
+        (x, y, z, rows.joint.clone(), rows.recording.clone(), share, rows.names.clone(), rows.units.clone());
     let found = function.bind(py).call1((arguments,))?;
     let (theta, covariance): (PyReadonlyArray1<'_, f64>, Option<PyReadonlyArray2<'_, f64>>) = found.extract()?;
     Ok(UserEstimate { theta: vector_of(&theta), covariance: covariance.map(|c| matrix_of(c.as_array())) })

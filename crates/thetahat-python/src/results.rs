@@ -129,7 +129,8 @@ impl Results {
         path: PathBuf,
         format: &str,
         method: Option<&str>,
-        (untrusted, force): (bool, bool),
+        untrusted: bool,
+        force: bool,
     ) -> PyResult<Vec<String>> {
         let format: Format = format.parse().map_err(|e: String| Raised::new("ResultsError", e))?;
         let method = method.map(str::parse).transpose().map_err(|e: UnknownMethod| Raised::from(e))?;

@@ -19,7 +19,7 @@ def with_covariance(regression):
     """Least squares with the classical covariance."""
     theta = least_squares(regression)
     residual = regression.y - regression.X @ theta
-    variance = residual @ residual / (len(regression.y) - len(theta))
+    variance = residual @ residual / (regression.share.sum() - len(theta))
     return theta, variance * np.linalg.inv(regression.X.T @ regression.X)
 
 
@@ -71,8 +71,8 @@ def test_its_run_stands_beside_the_methods(own, twin):
     np.testing.assert_allclose(result.predict(*motion, run=run), result.predict(*motion, run=ls), rtol=1e-6, atol=1e-9)
     # All rows once, then without each of five parts; rows belong together.
     assert len(seen) == 6
-    assert seen[0].X.shape == seen[0].Z.shape == (len(seen[0].y), len(seen[0].names)) == (2000, 13)
-    assert len(seen[1].y) == len(seen[1].joint) == len(seen[1].recording) == 1600
+    assert seen[0].X.shape == seen[0].Z.shape == (len(seen[0].y), len(seen[0].names)) == (1950, 13)
+    assert len(seen[1].y) == len(seen[1].joint) == len(seen[1].recording) == 1560
     assert list(seen[0].names) == ls.names and set(seen[0].joint) == {0, 1} and set(seen[0].recording) == {0}
 
 
@@ -193,3 +193,33 @@ def test_a_model_of_scikit_learn(twin):
     linear_model = pytest.importorskip("sklearn.linear_model")
     result = identify(twin, {"ridge": linear_model.Ridge(alpha=1e-6, fit_intercept=False)})
     np.testing.assert_allclose(result["ridge"].estimates, result["idim-ls"].estimates, rtol=1e-3)
+
+
+def arm_with(expression, value=0.0):
+    """The arm with a torque term of its shoulder."""
+    head, parameters = th.testing.arm()._native.text().split("[parameters]")
+    term = "kind = 'expression'\nname = 'cubic1'\njoint = 'shoulder'\nunit = 'N m s^3/rad^3'\n"
+    text = f"{head}[[term]]\n{term}expression = '{expression}'\n[parameters]\ncubic1 = {value}\n{parameters}"
+    return th.Robot.from_text(text, name="arm")
+
+
+def test_a_torque_term_is_computed_in_python():
+    """A channel computed of the filtered motion gives what the formula inside thetahat gives."""
+    twin = th.testing.twin(arm_with("dq^3", 0.4), seconds=10, seed=1)
+    motion = th.band_pass(twin.recording.position, 1000, 40)
+    log = th.Recording(
+        sample_rate_hz=1000,
+        position=twin.recording.position,
+        torque=twin.recording.torque,
+        reference=twin.recording.reference,
+        channels={"cube": motion.velocity[:, 0] ** 3},
+    )
+    settings = {"methods": ["idim-ls", "idim-iv"], "controller": twin.controller, "cutoff_hz": 40, "decimation": 10}
+    own, formula = (th.identify(robot, log, **settings) for robot in (arm_with("cube"), twin.robot))
+    without = th.identify(th.testing.arm(), log, **settings)
+    for method in settings["methods"]:
+        low, high = own[method]["cubic1"].interval_95
+        assert low < 0.4 < high < low + 0.02
+        apart = (own[method].estimates - formula[method].estimates) / formula[method].standard_deviations
+        assert np.max(np.abs(apart)) < 0.05
+        assert own[method].relative_error_percent < 0.3 * without[method].relative_error_percent

@@ -27,6 +27,9 @@ class Regression(NamedTuple):
     """The joint of each row, from zero: rows stand joint by joint, each joint's in time order."""
     recording: NDArray[np.intp]
     """The recording of each row, from zero."""
+    share: Array
+    """The part of each row that is left where samples near rest are left out, one elsewhere. A variance of the residual divides by
+    ``share.sum() - parameters``."""
     names: tuple[str, ...]
     """Names of the parameters, in the order of the columns."""
     units: tuple[str, ...]
@@ -60,10 +63,9 @@ def _caller(name: str, estimator: Estimator) -> _Called:
         )
 
     def call(rows: tuple[Any, ...]) -> tuple[Array, Array | None]:
-        X, y, Z, joint, recording, names, units = rows
-        regression = Regression(
-            X, y, Z, np.asarray(joint, dtype=np.intp), np.asarray(recording, dtype=np.intp), tuple(names), tuple(units)
-        )
+        X, y, Z, joint, recording, share, names, units = rows
+        of_rows = np.asarray(joint, dtype=np.intp), np.asarray(recording, dtype=np.intp)
+        regression = Regression(X, y, Z, *of_rows, share, tuple(names), tuple(units))
         if isinstance(estimator, Fitted):
             return _coefficients(estimator, regression), None
         return _returned(estimator(regression))

@@ -354,7 +354,7 @@ class Result:
         """
         file = os.fspath(path)
         extension = os.path.splitext(file)[1].lstrip(".")
-        return self._native.export(file, to or {"xml": "mjcf"}.get(extension, extension), method, (untrusted, force))
+        return self._native.export(file, to or {"xml": "mjcf"}.get(extension, extension), method, untrusted, force)
 
     def predict(self, q: ArrayLike, dq: ArrayLike, ddq: ArrayLike, *, run: Run | None = None) -> Array:
         """The torques that the estimates predict for a motion.

@@ -22,6 +22,9 @@ pub struct UserRegression {
     pub joint: Vec<usize>,
     /// The recording of each row, from zero.
     pub recording: Vec<usize>,
+    /// The part of each row that is left where samples near rest are left out; one elsewhere. Their sum is the number of rows that
+    /// a variance of the residual divides by.
+    pub share: Vec<f64>,
     /// Names of the parameters, in the order of the columns.
     pub names: Vec<String>,
     /// Their units.
@@ -41,6 +44,7 @@ impl UserRegression {
             z: self.z.as_ref().map(|z| z.select_rows(keep)),
             joint: kept(&self.joint, keep),
             recording: kept(&self.recording, keep),
+            share: kept(&self.share, keep),
             names: self.names.clone(),
             units: self.units.clone(),
         }
@@ -166,6 +170,7 @@ mod tests {
             z: None,
             joint: vec![0, 0, 1],
             recording: vec![0, 1, 0],
+            share: vec![1.0, 0.5, 1.0],
             names: vec!["fv1".to_owned(), "fc1".to_owned()],
             units: vec!["N m s/rad".to_owned(), "N m".to_owned()],
         }
@@ -203,5 +208,6 @@ mod tests {
     fn rows_are_kept_together() {
         let kept = regression().select_rows(&[false, true, true]);
         assert_eq!((kept.x.rows(), kept.y, kept.joint, kept.recording), (2, vec![2.0, 3.0], vec![0, 1], vec![1, 0]));
+        assert_eq!(kept.share, vec![0.5, 1.0]);
     }
 }

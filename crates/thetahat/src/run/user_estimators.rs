@@ -58,12 +58,14 @@ impl Identification {
         let weights = problem.regression.row_weights(&of_recordings, None);
         let regression = problem.regression.with_weights(weights);
         let parameters = problem.estimated.parameters();
+        let rows = regression.y.len();
         UserRegression {
             x: regression.whiten_matrix(&regression.x).into_owned(),
             y: regression.whiten(&regression.y).into_owned(),
             z: z.map(|z| regression.whiten_matrix(z).into_owned()),
             joint: regression.layout.spread(|block| block.joint),
             recording: regression.layout.spread(|block| block.recording),
+            share: regression.layout.shares(0..rows).map_or_else(|| vec![1.0; rows], <[f64]>::to_vec),
             names: parameters.iter().map(|p| p.name.clone()).collect(),
             units: parameters.iter().map(|p| p.unit.to_string()).collect(),
         }

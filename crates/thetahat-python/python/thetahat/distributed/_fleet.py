@@ -205,19 +205,29 @@ class Fleet:
         """The report as a page that opens offline."""
         return _page.html(self)
 
-    def report(self, path: str | os.PathLike[str]) -> None:
+    def report(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
         """Write the report, as a page or, where the path ends with ``.md``, as Markdown.
+
+        Parameters
+        ----------
+        path : str or path
+            The file; one that thetahat wrote is replaced.
+        force : bool
+            Whether a file of others is replaced too.
 
         Raises
         ------
         ReportError
-            Where it cannot be written.
+            Where it cannot be written, or a file of others is there.
         """
         folder, name = os.path.split(os.path.abspath(os.fspath(path)))
-        text = self.to_markdown() if name.endswith(".md") else self.to_html()
+        text, mark = (self.to_markdown(), _page.HEADING) if name.endswith(".md") else (self.to_html(), _page.GENERATOR)
         if not os.path.isdir(folder):
             raise ReportError(f"{os.fspath(path)}: cannot be written: there is no folder {folder}")
-        Store(folder).write(name, text.encode())
+        store = Store(folder)
+        if not force:
+            store.require_ours({name: mark})
+        store.write(name, text.encode())
 
     def _repr_html_(self) -> str:
         return _page.body(self)
