@@ -760,6 +760,17 @@ def test_objects_of_s3_are_kept_like_files(bucket, described, rows, recorded, tm
     assert fleet.to_json() == distributed.fleet(sessions, tmp_path / "fleet").to_json()
 
 
+def test_reports_of_a_fleet_replace_files_of_others_with_force_only(tmp_path):
+    fleet = distributed.fleet(list(sessions_of(robots=2, times=1)), tmp_path / "out")
+    for name in ("page.html", "page.md"):
+        (tmp_path / name).write_text("mine")
+        with pytest.raises(th.ReportError, match=f"{name}: is there already"):
+            fleet.report(tmp_path / name)
+        assert (tmp_path / name).read_text() == "mine"
+        fleet.report(tmp_path / name, force=True)
+        fleet.report(tmp_path / name)
+
+
 def test_a_fleet_reads_recordings_from_s3(bucket, recorded, tmp_path):
     """The experiments are here, and their recordings objects: what is found is what files give, and is found again."""
 
