@@ -690,7 +690,7 @@ def test_jobs_are_taken_as_workers_get_free():
 @pytest.mark.parametrize("name", ["fleet.json", "fleet.html", "merged.reduction"])
 def test_files_of_others_are_not_replaced(name, recorded, tmp_path):
     (tmp_path / name).write_text("mine")
-    with pytest.raises(th.ReportError, match=rf"{name}: is there already and not known to be written by thetahat; take another `out`"):
+    with pytest.raises(th.ReportError, match=rf"{name}: is there already and not known to be written by thetahat; take another place"):
         if name == "merged.reduction":
             distributed.reduce(recorded / "0.toml", tmp_path)
         else:
