@@ -21,19 +21,20 @@ use crate::{
     values,
 };
 
-/// Identifies a robot from recordings, and validates on others, on so many threads; without a number on all processors.
+/// Identifies a robot from recordings, and validates on others, with settings and estimators of the user's own, on so many threads;
+/// without a number on all processors.
 #[pyfunction]
 pub fn identify(
     py: Python<'_>,
     robot: &Robot,
     recordings: (Vec<Recording<'_>>, Vec<Recording<'_>>),
-    settings: &Bound<'_, PyAny>,
-    estimators: Vec<(String, Py<PyAny>)>,
+    settings: (Bound<'_, PyAny>, Vec<(String, Py<PyAny>)>),
     title: String,
     threads: Option<usize>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Results> {
-    let settings: Settings = values::read(settings)?;
+    let (settings, estimators) = settings;
+    let settings: Settings = values::read(&settings)?;
     let (recordings, validation) = (into_library(recordings.0)?, into_library(recordings.1)?);
     let estimators = estimators
         .into_iter()

@@ -14,6 +14,7 @@ CampaignTexts = tuple[Path, str, Path, str, str, str | None]
 ExperimentTexts = tuple[Path, str, str]
 
 _Progress = Callable[[str], object] | None
+_Called = Callable[[tuple[Any, ...]], tuple[Array, Array | None]]
 
 def command(arguments: list[str]) -> int: ...
 
@@ -87,8 +88,7 @@ class Fit:
 def identify(
     robot: Robot,
     recordings: tuple[list[Recording], list[Recording]],
-    settings: dict[str, Any],
-    estimators: list[tuple[str, Callable[[tuple[Any, ...]], tuple[Array, Array | None]]]],
+    settings: tuple[dict[str, Any], list[tuple[str, _Called]]],
     title: str,
     threads: int | None,
     progress: _Progress,

@@ -135,7 +135,7 @@ def identify(
         settings["signal"].update(cutoff_hz=chosen.cutoff_hz, decimation=chosen.decimation)
     with telling(progress) as tell:
         native = _thetahat.identify(
-            robot._native, (all_recordings, _list(validation)), settings, own, title or robot.name, threads, tell
+            robot._native, (all_recordings, _list(validation)), (settings, own), title or robot.name, threads, tell
         )
     return Result(native, robot)
 

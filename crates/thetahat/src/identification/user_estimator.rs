@@ -124,9 +124,6 @@ impl fmt::Debug for UserEstimator {
 }
 
 impl UserEstimate {
-    /// The smallest part of the larger of two entries of a covariance by which they may differ.
-    const SYMMETRIC_TO: f64 = 1e-6;
-
     fn refuse_misfits(&self, names: &[String]) -> Result<(), UserError> {
         let size = names.len();
         if self.theta.len() != size {
@@ -135,28 +132,37 @@ impl UserEstimate {
         if let Some((name, theta)) = names.iter().zip(&self.theta).find(|(_, theta)| !theta.is_finite()) {
             return Err(format!("its estimate of {name} is {theta}").into());
         }
-        let Some(covariance) = &self.covariance else { return Ok(()) };
-        if (covariance.rows(), covariance.columns()) != (size, size) {
-            let (rows, columns) = (covariance.rows(), covariance.columns());
-            return Err(format!("its covariance is {rows} by {columns} for {size} parameters").into());
-        }
-        for (i, name) in names.iter().enumerate() {
-            let variance = covariance.at(i, i);
-            if variance.is_nan() || variance < 0.0 || variance.is_infinite() {
-                return Err(format!("its variance of {name} is {variance}").into());
-            }
-            for (j, other) in names.iter().enumerate().take(i) {
-                let [a, b] = [covariance.at(i, j), covariance.at(j, i)];
-                let scale = (variance * covariance.at(j, j)).sqrt();
-                if !((a - b).abs() <= Self::SYMMETRIC_TO * scale && a.abs() <= (1.0 + Self::SYMMETRIC_TO) * scale) {
-                    return Err(
-                        format!("its covariance of {other} and {name} is {a} and {b}: no covariance has that").into()
-                    );
-                }
-            }
-        }
-        Ok(())
+        self.covariance.as_ref().map_or(Ok(()), |covariance| refuse_no_covariance(covariance, names))
     }
+}
+
+/// Part of two deviations by which the entries of a covariance may differ from each other, and exceed their product.
+const ROUNDING: f64 = 1e-6;
+
+/// Refuses what is no covariance: another shape, a negative variance, entries that differ or are larger than variances allow.
+fn refuse_no_covariance(covariance: &Matrix, names: &[String]) -> Result<(), UserError> {
+    let size = names.len();
+    if (covariance.rows(), covariance.columns()) != (size, size) {
+        let (rows, columns) = (covariance.rows(), covariance.columns());
+        return Err(format!("its covariance is {rows} by {columns} for {size} parameters").into());
+    }
+    for (i, name) in names.iter().enumerate() {
+        let variance = covariance.at(i, i);
+        if !variance.is_finite() || variance < 0.0 {
+            return Err(format!("its variance of {name} is {variance}").into());
+        }
+        for (j, other) in names.iter().enumerate().take(i) {
+            let [a, b] = [covariance.at(i, j), covariance.at(j, i)];
+            let largest = (variance * covariance.at(j, j)).sqrt();
+            let is_possible = (a - b).abs() <= ROUNDING * largest && a.abs() <= (1.0 + ROUNDING) * largest;
+            if !is_possible {
+                return Err(
+                    format!("its covariance of {other} and {name} is {a} and {b}: no covariance has that").into()
+                );
+            }
+        }
+    }
+    Ok(())
 }
 
 #[cfg(test)]
