@@ -19,7 +19,7 @@ def with_covariance(regression):
     """Least squares with the classical covariance."""
     theta = least_squares(regression)
     residual = regression.y - regression.X @ theta
-    variance = residual @ residual / (regression.share.sum() - len(theta))
+    variance = residual @ residual / (round(np.sum(regression.share**2)) - len(theta))
     return theta, variance * np.linalg.inv(regression.X.T @ regression.X)
 
 

@@ -29,7 +29,7 @@ class Regression(NamedTuple):
     """The recording of each row, from zero."""
     share: Array
     """The part of each row that is left where samples near rest are left out, one elsewhere. A variance of the residual divides by
-    ``share.sum() - parameters``."""
+    ``sum(share**2) - parameters``."""
     names: tuple[str, ...]
     """Names of the parameters, in the order of the columns."""
     units: tuple[str, ...]

@@ -22,8 +22,8 @@ pub struct UserRegression {
     pub joint: Vec<usize>,
     /// The recording of each row, from zero.
     pub recording: Vec<usize>,
-    /// The part of each row that is left where samples near rest are left out; one elsewhere. Their sum is the number of rows that
-    /// a variance of the residual divides by.
+    /// The part of each row that is left where samples near rest are left out; one elsewhere. The sum of their squares, less
+    /// the parameters, is what a variance of the residual divides by.
     pub share: Vec<f64>,
     /// Names of the parameters, in the order of the columns.
     pub names: Vec<String>,
