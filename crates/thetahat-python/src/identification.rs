@@ -2,33 +2,44 @@
 
 use std::path::PathBuf;
 
+use numpy::{IntoPyArray, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use thetahat::{
-    Experiment, Identification, Settings, experiment::ProposedSignal, filter_choice, identification::Method,
+    Experiment, Identification, Settings,
+    experiment::ProposedSignal,
+    filter_choice,
+    identification::{Method, UserEstimate, UserEstimator, UserRegression},
 };
 
 use crate::{
+    arrays::{matrix_array, matrix_of},
     interruptible,
     raised::Raised,
     recording::{Recording, into_library},
     results::Results,
-    robot::Robot,
+    robot::{Robot, vector_of},
     values,
 };
 
-/// Identifies a robot from recordings, and validates on others, on so many threads; without a number on all processors.
+/// Identifies a robot from recordings, and validates on others, with settings and estimators of the user's own, on so many threads;
+/// without a number on all processors.
 #[pyfunction]
 pub fn identify(
     py: Python<'_>,
     robot: &Robot,
     recordings: (Vec<Recording<'_>>, Vec<Recording<'_>>),
-    settings: &Bound<'_, PyAny>,
+    settings: (Bound<'_, PyAny>, Vec<(String, Py<PyAny>)>),
     title: String,
     threads: Option<usize>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Results> {
-    let settings: Settings = values::read(settings)?;
+    let (settings, estimators) = settings;
+    let settings: Settings = values::read(&settings)?;
     let (recordings, validation) = (into_library(recordings.0)?, into_library(recordings.1)?);
+    let estimators = estimators
+        .into_iter()
+        .map(|(name, function)| user_estimator(&name, function))
+        .collect::<Result<Vec<_>, Raised>>()?;
     let robot = robot.clone();
     let (description, robot_files) = (robot.description(), robot.source()?.files());
     let results = interruptible::run(py, progress, move |tell| {
@@ -38,10 +49,28 @@ pub fn identify(
             Some(threads) => identification.on_threads(threads),
             None => identification,
         };
+        let identification = estimators.into_iter().try_fold(identification, Identification::with_estimator)?;
         Ok(identification.run_with_progress(tell)?)
     })?;
     let results = thetahat::Results { title, robot_description: description, robot_files, ..results };
     Ok(Results::new(results, None))
+}
+
+/// An estimator of the user's own: a function of arrays that returns parameters and their covariance.
+fn user_estimator(name: &str, function: Py<PyAny>) -> Result<UserEstimator, Raised> {
+    let estimator = UserEstimator::new(name, move |rows| Ok(Python::attach(|py| call(py, &function, rows))?));
+    estimator.map_err(|e| Raised::new("SettingsError", e))
+}
+
+fn call(py: Python<'_>, function: &Py<PyAny>, rows: &UserRegression) -> PyResult<UserEstimate> {
+    let z = rows.z.clone().map(|z| matrix_array(py, z)).transpose()?;
+    let (x, y) = (matrix_array(py, rows.x.clone())?, rows.y.clone().into_pyarray(py));
+    let share = rows.share.clone().into_pyarray(py);
+    let arguments =
+        (x, y, z, rows.joint.clone(), rows.recording.clone(), share, rows.names.clone(), rows.units.clone());
+    let found = function.bind(py).call1((arguments,))?;
+    let (theta, covariance): (PyReadonlyArray1<'_, f64>, Option<PyReadonlyArray2<'_, f64>>) = found.extract()?;
+    Ok(UserEstimate { theta: vector_of(&theta), covariance: covariance.map(|c| matrix_of(c.as_array())) })
 }
 
 /// Runs an experiment file.

@@ -1,10 +1,12 @@
 //! Errors of the library as exceptions of the package, with the same texts.
 
+use std::{error::Error, sync::Arc};
+
 use pyo3::prelude::*;
 use thetahat::{
     base_parameters::BaseParametersError, campaign::CampaignError, dynamics::DynamicsError,
     experiment::ExperimentError, experiment::ProposalError, filter_choice::FilterChoiceError,
-    identification::EstimationError, identification::UnknownMethod, preparation::PreparationError,
+    identification::EstimationError, identification::UnknownMethod, output::OutputError, preparation::PreparationError,
     recording::RecordingError, reduction::ReductionError, report::ReportError, results::ResultsError,
     robot::RobotError, signal::SignalError, simulation::SimulationError,
 };
@@ -14,11 +16,13 @@ use thetahat::{
 pub struct Raised {
     class: &'static str,
     text: String,
+    /// What a function of the user's raised, where that is the cause.
+    cause: Option<Arc<dyn Error + Send + Sync>>,
 }
 
 impl Raised {
     pub fn new(class: &'static str, text: impl ToString) -> Self {
-        Self { class, text: with_arguments(&text.to_string()) }
+        Self { class, text: with_arguments(&text.to_string()), cause: None }
     }
 }
 
@@ -46,7 +50,11 @@ impl From<Raised> for PyErr {
                 .import("thetahat.errors")
                 .and_then(|errors| errors.getattr(raised.class))
                 .and_then(|class| class.call1((raised.text,)));
-            error.map_or_else(|failed| failed, PyErr::from_value)
+            let error = error.map_or_else(|failed| failed, PyErr::from_value);
+            if let Some(cause) = raised.cause.as_ref().and_then(|cause| cause.downcast_ref::<PyErr>()) {
+                error.set_cause(py, Some(cause.clone_ref(py)));
+            }
+            error
         })
     }
 }
@@ -66,7 +74,6 @@ raised_as! {
     RobotError => "RobotError",
     RecordingError => "RecordingError",
     ProposalError => "RecordingError",
-    PreparationError => "SettingsError",
     FilterChoiceError => "SettingsError",
     UnknownMethod => "SettingsError",
     SignalError => "SignalError",
@@ -74,6 +81,24 @@ raised_as! {
     SimulationError => "SimulationError",
     ReportError => "ReportError",
     ResultsError => "ResultsError",
+}
+
+impl From<PreparationError> for Raised {
+    /// What an estimator of the user's own raised is the cause of its error.
+    fn from(error: PreparationError) -> Self {
+        if let PreparationError::Estimator { source, .. } = &error {
+            return Self { cause: Some(source.clone()), ..Self::new("EstimationError", &error) };
+        }
+        Self::new("SettingsError", error)
+    }
+}
+
+impl From<OutputError> for Raised {
+    /// The command's flags are an argument, and a path.
+    fn from(error: OutputError) -> Self {
+        let text = error.to_string().replace(" with --out", "").replace("with --force", "with force=True");
+        Self::new("ReportError", text)
+    }
 }
 
 impl From<ExperimentError> for Raised {

@@ -11,7 +11,7 @@ use thetahat::{
     experiment::EstimateRequest,
     export::{ExportError, Format, IdentifiedModel},
     identification::UnknownMethod,
-    output::replace_file,
+    output::{OutputGuard, replace_file},
     report::{self, Published, TextWidth},
     results::{Plots, RunPlots},
 };
@@ -60,11 +60,12 @@ impl Results {
     #[staticmethod]
     fn from_state(json: &str, packed_curves: &[u8], published: Option<PathBuf>) -> Result<Self, Raised> {
         let mut results = thetahat::Results::from_json(Path::new("a pickled result"), json)?;
-        let unpacked: Result<(Plots, Vec<RunPlots>), _> = rmp_serde::from_slice(packed_curves);
-        let (plots, runs) =
+        let unpacked: Result<(Plots, Vec<RunPlots>, Vec<Vec<Vec<f64>>>), _> = rmp_serde::from_slice(packed_curves);
+        let (plots, runs, of_user) =
             unpacked.map_err(|e| Raised::new("ResultsError", format!("a pickled result's curves: {e}")))?;
         results.plots = plots;
         results.runs.iter_mut().zip(runs).for_each(|(run, plots)| run.plots = plots);
+        results.user_runs.iter_mut().zip(of_user).for_each(|(run, predicted)| run.predicted = predicted);
         Ok(Self::new(results, published))
     }
 
@@ -107,19 +108,18 @@ impl Results {
     }
 
     /// Writes one of the report's files, as a whole or not at all.
-    fn write_file(&self, py: Python<'_>, name: &str, path: PathBuf) -> PyResult<()> {
-        py.detach(|| {
-            let content = self.rendered(name)?;
-            replace_file(&path, &content)
-                .map_err(|e| Raised::new("ReportError", format!("{}: cannot be written: {e}", path.display())))
-        })?;
+    fn write_file(&self, py: Python<'_>, name: &str, path: PathBuf, force: bool) -> PyResult<()> {
+        py.detach(|| write_guarded(&path, &self.rendered(name)?, force))?;
         Ok(())
     }
 
     /// Writes all files of the report into a folder; returns their paths.
-    fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<Vec<PathBuf>> {
-        py.detach(|| Ok(report::write_all(&self.results, self.published()?.as_ref(), &folder)?))
-            .map_err(|e: Raised| e.into())
+    fn write(&self, py: Python<'_>, folder: PathBuf, force: bool) -> PyResult<Vec<PathBuf>> {
+        py.detach(|| {
+            OutputGuard::new([], force).folder(&folder, report::file_names())?;
+            Ok(report::write_all(&self.results, self.published()?.as_ref(), &folder)?)
+        })
+        .map_err(|e: Raised| e.into())
     }
 
     /// Writes the robot as a file, as a whole or not at all; returns what there is to say of it.
@@ -130,6 +130,7 @@ impl Results {
         format: &str,
         method: Option<&str>,
         untrusted: bool,
+        force: bool,
     ) -> PyResult<Vec<String>> {
         let format: Format = format.parse().map_err(|e: String| Raised::new("ResultsError", e))?;
         let method = method.map(str::parse).transpose().map_err(|e: UnknownMethod| Raised::from(e))?;
@@ -139,8 +140,7 @@ impl Results {
             let model =
                 IdentifiedModel::of_results(Path::new("the results"), &self.results, &request).map_err(refused)?;
             let export = model.export(format).map_err(refused)?;
-            replace_file(&path, export.text.as_bytes())
-                .map_err(|e| Raised::new("ReportError", format!("{}: cannot be written: {e}", path.display())))?;
+            write_guarded(&path, export.text.as_bytes(), force)?;
             Ok([model.about(), export.notes, export.unsaid].concat())
         })
         .map_err(|e: Raised| e.into())
@@ -152,10 +152,14 @@ impl Results {
         Ok([array(py, std::slice::from_ref(time_s))?, array(py, measured)?, array(py, position)?])
     }
 
-    /// Predicted torques and simulated positions of a run.
+    /// Predicted torques and simulated positions of a run; behind the runs, of an estimator of the user's own.
     fn run_curves<'py>(&self, py: Python<'py>, run: usize) -> PyResult<[Curves<'py>; 2]> {
-        let RunPlots { predicted, simulated_position, .. } = &self.results.runs[run].plots;
-        Ok([array(py, predicted)?, array(py, simulated_position)?])
+        let nothing: &[Vec<f64>] = &[];
+        let (predicted, simulated) = match self.results.runs.get(run) {
+            Some(run) => (&run.plots.predicted[..], &run.plots.simulated_position[..]),
+            None => (&self.results.user_runs[run - self.results.runs.len()].predicted[..], nothing),
+        };
+        Ok([array(py, predicted)?, array(py, simulated)?])
     }
 }
 
@@ -163,7 +167,8 @@ impl Results {
     /// The curves, which `results.json` has not, as MessagePack: numbers that are none stay so.
     fn packed_curves(&self) -> Result<Vec<u8>, Raised> {
         let runs: Vec<&RunPlots> = self.results.runs.iter().map(|run| &run.plots).collect();
-        rmp_serde::to_vec(&(&self.results.plots, runs))
+        let of_user: Vec<&Vec<Vec<f64>>> = self.results.user_runs.iter().map(|run| &run.predicted).collect();
+        rmp_serde::to_vec(&(&self.results.plots, runs, of_user))
             .map_err(|e| Raised::new("ResultsError", format!("the curves cannot be packed: {e}")))
     }
 
@@ -174,6 +179,13 @@ impl Results {
             Raised::new("ReportError", format!("the report has no file {name}; its files are {}", known.join(", ")))
         })
     }
+}
+
+/// Writes a file, as a whole or not at all; one of others is replaced with `force` only.
+fn write_guarded(path: &Path, content: &[u8], force: bool) -> Result<(), Raised> {
+    OutputGuard::new([], force).file(path)?;
+    replace_file(path, content)
+        .map_err(|e| Raised::new("ReportError", format!("{}: cannot be written: {e}", path.display())))
 }
 
 /// Curves side by side.

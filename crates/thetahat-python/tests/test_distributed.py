@@ -690,7 +690,7 @@ def test_jobs_are_taken_as_workers_get_free():
 @pytest.mark.parametrize("name", ["fleet.json", "fleet.html", "merged.reduction"])
 def test_files_of_others_are_not_replaced(name, recorded, tmp_path):
     (tmp_path / name).write_text("mine")
-    with pytest.raises(th.ReportError, match=rf"{name}: is there already and not known to be written by thetahat; take another `out`"):
+    with pytest.raises(th.ReportError, match=rf"{name}: is there already and not known to be written by thetahat; take another place"):
         if name == "merged.reduction":
             distributed.reduce(recorded / "0.toml", tmp_path)
         else:
@@ -758,3 +758,43 @@ def test_objects_of_s3_are_kept_like_files(bucket, described, rows, recorded, tm
     sessions = list(sessions_of(robots=2, times=1))
     fleet = distributed.fleet(sessions, bucket("fleet"))
     assert fleet.to_json() == distributed.fleet(sessions, tmp_path / "fleet").to_json()
+
+
+def test_reports_of_a_fleet_replace_files_of_others_with_force_only(tmp_path):
+    fleet = distributed.fleet(list(sessions_of(robots=2, times=1)), tmp_path / "out")
+    for name in ("page.html", "page.md"):
+        (tmp_path / name).write_text("mine")
+        with pytest.raises(th.ReportError, match=f"{name}: is there already"):
+            fleet.report(tmp_path / name)
+        assert (tmp_path / name).read_text() == "mine"
+        fleet.report(tmp_path / name, force=True)
+        fleet.report(tmp_path / name)
+
+
+def test_a_fleet_reads_recordings_from_s3(bucket, recorded, tmp_path):
+    """The experiments are here, and their recordings objects: what is found is what files give, and is found again."""
+
+    def sessions(data, robots=2):
+        of = [(f"R{k}", float(time), recorded / f"{k}.toml") for k in range(robots) for time in range(2)]
+        return [distributed.Session(robot, time, experiment, data=data) for robot, time, experiment in of]
+
+    logs = _store.Store(bucket("logs"))
+    for number in range(2):
+        logs.write(f"{number}.csv", (recorded / f"{number}.csv").read_bytes())
+    files = distributed.fleet(sessions(None), tmp_path / "files")
+    objects = distributed.fleet(sessions(logs.place), tmp_path / "objects")
+    assert objects.to_json() == files.to_json() and len(objects.sessions) == 4
+    assert all(session.parameters for session in objects.sessions)
+    told = []
+    distributed.fleet(sessions(logs.place), tmp_path / "objects", progress=told.append)
+    assert told == ["4 of 4 sessions"]
+    # Another object of that name is another recording.
+    logs.write("0.csv", (recorded / "1.csv").read_bytes())
+    changed = distributed.fleet(sessions(logs.place), tmp_path / "objects")
+    assert [s.parameters for s in changed.sessions[:2]] == [s.parameters for s in changed.sessions[2:]]
+    # One that is not there is the session's verdict, which names the object and no key, and is looked for again.
+    missing = distributed.fleet(sessions(logs.place, robots=3), tmp_path / "objects").sessions[-1]
+    assert missing.verdict == "refused" and missing.reasons[0].startswith("s3://bucket/logs/2.csv: cannot be read")
+    assert "endpoint_override" not in missing.reasons[0]
+    logs.write("2.csv", (recorded / "2.csv").read_bytes())
+    assert distributed.fleet(sessions(logs.place, robots=3), tmp_path / "objects").sessions[-1].parameters

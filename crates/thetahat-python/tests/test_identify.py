@@ -87,7 +87,7 @@ def test_the_report_is_one_file(result, tmp_path):
     assert "idim-iv" in path.read_text()
     written = result.write(tmp_path / "all")
     assert [name.rsplit("/", 1)[-1] for name in written] == ["results.json", "parameters.csv", "report.html"]
-    with pytest.raises(th.ReportError, match="cannot be written"):
+    with pytest.raises(th.ReportError, match="there is no such folder"):
         result.report(tmp_path / "absent" / "report.html")
 
 
@@ -104,6 +104,35 @@ def test_the_robot_is_exported(result, tmp_path):
         result.export(tmp_path / "arm.dae")
     with pytest.raises(th.errors.ResultsError, match="there are nominal idim-ls, nominal idim-iv"):
         result.export(tmp_path / "arm.urdf", method="didim")
+
+
+@pytest.mark.parametrize(
+    ("name", "write"),
+    [
+        ("arm.urdf", lambda result, path, **options: result.export(path, **options)),
+        ("page.html", lambda result, path, **options: result.report(path, **options)),
+        ("results.json", lambda result, path, **options: result.write(path.parent, **options)),
+    ],
+)
+def test_files_of_others_are_replaced_with_force_only(result, tmp_path, name, write):
+    path = tmp_path / name
+    path.write_text("mine")
+    with pytest.raises(th.ReportError, match=f"{name}: is there already .*; give another place, or replace it with force=True"):
+        write(result, path)
+    assert path.read_text() == "mine" and list(tmp_path.iterdir()) == [path]
+    write(result, path, force=True)
+    written = path.read_text()
+    assert written != "mine"
+    # What thetahat wrote is replaced.
+    write(result, path)
+    assert path.read_text() == written
+
+
+def test_a_proposal_that_may_be_edited_is_not_replaced(result, tmp_path):
+    path = tmp_path / "experiment.toml"
+    path.write_text("# Proposed by thetahat from log.csv")
+    with pytest.raises(th.ReportError, match="may hold your changes; give another place, or replace it with force=True"):
+        result.report(path)
 
 
 def test_notebooks_show_verdict_and_estimates(result):

@@ -76,7 +76,7 @@ def test_threads_do_not_change_results(twin):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
-@pytest.mark.parametrize("what", ["regressor", "identify"])
+@pytest.mark.parametrize("what", ["regressor", "identify", "estimator"])
 def test_ctrl_c_is_answered_within_a_second(what):
     # Shells start jobs in the background with SIGINT ignored, and Python leaves that so.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -90,6 +90,10 @@ def ctrl_c_is_answered_within_a_second(what):
     if what == "regressor":
         robot, motion = states(8_000_000)
         work = lambda: robot.inverse_dynamics(*motion)  # noqa: E731
+    elif what == "estimator":
+        twin = th.testing.twin(seconds=5)
+        own = {"slow": lambda regression: time.sleep(3)}
+        work = lambda: th.identify(twin.robot, twin.recording, estimators=own, cutoff_hz=40, decimation=10)  # noqa: E731
     else:
         long = th.testing.twin(seconds=300)
         work = lambda: th.identify(long.robot, long.recording, methods=["clie"], controller=long.controller)  # noqa: E731

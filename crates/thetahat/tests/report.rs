@@ -289,6 +289,7 @@ fn results() -> Results {
         advice: ["nominal", LONG_CASE].map(advice).into(),
         diagnostics: ["nominal", LONG_CASE].map(diagnosis).into(),
         runs: runs.collect(),
+        user_runs: Vec::new(),
         payloads: Vec::new(),
         drive_gains: Vec::new(),
         experiment_description: "title = \"<i>\"\n".to_owned(),

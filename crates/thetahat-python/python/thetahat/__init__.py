@@ -21,6 +21,7 @@ prismatic joints). Errors are exceptions of :mod:`thetahat.errors`.
 from typing import TYPE_CHECKING
 
 from . import errors, pinocchio, testing
+from ._estimators import Regression
 from ._thetahat import VERSION as __version__
 from .controllers import PD, Cascaded, Controller
 from .errors import (
@@ -78,6 +79,7 @@ __all__ = [
     "Recording",
     "RecordingError",
     "ReductionError",
+    "Regression",
     "ReportError",
     "Result",
     "ResultsError",

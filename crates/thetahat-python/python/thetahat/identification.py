@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from . import _thetahat
+from ._estimators import Estimator, callers
 from ._progress import Progress, telling
 from .controllers import Controller
 from .errors import SettingsError
@@ -34,6 +35,7 @@ def identify(
     recordings: _Recordings,
     *,
     methods: Sequence[str] = ("idim-ls",),
+    estimators: Mapping[str, Estimator] | None = None,
     controller: Controller | _Table | None = None,
     cutoff_hz: float | None = None,
     decimation: int | None = None,
@@ -58,6 +60,11 @@ def identify(
         What to identify from; several are one regression.
     methods : str or sequence of str
         ``"idim-ls"``, ``"idim-wls"``, ``"idim-iv"``, ``"didim"``, ``"clie"``, ``"cloe"``.
+    estimators : mapping, optional
+        Estimators of your own by name, beside the methods: functions of a :class:`thetahat.Regression` that return ``theta``,
+        ``(theta, covariance)`` or a :class:`thetahat.Fit`; or linear models of scikit-learn made with ``fit_intercept=False``.
+        ``result["name"]`` is what one found in the nominal case. It is called again for each part that the cross-validation
+        leaves out. Intervals are those of its own covariance; verdict, advice and exports know nothing of it.
     controller : Controller, optional
         The controller of the simulated loop, which all methods but the first two need; ``"idim-iv"`` guesses one without it.
     cutoff_hz, decimation : float and int, optional
@@ -87,10 +94,27 @@ def identify(
         For settings or recordings that cannot be used; keys are those of an experiment file.
     RecordingError
         For time stamps that cannot be used.
+    EstimationError
+        For an estimator of your own that fails, with its name; ``__cause__`` is what it raised.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import thetahat as th
+    >>> twin = th.testing.twin(seconds=10, seed=1)
+    >>> def ridge(regression):
+    ...     X, y = regression.X, regression.y
+    ...     return np.linalg.solve(X.T @ X + 1e-3 * np.eye(X.shape[1]), X.T @ y)
+    >>> result = th.identify(twin.robot, twin.recording, estimators={"ridge": ridge}, cutoff_hz=40, decimation=10)
+    >>> bool(abs(result["ridge"]["fv1"].estimate - twin.truth["fv1"]) < 0.1)
+    True
     """
     if threads is not None and threads < 1:
         raise ValueError(f"threads is {threads}; at least one is needed")
     names = [methods] if isinstance(methods, str) else list(methods)
+    if not all(isinstance(name, str) for name in names):
+        raise TypeError('methods are names; give estimators of your own by name: estimators={"name": ...}')
+    own = callers(estimators or {})
     table = {"methods": names, **(estimation or {})}
     settings: dict[str, Any] = {
         "parameters": dict(parameters or {}),
@@ -111,7 +135,7 @@ def identify(
         settings["signal"].update(cutoff_hz=chosen.cutoff_hz, decimation=chosen.decimation)
     with telling(progress) as tell:
         native = _thetahat.identify(
-            robot._native, (all_recordings, _list(validation)), settings, title or robot.name, threads, tell
+            robot._native, (all_recordings, _list(validation)), (settings, own), title or robot.name, threads, tell
         )
     return Result(native, robot)
 

@@ -74,8 +74,13 @@ class Run:
 
     @property
     def method(self) -> str:
-        """The method, such as ``"idim-iv"``."""
+        """The method, such as ``"idim-iv"``, or the name of an estimator of your own."""
         return str(self._data["method"])
+
+    @property
+    def is_own(self) -> bool:
+        """Whether an estimator of your own made it: thetahat has not examined it, and its deviations are those that it gave."""
+        return bool(self._data.get("is_own"))
 
     @property
     def status(self) -> str:
@@ -95,6 +100,12 @@ class Run:
         return error
 
     @property
+    def cross_validation_relative_error_percent(self) -> float | None:
+        """The same on data that the estimate has not seen: recordings held back, or parts left out in turn."""
+        error: float | None = self._data["cross_validation_relative_error_percent"]
+        return error
+
+    @property
     def parameters(self) -> list[Parameter]:
         """The estimates in order."""
         return [_parameter(data) for data in self._data["parameters"]]
@@ -111,8 +122,9 @@ class Run:
 
     @property
     def standard_deviations(self) -> Array:
-        """Their robust standard deviations, shape (parameters,); NaN where there is none."""
-        return self._column("standard_deviation_robust")
+        """Their robust standard deviations, shape (parameters,); NaN where there is none. Of an estimator of your own, those
+        of its covariance."""
+        return self._column("standard_deviation" if self.is_own else "standard_deviation_robust")
 
     @property
     def intervals_95(self) -> Array:
@@ -167,7 +179,8 @@ class Run:
     def __repr__(self) -> str:
         error = self.relative_error_percent
         fit = "no estimate" if error is None else f"{len(self)} parameters, relative error {error:.2f} %"
-        return f"<thetahat.Run {self.case} {self.method}: {self.status}, {fit}>"
+        whose = " (your own)" if self.is_own else ""
+        return f"<thetahat.Run {self.case} {self.method}{whose}: {self.status}, {fit}>"
 
     def _repr_html_(self) -> str:
         return f"<p>{escape(repr(self)[1:-1])}</p>" + _table([self])
@@ -178,7 +191,8 @@ class Run:
 
 
 class Result:
-    """What an identification yields. ``result["idim-iv"]`` is the nominal run of a method, ``result["idim-iv", case]`` another's.
+    """What an identification yields. ``result["idim-iv"]`` is the nominal run of a method, ``result["idim-iv", case]`` another's,
+    ``result["name"]`` what an estimator of your own found.
 
     Results can be pickled; reports of the copy are the same to the byte.
     """
@@ -187,6 +201,7 @@ class Result:
         self._native = native
         self._known_robot = robot
         self._data: dict[str, Any] = json.loads(native.to_json())
+        self._runs: list[dict[str, Any]] = [*self._data["runs"], *map(_own_run, self._data.get("user_runs", []))]
         time, measured, _ = native.curves()
         self._curves = time[:, 0] if time.shape[1] else np.empty(0), measured
 
@@ -235,8 +250,8 @@ class Result:
 
     @property
     def runs(self) -> list[Run]:
-        """Every case and method."""
-        return [self._run(number) for number in range(len(self._data["runs"]))]
+        """Every case and method, then estimators of your own."""
+        return [self._run(number) for number in range(len(self._runs))]
 
     @property
     def best(self) -> Run:
@@ -268,35 +283,53 @@ class Result:
         """The tables that ``thetahat identify --full`` prints."""
         return self._native.text()
 
-    def report(self, path: str | os.PathLike[str]) -> None:
+    def report(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
         """Write the report, one HTML file that opens offline, as a whole or not at all.
+
+        Parameters
+        ----------
+        path : str or path
+            The file; one that thetahat wrote is replaced.
+        force : bool
+            Whether a file of others is replaced too.
 
         Raises
         ------
         ReportError
-            Where it cannot be written.
+            Where it cannot be written, or a file of others is there.
         """
-        self._native.write_file("report.html", os.fspath(path))
+        self._native.write_file("report.html", os.fspath(path), force)
 
-    def write(self, folder: str | os.PathLike[str]) -> list[str]:
-        """Write ``results.json``, ``parameters.csv`` and ``report.html`` into a folder; returns their paths."""
-        return [os.fspath(path) for path in self._native.write(os.fspath(folder))]
+    def write(self, folder: str | os.PathLike[str], *, force: bool = False) -> list[str]:
+        """Write ``results.json``, ``parameters.csv`` and ``report.html`` into a folder; returns their paths.
+
+        Files of others of these names are replaced with `force` only, as of :meth:`report`.
+        """
+        return [os.fspath(path) for path in self._native.write(os.fspath(folder), force)]
 
     def export(
-        self, path: str | os.PathLike[str], to: str | None = None, *, method: str | None = None, untrusted: bool = False
+        self,
+        path: str | os.PathLike[str],
+        to: str | None = None,
+        *,
+        method: str | None = None,
+        untrusted: bool = False,
+        force: bool = False,
     ) -> list[str]:
         """Write the identified robot as a file that simulators and controllers read, with physically consistent inertias.
 
         Parameters
         ----------
         path : str or path
-            The file, which is replaced where it is there.
+            The file; one that thetahat wrote is replaced.
         to : {"urdf", "mjcf", "sdf", "json"}, optional
             The format; without it that of the file's extension, and ``.xml`` is MJCF.
         method : str, optional
             Whose estimates; without it those that the advice takes.
         untrusted : bool
             Whether results whose verdict is ``"do-not-use"`` are exported.
+        force : bool
+            Whether a file of others is replaced too.
 
         Returns
         -------
@@ -308,7 +341,7 @@ class Result:
         ResultsError
             For results that are not to be used, without an estimate, or that no robot has.
         ReportError
-            Where the file cannot be written.
+            Where the file cannot be written, or a file of others is there.
 
         Examples
         --------
@@ -321,7 +354,7 @@ class Result:
         """
         file = os.fspath(path)
         extension = os.path.splitext(file)[1].lstrip(".")
-        return self._native.export(file, to or {"xml": "mjcf"}.get(extension, extension), method, untrusted)
+        return self._native.export(file, to or {"xml": "mjcf"}.get(extension, extension), method, untrusted, force)
 
     def predict(self, q: ArrayLike, dq: ArrayLike, ddq: ArrayLike, *, run: Run | None = None) -> Array:
         """The torques that the estimates predict for a motion.
@@ -381,21 +414,21 @@ class Result:
 
     def __getitem__(self, key: str | tuple[str, str]) -> Run:
         method, case = (key, _NOMINAL) if isinstance(key, str) else key
-        for number, data in enumerate(self._data["runs"]):
+        for number, data in enumerate(self._runs):
             if (data["method"], data["case"]) == (method, case):
                 return self._run(number)
-        known = ", ".join(f"({data['method']!r}, {data['case']!r})" for data in self._data["runs"])
+        known = ", ".join(f"({data['method']!r}, {data['case']!r})" for data in self._runs)
         raise KeyError(f"there is no run of {method} in the case {case}; runs are {known}")
 
     def __contains__(self, key: object) -> bool:
         wanted = key if isinstance(key, tuple) else (key, _NOMINAL)
-        return wanted in [(data["method"], data["case"]) for data in self._data["runs"]]
+        return wanted in [(data["method"], data["case"]) for data in self._runs]
 
     def __iter__(self) -> Iterator[Run]:
         return iter(self.runs)
 
     def __len__(self) -> int:
-        return len(self._data["runs"])
+        return len(self._runs)
 
     def __reduce__(self) -> tuple[type[Result], tuple[_thetahat.Results, Robot | None]]:
         return Result, (self._native, self._known_robot)
@@ -420,12 +453,18 @@ class Result:
     def _run(self, number: int) -> Run:
         time, measured = self._curves
         predicted, _ = self._native.run_curves(number)
-        return Run(self._data["runs"][number], (time, measured, predicted))
+        return Run(self._runs[number], (time, measured, predicted))
 
     def _robot(self) -> Robot:
         if self._known_robot is None:
             raise ResultsError("results of arrays that were read from results.json know no robot: pickle the result instead")
         return self._known_robot
+
+
+def _own_run(data: dict[str, Any]) -> dict[str, Any]:
+    """What an estimator of the user's own found, with the keys of a run."""
+    ended = {"case": _NOMINAL, "method": data["name"], "is_own": True, "status": "converged", "reason": None}
+    return {**ended, **data}
 
 
 def _parameter(data: dict[str, Any]) -> Parameter:
@@ -446,7 +485,7 @@ def _table(runs: list[Run]) -> str:
     """The estimates of runs side by side, with half of their 95 % intervals."""
     names = list(dict.fromkeys(name for run in runs for name in run.names))
     units = {parameter.name: parameter.unit for run in runs for parameter in run}
-    head = "".join(f"<th>{escape(run.method)}</th>" for run in runs)
+    head = "".join(f"<th>{escape(run.method)}{' (your own)' if run.is_own else ''}</th>" for run in runs)
     rows = ""
     for name in names:
         cells = "".join(f"<td>{_cell(run[name]) if name in run.names else ''}</td>" for run in runs)

@@ -37,6 +37,7 @@ mod prediction_error;
 mod row_mask;
 mod steps;
 mod uncertainty;
+mod user_estimator;
 
 pub use assembly::Assembly;
 pub use essential::{Elimination, EliminationRule, eliminate, nested_f_test};
@@ -50,3 +51,4 @@ pub use prediction_error::{PredictionErrorEstimation, Wanted};
 pub use row_mask::{NearRest, RowMask};
 pub(crate) use row_mask::{hardly_moves, share_of_row};
 pub use uncertainty::{Uncertainty, uncertainty};
+pub use user_estimator::{UserError, UserEstimate, UserEstimator, UserEstimatorName, UserRegression};

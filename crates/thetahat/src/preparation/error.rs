@@ -1,4 +1,4 @@
-use std::fmt::Display;
+use std::{error::Error, fmt::Display, sync::Arc};
 
 use crate::{
     base_parameters::BaseParametersError, consistency::ConsistencyError, control::ControllerError, robot::NotARobot,
@@ -62,6 +62,16 @@ pub enum PreparationError {
         place: String,
         /// Why.
         source: ConsistencyError,
+    },
+    /// An estimator of the user's own failed.
+    #[error("the estimator {name}{part}: {source}")]
+    Estimator {
+        /// Its name.
+        name: String,
+        /// The part that was left out, in words; empty where all rows were given.
+        part: String,
+        /// What it says.
+        source: Arc<dyn Error + Send + Sync>,
     },
     /// No reference can be made of the recording.
     #[error("the reference made of the recorded motion: {source}")]

@@ -98,6 +98,7 @@ impl Reduction {
             advice: Vec::new(),
             diagnostics: Vec::new(),
             runs,
+            user_runs: Vec::new(),
             payloads: Vec::new(),
             drive_gains: Vec::new(),
             experiment_description: self.experiment_description.clone(),

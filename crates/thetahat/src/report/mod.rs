@@ -60,6 +60,7 @@ mod tables;
 mod terms;
 pub mod text;
 mod units;
+mod user_runs;
 mod verdict;
 mod wrap;
 

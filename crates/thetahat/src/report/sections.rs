@@ -10,7 +10,7 @@ use super::{
     section::Section,
     table::Table,
     tables::{self, Detail},
-    terms,
+    terms, user_runs,
 };
 use crate::results::{FTest, Results, RunResult, Status, Verdict};
 
@@ -23,6 +23,7 @@ pub(super) fn all(results: &Results, published: Option<&Published>) -> Vec<Secti
         torques(results),
         estimates(results, published),
         summary(results),
+        user_runs::section(results),
         findings(results),
         residuals(results),
         correlations(results),

@@ -7,7 +7,7 @@ use super::{
     published::Published,
     sections,
     tables::{self, Detail},
-    terms,
+    terms, user_runs,
     wrap::{TextWidth, labelled, wrap},
 };
 use crate::results::Results;
@@ -26,6 +26,7 @@ pub fn all(results: &Results, published: Option<&Published>, width: TextWidth) -
         parts.push(truth(results, case, width));
         parts.extend(published.map(|p| self::published(results, p, case, width)));
     }
+    parts.push(user_runs::text(results, width));
     parts.push(physical::text(results, width));
     parts.extend(payload::tables(results).iter().map(|table| table.to_text(width)));
     parts.push(terms::text(results, width));

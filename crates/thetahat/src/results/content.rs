@@ -11,6 +11,7 @@ use super::{
     recordings::{Bandwidth, RecordingFindings, RecordingResult, WithRestResult},
     run::RunResult,
     terms::{ProfiledTerm, TermComparison},
+    user_run::UserRun,
     verdict::{Verdict, VerdictReason},
 };
 use crate::{
@@ -89,6 +90,9 @@ pub struct Results {
     pub diagnostics: Vec<CaseDiagnosis>,
     /// Every case and method.
     pub runs: Vec<RunResult>,
+    /// What estimators of the user's own found: the verdict, the advice and exports know nothing of them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub user_runs: Vec<UserRun>,
     /// The payloads that were estimated.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub payloads: Vec<PayloadResult>,

@@ -50,6 +50,7 @@ mod sensitivity;
 mod side_by_side;
 mod terms;
 mod twin;
+mod user_run;
 mod verdict;
 
 pub use campaign::{CampaignResults, Extent, MethodSummary, ParameterSummary, PublishedStatement, Quantiles};
@@ -83,6 +84,7 @@ pub use sensitivity::{Sensitivity, SensitivityPoint};
 pub use side_by_side::{ComparedParameter, SettingDifference, Side, SideBySide, SideBySideError};
 pub use terms::{JointTermComparison, ProfiledTerm, TermComparison, TermLaw};
 pub use twin::TwinRecord;
+pub use user_run::UserRun;
 pub use verdict::{Concerned, ReasonCode, Verdict, VerdictReason};
 
 // The values of other rooms that results hold and reports show.

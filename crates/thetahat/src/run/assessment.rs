@@ -135,10 +135,7 @@ impl Assessment<'_> {
     fn parameters(&self, fit: &Fit, outcome: &Outcome) -> Vec<ParameterResult> {
         let EstimationJob { problem, method, regression, .. } = self.job;
         let uncertainty = uncertainty(*method, regression, outcome.instruments.as_ref(), fit).ok();
-        let recording = self.identification.main.first().map(|p| &p.filtered.recording);
-        let truth = recording.and_then(|r| r.truth.as_ref());
-        let truth =
-            truth.filter(|t| problem.estimated.agrees_with_fixed(t)).map(|t| problem.estimated.from_standard(t));
+        let truth = self.identification.truth_of(problem);
         let settings = self.identification.setup().settings;
         parameter_results(settings, &problem.estimated, fit, uncertainty.as_ref(), truth.as_deref())
     }

@@ -48,7 +48,7 @@ impl Identification {
         let problems = self.problems(progress)?;
         let cases = self.setup().settings.all_cases();
         let assessed = self.assess_all(&problems, &cases, progress)?;
-        let (mut runs, mut diagnostics) = (Vec::new(), Vec::new());
+        let (mut runs, mut user_runs, mut diagnostics) = (Vec::new(), Vec::new(), Vec::new());
         for (case, assessed) in cases.iter().zip(assessed) {
             progress(&format!("{}: diagnosis", case.name));
             let (mut results, estimated): (Vec<RunResult>, Vec<Estimated>) = assessed.into_iter().unzip();
@@ -56,13 +56,15 @@ impl Identification {
             if case.name == NOMINAL {
                 let runs = results.iter_mut().zip(&estimated);
                 runs.for_each(|(run, estimated)| run.hidden_bias = self.hidden_biases(problem, run, estimated));
+                user_runs = self.user_runs(problem, &estimated, progress)?;
             }
             runs.extend(results);
             diagnostics.push(self.diagnose(problem, case, &estimated));
         }
         progress("checking the recordings");
         let findings = self.findings(&problems[0].problem, &runs);
-        let mut results = self.results(&problems[0].problem, findings, runs, diagnostics)?;
+        let results = self.results(&problems[0].problem, findings, runs, diagnostics)?;
+        let mut results = Results { user_runs, ..results };
         if self.setup().settings.estimation.compare_terms {
             progress("comparing the laws of torque terms");
             results.term_comparison = self.compare_terms(&problems[0])?;
@@ -206,6 +208,7 @@ impl Identification {
             findings,
             diagnostics,
             runs,
+            user_runs: Vec::new(),
             payloads: self.payloads()?,
             drive_gains: self.drive_gains(problem)?,
             experiment_description: String::new(),

@@ -146,7 +146,7 @@ pub(super) fn without_each(
 
 /// The interval of `100 sqrt(R)`, where R is the ratio of the sums over the folds of the squared errors and the squared
 /// torques: the folds as a sample of clusters (W. G. Cochran, "Sampling techniques", 1977, section 2.11), Student's t.
-fn interval(y: &[f64], prediction: &[f64], of_row: &[usize], folds: usize) -> Option<[f64; 2]> {
+pub(super) fn interval(y: &[f64], prediction: &[f64], of_row: &[usize], folds: usize) -> Option<[f64; 2]> {
     let mut squares = vec![[0.0; 2]; folds];
     for ((y, p), fold) in y.iter().zip(prediction).zip(of_row) {
         squares[*fold][0] += (y - p).powi(2);

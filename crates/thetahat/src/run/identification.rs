@@ -10,7 +10,7 @@ use super::{
 use crate::{
     base_parameters::BaseParameters,
     control::ControllerDescription,
-    identification::{EstimationError, JointWeights, Method, Needs, Reason, Response, Weighting},
+    identification::{EstimationError, JointWeights, Method, Needs, Reason, Response, UserEstimator, Weighting},
     pool::available_threads,
     preparation::{
         Case, Payload, PreparationError, Problem, ProposedController, Recording, Settings, Setup, propose_controller,
@@ -36,6 +36,8 @@ pub struct Identification {
     /// Recordings with a payload that is to be estimated: nothing else is estimated from them.
     pub(super) loaded: Vec<Prepared>,
     pub(super) validation: Vec<Prepared>,
+    /// Estimators of the user's own, for the nominal case.
+    pub(super) estimators: Vec<UserEstimator>,
     /// Threads on which loops are simulated.
     pub(super) threads: usize,
 }
@@ -95,6 +97,7 @@ impl Identification {
             main: Vec::new(),
             loaded: Vec::new(),
             validation: Vec::new(),
+            estimators: Vec::new(),
             threads: available_threads(),
         };
         if recordings.is_empty() {
@@ -286,6 +289,12 @@ impl Identification {
         let recordings =
             prepared.iter().map(|p| Some((&p.filtered, p.reference.as_ref()?))).collect::<Option<Vec<_>>>()?;
         Some(Simulator::new(self.setup(), problem, &recordings, controller, case))
+    }
+
+    /// The true values of what a problem estimates, of twins.
+    pub(super) fn truth_of(&self, problem: &Problem) -> Option<Vec<f64>> {
+        let truth = self.main.first()?.filtered.recording.truth.as_ref()?;
+        problem.estimated.agrees_with_fixed(truth).then(|| problem.estimated.from_standard(truth))
     }
 
     /// What is left out in turn: a recording where there are several, else a move where three or more are known,

@@ -38,6 +38,7 @@ mod residual_curves;
 mod sensitivity;
 mod term_comparison;
 mod uncertain;
+mod user_estimators;
 mod with_rest;
 mod worse_than_zero;
 

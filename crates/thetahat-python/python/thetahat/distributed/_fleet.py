@@ -24,11 +24,11 @@ from ..recording import Recording
 from ..results import Result, Run
 from ..robot import Robot
 from . import _engines, _page, _statistics
+from ._data import Data, described
 from ._engines import Engine
 from ._jobs import run_missing
-from ._reduce import stamps
 from ._statistics import Dispersion, Estimate, Line, Test, holm
-from ._store import Store, content_name
+from ._store import Store, content_name, is_remote
 
 _PARTS = "sessions"
 # The form of the files of sessions; another one gives other names.
@@ -56,7 +56,8 @@ class Session:
     experiment : path, optional
         An experiment file, as :func:`thetahat.run` takes it.
     data, description : path, optional
-        The folder of its data, and another robot description: `data` and `robot` of :func:`thetahat.run`.
+        The folder of its data, and another robot description: `data` and `robot` of :func:`thetahat.run`. The data may lie at
+        ``s3://bucket/prefix`` too, with pyarrow's options behind a question mark: a worker brings itself what its session reads.
     model : Robot, optional
         Without an experiment: the robot, as :func:`thetahat.identify` takes it.
     recordings : Recording or sequence of Recording
@@ -204,19 +205,29 @@ class Fleet:
         """The report as a page that opens offline."""
         return _page.html(self)
 
-    def report(self, path: str | os.PathLike[str]) -> None:
+    def report(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
         """Write the report, as a page or, where the path ends with ``.md``, as Markdown.
+
+        Parameters
+        ----------
+        path : str or path
+            The file; one that thetahat wrote is replaced.
+        force : bool
+            Whether a file of others is replaced too.
 
         Raises
         ------
         ReportError
-            Where it cannot be written.
+            Where it cannot be written, or a file of others is there.
         """
         folder, name = os.path.split(os.path.abspath(os.fspath(path)))
-        text = self.to_markdown() if name.endswith(".md") else self.to_html()
+        text, mark = (self.to_markdown(), _page.HEADING) if name.endswith(".md") else (self.to_html(), _page.GENERATOR)
         if not os.path.isdir(folder):
             raise ReportError(f"{os.fspath(path)}: cannot be written: there is no folder {folder}")
-        Store(folder).write(name, text.encode())
+        store = Store(folder)
+        if not force:
+            store.require_ours({name: mark})
+        store.write(name, text.encode())
 
     def _repr_html_(self) -> str:
         return _page.body(self)
@@ -229,7 +240,7 @@ class _SessionPart(NamedTuple):
     name: str
     session: Session
     texts: _thetahat.ExperimentTexts | None
-    data: str
+    data: Data
     method: str | None
 
     @property
@@ -252,11 +263,20 @@ class _SessionPart(NamedTuple):
 
 def _identified(job: _SessionPart) -> Result:
     if job.texts is not None:
-        return Result(_thetahat.run_texts(job.texts, job.data), None)
+        with job.data.as_folder() as folder:
+            return _run(job.texts, job.data, folder)
     model = job.session.model
     assert model is not None
     # Jobs are run side by side: each has one thread.
     return identify(model, job.session.recordings, **{"threads": 1, **job.session.settings})
+
+
+def _run(texts: _thetahat.ExperimentTexts, data: Data, folder: str) -> Result:
+    """The results of an experiment; where it is refused, the message names where the data lie."""
+    try:
+        return Result(_thetahat.run_texts(texts, folder), None)
+    except ThetahatError as refused:
+        raise type(refused)(data.in_words(str(refused), folder)) from None
 
 
 def _kept(result: Result, method: str | None) -> dict[str, Any]:
@@ -471,13 +491,13 @@ def _lines(sessions: Sequence[SessionResult]) -> dict[str, dict[str, Line]]:
 def _job(store: Store, session: Session, method: str | None) -> _SessionPart:
     if session.experiment is None:
         origin = content_name("arrays", _FORM, _digest(session), session.robot, session.days, method)
-        return _SessionPart(store, f"{_PARTS}/{origin}{_DONE}", session, None, "", method)
+        return _SessionPart(store, f"{_PARTS}/{origin}{_DONE}", session, None, Data(""), method)
     path = os.fspath(session.experiment)
-    data = os.path.abspath(os.path.dirname(path) if session.data is None else session.data)
+    data = os.path.dirname(path) if session.data is None else os.fspath(session.data)
     robot = None if session.description is None else os.fspath(session.description)
-    texts, files, _ = _thetahat.experiment_texts(path, data, robot)
-    origin = content_name("session", _FORM, texts[1:], stamps(files), session.robot, session.days, method)
-    return _SessionPart(store, f"{_PARTS}/{origin}{_DONE}", session, texts, data, method)
+    found = described(path, data if is_remote(data) else os.path.abspath(data), robot)
+    origin = content_name("session", _FORM, found.texts[1:], found.stamps, session.robot, session.days, method)
+    return _SessionPart(store, f"{_PARTS}/{origin}{_DONE}", session, found.texts, found.data, method)
 
 
 def _digest(session: Session) -> str:

@@ -57,10 +57,12 @@ def body(fleet: Fleet) -> str:
 def markdown(fleet: Fleet) -> str:
     """The same as Markdown; findings have bold first cells."""
     items = "".join(f"- {line}\n" for line in _summary(fleet))
-    return f"# {_TITLE}\n\n{items}\n" + "\n".join(_markdown_table(table) for table in _tables(fleet))
+    return f"{HEADING}{items}\n" + "\n".join(_markdown_table(table) for table in _tables(fleet))
 
 
 _TITLE = "The fleet"
+# How the Markdown begins, by which it is known again.
+HEADING = f"# {_TITLE}\n\n"
 
 
 def _summary(fleet: Fleet) -> list[str]:

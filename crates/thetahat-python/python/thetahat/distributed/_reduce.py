@@ -12,6 +12,7 @@ from .._progress import Progress, telling
 from ..results import Result
 from ..robot import Robot
 from . import _engines
+from ._data import stamps
 from ._engines import Driver, Engine
 from ._jobs import Merge, ReductionPart, Spans, run_missing
 from ._store import Store, content_name
@@ -137,12 +138,6 @@ def _described(path: str, data: _Path | None, robot: _Path | None, instruments_f
         instruments = _thetahat.instruments_of(os.fspath(instruments_from), texts)
     origin = content_name("experiment", texts, stamps(files), instruments)
     return _Described(texts, folder, origin, recordings, instruments)
-
-
-def stamps(files: Sequence[_Path]) -> list[tuple[str, int, int]]:
-    """By which files are known again without reading them: path, size and time of change; those that are not there are left out."""
-    found = [(os.path.abspath(file), os.stat(file)) for file in sorted(str(file) for file in files) if os.path.exists(file)]
-    return [(path, state.st_size, state.st_mtime_ns) for path, state in found]
 
 
 def _parts(

@@ -25,6 +25,11 @@ _HEAD = 512
 _AT_ONCE = 32
 
 
+def is_remote(place: str) -> bool:
+    """Whether a place is a prefix of objects, and no folder."""
+    return place.startswith(_REMOTE)
+
+
 def content_name(*content: object) -> str:
     """A name that follows from content, and from the version of thetahat that works on it: 32 hexadecimal digits."""
     text = json.dumps([_thetahat.VERSION, *content], sort_keys=True, default=os.fspath)
@@ -43,7 +48,7 @@ class Store:
     def __init__(self, place: str | os.PathLike[str]) -> None:
         self.place = os.fspath(place)
         self._system: Any = None
-        if self.place.startswith(_REMOTE):
+        if is_remote(self.place):
             self._system, self._root = _remote(self.place)
         else:
             self._root = os.path.abspath(self.place)
@@ -88,6 +93,11 @@ class Store:
             return set()
         return {f"{folder}/{entry.name}" for entry in entries if entry.is_file() and not entry.name.startswith(".")}
 
+    def stamps(self, names: Sequence[str]) -> list[tuple[str, int, int]]:
+        """Name, size and time of change of objects; those that are not there are left out."""
+        infos = self._system.get_file_info([self._path(name) for name in names]) if names else []
+        return [(name, info.size, info.mtime_ns) for name, info in zip(names, infos, strict=True) if info.is_file]
+
     def delete(self, name: str) -> None:
         """Delete a file."""
         if self._system:
@@ -110,7 +120,7 @@ class Store:
         for name, mark in marks.items():
             if name in there and mark.encode() not in self.read(name)[:_HEAD]:
                 raise ReportError(
-                    f"{self.place}/{name}: is there already and not known to be written by thetahat; take another `out`, or delete it"
+                    f"{self.place}/{name}: is there already and not known to be written by thetahat; take another place, or delete it"
                 )
 
     def require(self, names: Sequence[str]) -> None:

@@ -1,9 +1,9 @@
-//! `parameters.csv`: one row for each parameter and run.
+//! `parameters.csv`: one row for each parameter and run; of an estimator of the user's own, the method is `user:` and its name.
 
 use super::output::Output;
 use crate::{
     report::{error::ReportError, published::Published},
-    results::{ParameterResult, Results, RunResult},
+    results::{NOMINAL, ParameterResult, Results},
     visible::cell,
 };
 
@@ -30,17 +30,22 @@ fn render(results: &Results, _: Option<&Published>) -> Result<Vec<u8>, ReportErr
     writer.write_record(PARAMETER_COLUMNS).map_err(refuse)?;
     for run in &results.runs {
         for parameter in &run.parameters {
-            writer.write_record(parameter_record(run, parameter)).map_err(refuse)?;
+            writer.write_record(record([&run.case, run.method.name()], parameter)).map_err(refuse)?;
+        }
+    }
+    for run in &results.user_runs {
+        for parameter in &run.parameters {
+            writer.write_record(record([NOMINAL, &format!("user:{}", run.name)], parameter)).map_err(refuse)?;
         }
     }
     writer.into_inner().map_err(|e| refuse(e.into_error().into()))
 }
 
-fn parameter_record(run: &RunResult, parameter: &ParameterResult) -> [String; 12] {
+fn record([case, method]: [&str; 2], parameter: &ParameterResult) -> [String; 12] {
     let number = |v: Option<f64>| v.map(|v| v.to_string()).unwrap_or_default();
     [
-        cell(&run.case).into_owned(),
-        run.method.name().to_owned(),
+        cell(case).into_owned(),
+        cell(method).into_owned(),
         cell(&parameter.name).into_owned(),
         number(Some(parameter.estimate)),
         number(parameter.standard_deviation),
