@@ -29,10 +29,12 @@ impl Default for Wanted {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct MotionOptions {
-    /// Fourier series or point-to-point moves.
+    /// Fourier series, B-splines or point-to-point moves.
     pub kind: MotionKind,
     /// Harmonics of the Fourier series, 5 without a word.
     pub harmonics: Option<usize>,
+    /// B-splines of each joint, 10 without a word.
+    pub splines: Option<usize>,
     /// Number of the moves, 12 without a word.
     pub moves: Option<usize>,
     /// Time over which the acceleration of a move rises and falls at least, s: 0.002 without a word. A limit of the jerk makes it longer.
@@ -54,8 +56,22 @@ pub enum MotionKind {
     /// Fourier series of each joint.
     #[default]
     Fourier,
+    /// B-splines of each joint.
+    Splines,
     /// Point-to-point moves, synchronised over the joints.
     Moves,
+}
+
+impl MotionKind {
+    /// Its name, as in a design file.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fourier => "fourier",
+            Self::Splines => "splines",
+            Self::Moves => "moves",
+        }
+    }
 }
 
 impl Default for MotionOptions {
@@ -63,6 +79,7 @@ impl Default for MotionOptions {
         Self {
             kind: MotionKind::Fourier,
             harmonics: None,
+            splines: None,
             moves: None,
             smoothing_s: None,
             rest_s: None,
@@ -76,6 +93,10 @@ impl Default for MotionOptions {
 impl MotionOptions {
     pub(super) fn harmonics(&self) -> usize {
         self.harmonics.unwrap_or(5)
+    }
+
+    pub(super) fn splines(&self) -> usize {
+        self.splines.unwrap_or(10)
     }
 
     pub(super) fn moves(&self) -> usize {
@@ -114,6 +135,22 @@ pub struct LimitOptions {
 impl Default for LimitOptions {
     fn default() -> Self {
         Self { position: None, velocity: None, acceleration: None, jerk: None, torque: None, power: None, margin: 0.02 }
+    }
+}
+
+/// How far the robot may be from its a-priori parameters: the limits of torque and power hold for draws of it.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct UncertaintyOptions {
+    /// Robots that are drawn.
+    pub draws: usize,
+    /// How far each parameter is off, percent.
+    pub percent: f64,
+}
+
+impl Default for UncertaintyOptions {
+    fn default() -> Self {
+        Self { draws: 0, percent: 0.0 }
     }
 }
 

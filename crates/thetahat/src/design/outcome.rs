@@ -5,12 +5,12 @@ use super::{
     error::DesignError,
     experiment_text::experiment_text,
     promise::{Expected, promised_method},
-    run::Chosen,
+    run::{Chosen, Told},
 };
 use crate::{
     base_parameters::{BaseParameter, BaseParameters},
     dynamics::Model,
-    results::{DesignResults, JointResult, PromisedParameter, SearchResult},
+    results::{DesignResults, JointResult, PromisedParameter, PromisedPayload, SearchResult},
 };
 
 /// Part of a sum's terms below which the sum is rounding, and part of the promised half width below which a value is that of a
@@ -34,10 +34,10 @@ impl Design {
         model: &Model,
         base: &BaseParameters,
         chosen: Chosen,
-        (expected, remedies): (&Expected, &[Option<f64>]),
+        told: Told,
     ) -> Result<DesignResults, DesignError> {
         let Chosen { motion, torque, uses, starts, moves, collision, repeated } = chosen;
-        let compared = self.compared()?;
+        let Told { expected, remedies, gains, compared } = &told;
         let a_priori = self.a_priori_of(base, expected);
         let wanted = self.file.wanted.half_width_percent;
         let promised = expected.parameters.iter().enumerate().map(|(i, parameter)| {
@@ -77,7 +77,14 @@ impl Design {
             spectrum,
             collision,
             repeated,
-            compared: compared.map(|c| [c.title, c.method]),
+            compared: compared.as_ref().map(|c| [c.title.clone(), c.method.clone()]),
+            payload: self.payload().map(|payload| PromisedPayload {
+                name: payload.name.clone(),
+                mass_kg: payload.mass_kg.unwrap_or_default(),
+                gains: gains.clone(),
+            }),
+            uncertainty: (self.file.uncertainty.draws > 0)
+                .then_some((self.file.uncertainty.draws, self.file.uncertainty.percent)),
             criterion: self.file.wanted.criterion.name().to_owned(),
             starts: starts
                 .iter()
@@ -88,7 +95,7 @@ impl Design {
             method: promised_method(&self.settings).name().to_owned(),
             is_closed_loop: self.settings.controller.is_some(),
             half_width_percent: wanted,
-            experiment: experiment_text(self),
+            experiment: experiment_text(self, model)?,
         })
     }
 }

@@ -13,8 +13,10 @@ impl Design {
     pub(super) fn validate_motion(&self) -> Result<(), DesignError> {
         let motion = &self.file.motion;
         self.require((1..=MOST_STARTS).contains(&motion.starts), "[motion] starts", "from 1 to 1000", motion.starts)?;
+        self.require_own_keys()?;
         match motion.kind {
             MotionKind::Fourier => self.validate_harmonics()?,
+            MotionKind::Splines => self.validate_splines()?,
             MotionKind::Moves => self.validate_moves()?,
         }
         let joints = self.robot.coordinate_count();
@@ -24,32 +26,45 @@ impl Design {
         Ok(())
     }
 
-    fn validate_harmonics(&self) -> Result<(), DesignError> {
+    /// Keys of another kind of motion are refused.
+    fn require_own_keys(&self) -> Result<(), DesignError> {
         let motion = &self.file.motion;
-        let of_moves = [
-            ("moves", motion.moves.is_some()),
-            ("smoothing_s", motion.smoothing_s.is_some()),
-            ("rest_s", motion.rest_s.is_some()),
+        let keys = [
+            ("harmonics", motion.harmonics.is_some(), MotionKind::Fourier),
+            ("splines", motion.splines.is_some(), MotionKind::Splines),
+            ("moves", motion.moves.is_some(), MotionKind::Moves),
+            ("smoothing_s", motion.smoothing_s.is_some(), MotionKind::Moves),
+            ("rest_s", motion.rest_s.is_some(), MotionKind::Moves),
         ];
-        for (key, is_given) in of_moves {
-            self.require(
-                !is_given,
-                &format!("[motion] {key}"),
-                "kind = \"moves\" with it",
-                "given for a Fourier series",
-            )?;
+        for (key, is_given, kind) in keys {
+            let expected = format!("kind = \"{}\" with it", kind.name());
+            let found = format!("given with kind = \"{}\"", motion.kind.name());
+            self.require(!is_given || motion.kind == kind, &format!("[motion] {key}"), &expected, found)?;
         }
-        let harmonics = motion.harmonics();
+        Ok(())
+    }
+
+    fn validate_harmonics(&self) -> Result<(), DesignError> {
+        let harmonics = self.file.motion.harmonics();
         self.require((1..=MOST_HARMONICS).contains(&harmonics), "[motion] harmonics", "from 1 to 50", harmonics)?;
-        let (highest, cutoff) = (harmonics as f64 / self.file.duration_s, self.file.signal.cutoff_hz);
-        let expected = format!("above {highest:.3}, the highest harmonic of the motion");
-        self.require(cutoff > highest, "[signal] cutoff_hz", &expected, cutoff)
+        self.require_cutoff_above(harmonics as f64 / self.file.duration_s, "the highest harmonic of the motion")
+    }
+
+    fn validate_splines(&self) -> Result<(), DesignError> {
+        let splines = self.file.motion.splines();
+        self.require((2..=2 * MOST_HARMONICS).contains(&splines), "[motion] splines", "from 2 to 100", splines)?;
+        let highest = 0.5 * splines as f64 / self.file.duration_s;
+        self.require_cutoff_above(highest, "the frequency of splines that change their sides")
+    }
+
+    fn require_cutoff_above(&self, highest_hz: f64, what: &str) -> Result<(), DesignError> {
+        let cutoff = self.file.signal.cutoff_hz;
+        let expected = format!("above {highest_hz:.3}, {what}");
+        self.require(cutoff > highest_hz, "[signal] cutoff_hz", &expected, cutoff)
     }
 
     fn validate_moves(&self) -> Result<(), DesignError> {
         let motion = &self.file.motion;
-        let expected = "kind = \"fourier\" with it";
-        self.require(motion.harmonics.is_none(), "[motion] harmonics", expected, "given for moves")?;
         let (moves, smoothing, rest) = (motion.moves(), motion.smoothing_s(), motion.rest_s());
         self.require((2..=MOST_MOVES).contains(&moves), "[motion] moves", "from 2 to 200", moves)?;
         let positive = "a finite number above zero";
