@@ -20,6 +20,7 @@
 //! | `criterion`, `information` | the criterion with its derivatives |
 //! | `constraints`, `loads` | limits of positions and their derivatives; limits of torque and power |
 //! | `move_slopes`, `move_draws` | derivatives of moves by their unknowns; where searches of moves begin |
+//! | `sweep`, `move_sweeps`, `sweeps` | sweeps of single joints at constant velocities behind the moves |
 //! | `surroundings_options`, `surroundings`, `clearances` | shapes that must stay apart |
 //! | `quadratic`, `optimiser`, `starts` | the search |
 //! | `verification`, `verified` | the limits at 1 kHz |
@@ -45,6 +46,7 @@ mod loads;
 mod motions;
 mod move_draws;
 mod move_slopes;
+mod move_sweeps;
 #[cfg(test)]
 mod move_tests;
 mod moves;
@@ -64,6 +66,8 @@ mod starts;
 mod sums;
 mod surroundings;
 mod surroundings_options;
+mod sweep;
+mod sweeps;
 mod validation;
 mod validation_of_limits;
 mod validation_of_motion;

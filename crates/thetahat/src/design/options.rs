@@ -41,6 +41,12 @@ pub struct MotionOptions {
     pub smoothing_s: Option<f64>,
     /// Rest after each move, s: none without a word.
     pub rest_s: Option<f64>,
+    /// Velocities at which each joint sweeps there and back behind the moves: none without a word.
+    pub sweeps: Option<usize>,
+    /// The slowest of them as a part of the fastest, 0.05 without a word; those between are a geometric row.
+    pub sweep_slowest: Option<f64>,
+    /// The longest time at constant velocity, s: 1 without a word.
+    pub sweep_s: Option<f64>,
     /// Posture in which the motion starts and ends; none leaves it to the design.
     pub start: Option<Vec<f64>>,
     /// Searches from random motions.
@@ -83,6 +89,9 @@ impl Default for MotionOptions {
             moves: None,
             smoothing_s: None,
             rest_s: None,
+            sweeps: None,
+            sweep_slowest: None,
+            sweep_s: None,
             start: None,
             starts: 6,
             seed: 1,
@@ -109,6 +118,18 @@ impl MotionOptions {
 
     pub(super) fn rest_s(&self) -> f64 {
         self.rest_s.unwrap_or(0.0)
+    }
+
+    pub(super) fn sweeps(&self) -> usize {
+        self.sweeps.unwrap_or(0)
+    }
+
+    pub(super) fn sweep_slowest(&self) -> f64 {
+        self.sweep_slowest.unwrap_or(0.05)
+    }
+
+    pub(super) fn sweep_s(&self) -> f64 {
+        self.sweep_s.unwrap_or(1.0)
     }
 }
 

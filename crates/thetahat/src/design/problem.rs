@@ -18,6 +18,7 @@ use super::{
     optimiser::Problem,
     options::MotionKind,
     sums::Sums,
+    sweep::Sweep,
 };
 use crate::{
     base_parameters::BaseParameters,
@@ -51,10 +52,13 @@ impl Design {
             MotionKind::Splines => self.sums(&kept, Basis::splines(file.duration_s, file.motion.splines())),
             MotionKind::Moves => self.moves(&kept),
         };
+        let swept = summed.move_family().and_then(|family| self.swept(model, base, family));
         let noise = &self.noise.deviations;
         Ok(Problem {
             criterion: self.criterion(model, base)?,
-            information: Information::new(model, &base.columns(), noise).with_prior(self.prior(base, noise)?),
+            information: Information::new(model, &base.columns(), noise)
+                .with_prior(self.prior(base, noise)?)
+                .with_sweeps(swept),
             sample_rate_hz: file.sample_rate_hz,
             constraints: Constraints::new(kept.clone(), &watched),
             clearances: self.clearances(model)?,
@@ -87,20 +91,23 @@ impl Design {
 
     /// Moves where sums are taken, and where limits are looked at.
     fn moves(&self, kept: &[JointLimits]) -> [Motions; 2] {
-        let family = self.move_family(kept);
+        let family = self.move_family(kept, self.sweeps(kept));
         [family.summed(), family.watched()].map(|points| Motions::Moves { family: family.clone(), points })
     }
 
-    pub(super) fn move_family(&self, kept: &[JointLimits]) -> MoveFamily {
+    /// Moves in the time that sweeps leave them.
+    pub(super) fn move_family(&self, kept: &[JointLimits], sweeps: Vec<Sweep>) -> MoveFamily {
         let motion = &self.file.motion;
-        MoveFamily {
+        let family = MoveFamily {
             limits: kept.to_vec(),
             start: self.start_posture(),
             moves: motion.moves(),
             duration_s: self.file.duration_s,
             smoothing_s: motion.smoothing_s(),
             rest_s: motion.rest_s(),
-        }
+            sweeps,
+        };
+        MoveFamily { duration_s: self.file.duration_s - family.sweeps_s(), ..family }
     }
 
     /// The criterion that is wanted, of the base parameters.

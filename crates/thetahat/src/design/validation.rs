@@ -26,7 +26,7 @@ impl Design {
         self.validate_payload()?;
         self.validate_identification()?;
         self.validate_collision()?;
-        self.limits().map(|_| ())
+        self.validate_sweeps(&self.limits()?)
     }
 
     /// What the record can be identified for: all base parameters, with torques that the motion alone decides.

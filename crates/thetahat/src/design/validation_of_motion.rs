@@ -1,6 +1,6 @@
 //! What the motion of a design file must be.
 
-use super::{description::Design, error::DesignError, options::MotionKind};
+use super::{description::Design, error::DesignError, limits::JointLimits, options::MotionKind};
 
 /// Most harmonics and starts.
 const MOST_HARMONICS: usize = 50;
@@ -8,6 +8,8 @@ const MOST_STARTS: usize = 1000;
 /// Most moves, and the shortest that is of use, in times of its smoothing.
 const MOST_MOVES: usize = 200;
 const LEAST_MOVE: f64 = 8.0;
+/// Most velocities of sweeps.
+const MOST_SWEEPS: usize = 20;
 
 impl Design {
     pub(super) fn validate_motion(&self) -> Result<(), DesignError> {
@@ -35,6 +37,9 @@ impl Design {
             ("moves", motion.moves.is_some(), MotionKind::Moves),
             ("smoothing_s", motion.smoothing_s.is_some(), MotionKind::Moves),
             ("rest_s", motion.rest_s.is_some(), MotionKind::Moves),
+            ("sweeps", motion.sweeps.is_some(), MotionKind::Moves),
+            ("sweep_slowest", motion.sweep_slowest.is_some(), MotionKind::Moves),
+            ("sweep_s", motion.sweep_s.is_some(), MotionKind::Moves),
         ];
         for (key, is_given, kind) in keys {
             let expected = format!("kind = \"{}\" with it", kind.name());
@@ -70,9 +75,41 @@ impl Design {
         let positive = "a finite number above zero";
         self.require(smoothing > 0.0 && smoothing.is_finite(), "[motion] smoothing_s", positive, smoothing)?;
         self.require(rest >= 0.0 && rest.is_finite(), "[motion] rest_s", "zero or above", rest)?;
-        let least = moves as f64 * (LEAST_MOVE * smoothing + rest);
+        let least = self.least_moves_s();
         let expected =
             format!("above {least:.3}, which {moves} moves with smoothing and rest take; ask for fewer [motion] moves");
         self.require(self.file.duration_s > least, "duration_s", &expected, self.file.duration_s)
+    }
+
+    /// Sweeps from a posture that is given, in a part of the time.
+    pub(super) fn validate_sweeps(&self, limits: &[JointLimits]) -> Result<(), DesignError> {
+        let motion = &self.file.motion;
+        let sweeps = motion.sweeps();
+        if sweeps == 0 {
+            let is_given = motion.sweep_slowest.is_some() || motion.sweep_s.is_some();
+            let expected = "from 1 to 20 with [motion] sweep_slowest or sweep_s";
+            return self.require(!is_given, "[motion] sweeps", expected, "none");
+        }
+        self.require((1..=MOST_SWEEPS).contains(&sweeps), "[motion] sweeps", "from 1 to 20", sweeps)?;
+        let expected = "given with sweeps, which begin and end there";
+        self.require(motion.start.is_some(), "[motion] start", expected, "missing")?;
+        let (slowest, longest_s) = (motion.sweep_slowest(), motion.sweep_s());
+        let is_part = slowest > 0.0 && slowest <= 1.0;
+        self.require(is_part, "[motion] sweep_slowest", "above zero and at most 1", slowest)?;
+        let is_time = longest_s > 0.0 && longest_s.is_finite();
+        self.require(is_time, "[motion] sweep_s", "a finite number above zero", longest_s)?;
+        let kept: Vec<JointLimits> = limits.iter().map(|l| l.less(self.margin())).collect();
+        let sweeps_s = self.move_family(&kept, self.sweeps(&kept)).sweeps_s();
+        let least = sweeps_s + self.least_moves_s();
+        let expected = format!(
+            "above {least:.3}: sweeps take {sweeps_s:.3} s of it; ask for fewer [motion] sweeps, or a shorter sweep_s"
+        );
+        self.require(self.file.duration_s > least, "duration_s", &expected, self.file.duration_s)
+    }
+
+    /// The shortest time of all moves.
+    fn least_moves_s(&self) -> f64 {
+        let motion = &self.file.motion;
+        motion.moves() as f64 * (LEAST_MOVE * motion.smoothing_s() + motion.rest_s())
     }
 }

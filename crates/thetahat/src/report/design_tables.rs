@@ -34,7 +34,9 @@ pub(super) fn facts(results: &DesignResults) -> Vec<(&'static str, String)> {
 }
 
 fn motion(results: &DesignResults) -> String {
-    let kind = results.moves.as_ref().map_or_else(String::new, |moves| format!(", {} moves", moves.moves().len()));
+    let sweeps = if results.sweeps > 0 { format!(" and {} sweeps", results.sweeps) } else { String::new() };
+    let moves = results.moves.as_ref().map(|moves| moves.moves().len() - results.sweeps);
+    let kind = moves.map_or_else(String::new, |moves| format!(", {moves} moves{sweeps}"));
     format!("{} s at {} Hz{kind}, from rest to rest", significant(duration_s(results), 4), results.sample_rate_hz)
 }
 
@@ -240,7 +242,8 @@ pub(super) fn promised(results: &DesignResults) -> Table {
         head,
         rows: results.promised.iter().map(row).collect(),
         notes: vec![format!(
-            "half of 95 %: expected half width of interval_95 by {}; {wanted}: record so long, by repeating the motion.",
+            "half of 95 %: expected half width of interval_95 by {}; {wanted}: record so long, by repeating the motion. Intervals \
+             shrink with the root of the time.",
             results.method
         )],
         ..Table::default()

@@ -24,6 +24,8 @@ pub struct DesignResults {
     pub torque: Series,
     /// The moves, where the motion is made of such: the last ends where the first starts.
     pub moves: Option<Moves>,
+    /// How many of them, the last ones, are sweeps of single joints.
+    pub sweeps: usize,
     /// The robot where its shapes are nearest to one another, or else where it starts, and the way of its last joint.
     pub skeleton: Option<Skeleton>,
     /// What frequencies the motion has.
