@@ -43,7 +43,9 @@ fn recording(design: &Design) -> String {
         "# The record of the motion: put in its file, columns and units where they are others.\n[recording]\n\
          sample_rate_hz = {}\nposition = {position}\ntorque = {torque}\nreference = {reference}\n{}",
         design.file.sample_rate_hz,
-        design.payload().map_or_else(String::new, |payload| format!("payload = {:?}\n", payload.name))
+        design
+            .payload()
+            .map_or_else(String::new, |payload| format!("payload = {}\n", toml::Value::from(payload.name.clone())))
     )
 }
 
@@ -55,8 +57,8 @@ fn loaded_parameters(design: &Design, model: &Model) -> Result<String, DesignErr
     let base = BaseParameters::of(model, &design.settings.parameters.exclude)
         .map_err(|source| DesignError::BaseParameters { path: design.path.clone(), source })?;
     let loaded = base.from_standard(&design.expected_robot(model)?);
-    let values = base.parameters().iter().zip(loaded).map(|(p, value)| format!("{} = {value:?}\n", p.name));
-    Ok(format!("\n# The robot with its payload.\n[twin.parameters]\n{}", values.collect::<String>()))
+    let values = base.parameters().iter().zip(loaded).map(|(p, value)| (p.name.clone(), toml::Value::from(value)));
+    Ok(format!("\n# The robot with its payload.\n[twin.parameters]\n{}", values.collect::<toml::Table>()))
 }
 
 /// The robot that moves with its a-priori parameters, recorded with the noise of the design; where the design has no
