@@ -2,10 +2,14 @@
 
 use std::path::Path;
 
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 use thetahat::{
+    Identification, Recording, Robot, Settings,
     base_parameters::BaseParameters,
     design::{Criterion, Design, DesignError, ExpectedRecord, Information},
-    dynamics::{Model, Sign},
+    dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     experiment::Experiment,
     preparation::PreparationError,
     reduction::ReduceOptions,
@@ -578,4 +582,281 @@ fn results_at_hand_are_compared_with() {
     let other = with_controller().replace("[motion]", "compare = 'nowhere.json'\n[motion]");
     let error = Design::parse(&other, &design.path).unwrap().run(1, &mut |_| {}).unwrap_err();
     assert!(matches!(&error, DesignError::Results(_)) && error.to_string().contains("nowhere.json"), "{error}");
+}
+
+/// B-splines rest at both ends within their limits, as Fourier series do, and a search makes them much better.
+#[test]
+fn splines_hold_their_limits_and_rest_at_both_ends() {
+    let text = DESIGN.replace("harmonics = 3", "kind = 'splines'\nsplines = 8");
+    let design = parse(&text.replace("[noise]", "jerk = 60000\n[noise]")).unwrap();
+    let results = design.run(2, &mut |_| {}).unwrap();
+    assert_within_limits(&results);
+    let last = results.q.len() - 1;
+    for series in [&results.dq, &results.ddq] {
+        assert!(series.sample(0).iter().chain(series.sample(last)).all(|v| v.abs() < 1e-8));
+    }
+    assert!(results.q.sample(0).iter().zip(results.q.sample(last)).all(|(a, b)| (a - b).abs() < 1e-9));
+    println!("{:?}", results.starts);
+    assert!(results.starts.iter().all(|s| s.found < s.first - 1.0), "{:?}", results.starts);
+    assert!(results.limits.iter().any(|l| l.part > 0.9), "{:?}", results.limits);
+    assert_eq!(key("harmonics = 3", "kind = 'splines'\nharmonics = 3"), "[motion] harmonics");
+    assert_eq!(key("harmonics = 3", "splines = 8"), "[motion] splines");
+    assert_eq!(key("harmonics = 3", "kind = 'splines'\nsplines = 1"), "[motion] splines");
+    assert_eq!(key("harmonics = 3", "kind = 'splines'\nsplines = 8\nrest_s = 0.1"), "[motion] rest_s");
+}
+
+/// A point of 1.5 kg behind the elbow.
+const PAYLOAD: &str = "[[payload]]\nname = 'disc'\njoint = 'elbow'\nmass_kg = 1.5\ncentre_m = [0.3, 0, 0]\n";
+
+fn with_payload() -> String {
+    format!("{DESIGN}{PAYLOAD}")
+}
+
+/// The torques of a motion by a robot.
+fn torques(robot: &Robot, results: &DesignResults) -> Series {
+    let model = Model::new(robot);
+    let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters());
+    let (mut tau, mut workspace) = (Series::zeros(results.q.len(), 2), Workspace::new(&model));
+    for k in 0..results.q.len() {
+        let state = State::new(results.q.sample(k), results.dq.sample(k));
+        let ddq = results.ddq.sample(k);
+        model.inverse_dynamics(&parameters, state, ddq, Sign::Exact, &mut workspace, tau.sample_mut(k));
+    }
+    tau
+}
+
+/// The torques are those of an arm whose last link has the point mass in its own parameters, the limits hold with it and without
+/// it, and the intervals are those of a record without it: what is known is taken off.
+#[test]
+fn a_payload_is_in_the_torques_and_not_in_the_intervals() {
+    let design = parse(&with_payload()).unwrap();
+    let results = design.run(2, &mut |_| {}).unwrap();
+    assert_within_limits(&results);
+    let mut text = std::fs::read_to_string(project("robots/two_joint.toml")).unwrap();
+    for (own, loaded) in [
+        ("m2 = 2", "m2 = 3.5"),
+        ("mx2 = 0.3", "mx2 = 0.75"),
+        ("yy2 = 0.07", "yy2 = 0.205"),
+        ("zz2 = 0.07", "zz2 = 0.205"),
+    ] {
+        assert!(text.contains(own), "{own}");
+        text = text.replace(own, loaded);
+    }
+    let loaded = torques(&Robot::parse(&text, Path::new("loaded.toml")).unwrap(), &results);
+    let far = loaded.values().iter().zip(results.torque.values()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(far < 1e-9, "{far}");
+    let unloaded = torques(&design.robot, &results);
+    let most = |tau: &Series, joint| tau.channel(joint).into_iter().map(f64::abs).fold(0.0, f64::max);
+    for (joint, limit) in [(0, 60.0), (1, 25.0)] {
+        assert!(most(&unloaded, joint) < limit && most(&loaded, joint) < limit);
+        assert!((most(&loaded, joint) - most(&unloaded, joint)).abs() > 1.0);
+    }
+    let settings = Settings { payloads: Vec::new(), ..design.settings.clone() };
+    let record = ExpectedRecord {
+        robot: &design.robot,
+        settings: &settings,
+        sample_rate_hz: 500.0,
+        q: &results.q,
+        tau: &unloaded,
+        torque_noise: &[0.1, 0.1],
+        torque_spectrum: None,
+        position_noise: &[0.0, 0.0],
+    };
+    let without = record.promise(Path::new("design.toml"), 1, 2).unwrap();
+    for (with, half) in results.promised.iter().zip(&without.half_width_95) {
+        assert!((with.half_width_95 / half - 1.0).abs() < 0.02, "{}: {} {half}", with.name, with.half_width_95);
+    }
+    let text = thetahat::report::design_text(&results, thetahat::report::TextWidth::DEFAULT);
+    let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(words.contains("Payload disc of 1.500 kg: limits hold with it and without it."), "{text}");
+}
+
+/// The gains of drives from many pairs of records, one with the payload and one without, scatter as it was promised.
+#[test]
+fn gains_are_promised_as_pairs_of_records_tell_them() {
+    let design = parse(&with_payload()).unwrap();
+    let results = design.run(2, &mut |_| {}).unwrap();
+    let unloaded = torques(&design.robot, &results);
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let mut noisy = |tau: &Series| {
+        let noise = (0..tau.values().len()).map(|_| 0.1 * Distribution::<f64>::sample(&StandardNormal, &mut rng));
+        Series::from_values(2, tau.values().iter().zip(noise).map(|(t, e)| t + e).collect())
+    };
+    let pairs = 40;
+    let gains: Vec<Vec<f64>> = (0..pairs)
+        .map(|_| {
+            let record = |tau: Series| Recording::new(500.0, results.q.clone(), tau);
+            let carried = Recording { payload: Some("disc".to_owned()), ..record(noisy(&results.torque)) };
+            let recordings = vec![record(noisy(&unloaded)), carried];
+            let found = Identification::new(&design.robot, recordings, design.settings.clone()).unwrap().run().unwrap();
+            found.drive_gains.iter().map(|gain| gain.factor.unwrap()).collect()
+        })
+        .collect();
+    let promised = &results.payload.as_ref().unwrap().gains;
+    assert_eq!(promised.iter().map(|g| g.joint.as_str()).collect::<Vec<_>>(), ["shoulder", "elbow"]);
+    for (joint, promised) in promised.iter().enumerate() {
+        let mean = gains.iter().map(|g| g[joint]).sum::<f64>() / f64::from(pairs);
+        let square = gains.iter().map(|g| (g[joint] - mean).powi(2)).sum::<f64>() / f64::from(pairs - 1);
+        let found = 100.0 * 1.96 * square.sqrt();
+        let half = promised.half_width_percent.unwrap();
+        println!("{}: promised {half:.3} %, found {found:.3} %, mean {mean:.5}", promised.joint);
+        assert!((found / half - 1.0).abs() < 0.35 && (mean - 1.0).abs() < 0.01 * half, "{half} {found} {mean}");
+    }
+}
+
+/// The whole way with a payload: the twin carries it, and the experiment takes it off.
+#[test]
+fn a_rehearsal_carries_the_payload() {
+    let folder = Folder::new();
+    let (design, results, rehearsal) = rehearsal(&folder, &with_payload());
+    let out = folder.path().join("out");
+    thetahat::report::write_record(&rehearsal.record_twin().unwrap(), &out.join("recording.csv")).unwrap();
+    let experiment = Experiment::read(&out.join("experiment.toml"), Path::new("")).unwrap();
+    let found = experiment.run(&out, &mut |_| {}).unwrap();
+    let run = found.runs.iter().find(|run| run.method.name() == results.method).unwrap();
+    let holds = |p: &&PromisedParameter| {
+        let [low, high] = run.parameter(&p.name).unwrap().interval_95.unwrap();
+        (low..=high).contains(&p.a_priori)
+    };
+    let kept = results.promised.iter().filter(holds).count();
+    assert!(kept + 2 >= results.promised.len(), "{kept} of {}", results.promised.len());
+    assert!(run.parameter("mx2").is_some_and(|p| (p.estimate - 0.3).abs() < 0.05), "the payload is taken off");
+    assert_eq!(design.settings.payloads.len(), 1);
+}
+
+#[test]
+fn payloads_that_cannot_be_carried_are_refused() {
+    let key = |from: &str, to: &str| {
+        let text = with_payload();
+        assert!(text.contains(from), "{from}");
+        key_of(*parse(&text.replace(from, to)).unwrap_err())
+    };
+    assert_eq!(key("mass_kg = 1.5\ncentre_m = [0.3, 0, 0]\n", ""), "[[payload]] disc: mass_kg");
+    assert_eq!(key("joint = 'elbow'", "joint = 'hand'"), "[[payload]] disc: joint");
+    assert_eq!(key("[[payload]]", &format!("{}[[payload]]", PAYLOAD.replace("disc", "other"))), "[[payload]]");
+    assert_eq!(
+        key("[[payload]]", "[estimation]\nmethods = ['idim-ls', 'idim-iv']\n[[payload]]"),
+        "[estimation] methods"
+    );
+}
+
+/// Torques hold for robots that are 30 % heavier here or there: those of the expected one stay as much smaller.
+#[test]
+fn torques_hold_for_robots_that_are_drawn() {
+    let text = DESIGN.replace("torque = [60, 25]", "torque = [22, 6]");
+    let most = |results: &DesignResults, joint| {
+        let uses = results.limits.iter().find(|l| l.coordinate == joint && l.quantity == Limited::Torque).unwrap();
+        let own = results.torque.channel(joint).into_iter().map(f64::abs).fold(0.0, f64::max);
+        (own, uses.reached[1].max(-uses.reached[0]))
+    };
+    let alone = parse(&text).unwrap().run(2, &mut |_| {}).unwrap();
+    let uncertain = text.replace("[noise]", "[uncertainty]\ndraws = 12\npercent = 30\n[noise]");
+    let drawn = parse(&uncertain).unwrap().run(2, &mut |_| {}).unwrap();
+    for (joint, limit) in [(0, 22.0), (1, 6.0)] {
+        let ((own, reached), (own_alone, reached_alone)) = (most(&drawn, joint), most(&alone, joint));
+        println!("joint {joint}: {own:.3} of {reached:.3} N m, {own_alone:.3} without draws");
+        assert!(reached <= limit && (reached_alone - own_alone).abs() < 0.02 * limit);
+        // No parameter is more than 30 % larger, so that no torque is.
+        assert!(own < 0.9 * reached && reached <= 1.3 * own * 1.02, "{own} {reached}");
+    }
+    assert!(drawn.starts[0].found > alone.starts[0].found + 0.5, "room that is kept costs information");
+    let text = thetahat::report::design_text(&drawn, thetahat::report::TextWidth::DEFAULT);
+    assert!(text.contains("12 robots"), "{text}");
+    assert_eq!(key("[noise]", "[uncertainty]\ndraws = 12\n[noise]"), "[uncertainty] draws");
+    assert_eq!(key("[noise]", "[uncertainty]\ndraws = 2\npercent = 100\n[noise]"), "[uncertainty] percent");
+    assert_eq!(key("[noise]", "[uncertainty]\ndraws = 101\npercent = 5\n[noise]"), "[uncertainty] draws");
+}
+
+/// An experiment is identified, and its intervals stand beside those that are promised as those of its results do.
+#[test]
+fn an_experiment_at_hand_is_compared_with() {
+    let folder = Folder::new();
+    let (design, _, experiment) = rehearsal(&folder, &with_controller());
+    let results = experiment.run(Path::new(""), &mut |_| {}).unwrap();
+    folder.write("results.json", results.to_json().unwrap());
+    let with = |file: &str| {
+        let text = with_controller().replace("[motion]", &format!("compare = '{file}'\n[motion]"));
+        Design::parse(&text, &design.path).unwrap()
+    };
+    let of_results = with("results.json").run(2, &mut |_| {}).unwrap();
+    let of_experiment = with("out/rehearsal.toml");
+    assert!(of_experiment.input_files().iter().any(|file| file.ends_with("out/trajectory.csv")));
+    let of_experiment = of_experiment.run(2, &mut |_| {}).unwrap();
+    assert_eq!(of_experiment.compared, of_results.compared);
+    for (a, b) in of_experiment.promised.iter().zip(&of_results.promised) {
+        assert!(a.compared.is_some() && a.times_smaller() == b.times_smaller(), "{}", a.name);
+    }
+    let out = folder.path().join("page");
+    thetahat::report::write_design(&of_experiment, &out).unwrap();
+    let page = std::fs::read_to_string(out.join("design.html")).unwrap();
+    assert!(page.contains("promised interval") && page.contains("of two joints"), "the legend of both");
+    let error = with("nowhere.toml").run(1, &mut |_| {}).unwrap_err();
+    assert!(matches!(&error, DesignError::Experiment(_)) && error.to_string().contains("nowhere.toml"), "{error}");
+}
+
+/// Behind the moves each joint sweeps there and back, alone, at velocities of a geometric row that it keeps; friction is told better
+/// than by moves alone of the same duration.
+#[test]
+fn sweeps_keep_their_velocities() {
+    let kind = "kind = 'moves'\nmoves = 6\nstart = [0, 20]";
+    let text = |more: &str| {
+        DESIGN.replace("harmonics = 3", &format!("{kind}{more}")).replace("duration_s = 4", "duration_s = 16")
+    };
+    let design = parse(&text("\nsweeps = 3\nsweep_s = 0.8\nrest_s = 0.02")).unwrap();
+    let results = design.run(2, &mut |_| {}).unwrap();
+    assert_within_limits(&results);
+    let moves = results.moves.as_ref().unwrap();
+    assert_eq!(moves.moves().len(), 6 + 2 * 2 * 3);
+    let sweeps = &moves.moves()[6..];
+    let speed_of = |number: usize| {
+        let joint = number / 6;
+        let (from, to) = (&moves.moves()[5 + number].end, &sweeps[number].end);
+        assert_eq!(from[1 - joint], to[1 - joint], "the other joint rests");
+        (to[joint] - from[joint]) / sweeps[number].law.t1_s
+    };
+    for joint in 0..2 {
+        let speeds: Vec<f64> = (0..6).map(|i| speed_of(6 * joint + i)).collect();
+        assert!(speeds.chunks(2).all(|pair| (pair[0] + pair[1]).abs() < 1e-12), "there and back: {speeds:?}");
+        let row = [speeds[2] / speeds[0], speeds[4] / speeds[2]];
+        assert!(row.iter().all(|ratio| (ratio - 20f64.sqrt()).abs() < 1e-9), "{speeds:?}");
+        // In the samples too: half of the way or more is at this velocity.
+        let law = sweeps[6 * joint + 4].law;
+        let [first, last] = [law.start_s + law.t2_s + law.t3_s, law.start_s + law.t1_s].map(|t| (500.0 * t) as usize);
+        assert!(last > first + 50);
+        for k in first + 1..last {
+            assert!((results.dq.sample(k)[joint] - speeds[4]).abs() < 1e-9 && results.dq.sample(k)[1 - joint] == 0.0);
+        }
+    }
+    let last = results.q.len() - 1;
+    assert!(results.q.sample(last).iter().zip([0.0, 20f64.to_radians()]).all(|(a, b)| (a - b).abs() < 1e-9));
+    assert_eq!(design.run(1, &mut |_| {}).unwrap().q, results.q);
+    // The criterion counts the sweeps as the record will: all samples at which a joint moves.
+    let model = Model::new(&design.robot);
+    let base = BaseParameters::of(&model, &[]).unwrap();
+    let rows_of = |joint: usize| {
+        let kept: Vec<usize> = (0..results.q.len()).filter(|&k| results.dq.sample(k)[joint] != 0.0).collect();
+        let pick = |s: &Series| Series::from_values(2, kept.iter().flat_map(|&k| s.sample(k).to_vec()).collect());
+        let [q, dq, ddq] = [&results.q, &results.dq, &results.ddq].map(pick);
+        let noise = if joint == 0 { [0.1, f64::INFINITY] } else { [f64::INFINITY, 0.1] };
+        Information::new(&model, &base.columns(), &noise).of([&q, &dq, &ddq], 1.0, Sign::Exact)
+    };
+    let value = Criterion::D.value(&rows_of(0).plus(&rows_of(1), 1.0)).unwrap();
+    println!("criterion {} of the search, {value} of the samples", results.starts[0].found);
+    assert!((value - results.starts[0].found).abs() < 0.2, "{value} {}", results.starts[0].found);
+    let folder = Folder::new();
+    thetahat::report::write_design(&results, folder.path()).unwrap();
+    let page = std::fs::read_to_string(folder.path().join("design.html")).unwrap();
+    assert!(results.sweeps == 12 && page.contains("6 moves and 12 sweeps"));
+}
+
+#[test]
+fn sweeps_that_cannot_be_made_are_refused() {
+    let moves = |more: &str| format!("kind = 'moves'\nmoves = 6\nstart = [0, 20]\n{more}");
+    assert_eq!(key("harmonics = 3", "harmonics = 3\nsweeps = 2"), "[motion] sweeps");
+    assert_eq!(key("harmonics = 3", &moves("sweeps = 21")), "[motion] sweeps");
+    assert_eq!(key("harmonics = 3", &moves("sweep_s = 1")), "[motion] sweeps");
+    assert_eq!(key("harmonics = 3", &moves("sweeps = 2").replace("start = [0, 20]", "")), "[motion] start");
+    assert_eq!(key("harmonics = 3", &moves("sweeps = 2\nsweep_slowest = 0")), "[motion] sweep_slowest");
+    assert_eq!(key("harmonics = 3", &moves("sweeps = 2\nsweep_s = 0")), "[motion] sweep_s");
+    assert_eq!(key("harmonics = 3", &moves("sweeps = 4")), "duration_s");
 }

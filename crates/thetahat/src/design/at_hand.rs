@@ -1,5 +1,7 @@
 //! What the user has already: reductions as known before, results to compare with, and their residual as noise.
 
+use std::path::{Path, PathBuf};
+
 use super::{
     description::Design,
     error::DesignError,
@@ -8,10 +10,16 @@ use super::{
 };
 use crate::{
     base_parameters::BaseParameters,
+    experiment::{Experiment, ExperimentError},
     linear_algebra::Matrix,
     reduction::Reduction,
     results::{JointResidual, ParameterResult, Results, RunResult},
 };
+
+/// The folder of a file, in which an experiment's recordings are.
+fn folder_of(file: &Path) -> &Path {
+    file.parent().unwrap_or(Path::new(""))
+}
 
 /// Estimates to compare with.
 pub(super) struct Compared {
@@ -43,10 +51,31 @@ impl Design {
         Ok(problem.criterion.value(&again))
     }
 
-    /// The results to compare with, of the method that they advise to take.
-    pub(super) fn compared(&self) -> Result<Option<Compared>, DesignError> {
+    /// The experiment to compare with, where it is one.
+    fn compared_experiment(&self) -> Option<Result<Experiment, ExperimentError>> {
+        let file = self.compared_file().filter(|file| file.extension().is_some_and(|e| e == "toml"))?;
+        Some(Experiment::read(&file, folder_of(&file)))
+    }
+
+    /// The files of what is compared with.
+    pub(super) fn compared_files(&self) -> Vec<PathBuf> {
+        let file = self.compared_file();
+        let read = self.compared_experiment().and_then(Result::ok);
+        let of_experiment = read.iter().flat_map(|e| e.input_files(folder_of(&e.path)));
+        file.into_iter().chain(of_experiment).collect()
+    }
+
+    /// The results to compare with, of the method that they advise to take. An experiment is identified for it.
+    pub(super) fn compared(
+        &self,
+        threads: usize,
+        progress: &mut dyn FnMut(&str),
+    ) -> Result<Option<Compared>, DesignError> {
         let Some(file) = self.compared_file() else { return Ok(None) };
-        let results = Results::read(&file)?;
+        let results = match self.compared_experiment().transpose()? {
+            Some(experiment) => experiment.run_on_threads(folder_of(&experiment.path), threads, progress)?,
+            None => Results::read(&file)?,
+        };
         let taken = |run: &&RunResult| results.advice.iter().any(|a| a.case == run.case && a.take == Some(run.method));
         let of = |run: &&RunResult| !run.parameters.is_empty();
         let run = results.runs.iter().filter(of).find(taken).or_else(|| results.runs.iter().find(of));

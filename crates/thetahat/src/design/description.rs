@@ -8,14 +8,14 @@ use serde::Deserialize;
 use super::{
     error::DesignError,
     noise::TorqueNoise,
-    options::{LimitOptions, MotionOptions, NoiseOptions, Wanted},
+    options::{LimitOptions, MotionOptions, NoiseOptions, UncertaintyOptions, Wanted},
     surroundings_options::CollisionOptions,
 };
 use crate::{
     control::ControllerDescription,
     files,
     preparation::{
-        EstimationOptions, ParameterSelection, PreparationError, Settings, SignalOptions, SimulationOptions,
+        EstimationOptions, ParameterSelection, Payload, PreparationError, Settings, SignalOptions, SimulationOptions,
     },
     robot::{Locks, Robot, RobotSource},
 };
@@ -47,6 +47,12 @@ pub struct DesignFile {
     pub limits: LimitOptions,
     /// The noise of the record.
     pub noise: NoiseOptions,
+    /// How far the robot may be from its a-priori parameters.
+    #[serde(default)]
+    pub uncertainty: UncertaintyOptions,
+    /// The payload that the robot carries, as in an experiment file: one that is known, or none.
+    #[serde(default)]
+    pub payload: Vec<Payload>,
     /// The robot's shape and what stands around it.
     pub collision: Option<CollisionOptions>,
     /// How the record will be filtered.
@@ -65,7 +71,7 @@ pub struct DesignFile {
     /// Reductions of recordings at hand: what they tell need not be told again.
     #[serde(default)]
     pub prior: Vec<PathBuf>,
-    /// Results of an identification, whose intervals stand beside those that are promised.
+    /// Results of an identification, or an experiment file with recordings, whose intervals stand beside those that are promised.
     pub compare: Option<PathBuf>,
 }
 
@@ -130,7 +136,7 @@ impl Design {
         [self.path.clone(), self.robot_path.clone()]
             .into_iter()
             .chain(self.prior_files())
-            .chain(self.compared_file())
+            .chain(self.compared_files())
             .chain(self.noise_file())
             .collect()
     }
@@ -183,6 +189,6 @@ fn settings(file: &DesignFile) -> Settings {
         controller: file.controller.clone(),
         simulation: file.simulation,
         cases: Vec::new(),
-        payloads: Vec::new(),
+        payloads: file.payload.clone(),
     }
 }

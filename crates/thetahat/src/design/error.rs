@@ -1,8 +1,9 @@
 use std::path::PathBuf;
 
 use crate::{
-    base_parameters::BaseParametersError, identification::EstimationError, preparation::PreparationError,
-    reduction::ReductionError, results::ResultsError, robot::RobotError, simulation::SimulationError,
+    base_parameters::BaseParametersError, experiment::ExperimentError, identification::EstimationError,
+    preparation::PreparationError, reduction::ReductionError, results::ResultsError, robot::RobotError,
+    simulation::SimulationError,
 };
 
 /// Why no motion is designed.
@@ -184,6 +185,9 @@ pub enum DesignError {
         /// The results.
         file: PathBuf,
     },
+    /// The experiment to compare with cannot be identified.
+    #[error(transparent)]
+    Experiment(#[from] ExperimentError),
     /// Results cannot be read.
     #[error(transparent)]
     Results(#[from] ResultsError),

@@ -1,27 +1,31 @@
 //! The experiment file that follows a design.
 
-use super::description::Design;
-use crate::results::{ExperimentText, JointResult};
+use super::{description::Design, error::DesignError};
+use crate::{
+    base_parameters::BaseParameters,
+    dynamics::Model,
+    results::{ExperimentText, JointResult},
+};
 
 /// Files of a design and its record, beside one another.
 const TRAJECTORY: &str = "trajectory.csv";
 const RECORDING: &str = "recording.csv";
 
 /// Tables of a design file that an experiment file has as well.
-const SETTINGS: [&str; 6] = ["signal", "parameters", "estimation", "controller", "simulation", "locked"];
+const SETTINGS: [&str; 7] = ["signal", "parameters", "estimation", "controller", "simulation", "locked", "payload"];
 
 /// The loop of a rehearsal whose design has none: as it is simulated where none is described.
 const USUAL_CONTROLLER: &str = "\n# The design has no controller: this one stands for the robot's.\n[controller]\nlaw = \"pd\"\n\
     bandwidth_hz = [10]\ndamping = 1.0\nvelocity_feed_forward = 1.0\nacceleration_feed_forward = 1.0\n";
 
-pub(super) fn experiment_text(design: &Design) -> ExperimentText {
-    ExperimentText {
+pub(super) fn experiment_text(design: &Design, model: &Model) -> Result<ExperimentText, DesignError> {
+    Ok(ExperimentText {
         robot: design.robot_path.clone(),
         title: design.file.title.clone(),
         recording: recording(design),
-        twin: twin(design),
+        twin: twin(design) + &loaded_parameters(design, model)?,
         settings: settings(design),
-    }
+    })
 }
 
 /// A source of one signal of the joints.
@@ -37,9 +41,24 @@ fn recording(design: &Design) -> String {
     let reference = source(design, TRAJECTORY, "q", |joint| joint.position_unit);
     format!(
         "# The record of the motion: put in its file, columns and units where they are others.\n[recording]\n\
-         sample_rate_hz = {}\nposition = {position}\ntorque = {torque}\nreference = {reference}\n",
-        design.file.sample_rate_hz
+         sample_rate_hz = {}\nposition = {position}\ntorque = {torque}\nreference = {reference}\n{}",
+        design.file.sample_rate_hz,
+        design
+            .payload()
+            .map_or_else(String::new, |payload| format!("payload = {}\n", toml::Value::from(payload.name.clone())))
     )
+}
+
+/// The twin's base parameters with its payload: no twin carries one otherwise.
+fn loaded_parameters(design: &Design, model: &Model) -> Result<String, DesignError> {
+    if design.payload().is_none() {
+        return Ok(String::new());
+    }
+    let base = BaseParameters::of(model, &design.settings.parameters.exclude)
+        .map_err(|source| DesignError::BaseParameters { path: design.path.clone(), source })?;
+    let loaded = base.from_standard(&design.expected_robot(model)?);
+    let values = base.parameters().iter().zip(loaded).map(|(p, value)| (p.name.clone(), toml::Value::from(value)));
+    Ok(format!("\n# The robot with its payload.\n[twin.parameters]\n{}", values.collect::<toml::Table>()))
 }
 
 /// The robot that moves with its a-priori parameters, recorded with the noise of the design; where the design has no
@@ -59,8 +78,8 @@ fn twin(design: &Design) -> String {
     )
 }
 
-/// The tables of the settings as they stand in the design; without methods the promised one, and IV to compare it with: no
-/// verdict takes numbers that nothing is compared with.
+/// The tables of the settings as they stand in the design; without methods the promised one, and one to compare it with, IV
+/// where no payload is carried: no verdict takes numbers that nothing is compared with.
 fn settings(design: &Design) -> String {
     let mut tables = toml::Table::new();
     for name in SETTINGS {
@@ -69,7 +88,8 @@ fn settings(design: &Design) -> String {
         }
     }
     if !tables.contains_key("estimation") {
-        let methods = toml::Value::from(vec!["idim-wls", "idim-iv"]);
+        let other = if design.payload().is_some() { "idim-ls" } else { "idim-iv" };
+        let methods = toml::Value::from(vec!["idim-wls", other]);
         tables.insert(
             "estimation".to_owned(),
             toml::Value::Table([("methods".to_owned(), methods)].into_iter().collect()),

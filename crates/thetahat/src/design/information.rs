@@ -7,7 +7,7 @@ use crate::{
 
 use super::criterion::Criterion;
 
-/// The information of motions on parameters: `M = M_0 + s sum_k Phi_k^T diag(1 / sd^2) Phi_k`.
+/// The information of motions on parameters: `M = M_0 + s sum_k Phi_k^T diag(1 / sd^2) Phi_k`, with that of sweeps.
 #[derive(Debug, Clone)]
 pub struct Information {
     model: Model,
@@ -16,6 +16,8 @@ pub struct Information {
     weights: Vec<f64>,
     /// M_0: what is known before.
     prior: Option<Matrix>,
+    /// What the part of the motion that is not searched tells.
+    sweeps: Option<Matrix>,
 }
 
 /// The criterion of a motion.
@@ -38,6 +40,7 @@ impl Information {
             model: model.clone(),
             weights: noise.iter().map(|sd| 1.0 / sd).collect(),
             prior: None,
+            sweeps: None,
         }
     }
 
@@ -45,6 +48,12 @@ impl Information {
     #[must_use]
     pub fn with_prior(self, prior: Option<Matrix>) -> Self {
         Self { prior, ..self }
+    }
+
+    /// The same with sweeps that are part of every motion.
+    #[must_use]
+    pub fn with_sweeps(self, sweeps: Option<Matrix>) -> Self {
+        Self { sweeps, ..self }
     }
 
     /// Number of parameters.
@@ -85,10 +94,8 @@ impl Information {
 
     fn sum(&self, rows: &Matrix) -> Matrix {
         let own = rows.times_transposed(rows);
-        match &self.prior {
-            Some(prior) => prior.plus(&own, 1.0),
-            None => own,
-        }
+        let known = self.prior.iter().chain(&self.sweeps);
+        known.fold(own, |sum, known| sum.plus(known, 1.0))
     }
 
     /// The criterion of a motion with its derivatives by q, dq and ddq and by the shares; none where the motion does not show

@@ -6,30 +6,43 @@ use crate::{
     series::Series,
 };
 
-/// The limits of torque and power along a motion, with the robot's a-priori parameters.
+/// The limits of torque and power along a motion, which hold for every robot that it may be.
 #[derive(Debug, Clone)]
 pub(super) struct Loads {
     model: Model,
+    /// The first is the robot that is expected.
+    robots: Vec<LoadedRobot>,
+    limits: Vec<JointLimits>,
+}
+
+/// A robot by its standard parameters.
+#[derive(Debug, Clone)]
+struct LoadedRobot {
     parameters: DynamicParameters,
     /// Of the parameters that are not zero.
     regressor: Regressor,
     theta: Vec<f64>,
-    limits: Vec<JointLimits>,
+}
+
+impl LoadedRobot {
+    fn new(model: &Model, theta: &[f64]) -> Self {
+        let columns: Vec<usize> = (0..theta.len()).filter(|&i| theta[i] != 0.0).collect();
+        Self {
+            parameters: DynamicParameters::new(model, theta),
+            regressor: Regressor::new(model, &columns),
+            theta: columns.iter().map(|&c| theta[c]).collect(),
+        }
+    }
 }
 
 /// A torque or power is watched where it comes nearer to its limit than this part of it.
 const NEAR: f64 = 0.3;
 
 impl Loads {
-    pub(super) fn new(model: &Model, theta: &[f64], limits: Vec<JointLimits>) -> Self {
-        let columns: Vec<usize> = (0..theta.len()).filter(|&i| theta[i] != 0.0).collect();
-        Self {
-            parameters: DynamicParameters::new(model, theta),
-            regressor: Regressor::new(model, &columns),
-            theta: columns.iter().map(|&c| theta[c]).collect(),
-            model: model.clone(),
-            limits,
-        }
+    /// Of robots by their standard parameters, the one that is expected first.
+    pub(super) fn new(model: &Model, robots: &[Vec<f64>], limits: Vec<JointLimits>) -> Self {
+        let robots = robots.iter().map(|theta| LoadedRobot::new(model, theta)).collect();
+        Self { model: model.clone(), robots, limits }
     }
 
     /// Makes every limit smaller by a part.
@@ -37,14 +50,18 @@ impl Loads {
         self.limits = self.limits.iter().map(|limits| limits.less(part)).collect();
     }
 
-    /// The torques of a motion.
-    pub(super) fn torques(&self, [q, dq, ddq]: [&Series; 3], sign: Sign) -> Series {
+    /// The torques of a motion by each robot, the one that is expected first.
+    pub(super) fn torques(&self, motion: &Derivatives, sign: Sign) -> Vec<Series> {
+        self.robots.iter().map(|robot| self.torques_of(robot, motion, sign)).collect()
+    }
+
+    fn torques_of(&self, robot: &LoadedRobot, [q, dq, ddq, _]: &Derivatives, sign: Sign) -> Series {
         let mut tau = Series::zeros(q.len(), q.channels());
         let mut workspace = Workspace::new(&self.model);
         for k in 0..q.len() {
             let state = State::new(q.sample(k), dq.sample(k));
             let torque = tau.sample_mut(k);
-            self.model.inverse_dynamics(&self.parameters, state, ddq.sample(k), sign, &mut workspace, torque);
+            self.model.inverse_dynamics(&robot.parameters, state, ddq.sample(k), sign, &mut workspace, torque);
         }
         tau
     }
@@ -69,15 +86,15 @@ impl Loads {
         })
     }
 
-    /// The torques of a motion that is looked at; none where no load is limited.
-    pub(super) fn limited_torques(&self, motion: &Derivatives, sign: Sign) -> Option<Series> {
+    /// The torques of a motion that is looked at, robot by robot; none where no load is limited.
+    pub(super) fn limited_torques(&self, motion: &Derivatives, sign: Sign) -> Vec<Series> {
         let is_limited = self.limits.iter().any(JointLimits::has_dynamic);
-        is_limited.then(|| self.torques([&motion[0], &motion[1], &motion[2]], sign))
+        if is_limited { self.torques(motion, sign) } else { Vec::new() }
     }
 
     /// The largest use of a limit by a motion with its torques: above one it is violated.
-    pub(super) fn use_of(&self, motion: &Derivatives, tau: &Series) -> f64 {
-        self.uses(motion, tau).map(|u| u.part.abs()).fold(0.0, f64::max)
+    pub(super) fn use_of(&self, motion: &Derivatives, torques: &[Series]) -> f64 {
+        torques.iter().flat_map(|tau| self.uses(motion, tau)).map(|u| u.part.abs()).fold(0.0, f64::max)
     }
 
     /// The rows of a step from a motion with its torques, linearised at the extremes that are near a limit.
@@ -85,11 +102,22 @@ impl Loads {
         &self,
         motions: &Motions,
         x: &[f64],
+        (motion, torques): (&Derivatives, &[Series]),
+        sign: Sign,
+    ) -> Vec<Row> {
+        let of_robots = self.robots.iter().zip(torques);
+        of_robots.flat_map(|(robot, tau)| self.rows_of(robot, (motions, x), (motion, tau), sign)).collect()
+    }
+
+    fn rows_of(
+        &self,
+        robot: &LoadedRobot,
+        (motions, x): (&Motions, &[f64]),
         (motion, tau): (&Derivatives, &Series),
         sign: Sign,
     ) -> Vec<Row> {
         let near = self.near(motion, tau);
-        let [by_q, by_dq, by_ddq] = self.torque_slopes(motion, &near, sign);
+        let [by_q, by_dq, by_ddq] = self.torque_slopes(robot, motion, &near, sign);
         let row = |(k, of): (usize, &Use)| {
             let mut slopes = [&by_q, &by_dq, &by_ddq].map(|series| series.window(k..k + 1));
             if of.limited == Limited::Power {
@@ -116,18 +144,18 @@ impl Loads {
     }
 
     /// The derivatives, by q, dq and ddq, of the torque of each use's joint at its instant: one sample for each use.
-    fn torque_slopes(&self, motion: &Derivatives, uses: &[Use], sign: Sign) -> [Series; 3] {
+    fn torque_slopes(&self, robot: &LoadedRobot, motion: &Derivatives, uses: &[Use], sign: Sign) -> [Series; 3] {
         let joints = self.model.coordinate_count();
         let there = [0, 1, 2].map(|order: usize| {
             let values = uses.iter().flat_map(|of| motion[order].sample(of.instant)).copied().collect();
             Series::from_values(joints, values)
         });
-        let size = self.theta.len();
+        let size = robot.theta.len();
         let mut weights = vec![0.0; uses.len() * joints * size];
         for (of, weights) in uses.iter().zip(weights.chunks_exact_mut((joints * size).max(1))) {
-            weights[of.joint * size..(of.joint + 1) * size].copy_from_slice(&self.theta);
+            weights[of.joint * size..(of.joint + 1) * size].copy_from_slice(&robot.theta);
         }
-        self.regressor.weighted_slopes(&self.model, there.each_ref(), &weights, sign)
+        robot.regressor.weighted_slopes(&self.model, there.each_ref(), &weights, sign)
     }
 }
 
@@ -145,7 +173,7 @@ struct Use {
 mod tests {
     use super::*;
     use crate::{
-        design::{fourier::FourierBasis, sums::Sums},
+        design::{basis::Basis, sums::Sums},
         robot::{JointKind, Robot},
     };
 
@@ -174,23 +202,31 @@ mod tests {
     fn rows_are_those_of_finite_differences() {
         let robot = robot();
         let model = Model::new(&robot);
-        let loads = Loads::new(&model, &robot.a_priori_parameters(), vec![limits("shoulder"), limits("elbow")]);
-        let family = Sums::new(FourierBasis::new(4.0, 3), vec![0.2, -0.1], true, &[[1.5, 4.0, 25.0]; 2]);
+        let expected = robot.a_priori_parameters();
+        let heavy: Vec<f64> = expected.iter().map(|v| 1.2 * v).collect();
+        let loads = Loads::new(&model, &[expected, heavy], vec![limits("shoulder"), limits("elbow")]);
+        let family = Sums::new(Basis::fourier(4.0, 3), vec![0.2, -0.1], true, &[[1.5, 4.0, 25.0]; 2]);
         let time: Vec<f64> = (0..90).map(|k| 4.0 * (f64::from(k) + 0.5) / 90.0).collect();
         let motions = Motions::Sums { sampled: family.sampled(&time), family };
         let (sign, h) = (Sign::Smooth { scale: 0.3 }, 1e-6);
         let x: Vec<f64> = (0..14).map(|i| 0.6 * (1.9 * f64::from(i)).sin()).collect();
         let motion = motions.at(&x);
-        let tau = loads.limited_torques(&motion, sign).unwrap();
-        let near = loads.near(&motion, &tau);
-        let rows = loads.rows(&motions, &x, (&motion, &tau), sign);
-        assert!([Limited::Torque, Limited::Power].iter().all(|limited| near.iter().any(|of| of.limited == *limited)));
+        let torques = loads.limited_torques(&motion, sign);
+        let near: Vec<Vec<Use>> = torques.iter().map(|tau| loads.near(&motion, tau)).collect();
+        let rows = loads.rows(&motions, &x, (&motion, &torques), sign);
+        assert!(
+            [Limited::Torque, Limited::Power].iter().all(|limited| near[0].iter().any(|of| of.limited == *limited))
+        );
+        assert!(torques.len() == 2 && near[1].len() > 2 && rows.len() == near[0].len() + near[1].len());
         let parts = |x: &[f64]| -> Vec<f64> {
             let motion = motions.at(x);
-            let tau = loads.limited_torques(&motion, sign).unwrap();
+            let torques = loads.limited_torques(&motion, sign);
             let is_same = |u: &&Use, of: &Use| (u.limited, u.joint, u.instant) == (of.limited, of.joint, of.instant);
-            let uses: Vec<Use> = loads.uses(&motion, &tau).collect();
-            near.iter().map(|of| uses.iter().find(|u| is_same(u, of)).unwrap().part.abs()).collect()
+            let of_robot = |(tau, near): (&Series, &Vec<Use>)| -> Vec<f64> {
+                let uses: Vec<Use> = loads.uses(&motion, tau).collect();
+                near.iter().map(|of| uses.iter().find(|u| is_same(u, of)).unwrap().part.abs()).collect()
+            };
+            torques.iter().zip(&near).flat_map(of_robot).collect()
         };
         for i in 0..x.len() {
             let moved = |by: f64| {
@@ -203,8 +239,7 @@ mod tests {
                 let (found, central) = (row.entries[i], (behind[k] - before[k]) / (2.0 * h));
                 assert!(
                     (found - central).abs() < 1e-7 * central.abs().max(1.0),
-                    "{:?} {i}: {found} {central}",
-                    near[k]
+                    "row {k}, unknown {i}: {found} {central}"
                 );
             }
         }

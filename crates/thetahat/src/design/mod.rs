@@ -15,20 +15,23 @@
 //! | --- | --- |
 //! | `description`, `options`, `validation`, `validation_of_limits`, `validation_of_motion` | a design file, and what is refused of it |
 //! | `limits` | what the joints may do |
-//! | `fourier`, `sums` | motions as sums of functions of time that rest at both ends |
+//! | `fourier`, `splines`, `basis`, `sums` | motions as sums of functions of time that rest at both ends |
 //! | `moves`, `motions` | point-to-point moves; either kind at the instants where it is looked at |
 //! | `criterion`, `information` | the criterion with its derivatives |
 //! | `constraints`, `loads` | limits of positions and their derivatives; limits of torque and power |
 //! | `move_slopes`, `move_draws` | derivatives of moves by their unknowns; where searches of moves begin |
+//! | `sweep`, `move_sweeps`, `sweeps` | sweeps of single joints at constant velocities behind the moves |
 //! | `surroundings_options`, `surroundings`, `clearances` | shapes that must stay apart |
 //! | `quadratic`, `optimiser`, `starts` | the search |
 //! | `verification`, `verified` | the limits at 1 kHz |
 //! | `noise`, `at_hand` | the noise of a record; what earlier recordings tell of it and of the parameters |
-//! | `promise`, `remedies` | what a record will tell; what would show what it leaves unknown |
+//! | `robots` | the robots that it may be, with a payload and without |
+//! | `promise`, `gains`, `remedies` | what a record will tell, and one with a payload beside it; what would show what it leaves unknown |
 //! | `pictures` | what the report draws of the motion |
 //! | `run` | all of it |
 
 mod at_hand;
+mod basis;
 mod clearances;
 mod constraints;
 mod criterion;
@@ -36,12 +39,14 @@ mod description;
 mod error;
 mod experiment_text;
 mod fourier;
+mod gains;
 mod information;
 mod limits;
 mod loads;
 mod motions;
 mod move_draws;
 mod move_slopes;
+mod move_sweeps;
 #[cfg(test)]
 mod move_tests;
 mod moves;
@@ -54,11 +59,15 @@ mod problem;
 mod promise;
 mod quadratic;
 mod remedies;
+mod robots;
 mod run;
+mod splines;
 mod starts;
 mod sums;
 mod surroundings;
 mod surroundings_options;
+mod sweep;
+mod sweeps;
 mod validation;
 mod validation_of_limits;
 mod validation_of_motion;
@@ -69,6 +78,6 @@ pub use criterion::{Criterion, CriterionName};
 pub use description::{Design, DesignFile};
 pub use error::DesignError;
 pub use information::{Information, Judgement};
-pub use options::{LimitOptions, MotionKind, MotionOptions, NoiseOptions, Wanted};
+pub use options::{LimitOptions, MotionKind, MotionOptions, NoiseOptions, UncertaintyOptions, Wanted};
 pub use promise::{Estimated, Expected, ExpectedRecord};
 pub use surroundings_options::{CapsuleOptions, CollisionOptions, ObstacleOptions};

@@ -47,6 +47,14 @@ impl Motions {
         }
     }
 
+    /// The family of moves, where it is such.
+    pub(super) fn move_family(&self) -> Option<&MoveFamily> {
+        match self {
+            Self::Sums { .. } => None,
+            Self::Moves { family, .. } => Some(family),
+        }
+    }
+
     /// The time that each instant stands for, s.
     pub(super) fn seconds(&self, x: &[f64]) -> Vec<f64> {
         match self {

@@ -29,7 +29,7 @@ impl MoveFamily {
     }
 
     /// Widths T1, T2 and T3 of a move within the limits, with `T1 >= T2 + T3`.
-    fn fastest(&self, from: &[f64], to: &[f64]) -> [f64; 3] {
+    pub(super) fn fastest(&self, from: &[f64], to: &[f64]) -> [f64; 3] {
         let least = |limit: fn(&JointLimits) -> Option<f64>| {
             let of = |((limits, from), to): ((&JointLimits, &f64), &f64)| limit(limits).map(|l| (to - from).abs() / l);
             self.limits.iter().zip(from).zip(to).filter_map(of).fold(0.0, f64::max)

@@ -27,6 +27,7 @@ fn families() -> Vec<MoveFamily> {
         duration_s: 4.0,
         smoothing_s: 0.01,
         rest_s: 0.05,
+        sweeps: Vec::new(),
     };
     vec![of(None, None), of(Some(200.0), None), of(Some(200.0), Some(vec![0.3, 0.1]))]
 }

@@ -1,6 +1,6 @@
 //! Rows of point-to-point moves that return to their first posture.
 
-use super::{limits::JointLimits, sums::Derivatives};
+use super::{limits::JointLimits, sums::Derivatives, sweep::Sweep};
 use crate::{
     series::Series,
     trajectory::{Move, Moves, PHASES, TimeLaw},
@@ -19,11 +19,14 @@ pub struct MoveFamily {
     /// The first posture where it is given.
     pub(super) start: Option<Vec<f64>>,
     pub(super) moves: usize,
+    /// Time of the moves.
     pub(super) duration_s: f64,
     /// T3 where the jerk is not limited, and its least value.
     pub(super) smoothing_s: f64,
     /// Rest after each move.
     pub(super) rest_s: f64,
+    /// Sweeps behind the moves, in time of their own.
+    pub(super) sweeps: Vec<Sweep>,
 }
 
 /// A point in a phase of a move.
@@ -122,6 +125,7 @@ impl MoveFamily {
             time_s = law.end_s() + self.rest_s;
             moves.push(Move { law, end: self.point(x, number + 1) });
         }
+        moves.extend(self.swept_from(time_s.max(self.duration_s)));
         Moves::new(self.point(x, 0), moves).ok()
     }
 

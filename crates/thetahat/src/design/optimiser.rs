@@ -62,8 +62,8 @@ struct State {
 /// A motion where limits are looked at.
 struct Watched {
     motion: Derivatives,
-    /// Its torques, where loads are limited.
-    tau: Option<Series>,
+    /// Its torques by every robot that it may be, where loads are limited.
+    torques: Vec<Series>,
     /// The largest use of a limit that may be violated on the way.
     soft_use: f64,
 }
@@ -99,11 +99,11 @@ impl Problem {
     /// where motions are not linear.
     fn look(&self, x: &[f64], sign: Sign) -> Watched {
         let motion = self.watched.at(x);
-        let tau = self.loads.limited_torques(&motion, self.sign_of_loads(sign));
-        let of_loads = tau.as_ref().map_or(0.0, |tau| self.loads.use_of(&motion, tau));
+        let torques = self.loads.limited_torques(&motion, self.sign_of_loads(sign));
+        let of_loads = self.loads.use_of(&motion, &torques);
         let soft_use = of_loads.max(self.clearance_use(&motion));
         let soft_use = if self.watched.is_linear() { soft_use } else { soft_use.max(self.constraints.use_of(&motion)) };
-        Watched { motion, tau, soft_use }
+        Watched { motion, torques, soft_use }
     }
 
     /// The criterion of a motion, and what violated limits cost.
@@ -166,9 +166,8 @@ impl Problem {
 
     /// The step of the quadratic program, within all linear limits.
     fn step(&self, state: &State, hessian: &Matrix, sign: Sign) -> Option<Vec<f64>> {
-        let Watched { motion, tau, .. } = &state.watched;
-        let of_loads = |tau| self.loads.rows(&self.watched, &state.x, (motion, tau), self.sign_of_loads(sign));
-        let mut others = tau.as_ref().map_or_else(Vec::new, of_loads);
+        let Watched { motion, torques, .. } = &state.watched;
+        let mut others = self.loads.rows(&self.watched, &state.x, (motion, torques), self.sign_of_loads(sign));
         others.extend(self.watched.rows(&state.x));
         if let Some(clearances) = &self.clearances {
             others.extend(clearances.rows(&self.watched, &state.x, motion));

@@ -29,16 +29,24 @@ impl Default for Wanted {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct MotionOptions {
-    /// Fourier series or point-to-point moves.
+    /// Fourier series, B-splines or point-to-point moves.
     pub kind: MotionKind,
     /// Harmonics of the Fourier series, 5 without a word.
     pub harmonics: Option<usize>,
+    /// B-splines of each joint, 10 without a word.
+    pub splines: Option<usize>,
     /// Number of the moves, 12 without a word.
     pub moves: Option<usize>,
     /// Time over which the acceleration of a move rises and falls at least, s: 0.002 without a word. A limit of the jerk makes it longer.
     pub smoothing_s: Option<f64>,
     /// Rest after each move, s: none without a word.
     pub rest_s: Option<f64>,
+    /// Velocities at which each joint sweeps there and back behind the moves: none without a word.
+    pub sweeps: Option<usize>,
+    /// The slowest of them as a part of the fastest, 0.05 without a word; those between are a geometric row.
+    pub sweep_slowest: Option<f64>,
+    /// The longest time at constant velocity, s: 1 without a word.
+    pub sweep_s: Option<f64>,
     /// Posture in which the motion starts and ends; none leaves it to the design.
     pub start: Option<Vec<f64>>,
     /// Searches from random motions.
@@ -54,8 +62,22 @@ pub enum MotionKind {
     /// Fourier series of each joint.
     #[default]
     Fourier,
+    /// B-splines of each joint.
+    Splines,
     /// Point-to-point moves, synchronised over the joints.
     Moves,
+}
+
+impl MotionKind {
+    /// Its name, as in a design file.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fourier => "fourier",
+            Self::Splines => "splines",
+            Self::Moves => "moves",
+        }
+    }
 }
 
 impl Default for MotionOptions {
@@ -63,9 +85,13 @@ impl Default for MotionOptions {
         Self {
             kind: MotionKind::Fourier,
             harmonics: None,
+            splines: None,
             moves: None,
             smoothing_s: None,
             rest_s: None,
+            sweeps: None,
+            sweep_slowest: None,
+            sweep_s: None,
             start: None,
             starts: 6,
             seed: 1,
@@ -78,6 +104,10 @@ impl MotionOptions {
         self.harmonics.unwrap_or(5)
     }
 
+    pub(super) fn splines(&self) -> usize {
+        self.splines.unwrap_or(10)
+    }
+
     pub(super) fn moves(&self) -> usize {
         self.moves.unwrap_or(12)
     }
@@ -88,6 +118,18 @@ impl MotionOptions {
 
     pub(super) fn rest_s(&self) -> f64 {
         self.rest_s.unwrap_or(0.0)
+    }
+
+    pub(super) fn sweeps(&self) -> usize {
+        self.sweeps.unwrap_or(0)
+    }
+
+    pub(super) fn sweep_slowest(&self) -> f64 {
+        self.sweep_slowest.unwrap_or(0.05)
+    }
+
+    pub(super) fn sweep_s(&self) -> f64 {
+        self.sweep_s.unwrap_or(1.0)
     }
 }
 
@@ -114,6 +156,22 @@ pub struct LimitOptions {
 impl Default for LimitOptions {
     fn default() -> Self {
         Self { position: None, velocity: None, acceleration: None, jerk: None, torque: None, power: None, margin: 0.02 }
+    }
+}
+
+/// How far the robot may be from its a-priori parameters: the limits of torque and power hold for draws of it.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct UncertaintyOptions {
+    /// Robots that are drawn.
+    pub draws: usize,
+    /// How far each parameter is off, percent.
+    pub percent: f64,
+}
+
+impl Default for UncertaintyOptions {
+    fn default() -> Self {
+        Self { draws: 0, percent: 0.0 }
     }
 }
 

@@ -4,13 +4,14 @@ use super::{
     description::Design,
     error::DesignError,
     experiment_text::experiment_text,
+    options::UncertaintyOptions,
     promise::{Expected, promised_method},
-    run::Chosen,
+    run::{Chosen, Told},
 };
 use crate::{
     base_parameters::{BaseParameter, BaseParameters},
     dynamics::Model,
-    results::{DesignResults, JointResult, PromisedParameter, SearchResult},
+    results::{DesignResults, JointResult, PromisedGain, PromisedParameter, PromisedPayload, SearchResult},
 };
 
 /// Part of a sum's terms below which the sum is rounding, and part of the promised half width below which a value is that of a
@@ -34,14 +35,55 @@ impl Design {
         model: &Model,
         base: &BaseParameters,
         chosen: Chosen,
-        (expected, remedies): (&Expected, &[Option<f64>]),
+        told: Told,
     ) -> Result<DesignResults, DesignError> {
+        let promised = self.promised(model, base, &told);
         let Chosen { motion, torque, uses, starts, moves, collision, repeated } = chosen;
-        let compared = self.compared()?;
-        let a_priori = self.a_priori_of(base, expected);
+        if let Some(file) = self.compared_file().filter(|_| promised.iter().all(|p| p.compared.is_none())) {
+            return Err(DesignError::NothingToCompare { path: self.path.clone(), file });
+        }
+        let [q, dq, ddq, _] = motion;
+        let (skeleton, spectrum) = (self.skeleton(model, &q, collision.as_ref()), self.spectrum(&ddq));
+        let UncertaintyOptions { draws, percent } = self.file.uncertainty;
+        Ok(DesignResults {
+            title: self.file.title.clone(),
+            robot: self.robot.name.clone(),
+            joints: JointResult::of_coordinates(&self.robot),
+            sample_rate_hz: self.file.sample_rate_hz,
+            q,
+            dq,
+            ddq,
+            torque,
+            sweeps: moves.as_ref().map_or(0, |moves| moves.moves().len() - self.file.motion.moves()),
+            moves,
+            skeleton,
+            spectrum,
+            collision,
+            repeated,
+            payload: self.promised_payload(told.gains),
+            uncertainty: (draws > 0).then_some((draws, percent)),
+            compared: told.compared.map(|c| [c.title, c.method]),
+            criterion: self.file.wanted.criterion.name().to_owned(),
+            starts: starts
+                .iter()
+                .map(|s| SearchResult { first: s.first_value, found: s.value, steps: s.steps })
+                .collect(),
+            limits: uses,
+            promised,
+            method: promised_method(&self.settings).name().to_owned(),
+            is_closed_loop: self.settings.controller.is_some(),
+            half_width_percent: self.file.wanted.half_width_percent,
+            experiment: experiment_text(self, model)?,
+        })
+    }
+
+    /// What is promised of each parameter.
+    fn promised(&self, model: &Model, base: &BaseParameters, told: &Told) -> Vec<PromisedParameter> {
+        let Told { expected, remedies, compared, .. } = told;
+        let values = self.a_priori_of(base, expected);
         let wanted = self.file.wanted.half_width_percent;
         let promised = expected.parameters.iter().enumerate().map(|(i, parameter)| {
-            let a_priori = a_priori[i];
+            let a_priori = values[i];
             let half = expected.half_width_95[i];
             let times = (100.0 * half / (wanted * a_priori.abs())).powi(2);
             PromisedParameter {
@@ -57,39 +99,12 @@ impl Design {
                 seconds: (a_priori != 0.0).then_some(self.file.duration_s * times),
             }
         });
-        let promised: Vec<PromisedParameter> = promised.collect();
-        if let Some(file) = self.compared_file().filter(|_| promised.iter().all(|p| p.compared.is_none())) {
-            return Err(DesignError::NothingToCompare { path: self.path.clone(), file });
-        }
-        let [q, dq, ddq, _] = motion;
-        let (skeleton, spectrum) = (self.skeleton(model, &q, collision.as_ref()), self.spectrum(&ddq));
-        Ok(DesignResults {
-            title: self.file.title.clone(),
-            robot: self.robot.name.clone(),
-            joints: JointResult::of_coordinates(&self.robot),
-            sample_rate_hz: self.file.sample_rate_hz,
-            q,
-            dq,
-            ddq,
-            torque,
-            moves,
-            skeleton,
-            spectrum,
-            collision,
-            repeated,
-            compared: compared.map(|c| [c.title, c.method]),
-            criterion: self.file.wanted.criterion.name().to_owned(),
-            starts: starts
-                .iter()
-                .map(|s| SearchResult { first: s.first_value, found: s.value, steps: s.steps })
-                .collect(),
-            limits: uses,
-            promised,
-            method: promised_method(&self.settings).name().to_owned(),
-            is_closed_loop: self.settings.controller.is_some(),
-            half_width_percent: wanted,
-            experiment: experiment_text(self),
-        })
+        promised.collect()
+    }
+
+    fn promised_payload(&self, gains: Vec<PromisedGain>) -> Option<PromisedPayload> {
+        let payload = self.payload()?;
+        Some(PromisedPayload { name: payload.name.clone(), mass_kg: payload.mass_kg?, gains })
     }
 }
 

@@ -4,12 +4,12 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::{
+    basis::Basis,
     clearances::Clearances,
     constraints::Constraints,
     criterion::{Criterion, CriterionName},
     description::Design,
     error::DesignError,
-    fourier::FourierBasis,
     information::Information,
     limits::JointLimits,
     loads::Loads,
@@ -18,6 +18,7 @@ use super::{
     optimiser::Problem,
     options::MotionKind,
     sums::Sums,
+    sweep::Sweep,
 };
 use crate::{
     base_parameters::BaseParameters,
@@ -26,10 +27,10 @@ use crate::{
     series::Series,
 };
 
-/// Instants of the information for each harmonic, and at least as many in all.
+/// Instants of the information for each harmonic or two splines, and at least as many in all.
 const INSTANTS: usize = 30;
 const FEWEST_INSTANTS: usize = 200;
-/// Instants at which limits are looked at, for each harmonic.
+/// Instants at which limits are looked at, likewise.
 const WATCHED: usize = 60;
 /// What is added to the margin of distances in the search, m.
 const BETWEEN: f64 = 0.004;
@@ -47,17 +48,21 @@ impl Design {
         let file = &self.file;
         let kept: Vec<JointLimits> = limits.iter().map(|l| l.less(self.margin())).collect();
         let [summed, watched] = match file.motion.kind {
-            MotionKind::Fourier => self.sums(&kept),
+            MotionKind::Fourier => self.sums(&kept, Basis::fourier(file.duration_s, file.motion.harmonics())),
+            MotionKind::Splines => self.sums(&kept, Basis::splines(file.duration_s, file.motion.splines())),
             MotionKind::Moves => self.moves(&kept),
         };
+        let swept = summed.move_family().and_then(|family| self.swept(model, base, family));
         let noise = &self.noise.deviations;
         Ok(Problem {
             criterion: self.criterion(model, base)?,
-            information: Information::new(model, &base.columns(), noise).with_prior(self.prior(base, noise)?),
+            information: Information::new(model, &base.columns(), noise)
+                .with_prior(self.prior(base, noise)?)
+                .with_sweeps(swept),
             sample_rate_hz: file.sample_rate_hz,
             constraints: Constraints::new(kept.clone(), &watched),
             clearances: self.clearances(model)?,
-            loads: Loads::new(model, &self.robot.a_priori_parameters(), kept),
+            loads: Loads::new(model, &self.possible_robots(model)?, kept),
             summed,
             watched,
         })
@@ -70,14 +75,14 @@ impl Design {
         Ok(Some(Clearances { scene: surroundings.scene, margin: margin + BETWEEN }))
     }
 
-    /// Fourier series where sums are taken, and where limits are looked at.
-    fn sums(&self, kept: &[JointLimits]) -> [Motions; 2] {
-        let (duration_s, harmonics) = (self.file.duration_s, self.file.motion.harmonics());
+    /// Sums of functions where the information is summed, and where limits are looked at.
+    fn sums(&self, kept: &[JointLimits], basis: Basis) -> [Motions; 2] {
+        let (duration_s, harmonics) = (self.file.duration_s, basis.functions().div_ceil(2));
         let reach: Vec<[f64; 3]> =
             kept.iter().map(|l| [0.5 * (l.upper - l.lower), l.velocity, l.acceleration]).collect();
         let start = self.start_posture();
         let centre = start.clone().unwrap_or_else(|| kept.iter().map(JointLimits::middle).collect());
-        let family = Sums::new(FourierBasis::new(duration_s, harmonics), centre, start.is_none(), &reach);
+        let family = Sums::new(basis, centre, start.is_none(), &reach);
         [(INSTANTS * harmonics).max(FEWEST_INSTANTS), WATCHED * harmonics].map(|count| {
             let grid: Vec<f64> = (0..count).map(|k| duration_s * (k as f64 + 0.5) / count as f64).collect();
             Motions::Sums { sampled: family.sampled(&grid), family: family.clone() }
@@ -86,20 +91,23 @@ impl Design {
 
     /// Moves where sums are taken, and where limits are looked at.
     fn moves(&self, kept: &[JointLimits]) -> [Motions; 2] {
-        let family = self.move_family(kept);
+        let family = self.move_family(kept, self.sweeps(kept));
         [family.summed(), family.watched()].map(|points| Motions::Moves { family: family.clone(), points })
     }
 
-    pub(super) fn move_family(&self, kept: &[JointLimits]) -> MoveFamily {
+    /// Moves in the time that sweeps leave them.
+    pub(super) fn move_family(&self, kept: &[JointLimits], sweeps: Vec<Sweep>) -> MoveFamily {
         let motion = &self.file.motion;
-        MoveFamily {
+        let family = MoveFamily {
             limits: kept.to_vec(),
             start: self.start_posture(),
             moves: motion.moves(),
             duration_s: self.file.duration_s,
             smoothing_s: motion.smoothing_s(),
             rest_s: motion.rest_s(),
-        }
+            sweeps,
+        };
+        MoveFamily { duration_s: self.file.duration_s - family.sweeps_s(), ..family }
     }
 
     /// The criterion that is wanted, of the base parameters.

@@ -26,7 +26,7 @@ pub struct ExpectedRecord<'a> {
     pub sample_rate_hz: f64,
     /// True positions.
     pub q: &'a Series,
-    /// True torques of the joints.
+    /// True torques of the joints: with the payload of the settings, which the robot then carries.
     pub tau: &'a Series,
     /// Standard deviation of the white noise on each torque.
     pub torque_noise: &'a [f64],
@@ -59,7 +59,7 @@ pub struct Estimated {
 }
 
 /// Records of which the promise is the mean: what each says of its uncertainty scatters by a few percent.
-const RECORDS: usize = 12;
+pub(super) const RECORDS: usize = 12;
 
 impl ExpectedRecord<'_> {
     /// The method that is promised: the first without a simulation that the settings ask for, or else least squares.
@@ -96,18 +96,9 @@ impl ExpectedRecord<'_> {
     /// [`DesignError`] where there is none.
     pub fn estimate(&self, path: &std::path::Path, seed: u64, record: u64) -> Result<Estimated, DesignError> {
         let refuse = |source: PreparationError| DesignError::Preparation { path: path.to_owned(), source };
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        rng.set_stream(record);
-        let [mut position, mut torque] = [self.q, self.tau].map(Series::clone);
-        position.add_white_noise(self.position_noise, &mut rng);
-        match self.torque_spectrum {
-            Some(spectrum) => torque.add(&spectrum.draw(torque.len(), self.sample_rate_hz, &mut rng)),
-            None => torque.add_white_noise(self.torque_noise, &mut rng),
-        }
-        let recording = Recording::new(self.sample_rate_hz, position, torque).with_reference(self.q.clone());
         let method = self.method();
-        let settings = Settings { controller: None, cases: Vec::new(), ..self.settings.clone() }.with_methods([method]);
-        let identification = Identification::new(self.robot, vec![recording], settings).map_err(refuse)?;
+        let recording = self.recording(&mut self.numbers(seed, record));
+        let identification = self.identification(vec![recording]).map_err(refuse)?;
         let problems = identification.problems(&mut |_| {}).map_err(refuse)?;
         let problem = &problems[0];
         let weights = problem.weights(self.settings, method, &[1.0]);
@@ -117,6 +108,34 @@ impl ExpectedRecord<'_> {
             crate::identification::idim_ls(&regression, self.settings.estimation.variance).map_err(no_estimate)?;
         let uncertainty = uncertainty(method, &regression, None, &fit).map_err(no_estimate)?;
         Ok(Estimated { parameters: problem.problem.estimated.parameters().to_vec(), fit, uncertainty })
+    }
+}
+
+impl ExpectedRecord<'_> {
+    /// The random numbers of a record.
+    pub(super) fn numbers(&self, seed: u64, record: u64) -> ChaCha8Rng {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(record);
+        rng
+    }
+
+    /// One noisy record.
+    pub(super) fn recording(&self, rng: &mut ChaCha8Rng) -> Recording {
+        let [mut position, mut torque] = [self.q, self.tau].map(Series::clone);
+        position.add_white_noise(self.position_noise, rng);
+        match self.torque_spectrum {
+            Some(spectrum) => torque.add(&spectrum.draw(torque.len(), self.sample_rate_hz, rng)),
+            None => torque.add_white_noise(self.torque_noise, rng),
+        }
+        let payload = self.settings.payloads.first().map(|payload| payload.name.clone());
+        let recording = Recording::new(self.sample_rate_hz, position, torque).with_reference(self.q.clone());
+        Recording { payload, ..recording }
+    }
+
+    /// The identification of records by the promised method.
+    pub(super) fn identification(&self, recordings: Vec<Recording>) -> Result<Identification, PreparationError> {
+        let settings = Settings { controller: None, cases: Vec::new(), ..self.settings.clone() };
+        Identification::new(self.robot, recordings, settings.with_methods([self.method()]))
     }
 }
 

@@ -58,7 +58,9 @@ impl Design {
 
 /// The variance of each base parameter by the record of a motion.
 fn variances(problem: &Problem, motion: &Derivatives) -> Option<Vec<f64>> {
-    let information = problem.information.of([&motion[0], &motion[1], &motion[2]], 1.0, Sign::Exact);
+    // The sampled motion has the sweeps in it.
+    let information =
+        problem.information.clone().with_sweeps(None).of([&motion[0], &motion[1], &motion[2]], 1.0, Sign::Exact);
     let size = information.rows();
     let covariance = information.inverse_times_matrix(&Matrix::identity(size))?;
     Some((0..size).map(|i| covariance.at(i, i)).collect())

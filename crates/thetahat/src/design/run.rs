@@ -1,9 +1,11 @@
 //! The way of a design: limits, searches, verification, promise.
 
 use super::{
+    at_hand::Compared,
     description::Design,
     error::DesignError,
     limits::JointLimits,
+    loads::Loads,
     motions::Motions,
     optimiser::Problem,
     promise::{Expected, ExpectedRecord},
@@ -13,14 +15,25 @@ use super::{
 };
 use crate::{
     base_parameters::BaseParameters,
+    control::ControllerDescription,
     dynamics::{Model, Sign},
     preparation::Setup,
-    results::{CollisionResults, DesignResults, LimitUse},
+    results::{CollisionResults, DesignResults, LimitUse, PromisedGain},
     scheduling::closed_loop,
     series::Series,
     simulation::{OutputGrid, Reference, SampledReference, SimulatorBias},
     trajectory::Moves,
 };
+
+/// What the record of the motion tells, and what is at hand beside it.
+pub(super) struct Told {
+    pub(super) expected: Expected,
+    /// For what stays unknown: how many times as narrow its interval would be by a motion for it.
+    pub(super) remedies: Vec<Option<f64>>,
+    /// Of the drives, with a record without the payload beside it.
+    pub(super) gains: Vec<PromisedGain>,
+    pub(super) compared: Option<Compared>,
+}
 
 /// A motion within its limits.
 pub(super) struct Chosen {
@@ -48,18 +61,25 @@ impl Design {
         let model = Model::new(&self.robot);
         let base = BaseParameters::with_fixed(&model, &self.settings.parameters.exclude, &self.settings.parameters.fix)
             .map_err(|source| DesignError::BaseParameters { path: self.path.clone(), source })?;
+        let compared = self.compared(threads, progress)?;
         progress("searching motions");
         let problem = self.problem(&model, &base, &limits)?;
         let chosen = self.choose(&model, &problem, &limits, threads)?;
         progress("promising intervals");
-        let followed = self.followed(&model, &chosen.motion[0])?;
-        let expected = match &followed {
-            Some((q, tau)) => self.promise(q, tau, threads)?,
-            None => self.promise(&chosen.motion[0], &chosen.torque, threads)?,
+        let [loaded, unloaded] = self.moved(&model, &chosen)?;
+        let noise = self.position_noise();
+        let record = self.expected_record(&loaded, &noise);
+        let expected = record.promise(&self.path, self.file.motion.seed, threads)?;
+        let gains = match self.payload() {
+            Some(_) => {
+                let unloaded = self.expected_record(&unloaded, &noise);
+                record.gains(&unloaded, (&self.path, self.file.motion.seed), threads)?
+            }
+            None => Vec::new(),
         };
         progress("looking for what would show more");
         let remedies = self.remedies(&problem, (&base, &limits), (&chosen.motion, &expected), threads);
-        self.results(&model, &base, chosen, (&expected, &remedies))
+        self.results(&model, &base, chosen, Told { expected, remedies, gains, compared })
     }
 
     /// The best motion of the searches that holds its limits.
@@ -81,7 +101,7 @@ impl Design {
                     // The one that is taken stands first.
                     starts[..=k].rotate_right(1);
                     let motion = self.sampled(&problem.watched, &x);
-                    let torque = problem.loads.torques([&motion[0], &motion[1], &motion[2]], Sign::Exact);
+                    let torque = problem.loads.torques(&motion, Sign::Exact).swap_remove(0);
                     let moves = problem.watched.moves(&x);
                     let repeated = self.repeated(problem)?;
                     return Ok(Chosen { motion, torque, uses, starts, moves, collision, repeated });
@@ -102,33 +122,58 @@ impl Design {
         motions.on(x, &grid)
     }
 
-    /// The motion that the robot makes in the closed loop, and its torques; none where no controller is described.
-    fn followed(&self, model: &Model, q: &Series) -> Result<Option<(Series, Series)>, DesignError> {
-        let Some(controller) = &self.settings.controller else { return Ok(None) };
-        let theta = self.robot.a_priori_parameters();
+    /// The motion that the robot makes and its torques, as it is expected and without its payload: in the closed loop where a
+    /// controller is described.
+    fn moved(&self, model: &Model, chosen: &Chosen) -> Result<[Moved; 2], DesignError> {
+        let of = |theta: &[f64]| match &self.settings.controller {
+            Some(controller) => self.followed((model, controller), &chosen.motion[0], theta),
+            None => {
+                let loads = Loads::new(model, &[theta.to_vec()], Vec::new());
+                let tau = loads.torques(&chosen.motion, Sign::Exact).swap_remove(0);
+                Ok(Moved { q: chosen.motion[0].clone(), tau })
+            }
+        };
+        let loaded = of(&self.expected_robot(model)?)?;
+        let unloaded = if self.payload().is_some() { of(&self.robot.a_priori_parameters())? } else { loaded.clone() };
+        Ok([loaded, unloaded])
+    }
+
+    /// The motion of a robot in the closed loop, whose controller is made for the robot without payload.
+    fn followed(
+        &self,
+        (model, controller): (&Model, &ControllerDescription),
+        q: &Series,
+        theta: &[f64],
+    ) -> Result<Moved, DesignError> {
         let rate = self.file.sample_rate_hz;
         let reference = Reference::Sampled(SampledReference::new(q.clone(), rate));
         let setup = Setup { robot: &self.robot, settings: &self.settings };
         let closed_loop = closed_loop(setup, model, controller, &reference, None, SimulatorBias::NONE);
-        let inertia = closed_loop.motor_inertia(&theta, self.file.duration_s);
+        let inertia = closed_loop.motor_inertia(&self.robot.a_priori_parameters(), self.file.duration_s);
         let grid = OutputGrid { start_s: 0.0, sample_rate_hz: rate, samples: q.len() };
         let motion = closed_loop
-            .simulate(&theta, &inertia, &grid)
+            .simulate(theta, &inertia, &grid)
             .map_err(|source| DesignError::Loop { path: self.path.clone(), source })?;
-        Ok(Some((motion.q, motion.tau)))
+        Ok(Moved { q: motion.q, tau: motion.tau })
     }
 
-    fn promise(&self, q: &Series, tau: &Series, threads: usize) -> Result<Expected, DesignError> {
-        let record = ExpectedRecord {
+    fn expected_record<'a>(&'a self, moved: &'a Moved, position_noise: &'a [f64]) -> ExpectedRecord<'a> {
+        ExpectedRecord {
             robot: &self.robot,
             settings: &self.settings,
             sample_rate_hz: self.file.sample_rate_hz,
-            q,
-            tau,
+            q: &moved.q,
+            tau: &moved.tau,
             torque_noise: &self.noise.deviations,
             torque_spectrum: self.noise.spectrum.as_ref(),
-            position_noise: &self.position_noise(),
-        };
-        record.promise(&self.path, self.file.motion.seed, threads)
+            position_noise,
+        }
     }
+}
+
+/// What a robot does.
+#[derive(Clone)]
+struct Moved {
+    q: Series,
+    tau: Series,
 }

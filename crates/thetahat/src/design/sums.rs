@@ -1,4 +1,4 @@
-use super::fourier::{FourierBasis, ORDERS};
+use super::{basis::Basis, fourier::ORDERS};
 use crate::{linear_algebra::Matrix, series::Series};
 
 /// Sums of functions of time: `q_j(t) = c_j + sum_m b_m(t) x_jm`, linear in the unknowns.
@@ -10,7 +10,7 @@ use crate::{linear_algebra::Matrix, series::Series};
 /// | `c` | the start posture where it is given, else the middle of the range | joints |
 #[derive(Debug, Clone)]
 pub struct Sums {
-    basis: FourierBasis,
+    basis: Basis,
     /// Unit of each unknown, joint by joint.
     scale: Vec<Vec<f64>>,
     centre: Vec<f64>,
@@ -40,7 +40,7 @@ impl Sums {
     /// Sums of a basis about `centre`, with a free start posture or without.
     /// `reach` is half the range, the velocity and the acceleration to which an unknown of one takes a joint.
     #[must_use]
-    pub fn new(basis: FourierBasis, centre: Vec<f64>, has_free_start: bool, reach: &[[f64; 3]]) -> Self {
+    pub fn new(basis: Basis, centre: Vec<f64>, has_free_start: bool, reach: &[[f64; 3]]) -> Self {
         let peaks = peaks(&basis);
         let unit = |reach: &[f64; 3], peak: &[f64; 3]| {
             reach.iter().zip(peak).map(|(r, p)| r / p).fold(f64::INFINITY, f64::min)
@@ -147,7 +147,7 @@ impl Sums {
 }
 
 /// Largest position, velocity and acceleration of each function.
-fn peaks(basis: &FourierBasis) -> Vec<[f64; 3]> {
+fn peaks(basis: &Basis) -> Vec<[f64; 3]> {
     let instants = 16 * basis.functions();
     let mut peaks = vec![[0.0_f64; 3]; basis.functions()];
     for k in 0..=instants {

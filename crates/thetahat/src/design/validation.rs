@@ -1,12 +1,17 @@
 //! What a design file must hold before anything is searched.
 
-use super::{criterion::CriterionName, description::Design, error::DesignError, verification::RATE_HZ};
-use crate::{dynamics::Model, one_or_each::OneOrEach};
+use super::{
+    criterion::CriterionName, description::Design, error::DesignError, options::UncertaintyOptions,
+    verification::RATE_HZ,
+};
+use crate::{dynamics::Model, identification::Needs, one_or_each::OneOrEach};
 
 /// Most samples of a motion, at its own rate and at 1 kHz, at which its limits are verified.
 const MOST_SAMPLES: f64 = 1e6;
 /// Part of a sample by which a motion may miss a whole number of them: rounding.
 const WHOLE: f64 = 1e-6;
+/// Most robots that are drawn: each costs its torques in every step.
+const MOST_DRAWS: usize = 100;
 /// Periods of the position filter's cut-off that the edges of a record cost at either end, and one that is left.
 const FEWEST_PERIODS: f64 = 15.0;
 
@@ -17,9 +22,11 @@ impl Design {
         self.validate_motion()?;
         self.validate_noise()?;
         self.validate_wanted()?;
+        self.validate_uncertainty()?;
+        self.validate_payload()?;
         self.validate_identification()?;
         self.validate_collision()?;
-        self.limits().map(|_| ())
+        self.validate_sweeps(&self.limits()?)
     }
 
     /// What the record can be identified for: all base parameters, with torques that the motion alone decides.
@@ -83,6 +90,28 @@ impl Design {
         )?;
         let percent = wanted.half_width_percent;
         self.require(percent > 0.0 && percent.is_finite(), "[wanted] half_width_percent", "above zero", percent)
+    }
+
+    fn validate_uncertainty(&self) -> Result<(), DesignError> {
+        let UncertaintyOptions { draws, percent } = self.file.uncertainty;
+        self.require(draws <= MOST_DRAWS, "[uncertainty] draws", "at most 100", draws)?;
+        let expected = "from 0 to below 100";
+        self.require((0.0..100.0).contains(&percent), "[uncertainty] percent", expected, percent)?;
+        let expected = "above zero with [uncertainty] percent, and only with it";
+        self.require((draws > 0) == (percent > 0.0), "[uncertainty] draws", expected, draws)
+    }
+
+    /// One payload whose torques are known, and methods that can take them off.
+    fn validate_payload(&self) -> Result<(), DesignError> {
+        let Some(payload) = self.payload() else { return Ok(()) };
+        let (payloads, name) = (self.settings.payloads.len(), &payload.name);
+        self.require(payloads == 1, "[[payload]]", "the one that the robot carries", payloads)?;
+        let expected = "given with centre_m: the limits of torque need them";
+        self.require(payload.is_known(), &format!("[[payload]] {name}: mass_kg"), expected, "missing")?;
+        let simulating = self.settings.all_methods().into_iter().find(|m| m.needs() != Needs::Measurement);
+        let expected = "idim-ls or idim-wls where the robot carries a payload: simulations carry none";
+        let found = simulating.map(|method| method.name()).unwrap_or_default();
+        self.require(simulating.is_none(), "[estimation] methods", expected, found)
     }
 
     fn validate_collision(&self) -> Result<(), DesignError> {

@@ -9,11 +9,16 @@ use crate::{
 /// Samples per second at which limits are looked at.
 pub(super) const RATE_HZ: f64 = 1000.0;
 
-/// The use of every limit of every joint, by a motion at [`RATE_HZ`] and its torques.
-pub(super) fn uses(limits: &[JointLimits], motion: &Derivatives, tau: &Series) -> Vec<LimitUse> {
+/// The use of every limit of every joint, by a motion at [`RATE_HZ`] and the torques of every robot that it may be: the
+/// largest of them.
+pub(super) fn uses(limits: &[JointLimits], motion: &Derivatives, torques: &[Series]) -> Vec<LimitUse> {
     let of = |coordinate: usize, limits: &JointLimits| {
-        let values = |limited: Limited| values(motion, tau, coordinate, limited);
-        let one = |limited| Some(use_of(coordinate, limits, limited, limits.range(limited)?, &values(limited)));
+        let one = |limited: Limited| {
+            let range = limits.range(limited)?;
+            let values = |tau: &Series| values(motion, tau, coordinate, limited);
+            let uses = torques.iter().map(|tau| use_of(coordinate, limits, limited, range, &values(tau)));
+            uses.max_by(|a, b| a.part.total_cmp(&b.part))
+        };
         Limited::ALL.into_iter().filter_map(one).collect::<Vec<_>>()
     };
     limits.iter().enumerate().flat_map(|(coordinate, limits)| of(coordinate, limits)).collect()

@@ -127,9 +127,9 @@ impl Design {
         let count = (self.file.duration_s * RATE_HZ).ceil() as usize;
         let grid: Vec<f64> = (0..=count).map(|k| (k as f64 / RATE_HZ).min(self.file.duration_s)).collect();
         let motion = motions.on(x, &grid);
-        let loads = Loads::new(model, &self.robot.a_priori_parameters(), limits.to_vec());
-        let torque = loads.torques([&motion[0], &motion[1], &motion[2]], Sign::Exact);
-        let (uses, collision) = (uses(limits, &motion, &torque), self.collision(model, &motion[0])?);
+        let loads = Loads::new(model, &self.possible_robots(model)?, limits.to_vec());
+        let torques = loads.torques(&motion, Sign::Exact);
+        let (uses, collision) = (uses(limits, &motion, &torques), self.collision(model, &motion[0])?);
         Ok(Verified { uses, collision })
     }
 }

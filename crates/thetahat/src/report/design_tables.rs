@@ -5,7 +5,10 @@ use super::{
     table::Table,
 };
 use crate::{
-    results::{CollisionResults, DesignResults, Grade, LimitUse, PairDistance, PromisedParameter, SpectrumBound},
+    results::{
+        CollisionResults, DesignResults, Grade, LimitUse, PairDistance, PromisedGain, PromisedParameter,
+        PromisedPayload, SpectrumBound,
+    },
     visible::visible,
 };
 
@@ -31,7 +34,9 @@ pub(super) fn facts(results: &DesignResults) -> Vec<(&'static str, String)> {
 }
 
 fn motion(results: &DesignResults) -> String {
-    let kind = results.moves.as_ref().map_or_else(String::new, |moves| format!(", {} moves", moves.moves().len()));
+    let sweeps = if results.sweeps > 0 { format!(" and {} sweeps", results.sweeps) } else { String::new() };
+    let moves = results.moves.as_ref().map(|moves| moves.moves().len() - results.sweeps);
+    let kind = moves.map_or_else(String::new, |moves| format!(", {moves} moves{sweeps}"));
     format!("{} s at {} Hz{kind}, from rest to rest", significant(duration_s(results), 4), results.sample_rate_hz)
 }
 
@@ -59,6 +64,14 @@ pub(super) fn conclusions(results: &DesignResults) -> Vec<String> {
             worst.at_s
         )
     }));
+    lines.extend(results.uncertainty.map(|(draws, percent)| {
+        format!(
+            "Torque and power hold for the a-priori parameters and for {draws} robots whose parameters are {} % off; the criterion \
+             does not depend on them.",
+            significant(percent, 3)
+        )
+    }));
+    lines.extend(results.payload.iter().map(payload));
     lines.extend(results.collision.iter().flat_map(nearness));
     lines.extend(results.compared.iter().map(|[title, method]| narrower(results, title, method)));
     let best = results.starts.first().map(|s| s.found);
@@ -84,6 +97,27 @@ fn remedy(results: &DesignResults) -> Option<String> {
             all.join("; ")
         )
     })
+}
+
+/// What a payload asks for, and what it tells of the drives.
+fn payload(payload: &PromisedPayload) -> String {
+    let told = |gain: &PromisedGain| {
+        let percent = gain.half_width_percent?;
+        Some(format!("{} to {} %", visible(&gain.joint), significant(percent, 2)))
+    };
+    let all: Vec<String> = payload.gains.iter().filter_map(told).collect();
+    let untold = payload.gains.iter().filter(|gain| gain.half_width_percent.is_none());
+    let untold: Vec<String> = untold.map(|gain| visible(&gain.joint).into_owned()).collect();
+    let listed = |list: &[String]| if list.is_empty() { "none".to_owned() } else { list.join(", ") };
+    format!(
+        "Payload {} of {} kg: limits hold with it and without it. It is known, so that the record knows the robot's parameters as \
+         well as one of the same motion without it. One more record without it tells the gains of the drives (half of 95 %): {}. \
+         Not told: {}.",
+        visible(&payload.name),
+        significant(payload.mass_kg, 4),
+        listed(&all),
+        listed(&untold)
+    )
 }
 
 /// What the intervals say beside those of earlier results.
@@ -208,7 +242,8 @@ pub(super) fn promised(results: &DesignResults) -> Table {
         head,
         rows: results.promised.iter().map(row).collect(),
         notes: vec![format!(
-            "half of 95 %: expected half width of interval_95 by {}; {wanted}: record so long, by repeating the motion.",
+            "half of 95 %: expected half width of interval_95 by {}; {wanted}: record so long, by repeating the motion. Intervals \
+             shrink with the root of the time.",
             results.method
         )],
         ..Table::default()

@@ -24,6 +24,8 @@ pub struct DesignResults {
     pub torque: Series,
     /// The moves, where the motion is made of such: the last ends where the first starts.
     pub moves: Option<Moves>,
+    /// How many of them, the last ones, are sweeps of single joints.
+    pub sweeps: usize,
     /// The robot where its shapes are nearest to one another, or else where it starts, and the way of its last joint.
     pub skeleton: Option<Skeleton>,
     /// What frequencies the motion has.
@@ -34,6 +36,10 @@ pub struct DesignResults {
     pub repeated: Option<f64>,
     /// Title and method of the results that are compared with.
     pub compared: Option<[String; 2]>,
+    /// The payload that the robot carries.
+    pub payload: Option<PromisedPayload>,
+    /// Robots that were drawn and how far off each parameter of them is, percent: torque and power hold for all.
+    pub uncertainty: Option<(usize, f64)>,
     /// Name of the criterion.
     pub criterion: String,
     /// The searches.
@@ -191,6 +197,26 @@ impl PromisedParameter {
             interval_95: Some([value - half, value + half]),
         }
     }
+}
+
+/// A known payload, and what a record with it tells beside one without it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PromisedPayload {
+    /// Its name.
+    pub name: String,
+    /// Its mass, kg.
+    pub mass_kg: f64,
+    /// The gains of the drives.
+    pub gains: Vec<PromisedGain>,
+}
+
+/// What is promised of the gain of a drive.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PromisedGain {
+    /// The joint.
+    pub joint: String,
+    /// Half of its expected interval of 95 %, percent; none where it is not told.
+    pub half_width_percent: Option<f64>,
 }
 
 /// The text of the experiment that follows a design, in parts between which the path of the robot stands.

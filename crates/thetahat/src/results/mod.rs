@@ -58,8 +58,8 @@ pub use card::{Card, Physical, Unseen};
 pub use content::{NOMINAL, Results, SCHEMA};
 pub use curves::{Bin, Frame, HeldBackPlots, Plots, RecordStart, ResidualCurves, RunPlots, Skeleton};
 pub use design::{
-    CollisionResults, DesignResults, ExperimentText, LimitUse, MotionSpectrum, PairDistance, PromisedParameter,
-    SearchResult, SpectrumBound,
+    CollisionResults, DesignResults, ExperimentText, LimitUse, MotionSpectrum, PairDistance, PromisedGain,
+    PromisedParameter, PromisedPayload, SearchResult, SpectrumBound,
 };
 pub use diagnosis::{
     Advice, ApproximatedParameter, ApproximationResult, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis,

@@ -23,7 +23,7 @@ const TOO_WIDE: f64 = 0.25;
 
 impl Identification {
     /// The gain of each joint's drive; empty unless some of the recordings carry a known payload, and not all the same one.
-    pub(super) fn drive_gains(&self, problem: &Problem) -> Result<Vec<DriveGainResult>, PreparationError> {
+    pub(crate) fn drive_gains(&self, problem: &Problem) -> Result<Vec<DriveGainResult>, PreparationError> {
         let mut names: Vec<_> = self.main.iter().map(|p| p.filtered.recording.payload.as_deref()).collect();
         names.sort_unstable();
         names.dedup();

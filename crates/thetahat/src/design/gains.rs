@@ -1,0 +1,56 @@
+//! What a record with a known payload and one without it tell of the drives.
+
+use std::path::Path;
+
+use super::{
+    error::DesignError,
+    promise::{ExpectedRecord, RECORDS},
+};
+use crate::{
+    pool::in_parallel,
+    preparation::{PreparationError, Recording},
+    results::{DriveGainResult, PromisedGain},
+};
+
+impl ExpectedRecord<'_> {
+    /// Half of the interval of each drive's gain, in the mean of twelve pairs of records: of this one, which carries a payload, and
+    /// of one without it.
+    pub(super) fn gains(
+        &self,
+        unloaded: &Self,
+        (path, seed): (&Path, u64),
+        threads: usize,
+    ) -> Result<Vec<PromisedGain>, DesignError> {
+        let pairs = in_parallel(RECORDS, threads, |number| self.gains_of_pair(unloaded, seed, number as u64));
+        let pairs = pairs.into_iter().collect::<Result<Vec<_>, _>>();
+        let pairs = pairs.map_err(|source| DesignError::Preparation { path: path.to_owned(), source })?;
+        let gain = |(joint, coordinate): (usize, &crate::robot::Joint)| PromisedGain {
+            joint: coordinate.name.clone(),
+            half_width_percent: pairs
+                .iter()
+                .map(|pair| half_width_percent(&pair[joint]))
+                .sum::<Option<f64>>()
+                .map(mean),
+        };
+        Ok(self.robot.coordinates().enumerate().map(gain).collect())
+    }
+
+    fn gains_of_pair(&self, unloaded: &Self, seed: u64, number: u64) -> Result<Vec<DriveGainResult>, PreparationError> {
+        let mut rng = self.numbers(seed, number);
+        let loaded = self.recording(&mut rng);
+        let without = Recording { payload: None, ..unloaded.recording(&mut rng) };
+        let identification = self.identification(vec![without, loaded])?;
+        let problems = identification.problems(&mut |_| {})?;
+        identification.drive_gains(&problems[0].problem)
+    }
+}
+
+fn mean(sum: f64) -> f64 {
+    sum / RECORDS as f64
+}
+
+/// Half of the interval of a gain in percent of it; none where it is not told.
+fn half_width_percent(gain: &DriveGainResult) -> Option<f64> {
+    let ([low, high], factor) = (gain.interval_95?, gain.factor?);
+    Some(50.0 * (high - low) / factor)
+}
