@@ -75,13 +75,13 @@ async function served(style, worker, wasm) {
     style: '<link rel="stylesheet" href="page.css">',
     scripts: '<script src="page.js"></script>',
   });
-  const page = { "index.html": html, "page.css": style, "page.js": script };
+  const shown = { "index.html": html, "page.css": style, "page.js": script };
   const one = { "worker.js": worker, "thetahat_web_bg.wasm": wasm };
   const threads = { "threads/worker.js": await workerOf(WASM.threads), "threads/thetahat_web_bg.wasm": wasmOf(WASM.threads) };
   mkdirSync(join(DIST, "threads"));
-  for (const [name, content] of Object.entries({ ...page, ...one, ...threads })) writeFileSync(join(DIST, name), content);
-  writeFileSync(join(DIST, "sw.js"), await serviceWorker({ ...page, ...one }));
-  writeFileSync(join(DIST, "sw_threads.js"), await serviceWorker({ ...page, ...threads }));
+  for (const [name, content] of Object.entries({ ...shown, ...one, ...threads })) writeFileSync(join(DIST, name), content);
+  writeFileSync(join(DIST, "sw.js"), await serviceWorker({ ...shown, ...one }));
+  writeFileSync(join(DIST, "sw_threads.js"), await serviceWorker({ ...shown, ...threads }));
 }
 
 /** A service worker that keeps files. */
