@@ -4,9 +4,9 @@ use std::{path::Path, sync::Mutex};
 
 use wasm_bindgen::prelude::*;
 
+use crate::session::{self, Session};
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
 use crate::threads;
-use crate::session::{self, Session};
 
 /// A session in the page.
 #[wasm_bindgen(js_name = Session)]

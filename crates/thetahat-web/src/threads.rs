@@ -28,8 +28,7 @@ pub(crate) fn start(count: usize) -> Outcome<()> {
 /// Works as one of the threads, as long as the page lives.
 pub(crate) fn serve() {
     let wanted = WANTED.lock().unwrap_or_else(PoisonError::into_inner);
-    let mut wanted =
-        CHANGED.wait_while(wanted, |wanted| wanted.is_empty()).unwrap_or_else(PoisonError::into_inner);
+    let mut wanted = CHANGED.wait_while(wanted, |wanted| wanted.is_empty()).unwrap_or_else(PoisonError::into_inner);
     let thread = wanted.pop_front();
     drop(wanted);
     thread.map(ThreadBuilder::run);
