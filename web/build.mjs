@@ -1,7 +1,7 @@
 // Makes web/dist: the page for a web server, and thetahat.html, which is all of it in one file. The wasm is made by `web/build`.
 
 import { createHash } from "node:crypto";
-import { cpSync, mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { gzipSync } from "node:zlib";
@@ -9,7 +9,8 @@ import { build } from "esbuild";
 
 const HERE = dirname(fileURLToPath(import.meta.url));
 const DIST = join(HERE, "dist");
-const WASM = join(HERE, "wasm/thetahat_web_bg.wasm");
+/** The modules: one thread, and several on one memory. */
+const WASM = { one: join(HERE, "wasm"), threads: join(HERE, "wasm/threads") };
 const REPORT = join(HERE, "../crates/thetahat/src/report/page");
 
 const read = (path) => readFileSync(path, "utf8");
@@ -19,7 +20,7 @@ const hashOf = (text) => `'sha256-${createHash("sha256").update(text).digest("ba
 const REPORT_SCRIPT = `\n${read(join(REPORT, "script.js"))}\n`;
 
 /** The text of an entry, bundled. */
-async function bundle(entry, define = {}) {
+async function bundle(entry, { define = {}, alias = {} } = {}) {
   const { outputFiles } = await build({
     entryPoints: [join(HERE, "src", entry)],
     bundle: true,
@@ -31,6 +32,7 @@ async function bundle(entry, define = {}) {
     jsx: "automatic",
     jsxImportSource: "preact",
     define: { "import.meta.url": '""', ...define },
+    alias,
   });
   return outputFiles[0].text;
 }
@@ -62,24 +64,37 @@ function page({ policy, style, scripts }) {
 /** A script inside a page must not hold its own end. */
 const inline = (script) => script.replaceAll("</script", "<\\/script");
 
+/** The worker's script for a module. */
+const workerOf = (folder) => bundle("worker.ts", { alias: { "thetahat-web": join(folder, "thetahat_web.js") } });
+const wasmOf = (folder) => readFileSync(join(folder, "thetahat_web_bg.wasm"));
+
 async function served(style, worker, wasm) {
-  const script = await bundle("main.tsx", { SINGLE_FILE: "false" });
+  const script = await bundle("main.tsx", { define: { SINGLE_FILE: "false" } });
   const html = page({
     policy: policy({ scripts: ["'self'"], connect: "'self'" }),
     style: '<link rel="stylesheet" href="page.css">',
     scripts: '<script src="page.js"></script>',
   });
-  const files = { "index.html": html, "page.css": style, "page.js": script, "worker.js": worker };
-  for (const [name, text] of Object.entries(files)) writeFileSync(join(DIST, name), text);
-  cpSync(WASM, join(DIST, "thetahat_web_bg.wasm"));
-  const content = createHash("sha256").update(Object.values(files).join("\0")).update(wasm).digest("hex").slice(0, 16);
-  const kept = ["./", "thetahat_web_bg.wasm", ...Object.keys(files)];
-  const define = { VERSION: JSON.stringify(`thetahat-${content}`), FILES: JSON.stringify(kept) };
-  writeFileSync(join(DIST, "sw.js"), await bundle("sw.ts", define));
+  const shown = { "index.html": html, "page.css": style, "page.js": script };
+  const one = { "worker.js": worker, "thetahat_web_bg.wasm": wasm };
+  const threads = { "threads/worker.js": await workerOf(WASM.threads), "threads/thetahat_web_bg.wasm": wasmOf(WASM.threads) };
+  mkdirSync(join(DIST, "threads"));
+  for (const [name, content] of Object.entries({ ...shown, ...one, ...threads })) writeFileSync(join(DIST, name), content);
+  writeFileSync(join(DIST, "sw.js"), await serviceWorker({ ...shown, ...one }));
+  writeFileSync(join(DIST, "sw_threads.js"), await serviceWorker({ ...shown, ...threads }));
+}
+
+/** A service worker that keeps files. */
+function serviceWorker(files) {
+  const hash = createHash("sha256");
+  for (const content of Object.values(files)) hash.update(content).update("\0");
+  const version = `thetahat-${hash.digest("hex").slice(0, 16)}`;
+  const kept = ["./", ...Object.keys(files)];
+  return bundle("sw.ts", { define: { VERSION: JSON.stringify(version), FILES: JSON.stringify(kept) } });
 }
 
 async function singleFile(style, worker, wasm) {
-  const script = inline(await bundle("main.tsx", { SINGLE_FILE: "true" }));
+  const script = inline(await bundle("main.tsx", { define: { SINGLE_FILE: "true" } }));
   const data = (id, text) => `<script type="text/plain" id="${id}">${text}</script>`;
   const html = page({
     policy: policy({ scripts: [hashOf(script)], connect: "'none'" }),
@@ -95,7 +110,6 @@ async function singleFile(style, worker, wasm) {
 
 rmSync(DIST, { recursive: true, force: true });
 mkdirSync(DIST, { recursive: true });
-const [style, worker] = [await bundle("page.css"), await bundle("worker.ts")];
-const wasm = readFileSync(WASM);
+const [style, worker, wasm] = [await bundle("page.css"), await workerOf(WASM.one), wasmOf(WASM.one)];
 await served(style, worker, wasm);
 await singleFile(style, worker, wasm);

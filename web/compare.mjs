@@ -2,23 +2,16 @@
 //
 //   node web/compare.mjs PROGRAM [DATASETS [EXPERIMENT...]]
 //
-// Without DATASETS only the demonstration is compared. Exits with 1 where a number differs by more than 1e-9 of the largest of its
-// kind: of all numbers in the same place of a list. What depends on a simulation with adaptive steps is compared by its estimates, in
-// standard deviations: a step that is accepted here and refused there is a difference of the integrator's tolerance. So do two processors
-// differ of which one has fused multiplication and addition: the command line gives up to 0.014 deviations on TX40.
+// Without DATASETS only the demonstration is compared. Exits with 1 where results differ by more than `tests/numbers.mjs` allows.
 
 import { execFileSync } from "node:child_process";
 import { existsSync, readFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
-import { compare, deviationOfEstimates } from "./tests/numbers.mjs";
+import { differences } from "./tests/numbers.mjs";
 import { initSync, Session } from "./wasm/thetahat_web.js";
 
 const ROOT = join(dirname(fileURLToPath(import.meta.url)), "..");
-const TOLERANCE = 1e-9;
-const TOLERANCE_IN_DEVIATIONS = 0.05;
-/** Experiments whose simulations have adaptive steps; the demonstration's record is one of them. */
-const ADAPTIVE = { demo: () => false, tx40_paper: (run) => run.method === "idim-ls" };
 const [program, datasets, ...chosen] = process.argv.slice(2);
 const all = datasets ? ["demo", "emps", "kuka_lwr4", "ur10", "tx40_paper"] : ["demo"];
 
@@ -36,7 +29,7 @@ function put(session, experiment, toml) {
 
 /** The results and seconds of the module. */
 function inPage(name, toml) {
-  const session = new Session();
+  const session = new Session(1);
   if (name !== "demo") put(session, name, toml);
   const text = name === "demo" ? JSON.parse(session.demo()).experiment : toml;
   const start = performance.now();
@@ -64,16 +57,10 @@ let failed = false;
 for (const name of chosen.length > 0 ? chosen : all) {
   const toml = name === "demo" ? "" : readFileSync(join(ROOT, "experiments", `${name}.toml`), "utf8");
   const [page, command] = [inPage(name, toml), onCommandLine(name)];
-  const exact = ADAPTIVE[name];
-  const pick = ({ runs }) => runs.filter(exact).map(({ simulation_relative_error_percent, ...run }) => run);
-  const compared = exact ? [pick(page.results), pick(command.results)] : [page.results, command.results];
-  const { count, worst } = compare(...compared);
-  failed ||= worst.deviation > TOLERANCE;
-  if (exact) {
-    const far = deviationOfEstimates(page.results, command.results);
-    failed ||= !(far <= TOLERANCE_IN_DEVIATIONS);
-    console.log(`${name}: all estimates within ${far.toExponential(1)} standard deviations`);
-  }
-  console.log(`${name}: ${count} values, largest deviation ${worst.deviation.toExponential(1)}${worst.place ? ` (${worst.place}: ${worst.a} and ${worst.b})` : ""}; page ${page.seconds.toFixed(2)} s, command line ${command.seconds.toFixed(2)} s on one core`);
+  const { count, worst, estimates, areNear, areSame } = differences(page.results, command.results);
+  failed ||= !(name === "demo" ? areNear : areSame);
+  const where = worst.place ? ` (${worst.place}: ${worst.a} and ${worst.b})` : "";
+  const numbers = name === "demo" ? "" : `${count} values, largest deviation ${worst.deviation.toExponential(1)}${where}; `;
+  console.log(`${name}: ${numbers}estimates within ${estimates.toExponential(1)} standard deviations; page ${page.seconds.toFixed(2)} s, command line ${command.seconds.toFixed(2)} s on one core`);
 }
 process.exit(failed ? 1 : 0);

@@ -47,7 +47,7 @@ for (const file of files) {
   const request = JSON.stringify(isRobot ? { robot: name } : { recordings: [name] });
   const traps = new Set();
   for (let k = 0; k < Number(count); k++) {
-    const session = new glue.Session();
+    const session = new glue.Session(1);
     try {
       session.put(name, damaged(bytes));
       session.kind(name);

@@ -28,11 +28,11 @@ function fileOf(url, folder) {
 }
 
 /** A server that listens on localhost alone; port 0 takes any that is free. */
-export function serve(port = 8000, folder = DIST) {
+export function serve(port = 8000, { folder = DIST, headers = HEADERS } = {}) {
   const server = createServer((request, response) => {
     const file = fileOf(request.url, folder);
-    if (!file) return response.writeHead(404, HEADERS).end("not found\n");
-    response.writeHead(200, { ...HEADERS, "Content-Type": TYPES[extname(file)] ?? "application/octet-stream" });
+    if (!file) return response.writeHead(404, headers).end("not found\n");
+    response.writeHead(200, { ...headers, "Content-Type": TYPES[extname(file)] ?? "application/octet-stream" });
     return createReadStream(file).pipe(response);
   });
   return new Promise((resolve, reject) => {

@@ -151,6 +151,7 @@ export class App {
   }
 
   private async understandOnce(): Promise<void> {
+    const { choices } = this.state;
     const request = requestOf(this.state);
     if (request.robot === undefined && request.recordings.length === 0) {
       return this.set({ understanding: null, experiment: isOwnText(this.state.experiment) ? this.state.experiment : null });
@@ -158,7 +159,7 @@ export class App {
     this.say("Looking at the files.");
     const understanding = JSON.parse(await this.client.call("understand", [JSON.stringify(request)])) as Understanding;
     const files = this.state.files.map((file) => withError(file, request, understanding));
-    this.set({ understanding, files, said: "The files are read." });
+    this.set({ understanding, answered: choices, files, said: "The files are read." });
     if (!isOwnText(this.state.experiment)) this.useProposal();
   }
 

@@ -1,7 +1,7 @@
-// The page's side of the worker: calls with answers, and a new worker where one was cancelled or has stopped.
+// The page's side of the worker and its threads: calls with answers, and a new worker where one was cancelled or has stopped.
 
 import type { FromWorker, Method, ToWorker } from "./contract";
-import type { Program } from "./program";
+import { THREADS, type Program } from "./program";
 
 /** What the command line would print. */
 export class SessionError extends Error {}
@@ -19,6 +19,9 @@ interface Pending {
 export class Client {
   private worker: Promise<Worker> | null = null;
   private running: Worker | null = null;
+  private helpers: Worker[] = [];
+  /** One after a helper has stopped, as where memory is short. */
+  private threads = THREADS;
   private readonly pending = new Map<number, Pending>();
   /** What a new worker is given again. */
   private readonly files = new Map<string, Blob>();
@@ -65,15 +68,32 @@ export class Client {
   }
 
   private async start(): Promise<Worker> {
-    const { script, module } = await this.program;
-    const worker = new Worker(script);
+    const program = await this.program;
+    const worker = new Worker(program.script);
     this.running = worker;
-    worker.addEventListener("message", ({ data }: MessageEvent<FromWorker>) => this.receive(data));
+    worker.addEventListener("message", ({ data }: MessageEvent<FromWorker>) => {
+      if (!("memory" in data)) this.receive(data);
+      else if (worker === this.running) this.help(program, data.memory);
+    });
     worker.addEventListener("error", (event) => this.stop(new Trapped(event.message)));
-    worker.postMessage({ module } satisfies ToWorker);
+    worker.postMessage({ module: program.module, threads: this.threads } satisfies ToWorker);
     if (this.hasDemo) await this.send(worker, "demo", []);
     for (const [path, file] of this.files) await this.send(worker, "put", [path, await bytesOf(file)]);
     return worker;
+  }
+
+  /** Starts the threads of the session whose memory this is. */
+  private help({ script, module }: Program, memory: WebAssembly.Memory): void {
+    this.helpers = Array.from({ length: this.threads }, () => new Worker(script));
+    const stopped = (message: string) => {
+      this.threads = 1;
+      this.stop(new Trapped(message));
+    };
+    for (const helper of this.helpers) {
+      helper.addEventListener("message", ({ data }: MessageEvent<{ trap: string }>) => stopped(data.trap));
+      helper.addEventListener("error", (event) => stopped(event.message));
+      helper.postMessage({ module, memory } satisfies ToWorker);
+    }
   }
 
   private send(worker: Worker, method: Method, args: unknown[], stage = (_: string) => {}): Promise<string> {
@@ -86,7 +106,7 @@ export class Client {
     });
   }
 
-  private receive(message: FromWorker): void {
+  private receive(message: Exclude<FromWorker, { memory: WebAssembly.Memory }>): void {
     if ("trap" in message) return this.stop(new Trapped(message.trap));
     const pending = this.pending.get(message.call);
     if (!pending) return;
@@ -97,8 +117,9 @@ export class Client {
   }
 
   private stop(reason: Error): void {
-    this.running?.terminate();
+    for (const worker of [this.running, ...this.helpers]) worker?.terminate();
     this.running = null;
+    this.helpers = [];
     this.worker = null;
     const pending = [...this.pending.values()];
     this.pending.clear();

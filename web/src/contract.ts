@@ -47,7 +47,6 @@ export interface Channel {
   name: string;
   rows: number;
   columns: number;
-  unit: string | null;
   smallest: number | null;
   largest: number | null;
   note: string | null;
@@ -140,11 +139,15 @@ export interface DemoAnswer {
 /** The methods of the session that the page calls. */
 export type Method = "put" | "remove" | "kind" | "understand" | "propose" | "identify" | "demo" | "export";
 
-/** What the page sends to the worker: first the compiled module, then calls. */
-export type ToWorker = { module: WebAssembly.Module } | { call: number; method: Method; args: unknown[] };
+/** What the page sends to the worker that holds the session, first the module and then calls; and to each of its threads. */
+export type ToWorker =
+  | { module: WebAssembly.Module; threads: number }
+  | { module: WebAssembly.Module; memory: WebAssembly.Memory }
+  | { call: number; method: Method; args: unknown[] };
 
-/** What the worker sends to the page. A trap ends the session: its memory may be in any state. */
+/** What a worker sends to the page: its memory where it waits for threads. A trap ends the session: its memory may be in any state. */
 export type FromWorker =
+  | { memory: WebAssembly.Memory }
   | { call: number; answer: string }
   | { call: number; error: string }
   | { call: number; stage: string }

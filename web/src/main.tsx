@@ -3,7 +3,7 @@
 import { render } from "preact";
 import { App } from "./app";
 import { Client } from "./client";
-import { loadProgram } from "./program";
+import { loadProgram, THREADS } from "./program";
 import { EMPTY, type State } from "./state";
 import { Page } from "./views/Page";
 
@@ -16,4 +16,6 @@ function draw(state: State): void {
 
 root.replaceChildren();
 draw(EMPTY);
-if ("serviceWorker" in navigator && location.protocol.startsWith("http")) void navigator.serviceWorker.register("sw.js");
+if ("serviceWorker" in navigator && location.protocol.startsWith("http")) {
+  void navigator.serviceWorker.register(THREADS > 1 ? "sw_threads.js" : "sw.js");
+}

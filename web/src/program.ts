@@ -3,6 +3,12 @@
 /** True in `thetahat.html`, which holds everything; esbuild sets it. */
 declare const SINGLE_FILE: boolean;
 
+/** Threads at most: each has a stack of its own. */
+const MOST_THREADS = 16;
+
+/** Several where the server's headers allow a memory that workers share. */
+export const THREADS = !SINGLE_FILE && crossOriginIsolated ? Math.min(navigator.hardwareConcurrency, MOST_THREADS) : 1;
+
 /** What a worker is started with. */
 export interface Program {
   /** The address of the script: a blob, so that the page's policy holds for the worker on any server. */
@@ -18,8 +24,9 @@ export async function loadProgram(): Promise<Program> {
 type Parts = Promise<[string, WebAssembly.Module]>;
 
 function beside(): Parts {
-  const script = fetch("worker.js").then((answer) => answer.text());
-  return Promise.all([script, WebAssembly.compileStreaming(fetch("thetahat_web_bg.wasm"))]);
+  const folder = THREADS > 1 ? "threads/" : "";
+  const script = fetch(`${folder}worker.js`).then((answer) => answer.text());
+  return Promise.all([script, WebAssembly.compileStreaming(fetch(`${folder}thetahat_web_bg.wasm`))]);
 }
 
 /** The script as text and the wasm as gzip in base64, each in a data block of the page. */

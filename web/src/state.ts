@@ -46,6 +46,8 @@ export type ExportFormat = "urdf" | "mjcf" | "sdf" | "json";
 export interface State {
   files: ListedFile[];
   choices: Choices;
+  /** Those that `understanding` answers. */
+  answered: Choices;
   isDemo: boolean;
   understanding: Understanding | null;
   experiment: Experiment | null;
@@ -61,6 +63,7 @@ export interface State {
 export const EMPTY: State = {
   files: [],
   choices: {},
+  answered: {},
   isDemo: false,
   understanding: null,
   experiment: null,

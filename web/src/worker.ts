@@ -1,22 +1,33 @@
-// Holds the session: all of thetahat runs here, so that the page never waits.
+// Holds the session: all of thetahat runs here, so that the page never waits. Or it is one of the session's threads.
 
-import { initSync, last_panic, Session } from "../wasm/thetahat_web.js";
+import { initSync, last_panic, serve_thread, Session, start_threads } from "thetahat-web";
 import type { FromWorker, Method, ToWorker } from "./contract";
 
 let session: Session | null = null;
 
 addEventListener("message", ({ data }: MessageEvent<ToWorker>) => {
   try {
-    if ("module" in data) start(data.module);
+    if ("memory" in data) serve(data.module, data.memory);
+    else if ("module" in data) start(data.module, data.threads);
     else run(data.call, data.method, data.args);
   } catch (error) {
     reply({ trap: panicOf(error) });
   }
 });
 
-function start(module: WebAssembly.Module): void {
-  initSync({ module });
-  session = new Session();
+function start(module: WebAssembly.Module, threads: number): void {
+  const { memory } = initSync({ module });
+  if (threads > 1) {
+    reply({ memory });
+    start_threads(threads);
+  }
+  session = new Session(threads);
+}
+
+/** Works on the memory of the session until the page ends this worker. */
+function serve(module: WebAssembly.Module, memory: WebAssembly.Memory): void {
+  initSync({ module, memory });
+  serve_thread();
 }
 
 /** Answers one call. What the command line would print comes as a plain `Error`; everything else is a trap. */

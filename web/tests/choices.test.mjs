@@ -61,11 +61,17 @@ test("units, side and columns are those that were chosen", async (t) => {
 
 test("a joint is locked", async (t) => {
   const { page, experiment } = await understood(t);
+  // At once, before it is understood that the joint is locked at 0, and slowly enough that this comes in between.
   await page.getByLabel("Lock elbow").check();
-  await untilSays(experiment, /^elbow = 0\.0/m);
-  await page.getByLabel("Value of elbow").fill("0.5");
+  await page.getByLabel("Value of elbow").selectText();
+  await page.keyboard.type("0.5", { delay: 300 });
   await page.keyboard.press("Tab");
-  await untilSays(experiment, /elbow\b.*0\.5/);
+  await untilSays(experiment, /^elbow = 0\.5/m);
+  await page.getByLabel("Lock waist").check();
+  await page.getByLabel("Value of waist").fill("0.25");
+  await page.keyboard.press("Tab");
+  await untilSays(experiment, /^waist = 0\.25/m);
+  await untilSays(experiment, /^elbow = 0\.5/m);
 });
 
 test("the window is typed, and dragged on the plot", async (t) => {

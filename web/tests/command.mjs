@@ -5,16 +5,10 @@ import { spawnSync } from "node:child_process";
 import { copyFileSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { basename, join } from "node:path";
-import { compare, deviationOfEstimates } from "./numbers.mjs";
+import { differences } from "./numbers.mjs";
 import { REPOSITORY } from "./site.mjs";
 
 const PROGRAM = process.env.THETAHAT ?? join(REPOSITORY, "target/release/thetahat");
-
-/** Relative difference of two numbers at most. */
-const TOLERANCE = 1e-9;
-
-/** Difference of two estimates at most, in standard deviations: twice the change at which iterations end. */
-const SIMULATED = 0.1;
 
 /** Runs the program in a folder; exit code 1 is a verdict. */
 export function thetahat(folder, ...args) {
@@ -53,25 +47,9 @@ export function errorOf({ status, stderr }) {
   return stderr.replace(/^error: /, "").trim();
 }
 
-/**
- * Asserts that two results are the same to the tolerance; how many values they have. Estimates by IV may differ as simulations do, whose
- * steps the integrator chooses: the sines of the browser have other last digits.
- */
+/** Asserts that two results are the same to the tolerances; how many values they have. */
 export function assertSame(found, expected) {
-  const simulated = deviationOfEstimates(found, expected);
-  assert.ok(simulated <= SIMULATED, `estimates differ by ${simulated} standard deviations`);
-  const { count, worst } = compare(ofMeasurement(found), ofMeasurement(expected));
-  assert.ok(worst.deviation <= TOLERANCE, `${worst.place}: ${JSON.stringify(worst.a)}, not ${JSON.stringify(worst.b)}`);
+  const { count, worst, estimates, areSame } = differences(found, expected);
+  assert.ok(areSame, `${worst.place}: ${JSON.stringify(worst.a)}, not ${JSON.stringify(worst.b)}; estimates differ by ${estimates} standard deviations`);
   return count;
-}
-
-/** Results without the figures of simulations. */
-function ofMeasurement({ runs, advice, verdict_reasons: reasons, diagnostics: _, ...others }) {
-  const measured = runs.filter(({ method }) => method === "idim-ls" || method === "idim-wls").map(withoutSimulation);
-  assert.ok(measured.length > 0, "a run without simulations is compared");
-  return { ...others, runs: measured, taken: advice.map(({ take }) => take), reasons: reasons.map(({ code }) => code) };
-}
-
-function withoutSimulation({ simulation_relative_error_percent: _, validation_simulation_relative_error_percent: __, ...run }) {
-  return run;
 }

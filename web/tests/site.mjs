@@ -24,8 +24,8 @@ export function dataset(name) {
 }
 
 /** The server and the browser of a file of tests. */
-export async function openSite() {
-  const [server, browser] = await Promise.all([serve(0), launch()]);
+export async function openSite(options = {}) {
+  const [server, browser] = await Promise.all([serve(0, options), launch()]);
   const url = `http://localhost:${server.address().port}/`;
   const close = async () => {
     await browser.close();

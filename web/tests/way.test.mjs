@@ -4,14 +4,8 @@ import assert from "node:assert/strict";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { assertSame, folderOf, identified, proposed, thetahat } from "./command.mjs";
-import { deviationOfEstimates } from "./numbers.mjs";
+import { differences } from "./numbers.mjs";
 import { ARM, choose, dataset, identify, openFolds, openSite, REPOSITORY, saved, takeDemo, untilReady, visit } from "./site.mjs";
-
-/**
- * Standard deviations by which estimates of the demonstration may differ: its record is simulated with steps that the integrator chooses,
- * and one that is refused for the last bit makes a difference of the integrator's tolerance.
- */
-const LARGEST_DEVIATION = 0.05;
 
 const NUMBER = /-?\d+(?:\.\d+)?(?:e-?\d+)?/g;
 
@@ -35,8 +29,8 @@ test("the demo: the verdict, the report and the files", async (t) => {
   await assertReport(page);
   const results = JSON.parse(await saved(page, "results.json"));
   const expected = JSON.parse(thetahat(REPOSITORY, "demo", "--json").stdout);
-  const deviation = deviationOfEstimates(results, expected);
-  assert.ok(deviation < LARGEST_DEVIATION, `${deviation} standard deviations`);
+  const { estimates, areNear } = differences(results, expected);
+  assert.ok(areNear, `${estimates} standard deviations`);
   assert.match(await saved(page, "report.html"), /^<!DOCTYPE html>/);
   assert.match(await saved(page, "parameters.csv"), /idim-ls/);
   assertQuiet();

@@ -9,5 +9,7 @@ mod page;
 mod request;
 mod session;
 mod store;
+#[cfg(all(target_family = "wasm", target_os = "unknown"))]
+mod threads;
 
 pub use session::{Outcome, Session};

@@ -5,6 +5,8 @@ use std::{path::Path, sync::Mutex};
 use wasm_bindgen::prelude::*;
 
 use crate::session::{self, Session};
+#[cfg(all(target_family = "wasm", target_os = "unknown"))]
+use crate::threads;
 
 /// A session in the page.
 #[wasm_bindgen(js_name = Session)]
@@ -18,13 +20,12 @@ fn told<T>(outcome: session::Outcome<T>) -> Outcome<T> {
 
 #[wasm_bindgen(js_class = Session)]
 impl PageSession {
-    /// A session without files.
+    /// A session without files that works on so many threads: one, or those of `start_threads`.
     #[wasm_bindgen(constructor)]
     #[must_use]
-    #[allow(clippy::new_without_default, reason = "JavaScript has no defaults")]
-    pub fn new() -> Self {
+    pub fn new(threads: usize) -> Self {
         keep_panics();
-        Self(Session::in_folder(Path::new("")))
+        Self(Session::in_folder(Path::new("")).on_threads(threads))
     }
 
     /// The version of the program.
@@ -112,6 +113,23 @@ impl PageSession {
     pub fn export(&self, results: &str, format: &str, untrusted: bool) -> Outcome<String> {
         told(self.0.export(results, format, untrusted))
     }
+}
+
+/// Makes threads, once in a memory: waits until as many other workers have called `serve_thread`.
+///
+/// # Errors
+/// Threads that were made before.
+#[cfg(all(target_family = "wasm", target_os = "unknown"))]
+#[wasm_bindgen]
+pub fn start_threads(count: usize) -> Outcome<()> {
+    told(threads::start(count))
+}
+
+/// Works as a thread, as long as the worker lives.
+#[cfg(all(target_family = "wasm", target_os = "unknown"))]
+#[wasm_bindgen]
+pub fn serve_thread() {
+    threads::serve();
 }
 
 /// What the last panic said, after which the module must not be used; empty where there was none.

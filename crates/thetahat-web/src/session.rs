@@ -31,6 +31,7 @@ const EXPERIMENT: &str = "experiment.toml";
 #[derive(Debug, Clone)]
 pub struct Session {
     folder: PathBuf,
+    threads: usize,
     files: Vec<(String, usize)>,
 }
 
@@ -44,7 +45,13 @@ impl Session {
     /// A session whose files lie in a folder; in a page it is the empty path.
     #[must_use]
     pub fn in_folder(folder: &Path) -> Self {
-        Self { folder: folder.to_owned(), files: Vec::new() }
+        Self { folder: folder.to_owned(), threads: 1, files: Vec::new() }
+    }
+
+    /// The same on so many threads, on which no answer depends.
+    #[must_use]
+    pub fn on_threads(self, threads: usize) -> Self {
+        Self { threads, ..self }
     }
 
     /// Puts a file into the folder, in the place of one of the same path.
@@ -110,7 +117,7 @@ impl Session {
         let source = RobotSource::read(&files.robot)?;
         let proposal = propose(&request.proposal(&files), &source, &contents)?;
         progress("choosing the filter on a twin of the record");
-        Ok(proposal.with_chosen_filter(source.to_text(), &files.data_folder(), 1)?.text())
+        Ok(proposal.with_chosen_filter(source.to_text(), &files.data_folder(), self.threads)?.text())
     }
 
     /// The findings in an experiment's recordings, as of `check --json`.
@@ -132,7 +139,7 @@ impl Session {
         progress("reading and filtering the recordings");
         let recordings = experiment.recordings(&self.folder)?;
         budget::require_length(&recordings)?;
-        let results = experiment.run_on(recordings, &self.folder, progress)?;
+        let results = experiment.run_on(recordings, &self.folder, self.threads, progress)?;
         progress("writing the report");
         Ok(serde_json::to_string(&Identified::of(&results, published.as_ref())?)?)
     }

@@ -1,8 +1,9 @@
 //! Numbered work on several threads: pieces of a recording, cases, records of a campaign.
 //!
 //! Results do not depend on the number of threads, as long as `work` depends on its number alone. One thread is the
-//! calling one: none is started. Where the system gives no threads, as in wasm, the calling one does all the work. A panic
-//! of the work is passed on to the caller.
+//! calling one: none is started. Where the system gives no threads, the calling one does all the work. A page has those that
+//! it started for `rayon_core`, and work that is begun on one of them stays on it. A panic of the work is passed on to the
+//! caller.
 
 use std::{
     any::Any,
@@ -13,7 +14,7 @@ use std::{
         atomic::{AtomicBool, Ordering},
         mpsc,
     },
-    thread::{self, Builder},
+    thread,
 };
 
 /// Numbers that are worked on, or wait to be taken, for each thread.
@@ -78,17 +79,13 @@ fn run<T: Send, E>(
         return in_caller(count, work, take);
     }
     let (to_do, numbers) = mpsc::channel();
-    let queue = Queue { numbers: Mutex::new(numbers), stopped: AtomicBool::new(false) };
-    thread::scope(|scope| {
-        // Whatever ends this closure drops the two channels, at which the threads end.
-        let (to_do, (done, results)) = (to_do, mpsc::channel());
-        let start = |_: &usize| {
-            let (queue, work, done) = (&queue, &work, done.clone());
-            Builder::new().spawn_scoped(scope, move || queue.serve(work, &done)).is_ok()
-        };
-        let threads = (0..threads).take_while(start).count();
+    let (queue, work) = (&Queue { numbers: Mutex::new(numbers), stopped: AtomicBool::new(false) }, &work);
+    let (done, results) = mpsc::channel();
+    let serve = || queue.serve(work, &done);
+    // Whatever ends this closure drops `to_do`, at which the threads end.
+    beside(threads, &serve, move |threads| {
         if threads == 0 {
-            return in_caller(count, &work, take);
+            return in_caller(count, work, take);
         }
         let mut left = 0..count;
         let mut begin = |more: usize| left.by_ref().take(more).try_for_each(|number| to_do.send(number));
@@ -99,6 +96,26 @@ fn run<T: Send, E>(
             let _ = begin(taken.inspect_err(|_| queue.stop())?);
         }
         Ok(())
+    })
+}
+
+/// `body` in the calling thread beside as many threads as there are, up to the number given, that each run `serve`.
+#[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
+fn beside<R>(threads: usize, serve: &(impl Fn() + Sync), body: impl FnOnce(usize) -> R) -> R {
+    thread::scope(|scope| {
+        let start = |_: &usize| thread::Builder::new().spawn_scoped(scope, serve).is_ok();
+        body((0..threads).take_while(start).count())
+    })
+}
+
+#[cfg(all(target_family = "wasm", target_os = "unknown"))]
+fn beside<R>(threads: usize, serve: &(impl Fn() + Sync), body: impl FnOnce(usize) -> R) -> R {
+    // A thread of the pool that waited for others of it could wait for ever.
+    let is_of_pool = rayon_core::current_thread_index().is_some();
+    let threads = if is_of_pool { 0 } else { threads.min(rayon_core::current_num_threads()) };
+    rayon_core::in_place_scope(|scope| {
+        (0..threads).for_each(|_| scope.spawn(|_| serve()));
+        body(threads)
     })
 }
 

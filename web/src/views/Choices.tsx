@@ -4,7 +4,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { App } from "../app";
 import { assignmentOf, choicesOf, columnNames, type Assignment, type JointColumns } from "../columns";
 import type { ProposalAnswer, Side, Understanding } from "../contract";
-import { isAtWork, isOwnText, type Choices as ChosenArguments, type State } from "../state";
+import { isAtWork, isOwnText, type State } from "../state";
 
 const POSITION_UNITS = ["rad", "mrad", "deg", "rev", "m", "mm", "um"];
 const TORQUE_UNITS = ["N m", "mN m", "kN m", "N", "kN", "A", "mA", "V", "mV", "%"];
@@ -101,7 +101,7 @@ function Choice({ label, found, value, options, choose }: ChoiceProps) {
 /** The columns of each joint, taken when every joint that moves has both. */
 function Columns({ state, app, understanding }: Props) {
   const isBusy = isAtWork(state);
-  const [draft, setDraft] = useDraft(understanding, state.choices);
+  const [draft, setDraft] = useDraft(state, understanding);
   const assignment = draft ?? assignmentOf(understanding);
   const names = columnNames(understanding.recordings);
   const take = (changed: Assignment) => {
@@ -127,11 +127,11 @@ function Columns({ state, app, understanding }: Props) {
   );
 }
 
-/** What was chosen and is not proposed yet; a new proposal takes its place. */
-function useDraft(understanding: Understanding, choices: ChosenArguments) {
+/** What was chosen and is not proposed yet; a proposal that answers the last choices takes its place. */
+function useDraft({ choices, answered }: State, understanding: Understanding) {
   const [draft, setDraft] = useState<Assignment | null>(null);
   useEffect(() => {
-    if (understanding.proposal || Object.keys(choices).length === 0) setDraft(null);
+    if (choices === answered && (understanding.proposal || Object.keys(choices).length === 0)) setDraft(null);
   }, [understanding]);
   return [draft, setDraft] as const;
 }
@@ -147,11 +147,21 @@ function Row({ joint, names, take }: { joint: JointColumns; names: string[]; tak
         choose={(torque) => take({ ...joint, torque })} /></td>
       <td class="lead">
         <input type="checkbox" aria-label={`Lock ${joint.name}`} checked={isLocked} onChange={() => take({ ...joint, locked: isLocked ? null : 0 })} />
-        {isLocked && <input type="number" step="any" aria-label={`Value of ${joint.name}`} value={joint.locked!}
-          onChange={(event) => take({ ...joint, locked: event.currentTarget.valueAsNumber || 0 })} />}
+        {isLocked && <LockValue name={joint.name} value={joint.locked!} take={(locked) => take({ ...joint, locked })} />}
       </td>
     </tr>
   );
+}
+
+/** Keeps what is being typed, whatever is answered meanwhile. */
+function LockValue({ name, value, take }: { name: string; value: number; take: (value: number) => void }) {
+  const [typed, setTyped] = useState<string | null>(null);
+  const done = (value: number) => {
+    setTyped(null);
+    take(value || 0);
+  };
+  return <input type="number" step="any" aria-label={`Value of ${name}`} value={typed ?? value}
+    onInput={(event) => setTyped(event.currentTarget.value)} onChange={(event) => done(event.currentTarget.valueAsNumber)} />;
 }
 
 interface ColumnChoiceProps {

@@ -49,9 +49,10 @@ impl Experiment {
         &self,
         recordings: Vec<Recording>,
         data: &Path,
+        threads: usize,
         progress: &mut dyn FnMut(&str),
     ) -> Result<Results, ExperimentError> {
-        self.results_of(self.with_validation(recordings, data)?, progress)
+        self.results_of(self.with_validation(recordings, data)?.on_threads(threads), progress)
     }
 
     fn results_of(
