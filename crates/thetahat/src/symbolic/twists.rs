@@ -110,7 +110,8 @@ fn behind<'g>(chain: &Chain<'g>, joint: &Joint<'g>, before: &[Carried<'g>]) -> V
         return here;
     }
     for twist in &mut here {
-        let alike = twist.here.z.iter().zip(own.here.z).all(|(z, own)| z.number().is_some() && z.number() == own.number());
+        let alike =
+            twist.here.z.iter().zip(own.here.z).all(|(z, own)| z.number().is_some() && z.number() == own.number());
         if joint.is_revolute && alike {
             *twist = twist.beside(joint);
         }

@@ -239,11 +239,9 @@ impl File<'_> {
     fn state(&self) -> String {
         let mut text =
             format!("THETAHAT_INLINE void {}_state({}, const size_t stride) {{\n", self.name, self.declared());
-        self.parts.run(&C).iter().for_each(|line| text += &format!("{line}\n"));
         let output = output_name(self.function.model);
-        for (place, value) in self.parts.outputs(&C).iter().enumerate() {
-            text += &format!("    {output}[{place} * stride] = {value};\n");
-        }
+        let store = |place: usize, value: &str| format!("    {output}[{place} * stride] = {value};");
+        self.parts.run_and_store(&C, store).iter().for_each(|line| text += &format!("{line}\n"));
         for array in self.unused() {
             text += &format!("    (void){array};\n");
         }
