@@ -23,6 +23,8 @@ pub(super) struct Motion<'g> {
     pub(super) products: Vector<'g>,
     /// Acceleration of the origin, less gravity.
     pub(super) dv: Vector<'g>,
+    /// Whether the origin is known never to move.
+    rests: bool,
     /// How its joint turned it, in the joint's own axes.
     pub(super) turn: Option<Turn<'g>>,
 }
@@ -45,6 +47,8 @@ pub(super) struct Turn<'g> {
     pub(super) level: BeforeTurn<'g>,
     /// Acceleration of the foot of its axis, less gravity, in the tilted frame and in its own.
     pub(super) dv_at_foot: [Vector<'g>; 2],
+    /// Whether the foot never moves.
+    pub(super) foot_rests: bool,
 }
 
 /// Velocities and accelerations of the coordinates.
@@ -61,25 +65,27 @@ impl<'g> Motion<'g> {
         let gravity = chain.gravity.map(|g| if with_gravity { -g } else { 0.0 });
         let none = chain.none();
         let dv = chain.builder.constants(gravity);
-        Self { w: none, dw: none, a: [none; 3], differences: none, products: none, dv, turn: None }
+        Self { w: none, dw: none, a: [none; 3], differences: none, products: none, dv, rests: true, turn: None }
     }
 
     /// From the angular velocity and acceleration, `a` and `dv`.
     pub(super) fn new([w, dw]: [Vector<'g>; 2], a: Matrix<'g>, dv: Vector<'g>) -> Self {
         let differences = [a[2][2] - a[1][1], a[0][0] - a[2][2], a[1][1] - a[0][0]];
-        Self { w, dw, a, differences, products: [w[1] * w[2], w[0] * w[2], w[0] * w[1]], dv, turn: None }
+        Self { w, dw, a, differences, products: [w[1] * w[2], w[0] * w[2], w[0] * w[1]], dv, rests: false, turn: None }
     }
 
     /// Of the link behind a joint.
     fn next(&self, chain: &Chain<'g>, joint: &Joint<'g>, rates: Rates<'_, 'g>) -> Self {
         let column = joint.axis_column(&self.a, chain.builder);
-        let foot = joint.tilted(add(self.dv, times(&self.a, joint.foot)));
+        let shift = times(&self.a, joint.foot);
+        let foot_rests = self.rests && shift.iter().all(|entry| entry.is_zero());
+        let foot = joint.tilted(add(self.dv, shift));
         let dv_at_foot = [foot, joint.turned(foot)];
         let rates = [joint.rate(rates.dq), joint.rate(rates.ddq)];
         if joint.is_revolute {
             let tilted = BeforeTurn { w: joint.tilted(self.w), column };
             let level = self.turn.filter(|_| joint.is_parallel()).map_or(tilted, |turn| turn.level);
-            self.turned(joint, rates, Turn { tilted, level, dv_at_foot })
+            self.turned(joint, rates, Turn { tilted, level, dv_at_foot, foot_rests })
         } else {
             let dv = add(dv_at_foot[1], joint.turned(column).map(|entry| entry * joint.along));
             self.slid(joint, rates, dv)
@@ -90,7 +96,9 @@ impl<'g> Motion<'g> {
     fn turned(&self, joint: &Joint<'g>, [dq, ddq]: [Expression<'g>; 2], turn: Turn<'g>) -> Self {
         let [x, y, z] = joint.turned_at_once(turn.tilted.w, turn.level.w);
         let column = joint.turned_at_once(turn.tilted.column, turn.level.column);
-        let dv = add(turn.dv_at_foot[1], column.map(|entry| entry * joint.along));
+        let shift = column.map(|entry| entry * joint.along);
+        let rests = turn.foot_rests && shift.iter().all(|entry| entry.is_zero());
+        let dv = add(turn.dv_at_foot[1], shift);
         let z = z + dq;
         let dz = joint.tilted(self.dw)[2] + ddq;
         let [xz, yz, zz] = column;
@@ -105,7 +113,7 @@ impl<'g> Motion<'g> {
             [products[2] + dz, yy, yz],
             [products[1] - dy, products[0] + dx, zz],
         ];
-        Self { w: [x, y, z], dw: [dx, dy, dz], a, differences, products, dv, turn: Some(turn) }
+        Self { w: [x, y, z], dw: [dx, dy, dz], a, differences, products, dv, rests, turn: Some(turn) }
     }
 
     fn slid(&self, joint: &Joint<'g>, [dq, ddq]: [Expression<'g>; 2], dv: Vector<'g>) -> Self {

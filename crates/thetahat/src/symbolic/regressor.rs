@@ -71,7 +71,9 @@ impl<'g> Link<'_, 'g> {
         }
         if components(twist.v_at_foot) < components(twist.here.v) {
             let about_foot = Twist { v: twist.v_at_foot, ..twist.here };
-            let [mx, my, _] = first_moments(&about_foot, self.motion, turn.dv_at_foot[1]);
+            let has_no_moment = twist.is_along_gravity && turn.foot_rests;
+            let dv = if has_no_moment { turn.dv_at_foot[1].map(|dv| dv * 0.0) } else { turn.dv_at_foot[1] };
+            let [mx, my, _] = first_moments(&about_foot, self.motion, dv);
             entries[6] = mx - self.joint.along * entries[2];
             entries[7] = my - self.joint.along * entries[4];
         }

@@ -31,6 +31,8 @@ pub(super) struct Carried<'g> {
     pub(super) tilted: Twist<'g>,
     /// `z` in the tilted frame of the first of the parallel joints of which the link's is the last.
     pub(super) level: Vector<'g>,
+    /// Whether its axis stands along gravity, which then gives it no torque.
+    pub(super) is_along_gravity: bool,
 }
 
 impl<'g> Twist<'g> {
@@ -49,7 +51,10 @@ impl<'g> Carried<'g> {
         let (axis, none) = (chain.builder.constants([0.0, 0.0, joint.ratio]), chain.none());
         let [z, v] = if joint.is_revolute { [axis, none] } else { [none, axis] };
         let here = Twist { z, v };
-        Self { coordinate: joint.coordinate, beside: None, here, v_at_foot: v, tilted: here, level: z }
+        let gravity = cross(joint.axis(chain.builder), chain.builder.constants(chain.gravity));
+        let is_along_gravity = joint.parent.is_none() && gravity.iter().all(|entry| entry.is_zero());
+        let coordinate = joint.coordinate;
+        Self { coordinate, beside: None, here, v_at_foot: v, tilted: here, level: z, is_along_gravity }
     }
 
     /// At the link behind the next joint.
@@ -75,6 +80,7 @@ impl<'g> Carried<'g> {
             v_at_foot: add(self.v_at_foot, other.v_at_foot),
             tilted: self.tilted.plus(&other.tilted),
             level: add(self.level, other.level),
+            is_along_gravity: self.is_along_gravity && other.is_along_gravity,
             ..*self
         }
     }
