@@ -16,9 +16,10 @@ use thetahat::{
 const PREFIX: &str = "import pathlib, pinocchio; print(pathlib.Path(pinocchio.__file__).parents[4])";
 
 /// What its own build files define, and the flags of our C.
-const FLAGS: [&str; 10] = [
+const FLAGS: [&str; 11] = [
     "-std=c++17",
     "-O3",
+    "-w",
     "-march=native",
     "-fno-math-errno",
     "-fno-trapping-math",
