@@ -100,6 +100,15 @@ static inline THETAHAT_REAL thetahat_cos(const double x) {
 #endif
 #endif
 
+/* The states of a batch do not depend on each other, whatever the count. */
+#ifndef THETAHAT_INDEPENDENT
+#if defined(__GNUC__) && !defined(__clang__)
+#define THETAHAT_INDEPENDENT _Pragma(\"GCC ivdep\")
+#else
+#define THETAHAT_INDEPENDENT
+#endif
+#endif
+
 /* Such as `static`, where the file is included by several others. */
 #ifndef THETAHAT_LINKAGE
 #define THETAHAT_LINKAGE
@@ -263,8 +272,8 @@ impl File<'_> {
         };
         let (single, batch, name) = (self.single(), self.batch(), &self.name);
         format!(
-            "{single} {{\n    {name}_state({}, 1);\n}}\n\n{batch} {{\n    for (size_t k = 0; k < count; k++) {{\n        \
-             {name}_state({}, count);\n    }}\n}}\n",
+            "{single} {{\n    {name}_state({}, 1);\n}}\n\n{batch} {{\n    THETAHAT_INDEPENDENT\n    \
+             for (size_t k = 0; k < count; k++) {{\n        {name}_state({}, count);\n    }}\n}}\n",
             names(""),
             names(" + k"),
         )
