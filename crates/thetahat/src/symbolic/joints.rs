@@ -155,16 +155,12 @@ impl<'g> Joint<'g> {
         [c * x[0] + s * x[1], c * x[1] - s * x[0], x[2]]
     }
 
-    /// A vector of the tilted frame in the joint's own, by one turn with the parallel joints before where that costs less.
+    /// A vector of the tilted frame in the joint's own, by one turn with the parallel joints before.
     ///
     /// `level` is the vector in the tilted frame of the first of them.
     pub(super) fn turned_at_once(&self, tilted: Vector<'g>, level: Vector<'g>) -> Vector<'g> {
-        match self.together {
-            Some((s, c)) if level[0].is_zero() || level[1].is_zero() => {
-                [c * level[0] + s * level[1], c * level[1] - s * level[0], tilted[2]]
-            }
-            Some(_) | None => self.turned(tilted),
-        }
+        let (s, c) = self.together.unwrap_or(self.theta);
+        [c * level[0] + s * level[1], c * level[1] - s * level[0], tilted[2]]
     }
 
     /// The reverse of [`Joint::turned`].

@@ -51,6 +51,18 @@ pub(super) struct Turn<'g> {
     pub(super) foot_rests: bool,
 }
 
+impl<'g> Turn<'g> {
+    /// Angular velocity and column in the joint's own frame.
+    ///
+    /// The turn of parallel joints at once costs a turn of its own: it pays where both have one component in the plane.
+    fn turned(&self, joint: &Joint<'g>) -> [Vector<'g>; 2] {
+        let has_one = |x: Vector<'g>| x[0].is_zero() != x[1].is_zero();
+        let at_once = joint.is_parallel() && has_one(self.level.w) && has_one(self.level.column);
+        let turned = |x: Vector<'g>, level| if at_once { joint.turned_at_once(x, level) } else { joint.turned(x) };
+        [turned(self.tilted.w, self.level.w), turned(self.tilted.column, self.level.column)]
+    }
+}
+
 /// Velocities and accelerations of the coordinates.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rates<'a, 'g> {
@@ -94,8 +106,7 @@ impl<'g> Motion<'g> {
 
     /// Behind a revolute joint.
     fn turned(&self, joint: &Joint<'g>, [dq, ddq]: [Expression<'g>; 2], turn: Turn<'g>) -> Self {
-        let [x, y, z] = joint.turned_at_once(turn.tilted.w, turn.level.w);
-        let column = joint.turned_at_once(turn.tilted.column, turn.level.column);
+        let [[x, y, z], column] = turn.turned(joint);
         let shift = column.map(|entry| entry * joint.along);
         let rests = turn.foot_rests && shift.iter().all(|entry| entry.is_zero());
         let dv = add(turn.dv_at_foot[1], shift);

@@ -62,7 +62,7 @@ impl<'g> Carried<'g> {
         let Twist { z, v } = self.here;
         let tilted = Twist { z: next.tilted(z), v: next.tilted(add(v, cross(z, next.foot))) };
         let level = if next.is_parallel() { self.level } else { tilted.z };
-        let z = next.turned_at_once(tilted.z, level);
+        let z = next.turned(tilted.z);
         let v_at_foot = next.turned(tilted.v);
         let v = [v_at_foot[0] + z[1] * next.along, v_at_foot[1] - z[0] * next.along, v_at_foot[2]];
         Self { here: Twist { z, v }, v_at_foot, tilted, level, ..*self }
