@@ -15,8 +15,9 @@ use thetahat::{
     symbolic::{Function, Language, ModelKind, ParameterSet, Request},
 };
 
-const CALLS: usize = 20_000;
-const ROUNDS: usize = 25;
+/// A round is short, so that some are not interrupted on a busy machine.
+const CALLS: usize = 1_000;
+const ROUNDS: usize = 500;
 /// States of a batch.
 const BATCH: usize = 500;
 const JOINTS: usize = 6;

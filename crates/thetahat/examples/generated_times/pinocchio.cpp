@@ -1,4 +1,4 @@
-// Times of Pinocchio's algorithms on a robot, ns a call: `race < joints`, where each joint of a chain is a line of its rotation (row by
+// Times of Pinocchio's algorithms on a robot, ns a call: `pinocchio < joints`, where each joint of a chain is a line of its rotation (row by
 // row) and origin in the frame before, and of mass, first moments and inertia (xx, xy, yy, xz, yz, zz) about its own origin.
 //
 // Prints the torques of a state first, for comparison, then inverse dynamics, mass matrix, forward dynamics and regressor.
@@ -10,13 +10,15 @@
 #include <pinocchio/algorithm/rnea.hpp>
 #include <pinocchio/multibody.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <string>
 
-static const int ROUNDS = 25, CALLS = 20000;
+// As of the generated code.
+static const int ROUNDS = 500, CALLS = 1000;
 
 template <typename Call> static void print_least(Call call) {
     double best = INFINITY;

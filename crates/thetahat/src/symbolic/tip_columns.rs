@@ -53,8 +53,8 @@ impl<'g> TipColumns<'g> {
 
 /// The moments of `xx`, `xy`, `xz`, `yy` and `yz`, with the forces of the first moments.
 ///
-/// Those of `xx + yy` are the column on the axis, turned by a right angle; those of `xy` in the plane are those of `xx - yy`, turned
-/// so; those of `xz` and `yz` are the forces of `mx` and `my`, turned so, less `zz` of `a` once.
+/// Those of `xx + yy` are the column on the axis, turned by a right angle; those of `xy` in the plane are those of
+/// `xx - yy`, turned so; those of `xz` and `yz` are the forces of `mx` and `my`, turned so, less `zz` of `a` once.
 fn inertia_moments<'g>(
     joint: &Joint<'g>,
     motion: &Motion<'g>,
