@@ -66,6 +66,10 @@ impl<'g> Expression<'g> {
         self.builder.graph.borrow().value(self.value)
     }
 
+    pub(super) fn is_zero(self) -> bool {
+        self.number() == Some(0.0)
+    }
+
     pub(super) fn builder(self) -> &'g Builder {
         self.builder
     }

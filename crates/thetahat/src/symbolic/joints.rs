@@ -23,6 +23,8 @@ pub(super) struct Joint<'g> {
     alpha: (f64, f64),
     /// `Rot(z, theta)`, which a revolute joint turns.
     theta: (Expression<'g>, Expression<'g>),
+    /// The turn of this joint and of all those before it that turn about parallel axes, where the joint before is one.
+    together: Option<(Expression<'g>, Expression<'g>)>,
     /// Where its axis passes the origin of the frame before, in that frame.
     pub(super) foot: Vector<'g>,
     /// From there to its own origin, along its axis.
@@ -51,7 +53,11 @@ impl<'g> Chain<'g> {
             let coordinate = coordinates.partition_point(|&own| own < leader);
             Joint::new(builder, joint, coordinate, unit)
         };
-        let joints = robot.joints.iter().enumerate().map(joint).collect();
+        let mut joints: Vec<Joint<'g>> = Vec::with_capacity(robot.joints.len());
+        for made in robot.joints.iter().enumerate().map(joint) {
+            let together = made.parent.and_then(|parent| made.turned_with(&joints[parent]));
+            joints.push(Joint { together, ..made });
+        }
         let gravity = robot.gravity.map(|g| g / unit);
         Self { builder, joints, coordinates: coordinates.len(), unit, gravity }
     }
@@ -90,15 +96,29 @@ impl<'g> Joint<'g> {
             gamma: exact_sin_cos(joint.placement.gamma),
             alpha: exact_sin_cos(joint.placement.alpha),
             theta: fixed,
+            together: None,
             foot: builder.constants(foot.map(|length| length / unit)),
             along: builder.constant(along / unit),
         };
         if is_revolute {
-            made.theta = turned(builder.input(Array::Position, coordinate) * ratio, fixed);
+            let angle = builder.input(Array::Position, coordinate) * ratio;
+            made.theta = turned_by((angle.sine(), angle.cosine()), fixed);
         } else {
             made.along = made.along + q;
         }
         made
+    }
+
+    /// The turn of both joints, if the axis of the one before is parallel.
+    fn turned_with(&self, before: &Self) -> Option<(Expression<'g>, Expression<'g>)> {
+        let both_turn = self.is_revolute && before.is_revolute;
+        let parallel = self.alpha == (0.0, 1.0) && self.gamma == (0.0, 1.0);
+        (both_turn && parallel).then(|| turned_by(before.together.unwrap_or(before.theta), self.theta))
+    }
+
+    /// Whether it and the joint before turn about parallel axes.
+    pub(super) fn is_parallel(&self) -> bool {
+        self.together.is_some()
     }
 
     /// Its axis in the frame before.
@@ -133,6 +153,14 @@ impl<'g> Joint<'g> {
     pub(super) fn turned(&self, x: Vector<'g>) -> Vector<'g> {
         let (s, c) = self.theta;
         [c * x[0] + s * x[1], c * x[1] - s * x[0], x[2]]
+    }
+
+    /// A vector of the tilted frame in the joint's own, by one turn with the parallel joints before.
+    ///
+    /// `level` is the vector in the tilted frame of the first of them.
+    pub(super) fn turned_at_once(&self, tilted: Vector<'g>, level: Vector<'g>) -> Vector<'g> {
+        let (s, c) = self.together.unwrap_or(self.theta);
+        [c * level[0] + s * level[1], c * level[1] - s * level[0], tilted[2]]
     }
 
     /// The reverse of [`Joint::turned`].
@@ -185,8 +213,10 @@ pub(super) fn transpose<'g>(a: &Matrix<'g>) -> Matrix<'g> {
     [0, 1, 2].map(|j| [a[0][j], a[1][j], a[2][j]])
 }
 
-/// Sine and cosine of an angle and a fixed one, of which those of right angles are a change of place and sign.
-fn turned<'g>(angle: Expression<'g>, fixed: (Expression<'g>, Expression<'g>)) -> (Expression<'g>, Expression<'g>) {
-    let (s, c) = (angle.sine(), angle.cosine());
-    (s * fixed.1 + c * fixed.0, c * fixed.1 - s * fixed.0)
+/// Sine and cosine of the sum of two angles: a fixed right angle is a change of place and sign.
+fn turned_by<'g>(
+    (s, c): (Expression<'g>, Expression<'g>),
+    by: (Expression<'g>, Expression<'g>),
+) -> (Expression<'g>, Expression<'g>) {
+    (s * by.1 + c * by.0, c * by.1 - s * by.0)
 }

@@ -41,6 +41,8 @@ mod term_tests;
 mod terms;
 #[cfg(test)]
 mod tests;
+mod tip_columns;
+mod twists;
 
 pub use base_formulas::{BaseFormula, BaseFormulas, GeometrySymbol};
 pub use error::SymbolicError;

@@ -23,6 +23,44 @@ pub(super) struct Motion<'g> {
     pub(super) products: Vector<'g>,
     /// Acceleration of the origin, less gravity.
     pub(super) dv: Vector<'g>,
+    /// Whether the origin is known never to move.
+    rests: bool,
+    /// How its joint turned it, in the joint's own axes.
+    pub(super) turn: Option<Turn<'g>>,
+}
+
+/// What a revolute joint turns.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct BeforeTurn<'g> {
+    /// Angular velocity of the link before.
+    pub(super) w: Vector<'g>,
+    /// What `a` makes of the joint's axis, before the joint as behind it.
+    pub(super) column: Vector<'g>,
+}
+
+/// The turn of a revolute joint.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Turn<'g> {
+    /// In the joint's tilted frame.
+    pub(super) tilted: BeforeTurn<'g>,
+    /// Before the turn of the first of the parallel joints of which it is the last, but for the components along z.
+    pub(super) level: BeforeTurn<'g>,
+    /// Acceleration of the foot of its axis, less gravity, in the tilted frame and in its own.
+    pub(super) dv_at_foot: [Vector<'g>; 2],
+    /// Whether the foot never moves.
+    pub(super) foot_rests: bool,
+}
+
+impl<'g> Turn<'g> {
+    /// Angular velocity and column in the joint's own frame.
+    ///
+    /// The turn of parallel joints at once costs a turn of its own: it pays where both have one component in the plane.
+    fn turned(&self, joint: &Joint<'g>) -> [Vector<'g>; 2] {
+        let has_one = |x: Vector<'g>| x[0].is_zero() != x[1].is_zero();
+        let at_once = joint.is_parallel() && has_one(self.level.w) && has_one(self.level.column);
+        let turned = |x: Vector<'g>, level| if at_once { joint.turned_at_once(x, level) } else { joint.turned(x) };
+        [turned(self.tilted.w, self.level.w), turned(self.tilted.column, self.level.column)]
+    }
 }
 
 /// Velocities and accelerations of the coordinates.
@@ -39,28 +77,39 @@ impl<'g> Motion<'g> {
         let gravity = chain.gravity.map(|g| if with_gravity { -g } else { 0.0 });
         let none = chain.none();
         let dv = chain.builder.constants(gravity);
-        Self { w: none, dw: none, a: [none; 3], differences: none, products: none, dv }
+        Self { w: none, dw: none, a: [none; 3], differences: none, products: none, dv, rests: true, turn: None }
     }
 
     /// From the angular velocity and acceleration, `a` and `dv`.
     pub(super) fn new([w, dw]: [Vector<'g>; 2], a: Matrix<'g>, dv: Vector<'g>) -> Self {
         let differences = [a[2][2] - a[1][1], a[0][0] - a[2][2], a[1][1] - a[0][0]];
-        Self { w, dw, a, differences, products: [w[1] * w[2], w[0] * w[2], w[0] * w[1]], dv }
+        Self { w, dw, a, differences, products: [w[1] * w[2], w[0] * w[2], w[0] * w[1]], dv, rests: false, turn: None }
     }
 
     /// Of the link behind a joint.
     fn next(&self, chain: &Chain<'g>, joint: &Joint<'g>, rates: Rates<'_, 'g>) -> Self {
-        let column = joint.turned(joint.axis_column(&self.a, chain.builder));
-        let at_foot = joint.seen(add(self.dv, times(&self.a, joint.foot)));
-        let dv = add(at_foot, column.map(|entry| entry * joint.along));
-        let dq = joint.rate(rates.dq);
-        let ddq = joint.rate(rates.ddq);
-        if joint.is_revolute { self.turned(joint, [dq, ddq], column, dv) } else { self.slid(joint, [dq, ddq], dv) }
+        let column = joint.axis_column(&self.a, chain.builder);
+        let shift = times(&self.a, joint.foot);
+        let foot_rests = self.rests && shift.iter().all(|entry| entry.is_zero());
+        let foot = joint.tilted(add(self.dv, shift));
+        let dv_at_foot = [foot, joint.turned(foot)];
+        let rates = [joint.rate(rates.dq), joint.rate(rates.ddq)];
+        if joint.is_revolute {
+            let tilted = BeforeTurn { w: joint.tilted(self.w), column };
+            let level = self.turn.filter(|_| joint.is_parallel()).map_or(tilted, |turn| turn.level);
+            self.turned(joint, rates, Turn { tilted, level, dv_at_foot, foot_rests })
+        } else {
+            let dv = add(dv_at_foot[1], joint.turned(column).map(|entry| entry * joint.along));
+            self.slid(joint, rates, dv)
+        }
     }
 
-    /// Behind a revolute joint, `a` of whose axis is `column`.
-    fn turned(&self, joint: &Joint<'g>, [dq, ddq]: [Expression<'g>; 2], column: Vector<'g>, dv: Vector<'g>) -> Self {
-        let [x, y, z] = joint.seen(self.w);
+    /// Behind a revolute joint.
+    fn turned(&self, joint: &Joint<'g>, [dq, ddq]: [Expression<'g>; 2], turn: Turn<'g>) -> Self {
+        let [[x, y, z], column] = turn.turned(joint);
+        let shift = column.map(|entry| entry * joint.along);
+        let rests = turn.foot_rests && shift.iter().all(|entry| entry.is_zero());
+        let dv = add(turn.dv_at_foot[1], shift);
         let z = z + dq;
         let dz = joint.tilted(self.dw)[2] + ddq;
         let [xz, yz, zz] = column;
@@ -75,7 +124,7 @@ impl<'g> Motion<'g> {
             [products[2] + dz, yy, yz],
             [products[1] - dy, products[0] + dx, zz],
         ];
-        Self { w: [x, y, z], dw: [dx, dy, dz], a, differences, products, dv }
+        Self { w: [x, y, z], dw: [dx, dy, dz], a, differences, products, dv, rests, turn: Some(turn) }
     }
 
     fn slid(&self, joint: &Joint<'g>, [dq, ddq]: [Expression<'g>; 2], dv: Vector<'g>) -> Self {

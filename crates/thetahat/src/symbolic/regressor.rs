@@ -4,47 +4,20 @@
 //! the sum of `B_ij L_ij` with `B = [z]x^T A` for the second moments, `[z]x^T dv + A^T v` for the first.
 
 use super::{
-    expression::{Expression, Vector, add, cross, dot},
+    expression::{Vector, add, cross, dot},
     joints::{Chain, Joint, transpose},
-    newton_euler::Motion,
+    newton_euler::{Motion, Turn},
+    tip_columns::TipColumns,
+    twists::{Carried, Entries, Twist, components, turned_back, twists},
 };
 use crate::vector::Mat3;
 
-/// Angular and linear velocity at the origin of a link's frame, in that frame, for a unit velocity of a coordinate.
-#[derive(Debug, Clone, Copy)]
-struct Twist<'g> {
-    z: Vector<'g>,
-    v: Vector<'g>,
-}
-
-impl<'g> Twist<'g> {
-    fn of_joint(chain: &Chain<'g>, joint: &Joint<'g>) -> Self {
-        let (axis, none) = (chain.builder.constants([0.0, 0.0, joint.ratio]), chain.none());
-        if joint.is_revolute { Self { z: axis, v: none } } else { Self { z: none, v: axis } }
-    }
-
-    fn seen_from(&self, next: &Joint<'g>) -> Self {
-        let z = next.seen(self.z);
-        let at_foot = next.seen(add(self.v, cross(self.z, next.foot)));
-        Self { z, v: [at_foot[0] + z[1] * next.along, at_foot[1] - z[0] * next.along, at_foot[2]] }
-    }
-
-    fn plus(&self, other: &Self) -> Self {
-        Self { z: add(self.z, other.z), v: add(self.v, other.v) }
-    }
-
-    fn in_axes(&self, axes: &Mat3) -> Self {
-        Self { z: turned_back(axes, self.z), v: turned_back(axes, self.v) }
-    }
-}
-
-/// What a coordinate's torque is for a unit of each inertial parameter of a link, in the order of
-/// [`crate::robot::INERTIAL`].
+/// The entries of a coordinate and a link.
 #[derive(Debug, Clone)]
 pub(super) struct LinkColumns<'g> {
     pub(super) link: usize,
     pub(super) coordinate: usize,
-    pub(super) entries: [Expression<'g>; 10],
+    pub(super) entries: Entries<'g>,
 }
 
 /// The columns of all links, for each coordinate that moves them.
@@ -53,34 +26,81 @@ pub(super) fn link_columns<'g>(
     motions: &[Motion<'g>],
     link_axes: &[Option<Mat3>],
 ) -> Vec<LinkColumns<'g>> {
-    let mut twists: Vec<Vec<(usize, Twist<'g>)>> = Vec::with_capacity(chain.joints.len());
     let mut columns = Vec::new();
-    for (link, joint) in chain.joints.iter().enumerate() {
-        let before = joint.parent.map_or(&[][..], |parent| &twists[parent]);
-        let here = twists_behind(chain, joint, before);
-        let motion = link_axes[link].map_or(motions[link], |axes| in_axes(&motions[link], &axes));
-        for (coordinate, twist) in &here {
-            let twist = link_axes[link].map_or(*twist, |axes| twist.in_axes(&axes));
-            columns.push(LinkColumns { link, coordinate: *coordinate, entries: entries(&twist, &motion, chain.unit) });
+    for (link, twists) in twists(chain).iter().enumerate() {
+        let is_tip = chain.joints.iter().all(|joint| joint.parent != Some(link));
+        let of = Link { joint: &chain.joints[link], motion: &motions[link], is_tip };
+        let rows = with_those_beside(twists, of.rows(twists, link_axes[link].as_ref()));
+        for (twist, entries) in twists.iter().zip(rows) {
+            columns.push(LinkColumns { link, coordinate: twist.coordinate, entries: in_metres(entries, chain.unit) });
         }
-        twists.push(here);
     }
     columns
 }
 
-/// The twists of the coordinates that move a link, with those of the link before.
-fn twists_behind<'g>(chain: &Chain<'g>, joint: &Joint<'g>, before: &[(usize, Twist<'g>)]) -> Vec<(usize, Twist<'g>)> {
-    let mut here: Vec<_> = before.iter().map(|(c, twist)| (*c, twist.seen_from(joint))).collect();
-    let own = Twist::of_joint(chain, joint);
-    match here.iter_mut().find(|(c, _)| *c == joint.coordinate) {
-        Some((_, twist)) => *twist = twist.plus(&own),
-        None => here.push((joint.coordinate, own)),
+/// A link with its joint.
+struct Link<'a, 'g> {
+    joint: &'a Joint<'g>,
+    motion: &'a Motion<'g>,
+    is_tip: bool,
+}
+
+impl<'g> Link<'_, 'g> {
+    /// The entries of each twist.
+    fn rows(&self, twists: &[Carried<'g>], axes: Option<&Mat3>) -> Vec<Entries<'g>> {
+        match (axes, self.motion.turn) {
+            (Some(axes), _) => {
+                let motion = in_axes(self.motion, axes);
+                twists.iter().map(|twist| entries(&twist.here.in_axes(axes), &motion)).collect()
+            }
+            (None, Some(turn)) if self.is_tip => {
+                let columns = TipColumns::new(self.joint, self.motion, &turn);
+                twists.iter().map(|twist| columns.entries(twist, self.motion, &turn)).collect()
+            }
+            (None, Some(turn)) => twists.iter().map(|twist| self.turned_entries(twist, &turn)).collect(),
+            (None, None) => twists.iter().map(|twist| entries(&twist.here, self.motion)).collect(),
+        }
     }
-    here
+
+    /// Behind a revolute joint: `zz` before the turn where the axis is known there, the first moments about the foot of the
+    /// joint's axis where the velocity there has fewer components.
+    fn turned_entries(&self, twist: &Carried<'g>, turn: &Turn<'g>) -> Entries<'g> {
+        let mut entries = entries(&twist.here, self.motion);
+        if twist.level[..2].iter().all(|entry| entry.number().is_some()) {
+            entries[5] = twist.zz_before_turn(self.motion, turn);
+        }
+        if components(twist.v_at_foot) < components(twist.here.v) {
+            let about_foot = Twist { v: twist.v_at_foot, ..twist.here };
+            let has_no_moment = twist.is_along_gravity && turn.foot_rests;
+            let dv = if has_no_moment { turn.dv_at_foot[1].map(|dv| dv * 0.0) } else { turn.dv_at_foot[1] };
+            let [mx, my, _] = first_moments(&about_foot, self.motion, dv);
+            entries[6] = mx - self.joint.along * entries[2];
+            entries[7] = my - self.joint.along * entries[4];
+        }
+        entries
+    }
+}
+
+/// Adds to each row that of the coordinate that its twist is beside, which stands behind it.
+fn with_those_beside<'g>(twists: &[Carried<'g>], mut rows: Vec<Entries<'g>>) -> Vec<Entries<'g>> {
+    for row in (0..rows.len()).rev() {
+        let beside = |other: &Carried<'g>| twists[row].beside == Some(other.coordinate);
+        if let Some(other) = twists.iter().position(beside) {
+            rows[row] = std::array::from_fn(|i| rows[row][i] + rows[other][i]);
+        }
+    }
+    rows
+}
+
+fn in_metres<'g>(mut entries: Entries<'g>, unit: f64) -> Entries<'g> {
+    for (entry, scale) in entries[6..].iter_mut().zip([unit, unit, unit, unit * unit]) {
+        *entry = *entry * scale;
+    }
+    entries
 }
 
 /// With `xx + zz = B_yy` and `xx + yy = B_zz`, in terms of the inertia.
-fn entries<'g>(twist: &Twist<'g>, motion: &Motion<'g>, unit: f64) -> [Expression<'g>; 10] {
+fn entries<'g>(twist: &Twist<'g>, motion: &Motion<'g>) -> Entries<'g> {
     let Twist { z, v } = *twist;
     let Motion { dw, a, differences, products, dv, .. } = motion;
     let xx = z[0] * dw[0] + (z[1] * products[1] - z[2] * products[2]);
@@ -90,17 +110,15 @@ fn entries<'g>(twist: &Twist<'g>, motion: &Motion<'g>, unit: f64) -> [Expression
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
         z[k] * a[i][k] - z[j] * a[i][j] - z[i] * differences[i]
     };
-    let columns = transpose(a);
-    let first = add(cross(*dv, z), [0, 1, 2].map(|i| dot(columns[i], v)));
-    let [mx, my, mz] = first.map(|entry| entry * unit);
     let (yy, zz) = (diagonal(2, 0, 1) - xx, diagonal(1, 2, 0) - xx);
-    let mass = dot(v, *dv) * (unit * unit);
-    [xx, off_diagonal(2), off_diagonal(1), yy, off_diagonal(0), zz, mx, my, mz, mass]
+    let [mx, my, mz] = first_moments(twist, motion, *dv);
+    [xx, off_diagonal(2), off_diagonal(1), yy, off_diagonal(0), zz, mx, my, mz, dot(v, *dv)]
 }
 
-/// `axes^T x`.
-fn turned_back<'g>(axes: &Mat3, x: Vector<'g>) -> Vector<'g> {
-    [0, 1, 2].map(|j| x[0] * axes[0][j] + x[1] * axes[1][j] + x[2] * axes[2][j])
+/// Of the first moments about a point that moves by the twist and accelerates by `dv`.
+fn first_moments<'g>(twist: &Twist<'g>, motion: &Motion<'g>, dv: Vector<'g>) -> Vector<'g> {
+    let columns = transpose(&motion.a);
+    add(cross(dv, twist.z), [0, 1, 2].map(|i| dot(columns[i], twist.v)))
 }
 
 /// The motion in a link's own axes, `x_joint = axes x_link`.

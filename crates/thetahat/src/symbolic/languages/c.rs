@@ -100,6 +100,15 @@ static inline THETAHAT_REAL thetahat_cos(const double x) {
 #endif
 #endif
 
+/* The states of a batch do not depend on each other, whatever the count. */
+#ifndef THETAHAT_INDEPENDENT
+#if defined(__GNUC__) && !defined(__clang__)
+#define THETAHAT_INDEPENDENT _Pragma(\"GCC ivdep\")
+#else
+#define THETAHAT_INDEPENDENT
+#endif
+#endif
+
 /* Such as `static`, where the file is included by several others. */
 #ifndef THETAHAT_LINKAGE
 #define THETAHAT_LINKAGE
@@ -239,11 +248,9 @@ impl File<'_> {
     fn state(&self) -> String {
         let mut text =
             format!("THETAHAT_INLINE void {}_state({}, const size_t stride) {{\n", self.name, self.declared());
-        self.parts.run(&C).iter().for_each(|line| text += &format!("{line}\n"));
         let output = output_name(self.function.model);
-        for (place, value) in self.parts.outputs(&C).iter().enumerate() {
-            text += &format!("    {output}[{place} * stride] = {value};\n");
-        }
+        let store = |place: usize, value: &str| format!("    {output}[{place} * stride] = {value};");
+        self.parts.run_and_store(&C, store).iter().for_each(|line| text += &format!("{line}\n"));
         for array in self.unused() {
             text += &format!("    (void){array};\n");
         }
@@ -265,8 +272,8 @@ impl File<'_> {
         };
         let (single, batch, name) = (self.single(), self.batch(), &self.name);
         format!(
-            "{single} {{\n    {name}_state({}, 1);\n}}\n\n{batch} {{\n    for (size_t k = 0; k < count; k++) {{\n        \
-             {name}_state({}, count);\n    }}\n}}\n",
+            "{single} {{\n    {name}_state({}, 1);\n}}\n\n{batch} {{\n    THETAHAT_INDEPENDENT\n    \
+             for (size_t k = 0; k < count; k++) {{\n        {name}_state({}, count);\n    }}\n}}\n",
             names(""),
             names(" + k"),
         )

@@ -66,7 +66,8 @@ impl<'a> Parts<'a> {
 
     /// The statements that compute what the parameters decide.
     pub(super) fn prepare(&self, syntax: &impl Syntax) -> Vec<String> {
-        self.statements(syntax, &Scope { parts: self, syntax, in_state: false }, |operation| operation.is_fixed)
+        let scope = Scope { parts: self, syntax, in_state: false };
+        self.statements(&scope, |operation| operation.is_fixed, |_| Vec::new())
     }
 
     /// Those constants, where [`Parts::prepare`] has computed them.
@@ -77,12 +78,34 @@ impl<'a> Parts<'a> {
 
     /// The statements of each state.
     pub(super) fn run(&self, syntax: &impl Syntax) -> Vec<String> {
-        self.statements(syntax, &Scope { parts: self, syntax, in_state: true }, |operation| !operation.is_fixed)
+        let scope = Scope { parts: self, syntax, in_state: true };
+        self.statements(&scope, |operation| !operation.is_fixed, |_| Vec::new())
+    }
+
+    /// The statements of each state, with each output stored as soon as it is known: a compiler then keeps fewer values.
+    pub(super) fn run_and_store(&self, syntax: &impl Syntax, store: impl Fn(usize, &str) -> String) -> Vec<String> {
+        let outputs = self.outputs(syntax);
+        let stored = |wanted: Option<usize>| -> Vec<String> {
+            let places = self.program.outputs.iter().map(|output| self.place_in_state(output.value)).enumerate();
+            places.filter(|(_, place)| *place == wanted).map(|(entry, _)| store(entry, &outputs[entry])).collect()
+        };
+        let scope = Scope { parts: self, syntax, in_state: true };
+        let mut lines = stored(None);
+        lines.extend(self.statements(&scope, |operation| !operation.is_fixed, |place| stored(Some(place))));
+        lines
+    }
+
+    /// Where the operations of each state compute a value, if they do.
+    fn place_in_state(&self, value: Value) -> Option<usize> {
+        match value {
+            Value::Result(place) => Some(place).filter(|_| !is_fixed(self.program, value)),
+            Value::Constant(_) | Value::Input(..) => None,
+        }
     }
 
     /// All statements, where the constants are not kept apart.
     pub(super) fn all(&self, syntax: &impl Syntax) -> Vec<String> {
-        self.statements(syntax, &Scope { parts: self, syntax, in_state: false }, |_| true)
+        self.statements(&Scope { parts: self, syntax, in_state: false }, |_| true, |_| Vec::new())
     }
 
     /// The outputs of [`Parts::run`].
@@ -97,12 +120,14 @@ impl<'a> Parts<'a> {
         self.program.outputs.iter().map(|output| scope.operand(*output)).collect()
     }
 
+    /// The statements of wanted operations, each with what is to come behind it.
     fn statements<S: Syntax>(
         &self,
-        syntax: &S,
         scope: &Scope<'_, S>,
         is_wanted: impl Fn(&Operation) -> bool,
+        behind: impl Fn(usize) -> Vec<String>,
     ) -> Vec<String> {
+        let syntax = scope.syntax;
         let pairs = pairs(self.program);
         let mut lines = Vec::new();
         for (place, operation) in self.program.operations.iter().enumerate().filter(|(_, o)| is_wanted(o)) {
@@ -114,6 +139,7 @@ impl<'a> Parts<'a> {
                 }
                 Some(_) => {}
             }
+            lines.extend(behind(place));
         }
         lines
     }

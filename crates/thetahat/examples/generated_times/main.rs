@@ -1,6 +1,9 @@
 //! Times of generated C beside the library's kernels, on the TX40 in one run: the table of `docs/generated_code.md`.
 //!
-//! `cargo run --release -p thetahat --example generated_times`; it needs `cc`.
+//! `cargo run --release -p thetahat --example generated_times [PYTHON]`; it needs `cc`. With a Python that has `pin` and `cmeel-eigen`,
+//! Pinocchio in C++ runs in the same run.
+
+mod pinocchio;
 
 use std::{error::Error, fmt::Write, hint::black_box, path::PathBuf, process::Command, time::Instant};
 
@@ -12,8 +15,9 @@ use thetahat::{
     symbolic::{Function, Language, ModelKind, ParameterSet, Request},
 };
 
-const CALLS: usize = 20_000;
-const ROUNDS: usize = 25;
+/// A round is short, so that some are not interrupted on a busy machine.
+const CALLS: usize = 1_000;
+const ROUNDS: usize = 500;
 /// States of a batch.
 const BATCH: usize = 500;
 const JOINTS: usize = 6;
@@ -44,13 +48,23 @@ fn main() -> Result<(), Box<dyn Error>> {
     write!(program, "int main(void) {{\n{body}    return 0;\n}}\n")?;
     std::fs::write(folder.join("main.c"), program)?;
     let library = kernels(&robot)?;
-    println!("| model, ns | C library's sines | own sines | own sines, batch of {BATCH} | kernel of the library |");
-    println!("| --- | --- | --- | --- | --- |");
+    let peer = match std::env::args().nth(1) {
+        Some(python) => Some(pinocchio::times(&python, &robot, &folder)?),
+        None => {
+            eprintln!("without a Python that has pin==4.1.0 and cmeel-eigen, Pinocchio is left out");
+            None
+        }
+    };
+    println!(
+        "| model, ns | C library's sines | own sines | own sines, batch of {BATCH} | kernel of the library | Pinocchio, C++ | ratio |"
+    );
+    println!("| --- | --- | --- | --- | --- | --- | --- |");
     let [with_library, own] = [&[][..], &["-DTHETAHAT_OWN_SINES"]].map(|flags| run(&folder, flags));
     let (with_library, own) = (with_library?, own?);
     for (i, model) in MODELS.into_iter().enumerate() {
         let (c, own_single, own_batch) = (with_library[2 * i], own[2 * i], own[2 * i + 1]);
-        println!("| {} | {c:.0} | {own_single:.0} | {own_batch:.0} | {:.0} |", model.identifier(), library[i]);
+        let peer = peer.map_or_else(|| " | ".to_owned(), |peer| format!("{:.0} | {:.1}", peer[i], peer[i] / c));
+        println!("| {} | {c:.0} | {own_single:.0} | {own_batch:.0} | {:.0} | {peer} |", model.identifier(), library[i]);
     }
     Ok(std::fs::remove_dir_all(folder)?)
 }
