@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use super::forward_backward::Kept;
-use super::pole_sums::{Interval, LANES, PoleSums, Sums, WEIGHTS, interval_sums};
+use super::pole_sums::{Interval, LANES, PoleSums, Sums, Weights, interval_sums};
 use crate::series::Series;
 
 /// What stands before and behind a record.
@@ -80,7 +80,7 @@ pub(super) struct PiecePass<'a, F> {
     /// The first samples of the record, which the extension needs before their turn, and the last ones.
     head: Vec<f64>,
     tail: Vec<f64>,
-    weights: Vec<[f64; WEIGHTS]>,
+    weights: Weights,
     /// The values of the last interval, whose place the next one takes: what fills up the width stays zero.
     spare: Vec<f64>,
 }
@@ -89,7 +89,7 @@ impl<'a, F: FnMut(usize, &mut [f64])> PiecePass<'a, F> {
     pub(super) fn new(sums: &'a PoleSums, record: Record, kept: Kept, fill: F) -> Self {
         let width = record.channels.next_multiple_of(LANES);
         let tail = vec![0.0; (record.extension.reflected() + 1) * width];
-        Self { sums, record, kept, fill, width, head: Vec::new(), tail, weights: Vec::new(), spare: Vec::new() }
+        Self { sums, record, kept, fill, width, head: Vec::new(), tail, weights: Weights::default(), spare: Vec::new() }
     }
 
     /// The piece with these kept samples.
@@ -106,7 +106,7 @@ impl<'a, F: FnMut(usize, &mut [f64])> PiecePass<'a, F> {
             causal.iter_mut().zip(&sums).for_each(|(s, [added, _])| *s = s.decayed(&decay, added));
             self.write_causal(&interval, &causal, output.sample_mut(place));
             lengths.push(interval.samples);
-            behind.push(sums);
+            behind.push(sums.into_iter().map(|[_, added]| added).collect::<Vec<_>>());
             self.spare = interval.values;
         }
         let anticausal = self.add_anticausal(&lengths, &behind, &mut output);
@@ -122,7 +122,7 @@ impl<'a, F: FnMut(usize, &mut [f64])> PiecePass<'a, F> {
     }
 
     fn sums_of(&mut self, interval: &Interval) -> Vec<[Sums; 2]> {
-        if self.weights.len() != interval.samples {
+        if self.weights.samples != interval.samples {
             self.weights = self.sums.weights(interval.samples);
         }
         interval_sums(interval, self.width, &self.weights)
@@ -185,12 +185,12 @@ impl<'a, F: FnMut(usize, &mut [f64])> PiecePass<'a, F> {
     }
 
     /// Adds the anticausal sums from the last row to the first, and returns those before the piece.
-    fn add_anticausal(&self, lengths: &[usize], behind: &[Vec<[Sums; 2]>], output: &mut Series) -> Vec<Sums> {
+    fn add_anticausal(&self, lengths: &[usize], behind: &[Vec<Sums>], output: &mut Series) -> Vec<Sums> {
         let mut anticausal = vec![Sums::default(); self.width];
         for (row, (length, sums)) in lengths.iter().zip(behind).enumerate().rev() {
             let decay = self.sums.decay(*length);
             output.sample_mut(row).iter_mut().zip(&anticausal).for_each(|(y, t)| *y += self.sums.output(t));
-            anticausal.iter_mut().zip(sums).for_each(|(t, [_, added])| *t = t.decayed(&decay, added));
+            anticausal.iter_mut().zip(sums).for_each(|(t, added)| *t = t.decayed(&decay, added));
         }
         anticausal
     }
