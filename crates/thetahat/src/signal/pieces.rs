@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use super::forward_backward::Kept;
-use super::pole_sums::{Interval, LANES, PoleSums, Sums, Weights, interval_sums};
+use super::pole_sums::{Interval, LANES, PoleSums, Sums, WEIGHTS, interval_sums};
 use crate::series::Series;
 
 /// What stands before and behind a record.
@@ -80,7 +80,7 @@ pub(super) struct PiecePass<'a, F> {
     /// The first samples of the record, which the extension needs before their turn, and the last ones.
     head: Vec<f64>,
     tail: Vec<f64>,
-    weights: Weights,
+    weights: Vec<[f64; WEIGHTS]>,
     /// The values of the last interval, whose place the next one takes: what fills up the width stays zero.
     spare: Vec<f64>,
 }
@@ -89,7 +89,7 @@ impl<'a, F: FnMut(usize, &mut [f64])> PiecePass<'a, F> {
     pub(super) fn new(sums: &'a PoleSums, record: Record, kept: Kept, fill: F) -> Self {
         let width = record.channels.next_multiple_of(LANES);
         let tail = vec![0.0; (record.extension.reflected() + 1) * width];
-        Self { sums, record, kept, fill, width, head: Vec::new(), tail, weights: Weights::default(), spare: Vec::new() }
+        Self { sums, record, kept, fill, width, head: Vec::new(), tail, weights: Vec::new(), spare: Vec::new() }
     }
 
     /// The piece with these kept samples.
@@ -122,7 +122,7 @@ impl<'a, F: FnMut(usize, &mut [f64])> PiecePass<'a, F> {
     }
 
     fn sums_of(&mut self, interval: &Interval) -> Vec<[Sums; 2]> {
-        if self.weights.samples != interval.samples {
+        if self.weights.len() != interval.samples {
             self.weights = self.sums.weights(interval.samples);
         }
         interval_sums(interval, self.width, &self.weights)

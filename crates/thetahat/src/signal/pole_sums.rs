@@ -14,9 +14,7 @@
 //! where `y1 = d x[n-1] + sum_j r_j s_j[n-1]` is the last output of the forward pass, from which the backward pass starts in
 //! its steady state, as the forward pass does from `x[0]`: `s_j[-1] = x[0] / (1 - p_j)`. From one kept sample to the next,
 //! q later, `s_j` and `t_j` take a factor `p_j^q` and a weighted sum of the q samples between. Those sums are all
-//! that is done for every sample; nothing is recursive in them, and the samples need not be stored. The weights of `s_j`
-//! backwards are those of `t_j` forwards, so that samples m and q - m are taken together: half the sum and half the
-//! difference of both kinds of sums are weighted sums of `x[m] + x[q - m]` and of `x[m] - x[q - m]`.
+//! that is done for every sample; nothing is recursive in them, and the samples need not be stored.
 //!
 //! Poles come in conjugate pairs, of which one is kept and the real part of its terms doubled.
 
@@ -26,10 +24,9 @@ use super::design::SecondOrderSections;
 
 /// Channels of one tile: two vectors of four.
 pub(super) const LANES: usize = 8;
-/// Pairs of conjugate poles.
-const PAIRS: usize = 4;
-/// Weights of two samples: real and imaginary parts, of their sum and of their difference, of each pair of poles.
-const WEIGHTS: usize = 4 * PAIRS;
+/// Weights of one interval: real and imaginary parts, causal and anticausal, of four pairs of poles.
+pub(super) const PAIRS: usize = 4;
+pub(super) const WEIGHTS: usize = 4 * PAIRS;
 
 /// A low-pass of order eight with complex poles as a sum over its poles.
 #[derive(Debug, Clone, PartialEq)]
@@ -140,20 +137,16 @@ impl Sums {
 
 /// The sums over one interval, channel by channel: what it adds to the causal sums at its last sample, and to the anticausal
 /// ones at the sample before its first.
-pub(super) fn interval_sums(interval: &Interval, width: usize, weights: &Weights) -> Vec<[Sums; 2]> {
+pub(super) fn interval_sums(interval: &Interval, width: usize, weights: &[[f64; WEIGHTS]]) -> Vec<[Sums; 2]> {
     let mut of_channels = vec![[Sums::default(); 2]; width];
-    let last = &interval.values[(interval.samples - 1) * width..];
     for (tile, of_tile) in of_channels.chunks_exact_mut(LANES).enumerate() {
-        let values = &interval.values[tile * LANES..];
-        let (samples, weights_of_two) = (interval.samples, &weights.of_two[..]);
-        let halves = pulp::Arch::new().dispatch(TileOfInterval { samples, values, width, weights: weights_of_two });
+        let columns = TileOfInterval { values: &interval.values[tile * LANES..], width, weights };
+        let sums = pulp::Arch::new().dispatch(columns);
         for (lane, [causal, anticausal]) in of_tile.iter_mut().enumerate() {
-            let x = last[tile * LANES + lane];
             for j in 0..PAIRS {
-                let [re, im, difference_re, difference_im] = [0, 1, 2, 3].map(|part| halves[part * PAIRS + j][lane]);
-                let (sum, difference) = (Complex64::new(re, im), Complex64::new(difference_re, difference_im));
-                causal.0[j] = sum + difference + x;
-                anticausal.0[j] = sum - difference + weights.of_last[j] * x;
+                let [re, im, anticausal_re, anticausal_im] = [0, 1, 2, 3].map(|part| sums[part * PAIRS + j][lane]);
+                causal.0[j] = Complex64::new(re, im);
+                anticausal.0[j] = Complex64::new(anticausal_re, anticausal_im);
             }
         }
     }
@@ -164,40 +157,30 @@ fn power(poles: &[Complex64; PAIRS], exponent: usize) -> [Complex64; PAIRS] {
     poles.map(|p| p.powu(exponent as u32))
 }
 
-/// The weights of the samples of an interval.
-#[derive(Default)]
-pub(super) struct Weights {
-    /// Samples of the interval.
-    pub(super) samples: usize,
-    /// `(p_j^(n-m) + p_j^m) / 2` and `(p_j^(n-m) - p_j^m) / 2` of the samples m and n - m, for m = 1 ... n/2: real parts, then
-    /// imaginary ones. Where both are one sample, half of that.
-    of_two: Vec<[f64; WEIGHTS]>,
-    /// `p_j^n`, the anticausal weight of the last sample; the causal one is one.
-    of_last: [Complex64; PAIRS],
-}
-
 impl PoleSums {
-    /// The weights of an interval of `samples` samples.
-    pub(super) fn weights(&self, samples: usize) -> Weights {
-        let powers: Vec<[Complex64; PAIRS]> = (0..=samples).map(|m| power(&self.poles, m)).collect();
-        let of_two = |m: usize| {
-            let (causal, anticausal) = (powers[samples - m], powers[m]);
-            let part = if 2 * m == samples { 0.25 } else { 0.5 };
-            std::array::from_fn(|w| match (w / PAIRS, w % PAIRS) {
-                (0, j) => part * (causal[j] + anticausal[j]).re,
-                (1, j) => part * (causal[j] + anticausal[j]).im,
-                (2, j) => part * (causal[j] - anticausal[j]).re,
-                (_, j) => part * (causal[j] - anticausal[j]).im,
-            })
-        };
-        Weights { samples, of_two: (1..=samples / 2).map(of_two).collect(), of_last: powers[samples] }
+    pub(super) fn weights(&self, samples: usize) -> Vec<[f64; WEIGHTS]> {
+        weights_of(&self.poles, samples)
     }
 }
 
-/// Eight channels of an interval, without its last sample: all that is done for every sample. Compiled once for each kind of
-/// vector instructions; what is called from here must be inlined.
+/// The weights of the samples `m = 1 ... n` of an interval: real and imaginary parts of `p_j^(n-m)`, then of `p_j^m`.
+fn weights_of(poles: &[Complex64; PAIRS], samples: usize) -> Vec<[f64; WEIGHTS]> {
+    let powers: Vec<[Complex64; PAIRS]> = (0..=samples).map(|m| power(poles, m)).collect();
+    let of_sample = |m: usize| {
+        let (causal, anticausal) = (powers[samples - m], powers[m]);
+        std::array::from_fn(|w| match (w / PAIRS, w % PAIRS) {
+            (0, j) => causal[j].re,
+            (1, j) => causal[j].im,
+            (2, j) => anticausal[j].re,
+            (_, j) => anticausal[j].im,
+        })
+    };
+    (1..=samples).map(of_sample).collect()
+}
+
+/// Eight channels of an interval: all that is done for every sample. Compiled once for each kind of vector instructions; what is
+/// called from here must be inlined.
 struct TileOfInterval<'a> {
-    samples: usize,
     values: &'a [f64],
     width: usize,
     weights: &'a [[f64; WEIGHTS]],
@@ -209,18 +192,11 @@ impl pulp::WithSimd for TileOfInterval<'_> {
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
         let mut sums = [[0.0; LANES]; WEIGHTS];
-        let at = |k: usize| self.values[k * self.width..].first_chunk::<LANES>();
         // Four weights at a time: their sums stay in registers.
         for group in 0..WEIGHTS / PAIRS {
-            let sign = if group < 2 { 1.0 } else { -1.0 };
             let mut of_group = [[0.0; LANES]; PAIRS];
-            for (m, weights) in self.weights.iter().enumerate() {
-                // The samples m and n - m, counted from one.
-                let (Some(here), Some(there)) = (at(m), at(self.samples - 2 - m)) else { break };
-                let mut x = *here;
-                for l in 0..LANES {
-                    x[l] += sign * there[l];
-                }
+            for (sample, weights) in self.values.chunks(self.width).zip(self.weights) {
+                let Some((x, _)) = sample.split_first_chunk::<LANES>() else { break };
                 for j in 0..PAIRS {
                     let weight = weights[group * PAIRS + j];
                     for l in 0..LANES {
