@@ -106,7 +106,7 @@ impl<'a, F: FnMut(usize, &mut [f64])> PiecePass<'a, F> {
             causal.iter_mut().zip(&sums).for_each(|(s, [added, _])| *s = s.decayed(&decay, added));
             self.write_causal(&interval, &causal, output.sample_mut(place));
             lengths.push(interval.samples);
-            behind.push(sums.into_iter().map(|[_, added]| added).collect::<Vec<_>>());
+            behind.push(sums);
             self.spare = interval.values;
         }
         let anticausal = self.add_anticausal(&lengths, &behind, &mut output);
@@ -185,12 +185,12 @@ impl<'a, F: FnMut(usize, &mut [f64])> PiecePass<'a, F> {
     }
 
     /// Adds the anticausal sums from the last row to the first, and returns those before the piece.
-    fn add_anticausal(&self, lengths: &[usize], behind: &[Vec<Sums>], output: &mut Series) -> Vec<Sums> {
+    fn add_anticausal(&self, lengths: &[usize], behind: &[Vec<[Sums; 2]>], output: &mut Series) -> Vec<Sums> {
         let mut anticausal = vec![Sums::default(); self.width];
         for (row, (length, sums)) in lengths.iter().zip(behind).enumerate().rev() {
             let decay = self.sums.decay(*length);
             output.sample_mut(row).iter_mut().zip(&anticausal).for_each(|(y, t)| *y += self.sums.output(t));
-            anticausal.iter_mut().zip(sums).for_each(|(t, added)| *t = t.decayed(&decay, added));
+            anticausal.iter_mut().zip(sums).for_each(|(t, [_, added])| *t = t.decayed(&decay, added));
         }
         anticausal
     }
