@@ -79,7 +79,7 @@ fn few_values(exam: &mut Examination<'_>, j: usize, drive: &[f64]) {
 fn levels(values: &[f64]) -> Vec<(f64, usize)> {
     let tolerance = SAME * span(values);
     let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
+    sorted.sort_unstable_by(f64::total_cmp);
     let mut levels: Vec<(f64, usize)> = Vec::new();
     for value in sorted {
         match levels.last_mut() {

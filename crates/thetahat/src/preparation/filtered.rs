@@ -119,7 +119,7 @@ impl Setup<'_> {
 }
 
 /// The torques of standard parameters, of which few are not zero: `phi(q, dq, ddq) theta` in every sample.
-fn torques(model: &Model, theta: &[f64], motion: &Motion, channels: Option<Series>) -> Series {
+pub(crate) fn torques(model: &Model, theta: &[f64], motion: &Motion, channels: Option<Series>) -> Series {
     let columns: Vec<usize> = (0..theta.len()).filter(|&i| theta[i] != 0.0).collect();
     let given: Vec<f64> = columns.iter().map(|&i| theta[i]).collect();
     let Motion { q, dq, ddq } = motion;

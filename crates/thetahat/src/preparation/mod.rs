@@ -34,7 +34,7 @@ mod validation;
 
 pub(crate) use consistent_set::consistent_set_of;
 pub use error::PreparationError;
-pub(crate) use filtered::{FilteredRecording, MOVING, STILL, window_of};
+pub(crate) use filtered::{FilteredRecording, MOVING, STILL, torques, window_of};
 pub use loop_parameters::LoopParameter;
 pub(crate) use loop_parameters::{LoopParameters, LoopParts};
 pub use near_rest::near_rest;

@@ -26,10 +26,12 @@ impl Regressor {
         if self.entries().is_empty() {
             return torque;
         }
-        let phi = self.evaluate_series(model, q, dq, ddq, sign);
+        let mut phi = vec![0.0; self.entries().len()];
+        let mut samples = BufferedRegressor::new(self, model, [q, dq, ddq], sign);
         for k in 0..q.len() {
+            samples.write(k, &mut phi);
             let tau = torque.sample_mut(k);
-            for (entry, value) in self.entries().iter().zip(phi.sample(k)) {
+            for (entry, value) in self.entries().iter().zip(&phi) {
                 tau[entry.joint] += value * theta[entry.column];
             }
         }

@@ -105,46 +105,51 @@ impl Transmission {
     /// `q = N^-1 q_motor + offset` for each sample.
     #[must_use]
     pub fn joint_positions(&self, motor: &Series) -> Series {
-        self.map(motor, |x| add(self.inverse.times(x), &self.offset))
+        product(&self.inverse, motor, |_, x| x, |j, q| q + self.offset[j])
     }
 
     /// `dq = N^-1 dq_motor` for each sample.
     #[must_use]
     pub fn joint_velocities(&self, motor: &Series) -> Series {
-        self.map(motor, |x| self.inverse.times(x))
+        product(&self.inverse, motor, |_, x| x, |_, dq| dq)
     }
 
     /// `tau = N^T (g_tau tau_motor)` for each sample.
     #[must_use]
     pub fn joint_torques(&self, drive: &Series) -> Series {
-        let transposed = self.matrix.transpose();
-        self.map(drive, |x| transposed.times(&x.iter().zip(&self.drive_gain).map(|(u, g)| u * g).collect::<Vec<_>>()))
+        product(&self.matrix.transpose(), drive, |i, u| u * self.drive_gain[i], |_, tau| tau)
     }
 
     /// `q_motor = N (q - offset)`.
     #[must_use]
     pub fn motor_positions(&self, joint: &Series) -> Series {
-        self.map(joint, |q| self.matrix.times(&q.iter().zip(&self.offset).map(|(q, o)| q - o).collect::<Vec<_>>()))
+        product(&self.matrix, joint, |j, q| q - self.offset[j], |_, x| x)
     }
 
     /// `tau_motor = N^-T tau / g_tau`.
     #[must_use]
     pub fn drive_signals(&self, joint_torques: &Series) -> Series {
-        let inverse_transposed = self.inverse.transpose();
-        self.map(joint_torques, |tau| {
-            inverse_transposed.times(tau).iter().zip(&self.drive_gain).map(|(u, g)| u / g).collect()
-        })
-    }
-
-    fn map(&self, series: &Series, f: impl Fn(&[f64]) -> Vec<f64>) -> Series {
-        let values = (0..series.len()).flat_map(|k| f(series.sample(k))).collect();
-        Series::from_values(self.joints(), values)
+        product(&self.inverse.transpose(), joint_torques, |_, tau| tau, |i, u| u / self.drive_gain[i])
     }
 }
 
-fn add(mut a: Vec<f64>, b: &[f64]) -> Vec<f64> {
-    a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
-    a
+/// `behind(A before(x))` for each sample x: what is before and behind the matrix takes a channel and its value.
+fn product(
+    a: &Matrix,
+    series: &Series,
+    before: impl Fn(usize, f64) -> f64,
+    behind: impl Fn(usize, f64) -> f64,
+) -> Series {
+    let mut products = Series::zeros(series.len(), a.rows());
+    let mut x = vec![0.0; a.columns()];
+    for k in 0..series.len() {
+        x.iter_mut().zip(series.sample(k)).enumerate().for_each(|(j, (x, value))| *x = before(j, *value));
+        for (i, y) in products.sample_mut(k).iter_mut().enumerate() {
+            let sum = x.iter().enumerate().map(|(j, x)| a.at(i, j) * x).sum();
+            *y = behind(i, sum);
+        }
+    }
+    products
 }
 
 #[cfg(test)]

@@ -54,8 +54,7 @@ impl Identification {
             let (mut results, estimated): (Vec<RunResult>, Vec<Estimated>) = assessed.into_iter().unzip();
             let problem = &self.problem_of(&problems, case).problem;
             if case.name == NOMINAL {
-                let runs = results.iter_mut().zip(&estimated);
-                runs.for_each(|(run, estimated)| run.hidden_bias = self.hidden_biases(problem, run, estimated));
+                self.add_hidden_biases(problem, &mut results, &estimated);
                 user_runs = self.user_runs(problem, &estimated, progress)?;
             }
             runs.extend(results);

@@ -11,10 +11,9 @@ use std::iter::once;
 use super::{identification::Identification, prepared::filtered};
 use crate::{
     diagnosis::Estimated,
-    dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     identification::{Divisor, EstimationError, Fit, Response, uncertainty},
     linear_algebra::Matrix,
-    preparation::{FilteredRecording, Problem},
+    preparation::{FilteredRecording, Problem, torques},
     results::{HiddenBias, HiddenError, ParameterResult, RunResult},
     series::Series,
     signal::SignalError,
@@ -24,6 +23,7 @@ use crate::{
 const STRIBECK_VELOCITY: f64 = 0.1;
 
 /// An error, and the torque that one unit of it makes, in the rows of the regression.
+#[derive(Clone)]
 struct Direction {
     error: HiddenError,
     joint: Option<usize>,
@@ -31,41 +31,68 @@ struct Direction {
 }
 
 impl Identification {
-    /// The bias of a run by each error, the largest one that the record leaves possible; none for a run without estimates
+    /// Adds to each run its bias by each error, the largest one that the record leaves possible; none to a run without estimates
     /// or without intervals, and none where torques take another channel or none are fitted.
-    pub(super) fn hidden_biases(&self, problem: &Problem, run: &RunResult, estimated: &Estimated) -> Vec<HiddenBias> {
-        let Some(fit) = &estimated.outcome.fit else { return Vec::new() };
-        let is_linear = run.method.response() == Response::Torque && estimated.outcome.offset.is_none();
-        if !is_linear || !self.setup().robot.channels().is_empty() {
-            return Vec::new();
+    pub(super) fn add_hidden_biases(&self, problem: &Problem, runs: &mut [RunResult], estimated: &[Estimated]) {
+        if !self.setup().robot.channels().is_empty() {
+            return;
         }
-        let Ok(directions) = self.directions(problem, fit) else { return Vec::new() };
-        let divisor = self.setup().settings.estimation.variance;
-        Bounded { estimated, run, divisor }.biases(directions).unwrap_or_default()
+        let Ok(friction) = self.friction_near_rest(problem) else { return };
+        for (run, estimated) in runs.iter_mut().zip(estimated) {
+            run.hidden_bias = self.hidden_biases(problem, run, estimated, &friction);
+        }
     }
 
-    /// The errors that are considered.
-    fn directions(&self, problem: &Problem, fit: &Fit) -> Result<Vec<Direction>, SignalError> {
-        let recordings = filtered(&self.main);
-        let theta = DynamicParameters::new(&problem.model, &problem.estimated.to_standard(&fit.theta));
-        let peaks = peak_velocities(&recordings, problem.model.coordinate_count());
-        let (mut late, mut stribeck) = (Vec::new(), Vec::new());
-        for (number, recording) in recordings.iter().enumerate() {
-            let assembly = problem.assembly(number);
-            let tau = predicted(&problem.model, &theta, recording);
-            late.push(assembly.measurement_vector(&of_one_second(&tau, recording))?);
-            stribeck.push(assembly.measurement_vector(&near_rest(&recording.motion.dq, &peaks))?);
+    fn hidden_biases(
+        &self,
+        problem: &Problem,
+        run: &RunResult,
+        estimated: &Estimated,
+        friction: &[Direction],
+    ) -> Vec<HiddenBias> {
+        let Some(fit) = &estimated.outcome.fit else { return Vec::new() };
+        if run.method.response() != Response::Torque || estimated.outcome.offset.is_some() {
+            return Vec::new();
         }
+        let Ok(late) = self.late_torque(problem, fit) else { return Vec::new() };
+        let errors = once(&late).chain(friction).filter(|d| d.torque.iter().any(|t| *t != 0.0));
+        let divisor = self.setup().settings.estimation.variance;
+        Bounded { estimated, run, divisor }.biases(errors.cloned().collect()).unwrap_or_default()
+    }
+
+    /// Torques that are late by one second.
+    fn late_torque(&self, problem: &Problem, fit: &Fit) -> Result<Direction, SignalError> {
+        let theta = problem.estimated.to_standard(&fit.theta);
+        let predicted = |recording: &FilteredRecording| {
+            let tau = torques(&problem.model, &theta, &recording.motion, None);
+            of_one_second(&tau, recording)
+        };
+        let torque = self.rows_of(problem, predicted)?;
+        Ok(Direction { error: HiddenError::LateTorque, joint: None, torque })
+    }
+
+    /// Friction of each joint that grows near rest.
+    fn friction_near_rest(&self, problem: &Problem) -> Result<Vec<Direction>, SignalError> {
+        let peaks = peak_velocities(&filtered(&self.main), problem.model.coordinate_count());
+        let rows = self.rows_of(problem, |recording| near_rest(&recording.motion.dq, &peaks))?;
         let layout = &problem.regression.layout;
-        let (late, stribeck) = (layout.stack_vectors(late), layout.stack_vectors(stribeck));
         let of_joint = |joint: usize| {
-            let mut torque = vec![0.0; stribeck.len()];
-            layout.rows_of_joint(joint).for_each(|row| torque[row] = stribeck[row]);
+            let mut torque = vec![0.0; rows.len()];
+            layout.rows_of_joint(joint).for_each(|row| torque[row] = rows[row]);
             Direction { error: HiddenError::FrictionNearRest, joint: Some(joint), torque }
         };
-        let of_joints = (0..layout.joints()).map(of_joint);
-        let late = Direction { error: HiddenError::LateTorque, joint: None, torque: late };
-        Ok(once(late).chain(of_joints).filter(|d| d.torque.iter().any(|t| *t != 0.0)).collect())
+        Ok((0..layout.joints()).map(of_joint).collect())
+    }
+
+    /// The rows of the regression of torques over the samples of each recording.
+    fn rows_of(
+        &self,
+        problem: &Problem,
+        torque: impl Fn(&FilteredRecording) -> Series,
+    ) -> Result<Vec<f64>, SignalError> {
+        let recordings = filtered(&self.main).into_iter().enumerate();
+        let of_each = recordings.map(|(k, recording)| problem.assembly(k).measurement_vector(&torque(recording)));
+        Ok(problem.regression.layout.stack_vectors(of_each.collect::<Result<_, _>>()?))
     }
 }
 
@@ -136,19 +163,6 @@ fn peak_velocities(recordings: &[&FilteredRecording], joints: usize) -> Vec<f64>
         }
     }
     peaks
-}
-
-/// The torques that parameters predict for the motion of a recording.
-fn predicted(model: &Model, theta: &DynamicParameters, recording: &FilteredRecording) -> Series {
-    let motion = &recording.motion;
-    let mut tau = Series::zeros(motion.q.len(), motion.q.channels());
-    let mut workspace = Workspace::new(model);
-    for k in 0..tau.len() {
-        let state = State::new(motion.q.sample(k), motion.dq.sample(k));
-        let ddq = motion.ddq.sample(k);
-        model.inverse_dynamics(theta, state, ddq, Sign::Exact, &mut workspace, tau.sample_mut(k));
-    }
-    tau
 }
 
 /// What torques that are late by one second have more than they should, to first order: a central difference.

@@ -14,6 +14,11 @@ pub(super) fn convolve(c: &[f64], a: &[f64], out: &mut [f64]) {
     pulp::Arch::new().dispatch(Convolution { c, a, out });
 }
 
+/// `out += sum_(l >= 0) c[l] a[t - l]`, the product of the lower half of such a matrix with a vector.
+pub(super) fn add_lower_half(c: &[f64], a: &[f64], out: &mut [f64]) {
+    pulp::Arch::new().dispatch(LowerHalf { c, a, out });
+}
+
 struct LaggedProducts<'a> {
     a: &'a [f64],
     b: &'a [f64],
@@ -66,6 +71,23 @@ impl pulp::WithSimd for Convolution<'_> {
     }
 }
 
+struct LowerHalf<'a> {
+    c: &'a [f64],
+    a: &'a [f64],
+    out: &'a mut [f64],
+}
+
+impl pulp::WithSimd for LowerHalf<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        for (lag, &c) in self.c.iter().enumerate().take(self.a.len()) {
+            add_scaled(c, self.a, &mut self.out[lag..]);
+        }
+    }
+}
+
 /// `out += c a`, as far as both go.
 #[inline(always)]
 fn add_scaled(c: f64, a: &[f64], out: &mut [f64]) {
@@ -94,6 +116,12 @@ mod tests {
         for t in 0..a.len() {
             let expected: f64 = (0..a.len()).filter(|s| t.abs_diff(*s) < 3).map(|s| c[t.abs_diff(s)] * a[s]).sum();
             assert!((out[t] - expected).abs() < 1e-12, "row {t}");
+        }
+        let mut lower = vec![1.0; a.len()];
+        add_lower_half(&c, &a, &mut lower);
+        for t in 0..a.len() {
+            let expected: f64 = 1.0 + (0..=t).filter(|s| t - s < 3).map(|s| c[t - s] * a[s]).sum::<f64>();
+            assert!((lower[t] - expected).abs() < 1e-12, "row {t}");
         }
     }
 }

@@ -2,7 +2,7 @@ use std::ops::Range;
 
 use rand::Rng;
 
-use super::autoregressive::Autoregressive;
+use super::{autoregressive::Autoregressive, lagged::add_lower_half};
 use crate::{linear_algebra::Matrix, regression::RowLayout};
 
 /// Highest order of a joint's process that is tried.
@@ -30,9 +30,10 @@ impl RowNoise {
     #[must_use]
     pub fn covariances(&self, q: &Matrix) -> Vec<Matrix> {
         let of_joint = |(joint, process): (usize, &Autoregressive)| {
-            let autocovariance = process.autocovariance();
+            let mut lower_half = process.autocovariance();
+            lower_half.iter_mut().take(1).for_each(|variance| *variance /= 2.0);
             let of_blocks =
-                self.layout.of_joint(joint).map(|rows| covariance_of_rows(&self.part_of(q, rows), &autocovariance));
+                self.layout.of_joint(joint).map(|rows| covariance_of_rows(&self.part_of(q, rows), &lower_half));
             of_blocks.fold(Matrix::zeros(q.columns(), q.columns()), |sum, block| sum.plus(&block, 1.0))
         };
         self.joints.iter().enumerate().map(of_joint).collect()
@@ -85,22 +86,14 @@ impl RowNoise {
 }
 
 /// `Q^T S Q` over rows that follow one another, with the Toeplitz matrix S of an autocovariance: `G + G^T` with `G = Q^T H Q`,
-/// where H is the lower half of S, with half its diagonal.
-fn covariance_of_rows(rows: &Matrix, autocovariance: &[f64]) -> Matrix {
+/// where H is the lower half of S, with half its diagonal; `lower_half` is its first column.
+fn covariance_of_rows(rows: &Matrix, lower_half: &[f64]) -> Matrix {
     let mut filtered = Matrix::zeros(rows.rows(), rows.columns());
     for c in 0..rows.columns() {
-        add_lower_half(rows.column(c), autocovariance, filtered.column_mut(c));
+        add_lower_half(lower_half, rows.column(c), filtered.column_mut(c));
     }
     let half = rows.transposed_times(&filtered);
     half.plus(&half.transpose(), 1.0)
-}
-
-/// `out += H x`.
-fn add_lower_half(x: &[f64], autocovariance: &[f64], out: &mut [f64]) {
-    for (k, covariance) in autocovariance.iter().enumerate().take(x.len()) {
-        let factor = if k == 0 { covariance / 2.0 } else { *covariance };
-        out[k..].iter_mut().zip(x).for_each(|(o, x)| *o += factor * x);
-    }
 }
 
 #[cfg(test)]

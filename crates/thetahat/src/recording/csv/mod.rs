@@ -17,7 +17,7 @@ mod text;
 pub use dialect::Dialect;
 pub use number::Decimal;
 pub(super) use pieces::TextPieces;
-pub(super) use read::{read, read_with_dialect};
+pub(super) use read::{names, read, read_with_dialect};
 
 #[cfg(test)]
 mod tests;

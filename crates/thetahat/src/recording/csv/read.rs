@@ -59,6 +59,20 @@ pub(in super::super) fn read_with_dialect(
     Ok((table, Dialect { delimiter: Some(delimiter.into()), decimal, header: Some(header), drop_cut_line: cut_line }))
 }
 
+/// The names in the first row; none where it holds numbers.
+pub(in super::super) fn names(bytes: &[u8], path: &Path, dialect: &Dialect) -> Result<Vec<String>, RecordingError> {
+    let text = Text::of(bytes, path)?;
+    let (delimiter, header) = dialect.detect(&text, path)?;
+    let prepared = text.prepared(delimiter);
+    let mut row = ByteRecord::new();
+    rows(&prepared, delimiter).read_byte_record(&mut row).map_err(|e| unreadable(path, e))?;
+    Ok(row.iter().filter(|_| header).map(name).collect())
+}
+
+fn name(cell: &[u8]) -> String {
+    String::from_utf8_lossy(cell).trim().to_owned()
+}
+
 /// The columns while their rows are read.
 struct Columns<'a> {
     path: &'a Path,
@@ -77,8 +91,7 @@ impl Columns<'_> {
             let (file, line) = (self.path.to_owned(), self.text.line(first));
             return Err(RecordingError::TooManyColumns { file, line, found: first.len(), limit: MOST_COLUMNS });
         }
-        let text = |cell| String::from_utf8_lossy(cell).trim().to_owned();
-        let names = first.iter().enumerate().map(|(i, cell)| if header { text(cell) } else { (i + 1).to_string() });
+        let names = first.iter().enumerate().map(|(i, cell)| if header { name(cell) } else { (i + 1).to_string() });
         self.columns = names.map(|name| Column::of_numbers(name, 1, Vec::new())).collect();
         self.read = (0..self.columns.len()).filter(|&i| wanted.includes(&self.columns[i].name)).collect();
         Ok(())

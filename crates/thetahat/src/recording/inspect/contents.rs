@@ -13,7 +13,7 @@ use super::super::reader;
 use super::super::source::ChannelSource;
 use super::super::table::{Column, Flaw, Table, Wanted};
 use super::channel::ChannelSummary;
-use super::time::{TimeSummary, times};
+use super::time::{TimeSummary, is_named, times};
 use crate::files;
 
 /// What a file holds.
@@ -101,6 +101,13 @@ pub fn contradicting_times(source: &ChannelSource, root: &Path, stated_hz: f64) 
     let format = Format::of(&path).ok()?;
     if files::length(&path).ok()? > SMALL_BYTES {
         return None;
+    }
+    if format.holds() == Holds::Lines {
+        let names = csv::names(&file_bytes(&path).ok()?, &path, &Dialect::default()).ok()?;
+        // The many columns of numbers are not read for nothing.
+        if !names.iter().any(|name| is_named(name)) {
+            return None;
+        }
     }
     let (tables, _, _) = tables(&path, format).ok()?;
     let in_table = |table: &Table| times(&table.columns, format.is_bag(), None);

@@ -60,7 +60,7 @@ pub(super) fn times(columns: &[Column], in_seconds: bool, asked: Option<&str>) -
 }
 
 /// Whether a name is one of a time: `t`, `time`, `stamp` and their like, with or without a unit, by itself or behind a path.
-fn is_named(name: &str) -> bool {
+pub(super) fn is_named(name: &str) -> bool {
     let name = name.to_ascii_lowercase();
     let last = |sign| name.rsplit(sign).next().unwrap_or_default();
     is_word_of_time(last('.')) || is_word_of_time(last('/'))
