@@ -39,6 +39,9 @@ impl Results {
     }
 }
 
+/// Curves of the results, of their runs, and what estimators of the user's own predict: for each its joints' samples.
+type PackedCurves = (Plots, Vec<RunPlots>, Vec<Vec<Vec<f64>>>);
+
 #[pymethods]
 impl Results {
     /// Results of a `results.json`, without curves, and the robot of their experiment, where they are of one.
@@ -60,7 +63,7 @@ impl Results {
     #[staticmethod]
     fn from_state(json: &str, packed_curves: &[u8], published: Option<PathBuf>) -> Result<Self, Raised> {
         let mut results = thetahat::Results::from_json(Path::new("a pickled result"), json)?;
-        let unpacked: Result<(Plots, Vec<RunPlots>, Vec<Vec<Vec<f64>>>), _> = rmp_serde::from_slice(packed_curves);
+        let unpacked: Result<PackedCurves, _> = rmp_serde::from_slice(packed_curves);
         let (plots, runs, of_user) =
             unpacked.map_err(|e| Raised::new("ResultsError", format!("a pickled result's curves: {e}")))?;
         results.plots = plots;

@@ -79,10 +79,8 @@ impl RunResult {
         if self.impossible().any(|name| *name == parameter.name) {
             return Grade::Impossible;
         }
-        match parameter.grade_of_interval() {
-            Grade::Precise if self.may_be_moved(parameter) => Grade::Rough,
-            grade => grade,
-        }
+        let grade = parameter.grade_of_interval();
+        if grade == Grade::Precise && self.may_be_moved(parameter) { Grade::Rough } else { grade }
     }
 
     /// Whether an error that the residual shows may have moved a parameter by more than a precise one is uncertain.
