@@ -582,10 +582,10 @@ fn a_broken_run_cannot_be_taken_for_good() {
 fn a_good_run_names_the_method_and_what_its_parameters_are_worth() {
     let good = Results { verdict: Some(Verdict::Good), verdict_reasons: Vec::new(), ..results() };
     let page = &written("good", &good)["report.html"];
-    assert!(page.contains("<body class=\"is-good takes-idim-iv\">") && page.contains("<dd>idim-iv</dd>"));
+    assert!(page.contains("<body class=\"is-good takes-idim-iv\">") && page.contains("<dd>idim-iv, case nominal</dd>"));
     let card = between(page, "<section class=\"card\"", "</section>");
     // Half of the interval of off1, 0.398, is 0.156; of xy2 it is a fifth of the estimate at most.
-    assert!(card.contains("3 sure") && card.contains("1 rough") && card.contains("0 not identified"), "{card}");
+    assert!(card.contains("3 precise") && card.contains("1 rough") && card.contains("0 not identified"), "{card}");
     assert!(page.contains("Take idim-iv. Distrust didim"), "the advice stands in the diagnosis");
 }
 
@@ -688,9 +688,7 @@ fn advice_stands_in_the_head_and_the_tests_behind_it_follow() {
     assert!(diagnosis.contains("gear ratios") && diagnosis.contains("0.8999"), "{diagnosis}");
     assert!(diagnosis.contains("move 10") && diagnosis.contains("zz1r"), "{diagnosis}");
     let page = &written("advice", &results)["report.html"];
-    assert!(
-        page.contains("Residuals, joint by joint") && page.contains("estimates of idim-iv with their 95 % intervals")
-    );
+    assert!(page.contains("Residuals, joint by joint") && page.contains("estimates of idim-iv with 95 % intervals"));
 }
 
 #[test]

@@ -39,7 +39,7 @@ fn least_squares(rows: &UserRegression) -> UserEstimate {
 /// IV (9): `(Z^T X)^-1 Z^T y`.
 fn instrumental_variables(rows: &UserRegression) -> UserEstimate {
     let z = rows.z.as_ref().expect("IDIM-IV is among the methods");
-    let theta = z.transposed_times(&rows.x).inverse_times(&z.transpose_times(&rows.y)).unwrap();
+    let theta = PivotedQr::new(&z.transposed_times(&rows.x)).solve(&z.transpose_times(&rows.y));
     UserEstimate { theta, covariance: None }
 }
 

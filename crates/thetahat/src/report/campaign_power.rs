@@ -1,14 +1,13 @@
 //! How often a parameter is told from zero, over its size.
 
+use statrs::function::erf::erfc;
+
 use super::{
     figures::{Figure, Key},
     number::fixed,
     plot::{Chart, Curve, NARROW, Panel, Range},
 };
-use crate::{
-    results::{Method, MethodSummary, ParameterSummary},
-    statistics::normal_cdf,
-};
+use crate::results::{Method, MethodSummary, ParameterSummary};
 
 const HEIGHT: f64 = 170.0;
 /// Quantile of the normal distribution that bounds an interval of 95 %.
@@ -85,6 +84,11 @@ fn expected([low, high]: [f64; 2]) -> Curve {
     let at = |k: usize| low * (high / low).powf(k as f64 / (POINTS - 1) as f64);
     let power = |size: f64| 100.0 * (normal_cdf(size - NORMAL_95) + normal_cdf(-size - NORMAL_95));
     Curve::new("expected", (0..POINTS).map(at).map(|size| (size, power(size))).collect())
+}
+
+/// The probability that a standard normal variable stays below a value.
+fn normal_cdf(value: f64) -> f64 {
+    0.5 * erfc(-value * std::f64::consts::FRAC_1_SQRT_2)
 }
 
 fn conclusion(summaries: &[&MethodSummary], noises: &[&str], methods: &[Method]) -> String {

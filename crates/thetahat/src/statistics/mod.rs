@@ -44,7 +44,6 @@ pub(crate) use quantile::{median, quantile};
 pub use relevance::{InstrumentStrength, instrument_strength};
 pub use sandwich::Sandwich;
 pub use stationary::EstimatedVariance;
-pub(crate) use student::normal_cdf;
 pub use student::t_quantile;
 pub use whiteness::{autocorrelation, ljung_box, usual_lags};
 pub use wu_hausman::{WuHausman, wu_hausman};

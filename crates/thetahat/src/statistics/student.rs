@@ -1,7 +1,4 @@
-use statrs::{
-    distribution::{ContinuousCDF, Normal, StudentsT},
-    function::erf::erfc,
-};
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// Degrees of freedom above which the quantile of Student's t is expanded about the normal quantile: the library's own
 /// quantile loses digits there (3e-6 at 1e5, 0.07 at 1e7), the expansion is exact to rounding.
@@ -30,11 +27,6 @@ pub fn t_quantile(probability: f64, freedom: f64) -> Option<f64> {
         return Some(expanded(normal, freedom));
     }
     Some(StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(probability))
-}
-
-/// The probability that a standard normal variable stays below a value.
-pub(crate) fn normal_cdf(value: f64) -> f64 {
-    0.5 * erfc(-value * std::f64::consts::FRAC_1_SQRT_2)
 }
 
 /// The quantile of t from the normal quantile z.
