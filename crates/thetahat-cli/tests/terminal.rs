@@ -43,7 +43,7 @@ fn one_screen_begins_and_ends_with_the_verdict() {
     assert!(text.lines().all(|line| line.chars().count() <= COLUMNS), "{text}");
     assert!(text.starts_with("\u{2713} GOOD: take idim-iv"), "{text}");
     let card = card(&text);
-    assert!(card.ends_with("\n\u{2713} GOOD: take idim-iv, case nominal\n"), "{card}");
+    assert!(card.ends_with("\n\u{2713} GOOD: take idim-iv (nominal)\n"), "{card}");
     for what in ["error ", "unseen ", "worst joint ", "physical ", "precise, ", "not identified of 60", "to improve  "]
     {
         assert!(card.contains(what), "{what}: {card}");

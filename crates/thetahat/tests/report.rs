@@ -582,7 +582,7 @@ fn a_broken_run_cannot_be_taken_for_good() {
 fn a_good_run_names_the_method_and_what_its_parameters_are_worth() {
     let good = Results { verdict: Some(Verdict::Good), verdict_reasons: Vec::new(), ..results() };
     let page = &written("good", &good)["report.html"];
-    assert!(page.contains("<body class=\"is-good takes-idim-iv\">") && page.contains("<dd>idim-iv, case nominal</dd>"));
+    assert!(page.contains("<body class=\"is-good takes-idim-iv\">") && page.contains("<dd>idim-iv (nominal)</dd>"));
     let card = between(page, "<section class=\"card\"", "</section>");
     // Half of the interval of off1, 0.398, is 0.156; of xy2 it is a fifth of the estimate at most.
     assert!(card.contains("3 precise") && card.contains("1 rough") && card.contains("0 not identified"), "{card}");

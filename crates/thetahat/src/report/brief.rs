@@ -9,7 +9,7 @@ use super::{
     wrap::{TextWidth, shortened, wrap},
 };
 use crate::{
-    results::{Grade, ParameterResult, Results, RunResult},
+    results::{Grade, ParameterResult, Results, RunResult, Verdict},
     visible::visible,
 };
 
@@ -60,7 +60,8 @@ fn counted_joints(results: &Results) -> String {
 /// One row for each run; the cases where there are several.
 fn runs(results: &Results, width: TextWidth) -> String {
     let several = results.cases().len() > 1;
-    let taken = results.taken().map(|r| (r.case.clone(), r.method));
+    let taken =
+        results.taken().filter(|_| results.verdict != Some(Verdict::DoNotUse)).map(|r| (r.case.clone(), r.method));
     let is_taken = |r: &RunResult| taken.as_ref().is_some_and(|(case, method)| (case, method) == (&r.case, &r.method));
     let row = |r: &RunResult| {
         let case = several.then(|| r.case.clone());
@@ -74,17 +75,14 @@ fn runs(results: &Results, width: TextWidth) -> String {
     };
     let head = several.then_some("case").into_iter().chain(["method", "status", "error %", "unseen %"]);
     let unseen = tables::unseen(results);
+    let star = if taken.is_some() { "* to take. " } else { "" };
     let runs: Vec<&RunResult> = results.runs.iter().collect();
     let table = Table {
         title: "Runs".to_owned(),
         lead: if several { 3 } else { 2 },
         head: head.map(str::to_owned).collect(),
         rows: results.runs.iter().map(row).collect(),
-        notes: unseen
-            .map(|text| format!("* to take. unseen: {text}."))
-            .into_iter()
-            .chain(tables::reasons(&runs))
-            .collect(),
+        notes: unseen.map(|text| format!("{star}unseen: {text}.")).into_iter().chain(tables::reasons(&runs)).collect(),
         ..Table::default()
     };
     table.to_text(width)

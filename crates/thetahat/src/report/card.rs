@@ -20,17 +20,17 @@ pub fn headline(results: &Results) -> String {
 }
 
 fn headline_of(card: &Card) -> String {
-    let case = card.case.as_ref().map(|case| format!(", case {case}")).unwrap_or_default();
+    let case = card.case.as_ref().map(|case| format!(" ({case})")).unwrap_or_default();
     let take = card.method.map_or_else(|| "no method has numbers to take".to_owned(), |m| format!("take {m}{case}"));
     match card.verdict {
         Some(Verdict::Good) => format!("\u{2713} GOOD: {take}"),
-        Some(Verdict::Care) => format!("! CARE: {take}, and read why"),
+        Some(Verdict::Care) => format!("! CARE: {take}, read why"),
         Some(Verdict::DoNotUse) => "\u{2717} DO NOT USE these numbers".to_owned(),
         None => format!("? NOT JUDGED: {take}"),
     }
 }
 
-/// What the verdict rests on, what to do next, and the numbers: the lines above the headline, which ends what is printed.
+/// The numbers, what the verdict rests on, and what to do next: the lines above the headline, which ends what is printed.
 #[must_use]
 pub fn card_text(results: &Results, width: TextWidth) -> String {
     let card = results.card();
@@ -40,7 +40,7 @@ pub fn card_text(results: &Results, width: TextWidth) -> String {
         let label = if number == 0 { next } else { "" };
         (label, format!("{}. {action}", number + 1))
     };
-    let lines = because.chain(card.actions.iter().enumerate().map(numbered)).chain(facts(&card));
+    let lines = facts(&card).into_iter().chain(because).chain(card.actions.iter().enumerate().map(numbered));
     lines.map(|(label, text)| labelled(label, &text, LABEL, width)).collect()
 }
 
@@ -75,7 +75,7 @@ pub(super) fn physically(physical: Physical) -> &'static str {
     match physical {
         Physical::Yes => "yes, a robot can have these numbers",
         Physical::WithinNoise => "within noise; set physical = true before you simulate with them",
-        Physical::No => "no robot has these numbers; set physical = true before you simulate with them",
+        Physical::No => "not as they stand; set physical = true before you simulate with them",
     }
 }
 

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::results::{Filter, FilterChoice, Finding, RecordingFindings, Results, RunResult, Severity};
 
-/// Lines of a finding on the first screen, and their indent where they stand below its code.
+/// Lines of a note on the first screen, and their indent where they stand below its code.
 const LINES: usize = 3;
 const INDENT: &str = "           ";
 
@@ -51,15 +51,19 @@ fn in_lines(finding: &Finding, text: &str, width: TextWidth) -> String {
     let named = format!("  {:<8} {:<20} ", label(finding.severity), finding.code.to_string());
     let column = named.chars().count();
     if width.columns() >= 2 * column {
-        return labelled(&named, &first_lines(text, width.columns() - column), column, width);
+        return labelled(&named, &first_lines(finding.severity, text, width.columns() - column), column, width);
     }
-    format!("{}\n{}", named.trim_end(), wrap(&first_lines(text, width.columns() - INDENT.len()), INDENT, width))
+    format!(
+        "{}\n{}",
+        named.trim_end(),
+        wrap(&first_lines(finding.severity, text, width.columns() - INDENT.len()), INDENT, width)
+    )
 }
 
-/// As much of a text as stands in a few lines of so many characters.
-fn first_lines(text: &str, columns: usize) -> String {
+/// A text, of a note as much as stands in a few lines of so many characters.
+fn first_lines(severity: Severity, text: &str, columns: usize) -> String {
     let lines = wrap_to(text, columns);
-    if lines.len() <= LINES {
+    if severity != Severity::Note || lines.len() <= LINES {
         return lines.join(" ");
     }
     let last = shortened(&format!("{} {}", lines[LINES - 1], lines[LINES]), columns - 1);

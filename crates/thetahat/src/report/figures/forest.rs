@@ -11,7 +11,7 @@ use crate::{
         published::Published,
         tables::runs_of,
     },
-    results::{DesignResults, Grade, ParameterResult, PromisedParameter, Results, RunResult},
+    results::{DesignResults, Grade, NOMINAL, ParameterResult, PromisedParameter, Results, RunResult},
 };
 
 /// Width of the picture, and height of a row without and for each method, pixels.
@@ -73,7 +73,9 @@ pub(in crate::report) fn forest(results: &Results, published: Option<&Published>
     let forest = of_parameters(results, published, (case, "estimates"), is_first)?;
     let counts = Grade::ALL.map(|grade| (grade, main_run(results, case).map_or(0, |run| run.graded(grade).count())));
     let all: usize = counts.iter().map(|(_, count)| count).sum();
-    Some(Forest { conclusion: format!("{all} parameters: {}.", counted(counts)), ..forest })
+    let examined = |case: &str| main_run(results, case).is_some_and(|run| !run.hidden_bias.is_empty());
+    let rule = if examined(NOMINAL) && !examined(case) { ", by their intervals alone" } else { "" };
+    Some(Forest { conclusion: format!("{all} parameters: {}{rule}.", counted(counts)), ..forest })
 }
 
 /// Those that are not identified.
@@ -82,7 +84,7 @@ pub(in crate::report) fn not_identified(
     published: Option<&Published>,
     case: &str,
 ) -> Option<Forest> {
-    of_parameters(results, published, (case, "not identified"), |run, p| !is_first(run, p))
+    of_parameters(results, published, (case, "parameters that are not identified"), |run, p| !is_first(run, p))
 }
 
 /// Whether a parameter is among those that are identified; where none is, among those that are shown.

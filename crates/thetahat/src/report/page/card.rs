@@ -84,12 +84,12 @@ fn facts(card: &Card, verdict: Verdict) -> Vec<(&'static str, String)> {
     let percent = |e: f64| format!("{} %", significant(e, 3));
     let method = card.method.map(|m| match verdict {
         Verdict::Good | Verdict::Care => {
-            let case = card.case.as_ref().map(|case| format!(", case {case}")).unwrap_or_default();
+            let case = card.case.as_ref().map(|case| format!(" ({case})")).unwrap_or_default();
             ("Method to take", format!("{m}{case}"))
         }
         Verdict::DoNotUse => ("Method", format!("none; the numbers below are of {}", m.name())),
     });
-    let times = card.times_unseen().map(|times| format!(", {} times", fixed(times, 1))).unwrap_or_default();
+    let times = card.times_unseen().map(|times| format!(", {} times the fit's", fixed(times, 1))).unwrap_or_default();
     let unseen = card.unseen.map(|unseen| match unseen {
         Unseen::HeldBack(error) => ("Unseen error, on the held-back record", percent(error) + &times),
         Unseen::LeftOut(error) => ("Unseen error, on parts left out", percent(error) + &times),

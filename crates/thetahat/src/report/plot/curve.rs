@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::axis::{Axis, UNITS};
 
 /// Points of a curve above which only the extremes of short stretches are drawn.
-const MOST_POINTS: usize = 780;
+const MOST_POINTS: usize = 900;
 
 /// A curve: the class that colours it, and its points. A value that is none makes a gap.
 #[derive(Debug)]
