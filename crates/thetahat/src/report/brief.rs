@@ -38,11 +38,11 @@ fn head(results: &Results, width: TextWidth) -> String {
     let several =
         if results.recordings.len() > 1 { format!("{} recordings, ", results.recordings.len()) } else { String::new() };
     let used = format!(
-        "{}: {several}{} samples{rate}, {} rows of {} after decimation",
+        "{}: {several}{} samples{rate}, {} rows after decimation{}",
         results.robot,
         results.samples_used,
         results.decimated_rows,
-        counted_joints(results)
+        of_joints(results)
     );
     let locked = facts::locked_joints(results).map(|joints| format!("locked: {joints}"));
     let lines = [Some(results.title.clone()), Some(used), locked];
@@ -50,10 +50,10 @@ fn head(results: &Results, width: TextWidth) -> String {
 }
 
 /// The rows are those of all joints together.
-fn counted_joints(results: &Results) -> String {
+fn of_joints(results: &Results) -> String {
     match results.runs.iter().map(|r| r.joint_relative_error_percent.len()).max() {
-        Some(0 | 1) | None => "one joint".to_owned(),
-        Some(joints) => format!("{joints} joints"),
+        Some(0 | 1) | None => String::new(),
+        Some(joints) => format!(", those of {joints} joints together"),
     }
 }
 
@@ -91,15 +91,16 @@ fn runs(results: &Results, width: TextWidth) -> String {
 /// The estimates of a run by grade, as many side by side as fit; of those that are not identified the names.
 fn estimates(run: &RunResult, width: TextWidth) -> String {
     let mut text = wrap(&format!("Estimates of {} \u{b1} half of the 95 % interval", run.method), "", width);
-    for (grade, what) in [
-        (Grade::Precise, "the interval is within 20 % of the estimate"),
-        (Grade::Rough, rough(run)),
-        (Grade::Impossible, "a motor inertia or friction below zero"),
+    let (moved, wide): (Vec<_>, Vec<_>) = run.graded(Grade::Rough).partition(|p| run.may_be_moved(p).is_some());
+    for (what, known) in [
+        ("precise: the interval is within 20 % of the estimate", run.graded(Grade::Precise).collect()),
+        ("rough: the interval is wider, and excludes zero", wide),
+        ("rough: friction near rest or a delay may have moved them, by the last number", moved),
+        ("impossible: a motor inertia or friction below zero", run.graded(Grade::Impossible).collect()),
     ] {
-        let known: Vec<_> = run.graded(grade).collect();
         if !known.is_empty() {
-            text += &wrap(&format!("{}: {what}", grade.name()), "  ", width);
-            text += &side_by_side(&cells(&known), width);
+            text += &wrap(what, "  ", width);
+            text += &side_by_side(&cells(run, &known), width);
         }
     }
     let names: Vec<&str> = run.graded(Grade::NotIdentified).map(|p| p.name.as_str()).collect();
@@ -111,28 +112,20 @@ fn estimates(run: &RunResult, width: TextWidth) -> String {
     text + &held.map_or_else(String::new, |line| wrap(&line, "  ", width))
 }
 
-/// Why estimates are no more than rough.
-fn rough(run: &RunResult) -> &'static str {
-    if run.graded(Grade::Rough).any(|p| run.may_be_moved(p)) {
-        "the interval is wider, or friction near rest or a delay may have moved them further"
-    } else {
-        "the interval is wider, and excludes zero"
-    }
-}
-
-/// Name, value, half of the interval and unit of each parameter, in columns of the same width.
-fn cells(parameters: &[&ParameterResult]) -> Vec<String> {
-    let texts: Vec<[String; 4]> = parameters.iter().map(|p| texts(p)).collect();
+/// Name, value, half of the interval and unit of each parameter, in columns of the same width, and how far it may be moved.
+fn cells(run: &RunResult, parameters: &[&ParameterResult]) -> Vec<String> {
+    let texts: Vec<[String; 5]> = parameters.iter().map(|p| texts(run, p)).collect();
     let widest = |c: usize| texts.iter().map(|t| t[c].chars().count()).max().unwrap_or(0);
-    let [name, value, half, unit] = [0, 1, 2, 3].map(widest);
-    let cell = |[n, v, h, u]: &[String; 4]| format!("{n:<name$} {v:>value$} \u{b1}{h:<half$} {u:<unit$}");
+    let [name, value, half, unit, moved] = [0, 1, 2, 3, 4].map(widest);
+    let cell = |[n, v, h, u, m]: &[String; 5]| format!("{n:<name$} {v:>value$} \u{b1}{h:<half$} {u:<unit$}{m:<moved$}");
     texts.iter().map(cell).collect()
 }
 
-fn texts(p: &ParameterResult) -> [String; 4] {
+fn texts(run: &RunResult, p: &ParameterResult) -> [String; 5] {
     let half = p.half_width();
     let width = half.map_or_else(|| NONE.to_owned(), |half| estimate(half, Some(half)));
-    [visible(&p.name).into_owned(), estimate(p.estimate, half), width, p.unit.clone()]
+    let moved = run.may_be_moved(p).map(|shift| format!(", by {}", number::significant(shift, 2))).unwrap_or_default();
+    [visible(&p.name).into_owned(), estimate(p.estimate, half), width, p.unit.clone(), moved]
 }
 
 /// Texts of the same width in as many columns as fit, to be read downwards.

@@ -55,6 +55,7 @@ fn facts(card: &Card) -> Vec<(&'static str, String)> {
             .filter(|_| card.verdict != Some(Verdict::DoNotUse))
             .map(|physical| ("physical", physically(physical).to_owned())),
         Some(("parameters", known(card))),
+        to_use(card).map(|names| ("to use", names)),
     ];
     let method = (card.verdict == Some(Verdict::DoNotUse)).then(|| ("method", format!("{method}, of those that ran")));
     method.into_iter().chain(facts.into_iter().flatten()).collect()
@@ -70,12 +71,12 @@ fn unseen(card: &Card) -> String {
     format!("; unseen {} %{times}, {on}", significant(unseen.percent(), 3))
 }
 
-/// Whether a robot made of bodies has the estimates, and what to do where none has.
+/// Whether a robot made of bodies has the estimates.
 pub(super) fn physically(physical: Physical) -> &'static str {
     match physical {
         Physical::Yes => "yes, a robot can have these numbers",
-        Physical::WithinNoise => "within noise; set physical = true before you simulate with them",
-        Physical::No => "not as they stand; set physical = true before you simulate with them",
+        Physical::WithinNoise => "within noise",
+        Physical::No => "no robot has these numbers as they stand",
     }
 }
 
@@ -87,6 +88,12 @@ fn known(card: &Card) -> String {
     let counts = Grade::ALL.into_iter().zip(card.parameters.iter().map(Vec::len));
     let doubt = if card.model_is_doubted { "; what the model lacks may shift them" } else { "" };
     format!("{} of {}{doubt}", counted(counts), card.parameters.iter().map(Vec::len).sum::<usize>())
+}
+
+/// The names of the precise parameters, where numbers are to be used.
+fn to_use(card: &Card) -> Option<String> {
+    let [precise, ..] = &card.parameters;
+    (card.verdict != Some(Verdict::DoNotUse) && !precise.is_empty()).then(|| precise.join(" "))
 }
 
 /// The gravest reasons, and how many more there are.

@@ -220,7 +220,7 @@ fn label(severity: Severity) -> &'static str {
 
 fn name(recording: &RecordingFindings) -> String {
     let held_back = if recording.held_back { " (held back)" } else { "" };
-    format!("{}{held_back}", recording.recording)
+    format!("recording {}{held_back}", recording.recording)
 }
 
 /// The message, with the joint in front where it is about one and does not begin with it.

@@ -18,6 +18,9 @@ const ACTIONS: usize = 3;
 /// Part of the unseen error below which another case fits clearly better.
 const BETTER: f64 = 0.95;
 
+/// The key that asks for parameters which a robot can have.
+const PHYSICAL: &str = "physical = true";
+
 /// The last action where the data are to be mended.
 const AGAIN: &str = "then identify again: the other findings may have gone with it";
 
@@ -92,8 +95,19 @@ impl Results {
             model_is_doubted: self.model_is_doubted(),
             case: run.map(|r| r.case.clone()).filter(|_| self.cases().len() > 1),
             physical: run.and_then(RunResult::physically),
-            actions: self.better_case().into_iter().chain(self.actions()).take(ACTIONS).collect(),
+            actions: self.next(run),
         }
+    }
+
+    /// The actions; the last one is for who simulates, where no robot has the numbers and no other action says so.
+    fn next(&self, taken: Option<&RunResult>) -> Vec<String> {
+        let mut actions: Vec<String> = self.better_case().into_iter().chain(self.actions()).take(ACTIONS).collect();
+        let before = taken.and_then(RunResult::before_simulation).filter(|_| self.verdict != Some(Verdict::DoNotUse));
+        if let Some(before) = before.filter(|_| !actions.iter().any(|action| action.contains(PHYSICAL))) {
+            actions.truncate(ACTIONS - 1);
+            actions.push(before);
+        }
+        actions
     }
 
     /// Whether something is missing in the model or in the processing: it may have shifted estimates that are precise.
@@ -136,7 +150,8 @@ impl Results {
             others.filter_map(|r| Some((r, errors(r)?))).filter(|(_, (f, u))| *f < fit && *u < BETTER * unseen);
         let (other, (other_fit, other_unseen)) = better.min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
         Some(format!(
-            "compare with case {}, which fits better: {} % (unseen {} %) beside {} % (unseen {} %)",
+            "choose between the cases: the advice is for {}, but {} fits better, {} % (unseen {} %) against {} % (unseen {} %)",
+            run.case,
             other.case,
             significant(other_fit, 3),
             significant(other_unseen, 3),
@@ -201,6 +216,17 @@ impl RunResult {
             (true, _) => Physical::Yes,
             (false, false) => Physical::WithinNoise,
             (false, true) => Physical::No,
+        })
+    }
+}
+
+impl RunResult {
+    /// What to do before the numbers simulate a robot, where no robot has them.
+    fn before_simulation(&self) -> Option<String> {
+        let physical = self.physical.as_ref().filter(|p| !p.consistent)?;
+        Some(match physical.estimate {
+            Some(_) => "take the physically consistent estimate for simulation and control".to_owned(),
+            None => format!("set {PHYSICAL} in [parameters] before you simulate or control with the numbers"),
         })
     }
 }
@@ -290,7 +316,21 @@ mod tests {
         assert_eq!((card.relative_error_percent, card.unseen), (Some(4.0), Some(Unseen::LeftOut(5.0))));
         assert_eq!(card.worst_joint, Some(("joint 2 (elbow)".to_owned(), 7.5)));
         assert_eq!(card.parameters, ["a", "b", "c", "ia2"].map(|name| vec![name.to_owned()]));
-        assert_eq!(card.actions, ["one", "two", "three"]);
+        assert_eq!(card.actions, ["one", "two", BEFORE_SIMULATION]);
+    }
+
+    const BEFORE_SIMULATION: &str =
+        "set physical = true in [parameters] before you simulate or control with the numbers";
+
+    #[test]
+    fn who_simulates_is_warned_once_and_not_where_no_number_is_to_be_used() {
+        let mut results = results();
+        results.verdict_reasons = vec![reason("give ia2, with physical = true")];
+        assert_eq!(results.card().actions, ["give ia2, with physical = true"]);
+        results.verdict_reasons.clear();
+        assert_eq!(results.card().actions, [BEFORE_SIMULATION]);
+        results.verdict = Some(Verdict::DoNotUse);
+        assert!(results.card().actions.is_empty());
     }
 
     #[test]

@@ -95,9 +95,31 @@ pub struct HiddenBias {
     pub parameter: String,
     /// By how many standard deviations with correlated errors, at the end of the interval that moves it further.
     pub deviations: f64,
+    /// The other parameters that this end moves by more than half of their 95 % interval.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub others: Vec<MovedParameter>,
+}
+
+/// A parameter that an error moves.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MovedParameter {
+    /// Its name.
+    pub parameter: String,
+    /// By how many of its standard deviations with correlated errors.
+    pub deviations: f64,
 }
 
 impl HiddenBias {
+    /// By how many of its standard deviations it moves a parameter; none where that is less than half of the interval and another
+    /// moves further.
+    #[must_use]
+    pub fn deviations_of(&self, parameter: &str) -> Option<f64> {
+        if self.parameter == parameter {
+            return Some(self.deviations);
+        }
+        self.others.iter().find(|moved| moved.parameter == parameter).map(|moved| moved.deviations)
+    }
+
     /// Whether the residual shows the error: its interval has no zero.
     #[must_use]
     pub fn is_seen(&self) -> bool {

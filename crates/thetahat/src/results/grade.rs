@@ -80,14 +80,14 @@ impl RunResult {
             return Grade::Impossible;
         }
         let grade = parameter.grade_of_interval();
-        if grade == Grade::Precise && self.may_be_moved(parameter) { Grade::Rough } else { grade }
+        if grade == Grade::Precise && self.may_be_moved(parameter).is_some() { Grade::Rough } else { grade }
     }
 
-    /// Whether an error that the residual shows may have moved a parameter by more than a precise one is uncertain.
-    pub(crate) fn may_be_moved(&self, parameter: &ParameterResult) -> bool {
-        let of_parameter = self.hidden_bias.iter().filter(|b| b.is_seen() && b.parameter == parameter.name);
-        let shifts = of_parameter.filter_map(|b| Some((b.deviations * parameter.deviation()?).abs()));
-        shifts.fold(0.0, f64::max) > PRECISE * parameter.estimate.abs()
+    /// By how much an error that the residual shows may have moved a parameter, where that is more than a precise one is uncertain.
+    pub(crate) fn may_be_moved(&self, parameter: &ParameterResult) -> Option<f64> {
+        let seen = self.hidden_bias.iter().filter(|b| b.is_seen());
+        let shifts = seen.filter_map(|b| Some((b.deviations_of(&parameter.name)? * parameter.deviation()?).abs()));
+        shifts.max_by(f64::total_cmp).filter(|shift| *shift > PRECISE * parameter.estimate.abs())
     }
 
     /// The parameters of this run with a grade.
@@ -110,7 +110,7 @@ mod tests {
     use super::*;
     use crate::{
         identification::{Method, Status},
-        results::{HiddenBias, HiddenError},
+        results::{HiddenBias, HiddenError, MovedParameter},
     };
 
     fn parameter(estimate: f64, interval_95: Option<[f64; 2]>, standard_deviation: Option<f64>) -> ParameterResult {
@@ -153,6 +153,7 @@ mod tests {
             size_interval_95,
             parameter: "fc2".to_owned(),
             deviations,
+            others: Vec::new(),
         };
         let grade = |hidden_bias| {
             let run = RunResult::new("nominal", Method::IDIM_IV, Status::Converged);
@@ -161,5 +162,8 @@ mod tests {
         assert_eq!(grade(bias([4.2, 5.5], -9.2)), Grade::Rough, "2.5 of 8.0");
         assert_eq!(grade(bias([4.2, 5.5], -3.0)), Grade::Precise, "0.8 of 8.0");
         assert_eq!(grade(bias([-1.0, 5.5], -9.2)), Grade::Precise, "the residual does not show it");
+        let others = vec![MovedParameter { parameter: "fc2".to_owned(), deviations: 9.2 }];
+        let of_another = HiddenBias { parameter: "fv2".to_owned(), others, ..bias([4.2, 5.5], 12.0) };
+        assert_eq!(grade(of_another), Grade::Rough, "another moves further");
     }
 }

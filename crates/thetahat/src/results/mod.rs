@@ -64,7 +64,7 @@ pub use design::{
 pub use diagnosis::{
     Advice, ApproximatedParameter, ApproximationResult, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis,
     Comparison, EndogeneityResult, Explained, HiddenBias, HiddenError, Influence, InstrumentResult, JointResidual,
-    ParameterDifference, ResidualResult,
+    MovedParameter, ParameterDifference, ResidualResult,
 };
 pub use estimate::NoEstimate;
 pub use file::ResultsError;

@@ -14,7 +14,7 @@ use crate::{
     identification::{Divisor, EstimationError, Fit, Response, uncertainty},
     linear_algebra::Matrix,
     preparation::{FilteredRecording, Problem, torques},
-    results::{HiddenBias, HiddenError, ParameterResult, RunResult},
+    results::{HiddenBias, HiddenError, MovedParameter, ParameterResult, RunResult},
     series::Series,
     signal::SignalError,
 };
@@ -140,17 +140,26 @@ impl Bounded<'_> {
         Ok(intervals[intervals.len() - directions.len()..].to_vec())
     }
 
-    /// The parameter that moves by most of its standard deviations, with the end of the interval that moves it further.
+    /// What the end of the interval that is farther from zero moves, by standard deviations.
     fn bias(&self, direction: &Direction, size: [f64; 2], per_unit: &[f64]) -> Option<HiddenBias> {
         let largest = if size[0].abs() > size[1].abs() { size[0] } else { size[1] };
-        let of = |(p, per_unit): (&ParameterResult, &f64)| {
+        let moved = |(p, per_unit): (&ParameterResult, &f64)| {
             let deviation = p.standard_deviation_robust.filter(|deviation| *deviation > 0.0)?;
-            Some((p.name.clone(), per_unit * largest / deviation))
+            let beyond = p.half_width().is_some_and(|half| (per_unit * largest).abs() > half);
+            Some((beyond, MovedParameter { parameter: p.name.clone(), deviations: per_unit * largest / deviation }))
         };
-        let all = self.run.parameters.iter().zip(per_unit).filter_map(of);
-        let (parameter, deviations) = all.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
-        let (error, joint) = (direction.error, direction.joint.map(|j| j + 1));
-        Some(HiddenBias { error, joint, size_interval_95: size, parameter, deviations })
+        let mut all: Vec<_> = self.run.parameters.iter().zip(per_unit).filter_map(moved).collect();
+        let size_of = |(_, moved): &(bool, MovedParameter)| moved.deviations.abs();
+        let furthest = (0..all.len()).max_by(|a, b| size_of(&all[*a]).total_cmp(&size_of(&all[*b])))?;
+        let (_, MovedParameter { parameter, deviations }) = all.remove(furthest);
+        Some(HiddenBias {
+            error: direction.error,
+            joint: direction.joint.map(|j| j + 1),
+            size_interval_95: size,
+            parameter,
+            deviations,
+            others: all.into_iter().filter_map(|(beyond, moved)| beyond.then_some(moved)).collect(),
+        })
     }
 }
 

@@ -69,12 +69,12 @@ fn remedy(setup: Setup<'_>, problem: &Problem) -> String {
     let errors = format!("from {} to {} %", significant(whole, 3), significant(essential, 3));
     if essential <= whole {
         return format!(
-            "{motion}, or leave out {eliminated} parameters by estimate = \"essential\": the error on fifths of the record that are \
-             left out falls {errors}"
+            "{motion}, or leave out {eliminated} parameters by estimate = \"essential\": the error of idim-ls on fifths of the \
+             record that are left out falls {errors}"
         );
     }
     format!(
-        "{motion}; leave estimate as it is: with \"essential\" the error on fifths that are left out rises {errors}"
+        "{motion}; leave estimate as it is: with \"essential\" the error of idim-ls on fifths that are left out rises {errors}"
     )
 }
 

@@ -9,7 +9,7 @@ use crate::{
         names,
         number::{fixed, significant},
     },
-    results::{Card, Grade, Method, Results, Unseen, Verdict},
+    results::{Card, Grade, Method, Physical, Results, Unseen, Verdict},
 };
 
 /// The verdict with what it rests on and what to do next.
@@ -113,7 +113,8 @@ fn share(card: &Card) -> String {
     let [sure, ..] = &card.parameters;
     let are = if sure.len() == 1 { "is" } else { "are" };
     let count = if sure.len() == all { "all".to_owned() } else { sure.len().to_string() };
-    format!("{count} of {all} parameters {are} {}", Grade::Precise.name())
+    let simulated = if card.physical == Some(Physical::No) { "; not for simulation as they stand" } else { "" };
+    format!("{count} of {all} parameters {are} {}{simulated}", Grade::Precise.name())
 }
 
 /// The grades that parameters have; none where no number is to be used.
@@ -122,11 +123,11 @@ fn graded(card: &Card) -> Vec<Graded> {
         return Vec::new();
     }
     let said = |grade| match grade {
-        Grade::Precise if card.model_is_doubted => "precise, but what the model lacks may shift them",
-        Grade::Precise => "precise",
-        Grade::Impossible => "impossible, below zero",
-        Grade::Rough => "rough: use them with doubt",
-        Grade::NotIdentified => "not identified",
+        Grade::Precise if card.model_is_doubted => "Use, though what the model lacks may shift them",
+        Grade::Precise => "Use",
+        Grade::Rough => "Use with doubt",
+        Grade::Impossible => "Do not use, below zero",
+        Grade::NotIdentified => "Do not use, not identified",
     };
     let of_grade = |(grade, of): (Grade, &Vec<String>)| Graded {
         class: class(grade),
@@ -180,6 +181,8 @@ mod tests {
             share(&Card { model_is_doubted: true, ..card(Verdict::Care, 2, 3) }),
             "2 of 5 parameters are precise"
         );
+        let not_physical = Card { physical: Some(Physical::No), ..card(Verdict::Care, 2, 3) };
+        assert_eq!(share(&not_physical), "2 of 5 parameters are precise; not for simulation as they stand");
         assert_eq!(share(&card(Verdict::DoNotUse, 6, 63)), "");
     }
 
