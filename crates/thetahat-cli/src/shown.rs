@@ -4,7 +4,7 @@ use std::{error::Error, path::Path};
 
 use thetahat::{
     report::{self, Published},
-    results::Results,
+    results::{Results, Verdict},
 };
 
 use crate::{
@@ -27,7 +27,7 @@ pub fn show(
     if !output.shown.quiet {
         print_verdict(results)?;
         print(&format!("\n{}{note}\n", tables(results, published, output.shown.full)))?;
-        print(&written(files.as_deref()))?;
+        print(&written(files.as_deref(), results.verdict))?;
         print(&format!("{}\n", "-".repeat(width().columns())))?;
     }
     print(&report::card_text(results, width()))?;
@@ -40,10 +40,11 @@ fn tables(results: &Results, published: Option<&Published>, full: bool) -> Strin
 }
 
 /// The files that were written.
-fn written(files: Option<&[impl AsRef<Path>]>) -> String {
+fn written(files: Option<&[impl AsRef<Path>]>, verdict: Option<Verdict>) -> String {
     let Some(files) = files else {
         return "no files written (--out DIR writes them)\n".to_owned();
     };
     let names: String = files.iter().map(|f| format!("  {}\n", f.as_ref().display())).collect();
-    format!("written:\n{names}")
+    let not = if verdict == Some(Verdict::DoNotUse) { ", with numbers not to be used" } else { "" };
+    format!("written{not}:\n{names}")
 }

@@ -74,7 +74,7 @@ fn note_measures(exam: &mut Examination<'_>, all: &[Hypothesis], gains: &[f64]) 
 
 fn raise(exam: &mut Examination<'_>, hypothesis: &Hypothesis, gain: f64) {
     let message = format!("the torques fit {:.1} times better if {}", gain.sqrt(), hypothesis.words);
-    exam.raise(evidence(hypothesis, gain), Severity::Problem, Words::new(message, hypothesis.remedy));
+    exam.raise(evidence(hypothesis, gain), Severity::Problem, Words::new(message, &hypothesis.remedy));
 }
 
 fn evidence(hypothesis: &Hypothesis, gain: f64) -> Evidence {

@@ -26,7 +26,7 @@ pub(super) struct Hypothesis {
     pub(super) flips_power: bool,
     /// What is wrong, to follow "the torques fit ... better if".
     pub(super) words: String,
-    pub(super) remedy: &'static str,
+    pub(super) remedy: String,
 }
 
 /// Which coordinates a correction is about.
@@ -71,12 +71,20 @@ impl Scope {
 }
 
 impl Hypothesis {
-    fn new(code: Code, scope: Scope, correction: Affine, words: String, remedy: &'static str) -> Self {
+    fn new(code: Code, scope: Scope, correction: Affine, words: String, remedy: impl Into<String>) -> Self {
         let limit = match scope {
             Scope::All => COMMON_LIMIT,
             Scope::One(_) => SINGLE_LIMIT,
         };
-        Self { code, coordinate: scope.coordinate(), correction, limit, flips_power: false, words, remedy }
+        Self {
+            code,
+            coordinate: scope.coordinate(),
+            correction,
+            limit,
+            flips_power: false,
+            words,
+            remedy: remedy.into(),
+        }
     }
 
     fn with_limit(self, limit: f64) -> Self {
@@ -243,12 +251,13 @@ fn exchanges(robot: &Robot) -> Vec<Hypothesis> {
         let torques = Affine::exchanged_torques(n, a, b);
         let both = Affine { torque: torques.torque.clone(), ..positions.clone() };
         let kinds = [
-            (positions, "the positions", "put the position columns in the order of the robot's joints"),
-            (torques, "the torques", "put the torque columns in the order of the robot's joints"),
-            (both, "positions and torques", "put the position and torque columns in the order of the robot's joints"),
+            (positions, "the positions", "position columns"),
+            (torques, "the torques", "torque columns"),
+            (both, "positions and torques", "position and torque columns"),
         ];
         let (first, second) = (robot.joint_of(a) + 1, robot.joint_of(b) + 1);
-        kinds.map(|(correction, what, remedy)| {
+        kinds.map(|(correction, what, columns)| {
+            let remedy = format!("exchange the {columns} of joints {first} and {second} in the experiment file");
             let words = format!("{what} of joints {first} and {second} are exchanged");
             Hypothesis::new(Code::JointsSwapped, Scope::One(a), correction, words, remedy).with_limit(MANY_LIMIT)
         })

@@ -49,10 +49,14 @@ fn head(results: &Results, width: TextWidth) -> String {
     lines.iter().flatten().map(|line| wrap(line, "", width)).collect()
 }
 
-/// The rows are those of all joints together.
+/// The rows are those of all joints together, as many of each where those near rest make rows too.
 fn of_joints(results: &Results) -> String {
+    let all_rows = results.recordings.iter().all(|r| r.near_rest.is_none());
     match results.runs.iter().map(|r| r.joint_relative_error_percent.len()).max() {
         Some(0 | 1) | None => String::new(),
+        Some(joints) if all_rows && results.decimated_rows % joints == 0 => {
+            format!(" ({} of each of {joints} joints)", results.decimated_rows / joints)
+        }
         Some(joints) => format!(", those of {joints} joints together"),
     }
 }
@@ -90,12 +94,15 @@ fn runs(results: &Results, width: TextWidth) -> String {
 
 /// The estimates of a run by grade, as many side by side as fit; of those that are not identified the names.
 fn estimates(run: &RunResult, width: TextWidth) -> String {
-    let mut text = wrap(&format!("Estimates of {} \u{b1} half of the 95 % interval", run.method), "", width);
+    let is_regrouped = run.parameters.iter().any(|p| p.name.ends_with('r'));
+    let regrouped = if is_regrouped { "; r: others are regrouped into it" } else { "" };
+    let head = format!("Estimates of {} \u{b1} half of the 95 % interval{regrouped}", run.method);
+    let mut text = wrap(&head, "", width);
     let (moved, wide): (Vec<_>, Vec<_>) = run.graded(Grade::Rough).partition(|p| run.may_be_moved(p).is_some());
     for (what, known) in [
         ("precise: the interval is within 20 % of the estimate", run.graded(Grade::Precise).collect()),
         ("rough: the interval is wider, and excludes zero", wide),
-        ("rough: friction near rest or a delay may have moved them, by the last number", moved),
+        ("rough: friction near rest or a delay may have moved them by the last number", moved),
         ("impossible: a motor inertia or friction below zero", run.graded(Grade::Impossible).collect()),
     ] {
         if !known.is_empty() {
@@ -105,7 +112,9 @@ fn estimates(run: &RunResult, width: TextWidth) -> String {
     }
     let names: Vec<&str> = run.graded(Grade::NotIdentified).map(|p| p.name.as_str()).collect();
     if !names.is_empty() {
-        text += &wrap("not identified: the interval holds zero", "  ", width);
+        let moved = run.parameters.iter().any(|p| run.may_be_moved(p).is_some());
+        let or_moved = if moved { ", or may have been moved from it" } else { "" };
+        text += &wrap(&format!("not identified: the interval holds zero{or_moved}"), "  ", width);
         text += &wrap(&names.join(" "), "    ", width);
     }
     let held = tables::interval_counts(&[run]);

@@ -75,7 +75,7 @@ fn unseen(card: &Card) -> String {
 pub(super) fn physically(physical: Physical) -> &'static str {
     match physical {
         Physical::Yes => "yes, a robot can have these numbers",
-        Physical::WithinNoise => "within noise",
+        Physical::WithinNoise => "not exactly, but within noise",
         Physical::No => "no robot has these numbers as they stand",
     }
 }
@@ -86,14 +86,16 @@ fn known(card: &Card) -> String {
         return "none to use".to_owned();
     }
     let counts = Grade::ALL.into_iter().zip(card.parameters.iter().map(Vec::len));
-    let doubt = if card.model_is_doubted { "; what the model lacks may shift them" } else { "" };
+    let doubt = if card.model_is_doubted { "; grades hold if the model does" } else { "" };
     format!("{} of {}{doubt}", counted(counts), card.parameters.iter().map(Vec::len).sum::<usize>())
 }
 
-/// The names of the precise parameters, where numbers are to be used.
+/// The names of the parameters that can be used one by one, where numbers are to be used.
 fn to_use(card: &Card) -> Option<String> {
     let [precise, ..] = &card.parameters;
-    (card.verdict != Some(Verdict::DoNotUse) && !precise.is_empty()).then(|| precise.join(" "))
+    let all: usize = card.parameters.iter().map(Vec::len).sum();
+    let rest = if precise.len() < all { format!("; to predict torques take all {all}") } else { String::new() };
+    (card.verdict != Some(Verdict::DoNotUse) && !precise.is_empty()).then(|| precise.join(" ") + &rest)
 }
 
 /// The gravest reasons, and how many more there are.

@@ -2,7 +2,7 @@
 
 use super::{
     number::significant,
-    wrap::{TextWidth, labelled, shortened, wrap, wrap_to},
+    wrap::{TextWidth, labelled, wrap, wrap_to},
 };
 use crate::results::{Filter, FilterChoice, Finding, RecordingFindings, Results, RunResult, Severity};
 
@@ -66,8 +66,10 @@ fn first_lines(severity: Severity, text: &str, columns: usize) -> String {
     if severity != Severity::Note || lines.len() <= LINES {
         return lines.join(" ");
     }
-    let last = shortened(&format!("{} {}", lines[LINES - 1], lines[LINES]), columns - 1);
-    [&lines[..LINES - 1], &[last]].concat().join(" ")
+    let last = &lines[LINES - 1];
+    let kept =
+        if last.chars().count() < columns { last.as_str() } else { last.rsplit_once(' ').map_or("", |(kept, _)| kept) };
+    [&lines[..LINES - 1], &[format!("{kept}\u{2026}")]].concat().join(" ")
 }
 
 /// The joints, and the message of the largest value without its joint.
@@ -220,7 +222,9 @@ fn label(severity: Severity) -> &'static str {
 
 fn name(recording: &RecordingFindings) -> String {
     let held_back = if recording.held_back { " (held back)" } else { "" };
-    format!("recording {}{held_back}", recording.recording)
+    let numbered = recording.recording.chars().all(|c| c.is_ascii_digit());
+    let what = if numbered { "recording " } else { "" };
+    format!("{what}{}{held_back}", recording.recording)
 }
 
 /// The message, with the joint in front where it is about one and does not begin with it.

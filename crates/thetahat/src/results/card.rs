@@ -22,7 +22,7 @@ const BETTER: f64 = 0.95;
 const PHYSICAL: &str = "physical = true";
 
 /// The last action where the data are to be mended.
-const AGAIN: &str = "then identify again: the other findings may have gone with it";
+const AGAIN: &str = "then identify again: the other findings may be gone";
 
 /// The verdict and what it rests on. Nothing here is new: it is what the results hold, gathered.
 #[derive(Debug, Clone, PartialEq)]
@@ -150,8 +150,7 @@ impl Results {
             others.filter_map(|r| Some((r, errors(r)?))).filter(|(_, (f, u))| *f < fit && *u < BETTER * unseen);
         let (other, (other_fit, other_unseen)) = better.min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
         Some(format!(
-            "choose between the cases: the advice is for {}, but {} fits better, {} % (unseen {} %) against {} % (unseen {} %)",
-            run.case,
+            "take case {} instead if its model is right for you: it fits better, {} % (unseen {} %) against {} % (unseen {} %)",
             other.case,
             significant(other_fit, 3),
             significant(other_unseen, 3),

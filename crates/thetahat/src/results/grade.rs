@@ -19,7 +19,7 @@ pub enum Grade {
     Precise,
     /// Its interval is wider, or such an error may move it further; its interval excludes zero.
     Rough,
-    /// Its interval holds zero, or there is none: the record does not tell it from zero.
+    /// Its interval holds zero, or would where such an error moves it; or there is none: the record does not tell it from zero.
     NotIdentified,
     /// A motor inertia or a friction coefficient whose interval lies below zero: no robot has it.
     Impossible,
@@ -79,8 +79,12 @@ impl RunResult {
         if self.impossible().any(|name| *name == parameter.name) {
             return Grade::Impossible;
         }
-        let grade = parameter.grade_of_interval();
-        if grade == Grade::Precise && self.may_be_moved(parameter).is_some() { Grade::Rough } else { grade }
+        let half = parameter.half_width().unwrap_or(f64::INFINITY);
+        match (parameter.grade_of_interval(), self.may_be_moved(parameter)) {
+            (_, Some(shift)) if shift + half >= parameter.estimate.abs() => Grade::NotIdentified,
+            (Grade::Precise, Some(_)) => Grade::Rough,
+            (grade, _) => grade,
+        }
     }
 
     /// By how much an error that the residual shows may have moved a parameter, where that is more than a precise one is uncertain.
@@ -161,6 +165,7 @@ mod tests {
         };
         assert_eq!(grade(bias([4.2, 5.5], -9.2)), Grade::Rough, "2.5 of 8.0");
         assert_eq!(grade(bias([4.2, 5.5], -3.0)), Grade::Precise, "0.8 of 8.0");
+        assert_eq!(grade(bias([4.2, 5.5], 28.0)), Grade::NotIdentified, "7.6 of 8.0, beside an interval of 0.5");
         assert_eq!(grade(bias([-1.0, 5.5], -9.2)), Grade::Precise, "the residual does not show it");
         let others = vec![MovedParameter { parameter: "fc2".to_owned(), deviations: 9.2 }];
         let of_another = HiddenBias { parameter: "fv2".to_owned(), others, ..bias([4.2, 5.5], 12.0) };

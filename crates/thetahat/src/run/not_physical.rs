@@ -69,9 +69,10 @@ fn negative(
     let high = result.interval_95.map(|[_, high]| high);
     let (severity, noise) = match high {
         Some(high) if high >= 0.0 => (Severity::Note, "noise explains it: its 95 % interval holds zero".to_owned()),
-        Some(high) if value + (high - value) * more_than_noise(bounded) / OF_INTERVAL >= 0.0 => {
-            (Severity::Warning, format!("noise may explain it, as {bounded} such intervals are tested"))
-        }
+        Some(high) if value + (high - value) * more_than_noise(bounded) / OF_INTERVAL >= 0.0 => (
+            Severity::Warning,
+            format!("noise may explain it: one of {bounded} such intervals may lie below zero by chance"),
+        ),
         Some(_) => (Severity::Problem, "noise does not explain it".to_owned()),
         None => (Severity::Warning, "it has no interval".to_owned()),
     };
@@ -143,7 +144,7 @@ fn link_remedy(asked: bool, is_noise: bool) -> &'static str {
 fn inertia_remedy(asked: bool, name: &str, joint: &str) -> String {
     let physical = if asked { "" } else { "physical = true and " };
     format!(
-        "give {name} from the data sheet, with {physical}fix = {{ {name} = ... }} in [parameters], or record faster changes of \
+        "give {name} from the data sheet (rotor inertia times the gear ratio squared), with {physical}fix = {{ {name} = ... }} in [parameters], or record faster changes of \
          velocity of {joint}"
     )
 }

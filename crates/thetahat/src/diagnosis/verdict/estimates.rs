@@ -299,7 +299,7 @@ fn correlated_residual(results: &Results, run: &RunResult) -> Option<VerdictReas
     let (r1, limit) = (worst.autocorrelation, correlated_from(results, run));
     let (name, label) = (joint_name(results, worst.joint), results.joint_label(worst.joint - 1));
     let seen = format!(
-        "The residual of {label} is no noise ({}): the model lacks something (a law of friction, elasticity, a length), or the \
+        "The residual of {label} is not noise ({}): the model lacks something (a law of friction, elasticity, a length), or the \
          processing does (friction's sign near rest). True values may lie outside their intervals{}",
         run.method,
         largest_hidden_bias(results, run).unwrap_or_default()

@@ -26,6 +26,8 @@ pub(in crate::report) struct HeadCard {
     /// How many parameters are precise, of how many; empty where no number is to be used.
     pub(in crate::report) share: String,
     pub(in crate::report) grades: Vec<Graded>,
+    /// Whether names of parameters stand behind the fold.
+    pub(in crate::report) has_folded: bool,
     /// What the names of parameters mean: symbols and their meanings.
     pub(in crate::report) key: Vec<(String, &'static str)>,
     /// Whether the grades hold only if the model does.
@@ -60,6 +62,7 @@ impl HeadCard {
             Verdict::Care => ("care", "!", "Take with care"),
             Verdict::DoNotUse => ("do-not-use", "\u{2715}", "Do not use"),
         };
+        let grades = graded(&card);
         Some(Self {
             class,
             symbol,
@@ -67,7 +70,8 @@ impl HeadCard {
             reason: results.verdict_reasons.first().map(|r| sentence(r.seen())).unwrap_or_default(),
             facts: facts(&card, verdict),
             share: share(&card),
-            grades: graded(&card),
+            has_folded: grades.iter().any(|g| g.is_folded && g.count > 0),
+            grades,
             key: names::key(card.parameters.iter().flatten().map(String::as_str)),
             is_doubted: card.model_is_doubted,
             next: match verdict {
@@ -81,7 +85,7 @@ impl HeadCard {
 }
 
 fn facts(card: &Card, verdict: Verdict) -> Vec<(&'static str, String)> {
-    let percent = |e: f64| format!("{} %", significant(e, 3));
+    let percent = |e: f64| format!("{}\u{a0}%", significant(e, 3));
     let method = card.method.map(|m| match verdict {
         Verdict::Good | Verdict::Care => {
             let case = card.case.as_ref().map(|case| format!(" ({case})")).unwrap_or_default();
@@ -92,7 +96,7 @@ fn facts(card: &Card, verdict: Verdict) -> Vec<(&'static str, String)> {
     let times = card.times_unseen().map(|times| format!(", {} times the fit's", fixed(times, 1))).unwrap_or_default();
     let unseen = card.unseen.map(|unseen| match unseen {
         Unseen::HeldBack(error) => ("Unseen error, on the held-back record", percent(error) + &times),
-        Unseen::LeftOut(error) => ("Unseen error, on parts left out", percent(error) + &times),
+        Unseen::LeftOut(error) => ("Unseen error, on parts left out in turn", percent(error) + &times),
     });
     let physical = card.physical.filter(|_| verdict != Verdict::DoNotUse);
     let physical = physical.map(|physical| ("Physically possible", physically(physical).to_owned()));
@@ -112,9 +116,13 @@ fn share(card: &Card) -> String {
     }
     let [sure, ..] = &card.parameters;
     let are = if sure.len() == 1 { "is" } else { "are" };
-    let count = if sure.len() == all { "all".to_owned() } else { sure.len().to_string() };
-    let simulated = if card.physical == Some(Physical::No) { "; not for simulation as they stand" } else { "" };
-    format!("{count} of {all} parameters {are} {}{simulated}", Grade::Precise.name())
+    let count = if sure.len() == all { format!("all {all}") } else { format!("{} of {all}", sure.len()) };
+    let doubt = if card.model_is_doubted { " if the model holds" } else { "" };
+    let simulated = match card.physical {
+        Some(Physical::No | Physical::WithinNoise) => "; not for simulation as they stand",
+        Some(Physical::Yes) | None => "",
+    };
+    format!("{count} parameters {are} {}{doubt}{simulated}", Grade::Precise.name())
 }
 
 /// The grades that parameters have; none where no number is to be used.
@@ -122,8 +130,7 @@ fn graded(card: &Card) -> Vec<Graded> {
     if card.verdict == Some(Verdict::DoNotUse) {
         return Vec::new();
     }
-    let said = |grade| match grade {
-        Grade::Precise if card.model_is_doubted => "Use, though what the model lacks may shift them",
+    let said = |grade: Grade| match grade {
         Grade::Precise => "Use",
         Grade::Rough => "Use with doubt",
         Grade::Impossible => "Do not use, below zero",
@@ -176,10 +183,10 @@ mod tests {
         };
         assert_eq!(share(&card(Verdict::Care, 6, 63)), "6 of 69 parameters are precise");
         assert_eq!(share(&card(Verdict::Good, 1, 3)), "1 of 4 parameters is precise");
-        assert_eq!(share(&card(Verdict::Good, 4, 0)), "all of 4 parameters are precise");
+        assert_eq!(share(&card(Verdict::Good, 4, 0)), "all 4 parameters are precise");
         assert_eq!(
             share(&Card { model_is_doubted: true, ..card(Verdict::Care, 2, 3) }),
-            "2 of 5 parameters are precise"
+            "2 of 5 parameters are precise if the model holds"
         );
         let not_physical = Card { physical: Some(Physical::No), ..card(Verdict::Care, 2, 3) };
         assert_eq!(share(&not_physical), "2 of 5 parameters are precise; not for simulation as they stand");
