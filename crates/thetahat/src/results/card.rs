@@ -338,6 +338,7 @@ mod tests {
         results.verdict_reasons = ["exchange them", "", "set it"].map(reason).into();
         results.verdict_reasons[0].code = ReasonCode::CheckProblem;
         results.verdict_reasons[0].verdict = Verdict::DoNotUse;
+        results.verdict = Some(Verdict::DoNotUse);
         assert_eq!(results.card().actions, ["exchange them", AGAIN]);
     }
 
