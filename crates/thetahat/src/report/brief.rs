@@ -38,26 +38,24 @@ fn head(results: &Results, width: TextWidth) -> String {
     let several =
         if results.recordings.len() > 1 { format!("{} recordings, ", results.recordings.len()) } else { String::new() };
     let used = format!(
-        "{}: {several}{} samples{rate}, {} rows after decimation{}",
+        "{}: {several}{} samples{rate}, {} after decimation",
         results.robot,
         results.samples_used,
-        results.decimated_rows,
-        of_joints(results)
+        rows(results)
     );
     let locked = facts::locked_joints(results).map(|joints| format!("locked: {joints}"));
     let lines = [Some(results.title.clone()), Some(used), locked];
     lines.iter().flatten().map(|line| wrap(line, "", width)).collect()
 }
 
-/// The rows are those of all joints together, as many of each where those near rest make rows too.
-fn of_joints(results: &Results) -> String {
+/// How many rows there are, by joint where each has as many: without those near rest joints have fewer.
+fn rows(results: &Results) -> String {
     let all_rows = results.recordings.iter().all(|r| r.near_rest.is_none());
+    let rows = results.decimated_rows;
     match results.runs.iter().map(|r| r.joint_relative_error_percent.len()).max() {
-        Some(0 | 1) | None => String::new(),
-        Some(joints) if all_rows && results.decimated_rows % joints == 0 => {
-            format!(" ({} of each of {joints} joints)", results.decimated_rows / joints)
-        }
-        Some(joints) => format!(", those of {joints} joints together"),
+        Some(0 | 1) | None => format!("{rows} rows"),
+        Some(joints) if all_rows && rows.is_multiple_of(joints) => format!("{joints} \u{d7} {} rows", rows / joints),
+        Some(joints) => format!("{rows} rows of {joints} joints"),
     }
 }
 
@@ -95,7 +93,7 @@ fn runs(results: &Results, width: TextWidth) -> String {
 /// The estimates of a run by grade, as many side by side as fit; of those that are not identified the names.
 fn estimates(run: &RunResult, width: TextWidth) -> String {
     let is_regrouped = run.parameters.iter().any(|p| p.name.ends_with('r'));
-    let regrouped = if is_regrouped { "; r: others are regrouped into it" } else { "" };
+    let regrouped = if is_regrouped { " (r: with others regrouped)" } else { "" };
     let head = format!("Estimates of {} \u{b1} half of the 95 % interval{regrouped}", run.method);
     let mut text = wrap(&head, "", width);
     let (moved, wide): (Vec<_>, Vec<_>) = run.graded(Grade::Rough).partition(|p| run.may_be_moved(p).is_some());

@@ -94,7 +94,7 @@ fn known(card: &Card) -> String {
 fn to_use(card: &Card) -> Option<String> {
     let [precise, ..] = &card.parameters;
     let all: usize = card.parameters.iter().map(Vec::len).sum();
-    let rest = if precise.len() < all { format!("; to predict torques take all {all}") } else { String::new() };
+    let rest = if precise.len() < all { format!("; predicting torques takes all {all}") } else { String::new() };
     (card.verdict != Some(Verdict::DoNotUse) && !precise.is_empty()).then(|| precise.join(" ") + &rest)
 }
 

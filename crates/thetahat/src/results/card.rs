@@ -225,7 +225,7 @@ impl RunResult {
         let physical = self.physical.as_ref().filter(|p| !p.consistent)?;
         Some(match physical.estimate {
             Some(_) => "take the physically consistent estimate for simulation and control".to_owned(),
-            None => format!("set {PHYSICAL} in [parameters] before you simulate or control with the numbers"),
+            None => format!("set {PHYSICAL} in [parameters] before simulating with them"),
         })
     }
 }
@@ -318,8 +318,7 @@ mod tests {
         assert_eq!(card.actions, ["one", "two", BEFORE_SIMULATION]);
     }
 
-    const BEFORE_SIMULATION: &str =
-        "set physical = true in [parameters] before you simulate or control with the numbers";
+    const BEFORE_SIMULATION: &str = "set physical = true in [parameters] before simulating with them";
 
     #[test]
     fn who_simulates_is_warned_once_and_not_where_no_number_is_to_be_used() {
