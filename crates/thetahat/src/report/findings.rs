@@ -7,7 +7,7 @@ use super::{
 use crate::results::{Filter, FilterChoice, Finding, RecordingFindings, Results, RunResult, Severity};
 
 /// Lines of a note on the first screen, and their indent where they stand below its code.
-const LINES: usize = 3;
+const LINES: usize = 2;
 const INDENT: &str = "           ";
 
 const SEVERITIES: [Severity; 3] = [Severity::Problem, Severity::Warning, Severity::Note];

@@ -66,16 +66,11 @@ fn remedy(setup: Setup<'_>, problem: &Problem) -> String {
             "{motion}; leaving out {eliminated} parameters by estimate = \"essential\" does not change the error on parts left out"
         );
     }
-    let errors = format!("from {} to {} %", significant(whole, 3), significant(essential, 3));
+    let errors = format!("error on unseen fifths {}, not {} %", significant(essential, 3), significant(whole, 3));
     if essential <= whole {
-        return format!(
-            "{motion}, or leave out {eliminated} parameters by estimate = \"essential\": the error of idim-ls on fifths of the \
-             record that are left out falls {errors}"
-        );
+        return format!("{motion}, or leave out {eliminated} parameters by estimate = \"essential\" ({errors})");
     }
-    format!(
-        "{motion}; leave estimate as it is: with \"essential\" the error of idim-ls on fifths that are left out rises {errors}"
-    )
+    format!("{motion}; leave estimate as it is: \"essential\" predicts worse ({errors})")
 }
 
 /// What leaving out the parameters that are not essential would do.
