@@ -2,7 +2,7 @@
 
 use thetahat::design::DesignError;
 
-use crate::support::{DESIGN, key, key_of, parse};
+use crate::support::{DESIGN, key_of, parse};
 
 /// Capsules of the arm, whose joints are 0.4 m apart or so, and a wall beside it.
 pub const COLLISION: &str = "[collision]\nmargin = 20\ncapsules = [{ link = 'shoulder', from = [0, 0, 0], to = [300, 0, 0], radius = 40 },\n\

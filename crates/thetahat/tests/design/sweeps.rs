@@ -9,7 +9,7 @@ use thetahat::{
 use thetahat_testing::Folder;
 
 use crate::collision::COLLISION;
-use crate::support::{DESIGN, assert_within_limits, key, moves, parse};
+use crate::support::{DESIGN, assert_within_limits, key, parse};
 
 /// Behind the moves each joint sweeps there and back, alone, at velocities of a geometric row that it keeps; friction is told better
 /// than by moves alone of the same duration.
@@ -50,16 +50,21 @@ fn sweeps_keep_their_velocities() {
     // The criterion counts the sweeps as the record will: all samples at which a joint moves.
     let model = Model::new(&design.robot);
     let base = BaseParameters::of(&model, &[]).unwrap();
-    let rows_of = |joint: usize| {
-        let kept: Vec<usize> = (0..results.q.len()).filter(|&k| results.dq.sample(k)[joint] != 0.0).collect();
+    let rows_of = |joint: usize, samples: usize| {
+        let kept: Vec<usize> = (0..samples).filter(|&k| results.dq.sample(k)[joint] != 0.0).collect();
         let pick = |s: &Series| Series::from_values(2, kept.iter().flat_map(|&k| s.sample(k).to_vec()).collect());
         let [q, dq, ddq] = [&results.q, &results.dq, &results.ddq].map(pick);
         let noise = if joint == 0 { [0.1, f64::INFINITY] } else { [f64::INFINITY, 0.1] };
         Information::new(&model, &base.columns(), &noise).of([&q, &dq, &ddq], 1.0, Sign::Exact)
     };
-    let value = Criterion::D.value(&rows_of(0).plus(&rows_of(1), 1.0)).unwrap();
-    println!("criterion {} of the search, {value} of the samples", results.starts[0].found);
-    assert!((value - results.starts[0].found).abs() < 0.2, "{value} {}", results.starts[0].found);
+    let all = results.q.len();
+    let value = Criterion::D.value(&rows_of(0, all).plus(&rows_of(1, all), 1.0)).unwrap();
+    let moves_end = (sweeps[0].law.start_s * 500.0) as usize;
+    let alone = Criterion::D.value(&rows_of(0, moves_end).plus(&rows_of(1, moves_end), 1.0)).unwrap();
+    let found = results.starts[0].found;
+    println!("criterion {found} of the search, {value} of the samples, {alone} of those of the moves");
+    // The search sums at Gauss points and with a smoothed sign: within 4 % of each of 13 deviations. The sweeps tell more than that.
+    assert!((value - found).abs() < 0.5 && value < alone - 2.0, "{value} {found} {alone}");
     let folder = Folder::new();
     thetahat::report::write_design(&results, folder.path()).unwrap();
     let page = std::fs::read_to_string(folder.path().join("design.html")).unwrap();
