@@ -136,8 +136,8 @@ pub enum DesignError {
     },
     /// A limit does not hold in a sweep.
     #[error(
-        "{}: [limits] {quantity} of joint {joint} cannot hold while joint {sweeping} sweeps: it is {limit:.4} {unit} and the sweep needs \
-         {needed:.4} with {sweeping} at {at:.4} {at_unit}; choose another [motion] start, a shorter sweep_s, or a smaller [limits] position",
+        "{}: [limits] {quantity} of joint {joint} cannot hold in a sweep: it is {limit:.4} {unit} and {needed:.4} are needed with joint \
+         {place}; choose another [motion] start, a shorter sweep_s, or a smaller [limits] position",
         path.display()
     )]
     InfeasibleSweep {
@@ -153,17 +153,13 @@ pub enum DesignError {
         needed: f64,
         /// Their unit, that of the file.
         unit: &'static str,
-        /// The joint that sweeps.
-        sweeping: String,
-        /// Its coordinate there.
-        at: f64,
-        /// The unit of the coordinate.
-        at_unit: &'static str,
+        /// The joint that sweeps, and where it is.
+        place: String,
     },
     /// A joint has no room for its sweeps.
     #[error(
-        "{}: [motion] sweeps: joint {joint} starts at {start:.4} and has room from {from:.4} to {to:.4} {unit} alone, where {first} and \
-         {second} come nearer than [collision] margin; choose another [motion] start, or leave sweeps out",
+        "{}: [motion] sweeps: joint {joint} starts at {start:.4} and has room from {from:.4} to {to:.4} {unit} alone, where {pair} \
+         come nearer than [collision] margin; choose another [motion] start, or leave sweeps out",
         path.display()
     )]
     NoRoomToSweep {
@@ -171,10 +167,8 @@ pub enum DesignError {
         path: PathBuf,
         /// The joint.
         joint: String,
-        /// A link.
-        first: String,
-        /// Another, or an obstacle.
-        second: String,
+        /// Two links, or a link and an obstacle.
+        pair: String,
         /// The coordinate of the joint at the start.
         start: f64,
         /// The least coordinate to which it can go.

@@ -42,12 +42,11 @@ impl Design {
     ) -> DesignError {
         let in_file = |value: f64| limits.kind.to_file(value);
         let pair = ways.iter().find_map(|way| way.blocked_by);
-        let [first, second] = clearances.zip(pair).map_or(["", ""], |(c, pair)| c.scene.names(pair)).map(str::to_owned);
+        let pair = clearances.zip(pair).map(|(clearances, pair)| clearances.scene.names(pair).join(" and "));
         DesignError::NoRoomToSweep {
             path: self.path.clone(),
             joint: limits.joint.clone(),
-            first,
-            second,
+            pair: pair.unwrap_or_default(),
             start: in_file(start),
             from: in_file(start + ways[0].length),
             to: in_file(start + ways[1].length),

@@ -140,9 +140,7 @@ impl Design {
             limit,
             needed,
             unit: worst.quantity.file_unit(joints[worst.coordinate].kind),
-            sweeping: sweeping.joint.clone(),
-            at: sweeping.kind.to_file(at),
-            at_unit: sweeping.kind.file_unit(),
+            place: format!("{} at {:.4} {}", sweeping.joint, sweeping.kind.to_file(at), sweeping.kind.file_unit()),
         }
     }
 

@@ -63,7 +63,7 @@ fn sweeps_keep_their_velocities() {
     let alone = Criterion::D.value(&rows_of(0, moves_end).plus(&rows_of(1, moves_end), 1.0)).unwrap();
     let found = results.starts[0].found;
     println!("criterion {found} of the search, {value} of the samples, {alone} of those of the moves");
-    // The search sums at Gauss points and with a smoothed sign: within 4 % of each of 13 deviations. The sweeps tell more than that.
+    // The search sums at Gauss points and with a smoothed sign: within 2 % of each of 13 deviations. The sweeps tell more than that.
     assert!((value - found).abs() < 0.5 && value < alone - 2.0, "{value} {found} {alone}");
     let folder = Folder::new();
     thetahat::report::write_design(&results, folder.path()).unwrap();
@@ -111,13 +111,12 @@ fn a_sweep_ends_before_a_wall() {
 fn sweeps_without_room_are_named() {
     // The outstretched arm is in the wall.
     let error = parse(&beside_a_wall("[0, 0]", "[60, 25]")).unwrap_err();
-    let named =
-        matches!(&*error, DesignError::NoRoomToSweep { joint, second, .. } if joint == "shoulder" && second == "wall");
+    let named = matches!(&*error, DesignError::NoRoomToSweep { joint, pair, .. } if joint == "shoulder" && pair == "elbow and wall");
     assert!(named && error.to_string().contains("from 0.0000 to 0.0000 degrees"), "{error}");
     // The elbow carries its forearm of 2.9 N m while the shoulder speeds up.
     let error = parse(&beside_a_wall("[-85, 0]", "[60, 2.5]")).unwrap().run(1, &mut |_| {}).unwrap_err();
-    let DesignError::InfeasibleSweep { joint, sweeping, at, needed, .. } = &error else { panic!("{error}") };
-    assert_eq!([joint, sweeping], ["elbow", "shoulder"]);
-    assert!(needed.abs() > 2.5 && (-90.0..-58.0).contains(at), "{error}");
+    let DesignError::InfeasibleSweep { joint, place, needed, .. } = &error else { panic!("{error}") };
+    assert!(joint == "elbow" && needed.abs() > 2.5, "{error}");
+    assert!(place.starts_with("shoulder at -") && place.ends_with("degrees"), "{error}");
     assert!(error.to_string().contains("choose another [motion] start, a shorter sweep_s"), "{error}");
 }
