@@ -230,10 +230,6 @@ fn main() {
             let tx40 = Reference::tx40()?;
             tx40.best("harmonics = 10", 12, &OF_THE_RECORD, tx40.best_of_scipy(10, "rec")?)
         }),
-        ("fourteen_harmonics_of_the_tx40", || {
-            let tx40 = Reference::tx40()?;
-            tx40.best("harmonics = 14", 4, &OF_THE_RECORD, tx40.best_of_scipy(10, "rec")?)
-        }),
         ("five_harmonics_of_the_tx40_as_the_record", || {
             let tx40 = Reference::tx40()?;
             tx40.best("harmonics = 5", 6, &OF_THE_RECORD, tx40.best_of_scipy(5, "rec")?)
