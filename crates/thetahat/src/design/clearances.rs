@@ -26,6 +26,14 @@ impl Clearances {
         (0..q.len()).map(|k| self.scene.distances(q.sample(k))).collect()
     }
 
+    /// The first posture at which shapes are too near to one another, and their pair.
+    pub(super) fn first_too_near(&self, q: &Series) -> Option<(usize, usize)> {
+        (0..q.len()).find_map(|k| {
+            let distances = self.scene.distances(q.sample(k));
+            distances.iter().position(|distance| *distance < self.margin).map(|pair| (k, pair))
+        })
+    }
+
     /// As the use of a limit: one where the least distance is the margin.
     pub(super) fn use_of(&self, motion: &Derivatives) -> f64 {
         let least = self.distances(&motion[0]).into_iter().flatten().fold(f64::INFINITY, f64::min);

@@ -134,6 +134,50 @@ pub enum DesignError {
         /// When.
         when: String,
     },
+    /// A limit does not hold in a sweep.
+    #[error(
+        "{}: [limits] {quantity} of joint {joint} cannot hold in a sweep: it is {limit:.4} {unit} and {needed:.4} are needed with joint \
+         {place}; choose another [motion] start, a shorter sweep_s, or a smaller [limits] position",
+        path.display()
+    )]
+    InfeasibleSweep {
+        /// The design file.
+        path: PathBuf,
+        /// The joint whose limit it is.
+        joint: String,
+        /// The quantity.
+        quantity: &'static str,
+        /// Its limit.
+        limit: f64,
+        /// What the sweep needs.
+        needed: f64,
+        /// Their unit, that of the file.
+        unit: &'static str,
+        /// The joint that sweeps, and where it is.
+        place: String,
+    },
+    /// A joint has no room for its sweeps.
+    #[error(
+        "{}: [motion] sweeps: joint {joint} starts at {start:.4} and has room from {from:.4} to {to:.4} {unit} alone, where {pair} \
+         come nearer than [collision] margin; choose another [motion] start, or leave sweeps out",
+        path.display()
+    )]
+    NoRoomToSweep {
+        /// The design file.
+        path: PathBuf,
+        /// The joint.
+        joint: String,
+        /// Two links, or a link and an obstacle.
+        pair: String,
+        /// The coordinate of the joint at the start.
+        start: f64,
+        /// The least coordinate to which it can go.
+        from: f64,
+        /// The largest.
+        to: f64,
+        /// Their unit, that of the file.
+        unit: &'static str,
+    },
     /// The closed loop cannot follow the motion.
     #[error("{}: [controller] the simulated loop does not follow the motion: {source}", path.display())]
     Loop {

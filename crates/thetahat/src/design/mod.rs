@@ -20,7 +20,7 @@
 //! | `criterion`, `information` | the criterion with its derivatives |
 //! | `constraints`, `loads` | limits of positions and their derivatives; limits of torque and power |
 //! | `move_slopes`, `move_draws` | derivatives of moves by their unknowns; where searches of moves begin |
-//! | `sweep`, `move_sweeps`, `sweeps` | sweeps of single joints at constant velocities behind the moves |
+//! | `sweep`, `sweep_room`, `move_sweeps`, `sweeps` | sweeps of single joints at constant velocities behind the moves |
 //! | `surroundings_options`, `surroundings`, `clearances` | shapes that must stay apart |
 //! | `quadratic`, `optimiser`, `starts` | the search |
 //! | `verification`, `verified` | the limits at 1 kHz |
@@ -67,6 +67,7 @@ mod sums;
 mod surroundings;
 mod surroundings_options;
 mod sweep;
+mod sweep_room;
 mod sweeps;
 mod validation;
 mod validation_of_limits;

@@ -50,7 +50,7 @@ impl Design {
         let [summed, watched] = match file.motion.kind {
             MotionKind::Fourier => self.sums(&kept, Basis::fourier(file.duration_s, file.motion.harmonics())),
             MotionKind::Splines => self.sums(&kept, Basis::splines(file.duration_s, file.motion.splines())),
-            MotionKind::Moves => self.moves(&kept),
+            MotionKind::Moves => self.moves(model, &kept)?,
         };
         let swept = summed.move_family().and_then(|family| self.swept(model, base, family));
         let noise = &self.noise.deviations;
@@ -69,7 +69,7 @@ impl Design {
     }
 
     /// The distances that the search keeps: more than the margin, for what lies between the watched instants.
-    fn clearances(&self, model: &Model) -> Result<Option<Clearances>, DesignError> {
+    pub(super) fn clearances(&self, model: &Model) -> Result<Option<Clearances>, DesignError> {
         let Some(surroundings) = self.surroundings(model)? else { return Ok(None) };
         let margin = self.file.collision.as_ref().map_or(0.0, |options| 1e-3 * options.margin);
         Ok(Some(Clearances { scene: surroundings.scene, margin: margin + BETWEEN }))
@@ -90,9 +90,9 @@ impl Design {
     }
 
     /// Moves where sums are taken, and where limits are looked at.
-    fn moves(&self, kept: &[JointLimits]) -> [Motions; 2] {
-        let family = self.move_family(kept, self.sweeps(kept));
-        [family.summed(), family.watched()].map(|points| Motions::Moves { family: family.clone(), points })
+    fn moves(&self, model: &Model, kept: &[JointLimits]) -> Result<[Motions; 2], DesignError> {
+        let family = self.move_family(kept, self.sweeps(model, kept)?);
+        Ok([family.summed(), family.watched()].map(|points| Motions::Moves { family: family.clone(), points }))
     }
 
     /// Moves in the time that sweeps leave them.

@@ -64,6 +64,7 @@ impl Design {
         let compared = self.compared(threads, progress)?;
         progress("searching motions");
         let problem = self.problem(&model, &base, &limits)?;
+        self.verify_sweeps(&model, &problem.watched, &limits)?;
         let chosen = self.choose(&model, &problem, &limits, threads)?;
         progress("promising intervals");
         let [loaded, unloaded] = self.moved(&model, &chosen)?;

@@ -10,22 +10,24 @@ use super::{
 };
 use crate::{dynamics::Sign, pool::in_parallel};
 
-/// Random motions of which a search begins with the best.
+/// Random motions of which a descent begins with the best.
 const DRAWS: usize = 12;
+/// Descents of a search from such motions: it goes on with the best.
+const BEGINNINGS: usize = 4;
 /// Part of the limits that a random motion uses.
 const USED: f64 = 0.9;
 /// How far motions are led to the other side of a given start, in halves of the range, where that leaves them larger.
 const SIDES: [f64; 5] = [0.0, 1.0, 3.0, 9.0, 27.0];
 
 /// Descents from what was found moved by random numbers, in units that take a joint to its limit, and their size.
-const KICKS: usize = 10;
+const KICKS: usize = 8;
 const KICK: f64 = 0.5;
 /// Least part of a random motion that is kept for shapes to stay apart.
 const LEAST_PART: f64 = 0.02;
 /// Largest distance of a random posture from the middle, parts of half the range.
 const CENTRE: f64 = 0.8;
 /// Gain of the last step of a descent, nats: with the wide sign, and of the last with the tight one.
-const COARSE: f64 = 1.0;
+const COARSE: f64 = 0.5;
 const FINE: f64 = 0.01;
 
 /// Velocity scales of the sign in the search: the wide one as a part of the median of the velocity limits, the tight one of
@@ -61,16 +63,20 @@ impl Searches {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(number as u64);
         let [wide, tight] = self.sign_scales.map(|scale| Sign::Smooth { scale });
-        let (random, first_value) = best_of_random(problem, &mut rng, tight)?;
-        let mut best = Local::from(problem, random, wide)?;
+        let begin = |_| {
+            let (random, first_value) = best_of_random(problem, &mut rng, tight)?;
+            Local::from(problem, random, wide, first_value)
+        };
+        let mut best = (0..BEGINNINGS).filter_map(begin).reduce(Local::or_better)?;
         for _ in 0..KICKS {
             let kicked = kicked(problem, &best.found.x, &mut rng);
-            if let Some(other) = Local::from(problem, kicked, wide) {
+            if let Some(other) = Local::from(problem, kicked, wide, best.first_value) {
                 best = best.or_better(other);
             }
         }
         let Found { x, steps } = problem.optimise(best.found.x, tight, FINE)?;
-        Some(Start { value: problem.value(&x, tight)?, x, first_value, steps: best.found.steps + steps })
+        let (value, first_value) = (problem.value(&x, tight)?, best.first_value);
+        Some(Start { value, x, first_value, steps: best.found.steps + steps })
     }
 }
 
@@ -79,19 +85,21 @@ struct Local {
     found: Found,
     /// The criterion, and what violated limits cost.
     merit: f64,
+    /// The criterion of the random motion that it comes from.
+    first_value: f64,
 }
 
 impl Local {
-    fn from(problem: &Problem, start: Vec<f64>, sign: Sign) -> Option<Self> {
+    fn from(problem: &Problem, start: Vec<f64>, sign: Sign, first_value: f64) -> Option<Self> {
         let found = problem.optimise(start, sign, COARSE)?;
-        Some(Self { merit: problem.merit(&found.x, sign)?, found })
+        Some(Self { merit: problem.merit(&found.x, sign)?, found, first_value })
     }
 
     /// The better of both, with the steps of both.
     fn or_better(self, other: Self) -> Self {
         let steps = self.found.steps + other.found.steps;
-        let Self { found, merit } = if other.merit < self.merit { other } else { self };
-        Self { found: Found { steps, ..found }, merit }
+        let better = if other.merit < self.merit { other } else { self };
+        Self { found: Found { steps, ..better.found }, ..better }
     }
 }
 

@@ -1,6 +1,9 @@
 //! Sweeps of single joints at constant velocities, behind the moves of a design: there and back from its first posture.
 
-use super::{description::Design, information::Information, limits::JointLimits, moves::MoveFamily, sweep::Sweep};
+use super::{
+    description::Design, error::DesignError, information::Information, limits::JointLimits, moves::MoveFamily,
+    sweep::Sweep,
+};
 use crate::{
     base_parameters::BaseParameters,
     dynamics::{Model, Sign},
@@ -8,25 +11,31 @@ use crate::{
 };
 
 impl Design {
-    /// The sweeps of a design: joint by joint, the slowest first, there and back. None where no first posture is given.
-    pub(super) fn sweeps(&self, kept: &[JointLimits]) -> Vec<Sweep> {
-        let Some(start) = self.start_posture() else { return Vec::new() };
-        let family = self.move_family(kept, Vec::new());
-        (0..kept.len()).flat_map(|joint| self.sweeps_of(&family, joint, &start)).collect()
+    /// The sweeps of a design: joint by joint, the slowest first, there and back, as far as shapes stay apart. None where there
+    /// are no velocities of sweeps.
+    ///
+    /// # Errors
+    /// [`DesignError::NoRoomToSweep`].
+    pub(super) fn sweeps(&self, model: &Model, kept: &[JointLimits]) -> Result<Vec<Sweep>, DesignError> {
+        let Some(start) = self.start_posture().filter(|_| self.file.motion.sweeps() > 0) else { return Ok(Vec::new()) };
+        let (family, clearances) = (self.move_family(kept, Vec::new()), self.clearances(model)?);
+        let mut sweeps = Vec::new();
+        for (joint, limits) in kept.iter().enumerate() {
+            let way = self.sweep_way((joint, limits), &start, clearances.as_ref())?;
+            sweeps.extend(self.sweeps_of(&family, (joint, way), &start));
+        }
+        Ok(sweeps)
     }
 
-    fn sweeps_of(&self, family: &MoveFamily, joint: usize, start: &[f64]) -> Vec<Sweep> {
+    fn sweeps_of(&self, family: &MoveFamily, (joint, way): (usize, f64), start: &[f64]) -> Vec<Sweep> {
         let motion = &self.file.motion;
         let (speeds, longest_s) = (motion.sweeps(), motion.sweep_s());
-        let limits = &family.limits[joint];
-        let room = [limits.lower - start[joint], limits.upper - start[joint]];
-        let farther = if -room[0] > room[1] { room[0] } else { room[1] };
-        let fastest = fastest(limits, farther.abs(), longest_s);
+        let fastest = fastest(&family.limits[joint], way.abs(), longest_s);
         let one = |number: usize| {
             let part = if speeds > 1 { number as f64 / (speeds - 1) as f64 } else { 1.0 };
             let velocity = fastest * motion.sweep_slowest().powf(1.0 - part);
             let mut end = start.to_vec();
-            end[joint] += farther.signum() * farther.abs().min(velocity * longest_s);
+            end[joint] += way.signum() * way.abs().min(velocity * longest_s);
             let mut slow = family.clone();
             slow.limits[joint].velocity = velocity;
             let widths = slow.fastest(start, &end);

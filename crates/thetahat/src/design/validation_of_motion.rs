@@ -1,6 +1,7 @@
 //! What the motion of a design file must be.
 
 use super::{description::Design, error::DesignError, limits::JointLimits, options::MotionKind};
+use crate::dynamics::Model;
 
 /// Most harmonics and starts.
 const MOST_HARMONICS: usize = 50;
@@ -99,7 +100,7 @@ impl Design {
         let is_time = longest_s > 0.0 && longest_s.is_finite();
         self.require(is_time, "[motion] sweep_s", "a finite number above zero", longest_s)?;
         let kept: Vec<JointLimits> = limits.iter().map(|l| l.less(self.margin())).collect();
-        let sweeps_s = self.move_family(&kept, self.sweeps(&kept)).sweeps_s();
+        let sweeps_s = self.move_family(&kept, self.sweeps(&Model::new(&self.robot), &kept)?).sweeps_s();
         let least = sweeps_s + self.least_moves_s();
         let expected = format!(
             "above {least:.3}: sweeps take {sweeps_s:.3} s of it; ask for fewer [motion] sweeps, or a shorter sweep_s"

@@ -15,6 +15,7 @@ use crate::{
     dynamics::{Model, Sign},
     results::{CollisionResults, JointResult, LimitUse},
     series::Series,
+    signal::Motion,
 };
 
 /// Times that a motion descends again where it misses a limit at 1 kHz, and the gain of the last step of each, nats.
@@ -38,6 +39,14 @@ impl Verified {
         let nearest = self.collision.as_ref().and_then(|c| Some(c.margin - c.pairs.first()?.distance));
         (over, nearest.unwrap_or(-1.0))
     }
+}
+
+/// The limit that is exceeded most, and what is needed of it, in the file's unit.
+fn in_file(worst: &LimitUse, joints: &[JointResult]) -> [f64; 2] {
+    let [lower, upper] = worst.reached;
+    let is_lower = (worst.limit[0] - lower) > (upper - worst.limit[1]);
+    let both = if is_lower { [worst.limit[0], lower] } else { [worst.limit[1], upper] };
+    both.map(|value| worst.quantity.to_file(joints[worst.coordinate].kind, value))
 }
 
 impl Design {
@@ -98,19 +107,53 @@ impl Design {
         })
     }
 
+    /// Looks at limits and distances along the sweeps alone, which no search changes.
+    pub(super) fn verify_sweeps(
+        &self,
+        model: &Model,
+        motions: &Motions,
+        limits: &[JointLimits],
+    ) -> Result<(), DesignError> {
+        let Some(family) = motions.move_family().filter(|family| !family.sweeps.is_empty()) else { return Ok(()) };
+        let loads = Loads::new(model, &self.possible_robots(model)?, limits.to_vec());
+        for (sweeping, own) in limits.iter().enumerate() {
+            let Motion { q, dq, ddq } = family.sweep_motion(sweeping, RATE_HZ);
+            let jerk = Series::zeros(q.len(), q.channels());
+            let motion = [q, dq, ddq, jerk];
+            let uses = uses(limits, &motion, &loads.torques(&motion, Sign::Exact));
+            let worst = uses.iter().max_by(|a, b| a.part.total_cmp(&b.part));
+            if let Some(worst) = worst.filter(|worst| worst.part > 1.0) {
+                let instant = (worst.at_s * RATE_HZ).round() as usize;
+                return Err(self.infeasible_sweep(worst, own, motion[0].sample(instant)[sweeping]));
+            }
+        }
+        Ok(())
+    }
+
+    fn infeasible_sweep(&self, worst: &LimitUse, sweeping: &JointLimits, at: f64) -> DesignError {
+        let joints = JointResult::of_coordinates(&self.robot);
+        let [limit, needed] = in_file(worst, &joints);
+        DesignError::InfeasibleSweep {
+            path: self.path.clone(),
+            joint: worst.joint.clone(),
+            quantity: worst.quantity.name(),
+            limit,
+            needed,
+            unit: worst.quantity.file_unit(joints[worst.coordinate].kind),
+            place: format!("{} at {:.4} {}", sweeping.joint, sweeping.kind.to_file(at), sweeping.kind.file_unit()),
+        }
+    }
+
     fn infeasible(&self, worst: &LimitUse) -> DesignError {
-        let [lower, upper] = worst.reached;
-        let is_lower = (worst.limit[0] - lower) > (upper - worst.limit[1]);
-        let (limit, needed) = if is_lower { (worst.limit[0], lower) } else { (worst.limit[1], upper) };
-        let joint = &JointResult::of_coordinates(&self.robot)[worst.coordinate];
-        let in_file = |value: f64| worst.quantity.to_file(joint.kind, value);
+        let joints = JointResult::of_coordinates(&self.robot);
+        let [limit, needed] = in_file(worst, &joints);
         DesignError::Infeasible {
             path: self.path.clone(),
             joint: worst.joint.clone(),
             quantity: worst.quantity.name(),
-            limit: in_file(limit),
-            needed: in_file(needed),
-            unit: worst.quantity.file_unit(joint.kind),
+            limit,
+            needed,
+            unit: worst.quantity.file_unit(joints[worst.coordinate].kind),
             at_s: worst.at_s,
             remedy: "raise it, check the robot's a-priori parameters and friction, or choose another [motion] start",
         }
