@@ -80,7 +80,8 @@ fn a_gain_is_filled_in_by_hand() -> Outcome<()> {
         format!("{t},{q},{}\n", 50.0 * (q + 0.5 * dq + 0.3 * dq.signum()))
     };
     session.put("arm.urdf", ARM.as_bytes().to_vec())?;
-    session.put("log.csv", ("t,q_1,torque_1 [%]\n".to_owned() + &(0..4000).map(row).collect::<String>()).into_bytes())?;
+    session
+        .put("log.csv", ("t,q_1,torque_1 [%]\n".to_owned() + &(0..4000).map(row).collect::<String>()).into_bytes())?;
     let understood =
         answer(&session.understand(&json!({ "robot": "arm.urdf", "recordings": ["log.csv"] }).to_string())?);
     assert!(understood["proposal"].is_null());
