@@ -4,7 +4,8 @@ import { createHash } from "node:crypto";
 import { mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
-import { gzipSync } from "node:zlib";
+import { promisify } from "node:util";
+import { brotliCompress, gzip, gzipSync } from "node:zlib";
 import { build } from "esbuild";
 
 const HERE = dirname(fileURLToPath(import.meta.url));
@@ -79,9 +80,18 @@ async function served(style, worker, wasm) {
   const one = { "worker.js": worker, "thetahat_web_bg.wasm": wasm };
   const threads = { "threads/worker.js": await workerOf(WASM.threads), "threads/thetahat_web_bg.wasm": wasmOf(WASM.threads) };
   mkdirSync(join(DIST, "threads"));
-  for (const [name, content] of Object.entries({ ...shown, ...one, ...threads })) writeFileSync(join(DIST, name), content);
+  const files = { ...shown, ...one, ...threads };
+  for (const [name, content] of Object.entries(files)) writeFileSync(join(DIST, name), content);
+  await Promise.all(Object.entries(files).map(([name, content]) => pack(join(DIST, name), content)));
   writeFileSync(join(DIST, "sw.js"), await serviceWorker({ ...shown, ...one }));
   writeFileSync(join(DIST, "sw_threads.js"), await serviceWorker({ ...shown, ...threads }));
+}
+
+/** Beside a file what a server may send in its place, the smallest that takes no work at each visit. */
+async function pack(path, content) {
+  const [gz, br] = await Promise.all([promisify(gzip)(content, { level: 9 }), promisify(brotliCompress)(content)]);
+  writeFileSync(`${path}.gz`, gz);
+  writeFileSync(`${path}.br`, br);
 }
 
 /** A service worker that keeps files. */

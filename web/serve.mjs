@@ -1,6 +1,6 @@
 // A static server of web/dist on localhost, with the headers that a server of this page should send.
 
-import { createReadStream, statSync } from "node:fs";
+import { createReadStream, existsSync, statSync } from "node:fs";
 import { createServer } from "node:http";
 import { dirname, extname, join, normalize } from "node:path";
 import { fileURLToPath } from "node:url";
@@ -27,13 +27,26 @@ function fileOf(url, folder) {
   return file.startsWith(folder) && statSync(file, { throwIfNoEntry: false })?.isFile() ? file : null;
 }
 
+/** The packed forms that `web/build` leaves beside a file, the smallest first: what a browser calls each, and how its name ends. */
+const PACKED = { br: ".br", gzip: ".gz" };
+
+/** The form of a file that a request accepts, and the header that names it. */
+function formOf(file, request) {
+  const offered = (request.headers["accept-encoding"] ?? "").split(",").filter((coding) => !/;\s*q=0(\.0*)?\s*$/.test(coding));
+  const accepted = offered.map((coding) => coding.split(";")[0].trim());
+  const coding = Object.keys(PACKED).find((coding) => accepted.includes(coding) && existsSync(file + PACKED[coding]));
+  return coding ? { path: file + PACKED[coding], encoding: { "Content-Encoding": coding } } : { path: file, encoding: {} };
+}
+
 /** A server that listens on localhost alone; port 0 takes any that is free. */
 export function serve(port = 8000, { folder = DIST, headers = HEADERS } = {}) {
   const server = createServer((request, response) => {
     const file = fileOf(request.url, folder);
     if (!file) return response.writeHead(404, headers).end("not found\n");
-    response.writeHead(200, { ...headers, "Content-Type": TYPES[extname(file)] ?? "application/octet-stream" });
-    return createReadStream(file).pipe(response);
+    const { path, encoding } = formOf(file, request);
+    const type = TYPES[extname(file)] ?? "application/octet-stream";
+    response.writeHead(200, { ...headers, ...encoding, "Content-Type": type, Vary: "Accept-Encoding" });
+    return createReadStream(path).pipe(response);
   });
   return new Promise((resolve, reject) => {
     server.on("error", reject).listen(port, "127.0.0.1", () => resolve(server));

@@ -2,7 +2,7 @@
 
 import { Cancelled, Client, SessionError, Trapped } from "./client";
 import type { DemoAnswer, Exported, Identified, InitRequest, Kind, Understanding } from "./contract";
-import { EMPTY, isOwnText, requestOf, type Choices, type ExportFormat, type ListedFile, type Problem, type State, type TaskName } from "./state";
+import { EMPTY, isOwnText, requestOf, type Choices, type Experiment, type ExportFormat, type ListedFile, type Problem, type State, type TaskName } from "./state";
 
 /** A file as it was dropped or chosen, with its path below what was dropped. */
 export interface GivenFile {
@@ -83,8 +83,7 @@ export class App {
 
   /** Gives up the person's own text for what is proposed. */
   useProposal(): void {
-    const proposal = this.state.understanding?.proposal;
-    this.set({ experiment: proposal ? { text: proposal.toml, origin: "proposed" } : null });
+    this.set({ experiment: proposedIn(this.state.understanding) });
   }
 
   /** Chooses the filter from the data, as `thetahat init` does. */
@@ -216,6 +215,11 @@ function withError(file: ListedFile, request: InitRequest, answer: Understanding
   if (file.path === request.robot) return { ...file, error: answer.robot_error };
   if (!request.recordings.includes(file.path)) return file;
   return { ...file, error: answer.recording_errors.find(({ path }) => path === file.path)?.message ?? null };
+}
+
+function proposedIn(understanding: Understanding | null): Experiment | null {
+  if (understanding?.proposal) return { text: understanding.proposal.toml, origin: "proposed" };
+  return understanding?.unfinished ? { text: understanding.unfinished, origin: "unfinished" } : null;
 }
 
 /** Whether a file of this kind takes the place of another one. */

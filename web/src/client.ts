@@ -9,6 +9,8 @@ export class SessionError extends Error {}
 export class Cancelled extends Error {}
 /** The program stopped in the middle of its work. */
 export class Trapped extends Error {}
+/** A thread of the program stopped: what ran is begun again with one. */
+class ThreadStopped extends Error {}
 
 interface Pending {
   resolve: (answer: string) => void;
@@ -20,8 +22,10 @@ export class Client {
   private worker: Promise<Worker> | null = null;
   private running: Worker | null = null;
   private helpers: Worker[] = [];
-  /** One after a helper has stopped, as where memory is short. */
+  /** One after a thread has stopped or could not start, as where memory is short. */
   private threads = THREADS;
+  /** Why the worker before this one was ended. */
+  private reason: Error = new Cancelled();
   private readonly pending = new Map<number, Pending>();
   /** What a new worker is given again. */
   private readonly files = new Map<string, Blob>();
@@ -32,7 +36,7 @@ export class Client {
 
   /** Puts a file in the session's folder. */
   async put(path: string, file: Blob): Promise<void> {
-    await this.call("put", [path, await bytesOf(file)]);
+    await this.call("put", [path, file]);
     this.files.set(path, file);
   }
 
@@ -55,11 +59,17 @@ export class Client {
     this.stop(new Cancelled());
   }
 
-  /** Calls a method; stages of its progress come while it runs. */
+  /** Calls a method; stages of its progress come while it runs. Files are given as their bytes. */
   async call(method: Method, args: unknown[], stage: (text: string) => void = () => {}): Promise<string> {
-    this.worker ??= this.start();
-    const worker = await this.worker;
-    return this.send(worker, method, args, stage);
+    try {
+      this.worker ??= this.start();
+      return await this.send(await this.worker, method, args, stage);
+    } catch (error) {
+      if (!(error instanceof ThreadStopped)) throw error;
+      const onOne = (text: string) => stage(`${text}; on one thread, as another one stopped (${error.message})`);
+      onOne("begun again");
+      return this.call(method, args, onOne);
+    }
   }
 
   /** Ends what runs; the next call starts a new worker with the same files. */
@@ -72,33 +82,36 @@ export class Client {
     const worker = new Worker(program.script);
     this.running = worker;
     worker.addEventListener("message", ({ data }: MessageEvent<FromWorker>) => {
-      if (!("memory" in data)) this.receive(data);
-      else if (worker === this.running) this.help(program, data.memory);
+      if (worker !== this.running) return;
+      if ("memory" in data) this.help(program, data.memory);
+      else this.receive(data);
     });
-    worker.addEventListener("error", (event) => this.stop(new Trapped(event.message)));
+    worker.addEventListener("error", (event) => worker === this.running && this.stop(new Trapped(event.message)));
     worker.postMessage({ module: program.module, threads: this.threads } satisfies ToWorker);
     if (this.hasDemo) await this.send(worker, "demo", []);
-    for (const [path, file] of this.files) await this.send(worker, "put", [path, await bytesOf(file)]);
+    for (const put of this.files) await this.send(worker, "put", put);
     return worker;
   }
 
   /** Starts the threads of the session whose memory this is. */
   private help({ script, module }: Program, memory: WebAssembly.Memory): void {
     this.helpers = Array.from({ length: this.threads }, () => new Worker(script));
-    const stopped = (message: string) => {
-      this.threads = 1;
-      this.stop(new Trapped(message));
-    };
     for (const helper of this.helpers) {
+      const stopped = (message: string) => {
+        if (!this.helpers.includes(helper)) return;
+        this.threads = 1;
+        this.stop(new ThreadStopped(message));
+      };
       helper.addEventListener("message", ({ data }: MessageEvent<{ trap: string }>) => stopped(data.trap));
       helper.addEventListener("error", (event) => stopped(event.message));
       helper.postMessage({ module, memory } satisfies ToWorker);
     }
   }
 
-  private send(worker: Worker, method: Method, args: unknown[], stage = (_: string) => {}): Promise<string> {
+  private async send(worker: Worker, method: Method, given: unknown[], stage = (_: string) => {}): Promise<string> {
+    const args = await Promise.all(given.map((arg) => (arg instanceof Blob ? bytesOf(arg) : arg)));
     return new Promise((resolve, reject) => {
-      if (worker !== this.running) return reject(new Cancelled());
+      if (worker !== this.running) return reject(this.reason);
       const call = ++this.calls;
       this.pending.set(call, { resolve, reject, stage });
       const buffers = args.filter((arg) => arg instanceof Uint8Array).map((bytes) => bytes.buffer);
@@ -121,6 +134,7 @@ export class Client {
     this.running = null;
     this.helpers = [];
     this.worker = null;
+    this.reason = reason;
     const pending = [...this.pending.values()];
     this.pending.clear();
     for (const call of pending) call.reject(reason);

@@ -112,6 +112,8 @@ export interface Understanding {
   recording_errors: { path: string; message: string }[];
   proposal: ProposalAnswer | null;
   proposal_error: string | null;
+  /** The text of the proposal, where something is to be filled in before it can run. */
+  unfinished: string | null;
   series: Series | null;
   findings: Finding[];
 }

@@ -11,8 +11,8 @@ export interface ListedFile {
   error: string | null;
 }
 
-/** Where the text of the experiment comes from: proposed at once, with the filter chosen from the data, changed by hand, or given as a file. */
-export type Origin = "proposed" | "chosen" | "edited" | "given";
+/** Where the text of the experiment comes from: proposed at once, proposed with something to be filled in by hand, with the filter chosen from the data, changed by hand, or given as a file. */
+export type Origin = "proposed" | "unfinished" | "chosen" | "edited" | "given";
 
 export interface Experiment {
   text: string;
@@ -94,9 +94,10 @@ export function requestOf({ files, choices }: State): InitRequest {
 
 /** What is missing before anything can be identified. */
 export function missing({ understanding, experiment }: State): string | null {
+  if (experiment?.origin === "unfinished") return "Fill in the gain in experiment.toml.";
   if (experiment) return null;
   if (!understanding) return "Add a robot and its log.";
   if (!understanding.robot) return "Add the robot: a URDF or TOML file.";
   if (understanding.recordings.length === 0) return "Add the log of its positions and torques.";
-  return "Say which columns are the positions and torques.";
+  return "No experiment can be proposed yet: see the problem above.";
 }

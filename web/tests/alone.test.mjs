@@ -2,14 +2,14 @@
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
-import { createServer } from "node:http";
+import { createServer, get } from "node:http";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
-import { brotliCompressSync } from "node:zlib";
+import { brotliDecompressSync, gunzipSync } from "node:zlib";
 import { identify, openSite, REPOSITORY, SINGLE_FILE, takeDemo, visit } from "./site.mjs";
 
-/** Bytes of the compressed wasm at most. */
+/** Bytes of the wasm at most, as it is sent to browsers. */
 const LARGEST_WASM = 3e6;
 /** Milliseconds until the first view at most. */
 const FIRST_VIEW = 1000;
@@ -59,11 +59,31 @@ test("no request to another address is possible", async (t) => {
   }
 });
 
+/** What the server sends to a client that accepts a coding, as it stands in the answer. */
+async function sent(name, coding) {
+  const answer = await new Promise((done, failed) => get(site.url + name, { headers: { "Accept-Encoding": coding } }, done).on("error", failed));
+  const parts = [];
+  for await (const part of answer) parts.push(part);
+  return { headers: answer.headers, body: Buffer.concat(parts) };
+}
+
+test("files are sent packed to those who accept it", async (t) => {
+  for (const name of ["thetahat_web_bg.wasm", "threads/thetahat_web_bg.wasm", "page.js"]) {
+    const file = readFileSync(join(REPOSITORY, "web/dist", name));
+    const unpack = { "gzip, deflate, br, zstd": brotliDecompressSync, "gzip, br;q=0": gunzipSync, identity: (bytes) => bytes };
+    for (const [accepted, unpacked] of Object.entries(unpack)) {
+      const { headers, body } = await sent(name, accepted);
+      assert.ok(unpacked(body).equals(file), `${name} for ${accepted}`);
+      assert.equal(headers.vary, "Accept-Encoding");
+      assert.equal(headers["content-type"], name.endsWith("wasm") ? "application/wasm" : "text/javascript; charset=utf-8");
+      if (name.endsWith("wasm")) t.diagnostic(`${name}: ${body.length} bytes by ${headers["content-encoding"] ?? "none"}`);
+    }
+  }
+});
+
 test("small and quick", async (t) => {
-  const wasm = readFileSync(join(REPOSITORY, "web/dist/thetahat_web_bg.wasm"));
-  const compressed = brotliCompressSync(wasm).length;
-  t.diagnostic(`wasm: ${wasm.length} bytes, ${compressed} compressed`);
-  assert.ok(compressed < LARGEST_WASM, `${compressed} bytes`);
+  const { body } = await sent("thetahat_web_bg.wasm", "br");
+  assert.ok(body.length < LARGEST_WASM, `${body.length} bytes`);
   const { page, close } = await visit(site);
   t.after(close);
   const shown = await page.evaluate(() => performance.getEntriesByName("first-contentful-paint")[0].startTime);

@@ -5,7 +5,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { folderOf, thetahat } from "./command.mjs";
-import { ARM, choose, identify, openFolds, openSite, REPOSITORY, takeDemo, untilReady, visit } from "./site.mjs";
+import { ARM, choose, identify, openFolds, openSite, REPOSITORY, status, takeDemo, untilReady, visit } from "./site.mjs";
 
 let site;
 before(async () => { site = await openSite(); });
@@ -109,6 +109,25 @@ test("an experiment that is changed by hand is the one that runs, and choices do
   await page.frameLocator("iframe").getByRole("heading", { name: "by hand" }).waitFor();
   await page.getByRole("button", { name: "Take the proposal again" }).click();
   await untilSays(experiment, /^title = "arm: log.csv"$/m);
+});
+
+test("a gain that no file holds is filled in by hand", async (t) => {
+  const { page, assertQuiet, close } = await visit(site);
+  t.after(close);
+  const folder = folderOf(t, [ARM, join(REPOSITORY, "examples/arm/twin.toml")]);
+  thetahat(folder, "simulate", "twin.toml", "--out", "log.csv");
+  const log = readFileSync(join(folder, "log.csv"), "utf8");
+  const percent = log.replace(/torque_(\d)/g, "torque_$1 [%]");
+  writeFileSync(join(folder, "percent.csv"), percent);
+  await choose(page, "Choose robot", [ARM]);
+  await choose(page, "Choose logs", [join(folder, "percent.csv")]);
+  await status(page).filter({ hasText: "Fill in the gain in experiment.toml." }).waitFor();
+  assert.equal(await page.getByRole("button", { name: "Identify" }).count(), 0);
+  await page.getByRole("list", { name: "Findings" }).getByText("Fill in gain = [...], a number for each column").waitFor();
+  const experiment = page.getByRole("textbox", { name: "experiment.toml" });
+  await experiment.fill((await experiment.inputValue()).replace("gain = []", "gain = [100, 100, 100]"));
+  assert.match(await identify(page), /^Verdict: (good|take with care)/);
+  assertQuiet();
 });
 
 test("an experiment file is taken as it is, and its errors are the command line's", async (t) => {

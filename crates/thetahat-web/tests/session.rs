@@ -69,6 +69,34 @@ fn a_broken_file_is_an_answer() -> Outcome<()> {
     Ok(())
 }
 
+/// A gain that no file holds is asked for beside the text in which it is to be filled in; filled in, it runs.
+#[test]
+fn a_gain_is_filled_in_by_hand() -> Outcome<()> {
+    let folder = Folder::new();
+    let mut session = Session::in_folder(folder.path());
+    let row = |k: usize| {
+        let (t, angle) = (0.001 * k as f64, 0.004 * k as f64);
+        let (q, dq) = (angle.sin(), 4.0 * angle.cos());
+        format!("{t},{q},{}\n", 50.0 * (q + 0.5 * dq + 0.3 * dq.signum()))
+    };
+    session.put("arm.urdf", ARM.as_bytes().to_vec())?;
+    session
+        .put("log.csv", ("t,q_1,torque_1 [%]\n".to_owned() + &(0..4000).map(row).collect::<String>()).into_bytes())?;
+    let understood =
+        answer(&session.understand(&json!({ "robot": "arm.urdf", "recordings": ["log.csv"] }).to_string())?);
+    assert!(understood["proposal"].is_null());
+    assert!(understood["proposal_error"].as_str().unwrap().contains("Fill in gain = [...]"), "{understood}");
+    let text = understood["unfinished"].as_str().unwrap();
+    assert!(session.identify(text, &mut |_| ()).unwrap_err().to_string().contains("to be filled in"));
+    let filled = text.replace("gain = []", "gain = [2.0]");
+    let results = answer(&session.identify(&filled, &mut |_| ())?)["results"].clone();
+    let parameters = results["runs"][0]["parameters"].as_array().unwrap();
+    let viscous = parameters.iter().find(|p| p["name"] == "fv1").unwrap()["estimate"].as_f64().unwrap();
+    // 50 % times 2 N m at 100 %, over 100, times 0.5.
+    assert!((viscous - 0.5).abs() < 0.01, "{viscous}");
+    Ok(())
+}
+
 /// Requests that are not of the form, and files that are not there, are errors.
 #[test]
 fn what_cannot_be_done_is_an_error() -> Outcome<()> {

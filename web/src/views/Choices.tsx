@@ -16,14 +16,14 @@ interface Props {
 }
 
 export function Choices({ state, app, understanding }: Props) {
-  const { proposal } = understanding;
+  const { proposal, unfinished } = understanding;
   // Once it was needed it stays open: it must not close while something is being put right.
   const isOpen = useRef(false);
   isOpen.current ||= proposal === null;
   return (
     <details class="section" open={isOpen.current}>
       <summary><h2>Corrections</h2><span class="hint">columns, units, side, locked joints</span></summary>
-      {isOwnText(state.experiment) ? <OwnText app={app} hasProposal={proposal !== null} /> : <Fields state={state} app={app} understanding={understanding} />}
+      {isOwnText(state.experiment) ? <OwnText app={app} hasProposal={(proposal ?? unfinished) !== null} /> : <Fields state={state} app={app} understanding={understanding} />}
     </details>
   );
 }

@@ -6,6 +6,7 @@ import type { View } from "./Page";
 
 const ORIGINS: Record<Origin, string> = {
   proposed: "Proposed, with the usual filter. Identify first chooses the filter from the data, as the command init does.",
+  unfinished: "Proposed: fill in gain = [], as is said in it; then identify.",
   chosen: "Proposed, with the filter chosen from the data: the file that the command init writes.",
   edited: "Changed by hand.",
   given: "As it was given.",
@@ -20,7 +21,7 @@ export function Experiment({ state, app, experiment }: View & { experiment: Text
         {experiment.origin === "proposed" && (
           <button type="button" disabled={state.task !== null} onClick={() => app.chooseFilter()}>Choose the filter now</button>
         )}
-        {experiment.origin === "edited" && state.understanding?.proposal && (
+        {experiment.origin === "edited" && (state.understanding?.proposal || state.understanding?.unfinished) && (
           <button type="button" onClick={() => app.useProposal()}>Take the proposal again</button>
         )}
         <button type="button" onClick={() => save("experiment.toml", experiment.text)}>Save experiment.toml</button>

@@ -25,6 +25,8 @@ pub(crate) struct Understanding {
     recording_errors: Vec<FileError>,
     proposal: Option<ProposalAnswer>,
     proposal_error: Option<String>,
+    /// The experiment that is proposed, where something is to be filled in before it can run.
+    unfinished: Option<String>,
     series: Option<SeriesAnswer>,
     findings: Vec<FindingAnswer>,
 }
@@ -96,6 +98,11 @@ impl Understanding {
         let readable = request.without(self.recording_errors.iter().map(|error| Path::new(&error.path)));
         let files = readable.files(folder);
         let proposal = propose(&readable.proposal(&files), source, contents)?;
+        let to_fill_in = proposal.to_fill_in();
+        if !to_fill_in.is_empty() {
+            self.unfinished = Some(proposal.text());
+            return Err(to_fill_in.join(" ").into());
+        }
         let path = Path::new("the proposed experiment");
         let experiment = Experiment::from_texts(path, proposal.text(), source.to_text())?;
         let recordings = experiment.recordings(&files.data_folder())?;

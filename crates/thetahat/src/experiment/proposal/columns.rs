@@ -56,8 +56,7 @@ fn in_order<'a>(robot: &Robot, mut found: Vec<Numbered<'a>>) -> Result<Vec<Chose
     let chosen = |columns: &[&'a ColumnSummary]| columns.iter().map(|c| Chosen::of(c)).collect::<Vec<_>>();
     let all = chosen(&found.iter().map(|(c, _)| *c).collect::<Vec<_>>());
     if channels(&all) != joints {
-        let names: Vec<&str> = all.iter().map(|c| c.name.as_str()).collect();
-        return Err(format!("{} columns look like it ({})", channels(&all), names.join(" ")));
+        return Err(looking_like_it(&all));
     }
     if all.len() == 1 {
         return Ok(all);
@@ -68,6 +67,16 @@ fn in_order<'a>(robot: &Robot, mut found: Vec<Numbered<'a>>) -> Result<Vec<Chose
         return Ok(chosen(&found.iter().map(|(c, _)| *c).collect::<Vec<_>>()));
     }
     Err("their names have neither the joints' names nor consecutive numbers".to_owned())
+}
+
+/// How many columns look like a signal, and which.
+fn looking_like_it(columns: &[Chosen<'_>]) -> String {
+    let names = columns.iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join(" ");
+    match channels(columns) {
+        0 => "no column looks like it".to_owned(),
+        1 => format!("1 column looks like it ({names})"),
+        several => format!("{several} columns look like it ({names})"),
+    }
 }
 
 /// The columns by the names of the joints, where each joint has one; columns of other joints are left out.

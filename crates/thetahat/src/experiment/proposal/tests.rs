@@ -63,6 +63,17 @@ fn names_that_do_not_tell_are_not_guessed() {
 }
 
 #[test]
+fn the_columns_that_look_like_a_signal_are_counted() {
+    let said = |header| proposed(header, request()).unwrap_err().to_string();
+    let none = said("t,q1,q2,c1,c2");
+    assert!(none.contains("cannot be told from their names: no column looks like it; name them"), "{none}");
+    let one = said("t,q1,q2,tau1,c2");
+    assert!(one.contains("1 column looks like it (tau1); "), "{one}");
+    let three = said("t,q1,q2,tau1,tau2,tau3");
+    assert!(three.contains("3 columns look like it (tau1 tau2 tau3); "), "{three}");
+}
+
+#[test]
 fn a_column_that_is_not_there_is_named() {
     let named = ProposalRequest { torque: vec!["c1".into(), "c9".into()], ..request() };
     let error = proposed("t,q1,q2,c1,c2", named).unwrap_err();

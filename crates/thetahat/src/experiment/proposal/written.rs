@@ -42,7 +42,7 @@ pub(super) fn spelt_out(name: &str, signal: Signal) -> Option<Written> {
 pub(super) fn of_a_drive(name: &str, signal: Signal) -> Option<Unit> {
     let words = column_names::words(name);
     let has = |of: fn(&str) -> bool| signal == Signal::Torque && words.iter().any(|word| of(word));
-    match (has(|word| word.starts_with("curr")), has(|word| word == "voltage")) {
+    match (has(|word| word.starts_with("curr") || word == "strom"), has(|word| word == "voltage")) {
         (true, _) => Some(Unit::Ampere),
         (false, true) => Some(Unit::Volt),
         (false, false) => None,
@@ -91,6 +91,7 @@ mod tests {
             ("tau_1 (mNm)", Signal::Torque, Some(Written::Unit(Unit::MillinewtonMetre))),
             ("torque_mNm", Signal::Torque, Some(Written::Unit(Unit::MillinewtonMetre))),
             ("current_2", Signal::Torque, Some(Written::Unit(Unit::Ampere))),
+            ("Achse 2 Strom", Signal::Torque, Some(Written::Unit(Unit::Ampere))),
             ("motor_current_2 [mA]", Signal::Torque, Some(Written::Unit(Unit::Milliampere))),
             ("joint_a1_effort", Signal::Torque, None),
             ("joint_a1.effort", Signal::Torque, None),

@@ -10,7 +10,7 @@ use super::super::error::RecordingError;
 use super::super::table::{Column, Flaw, Table, Wanted, is_plausible};
 use super::dialect::Dialect;
 use super::number::Numbers;
-use super::text::{Text, rows};
+use super::text::{Text, characters, rows};
 
 /// Most columns of a text: a line of more is a matrix that lies on its side.
 const MOST_COLUMNS: usize = 10_000;
@@ -70,7 +70,7 @@ pub(in super::super) fn names(bytes: &[u8], path: &Path, dialect: &Dialect) -> R
 }
 
 fn name(cell: &[u8]) -> String {
-    String::from_utf8_lossy(cell).trim().to_owned()
+    characters(cell).trim().to_owned()
 }
 
 /// The columns while their rows are read.
@@ -138,7 +138,7 @@ impl Columns<'_> {
 pub(super) fn flaw(number: Option<f64>, cell: &[u8], line: u64) -> Flaw {
     match number {
         Some(found) => Flaw::NotFinite { line, found },
-        None => Flaw::Text { line, found: String::from_utf8_lossy(cell).into_owned() },
+        None => Flaw::Text { line, found: characters(cell) },
     }
 }
 

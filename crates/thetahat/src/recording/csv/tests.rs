@@ -254,3 +254,11 @@ fn damaged_bytes_never_panic() {
         }
     }
 }
+
+/// Spreadsheets of many countries write Latin-1: degrees, micro and the dot of a product are told all the same.
+#[test]
+fn names_in_latin_1_are_read() {
+    let header = |text: &[u8]| names(text, Path::new("q.csv"), &Dialect::default()).unwrap();
+    assert_eq!(header(b"q [\xb0];tau [N\xb7m]\n1,5;2\n2,5;3\n"), ["q [°]", "tau [N·m]"]);
+    assert_eq!(header("q [°];tau [N·m]\n1,5;2\n2,5;3\n".as_bytes()), ["q [°]", "tau [N·m]"]);
+}

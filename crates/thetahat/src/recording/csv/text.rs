@@ -7,6 +7,11 @@ use csv::{ByteRecord, Reader, ReaderBuilder};
 
 use super::super::error::RecordingError;
 
+/// The characters of a cell: UTF-8, and where it is none, Latin-1, as spreadsheets write `°` in many countries.
+pub(super) fn characters(cell: &[u8]) -> String {
+    str::from_utf8(cell).map_or_else(|_| cell.iter().map(|&byte| char::from(byte)).collect(), str::to_owned)
+}
+
 /// Text from the first line that is neither empty nor a comment on.
 pub(super) struct Text<'a> {
     body: &'a [u8],
