@@ -115,6 +115,7 @@ fn hidden_bias() -> Vec<HiddenBias> {
         size_interval_95,
         parameter: "zz1r".to_owned(),
         deviations,
+        others: Vec::new(),
     };
     vec![
         of(HiddenError::LateTorque, None, [-0.00134, 0.00029], -1.2),
