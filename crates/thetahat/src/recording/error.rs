@@ -412,7 +412,7 @@ pub enum RecordingError {
 
     /// The list of gains is empty, as a proposal writes it for the user to fill in.
     #[error(
-        "{file}: gain = [] of the columns {} is to be filled in: {channels} numbers, one for each channel: {what}",
+        "{file}: gain = [] of the columns {} is to be filled in, a number for each channel, {channels} in all: {what}",
         columns.join(" ")
     )]
     GainToFillIn {

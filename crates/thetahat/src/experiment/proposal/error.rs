@@ -7,7 +7,7 @@ pub enum ProposalError {
     /// The columns of a signal cannot be told.
     #[error(
         "{}: the columns of the {signal} cannot be told from their names: {problem}; name them with --{signal} \
-         NAME,NAME,... (one for each of {joints} joints), or name the joints that the log has with --joints NAME,NAME,...: \
+         NAME,NAME,... (one for each joint, {joints} in all), or name the joints that the log has with --joints NAME,NAME,...: \
          the others are locked; the columns are: {}",
         file.display(), columns.join(" ")
     )]

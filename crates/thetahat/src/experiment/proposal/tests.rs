@@ -471,7 +471,7 @@ fn a_gain_is_asked_for_where_a_unit_is_no_torque() {
         let read = |text| super::super::Experiment::from_texts(Path::new("e.toml"), text, ARM.to_owned()).unwrap();
         let error = read(text.clone()).recordings(folder.path()).unwrap_err().to_string();
         assert!(
-            error.contains("gain = []") && error.contains(&format!("2 numbers, one for each channel: {per}")),
+            error.contains("gain = []") && error.contains(&format!("a number for each channel, 2 in all: {per}")),
             "{error}"
         );
         assert!(read(text.replace("gain = []", "gain = [10, 20]")).recordings(folder.path()).is_ok());
