@@ -13,14 +13,14 @@ use crate::{dynamics::Sign, pool::in_parallel};
 /// Random motions of which a descent begins with the best.
 const DRAWS: usize = 3;
 /// Descents of a search from such motions: it goes on with the best.
-const BEGINNINGS: usize = 4;
+const BEGINNINGS: usize = 3;
 /// Part of the limits that a random motion uses.
 const USED: f64 = 0.9;
 /// How far motions are led to the other side of a given start, in halves of the range, where that leaves them larger.
 const SIDES: [f64; 5] = [0.0, 1.0, 3.0, 9.0, 27.0];
 
 /// Descents from what was found moved by random numbers, in units that take a joint to its limit, and their size.
-const KICKS: usize = 6;
+const KICKS: usize = 5;
 const KICK: f64 = 0.5;
 /// Least part of a random motion that is kept for shapes to stay apart.
 const LEAST_PART: f64 = 0.02;
