@@ -177,14 +177,15 @@ impl Reference {
         let record = self.data["record_J_per_10s_400"].as_f64().unwrap_or(f64::NAN);
         let random = results.starts.iter().map(|s| s.first - s.found).sum::<f64>() / starts as f64;
         let times = |nats: f64| (0.5 * nats / results.promised.len() as f64).exp();
-        let found: Vec<String> = results.starts.iter().map(|s| format!("{:.1}", s.found)).collect();
+        let found: Vec<f64> = results.starts.iter().map(|s| s.found).collect();
+        let mean = found.iter().sum::<f64>() / starts as f64;
+        let deviation = (found.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (starts as f64 - 1.0)).sqrt();
         println!(
             "{}, {motion}: {value:.2}; deviations {:.2} times smaller than of the record, {:.2} than of random \
-             motions; searches {}; {seconds:.2} s a start with the promise",
+             motions; searches {found:.1?}, deviation {deviation:.1}; {seconds:.2} s a start with the promise",
             self.name,
             times(record - value),
-            times(random),
-            found.join(" ")
+            times(random)
         );
         ensure(value <= bound, format!("{}: {value} with {:?}, bound {bound}", self.name, results.starts))
     }

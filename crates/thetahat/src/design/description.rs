@@ -118,9 +118,8 @@ impl Design {
             path: path.to_owned(),
             message: e.to_string().trim_end().to_owned(),
         };
-        let tables: toml::Table = toml::from_str(text).map_err(refuse)?;
-        refuse_postures(&tables).map_err(|source| DesignError::Preparation { path: path.to_owned(), source })?;
         let file: DesignFile = toml::from_str(text).map_err(refuse)?;
+        let tables: toml::Table = toml::from_str(text).map_err(refuse)?;
         let robot_path = path.parent().unwrap_or(Path::new("")).join(&file.robot);
         let locks = Locks { locked: file.locked.clone(), until: Vec::new() };
         let robot = RobotSource::read(&robot_path)?.robot_with_locks(&locks, path)?;
@@ -177,14 +176,6 @@ impl Design {
     ) -> Result<(), DesignError> {
         PreparationError::require(holds, key, expected, found).map_err(|source| self.refuse(source))
     }
-}
-
-/// Static postures are no kind of motion: what is asked for instead.
-fn refuse_postures(tables: &toml::Table) -> Result<(), PreparationError> {
-    let kind = tables.get("motion").and_then(|motion| motion.get("kind")).and_then(toml::Value::as_str);
-    let expected = "\"moves\" for gravity: dry friction at rest has either sign, so that rests tell nothing; list the parameters of \
-                    gravity in [wanted] parameters with criterion = \"chosen\", or add sweeps";
-    PreparationError::require(kind != Some("postures"), "[motion] kind", expected, "\"postures\"")
 }
 
 /// How the record will be identified: by least squares weighted by the noise of each joint where nothing else is asked for.

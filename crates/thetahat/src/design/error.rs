@@ -92,8 +92,8 @@ pub enum DesignError {
     },
     /// A limit does not hold.
     #[error(
-        "{}: [limits] {quantity} of joint {joint} cannot hold: it is {limit:.4} {unit} and the motion needs {needed:.4} at {at_s:.3} s; \
-         {remedy}",
+        "{}: [limits] {quantity} of joint {joint} cannot hold: it is {limit:.4} {unit} and the motion needs {needed:.4} {place}; \
+         raise it, check the robot's a-priori parameters and friction, choose another [motion] start, or a shorter sweep_s in a sweep",
         path.display()
     )]
     Infeasible {
@@ -109,10 +109,8 @@ pub enum DesignError {
         needed: f64,
         /// Their unit, that of the file.
         unit: &'static str,
-        /// When, s.
-        at_s: f64,
-        /// What to do.
-        remedy: &'static str,
+        /// When, or where in which sweep.
+        place: String,
     },
     /// Shapes come too near to one another.
     #[error(
@@ -133,28 +131,6 @@ pub enum DesignError {
         margin_mm: f64,
         /// When.
         when: String,
-    },
-    /// A limit does not hold in a sweep.
-    #[error(
-        "{}: [limits] {quantity} of joint {joint} cannot hold in a sweep: it is {limit:.4} {unit} and {needed:.4} are needed with joint \
-         {place}; choose another [motion] start, a shorter sweep_s, or a smaller [limits] position",
-        path.display()
-    )]
-    InfeasibleSweep {
-        /// The design file.
-        path: PathBuf,
-        /// The joint whose limit it is.
-        joint: String,
-        /// The quantity.
-        quantity: &'static str,
-        /// Its limit.
-        limit: f64,
-        /// What the sweep needs.
-        needed: f64,
-        /// Their unit, that of the file.
-        unit: &'static str,
-        /// The joint that sweeps, and where it is.
-        place: String,
     },
     /// A joint has no room for its sweeps.
     #[error(

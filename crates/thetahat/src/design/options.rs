@@ -57,7 +57,7 @@ pub struct MotionOptions {
 
 /// Kinds of motions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(try_from = "String")]
 pub enum MotionKind {
     /// Fourier series of each joint.
     #[default]
@@ -79,6 +79,23 @@ impl MotionKind {
         }
     }
 }
+
+impl TryFrom<String> for MotionKind {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        let all = [Self::Fourier, Self::Splines, Self::Moves];
+        let known = all.into_iter().find(|kind| kind.name() == name);
+        known.ok_or_else(|| match name.as_str() {
+            "postures" => POSTURES.to_owned(),
+            other => format!("there is no kind of motion {other}: expected fourier, splines or moves"),
+        })
+    }
+}
+
+/// Static postures are no kind of motion: what serves gravity instead.
+const POSTURES: &str = "rests tell nothing, as dry friction at rest has either sign: for gravity take kind = \"moves\" with its \
+                        parameters listed in [wanted] parameters and criterion = \"chosen\", or add sweeps";
 
 impl Default for MotionOptions {
     fn default() -> Self {

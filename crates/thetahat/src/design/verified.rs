@@ -41,14 +41,6 @@ impl Verified {
     }
 }
 
-/// The limit that is exceeded most, and what is needed of it, in the file's unit.
-fn in_file(worst: &LimitUse, joints: &[JointResult]) -> [f64; 2] {
-    let [lower, upper] = worst.reached;
-    let is_lower = (worst.limit[0] - lower) > (upper - worst.limit[1]);
-    let both = if is_lower { [worst.limit[0], lower] } else { [worst.limit[1], upper] };
-    both.map(|value| worst.quantity.to_file(joints[worst.coordinate].kind, value))
-}
-
 impl Design {
     /// The motion of a search with what it needs at 1 kHz. Where it misses a limit or a distance between the instants that
     /// were watched, it descends again within limits that are as much tighter.
@@ -81,7 +73,7 @@ impl Design {
     /// Why a motion cannot be taken.
     fn error_of(&self, verified: &Verified) -> Option<DesignError> {
         let worst = verified.worst().filter(|worst| worst.part > 1.0);
-        let error = worst.map(|worst| self.infeasible(worst));
+        let error = worst.map(|worst| self.infeasible(worst, format!("at {:.3} s", worst.at_s)));
         error.or_else(|| verified.collision.as_ref().and_then(|collision| self.too_near(collision)))
     }
 
@@ -107,7 +99,7 @@ impl Design {
         })
     }
 
-    /// Looks at limits and distances along the sweeps alone, which no search changes.
+    /// Looks at the limits of each joint's sweeps alone, which no search changes.
     pub(super) fn verify_sweeps(
         &self,
         model: &Model,
@@ -123,39 +115,28 @@ impl Design {
             let uses = uses(limits, &motion, &loads.torques(&motion, Sign::Exact));
             let worst = uses.iter().max_by(|a, b| a.part.total_cmp(&b.part));
             if let Some(worst) = worst.filter(|worst| worst.part > 1.0) {
-                let instant = (worst.at_s * RATE_HZ).round() as usize;
-                return Err(self.infeasible_sweep(worst, own, motion[0].sample(instant)[sweeping]));
+                let at = motion[0].sample((worst.at_s * RATE_HZ).round() as usize)[sweeping];
+                let at = format!("{:.4} {}", own.kind.to_file(at), own.kind.file_unit());
+                return Err(self.infeasible(worst, format!("in the sweep of {} at {at}", own.joint)));
             }
         }
         Ok(())
     }
 
-    fn infeasible_sweep(&self, worst: &LimitUse, sweeping: &JointLimits, at: f64) -> DesignError {
-        let joints = JointResult::of_coordinates(&self.robot);
-        let [limit, needed] = in_file(worst, &joints);
-        DesignError::InfeasibleSweep {
-            path: self.path.clone(),
-            joint: worst.joint.clone(),
-            quantity: worst.quantity.name(),
-            limit,
-            needed,
-            unit: worst.quantity.file_unit(joints[worst.coordinate].kind),
-            place: format!("{} at {:.4} {}", sweeping.joint, sweeping.kind.to_file(at), sweeping.kind.file_unit()),
-        }
-    }
-
-    fn infeasible(&self, worst: &LimitUse) -> DesignError {
-        let joints = JointResult::of_coordinates(&self.robot);
-        let [limit, needed] = in_file(worst, &joints);
+    fn infeasible(&self, worst: &LimitUse, place: String) -> DesignError {
+        let [lower, upper] = worst.reached;
+        let is_lower = (worst.limit[0] - lower) > (upper - worst.limit[1]);
+        let (limit, needed) = if is_lower { (worst.limit[0], lower) } else { (worst.limit[1], upper) };
+        let joint = &JointResult::of_coordinates(&self.robot)[worst.coordinate];
+        let in_file = |value: f64| worst.quantity.to_file(joint.kind, value);
         DesignError::Infeasible {
             path: self.path.clone(),
             joint: worst.joint.clone(),
             quantity: worst.quantity.name(),
-            limit,
-            needed,
-            unit: worst.quantity.file_unit(joints[worst.coordinate].kind),
-            at_s: worst.at_s,
-            remedy: "raise it, check the robot's a-priori parameters and friction, or choose another [motion] start",
+            limit: in_file(limit),
+            needed: in_file(needed),
+            unit: worst.quantity.file_unit(joint.kind),
+            place,
         }
     }
 

@@ -97,14 +97,14 @@ fn estimates(run: &RunResult, width: TextWidth) -> String {
     let head = format!("Estimates of {} \u{b1} half of the 95 % interval{regrouped}", run.method);
     let mut text = wrap(&head, "", width);
     let (moved, wide): (Vec<_>, Vec<_>) = run.graded(Grade::Rough).partition(|p| run.may_be_moved(p).is_some());
-    for (what, known) in [
-        ("precise: the interval is within 20 % of the estimate", run.graded(Grade::Precise).collect()),
-        ("rough: the interval is wider, and excludes zero", wide),
-        ("rough: friction near rest or a delay may have moved them by the last number", moved),
-        ("impossible: a motor inertia or friction below zero", run.graded(Grade::Impossible).collect()),
+    for (grade, what, known) in [
+        (Grade::Precise, "the interval is within 20 % of the estimate", run.graded(Grade::Precise).collect()),
+        (Grade::Rough, "the interval is wider, and excludes zero", wide),
+        (Grade::Rough, "friction near rest or a delay may have moved them by the last number", moved),
+        (Grade::Impossible, "a motor inertia or friction below zero", run.graded(Grade::Impossible).collect()),
     ] {
         if !known.is_empty() {
-            text += &wrap(what, "  ", width);
+            text += &wrap(&format!("{}: {what}", grade.name()), "  ", width);
             text += &side_by_side(&cells(run, &known), width);
         }
     }

@@ -87,13 +87,13 @@ fn known(card: &Card) -> String {
     }
     let counts = Grade::ALL.into_iter().zip(card.parameters.iter().map(Vec::len));
     let doubt = if card.model_is_doubted { "; grades hold if the model does" } else { "" };
-    format!("{} of {}{doubt}", counted(counts), card.parameters.iter().map(Vec::len).sum::<usize>())
+    format!("{} of {}{doubt}", counted(counts), card.parameter_count())
 }
 
 /// The names of the parameters that can be used one by one, where numbers are to be used.
 fn to_use(card: &Card) -> Option<String> {
     let [precise, ..] = &card.parameters;
-    let all: usize = card.parameters.iter().map(Vec::len).sum();
+    let all = card.parameter_count();
     let rest = if precise.len() < all { format!("; predicting torques takes all {all}") } else { String::new() };
     (card.verdict != Some(Verdict::DoNotUse) && !precise.is_empty()).then(|| precise.join(" ") + &rest)
 }

@@ -18,9 +18,6 @@ const ACTIONS: usize = 3;
 /// Part of the unseen error below which another case fits clearly better.
 const BETTER: f64 = 0.95;
 
-/// The key that asks for parameters which a robot can have.
-const PHYSICAL: &str = "physical = true";
-
 /// The last action where the data are to be mended.
 const AGAIN: &str = "then identify again: the other findings may be gone";
 
@@ -99,13 +96,15 @@ impl Results {
         }
     }
 
-    /// The actions; the last one is for who simulates, where no robot has the numbers and no other action says so.
+    /// The actions; the last one is for who simulates, where no robot has the numbers and no other action is about that.
     fn next(&self, taken: Option<&RunResult>) -> Vec<String> {
         let mut actions: Vec<String> = self.better_case().into_iter().chain(self.actions()).take(ACTIONS).collect();
-        let before = taken.and_then(RunResult::before_simulation).filter(|_| self.verdict != Some(Verdict::DoNotUse));
-        if let Some(before) = before.filter(|_| !actions.iter().any(|action| action.contains(PHYSICAL))) {
+        let mut of_bodies = self.verdict_reasons.iter().filter(|r| r.code == ReasonCode::NotPhysical);
+        let is_said = of_bodies.any(|r| actions.contains(&r.remedy));
+        let before = taken.and_then(RunResult::before_simulation);
+        if let Some(before) = before.filter(|_| !is_said && self.verdict != Some(Verdict::DoNotUse)) {
             actions.truncate(ACTIONS - 1);
-            actions.push(before);
+            actions.push(before.to_owned());
         }
         actions
     }
@@ -198,6 +197,12 @@ fn distinct<'a>(texts: impl Iterator<Item = &'a String>, most: usize) -> Vec<Str
 }
 
 impl Card {
+    /// The number of parameters of all grades.
+    #[must_use]
+    pub fn parameter_count(&self) -> usize {
+        self.parameters.iter().map(Vec::len).sum()
+    }
+
     /// How many times the error of the fit the error on what was not seen is.
     #[must_use]
     pub fn times_unseen(&self) -> Option<f64> {
@@ -221,11 +226,11 @@ impl RunResult {
 
 impl RunResult {
     /// What to do before the numbers simulate a robot, where no robot has them.
-    fn before_simulation(&self) -> Option<String> {
+    fn before_simulation(&self) -> Option<&'static str> {
         let physical = self.physical.as_ref().filter(|p| !p.consistent)?;
         Some(match physical.estimate {
-            Some(_) => "take the physically consistent estimate for simulation and control".to_owned(),
-            None => format!("set {PHYSICAL} in [parameters] before simulating with them"),
+            Some(_) => "take the physically consistent estimate for simulation and control",
+            None => "set physical = true in [parameters] before simulating with them",
         })
     }
 }
@@ -323,7 +328,8 @@ mod tests {
     #[test]
     fn who_simulates_is_warned_once_and_not_where_no_number_is_to_be_used() {
         let mut results = results();
-        results.verdict_reasons = vec![reason("give ia2, with physical = true")];
+        let of_bodies = reason("give ia2, with physical = true");
+        results.verdict_reasons = vec![VerdictReason { code: ReasonCode::NotPhysical, ..of_bodies }];
         assert_eq!(results.card().actions, ["give ia2, with physical = true"]);
         results.verdict_reasons.clear();
         assert_eq!(results.card().actions, [BEFORE_SIMULATION]);

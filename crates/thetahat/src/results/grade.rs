@@ -79,19 +79,18 @@ impl RunResult {
         if self.impossible().any(|name| *name == parameter.name) {
             return Grade::Impossible;
         }
-        let half = parameter.half_width().unwrap_or(f64::INFINITY);
-        match (parameter.grade_of_interval(), self.may_be_moved(parameter)) {
-            (_, Some(shift)) if shift + half >= parameter.estimate.abs() => Grade::NotIdentified,
-            (Grade::Precise, Some(_)) => Grade::Rough,
-            (grade, _) => grade,
-        }
+        let grade = parameter.grade_of_interval();
+        let Some((shift, half)) = self.may_be_moved(parameter).zip(parameter.half_width()) else { return grade };
+        if shift + half >= parameter.estimate.abs() { Grade::NotIdentified } else { grade.max(Grade::Rough) }
     }
 
-    /// By how much an error that the residual shows may have moved a parameter, where that is more than a precise one is uncertain.
+    /// By how much an error that the residual shows may have moved a parameter, where that is further than its interval and than a
+    /// precise one is uncertain.
     pub(crate) fn may_be_moved(&self, parameter: &ParameterResult) -> Option<f64> {
         let seen = self.hidden_bias.iter().filter(|b| b.is_seen());
         let shifts = seen.filter_map(|b| Some((b.deviations_of(&parameter.name)? * parameter.deviation()?).abs()));
-        shifts.max_by(f64::total_cmp).filter(|shift| *shift > PRECISE * parameter.estimate.abs())
+        let least = (PRECISE * parameter.estimate.abs()).max(parameter.half_width()?);
+        shifts.max_by(f64::total_cmp).filter(|shift| *shift > least)
     }
 
     /// The parameters of this run with a grade.
@@ -170,5 +169,9 @@ mod tests {
         let others = vec![MovedParameter { parameter: "fc2".to_owned(), deviations: 9.2 }];
         let of_another = HiddenBias { parameter: "fv2".to_owned(), others, ..bias([4.2, 5.5], 12.0) };
         assert_eq!(grade(of_another), Grade::Rough, "another moves further");
+        let wide = ParameterResult { interval_95: Some([2.0, 14.0]), standard_deviation: Some(3.0), ..fc2.clone() };
+        let run = RunResult::new("nominal", Method::IDIM_IV, Status::Converged);
+        let run = RunResult { hidden_bias: vec![bias([4.2, 5.5], 1.5)], ..run };
+        assert_eq!(run.grade(&wide), Grade::Rough, "4.5 of 8.0 is within its interval");
     }
 }

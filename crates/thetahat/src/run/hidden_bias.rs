@@ -140,25 +140,26 @@ impl Bounded<'_> {
         Ok(intervals[intervals.len() - directions.len()..].to_vec())
     }
 
-    /// What the end of the interval that is farther from zero moves, by standard deviations.
+    /// What the end of the interval that is farther from zero moves, the furthest first.
     fn bias(&self, direction: &Direction, size: [f64; 2], per_unit: &[f64]) -> Option<HiddenBias> {
         let largest = if size[0].abs() > size[1].abs() { size[0] } else { size[1] };
-        let moved = |(p, per_unit): (&ParameterResult, &f64)| {
+        let of = |(p, per_unit): (&ParameterResult, &f64)| {
             let deviation = p.standard_deviation_robust.filter(|deviation| *deviation > 0.0)?;
+            let moved = MovedParameter { parameter: p.name.clone(), deviations: per_unit * largest / deviation };
             let beyond = p.half_width().is_some_and(|half| (per_unit * largest).abs() > half);
-            Some((beyond, MovedParameter { parameter: p.name.clone(), deviations: per_unit * largest / deviation }))
+            Some((moved, beyond))
         };
-        let mut all: Vec<_> = self.run.parameters.iter().zip(per_unit).filter_map(moved).collect();
-        let size_of = |(_, moved): &(bool, MovedParameter)| moved.deviations.abs();
-        let furthest = (0..all.len()).max_by(|a, b| size_of(&all[*a]).total_cmp(&size_of(&all[*b])))?;
-        let (_, MovedParameter { parameter, deviations }) = all.remove(furthest);
+        let mut moved: Vec<_> = self.run.parameters.iter().zip(per_unit).filter_map(of).collect();
+        moved.sort_by(|(a, _), (b, _)| b.deviations.abs().total_cmp(&a.deviations.abs()));
+        let mut moved = moved.into_iter();
+        let (MovedParameter { parameter, deviations }, _) = moved.next()?;
         Some(HiddenBias {
             error: direction.error,
             joint: direction.joint.map(|j| j + 1),
             size_interval_95: size,
             parameter,
             deviations,
-            others: all.into_iter().filter_map(|(beyond, moved)| beyond.then_some(moved)).collect(),
+            others: moved.filter_map(|(moved, beyond)| beyond.then_some(moved)).collect(),
         })
     }
 }

@@ -144,8 +144,8 @@ fn link_remedy(asked: bool, is_noise: bool) -> &'static str {
 fn inertia_remedy(asked: bool, name: &str, joint: &str) -> String {
     let physical = if asked { "" } else { "physical = true and " };
     format!(
-        "give {name} from the data sheet (rotor inertia times the gear ratio squared), with {physical}fix = {{ {name} = ... }} in [parameters], or record faster changes of \
-         velocity of {joint}"
+        "give {name} from the data sheet (rotor inertia times the gear ratio squared), with {physical}fix = {{ {name} = ... }} in \
+         [parameters], or record faster changes of velocity of {joint}"
     )
 }
 

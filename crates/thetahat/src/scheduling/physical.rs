@@ -179,7 +179,8 @@ impl<'a> Physical<'a> {
         self.before.as_ref()?;
         let note = match self.design {
             Design::Measured => {
-                "simulates the physically consistent robot nearest to its estimate (no robot has the estimate itself), without Coulomb friction"
+                "simulates the physically consistent robot nearest to its estimate (no robot has the estimate itself), without \
+                 Coulomb friction"
             }
             Design::Simulated if self.is_kept_in_set => {
                 "estimates in the physically consistent set, since near the minimum simulations of its free estimates fail, or \

@@ -86,7 +86,9 @@ fn keys_of_the_other_kind_of_motion_are_refused() {
     assert_eq!(key("harmonics = 3", "kind = 'moves'\nharmonics = 3"), "[motion] harmonics");
     assert_eq!(key("harmonics = 3", "kind = 'moves'\nmoves = 1"), "[motion] moves");
     let error = refused("harmonics = 3", "kind = 'postures'").to_string();
-    assert!(error.contains("[motion] kind is \"postures\"") && error.contains("criterion = \"chosen\""), "{error}");
+    assert!(error.contains("kind = 'postures'") && error.contains("criterion = \"chosen\""), "{error}");
+    let error = refused("harmonics = 3", "kind = 'fourrier'").to_string();
+    assert!(error.contains("expected fourier, splines or moves"), "{error}");
     assert_eq!(key("harmonics = 3", "kind = 'moves'\nsmoothing_s = 0"), "[motion] smoothing_s");
     assert_eq!(key("harmonics = 3", "kind = 'moves'\nrest_s = 1"), "duration_s");
 }

@@ -115,8 +115,8 @@ fn sweeps_without_room_are_named() {
     assert!(named && error.to_string().contains("from 0.0000 to 0.0000 degrees"), "{error}");
     // The elbow carries its forearm of 2.9 N m while the shoulder speeds up.
     let error = parse(&beside_a_wall("[-85, 0]", "[60, 2.5]")).unwrap().run(1, &mut |_| {}).unwrap_err();
-    let DesignError::InfeasibleSweep { joint, place, needed, .. } = &error else { panic!("{error}") };
+    let DesignError::Infeasible { joint, place, needed, .. } = &error else { panic!("{error}") };
     assert!(joint == "elbow" && needed.abs() > 2.5, "{error}");
-    assert!(place.starts_with("shoulder at -") && place.ends_with("degrees"), "{error}");
-    assert!(error.to_string().contains("choose another [motion] start, a shorter sweep_s"), "{error}");
+    assert!(place.starts_with("in the sweep of shoulder at -") && place.ends_with("degrees"), "{error}");
+    assert!(error.to_string().contains("choose another [motion] start, or a shorter sweep_s"), "{error}");
 }

@@ -166,7 +166,8 @@ fn notes(run: &RunResult, groups: &[ForestGroup]) -> Vec<String> {
     );
     let arrows = (off > 0).then(|| format!("An arrow marks what lies beyond {FARTHEST} %, in {off} rows."));
     let grades = "precise: the interval is within 20 % of the estimate; rough: it is wider, or friction near rest or a delay may have \
-                  moved the estimate further; not identified: it holds zero, or may have been moved from it; impossible: a motor inertia or friction below zero. \
+                  moved the estimate further; not identified: it holds zero, or may have been moved from it; impossible: a motor \
+                  inertia or friction below zero. \
                   Intervals allow for errors that are correlated from row to row.";
     [Some(axis), arrows, Some(grades.to_owned())].into_iter().flatten().collect()
 }

@@ -26,8 +26,6 @@ pub(in crate::report) struct HeadCard {
     /// How many parameters are precise, of how many; empty where no number is to be used.
     pub(in crate::report) share: String,
     pub(in crate::report) grades: Vec<Graded>,
-    /// Whether names of parameters stand behind the fold.
-    pub(in crate::report) has_folded: bool,
     /// What the names of parameters mean: symbols and their meanings.
     pub(in crate::report) key: Vec<(String, &'static str)>,
     /// Whether the grades hold only if the model does.
@@ -62,7 +60,6 @@ impl HeadCard {
             Verdict::Care => ("care", "!", "Take with care"),
             Verdict::DoNotUse => ("do-not-use", "\u{2715}", "Do not use"),
         };
-        let grades = graded(&card);
         Some(Self {
             class,
             symbol,
@@ -70,8 +67,7 @@ impl HeadCard {
             reason: results.verdict_reasons.first().map(|r| sentence(r.seen())).unwrap_or_default(),
             facts: facts(&card, verdict),
             share: share(&card),
-            has_folded: grades.iter().any(|g| g.is_folded && g.count > 0),
-            grades,
+            grades: graded(&card),
             key: names::key(card.parameters.iter().flatten().map(String::as_str)),
             is_doubted: card.model_is_doubted,
             next: match verdict {
@@ -110,7 +106,7 @@ fn facts(card: &Card, verdict: Verdict) -> Vec<(&'static str, String)> {
 
 /// How much of the estimate the verdict is about.
 fn share(card: &Card) -> String {
-    let all = card.parameters.iter().map(Vec::len).sum::<usize>();
+    let all = card.parameter_count();
     if card.verdict == Some(Verdict::DoNotUse) || all == 0 {
         return String::new();
     }
@@ -130,7 +126,7 @@ fn graded(card: &Card) -> Vec<Graded> {
     if card.verdict == Some(Verdict::DoNotUse) {
         return Vec::new();
     }
-    let said = |grade: Grade| match grade {
+    let said = |grade| match grade {
         Grade::Precise => "Use",
         Grade::Rough => "Use with doubt",
         Grade::Impossible => "Do not use, below zero",
