@@ -41,6 +41,14 @@ impl Kind {
         }
     }
 
+    /// Parts of the functions for the motion backwards in time: sines turn their sign, splines change places.
+    fn reversed(self, parts: &mut [f64]) {
+        match self {
+            Self::Fourier { .. } => parts.iter_mut().step_by(2).for_each(|sine| *sine = -*sine),
+            Self::Splines { .. } => parts.reverse(),
+        }
+    }
+
     /// How much of a function makes a motion to one side and back: the first harmonic's cosine, or all splines.
     fn excursion(self, function: usize) -> f64 {
         match self {
@@ -100,8 +108,24 @@ impl Basis {
         let parts: Vec<f64> = (0..self.functions()).map(|m| self.kind.excursion(m)).collect();
         let middle = &self.kind.at(self.period_s, 0.5 * self.period_s)[0];
         let peak: f64 = middle.iter().zip(&parts).map(|(f, part)| f * part).sum();
-        let of = |m: usize| (m..parts.len()).map(|i| self.triangle.at(m, i) * parts[i]).sum::<f64>() / peak;
-        (0..parts.len()).map(of).collect()
+        self.of_kind(&parts).into_iter().map(|part| part / peak).collect()
+    }
+
+    /// What to take of each function for the motion backwards in time: R times the reversed parts of the kind, `R^-1` times these.
+    #[must_use]
+    pub fn reversed(&self, mut parts: Vec<f64>) -> Vec<f64> {
+        let size = parts.len();
+        for m in (0..size).rev() {
+            let known: f64 = (m + 1..size).map(|i| self.triangle.at(m, i) * parts[i]).sum();
+            parts[m] = (parts[m] - known) / self.triangle.at(m, m);
+        }
+        self.kind.reversed(&mut parts);
+        self.of_kind(&parts)
+    }
+
+    /// `R p`: what to take of each function for parts of those of the kind.
+    fn of_kind(&self, parts: &[f64]) -> Vec<f64> {
+        (0..parts.len()).map(|m| (m..parts.len()).map(|i| self.triangle.at(m, i) * parts[i]).sum()).collect()
     }
 
     /// `f R^-1`.

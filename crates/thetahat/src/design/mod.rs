@@ -22,7 +22,8 @@
 //! | `move_slopes`, `move_draws` | derivatives of moves by their unknowns; where searches of moves begin |
 //! | `sweep`, `sweep_room`, `move_sweeps`, `sweeps` | sweeps of single joints at constant velocities behind the moves |
 //! | `surroundings_options`, `surroundings`, `clearances` | shapes that must stay apart |
-//! | `quadratic`, `optimiser`, `starts` | the search |
+//! | `quadratic`, `optimiser` | one descent |
+//! | `starts`, `crossing`, `searches` | where descents begin: random motions, and those put together from what others found; the searches |
 //! | `verification`, `verified` | the limits at 1 kHz |
 //! | `noise`, `at_hand` | the noise of a record; what earlier recordings tell of it and of the parameters |
 //! | `robots` | the robots that it may be, with a payload and without |
@@ -35,6 +36,7 @@ mod basis;
 mod clearances;
 mod constraints;
 mod criterion;
+mod crossing;
 mod description;
 mod error;
 mod experiment_text;
@@ -61,6 +63,7 @@ mod quadratic;
 mod remedies;
 mod robots;
 mod run;
+mod searches;
 mod splines;
 mod starts;
 mod sums;

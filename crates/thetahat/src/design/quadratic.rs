@@ -37,6 +37,9 @@ pub(super) fn least(hessian: &Matrix, gradient: &[f64], rows: &[Row], price: f64
         tol_gap_rel: TOLERANCE,
         tol_feas: TOLERANCE,
         iterative_refinement_enable: false,
+        // Rows are in parts of limits, and all of them matter.
+        equilibrate_enable: false,
+        presolve_enable: false,
         ..DefaultSettings::default()
     };
     let cones = [NonnegativeConeT(rows.len())];

@@ -6,7 +6,7 @@ use super::{
     limits::JointLimits,
     optimiser::Problem,
     promise::Expected,
-    starts::{Searches, sign_scales},
+    searches::{Searches, sign_scales},
     sums::Derivatives,
 };
 use crate::{base_parameters::BaseParameters, dynamics::Sign, linear_algebra::Matrix};

@@ -9,7 +9,7 @@ use super::{
     motions::Motions,
     optimiser::Problem,
     promise::{Expected, ExpectedRecord},
-    starts::{Searches, Start, sign_scales},
+    searches::{Searches, Start, sign_scales},
     sums::Derivatives,
     verified::Verified,
 };

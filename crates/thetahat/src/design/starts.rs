@@ -1,110 +1,27 @@
-use rand::{RngExt, SeedableRng};
+//! The motions at which descents begin: random ones, and what was found moved by random numbers.
+
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::{
-    limits::JointLimits,
-    motions::Motions,
-    optimiser::{Found, Problem},
-    sums::Sums,
-};
-use crate::{dynamics::Sign, pool::in_parallel};
+use super::{motions::Motions, optimiser::Problem, sums::Sums};
+use crate::dynamics::Sign;
 
 /// Random motions of which a descent begins with the best.
 const DRAWS: usize = 3;
-/// Descents of a search from such motions: it goes on with the best.
-const BEGINNINGS: usize = 3;
 /// Part of the limits that a random motion uses.
 const USED: f64 = 0.9;
 /// How far motions are led to the other side of a given start, in halves of the range, where that leaves them larger.
 const SIDES: [f64; 5] = [0.0, 1.0, 3.0, 9.0, 27.0];
-
-/// Descents from what was found moved by random numbers, in units that take a joint to its limit, and their size.
-const KICKS: usize = 5;
+/// Size of random numbers by which a motion is moved, in units that take a joint to its limit.
 const KICK: f64 = 0.5;
 /// Least part of a random motion that is kept for shapes to stay apart.
 const LEAST_PART: f64 = 0.02;
 /// Largest distance of a random posture from the middle, parts of half the range.
 const CENTRE: f64 = 0.8;
-/// Gain of the last step of a descent, nats: with the wide sign, and of the last with the tight one.
-const COARSE: f64 = 0.5;
-const FINE: f64 = 0.01;
-
-/// Velocity scales of the sign in the search: the wide one as a part of the median of the velocity limits, the tight one of
-/// the smallest.
-const SIGN_SCALES: [f64; 2] = [0.02, 0.005];
-
-/// How several searches are made.
-#[derive(Debug, Clone)]
-pub(super) struct Searches {
-    pub(super) count: usize,
-    pub(super) seed: u64,
-    pub(super) threads: usize,
-    /// Velocity scales of the regularised sign: a wide one, then a tight one.
-    pub(super) sign_scales: [f64; 2],
-}
-
-/// A search that ended, with the criterion of its motion.
-#[derive(Debug, Clone)]
-pub(super) struct Start {
-    pub(super) x: Vec<f64>,
-    pub(super) first_value: f64,
-    pub(super) value: f64,
-    pub(super) steps: usize,
-}
-
-impl Searches {
-    /// Every search that found a motion; the result does not depend on the number of threads.
-    pub(super) fn run(&self, problem: &Problem) -> Vec<Start> {
-        in_parallel(self.count, self.threads, |number| self.search(problem, number)).into_iter().flatten().collect()
-    }
-
-    fn search(&self, problem: &Problem, number: usize) -> Option<Start> {
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-        rng.set_stream(number as u64);
-        let [wide, tight] = self.sign_scales.map(|scale| Sign::Smooth { scale });
-        let begin = |_| {
-            let (random, first_value) = best_of_random(problem, &mut rng, tight)?;
-            Local::from(problem, random, wide, first_value)
-        };
-        let mut best = (0..BEGINNINGS).filter_map(begin).reduce(Local::or_better)?;
-        for _ in 0..KICKS {
-            let kicked = kicked(problem, &best.found.x, &mut rng);
-            if let Some(other) = Local::from(problem, kicked, wide, best.first_value) {
-                best = best.or_better(other);
-            }
-        }
-        let Found { x, steps } = problem.optimise(best.found.x, tight, FINE)?;
-        let (value, first_value) = (problem.value(&x, tight)?, best.first_value);
-        Some(Start { value, x, first_value, steps: best.found.steps + steps })
-    }
-}
-
-/// The end of one descent.
-struct Local {
-    found: Found,
-    /// The criterion, and what violated limits cost.
-    merit: f64,
-    /// The criterion of the random motion that it comes from.
-    first_value: f64,
-}
-
-impl Local {
-    fn from(problem: &Problem, start: Vec<f64>, sign: Sign, first_value: f64) -> Option<Self> {
-        let found = problem.optimise(start, sign, COARSE)?;
-        Some(Self { merit: problem.merit(&found.x, sign)?, found, first_value })
-    }
-
-    /// The better of both, with the steps of both.
-    fn or_better(self, other: Self) -> Self {
-        let steps = self.found.steps + other.found.steps;
-        let better = if other.merit < self.merit { other } else { self };
-        Self { found: Found { steps, ..better.found }, ..better }
-    }
-}
 
 /// A motion moved by random numbers, by less where shapes would come too near, and made smaller where it exceeds its limits.
-fn kicked(problem: &Problem, x: &[f64], rng: &mut ChaCha8Rng) -> Vec<f64> {
+pub(super) fn kicked(problem: &Problem, x: &[f64], rng: &mut ChaCha8Rng) -> Vec<f64> {
     let kick: Vec<f64> = x.iter().map(|_| KICK * Distribution::<f64>::sample(&StandardNormal, rng)).collect();
     apart(problem, &|part| {
         let moved = x.iter().zip(&kick).map(|(x, kick)| x + part * kick);
@@ -128,7 +45,7 @@ fn within(problem: &Problem, family: &Sums, x: &[f64], most: f64) -> Vec<f64> {
     let of_joint = |joint: usize| {
         let factor = |(_, room): &(Vec<f64>, Vec<f64>)| (USED * room[joint]).min(most);
         let best = led.iter().reduce(|best, other| if factor(other) > factor(best) { other } else { best });
-        best.map_or_else(Vec::new, |best| best.0[own(family, joint)].iter().map(|v| factor(best) * v).collect())
+        best.map_or_else(Vec::new, |best| best.0[family.own(joint)].iter().map(|v| factor(best) * v).collect())
     };
     (0..family.joints()).flat_map(of_joint).collect()
 }
@@ -139,20 +56,14 @@ fn led(problem: &Problem, family: &Sums, x: &[f64], side: f64) -> Vec<f64> {
     for (joint, limits) in problem.constraints.limits().iter().enumerate() {
         let far = (limits.middle() - family.centre()[joint]).signum();
         let by = side * far * 0.5 * (limits.upper - limits.lower);
-        let all = led[own(family, joint)].iter_mut().zip(family.excursion(joint));
+        let all = led[family.own(joint)].iter_mut().zip(family.excursion(joint));
         all.for_each(|(v, excursion)| *v += by * excursion);
     }
     led
 }
 
-/// The unknowns of a joint.
-fn own(family: &Sums, joint: usize) -> std::ops::Range<usize> {
-    let size = family.unknowns_of_joint();
-    joint * size..(joint + 1) * size
-}
-
 /// The best of random motions, each as large as its limits allow, and its criterion.
-fn best_of_random(problem: &Problem, rng: &mut ChaCha8Rng, sign: Sign) -> Option<(Vec<f64>, f64)> {
+pub(super) fn best_of_random(problem: &Problem, rng: &mut ChaCha8Rng, sign: Sign) -> Option<(Vec<f64>, f64)> {
     let mut draw = || {
         let x = random(problem, rng);
         problem.merit(&x, sign).map(|merit| (x, merit))
@@ -208,7 +119,7 @@ fn free_centre(family: &Sums, rng: &mut ChaCha8Rng) -> Vec<f64> {
     let mut centre = vec![0.0; family.unknowns()];
     if family.has_free_start() {
         for joint in 0..family.joints() {
-            centre[own(family, joint).start] = rng.random_range(-CENTRE..CENTRE);
+            centre[family.own(joint).start] = rng.random_range(-CENTRE..CENTRE);
         }
     }
     centre
@@ -223,13 +134,4 @@ fn random_sums(problem: &Problem, family: &Sums, rng: &mut ChaCha8Rng) -> Vec<f6
         x[j * size..j * size + free].iter_mut().for_each(|c| *c *= 0.1);
     }
     within(problem, family, &x, f64::INFINITY)
-}
-
-/// The wide velocity scale, of all joints in the mean, then the tight one, which the slowest joint needs: joints that turn and
-/// those that slide have one scale.
-pub(super) fn sign_scales(limits: &[JointLimits]) -> [f64; 2] {
-    let mut velocities: Vec<f64> = limits.iter().map(|l| l.velocity).collect();
-    velocities.sort_by(f64::total_cmp);
-    let [wide, tight] = SIGN_SCALES;
-    [wide * velocities[velocities.len() / 2], tight * velocities[0]]
 }

@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use super::{basis::Basis, fourier::ORDERS};
 use crate::{linear_algebra::Matrix, series::Series};
 
@@ -76,6 +78,13 @@ impl Sums {
         self.joints() * self.unknowns_of_joint()
     }
 
+    /// The unknowns of a joint.
+    #[must_use]
+    pub fn own(&self, joint: usize) -> Range<usize> {
+        let size = self.unknowns_of_joint();
+        joint * size..(joint + 1) * size
+    }
+
     /// Whether the first unknown of each joint is its start posture.
     #[must_use]
     pub fn has_free_start(&self) -> bool {
@@ -100,6 +109,15 @@ impl Sums {
         let parts = self.basis.excursion();
         let of_start = self.has_free_start.then_some(0.0);
         of_start.into_iter().chain(parts).zip(&self.scale[joint]).map(|(part, unit)| part / unit).collect()
+    }
+
+    /// The unknowns of a joint for its motion backwards in time.
+    #[must_use]
+    pub fn reversed(&self, joint: usize, own: &[f64]) -> Vec<f64> {
+        let (start, parts) = own.split_at(usize::from(self.has_free_start));
+        let units = &self.scale[joint][start.len()..];
+        let reversed = self.basis.reversed(parts.iter().zip(units).map(|(part, unit)| part * unit).collect());
+        start.iter().copied().chain(reversed.iter().zip(units).map(|(part, unit)| part / unit)).collect()
     }
 
     /// The functions at instants from zero to the duration.
@@ -157,4 +175,28 @@ fn peaks(basis: &Basis) -> Vec<[f64; 3]> {
         }
     }
     peaks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_reversed_motion_runs_backwards() {
+        let period_s = 4.0;
+        let time: Vec<f64> = (0..=20).map(|k| 0.2 * f64::from(k)).collect();
+        for basis in [Basis::fourier(period_s, 3), Basis::splines(period_s, 7)] {
+            for has_free_start in [true, false] {
+                let family = Sums::new(basis.clone(), vec![0.2], has_free_start, &[[1.0, 2.0, 5.0]]);
+                let x: Vec<f64> = (0..family.unknowns()).map(|m| (1.3 * m as f64 + 0.4).sin()).collect();
+                let sampled = family.sampled(&time);
+                let [q, dq, ..] = family.motion(&sampled, &x);
+                let [back, back_dq, ..] = family.motion(&sampled, &family.reversed(0, &x));
+                for k in 0..=20 {
+                    assert!((back.sample(k)[0] - q.sample(20 - k)[0]).abs() < 1e-12, "{k}");
+                    assert!((back_dq.sample(k)[0] + dq.sample(20 - k)[0]).abs() < 1e-12, "{k}");
+                }
+            }
+        }
+    }
 }

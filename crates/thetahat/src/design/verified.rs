@@ -8,7 +8,7 @@ use super::{
     loads::Loads,
     motions::Motions,
     optimiser::Problem,
-    starts::{Start, sign_scales},
+    searches::{Start, sign_scales},
     verification::{RATE_HZ, uses},
 };
 use crate::{

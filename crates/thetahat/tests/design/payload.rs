@@ -6,8 +6,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use thetahat::{
-    Identification, Recording, Robot, Settings, design::ExpectedRecord, experiment::Experiment,
-    results::PromisedParameter, series::Series,
+    Identification, Recording, Robot, Settings, design::ExpectedRecord, experiment::Experiment, series::Series,
 };
 use thetahat_testing::{Folder, project};
 
@@ -109,13 +108,11 @@ fn a_rehearsal_carries_the_payload() {
     let experiment = Experiment::read(&out.join("experiment.toml"), Path::new("")).unwrap();
     let found = experiment.run(&out, &mut |_| {}).unwrap();
     let run = found.runs.iter().find(|run| run.method.name() == results.method).unwrap();
-    let holds = |p: &&PromisedParameter| {
-        let [low, high] = run.parameter(&p.name).unwrap().interval_95.unwrap();
-        (low..=high).contains(&p.a_priori)
-    };
-    let kept = results.promised.iter().filter(holds).count();
-    assert!(kept + 2 >= results.promised.len(), "{kept} of {}", results.promised.len());
-    assert!(run.parameter("mx2").is_some_and(|p| (p.estimate - 0.3).abs() < 0.05), "the payload is taken off");
+    // 1.5 kg at 0.3 m add this to the first moment and the inertia.
+    for (name, truth, added) in [("mx2", 0.3, 0.45), ("zz2", 0.07, 0.135)] {
+        let estimate = run.parameter(name).unwrap().estimate;
+        assert!((estimate - truth).abs() < 0.03 * added, "{name}: {estimate}, the payload is taken off");
+    }
     assert_eq!(design.settings.payloads.len(), 1);
 }
 

@@ -1,0 +1,69 @@
+//! Motions put together from the joints of others.
+//!
+//! The limits of a joint's position and its derivatives hold for its motion whatever the other joints do, so that what searches
+//! found joint by joint can be exchanged between them.
+
+use rand::{RngExt, seq::SliceRandom};
+use rand_chacha::ChaCha8Rng;
+
+use super::{optimiser::Problem, sums::Sums};
+use crate::dynamics::Sign;
+
+/// A motion with one joint from a motion of `pool`, as it is or turned, and then each of the others from the motion of the pool with
+/// which the criterion is least. None where the pool has no other motion of that joint.
+pub(super) fn crossed(
+    problem: &Problem,
+    family: &Sums,
+    x: &[f64],
+    pool: &[Vec<f64>],
+    (sign, rng): (Sign, &mut ChaCha8Rng),
+) -> Option<Vec<f64>> {
+    let mut joints: Vec<usize> = (0..family.joints()).collect();
+    joints.shuffle(rng);
+    let (&first, others) = joints.split_first()?;
+    let all = || pool.iter().flat_map(|donor| turned(family, first, &donor[family.own(first)]));
+    let mut candidates: Vec<Vec<f64>> = all().filter(|own| *own != x[family.own(first)]).collect();
+    if candidates.is_empty() {
+        return None;
+    }
+    let taken = candidates.swap_remove(rng.random_range(0..candidates.len()));
+    let mut child = with_joint(family, x, first, &taken);
+    for &joint in others {
+        child = best_joint(problem, family, child, joint, (pool, sign));
+    }
+    Some(child)
+}
+
+/// The motion, or the better one with this joint of a motion of the pool.
+fn best_joint(
+    problem: &Problem,
+    family: &Sums,
+    x: Vec<f64>,
+    joint: usize,
+    (pool, sign): (&[Vec<f64>], Sign),
+) -> Vec<f64> {
+    let merit = |x: &[f64]| problem.merit(x, sign).unwrap_or(f64::INFINITY);
+    let with_merit = |x: Vec<f64>| (merit(&x), x);
+    let others = pool.iter().map(|donor| with_joint(family, &x, joint, &donor[family.own(joint)]));
+    let best = others.filter(|other| *other != x).map(with_merit).min_by(|a, b| a.0.total_cmp(&b.0));
+    match best {
+        Some((of_best, best)) if of_best < merit(&x) => best,
+        Some(_) | None => x,
+    }
+}
+
+fn with_joint(family: &Sums, x: &[f64], joint: usize, own: &[f64]) -> Vec<f64> {
+    let mut with = x.to_vec();
+    with[family.own(joint)].copy_from_slice(own);
+    with
+}
+
+/// A joint's motion as it is, backwards in time, and both about the middle of its range, where the start is free.
+fn turned(family: &Sums, joint: usize, own: &[f64]) -> Vec<Vec<f64>> {
+    let mut all = vec![own.to_vec(), family.reversed(joint, own)];
+    if family.has_free_start() {
+        let mirrored: Vec<Vec<f64>> = all.iter().map(|own| own.iter().map(|v| -v).collect()).collect();
+        all.extend(mirrored);
+    }
+    all
+}

@@ -1,0 +1,172 @@
+//! Several searches of a motion: each by descents from random motions, then by what they found put together.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::{
+    crossing::crossed,
+    limits::JointLimits,
+    motions::Motions,
+    optimiser::{Found, Problem},
+    starts::{best_of_random, kicked},
+};
+use crate::{dynamics::Sign, pool::in_parallel};
+
+/// Gain of the last step of a descent, nats: with the wide sign, and of the last with the tight one.
+const COARSE: f64 = 0.5;
+const FINE: f64 = 0.01;
+
+/// Velocity scales of the sign in the search: the wide one as a part of the median of the velocity limits, the tight one of
+/// the smallest.
+const SIGN_SCALES: [f64; 2] = [0.02, 0.005];
+
+/// How several searches are made.
+#[derive(Debug, Clone)]
+pub(super) struct Searches {
+    pub(super) count: usize,
+    pub(super) seed: u64,
+    pub(super) threads: usize,
+    /// Velocity scales of the regularised sign: a wide one, then a tight one.
+    pub(super) sign_scales: [f64; 2],
+}
+
+/// A search that ended, with the criterion of its motion.
+#[derive(Debug, Clone)]
+pub(super) struct Start {
+    pub(super) x: Vec<f64>,
+    pub(super) first_value: f64,
+    pub(super) value: f64,
+    pub(super) steps: usize,
+}
+
+/// What one search does.
+struct Effort {
+    /// Descents from random motions: it goes on with the best.
+    beginnings: usize,
+    /// Descents from what was found moved by random numbers.
+    kicks: usize,
+    /// How often the searches exchange their motions.
+    exchanges: usize,
+    /// Motions put together after each exchange.
+    children: usize,
+}
+
+impl Effort {
+    /// The widths of moves belong to all joints together, so that moves are not put together from joints.
+    const fn of(motions: &Motions) -> Self {
+        match motions {
+            Motions::Sums { .. } => Self { beginnings: 2, kicks: 2, exchanges: 8, children: 2 },
+            Motions::Moves { .. } => Self { beginnings: 3, kicks: 5, exchanges: 0, children: 0 },
+        }
+    }
+}
+
+/// A search on its way.
+#[derive(Clone)]
+struct Search {
+    rng: ChaCha8Rng,
+    best: Local,
+    /// Motions of its own that were put together.
+    children: Vec<Vec<f64>>,
+}
+
+impl Searches {
+    /// Every search that found a motion; the result does not depend on the number of threads.
+    pub(super) fn run(&self, problem: &Problem) -> Vec<Start> {
+        let effort = Effort::of(&problem.watched);
+        let begun = in_parallel(self.count, self.threads, |number| self.begin(problem, &effort, number));
+        let mut searches: Vec<Search> = begun.into_iter().flatten().collect();
+        for _ in 0..effort.exchanges {
+            let bests: Vec<Vec<f64>> = searches.iter().map(|search| search.best.found.x.clone()).collect();
+            let exchange = |number: usize| self.cross(problem, &effort, &searches[number], &bests);
+            searches = in_parallel(searches.len(), self.threads, exchange);
+        }
+        in_parallel(searches.len(), self.threads, |number| self.end(problem, &searches[number].best))
+            .into_iter()
+            .flatten()
+            .collect()
+    }
+
+    fn wide(&self) -> Sign {
+        Sign::Smooth { scale: self.sign_scales[0] }
+    }
+
+    fn tight(&self) -> Sign {
+        Sign::Smooth { scale: self.sign_scales[1] }
+    }
+
+    /// Descents from random motions, and from the best of what they found moved by random numbers.
+    fn begin(&self, problem: &Problem, effort: &Effort, number: usize) -> Option<Search> {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        rng.set_stream(number as u64);
+        let begin = |_| {
+            let (random, first_value) = best_of_random(problem, &mut rng, self.tight())?;
+            Local::from(problem, random, self.wide(), first_value)
+        };
+        let mut best = (0..effort.beginnings).filter_map(begin).reduce(Local::or_better)?;
+        for _ in 0..effort.kicks {
+            let kicked = kicked(problem, &best.found.x, &mut rng);
+            if let Some(other) = Local::from(problem, kicked, self.wide(), best.first_value) {
+                best = best.or_better(other);
+            }
+        }
+        Some(Search { rng, best, children: Vec::new() })
+    }
+
+    /// Descents from motions put together from the joints of `bests` and of the search's own.
+    fn cross(&self, problem: &Problem, effort: &Effort, search: &Search, bests: &[Vec<f64>]) -> Search {
+        let Search { mut rng, mut best, mut children } = search.clone();
+        if let Motions::Sums { family, .. } = &problem.watched {
+            for _ in 0..effort.children {
+                let pool: Vec<Vec<f64>> = bests.iter().chain(&children).cloned().collect();
+                let child = crossed(problem, family, &best.found.x, &pool, (self.wide(), &mut rng));
+                let from = |child| Local::from(problem, child, self.wide(), best.first_value);
+                if let Some(other) = child.and_then(from) {
+                    children.push(other.found.x.clone());
+                    best = best.or_better(other);
+                }
+            }
+        }
+        Search { rng, best, children }
+    }
+
+    /// The last descent, with the tight sign.
+    fn end(&self, problem: &Problem, best: &Local) -> Option<Start> {
+        let Found { x, steps } = problem.optimise(best.found.x.clone(), self.tight(), FINE)?;
+        let value = problem.value(&x, self.tight())?;
+        Some(Start { value, x, first_value: best.first_value, steps: best.found.steps + steps })
+    }
+}
+
+/// The end of one descent.
+#[derive(Clone)]
+struct Local {
+    found: Found,
+    /// The criterion, and what violated limits cost.
+    merit: f64,
+    /// The criterion of the random motion that it comes from.
+    first_value: f64,
+}
+
+impl Local {
+    fn from(problem: &Problem, start: Vec<f64>, sign: Sign, first_value: f64) -> Option<Self> {
+        let found = problem.optimise(start, sign, COARSE)?;
+        Some(Self { merit: problem.merit(&found.x, sign)?, found, first_value })
+    }
+
+    /// The better of both, with the steps of both.
+    fn or_better(self, other: Self) -> Self {
+        let steps = self.found.steps + other.found.steps;
+        let better = if other.merit < self.merit { other } else { self };
+        Self { found: Found { steps, ..better.found }, ..better }
+    }
+}
+
+/// The wide velocity scale, of all joints in the mean, then the tight one, which the slowest joint needs: joints that turn and
+/// those that slide have one scale.
+pub(super) fn sign_scales(limits: &[JointLimits]) -> [f64; 2] {
+    let mut velocities: Vec<f64> = limits.iter().map(|l| l.velocity).collect();
+    velocities.sort_by(f64::total_cmp);
+    let [wide, tight] = SIGN_SCALES;
+    [wide * velocities[velocities.len() / 2], tight * velocities[0]]
+}
