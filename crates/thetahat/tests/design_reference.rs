@@ -151,30 +151,18 @@ impl Reference {
     /// The mean criterion of random motions: normal coefficients of five harmonics about the middle of the ranges, those of each
     /// joint as large as its limits of position, velocity and acceleration allow. Those of torque are not looked at.
     fn random_motions(&self, design: &Design, acceleration: &[f64]) -> Result<f64, Failed> {
-        let (lower, upper) = (self.numbers("qlo"), self.numbers("qhi"));
-        let half: Vec<f64> = lower.iter().zip(&upper).map(|(l, u)| 0.5 * (u - l)).collect();
+        let range: Vec<[f64; 2]> =
+            self.numbers("qlo").into_iter().zip(self.numbers("qhi")).map(|(l, h)| [l, h]).collect();
+        let half = range.iter().map(|[lower, upper]| 0.5 * (upper - lower)).collect();
+        let middle: Vec<f64> = range.iter().map(|[lower, upper]| 0.5 * (lower + upper)).collect();
         let limits = [half, self.numbers("vmax"), acceleration.to_vec()];
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         let mut sum = 0.0;
         for _ in 0..RANDOM_MOTIONS {
             let mut draw = || (0..10).map(|_| StandardNormal.sample(&mut rng)).collect::<Vec<f64>>();
-            let coefficients: Vec<Vec<f64>> = (0..lower.len()).map(|_| [vec![0.0], draw()].concat()).collect();
-            let mut motion = motion_of(&coefficients);
-            for joint in 0..lower.len() {
-                let used = motion.iter().zip(&limits).map(|(series, limits)| {
-                    series.channel(joint).into_iter().fold(0.0_f64, |most, v| most.max(v.abs())) / limits[joint]
-                });
-                let most = used.fold(0.0, f64::max);
-                for (order, series) in motion.iter_mut().enumerate() {
-                    let centre = if order == 0 { 0.5 * (lower[joint] + upper[joint]) } else { 0.0 };
-                    (0..SAMPLES).for_each(|k| {
-                        let value = &mut series.sample_mut(k)[joint];
-                        *value = centre + *value / most;
-                    });
-                }
-            }
-            let [q, dq, ddq] = &motion;
-            sum += self.value(design, [q, dq, ddq])? + self.shift(design)?;
+            let coefficients: Vec<Vec<f64>> = middle.iter().map(|_| [vec![0.0], draw()].concat()).collect();
+            let [q, dq, ddq] = as_large_as_allowed(&motion_of(&coefficients), &limits, &middle);
+            sum += self.value(design, [&q, &dq, &ddq])? + self.shift(design)?;
         }
         Ok(sum / f64::from(RANDOM_MOTIONS))
     }
@@ -241,6 +229,19 @@ fn motion_of(coefficients: &[Vec<f64>]) -> [Series; 3] {
         }
     }
     motion
+}
+
+/// A motion about zero, moved to `middle`, each joint times the factor with which it touches the first of its limits.
+fn as_large_as_allowed(motion: &[Series; 3], limits: &[Vec<f64>; 3], middle: &[f64]) -> [Series; 3] {
+    let most = |order: usize, joint: usize| motion[order].channel(joint).into_iter().map(f64::abs).fold(0.0, f64::max);
+    let used = |joint: usize| (0..3).map(|order| most(order, joint) / limits[order][joint]).fold(0.0, f64::max);
+    [0, 1, 2].map(|order| {
+        let of_joint = |(joint, middle): (usize, &f64)| {
+            let centre = if order == 0 { *middle } else { 0.0 };
+            motion[order].channel(joint).iter().map(|v| centre + v / used(joint)).collect()
+        };
+        Series::from_channels(&middle.iter().enumerate().map(of_joint).collect::<Vec<_>>())
+    })
 }
 
 /// Every sample of each joint is within its limits.
