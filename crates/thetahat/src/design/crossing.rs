@@ -27,29 +27,19 @@ pub(super) fn crossed(
         return None;
     }
     let taken = candidates.swap_remove(rng.random_range(0..candidates.len()));
+    let merit = |x: &[f64]| problem.merit(x, sign).unwrap_or(f64::INFINITY);
     let mut child = with_joint(family, x, first, &taken);
+    let mut least = merit(&child);
     for &joint in others {
-        child = best_joint(problem, family, child, joint, (pool, sign));
+        for donor in pool {
+            let other = with_joint(family, &child, joint, &donor[family.own(joint)]);
+            let of_other = if other == child { least } else { merit(&other) };
+            if of_other < least {
+                (child, least) = (other, of_other);
+            }
+        }
     }
     Some(child)
-}
-
-/// The motion, or the better one with this joint of a motion of the pool.
-fn best_joint(
-    problem: &Problem,
-    family: &Sums,
-    x: Vec<f64>,
-    joint: usize,
-    (pool, sign): (&[Vec<f64>], Sign),
-) -> Vec<f64> {
-    let merit = |x: &[f64]| problem.merit(x, sign).unwrap_or(f64::INFINITY);
-    let with_merit = |x: Vec<f64>| (merit(&x), x);
-    let others = pool.iter().map(|donor| with_joint(family, &x, joint, &donor[family.own(joint)]));
-    let best = others.filter(|other| *other != x).map(with_merit).min_by(|a, b| a.0.total_cmp(&b.0));
-    match best {
-        Some((of_best, best)) if of_best < merit(&x) => best,
-        Some(_) | None => x,
-    }
 }
 
 fn with_joint(family: &Sums, x: &[f64], joint: usize, own: &[f64]) -> Vec<f64> {

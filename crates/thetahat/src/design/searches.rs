@@ -9,6 +9,7 @@ use super::{
     motions::Motions,
     optimiser::{Found, Problem},
     starts::{best_of_random, kicked},
+    sums::Sums,
 };
 use crate::{dynamics::Sign, pool::in_parallel};
 
@@ -39,24 +40,24 @@ pub(super) struct Start {
     pub(super) steps: usize,
 }
 
-/// What one search does.
-struct Effort {
-    /// Descents from random motions: it goes on with the best.
-    beginnings: usize,
-    /// Descents from what was found moved by random numbers.
+/// How often searches of sums exchange their motions, and how many each puts together then.
+const EXCHANGES: usize = 8;
+const CHILDREN: usize = 2;
+
+/// The descents with which a search begins.
+struct Beginning {
+    /// From random motions: it goes on with the best.
+    random: usize,
+    /// From what was found moved by random numbers.
     kicks: usize,
-    /// How often the searches exchange their motions.
-    exchanges: usize,
-    /// Motions put together after each exchange.
-    children: usize,
 }
 
-impl Effort {
-    /// The widths of moves belong to all joints together, so that moves are not put together from joints.
+impl Beginning {
+    /// Searches of moves do not exchange: the widths of moves belong to all joints together.
     const fn of(motions: &Motions) -> Self {
         match motions {
-            Motions::Sums { .. } => Self { beginnings: 2, kicks: 2, exchanges: 8, children: 2 },
-            Motions::Moves { .. } => Self { beginnings: 3, kicks: 5, exchanges: 0, children: 0 },
+            Motions::Sums { .. } => Self { random: 2, kicks: 2 },
+            Motions::Moves { .. } => Self { random: 3, kicks: 5 },
         }
     }
 }
@@ -73,13 +74,14 @@ struct Search {
 impl Searches {
     /// Every search that found a motion; the result does not depend on the number of threads.
     pub(super) fn run(&self, problem: &Problem) -> Vec<Start> {
-        let effort = Effort::of(&problem.watched);
-        let begun = in_parallel(self.count, self.threads, |number| self.begin(problem, &effort, number));
+        let begun = in_parallel(self.count, self.threads, |number| self.begin(problem, number));
         let mut searches: Vec<Search> = begun.into_iter().flatten().collect();
-        for _ in 0..effort.exchanges {
-            let bests: Vec<Vec<f64>> = searches.iter().map(|search| search.best.found.x.clone()).collect();
-            let exchange = |number: usize| self.cross(problem, &effort, &searches[number], &bests);
-            searches = in_parallel(searches.len(), self.threads, exchange);
+        if let Motions::Sums { family, .. } = &problem.watched {
+            for _ in 0..EXCHANGES {
+                let bests: Vec<Vec<f64>> = searches.iter().map(|search| search.best.found.x.clone()).collect();
+                let exchange = |number: usize| self.cross((problem, family), &searches[number], &bests);
+                searches = in_parallel(searches.len(), self.threads, exchange);
+            }
         }
         in_parallel(searches.len(), self.threads, |number| self.end(problem, &searches[number].best))
             .into_iter()
@@ -96,15 +98,16 @@ impl Searches {
     }
 
     /// Descents from random motions, and from the best of what they found moved by random numbers.
-    fn begin(&self, problem: &Problem, effort: &Effort, number: usize) -> Option<Search> {
+    fn begin(&self, problem: &Problem, number: usize) -> Option<Search> {
+        let Beginning { random, kicks } = Beginning::of(&problem.watched);
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(number as u64);
         let begin = |_| {
             let (random, first_value) = best_of_random(problem, &mut rng, self.tight())?;
             Local::from(problem, random, self.wide(), first_value)
         };
-        let mut best = (0..effort.beginnings).filter_map(begin).reduce(Local::or_better)?;
-        for _ in 0..effort.kicks {
+        let mut best = (0..random).filter_map(begin).reduce(Local::or_better)?;
+        for _ in 0..kicks {
             let kicked = kicked(problem, &best.found.x, &mut rng);
             if let Some(other) = Local::from(problem, kicked, self.wide(), best.first_value) {
                 best = best.or_better(other);
@@ -114,17 +117,15 @@ impl Searches {
     }
 
     /// Descents from motions put together from the joints of `bests` and of the search's own.
-    fn cross(&self, problem: &Problem, effort: &Effort, search: &Search, bests: &[Vec<f64>]) -> Search {
+    fn cross(&self, (problem, family): (&Problem, &Sums), search: &Search, bests: &[Vec<f64>]) -> Search {
         let Search { mut rng, mut best, mut children } = search.clone();
-        if let Motions::Sums { family, .. } = &problem.watched {
-            for _ in 0..effort.children {
-                let pool: Vec<Vec<f64>> = bests.iter().chain(&children).cloned().collect();
-                let child = crossed(problem, family, &best.found.x, &pool, (self.wide(), &mut rng));
-                let from = |child| Local::from(problem, child, self.wide(), best.first_value);
-                if let Some(other) = child.and_then(from) {
-                    children.push(other.found.x.clone());
-                    best = best.or_better(other);
-                }
+        for _ in 0..CHILDREN {
+            let pool: Vec<Vec<f64>> = bests.iter().chain(&children).cloned().collect();
+            let child = crossed(problem, family, &best.found.x, &pool, (self.wide(), &mut rng));
+            let from = |child| Local::from(problem, child, self.wide(), best.first_value);
+            if let Some(other) = child.and_then(from) {
+                children.push(other.found.x.clone());
+                best = best.or_better(other);
             }
         }
         Search { rng, best, children }

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use thetahat::{
     design::ExpectedRecord,
+    experiment::Experiment,
     results::{DesignResults, PromisedParameter},
 };
 use thetahat_testing::Folder;
@@ -31,6 +32,32 @@ fn a_rehearsal_has_the_noise_of_the_design() {
         "intervals of the rehearsal {of_own:.2} times as wide as promised, {of_quiet:.2} without noise of positions"
     );
     assert!((0.75..1.33).contains(&of_own) && of_quiet > 2.0, "{of_own} {of_quiet}");
+}
+
+/// The inertia that the first joint moves, from a rehearsal without noise, as a part of the truth that it is beside.
+fn beside_the_truth(sample_rate_hz: u32) -> f64 {
+    let folder = Folder::new();
+    let text = DESIGN.replace("sample_rate_hz = 500", &format!("sample_rate_hz = {sample_rate_hz}"));
+    rehearsal(&folder, &text.replace("decimation = 10", &format!("decimation = {}", sample_rate_hz / 50)));
+    let path = folder.path().join("out/rehearsal.toml");
+    let noisy = std::fs::read_to_string(&path).unwrap();
+    let quiet = noisy.replace("torque_noise = [0.1, 0.1]", "torque_noise = [0.0, 0.0]");
+    assert_ne!(noisy, quiet);
+    std::fs::write(&path, quiet).unwrap();
+    let results = Experiment::read(&path, Path::new("")).unwrap().run(Path::new(""), &mut |_| {}).unwrap();
+    results.runs[0].parameter("zz1r").unwrap().estimate / 0.86 - 1.0
+}
+
+/// The controller takes the trajectory linearly between samples: torques at the samples lack at least
+/// `K_p T^2 ddq / 12`, so that an inertia is too small by `(omega T)^2 / 12` and more, omega being the bandwidth.
+#[test]
+fn a_rehearsal_lies_beside_its_truth_by_the_square_of_the_sample_time() {
+    let [at_500, at_1000] = [500, 1000].map(beside_the_truth);
+    println!("beside the truth by {:.3} % at 500 Hz, {:.3} % at 1000 Hz", 100.0 * at_500, 100.0 * at_1000);
+    let least = |sample_rate_hz: f64| -(std::f64::consts::TAU * 10.0 / sample_rate_hz).powi(2) / 12.0;
+    for (found, least) in [(at_500, least(500.0)), (at_1000, least(1000.0))] {
+        assert!((1.0..1.5).contains(&(found / least)), "{found} {least}");
+    }
 }
 
 /// A noise that hides some parameters: a motion for them alone would show them better.
