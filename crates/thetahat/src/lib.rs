@@ -53,63 +53,17 @@
 //! The rooms follow the way of the data, from the robot and the recording to the report; a room uses only rooms listed
 //! above it. A file that describes a run is read by [`experiment`], and lowers to the same.
 
-pub mod series;
-
-pub mod linear_algebra;
-
-mod real;
-
-mod vector;
-
-mod pool;
-
-mod clock;
-
-mod number;
-
-pub mod files;
-
-pub mod visible;
-
-pub mod output;
-
-mod one_or_each;
-
-mod digest;
-
-pub mod robot;
-
-pub mod dynamics;
-
-pub mod regressor;
-
-pub mod base_parameters;
-
-pub mod symbolic;
-
-pub mod robot_summary;
-
-pub mod consistency;
-
-pub mod recording;
-
-pub mod signal;
-
-pub mod trajectory;
-
-pub mod control;
-
-pub mod simulation;
-
-pub mod regression;
-
-pub mod statistics;
-
-pub mod identification;
-
-pub mod checks;
-
-pub mod results;
+pub use thetahat_data::recording;
+pub use thetahat_estimation::{
+    checks, control, identification, regression, signal, simulation, statistics, trajectory,
+};
+pub use thetahat_ground::{
+    clock, digest, files, linear_algebra, number, one_or_each, output, pool, real, series, vector, visible,
+};
+pub use thetahat_model::{
+    base_parameters, collision, consistency, dynamics, regressor, robot, robot_summary, symbolic,
+};
+pub use thetahat_report::{report, results};
 
 pub mod preparation;
 
@@ -127,18 +81,14 @@ pub mod campaign;
 
 pub mod reduction;
 
-pub mod collision;
-
 pub mod design;
 pub mod export;
-
-pub mod report;
 
 pub use control::ControllerDescription;
 pub use experiment::Experiment;
 pub use identification::Method;
-pub use one_or_each::OneOrEach;
 pub use preparation::{Recording, Settings};
 pub use results::Results;
 pub use robot::Robot;
 pub use run::Identification;
+pub use thetahat_ground::one_or_each::OneOrEach;

@@ -3,10 +3,8 @@
 use std::{collections::BTreeSet, fmt::Display};
 
 use super::{Campaign, CampaignError, NoiseLevel};
-use crate::{
-    one_or_each::OneOrEach,
-    preparation::{NamedChoice, ParameterChoice},
-};
+use crate::preparation::{NamedChoice, ParameterChoice};
+use thetahat_ground::one_or_each::OneOrEach;
 
 /// Most runs along one axis: beyond it, places no longer fit into the numbers of the random streams.
 const MOST: u32 = 1 << 20;

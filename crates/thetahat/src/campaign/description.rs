@@ -6,7 +6,9 @@ use std::{
 use serde::Deserialize;
 
 use super::CampaignError;
-use crate::{experiment::Experiment, files, identification::Method, one_or_each::OneOrEach};
+use crate::experiment::Experiment;
+use thetahat_estimation::identification::Method;
+use thetahat_ground::{files, one_or_each::OneOrEach};
 
 /// A campaign with its experiment, ready to run.
 #[derive(Debug, Clone)]

@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use super::error::CampaignError;
-use crate::output;
+use thetahat_ground::output;
 
 /// Writes a file, whole or not at all.
 pub(super) fn replace_file(path: &Path, content: &[u8]) -> Result<(), CampaignError> {

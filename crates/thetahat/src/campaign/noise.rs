@@ -4,11 +4,9 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::{NoiseLevel, row::Key};
-use crate::{
-    experiment::{Experiment, TwinMotion},
-    series::Series,
-    simulation::Sensors,
-};
+use crate::experiment::{Experiment, TwinMotion};
+use thetahat_estimation::simulation::Sensors;
+use thetahat_ground::series::Series;
 
 /// Bits of a stream's number that hold the seed, and those that hold the start.
 const SEED_BITS: u32 = 20;

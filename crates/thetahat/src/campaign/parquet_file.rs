@@ -20,7 +20,8 @@ use parquet::{
 };
 
 use super::{CampaignError, Row, facts::Facts, files::replace_file, row::status_name};
-use crate::{files, identification::Status};
+use thetahat_estimation::identification::Status;
+use thetahat_ground::files;
 
 /// Which columns a file has beside those that say which run a row is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,17 +6,19 @@ use super::{
     noise::{measure, random, record_stream},
 };
 use crate::{
-    base_parameters::{BaseParameter, BaseParameters},
-    clock::Stopwatch,
     experiment::{Experiment, ExperimentError, TwinMotion},
-    identification::{Fit, Method, Outcome, uncertainty},
-    linear_algebra::norm,
     preparation::{Basis, Case, FilteredRecording, PreparationError, RecordedReference, Setup},
-    robot::Friction,
     run::{CaseProblem, explain},
     scheduling::{EstimationJob, Finished, RunOptions, Simulator, run_all},
-    series::Series,
+};
+use thetahat_estimation::{
+    identification::{Fit, Method, Outcome, uncertainty},
     simulation::SimulatedMotion,
+};
+use thetahat_ground::{clock::Stopwatch, linear_algebra::norm, series::Series};
+use thetahat_model::{
+    base_parameters::{BaseParameter, BaseParameters},
+    robot::Friction,
 };
 
 /// What all records of a campaign share: the true motion, the base parameters, the starts. Any of its records can be run on it, one

@@ -4,7 +4,7 @@ use super::{
     run::CampaignRuns,
     summary::summarise,
 };
-use crate::results::{CampaignResults, Extent, PublishedStatement};
+use thetahat_report::results::{CampaignResults, Extent, PublishedStatement};
 
 impl Campaign {
     /// What the report shows of the runs of this campaign.

@@ -1,4 +1,4 @@
-use crate::identification::Status;
+use thetahat_estimation::identification::Status;
 
 /// The place of a record among the axes of its campaign, each counted from zero.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

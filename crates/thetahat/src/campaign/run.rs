@@ -10,7 +10,8 @@ use super::{
     record::Bench,
     row::{Key, Row},
 };
-use crate::{pool::as_finished, scheduling::SIDE_BY_SIDE};
+use crate::scheduling::SIDE_BY_SIDE;
+use thetahat_ground::pool::as_finished;
 
 /// The runs of a campaign.
 #[derive(Debug, Clone)]

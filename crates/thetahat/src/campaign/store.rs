@@ -15,7 +15,7 @@ use super::{
     parquet_file::{self, Content},
     record::Bench,
 };
-use crate::{files, output::TEMPORARY};
+use thetahat_ground::{files, output::TEMPORARY};
 
 const MANIFEST: &str = "campaign.json";
 const RUNS: &str = "runs.parquet";

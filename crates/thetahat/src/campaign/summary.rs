@@ -1,7 +1,7 @@
 //! Figures of many runs. Failed runs are counted, and their numbers are in no figure.
 
 use super::{CampaignRuns, Row};
-use crate::results::{MethodSummary, ParameterSummary, Quantiles};
+use thetahat_report::results::{MethodSummary, ParameterSummary, Quantiles};
 
 /// Standard deviations on both sides that hold 95 % of a normal distribution.
 const NORMAL_95: f64 = 1.959_963_984_540_054;

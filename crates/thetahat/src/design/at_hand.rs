@@ -9,12 +9,12 @@ use super::{
     optimiser::Problem,
 };
 use crate::{
-    base_parameters::BaseParameters,
     experiment::{Experiment, ExperimentError},
-    linear_algebra::Matrix,
     reduction::Reduction,
-    results::{JointResidual, ParameterResult, Results, RunResult},
 };
+use thetahat_ground::linear_algebra::Matrix;
+use thetahat_model::base_parameters::BaseParameters;
+use thetahat_report::results::{JointResidual, ParameterResult, Results, RunResult};
 
 /// The folder of a file, in which an experiment's recordings are.
 fn folder_of(file: &Path) -> &Path {

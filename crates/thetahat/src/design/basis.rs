@@ -2,7 +2,7 @@ use super::{
     fourier::{self, ORDERS},
     splines,
 };
-use crate::linear_algebra::Matrix;
+use thetahat_ground::linear_algebra::Matrix;
 
 /// Functions of time of which the joints' motions are sums: they rest at zero at both ends.
 ///

@@ -1,9 +1,7 @@
 use super::{motions::Motions, quadratic::Row, sums::Derivatives};
-use crate::{
-    collision::Scene,
-    results::{CollisionResults, PairDistance},
-    series::Series,
-};
+use thetahat_ground::series::Series;
+use thetahat_model::collision::Scene;
+use thetahat_report::results::{CollisionResults, PairDistance};
 
 /// The least distances of shapes along a motion.
 #[derive(Debug, Clone)]

@@ -1,7 +1,7 @@
 use std::collections::BTreeSet;
 
 use super::{limits::JointLimits, motions::Motions, quadratic::Row, sums::Derivatives};
-use crate::results::Limited;
+use thetahat_report::results::Limited;
 
 /// The limits of positions and their derivatives along a motion.
 #[derive(Debug, Clone)]

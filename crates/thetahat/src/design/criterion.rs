@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use crate::linear_algebra::{CholeskyFactor, Matrix};
+use thetahat_ground::linear_algebra::{CholeskyFactor, Matrix};
 
 /// What a design makes small, as a function of the information `M` of the parameters: `C = M^-1` is their covariance.
 #[derive(Debug, Clone, PartialEq)]

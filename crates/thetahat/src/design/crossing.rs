@@ -7,7 +7,7 @@ use rand::{RngExt, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
 
 use super::{optimiser::Problem, sums::Sums};
-use crate::dynamics::Sign;
+use thetahat_model::dynamics::Sign;
 
 /// A motion with one joint from a motion of `pool`, as it is or turned, and then each of the others from the motion of the pool with
 /// which the criterion is least. None where the pool has no other motion of that joint.

@@ -11,14 +11,12 @@ use super::{
     options::{LimitOptions, MotionOptions, NoiseOptions, UncertaintyOptions, Wanted},
     surroundings_options::CollisionOptions,
 };
-use crate::{
-    control::ControllerDescription,
-    files,
-    preparation::{
-        EstimationOptions, ParameterSelection, Payload, PreparationError, Settings, SignalOptions, SimulationOptions,
-    },
-    robot::{Locks, Robot, RobotSource},
+use crate::preparation::{
+    EstimationOptions, ParameterSelection, Payload, PreparationError, Settings, SignalOptions, SimulationOptions,
 };
+use thetahat_estimation::control::ControllerDescription;
+use thetahat_ground::files;
+use thetahat_model::robot::{Locks, Robot, RobotSource};
 
 /// What a design file says. Angles are in degrees, lengths in mm.
 #[derive(Debug, Clone, Deserialize)]
@@ -180,8 +178,10 @@ impl Design {
 
 /// How the record will be identified: by least squares weighted by the noise of each joint where nothing else is asked for.
 fn settings(file: &DesignFile) -> Settings {
-    let default =
-        || EstimationOptions { methods: vec![crate::identification::Method::IDIM_WLS], ..EstimationOptions::default() };
+    let default = || EstimationOptions {
+        methods: vec![thetahat_estimation::identification::Method::IDIM_WLS],
+        ..EstimationOptions::default()
+    };
     Settings {
         signal: file.signal,
         parameters: file.parameters.clone(),

@@ -1,10 +1,9 @@
 use std::path::PathBuf;
 
-use crate::{
-    base_parameters::BaseParametersError, experiment::ExperimentError, identification::EstimationError,
-    preparation::PreparationError, reduction::ReductionError, results::ResultsError, robot::RobotError,
-    simulation::SimulationError,
-};
+use crate::{experiment::ExperimentError, preparation::PreparationError, reduction::ReductionError};
+use thetahat_estimation::{identification::EstimationError, simulation::SimulationError};
+use thetahat_model::{base_parameters::BaseParametersError, robot::RobotError};
+use thetahat_report::results::ResultsError;
 
 /// Why no motion is designed.
 #[derive(Debug, thiserror::Error)]

@@ -1,11 +1,8 @@
 //! The experiment file that follows a design.
 
 use super::{description::Design, error::DesignError};
-use crate::{
-    base_parameters::BaseParameters,
-    dynamics::Model,
-    results::{ExperimentText, JointResult},
-};
+use thetahat_model::{base_parameters::BaseParameters, dynamics::Model};
+use thetahat_report::results::{ExperimentText, JointResult};
 
 /// Files of a design and its record, beside one another.
 const TRAJECTORY: &str = "trajectory.csv";

@@ -6,11 +6,9 @@ use super::{
     error::DesignError,
     promise::{ExpectedRecord, RECORDS},
 };
-use crate::{
-    pool::in_parallel,
-    preparation::{PreparationError, Recording},
-    results::{DriveGainResult, PromisedGain},
-};
+use crate::preparation::{PreparationError, Recording};
+use thetahat_ground::pool::in_parallel;
+use thetahat_report::results::{DriveGainResult, PromisedGain};
 
 impl ExpectedRecord<'_> {
     /// Half of the interval of each drive's gain, in the mean of twelve pairs of records: of this one, which carries a payload, and
@@ -24,7 +22,7 @@ impl ExpectedRecord<'_> {
         let pairs = in_parallel(RECORDS, threads, |number| self.gains_of_pair(unloaded, seed, number as u64));
         let pairs = pairs.into_iter().collect::<Result<Vec<_>, _>>();
         let pairs = pairs.map_err(|source| DesignError::Preparation { path: path.to_owned(), source })?;
-        let gain = |(joint, coordinate): (usize, &crate::robot::Joint)| PromisedGain {
+        let gain = |(joint, coordinate): (usize, &thetahat_model::robot::Joint)| PromisedGain {
             joint: coordinate.name.clone(),
             half_width_percent: pairs
                 .iter()

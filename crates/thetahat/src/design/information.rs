@@ -1,8 +1,10 @@
-use crate::{
-    dynamics::{Model, Sign},
+use thetahat_ground::{
     linear_algebra::{Matrix, dot},
-    regressor::Regressor,
     series::Series,
+};
+use thetahat_model::{
+    dynamics::{Model, Sign},
+    regressor::Regressor,
 };
 
 use super::criterion::Criterion;

@@ -1,7 +1,5 @@
-use crate::{
-    results::Limited,
-    robot::{Joint, JointKind},
-};
+use thetahat_model::robot::{Joint, JointKind};
+use thetahat_report::results::Limited;
 
 /// What a joint may do, SI: rad or m, N m or N, W.
 #[derive(Debug, Clone, PartialEq)]

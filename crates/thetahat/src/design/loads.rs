@@ -1,10 +1,10 @@
 use super::{limits::JointLimits, motions::Motions, quadratic::Row, sums::Derivatives};
-use crate::{
+use thetahat_ground::series::Series;
+use thetahat_model::{
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     regressor::Regressor,
-    results::Limited,
-    series::Series,
 };
+use thetahat_report::results::Limited;
 
 /// The limits of torque and power along a motion, which hold for every robot that it may be.
 #[derive(Debug, Clone)]
@@ -172,10 +172,8 @@ struct Use {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        design::{basis::Basis, sums::Sums},
-        robot::{JointKind, Robot},
-    };
+    use crate::design::{basis::Basis, sums::Sums};
+    use thetahat_model::robot::{JointKind, Robot};
 
     fn robot() -> Robot {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/two_joint.toml");

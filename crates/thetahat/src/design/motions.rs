@@ -3,7 +3,8 @@ use super::{
     quadratic::Row,
     sums::{Derivatives, Sampled, Slopes, Sums},
 };
-use crate::{series::Series, trajectory::Moves};
+use thetahat_estimation::trajectory::Moves;
+use thetahat_ground::series::Series;
 
 /// The motions among which one is chosen, as functions of unknowns, at the instants where they are looked at.
 #[derive(Debug, Clone)]

@@ -1,11 +1,11 @@
 //! The sweeps behind moves, as moves themselves.
 
 use super::{moves::MoveFamily, sweep::Sweep};
-use crate::{
-    series::Series,
+use thetahat_estimation::{
     signal::Motion,
     trajectory::{Move, Moves, TimeLaw},
 };
+use thetahat_ground::series::Series;
 
 impl MoveFamily {
     /// Time of all sweeps with their rests, s.

@@ -1,7 +1,8 @@
 //! Families of moves against finite differences, their own moves, and their limits.
 
 use super::{limits::JointLimits, moves::MoveFamily, sums::Slopes};
-use crate::{robot::JointKind, series::Series};
+use thetahat_ground::series::Series;
+use thetahat_model::robot::JointKind;
 
 fn limits(jerk: Option<f64>) -> Vec<JointLimits> {
     let of = |joint: &str, upper: f64, velocity: f64| JointLimits {

@@ -1,10 +1,8 @@
 //! Rows of point-to-point moves that return to their first posture.
 
 use super::{limits::JointLimits, sums::Derivatives, sweep::Sweep};
-use crate::{
-    series::Series,
-    trajectory::{Move, Moves, PHASES, TimeLaw},
-};
+use thetahat_estimation::trajectory::{Move, Moves, PHASES, TimeLaw};
+use thetahat_ground::series::Series;
 
 /// Moves through postures with time laws that the joints share; the last ends in the first posture.
 ///

@@ -2,7 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::{results::JointResidual, signal::Spectrum};
+use thetahat_estimation::signal::Spectrum;
+use thetahat_report::results::JointResidual;
 
 /// Noise of the torques, joint by joint.
 #[derive(Debug, Clone, Default)]
@@ -73,7 +74,8 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     use super::*;
-    use crate::{series::Series, signal::Decimator};
+    use thetahat_estimation::signal::Decimator;
+    use thetahat_ground::series::Series;
 
     fn row(joint: usize, rms: f64, autocorrelation: f64) -> JointResidual {
         JointResidual { joint, rms, autocorrelation, whiteness: None, normality: None, explained: None }

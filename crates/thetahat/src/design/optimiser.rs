@@ -8,11 +8,11 @@ use super::{
     quadratic,
     sums::{Derivatives, Slopes},
 };
-use crate::{
-    dynamics::Sign,
+use thetahat_ground::{
     linear_algebra::{Matrix, dot},
     series::Series,
 };
+use thetahat_model::dynamics::Sign;
 
 /// What is optimised: the criterion of motions, within limits.
 #[derive(Debug, Clone)]

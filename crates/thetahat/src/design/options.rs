@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use serde::Deserialize;
 
 use super::criterion::CriterionName;
-use crate::one_or_each::OneOrEach;
+use thetahat_ground::one_or_each::OneOrEach;
 
 /// What a design is to make small.
 #[derive(Debug, Clone, Deserialize)]

@@ -8,10 +8,12 @@ use super::{
     promise::{Expected, promised_method},
     run::{Chosen, Told},
 };
-use crate::{
+use thetahat_model::{
     base_parameters::{BaseParameter, BaseParameters},
     dynamics::Model,
-    results::{DesignResults, JointResult, PromisedGain, PromisedParameter, PromisedPayload, SearchResult},
+};
+use thetahat_report::results::{
+    DesignResults, JointResult, PromisedGain, PromisedParameter, PromisedPayload, SearchResult,
 };
 
 /// Part of a sum's terms below which the sum is rounding, and part of the promised half width below which a value is that of a

@@ -1,13 +1,11 @@
 //! What the report draws of a motion: where the robot is, and its frequencies.
 
 use super::description::Design;
-use crate::{
-    dynamics::Model,
-    results::{CollisionResults, MotionSpectrum, Skeleton, SpectrumBound},
-    run::skeleton_in,
-    series::Series,
-    signal::Spectrum,
-};
+use crate::run::skeleton_in;
+use thetahat_estimation::signal::Spectrum;
+use thetahat_ground::series::Series;
+use thetahat_model::dynamics::Model;
+use thetahat_report::results::{CollisionResults, MotionSpectrum, Skeleton, SpectrumBound};
 
 /// The parallel filter cuts at this part of the rate of the rows.
 const OF_ROWS: f64 = 0.4;

@@ -20,12 +20,12 @@ use super::{
     sums::Sums,
     sweep::Sweep,
 };
-use crate::{
+use thetahat_ground::series::Series;
+use thetahat_model::{
     base_parameters::BaseParameters,
     dynamics::{Model, Sign},
-    results::Limited,
-    series::Series,
 };
+use thetahat_report::results::Limited;
 
 /// Instants of the information for each harmonic or two splines, and at least as many in all.
 const INSTANTS: usize = 30;

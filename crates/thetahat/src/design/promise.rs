@@ -5,15 +5,15 @@ use rand_chacha::ChaCha8Rng;
 
 use super::error::DesignError;
 use crate::{
-    base_parameters::BaseParameter,
-    identification::{Fit, Method, Needs, Uncertainty, uncertainty},
-    pool::in_parallel,
     preparation::{PreparationError, Recording, Settings},
-    robot::Robot,
     run::Identification,
-    series::Series,
+};
+use thetahat_estimation::{
+    identification::{Fit, Method, Needs, Uncertainty, uncertainty},
     signal::Spectrum,
 };
+use thetahat_ground::{pool::in_parallel, series::Series};
+use thetahat_model::{base_parameters::BaseParameter, robot::Robot};
 
 /// The true motion of a robot and its torques, and how they will be recorded.
 #[derive(Debug, Clone)]
@@ -104,8 +104,8 @@ impl ExpectedRecord<'_> {
         let weights = problem.weights(self.settings, method, &[1.0]);
         let regression = problem.problem.regression.with_weights(weights);
         let no_estimate = |source| DesignError::NoEstimate { path: path.to_owned(), source };
-        let fit =
-            crate::identification::idim_ls(&regression, self.settings.estimation.variance).map_err(no_estimate)?;
+        let fit = thetahat_estimation::identification::idim_ls(&regression, self.settings.estimation.variance)
+            .map_err(no_estimate)?;
         let uncertainty = uncertainty(method, &regression, None, &fit).map_err(no_estimate)?;
         Ok(Estimated { parameters: problem.problem.estimated.parameters().to_vec(), fit, uncertainty })
     }

@@ -5,7 +5,7 @@ use clarabel::{
     solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus},
 };
 
-use crate::linear_algebra::Matrix;
+use thetahat_ground::linear_algebra::Matrix;
 
 /// `sum_i a_i p_i <= bound`, or with the slack that all soft rows share.
 #[derive(Debug, Clone)]

@@ -9,7 +9,8 @@ use super::{
     searches::{Searches, sign_scales},
     sums::Derivatives,
 };
-use crate::{base_parameters::BaseParameters, dynamics::Sign, linear_algebra::Matrix};
+use thetahat_ground::linear_algebra::Matrix;
+use thetahat_model::{base_parameters::BaseParameters, dynamics::Sign};
 
 /// Searches for the motion that shows what stays unknown.
 const STARTS: usize = 2;

@@ -4,9 +4,9 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::{description::Design, error::DesignError};
-use crate::{
+use crate::preparation::Payload;
+use thetahat_model::{
     dynamics::Model,
-    preparation::Payload,
     robot::{ParameterTable, Quantity},
 };
 

@@ -13,17 +13,18 @@ use super::{
     sums::Derivatives,
     verified::Verified,
 };
-use crate::{
-    base_parameters::BaseParameters,
+use crate::{preparation::Setup, scheduling::closed_loop};
+use thetahat_estimation::{
     control::ControllerDescription,
-    dynamics::{Model, Sign},
-    preparation::Setup,
-    results::{CollisionResults, DesignResults, LimitUse, PromisedGain},
-    scheduling::closed_loop,
-    series::Series,
     simulation::{OutputGrid, Reference, SampledReference, SimulatorBias},
     trajectory::Moves,
 };
+use thetahat_ground::series::Series;
+use thetahat_model::{
+    base_parameters::BaseParameters,
+    dynamics::{Model, Sign},
+};
+use thetahat_report::results::{CollisionResults, DesignResults, LimitUse, PromisedGain};
 
 /// What the record of the motion tells, and what is at hand beside it.
 pub(super) struct Told {

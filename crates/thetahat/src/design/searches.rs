@@ -11,7 +11,8 @@ use super::{
     starts::{best_of_random, kicked},
     sums::Sums,
 };
-use crate::{dynamics::Sign, pool::in_parallel};
+use thetahat_ground::pool::in_parallel;
+use thetahat_model::dynamics::Sign;
 
 /// Gain of the last step of a descent, nats: with the wide sign, and of the last with the tight one.
 const COARSE: f64 = 0.5;

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::{motions::Motions, optimiser::Problem, sums::Sums};
-use crate::dynamics::Sign;
+use thetahat_model::dynamics::Sign;
 
 /// Random motions of which a descent begins with the best.
 const DRAWS: usize = 3;

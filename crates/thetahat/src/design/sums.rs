@@ -1,7 +1,7 @@
 use std::ops::Range;
 
 use super::{basis::Basis, fourier::ORDERS};
-use crate::{linear_algebra::Matrix, series::Series};
+use thetahat_ground::{linear_algebra::Matrix, series::Series};
 
 /// Sums of functions of time: `q_j(t) = c_j + sum_m b_m(t) x_jm`, linear in the unknowns.
 ///

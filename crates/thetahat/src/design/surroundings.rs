@@ -5,11 +5,11 @@ use super::{
     error::DesignError,
     surroundings_options::{CapsuleOptions, CollisionOptions, ObstacleOptions},
 };
-use crate::{
+use thetahat_ground::vector::{IDENTITY, Mat3, Vec3, norm, scale};
+use thetahat_model::{
     collision::{Body, Capsule, Obstacle, ObstacleShape, Scene},
     dynamics::Model,
     robot::{Joint, LinkPart, RobotSource},
-    vector::{IDENTITY, Mat3, Vec3, norm, scale},
 };
 
 /// The shapes of a design, and the links that have none that is known.
@@ -99,7 +99,7 @@ impl Design {
                 let length = norm(*normal);
                 self.require_length(&key("normal"), length)?;
                 let normal = scale(1.0 / length, *normal);
-                let offset = METRES * crate::vector::dot(normal, *point);
+                let offset = METRES * thetahat_ground::vector::dot(normal, *point);
                 self.require(offset.is_finite(), &key("point"), "finite numbers", offset)?;
                 Obstacle { name: name.clone(), shape: ObstacleShape::HalfSpace { normal, offset } }
             }
@@ -123,7 +123,7 @@ impl Design {
         for value in centre.iter().chain(&rpy) {
             self.require(value.is_finite(), key, "finite numbers, as in rpy", value)?;
         }
-        Ok((crate::robot::roll_pitch_yaw(rpy.map(f64::to_radians)), scale(METRES, centre)))
+        Ok((thetahat_model::robot::roll_pitch_yaw(rpy.map(f64::to_radians)), scale(METRES, centre)))
     }
 
     fn require_length(&self, key: &str, length: f64) -> Result<(), DesignError> {

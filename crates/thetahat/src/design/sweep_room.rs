@@ -1,7 +1,7 @@
 //! How far a joint can sweep alone: between its limits, as far as shapes stay apart.
 
 use super::{clearances::Clearances, description::Design, error::DesignError, limits::JointLimits};
-use crate::series::Series;
+use thetahat_ground::series::Series;
 
 /// Postures of a way that are looked at.
 const POSTURES: usize = 1000;

@@ -4,10 +4,10 @@ use super::{
     description::Design, error::DesignError, information::Information, limits::JointLimits, moves::MoveFamily,
     sweep::Sweep,
 };
-use crate::{
+use thetahat_ground::linear_algebra::Matrix;
+use thetahat_model::{
     base_parameters::BaseParameters,
     dynamics::{Model, Sign},
-    linear_algebra::Matrix,
 };
 
 impl Design {

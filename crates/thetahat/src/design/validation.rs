@@ -4,7 +4,9 @@ use super::{
     criterion::CriterionName, description::Design, error::DesignError, options::UncertaintyOptions,
     verification::RATE_HZ,
 };
-use crate::{dynamics::Model, identification::Needs, one_or_each::OneOrEach};
+use thetahat_estimation::identification::Needs;
+use thetahat_ground::one_or_each::OneOrEach;
+use thetahat_model::dynamics::Model;
 
 /// Most samples of a motion, at its own rate and at 1 kHz, at which its limits are verified.
 const MOST_SAMPLES: f64 = 1e6;

@@ -1,7 +1,9 @@
 //! The limits of a design file, and what is refused of them.
 
 use super::{description::Design, error::DesignError, limits::JointLimits, options::LimitOptions};
-use crate::{one_or_each::OneOrEach, results::Limited, robot::Joint};
+use thetahat_ground::one_or_each::OneOrEach;
+use thetahat_model::robot::Joint;
+use thetahat_report::results::Limited;
 
 /// Least part of every range that the search leaves unused, for what lies between the watched instants.
 const LEAST_MARGIN: f64 = 0.002;

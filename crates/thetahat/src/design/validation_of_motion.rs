@@ -1,7 +1,7 @@
 //! What the motion of a design file must be.
 
 use super::{description::Design, error::DesignError, limits::JointLimits, options::MotionKind};
-use crate::dynamics::Model;
+use thetahat_model::dynamics::Model;
 
 /// Most harmonics and starts.
 const MOST_HARMONICS: usize = 50;

@@ -1,10 +1,8 @@
 //! The limits along a motion at 1 kHz.
 
 use super::{limits::JointLimits, sums::Derivatives};
-use crate::{
-    results::{LimitUse, Limited},
-    series::Series,
-};
+use thetahat_ground::series::Series;
+use thetahat_report::results::{LimitUse, Limited};
 
 /// Samples per second at which limits are looked at.
 pub(super) const RATE_HZ: f64 = 1000.0;

@@ -11,12 +11,10 @@ use super::{
     searches::{Start, sign_scales},
     verification::{RATE_HZ, uses},
 };
-use crate::{
-    dynamics::{Model, Sign},
-    results::{CollisionResults, JointResult, LimitUse},
-    series::Series,
-    signal::Motion,
-};
+use thetahat_estimation::signal::Motion;
+use thetahat_ground::series::Series;
+use thetahat_model::dynamics::{Model, Sign};
+use thetahat_report::results::{CollisionResults, JointResult, LimitUse};
 
 /// Times that a motion descends again where it misses a limit at 1 kHz, and the gain of the last step of each, nats.
 const REPAIRS: usize = 3;

@@ -4,10 +4,8 @@ use super::{
     evidence::Evidence,
     sentences::{on_contradictions, on_estimates, on_simulator},
 };
-use crate::{
-    identification::{Design, Method, Needs},
-    results::{Advice, CaseDiagnosis, Comparison, RecordingFindings, RunResult},
-};
+use thetahat_estimation::identification::{Design, Method, Needs};
+use thetahat_report::results::{Advice, CaseDiagnosis, Comparison, RecordingFindings, RunResult};
 
 /// The advice for one case, from its runs and its diagnosis.
 pub(crate) fn advise(diagnosis: &CaseDiagnosis, runs: &[RunResult], findings: &[RecordingFindings]) -> Advice {
@@ -55,15 +53,17 @@ fn take(evidence: &Evidence<'_>) -> Option<Method> {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::{
-        diagnosis::{
-            evidence::{Distance, Ran},
-            problems::Problems,
-        },
+    use crate::diagnosis::{
+        evidence::{Distance, Ran},
+        problems::Problems,
+    };
+    use thetahat_estimation::{
         identification::Status,
-        results::{BiasExplanation, BiasedSimulatorResult, EndogeneityResult, InstrumentResult, ParameterDifference},
         simulation::BiasKind,
         statistics::{ChiSquaredTest, FTest},
+    };
+    use thetahat_report::results::{
+        BiasExplanation, BiasedSimulatorResult, EndogeneityResult, InstrumentResult, ParameterDifference,
     };
 
     const METHODS: [Method; 3] = [Method::IDIM_LS, Method::IDIM_IV, Method::DIDIM];

@@ -1,19 +1,17 @@
 //! What DIDIM's approximation of the sensitivities leaves out: DIDIM against CLIE.
 
 use super::estimated::Estimated;
-use crate::{
-    identification::uncertainty,
-    linear_algebra::norm,
-    preparation::Problem,
-    results::{ApproximatedParameter, ApproximationResult},
-};
+use crate::preparation::Problem;
+use thetahat_estimation::identification::uncertainty;
+use thetahat_ground::linear_algebra::norm;
+use thetahat_report::results::{ApproximatedParameter, ApproximationResult};
 
 /// Compares both estimates, and Z with J; none where one of them has no deviations.
 pub(super) fn approximation(problem: &Problem, didim: &Estimated, clie: &Estimated) -> Option<ApproximationResult> {
     let (approximate, exact) = (didim.outcome.fit.as_ref()?, clie.outcome.fit.as_ref()?);
     let (z, j) = (didim.outcome.instruments.as_ref()?, clie.outcome.instruments.as_ref()?);
     let deviations = uncertainty(clie.method, &clie.regression, Some(j), exact).ok()?.standard_deviation;
-    let parameter = |(i, p): (usize, &crate::base_parameters::BaseParameter)| {
+    let parameter = |(i, p): (usize, &thetahat_model::base_parameters::BaseParameter)| {
         let difference = approximate.theta[i] - exact.theta[i];
         let left_out: Vec<f64> = z.column(i).iter().zip(j.column(i)).map(|(z, j)| z - j).collect();
         ApproximatedParameter {

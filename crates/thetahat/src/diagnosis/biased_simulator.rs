@@ -5,13 +5,13 @@ use super::{
     comparison::{HARMLESS_BELOW, SIGNIFICANCE, comparison, largest},
     estimated::{Estimated, Whitened},
 };
-use crate::{
-    linear_algebra::{Matrix, PivotedQr},
-    preparation::{Case, Problem},
-    results::{BiasExplanation, BiasedSimulatorResult, Comparison},
+use crate::preparation::{Case, Problem};
+use thetahat_estimation::{
     simulation::{BiasKind, SimulatorBias},
     statistics::SimulatorComparison,
 };
+use thetahat_ground::linear_algebra::{Matrix, PivotedQr};
+use thetahat_report::results::{BiasExplanation, BiasedSimulatorResult, Comparison};
 
 /// DIDIM's residual over IV's below which the measured motion may be wrong as well as the simulated one. Wrong
 /// simulators leave 0.94 to 11 times the residual, an exact one beside a filtered velocity whose sign is wrong at rest 0.43

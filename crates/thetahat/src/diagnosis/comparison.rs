@@ -1,7 +1,5 @@
-use crate::{
-    preparation::Problem,
-    results::{Comparison, ParameterDifference},
-};
+use crate::preparation::Problem;
+use thetahat_report::results::{Comparison, ParameterDifference};
 
 /// Level of the tests.
 pub(super) const SIGNIFICANCE: f64 = 0.05;

@@ -2,7 +2,9 @@ use super::{
     comparison::{SIGNIFICANCE, comparison, largest},
     estimated::Whitened,
 };
-use crate::{preparation::Problem, results::EndogeneityResult, statistics::wu_hausman};
+use crate::preparation::Problem;
+use thetahat_estimation::statistics::wu_hausman;
+use thetahat_report::results::EndogeneityResult;
 
 /// LS against IV, by the Durbin-Wu-Hausman test.
 pub(super) fn endogeneity(problem: &Problem, iv: &Whitened<'_>) -> Option<EndogeneityResult> {

@@ -1,10 +1,10 @@
 use std::borrow::Cow;
 
-use crate::{
+use thetahat_estimation::{
     identification::{Method, Outcome, Status},
-    linear_algebra::Matrix,
     regression::{Regression, RowLayout},
 };
+use thetahat_ground::linear_algebra::Matrix;
 
 /// A run of a case with what its diagnosis needs.
 pub(crate) struct Estimated {

@@ -1,10 +1,10 @@
 use super::{comparison::HARMLESS_BELOW, problems::Problems};
-use crate::{
+use thetahat_estimation::{
     identification::{Method, Status},
-    results::{
-        CaseDiagnosis, Comparison, EndogeneityResult, InstrumentResult, ParameterResult, RecordingFindings, RunResult,
-    },
     statistics::median,
+};
+use thetahat_report::results::{
+    CaseDiagnosis, Comparison, EndogeneityResult, InstrumentResult, ParameterResult, RecordingFindings, RunResult,
 };
 
 /// F statistic below which instruments are weak (D. Staiger, J. H. Stock, 1997).

@@ -1,12 +1,12 @@
 //! Whether the model explains a joint's torque better than a constant does, where its rows are correlated.
 
 use super::independent::independent_rows;
-use crate::{
-    linear_algebra::{Matrix, PivotedQr, norm},
+use thetahat_estimation::{
     regression::Regression,
-    results::Explained,
     statistics::{FTest, f_test, median},
 };
+use thetahat_ground::linear_algebra::{Matrix, PivotedQr, norm};
+use thetahat_report::results::Explained;
 
 /// Shifts of the torque against the motion, at the most.
 const SHIFTS: usize = 200;
@@ -93,7 +93,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     use super::*;
-    use crate::regression::RowLayout;
+    use thetahat_estimation::regression::RowLayout;
 
     const ROWS: usize = 400;
 

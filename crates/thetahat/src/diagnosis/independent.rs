@@ -1,4 +1,4 @@
-use crate::statistics::autocorrelation;
+use thetahat_estimation::statistics::autocorrelation;
 
 /// Autocorrelation of residuals below which they count as independent, and the part of the rows that is looked at.
 const INDEPENDENT: f64 = 0.05;

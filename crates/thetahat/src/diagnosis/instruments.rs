@@ -1,10 +1,8 @@
 use super::estimated::Whitened;
-use crate::{
-    linear_algebra::{Matrix, PivotedQr, norm},
-    preparation::Problem,
-    results::InstrumentResult,
-    statistics::instrument_strength,
-};
+use crate::preparation::Problem;
+use thetahat_estimation::statistics::instrument_strength;
+use thetahat_ground::linear_algebra::{Matrix, PivotedQr, norm};
+use thetahat_report::results::InstrumentResult;
 
 /// Relative size of a diagonal entry below which projected columns count as dependent.
 const DEPENDENT: f64 = 1e-10;

@@ -16,7 +16,9 @@ mod residual;
 mod sentences;
 mod verdict;
 
-use crate::{identification::Method, preparation::Case, preparation::Problem, results::CaseDiagnosis};
+use crate::{preparation::Case, preparation::Problem};
+use thetahat_estimation::identification::Method;
+use thetahat_report::results::CaseDiagnosis;
 
 pub(crate) use advice::advise;
 pub(crate) use biased_simulator::Simulate;

@@ -1,9 +1,7 @@
 //! Problems of the recordings that decide what of an estimate can be taken.
 
-use crate::{
-    checks::{Code, Finding, Severity},
-    results::{JointResidual, NOMINAL, RecordingFindings, Results, RunResult},
-};
+use thetahat_estimation::checks::{Code, Finding, Severity};
+use thetahat_report::results::{JointResidual, NOMINAL, RecordingFindings, Results, RunResult};
 
 /// What a problem makes worthless.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,12 +1,12 @@
 use std::cell::LazyCell;
 
 use super::explained::{absorbed, explained};
-use crate::{
-    linear_algebra::norm,
+use thetahat_estimation::{
     regression::Regression,
-    results::{JointResidual, ResidualResult},
     statistics::{autocorrelation, jarque_bera, levene, ljung_box, usual_lags},
 };
+use thetahat_ground::linear_algebra::norm;
+use thetahat_report::results::{JointResidual, ResidualResult};
 
 /// The tests of one run's residual.
 pub(crate) fn residual(regression: &Regression, prediction: &[f64]) -> ResidualResult {

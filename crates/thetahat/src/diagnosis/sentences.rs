@@ -1,10 +1,12 @@
 //! The advice in words.
 
 use super::evidence::{Distance, Evidence, Ran, WEAK};
-use crate::{
+use thetahat_estimation::{
     identification::{Method, Status},
-    results::{BiasExplanation, BiasedSimulatorResult, Comparison, EndogeneityResult, InstrumentResult},
     simulation::BiasKind,
+};
+use thetahat_report::results::{
+    BiasExplanation, BiasedSimulatorResult, Comparison, EndogeneityResult, InstrumentResult,
 };
 
 /// Part of the statistic, percent, from which an error of the simulator is said to explain it, and how much less the next

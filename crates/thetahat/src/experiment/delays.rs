@@ -3,7 +3,10 @@
 use std::ops::Range;
 
 use super::description::RecordingDescription;
-use crate::{preparation::Recording, recording::ChannelSource, series::Series, signal::delayed};
+use crate::preparation::Recording;
+use thetahat_data::recording::ChannelSource;
+use thetahat_estimation::signal::delayed;
+use thetahat_ground::series::Series;
 
 /// Every signal moved to where it belongs by its delay. What was recorded too late lacks its last samples: the record ends
 /// before them. What was recorded too early lacks its first, which are a gap.

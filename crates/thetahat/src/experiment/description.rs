@@ -13,17 +13,14 @@ use serde::{
 };
 
 use super::{error::ExperimentError, paths};
-use crate::{
-    control::ControllerDescription,
-    files, one_or_each,
-    preparation::{
-        Case, EstimationOptions, ParameterSelection, Payload, PreparationError, ReferenceCorrection, Settings, Setup,
-        SignalOptions, SimulationOptions,
-    },
-    recording::ChannelSource,
-    robot::{Locks, Robot, RobotError, RobotFile, RobotSource, TermDescription},
-    simulation::Sensors,
+use crate::preparation::{
+    Case, EstimationOptions, ParameterSelection, Payload, PreparationError, ReferenceCorrection, Settings, Setup,
+    SignalOptions, SimulationOptions,
 };
+use thetahat_data::recording::ChannelSource;
+use thetahat_estimation::{control::ControllerDescription, simulation::Sensors};
+use thetahat_ground::{files, one_or_each};
+use thetahat_model::robot::{Locks, Robot, RobotError, RobotFile, RobotSource, TermDescription};
 
 /// An experiment with its robot, ready to run.
 #[derive(Debug, Clone)]

@@ -1,14 +1,10 @@
 use std::path::PathBuf;
 
-use crate::{
-    filter_choice::FilterChoiceError,
-    preparation::PreparationError,
-    recording::RecordingError,
-    results::{NoEstimate, ResultsError},
-    robot::RobotError,
-    simulation::SimulationError,
-    trajectory::TrajectoryError,
-};
+use crate::{filter_choice::FilterChoiceError, preparation::PreparationError};
+use thetahat_data::recording::RecordingError;
+use thetahat_estimation::{simulation::SimulationError, trajectory::TrajectoryError};
+use thetahat_model::robot::RobotError;
+use thetahat_report::results::{NoEstimate, ResultsError};
 
 /// Why an experiment cannot be read or run.
 #[derive(Debug, thiserror::Error)]

@@ -9,13 +9,15 @@ use super::{
     subject::{Subject, require_same_parameters},
 };
 use crate::{
-    base_parameters::BaseParameters,
     diagnosis::judge,
-    identification::{Method, Status},
     preparation::{Case, Settings, Setup},
-    results::{NOMINAL, Results, RunResult, Verdict, VerdictReason},
+};
+use thetahat_estimation::identification::{Method, Status};
+use thetahat_model::{
+    base_parameters::BaseParameters,
     robot::{Robot, RobotSource},
 };
+use thetahat_report::results::{NOMINAL, Results, RunResult, Verdict, VerdictReason};
 
 /// Which estimate of results is taken, and what is required of it.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,7 +4,8 @@
 use std::path::{Path, PathBuf};
 
 use super::error::ExperimentError;
-use crate::{files, preparation::PreparationError};
+use crate::preparation::PreparationError;
+use thetahat_ground::files;
 
 /// The robot description: beside the experiment, or else in the folder of the data.
 pub(super) fn robot(experiment: &Path, named: &Path, data: &Path) -> Result<PathBuf, ExperimentError> {

@@ -3,13 +3,15 @@
 use super::{description::Experiment, error::ExperimentError, twin::TwinMotion};
 use crate::{
     diagnosis::{Estimated, diagnose},
-    identification::{Convergence, IterationOptions, Method, Outcome, Status},
-    pool::in_parallel,
     preparation::Case,
-    results::Comparison,
     scheduling::{EstimationJob, RunOptions, run_all},
+};
+use thetahat_estimation::{
+    identification::{Convergence, IterationOptions, Method, Outcome, Status},
     simulation::{BiasKind, SimulatorBias},
 };
+use thetahat_ground::pool::in_parallel;
+use thetahat_report::results::Comparison;
 
 /// Iterations of DIDIM for each record: from the a-priori values the third changes nothing that the test could see.
 const ITERATIONS: usize = 3;
@@ -73,7 +75,7 @@ impl Experiment {
         seed: u64,
     ) -> Result<Vec<Option<Seen>>, ExperimentError> {
         let Some(twin) = &self.file.twin else { return Ok(Vec::new()) };
-        let sensors = crate::simulation::Sensors { seed, ..twin.sensors.clone() };
+        let sensors = thetahat_estimation::simulation::Sensors { seed, ..twin.sensors.clone() };
         let recording = self.record_motion(&sensors, twin.sample_rate_hz, motion);
         let identification = self.identification_of(vec![recording])?;
         let problems = identification.problems(&mut |_| {}).map_err(|e| self.refuse(e))?;

@@ -8,13 +8,13 @@ use super::{
     identified::{EstimateRequest, IdentifiedRobot},
 };
 use crate::{
-    identification::Method,
-    one_or_each::OneOrEach,
     preparation::PreparationError,
-    recording::{ChannelSource, Side, Unit},
-    results::Prediction,
     run::{Identified, predict_torques},
 };
+use thetahat_data::recording::{ChannelSource, Side, Unit};
+use thetahat_estimation::identification::Method;
+use thetahat_ground::one_or_each::OneOrEach;
+use thetahat_report::results::Prediction;
 
 /// What to predict with which run.
 #[derive(Debug, Clone)]

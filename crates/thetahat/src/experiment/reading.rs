@@ -7,11 +7,9 @@ use super::{
     description::{Experiment, RecordingDescription},
     error::ExperimentError,
 };
-use crate::{
-    preparation::{PreparationError, Recording},
-    recording::{self, ChannelSource, Clock, RecordingError, Side},
-    series::Series,
-};
+use crate::preparation::{PreparationError, Recording};
+use thetahat_data::recording::{self, ChannelSource, Clock, RecordingError, Side};
+use thetahat_ground::series::Series;
 
 /// Largest difference of the channels' times in a sample of a long table, in steps.
 const LARGEST_SPREAD: f64 = 0.5;

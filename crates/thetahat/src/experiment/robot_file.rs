@@ -3,10 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use super::error::ExperimentError;
-use crate::{
-    results::Results,
-    robot::{Robot, RobotFile, RobotSource},
-};
+use thetahat_model::robot::{Robot, RobotFile, RobotSource};
+use thetahat_report::results::Results;
 
 /// Refuses a description that is not that of the results. Returns the files that were read.
 ///

@@ -8,11 +8,11 @@ use super::{
 };
 use crate::{
     filter_choice::choose_filter,
-    pool::available_threads,
     preparation::{Case, Recording},
-    results::{FilterChoice, RecordingFindings, Results, Sensitivity},
     run::{Identification, check_recordings, examine_robot},
 };
+use thetahat_ground::pool::available_threads;
+use thetahat_report::results::{FilterChoice, RecordingFindings, Results, Sensitivity};
 
 impl Experiment {
     /// Runs every case and method. `data` is the folder against which the paths of the data are resolved; `progress` is

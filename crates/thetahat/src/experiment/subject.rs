@@ -4,12 +4,14 @@ use std::path::{Path, PathBuf};
 
 use super::{description::Experiment, error::ExperimentError};
 use crate::{
-    base_parameters::BaseParameters,
     preparation::{ParameterChoice, ParameterSelection, Settings},
-    results::{Results, RunResult},
-    robot::{Locks, Robot, RobotSource},
     run::with_constants,
 };
+use thetahat_model::{
+    base_parameters::BaseParameters,
+    robot::{Locks, Robot, RobotSource},
+};
+use thetahat_report::results::{Results, RunResult};
 
 impl Experiment {
     /// The experiment that results are of, with the constants of torque terms that were found; `path` names the results in

@@ -6,18 +6,17 @@ use super::{
     paths,
 };
 use crate::{
-    base_parameters::BaseParameters,
-    digest::sha256,
-    dynamics::Model,
-    files,
     preparation::{PreparationError, Recording},
-    recording::ChannelSource,
-    results::TwinRecord,
     scheduling::closed_loop,
-    series::Series,
+};
+use thetahat_data::recording::ChannelSource;
+use thetahat_estimation::{
     simulation::{OutputGrid, Reference, SampledReference, Sensors, SimulatedMotion, SimulatorBias},
     trajectory::{self, MotionLimits, Moves},
 };
+use thetahat_ground::{digest::sha256, files, series::Series};
+use thetahat_model::{base_parameters::BaseParameters, dynamics::Model};
+use thetahat_report::results::TwinRecord;
 
 /// Fewer samples of a twin cannot be filtered; more are not needed for any use of it: an hour at 25 kHz.
 const TWIN_SAMPLES: std::ops::RangeInclusive<f64> = 100.0..=1e8;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::recording::Unit;
+use thetahat_data::recording::Unit;
 
 /// Other spellings of symbols, as [`plain`] has them.
 const SPELLINGS: [(&str, Unit); 26] = [

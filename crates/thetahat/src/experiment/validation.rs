@@ -4,11 +4,9 @@ use super::{
     description::{Experiment, RecordingDescription, TwinDescription},
     error::ExperimentError,
 };
-use crate::{
-    preparation::{PreparationError, validate_window},
-    recording::{ChannelSource, Dimension, Side},
-    robot::JointKind,
-};
+use crate::preparation::{PreparationError, validate_window};
+use thetahat_data::recording::{ChannelSource, Dimension, Side};
+use thetahat_model::robot::JointKind;
 
 /// Longest rest of a twin, s.
 const LONGEST_REST_S: f64 = 3600.0;

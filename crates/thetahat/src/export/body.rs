@@ -1,6 +1,6 @@
 //! A link's inertial parameters as mass, centre of mass and inertia about it, as most formats have them.
 
-use crate::vector::{Mat3, Vec3, dot, scale};
+use thetahat_ground::vector::{Mat3, Vec3, dot, scale};
 
 /// A body in the axes of its link's frame.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -14,7 +14,7 @@ use super::{
     said::Said,
     sdf_read,
 };
-use crate::{
+use thetahat_model::{
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     robot::{Locks, Robot, RobotError, RobotSource},
 };

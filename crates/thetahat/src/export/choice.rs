@@ -1,11 +1,9 @@
 //! Which standard parameters are exported: consistent ones nearest to the a-priori ones that have the base parameters.
 
 use super::{error::ExportError, posterior::Posterior, provenance::Provenance};
-use crate::{
-    consistency::{ConsistencyError, ConsistentSet, LeastSquares, Prior, fit},
-    linear_algebra::Matrix,
-    results::ParameterResult,
-};
+use thetahat_ground::linear_algebra::Matrix;
+use thetahat_model::consistency::{ConsistencyError, ConsistentSet, LeastSquares, Prior, fit};
+use thetahat_report::results::ParameterResult;
 
 /// Weight of the divergence from the a-priori parameters beside the distance from the estimate in its variances: it decides
 /// what the data leave free, and nothing that they say anything about.

@@ -4,7 +4,7 @@
 //! armature and damping multiply all of `n^T n`, so the joints' own lose the diagonal. MuJoCo has none below zero: where a joint
 //! would get one, the motor's inertia or viscous friction cannot be said.
 
-use crate::{
+use thetahat_model::{
     dynamics::{CoupledMotor, Model},
     robot::{JointQuantity, MotorQuantity, Quantity, Robot},
 };

@@ -1,6 +1,8 @@
 use std::path::PathBuf;
 
-use crate::{consistency::ConsistencyError, experiment::ExperimentError, identification::Method, robot::RobotError};
+use crate::experiment::ExperimentError;
+use thetahat_estimation::identification::Method;
+use thetahat_model::{consistency::ConsistencyError, robot::RobotError};
 
 use super::{format::Format, mjcf::MjcfError};
 

@@ -1,9 +1,7 @@
 //! The links' own frames, as files have them: inertial parameters refer to their axes.
 
-use crate::{
-    robot::Robot,
-    vector::{IDENTITY, Mat3, Vec3, product, transpose, transpose_times},
-};
+use thetahat_ground::vector::{IDENTITY, Mat3, Vec3, product, transpose, transpose_times};
+use thetahat_model::robot::Robot;
 
 /// The name of link `k` in a file that is written anew.
 pub(super) fn link_name(k: usize) -> String {
@@ -74,7 +72,7 @@ const UPRIGHT: f64 = 1e-15;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vector::quaternion_rotation;
+    use thetahat_ground::vector::quaternion_rotation;
 
     fn turn(roll: f64, pitch: f64, yaw: f64) -> Mat3 {
         let about = |axis: usize, angle: f64| -> Mat3 {

@@ -1,10 +1,10 @@
 //! The comment at the start of a file: by its first words the file is known as one of this program.
 
 use super::{said::Said, xml};
-use crate::robot::Robot;
+use thetahat_model::robot::Robot;
 
 /// First words of every exported file.
-pub(super) const MARK: &str = crate::output::EXPORT;
+pub(super) const MARK: &str = thetahat_ground::output::EXPORT;
 
 /// The comment.
 pub(super) fn comment(robot: &Robot, said: &Said, about: &[String], notes: &[String]) -> String {

@@ -10,10 +10,8 @@ use super::{
     render::{Export, Target, export_robot},
     xml::number,
 };
-use crate::{
-    experiment::{EstimateRequest, IdentifiedRobot},
-    results::Results,
-};
+use crate::experiment::{EstimateRequest, IdentifiedRobot};
+use thetahat_report::results::Results;
 
 /// Base parameters that are named where they moved; the others are counted.
 const NAMED: usize = 12;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::said::Said;
-use crate::robot::{Joint, JointKind, Parameter, Robot, TermDescription};
+use thetahat_model::robot::{Joint, JointKind, Parameter, Robot, TermDescription};
 
 #[derive(Serialize)]
 struct Model<'a> {
@@ -93,7 +93,7 @@ fn entry<'a>(robot: &'a Robot, joint: &'a Joint) -> JointEntry<'a> {
         parent: joint.parent.map(name),
         rotation: joint.placement.rotation(),
         origin: joint.placement.origin,
-        link_axes: joint.link_axes.unwrap_or(crate::vector::IDENTITY),
+        link_axes: joint.link_axes.unwrap_or(thetahat_ground::vector::IDENTITY),
         mimic: joint.mimic.map(|m| MimicEntry { joint: name(m.of), ratio: m.ratio, offset: m.offset }),
         lower: joint.limits.lower,
         upper: joint.limits.upper,

@@ -9,14 +9,16 @@ use super::{
     uncertainty::Uncertainty,
 };
 use crate::{
+    experiment::IdentifiedRobot,
+    preparation::{KnownQuantity, consistent_set_of},
+};
+use thetahat_estimation::identification::Method;
+use thetahat_model::{
     base_parameters::BaseParameters,
     consistency::{ConsistencyError, ConsistentSet, Known, LeastSquares, mass_factor},
-    experiment::IdentifiedRobot,
-    identification::Method,
-    preparation::{KnownQuantity, consistent_set_of},
-    results::{ParameterResult, RunResult},
     robot::{ParameterTable, Quantity},
 };
+use thetahat_report::results::{ParameterResult, RunResult};
 
 /// The estimates of a run with their uncertainty, and the set of standard parameters that a robot can have.
 #[derive(Debug, Clone)]

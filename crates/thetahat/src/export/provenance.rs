@@ -1,12 +1,14 @@
 //! Where exported standard parameters come from.
 
 use crate::{
-    base_parameters::{BaseParameter, BaseParameters},
     experiment::IdentifiedRobot,
     preparation::{KnownQuantity, ParameterSelection},
-    results::ParameterResult,
+};
+use thetahat_model::{
+    base_parameters::{BaseParameter, BaseParameters},
     robot::ParameterTable,
 };
+use thetahat_report::results::ParameterResult;
 
 /// What the identification says of a standard parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -1,7 +1,7 @@
 //! The robot that an exported file describes, in the names of the robot that was exported.
 
 use super::{coupling::Tendon, said::Said};
-use crate::robot::{Frame, INERTIAL, JointQuantity, MotorQuantity, Parameter, Placement, Quantity, Robot};
+use thetahat_model::robot::{Frame, INERTIAL, JointQuantity, MotorQuantity, Parameter, Placement, Quantity, Robot};
 
 /// A link with its joint as a file has them.
 #[derive(Debug, Clone, Copy)]

@@ -12,7 +12,7 @@ use super::{
     urdf_edit::edited,
     urdf_new,
 };
-use crate::robot::Robot;
+use thetahat_model::robot::Robot;
 
 /// What an export is made of.
 #[derive(Debug, Clone, Copy)]

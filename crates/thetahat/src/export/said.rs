@@ -5,11 +5,9 @@ use super::{
     format::Format,
     xml::{number, numbers},
 };
-use crate::{
-    linear_algebra::Matrix,
-    robot::{
-        Friction, INERTIAL, JointQuantity, MotorQuantity, Parameter, ParameterTable, Quantity, Robot, Transmission,
-    },
+use thetahat_ground::linear_algebra::Matrix;
+use thetahat_model::robot::{
+    Friction, INERTIAL, JointQuantity, MotorQuantity, Parameter, ParameterTable, Quantity, Robot, Transmission,
 };
 
 /// Gravity of simulators where a file does not say it, m/s^2.

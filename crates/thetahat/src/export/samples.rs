@@ -9,7 +9,7 @@ use super::{
     identified::IdentifiedModel,
     render::{Export, Target, export_robot},
 };
-use crate::pool::in_order;
+use thetahat_ground::pool::in_order;
 
 /// A robot that may be the identified one.
 #[derive(Debug, Clone, PartialEq)]

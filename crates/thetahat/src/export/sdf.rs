@@ -6,7 +6,7 @@ use super::{
     said::Said,
     xml::{escaped, number, numbers},
 };
-use crate::robot::{JointKind, JointQuantity, Robot};
+use thetahat_model::robot::{JointKind, JointQuantity, Robot};
 
 /// The SDF of a robot, with `header` at its start.
 pub(super) fn sdf(said: &Said, header: &str) -> String {
@@ -64,7 +64,7 @@ fn joint(said: &Said, k: usize) -> Vec<String> {
 }
 
 /// What is not known is left out, and unlimited then.
-fn limit(joint: &crate::robot::Joint) -> String {
+fn limit(joint: &thetahat_model::robot::Joint) -> String {
     let limits = &joint.limits;
     let given =
         [("lower", limits.lower), ("upper", limits.upper), ("effort", limits.effort), ("velocity", limits.velocity)];
@@ -72,7 +72,7 @@ fn limit(joint: &crate::robot::Joint) -> String {
     format!("        <limit>{inside}</limit>")
 }
 
-fn mimic(robot: &Robot, joint: &crate::robot::Joint) -> Option<String> {
+fn mimic(robot: &Robot, joint: &thetahat_model::robot::Joint) -> Option<String> {
     let mimic = joint.mimic?;
     let leader = escaped(&robot.joints[mimic.of].name);
     let [ratio, offset] = [mimic.ratio, mimic.offset].map(number);

@@ -5,10 +5,8 @@ use std::path::Path;
 use roxmltree::{Document, Node};
 
 use super::{editor, error::ExportError, read_back::ReadLink, said::Said};
-use crate::{
-    robot::{Frame, Joint, RigidBody, parse_xml, roll_pitch_yaw},
-    vector::{Mat3, norm, scale, with_z},
-};
+use thetahat_ground::vector::{Mat3, norm, scale, with_z};
+use thetahat_model::robot::{Frame, Joint, RigidBody, parse_xml, roll_pitch_yaw};
 
 /// The links of the exported robot as the file has them.
 pub(super) fn read(text: &str, said: &Said) -> Result<Vec<ReadLink>, ExportError> {

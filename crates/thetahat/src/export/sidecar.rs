@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{error::ExportError, identified::IdentifiedModel};
-use crate::linear_algebra::Matrix;
+use thetahat_ground::linear_algebra::Matrix;
 
 #[derive(Serialize)]
 struct Sidecar<'a> {
@@ -87,7 +87,7 @@ impl IdentifiedModel {
     fn base_entries(&self, covariance: &Matrix) -> Vec<Base> {
         let posterior = &self.posterior;
         let exported = posterior.base.from_standard(&self.standard);
-        let entry = |(i, p): (usize, &crate::base_parameters::BaseParameter)| Base {
+        let entry = |(i, p): (usize, &thetahat_model::base_parameters::BaseParameter)| Base {
             name: p.name.clone(),
             unit: p.unit.to_string(),
             expression: p.expression.clone(),
@@ -100,7 +100,7 @@ impl IdentifiedModel {
 
     fn standard_entries(&self, covariance: &Matrix) -> Vec<Standard> {
         let table = self.posterior.set.parameter_table();
-        let entry = |(i, p): (usize, &crate::robot::Parameter)| Standard {
+        let entry = |(i, p): (usize, &thetahat_model::robot::Parameter)| Standard {
             name: p.name(),
             unit: p.unit.to_string(),
             value: self.standard[i],

@@ -5,7 +5,7 @@
 //! are scaled by half the largest factor that leaves a body.
 
 use super::xml::number;
-use crate::consistency::{Symmetric, pseudo_inertia};
+use thetahat_model::consistency::{Symmetric, pseudo_inertia};
 
 /// Smallest eigenvalue of a pseudo-inertia matrix, relative to the largest, of a body that a simulator can use.
 const DEFINITE: f64 = 1e-9;

@@ -1,10 +1,8 @@
 //! How the exported parameters vary with the estimates.
 
 use super::{error::ExportError, posterior::Posterior};
-use crate::{
-    consistency::dependence_on_base,
-    linear_algebra::{Matrix, PivotedQr},
-};
+use thetahat_ground::linear_algebra::{Matrix, PivotedQr};
+use thetahat_model::consistency::dependence_on_base;
 
 /// The covariance of the exported parameters.
 #[derive(Debug, Clone)]

@@ -1,10 +1,8 @@
 //! How sure the estimates of a run are.
 
-use crate::{
-    linear_algebra::Matrix,
-    results::{ParameterResult, RunResult},
-    statistics::CovarianceFactor,
-};
+use thetahat_estimation::statistics::CovarianceFactor;
+use thetahat_ground::linear_algebra::Matrix;
+use thetahat_report::results::{ParameterResult, RunResult};
 
 /// How sure the estimates are.
 #[derive(Debug, Clone)]

@@ -11,7 +11,7 @@ use super::{
     split::split,
     xml::{number, numbers},
 };
-use crate::robot::{JointQuantity, LinkPart, RobotError};
+use thetahat_model::robot::{JointQuantity, LinkPart, RobotError};
 
 /// One step of indentation that is added.
 const STEP: &str = "  ";

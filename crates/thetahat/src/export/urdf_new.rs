@@ -7,7 +7,7 @@ use super::{
     urdf_edit::inertial_lines,
     xml::{escaped, number, numbers},
 };
-use crate::robot::{Joint, JointKind, JointQuantity, Robot};
+use thetahat_model::robot::{Joint, JointKind, JointQuantity, Robot};
 
 /// A limit that is not known: URDF must have one, and readers take zero as it stands.
 const UNKNOWN: f64 = 1e9;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::signal::Spectrum;
+use thetahat_estimation::signal::Spectrum;
 
 /// The noise floor is sought between these parts of the sample rate.
 const FLOOR: Range<f64> = 0.1..0.48;

@@ -12,21 +12,22 @@ use super::{
     separated::separated,
     twin::{Mover, Noise, RecordTwin},
 };
-use crate::{
-    base_parameters::BaseParameters,
-    consistency::{SimulationOptions, nearest_to_simulate},
+use crate::preparation::{
+    Basis, Case, FilteredRecording, ParameterChoice, ParameterSelection, PreparationError, Problem, Recording,
+    Settings, Setup, SignalOptions, propose_controller,
+};
+use thetahat_estimation::{
     control::ControllerDescription,
     identification::{Divisor, Method, idim_ls},
-    pool,
-    preparation::{
-        Basis, Case, FilteredRecording, ParameterChoice, ParameterSelection, PreparationError, Problem, Recording,
-        Settings, Setup, SignalOptions, propose_controller,
-    },
-    results::{ComparedFilter, Filter, FilterChoice, FilterError},
-    robot::Robot,
-    series::Series,
     signal::Spectrum,
 };
+use thetahat_ground::{pool, series::Series};
+use thetahat_model::{
+    base_parameters::BaseParameters,
+    consistency::{SimulationOptions, nearest_to_simulate},
+    robot::Robot,
+};
+use thetahat_report::results::{ComparedFilter, Filter, FilterChoice, FilterError};
 
 /// Records whose positions have other noise: as many as make so many samples of all joints, within limits.
 const RECORDS: [usize; 2] = [3, 10];

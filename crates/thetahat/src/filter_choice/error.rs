@@ -1,4 +1,5 @@
-use crate::{identification::EstimationError, preparation::PreparationError, signal::SignalError};
+use crate::preparation::PreparationError;
+use thetahat_estimation::{identification::EstimationError, signal::SignalError};
 
 /// Why no filter can be chosen.
 #[derive(Debug, Clone, thiserror::Error)]

@@ -1,6 +1,6 @@
 //! The filters that are compared.
 
-use crate::results::Filter;
+use thetahat_report::results::Filter;
 
 /// Filters of one octave.
 const PER_OCTAVE: f64 = 2.0;

@@ -1,6 +1,8 @@
 //! Where signals end that were low-passed before they were recorded.
 
-use crate::{preparation::Recording, series::Series, signal::Spectrum};
+use crate::preparation::Recording;
+use thetahat_estimation::signal::Spectrum;
+use thetahat_ground::series::Series;
 
 /// Factor by which the density of a torque falls over an octave behind a low-pass; friction's steps fall by four.
 const FALLS: f64 = 10.0;
@@ -56,7 +58,7 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
 
     use super::*;
-    use crate::signal::{Padding, SecondOrderSections, zero_phase};
+    use thetahat_estimation::signal::{Padding, SecondOrderSections, zero_phase};
 
     const RATE_HZ: f64 = 1000.0;
 

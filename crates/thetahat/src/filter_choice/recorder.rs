@@ -1,14 +1,13 @@
 //! How the torques of a record were recorded, as far as an estimate tells: their noise, their lag, the low-pass they went through.
 
 use super::{error::FilterChoiceError, low_pass::low_pass_hz};
-use crate::{
-    dynamics::{DynamicParameters, Model, Sign, State, Workspace},
+use crate::preparation::{FilteredRecording, Problem};
+use thetahat_estimation::{
     identification::Method,
-    linear_algebra::dot,
-    preparation::{FilteredRecording, Problem},
-    series::Series,
     signal::{Motion, Padding, SecondOrderSections, SignalError, central_difference, delayed, zero_phase},
 };
+use thetahat_ground::{linear_algebra::dot, series::Series};
+use thetahat_model::dynamics::{DynamicParameters, Model, Sign, State, Workspace};
 
 /// Standard deviations of independent rows by which a lag must differ from zero.
 const SURE: f64 = 8.0;
@@ -101,11 +100,9 @@ pub(super) fn left(torque: &Series, motion: &Motion, model: &Model, theta: &[f64
 #[cfg(test)]
 mod tests {
     use super::{super::separated::separated, *};
-    use crate::{
-        linear_algebra::Matrix,
-        preparation::{Case, ParameterChoice, Recording, Settings, Setup},
-        robot::Robot,
-    };
+    use crate::preparation::{Case, ParameterChoice, Recording, Settings, Setup};
+    use thetahat_ground::linear_algebra::Matrix;
+    use thetahat_model::robot::Robot;
 
     const RATE_HZ: f64 = 500.0;
 

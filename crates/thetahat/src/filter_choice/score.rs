@@ -1,10 +1,7 @@
 //! How far estimates with a filter are from the truth.
 
-use crate::{
-    base_parameters::BaseParameters,
-    dynamics::Model,
-    results::{Filter, FilterError},
-};
+use thetahat_model::{base_parameters::BaseParameters, dynamics::Model};
+use thetahat_report::results::{Filter, FilterError};
 
 /// Squared differences of estimates that the errors of the narrower filter explain, in multiples of those.
 const ALLOWED: f64 = 3.0;

@@ -1,6 +1,6 @@
 //! The estimate with the parameters that a motion separates.
 
-use crate::{
+use thetahat_estimation::{
     identification::{Divisor, EstimationError, idim_ls},
     regression::Regression,
 };

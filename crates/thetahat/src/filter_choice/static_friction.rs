@@ -3,7 +3,7 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use crate::series::Series;
+use thetahat_ground::series::Series;
 
 /// Static friction: at each rest it is somewhere between the Coulomb friction of either direction.
 pub(super) struct StaticFriction {

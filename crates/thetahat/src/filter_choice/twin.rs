@@ -9,14 +9,16 @@ use super::{
     recorder::{Recorder, left},
     static_friction::StaticFriction,
 };
-use crate::{
+use crate::preparation::{Recording, STILL, SimulationOptions};
+use thetahat_estimation::{
     control::ControllerDescription,
-    dynamics::Model,
-    preparation::{Recording, STILL, SimulationOptions},
-    robot::{JointQuantity, Quantity, Robot},
-    series::Series,
     signal::{Motion, Padding, SecondOrderSections, SignalError, Spectrum, zero_phase},
     simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatorBias, Solver},
+};
+use thetahat_ground::series::Series;
+use thetahat_model::{
+    dynamics::Model,
+    robot::{JointQuantity, Quantity, Robot},
 };
 
 /// Order of the low-pass that separates motion from noise.

@@ -1,8 +1,6 @@
 use super::{error::PreparationError, setup::Setup};
-use crate::{
-    results::Bandwidth,
-    signal::{Decimator, minus_3_db_bandwidth_hz},
-};
+use thetahat_estimation::signal::{Decimator, minus_3_db_bandwidth_hz};
+use thetahat_report::results::Bandwidth;
 
 /// Length, in periods of the cut-off, of the record through which bandwidths are measured.
 const PROBE_PERIODS: f64 = 200.0;

@@ -1,9 +1,9 @@
 //! The physically consistent set of the robot of a problem.
 
 use super::{physical::all_known, problem::Problem, settings::ParameterSelection, setup::Setup};
-use crate::{
+use thetahat_estimation::identification::idim_ls;
+use thetahat_model::{
     consistency::{ConsistencyError, ConsistentSet, Known, LeastSquares, completed_a_priori, mass_factor},
-    identification::idim_ls,
     robot::{Friction, Robot},
 };
 

@@ -1,9 +1,7 @@
 use std::{error::Error, fmt::Display, sync::Arc};
 
-use crate::{
-    base_parameters::BaseParametersError, consistency::ConsistencyError, control::ControllerError, robot::NotARobot,
-    signal::SignalError, trajectory::TrajectoryError,
-};
+use thetahat_estimation::{control::ControllerError, signal::SignalError, trajectory::TrajectoryError};
+use thetahat_model::{base_parameters::BaseParametersError, consistency::ConsistencyError, robot::NotARobot};
 
 /// Why a robot cannot be identified from its recordings with these settings. Keys are those of an experiment file.
 #[derive(Debug, Clone, thiserror::Error)]

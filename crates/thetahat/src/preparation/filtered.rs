@@ -6,13 +6,14 @@ use super::{
     error::PreparationError, near_rest::near_rest, payload::Payload, recording::Recording, settings::SignalOptions,
     setup::Setup,
 };
-use crate::{
-    dynamics::{Jump, Model, Sign},
+use thetahat_estimation::{
     identification::{Assembly, NearRest, RowMask},
-    linear_algebra::Matrix,
-    regressor::Regressor,
-    series::Series,
     signal::{Decimator, Motion, SignalError, centred_hold, moving_samples, spectrum_end_hz},
+};
+use thetahat_ground::{linear_algebra::Matrix, series::Series};
+use thetahat_model::{
+    dynamics::{Jump, Model, Sign},
+    regressor::Regressor,
 };
 
 /// Part of its peak velocity above which a joint counts as moving.
@@ -248,7 +249,7 @@ impl FilteredRecording {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::robot::Robot;
+    use thetahat_model::robot::Robot;
 
     /// At 1 kHz and 50 Hz a gap of 10 samples is short, and 100 samples are an edge.
     #[test]

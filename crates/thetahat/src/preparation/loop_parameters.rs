@@ -4,11 +4,11 @@ use std::borrow::Cow;
 
 use serde::Deserialize;
 
-use crate::{
+use thetahat_estimation::{
     control::ControllerDescription,
-    robot::Transmission,
     simulation::{Motors, SensitiveTo, SimulatorBias},
 };
+use thetahat_model::robot::Transmission;
 
 /// A quantity of the simulated loop that is not known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -154,11 +154,11 @@ mod tests {
         let loop_parameters = LoopParameters::new(&[LoopParameter::PositionGains], 2);
         let changed = loop_parameters.apply(&[0.0, 2.0_f64.ln()], parts(&description), &inertia);
         let (before, behind) = (description.resolve(&inertia, 1.0), changed.controller.resolve(&inertia, 1.0));
-        let of_position = |c: &crate::control::Controller, motor| c.command(motor, 0.01, 0.0, 0.0, 0.0);
+        let of_position = |c: &thetahat_estimation::control::Controller, motor| c.command(motor, 0.01, 0.0, 0.0, 0.0);
         assert!((of_position(&behind, 0) - of_position(&before, 0)).abs() < 1e-12);
         assert!((of_position(&behind, 1) - 2.0 * of_position(&before, 1)).abs() < 1e-9);
         for motor in 0..2 {
-            let others = |c: &crate::control::Controller| c.command(motor, 0.0, 0.3, 0.7, 1.1);
+            let others = |c: &thetahat_estimation::control::Controller| c.command(motor, 0.0, 0.3, 0.7, 1.1);
             assert!((others(&behind) - others(&before)).abs() < 1e-9);
         }
     }

@@ -3,11 +3,11 @@
 use std::convert::Infallible;
 
 use super::settings::{Mask, NamedMask, SignalOptions, StatedMask};
-use crate::{
+use thetahat_estimation::{
     identification::NearRest,
-    series::Series,
     signal::{noise_densities, velocity_noise_per_density},
 };
+use thetahat_ground::series::Series;
 
 /// Scales of the simulator's smooth sign at which it is within a thousandth of one: `tanh(4) = 0.9993`.
 const SCALES: f64 = 4.0;

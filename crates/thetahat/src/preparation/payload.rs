@@ -3,11 +3,13 @@
 use serde::Deserialize;
 
 use super::error::PreparationError;
-use crate::{
-    consistency::pseudo_inertia,
+use thetahat_ground::{
     linear_algebra::Matrix,
-    robot::{INERTIAL, ParameterTable, Quantity, Robot},
     vector::{Mat3, Vec3, dot, product, times, turned},
+};
+use thetahat_model::{
+    consistency::pseudo_inertia,
+    robot::{INERTIAL, ParameterTable, Quantity, Robot},
 };
 
 /// A body fixed to a link: an entry of `[[payload]]`, carried in recordings with `payload = "name"`. Without mass it is

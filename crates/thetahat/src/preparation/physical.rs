@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 use super::error::PreparationError;
-use crate::{
+use thetahat_model::{
     consistency::{ConsistencyError, ConsistentSet, Known, completed_a_priori, require_interior},
     robot::Robot,
 };

@@ -9,18 +9,20 @@ use super::{
     setup::{Basis, Setup},
     simulable::Simulable,
 };
-use crate::{
-    base_parameters::{BaseParameter, BaseParameters},
-    consistency::{ConsistencyError, ConsistentSet},
-    dynamics::Model,
+use thetahat_estimation::{
     identification::{Assembly, Elimination, Fit, RowMask, eliminate, idim_ls, nested_f_test},
     regression::{Regression, RowLayout},
-    results::{EliminationResult, RunPlots},
-    series::Series,
     signal::{Decimator, SignalError},
     simulation::SimulatedMotion,
     statistics::FTest,
 };
+use thetahat_ground::series::Series;
+use thetahat_model::{
+    base_parameters::{BaseParameter, BaseParameters},
+    consistency::{ConsistencyError, ConsistentSet},
+    dynamics::Model,
+};
+use thetahat_report::results::{EliminationResult, RunPlots};
 
 /// The regression of one friction model.
 pub(crate) struct Problem {

@@ -2,9 +2,11 @@
 //! motion.
 
 use super::{filtered::FilteredRecording, settings::Case, settings::Settings};
-use crate::{
+use thetahat_estimation::{
     control::ControllerDescription,
     identification::{Design, Method, Needs},
+};
+use thetahat_ground::{
     linear_algebra::{Matrix, PivotedQr},
     series::Series,
 };
@@ -101,7 +103,8 @@ fn lag_of_joint(filtered: &FilteredRecording, reference: &Series, j: usize) -> O
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{preparation::Recording, signal::Motion};
+    use crate::preparation::Recording;
+    use thetahat_estimation::signal::Motion;
 
     /// A motion behind `sin(omega t)` as a critically damped loop of `hz` leaves it: its answer is exact.
     fn lagging(hz: f64) -> FilteredRecording {

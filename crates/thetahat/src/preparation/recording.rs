@@ -1,11 +1,9 @@
 use std::{collections::BTreeMap, ops::Range, path::Path};
 
 use super::{error::PreparationError, reference_correction::ReferenceCorrection};
-use crate::{
-    recording::{Clock, RecordingError, Resampling, same_length},
-    series::Series,
-    trajectory::Moves,
-};
+use thetahat_data::recording::{Clock, RecordingError, Resampling, same_length};
+use thetahat_estimation::trajectory::Moves;
+use thetahat_ground::series::Series;
 
 /// Positions and torques of the joints at equal time steps, and what else was recorded with them.
 ///

@@ -1,8 +1,6 @@
 use super::{error::PreparationError, filtered::FilteredRecording, recording::Recording, setup::Setup};
-use crate::{
-    results::{PeriodicResult, ReferenceResult},
-    simulation::{Reference, SampledReference},
-};
+use thetahat_estimation::simulation::{Reference, SampledReference};
+use thetahat_report::results::{PeriodicResult, ReferenceResult};
 
 /// The reference that a recording's simulations follow, and where it comes from.
 #[derive(Debug, Clone)]

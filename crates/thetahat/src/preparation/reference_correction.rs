@@ -1,7 +1,8 @@
 use serde::Deserialize;
 
 use super::error::PreparationError;
-use crate::{one_or_each::OneOrEach, series::Series, signal::delayed};
+use thetahat_estimation::signal::delayed;
+use thetahat_ground::{one_or_each::OneOrEach, series::Series};
 
 /// How a recorded reference is put right: `r(t) = scale r_recorded(t - delay_s) + offset`, joint by joint.
 #[derive(Debug, Clone, PartialEq, Deserialize)]

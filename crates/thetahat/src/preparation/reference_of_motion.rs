@@ -9,13 +9,13 @@ use super::{
     reference::RecordedReference,
     setup::Setup,
 };
-use crate::{
-    results::PeriodicResult,
-    series::Series,
+use thetahat_estimation::{
     signal::{self, Motion, Smoothed, moving_samples},
     simulation::{PeriodicReference, Reference, SampledReference},
     trajectory::{FourierSeries, LowPass, Moves, Periodic, find_periodic, reconstruct},
 };
+use thetahat_ground::series::Series;
+use thetahat_report::results::PeriodicResult;
 
 /// Rms deviation of a joint's motion from reconstructed moves, relative to that from its mean, beyond which the motion is not
 /// made of moves.

@@ -7,14 +7,14 @@ use super::{
     payload::Payload,
     physical::{KnownQuantity, PriorOptions},
 };
-use crate::{
+use thetahat_estimation::{
     control::ControllerDescription,
     identification::{Convergence, Divisor, EliminationRule, IterationOptions, Method, Weighting},
-    results::NOMINAL,
-    robot::Friction,
     signal::{Decimator, Derivative, SignalError},
     simulation::{SimulatorBias, Solver},
 };
+use thetahat_model::robot::Friction;
+use thetahat_report::results::NOMINAL;
 
 /// How a robot is identified from its recordings. Its form as data is that of an experiment file's tables of these names.
 #[derive(Debug, Clone, PartialEq, Deserialize)]

@@ -2,12 +2,12 @@ use super::{
     error::PreparationError,
     settings::{Case, Settings, Start},
 };
-use crate::{
+use thetahat_estimation::signal::{self, Motion, SignalError};
+use thetahat_ground::series::Series;
+use thetahat_model::{
     base_parameters::BaseParameters,
     dynamics::Model,
     robot::{ParameterTable, Robot},
-    series::Series,
-    signal::{self, Motion, SignalError},
 };
 
 /// A robot and how it is identified: what every step from recordings to results knows.

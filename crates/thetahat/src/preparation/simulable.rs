@@ -5,11 +5,10 @@ use std::f64::consts::PI;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::{
+use thetahat_estimation::{identification::idim_ls, regression::Regression};
+use thetahat_model::{
     base_parameters::BaseParameters,
     dynamics::{DynamicParameters, Model, Workspace, factorise},
-    identification::idim_ls,
-    regression::Regression,
     robot::{Joint, JointKind, Robot},
 };
 

@@ -7,11 +7,11 @@ use super::{
     physical::{PriorWeight, validate_known},
     settings::{Case, Mask, ParameterChoice, ParameterSelection, Settings, StatedMask},
 };
-use crate::{
+use thetahat_estimation::{
     identification::{Design, Method, Needs, Response, Weighting},
-    robot::Robot,
     simulation::Solver,
 };
+use thetahat_model::robot::Robot;
 
 /// Highest order of the position filter: beyond it, its transients are longer than what it is to keep.
 const HIGHEST_ORDER: usize = 20;

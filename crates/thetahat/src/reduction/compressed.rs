@@ -3,10 +3,8 @@ use super::{
     identity::Identity,
     value::Reduction,
 };
-use crate::{
-    linear_algebra::Matrix,
-    regression::{Regression, RowLayout},
-};
+use thetahat_estimation::regression::{Regression, RowLayout};
+use thetahat_ground::linear_algebra::Matrix;
 
 /// The regression whose rows are the factors of a reduction. X, Z and y were projected on the same orthonormal columns,
 /// so estimates, residual sums and covariances are the same as from all rows.

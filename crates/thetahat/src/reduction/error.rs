@@ -1,8 +1,8 @@
 use std::{io, path::PathBuf};
 
-use crate::{
-    experiment::ExperimentError, identification::EstimationError, results::ResultsError, simulation::SimulationError,
-};
+use crate::experiment::ExperimentError;
+use thetahat_estimation::{identification::EstimationError, simulation::SimulationError};
+use thetahat_report::results::ResultsError;
 
 /// Why there is no reduction, or no estimate from it.
 #[derive(Debug, thiserror::Error)]

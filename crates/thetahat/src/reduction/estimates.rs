@@ -3,10 +3,10 @@ use std::{collections::BTreeMap, path::Path};
 use super::error::ReductionError;
 use crate::{
     experiment::Experiment,
-    identification::Method,
     preparation::{Basis, Case},
-    results::{NOMINAL, Results},
 };
+use thetahat_estimation::identification::Method;
+use thetahat_report::results::{NOMINAL, Results};
 
 /// The nominal estimates of a `results.json` by name: from IDIM-IV, or else from IDIM-LS.
 ///

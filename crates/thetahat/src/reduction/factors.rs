@@ -1,4 +1,5 @@
-use crate::{identification::share_of_row, linear_algebra::Matrix, series::Series, signal::Decimator};
+use thetahat_estimation::{identification::share_of_row, signal::Decimator};
+use thetahat_ground::{linear_algebra::Matrix, series::Series};
 
 /// Segments of one recording, of which none is shorter than [`SHORTEST`] rows where there are several.
 pub(super) const MOST_SEGMENTS: usize = 32;
@@ -118,7 +119,7 @@ impl<'a> Accumulator<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linear_algebra::PivotedQr;
+    use thetahat_ground::linear_algebra::PivotedQr;
 
     const ROWS: usize = 2000;
     const COLUMNS: usize = 12;

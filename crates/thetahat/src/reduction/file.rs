@@ -11,7 +11,8 @@ use std::{
 use serde::{Deserialize, Serialize};
 
 use super::{Identity, ReducedRecording, Reduction, ReductionError, Segment, fingerprint::scrambled};
-use crate::{files, linear_algebra::Matrix, output::replace_file, results::NearRestResult};
+use thetahat_ground::{files, linear_algebra::Matrix, output::replace_file};
+use thetahat_report::results::NearRestResult;
 
 const MAGIC: &[u8] = b"thetahat reduction ";
 /// The form that is written.

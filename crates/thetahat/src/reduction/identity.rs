@@ -4,12 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use super::ReductionError;
 use crate::{
-    base_parameters::BaseParameters,
     experiment::Experiment,
     preparation::{Mask, NamedMask, Settings},
-    regressor::Regressor,
-    robot::Robot,
 };
+use thetahat_model::{base_parameters::BaseParameters, regressor::Regressor, robot::Robot};
 
 /// What must agree before reductions can be solved together.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

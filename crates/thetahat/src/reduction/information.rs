@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use super::{ReductionError, compressed::Compressed, value::Reduction};
-use crate::{experiment::Experiment, linear_algebra::Matrix};
+use crate::experiment::Experiment;
+use thetahat_ground::linear_algebra::Matrix;
 
 impl Reduction {
     /// `sum_j n / sd_j^2 X_j^T X_j`: the information of the rows on the base parameters, where a sample of joint j has white

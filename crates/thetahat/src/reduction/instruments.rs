@@ -4,15 +4,19 @@ use std::ops::Range;
 
 use super::{error::ReductionError, source::Source};
 use crate::{
-    base_parameters::BaseParameters,
-    control::ControllerDescription,
-    dynamics::{Model, Sign},
     experiment::Experiment,
     preparation::{Gains, propose_controller},
     scheduling::closed_loop,
-    series::Series,
+};
+use thetahat_estimation::{
+    control::ControllerDescription,
     signal::Motion,
     simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulatorBias, Solver},
+};
+use thetahat_ground::series::Series;
+use thetahat_model::{
+    base_parameters::BaseParameters,
+    dynamics::{Model, Sign},
 };
 
 /// Time that a piece is simulated before its first sample: the loop starts at rest on its reference, and must have forgotten

@@ -2,12 +2,10 @@
 
 use std::ops::Range;
 
-use crate::{
-    dynamics::Jump,
-    identification::{NearRest, hardly_moves},
-    results::NearRestResult,
-    series::Series,
-};
+use thetahat_estimation::identification::{NearRest, hardly_moves};
+use thetahat_ground::series::Series;
+use thetahat_model::dynamics::Jump;
+use thetahat_report::results::NearRestResult;
 
 /// What decides of the samples of a window.
 #[derive(Debug, Clone)]
@@ -78,7 +76,7 @@ impl NearRestMask {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identification::RowMask;
+    use thetahat_estimation::identification::RowMask;
 
     const SAMPLES: usize = 400;
 

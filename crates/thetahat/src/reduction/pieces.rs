@@ -6,9 +6,11 @@ use super::{error::ReductionError, source::Source};
 use crate::{
     experiment::Experiment,
     preparation::{MOVING, PreparationError, STILL},
-    series::Series,
-    signal::{Decimator, Motion, SecondOrderSections, SignalError, moving_thresholds, squared_differences},
 };
+use thetahat_estimation::signal::{
+    Decimator, Motion, SecondOrderSections, SignalError, moving_thresholds, squared_differences,
+};
+use thetahat_ground::series::Series;
 
 /// What a transient of the position filter decays to between the end of what is read and what is used of it: far below
 /// rounding, since two differentiations amplify it.

@@ -14,13 +14,15 @@ use super::{
     value::{ReducedRecording, Reduction},
 };
 use crate::{
+    experiment::{Experiment, RecordingDescription},
+    preparation::{Basis, Case, PreparationError, STILL},
+};
+use thetahat_estimation::signal::{Decimator, Joiner, SignalError};
+use thetahat_ground::pool::in_order;
+use thetahat_model::{
     base_parameters::BaseParameters,
     dynamics::{Jump, Model},
-    experiment::{Experiment, RecordingDescription},
-    pool::in_order,
-    preparation::{Basis, Case, PreparationError, STILL},
     regressor::Regressor,
-    signal::{Decimator, Joiner, SignalError},
 };
 
 /// How a recording is reduced. The numbers that come out are the same for any number of threads; another length of the

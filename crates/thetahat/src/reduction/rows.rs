@@ -9,11 +9,11 @@ use super::{
     near_rest::{MaskedPiece, NearRestMask},
     pieces::{Pieces, refuse},
 };
-use crate::{
+use thetahat_estimation::signal::{CentredHold, DecimatedPiece, Decimator, Motion, centred_hold};
+use thetahat_ground::series::Series;
+use thetahat_model::{
     dynamics::{Model, Sign, State, Workspace},
     regressor::Regressor,
-    series::Series,
-    signal::{CentredHold, DecimatedPiece, Decimator, Motion, centred_hold},
 };
 
 /// What makes rows of the pieces of a window.

@@ -1,12 +1,12 @@
 //! Variances from the scores of stretches of time: errors may be correlated in any way within a stretch, and between the
 //! joints, and are taken to be independent from one stretch to the next.
 
-use crate::{
+use thetahat_estimation::{
     identification::EstimationError,
-    linear_algebra::{Matrix, PivotedQr},
     regression::{InstrumentalVariables, Regression},
     statistics::EstimatedVariance,
 };
+use thetahat_ground::linear_algebra::{Matrix, PivotedQr};
 
 /// Least part of its own errors that a stretch is taken to leave in its residual.
 const LEAST_LEFT: f64 = 0.01;
@@ -96,7 +96,8 @@ mod tests {
 
     use super::super::factors::{Accumulator, JointColumns};
     use super::*;
-    use crate::{identification::idim_ls, regression::RowLayout, series::Series, signal::Decimator};
+    use thetahat_estimation::{identification::idim_ls, regression::RowLayout, signal::Decimator};
+    use thetahat_ground::series::Series;
 
     /// Percentage of 95 % intervals that contain the true value, with errors autoregressive of the first order; each
     /// trial has its own errors.

@@ -9,12 +9,16 @@ use super::{
 use crate::{
     diagnosis::judge,
     experiment::Experiment,
-    identification::{EstimationError, Fit, JointWeights, Method, Needs, Outcome, Status, Uncertainty, Weighting},
-    linear_algebra::Matrix,
     preparation::{Case, Chosen, Settings, full_model_test, named_elimination},
-    regression::Regression,
-    results::{EliminationResult, JointResult, NOMINAL, Plots, RecordingResult, Results, RunResult, SCHEMA},
     run::{covariance_of, explain, parameter_results},
+};
+use thetahat_estimation::{
+    identification::{EstimationError, Fit, JointWeights, Method, Needs, Outcome, Status, Uncertainty, Weighting},
+    regression::Regression,
+};
+use thetahat_ground::linear_algebra::Matrix;
+use thetahat_report::results::{
+    EliminationResult, JointResult, NOMINAL, Plots, RecordingResult, Results, RunResult, SCHEMA,
 };
 
 /// The estimate from a reduction.

@@ -6,9 +6,9 @@ use super::error::ReductionError;
 use crate::{
     experiment::{Experiment, ExperimentError, RecordingDescription},
     preparation::{PreparationError, Recording},
-    recording::{ChannelSource, RecordingError, STEP_TOLERANCE, Side, SignalPieces},
-    series::Series,
 };
+use thetahat_data::recording::{ChannelSource, RecordingError, STEP_TOLERANCE, Side, SignalPieces};
+use thetahat_ground::series::Series;
 
 /// Places of the first signals in the list that is opened.
 const POSITION: usize = 0;

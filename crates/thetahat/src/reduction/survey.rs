@@ -6,12 +6,9 @@ use super::{
     error::ReductionError,
     pieces::{Look, Pieces},
 };
-use crate::{
-    identification::NearRest,
-    pool::in_order,
-    preparation::{SignalOptions, near_rest_of_noise, window_of},
-    signal::densities_of_squares,
-};
+use crate::preparation::{SignalOptions, near_rest_of_noise, window_of};
+use thetahat_estimation::{identification::NearRest, signal::densities_of_squares};
+use thetahat_ground::pool::in_order;
 
 /// What was found.
 pub(super) struct Surveyed {

@@ -5,7 +5,7 @@ use super::{
     factors::{MOST_SEGMENTS, Segment, coarsened},
     identity::{Identity, unlike},
 };
-use crate::results::NearRestResult;
+use thetahat_report::results::NearRestResult;
 
 /// Part by which the sample rates of recordings may differ, as in an experiment with several.
 const RATE_TOLERANCE: f64 = 0.01;

@@ -16,14 +16,18 @@ use super::{
 };
 use crate::{
     diagnosis::{Estimated, residual},
-    identification::{Fit, Method, Needs, Outcome, Response, uncertainty},
     preparation::{Case, PreparationError},
-    regression::relative_error_percent,
-    results::{Influence, IterationResult, LoopParameterResult, NOMINAL, ParameterResult, RunPlots, RunResult},
     scheduling::{EstimationJob, Finished},
-    series::Series,
+};
+use thetahat_estimation::{
+    identification::{Fit, Method, Needs, Outcome, Response, uncertainty},
+    regression::relative_error_percent,
     signal::Motion,
     simulation::SimulatedMotion,
+};
+use thetahat_ground::series::Series;
+use thetahat_report::results::{
+    Influence, IterationResult, LoopParameterResult, NOMINAL, ParameterResult, RunPlots, RunResult,
 };
 
 /// An estimation of a case that is to be assessed.

@@ -11,13 +11,17 @@ use super::{
     uncertain,
 };
 use crate::{
-    clock::Stopwatch,
     diagnosis::{Estimated, advise, diagnose, judge},
-    identification::{Method, Status},
     preparation::{Case, PreparationError, Problem, is_iv, propose_controller},
-    results::{CaseDiagnosis, JointResult, NOMINAL, Plots, RecordingFindings, Results, RunResult, SCHEMA},
     scheduling::{EstimationJob, RunOptions, instruments_side_by_side, run_all},
+};
+use thetahat_estimation::{
+    identification::{Method, Status},
     simulation::SimulatorBias,
+};
+use thetahat_ground::clock::Stopwatch;
+use thetahat_report::results::{
+    CaseDiagnosis, JointResult, NOMINAL, Plots, RecordingFindings, Results, RunResult, SCHEMA,
 };
 
 /// How long the estimates that are left take, in words, if they take as long as those that are done.

@@ -1,11 +1,11 @@
 //! Columns of torque terms that the robot does not have yet, in the rows of a problem.
 
-use crate::{
+use crate::preparation::{FilteredRecording, PreparationError, Problem, Setup};
+use thetahat_estimation::signal::Motion;
+use thetahat_ground::linear_algebra::Matrix;
+use thetahat_model::{
     dynamics::{Model, Sign},
-    linear_algebra::Matrix,
-    preparation::{FilteredRecording, PreparationError, Problem, Setup},
     robot::{Quantity, Robot, TermColumn},
-    signal::Motion,
 };
 
 /// A problem with what its rows were made of.

@@ -3,12 +3,14 @@
 use std::borrow::Cow;
 
 use super::cross_validation::Others;
-use crate::{
+use thetahat_estimation::{
+    identification::{Design, EstimationError, Method, Needs},
+    regression::{InstrumentalVariables, Regression},
+};
+use thetahat_ground::linear_algebra::{Matrix, PivotedQr};
+use thetahat_model::{
     base_parameters::BaseParameters,
     consistency::{ConsistentSet, LeastSquares, Prior, fit},
-    identification::{Design, EstimationError, Method, Needs},
-    linear_algebra::{Matrix, PivotedQr},
-    regression::{InstrumentalVariables, Regression},
 };
 
 /// What an estimator minimises about its estimate, `|R (theta - theta_hat)|^2`.

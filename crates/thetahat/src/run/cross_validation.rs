@@ -2,12 +2,12 @@
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use crate::{
+use thetahat_estimation::{
     identification::{Design, Divisor, EstimationError, Method, Needs, Outcome},
-    linear_algebra::Matrix,
     regression::{Regression, relative_error_percent},
     trajectory::Moves,
 };
+use thetahat_ground::linear_algebra::Matrix;
 
 /// Fewest moves of which one can be left out.
 const FEWEST_MOVES: usize = 3;
@@ -258,7 +258,7 @@ fn sums<'a>(each: impl Iterator<Item = &'a Matrix>, nothing: &Matrix, parameters
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trajectory::{Move, TimeLaw};
+    use thetahat_estimation::trajectory::{Move, TimeLaw};
 
     #[test]
     fn folds_without_rows_are_none() {

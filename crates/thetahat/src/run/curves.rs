@@ -1,14 +1,10 @@
 //! Curves for the report: what the figures show of a run and of the robot, as plain data.
 
 use super::prepared::{Prepared, times};
-use crate::{
-    base_parameters::BaseParameters,
-    dynamics::Model,
-    preparation::Problem,
-    results::{Frame, HeldBackPlots, Plots, RecordStart, Skeleton},
-    robot::Robot,
-    series::Series,
-};
+use crate::preparation::Problem;
+use thetahat_ground::series::Series;
+use thetahat_model::{base_parameters::BaseParameters, dynamics::Model, robot::Robot};
+use thetahat_report::results::{Frame, HeldBackPlots, Plots, RecordStart, Skeleton};
 
 /// Most points of the tool's way.
 const WAY: usize = 400;

@@ -7,14 +7,16 @@
 //! S. Briot, "Global identification of joint drive gains and dynamic parameters of robots", 2014).
 
 use super::identification::Identification;
-use crate::{
+use crate::preparation::{PreparationError, Problem};
+use thetahat_estimation::{
     identification::{Method, idim_ls, uncertainty},
-    linear_algebra::{Matrix, PivotedQr},
-    preparation::{PreparationError, Problem},
     regression::{Regression, RowLayout},
-    results::DriveGainResult,
+};
+use thetahat_ground::{
+    linear_algebra::{Matrix, PivotedQr},
     series::Series,
 };
+use thetahat_report::results::DriveGainResult;
 
 /// Size of a diagonal entry of R, relative to the largest, below which a column depends on others.
 const RANK_TOLERANCE: f64 = 1e-10;

@@ -4,16 +4,14 @@ use super::{
     prepared::{Prepared, filtered},
     uncertain,
 };
-use crate::{
-    base_parameters::BaseParameters,
+use crate::preparation::{Case, FilteredRecording, PreparationError, Problem, Recording, Setup};
+use thetahat_estimation::{
     checks::{self, Companion, Finding, SignalSettings, Subject},
-    dynamics::Model,
     identification::{Method, Needs},
-    preparation::{Case, FilteredRecording, PreparationError, Problem, Recording, Setup},
-    results::RecordingFindings,
-    robot::Robot,
     simulation::Reference,
 };
+use thetahat_model::{base_parameters::BaseParameters, dynamics::Model, robot::Robot};
+use thetahat_report::results::RecordingFindings;
 
 /// The name under which findings of several recordings stand.
 const TOGETHER: &str = "all recordings";

@@ -11,13 +11,14 @@ use std::iter::once;
 use super::{identification::Identification, prepared::filtered};
 use crate::{
     diagnosis::Estimated,
-    identification::{Divisor, EstimationError, Fit, Response, uncertainty},
-    linear_algebra::Matrix,
     preparation::{FilteredRecording, Problem, torques},
-    results::{HiddenBias, HiddenError, MovedParameter, ParameterResult, RunResult},
-    series::Series,
+};
+use thetahat_estimation::{
+    identification::{Divisor, EstimationError, Fit, Response, uncertainty},
     signal::SignalError,
 };
+use thetahat_ground::{linear_algebra::Matrix, series::Series};
+use thetahat_report::results::{HiddenBias, HiddenError, MovedParameter, ParameterResult, RunResult};
 
 /// Velocity at which friction that grows near rest has fallen to `1/e`, relative to the joint's largest one.
 const STRIBECK_VELOCITY: f64 = 0.1;

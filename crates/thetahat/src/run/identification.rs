@@ -8,18 +8,22 @@ use super::{
     profiled_robot::with_profiled_terms,
 };
 use crate::{
-    base_parameters::BaseParameters,
-    control::ControllerDescription,
-    identification::{EstimationError, JointWeights, Method, Needs, Reason, Response, UserEstimator, Weighting},
-    pool::available_threads,
     preparation::{
         Case, Payload, PreparationError, Problem, ProposedController, Recording, Settings, Setup, propose_controller,
     },
-    results::ProfiledTerm,
-    robot::{Friction, Robot},
     scheduling::{EstimationJob, Simulator},
+};
+use thetahat_estimation::{
+    control::ControllerDescription,
+    identification::{EstimationError, JointWeights, Method, Needs, Reason, Response, UserEstimator, Weighting},
     simulation::Reference,
 };
+use thetahat_ground::pool::available_threads;
+use thetahat_model::{
+    base_parameters::BaseParameters,
+    robot::{Friction, Robot},
+};
+use thetahat_report::results::ProfiledTerm;
 
 /// Part by which the sample rates of recordings may differ: clocks differ by less, chosen rates by more.
 const RATE_TOLERANCE: f64 = 0.01;

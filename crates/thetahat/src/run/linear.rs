@@ -2,12 +2,12 @@
 
 use std::borrow::Cow;
 
-use crate::{
+use crate::scheduling::EstimationJob;
+use thetahat_estimation::{
     identification::{Fit, Outcome},
-    linear_algebra::Matrix,
     regression::Regression,
-    scheduling::EstimationJob,
 };
+use thetahat_ground::linear_algebra::Matrix;
 
 /// The regression of the robot's parameters alone: what a simulated response adds to `J theta`, and what was estimated of the
 /// loop, is taken off y.

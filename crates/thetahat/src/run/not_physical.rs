@@ -1,14 +1,16 @@
 //! What is found in estimates that no robot made of bodies has.
 
-use crate::{
-    base_parameters::{BaseParameter, BaseParameters},
+use thetahat_estimation::{
     checks::{Code, Finding, Severity},
-    consistency::{ConsistentSet, bounds_of},
-    number::significant,
-    results::{PhysicalResult, RunResult},
-    robot::{ParameterTable, Robot, Role},
     statistics::t_quantile,
 };
+use thetahat_ground::number::significant;
+use thetahat_model::{
+    base_parameters::{BaseParameter, BaseParameters},
+    consistency::{ConsistentSet, bounds_of},
+    robot::{ParameterTable, Robot, Role},
+};
+use thetahat_report::results::{PhysicalResult, RunResult};
 
 /// Probability with which noise alone makes one of all conditions look broken.
 const CHANCE: f64 = 0.005;

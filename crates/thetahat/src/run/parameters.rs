@@ -1,9 +1,7 @@
-use crate::{
-    base_parameters::{BaseParameter, BaseParameters},
-    identification::{Fit, Uncertainty},
-    preparation::{LoopParameters, Settings},
-    results::{LoopParameterResult, ParameterResult},
-};
+use crate::preparation::{LoopParameters, Settings};
+use thetahat_estimation::identification::{Fit, Uncertainty};
+use thetahat_model::base_parameters::{BaseParameter, BaseParameters};
+use thetahat_report::results::{LoopParameterResult, ParameterResult};
 
 /// The estimates of a run with their deviations, intervals and true values.
 pub(crate) fn parameter_results(

@@ -11,16 +11,18 @@ use super::{
     identification::{CaseProblem, Identification},
     prepared::{Prepared, filtered},
 };
-use crate::{
-    consistency::{ConsistentSet, Known, LeastSquares, Prior, completed_a_priori, fit, pseudo_inertia},
+use crate::preparation::{Case, ParameterChoice, Payload, PreparationError};
+use thetahat_estimation::{
     identification::{Method, idim_ls, uncertainty},
-    linear_algebra::{Matrix, PivotedQr, norm},
-    preparation::{Case, ParameterChoice, Payload, PreparationError},
     regression::{Regression, relative_error_percent},
-    results::{PayloadParameter, PayloadResult},
-    robot::{INERTIAL, JointKind, LinkQuantity, Quantity, Robot},
     statistics::CovarianceFactor,
 };
+use thetahat_ground::linear_algebra::{Matrix, PivotedQr, norm};
+use thetahat_model::{
+    consistency::{ConsistentSet, Known, LeastSquares, Prior, completed_a_priori, fit, pseudo_inertia},
+    robot::{INERTIAL, JointKind, LinkQuantity, Quantity, Robot},
+};
+use thetahat_report::results::{PayloadParameter, PayloadResult};
 
 /// Size of a diagonal entry of R, relative to the largest, below which a column depends on others.
 const RANK_TOLERANCE: f64 = 1e-10;

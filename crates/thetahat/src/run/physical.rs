@@ -7,15 +7,15 @@ use super::{
     not_physical::not_physical,
 };
 use crate::{
-    clock::Stopwatch,
-    consistency::{ConsistentFit, ConsistentSet, LeastSquares, Prior, bounds_of, examine_within, fit, interval_in},
-    linear_algebra::norm,
     preparation::{ParameterSelection, PriorKind, PriorWeight, Problem, Setup, WeightRule, known_in_words},
-    regression::Regression,
-    results::{ConsistencyTest, ConsistentEstimate, ConsistentParameter, PhysicalResult, RunResult},
     scheduling::EstimationJob,
-    statistics::f_probability,
 };
+use thetahat_estimation::{regression::Regression, statistics::f_probability};
+use thetahat_ground::{clock::Stopwatch, linear_algebra::norm};
+use thetahat_model::consistency::{
+    ConsistentFit, ConsistentSet, LeastSquares, Prior, bounds_of, examine_within, fit, interval_in,
+};
+use thetahat_report::results::{ConsistencyTest, ConsistentEstimate, ConsistentParameter, PhysicalResult, RunResult};
 
 /// Accuracy with which what an estimate lacks is told.
 const EXAMINATION_GAP: f64 = 1e-3;
@@ -157,7 +157,7 @@ impl Examined<'_> {
     }
 
     fn base_parameters(&self, set: &ConsistentSet, problem: &Problem, theta: &[f64]) -> Vec<ConsistentParameter> {
-        let parameter = |(i, p): (usize, &crate::base_parameters::BaseParameter)| {
+        let parameter = |(i, p): (usize, &thetahat_model::base_parameters::BaseParameter)| {
             let free = self.run.parameter(&p.name);
             let inside = |free: [f64; 2]| interval_in(bounds_of(set, p), free, theta[i]);
             ConsistentParameter {
@@ -189,7 +189,7 @@ fn squared_residual(regression: &Regression, prediction: &[f64]) -> f64 {
 
 fn standard_parameters(set: &ConsistentSet, standard: &[f64]) -> Vec<ConsistentParameter> {
     let parameters = set.parameter_table().iter().zip(standard).zip(set.a_priori());
-    let parameter = |((p, value), a_priori): ((&crate::robot::Parameter, &f64), &f64)| ConsistentParameter {
+    let parameter = |((p, value), a_priori): ((&thetahat_model::robot::Parameter, &f64), &f64)| ConsistentParameter {
         name: p.name(),
         unit: p.unit.to_string(),
         estimate: *value,

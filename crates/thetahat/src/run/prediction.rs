@@ -1,15 +1,14 @@
 //! The torques that identified parameters predict for another motion.
 
-use crate::{
-    dynamics::Sign,
+use crate::preparation::{Basis, Case, FilteredRecording, PreparationError, Recording, Setup};
+use thetahat_estimation::{
     identification::{Assembly, Method},
-    preparation::{Basis, Case, FilteredRecording, PreparationError, Recording, Setup},
     regression::{Regression, RowLayout, relative_error_percent},
-    regressor::Regressor,
-    results::{Prediction, Verdict, VerdictReason},
-    series::Series,
     signal::Motion,
 };
+use thetahat_ground::series::Series;
+use thetahat_model::{dynamics::Sign, regressor::Regressor};
+use thetahat_report::results::{Prediction, Verdict, VerdictReason};
 
 /// Base parameters of a case by name, the method that gave them, and the verdict on them.
 pub(crate) struct Identified<'a> {

@@ -1,7 +1,5 @@
-use crate::{
-    preparation::{FilteredRecording, PreparationError, Problem, RecordedReference, Recording, Setup},
-    results::{NearRestResult, RecordingResult},
-};
+use crate::preparation::{FilteredRecording, PreparationError, Problem, RecordedReference, Recording, Setup};
+use thetahat_report::results::{NearRestResult, RecordingResult};
 
 /// A recording ready for every case: filtered, with its reference where a method or report needs one.
 pub(crate) struct Prepared {

@@ -2,11 +2,9 @@
 //! parameters are estimated, and the grid closes in on the smallest residual.
 
 use super::column_source::ColumnSource;
-use crate::{
-    linear_algebra::{Matrix, PivotedQr, dot},
-    preparation::PreparationError,
-    robot::{Shape, Stribeck, StribeckLaw, TermColumn},
-};
+use crate::preparation::PreparationError;
+use thetahat_ground::linear_algebra::{Matrix, PivotedQr, dot};
+use thetahat_model::robot::{Shape, Stribeck, StribeckLaw, TermColumn};
 
 /// Rounds of the search, each in a grid that is half as wide.
 const ROUNDS: usize = 4;

@@ -3,13 +3,11 @@
 use std::collections::BTreeMap;
 
 use super::{column_source::ColumnSource, profile::Projection};
-use crate::{
-    identification::JointWeights,
-    linear_algebra::Matrix,
-    preparation::{Case, FilteredRecording, PreparationError, Setup},
-    results::ProfiledTerm,
-    robot::{Robot, Shape, TermColumn},
-};
+use crate::preparation::{Case, FilteredRecording, PreparationError, Setup};
+use thetahat_estimation::identification::JointWeights;
+use thetahat_ground::linear_algebra::Matrix;
+use thetahat_model::robot::{Robot, Shape, TermColumn};
+use thetahat_report::results::ProfiledTerm;
 
 /// Rounds over all terms: the constants of one depend little on those of another.
 const ROUNDS: usize = 2;

@@ -1,13 +1,12 @@
 //! What the residual of a run depends on: itself, frequency, velocity, position and torque.
 
-use crate::{
-    linear_algebra::Matrix,
+use thetahat_estimation::{
     regression::Regression,
-    results::{Bin, ResidualCurves},
-    series::Series,
     signal::Spectrum,
     statistics::{autocorrelation, quantile},
 };
+use thetahat_ground::{linear_algebra::Matrix, series::Series};
+use thetahat_report::results::{Bin, ResidualCurves};
 
 /// Most lags of the autocorrelation, and the part of the rows that they may be.
 const MOST_LAGS: usize = 40;

@@ -7,13 +7,15 @@ use std::{
 
 use super::identification::{CaseProblem, Identification};
 use crate::{
-    identification::{Design, Method, Outcome},
-    pool::in_parallel,
     preparation::{Case, PreparationError},
-    results::{Sensitivity, SensitivityPoint},
     scheduling::{EstimationJob, RunOptions, SIDE_BY_SIDE, run_all},
+};
+use thetahat_estimation::{
+    identification::{Design, Method, Outcome},
     simulation::{BiasKind, SimulatorBias},
 };
+use thetahat_ground::pool::in_parallel;
+use thetahat_report::results::{Sensitivity, SensitivityPoint};
 
 /// The values of each kind that are swept; the nominal value, 1 or 0, is in none of them.
 const SWEEP: [(BiasKind, &[f64]); 7] = [

@@ -8,15 +8,14 @@ use super::{
     prepared::filtered,
     profile::{Found, Projection},
 };
-use crate::{
-    diagnosis::independent_rows,
+use crate::{diagnosis::independent_rows, preparation::PreparationError};
+use thetahat_estimation::{
     identification::{Method, idim_ls},
-    linear_algebra::{Matrix, PivotedQr},
-    preparation::PreparationError,
     regression::Regression,
-    results::{JointTermComparison, TermComparison, TermLaw},
-    robot::{Shape, Stribeck, StribeckLaw, TermColumn, TermDescription},
 };
+use thetahat_ground::linear_algebra::{Matrix, PivotedQr};
+use thetahat_model::robot::{Shape, Stribeck, StribeckLaw, TermColumn, TermDescription};
+use thetahat_report::results::{JointTermComparison, TermComparison, TermLaw};
 
 /// Change of the criterion below which the evidence for a law is very strong (R. E. Kass, A. E. Raftery, "Bayes factors",
 /// Journal of the American Statistical Association 90, 1995, p. 777).

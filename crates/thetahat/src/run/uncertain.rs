@@ -1,15 +1,17 @@
 //! The note on parameters that the motion hardly excites: the numbers of the table, and what leaving them out would do.
 
 use super::cross_validation::folds_by_part;
-use crate::{
+use crate::preparation::{NamedChoice, ParameterChoice, Problem, Setup, Simulable};
+use thetahat_estimation::{
     checks::{Code, Finding, Severity},
     identification::{Method, Needs, eliminate},
+    regression::Regression,
+};
+use thetahat_ground::{
     linear_algebra::{Matrix, PivotedQr, dot, norm},
     number::significant,
-    preparation::{NamedChoice, ParameterChoice, Problem, Setup, Simulable},
-    regression::Regression,
-    results::{NOMINAL, ParameterResult, RunResult},
 };
+use thetahat_report::results::{NOMINAL, ParameterResult, RunResult};
 
 /// Relative standard deviation, percent, above which a parameter is named: that above which an elimination looks at it.
 const LIMIT_PERCENT: f64 = 30.0;

@@ -5,15 +5,16 @@ use std::sync::Arc;
 
 use super::{cross_validation::interval, identification::Identification, prepared::filtered};
 use crate::{
-    base_parameters::BaseParameter,
-    clock::Stopwatch,
     diagnosis::Estimated,
-    identification::{Method, Status, UserError, UserEstimate, UserEstimator, UserRegression},
-    linear_algebra::Matrix,
     preparation::{Case, PreparationError, Problem},
-    regression::relative_error_percent,
-    results::{ParameterResult, UserRun},
 };
+use thetahat_estimation::{
+    identification::{Method, Status, UserError, UserEstimate, UserEstimator, UserRegression},
+    regression::relative_error_percent,
+};
+use thetahat_ground::{clock::Stopwatch, linear_algebra::Matrix};
+use thetahat_model::base_parameters::BaseParameter;
+use thetahat_report::results::{ParameterResult, UserRun};
 
 /// Half of a 95 % interval in standard deviations.
 const HALF_WIDTH_95: f64 = 1.959_963_984_540_054;

@@ -1,11 +1,9 @@
 //! What samples near rest would change, where they are left out.
 
 use super::{identification::Identification, prepared::filtered};
-use crate::{
-    identification::{Divisor, Method, idim_ls},
-    preparation::{Case, FilteredRecording, ParameterChoice, PreparationError, Problem},
-    results::{NOMINAL, ParameterResult, RunResult, WithRestResult},
-};
+use crate::preparation::{Case, FilteredRecording, ParameterChoice, PreparationError, Problem};
+use thetahat_estimation::identification::{Divisor, Method, idim_ls};
+use thetahat_report::results::{NOMINAL, ParameterResult, RunResult, WithRestResult};
 
 /// Most numbers of an observation matrix for which it is built a second time.
 const MOST_NUMBERS: usize = 10_000_000;

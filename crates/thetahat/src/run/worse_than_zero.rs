@@ -1,10 +1,10 @@
 //! Joints whose torque an estimate predicts worse than zero does.
 
-use crate::{
+use thetahat_estimation::{
     checks::{Code, Finding, Severity},
     regression::Regression,
-    robot::Robot,
 };
+use thetahat_model::robot::Robot;
 
 /// Relative error of a joint's torque, percent, above which no prediction is better.
 const LIMIT_PERCENT: f64 = 100.0;
@@ -62,7 +62,8 @@ pub(super) fn worse_than_zero(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{linear_algebra::Matrix, regression::RowLayout};
+    use thetahat_estimation::regression::RowLayout;
+    use thetahat_ground::linear_algebra::Matrix;
 
     #[test]
     fn joints_that_are_predicted_worse_than_zero_stand_in_one_line() {

@@ -6,7 +6,7 @@ use super::{
     requests::{Request, Simulated},
     simulator::{Output, Parameters, Simulator},
 };
-use crate::{
+use thetahat_estimation::{
     identification::{
         GaussNewtonStep, IterationOptions, Method, Outcome, PredictionErrorEstimation, SimulatedResponse, Wanted,
     },

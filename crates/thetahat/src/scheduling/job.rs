@@ -1,9 +1,9 @@
 //! What is to be estimated.
 
 use super::simulator::Simulator;
-use crate::{
+use crate::preparation::Problem;
+use thetahat_estimation::{
     identification::{Method, Response},
-    preparation::Problem,
     regression::Regression,
 };
 

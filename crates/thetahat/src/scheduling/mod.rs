@@ -1,7 +1,7 @@
 //! Closed-loop simulations that estimators ask for, run side by side.
 //!
 //! A [`Simulator`] simulates the loops of all recordings for one case. Estimations ask for simulations instead of calling
-//! for them ([`crate::identification::Estimation`]); [`run_all`] collects what all of them want, and runs up to four
+//! for them ([`thetahat_estimation::identification::Estimation`]); [`run_all`] collects what all of them want, and runs up to four
 //! simulations in the lanes of a vector. Results are bit-identical alone or batched.
 
 mod fitting;

@@ -1,13 +1,15 @@
 //! What IV and DIDIM simulate: an estimate as it is where that is a robot's, else parameters of a physical robot.
 
 use super::simulator::{FINE, Parameters, Simulator};
-use crate::{
+use crate::preparation::Problem;
+use thetahat_estimation::{
+    identification::{Design, Fit, Method, idim_ls},
+    regression::Regression,
+};
+use thetahat_ground::linear_algebra::Matrix;
+use thetahat_model::{
     base_parameters::BaseParameters,
     consistency::{ConsistencyError, ConsistentFit, ConsistentSet, SimulationOptions, nearest_to_simulate},
-    identification::{Design, Fit, Method, idim_ls},
-    linear_algebra::Matrix,
-    preparation::Problem,
-    regression::Regression,
     robot::{Bound, Parameter, Role},
 };
 

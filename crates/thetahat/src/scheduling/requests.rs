@@ -1,12 +1,11 @@
 //! Simulations that are asked for, run side by side.
 
 use super::simulator::{Output, Parameters, Simulator};
-use crate::{
+use thetahat_estimation::{
     identification::SimulatedResponse,
-    linear_algebra::Matrix,
-    pool::in_parallel,
     simulation::{Job, SimulatedMotion, SimulationError, simulate_all},
 };
+use thetahat_ground::{linear_algebra::Matrix, pool::in_parallel};
 
 /// What a simulation gave.
 #[derive(Debug, Clone)]

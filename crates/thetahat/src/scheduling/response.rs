@@ -1,12 +1,12 @@
 //! What the loops of all recordings answer, for methods that compare it with the record.
 
 use super::simulator::{Output, Parameters, RecordedLoop, Simulator};
-use crate::{
+use thetahat_estimation::{
     identification::{Assembly, Response, SimulatedResponse},
-    series::Series,
     signal::centred_hold,
     simulation::{Job, SensitiveTo, Sensitivities, SimulatedMotion, SimulationError},
 };
+use thetahat_ground::series::Series;
 
 impl Simulator<'_> {
     /// The response of the record in the rows of y: raw torques, or raw positions through the same parallel filter.

@@ -7,12 +7,11 @@ use super::{
     requests::{Request, Simulated, simulate_side_by_side},
     simulator::{Output, Parameters},
 };
-use crate::{
-    clock::Stopwatch,
+use thetahat_estimation::{
     identification::{Estimation, IterationOptions, Needs, Outcome},
-    linear_algebra::Matrix,
     simulation::{SimulatedMotion, SimulationError},
 };
+use thetahat_ground::{clock::Stopwatch, linear_algebra::Matrix};
 
 /// How an estimation ended.
 pub(crate) struct Finished {

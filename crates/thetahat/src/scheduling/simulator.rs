@@ -2,18 +2,19 @@
 
 use std::{borrow::Cow, collections::BTreeMap};
 
-use crate::{
+use crate::preparation::{
+    Case, FilteredRecording, Gains, LoopParameters, LoopParts, Problem, RecordedReference, Setup,
+};
+use thetahat_estimation::{
     control::ControllerDescription,
-    dynamics::{Model, Sign},
     identification::{Assembly, Method, Needs, Response},
-    linear_algebra::Matrix,
-    preparation::{Case, FilteredRecording, Gains, LoopParameters, LoopParts, Problem, RecordedReference, Setup},
-    series::Series,
     signal::Motion,
     simulation::{
         ClosedLoop, Job, OutputGrid, Reference, SimulatedMotion, SimulationError, SimulatorBias, Solver, simulate_all,
     },
 };
+use thetahat_ground::{linear_algebra::Matrix, series::Series};
+use thetahat_model::dynamics::{Model, Sign};
 
 /// The closed loop of a robot under the simulator's options along a reference.
 pub(crate) fn closed_loop<'a>(

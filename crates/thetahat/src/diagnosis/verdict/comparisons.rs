@@ -4,10 +4,10 @@ use super::{
     judged::{nominal_advice, nominal_diagnosis, nominal_runs},
     reason::{Said, reason},
 };
-use crate::{
-    diagnosis::problems::refuse_all,
-    identification::{Design, Method, Needs, Status},
-    results::{BiasedSimulatorResult, Comparison, Concerned, ReasonCode, Results, RunResult, Verdict, VerdictReason},
+use crate::diagnosis::problems::refuse_all;
+use thetahat_estimation::identification::{Design, Method, Needs, Status};
+use thetahat_report::results::{
+    BiasedSimulatorResult, Comparison, Concerned, ReasonCode, Results, RunResult, Verdict, VerdictReason,
 };
 
 pub(super) fn reasons(results: &Results) -> Vec<VerdictReason> {

@@ -4,12 +4,10 @@ use super::{
     judged::{judged_runs, nominal_runs},
     reason::{Said, reason},
 };
-use crate::{
-    checks::{Finding, Severity},
-    number::significant,
-    results::{
-        Concerned, Explained, HiddenError, JointResidual, ReasonCode, Results, RunResult, Verdict, VerdictReason,
-    },
+use thetahat_estimation::checks::{Finding, Severity};
+use thetahat_ground::number::significant;
+use thetahat_report::results::{
+    Concerned, Explained, HiddenError, JointResidual, ReasonCode, Results, RunResult, Verdict, VerdictReason,
 };
 
 /// Relative error of a joint, percent, from which its torque is not explained where there are no rows to test. Clean: 54 (KUKA).

@@ -1,7 +1,5 @@
-use crate::{
-    identification::Status,
-    results::{Advice, CaseDiagnosis, NOMINAL, Results, RunResult},
-};
+use thetahat_estimation::identification::Status;
+use thetahat_report::results::{Advice, CaseDiagnosis, NOMINAL, Results, RunResult};
 
 /// The advice for the case without errors of the simulator.
 pub(super) fn nominal_advice(results: &Results) -> Option<&Advice> {

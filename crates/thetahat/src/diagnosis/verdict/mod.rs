@@ -9,7 +9,7 @@ mod recordings;
 
 use std::cmp::Reverse;
 
-use crate::results::{Results, Verdict, VerdictReason};
+use thetahat_report::results::{Results, Verdict, VerdictReason};
 
 /// Writes the verdict and its reasons into results: the gravest first, and among them problems of the checks.
 pub(crate) fn judge(results: &mut Results) -> Verdict {

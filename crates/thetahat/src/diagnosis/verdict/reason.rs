@@ -1,4 +1,4 @@
-use crate::results::{Concerned, ReasonCode, Verdict, VerdictReason};
+use thetahat_report::results::{Concerned, ReasonCode, Verdict, VerdictReason};
 
 /// What a reason says: what was seen, and what to do about it.
 pub(super) struct Said {

@@ -4,10 +4,10 @@ use super::{
     judged::judged_runs,
     reason::{Said, reason},
 };
-use crate::{
-    checks::{Code, Finding, Severity},
-    diagnosis::problems::place,
-    results::{Concerned, DriveGainResult, ReasonCode, RecordingFindings, Results, Verdict, VerdictReason},
+use crate::diagnosis::problems::place;
+use thetahat_estimation::checks::{Code, Finding, Severity};
+use thetahat_report::results::{
+    Concerned, DriveGainResult, ReasonCode, RecordingFindings, Results, Verdict, VerdictReason,
 };
 
 /// Rows for each parameter below which chance decides much of the estimates: filters are chosen with as many.

@@ -3,15 +3,15 @@
 use std::path::Path;
 
 use super::judge;
-use crate::{
+use crate::diagnosis::advice::tests::simulator;
+use thetahat_estimation::{
     checks::{Code, Finding, Severity},
-    diagnosis::advice::tests::simulator,
     identification::{Method, Status},
-    results::{
-        Advice, CaseDiagnosis, Comparison, DriveGainResult, Explained, Influence, JointResidual, NOMINAL,
-        ParameterResult, PhysicalResult, ReasonCode, RecordingFindings, ResidualResult, Results, RunResult, Verdict,
-    },
     statistics::FTest,
+};
+use thetahat_report::results::{
+    Advice, CaseDiagnosis, Comparison, DriveGainResult, Explained, Influence, JointResidual, NOMINAL, ParameterResult,
+    PhysicalResult, ReasonCode, RecordingFindings, ResidualResult, Results, RunResult, Verdict,
 };
 
 const ROBOT: &str = r#"{

@@ -7,7 +7,7 @@ use super::{
     source::Source,
     text::{ProposedChannels, ProposedClock},
 };
-use crate::recording::{Side, TimeSummary};
+use thetahat_data::recording::{Side, TimeSummary};
 
 /// Largest part of the rate by which a stated rate may differ from that of the times.
 const RATE_TOLERANCE: f64 = 0.01;

@@ -3,7 +3,8 @@ use super::{
     joint_names::columns_of,
     source::{Chosen, Source, channels},
 };
-use crate::{recording::ColumnSummary, robot::Robot};
+use thetahat_data::recording::ColumnSummary;
+use thetahat_model::robot::Robot;
 
 /// A column and the number in its name.
 type Numbered<'a> = (&'a ColumnSummary, Option<usize>);

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::request::ProposalRequest;
-use crate::files;
+use thetahat_ground::files;
 
 /// A robot description, its recordings, and the folder of the experiment file that is proposed.
 #[derive(Debug, Clone)]

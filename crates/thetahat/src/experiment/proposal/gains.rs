@@ -1,6 +1,6 @@
 //! What a gain is to hold, where the unit of a log alone gives no torque and no position.
 
-use crate::recording::{Dimension, Side, Unit};
+use thetahat_data::recording::{Dimension, Side, Unit};
 
 /// For torques in the unit of a drive: what is to be filled in.
 pub(super) fn gain_of_torque(unit: Unit, counts: Option<&str>, side: Side) -> Option<String> {

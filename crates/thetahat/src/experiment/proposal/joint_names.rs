@@ -1,7 +1,7 @@
 //! Which column is of which joint, by the joints' names in the columns' names.
 
 use super::super::column_names;
-use crate::recording::ColumnSummary;
+use thetahat_data::recording::ColumnSummary;
 
 /// The column of each joint, of one channel: the one with the joint's name that has least beside it. None where no column
 /// has the name, or several are as near.

@@ -9,10 +9,8 @@ use super::{
     source::{Chosen, Source, channels},
     units::Units,
 };
-use crate::{
-    recording::{ChannelSummary, ColumnSummary, Side},
-    robot::{Joint, JointKind, Locks, Robot, RobotSource},
-};
+use thetahat_data::recording::{ChannelSummary, ColumnSummary, Side};
+use thetahat_model::robot::{Joint, JointKind, Locks, Robot, RobotSource};
 
 /// Travel of a joint without torques from which it cannot be taken as at rest, rad and m.
 const MOVES: [f64; 2] = [0.1, 0.02];
@@ -44,7 +42,7 @@ impl JointsOfLog {
         description: &RobotSource,
         sources: &[Source<'_>],
     ) -> Result<Self, ProposalError> {
-        let refuse = |e: crate::robot::RobotError| ProposalError::Robot { problem: e.to_string() };
+        let refuse = |e: thetahat_model::robot::RobotError| ProposalError::Robot { problem: e.to_string() };
         let whole = description.robot_without_transmission().map_err(refuse)?;
         let search = Search { request, robot: &whole, sources };
         let moving = search.unlocked()?;

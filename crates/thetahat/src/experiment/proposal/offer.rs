@@ -9,7 +9,7 @@ use super::{
     request::{ProposalRequest, is_named},
     source::{Chosen, Source},
 };
-use crate::recording::{ColumnSummary, Contents, TableSummary};
+use thetahat_data::recording::{ColumnSummary, Contents, TableSummary};
 
 /// What a file offers: the columns of each signal, one channel for each joint.
 pub(super) struct Offer<'a> {

@@ -13,11 +13,9 @@ use super::{
     unit_names::Misfit,
     units::{Measured, Units, range},
 };
-use crate::{
-    recording::Contents,
-    robot::{Robot, RobotSource},
-    visible::visible,
-};
+use thetahat_data::recording::Contents;
+use thetahat_ground::visible::visible;
+use thetahat_model::robot::{Robot, RobotSource};
 
 /// A reference whose range is beyond this many times the positions', or below the inverse, is in another unit.
 const REFERENCE_RANGE: f64 = 3.0;

@@ -1,6 +1,6 @@
 use std::{collections::BTreeMap, path::PathBuf};
 
-use crate::recording::{Side, Unit};
+use thetahat_data::recording::{Side, Unit};
 
 /// What a proposal is made for, and what is known already.
 #[derive(Debug, Clone, Default)]

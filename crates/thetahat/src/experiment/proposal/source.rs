@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use super::super::column_names::{self, Reading};
-use crate::recording::{ChannelSummary, ColumnSummary, Contents, Format, TableSummary};
+use thetahat_data::recording::{ChannelSummary, ColumnSummary, Contents, Format, TableSummary};
 
 /// A column, or one channel of it, as the experiment is to name it.
 #[derive(Debug, Clone)]

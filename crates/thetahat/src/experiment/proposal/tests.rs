@@ -1,10 +1,8 @@
 use std::path::Path;
 
 use super::*;
-use crate::{
-    recording::{Side, Unit, inspect_with_time},
-    robot::RobotSource,
-};
+use thetahat_data::recording::{Side, Unit, inspect_with_time};
+use thetahat_model::robot::RobotSource;
 
 const ARM: &str = "name = 'arm'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n[[joint]]\nname = 'b'\nkind = 'revolute'\n";
 

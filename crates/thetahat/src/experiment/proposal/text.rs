@@ -1,13 +1,9 @@
 use std::{fmt::Write as _, path::PathBuf};
 
 use super::joints::ProposedLock;
-use crate::{
-    one_or_each::OneOrEach,
-    output::PROPOSAL,
-    recording::{Side, Unit},
-    results::{Filter, FilterChoice},
-    visible::visible,
-};
+use thetahat_data::recording::{Side, Unit};
+use thetahat_ground::{one_or_each::OneOrEach, output::PROPOSAL, visible::visible};
+use thetahat_report::results::{Filter, FilterChoice};
 
 /// How the reason of a guess says that it is one.
 const GUESS: &str = "a guess";

@@ -5,10 +5,8 @@ use super::{
     source::{Chosen, Source},
     written::{Written, dimensions, of_a_drive, spelt_out, written},
 };
-use crate::{
-    recording::{Dimension, Unit},
-    robot::{Joint, JointKind},
-};
+use thetahat_data::recording::{Dimension, Unit};
+use thetahat_model::robot::{Joint, JointKind};
 
 /// The units of a signal's channels, as names say them.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,12 +6,9 @@ use super::{
     source::{Chosen, Source},
     unit_names::{Misfit, NamedUnits, fits, hint_of_file, matching, named_units, require_units_of_joints},
 };
-use crate::{
-    linear_algebra::Matrix,
-    one_or_each::OneOrEach,
-    recording::{Dimension, Side, Unit},
-    robot::{Joint, JointKind, Robot},
-};
+use thetahat_data::recording::{Dimension, Side, Unit};
+use thetahat_ground::{linear_algebra::Matrix, one_or_each::OneOrEach};
+use thetahat_model::robot::{Joint, JointKind, Robot};
 
 /// Joint angles beyond this, rad, are no joint angles in rad: more than two turns.
 const LARGEST_ANGLE: f64 = 4.0 * std::f64::consts::PI;
@@ -247,13 +244,13 @@ impl Units<'_, '_> {
         if let Some(side) = self.request.side {
             return side == Side::Motor;
         }
-        let ends = |of: fn(&crate::recording::ChannelSummary) -> Option<f64>| {
+        let ends = |of: fn(&thetahat_data::recording::ChannelSummary) -> Option<f64>| {
             columns.iter().flat_map(|c| c.channels).map(of).collect::<Option<Vec<f64>>>()
         };
         let (Some(least), Some(most), true) = (ends(|c| c.min), ends(|c| c.max), self.has_gears()) else {
             return false;
         };
-        let motors = crate::series::Series::from_values(least.len(), [least, most].concat());
+        let motors = thetahat_ground::series::Series::from_values(least.len(), [least, most].concat());
         let joints = self.robot.transmission.joint_positions(&motors);
         joints.values().iter().all(|q| q.abs() <= LARGEST_ANGLE)
     }

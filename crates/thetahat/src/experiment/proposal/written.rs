@@ -2,7 +2,7 @@ use super::super::{
     column_names::{self, Signal},
     unit_words,
 };
-use crate::recording::{Dimension, Unit};
+use thetahat_data::recording::{Dimension, Unit};
 
 /// A unit as the name of a column has it.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,16 +7,16 @@ use super::{
     model::{Found, MjcfModel},
     written::{coupled_motors, inertial, tendon_name},
 };
-use crate::{
+use crate::export::{
+    body::Body,
+    coupling::beside,
+    editor::{Edited, Editor},
+    said::Said,
+    split::{Shares, split},
+    xml::{number, numbers},
+};
+use thetahat_model::{
     consistency::Symmetric,
-    export::{
-        body::Body,
-        coupling::beside,
-        editor::{Edited, Editor},
-        said::Said,
-        split::{Shares, split},
-        xml::{number, numbers},
-    },
     robot::{JointQuantity, RigidBody},
 };
 

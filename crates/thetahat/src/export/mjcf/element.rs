@@ -5,7 +5,8 @@ use std::path::Path;
 use roxmltree::Node;
 
 use super::error::MjcfError;
-use crate::{robot::Place, visible::visible};
+use thetahat_ground::visible::visible;
+use thetahat_model::robot::Place;
 
 /// An element, and the file in messages.
 #[derive(Debug, Clone, Copy)]

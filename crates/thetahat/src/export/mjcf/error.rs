@@ -1,6 +1,6 @@
 use std::path::PathBuf;
 
-use crate::robot::{Place, UrdfError};
+use thetahat_model::robot::{Place, UrdfError};
 
 /// Why a MuJoCo model of the user's own is not edited.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -7,10 +7,8 @@ use super::{
     error::MjcfError,
     tree::{JointElement, Tree, WORLD},
 };
-use crate::{
-    robot::{Frame, JointKind, Robot},
-    vector::{IDENTITY, Vec3, cross, norm, sub, times, transpose, with_z},
-};
+use thetahat_ground::vector::{IDENTITY, Vec3, cross, norm, sub, times, transpose, with_z};
+use thetahat_model::robot::{Frame, JointKind, Robot};
 
 /// Angle in rad and distance in m within which the axes of the model are those of the robot.
 const SAME: f64 = 1e-4;
@@ -206,7 +204,7 @@ fn require_kind(joint: &JointElement<'_>, kind: JointKind) -> Result<(), MjcfErr
     if joint.kind == expected {
         return Ok(());
     }
-    let found = crate::visible::visible(joint.kind).into_owned();
+    let found = thetahat_ground::visible::visible(joint.kind).into_owned();
     Err(MjcfError::OtherKind { place: joint.element.place(), found, expected: meant })
 }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use roxmltree::Document;
 
 use super::{element::Element, error::MjcfError, matched::Matched, settings::Settings, tree::Tree};
-use crate::robot::{Robot, RobotError, parse_xml, read_text};
+use thetahat_model::robot::{Robot, RobotError, parse_xml, read_text};
 
 /// A MuJoCo model (MJCF) into which robots are exported: its bodies and joints get the identified values, and every other byte
 /// stays.

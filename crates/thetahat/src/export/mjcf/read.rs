@@ -6,10 +6,8 @@ use super::{
     model::{Found, MjcfModel},
     written::tendon_name,
 };
-use crate::{
-    export::{coupling::Tendon, read_back::ReadLink, said::Said},
-    robot::{RigidBody, Robot},
-};
+use crate::export::{coupling::Tendon, read_back::ReadLink, said::Said};
+use thetahat_model::robot::{RigidBody, Robot};
 
 /// The links of the exported robot as the model has them, and whether the model's axes are those of the robot to rounding.
 pub(in crate::export) struct ReadModel {

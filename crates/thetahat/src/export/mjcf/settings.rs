@@ -1,11 +1,11 @@
 //! What `<compiler>` makes of the numbers of an MJCF.
 
 use super::{element::Element, error::MjcfError};
-use crate::{
-    robot::{Frame, RigidBody},
+use thetahat_ground::{
     vector::{IDENTITY, Mat3, Vec3, axis_angle, cross, norm, product, quaternion_rotation, scale, transpose, with_z},
     visible::visible,
 };
+use thetahat_model::robot::{Frame, RigidBody};
 
 /// Settings that later `<compiler>` elements of a file replace.
 #[derive(Debug, Clone)]

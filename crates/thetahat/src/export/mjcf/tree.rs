@@ -10,10 +10,8 @@ use super::{
     error::MjcfError,
     settings::Settings,
 };
-use crate::{
-    robot::Frame,
-    vector::{Vec3, axis_angle, norm, scale, sub, times},
-};
+use thetahat_ground::vector::{Vec3, axis_angle, norm, scale, sub, times};
+use thetahat_model::robot::Frame;
 
 /// The body of the world.
 pub(super) const WORLD: usize = 0;

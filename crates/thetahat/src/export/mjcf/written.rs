@@ -1,15 +1,13 @@
 //! A new MJCF of a robot: MuJoCo's model file.
 
-use crate::{
-    export::{
-        body::Body,
-        coupling::{Tendon, beside},
-        frames::{LinkFrame, link_name},
-        said::Said,
-        xml::{escaped, number, numbers},
-    },
-    robot::{JointKind, JointQuantity, Robot},
+use crate::export::{
+    body::Body,
+    coupling::{Tendon, beside},
+    frames::{LinkFrame, link_name},
+    said::Said,
+    xml::{escaped, number, numbers},
 };
+use thetahat_model::robot::{JointKind, JointQuantity, Robot};
 
 /// The MJCF of a robot, with `header` at its start.
 pub(in crate::export) fn mjcf(said: &Said, header: &str) -> String {
@@ -108,7 +106,7 @@ pub(super) fn coupled_motors(said: &Said) -> Vec<String> {
 
 /// Joints that follow others, which MuJoCo holds by constraints.
 fn followers(robot: &Robot) -> Vec<String> {
-    let follower = |joint: &crate::robot::Joint| {
+    let follower = |joint: &thetahat_model::robot::Joint| {
         let mimic = joint.mimic?;
         let leader = escaped(&robot.joints[mimic.of].name);
         let [offset, ratio] = [mimic.offset, mimic.ratio].map(number);

@@ -1,0 +1,183 @@
+//! Bags in SQLite: rosbag2's `.db3`, with a table of topics and one of messages.
+//!
+//! A database is a program of sorts: views, triggers and generated columns run when it is read. So it is opened for reading
+//! alone, its schema is not trusted, nothing may stand in for the two tables, and a query that runs longer than the file
+//! is large is stopped.
+
+use std::path::{Path, PathBuf};
+
+use rusqlite::config::DbConfig;
+use rusqlite::types::ValueRef;
+use rusqlite::{Connection, Row};
+
+use super::super::error::RecordingError;
+use super::super::place::{file_length, unreadable};
+use super::error::BagError;
+use super::other_topic::OtherTopic;
+use super::topic::{JOINT_STATE, Topics};
+use thetahat_ground::files;
+
+/// Steps of SQLite's virtual machine between two looks at how many there were.
+const STEPS_AT_A_TIME: i32 = 10_000;
+/// Steps that the reading of any file may take, and more for each byte. A message takes about ten.
+const STEPS: u64 = 10_000_000;
+const STEPS_A_BYTE: u64 = 2;
+
+/// The joint states of a bag: of one topic, or of all.
+pub(super) fn read(path: &Path, topic: Option<&str>) -> Result<Topics, RecordingError> {
+    let length = file_length(path)?;
+    let topics = Topics::new(path, length);
+    if log_beside(path).is_some_and(|log| files::length(&log).is_ok_and(|length| length > 0)) {
+        return Err(topics.refuse(BagError::NotClosed));
+    }
+    Bag { connection: open(path)?, topics }.read(length, topic)
+}
+
+/// A file of the system, opened for reading.
+#[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
+fn open(path: &Path) -> Result<Connection, RecordingError> {
+    use rusqlite::OpenFlags;
+    let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    Connection::open_with_flags(address(path)?, flags).map_err(|e| damaged(path, &e))
+}
+
+/// A file in memory, of which SQLite takes a copy: it opens those of systems only.
+#[cfg(all(target_family = "wasm", target_os = "unknown"))]
+fn open(path: &Path) -> Result<Connection, RecordingError> {
+    let bytes = files::read(path).map_err(|e| unreadable(path, e))?;
+    in_memory(&bytes).map_err(|e| damaged(path, &e))
+}
+
+/// The joint states of a bag in memory.
+pub(super) fn read_bytes(bytes: &[u8], path: &Path) -> Result<Topics, RecordingError> {
+    let (connection, length) = (in_memory(bytes).map_err(|e| damaged(path, &e))?, bytes.len() as u64);
+    Bag { connection, topics: Topics::new(path, length) }.read(length, None)
+}
+
+fn in_memory(bytes: &[u8]) -> rusqlite::Result<Connection> {
+    let mut connection = Connection::open_in_memory()?;
+    connection.deserialize_read_exact("main", bytes, bytes.len(), true)?;
+    Ok(connection)
+}
+
+/// The file in which SQLite keeps what it has not yet put into the database.
+fn log_beside(path: &Path) -> Option<PathBuf> {
+    let mut name = path.file_name()?.to_owned();
+    name.push("-wal");
+    Some(path.with_file_name(name))
+}
+
+/// The address of a file that nobody changes, so that SQLite writes nothing beside it.
+#[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
+fn address(path: &Path) -> Result<String, RecordingError> {
+    let path = files::real(path).map_err(|e| unreadable(path, e))?;
+    let mut address = "file:".to_owned();
+    for &byte in path.as_os_str().as_encoded_bytes() {
+        match byte {
+            b'/' | b'-' | b'_' | b'.' | b'0'..=b'9' | b'a'..=b'z' | b'A'..=b'Z' => address.push(byte.into()),
+            _ => address.push_str(&format!("%{byte:02X}")),
+        }
+    }
+    Ok(address + "?immutable=1")
+}
+
+fn damaged(path: &Path, error: &rusqlite::Error) -> RecordingError {
+    RecordingError::damaged(path, format!("SQLite: {error}"))
+}
+
+struct Bag {
+    connection: Connection,
+    topics: Topics,
+}
+
+impl Bag {
+    fn read(mut self, length: u64, topic: Option<&str>) -> Result<Topics, RecordingError> {
+        self.distrust(length).map_err(|e| self.damaged(&e))?;
+        self.require_tables()?;
+        for (id, name) in self.joint_states()? {
+            let place = self.topics.add_topic(name.clone());
+            if topic.is_none_or(|topic| topic == name) {
+                self.read_messages(id, place)?;
+            }
+        }
+        Ok(self.topics)
+    }
+
+    fn damaged(&self, error: &rusqlite::Error) -> RecordingError {
+        damaged(&self.topics.path, error)
+    }
+
+    /// Takes from the schema what it could do, and from queries the time without end.
+    fn distrust(&mut self, length: u64) -> rusqlite::Result<()> {
+        self.connection.set_db_config(DbConfig::SQLITE_DBCONFIG_TRUSTED_SCHEMA, false)?;
+        self.connection.set_db_config(DbConfig::SQLITE_DBCONFIG_DEFENSIVE, true)?;
+        let mut left = STEPS.saturating_add(length.saturating_mul(STEPS_A_BYTE));
+        let is_over = move || {
+            left = left.saturating_sub(STEPS_AT_A_TIME.unsigned_abs().into());
+            left == 0
+        };
+        self.connection.progress_handler(STEPS_AT_A_TIME, Some(is_over))
+    }
+
+    /// Checks that the two tables are tables, and not views or virtual tables.
+    fn require_tables(&self) -> Result<(), RecordingError> {
+        let mut found = Vec::new();
+        let sql = "SELECT name FROM sqlite_schema WHERE type = 'table' AND rootpage > 0";
+        self.each(sql, &[], |row| {
+            found.push(text(row, 0)?);
+            Ok(Ok(()))
+        })?;
+        match ["topics", "messages"].into_iter().find(|table| !found.iter().any(|name| name == table)) {
+            None => Ok(()),
+            Some(table) => {
+                let reason = format!("it has no table {table:?}, as a bag of ROS 2 has");
+                Err(RecordingError::damaged(&self.topics.path, reason))
+            }
+        }
+    }
+
+    /// The topics of joint states, by number and name. The others are noted.
+    fn joint_states(&mut self) -> Result<Vec<(i64, String)>, RecordingError> {
+        let (mut joint_states, mut others) = (Vec::new(), Vec::new());
+        self.each("SELECT id, name, type, serialization_format FROM topics", &[], |row| {
+            let (name, kind) = (text(row, 1)?, text(row, 2)?);
+            match kind == JOINT_STATE && text(row, 3)? == "cdr" {
+                true => joint_states.push((row.get(0)?, name)),
+                false => others.push(OtherTopic { name, kind }),
+            }
+            Ok(Ok(()))
+        })?;
+        self.topics.others = others;
+        Ok(joint_states)
+    }
+
+    fn read_messages(&mut self, topic: i64, place: usize) -> Result<(), RecordingError> {
+        let mut topics = std::mem::replace(&mut self.topics, Topics::new(Path::new(""), 0));
+        let sql = "SELECT timestamp, data FROM messages WHERE topic_id = ?1 ORDER BY rowid";
+        let read = self.each(sql, &[topic], |row| {
+            let ValueRef::Blob(message) = row.get_ref(1)? else { return Err(rusqlite::Error::InvalidQuery) };
+            Ok(topics.add_message(place, row.get(0)?, message))
+        });
+        self.topics = topics;
+        read
+    }
+
+    /// Runs a query and a closure on each of its rows. An error of the closure ends it, as an error of SQLite does.
+    fn each(
+        &self,
+        sql: &str,
+        parameters: &[i64],
+        mut row: impl FnMut(&Row<'_>) -> rusqlite::Result<Result<(), RecordingError>>,
+    ) -> Result<(), RecordingError> {
+        let mut statement = self.connection.prepare(sql).map_err(|e| self.damaged(&e))?;
+        let mut rows = statement.query(rusqlite::params_from_iter(parameters)).map_err(|e| self.damaged(&e))?;
+        while let Some(next) = rows.next().map_err(|e| self.damaged(&e))? {
+            row(next).map_err(|e| self.damaged(&e))??;
+        }
+        Ok(())
+    }
+}
+
+fn text(row: &Row<'_>, place: usize) -> rusqlite::Result<String> {
+    row.get(place)
+}

@@ -1,0 +1,199 @@
+//! Checks between signals and over time.
+
+use std::path::Path;
+
+use super::error::RecordingError;
+use super::table::is_plausible;
+use thetahat_ground::series::Series;
+
+/// Largest deviation of a time step from the mean step, relative to the mean step.
+///
+/// A thousandth of a step is far below what filtering and differentiation notice, and far above the rounding of a time
+/// axis that was written with enough digits.
+pub const STEP_TOLERANCE: f64 = 1e-3;
+
+/// The sample rate in Hz of a time axis in seconds: the number of steps divided by the time they take.
+///
+/// `file` and `column` say in an error where the times come from.
+///
+/// # Errors
+/// If there are fewer than two times, a time is not finite or not later than the one before it, or a step deviates from
+/// the mean step by more than [`STEP_TOLERANCE`].
+///
+/// ```
+/// let rate = thetahat::recording::sample_rate_from_time(&[0.0, 0.5, 1.0], "q.csv".as_ref(), "t").unwrap();
+/// assert_eq!(rate, 2.0);
+/// ```
+pub fn sample_rate_from_time(time: &[f64], file: &Path, column: &str) -> Result<f64, RecordingError> {
+    let [first, .., last] = time else {
+        return Err(RecordingError::TooFewTimes { file: file.into(), column: column.into(), found: time.len() });
+    };
+    require_finite(time, file, column)?;
+    require_increasing(time, file, column)?;
+    let step = (last - first) / (time.len() - 1) as f64;
+    require_uniform(time, step, file, column)?;
+    Ok(1.0 / step)
+}
+
+/// Checks that two signals have the same number of samples.
+///
+/// `what` and `file` of each say in an error which signals they are.
+///
+/// # Errors
+/// [`RecordingError::DifferentLengths`] if they have not.
+pub fn same_length(
+    a: &Series,
+    what_a: &str,
+    file_a: &Path,
+    b: &Series,
+    what_b: &str,
+    file_b: &Path,
+) -> Result<(), RecordingError> {
+    if a.len() == b.len() {
+        return Ok(());
+    }
+    Err(RecordingError::DifferentLengths {
+        first: what_a.into(),
+        first_file: file_a.into(),
+        first_samples: a.len(),
+        second: what_b.into(),
+        second_file: file_b.into(),
+        second_samples: b.len(),
+    })
+}
+
+/// Checks that a signal has one channel.
+///
+/// # Errors
+/// [`RecordingError::NotOneChannel`] if it has several.
+pub fn one_channel(series: &Series, what: &str, file: &Path) -> Result<(), RecordingError> {
+    match series.channels() {
+        1 => Ok(()),
+        found => Err(RecordingError::NotOneChannel { file: file.into(), signal: what.into(), found }),
+    }
+}
+
+/// Checks that a signal is not zero throughout, as one that was not recorded is.
+///
+/// # Errors
+/// [`RecordingError::AllZero`] if it is.
+pub fn not_all_zero(series: &Series, what: &str, file: &Path) -> Result<(), RecordingError> {
+    if series.values().iter().any(|v| *v != 0.0) {
+        return Ok(());
+    }
+    Err(RecordingError::AllZero { file: file.into(), signal: what.into() })
+}
+
+/// Checks that all values of a named column are finite.
+pub(super) fn require_finite(values: &[f64], file: &Path, column: &str) -> Result<(), RecordingError> {
+    match values.iter().position(|value| !is_plausible(*value)) {
+        None => Ok(()),
+        Some(sample) => Err(RecordingError::NotFiniteSample {
+            file: file.into(),
+            column: column.into(),
+            sample,
+            found: values[sample],
+        }),
+    }
+}
+
+pub(super) fn require_increasing(time: &[f64], file: &Path, column: &str) -> Result<(), RecordingError> {
+    match time.windows(2).position(|pair| pair[1] <= pair[0]) {
+        None => Ok(()),
+        Some(k) => Err(RecordingError::TimeNotIncreasing {
+            file: file.into(),
+            column: column.into(),
+            sample: k + 1,
+            previous: time[k],
+            found: time[k + 1],
+        }),
+    }
+}
+
+fn require_uniform(time: &[f64], step: f64, file: &Path, column: &str) -> Result<(), RecordingError> {
+    let (mut worst, mut deviation) = (0, 0.0);
+    for (k, pair) in time.windows(2).enumerate() {
+        let candidate = (pair[1] - pair[0] - step).abs();
+        if candidate > deviation {
+            (worst, deviation) = (k, candidate);
+        }
+    }
+    if deviation <= STEP_TOLERANCE * step {
+        return Ok(());
+    }
+    Err(RecordingError::TimeNotUniform {
+        file: file.into(),
+        column: column.into(),
+        sample: worst + 1,
+        expected: step,
+        found: time[worst + 1] - time[worst],
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rounding of the times themselves, relative to the rate.
+    const ROUNDING: f64 = 1e-12;
+
+    fn rate(time: &[f64]) -> Result<f64, RecordingError> {
+        sample_rate_from_time(time, Path::new("q.csv"), "t")
+    }
+
+    fn times(steps: usize) -> Vec<f64> {
+        (0..=steps).map(|k| 3.0 + 1e-3 * k as f64).collect()
+    }
+
+    #[test]
+    fn equal_steps_give_the_rate() {
+        assert!((rate(&times(1000)).unwrap() / 1000.0 - 1.0).abs() < ROUNDING);
+    }
+
+    #[test]
+    fn single_time() {
+        assert!(matches!(rate(&[1.0]), Err(RecordingError::TooFewTimes { found: 1, .. })));
+    }
+
+    #[test]
+    fn time_that_is_not_finite() {
+        let mut time = times(10);
+        time[10] = f64::INFINITY;
+        assert!(matches!(rate(&time), Err(RecordingError::NotFiniteSample { sample: 10, .. })));
+    }
+
+    #[test]
+    fn doubled_time() {
+        let mut time = times(10);
+        time[4] = time[3];
+        assert!(matches!(rate(&time), Err(RecordingError::TimeNotIncreasing { sample: 4, .. })));
+    }
+
+    #[test]
+    fn one_late_sample() {
+        let mut time = times(10);
+        time[7] += 2e-6;
+        assert!(matches!(rate(&time), Err(RecordingError::TimeNotUniform { sample: 7 | 8, .. })));
+    }
+
+    #[test]
+    fn lost_samples() {
+        let mut time = times(1000);
+        time.drain(500..503);
+        let error = rate(&time).unwrap_err();
+        assert!(matches!(error, RecordingError::TimeNotUniform { sample: 500, .. }));
+    }
+
+    #[test]
+    fn signals_of_the_same_length() {
+        let (a, b) = (Series::zeros(5, 2), Series::zeros(5, 3));
+        same_length(&a, "position", Path::new("q.csv"), &b, "torque", Path::new("tau.csv")).unwrap();
+    }
+
+    #[test]
+    fn signals_of_different_lengths() {
+        let (a, b) = (Series::zeros(5, 2), Series::zeros(4, 2));
+        let error = same_length(&a, "position", Path::new("q.csv"), &b, "torque", Path::new("tau.csv")).unwrap_err();
+        assert!(matches!(error, RecordingError::DifferentLengths { first_samples: 5, second_samples: 4, .. }));
+    }
+}

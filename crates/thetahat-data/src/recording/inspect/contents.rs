@@ -1,0 +1,198 @@
+//! The summaries of a file and its tables, and the walk over a file.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use super::super::bag::{self, OtherTopic};
+use super::super::csv::{self, Dialect};
+use super::super::error::RecordingError;
+use super::super::format::{Format, Holds};
+use super::super::place::file_bytes;
+use super::super::reader;
+use super::super::source::ChannelSource;
+use super::super::table::{Column, Flaw, Table, Wanted};
+use super::channel::ChannelSummary;
+use super::time::{TimeSummary, is_named, times};
+use thetahat_ground::files;
+
+/// What a file holds.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Contents {
+    /// The file.
+    pub file: PathBuf,
+    /// Its format.
+    pub format: Format,
+    /// How a text file is written, as detected.
+    pub dialect: Option<Dialect>,
+    /// Columns that stand together: a text or Parquet file, variables of equally many samples, or the messages
+    /// of a topic that hold the same joints.
+    pub tables: Vec<TableSummary>,
+    /// Topics of a bag that are not read.
+    pub other_topics: Vec<OtherTopic>,
+}
+
+/// Columns with equally many samples.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TableSummary {
+    /// The topic; empty for other files.
+    pub name: String,
+    /// Number of samples; zero for variables that are not read.
+    pub samples: usize,
+    /// The columns or variables.
+    pub columns: Vec<ColumnSummary>,
+    /// Columns that are times, the likeliest first.
+    pub times: Vec<TimeSummary>,
+}
+
+/// A column, or a variable of several columns.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ColumnSummary {
+    /// Its name, as a description names it.
+    pub name: String,
+    /// Number of channels: columns of a matrix.
+    pub channels: usize,
+    /// Whether the channels are the rows of the matrix: it is far wider than high.
+    pub in_rows: bool,
+    /// Number of samples of each channel.
+    pub samples: usize,
+    /// What the column holds, if it is not numbers alone.
+    pub not_numeric: Option<String>,
+    /// A summary of each channel.
+    pub statistics: Vec<ChannelSummary>,
+}
+
+/// What the file at `path` holds: tables, columns with ranges and resolution, times with rate, jitter and gaps.
+///
+/// # Errors
+/// A [`RecordingError`] if the file cannot be read, is of no known format, is damaged, or has lines of different lengths.
+/// Columns of text, values that are not finite and irregular times are not errors but reported.
+pub fn inspect(path: &Path) -> Result<Contents, RecordingError> {
+    inspect_with_time(path, None)
+}
+
+/// The same where the user says which column is the time, as `NAME` or `FILE:NAME`: it is summarised whatever its name.
+///
+/// # Errors
+/// As [`inspect`].
+pub fn inspect_with_time(path: &Path, time: Option<&str>) -> Result<Contents, RecordingError> {
+    let format = Format::of(path)?;
+    let (tables, dialect, other_topics) = tables(path, format)?;
+    Ok(Contents {
+        file: path.to_owned(),
+        format,
+        dialect,
+        tables: tables.iter().map(|table| summary(table, format, time)).collect(),
+        other_topics,
+    })
+}
+
+/// Largest file that is looked through for times that nobody named.
+const SMALL_BYTES: u64 = 1 << 26;
+/// Part of the rate by which a stated one may differ from that of the times.
+const RATE_TOLERANCE: f64 = 0.01;
+
+/// A column of times in the file of a signal whose rate is another than the stated one, and its rate, Hz.
+///
+/// Only columns with the name of a time count, and only in files of at most 64 MiB; none where the file cannot be read.
+#[must_use]
+pub fn contradicting_times(source: &ChannelSource, root: &Path, stated_hz: f64) -> Option<(String, f64)> {
+    let path = source.path(root);
+    let format = Format::of(&path).ok()?;
+    if files::length(&path).ok()? > SMALL_BYTES {
+        return None;
+    }
+    if format.holds() == Holds::Lines {
+        let names = csv::names(&file_bytes(&path).ok()?, &path, &Dialect::default()).ok()?;
+        // The many columns of numbers are not read for nothing.
+        if !names.iter().any(|name| is_named(name)) {
+            return None;
+        }
+    }
+    let (tables, _, _) = tables(&path, format).ok()?;
+    let in_table = |table: &Table| times(&table.columns, format.is_bag(), None);
+    let named = tables.iter().flat_map(in_table).find(|time| time.is_named)?;
+    ((named.rate_hz / stated_hz - 1.0).abs() > RATE_TOLERANCE).then_some((named.column, named.rate_hz))
+}
+
+type Tables = (Vec<Table>, Option<Dialect>, Vec<OtherTopic>);
+
+fn tables(path: &Path, format: Format) -> Result<Tables, RecordingError> {
+    let (tables, dialect, other_topics) = match format.holds() {
+        Holds::Lines => {
+            let bytes = file_bytes(path)?;
+            let tolerant = Dialect { drop_cut_line: true, ..Dialect::default() };
+            let (table, dialect) = csv::read_with_dialect(&bytes, path, &tolerant, Wanted::All)?;
+            (vec![table], Some(dialect), Vec::new())
+        }
+        Holds::Topics => {
+            let (tables, other_topics) = bag::tables(path, format)?;
+            (tables, None, other_topics)
+        }
+        Holds::Arrays => {
+            let mut table = reader::table(path, format, &Dialect::default(), Wanted::All)?;
+            table.columns.iter_mut().for_each(set_upright);
+            (by_samples(table), None, Vec::new())
+        }
+    };
+    Ok((tables, dialect, other_topics))
+}
+
+/// Columns beyond which a matrix with far fewer rows has its channels in the rows.
+const WIDE: usize = 100;
+/// How many times as many columns as rows such a matrix has at least.
+const WIDER: usize = 4;
+
+/// Turns a matrix that lies on its side: its channels are its rows.
+fn set_upright(column: &mut Column) {
+    let (samples, channels) = (column.samples(), column.channels);
+    if channels <= WIDE || channels < WIDER * samples {
+        return;
+    }
+    let values = &column.values;
+    column.values = (0..samples).flat_map(|row| (0..channels).map(move |c| values[c * samples + row])).collect();
+    column.channels = samples;
+    column.in_rows = true;
+}
+
+/// Variables of equally many samples together.
+fn by_samples(table: Table) -> Vec<Table> {
+    let mut tables: Vec<Table> = Vec::new();
+    for column in table.columns {
+        let samples = column.samples();
+        match tables.iter_mut().find(|table| samples_of(table) == samples) {
+            Some(table) => table.columns.push(column),
+            None => tables.push(Table { name: table.name.clone(), columns: vec![column] }),
+        }
+    }
+    tables
+}
+
+fn samples_of(table: &Table) -> usize {
+    table.columns.first().map_or(0, Column::samples)
+}
+
+fn summary(table: &Table, format: Format, time: Option<&str>) -> TableSummary {
+    TableSummary {
+        name: table.name.clone(),
+        samples: samples_of(table),
+        columns: table.columns.iter().map(column_summary).collect(),
+        times: times(&table.columns, format.is_bag(), time),
+    }
+}
+
+fn column_summary(column: &Column) -> ColumnSummary {
+    let not_numeric = match &column.flaw {
+        Some(Flaw::Kind(kind)) => Some(kind.clone()),
+        Some(Flaw::Text { line, found }) => Some(format!("text, such as {found:?} in line {line}")),
+        Some(Flaw::NotFinite { .. }) | None => None,
+    };
+    ColumnSummary {
+        name: column.name.clone(),
+        channels: column.channels,
+        in_rows: column.in_rows,
+        samples: column.samples(),
+        not_numeric,
+        statistics: (0..column.channels).map(|channel| ChannelSummary::of(column.channel(channel))).collect(),
+    }
+}

@@ -1,0 +1,82 @@
+//! Recordings: numeric columns read from files, in SI units, checked before anything is computed from them.
+//!
+//! A [`ChannelSource`] says where the channels of one signal are (file, columns) and what they are (unit, side of the
+//! transmission, gain); [`read_channels`] gives them as a [`Series`](thetahat_ground::series::Series), and refuses what is unclear or
+//! not a finite number. [`inspect`] lists the content of a file, whatever is wrong with it. The [`Format`] follows from the
+//! extension: text in columns, NumPy, MATLAB, Parquet and ROS 2 bags; `docs/recordings.md` describes each. Values from the
+//! motor side stay on the motor side: the robot's transmission converts them.
+//!
+//! | file | what it does |
+//! | --- | --- |
+//! | `source` | the description of a signal and its reading |
+//! | `place`, `budget`, `panic_guard` | where a file may lie, how much memory it may ask for, panics of libraries |
+//! | `format`, `reader` | the formats, and the reader of each |
+//! | `csv`, `npy` with `npy_header`, `npz`, `mat`, `parquet`, `bag` | the readers |
+//! | `pieces` | signals of files that are longer than memory, piece by piece |
+//! | `layout` | channels in rows, one behind the other, or one a row |
+//! | `table`, `select` | the columns that readers return, and the selection from them |
+//! | `inspect` | what a file holds: columns, their ranges and resolution, rate, jitter and gaps |
+//! | `unit` | units, their factors to SI, and the dimensions they measure |
+//! | `checks` | the sample rate from a time column; signals of the same length |
+//! | `stretches` | gaps between time steps |
+//! | `clock` | the sampling instants, and equal steps where they jitter |
+//! | `error` | what can be wrong with a recording |
+//! | `fuzzing` | every reader on bytes, for fuzz tests |
+//!
+//! ```
+//! use thetahat::recording::{ChannelSource, read_channels};
+//! let folder = std::env::temp_dir();
+//! let file = format!("thetahat-example-{}.csv", std::process::id());
+//! std::fs::write(folder.join(&file), "t,q\n0,0\n1,90\n")?;
+//! let source: ChannelSource = toml::from_str(&format!("file = '{file}'\ncolumns = ['q']\nunit = 'deg'"))?;
+//! let q = read_channels(&source, &folder)?;
+//! assert_eq!(q.channel(0), [0.0, std::f64::consts::FRAC_PI_2]);
+//! std::fs::remove_file(folder.join(&file))?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod bag;
+mod budget;
+mod checks;
+mod clock;
+mod csv;
+mod error;
+mod format;
+#[doc(hidden)]
+pub mod fuzzing;
+mod inspect;
+mod layout;
+mod mat;
+mod npy;
+mod npy_header;
+#[cfg(feature = "npz")]
+mod npz;
+#[cfg(any(feature = "hdf5", feature = "parquet", feature = "rosbag"))]
+mod panic_guard;
+#[cfg(feature = "parquet")]
+mod parquet;
+mod pieces;
+mod place;
+mod reader;
+mod select;
+mod source;
+mod stretches;
+mod table;
+mod unit;
+
+#[cfg(test)]
+mod test_files;
+
+pub use bag::{BagError, OtherTopic};
+pub use checks::{STEP_TOLERANCE, not_all_zero, one_channel, same_length, sample_rate_from_time};
+pub use clock::{Clock, Resampling};
+pub use csv::{Decimal, Dialect};
+pub use error::RecordingError;
+pub use format::Format;
+pub use inspect::{
+    ChannelSummary, ColumnSummary, Contents, Gap, TableSummary, TimeSummary, contradicting_times, inspect,
+    inspect_with_time,
+};
+pub use pieces::SignalPieces;
+pub use source::{ChannelSource, Side, read_channels};
+pub use unit::{Dimension, Unit, UnknownUnit};

@@ -1,0 +1,100 @@
+//! The channels of a signal out of a table, in the order in which they were asked for.
+
+use std::path::Path;
+
+use super::checks::require_finite;
+use super::error::RecordingError;
+use super::format::Format;
+use super::table::{Column, Table, indexed};
+use thetahat_ground::series::Series;
+
+/// The named columns of a table side by side.
+///
+/// A column of several channels gives all of them, `name[3]` its third. None named means all columns of a file that is
+/// one table, or the only variable of numbers of another.
+pub(super) fn series(table: &Table, format: Format, asked: &[String], path: &Path) -> Result<Series, RecordingError> {
+    let columns = match asked {
+        [] => unnamed(table, format, path)?,
+        _ => asked.iter().map(|name| find(table, name, path)).collect::<Result<_, _>>()?,
+    };
+    for (column, _) in &columns {
+        column.require_sound(path)?;
+        require_finite(&column.values, path, &column.name)?;
+    }
+    same_samples(&columns, path)?;
+    Ok(side_by_side(&columns))
+}
+
+/// A column, and which of its channels: none means all.
+type Selected<'a> = (&'a Column, Option<usize>);
+
+fn unnamed<'a>(table: &'a Table, format: Format, path: &Path) -> Result<Vec<Selected<'a>>, RecordingError> {
+    let numeric: Vec<&Column> = table.columns.iter().filter(|c| c.is_numeric()).collect();
+    match (format.is_one_table(), numeric.as_slice()) {
+        (true, [_, ..]) => Ok(table.columns.iter().map(|column| (column, None)).collect()),
+        (false, [only]) => Ok(vec![(only, None)]),
+        _ => Err(RecordingError::NoColumnListed { file: path.to_owned(), found: names(table) }),
+    }
+}
+
+fn find<'a>(table: &'a Table, asked: &str, path: &Path) -> Result<Selected<'a>, RecordingError> {
+    if let Some(column) = named(table, asked, path)? {
+        return Ok((column, None));
+    }
+    let part = indexed(asked).map(|(name, index)| Ok((named(table, name, path)?, index))).transpose()?;
+    let (file, found) = (path.to_owned(), names(table));
+    match part {
+        Some((Some(column), index)) if (1..=column.channels).contains(&index) => Ok((column, Some(index - 1))),
+        Some((Some(column), _)) if column.is_numeric() => {
+            Err(RecordingError::MissingChannel { file, column: asked.to_owned(), found: column.channels })
+        }
+        Some((Some(column), _)) => Ok((column, None)),
+        _ => Err(RecordingError::MissingColumn { file, column: asked.to_owned(), found }),
+    }
+}
+
+/// The one column of a name, if there is one.
+fn named<'a>(table: &'a Table, name: &str, path: &Path) -> Result<Option<&'a Column>, RecordingError> {
+    let mut columns = table.columns.iter().filter(|column| column.name == name);
+    match (columns.next(), columns.count()) {
+        (column, 0) => Ok(column),
+        (_, others) => {
+            let (file, column) = (path.to_owned(), name.to_owned());
+            Err(RecordingError::AmbiguousColumn { file, column, found: others + 1 })
+        }
+    }
+}
+
+fn names(table: &Table) -> Vec<String> {
+    table.columns.iter().map(|column| column.name.clone()).collect()
+}
+
+fn same_samples(columns: &[Selected<'_>], path: &Path) -> Result<(), RecordingError> {
+    let [(first, _), others @ ..] = columns else { return Ok(()) };
+    match others.iter().find(|(column, _)| column.samples() != first.samples()) {
+        None => Ok(()),
+        Some((other, _)) => Err(RecordingError::DifferentLengths {
+            first: first.name.clone(),
+            first_file: path.to_owned(),
+            first_samples: first.samples(),
+            second: other.name.clone(),
+            second_file: path.to_owned(),
+            second_samples: other.samples(),
+        }),
+    }
+}
+
+fn side_by_side(columns: &[Selected<'_>]) -> Series {
+    let channels: Vec<&[f64]> = columns.iter().flat_map(|(column, only)| chosen(column, *only)).collect();
+    let samples = channels.first().map_or(0, |channel| channel.len());
+    let mut values = Vec::with_capacity(samples * channels.len());
+    for sample in 0..samples {
+        values.extend(channels.iter().map(|channel| channel[sample]));
+    }
+    Series::from_values(channels.len(), values)
+}
+
+fn chosen(column: &Column, only: Option<usize>) -> Vec<&[f64]> {
+    let range = only.map_or(0..column.channels, |channel| channel..channel + 1);
+    range.map(|channel| column.channel(channel)).collect()
+}

@@ -1,0 +1,514 @@
+//! The description of a signal in a file, and its reading into a series.
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use super::csv::{Decimal, Dialect};
+use super::error::RecordingError;
+use super::format::Format;
+use super::layout::{self, Layout};
+use super::reader::table;
+use super::table::Wanted;
+use super::unit::{Dimension, Unit};
+use super::{bag, place, select};
+use thetahat_ground::{one_or_each::OneOrEach, series::Series};
+
+/// Where the channels of one signal are, and what they are.
+///
+/// ```
+/// use thetahat::recording::{ChannelSource, Side, Unit};
+/// let text = r#"
+///     file = "torque.csv"
+///     columns = ["motor_1", "motor_2"]
+///     unit = "mN m"
+///     side = "motor"
+/// "#;
+/// let source: ChannelSource = toml::from_str(text).unwrap();
+/// assert_eq!((source.unit.of(0), source.side), (&Unit::MillinewtonMetre, Side::Motor));
+/// ```
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ChannelSource {
+    /// The file, relative to the folder of the data.
+    pub file: PathBuf,
+    /// Names of columns or variables, in the order of the channels. A variable with several columns gives several
+    /// channels, and `name[3]` its third alone. None means all columns of a table (CSV, Parquet), or the only variable of
+    /// numbers of another file. Joints of a bag are `elbow.position`, `elbow.velocity`, `elbow.effort`.
+    #[serde(default)]
+    pub columns: Vec<String>,
+    /// The unit of the values in the file, of all channels or of each.
+    pub unit: OneOrEach<Unit>,
+    /// The side of the transmission on which the values were measured.
+    #[serde(default)]
+    pub side: Side,
+    /// A factor of all channels, or of each, applied after the unit; none means 1 for all.
+    #[serde(default)]
+    pub gain: Option<OneOrEach<f64>>,
+    /// The topic of a bag; needed where the bag holds several with joint states.
+    #[serde(default)]
+    pub topic: Option<String>,
+    /// The delimiter of a CSV file, one character; none means that it is detected. A space stands for any number of
+    /// spaces.
+    #[serde(default)]
+    pub delimiter: Option<char>,
+    /// The decimal sign of a CSV file; none means that it is detected.
+    #[serde(default)]
+    pub decimal: Option<Decimal>,
+    /// Whether a CSV file has a line of column names; none means that it is detected. Without one, columns are named
+    /// `1`, `2` and so on.
+    #[serde(default)]
+    pub header: Option<bool>,
+    /// Whether a last line of a text that is cut is left out.
+    #[serde(default)]
+    pub drop_cut_line: bool,
+    /// Whether a matrix has one row for each channel, and not one column.
+    #[serde(default)]
+    pub channels_in_rows: bool,
+    /// Number of channels whose values follow one another in one column, sample by sample.
+    #[serde(default)]
+    pub interleaved: Option<usize>,
+    /// A column of numbers that says of which channel each row is, where rows hold one channel each. Channels follow one
+    /// another as their numbers rise.
+    #[serde(default)]
+    pub channel_column: Option<String>,
+    /// How late the values are, s: the value at a time is the one recorded so much later. Negative where they are early.
+    #[serde(default)]
+    pub delay_s: f64,
+    /// Whether a torque holds until the next sample, as a sampled controller's does: then it acts half a step later than it
+    /// was recorded.
+    #[serde(default)]
+    pub held: bool,
+    /// Whether the file may lie anywhere, because the user named it and not a file of descriptions. Not read from files.
+    #[serde(skip)]
+    pub anywhere: bool,
+}
+
+/// A side of the transmission.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Side {
+    /// The motor's: before the gears.
+    Motor,
+    /// The joint's: behind the gears.
+    #[default]
+    Joint,
+}
+
+impl ChannelSource {
+    /// The path of the file below the folder of the data.
+    #[must_use]
+    pub fn path(&self, root: &Path) -> PathBuf {
+        root.join(&self.file)
+    }
+
+    /// Checks that the units measure what the `signal` (a word for the error's text) is.
+    ///
+    /// # Errors
+    /// [`RecordingError::WrongDimension`] if the dimension of a unit is not among the `expected` ones.
+    pub fn require_dimension(&self, signal: &str, expected: &[Dimension]) -> Result<(), RecordingError> {
+        match self.unit.given().iter().find(|unit| !expected.contains(&unit.dimension())) {
+            None => Ok(()),
+            Some(&found) => Err(self.wrong_dimension(signal.to_owned(), expected, found)),
+        }
+    }
+
+    /// Checks that the unit of each channel measures what `joints` say, a name and a dimension for each. One unit for all of
+    /// joints that turn and joints that slide stands for SI, as `"rad"` for rad and m.
+    ///
+    /// # Errors
+    /// [`RecordingError::UnitCount`], [`RecordingError::WrongDimension`], or [`RecordingError::MixedUnit`].
+    pub fn require_dimensions(&self, signal: &str, joints: &[(&str, Dimension)]) -> Result<(), RecordingError> {
+        let OneOrEach::Each(units) = &self.unit else {
+            let dimensions: Vec<Dimension> = joints.iter().map(|(_, dimension)| *dimension).collect();
+            return self.require_one_unit(signal, joints, &dimensions);
+        };
+        self.require_unit_count(joints.len())?;
+        match units.iter().zip(joints).find(|(unit, (_, dimension))| unit.dimension() != *dimension) {
+            None => Ok(()),
+            Some((&unit, (joint, dimension))) => {
+                Err(self.wrong_dimension(format!("{signal} of joint `{joint}`"), &[*dimension], unit))
+            }
+        }
+    }
+
+    fn require_one_unit(
+        &self,
+        signal: &str,
+        joints: &[(&str, Dimension)],
+        dimensions: &[Dimension],
+    ) -> Result<(), RecordingError> {
+        let unit = *self.unit.of(0);
+        let mut expected = dimensions.to_vec();
+        expected.dedup();
+        self.require_dimension(signal, &expected)?;
+        match joints.iter().find(|(_, dimension)| *dimension != unit.dimension()) {
+            Some((joint, dimension)) if unit.to_si() != 1.0 => Err(RecordingError::MixedUnit {
+                file: self.file.clone(),
+                signal: signal.to_owned(),
+                unit,
+                joint: (*joint).to_owned(),
+                dimension: *dimension,
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    fn wrong_dimension(&self, signal: String, expected: &[Dimension], found: Unit) -> RecordingError {
+        RecordingError::WrongDimension { file: self.file.clone(), signal, expected: expected.to_vec(), found }
+    }
+
+    fn require_unit_count(&self, channels: usize) -> Result<(), RecordingError> {
+        if self.unit.fits(channels) {
+            return Ok(());
+        }
+        let (file, found) = (self.file.clone(), self.unit.given().len());
+        Err(RecordingError::UnitCount { file, expected: channels, found })
+    }
+
+    /// The factor of each channel: unit times gain.
+    pub(super) fn factors(&self, channels: usize) -> Result<Vec<f64>, RecordingError> {
+        self.require_unit_count(channels)?;
+        let gain = self.gain.as_ref().unwrap_or(&OneOrEach::One(1.0));
+        if gain.given().is_empty() {
+            let (file, columns, what) = (self.file.clone(), self.columns.clone(), self.what_gains_are());
+            return Err(RecordingError::GainToFillIn { file, columns, channels, what });
+        }
+        if !gain.fits(channels) {
+            let file = self.file.clone();
+            return Err(RecordingError::GainCount { file, expected: channels, found: gain.given().len() });
+        }
+        if let Some(channel) = gain.given().iter().position(|&g| g == 0.0 || !g.is_finite()) {
+            let file = self.file.clone();
+            return Err(RecordingError::BadGain { file, channel, found: *gain.of(channel) });
+        }
+        Ok((0..channels).map(|c| gain.of(c) * self.unit.of(c).to_si()).collect())
+    }
+
+    /// What a gain turns into the signal, by the unit.
+    fn what_gains_are(&self) -> String {
+        let place = match self.side {
+            Side::Joint => "at the joint",
+            Side::Motor => "of the motor",
+        };
+        match self.unit.of(0).dimension() {
+            Dimension::Current => format!("the torque {place} per A"),
+            Dimension::Voltage => format!("the torque {place} per V"),
+            Dimension::Dimensionless if *self.unit.of(0) == Unit::Percent => format!("the torque {place} at 100 %"),
+            Dimension::Dimensionless => format!("the torque {place} per count"),
+            Dimension::Angle
+            | Dimension::Length
+            | Dimension::AngularVelocity
+            | Dimension::LinearVelocity
+            | Dimension::AngularAcceleration
+            | Dimension::LinearAcceleration
+            | Dimension::Torque
+            | Dimension::Force
+            | Dimension::Time => format!("a factor to values in {}", self.unit.of(0)),
+        }
+    }
+
+    pub(super) fn refuse_repetition(&self) -> Result<(), RecordingError> {
+        let repeated = (1..self.columns.len()).find(|&i| self.columns[..i].contains(&self.columns[i]));
+        repeated.map_or(Ok(()), |i| {
+            Err(RecordingError::RepeatedColumn { file: self.file.clone(), column: self.columns[i].clone() })
+        })
+    }
+
+    /// Refuses settings of another format, which would be without effect.
+    pub(super) fn refuse_useless_settings(&self, format: Format) -> Result<(), RecordingError> {
+        let text = !matches!(format, Format::Csv);
+        let settings = [
+            ("topic", self.topic.is_some() && !format.is_bag()),
+            ("delimiter", self.delimiter.is_some() && text),
+            ("decimal", self.decimal.is_some() && text),
+            ("header", self.header.is_some() && text),
+            ("drop_cut_line", self.drop_cut_line && text),
+            ("channels_in_rows", self.channels_in_rows && format.is_one_table()),
+            ("channels_in_rows", self.channels_in_rows && format.is_bag()),
+            ("interleaved", self.interleaved.is_some() && (format.is_bag() || self.channels_in_rows)),
+            ("channel_column", self.channel_column.is_some() && (format.is_bag() || self.channels_in_rows)),
+            ("channel_column", self.channel_column.is_some() && self.interleaved.is_some()),
+        ];
+        match settings.into_iter().find(|(_, useless)| *useless) {
+            None => Ok(()),
+            Some((setting, _)) => Err(RecordingError::UselessSetting { file: self.file.clone(), setting, format }),
+        }
+    }
+
+    /// How its channels lie in their columns.
+    fn layout(&self) -> Layout {
+        match (self.channel_column.is_some(), self.interleaved) {
+            (true, _) => Layout::Long,
+            (false, Some(channels)) => Layout::Interleaved { channels },
+            (false, None) if self.channels_in_rows => Layout::Rows,
+            (false, None) => Layout::Columns,
+        }
+    }
+
+    /// Whether any samples of the signal can be read without the others.
+    pub(super) fn can_be_read_in_pieces(&self) -> bool {
+        self.layout() == Layout::Columns && !self.drop_cut_line && self.delay_s == 0.0
+    }
+
+    pub(super) fn dialect(&self) -> Dialect {
+        Dialect {
+            delimiter: self.delimiter,
+            decimal: self.decimal,
+            header: self.header,
+            drop_cut_line: self.drop_cut_line,
+        }
+    }
+
+    /// The path to read from: inside the folder of the data, unless the file may lie anywhere.
+    pub(super) fn place(&self, root: &Path) -> Result<PathBuf, RecordingError> {
+        if self.anywhere { Ok(self.path(root)) } else { place::inside(root, &self.file) }
+    }
+}
+
+/// The channels of `source` in SI units: the file's values times the unit's factor times the gain.
+///
+/// The file is looked for in `root`, and must lie inside; its [`Format`] follows from its extension. The side is not
+/// applied: motor values stay on the motor side. Time stamps of a bag are seconds from the first message of their topic.
+///
+/// # Errors
+/// A [`RecordingError`] that names the place, what was expected and what was found, if the file cannot be read, a column
+/// is missing, a value is not a finite number, or the gains do not fit the channels.
+pub fn read_channels(source: &ChannelSource, root: &Path) -> Result<Series, RecordingError> {
+    source.refuse_repetition()?;
+    let format = Format::of(&source.file)?;
+    source.refuse_useless_settings(format)?;
+    let mut series = read(source, format, &source.place(root)?)?;
+    let factors = source.factors(series.channels())?;
+    for sample in series.values_mut().chunks_exact_mut(factors.len()) {
+        sample.iter_mut().zip(&factors).for_each(|(value, factor)| *value *= factor);
+    }
+    Ok(series)
+}
+
+/// The channels in the units of the file.
+fn read(source: &ChannelSource, format: Format, path: &Path) -> Result<Series, RecordingError> {
+    if format.is_bag() {
+        return bag::channels(path, format, source.topic.as_deref(), &source.columns);
+    }
+    let mut columns = source.columns.clone();
+    columns.extend(source.channel_column.clone());
+    let wanted = if columns.is_empty() { Wanted::All } else { Wanted::Named(&columns) };
+    let table = table(path, format, &source.dialect(), wanted)?;
+    layout::laid_out(source.layout(), select::series(&table, format, &columns, path)?, path)
+}
+
+#[cfg(test)]
+mod tests {
+    use thetahat_testing::Folder;
+
+    use super::*;
+
+    const TWO_JOINTS: &str = "a,b\n1,2\n3,4\n";
+
+    fn source(file: &str, gain: &[f64]) -> ChannelSource {
+        let gain = (!gain.is_empty()).then(|| OneOrEach::Each(gain.to_vec()));
+        ChannelSource {
+            file: file.into(),
+            columns: Vec::new(),
+            unit: Unit::Millimetre.into(),
+            side: Side::Joint,
+            gain,
+            topic: None,
+            delimiter: None,
+            decimal: None,
+            header: None,
+            drop_cut_line: false,
+            channels_in_rows: false,
+            interleaved: None,
+            channel_column: None,
+            delay_s: 0.0,
+            held: false,
+            anywhere: false,
+        }
+    }
+
+    /// One value a line, joint by joint.
+    #[test]
+    fn interleaved_values_are_samples() {
+        let folder = Folder::with("q.csv", b"q\n1\n2\n3\n4\n5\n6\n");
+        let of = |channels: usize| {
+            let text = format!("file = 'q.csv'\nunit = 'rad'\ninterleaved = {channels}");
+            read_channels(&toml::from_str(&text).unwrap(), folder.path())
+        };
+        assert_eq!(of(3).unwrap(), Series::from_values(3, vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]));
+        let error = of(4).unwrap_err().to_string();
+        assert!(error.contains("6 values in 1 columns are no samples of 4 interleaved channels"), "{error}");
+    }
+
+    /// One row for each joint at each instant, in any order of the joints.
+    #[test]
+    fn long_tables() {
+        let folder = Folder::with("q.csv", b"t,joint,q\n0,2,20\n0,1,10\n1,1,11\n1,2,21\n");
+        let of = |extra: &str| {
+            read_channels(&toml::from_str(&format!("file = 'q.csv'\nunit = 'rad'\n{extra}")).unwrap(), folder.path())
+        };
+        let series = of("columns = ['q']\nchannel_column = 'joint'").unwrap();
+        assert_eq!(series, Series::from_values(2, vec![10.0, 20.0, 11.0, 21.0]));
+        let error = of("columns = ['q']\nchannel_column = 't'\ninterleaved = 2").unwrap_err();
+        assert!(matches!(error, RecordingError::UselessSetting { setting: "channel_column", .. }));
+        folder.write("q.csv", "t,joint,q\n0,2,20\n0,1,10\n1,1,11\n");
+        let error = of("columns = ['q']\nchannel_column = 'joint'").unwrap_err().to_string();
+        assert!(error.contains("channel 1 has 2 rows, channel 2 has 1"), "{error}");
+    }
+
+    /// A matrix with a row for each joint.
+    #[test]
+    fn channels_in_rows() {
+        let values: Vec<u8> = (0..8).flat_map(|k| f64::from(k).to_le_bytes()).collect();
+        let folder = Folder::with("q.npy", super::super::test_files::npy("<f8", false, "(2, 4)", &values));
+        let source: ChannelSource = toml::from_str("file = 'q.npy'\nunit = 'rad'\nchannels_in_rows = true").unwrap();
+        let series = read_channels(&source, folder.path()).unwrap();
+        assert_eq!(series, Series::from_channels(&[vec![0.0, 1.0, 2.0, 3.0], vec![4.0, 5.0, 6.0, 7.0]]));
+    }
+
+    #[test]
+    fn a_cut_last_line_is_left_out_where_that_is_asked_for() {
+        let folder = Folder::with("q.csv", b"a,b\n1,2\n3,4\n5");
+        let mut source = source("q.csv", &[]);
+        let error = read_channels(&source, folder.path()).unwrap_err().to_string();
+        assert!(
+            error.ends_with(
+                "line 4, the last one, is cut: it has 1 of 2 columns and no end; leave it out with drop_cut_line = true"
+            ),
+            "{error}"
+        );
+        source.drop_cut_line = true;
+        assert_eq!(read_channels(&source, folder.path()).unwrap().len(), 2);
+    }
+
+    #[test]
+    fn garbage_is_named_with_its_place() {
+        let folder = Folder::with("q.csv", b"a,b\n1,2\n3,1e305\n");
+        let error = read_channels(&source("q.csv", &[]), folder.path()).unwrap_err().to_string();
+        assert!(error.contains("line 3, column \"b\": expected a finite number below 1e30, found 1e305"), "{error}");
+    }
+
+    fn failure(source: &ChannelSource) -> RecordingError {
+        let folder = Folder::with("q.csv", TWO_JOINTS.as_bytes());
+        read_channels(source, folder.path()).unwrap_err()
+    }
+
+    #[test]
+    fn values_are_multiplied_by_unit_and_gain() {
+        let folder = Folder::with("q.csv", TWO_JOINTS.as_bytes());
+        let series = read_channels(&source("q.csv", &[1000.0, -2000.0]), folder.path()).unwrap();
+        assert_eq!(series.values(), [1.0, -4.0, 3.0, -8.0]);
+    }
+
+    #[test]
+    fn side_is_the_joint_s_unless_said() {
+        let source: ChannelSource = toml::from_str("file = 'q.csv'\nunit = 'rad'").unwrap();
+        assert_eq!((source.side, source.columns.len(), source.gain), (Side::Joint, 0, None));
+    }
+
+    #[test]
+    fn units_and_gains_are_of_all_channels_or_of_each() {
+        let folder = Folder::with("q.csv", TWO_JOINTS.as_bytes());
+        let read = |units: &str| {
+            let source: ChannelSource = toml::from_str(&format!("file = 'q.csv'\n{units}")).unwrap();
+            read_channels(&source, folder.path())
+        };
+        assert_eq!(read("unit = ['m', 'mm']").unwrap().values(), [1.0, 2e-3, 3.0, 4e-3]);
+        assert_eq!(read("unit = 'mm'\ngain = 1e3").unwrap().values(), [1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(
+            read("unit = ['m', 'mm', 'm']").unwrap_err().to_string(),
+            "q.csv: unit lists 3 units for 2 channels; give one for all, or one for each channel"
+        );
+    }
+
+    #[test]
+    fn units_measure_what_their_joints_do() {
+        let joints = [("lift", Dimension::Length), ("shoulder", Dimension::Angle)];
+        let message = |unit: &str| {
+            let source: ChannelSource = toml::from_str(&format!("file = 'q.csv'\nunit = {unit}")).unwrap();
+            source.require_dimensions("position", &joints).err().map(|e| e.to_string())
+        };
+        assert_eq!((message("['m', 'rad']"), message("['mm', 'deg']"), message("'rad'")), (None, None, None));
+        assert_eq!(
+            message("'deg'").unwrap(),
+            "q.csv: unit \"deg\" of position is for all joints, but joint `lift` has a length; give a list with one unit for \
+             each joint, such as unit = [\"m\", \"rad\"]"
+        );
+        assert!(message("['rad', 'm']").unwrap().contains("position of joint `lift`"), "{:?}", message("['rad', 'm']"));
+        assert!(message("['rad']").unwrap().contains("unit lists 1 units for 2 channels"));
+    }
+
+    #[test]
+    fn unit_must_be_given() {
+        assert!(toml::from_str::<ChannelSource>("file = 'q.csv'").is_err());
+    }
+
+    #[test]
+    fn unknown_field_is_refused() {
+        assert!(toml::from_str::<ChannelSource>("file = 'q.csv'\nunit = 'rad'\ngains = [1.0]").is_err());
+    }
+
+    #[test]
+    fn position_in_a_unit_of_torque_is_refused() {
+        let mut source = source("q.csv", &[]);
+        source.require_dimension("position", &[Dimension::Angle, Dimension::Length]).unwrap();
+        source.unit = Unit::NewtonMetre.into();
+        let error = source.require_dimension("position", &[Dimension::Angle, Dimension::Length]).unwrap_err();
+        assert!(matches!(error, RecordingError::WrongDimension { found: Unit::NewtonMetre, .. }));
+    }
+
+    #[test]
+    fn missing_file() {
+        assert!(matches!(failure(&source("p.csv", &[])), RecordingError::FileNotFound { .. }));
+    }
+
+    #[test]
+    fn unknown_extension() {
+        assert!(matches!(failure(&source("q.xlsx", &[])), RecordingError::UnknownFormat { .. }));
+    }
+
+    #[test]
+    fn one_gain_for_two_channels() {
+        let error = failure(&source("q.csv", &[2.0]));
+        assert!(matches!(error, RecordingError::GainCount { expected: 2, found: 1, .. }));
+    }
+
+    #[test]
+    fn zero_gain() {
+        let error = failure(&source("q.csv", &[2.0, 0.0]));
+        assert!(matches!(error, RecordingError::BadGain { channel: 1, .. }));
+    }
+
+    #[test]
+    fn column_listed_twice() {
+        let mut source = source("q.csv", &[]);
+        source.columns = vec!["a".into(), "b".into(), "a".into()];
+        assert!(matches!(failure(&source), RecordingError::RepeatedColumn { column, .. } if column == "a"));
+    }
+
+    #[test]
+    fn delimiter_of_a_file_that_is_not_text() {
+        let mut source = source("q.npz", &[]);
+        source.delimiter = Some(';');
+        assert!(matches!(failure(&source), RecordingError::UselessSetting { setting: "delimiter", .. }));
+    }
+
+    #[test]
+    fn topic_of_a_file_that_is_not_a_bag() {
+        let mut source = source("q.csv", &[]);
+        source.topic = Some("/joint_states".into());
+        assert!(matches!(failure(&source), RecordingError::UselessSetting { setting: "topic", .. }));
+    }
+
+    #[test]
+    fn absolute_path_is_read_only_where_the_user_named_it() {
+        let folder = Folder::with("q.csv", TWO_JOINTS.as_bytes());
+        let mut source = source("q.csv", &[]);
+        source.file = folder.path().join("q.csv");
+        let error = read_channels(&source, folder.path()).unwrap_err();
+        assert!(matches!(error, RecordingError::OutsideData { .. }));
+        source.anywhere = true;
+        assert_eq!(read_channels(&source, folder.path()).unwrap().len(), 2);
+    }
+}

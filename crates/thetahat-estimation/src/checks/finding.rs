@@ -1,0 +1,261 @@
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+/// How much a finding matters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Severity {
+    /// The estimate is not to be trusted.
+    Problem,
+    /// The estimate suffers; look at it.
+    Warning,
+    /// Worth knowing.
+    Note,
+}
+
+impl Severity {
+    /// Its name, lower case.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Problem => "problem",
+            Self::Warning => "warning",
+            Self::Note => "note",
+        }
+    }
+}
+
+impl fmt::Display for Severity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// What was found. Findings of one severity are sorted in this order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Code {
+    /// Positions are in another unit, or on the other side of the gears.
+    PositionScale,
+    /// Positions count in the other direction.
+    PositionSign,
+    /// Positions start from another zero.
+    PositionZero,
+    /// Torques are in another unit, or on the other side of the gears.
+    TorqueScale,
+    /// Torques count in the other direction.
+    TorqueSign,
+    /// Two joints are exchanged.
+    JointsSwapped,
+    /// A gear ratio, or the scale of a position or torque, is wrong by some percent.
+    GearRatio,
+    /// Torques are later or earlier than positions.
+    Lag,
+    /// Samples are missing.
+    DroppedSamples,
+    /// Samples are repeated.
+    RepeatedSamples,
+    /// The time stamps are not equally spaced.
+    ClockJitter,
+    /// Another rate is stated than the time stamps have.
+    RateContradicted,
+    /// A torque stays at its limit.
+    TorqueSaturated,
+    /// A torque does not change.
+    TorqueConstant,
+    /// The torque's steps are coarse.
+    TorqueQuantised,
+    /// The torque has outliers.
+    TorqueSpikes,
+    /// The position's steps are coarse.
+    PositionQuantised,
+    /// The position has outliers.
+    PositionSpikes,
+    /// The recorded velocity differs from the derivative of the position.
+    VelocityMismatch,
+    /// A joint does not move.
+    JointStill,
+    /// Nothing moves for a part of the window.
+    StillPeriod,
+    /// The position filter cuts off motion.
+    CutoffLow,
+    /// The position filter lets noise through.
+    CutoffHigh,
+    /// Friction comes out negative.
+    NegativeFriction,
+    /// The model does not explain the torques.
+    PoorFit,
+    /// The motion does not excite parameters.
+    NotExcited,
+    /// The reference is not what the motion follows.
+    ReferenceMismatch,
+    /// The controller does not give the drive signals.
+    ControllerMismatch,
+    /// The torque is one value for much of the time.
+    TorqueIdle,
+    /// The torque is noise.
+    TorqueNoise,
+    /// A joint is held and trembles.
+    JointDither,
+    /// Torques are far from those of the description's masses.
+    APrioriScale,
+    /// A joint's torque is predicted no better than by its mean.
+    WorseThanMean,
+    /// The recording is not of this robot.
+    WrongRobot,
+    /// Gravity comes from elsewhere than the description says.
+    GravityDirection,
+    /// The scale of a torque changes over the record.
+    GainDrift,
+    /// The friction of a joint changes over the record.
+    FrictionDrift,
+    /// Two recordings share samples.
+    SameRecording,
+    /// Recordings are explained apart, and not together.
+    RecordingsContradict,
+    /// No robot made of bodies has the estimates.
+    NotPhysical,
+    /// The robot's description says what no robot has.
+    RobotDescription,
+}
+
+impl Code {
+    /// All codes, in order.
+    pub const ALL: [Self; 41] = [
+        Self::PositionScale,
+        Self::PositionSign,
+        Self::PositionZero,
+        Self::TorqueScale,
+        Self::TorqueSign,
+        Self::JointsSwapped,
+        Self::GearRatio,
+        Self::Lag,
+        Self::DroppedSamples,
+        Self::RepeatedSamples,
+        Self::ClockJitter,
+        Self::RateContradicted,
+        Self::TorqueSaturated,
+        Self::TorqueConstant,
+        Self::TorqueQuantised,
+        Self::TorqueSpikes,
+        Self::PositionQuantised,
+        Self::PositionSpikes,
+        Self::VelocityMismatch,
+        Self::JointStill,
+        Self::StillPeriod,
+        Self::CutoffLow,
+        Self::CutoffHigh,
+        Self::NegativeFriction,
+        Self::PoorFit,
+        Self::NotExcited,
+        Self::ReferenceMismatch,
+        Self::ControllerMismatch,
+        Self::TorqueIdle,
+        Self::TorqueNoise,
+        Self::JointDither,
+        Self::APrioriScale,
+        Self::WorseThanMean,
+        Self::WrongRobot,
+        Self::GravityDirection,
+        Self::GainDrift,
+        Self::FrictionDrift,
+        Self::SameRecording,
+        Self::RecordingsContradict,
+        Self::NotPhysical,
+        Self::RobotDescription,
+    ];
+
+    /// Its stable name, lower case with hyphens.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::PositionScale => "position-scale",
+            Self::PositionSign => "position-sign",
+            Self::PositionZero => "position-zero",
+            Self::TorqueScale => "torque-scale",
+            Self::TorqueSign => "torque-sign",
+            Self::JointsSwapped => "joints-swapped",
+            Self::GearRatio => "gear-ratio",
+            Self::Lag => "lag",
+            Self::DroppedSamples => "dropped-samples",
+            Self::RepeatedSamples => "repeated-samples",
+            Self::ClockJitter => "clock-jitter",
+            Self::RateContradicted => "rate-contradicted",
+            Self::TorqueSaturated => "torque-saturated",
+            Self::TorqueConstant => "torque-constant",
+            Self::TorqueQuantised => "torque-quantised",
+            Self::TorqueSpikes => "torque-spikes",
+            Self::PositionQuantised => "position-quantised",
+            Self::PositionSpikes => "position-spikes",
+            Self::VelocityMismatch => "velocity-mismatch",
+            Self::JointStill => "joint-still",
+            Self::StillPeriod => "still-period",
+            Self::CutoffLow => "cutoff-low",
+            Self::CutoffHigh => "cutoff-high",
+            Self::NegativeFriction => "negative-friction",
+            Self::PoorFit => "poor-fit",
+            Self::NotExcited => "not-excited",
+            Self::ReferenceMismatch => "reference-mismatch",
+            Self::ControllerMismatch => "controller-mismatch",
+            Self::TorqueIdle => "torque-idle",
+            Self::TorqueNoise => "torque-noise",
+            Self::JointDither => "joint-dither",
+            Self::APrioriScale => "a-priori-scale",
+            Self::WorseThanMean => "worse-than-mean",
+            Self::WrongRobot => "wrong-robot",
+            Self::GravityDirection => "gravity-direction",
+            Self::GainDrift => "gain-drift",
+            Self::FrictionDrift => "friction-drift",
+            Self::SameRecording => "same-recording",
+            Self::RecordingsContradict => "recordings-contradict",
+            Self::NotPhysical => "not-physical",
+            Self::RobotDescription => "robot-description",
+        }
+    }
+}
+
+impl fmt::Display for Code {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Something noticed in a recording.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Finding {
+    /// What it is.
+    pub code: Code,
+    /// How much it matters.
+    pub severity: Severity,
+    /// The joint's number, from one, as in the names of its parameters; none where it is about all joints. With mimic
+    /// joints in front it is larger than the number of its channel.
+    pub joint: Option<usize>,
+    /// The joint's name.
+    pub joint_name: Option<String>,
+    /// The evidence.
+    pub value: f64,
+    /// The unit of the evidence and of its limit.
+    pub unit: String,
+    /// What the evidence was compared with.
+    pub limit: Option<f64>,
+    /// What was seen, in a sentence with the number.
+    pub message: String,
+    /// What to do, in a sentence.
+    pub remedy: String,
+    /// The parameters concerned.
+    pub parameters: Vec<String>,
+}
+
+/// A number that was compared with a limit, whether or not it led to a finding.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measure {
+    /// What it is evidence for.
+    pub code: Code,
+    /// The joint's number, as in [`Finding`].
+    pub joint: Option<usize>,
+    /// The evidence.
+    pub value: f64,
+    /// What it is compared with: above it, there is a finding.
+    pub limit: f64,
+}

@@ -1,0 +1,193 @@
+//! Gravity from another side than the description says: a robot on a wall, on a ceiling or on a tilted base.
+//!
+//! The parameters take much of a wrong gravity up, with other signs and offsets, and only the links' inertia contradicts them. Torques are linear in
+//! gravity, too: beside the robot's columns stand the torques of the fitted links in unit gravity along each axis of the base. Where these explain
+//! much, gravity is sought among the axes, and then by Gauss-Newton on its two angles. Masses of the description are not needed.
+
+use super::{
+    examination::{Evidence, Examination, Words},
+    fault,
+    finding::{Code, Severity},
+    orthogonal_fit::OrthogonalFit,
+    thinned_record::ThinnedRecord,
+};
+use crate::regression::Regression;
+use thetahat_ground::{
+    linear_algebra::Matrix,
+    number::{fixed, significant},
+    series::Series,
+    vector::{Vec3, add, cross, dot, norm, scale},
+};
+use thetahat_model::{
+    dynamics::{Model, Sign},
+    regressor::Regressor,
+    robot::{Quantity, Robot},
+};
+
+/// How many times smaller the squared residual must be with gravity from elsewhere.
+const LIMIT: f64 = 1.3;
+/// Degrees below which no other direction is named.
+const LEAST_DEG: f64 = 2.0;
+/// Degrees, and how many times smaller the squared residual is, from which no number is right.
+const WRONG_DEG: f64 = 10.0;
+const WRONG_RATIO: f64 = 4.0;
+/// Relative error of the fit with another gravity from which it is no explanation: the description may be of another robot.
+const POOR: f64 = 0.15;
+/// Most steps of Gauss-Newton.
+const STEPS: usize = 6;
+/// Part of the squared residual that a step must take away.
+const PROGRESS: f64 = 1e-3;
+/// Largest step, part of the length of gravity.
+const LARGEST_STEP: f64 = 0.7;
+
+const AXES: [Vec3; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// Whether no number is right because of it. Another fault of the record is the better explanation where it makes the squared residual smaller.
+pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) -> bool {
+    let stated = exam.subject.robot.gravity;
+    let Some((ratio, found)) = better(record, stated) else { return false };
+    let evidence = Evidence {
+        code: Code::GravityDirection,
+        coordinate: None,
+        value: ratio,
+        unit: "times smaller squared residual",
+        limit: LIMIT,
+    };
+    let angle = angle_deg(stated, found);
+    if angle < LEAST_DEG || ratio <= LIMIT || fault::largest_gain(record) > ratio {
+        exam.note_measure(evidence);
+        return false;
+    }
+    let severity = if angle > WRONG_DEG || ratio > WRONG_RATIO { Severity::Problem } else { Severity::Warning };
+    exam.judge(evidence, severity, || words(ratio, found, angle));
+    severity == Severity::Problem
+}
+
+fn words(ratio: f64, found: Vec3, angle: f64) -> Words {
+    let gravity = found.map(|component| fixed(component, 2)).join(", ");
+    let message = format!(
+        "the torques fit {} times better if gravity is [{gravity}] m/s^2 in the base frame, {angle:.0} degrees from the stated one: \
+         the robot hangs, is on a wall, or its base is tilted",
+        significant(ratio.sqrt(), 3)
+    );
+    let remedy = format!(
+        "look at how the base is mounted; if so, give gravity = [{gravity}] in the robot's TOML (for a URDF: a TOML with urdf = \
+         \"...\" and that line), else look at the zeros of the first joints, and whether the description is of this robot"
+    );
+    Words::new(message, remedy)
+}
+
+fn angle_deg(a: Vec3, b: Vec3) -> f64 {
+    norm(cross(a, b)).atan2(dot(a, b)).to_degrees()
+}
+
+/// How many times smaller the squared residual is with another gravity of the same length, and that gravity; the stated one where no other explains
+/// the torques, none without gravity or links.
+fn better(record: &ThinnedRecord<'_>, stated: Vec3) -> Option<(f64, Vec3)> {
+    let length = norm(stated);
+    if length == 0.0 {
+        return None;
+    }
+    let of_stated = Weighed::new(record, stated)?;
+    let reach = of_stated.squares() / of_stated.fit_beside(record, &AXES)?.squares;
+    if reach < LIMIT {
+        return Some((reach, stated));
+    }
+    let along = |axis: &Vec3| [length, -length].map(|l| scale(l, *axis));
+    let others = AXES.iter().flat_map(along).filter(|g| angle_deg(*g, stated) > LEAST_DEG);
+    let all = others.filter_map(|gravity| Weighed::new(record, gravity));
+    let squares = of_stated.squares();
+    let best = all.fold(of_stated, |best, other| if other.squares() < best.squares() { other } else { best });
+    let best = refined(record, best);
+    if best.fit.relative_error() > POOR {
+        return Some((1.0, stated));
+    }
+    Some((squares / best.squares(), best.gravity))
+}
+
+/// The best direction near a start.
+fn refined(record: &ThinnedRecord<'_>, start: Weighed) -> Weighed {
+    let mut best = start;
+    for _ in 0..STEPS {
+        let Some(next) = best.next(record).filter(|next| next.squares() < (1.0 - PROGRESS) * best.squares()) else {
+            break;
+        };
+        best = next;
+    }
+    best
+}
+
+/// The robot's parameters fitted under some gravity.
+struct Weighed {
+    gravity: Vec3,
+    columns: Vec<usize>,
+    regression: Regression,
+    fit: OrthogonalFit,
+}
+
+impl Weighed {
+    fn new(record: &ThinnedRecord<'_>, gravity: Vec3) -> Option<Self> {
+        let model = Model::new(&Robot { gravity, ..record.subject.robot.clone() });
+        let columns = columns(record);
+        let regression = record.regression_of(&model, &columns).ok()?;
+        let fit = OrthogonalFit::new(&regression);
+        Some(Self { gravity, columns, regression, fit })
+    }
+
+    fn squares(&self) -> f64 {
+        self.fit.squares
+    }
+
+    /// With the torques of the fitted links in unit gravity along directions as further columns.
+    fn fit_beside(&self, record: &ThinnedRecord<'_>, directions: &[Vec3]) -> Option<OrthogonalFit> {
+        let theta = self.fit.theta();
+        let torques: Vec<Vec<f64>> =
+            directions.iter().map(|d| self.torque_along(record, *d, &theta)).collect::<Option<_>>()?;
+        let further = Matrix::from_fn(self.regression.x.rows(), directions.len(), |i, c| torques[c][i]);
+        let beside = Matrix::beside(&[&self.regression.x, &further]);
+        Some(OrthogonalFit::new(&self.regression.clone().with_matrix(beside)))
+    }
+
+    /// Rows of the torque of the fitted links at rest in unit gravity.
+    fn torque_along(&self, record: &ThinnedRecord<'_>, direction: Vec3, theta: &[f64]) -> Option<Vec<f64>> {
+        let model = Model::new(&Robot { gravity: direction, ..record.subject.robot.clone() });
+        let links = |(column, value): (&usize, &f64)| is_link(&model, *column).then_some((*column, *value));
+        let (columns, values): (Vec<usize>, Vec<f64>) = self.columns.iter().zip(theta).filter_map(links).unzip();
+        let q = &record.motion.q;
+        let rest = Series::zeros(q.len(), q.channels());
+        let torque = Regressor::new(&model, &columns).torques(&model, [q, &rest, &rest], Sign::Exact, &values);
+        Some(record.stack(&record.decimator.filter(&torque).ok()?))
+    }
+
+    /// One step of Gauss-Newton on the two angles.
+    fn next(&self, record: &ThinnedRecord<'_>) -> Option<Self> {
+        let length = norm(self.gravity);
+        let across = across(self.gravity);
+        let theta = self.fit_beside(record, &across)?.theta();
+        let change =
+            theta[self.columns.len()..].iter().zip(across).fold([0.0; 3], |sum, (c, d)| add(sum, scale(*c, d)));
+        let shorter = (LARGEST_STEP * length / norm(change).max(f64::MIN_POSITIVE)).min(1.0);
+        let moved = add(self.gravity, scale(shorter, change));
+        Self::new(record, scale(length / norm(moved), moved))
+    }
+}
+
+/// The columns of the fit, and all of the links: another gravity makes others of them independent.
+fn columns(record: &ThinnedRecord<'_>) -> Vec<usize> {
+    let model = record.subject.model;
+    let of_fit = record.subject.all.columns();
+    (0..model.parameter_table().len()).filter(|i| is_link(model, *i) || of_fit.contains(i)).collect()
+}
+
+fn is_link(model: &Model, column: usize) -> bool {
+    matches!(model.parameter_table().get(column).quantity, Quantity::Link(_))
+}
+
+/// Two unit vectors at right angles to a direction and to each other.
+fn across(direction: Vec3) -> [Vec3; 2] {
+    let unit = scale(1.0 / norm(direction), direction);
+    let least = AXES.into_iter().min_by(|a, b| dot(*a, unit).abs().total_cmp(&dot(*b, unit).abs())).unwrap_or(AXES[0]);
+    let first = cross(unit, least);
+    let first = scale(1.0 / norm(first), first);
+    [first, cross(unit, first)]
+}

@@ -1,0 +1,131 @@
+//! Pieces joined in their order to the rows of the whole record.
+//!
+//! The samples before and behind a piece add `c_j p_j^m` times the sums at its ends, m samples away, to its kept samples.
+//! All samples before it count; samples behind it count as far as `p_j^m` is not negligible.
+
+use std::collections::VecDeque;
+
+use super::forward_backward::Kept;
+use super::pieces::{DecimatedPiece, PiecePass, Record, Tail};
+use super::pole_sums::{PoleSums, Sums};
+use thetahat_ground::series::Series;
+
+/// Powers of a pole below this count as zero: their contribution is below the rounding of a sum.
+const NEGLIGIBLE: f64 = 1e-20;
+
+/// The kept samples of a record, filtered as [`forward_backward`](super::forward_backward::forward_backward) does
+/// it: the record as one piece. `fill` writes the channels of one sample after the other.
+pub(super) fn filter_and_keep(
+    sums: &PoleSums,
+    record: Record,
+    kept: Kept,
+    fill: impl FnMut(usize, &mut [f64]),
+) -> Series {
+    let rows = kept.indices(record.samples).count();
+    let mut joined = Joined::new(sums, rows);
+    let finished = joined.take(PiecePass::new(sums, record, kept, fill).run(0..rows));
+    finished.into_iter().next().unwrap_or_else(|| Series::zeros(0, record.channels))
+}
+
+/// The pieces of a record on their way to rows.
+#[derive(Debug)]
+pub(super) struct Joined<'a> {
+    sums: &'a PoleSums,
+    /// Rows of the whole record that have not come yet.
+    missing: usize,
+    /// Samples that a piece's rows look ahead.
+    ahead: usize,
+    /// Causal sums at the end of the last piece that is finished.
+    before: Option<Vec<Sums>>,
+    waiting: VecDeque<DecimatedPiece>,
+}
+
+impl<'a> Joined<'a> {
+    pub(super) fn new(sums: &'a PoleSums, rows: usize) -> Self {
+        Self { sums, missing: rows, ahead: sums.reach(NEGLIGIBLE), before: None, waiting: VecDeque::new() }
+    }
+
+    /// Takes the next piece, and returns the rows of the pieces that it completes.
+    pub(super) fn take(&mut self, piece: DecimatedPiece) -> Vec<Series> {
+        self.missing -= piece.rows.len().min(self.missing);
+        self.waiting.push_back(piece);
+        let mut finished = Vec::new();
+        while self.is_first_finished() {
+            let Some(piece) = self.waiting.pop_front() else { break };
+            finished.push(self.finish(piece));
+        }
+        finished
+    }
+
+    fn is_first_finished(&self) -> bool {
+        let behind: usize = self.waiting.iter().skip(1).map(DecimatedPiece::samples).sum();
+        self.missing == 0 || behind >= self.ahead
+    }
+
+    fn finish(&mut self, piece: DecimatedPiece) -> Series {
+        let DecimatedPiece { mut rows, lengths, mut causal, tail, .. } = piece;
+        if let Some(before) = self.before.take() {
+            self.add_before(before.clone(), &lengths, &mut rows);
+            let decay = self.sums.decay(lengths.iter().sum());
+            causal = before.iter().zip(&causal).map(|(b, own)| b.decayed(&decay, own)).collect();
+        }
+        let behind = tail.map_or_else(|| self.behind(&causal), |tail| self.behind_record(&tail, &causal));
+        self.add_behind(behind, &lengths, &mut rows);
+        self.before = Some(causal);
+        rows
+    }
+
+    /// Adds the contribution of the samples before a piece to its rows.
+    fn add_before(&self, mut before: Vec<Sums>, lengths: &[usize], rows: &mut Series) {
+        let mut samples = 0;
+        for (row, length) in lengths.iter().enumerate() {
+            samples += length;
+            if samples > self.ahead {
+                break;
+            }
+            let decay = self.sums.decay(*length);
+            for (y, before) in rows.sample_mut(row).iter_mut().zip(&mut before) {
+                *before = before.decayed(&decay, &Sums::default());
+                *y += self.sums.output(before);
+            }
+        }
+    }
+
+    /// Adds the contribution of the samples behind a piece to its rows.
+    fn add_behind(&self, mut behind: Vec<Sums>, lengths: &[usize], rows: &mut Series) {
+        let mut samples = 0;
+        for (row, length) in lengths.iter().enumerate().rev() {
+            if samples > self.ahead {
+                break;
+            }
+            let decay = self.sums.decay(*length);
+            for (y, behind) in rows.sample_mut(row).iter_mut().zip(&mut behind) {
+                *y += self.sums.output(behind);
+                *behind = behind.decayed(&decay, &Sums::default());
+            }
+            samples += length;
+        }
+    }
+
+    /// Anticausal sums of the waiting pieces, behind a piece that ends with these causal sums.
+    fn behind(&self, causal: &[Sums]) -> Vec<Sums> {
+        let through = |sums: &[Sums], piece: &DecimatedPiece, own: &[Sums]| -> Vec<Sums> {
+            let decay = self.sums.decay(piece.samples());
+            sums.iter().zip(own).map(|(s, own)| s.decayed(&decay, own)).collect()
+        };
+        let end = self.waiting.iter().fold(causal.to_vec(), |causal, piece| through(&causal, piece, &piece.causal));
+        let tail = self.waiting.back().and_then(|piece| piece.tail.as_ref());
+        let behind = tail.map_or_else(|| vec![Sums::default(); causal.len()], |tail| self.behind_record(tail, &end));
+        self.waiting.iter().rev().fold(behind, |behind, piece| through(&behind, piece, &piece.anticausal))
+    }
+
+    /// Anticausal sums of the extension behind the record and of the steady state in which the backward pass starts.
+    fn behind_record(&self, tail: &Tail, causal: &[Sums]) -> Vec<Sums> {
+        let decay = self.sums.decay(tail.samples);
+        let of_channel = |((causal, [added, behind]), x): ((&Sums, &[Sums; 2]), &f64)| {
+            let end = self.sums.end(&causal.decayed(&decay, added), *x);
+            end.decayed(&decay, behind)
+        };
+        causal.iter().zip(&tail.sums).zip(&tail.last).map(of_channel).collect()
+    }
+}

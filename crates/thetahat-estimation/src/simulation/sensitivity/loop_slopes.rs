@@ -1,0 +1,103 @@
+//! The loop linearised in a state: by the state, exactly, and by what it is sensitive to.
+
+use std::ops::Range;
+
+use super::{
+    columns::ColumnBlocks, linear_terms::LinearTerms, parameter_columns::ParameterColumns, sensitive_to::SensitiveTo,
+    stages::StageMotion, torque_slopes::TorqueSlopes,
+};
+use crate::simulation::{closed_loop::Job, running::Running, system::Loop};
+use thetahat_model::dynamics::Jacobian;
+
+/// At least the stages of a step of any method.
+const MOST_STAGES: usize = 8;
+
+/// The torques of the drives, or `M` times the accelerations, as linear functions of the sensitivities S of the state:
+///
+/// `d tau/dp = tau_p - K S_q - D S_dq`, and `M d ddq/dp = tau_p - phi_p - (K + d ID/dq) S_q - (D + d ID/d dq) S_dq`, with
+/// `tau_p` what the torques change by in the same state, and K and D what a continuous controller takes away.
+pub(super) struct LoopSlopes {
+    torques: TorqueSlopes,
+    parameters: ParameterColumns,
+    /// One for each stage of a step.
+    jacobians: Vec<Jacobian>,
+    terms: LinearTerms,
+    /// Scratch: the state of a stage.
+    x: Vec<f64>,
+}
+
+impl LoopSlopes {
+    /// `start` are the sensitivities of the initial state.
+    pub(super) fn new(
+        job: &Job<'_>,
+        running: &mut Running<'_>,
+        to: &[SensitiveTo],
+        inertia_slopes: Option<&[Vec<f64>]>,
+        start: &ColumnBlocks,
+    ) -> Self {
+        let setup = &job.closed_loop;
+        let n = setup.model.coordinate_count();
+        Self {
+            torques: TorqueSlopes::new(job, running, to, inertia_slopes, start),
+            parameters: ParameterColumns::new(setup, to),
+            jacobians: vec![Jacobian::zeros(n); MOST_STAGES],
+            terms: LinearTerms::zeros(n, to.len()),
+            x: vec![0.0; 2 * n],
+        }
+    }
+
+    /// Follows a sampled controller into the interval just begun, where the state has the sensitivities `state`.
+    pub(super) fn follow_interval(&mut self, running: &mut Running<'_>, state: &ColumnBlocks) {
+        self.torques.follow_interval(running, state);
+    }
+
+    /// What the change of the drive signals at the start of the interval took away from the joint torques; none of a
+    /// continuous controller.
+    pub(super) fn torque_drop(&self) -> Option<&[f64]> {
+        self.torques.torque_drop()
+    }
+
+    /// The torques' derivatives at time `t` and state `x` with the sensitivities `state`.
+    pub(super) fn torques(
+        &mut self,
+        system: &mut Loop<'_>,
+        (t, x): (f64, &[f64]),
+        state: &ColumnBlocks,
+        out: &mut ColumnBlocks,
+    ) {
+        self.torques.linearise(system, t, x, &mut self.terms);
+        self.terms.evaluate(state, out);
+    }
+
+    /// Finds what [`Self::accelerations`] needs of the robot in these stages.
+    pub(super) fn evaluate_stages(&mut self, system: &Loop<'_>, motion: &StageMotion, stages: Range<usize>) {
+        let (plant, series) = (&system.plant, motion.series());
+        self.parameters.evaluate(plant, series, motion.channels());
+        plant.model.inverse_dynamics_jacobians(
+            &plant.parameters,
+            series,
+            motion.channels(),
+            stages,
+            plant.sign,
+            &mut self.jacobians,
+        );
+    }
+
+    /// The terms of `M d ddq/dp` in a stage at time `t`.
+    pub(super) fn accelerations(
+        &mut self,
+        system: &mut Loop<'_>,
+        t: f64,
+        motion: &StageMotion,
+        stage: usize,
+    ) -> &LinearTerms {
+        let Self { torques, parameters, jacobians, terms, x } = self;
+        motion.write_state(stage, x);
+        torques.linearise(system, t, x, terms);
+        let Jacobian { by_position, by_velocity } = &jacobians[stage];
+        terms.by_position.iter_mut().zip(by_position).for_each(|(a, j)| *a += j);
+        terms.by_velocity.iter_mut().zip(by_velocity).for_each(|(b, j)| *b += j);
+        parameters.subtract(stage, &mut terms.explicit);
+        terms
+    }
+}

@@ -1,0 +1,278 @@
+use super::{
+    elimination::Elimination,
+    error::ConsistencyError,
+    interior::inside,
+    interior_point::{Minimum, ScaledSystem, Stop, minimise},
+    program::{Block, Program},
+    set::{Condition, ConditionBlock, ConsistentSet},
+    symmetric::Symmetric,
+};
+use crate::{base_parameters::BaseParameters, robot::Bound};
+use thetahat_ground::linear_algebra::{Matrix, dot};
+
+/// `|A theta - b|^2 + rest` over standard parameters theta.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LeastSquares {
+    matrix: Matrix,
+    right_side: Vec<f64>,
+    rest: f64,
+}
+
+/// What is known before the record, as a term of the objective.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Prior {
+    /// Nothing: the least residual, wherever it is. Parameters that the data leave free, or nearly, can come out far from
+    /// any robot's; [`Prior::LogDet`] with a small weight keeps them near the a-priori ones.
+    None,
+    /// `weight |theta - theta_0|^2` over the inertial parameters of all links, each in its SI unit.
+    Euclidean {
+        /// Weight, in squares of the residual.
+        weight: f64,
+    },
+    /// `weight sum_l D(P_l | P_l0)`, the log-det divergence `D(P | P_0) = tr(P_0^-1 P) - log det(P_0^-1 P) - 4`, with the
+    /// same of the motor inertias that have an a-priori value.
+    LogDet {
+        /// Weight, in squares of the residual.
+        weight: f64,
+    },
+}
+
+/// A physically consistent estimate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ConsistentFit {
+    /// All standard parameters, strictly inside the set, but for known values, which hold exactly.
+    pub standard: Vec<f64>,
+    /// `|A theta - b|^2 + rest`.
+    pub squared_residual: f64,
+    /// The squared residual with the prior's term.
+    pub objective: f64,
+    /// Upper bound of the distance of the objective from the least one.
+    pub gap: f64,
+    /// Whether the gap is as small as asked for.
+    pub converged: bool,
+    /// Iterations, without those that find a point inside.
+    pub iterations: usize,
+    /// Trace of the change of `A theta` with b: how many parameters the data determine, where the conditions and the prior
+    /// leave them. Without both it is the rank of A.
+    pub effective_parameters: f64,
+    /// The multipliers of the conditions, whose matrices are singular where the multiplier is not zero.
+    pub multipliers: Vec<(Condition, Symmetric)>,
+}
+
+/// Duality gap, relative to the objective, at which a fit ends.
+const RELATIVE_GAP: f64 = 1e-10;
+/// The same relative to `|b|^2`, for data that are consistent, whose objective is zero.
+const ABSOLUTE_GAP: f64 = 1e-20;
+/// Part of the barrier's pull towards a-priori values that a fit keeps: enough to bound what the data leave free.
+const PULL: f64 = 1e-4;
+/// Part of the way from a start to the a-priori parameters that keeps the start off the boundary.
+const TO_CENTRE: f64 = 0.1;
+/// Violation of a condition without unknowns, relative to its usual size, that is rounding.
+const ROUNDING: f64 = 1e-9;
+
+impl LeastSquares {
+    /// Over standard parameters: `matrix` has a column for each of them.
+    #[must_use]
+    pub fn in_standard(matrix: Matrix, right_side: Vec<f64>) -> Self {
+        Self { matrix, right_side, rest: 0.0 }
+    }
+
+    /// `|R theta_b - z|^2` with `theta_b = K theta`.
+    ///
+    /// # Errors
+    /// [`ConsistencyError::WrongSize`] unless R has a column for each base parameter.
+    pub fn in_base(r: &Matrix, z: Vec<f64>, base: &BaseParameters, count: usize) -> Result<Self, ConsistencyError> {
+        if r.columns() != base.len() {
+            let (expected, found) = (base.len(), r.columns());
+            return Err(ConsistencyError::WrongSize { what: "the columns of the regression", expected, found });
+        }
+        let mut matrix = Matrix::zeros(r.rows(), count);
+        for (j, parameter) in base.parameters().iter().enumerate() {
+            for &(i, c) in parameter.regrouped.iter().chain(&[(parameter.kept, 1.0)]) {
+                matrix.column_mut(i).iter_mut().zip(r.column(j)).for_each(|(m, r)| *m += c * r);
+            }
+        }
+        Ok(Self::in_standard(matrix, z))
+    }
+
+    /// `|R (theta_b - theta_hat)|^2`: the distance from an estimate in the metric of its regression.
+    ///
+    /// # Errors
+    /// As [`LeastSquares::in_base`], also for the estimate.
+    pub fn nearest(
+        r: &Matrix,
+        estimate: &[f64],
+        base: &BaseParameters,
+        count: usize,
+    ) -> Result<Self, ConsistencyError> {
+        if estimate.len() != r.columns() {
+            let (expected, found) = (r.columns(), estimate.len());
+            return Err(ConsistencyError::WrongSize { what: "the estimate", expected, found });
+        }
+        Self::in_base(r, r.times(estimate), base, count)
+    }
+
+    /// The same with squares of residuals that no parameter changes, as what the triangular factor leaves.
+    #[must_use]
+    pub fn with_rest(self, rest: f64) -> Self {
+        Self { rest, ..self }
+    }
+
+    /// `A theta - b`.
+    #[must_use]
+    pub fn residual(&self, standard: &[f64]) -> Vec<f64> {
+        self.matrix.times(standard).iter().zip(&self.right_side).map(|(a, b)| a - b).collect()
+    }
+
+    pub(super) fn right_side(&self) -> &[f64] {
+        &self.right_side
+    }
+
+    pub(super) fn matrix(&self) -> &Matrix {
+        &self.matrix
+    }
+
+    pub(super) fn check(&self, parameters: usize) -> Result<(), ConsistencyError> {
+        let (rows, columns) = (self.matrix.rows(), self.matrix.columns());
+        if columns != parameters {
+            let what = "the columns of the regression";
+            return Err(ConsistencyError::WrongSize { what, expected: parameters, found: columns });
+        }
+        if self.right_side.len() != rows {
+            let found = self.right_side.len();
+            return Err(ConsistencyError::WrongSize { what: "the right side", expected: rows, found });
+        }
+        let finite = (0..columns).all(|j| self.matrix.column(j).iter().all(|v| v.is_finite()));
+        let finite = finite && self.right_side.iter().chain([&self.rest]).all(|v| v.is_finite());
+        if finite { Ok(()) } else { Err(ConsistencyError::NotFinite) }
+    }
+}
+
+/// The standard parameters of the set with the least objective.
+///
+/// `start` are parameters to start from, such as the result of a similar fit; they need not be in the set.
+///
+/// # Errors
+/// [`ConsistencyError`] for sizes that do not fit, and for a set without interior.
+pub fn fit(
+    set: &ConsistentSet,
+    data: &LeastSquares,
+    prior: Prior,
+    start: Option<&[f64]>,
+) -> Result<ConsistentFit, ConsistencyError> {
+    data.check(set.parameter_table().len())?;
+    let elimination = set.elimination()?;
+    let conditions = reduced_conditions(set, &elimination)?;
+    let program = program(set, data, prior, &elimination, &conditions);
+    let usual = starting_point(set);
+    let near = start.filter(|s| s.len() == usual.len()).unwrap_or(&usual);
+    let start: Vec<f64> = near.iter().zip(&usual).map(|(s, u)| s + TO_CENTRE * (u - s)).collect();
+    let start = inside(&conditions, elimination.unknowns_of(&start))?;
+    let squares = dot(data.right_side(), data.right_side());
+    let absolute_gap = (ABSOLUTE_GAP * squares).max(f64::MIN_POSITIVE);
+    let stop = Stop { relative_gap: RELATIVE_GAP, absolute_gap, objective: f64::NEG_INFINITY };
+    let minimum = minimise(&program, start, &stop).ok_or(ConsistencyError::NotFinite)?;
+    Ok(result(data, &elimination, conditions, minimum))
+}
+
+/// Whether some parameters meet all conditions of a set with room to spare.
+///
+/// # Errors
+/// [`ConsistencyError`], which names known things that contradict each other or leave no room.
+pub fn require_interior(set: &ConsistentSet) -> Result<(), ConsistencyError> {
+    let elimination = set.elimination()?;
+    let conditions = reduced_conditions(set, &elimination)?;
+    inside(&conditions, elimination.unknowns_of(&starting_point(set))).map(|_| ())
+}
+
+fn result(
+    data: &LeastSquares,
+    elimination: &Elimination,
+    conditions: Vec<ConditionBlock>,
+    minimum: Minimum,
+) -> ConsistentFit {
+    let standard = elimination.standard(&minimum.x);
+    let residual = data.residual(&standard);
+    ConsistentFit {
+        squared_residual: dot(&residual, &residual) + data.rest,
+        objective: minimum.objective + data.rest,
+        gap: minimum.gap,
+        converged: minimum.converged,
+        iterations: minimum.iterations,
+        effective_parameters: effective_parameters(&elimination.matrix(&data.matrix), minimum.system.as_ref()),
+        multipliers: conditions.into_iter().map(|c| c.condition).zip(minimum.duals).collect(),
+        standard,
+    }
+}
+
+/// `tr(2 A^T A M^-1)` with Newton's matrix M at the minimum.
+fn effective_parameters(a: &Matrix, system: Option<&ScaledSystem>) -> f64 {
+    let gram = a.transposed_times(a);
+    let solved = |j: usize| system.and_then(|s| s.solve(gram.column(j))).map_or(0.0, |x| 2.0 * x[j]);
+    (0..gram.columns()).map(solved).sum()
+}
+
+/// The a-priori parameters, with usual values where motor inertias and friction have none.
+pub(super) fn starting_point(set: &ConsistentSet) -> Vec<f64> {
+    let positive = |i: usize| set.parameter_table().get(i).quantity.bound() == Bound::NotNegative;
+    let value = |(i, (a, scale)): (usize, (&f64, &f64))| if positive(i) && *a <= 0.0 { *scale } else { *a };
+    set.a_priori().iter().zip(set.scale()).enumerate().map(value).collect()
+}
+
+/// The conditions in the unknowns; those without unknowns are checked and left out.
+pub(super) fn reduced_conditions(
+    set: &ConsistentSet,
+    elimination: &Elimination,
+) -> Result<Vec<ConditionBlock>, ConsistencyError> {
+    let mut out = Vec::new();
+    for ConditionBlock { condition, block, reference } in set.conditions() {
+        let block = elimination.block(&block);
+        if !block.terms.is_empty() {
+            out.push(ConditionBlock { condition, block, reference });
+            continue;
+        }
+        let margin = reference.cholesky().map_or(f64::NAN, |factor| factor.smallest_ratio(&block.constant));
+        if margin.is_nan() || margin < -ROUNDING {
+            return Err(ConsistencyError::NoInterior { margin, conflicting: vec![condition.to_string()] });
+        }
+    }
+    Ok(out)
+}
+
+fn program(
+    set: &ConsistentSet,
+    data: &LeastSquares,
+    prior: Prior,
+    elimination: &Elimination,
+    conditions: &[ConditionBlock],
+) -> Program {
+    let weakened = |block: Block| Block { barrier: block.barrier.with_pull(PULL), ..block };
+    let mut blocks: Vec<Block> = conditions.iter().map(|c| weakened(c.block.clone())).collect();
+    let (mut matrix, mut right_side) = (data.matrix.clone(), data.right_side.clone());
+    match prior {
+        Prior::None => {}
+        Prior::Euclidean { weight } => {
+            let (rows, values) = euclidean_rows(set, weight.max(0.0).sqrt());
+            matrix = Matrix::stack(&[&matrix, &rows]);
+            right_side.extend(values);
+        }
+        Prior::LogDet { weight } => {
+            let links = (0..set.links()).filter_map(|k| set.divergence(k, weight));
+            let all = links.chain(set.motor_divergences(weight)).filter(|_| weight > 0.0);
+            let blocks_of_prior = all.map(|block| elimination.block(&block)).filter(|block| !block.terms.is_empty());
+            blocks.extend(blocks_of_prior);
+        }
+    }
+    let constant = elimination.constant_part(&matrix);
+    let right_side = right_side.iter().zip(constant).map(|(b, c)| b - c).collect();
+    let linear = vec![0.0; elimination.unknowns()];
+    Program { matrix: elimination.matrix(&matrix), right_side, linear, constant: 0.0, blocks }
+}
+
+fn euclidean_rows(set: &ConsistentSet, factor: f64) -> (Matrix, Vec<f64>) {
+    let table = set.parameter_table();
+    let inertial: Vec<usize> = (0..table.len()).filter(|&i| table.get(i).quantity.is_inertial()).collect();
+    let entry = |row: usize, column: usize| if inertial[row] == column { factor } else { 0.0 };
+    let values = inertial.iter().map(|&i| factor * set.a_priori()[i]).collect();
+    (Matrix::from_fn(inertial.len(), table.len(), entry), values)
+}

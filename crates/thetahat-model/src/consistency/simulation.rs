@@ -1,0 +1,47 @@
+use super::{
+    error::ConsistencyError,
+    fit::{ConsistentFit, LeastSquares, Prior, fit},
+    set::ConsistentSet,
+};
+use crate::base_parameters::BaseParameters;
+use thetahat_ground::linear_algebra::{Matrix, dot};
+
+/// How far from the boundary of the set parameters to simulate are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SimulationOptions {
+    /// Each pseudo-inertia matrix and motor inertia is at least this part of the a-priori one.
+    pub interior: f64,
+    /// Weight of the log-det divergence from the a-priori parameters, relative to `|R theta_hat|^2`.
+    pub pull: f64,
+}
+
+impl Default for SimulationOptions {
+    fn default() -> Self {
+        Self { interior: 0.3, pull: 1e-7 }
+    }
+}
+
+/// The parameters to simulate with for instruments: of the interior of the set, those nearest to an estimate.
+///
+/// They minimise `|R (K theta - theta_hat)|^2 + pull |R theta_hat|^2 sum_l D(P_l | P_l0)` over
+/// `P_l >= interior P_l0`, R the triangular factor of the regression in base parameters. `before` is the result of the
+/// iteration before, from which the search starts.
+///
+/// The mass matrix of the result is positive definite in every configuration. Instruments need not be the estimate's own:
+/// any simulator that does not know the noise is valid, and a close one is efficient.
+///
+/// # Errors
+/// As [`fit`], and for an `interior` that is not between 0 and 1.
+pub fn nearest_to_simulate(
+    set: &ConsistentSet,
+    base: &BaseParameters,
+    r: &Matrix,
+    estimate: &[f64],
+    options: &SimulationOptions,
+    before: Option<&ConsistentFit>,
+) -> Result<ConsistentFit, ConsistencyError> {
+    let set = set.clone().with_interior(options.interior)?;
+    let data = LeastSquares::nearest(r, estimate, base, set.parameter_table().len())?;
+    let weight = options.pull * dot(data.right_side(), data.right_side());
+    fit(&set, &data, Prior::LogDet { weight }, before.map(|fit| fit.standard.as_slice()))
+}

@@ -1,0 +1,144 @@
+//! Where the frames of the joints stand.
+
+use super::{geometry::BASE, model::Model};
+use thetahat_ground::vector::{Mat3, Vec3, add, cross, dot, product, scale, times};
+
+/// A vector of the z axis of a frame.
+const Z: Vec3 = [0.0, 0.0, 1.0];
+
+/// A joint's frame in that of the base.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct JointFrame {
+    /// Its axes as columns.
+    pub(crate) rotation: Mat3,
+    pub(crate) origin: Vec3,
+}
+
+impl Model {
+    /// The frames of all joints at the coordinates `q`.
+    pub(crate) fn frames(&self, q: &[f64]) -> Vec<JointFrame> {
+        let mut frames: Vec<JointFrame> = Vec::with_capacity(self.joints.len());
+        for joint in &self.joints {
+            let (rotation, place) = joint.placement(q);
+            let turned = |x: Vec3| joint.turn.as_ref().map_or(x, |turn| turn.times(x));
+            let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], Z].map(|axis| turned(rotation.times(axis)));
+            let own = JointFrame {
+                rotation: [0, 1, 2].map(|i| [0, 1, 2].map(|k: usize| columns[k][i])),
+                origin: turned(place),
+            };
+            frames.push(match frames.get(joint.parent) {
+                None => own,
+                Some(JointFrame { rotation, origin }) => JointFrame {
+                    rotation: product(rotation, &own.rotation),
+                    origin: add(times(rotation, own.origin), *origin),
+                },
+            });
+        }
+        frames
+    }
+
+    /// Adds the derivatives by the coordinates of a point's position along a direction; joint `j` moves the point.
+    pub(crate) fn add_point_slopes(
+        &self,
+        frames: &[JointFrame],
+        j: usize,
+        point: Vec3,
+        direction: Vec3,
+        slopes: &mut [f64],
+    ) {
+        let mut carrier = j;
+        while let (Some(joint), Some(frame)) = (self.joints.get(carrier), frames.get(carrier)) {
+            let axis = frame.rotation.map(|row| row[2]);
+            let moved = if joint.revolute { cross(axis, add(point, scale(-1.0, frame.origin))) } else { axis };
+            slopes[joint.moved_by.coordinate] += joint.moved_by.ratio * dot(moved, direction);
+            carrier = joint.parent;
+        }
+    }
+
+    /// The origin of joint `j`'s frame and its z axis, in the frame of the base, at the coordinates `q`.
+    #[doc(hidden)]
+    pub fn frame(&self, j: usize, q: &[f64]) -> (Vec3, Vec3) {
+        let (mut origin, mut axis) = ([0.0; 3], Z);
+        let mut carrier = j;
+        while let Some(joint) = self.joints.get(carrier) {
+            let (rotation, place) = joint.placement(q);
+            (origin, axis) = (add(rotation.times(origin), place), rotation.times(axis));
+            if let Some(turn) = &joint.turn {
+                (origin, axis) = (turn.times(origin), turn.times(axis));
+            }
+            carrier = joint.parent;
+        }
+        (origin, axis)
+    }
+
+    /// The joint that carries joint `j`; none for one on the base.
+    #[doc(hidden)]
+    pub fn carrier(&self, j: usize) -> Option<usize> {
+        Some(self.joints[j].parent).filter(|parent| *parent != BASE)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::robot::{Robot, RobotError};
+
+    /// A column of 0.5 m, an arm of 0.4 m that turns about a horizontal axis, and a slide along that axis.
+    const ROBOT: &str = r#"
+name = "a column, an arm and a slide"
+[[joint]]
+name = "column"
+kind = "revolute"
+d_m = 0.5
+[[joint]]
+name = "arm"
+kind = "revolute"
+alpha_deg = 90
+[[joint]]
+name = "slide"
+kind = "prismatic"
+a_m = 0.4
+"#;
+
+    fn close(a: Vec3, b: Vec3) -> bool {
+        a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12)
+    }
+
+    #[test]
+    fn frames_stand_where_the_geometry_puts_them() -> Result<(), RobotError> {
+        let model = Model::new(&Robot::parse(ROBOT, Path::new("arm.toml"))?);
+        let quarter = std::f64::consts::FRAC_PI_2;
+        // The arm points up; the slide runs along the arm's axis, which is -y after alpha = 90 degrees.
+        let (origin, axis) = model.frame(2, &[0.0, quarter, 0.1]);
+        assert!(close(origin, [0.0, -0.1, 0.9]) && close(axis, [0.0, -1.0, 0.0]), "{origin:?} {axis:?}");
+        // A quarter turn of the column turns -y to x.
+        let (origin, axis) = model.frame(2, &[quarter, quarter, 0.1]);
+        assert!(close(origin, [0.1, 0.0, 0.9]) && close(axis, [1.0, 0.0, 0.0]), "{origin:?} {axis:?}");
+        assert_eq!([0, 1, 2].map(|j| model.carrier(j)), [None, Some(0), Some(1)]);
+        // All frames at once are the same, and a point of the slide moves as differences say.
+        let q = [0.3, -0.7, 0.2];
+        let frames = model.frames(&q);
+        for (j, frame) in frames.iter().enumerate() {
+            let (origin, axis) = model.frame(j, &q);
+            assert!(close(origin, frame.origin) && close(axis, frame.rotation.map(|row| row[2])));
+        }
+        let (own, direction) = ([0.1, 0.2, 0.3], [0.4, -0.5, 0.6]);
+        let place = |q: &[f64]| {
+            let frame = model.frames(q)[2];
+            add(times(&frame.rotation, own), frame.origin)
+        };
+        let mut slopes = [0.0; 3];
+        model.add_point_slopes(&frames, 2, place(&q), direction, &mut slopes);
+        for (k, slope) in slopes.iter().enumerate() {
+            let along = |h: f64| {
+                let mut moved = q;
+                moved[k] += h;
+                dot(place(&moved), direction)
+            };
+            assert!(((along(1e-6) - along(-1e-6)) / 2e-6 - slope).abs() < 1e-9);
+        }
+        Ok(())
+    }
+}

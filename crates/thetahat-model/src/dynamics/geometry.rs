@@ -1,0 +1,119 @@
+use super::{
+    motion::LinkMotion,
+    rotation::{Rotation, Turn},
+    state::{JointCoordinate, State},
+    twist::Twist,
+};
+use crate::robot::{JointKind, Robot};
+use thetahat_ground::{
+    real::Real,
+    vector::{Vec3, add, in_lanes},
+};
+
+/// The parent of joints on the base: beyond any joint, so that `get` finds none.
+pub(super) const BASE: usize = usize::MAX;
+
+/// A joint as the kernels need it: its placement with the sines taken, and the coordinate that moves it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct JointGeometry {
+    pub(super) revolute: bool,
+    /// The joint whose link carries it, or [`BASE`].
+    pub(super) parent: usize,
+    /// Whether that is the joint before it in the list.
+    pub(super) continues_chain: bool,
+    /// `Rot(z, gamma)`, from the frame before to the one in which `origin` and the rotations are; none where gamma is zero.
+    pub(super) turn: Option<Turn>,
+    sin_alpha: f64,
+    cos_alpha: f64,
+    theta: f64,
+    origin: Vec3,
+    /// The coordinate that moves it.
+    pub(super) moved_by: JointCoordinate,
+}
+
+impl JointGeometry {
+    pub(super) fn new(robot: &Robot, j: usize, coordinates: &[usize]) -> Self {
+        let joint = &robot.joints[j];
+        let (leader, ratio, offset) = joint.mimic.map_or((j, 1.0, 0.0), |m| (m.of, m.ratio, m.offset));
+        let coordinate = coordinates.iter().position(|&c| c == leader).unwrap_or(0);
+        let (sin_gamma, cos_gamma) = joint.placement.gamma.sin_cos();
+        let (sin_alpha, cos_alpha) = joint.placement.alpha.sin_cos();
+        let turn = (joint.placement.gamma != 0.0).then_some(Turn { sin: sin_gamma, cos: cos_gamma });
+        Self {
+            revolute: match joint.kind {
+                JointKind::Revolute => true,
+                JointKind::Prismatic => false,
+            },
+            parent: joint.parent.unwrap_or(BASE),
+            continues_chain: j > 0 && joint.parent == Some(j - 1),
+            turn,
+            sin_alpha,
+            cos_alpha,
+            theta: joint.placement.theta,
+            origin: turn.map_or(joint.placement.origin, |turn| turn.transpose_times(joint.placement.origin)),
+            moved_by: JointCoordinate { coordinate, ratio, offset },
+        }
+    }
+
+    /// Rotation from the joint's frame to the turned one before, and its origin there, at the coordinates `q`.
+    #[inline(always)]
+    pub(super) fn placement<T: Real>(&self, q: &[T]) -> (Rotation<T>, Vec3<T>) {
+        let q = self.moved_by.position(q);
+        let origin = in_lanes(q, self.origin);
+        let (theta, p) = if self.revolute {
+            (q + q.like(self.theta), origin)
+        } else {
+            (q.like(self.theta), add(origin, [q.like(0.0), -q * self.sin_alpha, q * self.cos_alpha]))
+        };
+        let (sin_theta, cos_theta) = theta.sin_cos();
+        (Rotation { sin_alpha: self.sin_alpha, cos_alpha: self.cos_alpha, sin_theta, cos_theta }, p)
+    }
+
+    /// The joint's axis in the turned frame before, along which a sliding joint moves.
+    #[inline(always)]
+    pub(super) fn sliding_axis<T: Real>(&self, kind: T) -> Vec3<T> {
+        in_lanes(kind, [0.0, -self.sin_alpha, self.cos_alpha])
+    }
+
+    /// A vector of the frame before, in the turned one.
+    #[inline(always)]
+    pub(super) fn turned_back<T: Real>(&self, x: Vec3<T>) -> Vec3<T> {
+        match &self.turn {
+            None => x,
+            Some(turn) => turn.transpose_times(x),
+        }
+    }
+
+    /// The twist, at the joint's own frame, of a unit velocity of its coordinate.
+    #[inline(always)]
+    pub(super) fn twist<T: Real>(&self, kind: T) -> Twist<T> {
+        let (z, zero) = (in_lanes(kind, [0.0, 0.0, self.moved_by.ratio]), [kind.like(0.0); 3]);
+        if self.revolute { Twist { angular: z, linear: zero } } else { Twist { angular: zero, linear: z } }
+    }
+
+    /// Propagates motion from the parent link to the link behind the joint.
+    #[inline(always)]
+    pub(super) fn propagate<T: Real>(
+        &self,
+        mut before: LinkMotion<T>,
+        state: State<'_, T>,
+        ddq: &[T],
+    ) -> LinkMotion<T> {
+        if let Some(turn) = &self.turn {
+            before = before.turned_back(turn);
+        }
+        let (r, p) = self.placement(state.q);
+        let (dq, ddq) = (self.moved_by.rate(state.dq), self.moved_by.rate(ddq));
+        let w = r.transpose_times(before.w);
+        let dw = r.transpose_times(before.dw);
+        let dv = r.transpose_times(before.acceleration_at(p));
+        // Products with the z axis are written out: w x (0, 0, dq) = (w_y dq, -w_x dq, 0).
+        if self.revolute {
+            let dw = [dw[0] + w[1] * dq, dw[1] - w[0] * dq, dw[2] + ddq];
+            LinkMotion { r, p, w: [w[0], w[1], w[2] + dq], dw, dv }
+        } else {
+            let dv = [dv[0] + w[1] * 2.0 * dq, dv[1] - w[0] * 2.0 * dq, dv[2] + ddq];
+            LinkMotion { r, p, w, dw, dv }
+        }
+    }
+}

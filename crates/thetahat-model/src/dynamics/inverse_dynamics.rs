@@ -1,0 +1,78 @@
+//! Recursive Newton-Euler with the torques of the drives, for one state or states side by side.
+
+use super::{
+    model::Model,
+    parameters::DynamicParameters,
+    sign::Sign,
+    state::{JointCoordinate, State},
+    workspace::Workspace,
+};
+use thetahat_ground::real::{Parameter, Real};
+
+impl Model {
+    /// The torques `tau` of a motion, for one state or states side by side.
+    #[inline(always)]
+    pub(super) fn inverse_dynamics_of<T: Real, P: Parameter<T>>(
+        &self,
+        parameters: &DynamicParameters<P>,
+        state: State<'_, T>,
+        ddq: &[T],
+        sign: Sign,
+        workspace: &mut Workspace<T>,
+        tau: &mut [T],
+    ) {
+        self.propagate_motion(state, ddq, &mut workspace.links);
+        self.rigid_torques(parameters, workspace, tau);
+        self.add_drive_torques(parameters, state, ddq, sign, tau);
+    }
+
+    /// Backward pass of recursive Newton-Euler: the torques of the rigid links alone.
+    #[inline(always)]
+    fn rigid_torques<T: Real, P: Parameter<T>>(
+        &self,
+        parameters: &DynamicParameters<P>,
+        workspace: &mut Workspace<T>,
+        tau: &mut [T],
+    ) {
+        for ((link, body), wrench) in workspace.links.iter().zip(&parameters.links).zip(&mut workspace.wrenches) {
+            *wrench = body.in_lanes(link.dv[0]).wrench(link);
+        }
+        for torque in tau.iter_mut() {
+            *torque = torque.like(0.0);
+        }
+        for (j, joint) in self.joints.iter().enumerate().rev() {
+            let wrench = workspace.wrenches[j];
+            tau[joint.moved_by.coordinate] += wrench.along(joint.revolute) * joint.moved_by.ratio;
+            if let Some(of_parent) = workspace.wrenches.get_mut(joint.parent) {
+                of_parent.absorb(&wrench.moved_to_parent(&workspace.links[j], joint.turn.as_ref()));
+            }
+        }
+    }
+
+    /// The torques of the drives: the terms of the joints and of the coupled motors.
+    #[inline(always)]
+    pub(super) fn add_drive_torques<T: Real, P: Parameter<T>>(
+        &self,
+        parameters: &DynamicParameters<P>,
+        state: State<'_, T>,
+        ddq: &[T],
+        sign: Sign,
+        tau: &mut [T],
+    ) {
+        for (joint, terms) in self.joints.iter().zip(&parameters.joints) {
+            let JointCoordinate { coordinate, ratio, .. } = joint.moved_by;
+            tau[coordinate] += terms.torque(&joint.moved_by.state(state, ddq, sign)) * ratio;
+        }
+        for (motor, terms) in self.coupled_motors().iter().zip(&parameters.motors) {
+            terms.add_torques(motor, state.dq, ddq, sign, tau);
+        }
+        for term in &parameters.others {
+            let moved_by = self.coordinate_of(term.joint);
+            let torque = term.torque(&moved_by.state(state, ddq, sign));
+            tau[moved_by.coordinate] += torque * moved_by.ratio;
+        }
+        if !parameters.terms.is_empty() {
+            self.add_term_torques(parameters, state, ddq, sign, tau);
+        }
+    }
+}

@@ -1,0 +1,157 @@
+use super::{
+    coupled_motor::{CoupledMotor, coupled_motors},
+    geometry::JointGeometry,
+    state::JointCoordinate,
+    term_columns::{ModelTerm, terms_of},
+};
+use crate::robot::{ParameterTable, Quantity, Robot};
+use thetahat_ground::vector::{Mat3, Vec3};
+
+/// Why accelerations cannot be computed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DynamicsError {
+    /// The parameters give a mass matrix that is not positive definite in this state.
+    #[error(
+        "the mass matrix is not positive definite: joint {joint} has the pivot {pivot:.3e}; \
+         give it a larger inertia (ia{joint} or the link's own)"
+    )]
+    MassMatrixNotPositiveDefinite {
+        /// The joint, from one, at which the factorisation stops.
+        joint: usize,
+        /// The pivot found there.
+        pivot: f64,
+    },
+}
+
+/// The constant part of a robot's dynamics: geometry, gravity and coupling.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Model {
+    pub(super) joints: Vec<JointGeometry>,
+    pub(super) gravity: Vec3,
+    /// The joint of each coordinate.
+    pub(super) coordinates: Vec<usize>,
+    link_axes: Vec<Option<Mat3>>,
+    support: Vec<Support>,
+    motors: Vec<CoupledMotor>,
+    table: ParameterTable,
+    pub(super) terms: Vec<ModelTerm>,
+    channels: Vec<String>,
+}
+
+/// The coordinates that move a link, those nearer to the base before, and where their twists stand in the workspace.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Support {
+    pub(crate) coordinates: Vec<usize>,
+    /// Place of the first twist.
+    pub(crate) start: usize,
+    /// Which of the coordinates moves the joint: its own, or the coordinate of the joint that it follows.
+    pub(crate) own: usize,
+}
+
+impl Model {
+    /// The model of a robot.
+    #[must_use]
+    pub fn new(robot: &Robot) -> Self {
+        let coordinates = robot.coordinate_joints();
+        let geometry = |j| JointGeometry::new(robot, j, &coordinates);
+        let joints: Vec<JointGeometry> = (0..robot.joints.len()).map(geometry).collect();
+        Self {
+            support: support(&joints),
+            link_axes: robot.joints.iter().map(|j| j.link_axes).collect(),
+            motors: coupled_motors(&robot.transmission, &coordinates),
+            gravity: robot.gravity,
+            table: robot.parameter_table(),
+            terms: terms_of(robot, &joints),
+            channels: robot.channels(),
+            joints,
+            coordinates,
+        }
+    }
+
+    /// Number of coordinates: the length of `q` and `tau`.
+    #[must_use]
+    pub fn coordinate_count(&self) -> usize {
+        self.coordinates.len()
+    }
+
+    /// Number of moving links: of the joints that follow others as well.
+    #[must_use]
+    pub fn link_count(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// The table of standard parameters.
+    #[must_use]
+    pub fn parameter_table(&self) -> &ParameterTable {
+        &self.table
+    }
+
+    /// The coupled motors, in the order of their parameters in the table.
+    #[must_use]
+    pub fn coupled_motors(&self) -> &[CoupledMotor] {
+        &self.motors
+    }
+
+    /// The recorded channels that torque terms take. [`super::State::channels`] has one value for each coordinate of each.
+    #[must_use]
+    pub fn channels(&self) -> &[String] {
+        &self.channels
+    }
+
+    /// The columns of the robot's terms, in the order of their parameters.
+    pub(crate) fn terms(&self) -> &[ModelTerm] {
+        &self.terms
+    }
+
+    /// Whether a parameter of the table multiplies a recorded channel.
+    #[doc(hidden)]
+    pub fn takes_channel(&self, parameter: usize) -> bool {
+        match self.table.get(parameter).quantity {
+            Quantity::Term(term) => self.terms[term.column].takes_channel(),
+            Quantity::Link(_) | Quantity::Joint(_) | Quantity::Motor(_) => false,
+        }
+    }
+
+    /// The coordinate that moves joint `j`: its own, or the coordinate of the joint that it follows.
+    #[must_use]
+    pub fn coordinate_of(&self, j: usize) -> JointCoordinate {
+        self.joints[j].moved_by
+    }
+
+    /// The coordinates that move link `k`.
+    pub(crate) fn support(&self, k: usize) -> &Support {
+        &self.support[k]
+    }
+
+    pub(super) fn supports(&self) -> &[Support] {
+        &self.support
+    }
+
+    /// The rotation from link `k`'s own axes to its joint's frame, where they differ.
+    pub(crate) fn link_axes(&self, k: usize) -> Option<&Mat3> {
+        self.link_axes[k].as_ref()
+    }
+
+    /// Number of twists that the regressor needs: for each link, one per coordinate that moves it.
+    pub(super) fn twist_count(&self) -> usize {
+        self.support.last().map_or(0, |last| last.start + last.coordinates.len())
+    }
+}
+
+fn support(joints: &[JointGeometry]) -> Vec<Support> {
+    let mut all: Vec<Support> = Vec::with_capacity(joints.len());
+    let mut start = 0;
+    for joint in joints {
+        let mut coordinates = all.get(joint.parent).map_or_else(Vec::new, |p| p.coordinates.clone());
+        let known = coordinates.iter().position(|&c| c == joint.moved_by.coordinate);
+        let own = known.unwrap_or(coordinates.len());
+        if known.is_none() {
+            coordinates.push(joint.moved_by.coordinate);
+        }
+        let count = coordinates.len();
+        all.push(Support { coordinates, start, own });
+        start += count;
+    }
+    all
+}

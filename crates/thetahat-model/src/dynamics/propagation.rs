@@ -1,0 +1,54 @@
+//! From link to link outwards: placements, motion and unit twists.
+
+use super::{model::Model, motion::LinkMotion, state::State, twist::Twist};
+use thetahat_ground::{real::Real, vector::scale};
+
+impl Model {
+    /// Forward pass of recursive Newton-Euler: placement, velocity and acceleration of every link.
+    #[inline(always)]
+    pub(crate) fn propagate_motion<T: Real>(&self, state: State<'_, T>, ddq: &[T], links: &mut [LinkMotion<T>]) {
+        let Some(&kind) = state.q.first() else { return };
+        let base = LinkMotion::at_rest(kind, scale(-1.0, self.gravity));
+        let mut before = base;
+        for (j, joint) in self.joints.iter().enumerate() {
+            // A chain hands its motion on without a detour through the memory.
+            if !joint.continues_chain {
+                before = links.get(joint.parent).copied().unwrap_or(base);
+            }
+            before = joint.propagate(before, state, ddq);
+            links[j] = before;
+        }
+    }
+
+    /// The placements of the links alone.
+    #[inline(always)]
+    pub(super) fn place(&self, q: &[f64], links: &mut [LinkMotion]) {
+        for (joint, link) in self.joints.iter().zip(links) {
+            (link.r, link.p) = joint.placement(q);
+        }
+    }
+
+    /// The unit twists of link `k`, one for each coordinate of its support, from the parent link's twists.
+    #[inline(always)]
+    pub(crate) fn propagate_twists<T: Real>(&self, k: usize, links: &[LinkMotion<T>], twists: &mut [Twist<T>]) {
+        let joint = &self.joints[k];
+        let support = self.support(k);
+        let (before, here) = twists.split_at_mut(support.start);
+        let here = &mut here[..support.coordinates.len()];
+        let mut carried = 0;
+        if let Some(parent) = self.supports().get(joint.parent) {
+            carried = parent.coordinates.len();
+            let of_parent = &before[parent.start..parent.start + carried];
+            let link = &links[k];
+            for (twist, before) in here.iter_mut().zip(of_parent) {
+                let turned = match &joint.turn {
+                    None => *before,
+                    Some(turn) => before.turned_back(turn),
+                };
+                *twist = turned.seen_from(link);
+            }
+        }
+        let own = joint.twist(links[k].dv[0]);
+        here[support.own] = if support.own < carried { here[support.own].plus(&own) } else { own };
+    }
+}

@@ -1,0 +1,192 @@
+//! The torques of the drives: motor inertia, friction, offset, and whatever else acts on one joint or one coupled motor.
+//!
+//! What a term gives for a unit of its parameter stands once, in [`JointQuantity::torque`] and [`MotorQuantity::torque`], the
+//! columns of the regressor. Inverse dynamics sums these columns. The terms of the usual friction models it takes together
+//! ([`JointTerms`]), with fewer operations for the same sum; a term that [`JointTerms::insert`] leaves out is summed by its
+//! column, and must not depend on the acceleration, which the mass matrix takes from the motor inertia alone.
+
+use super::{
+    coupled_motor::CoupledMotor,
+    sign::Sign,
+    state::{JointCoordinate, State},
+};
+use crate::robot::{JointQuantity, MotorQuantity};
+use thetahat_ground::real::{Parameter, Real};
+
+/// What the torque of a joint's drive depends on.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct JointState<T> {
+    /// The joint's velocity.
+    dq: T,
+    /// Its acceleration.
+    ddq: T,
+    /// The sign of its velocity, exact or smooth.
+    s: T,
+}
+
+impl JointCoordinate {
+    /// The joint's own state.
+    #[inline(always)]
+    pub(crate) fn state<T: Real>(&self, state: State<'_, T>, ddq: &[T], sign: Sign) -> JointState<T> {
+        let dq = self.rate(state.dq);
+        JointState { dq, ddq: self.rate(ddq), s: sign.of_each(dq) }
+    }
+}
+
+impl JointQuantity {
+    /// Torque on the joint for a unit of the parameter.
+    #[inline(always)]
+    pub(crate) fn torque<T: Real>(self, state: &JointState<T>) -> T {
+        let JointState { dq, ddq, s } = *state;
+        let one = dq.like(1.0);
+        match self {
+            Self::Ia => ddq,
+            Self::Fv => dq,
+            Self::Fc => s,
+            Self::Fvp => (one + s) * 0.5 * dq,
+            Self::Fcp => (one + s) * 0.5,
+            Self::Fvn => (one - s) * 0.5 * dq,
+            Self::Fcn => (one - s) * -0.5,
+            Self::Off => one,
+        }
+    }
+}
+
+impl MotorQuantity {
+    /// Torque on a coordinate for a unit of the parameter of `motor`.
+    #[inline(always)]
+    pub(crate) fn torque<T: Real>(self, motor: &CoupledMotor, coordinate: usize, dq: &[T], ddq: &[T], sign: Sign) -> T {
+        let own = motor.weights.iter().find(|(j, _)| *j == coordinate).map_or(0.0, |(_, w)| *w);
+        match self {
+            Self::Iam => (motor.rate(ddq) - ddq[coordinate] * own) * own,
+            Self::Fvm => (motor.rate(dq) - dq[coordinate] * own) * own,
+            Self::Fcm => sign.of_each(motor.rate(dq)) * own,
+        }
+    }
+}
+
+/// Motor inertia, usual friction and offset of one joint; symmetric friction is held as equal sides.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct JointTerms<P = f64> {
+    pub(super) ia: P,
+    fv: [P; 2],
+    fc: [P; 2],
+    off: P,
+}
+
+impl JointTerms {
+    /// Takes the value of a parameter. A quantity that comes back is not among these terms: it is summed by its column.
+    pub(super) fn insert(&mut self, quantity: JointQuantity, value: f64) -> Option<JointQuantity> {
+        match quantity {
+            JointQuantity::Ia => self.ia += value,
+            JointQuantity::Fv => self.fv = self.fv.map(|side| side + value),
+            JointQuantity::Fc => self.fc = self.fc.map(|side| side + value),
+            JointQuantity::Fvp => self.fv[0] += value,
+            JointQuantity::Fcp => self.fc[0] += value,
+            JointQuantity::Fvn => self.fv[1] += value,
+            JointQuantity::Fcn => self.fc[1] += value,
+            JointQuantity::Off => self.off += value,
+        }
+        None
+    }
+}
+
+impl<P: Copy> JointTerms<P> {
+    /// Number by number, each from the same number of scalar terms.
+    #[inline(always)]
+    pub(super) fn from_numbers(number: impl Fn(&dyn Fn(&JointTerms) -> f64) -> P) -> Self {
+        Self {
+            ia: number(&|t| t.ia),
+            fv: [0, 1].map(|side| number(&|t| t.fv[side])),
+            fc: [0, 1].map(|side| number(&|t| t.fc[side])),
+            off: number(&|t| t.off),
+        }
+    }
+
+    /// Torque on the joint.
+    #[inline(always)]
+    pub(super) fn torque<T: Real>(&self, state: &JointState<T>) -> T
+    where
+        P: Parameter<T>,
+    {
+        let inertia = self.ia.in_lanes(state.dq);
+        state.ddq * inertia + self.friction(state.dq, state.s)
+    }
+
+    /// Friction and offset at velocity `dq`, whose sign is `s`.
+    #[inline(always)]
+    fn friction<T: Real>(&self, dq: T, s: T) -> T
+    where
+        P: Parameter<T>,
+    {
+        let one = s.like(1.0);
+        let (positive, negative) = ((one + s) * 0.5, (one - s) * 0.5);
+        let forwards = dq * self.fv[0].in_lanes(s) + self.fc[0].in_lanes(s);
+        let backwards = dq * self.fv[1].in_lanes(s) - self.fc[1].in_lanes(s);
+        forwards * positive + backwards * negative + self.off.in_lanes(s)
+    }
+}
+
+/// A term of one joint that is summed by its column.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct OtherTerm<P = f64> {
+    /// The joint, from zero.
+    pub(super) joint: usize,
+    pub(super) quantity: JointQuantity,
+    pub(super) value: P,
+}
+
+impl<P: Copy> OtherTerm<P> {
+    /// Torque on the joint.
+    #[inline(always)]
+    pub(super) fn torque<T: Real>(&self, state: &JointState<T>) -> T
+    where
+        P: Parameter<T>,
+    {
+        self.quantity.torque(state) * self.value.in_lanes(state.dq)
+    }
+}
+
+/// Cross inertia, cross viscous friction and Coulomb friction of one coupled motor.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct MotorTerms<P = f64> {
+    pub(super) iam: P,
+    fvm: P,
+    fcm: P,
+}
+
+impl MotorTerms {
+    /// Takes the value of a parameter.
+    pub(super) fn insert(&mut self, quantity: MotorQuantity, value: f64) {
+        match quantity {
+            MotorQuantity::Iam => self.iam += value,
+            MotorQuantity::Fvm => self.fvm += value,
+            MotorQuantity::Fcm => self.fcm += value,
+        }
+    }
+}
+
+impl<P: Copy> MotorTerms<P> {
+    /// Number by number, each from the same number of scalar terms.
+    #[inline(always)]
+    pub(super) fn from_numbers(number: impl Fn(&dyn Fn(&MotorTerms) -> f64) -> P) -> Self {
+        Self { iam: number(&|t| t.iam), fvm: number(&|t| t.fvm), fcm: number(&|t| t.fcm) }
+    }
+
+    /// Adds the torques on the coordinates that move `motor`.
+    #[inline(always)]
+    pub(super) fn add_torques<T: Real>(&self, motor: &CoupledMotor, dq: &[T], ddq: &[T], sign: Sign, tau: &mut [T])
+    where
+        P: Parameter<T>,
+    {
+        let rate = motor.rate(dq);
+        let (iam, fvm) = (self.iam.in_lanes(rate), self.fvm.in_lanes(rate));
+        let coulomb = sign.of_each(rate) * self.fcm.in_lanes(rate);
+        for &(j, w) in &motor.weights {
+            tau[j] += coulomb * w;
+        }
+        for (j, k, w) in motor.cross_terms() {
+            tau[j] += (ddq[k] * iam + dq[k] * fvm) * w;
+        }
+    }
+}

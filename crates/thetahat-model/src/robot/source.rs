@@ -1,0 +1,192 @@
+use std::{
+    io::Read,
+    path::{Path, PathBuf},
+};
+
+use serde::{Deserialize, Serialize};
+
+use super::{
+    description::Robot,
+    error::RobotError,
+    locking::{Locks, LocksOf, merged, resolve_all},
+    toml_file, urdf,
+};
+use thetahat_ground::{digest::sha256, files};
+
+/// Longest robot description, bytes.
+const LONGEST: u64 = 16 << 20;
+
+/// A file that a robot was read from, such that a later one can be told from it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RobotFile {
+    /// Its name without folders.
+    pub name: String,
+    /// SHA-256 of its bytes, in hexadecimal digits: what `sha256sum` prints.
+    pub sha256: String,
+}
+
+impl RobotFile {
+    fn new(path: &Path, text: &str) -> Self {
+        Self {
+            name: path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+            sha256: sha256(text.as_bytes()),
+        }
+    }
+}
+
+/// The text that a robot is read from, complete in itself: with the text of the URDF that a TOML stands on.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RobotSource {
+    path: PathBuf,
+    text: String,
+    urdf: Option<(PathBuf, String)>,
+}
+
+impl RobotSource {
+    /// Reads the description, and the URDF that it stands on.
+    ///
+    /// # Errors
+    /// [`RobotError`] for a file that cannot be read.
+    pub fn read(path: &Path) -> Result<Self, RobotError> {
+        Self::from_text(read_text(path)?, path)
+    }
+
+    /// A description from its text; `path` is its name in messages, and its key `urdf` is relative to its folder.
+    ///
+    /// # Errors
+    /// As [`RobotSource::read`].
+    pub fn from_text(text: String, path: &Path) -> Result<Self, RobotError> {
+        let urdf = if is_xml(&text) { None } else { toml_file::urdf_of(&text, path)? };
+        let urdf = match urdf {
+            Some(toml_file::Urdf::File(file)) => Some((file.clone(), read_text(&file)?)),
+            Some(toml_file::Urdf::Text(name, text)) => Some((name, text)),
+            None => None,
+        };
+        Ok(Self { path: path.to_owned(), text, urdf })
+    }
+
+    /// The file of the description.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The file of the URDF that a TOML stands on.
+    #[must_use]
+    pub fn urdf_path(&self) -> Option<&Path> {
+        self.urdf.as_ref().map(|(path, _)| path.as_path())
+    }
+
+    /// The files, the description first and then the URDF that it stands on. Of a text that carries its URDF in itself, as
+    /// [`RobotSource::to_text`] makes it, the URDF alone.
+    #[must_use]
+    pub fn files(&self) -> Vec<RobotFile> {
+        let own = (!toml_file::has_embedded_urdf(&self.text)).then(|| RobotFile::new(&self.path, &self.text));
+        own.into_iter().chain(self.urdf.iter().map(|(path, text)| RobotFile::new(path, text))).collect()
+    }
+
+    /// The text of the URDF that the robot is read from; none where a TOML gives the joints.
+    #[must_use]
+    pub fn urdf_text(&self) -> Option<&str> {
+        let own = is_xml(&self.text).then_some(&self.text);
+        own.or(self.urdf.as_ref().map(|(_, text)| text)).map(String::as_str)
+    }
+
+    /// What the description is, for people: `URDF`, `TOML` or `TOML on URDF`.
+    #[must_use]
+    pub fn format(&self) -> &'static str {
+        match &self.urdf {
+            _ if is_xml(&self.text) => "URDF",
+            None => "TOML",
+            Some(_) => "TOML on URDF",
+        }
+    }
+
+    /// The robot.
+    ///
+    /// # Errors
+    /// [`RobotError`], with the file and the line or key.
+    pub fn robot(&self) -> Result<Robot, RobotError> {
+        self.read_with(&[])
+    }
+
+    /// The robot with joints locked, beside those that its description locks; `path` is the file that states `locks`, for
+    /// messages. Transmissions of a URDF that name only locked joints do not matter.
+    ///
+    /// # Errors
+    /// As [`RobotSource::robot`], and [`RobotError::Lock`].
+    pub fn robot_with_locks(&self, locks: &Locks, path: &Path) -> Result<Robot, RobotError> {
+        self.read_with(&[LocksOf { path, locks }])
+    }
+
+    /// The robot as far as it can be told without the transmissions of a URDF, which may couple joints.
+    ///
+    /// # Errors
+    /// As [`RobotSource::robot`].
+    pub fn robot_without_transmission(&self) -> Result<Robot, RobotError> {
+        self.read_as(urdf::Transmissions::Ignored, &[])
+    }
+
+    fn read_with(&self, locks: &[LocksOf<'_>]) -> Result<Robot, RobotError> {
+        self.read_as(urdf::Transmissions::Read, locks)
+    }
+
+    fn read_as(&self, transmissions: urdf::Transmissions, locks: &[LocksOf<'_>]) -> Result<Robot, RobotError> {
+        if !is_xml(&self.text) {
+            return toml_file::read(&self.text, &self.path, (self.urdf.as_ref(), transmissions), locks);
+        }
+        let whole = urdf::read(&self.text, &self.path, transmissions, locks)?;
+        let values = resolve_all(&whole.joints, locks)?;
+        merged(&whole, &values).map_err(|source| RobotError::lock(&self.path, source))
+    }
+
+    /// One text with everything, from which [`Robot::parse`] makes the same robot without any file.
+    #[must_use]
+    pub fn to_text(&self) -> String {
+        match &self.urdf {
+            Some((_, urdf)) if !toml_file::has_embedded_urdf(&self.text) => {
+                toml_file::with_embedded_urdf(&self.text, urdf)
+            }
+            _ => self.text.clone(),
+        }
+    }
+}
+
+impl Robot {
+    /// Reads a robot description: URDF where its text starts with `<`, else TOML, which may stand on a URDF.
+    ///
+    /// # Errors
+    /// [`RobotError`], with the file and the line or key.
+    pub fn read(path: &Path) -> Result<Self, RobotError> {
+        RobotSource::read(path)?.robot()
+    }
+
+    /// Reads a robot description from its text, as of [`Robot::read`] or [`RobotSource::to_text`]; `path` is its name in
+    /// messages, and the key `urdf` of a TOML is relative to its folder.
+    ///
+    /// # Errors
+    /// As [`Robot::read`].
+    pub fn parse(text: &str, path: &Path) -> Result<Self, RobotError> {
+        RobotSource::from_text(text.to_owned(), path)?.robot()
+    }
+}
+
+fn is_xml(text: &str) -> bool {
+    text.trim_start_matches('\u{feff}').trim_start().starts_with('<')
+}
+
+/// The text of a description, of at most 16 MiB.
+#[doc(hidden)]
+pub fn read_text(path: &Path) -> Result<String, RobotError> {
+    let unreadable = |e: std::io::Error| RobotError::Unreadable { path: path.to_owned(), reason: e.to_string() };
+    let mut text = String::new();
+    files::open(path).and_then(|file| file.take(LONGEST + 1).read_to_string(&mut text)).map_err(unreadable)?;
+    if text.len() as u64 > LONGEST {
+        return Err(RobotError::TooLarge {
+            path: path.to_owned(),
+            what: "MiB of text",
+            limit: (LONGEST >> 20) as usize,
+        });
+    }
+    Ok(text)
+}

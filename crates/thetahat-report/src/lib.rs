@@ -1,0 +1,4 @@
+//! Results of an identification as data, and reports of them as text, HTML, JSON and CSV.
+
+pub mod report;
+pub mod results;

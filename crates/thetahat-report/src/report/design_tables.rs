@@ -1,0 +1,265 @@
+//! What a design says, as facts, sentences and tables.
+
+use super::{
+    number::{NONE, estimate, significant},
+    table::Table,
+};
+use crate::results::{
+    CollisionResults, DesignResults, Grade, LimitUse, PairDistance, PromisedGain, PromisedParameter, PromisedPayload,
+    SpectrumBound,
+};
+use thetahat_ground::visible::visible;
+
+fn duration_s(results: &DesignResults) -> f64 {
+    results.q.len().saturating_sub(1) as f64 / results.sample_rate_hz
+}
+
+pub(super) fn facts(results: &DesignResults) -> Vec<(&'static str, String)> {
+    let best = results.starts.first().map_or(f64::NAN, |s| s.found);
+    vec![
+        ("robot", results.robot.clone()),
+        ("motion", motion(results)),
+        ("criterion", format!("{}: {best:.2} nats, the best of {} starts", results.criterion, results.starts.len())),
+        (
+            "promised",
+            format!(
+                "{} on {}",
+                results.method,
+                if results.is_closed_loop { "the simulated loop" } else { "the motion as designed" }
+            ),
+        ),
+    ]
+}
+
+fn motion(results: &DesignResults) -> String {
+    let sweeps = if results.sweeps > 0 { format!(" and {} sweeps", results.sweeps) } else { String::new() };
+    let moves = results.moves.as_ref().map(|moves| moves.moves().len() - results.sweeps);
+    let kind = moves.map_or_else(String::new, |moves| format!(", {moves} moves{sweeps}"));
+    format!("{} s at {} Hz{kind}, from rest to rest", significant(duration_s(results), 4), results.sample_rate_hz)
+}
+
+/// What the tables say, in sentences.
+pub(super) fn conclusions(results: &DesignResults) -> Vec<String> {
+    let known = || results.promised.iter().filter(|p| p.a_priori != 0.0);
+    let count = |grade: Grade| known().filter(|p| p.grade() == grade).count();
+    let [precise, rough, lost] = [Grade::Precise, Grade::Rough, Grade::NotIdentified].map(count);
+    let (all, known_ones) = (results.promised.len(), known().count());
+    let mut lines = vec![format!(
+        "{all} parameters are promised. Of the {known_ones} whose a-priori value is not zero, if that is right: {precise} precise, \
+         {rough} rough, {lost} not told from zero."
+    )];
+    let unknown: Vec<&str> = known().filter(|p| p.grade() == Grade::NotIdentified).map(|p| p.name.as_str()).collect();
+    if !unknown.is_empty() {
+        lines.push(format!("Not told from zero: {}.", unknown.join(", ")));
+        lines.extend(remedy(results));
+    }
+    lines.extend(results.limits.iter().max_by(|a, b| a.part.total_cmp(&b.part)).map(|worst| {
+        format!(
+            "No limit is exceeded at 1 kHz; the nearest is the {} of {}, used by {:.1} % at {:.3} s.",
+            worst.quantity.name(),
+            visible(&worst.joint),
+            100.0 * worst.part,
+            worst.at_s
+        )
+    }));
+    lines.extend(results.uncertainty.map(|(draws, percent)| {
+        format!(
+            "Torque and power hold for the a-priori parameters and for {draws} robots whose parameters are {} % off; the criterion \
+             does not depend on them.",
+            significant(percent, 3)
+        )
+    }));
+    lines.extend(results.payload.iter().map(payload));
+    lines.extend(results.collision.iter().flat_map(nearness));
+    lines.extend(results.compared.iter().map(|[title, method]| narrower(results, title, method)));
+    let best = results.starts.first().map(|s| s.found);
+    lines.extend(results.repeated.zip(best).map(|(repeated, best)| repetition(repeated, best)));
+    lines
+}
+
+/// How long to record until what stays unknown is told from zero, by this motion and by one for such parameters alone.
+fn remedy(results: &DesignResults) -> Option<String> {
+    let duration_s = duration_s(results);
+    let one = |p: &PromisedParameter| {
+        let times = p.by_own_motion?;
+        let seconds = duration_s * (p.half_width_95 / p.a_priori).powi(2);
+        let [seconds, own] = [seconds, seconds / times.powi(2)].map(|s| significant(s, 2));
+        Some(format!("{} after {seconds} s of this motion, {own} s of that", p.name))
+    };
+    let all: Vec<String> = results.promised.iter().filter_map(one).collect();
+    (!all.is_empty()).then(|| {
+        format!(
+            "What would show them: a motion for them alone ([wanted] criterion = \"chosen\", parameters = their names), or a longer \
+             record. Told from zero, by the information of both motions: {}. A known payload adds its own torque and tells nothing \
+             of these.",
+            all.join("; ")
+        )
+    })
+}
+
+/// What a payload asks for, and what it tells of the drives.
+fn payload(payload: &PromisedPayload) -> String {
+    let told = |gain: &PromisedGain| {
+        let percent = gain.half_width_percent?;
+        Some(format!("{} to {} %", visible(&gain.joint), significant(percent, 2)))
+    };
+    let all: Vec<String> = payload.gains.iter().filter_map(told).collect();
+    let untold = payload.gains.iter().filter(|gain| gain.half_width_percent.is_none());
+    let untold: Vec<String> = untold.map(|gain| visible(&gain.joint).into_owned()).collect();
+    let listed = |list: &[String]| if list.is_empty() { "none".to_owned() } else { list.join(", ") };
+    format!(
+        "Payload {} of {} kg: limits hold with it and without it. It is known, so that the record knows the robot's parameters as \
+         well as one of the same motion without it. One more record without it tells the gains of the drives (half of 95 %): {}. \
+         Not told: {}.",
+        visible(&payload.name),
+        significant(payload.mass_kg, 4),
+        listed(&all),
+        listed(&untold)
+    )
+}
+
+/// What the intervals say beside those of earlier results.
+fn narrower(results: &DesignResults, title: &str, method: &str) -> String {
+    let times: Vec<f64> = results.promised.iter().filter_map(PromisedParameter::times_smaller).collect();
+    let mean = (times.iter().map(|t| t.ln()).sum::<f64>() / times.len() as f64).exp();
+    let wider = results.promised.iter().filter(|p| p.times_smaller().is_some_and(|t| t < 1.0));
+    let wider: Vec<&str> = wider.map(|p| p.name.as_str()).collect();
+    let also = if wider.is_empty() { "none is wider".to_owned() } else { format!("wider: {}", wider.join(", ")) };
+    format!(
+        "Beside {method} of {}: of {} parameters the intervals are {} times as narrow in the geometric mean, {also}.",
+        visible(title),
+        times.len(),
+        significant(mean, 3)
+    )
+}
+
+/// Whether the motion adds more than the last recording does once more.
+fn repetition(repeated: f64, best: f64) -> String {
+    let gain = repeated - best;
+    if gain >= 0.0 {
+        format!("Repeating the last recording for as long would leave the criterion {gain:.2} nats higher.")
+    } else {
+        format!("Repeat the last recording instead: for as long it makes the criterion {:.2} nats lower.", -gain)
+    }
+}
+
+/// Whether the motion is within what filters and the controller let through.
+pub(super) fn frequencies(results: &DesignResults) -> Vec<String> {
+    let spectrum = &results.spectrum;
+    let end = spectrum.end_hz.iter().copied().fold(0.0, f64::max);
+    let bound = |b: &SpectrumBound| format!("{} {} Hz", b.name, significant(b.frequency_hz, 3));
+    let bounds: Vec<String> = spectrum.bounds.iter().map(bound).collect();
+    let passed: Vec<&str> = spectrum.bounds.iter().filter(|b| b.frequency_hz < end).map(|b| b.name).collect();
+    let verdict = match passed[..] {
+        [] => "all of them let the motion through".to_owned(),
+        _ => format!("the motion reaches beyond: {}", passed.join(", ")),
+    };
+    vec![format!(
+        "99 % of the variance of each joint's acceleration lies below {} Hz. Beside it: {}; {verdict}.",
+        significant(end, 3),
+        bounds.join(", ")
+    )]
+}
+
+/// What the distances of shapes say.
+pub(super) fn nearness(collision: &CollisionResults) -> Vec<String> {
+    let mut lines = Vec::new();
+    if let Some(nearest) = collision.pairs.first() {
+        let at = nearest.at_s.map_or_else(|| "on the way from home".to_owned(), |at| format!("at {at:.3} s"));
+        lines.push(format!(
+            "No shapes come nearer to one another than {} mm at 1 kHz; the nearest are {} and {}, {} mm {at}.",
+            significant(1e3 * collision.margin, 4),
+            visible(&nearest.first),
+            visible(&nearest.second),
+            significant(1e3 * nearest.distance, 4)
+        ));
+    }
+    if !collision.has_way {
+        lines.push("The way to the first posture is not covered: give [collision] home.".to_owned());
+    }
+    if !collision.uncovered.is_empty() {
+        let names: Vec<_> = collision.uncovered.iter().map(|name| visible(name)).collect();
+        lines.push(format!(
+            "Not covered, since their shapes are meshes: {}. Give [collision] capsules.",
+            names.join(", ")
+        ));
+    }
+    lines
+}
+
+pub(super) fn distances(collision: &CollisionResults) -> Table {
+    let row = |pair: &PairDistance| {
+        vec![
+            visible(&pair.first).into_owned(),
+            visible(&pair.second).into_owned(),
+            significant(1e3 * pair.distance, 4),
+            pair.at_s.map_or_else(|| "from home".to_owned(), |at| format!("{at:.3}")),
+        ]
+    };
+    Table {
+        title: "Least distances at 1 kHz".to_owned(),
+        lead: 2,
+        head: strings(&["link", "from", "mm", "at, s"]),
+        rows: collision.pairs.iter().map(row).collect(),
+        ..Table::default()
+    }
+}
+
+fn strings(texts: &[&str]) -> Vec<String> {
+    texts.iter().map(|t| (*t).to_owned()).collect()
+}
+
+pub(super) fn promised(results: &DesignResults) -> Table {
+    let wanted = format!("s for {} %", significant(results.half_width_percent, 3));
+    let row = |p: &PromisedParameter| {
+        let percent = (p.a_priori != 0.0).then(|| 100.0 * p.half_width_95 / p.a_priori.abs());
+        vec![
+            p.name.clone(),
+            p.unit.clone(),
+            estimate(p.a_priori, Some(p.half_width_95)),
+            significant(p.standard_deviation, 3),
+            significant(p.half_width_95, 3),
+            percent.map_or_else(|| NONE.to_owned(), |v| significant(v, 3)),
+            p.seconds.map_or_else(|| NONE.to_owned(), |s| significant(s, 2)),
+            if p.a_priori == 0.0 { NONE.to_owned() } else { p.grade().name().to_owned() },
+        ]
+        .into_iter()
+        .chain(
+            results
+                .compared
+                .iter()
+                .map(|_| p.times_smaller().map_or_else(|| NONE.to_owned(), |times| significant(times, 3))),
+        )
+        .collect()
+    };
+    let mut head = strings(&["name", "unit", "a priori", "deviation", "half of 95 %", "in %", &wanted, "grade"]);
+    head.extend(results.compared.iter().map(|_| "times as narrow".to_owned()));
+    Table {
+        title: "Promised intervals".to_owned(),
+        lead: 1,
+        head,
+        rows: results.promised.iter().map(row).collect(),
+        notes: vec![format!(
+            "half of 95 %: expected half width of interval_95 by {}; {wanted}: record so long, by repeating the motion. Intervals \
+             shrink with the root of the time.",
+            results.method
+        )],
+        ..Table::default()
+    }
+}
+
+pub(super) fn limits(results: &DesignResults) -> Table {
+    let row = |l: &LimitUse| {
+        let [low, high] = l.limit.map(|v| significant(v, 4));
+        let [least, most] = l.reached.map(|v| significant(v, 4));
+        let (used, at) = (format!("{:.1}", 100.0 * l.part), format!("{:.3}", l.at_s));
+        vec![visible(&l.joint).into_owned(), l.quantity.name().to_owned(), low, high, least, most, used, at]
+    };
+    Table {
+        title: "Limits at 1 kHz, SI".to_owned(),
+        lead: 2,
+        head: strings(&["joint", "quantity", "lower", "upper", "least", "most", "used, %", "at, s"]),
+        rows: results.limits.iter().map(row).collect(),
+        ..Table::default()
+    }
+}

@@ -1,0 +1,41 @@
+use serde::{Deserialize, Serialize};
+
+use thetahat_estimation::statistics::FTest;
+
+/// One estimate.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct ParameterResult {
+    /// Name.
+    pub name: String,
+    /// Estimate.
+    pub estimate: f64,
+    /// Classical standard deviation.
+    pub standard_deviation: Option<f64>,
+    /// The same in percent of the estimate.
+    pub relative_standard_deviation_percent: Option<f64>,
+    /// True value, for a twin.
+    pub true_value: Option<f64>,
+    /// Unit.
+    pub unit: String,
+    /// Regrouping formula.
+    pub expression: String,
+    /// Whether the tables show it.
+    pub shown: bool,
+    /// Standard deviation with errors that are correlated in time and differ between joints.
+    #[serde(default)]
+    pub standard_deviation_robust: Option<f64>,
+    /// Low and high end of the interval of 95 % with these errors.
+    #[serde(default)]
+    pub interval_95: Option<[f64; 2]>,
+}
+
+/// What an elimination did.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct EliminationResult {
+    /// Parameters kept.
+    pub kept: Vec<String>,
+    /// Parameters taken out, in order.
+    pub eliminated: Vec<String>,
+    /// The test of those kept against all.
+    pub f_test: Option<FTest>,
+}

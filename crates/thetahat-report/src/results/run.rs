@@ -1,0 +1,177 @@
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::{
+    curves::RunPlots,
+    diagnosis::{HiddenBias, Influence, ResidualResult},
+    parameters::ParameterResult,
+    physical::PhysicalResult,
+};
+use thetahat_estimation::{
+    checks::Finding,
+    identification::{Method, Response, Status, Weighting},
+    statistics::FTest,
+};
+
+/// One case and method.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct RunResult {
+    /// The case.
+    pub case: String,
+    /// The method.
+    pub method: Method,
+    /// Weighting of the rows, as the experiment file names it: `none` or `per-joint`. None where it was read from a file
+    /// of schema 0.
+    #[serde(default)]
+    pub weighting: Option<Weighting>,
+    /// How it ended.
+    pub status: Status,
+    /// Why, where it is not converged.
+    pub reason: Option<String>,
+    /// What was simulated beside what the experiment describes: a guessed controller, other parameters than the estimate.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
+    /// Whether the estimates are those of a physical robot; none without an estimate.
+    #[serde(default)]
+    pub physical: Option<PhysicalResult>,
+    /// What the checks find in its predictions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub findings: Vec<Finding>,
+    /// Iterations.
+    pub iterations: usize,
+    /// Closed-loop simulations of the iteration.
+    pub simulations: usize,
+    /// `100 |y - y_hat| / |y|`, unweighted; none where there is no estimate.
+    pub relative_error_percent: Option<f64>,
+    /// The same for each joint; none where its torque is zero.
+    pub joint_relative_error_percent: Vec<Option<f64>>,
+    /// The same on data that the estimate has not seen: the second recording, or each move left out in turn.
+    pub cross_validation_relative_error_percent: Option<f64>,
+    /// Its 95 % interval, from how much the parts that were left out differ.
+    #[serde(default)]
+    pub cross_validation_interval_95_percent: Option<[f64; 2]>,
+    /// The part of the record without which the estimates change most.
+    #[serde(default)]
+    pub influence: Option<Influence>,
+    /// How far errors that no interval holds may have moved the estimates, of nominal runs.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub hidden_bias: Vec<HiddenBias>,
+    /// The tests of the residual.
+    #[serde(default)]
+    pub residual: Option<ResidualResult>,
+    /// Condition number of the observation matrix of the second recording.
+    pub validation_condition_number: Option<f64>,
+    /// Condition number of the matrix that is solved.
+    pub condition_number: Option<f64>,
+    /// Wall-clock time, s.
+    pub seconds: f64,
+    /// Relative errors of the closed-loop simulation with these estimates: position, velocity, acceleration, torque.
+    pub simulation_relative_error_percent: Option<BTreeMap<String, f64>>,
+    /// The same on the second recording.
+    pub validation_simulation_relative_error_percent: Option<BTreeMap<String, f64>>,
+    /// F-test of these parameters against all base parameters, where fewer are estimated, on X.
+    pub f_test: Option<FTest>,
+    /// Convergence.
+    pub convergence: Vec<IterationResult>,
+    /// The estimates.
+    pub parameters: Vec<ParameterResult>,
+    /// Covariance of the estimates in the order of `parameters`, of nominal runs: the lower triangle row by row, SI. The
+    /// deviations are those with correlated errors, behind `interval_95`; the correlations are classical. Empty where it
+    /// was read from a file of before that key.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub covariance: Vec<f64>,
+    /// What was estimated of the simulated loop beside the parameters.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub loop_parameters: Vec<LoopParameterResult>,
+    /// Curves for the report.
+    #[serde(skip)]
+    pub plots: RunPlots,
+}
+
+/// A quantity of the simulated loop that was estimated.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LoopParameterResult {
+    /// Its name; motors count from one.
+    pub name: String,
+    /// The factor on what the experiment describes, or the added delay in s.
+    pub estimate: f64,
+    /// Its classical standard deviation.
+    pub standard_deviation: f64,
+    /// Its 95 % interval with correlated errors.
+    pub interval_95: Option<[f64; 2]>,
+    /// `s` for a delay, nothing for a factor.
+    pub unit: String,
+}
+
+/// One iteration.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct IterationResult {
+    /// Relative error, percent.
+    pub relative_error_percent: f64,
+    /// Largest change of an estimate, in its standard deviations.
+    pub parameter_change: Option<f64>,
+    /// Relative change of the error.
+    pub error_change: Option<f64>,
+    /// The estimates.
+    pub estimates: Vec<f64>,
+}
+
+impl RunResult {
+    /// A run of which nothing is known but how it ended.
+    #[doc(hidden)]
+    pub fn new(case: &str, method: Method, status: Status) -> Self {
+        Self {
+            case: case.to_owned(),
+            method,
+            weighting: None,
+            status,
+            reason: None,
+            notes: Vec::new(),
+            physical: None,
+            findings: Vec::new(),
+            iterations: 0,
+            simulations: 0,
+            relative_error_percent: None,
+            joint_relative_error_percent: Vec::new(),
+            cross_validation_relative_error_percent: None,
+            cross_validation_interval_95_percent: None,
+            influence: None,
+            hidden_bias: Vec::new(),
+            residual: None,
+            validation_condition_number: None,
+            condition_number: None,
+            seconds: 0.0,
+            simulation_relative_error_percent: None,
+            validation_simulation_relative_error_percent: None,
+            f_test: None,
+            convergence: Vec::new(),
+            parameters: Vec::new(),
+            covariance: Vec::new(),
+            loop_parameters: Vec::new(),
+            plots: RunPlots::default(),
+        }
+    }
+
+    /// Median over the parameters of the standard deviation with correlated errors over the classical one: how far the
+    /// classical ones are too small.
+    #[must_use]
+    pub fn widening(&self) -> Option<f64> {
+        let ratio = |p: &ParameterResult| Some(p.standard_deviation_robust? / p.standard_deviation?);
+        let mut ratios: Vec<f64> = self.parameters.iter().filter_map(ratio).filter(|r| r.is_finite()).collect();
+        ratios.sort_by(f64::total_cmp);
+        ratios.get(ratios.len() / 2).copied()
+    }
+
+    /// Whether its errors are of positions, not of torques.
+    #[must_use]
+    pub fn is_of_positions(&self) -> bool {
+        self.method.response() == Response::Position
+    }
+
+    /// The estimate of a parameter.
+    #[must_use]
+    pub fn parameter(&self, name: &str) -> Option<&ParameterResult> {
+        self.parameters.iter().find(|p| p.name == name)
+    }
+}

@@ -1,0 +1,42 @@
+use thetahat_estimation::{
+    identification::{Method, Status},
+    simulation::BiasKind,
+};
+
+/// A sweep over errors of the simulator.
+#[derive(Debug, Clone)]
+pub struct Sensitivity {
+    /// Title of the experiment.
+    pub title: String,
+    /// Name of the robot.
+    pub robot: String,
+    /// Names of the parameters, in the order of the estimates.
+    pub parameters: Vec<String>,
+    /// Which of them the tables show, and the changes consider.
+    pub shown: Vec<bool>,
+    /// The estimates with the simulator as it is, method by method.
+    pub nominal: Vec<SensitivityPoint>,
+    /// Those with each error.
+    pub points: Vec<SensitivityPoint>,
+}
+
+/// The estimates of one method with one error of the simulator.
+#[derive(Debug, Clone)]
+pub struct SensitivityPoint {
+    /// What is wrong.
+    pub kind: BiasKind,
+    /// Factor, or the value that is added: s for a delay, rad or m for an offset.
+    pub value: f64,
+    /// The method.
+    pub method: Method,
+    /// How its iteration ended.
+    pub status: Status,
+    /// `100 |y - y_hat| / |y|`; none where there is no estimate.
+    pub relative_error_percent: Option<f64>,
+    /// Root mean square change of the shown estimates, in standard deviations, against the simulator without the error.
+    pub rms_change: Option<f64>,
+    /// The largest change, with its sign, and its parameter.
+    pub largest_change: Option<(String, f64)>,
+    /// The estimates; empty where there are none.
+    pub estimates: Vec<f64>,
+}

@@ -1,0 +1,14 @@
+use thetahat_ground::series::Series;
+
+/// What the sensors of a twin saw.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TwinRecord {
+    /// Names of the joints.
+    pub joints: Vec<String>,
+    /// Samples per second.
+    pub sample_rate_hz: f64,
+    /// Joint positions, rad or m.
+    pub position: Series,
+    /// Joint torques, N m or N.
+    pub torque: Series,
+}
