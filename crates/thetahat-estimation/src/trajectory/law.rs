@@ -36,7 +36,8 @@ pub const PHASES: usize = 7;
 
 /// A law at a part of one of its phases.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct InPhase {
+#[doc(hidden)]
+pub struct InPhase {
     /// `s` and its first three derivatives by time.
     #[doc(hidden)]
     pub values: [f64; 4],

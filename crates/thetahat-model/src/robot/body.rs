@@ -42,9 +42,12 @@ impl Frame {
 #[derive(Clone, Copy, Default, PartialEq)]
 #[doc(hidden)]
 pub struct Body {
-    pub(crate) m: f64,
-    pub(crate) ms: Vec3,
-    pub(crate) inertia: Mat3,
+    #[doc(hidden)]
+    pub m: f64,
+    #[doc(hidden)]
+    pub ms: Vec3,
+    #[doc(hidden)]
+    pub inertia: Mat3,
 }
 
 impl Body {

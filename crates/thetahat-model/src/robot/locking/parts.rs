@@ -35,7 +35,8 @@ pub struct LinkPart {
 
 /// A solid in a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct PlacedSolid {
+#[doc(hidden)]
+pub struct PlacedSolid {
     /// Its axes as columns.
     #[doc(hidden)]
     pub rotation: Mat3,
