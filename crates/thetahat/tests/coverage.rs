@@ -1,5 +1,5 @@
 //! The 95 % intervals have the stated coverage where the assumptions of the methods hold: a short form of
-//! `examples/coverage`, whose tables are in `docs/statistics.md`.
+//! `examples/coverage`, whose tables are in `docs/evidence/coverage.md`.
 #![allow(dead_code)]
 
 #[path = "../examples/coverage/noise.rs"]

@@ -1,4 +1,4 @@
-//! The filter that is chosen from a record comes near the best of a wide grid: three rows of the table of `docs/filter_choice.md`,
+//! The filter that is chosen from a record comes near the best of a wide grid: three rows of the table of `docs/evidence/filter_choice.md`,
 //! and the recorded robots, each as `init` proposes it.
 
 #[path = "../examples/filter_study/case.rs"]
