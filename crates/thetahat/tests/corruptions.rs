@@ -1,6 +1,6 @@
 //! The checks before the estimate against corrupted records: each corruption raises its finding, no clean record does.
 //!
-//! `docs/checks.md` holds the outcomes as a table, which is compared with what is found here. It is written by
+//! `docs/evidence/checks.md` holds the outcomes as a table, which is compared with what is found here. It is written by
 //! `cargo run --release -p thetahat --example corruption_table -- DATA`.
 
 mod corruption_suite;
@@ -44,8 +44,8 @@ fn raises(record: fn() -> &'static Clean, corruption: &Corruption) -> Result<(),
 
 /// What the documentation says is not seen raises nothing: the day it does, the documentation is to be changed.
 fn raises_nothing(record: &Clean, unseen: &Unseen) -> Result<(), Failed> {
-    let text = std::fs::read_to_string(thetahat_testing::root().join("docs/checks.md"))?;
-    ensure(text.contains(unseen.name) && text.contains(unseen.why), "not in docs/checks.md")?;
+    let text = std::fs::read_to_string(thetahat_testing::root().join("docs/evidence/checks.md"))?;
+    ensure(text.contains(unseen.name) && text.contains(unseen.why), "not in docs/evidence/checks.md")?;
     is_clean(&record.changed(unseen.apply))
 }
 
@@ -130,7 +130,7 @@ fn nothing_panics() -> Result<(), Failed> {
 
 /// Every row of the table in the documentation is what is found.
 fn table_is_that_of_the_documentation(with_real: bool) -> Result<(), Failed> {
-    let text = std::fs::read_to_string(thetahat_testing::root().join("docs/checks.md"))?;
+    let text = std::fs::read_to_string(thetahat_testing::root().join("docs/evidence/checks.md"))?;
     let printed = cells(&text, "## The corruption suite");
     let corruptions = all();
     ensure(printed.len() == corruptions.len(), format!("{} rows, {} corruptions", printed.len(), corruptions.len()))?;

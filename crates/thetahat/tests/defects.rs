@@ -1,4 +1,4 @@
-//! Kinds of defects by robot: each is refused or named as the table of `docs/checks.md` says, and clean records are silent.
+//! Kinds of defects by robot: each is refused or named as the table of `docs/evidence/checks.md` says, and clean records are silent.
 //!
 //! The table is written by `cargo run --release -p thetahat --example defect_table`.
 
@@ -51,9 +51,9 @@ fn silent(findings: &[Finding]) -> Result<(), Failed> {
 
 /// The cell of the documentation's table.
 fn printed(name: &str, specimen: Specimen) -> Result<String, Failed> {
-    let text = std::fs::read_to_string(thetahat_testing::root().join("docs/checks.md"))?;
+    let text = std::fs::read_to_string(thetahat_testing::root().join("docs/evidence/checks.md"))?;
     let rows = cells(&text, "## What becomes of each defect");
-    let row = rows.into_iter().find(|r| r[0] == name).ok_or(format!("no row {name} in docs/checks.md"))?;
+    let row = rows.into_iter().find(|r| r[0] == name).ok_or(format!("no row {name} in docs/evidence/checks.md"))?;
     let column = Specimen::ALL.iter().position(|s| *s == specimen).unwrap_or_default();
     Ok(row[column + 1].clone())
 }

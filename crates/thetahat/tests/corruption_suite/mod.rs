@@ -1,4 +1,4 @@
-//! The corruption suite: clean records, corruptions that raise one finding each, and the table of `docs/checks.md`.
+//! The corruption suite: clean records, corruptions that raise one finding each, and the table of `docs/evidence/checks.md`.
 #![allow(dead_code)]
 
 pub mod arms;

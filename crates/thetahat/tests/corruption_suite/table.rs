@@ -1,4 +1,4 @@
-//! The suite's outcomes and their table in `docs/checks.md`.
+//! The suite's outcomes and their table in `docs/evidence/checks.md`.
 
 use thetahat::checks::{Code, Finding, Severity};
 
