@@ -114,23 +114,27 @@ fn updated(page: &str, steps: &[Step], outputs: &[(String, i32)]) -> String {
     for (step, (output, _)) in steps.iter().zip(outputs) {
         let mut rest: Vec<&str> = output.lines().map(str::trim_end).collect();
         for shown in step.shown.split(Shown::is_left_out).filter(|shown| !shown.is_empty()) {
-            rest.drain(..most_alike(shown, &rest));
-            shown.iter().zip(&rest).for_each(|(line, found)| lines[line.number] = found);
-            rest.drain(..shown.len().min(rest.len()));
+            let Some(place) = most_alike(shown, &rest) else { continue };
+            shown.iter().zip(&rest[place..]).for_each(|(line, found)| lines[line.number] = found);
+            rest.drain(..place + shown.len());
         }
     }
     lines.join("\n") + "\n"
 }
 
-/// Where the first of those printed lines begin that have most words in common with the shown ones.
-fn most_alike(shown: &[Shown], printed: &[&str]) -> usize {
+/// Where the first of those printed lines begin that have most words in common with the shown ones; none where no words are common.
+fn most_alike(shown: &[Shown], printed: &[&str]) -> Option<usize> {
     let common = |found: &[&str]| -> usize { shown.iter().zip(found).map(|(a, b)| common_words(&a.text, b)).sum() };
-    let places = printed.windows(shown.len()).enumerate().rev();
-    places.max_by_key(|(_, found)| common(found)).map_or(0, |(place, _)| place)
+    let places = printed.windows(shown.len()).enumerate().rev().map(|(place, found)| (common(found), place));
+    places.max_by_key(|(common, _)| *common).filter(|(common, _)| *common > 0).map(|(_, place)| place)
+}
+
+fn words(line: &str) -> impl Iterator<Item = &str> {
+    line.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty())
 }
 
 fn common_words(a: &str, b: &str) -> usize {
-    a.split_whitespace().filter(|word| b.split_whitespace().any(|other| other == *word)).count()
+    words(a).filter(|word| words(b).any(|other| other == *word)).count()
 }
 
 #[test]
