@@ -18,7 +18,7 @@ await firstScreen("tutorial/results", "tutorial/good.png", 560);
 await firstScreen("tutorial/swapped", "tutorial/do_not_use.png", 560);
 await torques("tutorial/results", "tutorial/torques.png");
 await figure("design/arm", "design/motion.png", "#motion figure:has(.panel .zero)");
-await figure("design/arm", "design/promised.png", "#promise .forest");
+await figure("design/arm", "design/predicted.png", "#promise .forest");
 await figure("design/cell", "design/distance.png", "#distances figure");
 await browser.close();
 

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Writes two copies of log.csv with faults that real logs have, for docs/tutorial.md.
+# Writes two copies of log.csv with faults that real logs have, for docs/manual/tutorial.md.
 set -eu
 # The torques of the first two joints are exchanged.
 awk -F, -v OFS=, 'NR > 1 { first = $5; $5 = $6; $6 = first } 1' log.csv > swapped.csv

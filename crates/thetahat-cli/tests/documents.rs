@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
 use thetahat_testing::{project, root};
@@ -36,7 +36,7 @@ impl Document {
         self.links.iter().filter(|link| !link.contains("://")).map(|link| {
             let (file, anchor) = link.split_once('#').map_or((link.as_str(), None), |(f, a)| (f, Some(a)));
             let folder = self.path.parent().expect("a document lies in a folder");
-            (if file.is_empty() { self.path.clone() } else { folder.join(file) }, anchor, link.as_str())
+            (if file.is_empty() { self.path.clone() } else { direct(&folder.join(file)) }, anchor, link.as_str())
         })
     }
 }
@@ -76,10 +76,41 @@ fn anchor_of(heading: &str) -> String {
     heading.trim().to_lowercase().chars().filter(kept).collect::<String>().replace(' ', "-")
 }
 
+/// The files and folders of a folder of the checkout.
+fn entries(folder: &Path) -> impl Iterator<Item = PathBuf> {
+    fs::read_dir(folder).expect("the folder is there").map(|entry| entry.expect("it is readable").path())
+}
+
 /// The Markdown files of a folder of the checkout.
 fn documents(folder: &Path) -> Vec<Document> {
-    let files = fs::read_dir(folder).expect("the folder is there").map(|entry| entry.expect("it is readable").path());
-    files.filter(|file| file.extension().is_some_and(|e| e == "md")).map(|file| Document::read(&file)).collect()
+    entries(folder)
+        .filter(|file| file.extension().is_some_and(|e| e == "md"))
+        .map(|file| Document::read(&file))
+        .collect()
+}
+
+fn docs() -> PathBuf {
+    direct(&project("docs"))
+}
+
+/// The documents of `docs` and of its folders.
+fn book() -> Vec<Document> {
+    let docs = docs();
+    let folders = entries(&docs).filter(|entry| entry.is_dir());
+    folders.chain([docs.clone()]).flat_map(|folder| documents(&folder)).collect()
+}
+
+/// A path without the parts that lead back, such as `manual/../theory`.
+fn direct(path: &Path) -> PathBuf {
+    let mut direct = PathBuf::new();
+    for part in path.components() {
+        if part == Component::ParentDir {
+            direct.pop();
+        } else {
+            direct.push(part);
+        }
+    }
+    direct
 }
 
 /// What is wrong with a link, where something is.
@@ -94,7 +125,7 @@ fn fault(file: &Path, anchor: Option<&str>) -> Option<&'static str> {
 #[test]
 fn links_lead_to_files_and_headings() {
     let mut faults = Vec::new();
-    for document in documents(&root()).iter().chain(&documents(&project("docs"))) {
+    for document in documents(&root()).iter().chain(&book()) {
         let wrong = document.own_links().filter_map(|(file, anchor, link)| Some((link, fault(&file, anchor)?)));
         faults.extend(wrong.map(|(link, fault)| format!("{}: {link} {fault}", document.path.display())));
     }
@@ -104,17 +135,18 @@ fn links_lead_to_files_and_headings() {
 /// The book holds `docs` alone.
 #[test]
 fn links_of_the_book_stay_in_it() {
-    for document in documents(&project("docs")) {
-        for link in &document.links {
-            assert!(!link.starts_with("../"), "{}: {link} leaves the book", document.path.display());
+    let docs = docs();
+    for document in book() {
+        for (file, _, link) in document.own_links() {
+            assert!(file.starts_with(&docs), "{}: {link} leaves the book", document.path.display());
         }
     }
 }
 
 #[test]
 fn every_document_is_one_chapter_of_the_book() {
-    let all: BTreeSet<PathBuf> = documents(&project("docs")).into_iter().map(|d| d.path).collect();
-    let summary = project("docs").join("SUMMARY.md");
+    let all: BTreeSet<PathBuf> = book().into_iter().map(|d| d.path).collect();
+    let summary = docs().join("SUMMARY.md");
     let chapters: Vec<PathBuf> = Document::read(&summary).own_links().map(|(file, ..)| file).collect();
     let listed: BTreeSet<PathBuf> = chapters.iter().cloned().chain([summary]).collect();
     assert_eq!(all, listed, "docs/SUMMARY.md lists the documents");

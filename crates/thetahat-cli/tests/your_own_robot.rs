@@ -1,4 +1,4 @@
-//! The commands of docs/your_own_robot.md, run from a clean folder that holds a URDF and a log.
+//! The commands of docs/manual/your_own_robot.md, run from a clean folder that holds a URDF and a log.
 
 use std::process::Output;
 
