@@ -67,7 +67,7 @@ pub enum Command {
     Reduce(Reduce),
     /// Identify from reductions, alone or merged: by IDIM-LS, and by IDIM-IV where they have instruments.
     Solve(Solve),
-    /// Design the motion to record, and promise the interval of each parameter before the robot moves.
+    /// Design the motion to record, and prediction the interval of each parameter before the robot moves.
     ///
     /// The motion is the best within the limits of the joints for all base parameters, friction, motor inertias and offsets
     /// among them. The experiment for its record is written beside it.
@@ -328,7 +328,7 @@ pub struct Design {
     /// The design file
     #[arg(value_name = "DESIGN.toml")]
     pub design: PathBuf,
-    /// Folder for trajectory.csv, .yaml and .json, promised.csv, experiment.toml, rehearsal.toml, design.html, and the moves for
+    /// Folder for trajectory.csv, .yaml and .json, predicted.csv, experiment.toml, rehearsal.toml, design.html, and the moves for
     /// robots' controllers [default: tables in the terminal only]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

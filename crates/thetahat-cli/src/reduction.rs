@@ -66,7 +66,7 @@ fn note(solution: &Solution, merged: Option<&Path>) -> String {
     let intervals = match solution.segments {
         Some(segments) => format!(
             "\nIntervals from {segments} stretches of time, cluster-robust; identify takes them from the correlation of rows, \
-             and they differ (docs/long_records.md).\n"
+             and they differ (docs/manual/long_recordings.md).\n"
         ),
         None => "\nNo intervals: fewer than two stretches of time.\n".to_owned(),
     };

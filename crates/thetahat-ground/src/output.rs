@@ -23,7 +23,7 @@ const MARKS: [&[u8]; 15] = [
     TRAJECTORY.as_bytes(),
     b"# thetahat trajectory",
     b"# thetahat design",
-    b"promised,a_priori,",
+    b"predicted,a_priori,",
     EXPORT.as_bytes(),
 ];
 

@@ -1,4 +1,4 @@
-"""What engines cost, and what they survive: the figures of docs/fleets.md.
+"""What engines cost, and what they survive: the figures of docs/evidence/fleets.md.
 
     python crates/thetahat-python/benchmarks/fleets.py [overhead|campaign|killed|reduce|sizes|scale ...]
 

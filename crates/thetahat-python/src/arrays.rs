@@ -10,7 +10,7 @@ use numpy::{
 use pyo3::prelude::*;
 use thetahat::{dynamics::DynamicsError, linear_algebra::Matrix, series::Series};
 
-use crate::raised::Raised;
+use crate::python_error::PythonError;
 
 /// Samples of a piece: what is copied of the inputs stays in the cache, and signals are looked at many times a second.
 const PIECE: usize = 8192;
@@ -81,7 +81,7 @@ impl<'a, const N: usize> Samples<'a, N> {
             let start = number * PIECE;
             let range = start..self.len().min(start + PIECE);
             let done = py.detach(|| self.fill_piece(range, size, part, &work));
-            done.map_err(|(k, error)| Raised::from((start + k, error)))?;
+            done.map_err(|(k, error)| PythonError::from((start + k, error)))?;
             py.check_signals()?;
         }
         Ok(())

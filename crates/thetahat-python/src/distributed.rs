@@ -15,7 +15,7 @@ use thetahat::{
     statistics,
 };
 
-use crate::{raised::Raised, results::Results, robot::Robot};
+use crate::{python_error::PythonError, results::Results, robot::Robot};
 
 /// The texts of a campaign, of its experiment and of its robot, each of the first two behind its path, and the SHA-256 of the file that
 /// the twin follows, if it follows one.
@@ -27,7 +27,7 @@ type Place = (u32, u32, u32);
 /// Reads a campaign; its texts are all that a job needs, beside the file that the twin follows. Paths are absolute: a worker may be in
 /// another folder.
 #[pyfunction]
-pub fn campaign_texts(path: PathBuf) -> Result<CampaignTexts, Raised> {
+pub fn campaign_texts(path: PathBuf) -> Result<CampaignTexts, PythonError> {
     let Campaign { path, text, experiment, .. } = Campaign::read(&path)?;
     let followed = experiment.reference_sha256()?;
     Ok((absolute(path), text, absolute(experiment.path), experiment.text, experiment.robot_text, followed))
@@ -46,7 +46,7 @@ pub struct Bench(campaign::Bench);
 #[pymethods]
 impl Bench {
     #[new]
-    fn new(py: Python<'_>, texts: CampaignTexts, starts: Option<u32>) -> Result<Self, Raised> {
+    fn new(py: Python<'_>, texts: CampaignTexts, starts: Option<u32>) -> Result<Self, PythonError> {
         py.detach(|| {
             let limits = Subset { starts, seeds: None };
             Ok(Self(campaign::Bench::new(&campaign_of(texts)?, limits)?))
@@ -54,7 +54,7 @@ impl Bench {
     }
 
     /// Runs records: the content of a part of the campaign's store.
-    fn part<'py>(&self, py: Python<'py>, places: Vec<Place>) -> Result<Bound<'py, PyBytes>, Raised> {
+    fn part<'py>(&self, py: Python<'py>, places: Vec<Place>) -> Result<Bound<'py, PyBytes>, PythonError> {
         let keys: Vec<Key> = places.into_iter().map(|(level, start, seed)| Key { level, start, seed }).collect();
         let content = py.detach(|| self.0.part(&keys))?;
         Ok(PyBytes::new(py, &content))
@@ -67,7 +67,7 @@ impl Bench {
         texts: CampaignTexts,
         folder: PathBuf,
         limits: (Option<u32>, Option<u32>),
-    ) -> Result<Vec<Place>, Raised> {
+    ) -> Result<Vec<Place>, PythonError> {
         py.detach(|| {
             let campaign = campaign_of(texts)?;
             OutputGuard::new(campaign.input_files(), false)
@@ -81,12 +81,12 @@ impl Bench {
 }
 
 /// Why a campaign's page is not written; unlike the command's, that of others is never replaced.
-fn not_replaced(error: OutputError) -> Raised {
+fn not_replaced(error: OutputError) -> PythonError {
     if let OutputError::NotOurs { path } = &error {
         let problem = "is there already and not known to be written by thetahat; take another `out`";
-        return Raised::new("CampaignError", format!("{}: {problem}", path.display()));
+        return PythonError::new("CampaignError", format!("{}: {problem}", path.display()));
     }
-    Raised::new("CampaignError", error)
+    PythonError::new("CampaignError", error)
 }
 
 /// Puts the parts of a folder together, as the command `campaign` does at its end: the tables, the runs, those that converged, and
@@ -98,7 +98,7 @@ pub fn finish_campaign(
     texts: CampaignTexts,
     folder: PathBuf,
     limits: (Option<u32>, Option<u32>),
-) -> Result<(String, usize, usize, Vec<PathBuf>), Raised> {
+) -> Result<(String, usize, usize, Vec<PathBuf>), PythonError> {
     py.detach(|| {
         let campaign = campaign_of(texts)?;
         let store = Store::open(&folder, &campaign)?;
@@ -111,11 +111,13 @@ pub fn finish_campaign(
     })
 }
 
-fn campaign_of((path, text, experiment_path, experiment, robot, followed): CampaignTexts) -> Result<Campaign, Raised> {
+fn campaign_of(
+    (path, text, experiment_path, experiment, robot, followed): CampaignTexts,
+) -> Result<Campaign, PythonError> {
     let experiment = Experiment::from_texts(&experiment_path, experiment, robot)?;
     if experiment.reference_sha256()? != followed {
         let problem = "the file of [twin] reference is not the one that the campaign was begun with; all workers need the same file";
-        return Err(Raised::new("CampaignError", format!("{}: {problem}", experiment_path.display())));
+        return Err(PythonError::new("CampaignError", format!("{}: {problem}", experiment_path.display())));
     }
     Ok(Campaign::from_text(&path, text, experiment)?)
 }
@@ -134,7 +136,7 @@ pub fn experiment_texts(
     path: PathBuf,
     data: PathBuf,
     robot: Option<PathBuf>,
-) -> Result<(ExperimentTexts, Vec<PathBuf>, usize), Raised> {
+) -> Result<(ExperimentTexts, Vec<PathBuf>, usize), PythonError> {
     let experiment = match robot {
         Some(robot) => Experiment::read_with_robot(&path, &robot)?,
         None => Experiment::read(&path, &data)?,
@@ -145,13 +147,13 @@ pub fn experiment_texts(
     Ok(((path, experiment.text, experiment.robot_text), files, recordings.max(1)))
 }
 
-fn experiment_of((path, text, robot): ExperimentTexts) -> Result<Experiment, Raised> {
+fn experiment_of((path, text, robot): ExperimentTexts) -> Result<Experiment, PythonError> {
     Ok(Experiment::from_texts(&path, text, robot)?)
 }
 
 /// Runs an experiment of texts on one thread: jobs are run side by side.
 #[pyfunction]
-pub fn run_texts(py: Python<'_>, texts: ExperimentTexts, data: PathBuf) -> Result<Results, Raised> {
+pub fn run_texts(py: Python<'_>, texts: ExperimentTexts, data: PathBuf) -> Result<Results, PythonError> {
     py.detach(|| {
         let experiment = experiment_of(texts)?;
         let results = experiment.run_on_threads(&data, 1, &mut |_| {})?;
@@ -161,13 +163,13 @@ pub fn run_texts(py: Python<'_>, texts: ExperimentTexts, data: PathBuf) -> Resul
 
 /// Start and end of what is reduced of each recording of an experiment, s.
 #[pyfunction]
-pub fn recording_spans(py: Python<'_>, texts: ExperimentTexts, data: PathBuf) -> Result<Vec<[f64; 2]>, Raised> {
+pub fn recording_spans(py: Python<'_>, texts: ExperimentTexts, data: PathBuf) -> Result<Vec<[f64; 2]>, PythonError> {
     py.detach(|| Ok(experiment_of(texts)?.recording_spans_s(&data)?))
 }
 
 /// The estimates of a `results.json` from which instruments are simulated.
 #[pyfunction]
-pub fn instruments_of(path: PathBuf, texts: ExperimentTexts) -> Result<BTreeMap<String, f64>, Raised> {
+pub fn instruments_of(path: PathBuf, texts: ExperimentTexts) -> Result<BTreeMap<String, f64>, PythonError> {
     Ok(estimates_of_results(&path, &experiment_of(texts)?)?)
 }
 
@@ -180,7 +182,7 @@ pub fn reduce<'py>(
     recording: usize,
     window_s: Option<[f64; 2]>,
     instruments: Option<BTreeMap<String, f64>>,
-) -> Result<Bound<'py, PyBytes>, Raised> {
+) -> Result<Bound<'py, PyBytes>, PythonError> {
     let content = py.detach(|| {
         let part = experiment_of(texts)?.part(recording, window_s)?;
         let options = ReduceOptions::default();
@@ -192,7 +194,7 @@ pub fn reduce<'py>(
 
 /// Merges reductions, each the content of a file behind its name, in their order.
 #[pyfunction]
-pub fn merge<'py>(py: Python<'py>, reductions: Vec<(PathBuf, Vec<u8>)>) -> Result<Bound<'py, PyBytes>, Raised> {
+pub fn merge<'py>(py: Python<'py>, reductions: Vec<(PathBuf, Vec<u8>)>) -> Result<Bound<'py, PyBytes>, PythonError> {
     let content = py.detach(|| {
         let all = reductions.iter().map(|(name, bytes)| Reduction::from_bytes(bytes, name));
         bytes_of(&Reduction::merge_all(all.collect::<Result<Vec<_>, _>>()?)?)
@@ -202,7 +204,7 @@ pub fn merge<'py>(py: Python<'py>, reductions: Vec<(PathBuf, Vec<u8>)>) -> Resul
 
 /// Estimates from the content of a reduction's file.
 #[pyfunction]
-pub fn solve(py: Python<'_>, name: PathBuf, content: Vec<u8>) -> Result<(Results, Robot), Raised> {
+pub fn solve(py: Python<'_>, name: PathBuf, content: Vec<u8>) -> Result<(Results, Robot), PythonError> {
     py.detach(|| {
         let reduction = Reduction::from_bytes(&content, &name)?;
         let results = reduction.solve()?.results;
@@ -213,8 +215,8 @@ pub fn solve(py: Python<'_>, name: PathBuf, content: Vec<u8>) -> Result<(Results
     })
 }
 
-fn bytes_of(reduction: &Reduction) -> Result<Vec<u8>, Raised> {
-    reduction.to_bytes().map_err(|e| Raised::new("ReductionError", e))
+fn bytes_of(reduction: &Reduction) -> Result<Vec<u8>, PythonError> {
+    reduction.to_bytes().map_err(|e| PythonError::new("ReductionError", e))
 }
 
 /// Probability that a chi-squared of so many degrees of freedom is at least as large; NaN where there is none.

@@ -11,7 +11,7 @@ use thetahat::{
 
 use crate::{
     arrays::{matrix_array, matrix_of, rows, series_of},
-    raised::Raised,
+    python_error::PythonError,
     robot::{Robot, sign_of, vector_of},
 };
 
@@ -31,7 +31,7 @@ pub fn observation_matrix<'py>(
         let decimator = Decimator::new(decimation, q.len())?;
         Assembly::new(robot.model(), &columns, decimator).observation_matrix(&q, &dq, &ddq, sign)
     });
-    matrix_array(py, x.map_err(Raised::from)?)
+    matrix_array(py, x.map_err(PythonError::from)?)
 }
 
 /// The decimated torques in the rows of the observation matrix.
@@ -43,7 +43,7 @@ pub fn measurement_vector<'py>(
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let torque = series_of(torque.as_array());
     let decimated = Decimator::new(decimation, torque.len()).and_then(|decimator| decimator.decimate(&torque));
-    let decimated = decimated.map_err(Raised::from)?;
+    let decimated = decimated.map_err(PythonError::from)?;
     let y: Vec<f64> = (0..decimated.channels()).flat_map(|joint| decimated.channel(joint)).collect();
     Ok(y.into_pyarray(py))
 }
@@ -73,7 +73,7 @@ pub fn estimate<'py>(
     joints: usize,
     weights: Option<PyReadonlyArray1<'py, f64>>,
 ) -> PyResult<Fit> {
-    let method: Method = method.parse().map_err(Raised::from)?;
+    let method: Method = method.parse().map_err(PythonError::from)?;
     let z = z.map(|z| matrix_of(z.as_array()));
     let (x, y, weights) = (matrix_of(x.as_array()), vector_of(&y), weights.as_ref().map(vector_of));
     let found = py.detach(|| {
@@ -83,7 +83,7 @@ pub fn estimate<'py>(
         let uncertainty = uncertainty(method, &regression, z.as_ref(), &fit)?;
         Ok((fit, uncertainty))
     });
-    let (fit, uncertainty) = found.map_err(|e: thetahat::identification::EstimationError| Raised::from(e))?;
+    let (fit, uncertainty) = found.map_err(|e: thetahat::identification::EstimationError| PythonError::from(e))?;
     let intervals = uncertainty.interval_95.concat();
     Ok(Fit {
         covariance: matrix_array(py, fit.covariance)?.unbind(),

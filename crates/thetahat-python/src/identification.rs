@@ -14,7 +14,7 @@ use thetahat::{
 use crate::{
     arrays::{matrix_array, matrix_of},
     interruptible,
-    raised::Raised,
+    python_error::PythonError,
     recording::{Recording, into_library},
     results::Results,
     robot::{Robot, vector_of},
@@ -39,7 +39,7 @@ pub fn identify(
     let estimators = estimators
         .into_iter()
         .map(|(name, function)| user_estimator(&name, function))
-        .collect::<Result<Vec<_>, Raised>>()?;
+        .collect::<Result<Vec<_>, PythonError>>()?;
     let robot = robot.clone();
     let (description, robot_files) = (robot.description(), robot.source()?.files());
     let results = interruptible::run(py, progress, move |tell| {
@@ -57,9 +57,9 @@ pub fn identify(
 }
 
 /// An estimator of the user's own: a function of arrays that returns parameters and their covariance.
-fn user_estimator(name: &str, function: Py<PyAny>) -> Result<UserEstimator, Raised> {
+fn user_estimator(name: &str, function: Py<PyAny>) -> Result<UserEstimator, PythonError> {
     let estimator = UserEstimator::new(name, move |rows| Ok(Python::attach(|py| call(py, &function, rows))?));
-    estimator.map_err(|e| Raised::new("SettingsError", e))
+    estimator.map_err(|e| PythonError::new("SettingsError", e))
 }
 
 fn call(py: Python<'_>, function: &Py<PyAny>, rows: &UserRegression) -> PyResult<UserEstimate> {
@@ -96,7 +96,7 @@ pub fn run(
 
 /// Refuses what is no method.
 #[pyfunction]
-pub fn require_method(name: &str) -> Result<(), Raised> {
+pub fn require_method(name: &str) -> Result<(), PythonError> {
     name.parse::<Method>()?;
     Ok(())
 }
@@ -116,7 +116,7 @@ pub fn choose_filter(
         let rate_hz = recordings.iter().map(|r| r.sample_rate_hz).fold(f64::INFINITY, f64::min);
         let signal = match filter_choice::choose_filter(&robot, &settings, &recordings, false, threads) {
             Ok(choice) => ProposedSignal::chosen(&choice),
-            Err(filter_choice::FilterChoiceError::Preparation { source }) => return Err(Raised::from(source)),
+            Err(filter_choice::FilterChoiceError::Preparation { source }) => return Err(PythonError::from(source)),
             Err(reason) => ProposedSignal::not_chosen(rate_hz, &reason.to_string()),
         };
         Ok((signal.cutoff_hz, signal.decimation, signal.comment))

@@ -9,7 +9,7 @@ use std::{
 
 use pyo3::prelude::*;
 
-use crate::raised::Raised;
+use crate::python_error::PythonError;
 
 /// How often signals are looked at while the work goes on.
 const EVERY: Duration = Duration::from_millis(50);
@@ -19,7 +19,7 @@ const EVERY: Duration = Duration::from_millis(50);
 pub fn run<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<Bound<'_, PyAny>>,
-    work: impl FnOnce(&mut dyn FnMut(&str)) -> Result<T, Raised> + Send + 'static,
+    work: impl FnOnce(&mut dyn FnMut(&str)) -> Result<T, PythonError> + Send + 'static,
 ) -> PyResult<T> {
     let (tell, mut told) = channel::<String>();
     let worker = thread::spawn(move || {

@@ -9,7 +9,7 @@ mod distributed;
 mod estimation;
 mod identification;
 mod interruptible;
-mod raised;
+mod python_error;
 mod recording;
 mod results;
 mod robot;

@@ -16,7 +16,7 @@ use thetahat::{
 use crate::{
     arrays::{array_of, series_of},
     interruptible,
-    raised::Raised,
+    python_error::PythonError,
     robot::{Robot, vector_of},
     values,
 };
@@ -43,7 +43,7 @@ pub struct Recording<'py> {
 
 impl Recording<'_> {
     /// The library's, with copies of the arrays; its time stamps, where it has no rate, are brought to equal steps.
-    pub fn into_library(self) -> Result<thetahat::Recording, Raised> {
+    pub fn into_library(self) -> Result<thetahat::Recording, PythonError> {
         let optional = |array: &Option<PyReadonlyArray2<'_, f64>>| array.as_ref().map(|a| series_of(a.as_array()));
         let time = self.time.as_ref().map(vector_of);
         let recording = thetahat::Recording {
@@ -72,7 +72,7 @@ impl Recording<'_> {
 }
 
 /// Recordings of the library.
-pub fn into_library(recordings: Vec<Recording<'_>>) -> Result<Vec<thetahat::Recording>, Raised> {
+pub fn into_library(recordings: Vec<Recording<'_>>) -> Result<Vec<thetahat::Recording>, PythonError> {
     recordings.into_iter().map(Recording::into_library).collect()
 }
 
@@ -140,7 +140,7 @@ fn read(
     files: Vec<PathBuf>,
     folder: &Path,
     columns: Columns,
-) -> Result<Vec<thetahat::Recording>, Raised> {
+) -> Result<Vec<thetahat::Recording>, PythonError> {
     let inspect = |file: &Path| inspect_with_time(file, columns.time.as_deref());
     let contents = files.iter().map(|file| inspect(&folder.join(file))).collect::<Result<Vec<_>, _>>()?;
     let request = ProposalRequest {
@@ -165,7 +165,7 @@ fn read(
             missing.join(", "),
             missing[0]
         );
-        return Err(Raised::new("RecordingError", text));
+        return Err(PythonError::new("RecordingError", text));
     }
     let experiment = Experiment::from_texts(Path::new("the recording"), proposal.text(), source.to_text())?;
     Ok(experiment.recordings(folder)?)

@@ -16,7 +16,7 @@ use thetahat::{
     results::{Plots, RunPlots},
 };
 
-use crate::{arrays::rows, raised::Raised, robot::Robot};
+use crate::{arrays::rows, python_error::PythonError, robot::Robot};
 
 /// Curves of joints over the same times, one array with a column for each joint.
 type Curves<'py> = Bound<'py, numpy::PyArray2<f64>>;
@@ -34,7 +34,7 @@ impl Results {
         Self { results, published }
     }
 
-    fn published(&self) -> Result<Option<Published>, Raised> {
+    fn published(&self) -> Result<Option<Published>, PythonError> {
         Ok(self.published.as_deref().map(Published::read).transpose()?)
     }
 }
@@ -46,7 +46,7 @@ type PackedCurves = (Plots, Vec<RunPlots>, Vec<Vec<Vec<f64>>>);
 impl Results {
     /// Results of a `results.json`, without curves, and the robot of their experiment, where they are of one.
     #[staticmethod]
-    fn read(path: PathBuf) -> Result<(Self, Option<Robot>), Raised> {
+    fn read(path: PathBuf) -> Result<(Self, Option<Robot>), PythonError> {
         let mut results = thetahat::Results::read(&path)?;
         let (text, robot_text) = (&results.experiment_description, &results.robot_description);
         if text.is_empty() {
@@ -61,11 +61,11 @@ impl Results {
 
     /// The results of their JSON and packed curves, which [`Results::__reduce__`] gives.
     #[staticmethod]
-    fn from_state(json: &str, packed_curves: &[u8], published: Option<PathBuf>) -> Result<Self, Raised> {
+    fn from_state(json: &str, packed_curves: &[u8], published: Option<PathBuf>) -> Result<Self, PythonError> {
         let mut results = thetahat::Results::from_json(Path::new("a pickled result"), json)?;
         let unpacked: Result<PackedCurves, _> = rmp_serde::from_slice(packed_curves);
         let (plots, runs, of_user) =
-            unpacked.map_err(|e| Raised::new("ResultsError", format!("a pickled result's curves: {e}")))?;
+            unpacked.map_err(|e| PythonError::new("ResultsError", format!("a pickled result's curves: {e}")))?;
         results.plots = plots;
         results.runs.iter_mut().zip(runs).for_each(|(run, plots)| run.plots = plots);
         results.user_runs.iter_mut().zip(of_user).for_each(|(run, predicted)| run.predicted = predicted);
@@ -79,7 +79,7 @@ impl Results {
         Ok((slf.get_type().getattr("from_state")?, state.into_pyobject(py)?.into_any()))
     }
 
-    fn to_json(&self) -> Result<String, Raised> {
+    fn to_json(&self) -> Result<String, PythonError> {
         Ok(self.results.to_json()?)
     }
 
@@ -94,13 +94,13 @@ impl Results {
     }
 
     /// The place among the runs of the one whose numbers are taken.
-    fn taken(&self) -> Option<usize> {
-        let taken = self.results.taken()?;
+    fn recommended_run(&self) -> Option<usize> {
+        let taken = self.results.recommended_run()?;
         self.results.runs.iter().position(|run| std::ptr::eq(run, taken))
     }
 
     /// The tables that the command line prints with `--full`.
-    fn text(&self) -> Result<String, Raised> {
+    fn text(&self) -> Result<String, PythonError> {
         Ok(report::text::all(&self.results, self.published()?.as_ref(), TextWidth::DEFAULT))
     }
 
@@ -122,7 +122,7 @@ impl Results {
             OutputGuard::new([], force).folder(&folder, report::file_names())?;
             Ok(report::write_all(&self.results, self.published()?.as_ref(), &folder)?)
         })
-        .map_err(|e: Raised| e.into())
+        .map_err(|e: PythonError| e.into())
     }
 
     /// Writes the robot as a file, as a whole or not at all; returns what there is to say of it.
@@ -135,18 +135,18 @@ impl Results {
         untrusted: bool,
         force: bool,
     ) -> PyResult<Vec<String>> {
-        let format: Format = format.parse().map_err(|e: String| Raised::new("ResultsError", e))?;
-        let method = method.map(str::parse).transpose().map_err(|e: UnknownMethod| Raised::from(e))?;
+        let format: Format = format.parse().map_err(|e: String| PythonError::new("ResultsError", e))?;
+        let method = method.map(str::parse).transpose().map_err(|e: UnknownMethod| PythonError::from(e))?;
         let request = EstimateRequest { method, untrusted, ..EstimateRequest::default() };
         py.detach(|| {
-            let refused = |e: ExportError| Raised::new("ResultsError", e);
+            let refused = |e: ExportError| PythonError::new("ResultsError", e);
             let model =
                 IdentifiedModel::of_results(Path::new("the results"), &self.results, &request).map_err(refused)?;
             let export = model.export(format).map_err(refused)?;
             write_guarded(&path, export.text.as_bytes(), force)?;
             Ok([model.about(), export.notes, export.unsaid].concat())
         })
-        .map_err(|e: Raised| e.into())
+        .map_err(|e: PythonError| e.into())
     }
 
     /// Times, measured torques and filtered positions of the decimated rows.
@@ -168,27 +168,30 @@ impl Results {
 
 impl Results {
     /// The curves, which `results.json` has not, as MessagePack: numbers that are none stay so.
-    fn packed_curves(&self) -> Result<Vec<u8>, Raised> {
+    fn packed_curves(&self) -> Result<Vec<u8>, PythonError> {
         let runs: Vec<&RunPlots> = self.results.runs.iter().map(|run| &run.plots).collect();
         let of_user: Vec<&Vec<Vec<f64>>> = self.results.user_runs.iter().map(|run| &run.predicted).collect();
         rmp_serde::to_vec(&(&self.results.plots, runs, of_user))
-            .map_err(|e| Raised::new("ResultsError", format!("the curves cannot be packed: {e}")))
+            .map_err(|e| PythonError::new("ResultsError", format!("the curves cannot be packed: {e}")))
     }
 
-    fn rendered(&self, name: &str) -> Result<Vec<u8>, Raised> {
+    fn rendered(&self, name: &str) -> Result<Vec<u8>, PythonError> {
         let content = report::render(name, &self.results, self.published()?.as_ref())?;
         content.ok_or_else(|| {
             let known: Vec<&str> = report::file_names().collect();
-            Raised::new("ReportError", format!("the report has no file {name}; its files are {}", known.join(", ")))
+            PythonError::new(
+                "ReportError",
+                format!("the report has no file {name}; its files are {}", known.join(", ")),
+            )
         })
     }
 }
 
 /// Writes a file, as a whole or not at all; one of others is replaced with `force` only.
-fn write_guarded(path: &Path, content: &[u8], force: bool) -> Result<(), Raised> {
+fn write_guarded(path: &Path, content: &[u8], force: bool) -> Result<(), PythonError> {
     OutputGuard::new([], force).file(path)?;
     replace_file(path, content)
-        .map_err(|e| Raised::new("ReportError", format!("{}: cannot be written: {e}", path.display())))
+        .map_err(|e| PythonError::new("ReportError", format!("{}: cannot be written: {e}", path.display())))
 }
 
 /// Curves side by side.

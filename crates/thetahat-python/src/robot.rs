@@ -23,7 +23,7 @@ use thetahat::{
 
 use crate::{
     arrays::{Samples, array_of, series_of},
-    raised::Raised,
+    python_error::PythonError,
 };
 
 /// What a robot is made from anew.
@@ -45,7 +45,7 @@ pub struct Robot {
 }
 
 impl Robot {
-    fn new(origin: Origin) -> Result<Self, Raised> {
+    fn new(origin: Origin) -> Result<Self, PythonError> {
         let robot = match &origin {
             Origin::Description(source, locks) => source.robot_with_locks(locks, Path::new("locked"))?,
             Origin::Experiment { path, text, robot_text, constants } => {
@@ -63,7 +63,7 @@ impl Robot {
         text: &str,
         robot_text: &str,
         constants: &[ProfiledTerm],
-    ) -> Result<Self, Raised> {
+    ) -> Result<Self, PythonError> {
         let (path, constants) = (path.to_owned(), constants.to_vec());
         Self::new(Origin::Experiment { path, text: text.to_owned(), robot_text: robot_text.to_owned(), constants })
     }
@@ -77,7 +77,7 @@ impl Robot {
     }
 
     /// The description without the joints that are locked on top of it.
-    pub fn source(&self) -> Result<RobotSource, Raised> {
+    pub fn source(&self) -> Result<RobotSource, PythonError> {
         match &self.origin {
             Origin::Description(source, _) => Ok(source.clone()),
             Origin::Experiment { path, robot_text, .. } => Ok(RobotSource::from_text(robot_text.clone(), path)?),
@@ -88,7 +88,7 @@ impl Robot {
         &self.model
     }
 
-    fn base(&self, excluded: &[String], fixed: &BTreeMap<String, f64>) -> Result<BaseParameters, Raised> {
+    fn base(&self, excluded: &[String], fixed: &BTreeMap<String, f64>) -> Result<BaseParameters, PythonError> {
         Ok(BaseParameters::with_fixed(&self.model, excluded, fixed)?)
     }
 }
@@ -97,14 +97,14 @@ impl Robot {
 impl Robot {
     /// A robot from the text of its description; `path` is its name in messages.
     #[staticmethod]
-    fn parse(text: String, path: PathBuf, locked: BTreeMap<String, f64>) -> Result<Self, Raised> {
+    fn parse(text: String, path: PathBuf, locked: BTreeMap<String, f64>) -> Result<Self, PythonError> {
         let locks = Locks { locked, until: Vec::new() };
         Self::new(Origin::Description(RobotSource::from_text(text, &path)?, locks))
     }
 
     /// A robot from a file.
     #[staticmethod]
-    fn read(path: PathBuf, locked: BTreeMap<String, f64>) -> Result<Self, Raised> {
+    fn read(path: PathBuf, locked: BTreeMap<String, f64>) -> Result<Self, PythonError> {
         let locks = Locks { locked, until: Vec::new() };
         Self::new(Origin::Description(RobotSource::read(&path)?, locks))
     }
@@ -112,7 +112,8 @@ impl Robot {
     /// A robot of an experiment; the constants are those of [`Robot::state`].
     #[staticmethod]
     fn from_experiment(path: PathBuf, text: &str, robot_text: &str, constants: &str) -> PyResult<Self> {
-        let constants: Vec<ProfiledTerm> = serde_json::from_str(constants).map_err(|e| Raised::new("RobotError", e))?;
+        let constants: Vec<ProfiledTerm> =
+            serde_json::from_str(constants).map_err(|e| PythonError::new("RobotError", e))?;
         Ok(Self::of_experiment(&path, text, robot_text, &constants)?)
     }
 
@@ -124,7 +125,7 @@ impl Robot {
                 Ok((class.getattr("parse")?, state.into_pyobject(py)?.into_any()))
             }
             Origin::Experiment { path, text, robot_text, constants } => {
-                let constants = serde_json::to_string(constants).map_err(|e| Raised::new("RobotError", e))?;
+                let constants = serde_json::to_string(constants).map_err(|e| PythonError::new("RobotError", e))?;
                 let state = (path, text, robot_text, constants);
                 Ok((class.getattr("from_experiment")?, state.into_pyobject(py)?.into_any()))
             }
@@ -162,7 +163,7 @@ impl Robot {
     }
 
     /// What it is, as JSON.
-    fn summary(&self, py: Python<'_>) -> Result<String, Raised> {
+    fn summary(&self, py: Python<'_>) -> Result<String, PythonError> {
         py.detach(|| Ok(report::model_json(&RobotSummary::new(&self.source()?, &self.robot))?))
     }
 
@@ -172,7 +173,7 @@ impl Robot {
         &self,
         excluded: Vec<String>,
         fixed: BTreeMap<String, f64>,
-    ) -> Result<(Vec<usize>, Vec<String>, Vec<String>, Vec<String>), Raised> {
+    ) -> Result<(Vec<usize>, Vec<String>, Vec<String>, Vec<String>), PythonError> {
         let base = self.base(&excluded, &fixed)?;
         let all = base.parameters();
         Ok((
@@ -184,7 +185,7 @@ impl Robot {
     }
 
     /// The base parameters that standard ones have.
-    fn base_of<'py>(&self, py: Python<'py>, theta: Vec<f64>) -> Result<Bound<'py, PyArray1<f64>>, Raised> {
+    fn base_of<'py>(&self, py: Python<'py>, theta: Vec<f64>) -> Result<Bound<'py, PyArray1<f64>>, PythonError> {
         let base = self.base(&[], &BTreeMap::new())?;
         Ok(base.from_standard(&theta).into_pyarray(py))
     }
@@ -196,7 +197,7 @@ impl Robot {
         estimates: BTreeMap<String, f64>,
         excluded: Vec<String>,
         fixed: BTreeMap<String, f64>,
-    ) -> Result<Bound<'py, PyArray1<f64>>, Raised> {
+    ) -> Result<Bound<'py, PyArray1<f64>>, PythonError> {
         let base = self.base(&excluded, &fixed)?;
         let values: Vec<f64> =
             base.parameters().iter().map(|p| estimates.get(&p.name).copied().unwrap_or(0.0)).collect();

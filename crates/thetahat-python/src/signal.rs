@@ -6,7 +6,7 @@ use thetahat::signal::{self, Decimator, Derivative, Padding, SecondOrderSections
 
 use crate::{
     arrays::{array_of, series_of},
-    raised::Raised,
+    python_error::PythonError,
     values,
 };
 
@@ -23,7 +23,7 @@ pub fn band_pass<'py>(
     let (position, derivative) = (series_of(position.as_array()), values::read::<Derivative>(derivative)?);
     let motion = py
         .detach(|| signal::band_pass(&position, sample_rate_hz, order, cutoff_hz, derivative))
-        .map_err(Raised::from)?;
+        .map_err(PythonError::from)?;
     Ok([array_of(py, motion.q)?, array_of(py, motion.dq)?, array_of(py, motion.ddq)?])
 }
 
@@ -41,7 +41,7 @@ pub fn zero_phase<'py>(
         let filter = SecondOrderSections::butterworth_lowpass(order, cutoff_hz, sample_rate_hz)?;
         signal::zero_phase(&filter, &series, Padding::Matlab)
     });
-    array_of(py, filtered.map_err(Raised::from)?)
+    array_of(py, filtered.map_err(PythonError::from)?)
 }
 
 /// The time derivative.
@@ -65,5 +65,5 @@ pub fn decimate<'py>(
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let series = series_of(array.as_array());
     let decimated = py.detach(|| Decimator::new(factor, series.len())?.decimate(&series));
-    array_of(py, decimated.map_err(Raised::from)?)
+    array_of(py, decimated.map_err(PythonError::from)?)
 }

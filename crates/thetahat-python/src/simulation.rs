@@ -13,7 +13,7 @@ use thetahat::{
 use crate::{
     arrays::{array_of, series_of},
     interruptible,
-    raised::Raised,
+    python_error::PythonError,
     robot::Robot,
     values,
 };
@@ -60,11 +60,11 @@ struct LoopSettings {
 }
 
 impl Simulation {
-    fn run(self) -> Result<SimulatedMotion, Raised> {
+    fn run(self) -> Result<SimulatedMotion, PythonError> {
         let LoopSettings { controller, simulation, bias } = self.settings;
         let samples = self.reference.len();
         let motors = self.robot.robot.coordinate_count();
-        controller.validate(motors).map_err(|e| Raised::new("SettingsError", e))?;
+        controller.validate(motors).map_err(|e| PythonError::new("SettingsError", e))?;
         let reference = Reference::Sampled(SampledReference::new(self.reference, self.sample_rate_hz));
         let closed_loop = ClosedLoop {
             model: self.robot.model(),

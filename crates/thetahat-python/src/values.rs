@@ -7,14 +7,14 @@ use pyo3::{
 };
 use serde::de::DeserializeOwned;
 
-use crate::raised::Raised;
+use crate::python_error::PythonError;
 
 /// A value of the library from a dictionary; None leaves a key out.
 ///
 /// # Errors
 /// `SettingsError` for what is no such value, `TypeError` for what no file could hold.
 pub fn read<T: DeserializeOwned>(value: &Bound<'_, PyAny>) -> PyResult<T> {
-    T::deserialize(toml_of(value)?).map_err(|e| Raised::new("SettingsError", e.to_string().trim_end()).into())
+    T::deserialize(toml_of(value)?).map_err(|e| PythonError::new("SettingsError", e.to_string().trim_end()).into())
 }
 
 fn toml_of(value: &Bound<'_, PyAny>) -> PyResult<toml::Value> {

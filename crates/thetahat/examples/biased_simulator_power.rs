@@ -1,4 +1,4 @@
-//! Size and power of the biased simulator test by Monte Carlo on the TX40 twin: the table of `docs/diagnostics.md`.
+//! Size and power of the biased simulator test by Monte Carlo on the TX40 twin: the table of `docs/reference/verdict.md`.
 //!
 //! `cargo run --release -p thetahat --example biased_simulator_power [-- RECORDS [RECORDS_NOMINAL [THREADS]]]`
 

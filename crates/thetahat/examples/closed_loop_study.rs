@@ -1,5 +1,5 @@
 //! IV and DIDIM on recorded robots with simulated PD loops of several bandwidths, and with none stated: the table of figures
-//! of `docs/closed_loop.md`.
+//! of `docs/evidence/closed_loop.md`.
 //!
 //! `cargo run --release -p thetahat --example closed_loop_study -- DATA [--methods idim-ls,idim-iv,didim]`
 //!

@@ -1,5 +1,5 @@
 //! How often intervals of consistent estimates hold the true value, how much nearer to it the estimates are, and how often
-//! the test rejects a robot that is consistent: the table of `docs/physical_consistency.md`.
+//! the test rejects a robot that is consistent: the table of `docs/theory/physical_consistency.md`.
 //!
 //! `cargo run --release -p thetahat --example consistent_coverage -- [seeds] [draws of the bootstrap]`
 //!

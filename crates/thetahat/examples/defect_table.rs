@@ -1,4 +1,4 @@
-//! Prints the table of `docs/checks.md` of what becomes of each kind of defect in each robot. The recordings are looked for as
+//! Prints the table of `docs/evidence/checks.md` of what becomes of each kind of defect in each robot. The recordings are looked for as
 //! the tests do (`THETAHAT_SHARED`).
 //!
 //! ```sh

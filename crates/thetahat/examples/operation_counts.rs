@@ -1,4 +1,4 @@
-//! The table of operations in `docs/generated_code.md`: `cargo run --release -p thetahat --example operation_counts`.
+//! The table of operations in `docs/manual/generated_code.md`: `cargo run --release -p thetahat --example operation_counts`.
 
 #[path = "../tests/operation_counts/counted.rs"]
 mod counted;

@@ -1,4 +1,4 @@
-//! What was tried to explain where the paper's tables differ from ours: the tables of `docs/paper.md`.
+//! What was tried to explain where the paper's tables differ from ours: the tables of `docs/evidence/paper.md`.
 //!
 //! `cargo run --release -p thetahat --example paper_study -- experiments/tx40_paper.toml DATA`
 

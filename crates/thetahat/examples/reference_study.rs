@@ -1,4 +1,4 @@
-//! What noise of the recorded positions does to IV through the reference: the table of `docs/closed_loop.md`. Twins of a
+//! What noise of the recorded positions does to IV through the reference: the table of `docs/evidence/closed_loop.md`. Twins of a
 //! two-joint arm make moves, a periodic motion, and one that is neither; IV follows the recorded reference, or what is made
 //! of the record.
 //!

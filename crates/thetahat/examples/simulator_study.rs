@@ -1,4 +1,4 @@
-//! What the simulator's settings do to the estimates on the TX40 record: the tables of `docs/simulation.md`.
+//! What the simulator's settings do to the estimates on the TX40 record: the tables of `docs/evidence/simulation.md`.
 //!
 //! `cargo run --release --example simulator_study -p thetahat -- experiments/tx40_paper.toml DATA`
 

@@ -1,5 +1,5 @@
 //! The explicit and the linearly implicit method on a robot whose friction is stiff against its inertia: the table of
-//! `docs/simulation.md`. A twin of the KUKA LWR4+ follows its recorded motion for 25 s, with Coulomb friction of 1 N m over
+//! `docs/evidence/simulation.md`. A twin of the KUKA LWR4+ follows its recorded motion for 25 s, with Coulomb friction of 1 N m over
 //! 0.01 rad/s at every joint and a wrist of 1e-3 kg m^2.
 //!
 //! `cargo run --release --example stiff_friction -p thetahat -- experiments/kuka_lwr4.toml DATA`

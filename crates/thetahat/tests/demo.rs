@@ -1,4 +1,4 @@
-//! The demonstration holds what it promises: known parameters are found, and a biased simulator misleads DIDIM alone.
+//! The demonstration holds what it predicts: known parameters are found, and a biased simulator misleads DIDIM alone.
 
 use std::{path::Path, sync::OnceLock};
 

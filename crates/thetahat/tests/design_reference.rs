@@ -187,14 +187,14 @@ impl Reference {
         let value = self.value(&design, [&q, &dq, &ddq])? + self.shift(&design)?;
         let begun = results.starts.iter().map(|s| s.first - s.found).sum::<f64>() / starts as f64;
         let random = self.random_motions(&design, acceleration)?;
-        let times = |nats: f64| (0.5 * nats / results.promised.len() as f64).exp();
+        let times = |nats: f64| (0.5 * nats / results.predicted.len() as f64).exp();
         let found: Vec<f64> = results.starts.iter().map(|s| s.found).collect();
         let mean = found.iter().sum::<f64>() / starts as f64;
         let deviation = (found.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (starts as f64 - 1.0)).sqrt();
         println!(
             "{}, {motion}: {value:.2}; deviations {:.2} times smaller than of the record, {:.2} than of random motions, \
              {:.2} than where searches begin; searches {found:.1?}, deviation {deviation:.1}; {seconds:.2} s a start with \
-             the promise",
+             the prediction",
             self.name,
             times(self.record() - value),
             times(random - value),

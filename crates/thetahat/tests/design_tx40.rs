@@ -1,4 +1,4 @@
-//! Designs for the Staubli TX40: moves against those of its record, and promises against a Monte Carlo of its twin.
+//! Designs for the Staubli TX40: moves against those of its record, and predicts against a Monte Carlo of its twin.
 
 use std::path::Path;
 
@@ -142,9 +142,9 @@ fn thirteen_moves() -> Result<(), Failed> {
 const RECORDS: u64 = 200;
 
 /// The design of a Fourier series whose record the twin makes in the closed loop, tracking errors included.
-fn promise() -> String {
+fn predict() -> String {
     format!(
-        "title = 'promise'\nrobot = 'tx40.toml'\nduration_s = 8\nsample_rate_hz = {RATE_HZ}\n[motion]\nstarts = 2\n[limits]\n\
+        "title = 'prediction'\nrobot = 'tx40.toml'\nduration_s = 8\nsample_rate_hz = {RATE_HZ}\n[motion]\nstarts = 2\n[limits]\n\
          position = [[-170, 170], [-120, 120], [-130, 130], [-260, 260], [-115, 130], [-260, 260]]\n\
          velocity = [280, 280, 420, 400, 310, 690]\nacceleration = [860, 860, 1150, 1430, 1430, 2290]\n\
          [noise]\ntorque = {NOISE:?}\n[signal]\ncutoff_hz = 50\ndecimation = 20\n[controller]\nlaw = 'pd'\n\
@@ -152,12 +152,12 @@ fn promise() -> String {
     )
 }
 
-/// The deviations of estimates from many records of the closed loop are those that were promised: within 15 % for 95 % of the
+/// The deviations of estimates from many records of the closed loop are those that were predicted: within 15 % for 95 % of the
 /// parameters.
 fn the_promise_is_kept() -> Result<(), Failed> {
     let folder = Folder::new();
     robot(&folder)?;
-    let design = Design::parse(&promise(), &folder.path().join("design.toml"))?;
+    let design = Design::parse(&predict(), &folder.path().join("design.toml"))?;
     let results = design.run(2, &mut |_| {})?;
     let out = folder.path().join("out");
     thetahat::report::write_design(&results, &out)?;
@@ -190,15 +190,15 @@ fn the_promise_is_kept() -> Result<(), Failed> {
     let n = RECORDS as f64;
     ensure(estimates.len() as u64 == RECORDS, format!("{} estimates", estimates.len()))?;
     let mut ratios = Vec::new();
-    for (i, promised) in results.promised.iter().enumerate() {
+    for (i, predicted) in results.predicted.iter().enumerate() {
         let mean = estimates.iter().map(|e| e[i]).sum::<f64>() / n;
         let found = (estimates.iter().map(|e| (e[i] - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
-        ratios.push(found / promised.standard_deviation);
+        ratios.push(found / predicted.standard_deviation);
     }
     let kept = ratios.iter().filter(|ratio| (*ratio - 1.0).abs() < 0.15).count();
     let [least, most] = [f64::min, f64::max].map(|better| ratios.iter().copied().reduce(better).unwrap_or(f64::NAN));
     println!(
-        "{kept} of {} parameters within 15 %; found over promised from {least:.3} to {most:.3}, mean {:.3}",
+        "{kept} of {} parameters within 15 %; found over predicted from {least:.3} to {most:.3}, mean {:.3}",
         ratios.len(),
         ratios.iter().sum::<f64>() / ratios.len() as f64
     );

@@ -49,10 +49,10 @@ fn estimates_lose_the_bias_that_the_sign_of_small_velocities_makes() {
         println!("{method}: {with:?} with samples near rest, {without:?} without");
         assert!(without.0 < 4.0 && with.0 > 1.2 * without.0, "{method}: {with:?} {without:?}");
     }
-    assert!(with.recordings[0].near_rest.is_none() && with.with_rest.is_none());
+    assert!(with.recordings[0].near_rest.is_none() && with.unmasked_comparison.is_none());
     let near_rest = without.recordings[0].near_rest.as_ref().unwrap();
     assert!(near_rest.left_out_percent.iter().all(|p| (1.0..40.0).contains(p)), "{near_rest:?}");
-    let told = without.with_rest.unwrap();
+    let told = without.unmasked_comparison.unwrap();
     let ls = with.run("nominal", Method::IDIM_LS).unwrap();
     // But for the ends of the window, which are parts of rows only where samples are left out.
     let of_every_sample = ls.relative_error_percent.unwrap();

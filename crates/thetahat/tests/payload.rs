@@ -177,7 +177,7 @@ impl Coverage {
     }
 }
 
-/// Seeds of the coverage; `THETAHAT_SEEDS=100` for the figures of docs/payload.md.
+/// Seeds of the coverage; `THETAHAT_SEEDS=100` for the figures of docs/evidence/payload.md.
 fn seeds() -> u64 {
     std::env::var("THETAHAT_SEEDS").ok().and_then(|n| n.parse().ok()).unwrap_or(12)
 }

@@ -10,11 +10,11 @@ use thetahat::{
     report::{self, Agreement, Published, ReportError, TextWidth, text, write_all},
     results::{
         Advice, Bandwidth, BiasExplanation, BiasKind, BiasedSimulatorResult, Bin, CaseDiagnosis, Code, Comparison,
-        Concerned, EliminationResult, EndogeneityResult, FTest, Finding, Frame, HeldBackPlots, HiddenBias, HiddenError,
-        Influence, IterationResult, JointKind, JointResidual, JointResult, Method, ParameterDifference,
-        ParameterResult, Plots, ReasonCode, RecordStart, RecordingFindings, RecordingResult, ReferenceResult,
-        ResidualCurves, ResidualResult, Results, ResultsError, RunPlots, RunResult, SCHEMA, Severity, Skeleton, Status,
-        Verdict, VerdictReason, Weighting,
+        EliminationResult, EndogeneityResult, FTest, Finding, Frame, HeldBackPlots, HiddenBias, HiddenError, Influence,
+        IterationResult, JointKind, JointResidual, JointResult, Method, ParameterDifference, ParameterResult, Plots,
+        ReasonCode, ReasonSubject, RecordStart, RecordingFindings, RecordingResult, ReferenceResult, ResidualCurves,
+        ResidualResult, Results, ResultsError, RunPlots, RunResult, SCHEMA, Severity, Skeleton, Status, Verdict,
+        VerdictReason, Weighting,
     },
     statistics::chi_squared_test,
 };
@@ -142,7 +142,11 @@ fn reason() -> VerdictReason {
         code: ReasonCode::CheckProblem,
         verdict: Verdict::DoNotUse,
         numbers: BTreeMap::from([("value".to_owned(), 2.4)]),
-        concerned: Concerned { recording: Some("1".to_owned()), finding: Some(Code::Lag), ..Concerned::default() },
+        concerned: ReasonSubject {
+            recording: Some("1".to_owned()),
+            finding: Some(Code::Lag),
+            ..ReasonSubject::default()
+        },
         text: "recording 1 has a problem for joint 2, lag: the torque is 2.4 samples later; shift it.".to_owned(),
         remedy: "shift it".to_owned(),
     }
@@ -279,7 +283,7 @@ fn results() -> Results {
         },
         seed: Some(1),
         findings: vec![RecordingFindings { recording: "1".to_owned(), held_back: false, findings: vec![finding()] }],
-        with_rest: None,
+        unmasked_comparison: None,
         profiled_terms: Vec::new(),
         term_comparison: None,
         elimination: Some(EliminationResult {

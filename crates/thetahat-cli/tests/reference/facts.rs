@@ -303,7 +303,7 @@ pub const FINDINGS: [[&str; 4]; 41] = [
     [
         "worse-than-mean",
         "problem, warning",
-        "as `torque-noise`, where neighbouring rows agree. Of a run: joints with an error above {run/worse_than_zero LIMIT_PERCENT} %; a warning on recordings that are held back",
+        "as `torque-noise`, where neighbouring rows agree. Of a run: joints with an error above {run/no_predictive_power LIMIT_PERCENT} %; a warning on recordings that are held back",
         "check that the column is this joint's torque and belongs to this motion",
     ],
     [

@@ -6,12 +6,12 @@
 use std::path::Path;
 
 use super::csv::{self, Dialect};
-use super::table::Wanted;
+use super::table::RequestedColumn;
 use super::{mat, npy};
 
 /// Text in columns, with everything detected.
 pub fn csv(bytes: &[u8]) {
-    let _ = csv::read(bytes, Path::new("fuzz.csv"), &Dialect::default(), Wanted::All);
+    let _ = csv::read(bytes, Path::new("fuzz.csv"), &Dialect::default(), RequestedColumn::All);
 }
 
 /// A NumPy array.
@@ -22,24 +22,24 @@ pub fn npy(bytes: &[u8]) {
 /// A NumPy archive.
 #[cfg(feature = "npz")]
 pub fn npz(bytes: &[u8]) {
-    let _ = super::npz::read(bytes, Path::new("fuzz.npz"), Wanted::All);
+    let _ = super::npz::read(bytes, Path::new("fuzz.npz"), RequestedColumn::All);
 }
 
 /// A MAT file: of version 7.3 if the bytes begin as one does.
 pub fn mat(bytes: &[u8]) {
-    let _ = mat::read(bytes.to_vec(), Path::new("fuzz.mat"), Wanted::All);
+    let _ = mat::read(bytes.to_vec(), Path::new("fuzz.mat"), RequestedColumn::All);
 }
 
 /// A MAT file of version 7.3, whatever the bytes begin with.
 #[cfg(feature = "hdf5")]
 pub fn mat73(bytes: &[u8]) {
-    let _ = mat::read_v73(bytes.to_vec(), Path::new("fuzz.mat"), Wanted::All);
+    let _ = mat::read_v73(bytes.to_vec(), Path::new("fuzz.mat"), RequestedColumn::All);
 }
 
 /// A Parquet file, whole and a piece of it.
 #[cfg(feature = "parquet")]
 pub fn parquet(bytes: &[u8]) {
-    let _ = super::parquet::read(bytes.to_vec(), Path::new("fuzz.parquet"), Wanted::All);
+    let _ = super::parquet::read(bytes.to_vec(), Path::new("fuzz.parquet"), RequestedColumn::All);
     super::parquet::fuzz_pieces(bytes);
 }
 

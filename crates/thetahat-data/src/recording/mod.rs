@@ -3,7 +3,7 @@
 //! A [`ChannelSource`] says where the channels of one signal are (file, columns) and what they are (unit, side of the
 //! transmission, gain); [`read_channels`] gives them as a [`Series`](thetahat_ground::series::Series), and refuses what is unclear or
 //! not a finite number. [`inspect`] lists the content of a file, whatever is wrong with it. The [`Format`] follows from the
-//! extension: text in columns, NumPy, MATLAB, Parquet and ROS 2 bags; `docs/recordings.md` describes each. Values from the
+//! extension: text in columns, NumPy, MATLAB, Parquet and ROS 2 bags; `docs/reference/recordings.md` describes each. Values from the
 //! motor side stay on the motor side: the robot's transmission converts them.
 //!
 //! | file | what it does |

@@ -12,7 +12,7 @@ use super::parquet::GroupPieces;
 use super::place::file_length;
 use super::select;
 use super::source::ChannelSource;
-use super::table::{Column, Table, Wanted};
+use super::table::{Column, RequestedColumn, Table};
 use thetahat_ground::series::Series;
 
 /// Signals whose files can be read from any sample on: text, NumPy arrays that are not compressed, and Parquet.
@@ -136,8 +136,8 @@ fn columns<'a>(sources: impl Iterator<Item = &'a ChannelSource>) -> Option<Vec<S
     Some(names)
 }
 
-fn wanted(columns: Option<&[String]>) -> Wanted<'_> {
-    columns.map_or(Wanted::All, Wanted::Named)
+fn wanted(columns: Option<&[String]>) -> RequestedColumn<'_> {
+    columns.map_or(RequestedColumn::All, RequestedColumn::Named)
 }
 
 impl FilePieces {
@@ -165,7 +165,7 @@ impl FilePieces {
     }
 
     /// Samples of all that is wanted; none where they differ.
-    fn samples(&self, wanted: Wanted<'_>) -> Option<usize> {
+    fn samples(&self, wanted: RequestedColumn<'_>) -> Option<usize> {
         match self {
             Self::Text(text) => Some(text.rows()),
             #[cfg(feature = "parquet")]
@@ -178,7 +178,7 @@ impl FilePieces {
         }
     }
 
-    fn read(&self, range: Range<usize>, wanted: Wanted<'_>) -> Result<Table, RecordingError> {
+    fn read(&self, range: Range<usize>, wanted: RequestedColumn<'_>) -> Result<Table, RecordingError> {
         match self {
             Self::Text(text) => text.read(range, wanted),
             #[cfg(feature = "parquet")]
@@ -196,13 +196,13 @@ impl FilePieces {
 }
 
 #[cfg(feature = "npz")]
-fn archive(path: &Path, wanted: Wanted<'_>) -> Result<Option<FilePieces>, RecordingError> {
+fn archive(path: &Path, wanted: RequestedColumn<'_>) -> Result<Option<FilePieces>, RecordingError> {
     Ok(super::npz::stored_arrays(path, wanted)?.map(FilePieces::Arrays))
 }
 
 /// None: the reader of whole files says which feature reads it.
 #[cfg(not(feature = "npz"))]
-fn archive(_: &Path, _: Wanted<'_>) -> Result<Option<FilePieces>, RecordingError> {
+fn archive(_: &Path, _: RequestedColumn<'_>) -> Result<Option<FilePieces>, RecordingError> {
     Ok(None)
 }
 

@@ -6,7 +6,7 @@ use super::csv::{self, Dialect};
 use super::error::RecordingError;
 use super::format::Format;
 use super::place::file_bytes;
-use super::table::{Table, Wanted};
+use super::table::{RequestedColumn, Table};
 use super::{mat, npy};
 
 impl Format {
@@ -26,7 +26,7 @@ pub(super) fn table(
     path: &Path,
     format: Format,
     dialect: &Dialect,
-    wanted: Wanted<'_>,
+    wanted: RequestedColumn<'_>,
 ) -> Result<Table, RecordingError> {
     let bytes = file_bytes(path)?;
     match format {
@@ -40,21 +40,21 @@ pub(super) fn table(
 }
 
 #[cfg(feature = "npz")]
-fn archive(bytes: &[u8], path: &Path, wanted: Wanted<'_>) -> Result<Table, RecordingError> {
+fn archive(bytes: &[u8], path: &Path, wanted: RequestedColumn<'_>) -> Result<Table, RecordingError> {
     super::npz::read(bytes, path, wanted)
 }
 
 #[cfg(not(feature = "npz"))]
-fn archive(_: &[u8], path: &Path, _: Wanted<'_>) -> Result<Table, RecordingError> {
+fn archive(_: &[u8], path: &Path, _: RequestedColumn<'_>) -> Result<Table, RecordingError> {
     Err(RecordingError::FeatureMissing { file: path.to_owned(), format: "NumPy archives", feature: "npz" })
 }
 
 #[cfg(feature = "parquet")]
-fn parquet(bytes: Vec<u8>, path: &Path, wanted: Wanted<'_>) -> Result<Table, RecordingError> {
+fn parquet(bytes: Vec<u8>, path: &Path, wanted: RequestedColumn<'_>) -> Result<Table, RecordingError> {
     super::parquet::read(bytes, path, wanted)
 }
 
 #[cfg(not(feature = "parquet"))]
-fn parquet(_: Vec<u8>, path: &Path, _: Wanted<'_>) -> Result<Table, RecordingError> {
+fn parquet(_: Vec<u8>, path: &Path, _: RequestedColumn<'_>) -> Result<Table, RecordingError> {
     Err(RecordingError::FeatureMissing { file: path.to_owned(), format: "Parquet files", feature: "parquet" })
 }

@@ -9,7 +9,7 @@ use super::error::RecordingError;
 use super::format::Format;
 use super::layout::{self, Layout};
 use super::reader::table;
-use super::table::Wanted;
+use super::table::RequestedColumn;
 use super::unit::{Dimension, Unit};
 use super::{bag, place, select};
 use thetahat_ground::{one_or_each::OneOrEach, series::Series};
@@ -293,7 +293,7 @@ fn read(source: &ChannelSource, format: Format, path: &Path) -> Result<Series, R
     }
     let mut columns = source.columns.clone();
     columns.extend(source.channel_column.clone());
-    let wanted = if columns.is_empty() { Wanted::All } else { Wanted::Named(&columns) };
+    let wanted = if columns.is_empty() { RequestedColumn::All } else { RequestedColumn::Named(&columns) };
     let table = table(path, format, &source.dialect(), wanted)?;
     layout::laid_out(source.layout(), select::series(&table, format, &columns, path)?, path)
 }

@@ -86,12 +86,12 @@ pub(super) fn is_plausible(value: f64) -> bool {
 
 /// Which columns are to be read, so that a reader can leave the others alone.
 #[derive(Clone, Copy)]
-pub(super) enum Wanted<'a> {
+pub(super) enum RequestedColumn<'a> {
     All,
     Named(&'a [String]),
 }
 
-impl Wanted<'_> {
+impl RequestedColumn<'_> {
     /// Whether a column is asked for: by its name, or one column of it as `name[3]`.
     pub(super) fn includes(self, name: &str) -> bool {
         match self {

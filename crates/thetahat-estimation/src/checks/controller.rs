@@ -68,7 +68,7 @@ fn compare(exam: &mut Examination<'_>, [command, drive]: [&[f64]; 2], ratio: f64
         if let Some(factor) = other_unit(command, drive) {
             return Words::new(
                 format!("{seen}; it has the same course, {}", times_as_large(factor, ratio)),
-                "give the gains in joint units (docs/experiments.md): multiply velocity_gain of a cascaded law, or both gains \
+                "give the gains in joint units (docs/reference/experiments.md): multiply velocity_gain of a cascaded law, or both gains \
                  of pd, by that factor",
             );
         }

@@ -54,7 +54,7 @@ struct Estimate {
 }
 
 /// A scale and the squared residual with it.
-struct Found {
+struct GearRatioFit {
     scale: Scale,
     factor: f64,
     squares: f64,
@@ -70,7 +70,8 @@ pub(super) fn check(exam: &mut Examination<'_>, record: &mut ThinnedRecord<'_>) 
     for round in 0..MOST_FAULTS {
         let Ok(fit) = record.fit() else { return };
         let theta = fit.theta();
-        let found: Vec<Found> = geared.iter().filter_map(|&j| best_of_coordinate(record, &fit, &theta, j)).collect();
+        let found: Vec<GearRatioFit> =
+            geared.iter().filter_map(|&j| best_of_coordinate(record, &fit, &theta, j)).collect();
         if round == 0 {
             note_measures(exam, &geared, &found);
         }
@@ -82,7 +83,7 @@ pub(super) fn check(exam: &mut Examination<'_>, record: &mut ThinnedRecord<'_>) 
     }
 }
 
-fn note_measures(exam: &mut Examination<'_>, geared: &[usize], found: &[Found]) {
+fn note_measures(exam: &mut Examination<'_>, geared: &[usize], found: &[GearRatioFit]) {
     for &j in geared {
         let own = found.iter().find(|f| f.scale.coordinate == j);
         exam.note_measure(evidence(j, own.map_or(0.0, |f| f.effect)));
@@ -95,14 +96,14 @@ fn best_of_coordinate(
     fit: &OrthogonalFit,
     theta: &[f64],
     coordinate: usize,
-) -> Option<Found> {
+) -> Option<GearRatioFit> {
     let kinds = [Kind::Ratio, Kind::Position, Kind::Torque].into_iter();
     let found = kinds.filter_map(|kind| {
         let scale = Scale { coordinate, kind };
         let estimate = estimate(record, fit, theta, scale).filter(Estimate::is_certain)?;
         let (factor, squares) = refined(record, scale, 1.0 + estimate.change);
         let effect = 100.0 * ((fit.squares - squares).max(0.0) / fit.y.len() as f64).sqrt();
-        ((factor - 1.0).abs() > SMALLEST).then_some(Found { scale, factor, squares, effect })
+        ((factor - 1.0).abs() > SMALLEST).then_some(GearRatioFit { scale, factor, squares, effect })
     });
     found.min_by(|a, b| a.squares.total_cmp(&b.squares))
 }
@@ -116,8 +117,8 @@ fn evidence(coordinate: usize, value: f64) -> Evidence {
     Evidence { code: Code::GearRatio, coordinate: Some(coordinate), value, unit, limit }
 }
 
-fn raise(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>, found: &Found, left: f64) {
-    let Found { scale: Scale { coordinate, kind }, factor, .. } = *found;
+fn raise(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>, found: &GearRatioFit, left: f64) {
+    let GearRatioFit { scale: Scale { coordinate, kind }, factor, .. } = *found;
     let (motor, joint) = (coordinate + 1, exam.subject.joint_number(coordinate));
     let what = match kind {
         Kind::Ratio => {

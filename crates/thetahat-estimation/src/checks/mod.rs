@@ -4,7 +4,7 @@
 //! rests), at what the filter makes of them, at velocities and references that were recorded beside, and at the fit of the
 //! robot's model, which shows units, sides of the gears, signs, exchanged joints, ratios, lags, and what the motion does not
 //! excite. Each [`Finding`] has a stable [`Code`], a [`Severity`], its evidence as a number, and what to do. Limits,
-//! their margins on clean records, and what is not detected are in `docs/checks.md`.
+//! their margins on clean records, and what is not detected are in `docs/evidence/checks.md`.
 //!
 //! A check is a file with a function `check`, a [`Code`], and a line in the order of the checks, which stands here.
 //!
@@ -19,6 +19,7 @@
 //! ```
 
 mod a_priori;
+mod across_recordings;
 mod affine;
 mod companion;
 mod contradiction;
@@ -54,7 +55,6 @@ mod spikes;
 mod stamps;
 mod subject;
 mod thinned_record;
-mod together;
 mod torque;
 mod unexplained;
 mod velocity;
@@ -63,11 +63,11 @@ mod wrong_robot;
 #[cfg(test)]
 mod tests;
 
+pub use across_recordings::{compare, measure_together};
 pub use companion::Companion;
 pub use description::examine_robot;
 pub use finding::{Code, Finding, Measure, Severity};
 pub use subject::{SignalSettings, Subject};
-pub use together::{compare, measure_together};
 
 use examination::Examination;
 use signals::Signals;

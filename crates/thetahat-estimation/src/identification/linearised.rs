@@ -14,7 +14,7 @@ pub struct GaussNewtonStep {
 }
 
 /// What a step leads to in what can be simulated.
-pub type Admit<'a> = dyn FnMut(GaussNewtonStep) -> Vec<f64> + 'a;
+pub type StepProjection<'a> = dyn FnMut(GaussNewtonStep) -> Vec<f64> + 'a;
 
 /// The weighted problem linearised at parameters: `|z - R step|^2` and a constant.
 #[derive(Debug, Clone)]
@@ -55,7 +55,7 @@ impl Linearised {
     }
 
     /// The largest part of the undamped step in standard deviations; none where parameters are not separated.
-    pub(super) fn whole_step_in_deviations(&self, admit: &mut Admit<'_>) -> Option<f64> {
+    pub(super) fn whole_step_in_deviations(&self, admit: &mut StepProjection<'_>) -> Option<f64> {
         let fit = self.fit.as_ref().ok()?;
         let behind = admit(self.step(0.0));
         Some(in_deviations(fit, behind.iter().zip(&self.theta).map(|(b, t)| b - t)))

@@ -45,9 +45,9 @@ pub use estimators::{Design, Method, Needs, Response, UnknownMethod, Weighting, 
 pub use fit::{Divisor, EstimationError, Fit, SimulatedResponse};
 pub use iteration::{Convergence, Estimation, IterationOptions, Revision, iterate};
 pub use joint_weights::JointWeights;
-pub use linearised::{Admit, GaussNewtonStep};
+pub use linearised::{GaussNewtonStep, StepProjection};
 pub use outcome::{Iteration, Outcome, Reason, Status};
-pub use prediction_error::{PredictionErrorEstimation, Wanted};
+pub use prediction_error::{PredictionErrorEstimation, SimulationRequest};
 pub use row_mask::{NearRest, RowMask};
 #[doc(hidden)]
 pub use row_mask::{hardly_moves, share_of_row};

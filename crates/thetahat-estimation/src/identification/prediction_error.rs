@@ -3,7 +3,7 @@
 use super::{
     fit::{Fit, SimulatedResponse},
     iteration::IterationOptions,
-    linearised::{Admit, Linearised, in_deviations, offset},
+    linearised::{Linearised, StepProjection, in_deviations, offset},
     outcome::{Iteration, Outcome, Reason, Status},
 };
 use crate::{regression::Regression, simulation::SimulationError};
@@ -31,7 +31,7 @@ const ROUNDING: f64 = 1e-13;
 
 /// What an estimation wants simulated.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Wanted<'a> {
+pub enum SimulationRequest<'a> {
     /// The response with these parameters.
     Response(&'a [f64]),
     /// The response and its sensitivities.
@@ -98,10 +98,10 @@ impl PredictionErrorEstimation {
 
     /// What is to be simulated; nothing at the end.
     #[must_use]
-    pub fn wanted(&self) -> Option<Wanted<'_>> {
+    pub fn wanted(&self) -> Option<SimulationRequest<'_>> {
         match &self.stage {
-            Stage::Start(theta) | Stage::Step(theta) => Some(Wanted::Response(theta)),
-            Stage::Linearise(theta) => Some(Wanted::Sensitivities(theta)),
+            Stage::Start(theta) | Stage::Step(theta) => Some(SimulationRequest::Response(theta)),
+            Stage::Linearise(theta) => Some(SimulationRequest::Sensitivities(theta)),
             Stage::Over => None,
         }
     }
@@ -120,7 +120,7 @@ impl PredictionErrorEstimation {
     }
 
     /// Starts anew from what the undamped step leads to, whatever the error is there.
-    pub fn start_anew(&mut self, admit: &mut Admit<'_>) {
+    pub fn start_anew(&mut self, admit: &mut StepProjection<'_>) {
         let Some(point) = &self.point else { return };
         self.stage = Stage::Start(admit(point.step(0.0)));
         self.whole_steps.clear();
@@ -139,7 +139,7 @@ impl PredictionErrorEstimation {
         &mut self,
         response: Result<Vec<f64>, SimulationError>,
         regression: &Regression,
-        admit: &mut Admit<'_>,
+        admit: &mut StepProjection<'_>,
     ) {
         self.outcome.simulations += 1;
         let found = response.map(|response| error(regression, &response)).and_then(|error| {
@@ -157,7 +157,7 @@ impl PredictionErrorEstimation {
         &mut self,
         simulated: Result<SimulatedResponse, SimulationError>,
         regression: &Regression,
-        admit: &mut Admit<'_>,
+        admit: &mut StepProjection<'_>,
     ) {
         self.outcome.simulations += 1;
         if let Stage::Linearise(theta) = std::mem::replace(&mut self.stage, Stage::Over) {
@@ -190,7 +190,7 @@ impl PredictionErrorEstimation {
         theta: Vec<f64>,
         simulated: SimulatedResponse,
         regression: &Regression,
-        admit: &mut Admit<'_>,
+        admit: &mut StepProjection<'_>,
     ) {
         let fit = Fit::of_response(regression, &simulated, &theta, self.options.divisor);
         if let Ok(fit) = &fit {
@@ -229,13 +229,13 @@ impl PredictionErrorEstimation {
     }
 
     /// Tries the step with the damping as it is.
-    fn step(&mut self, admit: &mut Admit<'_>) {
+    fn step(&mut self, admit: &mut StepProjection<'_>) {
         let Some(point) = &self.point else { return };
         self.stage = Stage::Step(admit(point.step(self.damping)));
     }
 
     /// Accepts a step that makes the error smaller; damps any other.
-    fn judge(&mut self, theta: Vec<f64>, found: Result<f64, SimulationError>, admit: &mut Admit<'_>) {
+    fn judge(&mut self, theta: Vec<f64>, found: Result<f64, SimulationError>, admit: &mut StepProjection<'_>) {
         let best = self.best.as_ref().map_or(f64::INFINITY, |(_, error)| *error);
         self.is_held_up = found.is_err() && self.whole_step() < NEAR;
         match found {
@@ -358,11 +358,11 @@ mod tests {
         };
         while let Some(wanted) = estimation.wanted() {
             match wanted {
-                Wanted::Response(theta) => {
+                SimulationRequest::Response(theta) => {
                     let response = simulated(theta).map(|s| s.response);
                     estimation.take_response(response, &regression, &mut |step| step.theta);
                 }
-                Wanted::Sensitivities(theta) => {
+                SimulationRequest::Sensitivities(theta) => {
                     let found = simulated(theta);
                     estimation.take_sensitivities(found, &regression, &mut |step| step.theta);
                 }
@@ -397,12 +397,12 @@ mod tests {
         while let Some(wanted) = estimation.wanted() {
             match wanted {
                 // Whatever the step, the error is larger.
-                Wanted::Response(theta) => {
+                SimulationRequest::Response(theta) => {
                     let worse = if theta == start { 0.0 } else { 10.0 };
                     let response = simulate(theta).response.iter().map(|r| r + worse).collect();
                     estimation.take_response(Ok(response), &regression, &mut |step| step.theta);
                 }
-                Wanted::Sensitivities(theta) => {
+                SimulationRequest::Sensitivities(theta) => {
                     let found = simulate(theta);
                     estimation.take_sensitivities(Ok(found), &regression, &mut |step| step.theta);
                 }
@@ -447,11 +447,11 @@ mod tests {
                 vec![first, step.theta[1]]
             };
             match wanted {
-                Wanted::Response(theta) => {
+                SimulationRequest::Response(theta) => {
                     let response = simulated(theta).map(|s| s.response);
                     estimation.take_response(response, &regression, &mut admit);
                 }
-                Wanted::Sensitivities(theta) => {
+                SimulationRequest::Sensitivities(theta) => {
                     estimation.take_sensitivities(simulated(theta), &regression, &mut admit);
                 }
             }

@@ -88,7 +88,7 @@ impl Decimator {
     /// at the ends nearly the values of single samples, with their noise; that of the other rows is low-passed. Zeros keep sums of
     /// channels sums, and what holds of samples holds of rows.
     #[must_use]
-    pub fn of_zero_beyond(self) -> Self {
+    pub fn with_zero_padding(self) -> Self {
         Self { extension: Extension::Zero, ..self }
     }
 
@@ -354,7 +354,7 @@ mod tests {
         for (factor, samples, rows) in [(2, 25, 40), (10, 999, 30), (100, 3001, 50)] {
             let margin = 200 * factor;
             let value = |k: usize| 50.0 + (k as f64 * 0.37).sin() + ((k * k) % 17) as f64;
-            let decimator = Decimator::new(factor, samples)?.of_zero_beyond();
+            let decimator = Decimator::new(factor, samples)?.with_zero_padding();
             let found = decimator.decimate_computed(1, |k, sample| sample[0] = value(k))?;
             let of_padded = |k: usize| k.checked_sub(margin).filter(|k| *k < samples).map_or(0.0, value);
             let padded = Series::from_values(1, (0..samples + 2 * margin).map(of_padded).collect());

@@ -5,7 +5,7 @@
 //!
 //! Coulomb friction is regularised, `sign(v)` as `tanh(v / scale)`: a discontinuous sign makes an adaptive integrator
 //! chatter at rest, and its accelerations there do not converge with the step. The scale is data; what it does to the
-//! result is in `docs/simulation.md`.
+//! result is in `docs/evidence/simulation.md`.
 //!
 //! ```
 //! use thetahat::{series::Series, simulation::{Reference, SampledReference}};

@@ -6,7 +6,7 @@
 //! without; [`examine`] says whether and where an estimate is outside; [`nearest_to_simulate`] gives parameters for
 //! instruments, in the interior; [`completed_a_priori`] makes a-priori values where there are none.
 //!
-//! Every problem is a small convex program, solved by a primal-dual interior-point method. Formulas, sources and the choice of the method: `docs/physical_consistency.md`.
+//! Every problem is a small convex program, solved by a primal-dual interior-point method. Formulas, sources and the choice of the method: `docs/theory/physical_consistency.md`.
 //!
 //! ```
 //! use thetahat::{Robot, consistency::{ConsistentSet, completed_a_priori}};

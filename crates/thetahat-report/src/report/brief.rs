@@ -21,7 +21,7 @@ pub fn brief(results: &Results, width: TextWidth) -> String {
     parts.push(physical::brief(results, width));
     parts.extend(payload::tables(results).iter().map(|table| table.to_text(width)));
     parts.push(terms::profiled(results).map(|line| wrap(&line, "", width)).collect());
-    parts.extend(results.taken().map(|run| estimates(run, width)));
+    parts.extend(results.recommended_run().map(|run| estimates(run, width)));
     parts.retain(|part| !part.is_empty());
     parts.join("\n")
 }
@@ -60,8 +60,10 @@ fn rows(results: &Results) -> String {
 /// One row for each run; the cases where there are several.
 fn runs(results: &Results, width: TextWidth) -> String {
     let several = results.cases().len() > 1;
-    let taken =
-        results.taken().filter(|_| results.verdict != Some(Verdict::DoNotUse)).map(|r| (r.case.clone(), r.method));
+    let taken = results
+        .recommended_run()
+        .filter(|_| results.verdict != Some(Verdict::DoNotUse))
+        .map(|r| (r.case.clone(), r.method));
     let is_taken = |r: &RunResult| taken.as_ref().is_some_and(|(case, method)| (case, method) == (&r.case, &r.method));
     let row = |r: &RunResult| {
         let case = several.then(|| r.case.clone());

@@ -9,8 +9,8 @@ use super::{
 use crate::results::{Method, MethodSummary};
 
 const HEIGHT: f64 = 150.0;
-/// What an interval of 95 % promises, percent.
-const PROMISED: f64 = 95.0;
+/// What an interval of 95 % predicts, percent.
+const PREDICTED: f64 = 95.0;
 /// Standard deviations on both sides that hold 95 % of a normal distribution.
 const NORMAL_95: f64 = 1.96;
 /// Part of a place that its methods take.
@@ -72,15 +72,15 @@ pub(super) fn coverage(summaries: &[MethodSummary]) -> Option<Figure> {
     let half = 100.0 * NORMAL_95 * (0.95 * 0.05 / runs.max(1) as f64).sqrt();
     let curves: Vec<Curve> = places.methods.iter().map(|m| places.curve(*m, |s| s.coverage_percent)).collect();
     let found = Range::of(curves.iter().flat_map(|c| c.points.iter().map(|p| p.1)));
-    let shown = found.with(PROMISED - 1.2 * half).with(100.0).padded(0.04);
+    let shown = found.with(PREDICTED - 1.2 * half).with(100.0).padded(0.04);
     let ends = [0.0, places.labels.len() as f64];
     let band = Area {
         class: "band".to_owned(),
-        points: ends.map(|x| (x, [PROMISED - half, (PROMISED + half).min(100.0)])).into(),
+        points: ends.map(|x| (x, [PREDICTED - half, (PREDICTED + half).min(100.0)])).into(),
     };
     let chart =
         Chart::new("Intervals of 95 % that hold the true value, %".to_owned(), "noise", WIDE).with(HEIGHT, |p| {
-            let panel = places.panel(p).up(shown).area(&band).level("nominal", PROMISED);
+            let panel = places.panel(p).up(shown).area(&band).level("nominal", PREDICTED);
             curves.iter().fold(panel, Panel::dots)
         });
     Some(Figure {
@@ -100,15 +100,15 @@ fn conclusion(summaries: &[MethodSummary], methods: &[Method], half: f64) -> Str
         let of_method = summaries.iter().filter(|s| s.method == method.name());
         let all = of_method.filter_map(|s| Some((s.coverage_percent?, s)));
         let (coverage, at) = all.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        Some((format!("{method} {} % ({}, {})", fixed(coverage, 1), at.case, at.noise), coverage >= PROMISED - half))
+        Some((format!("{method} {} % ({}, {})", fixed(coverage, 1), at.case, at.noise), coverage >= PREDICTED - half))
     };
     let (keep, miss): (Vec<_>, Vec<_>) = methods.iter().filter_map(worst).partition(|(_, keeps)| *keeps);
     let listed = |what: &str, of: Vec<(String, bool)>| {
         let texts: Vec<String> = of.into_iter().map(|(text, _)| text).collect();
         (!texts.is_empty()).then(|| format!("{what}, at worst: {}.", texts.join(", ")))
     };
-    let miss = listed("Intervals of 95 % hold the truth less often than promised", miss);
-    let keep = listed("Intervals of 95 % hold the truth as promised", keep);
+    let miss = listed("Intervals of 95 % hold the truth less often than predicted", miss);
+    let keep = listed("Intervals of 95 % hold the truth as predicted", keep);
     miss.into_iter().chain(keep).collect::<Vec<_>>().join(" ")
 }
 
@@ -173,12 +173,12 @@ mod tests {
             [summary("idim-ls", "low", 94.0), summary("idim-ls", "high", 40.0), summary("idim-iv", "low", 95.5)];
         let figure = coverage(&summaries).unwrap();
         assert!(
-            figure.conclusion.contains("less often than promised, at worst: idim-ls 40.0 % (nominal, high)."),
+            figure.conclusion.contains("less often than predicted, at worst: idim-ls 40.0 % (nominal, high)."),
             "{}",
             figure.conclusion
         );
         assert!(
-            figure.conclusion.contains("as promised, at worst: idim-iv 95.5 % (nominal, low)."),
+            figure.conclusion.contains("as predicted, at worst: idim-iv 95.5 % (nominal, low)."),
             "{}",
             figure.conclusion
         );

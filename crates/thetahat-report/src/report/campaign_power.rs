@@ -63,7 +63,7 @@ fn parameters<'a>(
 }
 
 fn told(summaries: &[&MethodSummary], noise: &str, method: Method) -> Curve {
-    let points = parameters(summaries, noise, method).filter_map(|p| Some((size(p)?, p.told_percent)));
+    let points = parameters(summaries, noise, method).filter_map(|p| Some((size(p)?, p.power_percent)));
     Curve::new(method.name(), points.collect())
 }
 
@@ -95,7 +95,7 @@ fn conclusion(summaries: &[&MethodSummary], noises: &[&str], methods: &[Method])
     let at = |noise: &&str| {
         let counted = |method: &Method| {
             let of_both: Vec<_> = parameters(summaries, noise, *method).collect();
-            let told = of_both.iter().filter(|p| p.told_percent >= RELIABLE).count();
+            let told = of_both.iter().filter(|p| p.power_percent >= RELIABLE).count();
             format!("{method} {told} of {}", of_both.len())
         };
         format!("{} at {noise}", methods.iter().map(counted).collect::<Vec<_>>().join(", "))
@@ -108,7 +108,7 @@ fn conclusion(summaries: &[&MethodSummary], noises: &[&str], methods: &[Method])
 mod tests {
     use super::*;
 
-    fn parameter(truth: f64, told_percent: f64) -> ParameterSummary {
+    fn parameter(truth: f64, power_percent: f64) -> ParameterSummary {
         ParameterSummary {
             name: "m1".to_owned(),
             unit: "kg".to_owned(),
@@ -118,7 +118,7 @@ mod tests {
             deviation: 0.5,
             coverage_percent: 95.0,
             classical_coverage_percent: 95.0,
-            told_percent,
+            power_percent,
             count: 10,
         }
     }

@@ -5,7 +5,7 @@ use std::path::{Component, Path, PathBuf};
 
 use super::{
     design_figures::{distance, motions, robot, searches, spectrum},
-    design_tables::{conclusions, distances, facts, frequencies, limits, nearness, promised},
+    design_tables::{conclusions, distances, facts, frequencies, limits, nearness, predicted},
     error::ReportError,
     files,
     move_programs::{MOVE_FILES, move_programs},
@@ -22,17 +22,17 @@ pub const DESIGN_FILES: [&str; 7] = [
     "trajectory.csv",
     "trajectory.yaml",
     "trajectory.json",
-    "promised.csv",
+    "predicted.csv",
     "experiment.toml",
     "rehearsal.toml",
     "design.html",
 ];
 
-/// The promised intervals, the limits and the searches, for the terminal.
+/// The predicted intervals, the limits and the searches, for the terminal.
 #[must_use]
 pub fn design_text(results: &DesignResults, width: TextWidth) -> String {
     let lines: String = conclusions(results).iter().map(|line| wrap(line, "", width)).collect();
-    let tables = [promised(results), limits(results)].map(|table| table.to_text(width));
+    let tables = [predicted(results), limits(results)].map(|table| table.to_text(width));
     format!("{}\n{}\n{lines}", wrap(&visible(&results.title), "", width), tables.join("\n"))
 }
 
@@ -46,7 +46,7 @@ pub fn write_design(results: &DesignResults, directory: &Path) -> Result<Vec<Pat
         trajectory_csv(results).map_err(csv)?,
         joint_trajectory(results).into_bytes(),
         joint_trajectory_json(results).into_bytes(),
-        promised_csv(results).map_err(csv)?,
+        predicted_csv(results).map_err(csv)?,
         experiment(results, directory, &results.experiment.recording).into_bytes(),
         experiment(results, directory, &results.experiment.twin).into_bytes(),
         page(results)?.into_bytes(),
@@ -59,11 +59,11 @@ pub fn write_design(results: &DesignResults, directory: &Path) -> Result<Vec<Pat
 fn page(results: &DesignResults) -> Result<String, ReportError> {
     let mut sections = vec![
         Section {
-            id: "promise",
+            id: "prediction",
             title: "What the record will tell",
             lines: conclusions(results),
-            forests: super::figures::promised_forest(results).into_iter().collect(),
-            folded: vec![promised(results)],
+            forests: super::figures::predicted_forest(results).into_iter().collect(),
+            folded: vec![predicted(results)],
             ..Section::default()
         },
         Section {
@@ -100,10 +100,10 @@ fn page(results: &DesignResults) -> Result<String, ReportError> {
     })
 }
 
-fn promised_csv(results: &DesignResults) -> Result<Vec<u8>, csv::Error> {
+fn predicted_csv(results: &DesignResults) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record([
-        "promised",
+        "predicted",
         "a_priori",
         "standard_deviation",
         "half_width_95",
@@ -111,7 +111,7 @@ fn promised_csv(results: &DesignResults) -> Result<Vec<u8>, csv::Error> {
         "unit",
         "expression",
     ])?;
-    for p in &results.promised {
+    for p in &results.predicted {
         let numbers = [p.a_priori, p.standard_deviation, p.half_width_95].map(|v| v.to_string());
         let seconds = p.seconds.map(|s| s.to_string()).unwrap_or_default();
         let texts = [seconds, cell(&p.unit).into_owned(), cell(&p.expression).into_owned()];

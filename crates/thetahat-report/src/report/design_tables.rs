@@ -5,8 +5,8 @@ use super::{
     table::Table,
 };
 use crate::results::{
-    CollisionResults, DesignResults, Grade, LimitUse, PairDistance, PromisedGain, PromisedParameter, PromisedPayload,
-    SpectrumBound,
+    CollisionResults, DesignResults, Grade, LimitUse, PairDistance, PredictedGain, PredictedParameter,
+    PredictedPayload, SpectrumBound,
 };
 use thetahat_ground::visible::visible;
 
@@ -21,7 +21,7 @@ pub(super) fn facts(results: &DesignResults) -> Vec<(&'static str, String)> {
         ("motion", motion(results)),
         ("criterion", format!("{}: {best:.2} nats, the best of {} starts", results.criterion, results.starts.len())),
         (
-            "promised",
+            "predicted",
             format!(
                 "{} on {}",
                 results.method,
@@ -40,12 +40,12 @@ fn motion(results: &DesignResults) -> String {
 
 /// What the tables say, in sentences.
 pub(super) fn conclusions(results: &DesignResults) -> Vec<String> {
-    let known = || results.promised.iter().filter(|p| p.a_priori != 0.0);
+    let known = || results.predicted.iter().filter(|p| p.a_priori != 0.0);
     let count = |grade: Grade| known().filter(|p| p.grade() == grade).count();
     let [precise, rough, lost] = [Grade::Precise, Grade::Rough, Grade::NotIdentified].map(count);
-    let (all, known_ones) = (results.promised.len(), known().count());
+    let (all, known_ones) = (results.predicted.len(), known().count());
     let mut lines = vec![format!(
-        "{all} parameters are promised. Of the {known_ones} whose a-priori value is not zero, if that is right: {precise} precise, \
+        "{all} parameters are predicted. Of the {known_ones} whose a-priori value is not zero, if that is right: {precise} precise, \
          {rough} rough, {lost} not told from zero."
     )];
     let unknown: Vec<&str> = known().filter(|p| p.grade() == Grade::NotIdentified).map(|p| p.name.as_str()).collect();
@@ -80,13 +80,13 @@ pub(super) fn conclusions(results: &DesignResults) -> Vec<String> {
 /// How long to record until what stays unknown is told from zero, by this motion and by one for such parameters alone.
 fn remedy(results: &DesignResults) -> Option<String> {
     let duration_s = duration_s(results);
-    let one = |p: &PromisedParameter| {
+    let one = |p: &PredictedParameter| {
         let times = p.by_own_motion?;
         let seconds = duration_s * (p.half_width_95 / p.a_priori).powi(2);
         let [seconds, own] = [seconds, seconds / times.powi(2)].map(|s| significant(s, 2));
         Some(format!("{} after {seconds} s of this motion, {own} s of that", p.name))
     };
-    let all: Vec<String> = results.promised.iter().filter_map(one).collect();
+    let all: Vec<String> = results.predicted.iter().filter_map(one).collect();
     (!all.is_empty()).then(|| {
         format!(
             "What would show them: a motion for them alone ([wanted] criterion = \"chosen\", parameters = their names), or a longer \
@@ -98,8 +98,8 @@ fn remedy(results: &DesignResults) -> Option<String> {
 }
 
 /// What a payload asks for, and what it tells of the drives.
-fn payload(payload: &PromisedPayload) -> String {
-    let told = |gain: &PromisedGain| {
+fn payload(payload: &PredictedPayload) -> String {
+    let told = |gain: &PredictedGain| {
         let percent = gain.half_width_percent?;
         Some(format!("{} to {} %", visible(&gain.joint), significant(percent, 2)))
     };
@@ -120,9 +120,9 @@ fn payload(payload: &PromisedPayload) -> String {
 
 /// What the intervals say beside those of earlier results.
 fn narrower(results: &DesignResults, title: &str, method: &str) -> String {
-    let times: Vec<f64> = results.promised.iter().filter_map(PromisedParameter::times_smaller).collect();
+    let times: Vec<f64> = results.predicted.iter().filter_map(PredictedParameter::times_smaller).collect();
     let mean = (times.iter().map(|t| t.ln()).sum::<f64>() / times.len() as f64).exp();
-    let wider = results.promised.iter().filter(|p| p.times_smaller().is_some_and(|t| t < 1.0));
+    let wider = results.predicted.iter().filter(|p| p.times_smaller().is_some_and(|t| t < 1.0));
     let wider: Vec<&str> = wider.map(|p| p.name.as_str()).collect();
     let also = if wider.is_empty() { "none is wider".to_owned() } else { format!("wider: {}", wider.join(", ")) };
     format!(
@@ -209,9 +209,9 @@ fn strings(texts: &[&str]) -> Vec<String> {
     texts.iter().map(|t| (*t).to_owned()).collect()
 }
 
-pub(super) fn promised(results: &DesignResults) -> Table {
+pub(super) fn predicted(results: &DesignResults) -> Table {
     let wanted = format!("s for {} %", significant(results.half_width_percent, 3));
-    let row = |p: &PromisedParameter| {
+    let row = |p: &PredictedParameter| {
         let percent = (p.a_priori != 0.0).then(|| 100.0 * p.half_width_95 / p.a_priori.abs());
         vec![
             p.name.clone(),
@@ -235,10 +235,10 @@ pub(super) fn promised(results: &DesignResults) -> Table {
     let mut head = strings(&["name", "unit", "a priori", "deviation", "half of 95 %", "in %", &wanted, "grade"]);
     head.extend(results.compared.iter().map(|_| "times as narrow".to_owned()));
     Table {
-        title: "Promised intervals".to_owned(),
+        title: "Predicted intervals".to_owned(),
         lead: 1,
         head,
-        rows: results.promised.iter().map(row).collect(),
+        rows: results.predicted.iter().map(row).collect(),
         notes: vec![format!(
             "half of 95 %: expected half width of interval_95 by {}; {wanted}: record so long, by repeating the motion. Intervals \
              shrink with the root of the time.",

@@ -92,7 +92,7 @@ fn near_rest(results: &Results) -> Option<(&'static str, String)> {
         joint + 1,
         significant(1e3 * widened, 2),
     );
-    let with = results.with_rest.as_ref().map(|with| {
+    let with = results.unmasked_comparison.as_ref().map(|with| {
         let [error, deviations] = [with.relative_error_percent, with.deviations.abs()].map(|v| significant(v, 2));
         let order = if with.deviations < 0.0 { "lower" } else { "higher" };
         format!(

@@ -126,7 +126,7 @@ fn residuals(results: &Results) -> Section {
 
 fn correlations(results: &Results) -> Section {
     let (first, _) = cases(results);
-    let run = results.taken();
+    let run = results.recommended_run();
     let hint = match run.map(|r| figures::confounded(r).len()) {
         None => "",
         Some(0) => "no two are confounded",

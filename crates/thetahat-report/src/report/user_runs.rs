@@ -61,7 +61,7 @@ fn errors(results: &Results) -> Table {
 }
 
 fn parameters(results: &Results) -> Table {
-    let taken = results.taken();
+    let taken = results.recommended_run();
     let named = &results.user_runs[0].parameters;
     let group = |run: &UserRun| Group { label: run.name.clone(), columns: 2 };
     let of_taken = taken.map(|run| Group { label: run.method.name().to_owned(), columns: 1 });

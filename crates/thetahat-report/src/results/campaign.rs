@@ -107,7 +107,7 @@ pub struct ParameterSummary {
     /// The same of the estimates with 1.96 classical standard deviations on both sides.
     pub classical_coverage_percent: f64,
     /// Part of the 95 % intervals that do not hold zero, percent: how often the parameter is told from zero.
-    pub told_percent: f64,
+    pub power_percent: f64,
     /// Estimates.
     pub count: usize,
 }

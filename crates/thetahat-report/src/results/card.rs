@@ -80,7 +80,7 @@ impl Results {
     /// The results at a glance, of the nominal case.
     #[must_use]
     pub fn card(&self) -> Card {
-        let run = self.taken();
+        let run = self.recommended_run();
         Card {
             verdict: self.verdict,
             method: run.map(|r| r.method),
@@ -117,7 +117,7 @@ impl Results {
 
     /// The run of the nominal case whose numbers to take.
     #[must_use]
-    pub fn taken(&self) -> Option<&RunResult> {
+    pub fn recommended_run(&self) -> Option<&RunResult> {
         self.taken_in(NOMINAL)
     }
 
@@ -141,7 +141,7 @@ impl Results {
 
     /// What to look at, where the same method fits another case clearly better: its model holds more than the nominal one.
     fn better_case(&self) -> Option<String> {
-        let run = self.taken().filter(|_| self.verdict != Some(Verdict::DoNotUse))?;
+        let run = self.recommended_run().filter(|_| self.verdict != Some(Verdict::DoNotUse))?;
         let errors = |r: &RunResult| Some((r.relative_error_percent?, self.unseen(r)?.percent()));
         let (fit, unseen) = errors(run)?;
         let others = self.runs.iter().filter(|r| r.method == run.method && r.status == Status::Converged);
@@ -271,7 +271,7 @@ mod tests {
     use std::{collections::BTreeMap, path::Path};
 
     use super::*;
-    use crate::results::Concerned;
+    use crate::results::ReasonSubject;
 
     fn results() -> Results {
         let text = r#"{
@@ -305,7 +305,7 @@ mod tests {
             code: ReasonCode::FewRows,
             verdict: Verdict::Care,
             numbers: BTreeMap::new(),
-            concerned: Concerned::default(),
+            concerned: ReasonSubject::default(),
             text: format!("Rows are few; {remedy}."),
             remedy: remedy.to_owned(),
         }

@@ -8,7 +8,7 @@ use super::{
     joints::JointResult,
     parameters::EliminationResult,
     payload::{DriveGainResult, PayloadResult},
-    recordings::{Bandwidth, RecordingFindings, RecordingResult, WithRestResult},
+    recordings::{Bandwidth, RecordingFindings, RecordingResult, UnmaskedComparison},
     run::RunResult,
     terms::{ProfiledTerm, TermComparison},
     user_run::UserRun,
@@ -73,7 +73,7 @@ pub struct Results {
     pub elimination: Option<EliminationResult>,
     /// What samples near rest would change, where they were left out.
     #[serde(default)]
-    pub with_rest: Option<WithRestResult>,
+    pub unmasked_comparison: Option<UnmaskedComparison>,
     /// Constants of torque terms that were searched for.
     #[serde(default)]
     pub profiled_terms: Vec<ProfiledTerm>,

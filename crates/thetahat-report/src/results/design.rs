@@ -38,7 +38,7 @@ pub struct DesignResults {
     /// Title and method of the results that are compared with.
     pub compared: Option<[String; 2]>,
     /// The payload that the robot carries.
-    pub payload: Option<PromisedPayload>,
+    pub payload: Option<PredictedPayload>,
     /// Robots that were drawn and how far off each parameter of them is, percent: torque and power hold for all.
     pub uncertainty: Option<(usize, f64)>,
     /// Name of the criterion.
@@ -47,11 +47,11 @@ pub struct DesignResults {
     pub starts: Vec<SearchResult>,
     /// The limits, each joint's in the order of [`Limited::ALL`].
     pub limits: Vec<LimitUse>,
-    /// What is promised of each parameter.
-    pub promised: Vec<PromisedParameter>,
-    /// Name of the method that is promised.
+    /// What is predicted of each parameter.
+    pub predicted: Vec<PredictedParameter>,
+    /// Name of the method that is predicted.
     pub method: String,
-    /// Whether the promise is of the simulated closed loop.
+    /// Whether the prediction is of the simulated closed loop.
     pub is_closed_loop: bool,
     /// Half of an interval that is wanted, percent.
     pub half_width_percent: f64,
@@ -139,9 +139,9 @@ pub struct LimitUse {
     pub part: f64,
 }
 
-/// What is promised of a base parameter.
+/// What is predicted of a base parameter.
 #[derive(Debug, Clone, Serialize)]
-pub struct PromisedParameter {
+pub struct PredictedParameter {
     /// Name.
     pub name: String,
     /// Unit.
@@ -164,8 +164,8 @@ pub struct PromisedParameter {
     pub compared: Option<ParameterResult>,
 }
 
-impl PromisedParameter {
-    /// How many times smaller the promised interval is than that of the results that are compared with.
+impl PredictedParameter {
+    /// How many times smaller the predicted interval is than that of the results that are compared with.
     #[must_use]
     pub fn times_smaller(&self) -> Option<f64> {
         let [low, high] = self.compared.as_ref()?.interval_95?;
@@ -173,7 +173,7 @@ impl PromisedParameter {
     }
 }
 
-impl PromisedParameter {
+impl PredictedParameter {
     /// How sure it will be, if it is as large as the a-priori value says.
     #[must_use]
     pub fn grade(&self) -> Grade {
@@ -202,18 +202,18 @@ impl PromisedParameter {
 
 /// A known payload, and what a record with it tells beside one without it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct PromisedPayload {
+pub struct PredictedPayload {
     /// Its name.
     pub name: String,
     /// Its mass, kg.
     pub mass_kg: f64,
     /// The gains of the drives.
-    pub gains: Vec<PromisedGain>,
+    pub gains: Vec<PredictedGain>,
 }
 
-/// What is promised of the gain of a drive.
+/// What is predicted of the gain of a drive.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct PromisedGain {
+pub struct PredictedGain {
     /// The joint.
     pub joint: String,
     /// Half of its expected interval of 95 %, percent; none where it is not told.

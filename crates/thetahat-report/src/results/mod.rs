@@ -58,8 +58,8 @@ pub use card::{Card, Physical, Unseen};
 pub use content::{NOMINAL, Results, SCHEMA};
 pub use curves::{Bin, Frame, HeldBackPlots, Plots, RecordStart, ResidualCurves, RunPlots, Skeleton};
 pub use design::{
-    CollisionResults, DesignResults, ExperimentText, LimitUse, MotionSpectrum, PairDistance, PromisedGain,
-    PromisedParameter, PromisedPayload, SearchResult, SpectrumBound,
+    CollisionResults, DesignResults, ExperimentText, LimitUse, MotionSpectrum, PairDistance, PredictedGain,
+    PredictedParameter, PredictedPayload, SearchResult, SpectrumBound,
 };
 pub use diagnosis::{
     Advice, ApproximatedParameter, ApproximationResult, BiasExplanation, BiasedSimulatorResult, CaseDiagnosis,
@@ -77,7 +77,7 @@ pub use payload::{DriveGainResult, PayloadParameter, PayloadResult};
 pub use physical::{ConsistencyTest, ConsistentEstimate, ConsistentParameter, PhysicalResult};
 pub use prediction::Prediction;
 pub use recordings::{
-    Bandwidth, NearRestResult, PeriodicResult, RecordingFindings, RecordingResult, ReferenceResult, WithRestResult,
+    Bandwidth, NearRestResult, PeriodicResult, RecordingFindings, RecordingResult, ReferenceResult, UnmaskedComparison,
 };
 pub use run::{IterationResult, LoopParameterResult, RunResult};
 pub use sensitivity::{Sensitivity, SensitivityPoint};
@@ -85,7 +85,7 @@ pub use side_by_side::{ComparedParameter, SettingDifference, Side, SideBySide, S
 pub use terms::{JointTermComparison, ProfiledTerm, TermComparison, TermLaw};
 pub use twin::TwinRecord;
 pub use user_run::UserRun;
-pub use verdict::{Concerned, ReasonCode, Verdict, VerdictReason};
+pub use verdict::{ReasonCode, ReasonSubject, Verdict, VerdictReason};
 
 // The values of other rooms that results hold and reports show.
 pub use thetahat_data::recording::{ChannelSummary, ColumnSummary, Contents, Resampling, TableSummary, TimeSummary};

@@ -2,7 +2,7 @@ use serde::{Deserialize, Serialize};
 
 use thetahat_estimation::checks::Finding;
 
-/// Whether some robot made of bodies has the estimates: see `docs/physical_consistency.md`.
+/// Whether some robot made of bodies has the estimates: see `docs/theory/physical_consistency.md`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PhysicalResult {
     /// Whether one has.

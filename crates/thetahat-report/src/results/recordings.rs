@@ -44,7 +44,7 @@ pub struct NearRestResult {
 
 /// What IDIM-LS gives where samples near rest make rows too.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct WithRestResult {
+pub struct UnmaskedComparison {
     /// Its relative error, percent.
     pub relative_error_percent: f64,
     /// The parameter that differs most, and its difference in standard deviations of the nominal estimate, with correlated

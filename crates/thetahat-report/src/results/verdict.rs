@@ -128,7 +128,7 @@ impl fmt::Display for ReasonCode {
 
 /// What a reason is about, as far as it is about one of them.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct Concerned {
+pub struct ReasonSubject {
     /// The method.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub method: Option<Method>,
@@ -160,7 +160,7 @@ pub struct VerdictReason {
     pub numbers: BTreeMap<String, f64>,
     /// What it is about.
     #[serde(flatten)]
-    pub concerned: Concerned,
+    pub concerned: ReasonSubject,
     /// The same in words, with what to do.
     pub text: String,
     /// What to do, alone; empty where it was read from a file of before that key.

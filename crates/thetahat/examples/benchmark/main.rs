@@ -1,4 +1,4 @@
-//! Every figure of `docs/speed.md`, with the peers in the same run:
+//! Every figure of `docs/evidence/speed.md`, with the peers in the same run:
 //!
 //! ```text
 //! pip install pin==4.1.0 numpy scipy pandas

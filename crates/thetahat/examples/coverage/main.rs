@@ -1,4 +1,4 @@
-//! How often the intervals contain the true value: the coverage tables of `docs/statistics.md`.
+//! How often the intervals contain the true value: the coverage tables of `docs/evidence/coverage.md`.
 //!
 //! `cargo run --release -p thetahat --example coverage -- [--seeds 500] [--threads 2]`
 //!

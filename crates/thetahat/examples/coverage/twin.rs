@@ -176,7 +176,7 @@ impl Twin {
 
     /// With a mask, what lies beyond the window makes no rows either.
     fn decimator(&self, is_masked: bool) -> Decimator {
-        if is_masked { self.decimator.clone().of_zero_beyond() } else { self.decimator.clone() }
+        if is_masked { self.decimator.clone().with_zero_padding() } else { self.decimator.clone() }
     }
 
     /// The parts of rows that a mask leaves.

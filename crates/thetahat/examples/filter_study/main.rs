@@ -1,4 +1,4 @@
-//! How near the filter that is chosen from a record comes to the best of a grid: the table of `docs/filter_choice.md`.
+//! How near the filter that is chosen from a record comes to the best of a grid: the table of `docs/theory/filter_choice.md`.
 //!
 //! Twins of several robots move, are sampled at 30 Hz to 5 kHz, and are recorded with noise of random size: cases 1 to 100 periodically,
 //! those above from rest to rest, one joint after the other, slowly or periodically, some with the steps of encoders. The

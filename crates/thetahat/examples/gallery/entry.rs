@@ -5,7 +5,7 @@ use thetahat::results::{Results, RunResult, Verdict};
 
 /// What `results` say, for the page; their report is in `folder`, with a picture or without.
 pub fn entry(folder: &str, results: &Results, has_picture: bool) -> Value {
-    let taken = results.taken();
+    let taken = results.recommended_run();
     let percent = |of: fn(&RunResult) -> Option<f64>| taken.and_then(of).map(|error| format!("{error:.2}"));
     let reasons: Vec<String> = results.verdict_reasons.iter().map(|reason| reason.text.clone()).collect();
     context! {

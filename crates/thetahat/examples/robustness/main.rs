@@ -1,5 +1,5 @@
 //! Whether the methods that simulate the closed loop converge whatever the robot, the simulated controller, the start values
-//! and the noise: the table of `docs/closed_loop.md`, with every failure and its reason.
+//! and the noise: the table of `docs/evidence/closed_loop.md`, with every failure and its reason.
 //!
 //! A twin of each robot follows a recorded reference under a PD loop of 10 Hz. The simulated loop has 0.25 to 4 times that
 //! bandwidth; iterations start from CAD, from CAD with 30 % errors, and from motor inertias alone.

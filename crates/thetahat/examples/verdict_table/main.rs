@@ -1,4 +1,4 @@
-//! Tries to mislead the verdict, and prints the table of `docs/diagnostics.md`: right, undecided, too strict or misled, with the
+//! Tries to mislead the verdict, and prints the table of `docs/reference/verdict.md`: right, undecided, too strict or misled, with the
 //! verdict, the largest error of the numbers that are taken in deviations, and the first reasons. With the folder of the
 //! recordings, those of others come first as they are.
 //!

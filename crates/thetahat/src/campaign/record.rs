@@ -45,7 +45,7 @@ struct CaseBasis {
 }
 
 /// A record that is filtered, with the problem of each friction model.
-struct Prepared {
+struct PreparedDraw {
     filtered: FilteredRecording,
     reference: RecordedReference,
     problems: Vec<CaseProblem>,
@@ -127,7 +127,7 @@ impl Bench {
         }
     }
 
-    fn prepare(&self, key: Key) -> Result<Prepared, CampaignError> {
+    fn prepare(&self, key: Key) -> Result<PreparedDraw, CampaignError> {
         let mut rng = random(self.campaign.file.seed, record_stream(key));
         let level = &self.campaign.file.noise[key.level as usize];
         let (position, torque) = measure(&self.campaign.experiment, &self.twin, level, &mut rng);
@@ -135,7 +135,7 @@ impl Bench {
         prepared.map_err(|e| self.campaign.experiment.refuse(e).into())
     }
 
-    fn filter(&self, position: Series, torque: Series) -> Result<Prepared, PreparationError> {
+    fn filter(&self, position: Series, torque: Series) -> Result<PreparedDraw, PreparationError> {
         let setup = self.setup();
         let stopwatch = Stopwatch::start();
         let filtered = setup.filter(self.twin.recording(self.sample_rate_hz, position, torque))?;
@@ -146,10 +146,10 @@ impl Bench {
             Ok(CaseProblem::new(b.friction, problem))
         };
         let problems = self.bases.iter().map(problem).collect::<Result<_, PreparationError>>()?;
-        Ok(Prepared { filtered, reference, problems, seconds: stopwatch.seconds() })
+        Ok(PreparedDraw { filtered, reference, problems, seconds: stopwatch.seconds() })
     }
 
-    fn job<'r>(&'r self, key: Key, prepared: &'r Prepared, case: &Case, method: Method) -> EstimationJob<'r> {
+    fn job<'r>(&'r self, key: Key, prepared: &'r PreparedDraw, case: &Case, method: Method) -> EstimationJob<'r> {
         let problem = &prepared.problems[self.basis_of(case)];
         let setup = self.starts[key.start as usize].setup();
         let recordings = [(&prepared.filtered, &prepared.reference)];
@@ -168,7 +168,7 @@ impl Bench {
     fn fill(
         &self,
         key: Key,
-        prepared: &Prepared,
+        prepared: &PreparedDraw,
         case: &Case,
         job: &EstimationJob<'_>,
         Finished { outcome, motions, seconds, .. }: &Finished,
@@ -212,7 +212,7 @@ impl Bench {
     }
 
     /// The errors of the simulated motion against the true one, in the window, at as many instants as y has.
-    fn fill_motion(&self, row: &mut Row, prepared: &Prepared, motion: &SimulatedMotion) {
+    fn fill_motion(&self, row: &mut Row, prepared: &PreparedDraw, motion: &SimulatedMotion) {
         let step = self.setup().settings.signal.decimation.max(1);
         let instants = || prepared.filtered.window.clone().step_by(step);
         let error = |truth: &Series, simulated: &Series| {

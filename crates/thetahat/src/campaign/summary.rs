@@ -68,7 +68,7 @@ fn parameters(runs: &CampaignRuns, converged: &[&Row]) -> Vec<ParameterSummary> 
             deviation: self::mean(deviations.iter().copied())?,
             coverage_percent: percent(holding(truth)),
             classical_coverage_percent: percent(classical.count()),
-            told_percent: percent(intervals().count() - holding(0.0)),
+            power_percent: percent(intervals().count() - holding(0.0)),
             count: estimates.len(),
         })
     };

@@ -18,7 +18,7 @@ pub enum Criterion {
         weights: Vec<f64>,
     },
     /// `log det C` of some parameters: the volume of their confidence region.
-    Chosen {
+    FeasibleMotion {
         /// Their columns.
         columns: Vec<usize>,
     },
@@ -36,7 +36,7 @@ pub enum CriterionName {
     /// The worst interval.
     Worst,
     /// The intervals of chosen parameters.
-    Chosen,
+    FeasibleMotion,
 }
 
 impl CriterionName {
@@ -47,7 +47,7 @@ impl CriterionName {
             Self::D => "d",
             Self::A => "a",
             Self::Worst => "worst",
-            Self::Chosen => "chosen",
+            Self::FeasibleMotion => "chosen",
         }
     }
 }
@@ -57,7 +57,7 @@ const POWER: i32 = 8;
 
 /// A value of a criterion, and its derivative by the information, symmetric.
 #[derive(Debug, Clone)]
-pub struct Judged {
+pub struct CriterionValue {
     /// The criterion.
     pub value: f64,
     /// `dJ / dM`.
@@ -71,7 +71,7 @@ impl Criterion {
         let factored = Factored::of(information)?;
         match self {
             Self::D => factored.volume(),
-            Self::A { .. } | Self::Worst { .. } | Self::Chosen { .. } => {
+            Self::A { .. } | Self::Worst { .. } | Self::FeasibleMotion { .. } => {
                 self.of_covariance(&factored.covariance()).map(|judged| judged.value)
             }
         }
@@ -79,25 +79,25 @@ impl Criterion {
 
     /// The same with its derivative.
     #[must_use]
-    pub fn judge(&self, information: &Matrix) -> Option<Judged> {
+    pub fn judge(&self, information: &Matrix) -> Option<CriterionValue> {
         let factored = Factored::of(information)?;
         let c = factored.covariance();
         match self {
             Self::D => {
                 let slope = Matrix::from_fn(c.rows(), c.columns(), |i, j| -c.at(i, j));
-                Some(Judged { value: factored.volume()?, slope })
+                Some(CriterionValue { value: factored.volume()?, slope })
             }
-            Self::A { .. } | Self::Worst { .. } | Self::Chosen { .. } => self.of_covariance(&c),
+            Self::A { .. } | Self::Worst { .. } | Self::FeasibleMotion { .. } => self.of_covariance(&c),
         }
     }
 
     /// Value and derivative of a criterion that is a function of the covariance: with `H = dJ / dC`, `dJ / dM = -C H C`.
-    fn of_covariance(&self, c: &Matrix) -> Option<Judged> {
+    fn of_covariance(&self, c: &Matrix) -> Option<CriterionValue> {
         let (value, h) = match self {
             Self::D => return None,
             Self::A { weights } => diagonal(c, weights, 1),
             Self::Worst { weights } => diagonal(c, weights, POWER),
-            Self::Chosen { columns } => {
+            Self::FeasibleMotion { columns } => {
                 let part = Matrix::from_fn(columns.len(), columns.len(), |i, j| c.at(columns[i], columns[j]));
                 let lower = part.cholesky()?.lower();
                 let inverse = part.inverse_times_matrix(&Matrix::identity(columns.len()))?;
@@ -110,7 +110,7 @@ impl Criterion {
         };
         let product = c.times_matrix(&h).times_matrix(c);
         let slope = Matrix::from_fn(c.rows(), c.rows(), |i, j| -product.at(i, j));
-        value.is_finite().then_some(Judged { value, slope })
+        value.is_finite().then_some(CriterionValue { value, slope })
     }
 }
 
@@ -176,7 +176,7 @@ mod tests {
             Criterion::D,
             Criterion::A { weights: weights.clone() },
             Criterion::Worst { weights },
-            Criterion::Chosen { columns: vec![1, 3] },
+            Criterion::FeasibleMotion { columns: vec![1, 3] },
         ];
         let (m, h) = (information(0.0), 1e-6);
         let direction = information(1.3);

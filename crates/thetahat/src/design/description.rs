@@ -8,7 +8,7 @@ use serde::Deserialize;
 use super::{
     error::DesignError,
     noise::TorqueNoise,
-    options::{LimitOptions, MotionOptions, NoiseOptions, UncertaintyOptions, Wanted},
+    options::{DesignObjective, LimitOptions, MotionOptions, NoiseOptions, UncertaintyOptions},
     surroundings_options::CollisionOptions,
 };
 use crate::preparation::{
@@ -36,7 +36,7 @@ pub struct DesignFile {
     pub sample_rate_hz: f64,
     /// What is wanted.
     #[serde(default)]
-    pub wanted: Wanted,
+    pub wanted: DesignObjective,
     /// The kind of motion.
     #[serde(default)]
     pub motion: MotionOptions,
@@ -61,7 +61,7 @@ pub struct DesignFile {
     /// How they will be estimated.
     #[serde(default)]
     pub estimation: Option<EstimationOptions>,
-    /// The robot's controller: with it the loop is simulated, and tracking errors are in what is promised.
+    /// The robot's controller: with it the loop is simulated, and tracking errors are in what is predicted.
     pub controller: Option<ControllerDescription>,
     /// The simulator's options.
     #[serde(default)]
@@ -69,7 +69,7 @@ pub struct DesignFile {
     /// Reductions of recordings at hand: what they tell need not be told again.
     #[serde(default)]
     pub prior: Vec<PathBuf>,
-    /// Results of an identification, or an experiment file with recordings, whose intervals stand beside those that are promised.
+    /// Results of an identification, or an experiment file with recordings, whose intervals stand beside those that are predicted.
     pub compare: Option<PathBuf>,
 }
 

@@ -179,9 +179,9 @@ pub enum DesignError {
         /// The design file.
         path: PathBuf,
     },
-    /// Results have no estimates, or of no parameter that is promised.
+    /// Results have no estimates, or of no parameter that is predicted.
     #[error(
-        "{}: compare: {} has no estimate of a parameter that is promised; give the results.json of the same robot",
+        "{}: compare: {} has no estimate of a parameter that is predicted; give the results.json of the same robot",
         path.display(),
         file.display()
     )]

@@ -75,7 +75,7 @@ fn twin(design: &Design) -> String {
     )
 }
 
-/// The tables of the settings as they stand in the design; without methods the promised one, and one to compare it with, IV
+/// The tables of the settings as they stand in the design; without methods the predicted one, and one to compare it with, IV
 /// where no payload is carried: no verdict takes numbers that nothing is compared with.
 fn settings(design: &Design) -> String {
     let mut tables = toml::Table::new();

@@ -4,11 +4,11 @@ use std::path::Path;
 
 use super::{
     error::DesignError,
-    promise::{ExpectedRecord, RECORDS},
+    prediction::{ExpectedRecord, RECORDS},
 };
 use crate::preparation::{PreparationError, Recording};
 use thetahat_ground::pool::in_parallel;
-use thetahat_report::results::{DriveGainResult, PromisedGain};
+use thetahat_report::results::{DriveGainResult, PredictedGain};
 
 impl ExpectedRecord<'_> {
     /// Half of the interval of each drive's gain, in the mean of twelve pairs of records: of this one, which carries a payload, and
@@ -18,11 +18,11 @@ impl ExpectedRecord<'_> {
         unloaded: &Self,
         (path, seed): (&Path, u64),
         threads: usize,
-    ) -> Result<Vec<PromisedGain>, DesignError> {
+    ) -> Result<Vec<PredictedGain>, DesignError> {
         let pairs = in_parallel(RECORDS, threads, |number| self.gains_of_pair(unloaded, seed, number as u64));
         let pairs = pairs.into_iter().collect::<Result<Vec<_>, _>>();
         let pairs = pairs.map_err(|source| DesignError::Preparation { path: path.to_owned(), source })?;
-        let gain = |(joint, coordinate): (usize, &thetahat_model::robot::Joint)| PromisedGain {
+        let gain = |(joint, coordinate): (usize, &thetahat_model::robot::Joint)| PredictedGain {
             joint: coordinate.name.clone(),
             half_width_percent: pairs
                 .iter()

@@ -1,7 +1,7 @@
 //! The motion to record, and what it will tell of each parameter: designed before the robot moves.
 //!
 //! A [`Design`] searches the motion within the limits of its joints whose record knows the base parameters best, friction,
-//! motor inertias and offsets among them; verifies the limits at 1 kHz; and promises the interval of each parameter, by
+//! motor inertias and offsets among them; verifies the limits at 1 kHz; and predicts the interval of each parameter, by
 //! the identification that the record will go through.
 //!
 //! | letter | word | shape | unit |
@@ -25,13 +25,12 @@
 //! | `quadratic`, `optimiser` | one descent |
 //! | `starts`, `crossing`, `searches` | where descents begin: random motions, and those put together from what others found; the searches |
 //! | `verification`, `verified` | the limits at 1 kHz |
-//! | `noise`, `at_hand` | the noise of a record; what earlier recordings tell of it and of the parameters |
+//! | `noise`, `prior_data` | the noise of a record; what earlier recordings tell of it and of the parameters |
 //! | `robots` | the robots that it may be, with a payload and without |
-//! | `promise`, `gains`, `remedies` | what a record will tell, and one with a payload beside it; what would show what it leaves unknown |
+//! | `prediction`, `gains`, `remedies` | what a record will tell, and one with a payload beside it; what would show what it leaves unknown |
 //! | `pictures` | what the report draws of the motion |
 //! | `run` | all of it |
 
-mod at_hand;
 mod basis;
 mod clearances;
 mod constraints;
@@ -57,8 +56,9 @@ mod optimiser;
 mod options;
 mod outcome;
 mod pictures;
+mod prediction;
+mod prior_data;
 mod problem;
-mod promise;
 mod quadratic;
 mod remedies;
 mod robots;
@@ -82,6 +82,6 @@ pub use criterion::{Criterion, CriterionName};
 pub use description::{Design, DesignFile};
 pub use error::DesignError;
 pub use information::{Information, Judgement};
-pub use options::{LimitOptions, MotionKind, MotionOptions, NoiseOptions, UncertaintyOptions, Wanted};
-pub use promise::{Estimated, Expected, ExpectedRecord};
+pub use options::{DesignObjective, LimitOptions, MotionKind, MotionOptions, NoiseOptions, UncertaintyOptions};
+pub use prediction::{Expected, ExpectedRecord, NoisyEstimate};
 pub use surroundings_options::{CapsuleOptions, CollisionOptions, ObstacleOptions};

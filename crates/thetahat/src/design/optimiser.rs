@@ -33,18 +33,18 @@ pub(super) struct Problem {
 
 /// A motion that was found.
 #[derive(Debug, Clone)]
-pub(super) struct Found {
+pub(super) struct OptimiserResult {
     pub(super) x: Vec<f64>,
     pub(super) steps: usize,
 }
 
 /// Steps of one start with one smoothing of the sign.
 const MOST_STEPS: usize = 120;
-/// A step that promises more than this, in nats, is followed by another whatever it gained.
+/// A step that predicts more than this, in nats, is followed by another whatever it gained.
 const LEAST_PROMISE: f64 = 1.0;
 /// What a violation of torque or power costs, in nats for all of the limit.
 const PRICE: f64 = 1e3;
-/// Part of the promised gain that a step must bring.
+/// Part of the predicted gain that a step must bring.
 const SUFFICIENT: f64 = 1e-4;
 /// Halvings of a step.
 const MOST_HALVINGS: usize = 12;
@@ -143,7 +143,7 @@ impl Problem {
     /// Limits of positions and their derivatives are linear in the unknowns of sums and hold in every step; those of moves and
     /// those of torque and power are linearised and may be violated on the way. A step that gains less than `least_gain`, in nats, is the last. None where the motion
     /// does not show every parameter.
-    pub(super) fn optimise(&self, start: Vec<f64>, sign: Sign, least_gain: f64) -> Option<Found> {
+    pub(super) fn optimise(&self, start: Vec<f64>, sign: Sign, least_gain: f64) -> Option<OptimiserResult> {
         let watched = self.look(&start, sign);
         let mut state = self.state(start, watched, sign)?;
         let scale = dot(&state.gradient, &state.gradient).sqrt();
@@ -161,7 +161,7 @@ impl Problem {
                 break;
             }
         }
-        Some(Found { x: state.x, steps })
+        Some(OptimiserResult { x: state.x, steps })
     }
 
     /// The step of the quadratic program, within all linear limits.
@@ -196,10 +196,10 @@ impl Problem {
     fn search(&self, from: &State, step: &[f64], slope: f64, sign: Sign) -> Option<State> {
         let mut part = 1.0;
         for _ in 0..MOST_HALVINGS {
-            let promised = part * slope.min(0.0) * SUFFICIENT;
+            let predicted = part * slope.min(0.0) * SUFFICIENT;
             let x = moved(&from.x, step, part);
             let watched = self.look(&x, sign);
-            let is_less = |value: f64| value + price(watched.soft_use) < from.merit() + promised;
+            let is_less = |value: f64| value + price(watched.soft_use) < from.merit() + predicted;
             if self.holds_hard_limits(&watched.motion) && self.value(&x, sign).is_some_and(is_less) {
                 return self.state(x, watched, sign);
             }

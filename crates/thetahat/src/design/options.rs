@@ -10,7 +10,7 @@ use thetahat_ground::one_or_each::OneOrEach;
 /// What a design is to make small.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct Wanted {
+pub struct DesignObjective {
     /// The criterion.
     pub criterion: CriterionName,
     /// The base parameters of the criterion `chosen`.
@@ -19,7 +19,7 @@ pub struct Wanted {
     pub half_width_percent: f64,
 }
 
-impl Default for Wanted {
+impl Default for DesignObjective {
     fn default() -> Self {
         Self { criterion: CriterionName::default(), parameters: Vec::new(), half_width_percent: 10.0 }
     }

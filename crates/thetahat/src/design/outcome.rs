@@ -5,18 +5,18 @@ use super::{
     error::DesignError,
     experiment_text::experiment_text,
     options::UncertaintyOptions,
-    promise::{Expected, promised_method},
-    run::{Chosen, Told},
+    prediction::{Expected, predicted_method},
+    run::{FeasibleMotion, Forecast},
 };
 use thetahat_model::{
     base_parameters::{BaseParameter, BaseParameters},
     dynamics::Model,
 };
 use thetahat_report::results::{
-    DesignResults, JointResult, PromisedGain, PromisedParameter, PromisedPayload, SearchResult,
+    DesignResults, JointResult, PredictedGain, PredictedParameter, PredictedPayload, SearchResult,
 };
 
-/// Part of a sum's terms below which the sum is rounding, and part of the promised half width below which a value is that of a
+/// Part of a sum's terms below which the sum is rounding, and part of the predicted half width below which a value is that of a
 /// description's frames.
 const ROUNDING: f64 = 1e-12;
 const ROUNDING_OF_FRAMES: f64 = 1e-9;
@@ -36,12 +36,12 @@ impl Design {
         &self,
         model: &Model,
         base: &BaseParameters,
-        chosen: Chosen,
-        told: Told,
+        chosen: FeasibleMotion,
+        told: Forecast,
     ) -> Result<DesignResults, DesignError> {
-        let promised = self.promised(model, base, &told);
-        let Chosen { motion, torque, uses, starts, moves, collision, repeated } = chosen;
-        if let Some(file) = self.compared_file().filter(|_| promised.iter().all(|p| p.compared.is_none())) {
+        let predicted = self.predicted(model, base, &told);
+        let FeasibleMotion { motion, torque, uses, starts, moves, collision, repeated } = chosen;
+        if let Some(file) = self.compared_file().filter(|_| predicted.iter().all(|p| p.compared.is_none())) {
             return Err(DesignError::NothingToCompare { path: self.path.clone(), file });
         }
         let [q, dq, ddq, _] = motion;
@@ -62,7 +62,7 @@ impl Design {
             spectrum,
             collision,
             repeated,
-            payload: self.promised_payload(told.gains),
+            payload: self.predicted_payload(told.gains),
             uncertainty: (draws > 0).then_some((draws, percent)),
             compared: told.compared.map(|c| [c.title, c.method]),
             criterion: self.file.wanted.criterion.name().to_owned(),
@@ -71,24 +71,24 @@ impl Design {
                 .map(|s| SearchResult { first: s.first_value, found: s.value, steps: s.steps })
                 .collect(),
             limits: uses,
-            promised,
-            method: promised_method(&self.settings).name().to_owned(),
+            predicted,
+            method: predicted_method(&self.settings).name().to_owned(),
             is_closed_loop: self.settings.controller.is_some(),
             half_width_percent: self.file.wanted.half_width_percent,
             experiment: experiment_text(self, model)?,
         })
     }
 
-    /// What is promised of each parameter.
-    fn promised(&self, model: &Model, base: &BaseParameters, told: &Told) -> Vec<PromisedParameter> {
-        let Told { expected, remedies, compared, .. } = told;
+    /// What is predicted of each parameter.
+    fn predicted(&self, model: &Model, base: &BaseParameters, told: &Forecast) -> Vec<PredictedParameter> {
+        let Forecast { expected, remedies, compared, .. } = told;
         let values = self.a_priori_of(base, expected);
         let wanted = self.file.wanted.half_width_percent;
-        let promised = expected.parameters.iter().enumerate().map(|(i, parameter)| {
+        let predicted = expected.parameters.iter().enumerate().map(|(i, parameter)| {
             let a_priori = values[i];
             let half = expected.half_width_95[i];
             let times = (100.0 * half / (wanted * a_priori.abs())).powi(2);
-            PromisedParameter {
+            PredictedParameter {
                 name: parameter.name.clone(),
                 unit: parameter.unit.to_string(),
                 expression: parameter.expression.clone(),
@@ -101,12 +101,12 @@ impl Design {
                 seconds: (a_priori != 0.0).then_some(self.file.duration_s * times),
             }
         });
-        promised.collect()
+        predicted.collect()
     }
 
-    fn promised_payload(&self, gains: Vec<PromisedGain>) -> Option<PromisedPayload> {
+    fn predicted_payload(&self, gains: Vec<PredictedGain>) -> Option<PredictedPayload> {
         let payload = self.payload()?;
-        Some(PromisedPayload { name: payload.name.clone(), mass_kg: payload.mass_kg?, gains })
+        Some(PredictedPayload { name: payload.name.clone(), mass_kg: payload.mass_kg?, gains })
     }
 }
 

@@ -122,8 +122,8 @@ impl Design {
             CriterionName::D => Criterion::D,
             CriterionName::A => Criterion::A { weights: self.units(model, base)? },
             CriterionName::Worst => Criterion::Worst { weights: self.units(model, base)? },
-            CriterionName::Chosen => {
-                Criterion::Chosen { columns: selected.columns().into_iter().filter_map(place).collect() }
+            CriterionName::FeasibleMotion => {
+                Criterion::FeasibleMotion { columns: selected.columns().into_iter().filter_map(place).collect() }
             }
         })
     }

@@ -5,7 +5,7 @@ use super::{
     description::Design,
     limits::JointLimits,
     optimiser::Problem,
-    promise::Expected,
+    prediction::Expected,
     searches::{Searches, sign_scales},
     sums::Derivatives,
 };
@@ -49,7 +49,7 @@ impl Design {
         if unknown.is_empty() {
             return None;
         }
-        let problem = Problem { criterion: Criterion::Chosen { columns: unknown.to_vec() }, ..problem.clone() };
+        let problem = Problem { criterion: Criterion::FeasibleMotion { columns: unknown.to_vec() }, ..problem.clone() };
         let searches =
             Searches { count: STARTS, seed: self.file.motion.seed, threads, sign_scales: sign_scales(limits) };
         let best = searches.run(&problem).into_iter().min_by(|a, b| a.value.total_cmp(&b.value))?;

@@ -1,14 +1,14 @@
-//! The way of a design: limits, searches, verification, promise.
+//! The way of a design: limits, searches, verification, prediction.
 
 use super::{
-    at_hand::Compared,
     description::Design,
     error::DesignError,
     limits::JointLimits,
     loads::Loads,
     motions::Motions,
     optimiser::Problem,
-    promise::{Expected, ExpectedRecord},
+    prediction::{Expected, ExpectedRecord},
+    prior_data::Compared,
     searches::{Searches, Start, sign_scales},
     sums::Derivatives,
     verified::Verified,
@@ -24,20 +24,20 @@ use thetahat_model::{
     base_parameters::BaseParameters,
     dynamics::{Model, Sign},
 };
-use thetahat_report::results::{CollisionResults, DesignResults, LimitUse, PromisedGain};
+use thetahat_report::results::{CollisionResults, DesignResults, LimitUse, PredictedGain};
 
 /// What the record of the motion tells, and what is at hand beside it.
-pub(super) struct Told {
+pub(super) struct Forecast {
     pub(super) expected: Expected,
     /// For what stays unknown: how many times as narrow its interval would be by a motion for it.
     pub(super) remedies: Vec<Option<f64>>,
     /// Of the drives, with a record without the payload beside it.
-    pub(super) gains: Vec<PromisedGain>,
+    pub(super) gains: Vec<PredictedGain>,
     pub(super) compared: Option<Compared>,
 }
 
 /// A motion within its limits.
-pub(super) struct Chosen {
+pub(super) struct FeasibleMotion {
     pub(super) motion: Derivatives,
     pub(super) torque: Series,
     pub(super) uses: Vec<LimitUse>,
@@ -51,7 +51,7 @@ pub(super) struct Chosen {
 }
 
 impl Design {
-    /// Searches the best motion, verifies its limits at 1 kHz, and promises what its record will tell.
+    /// Searches the best motion, verifies its limits at 1 kHz, and predicts what its record will tell.
     ///
     /// The result does not depend on the number of `threads`.
     ///
@@ -71,7 +71,7 @@ impl Design {
         let [loaded, unloaded] = self.moved(&model, &chosen)?;
         let noise = self.position_noise();
         let record = self.expected_record(&loaded, &noise);
-        let expected = record.promise(&self.path, self.file.motion.seed, threads)?;
+        let expected = record.predict(&self.path, self.file.motion.seed, threads)?;
         let gains = match self.payload() {
             Some(_) => {
                 let unloaded = self.expected_record(&unloaded, &noise);
@@ -81,7 +81,7 @@ impl Design {
         };
         progress("looking for what would show more");
         let remedies = self.remedies(&problem, (&base, &limits), (&chosen.motion, &expected), threads);
-        self.results(&model, &base, chosen, Told { expected, remedies, gains, compared })
+        self.results(&model, &base, chosen, Forecast { expected, remedies, gains, compared })
     }
 
     /// The best motion of the searches that holds its limits.
@@ -91,7 +91,7 @@ impl Design {
         problem: &Problem,
         limits: &[JointLimits],
         threads: usize,
-    ) -> Result<Chosen, DesignError> {
+    ) -> Result<FeasibleMotion, DesignError> {
         let motion = &self.file.motion;
         let searches = Searches { count: motion.starts, seed: motion.seed, threads, sign_scales: sign_scales(limits) };
         let mut starts = searches.run(problem);
@@ -106,7 +106,7 @@ impl Design {
                     let torque = problem.loads.torques(&motion, Sign::Exact).swap_remove(0);
                     let moves = problem.watched.moves(&x);
                     let repeated = self.repeated(problem)?;
-                    return Ok(Chosen { motion, torque, uses, starts, moves, collision, repeated });
+                    return Ok(FeasibleMotion { motion, torque, uses, starts, moves, collision, repeated });
                 }
                 Err(error) => _ = first_error.get_or_insert(error),
             }
@@ -126,13 +126,13 @@ impl Design {
 
     /// The motion that the robot makes and its torques, as it is expected and without its payload: in the closed loop where a
     /// controller is described.
-    fn moved(&self, model: &Model, chosen: &Chosen) -> Result<[Moved; 2], DesignError> {
+    fn moved(&self, model: &Model, chosen: &FeasibleMotion) -> Result<[TrueMotion; 2], DesignError> {
         let of = |theta: &[f64]| match &self.settings.controller {
             Some(controller) => self.followed((model, controller), &chosen.motion[0], theta),
             None => {
                 let loads = Loads::new(model, &[theta.to_vec()], Vec::new());
                 let tau = loads.torques(&chosen.motion, Sign::Exact).swap_remove(0);
-                Ok(Moved { q: chosen.motion[0].clone(), tau })
+                Ok(TrueMotion { q: chosen.motion[0].clone(), tau })
             }
         };
         let loaded = of(&self.expected_robot(model)?)?;
@@ -146,7 +146,7 @@ impl Design {
         (model, controller): (&Model, &ControllerDescription),
         q: &Series,
         theta: &[f64],
-    ) -> Result<Moved, DesignError> {
+    ) -> Result<TrueMotion, DesignError> {
         let rate = self.file.sample_rate_hz;
         let reference = Reference::Sampled(SampledReference::new(q.clone(), rate));
         let setup = Setup { robot: &self.robot, settings: &self.settings };
@@ -156,10 +156,10 @@ impl Design {
         let motion = closed_loop
             .simulate(theta, &inertia, &grid)
             .map_err(|source| DesignError::Loop { path: self.path.clone(), source })?;
-        Ok(Moved { q: motion.q, tau: motion.tau })
+        Ok(TrueMotion { q: motion.q, tau: motion.tau })
     }
 
-    fn expected_record<'a>(&'a self, moved: &'a Moved, position_noise: &'a [f64]) -> ExpectedRecord<'a> {
+    fn expected_record<'a>(&'a self, moved: &'a TrueMotion, position_noise: &'a [f64]) -> ExpectedRecord<'a> {
         ExpectedRecord {
             robot: &self.robot,
             settings: &self.settings,
@@ -175,7 +175,7 @@ impl Design {
 
 /// What a robot does.
 #[derive(Clone)]
-struct Moved {
+struct TrueMotion {
     q: Series,
     tau: Series,
 }

@@ -7,7 +7,7 @@ use super::{
     crossing::crossed,
     limits::JointLimits,
     motions::Motions,
-    optimiser::{Found, Problem},
+    optimiser::{OptimiserResult, Problem},
     starts::{best_of_random, kicked},
     sums::Sums,
 };
@@ -134,7 +134,7 @@ impl Searches {
 
     /// The last descent, with the tight sign.
     fn end(&self, problem: &Problem, best: &Local) -> Option<Start> {
-        let Found { x, steps } = problem.optimise(best.found.x.clone(), self.tight(), FINE)?;
+        let OptimiserResult { x, steps } = problem.optimise(best.found.x.clone(), self.tight(), FINE)?;
         let value = problem.value(&x, self.tight())?;
         Some(Start { value, x, first_value: best.first_value, steps: best.found.steps + steps })
     }
@@ -143,7 +143,7 @@ impl Searches {
 /// The end of one descent.
 #[derive(Clone)]
 struct Local {
-    found: Found,
+    found: OptimiserResult,
     /// The criterion, and what violated limits cost.
     merit: f64,
     /// The criterion of the random motion that it comes from.
@@ -160,7 +160,7 @@ impl Local {
     fn or_better(self, other: Self) -> Self {
         let steps = self.found.steps + other.found.steps;
         let better = if other.merit < self.merit { other } else { self };
-        Self { found: Found { steps, ..better.found }, ..better }
+        Self { found: OptimiserResult { steps, ..better.found }, ..better }
     }
 }
 

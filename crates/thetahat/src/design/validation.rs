@@ -69,7 +69,7 @@ impl Design {
         for (key, list) in lists.into_iter().chain([("[noise] position", position)]) {
             self.require(list.fits(joints), key, &format!("one value, or {joints}"), list.given().len())?;
         }
-        let expected = "above zero: a record without noise would promise estimates without error; take the standard deviation \
+        let expected = "above zero: a record without noise would prediction estimates without error; take the standard deviation \
                         of a torque at rest";
         for &noise in torque.map_or(&[][..], OneOrEach::given) {
             self.require(noise > 0.0 && noise.is_finite(), "[noise] torque", expected, noise)?;
@@ -82,7 +82,7 @@ impl Design {
 
     fn validate_wanted(&self) -> Result<(), DesignError> {
         let wanted = &self.file.wanted;
-        let is_chosen = wanted.criterion == CriterionName::Chosen;
+        let is_chosen = wanted.criterion == CriterionName::FeasibleMotion;
         let expected = "names of base parameters with criterion = \"chosen\", and only with it";
         self.require(
             is_chosen != wanted.parameters.is_empty(),

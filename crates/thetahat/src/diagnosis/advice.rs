@@ -1,4 +1,4 @@
-//! Which method's numbers to take: the rules of `docs/diagnostics.md`.
+//! Which method's numbers to take: the rules of `docs/reference/verdict.md`.
 
 use super::{
     evidence::Evidence,

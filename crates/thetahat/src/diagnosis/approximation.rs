@@ -1,13 +1,17 @@
 //! What DIDIM's approximation of the sensitivities leaves out: DIDIM against CLIE.
 
-use super::estimated::Estimated;
+use super::estimated::MethodEstimate;
 use crate::preparation::Problem;
 use thetahat_estimation::identification::uncertainty;
 use thetahat_ground::linear_algebra::norm;
 use thetahat_report::results::{ApproximatedParameter, ApproximationResult};
 
 /// Compares both estimates, and Z with J; none where one of them has no deviations.
-pub(super) fn approximation(problem: &Problem, didim: &Estimated, clie: &Estimated) -> Option<ApproximationResult> {
+pub(super) fn approximation(
+    problem: &Problem,
+    didim: &MethodEstimate,
+    clie: &MethodEstimate,
+) -> Option<ApproximationResult> {
     let (approximate, exact) = (didim.outcome.fit.as_ref()?, clie.outcome.fit.as_ref()?);
     let (z, j) = (didim.outcome.instruments.as_ref()?, clie.outcome.instruments.as_ref()?);
     let deviations = uncertainty(clie.method, &clie.regression, Some(j), exact).ok()?.standard_deviation;

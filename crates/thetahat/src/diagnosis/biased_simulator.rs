@@ -3,7 +3,7 @@
 
 use super::{
     comparison::{HARMLESS_BELOW, SIGNIFICANCE, comparison, largest},
-    estimated::{Estimated, Whitened},
+    estimated::{MethodEstimate, Whitened},
 };
 use crate::preparation::{Case, Problem};
 use thetahat_estimation::{
@@ -35,7 +35,7 @@ pub(crate) type Simulate<'a> = dyn Fn(&[SimulatorBias], &[f64]) -> Vec<Option<Ma
 pub(super) fn biased_simulator(
     problem: &Problem,
     case: &Case,
-    didim: &Estimated,
+    didim: &MethodEstimate,
     simulate: &Simulate<'_>,
 ) -> Option<BiasedSimulatorResult> {
     let whitened = Whitened::new(didim)?;
@@ -89,7 +89,7 @@ fn threshold(statistics: &[f64]) -> Option<f64> {
 /// One DIDIM step with each error of the simulator, and how far its change explains the difference; the best first.
 fn explain(
     case: &Case,
-    didim: &Estimated,
+    didim: &MethodEstimate,
     whitened: &Whitened<'_>,
     compared: &SimulatorComparison,
     simulate: &Simulate<'_>,

@@ -7,7 +7,7 @@ use thetahat_estimation::{
 use thetahat_ground::linear_algebra::Matrix;
 
 /// A run of a case with what its diagnosis needs.
-pub(crate) struct Estimated {
+pub(crate) struct MethodEstimate {
     pub(crate) method: Method,
     /// Its rows, with their weights.
     pub(crate) regression: Regression,
@@ -15,7 +15,7 @@ pub(crate) struct Estimated {
 }
 
 /// The converged run of a method.
-pub(super) fn converged(runs: &[Estimated], method: Method) -> Option<&Estimated> {
+pub(super) fn converged(runs: &[MethodEstimate], method: Method) -> Option<&MethodEstimate> {
     runs.iter().find(|e| e.method == method && e.outcome.status == Status::Converged)
 }
 
@@ -28,7 +28,7 @@ pub(super) struct Whitened<'a> {
 }
 
 impl<'a> Whitened<'a> {
-    pub(super) fn new(run: &'a Estimated) -> Option<Self> {
+    pub(super) fn new(run: &'a MethodEstimate) -> Option<Self> {
         let (regression, z) = (&run.regression, run.outcome.instruments.as_ref()?);
         Some(Self {
             x: regression.whiten_matrix(&regression.x),

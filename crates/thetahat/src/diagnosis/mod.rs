@@ -1,5 +1,5 @@
 //! What the runs of a case show together: tests of residuals, of LS against IV, of instruments, and of DIDIM against IV, as
-//! verdicts with numbers, and the advice that follows from them (`docs/diagnostics.md`).
+//! verdicts with numbers, and the advice that follows from them (`docs/reference/verdict.md`).
 
 mod advice;
 mod approximation;
@@ -22,7 +22,7 @@ use thetahat_report::results::CaseDiagnosis;
 
 pub(crate) use advice::advise;
 pub(crate) use biased_simulator::Simulate;
-pub(crate) use estimated::Estimated;
+pub(crate) use estimated::MethodEstimate;
 pub(crate) use independent::independent_rows;
 pub(crate) use residual::residual;
 pub(crate) use verdict::judge;
@@ -37,7 +37,7 @@ use instruments::instruments;
 pub(crate) fn diagnose(
     problem: &Problem,
     case: &Case,
-    estimated: &[Estimated],
+    estimated: &[MethodEstimate],
     simulate: &Simulate<'_>,
 ) -> CaseDiagnosis {
     let iv = converged(estimated, Method::IDIM_IV).and_then(Whitened::new);

@@ -2,7 +2,7 @@
 
 use super::{description::Experiment, error::ExperimentError, twin::TwinMotion};
 use crate::{
-    diagnosis::{Estimated, diagnose},
+    diagnosis::{MethodEstimate, diagnose},
     preparation::Case,
     scheduling::{EstimationJob, RunOptions, run_all},
 };
@@ -93,7 +93,7 @@ impl Experiment {
             // It was stopped on purpose.
             let outcome = Outcome { status: Status::Converged, ..finished.outcome };
             let regression = jobs[k].regression.clone();
-            let estimated = [Estimated { method: Method::DIDIM, regression, outcome }];
+            let estimated = [MethodEstimate { method: Method::DIDIM, regression, outcome }];
             let test = diagnose(&problems[0].problem, &cases[k], &estimated, &|_, _| Vec::new()).biased_simulator;
             seen[k] = test.map(|t| Seen { verdict: t.verdict, average_difference: t.average_difference });
             Ok::<(), std::convert::Infallible>(())

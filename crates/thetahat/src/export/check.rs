@@ -11,7 +11,7 @@ use super::{
     mjcf::{self, MjcfModel},
     read_back::{Kinematics, robot_of},
     render::Export,
-    said::Said,
+    said::FormatCapability,
     sdf_read,
 };
 use thetahat_model::{
@@ -80,7 +80,7 @@ fn order(names: &[&str], back: &Robot) -> Result<Vec<usize>, ExportError> {
     })
 }
 
-fn compare(said: &Said, back: &Robot) -> Result<f64, ExportError> {
+fn compare(said: &FormatCapability, back: &Robot) -> Result<f64, ExportError> {
     let names: Vec<&str> = said.robot.coordinates().map(|j| j.name.as_str()).collect();
     let order = order(&names, back)?;
     let (exported, read) = (Torques::of(&said.robot, &said.parameters), Torques::of(back, &back.a_priori_parameters()));

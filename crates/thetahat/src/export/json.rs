@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::said::Said;
+use super::said::FormatCapability;
 use thetahat_model::robot::{Joint, JointKind, Parameter, Robot, TermDescription};
 
 #[derive(Serialize)]
@@ -59,7 +59,7 @@ struct Value {
 }
 
 /// The JSON of a robot; `about` says where it comes from.
-pub(super) fn json(said: &Said, about: &[String]) -> Result<String, serde_json::Error> {
+pub(super) fn json(said: &FormatCapability, about: &[String]) -> Result<String, serde_json::Error> {
     let robot = &said.robot;
     let a_priori = robot.a_priori_parameters();
     let value = |((p, value), a_priori): ((&Parameter, &f64), &f64)| {

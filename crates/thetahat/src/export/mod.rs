@@ -3,7 +3,7 @@
 //! Base parameters are not link inertias. [`IdentifiedModel`] takes the physically consistent standard parameters nearest to
 //! the a-priori ones (log-det) that keep the base parameters at their estimates, or within their intervals;
 //! [`IdentifiedModel::export`] writes them, and says what moved and what the format cannot say. [`export_robot`] does so for
-//! any standard parameters. How bodies are split, and what each format says: `docs/use_the_result.md`.
+//! any standard parameters. How bodies are split, and what each format says: `docs/manual/use_the_result.md`.
 //!
 //! ```
 //! use std::path::Path;

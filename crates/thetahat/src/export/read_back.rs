@@ -1,6 +1,6 @@
 //! The robot that an exported file describes, in the names of the robot that was exported.
 
-use super::{coupling::Tendon, said::Said};
+use super::{coupling::Tendon, said::FormatCapability};
 use thetahat_model::robot::{Frame, INERTIAL, JointQuantity, MotorQuantity, Parameter, Placement, Quantity, Robot};
 
 /// A link with its joint as a file has them.
@@ -25,7 +25,12 @@ pub(super) enum Kinematics {
 }
 
 /// The exported robot with the values of the file, and its kinematics.
-pub(super) fn robot_of(said: &Said, links: &[ReadLink], tendons: &[Tendon], kinematics: Kinematics) -> Robot {
+pub(super) fn robot_of(
+    said: &FormatCapability,
+    links: &[ReadLink],
+    tendons: &[Tendon],
+    kinematics: Kinematics,
+) -> Robot {
     let mut robot = said.robot.clone();
     if kinematics == Kinematics::File {
         for (joint, link) in robot.joints.iter_mut().zip(links) {

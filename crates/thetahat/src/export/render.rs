@@ -7,7 +7,7 @@ use super::{
     header,
     json::json,
     mjcf::{self, MjcfModel},
-    said::{Said, said},
+    said::{FormatCapability, said},
     sdf::sdf,
     urdf_edit::edited,
     urdf_new,
@@ -51,7 +51,7 @@ pub struct Export {
     pub unsaid: Vec<String>,
     /// What was done beside, as how bodies were split; it is in the file as well.
     pub notes: Vec<String>,
-    pub(super) said: Said,
+    pub(super) said: FormatCapability,
     /// Whether it is a file of the user's own with its own kinematics.
     pub(super) is_edited_model: bool,
 }

@@ -15,7 +15,7 @@ const USUAL_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
 /// The robot as a format says it: its torques are those of the exported file.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Said {
+pub(super) struct FormatCapability {
     /// The robot with the friction, drives and terms that the format has.
     pub(super) robot: Robot,
     /// Its parameters.
@@ -28,7 +28,7 @@ pub(super) struct Said {
     pub(super) unsaid: Vec<String>,
 }
 
-impl Said {
+impl FormatCapability {
     /// The value of a quantity of a joint.
     pub(super) fn of_joint(&self, quantity: JointQuantity, joint: usize) -> f64 {
         self.table.value(&self.parameters, Quantity::Joint(quantity), joint)
@@ -41,10 +41,10 @@ impl Said {
 }
 
 /// What a format says of a robot with standard parameters.
-pub(super) fn said(robot: &Robot, parameters: &[f64], format: Format) -> Said {
+pub(super) fn said(robot: &Robot, parameters: &[f64], format: Format) -> FormatCapability {
     let table = robot.parameter_table();
     if format == Format::Json {
-        return Said {
+        return FormatCapability {
             robot: robot.clone(),
             table,
             parameters: parameters.to_vec(),
@@ -69,7 +69,7 @@ pub(super) fn said(robot: &Robot, parameters: &[f64], format: Format) -> Said {
     let values: Vec<f64> = table.iter().map(|parameter| of_format.value(parameter, &lost)).collect();
     rest.a_priori = table.iter().map(Parameter::name).zip(values.iter().copied()).collect();
     let tendons = if format == Format::Mjcf { tendons(&rest, &values) } else { Vec::new() };
-    Said { unsaid: of_format.unsaid(&lost), tendons, robot: rest, table, parameters: values }
+    FormatCapability { unsaid: of_format.unsaid(&lost), tendons, robot: rest, table, parameters: values }
 }
 
 /// A robot in a format that cannot say everything.

@@ -3,13 +3,13 @@
 use super::{
     body::Body,
     frames::{LinkFrame, link_name},
-    said::Said,
+    said::FormatCapability,
     xml::{escaped, number, numbers},
 };
 use thetahat_model::robot::{JointKind, JointQuantity, Robot};
 
 /// The SDF of a robot, with `header` at its start.
-pub(super) fn sdf(said: &Said, header: &str) -> String {
+pub(super) fn sdf(said: &FormatCapability, header: &str) -> String {
     let robot = &said.robot;
     // Mimic joints are of version 1.11.
     let version = if robot.joints.iter().any(|j| j.mimic.is_some()) { "1.11" } else { "1.9" };
@@ -21,7 +21,7 @@ pub(super) fn sdf(said: &Said, header: &str) -> String {
     format!("<?xml version=\"1.0\"?>\n{header}{}\n", lines.join("\n"))
 }
 
-fn link(said: &Said, k: usize) -> Vec<String> {
+fn link(said: &FormatCapability, k: usize) -> Vec<String> {
     let frame = LinkFrame::of(&said.robot, k);
     let body = Body::new(said.inertial_of(k));
     let within = said.robot.joints[k].parent.map_or_else(|| "__model__".to_owned(), link_name);
@@ -40,7 +40,7 @@ fn link(said: &Said, k: usize) -> Vec<String> {
     ]
 }
 
-fn joint(said: &Said, k: usize) -> Vec<String> {
+fn joint(said: &FormatCapability, k: usize) -> Vec<String> {
     let joint = &said.robot.joints[k];
     let kind = match joint.kind {
         JointKind::Revolute => "revolute",

@@ -4,12 +4,12 @@ use std::path::Path;
 
 use roxmltree::{Document, Node};
 
-use super::{editor, error::ExportError, read_back::ReadLink, said::Said};
+use super::{editor, error::ExportError, read_back::ReadLink, said::FormatCapability};
 use thetahat_ground::vector::{Mat3, norm, scale, with_z};
 use thetahat_model::robot::{Frame, Joint, RigidBody, parse_xml, roll_pitch_yaw};
 
 /// The links of the exported robot as the file has them.
-pub(super) fn read(text: &str, said: &Said) -> Result<Vec<ReadLink>, ExportError> {
+pub(super) fn read(text: &str, said: &FormatCapability) -> Result<Vec<ReadLink>, ExportError> {
     let document: Document<'_> = parse_xml(text, Path::new("the export")).map_err(|e| missing(&e.to_string()))?;
     let model = child(document.root_element(), "model")?;
     let links: Vec<Link<'_>> =

@@ -7,7 +7,7 @@ use roxmltree::{Document, Node};
 use super::{
     body::Body,
     editor::{Edited, Editor, child},
-    said::Said,
+    said::FormatCapability,
     split::split,
     xml::{number, numbers},
 };
@@ -17,7 +17,7 @@ use thetahat_model::robot::{JointQuantity, LinkPart, RobotError};
 const STEP: &str = "  ";
 
 /// The URDF `text`, from which the robot was read, with the inertias and the friction of `said`.
-pub(super) fn edited(text: &str, said: &Said) -> Result<Edited, RobotError> {
+pub(super) fn edited(text: &str, said: &FormatCapability) -> Result<Edited, RobotError> {
     let parts = said.robot.parts_of_urdf(text, Path::new("the URDF of the results"))?;
     let (bodies, notes) = bodies(said, &parts);
     let document = Document::parse(text)
@@ -38,7 +38,7 @@ pub(super) fn edited(text: &str, said: &Said) -> Result<Edited, RobotError> {
 }
 
 /// The bodies of the links that change, by name.
-fn bodies(said: &Said, parts: &[LinkPart]) -> (BTreeMap<String, Body>, Vec<String>) {
+fn bodies(said: &FormatCapability, parts: &[LinkPart]) -> (BTreeMap<String, Body>, Vec<String>) {
     let (mut bodies, mut notes) = (BTreeMap::new(), Vec::new());
     for k in 0..said.robot.joints.len() {
         let own = |part: &&LinkPart| part.carrier == Some(k);
@@ -89,7 +89,7 @@ impl Editor<'_> {
         }
     }
 
-    fn set_friction(&mut self, joint: Node<'_, '_>, said: &Said, index: usize) {
+    fn set_friction(&mut self, joint: Node<'_, '_>, said: &FormatCapability, index: usize) {
         let [damping, friction] = [JointQuantity::Fv, JointQuantity::Fc].map(|q| said.of_joint(q, index));
         let [viscous, coulomb] = [number(damping), number(friction)];
         if let Some(dynamics) = child(joint, "dynamics") {

@@ -3,7 +3,7 @@
 use super::{
     body::Body,
     frames::{LinkFrame, link_name},
-    said::Said,
+    said::FormatCapability,
     urdf_edit::inertial_lines,
     xml::{escaped, number, numbers},
 };
@@ -14,7 +14,7 @@ const UNKNOWN: f64 = 1e9;
 
 /// The URDF of a robot, with `header` at its start. `reductions` are the gear ratios of the coordinates' motors, none where
 /// motors are coupled.
-pub(super) fn urdf(said: &Said, header: &str, reductions: Option<&[f64]>) -> String {
+pub(super) fn urdf(said: &FormatCapability, header: &str, reductions: Option<&[f64]>) -> String {
     let robot = &said.robot;
     let mut lines =
         vec![format!("<robot name=\"{}\">", escaped(&robot.name)), "  <link name=\"base_link\"/>".to_owned()];
@@ -31,8 +31,8 @@ pub(super) fn urdf(said: &Said, header: &str, reductions: Option<&[f64]>) -> Str
     format!("<?xml version=\"1.0\"?>\n{header}{}\n", lines.join("\n"))
 }
 
-fn joint(said: &Said, k: usize) -> Vec<String> {
-    let Said { robot, .. } = said;
+fn joint(said: &FormatCapability, k: usize) -> Vec<String> {
+    let FormatCapability { robot, .. } = said;
     let joint = &robot.joints[k];
     let frame = LinkFrame::of(robot, k);
     let parent = joint.parent.map_or_else(|| "base_link".to_owned(), link_name);

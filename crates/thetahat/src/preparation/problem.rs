@@ -45,7 +45,7 @@ pub(crate) struct Problem {
 }
 
 /// Which base parameters are estimated.
-pub(crate) struct Chosen {
+pub(crate) struct SelectedParameters {
     pub(crate) estimated: BaseParameters,
     /// Their columns among those of the base.
     pub(crate) columns: Vec<usize>,
@@ -91,7 +91,7 @@ impl Setup<'_> {
         }
         let (x, y) = (layout.stack_matrices(matrices), layout.stack_vectors(vectors));
         let all = Regression::new(x, y, layout);
-        let Chosen { estimated, columns, elimination } = self.choose(choice, (&model, &base), &all)?;
+        let SelectedParameters { estimated, columns, elimination } = self.choose(choice, (&model, &base), &all)?;
         let (regression, full) =
             if columns.len() == base.len() { (all, None) } else { (all.with_columns(&columns), Some(all)) };
         let consistent_set = OnceLock::new();
@@ -130,7 +130,7 @@ impl Setup<'_> {
         choice: &ParameterChoice,
         (model, base): (&Model, &BaseParameters),
         all: &Regression,
-    ) -> Result<Chosen, PreparationError> {
+    ) -> Result<SelectedParameters, PreparationError> {
         base.select(model.parameter_table(), &self.settings.parameters.show)?;
         let elimination = match choice {
             ParameterChoice::Base | ParameterChoice::List(_) | ParameterChoice::Named(NamedChoice::Base) => None,
@@ -150,7 +150,7 @@ impl Setup<'_> {
         let estimated = base.select(model.parameter_table(), &names)?;
         let column = |p: &BaseParameter| base.columns().iter().position(|&c| c == p.kept);
         let columns = estimated.parameters().iter().filter_map(column).collect();
-        Ok(Chosen { estimated, columns, elimination })
+        Ok(SelectedParameters { estimated, columns, elimination })
     }
 }
 

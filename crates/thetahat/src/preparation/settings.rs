@@ -203,7 +203,7 @@ impl SignalOptions {
         let decimator = Decimator::new(self.decimation, samples)?;
         Ok(match self.mask {
             Mask::Named(NamedMask::None) => decimator,
-            Mask::Named(NamedMask::NearRest) | Mask::Stated(_) => decimator.of_zero_beyond(),
+            Mask::Named(NamedMask::NearRest) | Mask::Stated(_) => decimator.with_zero_padding(),
         })
     }
 }

@@ -29,7 +29,7 @@
 //! | `information` | what the recordings tell, for the design of the next |
 //! | `estimates` | estimates of a `results.json`, for instruments |
 //!
-//! `docs/long_records.md` says how pieces are kept equal to the whole, and what is refused.
+//! `docs/manual/long_recordings.md` says how pieces are kept equal to the whole, and what is refused.
 //!
 //! ```
 //! use std::path::PathBuf;

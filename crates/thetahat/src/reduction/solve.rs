@@ -9,7 +9,7 @@ use super::{
 use crate::{
     diagnosis::judge,
     experiment::Experiment,
-    preparation::{Case, Chosen, Settings, full_model_test, named_elimination},
+    preparation::{Case, SelectedParameters, Settings, full_model_test, named_elimination},
     run::{covariance_of, explain, parameter_results},
 };
 use thetahat_estimation::{
@@ -93,7 +93,7 @@ impl Reduction {
             bandwidth: experiment.setup().measure_bandwidth(rate).map_err(|e| experiment.refuse(e))?,
             seed: experiment.file.twin.as_ref().map(|t| t.sensors.seed),
             findings: Vec::new(),
-            with_rest: None,
+            unmasked_comparison: None,
             profiled_terms: Vec::new(),
             term_comparison: None,
             excluded_parameters: experiment.settings.parameters.exclude.clone(),
@@ -135,7 +135,7 @@ struct Solver<'a> {
     settings: &'a Settings,
     /// The factors with all base columns.
     all: Compressed,
-    chosen: Chosen,
+    chosen: SelectedParameters,
 }
 
 impl Solver<'_> {

@@ -8,14 +8,14 @@ use super::{
     curves,
     identification::{Identification, explain},
     linear::Linear,
+    no_predictive_power::{Data, no_predictive_power},
     parameters::{covariance_of, loop_parameter_results, parameter_results},
     physical::Examined,
     prepared::filtered,
     residual_curves,
-    worse_than_zero::{Data, worse_than_zero},
 };
 use crate::{
-    diagnosis::{Estimated, residual},
+    diagnosis::{MethodEstimate, residual},
     preparation::{Case, PreparationError},
     scheduling::{EstimationJob, Finished},
 };
@@ -39,7 +39,7 @@ pub(super) struct Assessment<'a> {
 
 impl Assessment<'_> {
     /// The run of a finished estimation, and what the diagnosis of its case needs.
-    pub(super) fn assess(&self, finished: Finished) -> Result<(RunResult, Estimated), PreparationError> {
+    pub(super) fn assess(&self, finished: Finished) -> Result<(RunResult, MethodEstimate), PreparationError> {
         let EstimationJob { problem, method, regression, simulator, .. } = self.job;
         let Finished { outcome, motions, note, seconds } = finished;
         let mut run = self.summarise(&outcome);
@@ -61,7 +61,7 @@ impl Assessment<'_> {
             run.residual = Some(residual(regression, &fit.prediction));
             if method.response() == Response::Torque {
                 let robot = self.identification.setup().robot;
-                run.findings.extend(worse_than_zero(robot, regression, &fit.prediction, Data::Own));
+                run.findings.extend(no_predictive_power(robot, regression, &fit.prediction, Data::Own));
             }
             self.leave_parts_out(&outcome, &mut run);
             if !self.identification.validation.is_empty() {
@@ -69,7 +69,7 @@ impl Assessment<'_> {
                 self.validate_on_others(fit, &mut run)?;
             }
         }
-        Ok((run, Estimated { method: *method, regression: regression.clone(), outcome }))
+        Ok((run, MethodEstimate { method: *method, regression: regression.clone(), outcome }))
     }
 
     /// The predicted torque: of the measured motion where the response that is fitted is another.
@@ -177,7 +177,7 @@ impl Assessment<'_> {
         // The error of a run that fits positions is of positions: that of its torques does not belong beside it.
         if !run.is_of_positions() {
             run.cross_validation_relative_error_percent = Some(relative_error_percent(&regression.y, &prediction));
-            run.findings.extend(worse_than_zero(setup.robot, regression, &prediction, Data::HeldBack));
+            run.findings.extend(no_predictive_power(setup.robot, regression, &prediction, Data::HeldBack));
         }
         run.plots.held_back = regression.layout.by_joint(&prediction);
         run.validation_condition_number = Some(regression.x.condition_number());

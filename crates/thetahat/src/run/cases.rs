@@ -7,11 +7,11 @@ use super::{
     curves,
     examination::{compare, examine, examine_robot, with_note},
     identification::{CaseProblem, Identification},
-    prepared::{Prepared, filtered},
+    prepared::{PreparedRecording, filtered},
     uncertain,
 };
 use crate::{
-    diagnosis::{Estimated, advise, diagnose, judge},
+    diagnosis::{MethodEstimate, advise, diagnose, judge},
     preparation::{Case, PreparationError, Problem, is_iv, propose_controller},
     scheduling::{EstimationJob, RunOptions, instruments_side_by_side, run_all},
 };
@@ -55,7 +55,7 @@ impl Identification {
         let (mut runs, mut user_runs, mut diagnostics) = (Vec::new(), Vec::new(), Vec::new());
         for (case, assessed) in cases.iter().zip(assessed) {
             progress(&format!("{}: diagnosis", case.name));
-            let (mut results, estimated): (Vec<RunResult>, Vec<Estimated>) = assessed.into_iter().unzip();
+            let (mut results, estimated): (Vec<RunResult>, Vec<MethodEstimate>) = assessed.into_iter().unzip();
             let problem = &self.problem_of(&problems, case).problem;
             if case.name == NOMINAL {
                 self.add_hidden_biases(problem, &mut results, &estimated);
@@ -82,7 +82,7 @@ impl Identification {
         problems: &[CaseProblem],
         cases: &[Case],
         progress: &mut dyn FnMut(&str),
-    ) -> Result<Vec<Vec<(RunResult, Estimated)>>, PreparationError> {
+    ) -> Result<Vec<Vec<(RunResult, MethodEstimate)>>, PreparationError> {
         let estimation = &self.setup().settings.estimation;
         let methods = |case: &Case| case.methods.clone().unwrap_or_else(|| estimation.methods.clone());
         let all: Vec<(usize, Method)> =
@@ -90,7 +90,7 @@ impl Identification {
         let job = |&(c, method): &(usize, Method)| self.job(self.problem_of(problems, &cases[c]), &cases[c], method);
         let jobs: Vec<EstimationJob<'_>> = all.iter().map(job).collect();
         let options = RunOptions { iteration: estimation.iteration(), motion_step: Some(1), threads: self.threads };
-        let mut assessed: Vec<Option<(RunResult, Estimated)>> = all.iter().map(|_| None).collect();
+        let mut assessed: Vec<Option<(RunResult, MethodEstimate)>> = all.iter().map(|_| None).collect();
         let (done, stopwatch) = (Cell::new(0), Stopwatch::start());
         let mut tell = |simulations| {
             let (done, of) = (done.get(), all.len());
@@ -128,7 +128,7 @@ impl Identification {
         (problem, case): (&CaseProblem, &Case),
         method: Method,
         failed: &RunResult,
-    ) -> Result<Option<(RunResult, Estimated)>, PreparationError> {
+    ) -> Result<Option<(RunResult, MethodEstimate)>, PreparationError> {
         let setup = self.setup();
         let is_described = setup.settings.controller.is_some();
         let has_reference = self.main.iter().any(|p| p.filtered.recording.reference.is_some());
@@ -155,7 +155,7 @@ impl Identification {
     }
 
     /// Compares the methods of a case; what needs a simulator with another bias makes one.
-    fn diagnose(&self, problem: &Problem, case: &Case, estimated: &[Estimated]) -> CaseDiagnosis {
+    fn diagnose(&self, problem: &Problem, case: &Case, estimated: &[MethodEstimate]) -> CaseDiagnosis {
         let simulate = |biases: &[SimulatorBias], theta: &[f64]| {
             let with_bias = |&bias| self.simulator(&self.main, problem, &case.clone().with_simulator(bias));
             let Some(simulators) = biases.iter().map(with_bias).collect::<Option<Vec<_>>>() else { return Vec::new() };
@@ -167,7 +167,7 @@ impl Identification {
     /// What is found in the recordings, those that are identified from and those held back.
     fn findings(&self, nominal: &Problem, runs: &[RunResult]) -> Vec<RecordingFindings> {
         let setup = self.setup();
-        let of = |all: &[Prepared], held_back| -> Vec<RecordingFindings> {
+        let of = |all: &[PreparedRecording], held_back| -> Vec<RecordingFindings> {
             all.iter().map(|p| examine(setup, p, nominal, held_back)).collect()
         };
         let main = with_note(of(&self.main, false), uncertain::of_runs(setup, nominal, runs));
@@ -204,7 +204,7 @@ impl Identification {
             excluded_parameters: self.setup().settings.parameters.exclude.clone(),
             fixed_parameters: self.setup().settings.parameters.fix.clone(),
             elimination: problem.elimination_result(),
-            with_rest: self.with_rest(problem, &runs)?,
+            unmasked_comparison: self.unmasked_comparison(problem, &runs)?,
             profiled_terms: self.profiled.clone(),
             term_comparison: None,
             advice: diagnostics.iter().map(|d| advise(d, &runs, &findings)).collect(),

@@ -1,6 +1,6 @@
 //! Curves for the report: what the figures show of a run and of the robot, as plain data.
 
-use super::prepared::{Prepared, times};
+use super::prepared::{PreparedRecording, times};
 use crate::preparation::Problem;
 use thetahat_ground::series::Series;
 use thetahat_model::{base_parameters::BaseParameters, dynamics::Model, robot::Robot};
@@ -10,7 +10,7 @@ use thetahat_report::results::{Frame, HeldBackPlots, Plots, RecordStart, Skeleto
 const WAY: usize = 400;
 
 /// The curves that all runs share.
-pub(super) fn shared(robot: &Robot, prepared: &[Prepared], problem: &Problem) -> Plots {
+pub(super) fn shared(robot: &Robot, prepared: &[PreparedRecording], problem: &Problem) -> Plots {
     let positions: Vec<&Series> = prepared.iter().map(|p| &p.filtered.motion.q).collect();
     let regression = &problem.regression;
     Plots {
@@ -24,7 +24,7 @@ pub(super) fn shared(robot: &Robot, prepared: &[Prepared], problem: &Problem) ->
 }
 
 /// The curves that all runs share of the recordings held back.
-pub(super) fn held_back(validation: &[Prepared], problem: &Problem) -> HeldBackPlots {
+pub(super) fn held_back(validation: &[PreparedRecording], problem: &Problem) -> HeldBackPlots {
     let regression = &problem.regression;
     HeldBackPlots {
         time_s: times(validation, problem),
@@ -34,9 +34,9 @@ pub(super) fn held_back(validation: &[Prepared], problem: &Problem) -> HeldBackP
 }
 
 /// The first row of each recording.
-fn starts(prepared: &[Prepared], problem: &Problem) -> Vec<RecordStart> {
+fn starts(prepared: &[PreparedRecording], problem: &Problem) -> Vec<RecordStart> {
     let mut row = 0;
-    let start = |(p, rows): (&Prepared, usize)| {
+    let start = |(p, rows): (&PreparedRecording, usize)| {
         let start = RecordStart { name: p.filtered.recording.name.clone(), row };
         row += rows;
         start

@@ -1,7 +1,7 @@
 use super::{
     identification::CaseProblem,
     parameters::parameter_results,
-    prepared::{Prepared, filtered},
+    prepared::{PreparedRecording, filtered},
     uncertain,
 };
 use crate::preparation::{Case, FilteredRecording, PreparationError, Problem, Recording, Setup};
@@ -17,8 +17,13 @@ use thetahat_report::results::RecordingFindings;
 const TOGETHER: &str = "all recordings";
 
 /// What the checks find in one recording.
-pub(crate) fn examine(setup: Setup<'_>, prepared: &Prepared, problem: &Problem, held_back: bool) -> RecordingFindings {
-    let Prepared { filtered, reference } = prepared;
+pub(crate) fn examine(
+    setup: Setup<'_>,
+    prepared: &PreparedRecording,
+    problem: &Problem,
+    held_back: bool,
+) -> RecordingFindings {
+    let PreparedRecording { filtered, reference } = prepared;
     let recording = &filtered.recording;
     let is_planned = recording.planned.is_some();
     // What is simulated along a recording that is held back is no part of the estimate.
@@ -83,13 +88,13 @@ pub(crate) fn examine_robot(robot: &Robot) -> Option<RecordingFindings> {
 /// What the checks find in recordings beside one another: those to identify from, and those held back.
 pub(super) fn compare(
     setup: Setup<'_>,
-    [main, held_back]: [&[Prepared]; 2],
+    [main, held_back]: [&[PreparedRecording]; 2],
     (model, base): (&Model, &BaseParameters),
 ) -> Option<RecordingFindings> {
     let base = base.filtered(|kept| !model.takes_channel(kept));
     let all = main.iter().map(|p| (p, false)).chain(held_back.iter().map(|p| (p, true)));
     let mut companions = Vec::new();
-    for (Prepared { filtered, .. }, held_back) in all {
+    for (PreparedRecording { filtered, .. }, held_back) in all {
         let subject = subject_of(setup, filtered, model, (&base, &base));
         companions.push(Companion { name: &filtered.recording.name, held_back, subject });
     }
@@ -111,12 +116,12 @@ pub(crate) fn check_recordings(
         let filtered = setup.filter(recording)?;
         let controller = setup.settings.controller.as_ref();
         let reference = controller.and_then(|_| setup.reference(&filtered.recording).ok());
-        Ok(Prepared { filtered, reference })
+        Ok(PreparedRecording { filtered, reference })
     };
     let prepare_all = |all: Vec<Recording>| all.into_iter().map(prepare).collect::<Result<Vec<_>, PreparationError>>();
     let (main, held_back) = (prepare_all(main)?, prepare_all(held_back)?);
     let problem = setup.problem(&Case::nominal(), &filtered(&main))?;
-    let of = |prepared: &[Prepared], held_back| -> Vec<RecordingFindings> {
+    let of = |prepared: &[PreparedRecording], held_back| -> Vec<RecordingFindings> {
         prepared.iter().map(|p| examine(setup, p, &problem, held_back)).collect()
     };
     let (found, beside) = (of(&main, false), of(&held_back, true));

@@ -10,7 +10,7 @@ use std::iter::once;
 
 use super::{identification::Identification, prepared::filtered};
 use crate::{
-    diagnosis::Estimated,
+    diagnosis::MethodEstimate,
     preparation::{FilteredRecording, Problem, torques},
 };
 use thetahat_estimation::{
@@ -34,7 +34,7 @@ struct Direction {
 impl Identification {
     /// Adds to each run its bias by each error, the largest one that the record leaves possible; none to a run without estimates
     /// or without intervals, and none where torques take another channel or none are fitted.
-    pub(super) fn add_hidden_biases(&self, problem: &Problem, runs: &mut [RunResult], estimated: &[Estimated]) {
+    pub(super) fn add_hidden_biases(&self, problem: &Problem, runs: &mut [RunResult], estimated: &[MethodEstimate]) {
         if !self.setup().robot.channels().is_empty() {
             return;
         }
@@ -48,7 +48,7 @@ impl Identification {
         &self,
         problem: &Problem,
         run: &RunResult,
-        estimated: &Estimated,
+        estimated: &MethodEstimate,
         friction: &[Direction],
     ) -> Vec<HiddenBias> {
         let Some(fit) = &estimated.outcome.fit else { return Vec::new() };
@@ -99,14 +99,14 @@ impl Identification {
 
 /// A run whose residual bounds the errors.
 struct Bounded<'a> {
-    estimated: &'a Estimated,
+    estimated: &'a MethodEstimate,
     run: &'a RunResult,
     divisor: Divisor,
 }
 
 impl Bounded<'_> {
     fn biases(&self, mut directions: Vec<Direction>) -> Result<Vec<HiddenBias>, EstimationError> {
-        let Estimated { method, regression, outcome } = self.estimated;
+        let MethodEstimate { method, regression, outcome } = self.estimated;
         let z = outcome.instruments.as_ref();
         let influence = method.influence(regression, z)?;
         let sizes = loop {
@@ -131,7 +131,7 @@ impl Bounded<'_> {
 
     /// 95 % intervals of the sizes of errors that are estimated beside the parameters.
     fn sizes(&self, directions: &[Direction]) -> Result<Vec<[f64; 2]>, EstimationError> {
-        let Estimated { method, regression, outcome } = self.estimated;
+        let MethodEstimate { method, regression, outcome } = self.estimated;
         let torques = directions.iter().flat_map(|d| d.torque.iter().copied()).collect();
         let errors = Matrix::from_columns(regression.x.rows(), torques);
         let beside = |matrix: &Matrix| Matrix::beside(&[matrix, &errors]);

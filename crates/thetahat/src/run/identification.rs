@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use super::{
     cross_validation::{Folds, folds_by_move, folds_by_part, folds_by_phase, folds_by_recording},
-    prepared::{Prepared, filtered, times},
+    prepared::{PreparedRecording, filtered, times},
     profiled_robot::with_profiled_terms,
 };
 use crate::{
@@ -36,10 +36,10 @@ pub struct Identification {
     proposed: Option<ProposedController>,
     /// The constants of torque terms that were searched for.
     pub(super) profiled: Vec<ProfiledTerm>,
-    pub(super) main: Vec<Prepared>,
+    pub(super) main: Vec<PreparedRecording>,
     /// Recordings with a payload that is to be estimated: nothing else is estimated from them.
-    pub(super) loaded: Vec<Prepared>,
-    pub(super) validation: Vec<Prepared>,
+    pub(super) loaded: Vec<PreparedRecording>,
+    pub(super) validation: Vec<PreparedRecording>,
     /// Estimators of the user's own, for the nominal case.
     pub(super) estimators: Vec<UserEstimator>,
     /// Threads on which loops are simulated.
@@ -145,7 +145,7 @@ impl Identification {
     }
 
     /// Takes recordings: those with a payload that is to be estimated apart from the others.
-    fn take(&mut self, all: Vec<Prepared>) -> Result<(), PreparationError> {
+    fn take(&mut self, all: Vec<PreparedRecording>) -> Result<(), PreparationError> {
         let simulating = self.settings.all_methods().into_iter().find(|m| m.needs() != Needs::Measurement);
         for prepared in all {
             let recording = &prepared.filtered.recording;
@@ -186,15 +186,15 @@ impl Identification {
         Setup { robot: &self.robot, settings: &self.settings }
     }
 
-    fn prepare(&self, recordings: Vec<Recording>) -> Result<Vec<Prepared>, PreparationError> {
-        let mut all: Vec<Prepared> = Vec::with_capacity(recordings.len());
+    fn prepare(&self, recordings: Vec<Recording>) -> Result<Vec<PreparedRecording>, PreparationError> {
+        let mut all: Vec<PreparedRecording> = Vec::with_capacity(recordings.len());
         for (i, mut recording) in recordings.into_iter().enumerate() {
             if recording.name.is_empty() {
                 recording.name = (i + 1).to_string();
             }
             recording.validate(self.robot.coordinate_count())?;
             let simulates = self.settings.controller.is_some() || self.settings.lacks_controller();
-            all.push(Prepared::new(self.setup(), recording, simulates)?);
+            all.push(PreparedRecording::new(self.setup(), recording, simulates)?);
         }
         require_one_rate(&all)?;
         Ok(all)
@@ -207,7 +207,7 @@ impl Identification {
 
     /// What simulations take that the experiment does not say.
     pub(super) fn simulation_notes(&self) -> Vec<String> {
-        let smoothed = |p: &Prepared| {
+        let smoothed = |p: &PreparedRecording| {
             let reference = p.reference.as_ref().filter(|r| r.periodic.is_none())?;
             let cutoff_hz = reference.smoothing_cutoff_hz?;
             Some(format!(
@@ -255,7 +255,7 @@ impl Identification {
     /// A method of a case in the loop of another controller than the one described, along other references than the recorded ones.
     pub(super) fn job_in_loop_of<'s>(
         &'s self,
-        (controller, prepared): (&'s ControllerDescription, &'s [Prepared]),
+        (controller, prepared): (&'s ControllerDescription, &'s [PreparedRecording]),
         (problem, case): (&'s CaseProblem, &Case),
         method: Method,
     ) -> EstimationJob<'s> {
@@ -276,7 +276,7 @@ impl Identification {
 
     pub(super) fn simulator<'s>(
         &'s self,
-        prepared: &'s [Prepared],
+        prepared: &'s [PreparedRecording],
         problem: &'s Problem,
         case: &Case,
     ) -> Option<Simulator<'s>> {
@@ -286,7 +286,7 @@ impl Identification {
     fn simulator_of<'s>(
         &'s self,
         controller: &'s ControllerDescription,
-        prepared: &'s [Prepared],
+        prepared: &'s [PreparedRecording],
         problem: &'s Problem,
         case: &Case,
     ) -> Option<Simulator<'s>> {
@@ -326,8 +326,8 @@ impl Identification {
 }
 
 /// One parallel filter and one decimation suit only recordings of one rate.
-fn require_one_rate(recordings: &[Prepared]) -> Result<(), PreparationError> {
-    let rate = |p: &Prepared| p.filtered.recording.sample_rate_hz;
+fn require_one_rate(recordings: &[PreparedRecording]) -> Result<(), PreparationError> {
+    let rate = |p: &PreparedRecording| p.filtered.recording.sample_rate_hz;
     let Some(first) = recordings.first().map(rate) else { return Ok(()) };
     match recordings.iter().find(|p| (rate(p) / first - 1.0).abs() > RATE_TOLERANCE) {
         None => Ok(()),

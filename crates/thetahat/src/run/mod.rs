@@ -26,6 +26,7 @@ mod examination;
 mod hidden_bias;
 mod identification;
 mod linear;
+mod no_predictive_power;
 mod not_physical;
 mod parameters;
 mod payload;
@@ -38,9 +39,8 @@ mod residual_curves;
 mod sensitivity;
 mod term_comparison;
 mod uncertain;
+mod unmasked_comparison;
 mod user_estimators;
-mod with_rest;
-mod worse_than_zero;
 
 pub(crate) use curves::skeleton_in;
 pub(crate) use examination::{check_recordings, examine_robot};

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use super::{
     identification::{CaseProblem, Identification},
-    prepared::{Prepared, filtered},
+    prepared::{PreparedRecording, filtered},
 };
 use crate::preparation::{Case, ParameterChoice, Payload, PreparationError};
 use thetahat_estimation::{
@@ -41,7 +41,7 @@ impl Identification {
 
     fn payload(&self, payload: &Payload) -> Result<PayloadResult, PreparationError> {
         let setup = self.setup();
-        let loaded: Vec<&Prepared> = self.loaded.iter().filter(|r| carries(r, payload)).collect();
+        let loaded: Vec<&PreparedRecording> = self.loaded.iter().filter(|r| carries(r, payload)).collect();
         let mut recordings = filtered(&self.main);
         let unloaded = recordings.len();
         recordings.extend(loaded.iter().map(|p| &p.filtered));
@@ -64,7 +64,7 @@ impl Identification {
         let problem = problem.problem;
         let x = Matrix::beside(&[&problem.regression.x, &of_payload]);
         let regression = problem.regression.with_matrix(x).with_weights(weights);
-        let found = Found::of(&regression, problem.base.len());
+        let found = EstimatedPayload::of(&regression, problem.base.len());
         let layout = &regression.layout;
         let rows: Vec<usize> =
             layout.blocks().iter().filter(|b| b.recording >= unloaded).flat_map(|b| b.rows.clone()).collect();
@@ -85,12 +85,12 @@ impl Identification {
     }
 }
 
-fn carries(prepared: &Prepared, payload: &Payload) -> bool {
+fn carries(prepared: &PreparedRecording, payload: &Payload) -> bool {
     prepared.filtered.recording.payload.as_deref() == Some(&payload.name)
 }
 
 /// The estimate of a payload's parameters beside those of the robot.
-struct Found {
+struct EstimatedPayload {
     /// None where the motion does not identify one.
     parameters: Vec<Option<One>>,
     /// Their covariance with correlated errors, where all are identified.
@@ -106,7 +106,7 @@ struct One {
     interval_95: Option<[f64; 2]>,
 }
 
-impl Found {
+impl EstimatedPayload {
     /// The last ten columns of a regression behind so many of the robot.
     fn of(regression: &Regression, robot: usize) -> Self {
         let none = || Self {

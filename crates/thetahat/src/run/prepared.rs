@@ -2,12 +2,12 @@ use crate::preparation::{FilteredRecording, PreparationError, Problem, RecordedR
 use thetahat_report::results::{NearRestResult, RecordingResult};
 
 /// A recording ready for every case: filtered, with its reference where a method or report needs one.
-pub(crate) struct Prepared {
+pub(crate) struct PreparedRecording {
     pub(crate) filtered: FilteredRecording,
     pub(crate) reference: Option<RecordedReference>,
 }
 
-impl Prepared {
+impl PreparedRecording {
     /// Filters a recording, and finds its reference where simulations follow it.
     pub(crate) fn new(setup: Setup<'_>, recording: Recording, simulates: bool) -> Result<Self, PreparationError> {
         let filtered = setup.filter(recording)?;
@@ -51,15 +51,15 @@ fn near_rest(filtered: &FilteredRecording, problem: &Problem) -> Option<NearRest
 }
 
 /// Their filtered recordings.
-pub(super) fn filtered(prepared: &[Prepared]) -> Vec<&FilteredRecording> {
+pub(super) fn filtered(prepared: &[PreparedRecording]) -> Vec<&FilteredRecording> {
     prepared.iter().map(|p| &p.filtered).collect()
 }
 
 /// The time of each row of a joint; the recordings follow one another.
-pub(super) fn times(prepared: &[Prepared], problem: &Problem) -> Vec<f64> {
+pub(super) fn times(prepared: &[PreparedRecording], problem: &Problem) -> Vec<f64> {
     let mut times = Vec::new();
     let mut before_s = 0.0;
-    for (Prepared { filtered, .. }, decimator) in prepared.iter().zip(&problem.decimators) {
+    for (PreparedRecording { filtered, .. }, decimator) in prepared.iter().zip(&problem.decimators) {
         let rate = filtered.recording.sample_rate_hz;
         times.extend(decimator.kept().map(|k| before_s + filtered.start_s() + k as f64 / rate));
         before_s += filtered.recording.position.len() as f64 / rate;

@@ -19,7 +19,7 @@ const EXPONENT_RANGE: [f64; 2] = [0.4, 4.0];
 
 /// Constants found.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Found {
+pub(super) struct ProfileMinimum {
     pub(super) stribeck: Stribeck,
     /// Whether they are at an end of what is searched.
     pub(super) at_limit: bool,
@@ -45,7 +45,7 @@ impl<'a> Projection<'a> {
     }
 
     /// The constants of a column of Stribeck friction with the smallest residual.
-    pub(super) fn profile(&self, column: &TermColumn, law: StribeckLaw) -> Result<Found, PreparationError> {
+    pub(super) fn profile(&self, column: &TermColumn, law: StribeckLaw) -> Result<ProfileMinimum, PreparationError> {
         let joints = self.source.robot().coordinate_joints();
         let peak = self.source.peak_velocity(joints.iter().position(|&j| j == column.joint).unwrap_or(0));
         let (slowest, fastest) = ((SLOWEST * peak).ln(), (FASTEST * peak).ln());
@@ -67,7 +67,7 @@ impl<'a> Projection<'a> {
         let near = |value: f64, end: f64| (value / end - 1.0).abs() < 0.02;
         let at_limit = near(best.velocity, slowest.exp()) || near(best.velocity, fastest.exp());
         let stribeck = Stribeck { velocity: rounded(best.velocity), exponent: rounded(best.exponent), law };
-        Ok(Found { stribeck, at_limit })
+        Ok(ProfileMinimum { stribeck, at_limit })
     }
 
     /// The constants of a grid whose column takes most off the residual.

@@ -51,7 +51,7 @@ impl Identification {
         // A guessed controller serves instruments alone.
         let is_stated = self.setup().settings.controller.is_some();
         let methods = METHODS.into_iter().filter(|m| is_stated || m.design() == Design::Measured);
-        let nominal: Vec<Wanted<'_>> = methods.map(|method| (method, SimulatorBias::NONE, None)).collect();
+        let nominal: Vec<SensitivityCase<'_>> = methods.map(|method| (method, SimulatorBias::NONE, None)).collect();
         let nominal = sweep.estimate(&nominal, threads);
         let jobs: Vec<(BiasKind, f64, usize)> = SWEEP
             .iter()
@@ -71,7 +71,7 @@ impl Identification {
 }
 
 /// A method with an error of the simulator, from start values or those of the settings.
-type Wanted<'a> = (Method, SimulatorBias, Option<&'a [f64]>);
+type SensitivityCase<'a> = (Method, SimulatorBias, Option<&'a [f64]>);
 
 struct Sweep<'a> {
     identification: &'a Identification,
@@ -79,8 +79,8 @@ struct Sweep<'a> {
 }
 
 impl Sweep<'_> {
-    fn estimate(&self, wanted: &[Wanted<'_>], threads: usize) -> Vec<Outcome> {
-        let job = |&(method, simulator, start): &Wanted<'_>| {
+    fn estimate(&self, wanted: &[SensitivityCase<'_>], threads: usize) -> Vec<Outcome> {
+        let job = |&(method, simulator, start): &SensitivityCase<'_>| {
             let job = self.identification.job(self.problem, &Case::nominal().with_simulator(simulator), method);
             EstimationJob { start: start.map_or(job.start, <[f64]>::to_vec), ..job }
         };

@@ -6,7 +6,7 @@ use super::{
     cross_validation::{Folds, without_each},
     identification::{CaseProblem, Identification},
     prepared::filtered,
-    profile::{Found, Projection},
+    profile::{ProfileMinimum, Projection},
 };
 use crate::{diagnosis::independent_rows, preparation::PreparationError};
 use thetahat_estimation::{
@@ -21,7 +21,7 @@ use thetahat_report::results::{JointTermComparison, TermComparison, TermLaw};
 /// Journal of the American Statistical Association 90, 1995, p. 777).
 const VERY_STRONG: f64 = -10.0;
 /// The model as described, or with another law.
-struct Judged {
+struct ComparedTerm {
     estimates: Vec<f64>,
     /// Mean squares of the residual, joint by joint.
     squares: Vec<f64>,
@@ -37,7 +37,7 @@ struct Comparison<'a> {
     regression: Regression,
     weights: Vec<f64>,
     folds: Option<Folds>,
-    as_described: Judged,
+    as_described: ComparedTerm,
     /// Independent samples of each joint.
     effective: Vec<f64>,
 }
@@ -141,7 +141,7 @@ impl Comparison<'_> {
     }
 
     /// The model as described with more columns, and the names of their parameters; none where they are dependent.
-    fn judge_with(&self, columns: Vec<TermColumn>) -> Result<Option<(Judged, Vec<String>)>, PreparationError> {
+    fn judge_with(&self, columns: Vec<TermColumn>) -> Result<Option<(ComparedTerm, Vec<String>)>, PreparationError> {
         let parameters: Vec<String> = columns.iter().map(|c| c.parameter.clone()).collect();
         let added = self.source.columns(columns)?;
         let x = Matrix::beside(&[&self.regression.x, &added]);
@@ -181,12 +181,12 @@ impl Comparison<'_> {
     /// The constants of Stribeck friction beside the model as described; none where the record does not say them.
     fn profile(&self, column: &TermColumn, law: StribeckLaw) -> Result<Option<Stribeck>, PreparationError> {
         let projection = Projection::new(self.source, self.weights.clone(), &self.regression.x);
-        let Found { stribeck, at_limit } = projection.profile(column, law)?;
+        let ProfileMinimum { stribeck, at_limit } = projection.profile(column, law)?;
         Ok((!at_limit).then_some(stribeck))
     }
 
     /// Change of `sum_j n_j log(squares_j) + k log(n)`, with the effective numbers of samples n_j.
-    fn criterion_change(&self, judged: &Judged, more_parameters: f64) -> f64 {
+    fn criterion_change(&self, judged: &ComparedTerm, more_parameters: f64) -> f64 {
         let squares = judged.squares.iter().zip(&self.as_described.squares);
         let fit: f64 = self.effective.iter().zip(squares).map(|(n, (with, without))| n * (with / without).ln()).sum();
         fit + more_parameters * self.effective.iter().sum::<f64>().ln()
@@ -194,7 +194,7 @@ impl Comparison<'_> {
 }
 
 /// Estimates by weighted least squares, and predicts what is left out; none where the columns are dependent.
-fn judge(regression: &Regression, folds: Option<&Folds>) -> Option<Judged> {
+fn judge(regression: &Regression, folds: Option<&Folds>) -> Option<ComparedTerm> {
     let fit = idim_ls(regression, Default::default()).ok()?;
     let residual: Vec<f64> = regression.y.iter().zip(&fit.prediction).map(|(y, p)| y - p).collect();
     let layout = &regression.layout;
@@ -204,7 +204,7 @@ fn judge(regression: &Regression, folds: Option<&Folds>) -> Option<Judged> {
         Some(folds) => regression.joint_relative_errors_percent(&left_out(regression, folds)),
     };
     let squares = layout.squares(&residual).into_iter().enumerate().map(mean_square).collect();
-    Some(Judged { estimates: fit.theta, squares, residual, cross_validation })
+    Some(ComparedTerm { estimates: fit.theta, squares, residual, cross_validation })
 }
 
 /// The prediction of each row from the folds that it does not belong to.

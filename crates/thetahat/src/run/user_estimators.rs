@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::{cross_validation::interval, identification::Identification, prepared::filtered};
 use crate::{
-    diagnosis::Estimated,
+    diagnosis::MethodEstimate,
     preparation::{Case, PreparationError, Problem},
 };
 use thetahat_estimation::{
@@ -42,7 +42,7 @@ impl Identification {
     pub(super) fn user_runs(
         &self,
         problem: &Problem,
-        estimated: &[Estimated],
+        estimated: &[MethodEstimate],
         progress: &mut dyn FnMut(&str),
     ) -> Result<Vec<UserRun>, PreparationError> {
         if self.estimators.is_empty() {

@@ -8,7 +8,8 @@ use super::{
 };
 use thetahat_estimation::{
     identification::{
-        GaussNewtonStep, IterationOptions, Method, Outcome, PredictionErrorEstimation, SimulatedResponse, Wanted,
+        GaussNewtonStep, IterationOptions, Method, Outcome, PredictionErrorEstimation, SimulatedResponse,
+        SimulationRequest,
     },
     simulation::SimulationError,
 };
@@ -36,8 +37,8 @@ impl<'a> Fitting<'a> {
     /// The simulation that it waits for.
     pub(super) fn request(&self) -> Option<Request<'a>> {
         let (theta, output) = match self.estimation.wanted()? {
-            Wanted::Response(theta) => (theta, Output::Motion { step: 1 }),
-            Wanted::Sensitivities(theta) => (theta, Output::Sensitivities(self.job.method.response())),
+            SimulationRequest::Response(theta) => (theta, Output::Motion { step: 1 }),
+            SimulationRequest::Sensitivities(theta) => (theta, Output::Sensitivities(self.job.method.response())),
         };
         Some(Request {
             simulator: self.simulator,
@@ -52,11 +53,11 @@ impl<'a> Fitting<'a> {
         let (regression, of_robot) = (&self.job.regression, self.job.start.len());
         let mut admit = |step| admit(&mut self.physical, of_robot, step);
         match self.estimation.wanted() {
-            Some(Wanted::Response(_)) => {
+            Some(SimulationRequest::Response(_)) => {
                 let response = response(self.simulator, self.job.method, simulated);
                 self.estimation.take_response(response, regression, &mut admit);
             }
-            Some(Wanted::Sensitivities(_)) => {
+            Some(SimulationRequest::Sensitivities(_)) => {
                 self.estimation.take_sensitivities(sensitivities(simulated), regression, &mut admit);
             }
             None => {}

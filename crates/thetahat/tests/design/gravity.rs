@@ -70,7 +70,7 @@ fn passes(postures: &[Vec<f64>]) -> Motion {
 /// Of random sets of postures the one whose passes tell most of the gravity parameters.
 fn best_passes(model: &Model, columns: &[usize], gravity: &[usize], rng: &mut ChaCha8Rng) -> Motion {
     let information = Information::new(model, columns, &NOISE);
-    let criterion = Criterion::Chosen { columns: gravity.to_vec() };
+    let criterion = Criterion::FeasibleMotion { columns: gravity.to_vec() };
     let set = |rng: &mut ChaCha8Rng| {
         let posture = |rng: &mut ChaCha8Rng| [2.6, 1.9, 2.3].map(|end: f64| rng.random_range(-end..end)).to_vec();
         passes(&(0..POSTURES).map(|_| posture(rng)).collect::<Vec<_>>())
@@ -126,7 +126,7 @@ fn told(robot: &Robot, settings: &Settings, motion: &Motion, is_gravity: &dyn Fn
         position_noise: &[0.0; 3],
     };
     let path = Path::new("design.toml");
-    let expected = record(&model_only).promise(path, 1, 2).unwrap();
+    let expected = record(&model_only).predict(path, 1, 2).unwrap();
     let [clean, biased] = [&model_only, &with_stribeck].map(|tau| record(tau).estimate(path, 1, 0).unwrap());
     let places: Vec<usize> =
         (0..expected.parameters.len()).filter(|&i| is_gravity(&expected.parameters[i].name)).collect();

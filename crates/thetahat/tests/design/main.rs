@@ -1,11 +1,11 @@
-//! Designs: what is refused, limits that hold, and promises that are kept.
+//! Designs: what is refused, limits that hold, and predicts that are kept.
 
-mod at_hand;
 mod collision;
 mod gravity;
 mod limits;
 mod motions;
 mod payload;
+mod prior_data;
 mod refusals;
 mod rehearsal;
 mod support;

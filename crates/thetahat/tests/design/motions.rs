@@ -18,7 +18,7 @@ fn each_criterion_serves_its_own_purpose() {
         parse(&text).unwrap().run(2, &mut |_| {}).unwrap()
     };
     let deviation = |results: &thetahat::results::DesignResults, name: &str| {
-        results.promised.iter().find(|p| p.name == name).map(|p| p.standard_deviation).unwrap()
+        results.predicted.iter().find(|p| p.name == name).map(|p| p.standard_deviation).unwrap()
     };
     let volume = run("criterion = 'd'");
     let chosen = run("criterion = 'chosen'\nparameters = ['fc1']");

@@ -56,8 +56,8 @@ fn a_payload_is_in_the_torques_and_not_in_the_intervals() {
         torque_spectrum: None,
         position_noise: &[0.0, 0.0],
     };
-    let without = record.promise(Path::new("design.toml"), 1, 2).unwrap();
-    for (with, half) in results.promised.iter().zip(&without.half_width_95) {
+    let without = record.predict(Path::new("design.toml"), 1, 2).unwrap();
+    for (with, half) in results.predicted.iter().zip(&without.half_width_95) {
         assert!((with.half_width_95 / half - 1.0).abs() < 0.02, "{}: {} {half}", with.name, with.half_width_95);
     }
     let text = thetahat::report::design_text(&results, thetahat::report::TextWidth::DEFAULT);
@@ -65,9 +65,9 @@ fn a_payload_is_in_the_torques_and_not_in_the_intervals() {
     assert!(words.contains("Payload disc of 1.500 kg: limits hold with it and without it."), "{text}");
 }
 
-/// The gains of drives from many pairs of records, one with the payload and one without, scatter as it was promised.
+/// The gains of drives from many pairs of records, one with the payload and one without, scatter as it was predicted.
 #[test]
-fn gains_are_promised_as_pairs_of_records_tell_them() {
+fn gains_are_predicted_as_pairs_of_records_tell_them() {
     let design = parse(&with_payload()).unwrap();
     let results = design.run(2, &mut |_| {}).unwrap();
     let unloaded = torques(&design.robot, &results);
@@ -86,14 +86,14 @@ fn gains_are_promised_as_pairs_of_records_tell_them() {
             found.drive_gains.iter().map(|gain| gain.factor.unwrap()).collect()
         })
         .collect();
-    let promised = &results.payload.as_ref().unwrap().gains;
-    assert_eq!(promised.iter().map(|g| g.joint.as_str()).collect::<Vec<_>>(), ["shoulder", "elbow"]);
-    for (joint, promised) in promised.iter().enumerate() {
+    let predicted = &results.payload.as_ref().unwrap().gains;
+    assert_eq!(predicted.iter().map(|g| g.joint.as_str()).collect::<Vec<_>>(), ["shoulder", "elbow"]);
+    for (joint, predicted) in predicted.iter().enumerate() {
         let mean = gains.iter().map(|g| g[joint]).sum::<f64>() / f64::from(pairs);
         let square = gains.iter().map(|g| (g[joint] - mean).powi(2)).sum::<f64>() / f64::from(pairs - 1);
         let found = 100.0 * 1.96 * square.sqrt();
-        let half = promised.half_width_percent.unwrap();
-        println!("{}: promised {half:.3} %, found {found:.3} %, mean {mean:.5}", promised.joint);
+        let half = predicted.half_width_percent.unwrap();
+        println!("{}: predicted {half:.3} %, found {found:.3} %, mean {mean:.5}", predicted.joint);
         assert!((found / half - 1.0).abs() < 0.35 && (mean - 1.0).abs() < 0.01 * half, "{half} {found} {mean}");
     }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use thetahat::{
     design::ExpectedRecord,
     experiment::Experiment,
-    results::{DesignResults, PromisedParameter},
+    results::{DesignResults, PredictedParameter},
 };
 use thetahat_testing::Folder;
 
@@ -16,20 +16,20 @@ use crate::support::{DESIGN, parse, rehearsal, with_controller};
 fn a_rehearsal_has_the_noise_of_the_design() {
     let folder = Folder::new();
     let text = DESIGN.replace("torque = 0.1", "torque = 0.1\nposition = 0.01");
-    let (_, promised, experiment) = rehearsal(&folder, &text);
+    let (_, predicted, experiment) = rehearsal(&folder, &text);
     let (_, quiet, _) = rehearsal(&folder, DESIGN);
     let results = experiment.run(Path::new(""), &mut |_| {}).unwrap();
-    let run = results.runs.iter().find(|run| run.method.name() == promised.method).unwrap();
+    let run = results.runs.iter().find(|run| run.method.name() == predicted.method).unwrap();
     let ratio = |other: &DesignResults| {
-        let of = |p: &PromisedParameter| {
+        let of = |p: &PredictedParameter| {
             let [low, high] = run.parameter(&p.name).unwrap().interval_95.unwrap();
             (0.5 * (high - low) / p.half_width_95).ln()
         };
-        (other.promised.iter().map(of).sum::<f64>() / other.promised.len() as f64).exp()
+        (other.predicted.iter().map(of).sum::<f64>() / other.predicted.len() as f64).exp()
     };
-    let [of_own, of_quiet] = [ratio(&promised), ratio(&quiet)];
+    let [of_own, of_quiet] = [ratio(&predicted), ratio(&quiet)];
     println!(
-        "intervals of the rehearsal {of_own:.2} times as wide as promised, {of_quiet:.2} without noise of positions"
+        "intervals of the rehearsal {of_own:.2} times as wide as predicted, {of_quiet:.2} without noise of positions"
     );
     assert!((0.75..1.33).contains(&of_own) && of_quiet > 2.0, "{of_own} {of_quiet}");
 }
@@ -65,11 +65,11 @@ fn a_rehearsal_lies_beside_its_truth_by_the_square_of_the_sample_time() {
 fn what_stays_unknown_has_a_remedy() {
     let design = parse(&DESIGN.replace("torque = 0.1", "torque = 40")).unwrap();
     let results = design.run(2, &mut |_| {}).unwrap();
-    let is_unknown = |p: &&PromisedParameter| p.a_priori != 0.0 && p.half_width_95 >= p.a_priori.abs();
-    let unknown: Vec<&PromisedParameter> = results.promised.iter().filter(is_unknown).collect();
-    let times: Vec<f64> = results.promised.iter().filter_map(|p| p.by_own_motion).collect();
+    let is_unknown = |p: &&PredictedParameter| p.a_priori != 0.0 && p.half_width_95 >= p.a_priori.abs();
+    let unknown: Vec<&PredictedParameter> = results.predicted.iter().filter(is_unknown).collect();
+    let times: Vec<f64> = results.predicted.iter().filter_map(|p| p.by_own_motion).collect();
     println!("{times:?}");
-    assert!(!unknown.is_empty() && unknown.len() < results.promised.len());
+    assert!(!unknown.is_empty() && unknown.len() < results.predicted.len());
     assert_eq!(times.len(), unknown.len());
     assert!(times.iter().map(|t| t.ln()).sum::<f64>() > 0.0, "{times:?}");
     let text = thetahat::report::design_text(&results, thetahat::report::TextWidth::DEFAULT);
@@ -79,7 +79,7 @@ fn what_stays_unknown_has_a_remedy() {
 /// Records of the Monte Carlo: the deviation of each estimate is then known to 3.5 %.
 const RECORDS: u64 = 400;
 
-/// The deviations of estimates from many records of the closed loop are those that were promised: within 15 % for 95 % of the
+/// The deviations of estimates from many records of the closed loop are those that were predicted: within 15 % for 95 % of the
 /// parameters.
 #[test]
 fn the_promise_is_kept_by_records_of_the_closed_loop() {
@@ -101,16 +101,16 @@ fn the_promise_is_kept_by_records_of_the_closed_loop() {
     let estimates: Vec<Vec<f64>> = (0..RECORDS).map(|k| record.estimate(path, 99, k).unwrap().fit.theta).collect();
     let n = RECORDS as f64;
     let mut kept = 0;
-    for (i, promised) in results.promised.iter().enumerate() {
+    for (i, predicted) in results.predicted.iter().enumerate() {
         let mean = estimates.iter().map(|e| e[i]).sum::<f64>() / n;
         let found = (estimates.iter().map(|e| (e[i] - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
-        let ratio = found / promised.standard_deviation;
+        let ratio = found / predicted.standard_deviation;
         println!(
-            "{}: promised {:.3e}, found {found:.3e}, ratio {ratio:.3}",
-            promised.name, promised.standard_deviation
+            "{}: predicted {:.3e}, found {found:.3e}, ratio {ratio:.3}",
+            predicted.name, predicted.standard_deviation
         );
         kept += usize::from((ratio - 1.0).abs() < 0.15);
     }
-    let all = results.promised.len();
+    let all = results.predicted.len();
     assert!(kept as f64 >= 0.95 * all as f64, "{kept} of {all}");
 }

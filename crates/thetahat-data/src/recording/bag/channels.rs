@@ -65,7 +65,7 @@ fn field(word: &str) -> Option<Field> {
 
 /// The columns asked for, from the messages that hold their joints.
 pub(super) fn of(topics: &Topics, topic: Option<&str>, columns: &[String]) -> Result<Series, RecordingError> {
-    let chosen = Chosen { topics, topic: topics.topic(topic)? };
+    let chosen = SelectedJoint { topics, topic: topics.topic(topic)? };
     let asked = chosen.asked(columns)?;
     chosen.check_joints(&asked)?;
     let mut values = Vec::new();
@@ -82,12 +82,12 @@ pub(super) fn of(topics: &Topics, topic: Option<&str>, columns: &[String]) -> Re
     Ok(series)
 }
 
-struct Chosen<'a> {
+struct SelectedJoint<'a> {
     topics: &'a Topics,
     topic: &'a Topic,
 }
 
-impl Chosen<'_> {
+impl SelectedJoint<'_> {
     fn asked(&self, columns: &[String]) -> Result<Vec<Asked>, RecordingError> {
         if let [only] = columns
             && let Some(field) = field(only)

@@ -11,7 +11,7 @@ use memchr::{memchr, memchr_iter};
 
 use super::super::error::RecordingError;
 use super::super::place::{open, unreadable};
-use super::super::table::{Column, Table, Wanted, is_plausible};
+use super::super::table::{Column, RequestedColumn, Table, is_plausible};
 use super::dialect::Dialect;
 use super::number::Numbers;
 use super::read::{flaw, read_with_dialect};
@@ -47,7 +47,7 @@ impl TextPieces {
     pub(in super::super) fn open(
         path: &Path,
         dialect: &Dialect,
-        wanted: Wanted<'_>,
+        wanted: RequestedColumn<'_>,
     ) -> Result<Option<Self>, RecordingError> {
         let mut file = open(path)?;
         let mut beginning = Vec::new();
@@ -81,7 +81,11 @@ impl TextPieces {
     }
 
     /// The columns of these rows. Those not wanted are there by name, without values.
-    pub(in super::super) fn read(&self, range: Range<usize>, wanted: Wanted<'_>) -> Result<Table, RecordingError> {
+    pub(in super::super) fn read(
+        &self,
+        range: Range<usize>,
+        wanted: RequestedColumn<'_>,
+    ) -> Result<Table, RecordingError> {
         let mark = self.marks.get(range.start / ROWS_PER_MARK).copied().unwrap_or(Mark { byte: self.end, line: 0 });
         let end = self.marks.get(range.end.div_ceil(ROWS_PER_MARK)).map_or(self.end, |mark| mark.byte);
         let bytes = self.bytes(mark.byte..end)?;

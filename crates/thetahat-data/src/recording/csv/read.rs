@@ -7,7 +7,7 @@ use csv::ByteRecord;
 use memchr::memchr;
 
 use super::super::error::RecordingError;
-use super::super::table::{Column, Flaw, Table, Wanted, is_plausible};
+use super::super::table::{Column, Flaw, RequestedColumn, Table, is_plausible};
 use super::dialect::Dialect;
 use super::number::Numbers;
 use super::text::{Text, characters, rows};
@@ -20,7 +20,7 @@ pub(in super::super) fn read(
     bytes: &[u8],
     path: &Path,
     dialect: &Dialect,
-    wanted: Wanted<'_>,
+    wanted: RequestedColumn<'_>,
 ) -> Result<Table, RecordingError> {
     read_with_dialect(bytes, path, dialect, wanted).map(|(table, _)| table)
 }
@@ -30,7 +30,7 @@ pub(in super::super) fn read_with_dialect(
     bytes: &[u8],
     path: &Path,
     dialect: &Dialect,
-    wanted: Wanted<'_>,
+    wanted: RequestedColumn<'_>,
 ) -> Result<(Table, Dialect), RecordingError> {
     let text = Text::of(bytes, path)?;
     let (delimiter, header) = dialect.detect(&text, path)?;
@@ -86,7 +86,7 @@ struct Columns<'a> {
 
 impl Columns<'_> {
     /// Makes the columns, with the names in the first row or numbered from 1.
-    fn name(&mut self, first: &ByteRecord, header: bool, wanted: Wanted<'_>) -> Result<(), RecordingError> {
+    fn name(&mut self, first: &ByteRecord, header: bool, wanted: RequestedColumn<'_>) -> Result<(), RecordingError> {
         if first.len() > MOST_COLUMNS {
             let (file, line) = (self.path.to_owned(), self.text.line(first));
             return Err(RecordingError::TooManyColumns { file, line, found: first.len(), limit: MOST_COLUMNS });

@@ -1,13 +1,13 @@
 use std::path::Path;
 
-use super::super::table::{Table, Wanted};
+use super::super::table::{RequestedColumn, Table};
 use super::super::{Format, RecordingError, select};
 use super::*;
 use thetahat_ground::series::Series;
 
 fn with(dialect: Dialect, text: &[u8], columns: &[&str]) -> Result<Series, RecordingError> {
     let (path, columns) = (Path::new("q.csv"), columns.iter().map(|&c| c.to_owned()).collect::<Vec<_>>());
-    let wanted = if columns.is_empty() { Wanted::All } else { Wanted::Named(&columns) };
+    let wanted = if columns.is_empty() { RequestedColumn::All } else { RequestedColumn::Named(&columns) };
     let table: Table = read(text, path, &dialect, wanted)?;
     select::series(&table, Format::Csv, &columns, path)
 }
@@ -22,7 +22,7 @@ fn failure(text: &str, columns: &[&str]) -> RecordingError {
 
 /// What is detected of a text.
 fn detected(text: &str) -> Dialect {
-    read_with_dialect(text.as_bytes(), Path::new("q.csv"), &Dialect::default(), Wanted::All).unwrap().1
+    read_with_dialect(text.as_bytes(), Path::new("q.csv"), &Dialect::default(), RequestedColumn::All).unwrap().1
 }
 
 fn values(text: &str) -> Vec<f64> {

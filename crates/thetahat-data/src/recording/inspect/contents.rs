@@ -11,7 +11,7 @@ use super::super::format::{Format, Holds};
 use super::super::place::file_bytes;
 use super::super::reader;
 use super::super::source::ChannelSource;
-use super::super::table::{Column, Flaw, Table, Wanted};
+use super::super::table::{Column, Flaw, RequestedColumn, Table};
 use super::channel::ChannelSummary;
 use super::time::{TimeSummary, is_named, times};
 use thetahat_ground::files;
@@ -122,7 +122,7 @@ fn tables(path: &Path, format: Format) -> Result<Tables, RecordingError> {
         Holds::Lines => {
             let bytes = file_bytes(path)?;
             let tolerant = Dialect { drop_cut_line: true, ..Dialect::default() };
-            let (table, dialect) = csv::read_with_dialect(&bytes, path, &tolerant, Wanted::All)?;
+            let (table, dialect) = csv::read_with_dialect(&bytes, path, &tolerant, RequestedColumn::All)?;
             (vec![table], Some(dialect), Vec::new())
         }
         Holds::Topics => {
@@ -130,7 +130,7 @@ fn tables(path: &Path, format: Format) -> Result<Tables, RecordingError> {
             (tables, None, other_topics)
         }
         Holds::Arrays => {
-            let mut table = reader::table(path, format, &Dialect::default(), Wanted::All)?;
+            let mut table = reader::table(path, format, &Dialect::default(), RequestedColumn::All)?;
             table.columns.iter_mut().for_each(set_upright);
             (by_samples(table), None, Vec::new())
         }

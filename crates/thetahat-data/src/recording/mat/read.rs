@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::super::error::RecordingError;
-use super::super::table::{Column, Table, Wanted};
+use super::super::table::{Column, RequestedColumn, Table};
 use super::v5;
 #[cfg(feature = "hdf5")]
 use super::v73;
@@ -12,7 +12,11 @@ use super::v73;
 const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
 
 /// The variables of a MAT file. Those not wanted are there by name, without values.
-pub(in super::super) fn read(bytes: Vec<u8>, path: &Path, wanted: Wanted<'_>) -> Result<Table, RecordingError> {
+pub(in super::super) fn read(
+    bytes: Vec<u8>,
+    path: &Path,
+    wanted: RequestedColumn<'_>,
+) -> Result<Table, RecordingError> {
     let columns = if is_version_7_3(&bytes) { read_v73(bytes, path, wanted)? } else { v5::read(&bytes, path, wanted)? };
     Ok(Table { name: String::new(), columns })
 }
@@ -25,12 +29,16 @@ fn is_version_7_3(bytes: &[u8]) -> bool {
 pub(in super::super) fn read_v73(
     bytes: Vec<u8>,
     path: &Path,
-    wanted: Wanted<'_>,
+    wanted: RequestedColumn<'_>,
 ) -> Result<Vec<Column>, RecordingError> {
     v73::read(bytes, path, wanted)
 }
 
 #[cfg(not(feature = "hdf5"))]
-pub(in super::super) fn read_v73(_: Vec<u8>, path: &Path, _: Wanted<'_>) -> Result<Vec<Column>, RecordingError> {
+pub(in super::super) fn read_v73(
+    _: Vec<u8>,
+    path: &Path,
+    _: RequestedColumn<'_>,
+) -> Result<Vec<Column>, RecordingError> {
     Err(RecordingError::FeatureMissing { file: path.to_owned(), format: "MAT files of version 7.3", feature: "hdf5" })
 }

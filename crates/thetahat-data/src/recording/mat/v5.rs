@@ -7,7 +7,7 @@ use flate2::read::ZlibDecoder;
 
 use super::super::budget::{Budget, DecompressError};
 use super::super::error::RecordingError;
-use super::super::table::{Column, Wanted};
+use super::super::table::{Column, RequestedColumn};
 use super::elements::{ByteOrder, COMPRESSED, Element, MATRIX, elements};
 use super::shape::samples_and_channels;
 
@@ -17,7 +17,7 @@ const HEADER: usize = 128;
 const DEEPEST_STRUCTURE: usize = 8;
 
 /// The variables of a file. Those not wanted are there by name, without values.
-pub(super) fn read(bytes: &[u8], path: &Path, wanted: Wanted<'_>) -> Result<Vec<Column>, RecordingError> {
+pub(super) fn read(bytes: &[u8], path: &Path, wanted: RequestedColumn<'_>) -> Result<Vec<Column>, RecordingError> {
     let order = byte_order(bytes, path)?;
     let damaged = |offset: usize| cut_or_damaged(path, HEADER + offset);
     let budget = Budget::of(path, bytes.len() as u64);
@@ -45,7 +45,7 @@ fn cut_or_damaged(path: &Path, offset: usize) -> RecordingError {
 struct Reader<'a> {
     path: &'a Path,
     order: ByteOrder,
-    wanted: Wanted<'a>,
+    wanted: RequestedColumn<'a>,
     budget: Budget,
     columns: Vec<Column>,
 }

@@ -9,7 +9,7 @@ use hdf5_pure::{AttrValue, DType, Dataset, File, Group};
 use super::super::budget::Budget;
 use super::super::error::RecordingError;
 use super::super::panic_guard::panics_as_damage;
-use super::super::table::{Column, Wanted};
+use super::super::table::{Column, RequestedColumn};
 use super::shape::samples_and_channels;
 
 /// Structures within structures.
@@ -18,7 +18,7 @@ const DEEPEST_STRUCTURE: usize = 8;
 const MOST_OBJECTS: usize = 4096;
 
 /// The variables of a file. Those not wanted are there by name, without values.
-pub(super) fn read(bytes: Vec<u8>, path: &Path, wanted: Wanted<'_>) -> Result<Vec<Column>, RecordingError> {
+pub(super) fn read(bytes: Vec<u8>, path: &Path, wanted: RequestedColumn<'_>) -> Result<Vec<Column>, RecordingError> {
     panics_as_damage(path, "HDF5", || {
         let budget = Budget::of(path, bytes.len() as u64);
         let mut reader = Reader { path, wanted, budget, objects: 0, columns: Vec::new() };
@@ -35,7 +35,7 @@ pub(super) fn read(bytes: Vec<u8>, path: &Path, wanted: Wanted<'_>) -> Result<Ve
 
 struct Reader<'a> {
     path: &'a Path,
-    wanted: Wanted<'a>,
+    wanted: RequestedColumn<'a>,
     budget: Budget,
     objects: usize,
     columns: Vec<Column>,

@@ -10,7 +10,7 @@ use bytes::Bytes;
 use super::super::error::RecordingError;
 use super::super::panic_guard::panics_as_damage;
 use super::super::place::{file_length, open};
-use super::super::table::{Table, Wanted};
+use super::super::table::{RequestedColumn, Table};
 use super::guard::Source;
 use super::read::Described;
 
@@ -28,12 +28,16 @@ pub(in super::super) struct GroupPieces {
 impl GroupPieces {
     /// Looks through the description; none where a group is too large, or begins without a stamp: the reader of whole files
     /// says what is wrong.
-    pub(in super::super) fn open(path: &Path, wanted: Wanted<'_>) -> Result<Option<Self>, RecordingError> {
+    pub(in super::super) fn open(path: &Path, wanted: RequestedColumn<'_>) -> Result<Option<Self>, RecordingError> {
         Self::of_source(path, &source(path)?, wanted)
     }
 
     /// The same of bytes anywhere.
-    pub(super) fn of_source(path: &Path, source: &Source, wanted: Wanted<'_>) -> Result<Option<Self>, RecordingError> {
+    pub(super) fn of_source(
+        path: &Path,
+        source: &Source,
+        wanted: RequestedColumn<'_>,
+    ) -> Result<Option<Self>, RecordingError> {
         panics_as_damage(path, "Parquet", || {
             let described = Described::new(path, source)?;
             if described.samples == 0 || described.largest_group() > MOST_ROWS {
@@ -50,7 +54,11 @@ impl GroupPieces {
     }
 
     /// These rows of the columns.
-    pub(in super::super) fn read(&self, rows: Range<usize>, wanted: Wanted<'_>) -> Result<Table, RecordingError> {
+    pub(in super::super) fn read(
+        &self,
+        rows: Range<usize>,
+        wanted: RequestedColumn<'_>,
+    ) -> Result<Table, RecordingError> {
         self.read_source(&source(&self.path)?, rows, wanted)
     }
 
@@ -59,7 +67,7 @@ impl GroupPieces {
         &self,
         source: &Source,
         rows: Range<usize>,
-        wanted: Wanted<'_>,
+        wanted: RequestedColumn<'_>,
     ) -> Result<Table, RecordingError> {
         let first = |index: usize| self.first_stamps.get(&index).copied();
         panics_as_damage(&self.path, "Parquet", || self.described.table(&self.path, source, rows, wanted, first))
@@ -67,7 +75,7 @@ impl GroupPieces {
 }
 
 /// The first stamp of each column of stamps; none where one is missing.
-fn first_stamps(described: &Described, source: &Source, wanted: Wanted<'_>) -> Option<BTreeMap<usize, i64>> {
+fn first_stamps(described: &Described, source: &Source, wanted: RequestedColumn<'_>) -> Option<BTreeMap<usize, i64>> {
     let is_stamps = |&index: &usize| described.is_read(index, wanted) && described.is_stamps(index);
     let first = |index| {
         let values = described.values(index, source, 0..1, None).ok()?;
@@ -83,7 +91,7 @@ fn source(path: &Path) -> Result<Source, RecordingError> {
 /// Reads the second half of a file in memory.
 pub(in super::super) fn fuzz_pieces(bytes: &[u8]) {
     let source = Source::Memory(Bytes::copy_from_slice(bytes));
-    if let Ok(Some(pieces)) = GroupPieces::of_source(Path::new("fuzz.parquet"), &source, Wanted::All) {
-        let _ = pieces.read_source(&source, pieces.samples() / 2..pieces.samples(), Wanted::All);
+    if let Ok(Some(pieces)) = GroupPieces::of_source(Path::new("fuzz.parquet"), &source, RequestedColumn::All) {
+        let _ = pieces.read_source(&source, pieces.samples() / 2..pieces.samples(), RequestedColumn::All);
     }
 }

@@ -15,12 +15,16 @@ use parquet::schema::types::ColumnDescriptor;
 use super::super::budget::Budget;
 use super::super::error::RecordingError;
 use super::super::panic_guard::panics_as_damage;
-use super::super::table::{Column, Table, Wanted};
+use super::super::table::{Column, RequestedColumn, Table};
 use super::guard::{Guarded, Pages, Source, description};
 use super::numbers::{Number, Values};
 
 /// The columns of a file; missing values are NaN. Those not wanted are there by name, without values.
-pub(in super::super) fn read(bytes: Vec<u8>, path: &Path, wanted: Wanted<'_>) -> Result<Table, RecordingError> {
+pub(in super::super) fn read(
+    bytes: Vec<u8>,
+    path: &Path,
+    wanted: RequestedColumn<'_>,
+) -> Result<Table, RecordingError> {
     panics_as_damage(path, "Parquet", || {
         let source = Source::Memory(Bytes::from(bytes));
         let described = Described::new(path, &source)?;
@@ -55,7 +59,12 @@ impl Described {
     }
 
     /// Refuses more values than a file of so many bytes may hold.
-    pub(super) fn require_room(&self, path: &Path, bytes: u64, wanted: Wanted<'_>) -> Result<(), RecordingError> {
+    pub(super) fn require_room(
+        &self,
+        path: &Path,
+        bytes: u64,
+        wanted: RequestedColumn<'_>,
+    ) -> Result<(), RecordingError> {
         let mut budget = Budget::of(path, bytes);
         for index in self.indices().filter(|&index| self.is_read(index, wanted)) {
             budget.take(&format!("column {:?}", self.name(index)), &[self.samples])?;
@@ -69,7 +78,7 @@ impl Described {
         path: &Path,
         source: &Source,
         rows: Range<usize>,
-        wanted: Wanted<'_>,
+        wanted: RequestedColumn<'_>,
         first: impl Fn(usize) -> Option<i64>,
     ) -> Result<Table, RecordingError> {
         let column = |index: usize| {
@@ -118,7 +127,7 @@ impl Described {
     }
 
     /// Whether a column is wanted and one of numbers.
-    pub(super) fn is_read(&self, index: usize, wanted: Wanted<'_>) -> bool {
+    pub(super) fn is_read(&self, index: usize, wanted: RequestedColumn<'_>) -> bool {
         wanted.includes(&self.name(index)) && self.kind_not_read(index).is_none()
     }
 

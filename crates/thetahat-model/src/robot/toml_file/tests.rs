@@ -336,10 +336,10 @@ fn one_number_is_for_all_joints() {
     assert!(message.contains("offset_deg is not zero, expected zero for prismatic joints (use offset_m)"), "{message}");
 }
 
-/// The complete example of docs/robots.md.
+/// The complete example of docs/reference/robots.md.
 #[test]
 fn the_documented_example_is_read() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/robots.md");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/reference/robots.md");
     let Ok(docs) = std::fs::read_to_string(path) else { return };
     let blocks = docs.split("```toml\n").skip(1).filter_map(|part| part.split("```").next());
     let examples: Vec<&str> = blocks.filter(|text| text.contains("\n[[joint]]")).collect();

@@ -43,14 +43,14 @@ pub(super) fn regrouped(robot: &Robot, table: &ParameterTable, joints: &[Joint])
 
 /// Second moments, first moments and mass, each a sum of standard parameters, in the frame before a joint.
 #[derive(Default)]
-struct Moved {
+struct ShiftedForm {
     inertia: [[Form; 3]; 3],
     first: [Form; 3],
     mass: Form,
 }
 
 /// Takes from a link what stands on the axis of its revolute joint: of the parameters that it changes, the last one goes.
-fn axis_moved(link: &mut LinkForms, axes: &Mat3, joint: &Joint) -> Moved {
+fn axis_moved(link: &mut LinkForms, axes: &Mat3, joint: &Joint) -> ShiftedForm {
     // The joint's z axis in the axes of the link.
     let u = axes[2];
     let turning = INERTIA.map(|(i, j)| if i == j { 1.0 - u[i] * u[j] } else { -u[i] * u[j] });
@@ -76,8 +76,8 @@ fn taken(parameters: &mut [Form], direction: &[f64]) -> Form {
 
 /// Second moment, first moment and mass on an axis through `p`, about the origin: `L = s a a^T + f (p a^T + a p^T) + m p p^T`,
 /// whose inertia is `tr(L) 1 - L`.
-fn on_axis(second: &Form, first: &Form, mass: &Form, axis: &Vector, p: &Vector) -> Moved {
-    let mut moved = Moved { mass: mass.clone(), ..Moved::default() };
+fn on_axis(second: &Form, first: &Form, mass: &Form, axis: &Vector, p: &Vector) -> ShiftedForm {
+    let mut moved = ShiftedForm { mass: mass.clone(), ..ShiftedForm::default() };
     add_product(&mut moved.inertia, second, axis, axis);
     add_product(&mut moved.inertia, first, p, axis);
     add_product(&mut moved.inertia, first, axis, p);
@@ -102,7 +102,7 @@ fn add_product(inertia: &mut [[Form; 3]; 3], form: &Form, a: &Vector, b: &Vector
 }
 
 /// Takes the whole inertia from a link that slides.
-fn inertia_moved(link: &mut LinkForms, axes: &Mat3, joint: &Joint) -> Moved {
+fn inertia_moved(link: &mut LinkForms, axes: &Mat3, joint: &Joint) -> ShiftedForm {
     let mut inertia: [[Form; 3]; 3] = Default::default();
     for ((i, j), form) in INERTIA.into_iter().zip(&mut link[..6]) {
         inertia[i][j] = std::mem::take(form);
@@ -110,7 +110,7 @@ fn inertia_moved(link: &mut LinkForms, axes: &Mat3, joint: &Joint) -> Moved {
     }
     let axes = axes.map(|row| row.map(Polynomial::number));
     let rotation = super::geometry::product(&joint.rotation, &axes);
-    Moved { inertia: turned(&rotation, &inertia), ..Moved::default() }
+    ShiftedForm { inertia: turned(&rotation, &inertia), ..ShiftedForm::default() }
 }
 
 /// `R J R^T`.
@@ -127,7 +127,7 @@ fn turned(r: &Matrix, inertia: &[[Form; 3]; 3]) -> [[Form; 3]; 3] {
 }
 
 /// Adds to a link what stands in the frame of its joint.
-fn add_in_axes(link: &mut LinkForms, axes: &Mat3, moved: &Moved) {
+fn add_in_axes(link: &mut LinkForms, axes: &Mat3, moved: &ShiftedForm) {
     let back = thetahat_ground::vector::transpose(axes).map(|row| row.map(Polynomial::number));
     let inertia = turned(&back, &moved.inertia);
     let one = Polynomial::number(1.0);

@@ -45,7 +45,7 @@ pub(in crate::report) struct HeatCell {
 pub(in crate::report) fn errors(results: &Results) -> Option<Heat> {
     let runs: Vec<&RunResult> = results.runs.iter().filter(|r| r.relative_error_percent.is_some()).collect();
     let joints = runs.iter().map(|r| r.joint_relative_error_percent.len()).max()?;
-    let taken = results.taken();
+    let taken = results.recommended_run();
     let is_usable = results.verdict != Some(Verdict::DoNotUse);
     let row = |r: &&RunResult| HeatRow {
         name: if results.cases().len() > 1 { format!("{} {}", r.case, r.method) } else { r.method.to_string() },

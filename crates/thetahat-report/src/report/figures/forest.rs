@@ -11,7 +11,7 @@ use crate::{
         published::Published,
         tables::runs_of,
     },
-    results::{DesignResults, Grade, NOMINAL, ParameterResult, PromisedParameter, Results, RunResult},
+    results::{DesignResults, Grade, NOMINAL, ParameterResult, PredictedParameter, Results, RunResult},
 };
 
 /// Width of the picture, and height of a row without and for each method, pixels.
@@ -93,13 +93,13 @@ fn is_first(run: &RunResult, parameter: &ParameterResult) -> bool {
     identified(parameter) || (parameter.shown && !run.parameters.iter().any(identified))
 }
 
-/// What a design promises: intervals about the a-priori values, without those that are zero.
-pub(in crate::report) fn promised_forest(results: &DesignResults) -> Option<Forest> {
-    let known: Vec<&PromisedParameter> = results.promised.iter().filter(|p| p.a_priori != 0.0).collect();
+/// What a design predicts: intervals about the a-priori values, without those that are zero.
+pub(in crate::report) fn predicted_forest(results: &DesignResults) -> Option<Forest> {
+    let known: Vec<&PredictedParameter> = results.predicted.iter().filter(|p| p.a_priori != 0.0).collect();
     let mut groups: Vec<ForestGroup> = Vec::new();
     for parameter in known {
         let label = format!("Joint {}", parameter.joint);
-        let row = promised_row(parameter);
+        let row = predicted_row(parameter);
         match groups.iter_mut().find(|g| g.label == label) {
             Some(group) => group.rows.push(row),
             None => groups.push(ForestGroup { label, rows: vec![row] }),
@@ -107,9 +107,9 @@ pub(in crate::report) fn promised_forest(results: &DesignResults) -> Option<Fore
     }
     (!groups.is_empty()).then(|| Forest {
         conclusion: String::new(),
-        id: id("design", "promised"),
-        caption: format!("promised 95 % intervals of {} about the a-priori values", results.method),
-        legend: std::iter::once(Key::new("idim-ls", "promised interval"))
+        id: id("design", "predicted"),
+        caption: format!("predicted 95 % intervals of {} about the a-priori values", results.method),
+        legend: std::iter::once(Key::new("idim-ls", "predicted interval"))
             .chain(results.compared.iter().map(|[title, method]| Key::new("idim-iv", format!("{method} of {title}"))))
             .collect(),
         width: WIDTH,
@@ -228,15 +228,15 @@ impl Plot<'_> {
     }
 }
 
-fn promised_row(promised: &PromisedParameter) -> ForestRow {
-    let parameter = promised.as_result();
+fn predicted_row(predicted: &PredictedParameter) -> ForestRow {
+    let parameter = predicted.as_result();
     let lane = |k: f64| 0.5 * HEIGHT + (0.5 + k) * LANE;
     let mut shapes = interval("idim-ls", parameter.estimate, &parameter, lane(0.0));
-    let compared = promised.compared.as_ref();
+    let compared = predicted.compared.as_ref();
     shapes.extend(compared.into_iter().flat_map(|other| interval("idim-iv", parameter.estimate, other, lane(1.0))));
     let lanes = if compared.is_some() { 2.0 } else { 1.0 };
     let formula = parameter.expression.clone();
-    ForestRow { shapes, formula, height: HEIGHT + lanes * LANE, ..words(&parameter, promised.grade()) }
+    ForestRow { shapes, formula, height: HEIGHT + lanes * LANE, ..words(&parameter, predicted.grade()) }
 }
 
 /// The row of a parameter without its picture.

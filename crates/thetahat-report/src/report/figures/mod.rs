@@ -15,7 +15,7 @@ pub(super) use convergence::convergence;
 pub(super) use correlation::{confounded, correlation};
 pub(super) use errors::{Heat, errors};
 pub(super) use figure::{Figure, Key, keys_of};
-pub(super) use forest::{Forest, forest, not_identified, promised_forest};
+pub(super) use forest::{Forest, forest, not_identified, predicted_forest};
 pub(super) use misfit::misfit;
 pub(super) use skeleton::{skeleton, skeleton_of};
 pub(super) use torques::{held_back, torques};

@@ -21,7 +21,7 @@ fn report(results: &Results, published: Option<&Published>) -> Result<Vec<u8>, R
     let page = Page {
         title: &results.title,
         card: HeadCard::of(results),
-        takes: results.taken().map_or("", |run| run.method.name()),
+        takes: results.recommended_run().map_or("", |run| run.method.name()),
         picture: figures::skeleton(results),
         facts: vec![("robot", results.robot.clone())],
         sections: sections::all(results, published),

@@ -2,12 +2,12 @@
 
 use super::{
     judged::{nominal_advice, nominal_diagnosis, nominal_runs},
-    reason::{Said, reason},
+    reason::{ReasonText, reason},
 };
 use crate::diagnosis::problems::refuse_all;
 use thetahat_estimation::identification::{Design, Method, Needs, Status};
 use thetahat_report::results::{
-    BiasedSimulatorResult, Comparison, Concerned, ReasonCode, Results, RunResult, Verdict, VerdictReason,
+    BiasedSimulatorResult, Comparison, ReasonCode, ReasonSubject, Results, RunResult, Verdict, VerdictReason,
 };
 
 pub(super) fn reasons(results: &Results) -> Vec<VerdictReason> {
@@ -29,12 +29,12 @@ fn not_converged(run: &RunResult, taken: Option<Method>) -> VerdictReason {
         ),
         None => (Verdict::DoNotUse, "take none of its numbers".to_owned()),
     };
-    let concerned = Concerned { method: Some(run.method), ..Concerned::default() };
+    let concerned = ReasonSubject { method: Some(run.method), ..ReasonSubject::default() };
     let numbers = [
         ("iterations", Some(run.iterations as f64)),
         ("parameter_change_deviations", run.convergence.last().and_then(|i| i.parameter_change)),
     ];
-    let said = Said::new(format!("{} did not converge ({why})", run.method), then);
+    let said = ReasonText::new(format!("{} did not converge ({why})", run.method), then);
     reason(ReasonCode::NotConverged, verdict, &numbers, concerned, said)
 }
 
@@ -46,9 +46,9 @@ fn undecided(results: &Results) -> Option<VerdictReason> {
     if let Some(test) = test {
         return Some(differing(test));
     }
-    let said = Said::new("No method has numbers to take", advice.text.trim_end_matches('.'));
+    let said = ReasonText::new("No method has numbers to take", advice.text.trim_end_matches('.'));
     let is_said = refuse_all(results) || nominal_runs(results).all(|r| r.status != Status::Converged);
-    (!is_said).then(|| reason(ReasonCode::Undecided, Verdict::DoNotUse, &[], Concerned::default(), said))
+    (!is_said).then(|| reason(ReasonCode::Undecided, Verdict::DoNotUse, &[], ReasonSubject::default(), said))
 }
 
 fn differing(test: &BiasedSimulatorResult) -> VerdictReason {
@@ -67,15 +67,15 @@ fn differing(test: &BiasedSimulatorResult) -> VerdictReason {
     );
     let remedy = "say held = true where the torque is held from sample to sample, leave out more samples near rest by a larger \
                   velocity in [signal] mask, and compare again";
-    let concerned = Concerned { parameter: most.map(|p| p.name.clone()), ..Concerned::default() };
-    reason(ReasonCode::Undecided, Verdict::DoNotUse, &numbers, concerned, Said::new(seen, remedy))
+    let concerned = ReasonSubject { parameter: most.map(|p| p.name.clone()), ..ReasonSubject::default() };
+    reason(ReasonCode::Undecided, Verdict::DoNotUse, &numbers, concerned, ReasonText::new(seen, remedy))
 }
 
 /// A method that fits the simulated loop is taken where no other can be: nothing tests its simulator.
 fn last_resort(taken: Option<Method>) -> Option<VerdictReason> {
     let method = taken.filter(|m| m.needs() != Needs::Measurement && m.design() == Design::Simulated)?;
-    let concerned = Concerned { method: Some(method), ..Concerned::default() };
-    let said = Said::new(
+    let concerned = ReasonSubject { method: Some(method), ..ReasonSubject::default() };
+    let said = ReasonText::new(
         format!("Only {method} has numbers to take, and nothing tests the simulator that it believes"),
         "record torques for idim-iv, or compare with a second recording",
     );

@@ -2,12 +2,12 @@
 
 use super::{
     judged::{judged_runs, nominal_runs},
-    reason::{Said, reason},
+    reason::{ReasonText, reason},
 };
 use thetahat_estimation::checks::{Finding, Severity};
 use thetahat_ground::number::significant;
 use thetahat_report::results::{
-    Concerned, Explained, HiddenError, JointResidual, ReasonCode, Results, RunResult, Verdict, VerdictReason,
+    Explained, HiddenError, JointResidual, ReasonCode, ReasonSubject, Results, RunResult, Verdict, VerdictReason,
 };
 
 /// Relative error of a joint, percent, from which its torque is not explained where there are no rows to test. Clean: 54 (KUKA).
@@ -45,7 +45,7 @@ pub(super) fn reasons(results: &Results) -> Vec<VerdictReason> {
         of_run.extend(correlated_residual(results, run));
         add(&mut reasons, of_run);
     }
-    let worse = nominal_runs(results).flat_map(|run| run.findings.iter().filter_map(|f| worse_than_zero(run, f)));
+    let worse = nominal_runs(results).flat_map(|run| run.findings.iter().filter_map(|f| no_predictive_power(run, f)));
     add(&mut reasons, worse.collect());
     reasons
 }
@@ -60,8 +60,8 @@ fn add(reasons: &mut Vec<VerdictReason>, more: Vec<VerdictReason>) {
     }
 }
 
-fn of_method(run: &RunResult) -> Concerned {
-    Concerned { method: Some(run.method), ..Concerned::default() }
+fn of_method(run: &RunResult) -> ReasonSubject {
+    ReasonSubject { method: Some(run.method), ..ReasonSubject::default() }
 }
 
 /// The name of a coordinate's joint, from one.
@@ -129,14 +129,14 @@ fn nothing_explained(run: &RunResult, first: &NotExplained) -> VerdictReason {
     let error = run.relative_error_percent;
     let said = if is_too_short(error) {
         let seen = format!("The rows are too few to tell what {} explains of the torques from chance", run.method);
-        Said::new(seen, RECORD_LONGER)
+        ReasonText::new(seen, RECORD_LONGER)
     } else {
         let seen = format!(
             "The model explains no torque better than a constant does, {} leaves {:.0} % of them",
             run.method,
             error.unwrap_or(f64::NAN)
         );
-        Said::new(seen, "check that the torques belong to this motion and this robot")
+        ReasonText::new(seen, "check that the torques belong to this motion and this robot")
     };
     reason(ReasonCode::NothingExplained, Verdict::DoNotUse, &first.numbers(), of_method(run), said)
 }
@@ -146,16 +146,16 @@ fn joint_not_explained(results: &Results, run: &RunResult, found: &NotExplained)
     let said = if is_too_short(found.error_percent) {
         let seen =
             format!("The rows of {label} are too few to tell what {} explains of its torque from chance", run.method);
-        Said::new(seen, RECORD_LONGER)
+        ReasonText::new(seen, RECORD_LONGER)
     } else {
         let seen = format!(
             "{} explains the torque of {label} no better than a constant does, and leaves {:.0} % of it",
             run.method,
             found.error_percent.unwrap_or(f64::NAN)
         );
-        Said::new(seen, format!("check the torque column of {label}"))
+        ReasonText::new(seen, format!("check the torque column of {label}"))
     };
-    let concerned = Concerned { joint: Some(name), ..of_method(run) };
+    let concerned = ReasonSubject { joint: Some(name), ..of_method(run) };
     reason(ReasonCode::JointNotExplained, Verdict::DoNotUse, &found.numbers(), concerned, said)
 }
 
@@ -170,17 +170,17 @@ fn poorly_explained(results: &Results, run: &RunResult, not_explained: &[Verdict
     let whole = run.relative_error_percent.filter(|_| run.joint_relative_error_percent.len() > 1);
     let where_all = whole.map(|e| format!(", and {e:.1} % of all torques")).unwrap_or_default();
     let seen = format!("{} leaves {error:.0} % of the torque of {label} unexplained{where_all}", run.method);
-    let said = Said::new(
+    let said = ReasonText::new(
         seen,
         format!("look at the residual of {label}: friction, noise or a torque that is too small to measure"),
     );
-    let concerned = Concerned { joint: Some(joint_name(results, joint + 1)), ..of_method(run) };
+    let concerned = ReasonSubject { joint: Some(joint_name(results, joint + 1)), ..of_method(run) };
     let numbers = [("relative_error_percent", Some(error)), ("limit", Some(POORLY_PERCENT))];
     Some(reason(ReasonCode::JointPoorlyExplained, Verdict::Care, &numbers, concerned, said))
 }
 
 /// The run's own finding about joints that it predicts worse than zero.
-fn worse_than_zero(run: &RunResult, finding: &Finding) -> Option<VerdictReason> {
+fn no_predictive_power(run: &RunResult, finding: &Finding) -> Option<VerdictReason> {
     let verdict = match finding.severity {
         Severity::Problem => Verdict::DoNotUse,
         Severity::Warning => Verdict::Care,
@@ -190,13 +190,13 @@ fn worse_than_zero(run: &RunResult, finding: &Finding) -> Option<VerdictReason> 
 }
 
 fn of_finding(code: ReasonCode, verdict: Verdict, run: &RunResult, finding: &Finding) -> VerdictReason {
-    let concerned = Concerned {
+    let concerned = ReasonSubject {
         joint: finding.joint_name.clone(),
         parameter: finding.parameters.first().cloned(),
         finding: Some(finding.code),
         ..of_method(run)
     };
-    let said = Said::new(format!("{}: {}", run.method, finding.message), &finding.remedy);
+    let said = ReasonText::new(format!("{}: {}", run.method, finding.message), &finding.remedy);
     reason(code, verdict, &[("value", Some(finding.value)), ("limit", finding.limit)], concerned, said)
 }
 
@@ -216,7 +216,7 @@ fn cross_validation(results: &Results, run: &RunResult) -> Option<VerdictReason>
         Some(_) => "record more motion",
         None => "estimate fewer parameters (estimate = \"essential\"), or record more motion",
     };
-    let said = Said::new(seen, remedy);
+    let said = ReasonText::new(seen, remedy);
     (ratio > CROSS_VALIDATION).then(|| reason(ReasonCode::CrossValidation, verdict, &numbers, of_method(run), said))
 }
 
@@ -273,9 +273,9 @@ fn demanded(results: &Results, run: &RunResult, finding: &Finding) -> Option<Ver
 fn influence(run: &RunResult) -> Option<VerdictReason> {
     let found = run.influence.as_ref().filter(|i| i.change.abs() > INFLUENCE)?;
     let concerned =
-        Concerned { parameter: Some(found.parameter.clone()), part: Some(found.part.clone()), ..of_method(run) };
+        ReasonSubject { parameter: Some(found.parameter.clone()), part: Some(found.part.clone()), ..of_method(run) };
     let numbers = [("change_deviations", Some(found.change)), ("limit", Some(INFLUENCE))];
-    let said = Said::new(
+    let said = ReasonText::new(
         format!(
             "{} of {} changes by {:.1} standard deviations without {}",
             found.parameter, run.method, found.change, found.part
@@ -302,8 +302,8 @@ fn correlated_residual(results: &Results, run: &RunResult) -> Option<VerdictReas
         run.method,
         largest_hidden_bias(results, run).unwrap_or_default()
     );
-    let said = Said::new(seen, missing_remedy(results));
-    let concerned = Concerned { joint: Some(name), ..of_method(run) };
+    let said = ReasonText::new(seen, missing_remedy(results));
+    let concerned = ReasonSubject { joint: Some(name), ..of_method(run) };
     let numbers = [("autocorrelation", Some(r1)), ("limit", Some(limit))];
     (r1 > limit).then(|| reason(ReasonCode::CorrelatedResidual, Verdict::Care, &numbers, concerned, said))
 }

@@ -1,4 +1,4 @@
-//! The one verdict on all results, by the rules of `docs/diagnostics.md`: from the results alone, so that it can be repeated
+//! The one verdict on all results, by the rules of `docs/reference/verdict.md`: from the results alone, so that it can be repeated
 //! on any `results.json`.
 
 mod comparisons;

@@ -1,12 +1,12 @@
-use thetahat_report::results::{Concerned, ReasonCode, Verdict, VerdictReason};
+use thetahat_report::results::{ReasonCode, ReasonSubject, Verdict, VerdictReason};
 
 /// What a reason says: what was seen, and what to do about it.
-pub(super) struct Said {
+pub(super) struct ReasonText {
     pub(super) seen: String,
     pub(super) remedy: String,
 }
 
-impl Said {
+impl ReasonText {
     pub(super) fn new(seen: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self { seen: seen.into(), remedy: remedy.into() }
     }
@@ -17,8 +17,8 @@ pub(super) fn reason(
     code: ReasonCode,
     verdict: Verdict,
     numbers: &[(&str, Option<f64>)],
-    concerned: Concerned,
-    Said { seen, remedy }: Said,
+    concerned: ReasonSubject,
+    ReasonText { seen, remedy }: ReasonText,
 ) -> VerdictReason {
     let finite = |(name, value): &(&str, Option<f64>)| Some(((*name).to_owned(), value.filter(|v| v.is_finite())?));
     let numbers = numbers.iter().filter_map(finite).collect();

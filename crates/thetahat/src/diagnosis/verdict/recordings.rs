@@ -2,12 +2,12 @@
 
 use super::{
     judged::judged_runs,
-    reason::{Said, reason},
+    reason::{ReasonText, reason},
 };
 use crate::diagnosis::problems::place;
 use thetahat_estimation::checks::{Code, Finding, Severity};
 use thetahat_report::results::{
-    Concerned, DriveGainResult, ReasonCode, RecordingFindings, Results, Verdict, VerdictReason,
+    DriveGainResult, ReasonCode, ReasonSubject, RecordingFindings, Results, Verdict, VerdictReason,
 };
 
 /// Rows for each parameter below which chance decides much of the estimates: filters are chosen with as many.
@@ -67,23 +67,23 @@ fn of_findings(
     let places: Vec<String> = recording_of_several.into_iter().chain(joints).collect();
     let at = if places.is_empty() { String::new() } else { format!("; seen at {}", places.join(", ")) };
     let seen = format!("{}{at}", worst.message);
-    let said = Said::new(seen, &worst.remedy);
-    let concerned = Concerned {
+    let said = ReasonText::new(seen, &worst.remedy);
+    let concerned = ReasonSubject {
         joint: worst.joint_name.clone(),
         recording: Some(recording.to_owned()),
         finding: Some(worst.code),
-        ..Concerned::default()
+        ..ReasonSubject::default()
     };
     reason(code, verdict, &[("value", Some(worst.value)), ("limit", worst.limit)], concerned, said)
 }
 
 fn drive_gain(gain: &DriveGainResult) -> VerdictReason {
     let factor = gain.factor.unwrap_or(f64::NAN);
-    let said = Said::new(
+    let said = ReasonText::new(
         format!("The known payload says that the torque of {} is {factor:.3} times what was recorded", gain.joint),
         format!("correct the drive's gain of {}, or the payload's mass", gain.joint),
     );
-    let concerned = Concerned { joint: Some(gain.joint.clone()), ..Concerned::default() };
+    let concerned = ReasonSubject { joint: Some(gain.joint.clone()), ..ReasonSubject::default() };
     let [low, high] = gain.interval_95.map_or([None; 2], |interval| interval.map(Some));
     let numbers = [("factor", gain.factor), ("low", low), ("high", high)];
     reason(ReasonCode::DriveGain, Verdict::DoNotUse, &numbers, concerned, said)
@@ -97,6 +97,6 @@ fn few_rows(results: &Results) -> Option<VerdictReason> {
         "{} rows after decimation are {each:.1} for each of {parameters} parameters, where {FEWEST_ROWS:.0} are few",
         results.decimated_rows
     );
-    let said = Said::new(seen, "record longer, or lower [signal] decimation");
-    (each < FEWEST_ROWS).then(|| reason(ReasonCode::FewRows, Verdict::Care, &numbers, Concerned::default(), said))
+    let said = ReasonText::new(seen, "record longer, or lower [signal] decimation");
+    (each < FEWEST_ROWS).then(|| reason(ReasonCode::FewRows, Verdict::Care, &numbers, ReasonSubject::default(), said))
 }

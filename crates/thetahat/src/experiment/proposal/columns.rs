@@ -1,7 +1,7 @@
 use super::{
     super::column_names::{self, Signal},
     joint_names::columns_of,
-    source::{Chosen, Source, channels},
+    source::{SelectedColumn, Source, channels},
 };
 use thetahat_data::recording::ColumnSummary;
 use thetahat_model::robot::Robot;
@@ -11,7 +11,11 @@ type Numbered<'a> = (&'a ColumnSummary, Option<usize>);
 
 /// The columns that hold a signal, one channel for each joint, in the order of the joints: those whose names say so, or
 /// where the names of the columns say nothing, those of a file whose name does.
-pub(super) fn by_name<'a>(source: &Source<'a>, robot: &Robot, signal: Signal) -> Result<Vec<Chosen<'a>>, String> {
+pub(super) fn by_name<'a>(
+    source: &Source<'a>,
+    robot: &Robot,
+    signal: Signal,
+) -> Result<Vec<SelectedColumn<'a>>, String> {
     let named = |c: &'a ColumnSummary| source.reading(&c.name).filter(|r| r.signal == signal).map(|r| (c, r.number));
     let mut found: Vec<Numbered<'a>> = source.columns().filter_map(named).collect();
     if found.is_empty() && signal == Signal::Reference {
@@ -49,12 +53,12 @@ pub(super) fn silent<'a>(source: &Source<'a>) -> Vec<Numbered<'a>> {
     untold.map(|c| (c, column_names::number(&c.name))).collect()
 }
 
-fn in_order<'a>(robot: &Robot, mut found: Vec<Numbered<'a>>) -> Result<Vec<Chosen<'a>>, String> {
+fn in_order<'a>(robot: &Robot, mut found: Vec<Numbered<'a>>) -> Result<Vec<SelectedColumn<'a>>, String> {
     let joints = robot.coordinate_count();
     if let Some(ordered) = in_order_of_joints(robot, &found) {
-        return Ok(ordered.into_iter().map(Chosen::of).collect());
+        return Ok(ordered.into_iter().map(SelectedColumn::of).collect());
     }
-    let chosen = |columns: &[&'a ColumnSummary]| columns.iter().map(|c| Chosen::of(c)).collect::<Vec<_>>();
+    let chosen = |columns: &[&'a ColumnSummary]| columns.iter().map(|c| SelectedColumn::of(c)).collect::<Vec<_>>();
     let all = chosen(&found.iter().map(|(c, _)| *c).collect::<Vec<_>>());
     if channels(&all) != joints {
         return Err(looking_like_it(&all));
@@ -71,7 +75,7 @@ fn in_order<'a>(robot: &Robot, mut found: Vec<Numbered<'a>>) -> Result<Vec<Chose
 }
 
 /// How many columns look like a signal, and which.
-fn looking_like_it(columns: &[Chosen<'_>]) -> String {
+fn looking_like_it(columns: &[SelectedColumn<'_>]) -> String {
     let names = columns.iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join(" ");
     match channels(columns) {
         0 => "no column looks like it".to_owned(),

@@ -111,7 +111,7 @@ fn no_signal<'a, 'o>(
     offers: &'o [Offer<'a>],
     joints: usize,
     signal: &'static str,
-    of: impl Fn(&'o Offer<'a>) -> &'o Result<Vec<super::source::Chosen<'a>>, String>,
+    of: impl Fn(&'o Offer<'a>) -> &'o Result<Vec<super::source::SelectedColumn<'a>>, String>,
 ) -> ProposalError {
     let untold =
         |o: &&Offer<'_>| o.is_empty() && o.source.table.is_none_or(|t| t.times.is_empty() || t.columns.len() > 1);

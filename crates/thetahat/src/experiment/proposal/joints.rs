@@ -6,7 +6,7 @@ use super::{
     error::ProposalError,
     joint_names::columns_of,
     request::{ProposalRequest, is_named},
-    source::{Chosen, Source, channels},
+    source::{SelectedColumn, Source, channels},
     units::Units,
 };
 use thetahat_data::recording::{ChannelSummary, ColumnSummary, Side};
@@ -61,10 +61,10 @@ impl JointsOfLog {
 
     /// The columns of the joints that are left, where columns of all joints stand in their order and the user locked some;
     /// other columns as they are.
-    pub(super) fn left<'a>(&self, columns: Vec<Chosen<'a>>) -> Vec<Chosen<'a>> {
+    pub(super) fn left<'a>(&self, columns: Vec<SelectedColumn<'a>>) -> Vec<SelectedColumn<'a>> {
         match &self.free {
             Some(free) if channels(&columns) == free.len() && !columns.iter().any(|c| c.in_rows) => {
-                let each = columns.iter().flat_map(Chosen::each);
+                let each = columns.iter().flat_map(SelectedColumn::each);
                 each.zip(free).filter(|(_, free)| **free).map(|(column, _)| column).collect()
             }
             Some(_) | None => columns,
@@ -179,14 +179,15 @@ impl<'a> Search<'_, 'a> {
         let kind = self.joints().nth(coordinate)?.kind;
         let of_kind: Vec<usize> =
             self.joints().enumerate().filter(|(_, joint)| joint.kind == kind).map(|(j, _)| j).collect();
-        let (source, columns): (Source<'a>, Vec<(usize, Chosen<'a>)>) = self.sources.iter().find_map(|source| {
-            let one = Search { sources: std::slice::from_ref(source), ..*self }.by_name(Signal::Position);
-            let of_file = one.into_iter().next()?;
-            of_file[coordinate]?;
-            let column = |&j: &usize| Some((j, Chosen::of(of_file[j]?)));
-            Some((*source, of_kind.iter().filter_map(column).collect()))
-        })?;
-        let (places, columns): (Vec<usize>, Vec<Chosen<'a>>) = columns.into_iter().unzip();
+        let (source, columns): (Source<'a>, Vec<(usize, SelectedColumn<'a>)>) =
+            self.sources.iter().find_map(|source| {
+                let one = Search { sources: std::slice::from_ref(source), ..*self }.by_name(Signal::Position);
+                let of_file = one.into_iter().next()?;
+                of_file[coordinate]?;
+                let column = |&j: &usize| Some((j, SelectedColumn::of(of_file[j]?)));
+                Some((*source, of_kind.iter().filter_map(column).collect()))
+            })?;
+        let (places, columns): (Vec<usize>, Vec<SelectedColumn<'a>>) = columns.into_iter().unzip();
         let joints = places.iter().filter_map(|&j| self.joints().nth(j)).collect();
         let measured = Units { request: self.request, robot: self.robot, source, joints }.of_position(&columns).ok()?;
         let unit = places.iter().zip(&measured.units).find(|(place, _)| **place == coordinate)?.1;

@@ -1,7 +1,7 @@
 use super::{
     error::ProposalError,
     joints::JointsOfLog,
-    source::{Chosen, Source, channels},
+    source::{SelectedColumn, Source, channels},
 };
 /// The columns that the user named for a signal.
 pub(super) struct Named<'s, 'a> {
@@ -31,11 +31,14 @@ impl<'s, 'a> Named<'s, 'a> {
     }
 
     /// Of each file the columns named, if it has all of them; none if nothing was named.
-    pub(super) fn columns(&self, joints: &JointsOfLog) -> Result<Option<Vec<Option<Vec<Chosen<'a>>>>>, ProposalError> {
+    pub(super) fn columns(
+        &self,
+        joints: &JointsOfLog,
+    ) -> Result<Option<Vec<Option<Vec<SelectedColumn<'a>>>>>, ProposalError> {
         if self.entries.is_empty() {
             return Ok(None);
         }
-        let found: Vec<Result<Vec<Chosen<'a>>, &str>> =
+        let found: Vec<Result<Vec<SelectedColumn<'a>>, &str>> =
             (0..self.sources.len()).map(|file| self.of_file(file)).collect();
         let likeliest = self.entries.iter().find_map(|e| e.file).unwrap_or(0);
         if let (true, Err(name)) = (found.iter().all(Result::is_err), &found[likeliest]) {
@@ -44,7 +47,8 @@ impl<'s, 'a> Named<'s, 'a> {
             return Err(ProposalError::NoSuchColumn { file, name, columns: source.names() });
         }
         let left = |columns| joints.left(columns);
-        let found: Vec<Result<Vec<Chosen<'a>>, &str>> = found.into_iter().map(|found| found.map(left)).collect();
+        let found: Vec<Result<Vec<SelectedColumn<'a>>, &str>> =
+            found.into_iter().map(|found| found.map(left)).collect();
         let count = joints.robot.coordinate_count();
         match found.iter().flatten().map(|columns| channels(columns)).find(|&found| found != count) {
             None => Ok(Some(found.into_iter().map(Result::ok).collect())),
@@ -56,13 +60,13 @@ impl<'s, 'a> Named<'s, 'a> {
     }
 
     /// The columns of a file that are named, or the first that it has not.
-    fn of_file(&self, file: usize) -> Result<Vec<Chosen<'a>>, &'s str> {
+    fn of_file(&self, file: usize) -> Result<Vec<SelectedColumn<'a>>, &'s str> {
         let source = &self.sources[file];
         let mut columns = Vec::new();
         for entry in self.entries.iter().filter(|e| e.file.is_none_or(|of| of == file)) {
             match entry.column {
                 Some(name) => columns.push(source.column(name).ok_or(name)?),
-                None => columns.extend(source.columns().filter(|c| !source.is_time(&c.name)).map(Chosen::of)),
+                None => columns.extend(source.columns().filter(|c| !source.is_time(&c.name)).map(SelectedColumn::of)),
             }
         }
         if columns.is_empty() { Err(self.entries[0].column.unwrap_or_default()) } else { Ok(columns) }

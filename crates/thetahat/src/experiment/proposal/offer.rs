@@ -7,17 +7,17 @@ use super::{
     joints::JointsOfLog,
     named::Named,
     request::{ProposalRequest, is_named},
-    source::{Chosen, Source},
+    source::{SelectedColumn, Source},
 };
 use thetahat_data::recording::{ColumnSummary, Contents, TableSummary};
 
 /// What a file offers: the columns of each signal, one channel for each joint.
 pub(super) struct Offer<'a> {
     pub(super) source: Source<'a>,
-    pub(super) position: Result<Vec<Chosen<'a>>, String>,
-    pub(super) torque: Result<Vec<Chosen<'a>>, String>,
-    pub(super) velocity: Option<Vec<Chosen<'a>>>,
-    pub(super) reference: Option<Vec<Chosen<'a>>>,
+    pub(super) position: Result<Vec<SelectedColumn<'a>>, String>,
+    pub(super) torque: Result<Vec<SelectedColumn<'a>>, String>,
+    pub(super) velocity: Option<Vec<SelectedColumn<'a>>>,
+    pub(super) reference: Option<Vec<SelectedColumn<'a>>>,
 }
 
 impl Offer<'_> {
@@ -49,7 +49,7 @@ pub(super) fn offers<'a>(
     let torque = Named::new("torque", &request.torque, sources).columns(joints)?;
     let offer = |(number, source): (usize, &Source<'a>)| {
         let found = |signal| of_joints(source, joints, signal);
-        let or_found = |named: &Option<Vec<Option<Vec<Chosen<'a>>>>>, signal| match named {
+        let or_found = |named: &Option<Vec<Option<Vec<SelectedColumn<'a>>>>>, signal| match named {
             Some(named) => named[number].clone().ok_or_else(|| "others were named".to_owned()),
             None => found(signal),
         };
@@ -67,7 +67,7 @@ pub(super) fn offers<'a>(
 }
 
 /// The columns of the joints that are left, by their names or by those of all joints.
-fn of_joints<'a>(source: &Source<'a>, joints: &JointsOfLog, signal: Signal) -> Result<Vec<Chosen<'a>>, String> {
+fn of_joints<'a>(source: &Source<'a>, joints: &JointsOfLog, signal: Signal) -> Result<Vec<SelectedColumn<'a>>, String> {
     columns::by_name(source, &joints.robot, signal).or_else(|problem| match &joints.free {
         Some(_) => columns::by_name(source, &joints.whole, signal).map(|columns| joints.left(columns)),
         None => Err(problem),

@@ -8,7 +8,7 @@ use super::{
     joints::JointsOfLog,
     offer::{Offer, offers, sources},
     request::ProposalRequest,
-    source::{Chosen, Source},
+    source::{SelectedColumn, Source},
     text::{Proposal, ProposedChannels, ProposedRecording, ProposedSignal},
     unit_names::Misfit,
     units::{Measured, Units, range},
@@ -114,12 +114,12 @@ impl<'a> Describer<'_, 'a> {
     /// The first of the files that has a signal.
     fn other<'o>(
         &'o self,
-        of: impl Fn(&'o Offer<'a>) -> Option<&'o [Chosen<'a>]>,
-    ) -> Option<(&'o Offer<'a>, &'o [Chosen<'a>])> {
+        of: impl Fn(&'o Offer<'a>) -> Option<&'o [SelectedColumn<'a>]>,
+    ) -> Option<(&'o Offer<'a>, &'o [SelectedColumn<'a>])> {
         self.group.files().map(|file| &self.offers[file]).find_map(|offer| Some((offer, of(offer)?)))
     }
 
-    fn described(&self, source: &Source<'_>, columns: &[Chosen<'_>], measured: &Measured) -> ProposedChannels {
+    fn described(&self, source: &Source<'_>, columns: &[SelectedColumn<'_>], measured: &Measured) -> ProposedChannels {
         let [least, most] = range(columns);
         ProposedChannels {
             file: source.file.to_owned(),
@@ -140,7 +140,7 @@ impl<'a> Describer<'_, 'a> {
         &self,
         signal: Signal,
         offer: &Offer<'a>,
-        columns: &[Chosen<'_>],
+        columns: &[SelectedColumn<'_>],
         position: &Measured,
     ) -> (ProposedChannels, Option<Measured>) {
         match self.units(offer).of_other(signal, columns, position) {
@@ -157,8 +157,8 @@ impl<'a> Describer<'_, 'a> {
     fn reference_of(
         &self,
         offer: &Offer<'a>,
-        reference: &[Chosen<'_>],
-        position: &[Chosen<'_>],
+        reference: &[SelectedColumn<'_>],
+        position: &[SelectedColumn<'_>],
         of_position: &Measured,
     ) -> ProposedChannels {
         let (channels, measured) = self.described_as(Signal::Reference, offer, reference, of_position);
@@ -174,7 +174,7 @@ impl<'a> Describer<'_, 'a> {
 }
 
 /// From the least to the largest value, in SI units.
-fn travel(columns: &[Chosen<'_>], measured: &Measured) -> f64 {
+fn travel(columns: &[SelectedColumn<'_>], measured: &Measured) -> f64 {
     let channels = columns.iter().flat_map(|c| c.channels).zip(&measured.units);
     let ends = channels.flat_map(|(channel, unit)| [channel.min, channel.max].map(|end| end.map(|v| v * unit.to_si())));
     let (least, most) =

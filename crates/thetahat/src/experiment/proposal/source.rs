@@ -5,14 +5,14 @@ use thetahat_data::recording::{ChannelSummary, ColumnSummary, Contents, Format, 
 
 /// A column, or one channel of it, as the experiment is to name it.
 #[derive(Debug, Clone)]
-pub(super) struct Chosen<'a> {
+pub(super) struct SelectedColumn<'a> {
     pub(super) name: String,
     pub(super) channels: &'a [ChannelSummary],
     /// Whether they are rows of a matrix.
     pub(super) in_rows: bool,
 }
 
-impl<'a> Chosen<'a> {
+impl<'a> SelectedColumn<'a> {
     /// A whole column.
     pub(super) fn of(column: &'a ColumnSummary) -> Self {
         Self { name: column.name.clone(), channels: &column.statistics, in_rows: column.in_rows }
@@ -30,7 +30,7 @@ impl<'a> Chosen<'a> {
 }
 
 /// Number of channels of some columns.
-pub(super) fn channels(columns: &[Chosen<'_>]) -> usize {
+pub(super) fn channels(columns: &[SelectedColumn<'_>]) -> usize {
     columns.iter().map(|c| c.channels.len()).sum()
 }
 
@@ -103,15 +103,15 @@ impl<'a> Source<'a> {
     }
 
     /// A column, or `name[3]` of a matrix.
-    pub(super) fn column(&self, name: &str) -> Option<Chosen<'a>> {
+    pub(super) fn column(&self, name: &str) -> Option<SelectedColumn<'a>> {
         let whole = self.columns().find(|c| c.name == name);
         if let Some(column) = whole {
-            return Some(Chosen::of(column));
+            return Some(SelectedColumn::of(column));
         }
         let (matrix, index) = name.strip_suffix(']')?.rsplit_once('[')?;
         let index: usize = index.parse().ok()?;
         let column = self.columns().find(|c| c.name == matrix && !c.in_rows)?;
         let channel = column.statistics.get(index.checked_sub(1)?..index)?;
-        Some(Chosen { name: name.to_owned(), channels: channel, in_rows: false })
+        Some(SelectedColumn { name: name.to_owned(), channels: channel, in_rows: false })
     }
 }

@@ -116,7 +116,7 @@ impl ProposedSignal {
     pub fn chosen(choice: &FilterChoice) -> Self {
         let Filter { cutoff_hz, decimation } = choice.best;
         let head = [
-            "Chosen from the data: on a twin of the record the estimates with this filter are nearest to the truth."
+            "SelectedColumn from the data: on a twin of the record the estimates with this filter are nearest to the truth."
                 .to_owned(),
             format!("The motion lies below {:.1} Hz. Errors with other filters, over the least;", choice.dynamics_hz),
             "\"every\" is decimation, the frequencies are cutoff_hz:".to_owned(),
@@ -167,7 +167,7 @@ impl Proposal {
         self.recordings.iter().for_each(|recording| text += &format!("\n{head}\n{}", recording.text()));
         text += &self.signal.text();
         text += "\n# IDIM-IV tests IDIM-LS; without [controller] it simulates a guess of the closed loop, which is enough for it. \
-                 With\n# the controller's law in [controller] (docs/experiments.md) \"didim\" can be added.\n\
+                 With\n# the controller's law in [controller] (docs/reference/experiments.md) \"didim\" can be added.\n\
                  [estimation]\nmethods = [\"idim-ls\", \"idim-iv\"]\n";
         text
     }

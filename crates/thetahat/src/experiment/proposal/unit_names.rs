@@ -2,7 +2,7 @@
 
 use super::{
     super::column_names::{self, Signal},
-    source::{Chosen, Source},
+    source::{SelectedColumn, Source},
     written::{Written, dimensions, of_a_drive, spelt_out, written},
 };
 use thetahat_data::recording::{Dimension, Unit};
@@ -30,7 +30,7 @@ pub(super) struct Misfit {
 pub(super) fn named_units(
     source: &Source<'_>,
     signal: Signal,
-    columns: &[Chosen<'_>],
+    columns: &[SelectedColumn<'_>],
     kinds: &[JointKind],
 ) -> Result<Option<NamedUnits>, Misfit> {
     let mut counts = None;
@@ -65,7 +65,7 @@ pub(super) fn named_units(
 /// Checks that the units measure what the joints do.
 pub(super) fn require_units_of_joints<'j>(
     units: &[Unit],
-    columns: &[Chosen<'_>],
+    columns: &[SelectedColumn<'_>],
     joints: impl Iterator<Item = &'j Joint>,
 ) -> Result<(), Misfit> {
     let names = columns.iter().flat_map(|column| column.channels.iter().map(|_| &column.name));
@@ -110,7 +110,7 @@ fn counted(signal: Signal) -> Option<Unit> {
 }
 
 /// The unit in the name of the file, where the columns say nothing.
-fn of_file(source: &Source<'_>, signal: Signal, columns: &[Chosen<'_>]) -> Option<Unit> {
+fn of_file(source: &Source<'_>, signal: Signal, columns: &[SelectedColumn<'_>]) -> Option<Unit> {
     match spelt_out(&source.stem(), signal).filter(|_| are_silent(columns)) {
         Some(Written::Unit(unit)) => Some(unit),
         Some(Written::Counts(_) | Written::Unknown(_)) | None => None,
@@ -119,15 +119,15 @@ fn of_file(source: &Source<'_>, signal: Signal, columns: &[Chosen<'_>]) -> Optio
 
 /// The unit of a drive that the name of the file hints at, where the columns say nothing: files of torques in N m are called
 /// currents too.
-pub(super) fn hint_of_file(source: &Source<'_>, columns: &[Chosen<'_>]) -> Option<Unit> {
+pub(super) fn hint_of_file(source: &Source<'_>, columns: &[SelectedColumn<'_>]) -> Option<Unit> {
     of_a_drive(&source.stem(), Signal::Torque).filter(|_| are_silent(columns))
 }
 
-fn are_silent(columns: &[Chosen<'_>]) -> bool {
+fn are_silent(columns: &[SelectedColumn<'_>]) -> bool {
     columns.iter().all(|column| column_names::is_silent(&column.name))
 }
 
-fn no_unit(column: &Chosen<'_>, text: &str, signal: Signal) -> Misfit {
+fn no_unit(column: &SelectedColumn<'_>, text: &str, signal: Signal) -> Misfit {
     let a_signal = match signal {
         Signal::Time => "a time",
         Signal::Position | Signal::Reference => "a position",

@@ -3,7 +3,7 @@ use super::{
     error::ProposalError,
     gains::{gain_of_position, gain_of_torque},
     request::ProposalRequest,
-    source::{Chosen, Source},
+    source::{SelectedColumn, Source},
     unit_names::{Misfit, NamedUnits, fits, hint_of_file, matching, named_units, require_units_of_joints},
 };
 use thetahat_data::recording::{Dimension, Side, Unit};
@@ -48,7 +48,7 @@ pub(super) struct Units<'u, 'a> {
 }
 
 impl Units<'_, '_> {
-    pub(super) fn of_position(&self, columns: &[Chosen<'_>]) -> Result<Measured, ProposalError> {
+    pub(super) fn of_position(&self, columns: &[SelectedColumn<'_>]) -> Result<Measured, ProposalError> {
         let named = self.named(Signal::Position, columns);
         match (self.request.position_unit, named) {
             (Some(unit), named) => Ok(self.on_a_side(self.stated(unit, named), columns, "as stated")),
@@ -63,7 +63,11 @@ impl Units<'_, '_> {
     }
 
     /// The torques are on the side that their names say, or else on that of the positions.
-    pub(super) fn of_torque(&self, columns: &[Chosen<'_>], position: &Measured) -> Result<Measured, ProposalError> {
+    pub(super) fn of_torque(
+        &self,
+        columns: &[SelectedColumn<'_>],
+        position: &Measured,
+    ) -> Result<Measured, ProposalError> {
         let side = match (self.named_side(columns), position.side) {
             (Side::Joint, Side::Joint) => Side::Joint,
             (Side::Motor, _) | (_, Side::Motor) => Side::Motor,
@@ -86,7 +90,7 @@ impl Units<'_, '_> {
     pub(super) fn of_other(
         &self,
         signal: Signal,
-        columns: &[Chosen<'_>],
+        columns: &[SelectedColumn<'_>],
         position: &Measured,
     ) -> Result<Measured, Misfit> {
         let as_positions = || {
@@ -103,7 +107,7 @@ impl Units<'_, '_> {
     }
 
     /// Why torques are taken for torques that no name of a column says to be any.
-    fn why_torque(&self, columns: &[Chosen<'_>]) -> String {
+    fn why_torque(&self, columns: &[SelectedColumn<'_>]) -> String {
         match hint_of_file(&self.source, columns) {
             Some(unit) => format!(
                 "a guess: only the name of the file says {}; where they are in {unit}, write unit = \"{unit}\" and gain = [...], \
@@ -115,7 +119,7 @@ impl Units<'_, '_> {
         }
     }
 
-    fn why_as_positions(&self, columns: &[Chosen<'_>]) -> &'static str {
+    fn why_as_positions(&self, columns: &[SelectedColumn<'_>]) -> &'static str {
         let stem = self.source.stem();
         let is_untold = |name: &str| {
             let name = if column_names::is_silent(name) { &stem } else { name };
@@ -127,7 +131,7 @@ impl Units<'_, '_> {
         }
     }
 
-    fn named(&self, signal: Signal, columns: &[Chosen<'_>]) -> Result<Option<NamedUnits>, Misfit> {
+    fn named(&self, signal: Signal, columns: &[SelectedColumn<'_>]) -> Result<Option<NamedUnits>, Misfit> {
         named_units(&self.source, signal, columns, &self.kinds())
     }
 
@@ -144,7 +148,7 @@ impl Units<'_, '_> {
         self.kinds().into_iter().enumerate().map(of_kind).collect()
     }
 
-    fn guessed_position(&self, columns: &[Chosen<'_>]) -> Measured {
+    fn guessed_position(&self, columns: &[SelectedColumn<'_>]) -> Measured {
         let joint = |unit, why: &str| Measured::new(self.each(unit), self.named_side(columns), why);
         let largest = self.largest_angle(columns);
         if self.kinds().iter().all(|kind| *kind == JointKind::Prismatic) {
@@ -175,7 +179,7 @@ impl Units<'_, '_> {
         }
     }
 
-    fn require_joints(&self, measured: &Measured, columns: &[Chosen<'_>]) -> Result<(), Misfit> {
+    fn require_joints(&self, measured: &Measured, columns: &[SelectedColumn<'_>]) -> Result<(), Misfit> {
         match measured.side {
             Side::Motor => Ok(()),
             Side::Joint => require_units_of_joints(&measured.units, columns, self.joints.iter().copied()),
@@ -210,7 +214,7 @@ impl Units<'_, '_> {
     }
 
     /// The largest value of the joints that turn.
-    fn largest_angle(&self, columns: &[Chosen<'_>]) -> f64 {
+    fn largest_angle(&self, columns: &[SelectedColumn<'_>]) -> f64 {
         let turning =
             columns.iter().flat_map(|c| c.channels).zip(self.kinds()).filter(|(_, k)| *k == JointKind::Revolute);
         let ends = turning.flat_map(|(channel, _)| [channel.min, channel.max]).flatten();
@@ -218,7 +222,7 @@ impl Units<'_, '_> {
     }
 
     /// Known units on the side that the names say, or else the motors' where angles are too large for joints.
-    fn on_a_side(&self, units: Vec<Unit>, columns: &[Chosen<'_>], why: &str) -> Measured {
+    fn on_a_side(&self, units: Vec<Unit>, columns: &[SelectedColumn<'_>], why: &str) -> Measured {
         let is_in_rad = self.kinds().iter().zip(&units).all(|(k, u)| *k == JointKind::Prismatic || *u == Unit::Radian);
         let too_large = is_in_rad && self.largest_angle(columns) > LARGEST_ANGLE && self.fits_behind_the_gears(columns);
         let side = if too_large { Side::Motor } else { self.named_side(columns) };
@@ -226,7 +230,7 @@ impl Units<'_, '_> {
     }
 
     /// The side as stated, or else the motors' where the names say so and the robot has gears.
-    fn named_side(&self, columns: &[Chosen<'_>]) -> Side {
+    fn named_side(&self, columns: &[SelectedColumn<'_>]) -> Side {
         if let Some(side) = self.request.side {
             return side;
         }
@@ -240,7 +244,7 @@ impl Units<'_, '_> {
     }
 
     /// Whether angles of motors in rad are angles of joints behind the robot's gears.
-    fn fits_behind_the_gears(&self, columns: &[Chosen<'_>]) -> bool {
+    fn fits_behind_the_gears(&self, columns: &[SelectedColumn<'_>]) -> bool {
         if let Some(side) = self.request.side {
             return side == Side::Motor;
         }
@@ -272,7 +276,7 @@ fn velocity_unit(position: Unit) -> Unit {
 }
 
 /// The least and the largest value of some columns.
-pub(super) fn range(columns: &[Chosen<'_>]) -> [f64; 2] {
+pub(super) fn range(columns: &[SelectedColumn<'_>]) -> [f64; 2] {
     let channels = || columns.iter().flat_map(|c| c.channels);
     let least = channels().filter_map(|c| c.min).fold(f64::INFINITY, f64::min);
     let most = channels().filter_map(|c| c.max).fold(f64::NEG_INFINITY, f64::max);

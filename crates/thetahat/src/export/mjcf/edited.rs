@@ -4,14 +4,14 @@ use super::{
     element::Element,
     error::MjcfError,
     matched::{other_gravity, other_joints},
-    model::{Found, MjcfModel},
+    model::{MjcfModel, ModelParts},
     written::{coupled_motors, inertial, tendon_name},
 };
 use crate::export::{
     body::Body,
     coupling::beside,
     editor::{Edited, Editor},
-    said::Said,
+    said::FormatCapability,
     split::{Shares, split},
     xml::{number, numbers},
 };
@@ -28,7 +28,7 @@ const ROUNDING: f64 = 1e-12;
 const USUAL_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
 /// The model with the inertias and the drives of `said`.
-pub(in crate::export) fn edited(model: &MjcfModel, said: &Said) -> Result<Edited, MjcfError> {
+pub(in crate::export) fn edited(model: &MjcfModel, said: &FormatCapability) -> Result<Edited, MjcfError> {
     model.with_robot(&said.robot, |found| {
         let mut edit = Edit { editor: Editor::new(model.text()), found: &found, said, notes: Vec::new() };
         for k in 0..said.robot.joints.len() {
@@ -43,8 +43,8 @@ pub(in crate::export) fn edited(model: &MjcfModel, said: &Said) -> Result<Edited
 
 struct Edit<'a, 'f> {
     editor: Editor<'a>,
-    found: &'f Found<'f>,
-    said: &'f Said,
+    found: &'f ModelParts<'f>,
+    said: &'f FormatCapability,
     notes: Vec<String>,
 }
 
@@ -75,7 +75,7 @@ impl<'f> Edit<'_, 'f> {
 
     /// The bodies that move with link `k` and have inertia.
     fn fixed(&self, k: usize) -> Result<Vec<Fixed<'f>>, MjcfError> {
-        let Found { matched, settings, .. } = self.found;
+        let ModelParts { matched, settings, .. } = self.found;
         let joint = || self.said.robot.joints[k].name.clone();
         if let Some(made) = matched.tree.bodies[matched.body(k)].made {
             return Err(MjcfError::Made { place: made.place(), joint: joint() });
@@ -152,7 +152,7 @@ impl<'f> Edit<'_, 'f> {
     }
 
     fn set_joint(&mut self, k: usize) {
-        let Said { robot, parameters, tendons, .. } = self.said;
+        let FormatCapability { robot, parameters, tendons, .. } = self.said;
         let [armature, damping] = beside(robot, parameters, tendons, k);
         let friction = self.said.of_joint(JointQuantity::Fc, k);
         let matched = &self.found.matched;
@@ -186,7 +186,7 @@ impl<'f> Edit<'_, 'f> {
     }
 
     fn tell_differences(&mut self) -> Result<(), MjcfError> {
-        let Found { matched, root, .. } = self.found;
+        let ModelParts { matched, root, .. } = self.found;
         let robot = &self.said.robot;
         self.notes.extend(other_joints(matched, robot));
         if matched.difference > ROUNDING {

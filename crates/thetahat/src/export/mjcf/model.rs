@@ -40,7 +40,7 @@ impl MjcfModel {
     pub(in crate::export) fn with_robot<T>(
         &self,
         robot: &Robot,
-        then: impl FnOnce(Found<'_>) -> Result<T, MjcfError>,
+        then: impl FnOnce(ModelParts<'_>) -> Result<T, MjcfError>,
     ) -> Result<T, MjcfError> {
         let document: Document<'_> = parse_xml(&self.text, &self.path)?;
         let root = Element::new(document.root_element(), &self.path);
@@ -53,12 +53,12 @@ impl MjcfModel {
         let settings = Settings::read(root)?;
         let tree = Tree::read(root, &settings)?;
         let matched = Matched::new(root, tree, robot, &self.path)?;
-        then(Found { root, settings, matched })
+        then(ModelParts { root, settings, matched })
     }
 }
 
 /// A robot found in a model.
-pub(in crate::export) struct Found<'a> {
+pub(in crate::export) struct ModelParts<'a> {
     pub(super) root: Element<'a>,
     pub(super) settings: Settings<'a>,
     pub(super) matched: Matched<'a>,

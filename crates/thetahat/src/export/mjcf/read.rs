@@ -3,10 +3,10 @@
 use super::{
     element::Element,
     error::MjcfError,
-    model::{Found, MjcfModel},
+    model::{MjcfModel, ModelParts},
     written::tendon_name,
 };
-use crate::export::{coupling::Tendon, read_back::ReadLink, said::Said};
+use crate::export::{coupling::Tendon, read_back::ReadLink, said::FormatCapability};
 use thetahat_model::robot::{RigidBody, Robot};
 
 /// The links of the exported robot as the model has them, and whether the model's axes are those of the robot to rounding.
@@ -18,7 +18,7 @@ pub(in crate::export) struct ReadModel {
 }
 
 /// Reads what an export of `said` has written.
-pub(in crate::export) fn read(model: &MjcfModel, said: &Said) -> Result<ReadModel, MjcfError> {
+pub(in crate::export) fn read(model: &MjcfModel, said: &FormatCapability) -> Result<ReadModel, MjcfError> {
     model.with_robot(&said.robot, |found| {
         let links = (0..said.robot.joints.len()).map(|k| found.link(&said.robot, k)).collect::<Result<_, _>>()?;
         let tendons = said.tendons.iter().map(|tendon| found.read_tendon(tendon, &said.robot));
@@ -26,7 +26,7 @@ pub(in crate::export) fn read(model: &MjcfModel, said: &Said) -> Result<ReadMode
     })
 }
 
-impl<'a> Found<'a> {
+impl<'a> ModelParts<'a> {
     fn link(&self, robot: &Robot, k: usize) -> Result<ReadLink, MjcfError> {
         let matched = &self.matched;
         let own = matched.tree.bodies[matched.body(k)].inertial;

@@ -4,13 +4,13 @@ use crate::export::{
     body::Body,
     coupling::{Tendon, beside},
     frames::{LinkFrame, link_name},
-    said::Said,
+    said::FormatCapability,
     xml::{escaped, number, numbers},
 };
 use thetahat_model::robot::{JointKind, JointQuantity, Robot};
 
 /// The MJCF of a robot, with `header` at its start.
-pub(in crate::export) fn mjcf(said: &Said, header: &str) -> String {
+pub(in crate::export) fn mjcf(said: &FormatCapability, header: &str) -> String {
     let robot = &said.robot;
     let mut lines = vec![
         format!("<mujoco model=\"{}\">", escaped(&robot.name)),
@@ -29,7 +29,7 @@ pub(in crate::export) fn mjcf(said: &Said, header: &str) -> String {
 }
 
 /// The body of a link with those that it carries; robots have at most a hundred joints.
-fn add_body(said: &Said, k: usize, depth: usize, lines: &mut Vec<String>) {
+fn add_body(said: &FormatCapability, k: usize, depth: usize, lines: &mut Vec<String>) {
     let space = "  ".repeat(depth);
     let frame = LinkFrame::of(&said.robot, k);
     lines.push(format!(
@@ -56,7 +56,7 @@ pub(super) fn inertial(body: &Body) -> String {
     )
 }
 
-fn joint(said: &Said, k: usize, frame: &LinkFrame) -> String {
+fn joint(said: &FormatCapability, k: usize, frame: &LinkFrame) -> String {
     let joint = &said.robot.joints[k];
     let kind = match joint.kind {
         JointKind::Revolute => "hinge",
@@ -82,7 +82,7 @@ pub(super) fn tendon_name(tendon: &Tendon) -> String {
 }
 
 /// Motors that turn with several joints, as fixed tendons.
-pub(super) fn coupled_motors(said: &Said) -> Vec<String> {
+pub(super) fn coupled_motors(said: &FormatCapability) -> Vec<String> {
     if said.tendons.is_empty() {
         return Vec::new();
     }

@@ -13,14 +13,14 @@ use thetahat::{
 
 /// An exception to be raised: the name of its class in `thetahat.errors`, and its text.
 #[derive(Debug)]
-pub struct Raised {
+pub struct PythonError {
     class: &'static str,
     text: String,
     /// What a function of the user's raised, where that is the cause.
     cause: Option<Arc<dyn Error + Send + Sync>>,
 }
 
-impl Raised {
+impl PythonError {
     pub fn new(class: &'static str, text: impl ToString) -> Self {
         Self { class, text: with_arguments(&text.to_string()), cause: None }
     }
@@ -43,8 +43,8 @@ fn with_arguments(text: &str) -> String {
     text.split(' ').map(word).collect::<Vec<_>>().join(" ")
 }
 
-impl From<Raised> for PyErr {
-    fn from(raised: Raised) -> Self {
+impl From<PythonError> for PyErr {
+    fn from(raised: PythonError) -> Self {
         Python::attach(|py| {
             let error = py
                 .import("thetahat.errors")
@@ -61,7 +61,7 @@ impl From<Raised> for PyErr {
 
 macro_rules! raised_as {
     ($($error:ty => $class:literal),* $(,)?) => {$(
-        impl From<$error> for Raised {
+        impl From<$error> for PythonError {
             fn from(error: $error) -> Self {
                 Self::new($class, error)
             }
@@ -83,7 +83,7 @@ raised_as! {
     ResultsError => "ResultsError",
 }
 
-impl From<PreparationError> for Raised {
+impl From<PreparationError> for PythonError {
     /// What an estimator of the user's own raised is the cause of its error.
     fn from(error: PreparationError) -> Self {
         if let PreparationError::Estimator { source, .. } = &error {
@@ -93,7 +93,7 @@ impl From<PreparationError> for Raised {
     }
 }
 
-impl From<OutputError> for Raised {
+impl From<OutputError> for PythonError {
     /// The command's flags are an argument, and a path.
     fn from(error: OutputError) -> Self {
         let text = error.to_string().replace(" with --out", "").replace("with --force", "with force=True");
@@ -101,7 +101,7 @@ impl From<OutputError> for Raised {
     }
 }
 
-impl From<ExperimentError> for Raised {
+impl From<ExperimentError> for PythonError {
     /// What is wrong with the robot or a recording of an experiment is what would be wrong without it.
     fn from(error: ExperimentError) -> Self {
         match error {
@@ -120,7 +120,7 @@ impl From<ExperimentError> for Raised {
     }
 }
 
-impl From<CampaignError> for Raised {
+impl From<CampaignError> for PythonError {
     /// An experiment that cannot be used is one without its campaign, too.
     fn from(error: CampaignError) -> Self {
         match error {
@@ -139,7 +139,7 @@ impl From<CampaignError> for Raised {
     }
 }
 
-impl From<ReductionError> for Raised {
+impl From<ReductionError> for PythonError {
     fn from(error: ReductionError) -> Self {
         match error {
             ReductionError::Experiment(error) => error.into(),
@@ -164,7 +164,7 @@ impl From<ReductionError> for Raised {
     }
 }
 
-impl From<(usize, DynamicsError)> for Raised {
+impl From<(usize, DynamicsError)> for PythonError {
     fn from((sample, error): (usize, DynamicsError)) -> Self {
         Self::new("SimulationError", format!("at sample {sample}: {error}"))
     }

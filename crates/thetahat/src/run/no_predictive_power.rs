@@ -19,7 +19,7 @@ pub(super) enum Data {
 }
 
 /// The finding about the joints that are predicted worse than zero; none where all are predicted better.
-pub(super) fn worse_than_zero(
+pub(super) fn no_predictive_power(
     robot: &Robot,
     regression: &Regression,
     prediction: &[f64],
@@ -71,14 +71,14 @@ mod tests {
         let robot = Robot::parse(text, std::path::Path::new("r.toml")).unwrap();
         let y = vec![1.0, -1.0, 2.0, -2.0];
         let regression = Regression::new(Matrix::zeros(4, 1), y, RowLayout::new(2, &[2]));
-        let finding = worse_than_zero(&robot, &regression, &[0.9, -0.9, -1.0, 1.0], Data::Own).unwrap();
+        let finding = no_predictive_power(&robot, &regression, &[0.9, -0.9, -1.0, 1.0], Data::Own).unwrap();
         assert_eq!(finding.message, "the torques of joint 2 (150 %) are predicted worse than by zero");
         assert_eq!((finding.joint, finding.severity), (Some(2), Severity::Problem));
-        let both = worse_than_zero(&robot, &regression, &[-0.9, 0.9, -1.0, 1.0], Data::HeldBack).unwrap();
+        let both = no_predictive_power(&robot, &regression, &[-0.9, 0.9, -1.0, 1.0], Data::HeldBack).unwrap();
         assert_eq!(
             both.message,
             "the torques of what is held back of joints 1 (190 %) 2 (150 %) are predicted worse than by zero"
         );
-        assert!(worse_than_zero(&robot, &regression, &[0.0; 4], Data::Own).is_none());
+        assert!(no_predictive_power(&robot, &regression, &[0.0; 4], Data::Own).is_none());
     }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use thetahat::{
     design::{Design, DesignError},
     reduction::ReduceOptions,
-    results::PromisedParameter,
+    results::PredictedParameter,
 };
 use thetahat_testing::{Folder, project};
 
@@ -37,7 +37,7 @@ fn recordings_at_hand_are_known_before() {
     assert!(matches!(other.unwrap().run(1, &mut |_| {}), Err(DesignError::OtherRobot { .. })));
 }
 
-/// Results of an identification stand beside what is promised, and those of nothing like it are refused.
+/// Results of an identification stand beside what is predicted, and those of nothing like it are refused.
 #[test]
 fn results_at_hand_are_compared_with() {
     let folder = Folder::new();
@@ -48,18 +48,19 @@ fn results_at_hand_are_compared_with() {
     let text = with_controller().replace("[motion]", "compare = 'results.json'\n[motion]");
     let design = Design::parse(&text, &folder.path().join("design.toml")).unwrap();
     let both = design.run(2, &mut |_| {}).unwrap();
-    // The record is of the same motion and noise: its intervals are those that were promised, but for their own scatter.
-    let times: Vec<f64> = both.promised.iter().filter_map(|p| p.times_smaller()).collect();
-    assert_eq!(times.len(), both.promised.len());
+    // The record is of the same motion and noise: its intervals are those that were predicted, but for their own scatter.
+    let times: Vec<f64> = both.predicted.iter().filter_map(|p| p.times_smaller()).collect();
+    assert_eq!(times.len(), both.predicted.len());
     let mean = (times.iter().map(|t| t.ln()).sum::<f64>() / times.len() as f64).exp();
     assert!((0.8..1.25).contains(&mean), "{mean}");
     let text = thetahat::report::design_text(&both, thetahat::report::TextWidth::DEFAULT);
     assert!(text.contains("times as narrow"), "{text}");
-    // The residual of that record is the noise of the design: a design with it promises the same.
+    // The residual of that record is the noise of the design: a design with it predicts the same.
     let with_noise = |file: &str| with_controller().replace("torque = 0.1", &format!("results = '{file}'"));
     let from_residual = Design::parse(&with_noise("results.json"), &design.path).unwrap().run(2, &mut |_| {}).unwrap();
-    let ratio = |(a, b): (&PromisedParameter, &PromisedParameter)| (a.half_width_95 / b.half_width_95).ln();
-    let mean = from_residual.promised.iter().zip(&alone.promised).map(ratio).sum::<f64>() / alone.promised.len() as f64;
+    let ratio = |(a, b): (&PredictedParameter, &PredictedParameter)| (a.half_width_95 / b.half_width_95).ln();
+    let mean =
+        from_residual.predicted.iter().zip(&alone.predicted).map(ratio).sum::<f64>() / alone.predicted.len() as f64;
     println!("with the noise of the residual {:.3} times as wide", mean.exp());
     assert!(mean.abs() < 0.15, "{mean}");
     folder.write("joints.json", results.to_json().unwrap().replace("\"elbow\"", "\"hand\""));
@@ -70,7 +71,7 @@ fn results_at_hand_are_compared_with() {
     assert!(matches!(&error, DesignError::Results(_)) && error.to_string().contains("nowhere.json"), "{error}");
 }
 
-/// An experiment is identified, and its intervals stand beside those that are promised as those of its results do.
+/// An experiment is identified, and its intervals stand beside those that are predicted as those of its results do.
 #[test]
 fn an_experiment_at_hand_is_compared_with() {
     let folder = Folder::new();
@@ -86,13 +87,13 @@ fn an_experiment_at_hand_is_compared_with() {
     assert!(of_experiment.input_files().iter().any(|file| file.ends_with("out/trajectory.csv")));
     let of_experiment = of_experiment.run(2, &mut |_| {}).unwrap();
     assert_eq!(of_experiment.compared, of_results.compared);
-    for (a, b) in of_experiment.promised.iter().zip(&of_results.promised) {
+    for (a, b) in of_experiment.predicted.iter().zip(&of_results.predicted) {
         assert!(a.compared.is_some() && a.times_smaller() == b.times_smaller(), "{}", a.name);
     }
     let out = folder.path().join("page");
     thetahat::report::write_design(&of_experiment, &out).unwrap();
     let page = std::fs::read_to_string(out.join("design.html")).unwrap();
-    assert!(page.contains("promised interval") && page.contains("of two joints"), "the legend of both");
+    assert!(page.contains("predicted interval") && page.contains("of two joints"), "the legend of both");
     let error = with("nowhere.toml").run(1, &mut |_| {}).unwrap_err();
     assert!(matches!(&error, DesignError::Experiment(_)) && error.to_string().contains("nowhere.toml"), "{error}");
 }

@@ -49,7 +49,7 @@ pub struct Expected {
 
 /// An estimate from one noisy record.
 #[derive(Debug, Clone)]
-pub struct Estimated {
+pub struct NoisyEstimate {
     /// The parameters.
     pub parameters: Vec<BaseParameter>,
     /// The estimate.
@@ -58,31 +58,32 @@ pub struct Estimated {
     pub uncertainty: Uncertainty,
 }
 
-/// Records of which the promise is the mean: what each says of its uncertainty scatters by a few percent.
+/// Records of which the prediction is the mean: what each says of its uncertainty scatters by a few percent.
 pub(super) const RECORDS: usize = 12;
 
 impl ExpectedRecord<'_> {
-    /// The method that is promised: the first without a simulation that the settings ask for, or else least squares.
+    /// The method that is predicted: the first without a simulation that the settings ask for, or else least squares.
     #[must_use]
     pub fn method(&self) -> Method {
-        promised_method(self.settings)
+        predicted_method(self.settings)
     }
 
     /// The mean of what twelve noisy records say of their uncertainty.
     ///
     /// # Errors
     /// [`DesignError`] where a record gives no estimate; `path` is the design file.
-    pub fn promise(&self, path: &std::path::Path, seed: u64, threads: usize) -> Result<Expected, DesignError> {
+    pub fn predict(&self, path: &std::path::Path, seed: u64, threads: usize) -> Result<Expected, DesignError> {
         let estimated = in_parallel(RECORDS, threads, |number| self.estimate(path, seed, number as u64))
             .into_iter()
             .collect::<Result<Vec<_>, _>>()?;
         let count = estimated.len() as f64;
         let parameters = estimated.first().map_or_else(Vec::new, |e| e.parameters.clone());
-        let mean = |of: &dyn Fn(&Estimated, usize) -> f64| -> Vec<f64> {
+        let mean = |of: &dyn Fn(&NoisyEstimate, usize) -> f64| -> Vec<f64> {
             (0..parameters.len()).map(|i| estimated.iter().map(|e| of(e, i)).sum::<f64>() / count).collect()
         };
         let variance = mean(&|e, i| e.uncertainty.standard_deviation[i].powi(2));
-        let half = |e: &Estimated, i: usize| 0.5 * (e.uncertainty.interval_95[i][1] - e.uncertainty.interval_95[i][0]);
+        let half =
+            |e: &NoisyEstimate, i: usize| 0.5 * (e.uncertainty.interval_95[i][1] - e.uncertainty.interval_95[i][0]);
         Ok(Expected {
             standard_deviation: variance.into_iter().map(f64::sqrt).collect(),
             half_width_95: mean(&half),
@@ -94,7 +95,7 @@ impl ExpectedRecord<'_> {
     ///
     /// # Errors
     /// [`DesignError`] where there is none.
-    pub fn estimate(&self, path: &std::path::Path, seed: u64, record: u64) -> Result<Estimated, DesignError> {
+    pub fn estimate(&self, path: &std::path::Path, seed: u64, record: u64) -> Result<NoisyEstimate, DesignError> {
         let refuse = |source: PreparationError| DesignError::Preparation { path: path.to_owned(), source };
         let method = self.method();
         let recording = self.recording(&mut self.numbers(seed, record));
@@ -107,7 +108,7 @@ impl ExpectedRecord<'_> {
         let fit = thetahat_estimation::identification::idim_ls(&regression, self.settings.estimation.variance)
             .map_err(no_estimate)?;
         let uncertainty = uncertainty(method, &regression, None, &fit).map_err(no_estimate)?;
-        Ok(Estimated { parameters: problem.problem.estimated.parameters().to_vec(), fit, uncertainty })
+        Ok(NoisyEstimate { parameters: problem.problem.estimated.parameters().to_vec(), fit, uncertainty })
     }
 }
 
@@ -132,7 +133,7 @@ impl ExpectedRecord<'_> {
         Recording { payload, ..recording }
     }
 
-    /// The identification of records by the promised method.
+    /// The identification of records by the predicted method.
     pub(super) fn identification(&self, recordings: Vec<Recording>) -> Result<Identification, PreparationError> {
         let settings = Settings { controller: None, cases: Vec::new(), ..self.settings.clone() };
         Identification::new(self.robot, recordings, settings.with_methods([self.method()]))
@@ -140,7 +141,7 @@ impl ExpectedRecord<'_> {
 }
 
 /// The first method without a simulation that settings ask for, or else least squares.
-pub(super) fn promised_method(settings: &Settings) -> Method {
+pub(super) fn predicted_method(settings: &Settings) -> Method {
     let without = |m: &Method| m.needs() == Needs::Measurement;
     settings.estimation.methods.iter().copied().find(without).unwrap_or(Method::IDIM_LS)
 }

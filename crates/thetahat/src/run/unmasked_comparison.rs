@@ -3,7 +3,7 @@
 use super::{identification::Identification, prepared::filtered};
 use crate::preparation::{Case, FilteredRecording, ParameterChoice, PreparationError, Problem};
 use thetahat_estimation::identification::{Divisor, Method, idim_ls};
-use thetahat_report::results::{NOMINAL, ParameterResult, RunResult, WithRestResult};
+use thetahat_report::results::{NOMINAL, ParameterResult, RunResult, UnmaskedComparison};
 
 /// Most numbers of an observation matrix for which it is built a second time.
 const MOST_NUMBERS: usize = 10_000_000;
@@ -11,11 +11,11 @@ const MOST_NUMBERS: usize = 10_000_000;
 impl Identification {
     /// IDIM-LS on every sample beside the nominal run, where samples near rest are left out; none where there is no such run,
     /// or where the records are so long that it would cost too much.
-    pub(super) fn with_rest(
+    pub(super) fn unmasked_comparison(
         &self,
         problem: &Problem,
         runs: &[RunResult],
-    ) -> Result<Option<WithRestResult>, PreparationError> {
+    ) -> Result<Option<UnmaskedComparison>, PreparationError> {
         let is_ls = |run: &&RunResult| run.case == NOMINAL && run.method == Method::IDIM_LS;
         let (Some(run), true) = (runs.iter().find(is_ls), problem.regression.layout.is_masked()) else {
             return Ok(None);
@@ -35,7 +35,7 @@ impl Identification {
         };
         let differences = run.parameters.iter().zip(&fit.theta).filter_map(difference);
         let largest = differences.max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()));
-        Ok(largest.map(|(parameter, deviations)| WithRestResult {
+        Ok(largest.map(|(parameter, deviations)| UnmaskedComparison {
             relative_error_percent: fit.relative_error_percent,
             parameter,
             deviations,
