@@ -1,3 +1,4 @@
+# shellcheck shell=bash
 # Sourced by the scripts here. `missing WHAT` says what is not checked for want of a tool. With CI_REQUIRE_TOOLS=1, as in the workflows,
 # it ends the script with exit 1 instead: a check that was meant to run has not run.
 missing() {
