@@ -1,4 +1,5 @@
-//! What the crates of thetahat stand on. Internal: use the crate `thetahat`.
+//! Foundations shared by the crates of thetahat: numbers, vectors, linear algebra, series, files, threads. Internal: use the crate
+//! `thetahat`.
 
 pub mod clock;
 pub mod digest;

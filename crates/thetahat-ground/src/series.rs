@@ -80,7 +80,7 @@ impl Series {
         &self.values
     }
 
-    /// All values, sample by sample, taken out.
+    /// All values, sample by sample; consumes the series.
     #[must_use]
     pub fn into_values(self) -> Vec<f64> {
         self.values
@@ -102,7 +102,7 @@ impl Series {
         &mut self.values[k * self.channels..(k + 1) * self.channels]
     }
 
-    /// Adds white noise with a standard deviation for each channel: one number is drawn for each value, sample by sample.
+    /// Adds white noise with a standard deviation for each channel: one random number for each value, sample by sample.
     pub fn add_white_noise(&mut self, deviations: &[f64], rng: &mut ChaCha8Rng) {
         for k in 0..self.len() {
             for (value, deviation) in self.sample_mut(k).iter_mut().zip(deviations) {
@@ -112,7 +112,7 @@ impl Series {
         }
     }
 
-    /// Adds a series of the same form.
+    /// Adds a series of the same shape.
     pub fn add(&mut self, other: &Self) {
         self.values.iter_mut().zip(&other.values).for_each(|(value, other)| *value += other);
     }

@@ -690,7 +690,7 @@ def test_jobs_are_taken_as_workers_get_free():
 @pytest.mark.parametrize("name", ["fleet.json", "fleet.html", "merged.reduction"])
 def test_files_of_others_are_not_replaced(name, recorded, tmp_path):
     (tmp_path / name).write_text("mine")
-    with pytest.raises(th.ReportError, match=rf"{name}: is there already and not known to be written by thetahat; take another place"):
+    with pytest.raises(th.ReportError, match=rf"{name}: exists and was not written by thetahat; take another place"):
         if name == "merged.reduction":
             distributed.reduce(recorded / "0.toml", tmp_path)
         else:
@@ -764,7 +764,7 @@ def test_reports_of_a_fleet_replace_files_of_others_with_force_only(tmp_path):
     fleet = distributed.fleet(list(sessions_of(robots=2, times=1)), tmp_path / "out")
     for name in ("page.html", "page.md"):
         (tmp_path / name).write_text("mine")
-        with pytest.raises(th.ReportError, match=f"{name}: is there already"):
+        with pytest.raises(th.ReportError, match=f"{name}: exists and was not written"):
             fleet.report(tmp_path / name)
         assert (tmp_path / name).read_text() == "mine"
         fleet.report(tmp_path / name, force=True)

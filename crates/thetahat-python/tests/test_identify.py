@@ -117,7 +117,7 @@ def test_the_robot_is_exported(result, tmp_path):
 def test_files_of_others_are_replaced_with_force_only(result, tmp_path, name, write):
     path = tmp_path / name
     path.write_text("mine")
-    with pytest.raises(th.ReportError, match=f"{name}: is there already .*; give another place, or replace it with force=True"):
+    with pytest.raises(th.ReportError, match=f"{name}: exists and .*; give another place, or replace it with force=True"):
         write(result, path)
     assert path.read_text() == "mine" and list(tmp_path.iterdir()) == [path]
     write(result, path, force=True)

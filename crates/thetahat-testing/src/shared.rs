@@ -1,4 +1,4 @@
-//! The checkout, and the shared data beside it.
+//! The checkout, and the shared data next to it.
 
 use std::path::{Path, PathBuf};
 
@@ -16,7 +16,7 @@ pub fn project(file: &str) -> PathBuf {
     root().join(file)
 }
 
-/// The folder of data sets and reference values: `shared` beside the checkout, or `THETAHAT_SHARED`.
+/// The folder of data sets and reference values: `shared` next to the checkout, or `THETAHAT_SHARED`.
 #[must_use]
 pub fn shared() -> PathBuf {
     std::env::var_os("THETAHAT_SHARED").map_or_else(|| root().join("../shared"), PathBuf::from)
@@ -28,10 +28,10 @@ pub fn data() -> PathBuf {
     shared().join("datasets")
 }
 
-/// A test by name.
+/// A test with its name.
 pub type Named = (&'static str, fn() -> Result<(), Failed>);
 
-/// Runs tests that need the shared data; where it is absent they count as ignored, and a line says so.
+/// Runs tests that need the shared data; if it is absent they count as ignored, and a line says so.
 pub fn run_with_shared_data(tests: Vec<Named>) -> ! {
     let absent = !shared().is_dir();
     if absent {
@@ -41,7 +41,7 @@ pub fn run_with_shared_data(tests: Vec<Named>) -> ! {
     libtest_mimic::run(&Arguments::from_args(), trials).exit()
 }
 
-/// Tests of minutes that need the shared data: ignored but with `--ignored`, as the nightly script runs them.
+/// Slow tests (minutes) that need the shared data: run only with `--ignored`, as the nightly script does.
 pub fn run_slow_with_shared_data(tests: Vec<Named>) -> ! {
     if !shared().is_dir() {
         say_skipped(&tests);

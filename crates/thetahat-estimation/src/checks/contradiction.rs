@@ -133,7 +133,7 @@ fn reduce<'a>(fitted: Fitted<'a>, weights: &[f64]) -> Reduced<'a> {
     let weighted = regression.with_weights(Some(regression.layout.spread(|block| weights[block.joint])));
     let y = weighted.whiten(&weighted.y);
     let column = Matrix::from_fn(y.len(), 1, |i, _| y[i]);
-    let triangle = Matrix::beside(&[&weighted.whiten_matrix(&weighted.x), &column]).triangular_factor();
+    let triangle = Matrix::side_by_side(&[&weighted.whiten_matrix(&weighted.x), &column]).triangular_factor();
     let rows = y.len() as f64;
     Reduced { name, held_back, regression, triangle, rows, effective: rows * independent }
 }

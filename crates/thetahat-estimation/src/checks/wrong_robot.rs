@@ -89,7 +89,7 @@ impl Left {
         let by_own = |columns: usize, j: usize| {
             let own = rivals[j].select_columns(&(0..columns).collect::<Vec<_>>());
             let rows = j * record.rows()..(j + 1) * record.rows();
-            left(record.rows_of(&fit.y, j), &Matrix::beside(&[&own, &shapes.row_range(rows)]))
+            left(record.rows_of(&fit.y, j), &Matrix::side_by_side(&[&own, &shapes.row_range(rows)]))
         };
         let all = |of: &dyn Fn(usize) -> f64| 100.0 * rms(&joints.clone().map(of).collect::<Vec<_>>());
         let neighbours = |j: usize| autocorrelation(record.rows_of(&fit.residual, j));

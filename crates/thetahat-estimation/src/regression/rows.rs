@@ -31,7 +31,7 @@ impl Regression {
 
     /// Rows of one joint in one recording, without weights.
     #[must_use]
-    pub fn of_one_series(x: Matrix, y: Vec<f64>) -> Self {
+    pub fn single_series(x: Matrix, y: Vec<f64>) -> Self {
         let layout = RowLayout::new(1, &[y.len()]);
         Self::new(x, y, layout)
     }

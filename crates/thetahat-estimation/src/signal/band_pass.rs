@@ -20,7 +20,7 @@ pub struct Motion {
     pub ddq: Series,
 }
 
-/// The band-passed motion of recorded positions, with as many samples as they have and without delay.
+/// The band-passed motion of recorded positions, with the same number of samples and without delay.
 ///
 /// The positions (rad or m, one channel per coordinate) are filtered forward and backward by a Butterworth low-pass of
 /// `filter_order` and `cutoff_hz` with MATLAB's padding ([`zero_phase`]), then differentiated twice by
@@ -29,7 +29,7 @@ pub struct Motion {
 ///
 /// # Errors
 /// As [`SecondOrderSections::butterworth_lowpass`] and [`zero_phase`]: an order of zero, a cut-off that is not between
-/// 0 and half the sample rate, or a record no longer than the padding of `3 filter_order` samples.
+/// 0 and half the sample rate, or a recording no longer than the padding of `3 filter_order` samples.
 ///
 /// ```
 /// use thetahat::{series::Series, signal::{Derivative, band_pass}};

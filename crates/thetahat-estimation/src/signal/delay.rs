@@ -1,7 +1,7 @@
 use thetahat_ground::series::Series;
 
-/// The series with each channel later by its delay in samples, which may be a fraction of one or negative: the cubic through
-/// the four nearest samples. Before its first sample and behind its last a channel stays as it is there.
+/// The series with each channel delayed by its number of samples, which may be a fraction or negative: the cubic through the four nearest
+/// samples. Before its first and after its last sample a channel keeps that sample's value.
 ///
 /// ```
 /// use thetahat::{series::Series, signal::delayed};

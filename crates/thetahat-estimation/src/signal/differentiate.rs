@@ -78,7 +78,7 @@ impl Derivative {
         }
     }
 
-    /// Samples on either side that it takes.
+    /// Number of samples that it uses on either side.
     #[must_use]
     pub fn reach(self) -> usize {
         match self {

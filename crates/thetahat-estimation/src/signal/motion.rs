@@ -1,4 +1,4 @@
-//! The moving part of a record.
+//! The moving part of a recording.
 
 use std::ops::Range;
 
@@ -6,12 +6,11 @@ use thetahat_ground::series::Series;
 
 use super::error::SignalError;
 
-/// The samples from the first to the last at which something moves: what remains when the still periods at both ends
-/// are cut.
+/// The samples from the first to the last at which any channel moves, without the still periods at both ends.
 ///
 /// A channel moves where its absolute velocity is at least `threshold_fraction` (above 0, below 1) of its own peak. A
-/// channel whose peak is not above `still_velocity`, in the unit of the velocity, never moves: so the noise of a joint
-/// at rest does not count as motion. Pauses between motions are kept. The velocity should be filtered, as a single
+/// channel whose peak is not above `still_velocity`, in the unit of the velocity, never moves, so that the noise of a joint
+/// at rest does not count as motion. Pauses between motions are kept. The velocity should be filtered, because a single
 /// spike counts as motion too.
 ///
 /// # Errors
@@ -37,7 +36,7 @@ pub fn moving_samples(
     }
 }
 
-/// The absolute velocity from which on each channel counts as moving, from its peak over the whole record; infinite for one
+/// The absolute velocity from which each channel counts as moving, from its peak over the whole recording; infinite for one
 /// that never moves.
 ///
 /// # Errors
@@ -86,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn a_record_at_rest_is_refused() {
+    fn a_recording_at_rest_is_refused() {
         let result = moving_samples(&Series::from_values(2, vec![1e-4, 0.0, -2e-4, 0.0]), 0.01, 1e-3);
         assert_eq!(result, Err(SignalError::NoMotion { peak_velocity: 2e-4, still_velocity: 1e-3 }));
         let result = moving_samples(&Series::zeros(5, 1), 0.01, 0.0);

@@ -5,14 +5,14 @@ use thetahat_ground::series::Series;
 
 /// Steps of the search per octave.
 const STEPS_PER_OCTAVE: i32 = 4;
-/// Octaves below the cut-off that are searched.
+/// Octaves searched below the cut-off.
 const OCTAVES: i32 = 4;
-/// What is taken away may exceed the noise by this factor: then it holds no more motion than noise.
+/// Largest ratio of the removed rms to the expected noise: beyond it more motion than noise is removed.
 const OF_NOISE: f64 = std::f64::consts::SQRT_2;
-/// Rms that may be taken away where there is less noise, relative to the rms of the motion about its mean.
+/// Removed rms that is always allowed, relative to the rms of the motion about its mean.
 const OF_MOTION: f64 = 1e-3;
 
-/// Positions low-passed as far as the motion allows.
+/// Positions low-passed as strongly as the motion allows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Smoothed {
     /// The positions.
@@ -21,13 +21,13 @@ pub struct Smoothed {
     pub cutoff_hz: f64,
 }
 
-/// Smooths recorded positions by the lowest cut-off that takes noise away and leaves the motion.
+/// Smooths recorded positions by the lowest cut-off that removes noise and keeps the motion.
 ///
 /// The filter is Butterworth's, forward and backward: on equal steps its gain `1 / (1 + (f / f_c)^2n)` is that of the
-/// smoothing spline that penalises the n-th derivative. `cutoff_hz` is the highest cut-off, `motion` the positions behind it.
-/// What lies above it is taken as white noise, and gives the noise expected between any two frequencies. A lower cut-off is
-/// allowed where, for each joint, the rms of what it takes away in `window` is at most sqrt(2) times the noise expected
-/// there, or 0.1 % of the rms of the motion about its mean.
+/// smoothing spline that penalises the n-th derivative. `cutoff_hz` is the highest cut-off, `motion` the positions filtered with it. The
+/// difference above it is treated as white noise, and gives the noise expected between any two frequencies. A lower cut-off is
+/// allowed if, for each joint, the rms of what it removes in `window` is at most sqrt(2) times the noise expected there, or 0.1 % of the
+/// rms of the motion about its mean.
 ///
 /// # Errors
 /// As [`zero_phase`].
@@ -56,7 +56,7 @@ pub fn smooth(
     Ok(smoothed)
 }
 
-/// Variance per Hz of what is above the cut-off, per channel.
+/// Noise variance per Hz above the cut-off, per channel.
 pub fn noise_densities(
     position: &Series,
     motion: &Series,
@@ -67,7 +67,7 @@ pub fn noise_densities(
     densities_of_squares(&squared_differences(position, motion, window), window.len(), rate, cutoff_hz)
 }
 
-/// The same from the sums of squares, over so many samples, of what the filter takes away.
+/// [`noise_densities`] from the sums of squares of what the filter removes over `samples` samples.
 #[doc(hidden)]
 pub fn densities_of_squares(squares: &[f64], samples: usize, rate: f64, cutoff_hz: f64) -> Vec<f64> {
     let above = 0.5 * rate - cutoff_hz;

@@ -4,7 +4,7 @@
 //! one in its gear ratios, drive gains, controller gains and delay ([`SimulatorBias`]).
 //!
 //! Coulomb friction is regularised, `sign(v)` as `tanh(v / scale)`: a discontinuous sign makes an adaptive integrator
-//! chatter at rest, and its accelerations there do not converge with the step. The scale is data; what it does to the
+//! chatter at rest, and its accelerations there do not converge with the step. The scale is a setting; its effect on the
 //! result is in `docs/evidence/simulation.md`.
 //!
 //! ```

@@ -9,10 +9,10 @@ use super::motion::SimulatedMotion;
 use thetahat_ground::{one_or_each, series::Series};
 use thetahat_model::robot::Robot;
 
-/// Stream of the random numbers of positions; the torques have stream zero.
+/// Random stream of the position noise; the torque noise has stream zero.
 const POSITIONS: u64 = 1;
 
-/// What lies between a simulated motion and its record: encoders, torque ripple and torque noise.
+/// The sensors between a simulated motion and its recording: encoders, torque ripple and torque noise.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sensors {
@@ -21,7 +21,7 @@ pub struct Sensors {
     /// Standard deviation of the white noise on each joint torque, N m or N.
     #[serde(deserialize_with = "one_or_each::list")]
     pub torque_noise: Vec<f64>,
-    /// Standard deviation of the white noise on each joint position, degrees or mm; none without a word.
+    /// Standard deviation of the white noise on each joint position, degrees or mm; zero by default.
     #[serde(default = "no_noise", deserialize_with = "one_or_each::list")]
     pub position_noise: Vec<f64>,
     /// Amplitude of the ripple on each joint torque, N m or N.
@@ -38,7 +38,7 @@ fn no_noise() -> Vec<f64> {
 }
 
 impl Sensors {
-    /// The record of a robot's motion: motor positions in rad and drive signals, as its controller would log them.
+    /// Records a robot's motion: motor positions in rad and drive signals, as its controller would log them.
     #[must_use]
     pub fn record(&self, motion: &SimulatedMotion, robot: &Robot) -> (Series, Series) {
         let transmission = &robot.transmission;
@@ -58,7 +58,7 @@ impl Sensors {
         (positions, transmission.drive_signals(&torques))
     }
 
-    /// Positions with their noise, whose numbers are not those of the torques'.
+    /// Positions with noise from a random stream of their own.
     fn noisy_positions(&self, q: &Series, robot: &Robot) -> Series {
         let mut q = q.clone();
         let joints = self.position_noise.iter().zip(robot.coordinates());

@@ -151,7 +151,7 @@ mod tests {
 
     #[test]
     fn one_stretch_has_no_variance() {
-        let regression = Regression::of_one_series(Matrix::from_fn(10, 1, |i, _| i as f64), vec![1.0; 10]);
+        let regression = Regression::single_series(Matrix::from_fn(10, 1, |i, _| i as f64), vec![1.0; 10]);
         assert!(cluster_variances(&regression, None, &[1.0; 10]).is_err());
     }
 

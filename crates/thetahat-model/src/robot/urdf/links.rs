@@ -2,7 +2,7 @@ use super::{UrdfError, element::Element};
 use crate::robot::body::{Body, Frame};
 use thetahat_ground::vector::{Mat3, Vec3};
 
-/// The `<origin>` of an element; what is not given is zero.
+/// The `<origin>` of an element; missing entries are zero.
 pub(super) fn origin_of(element: Element<'_>) -> Result<Frame, UrdfError> {
     let Some(origin) = element.child("origin") else { return Ok(Frame::SAME) };
     let xyz = origin.vector("xyz")?.unwrap_or_default();
@@ -29,7 +29,7 @@ pub(super) fn body_of(link: Element<'_>) -> Result<Body, UrdfError> {
     }
 }
 
-/// The `<inertial>` of a link, if it has one, with the body that it describes about its own origin.
+/// The `<inertial>` of a link, if it has one, with the body it describes about its own origin.
 pub(super) fn inertial_of<'a>(link: Element<'a>) -> Result<Option<(Element<'a>, Body)>, UrdfError> {
     let Some(inertial) = link.child("inertial") else { return Ok(None) };
     let remedy = "give it, or leave out the whole <inertial>";

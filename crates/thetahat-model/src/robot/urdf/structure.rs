@@ -3,7 +3,7 @@ use std::collections::HashMap;
 use super::{UrdfError, element::Element, joints::JointElement};
 use crate::robot::tree;
 
-/// Edits between two names that are taken for a slip.
+/// Largest number of edits between two names that counts as a typing error.
 const SLIP: usize = 2;
 
 /// The links and joints of a file as a tree.
@@ -12,9 +12,9 @@ pub(super) struct Structure<'a> {
     pub(super) joints: Vec<JointElement<'a>>,
     /// Parent and child link of each joint.
     pub(super) ends: Vec<(usize, usize)>,
-    /// The joints, those nearer to the base before, depth first in the order of the file.
+    /// The joints, those nearer to the base first, depth first in the order of the file.
     pub(super) order: Vec<usize>,
-    /// The link that is nobody's child.
+    /// The link without a parent.
     pub(super) root: usize,
 }
 
@@ -42,7 +42,7 @@ impl<'a> Structure<'a> {
     }
 }
 
-/// The index of each name, which no two elements share.
+/// The index of each name, which must be unique.
 fn names<'a>(elements: &[Element<'a>]) -> Result<HashMap<&'a str, usize>, UrdfError> {
     let mut names = HashMap::new();
     for (index, element) in elements.iter().enumerate() {
@@ -54,7 +54,7 @@ fn names<'a>(elements: &[Element<'a>]) -> Result<HashMap<&'a str, usize>, UrdfEr
     Ok(names)
 }
 
-/// The joint whose child each link is.
+/// The parent joint of each link.
 fn parent_joints(
     links: &[Element<'_>],
     joints: &[JointElement<'_>],
@@ -87,7 +87,7 @@ fn only_root(links: &[Element<'_>], parent_joint: &[Option<usize>]) -> Result<Op
     }
 }
 
-/// The error of a cycle, which is found from child to parent and read from parent to child.
+/// The error of a cycle, which is found from child to parent and reported from parent to child.
 fn cycle(joints: &[JointElement<'_>], cycle: &[usize]) -> UrdfError {
     let first = cycle.first().copied().unwrap_or(0);
     let downward = cycle.first().into_iter().chain(cycle.iter().rev());
@@ -95,7 +95,7 @@ fn cycle(joints: &[JointElement<'_>], cycle: &[usize]) -> UrdfError {
     UrdfError::Cycle { place: joints[first].element.place(), joints: downward.map(name).collect() }
 }
 
-/// The error of a name that is none of the `known`.
+/// The error of a name that is not among the `known` ones.
 pub(super) fn unknown<'n>(
     element: Element<'_>,
     kind: &'static str,
@@ -108,7 +108,7 @@ pub(super) fn unknown<'n>(
     UrdfError::UnknownName { place: element.place(), kind, name: super::element::shortened(name), similar }
 }
 
-/// Letters to change, insert or leave out between two names; long names count as far apart.
+/// Number of letters to change, insert or remove between two names; long names count as far apart.
 fn edits(a: &str, b: &str) -> usize {
     const LONGEST: usize = 200;
     if a.len() > LONGEST || b.len() > LONGEST || a.len().abs_diff(b.len()) > SLIP {
