@@ -41,7 +41,7 @@ impl Frame {
 /// Mass, first moments and inertia about the origin of a frame.
 #[derive(Clone, Copy, Default, PartialEq)]
 #[doc(hidden)]
-pub struct Body {
+pub struct RigidBody {
     #[doc(hidden)]
     pub m: f64,
     #[doc(hidden)]
@@ -50,7 +50,7 @@ pub struct Body {
     pub inertia: Mat3,
 }
 
-impl Body {
+impl RigidBody {
     /// The body, given in a frame, about the origin of the parent frame.
     #[doc(hidden)]
     pub fn seen_in(&self, frame: &Frame) -> Self {

@@ -7,7 +7,7 @@ use super::{
     terms::{a_priori_of_terms, remaining_terms},
     transmission::{Remaining, remaining},
 };
-use crate::robot::{INERTIAL, Joint, Mimic, Robot, body::Body};
+use crate::robot::{INERTIAL, Joint, Mimic, Robot, body::RigidBody};
 
 impl Robot {
     /// The robot with these joints fixed at their values: the links of locked joints become part of the links that carry them,
@@ -70,7 +70,7 @@ fn a_priori(whole: &Robot, rest: &Robot, renumbering: &Renumbering) -> BTreeMap<
         let place = renumbering.places[j];
         let Some(carrier) = place.carrier else { continue };
         let body = body_of(whole, j);
-        if carrier == j || body == Body::default() {
+        if carrier == j || body == RigidBody::default() {
             continue;
         }
         let seen = body.seen_in(&frame_in_carrier(whole, j, &place)).parameters();
@@ -83,7 +83,7 @@ fn a_priori(whole: &Robot, rest: &Robot, renumbering: &Renumbering) -> BTreeMap<
 }
 
 /// The a-priori body of a link, in the link's axes.
-fn body_of(robot: &Robot, joint: usize) -> Body {
+fn body_of(robot: &Robot, joint: usize) -> RigidBody {
     let value = |name: &str| robot.a_priori.get(&format!("{name}{}", joint + 1)).copied().unwrap_or(0.0);
-    Body::from_parameters(INERTIAL.map(|quantity| value(quantity.name())))
+    RigidBody::from_parameters(INERTIAL.map(|quantity| value(quantity.name())))
 }

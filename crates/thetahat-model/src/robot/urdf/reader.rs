@@ -11,7 +11,7 @@ use super::{
 };
 use crate::robot::{
     Friction, INERTIAL, Joint, MOST_JOINTS, Mimic, Placement, Robot, RobotError, Transmission,
-    body::{Body, Frame},
+    body::{Frame, RigidBody},
     locking::{LocksOf, resolve_all},
     tree,
 };
@@ -84,7 +84,7 @@ pub(in crate::robot) struct LinkBody {
     pub(in crate::robot) is_carrier: bool,
     /// Its frame relative to that of the joint's link.
     pub(in crate::robot) frame: Frame,
-    pub(in crate::robot) body: Body,
+    pub(in crate::robot) body: RigidBody,
     /// Its collision shapes in its frame; none for the solid of a mesh.
     pub(in crate::robot) shapes: Vec<(Frame, Option<Solid>)>,
 }
@@ -124,7 +124,7 @@ struct Assembly<'s, 'a> {
     joints: Vec<Joint>,
     moving: Vec<&'s Moving<'a>>,
     /// The body of each joint's link, with everything fixed to it.
-    bodies: Vec<Body>,
+    bodies: Vec<RigidBody>,
 }
 
 /// The moving joint that carries a link, none for the base, and the link's frame in the frame of the carrier's own
