@@ -162,7 +162,7 @@ impl<'a> Study<'a> {
         let reference = match way {
             Follows::Recorded => record.reference.clone(),
             Follows::Found => None,
-            Follows::Smoothed => Some(smooth(&record.position, &filtered, &window, RATE_HZ, (order, CUTOFF_HZ))?.q),
+            Follows::Smoothed => Some(smooth(&record.position, &filtered, &window, RATE_HZ, order, CUTOFF_HZ)?.q),
             Follows::Filtered => Some(filtered),
         };
         let record = Recording { reference, ..record };

@@ -36,7 +36,8 @@ pub fn smooth(
     motion: &Series,
     window: &Range<usize>,
     sample_rate_hz: f64,
-    (order, cutoff_hz): (usize, f64),
+    filter_order: usize,
+    cutoff_hz: f64,
 ) -> Result<Smoothed, SignalError> {
     let densities = noise_densities(position, motion, window, sample_rate_hz, cutoff_hz);
     let motions: Vec<f64> =
@@ -44,7 +45,7 @@ pub fn smooth(
     let mut smoothed = Smoothed { q: motion.clone(), cutoff_hz };
     for step in 1..=OCTAVES * STEPS_PER_OCTAVE {
         let lower = cutoff_hz * (-f64::from(step) / f64::from(STEPS_PER_OCTAVE)).exp2();
-        let filter = SecondOrderSections::butterworth_lowpass(order, lower, sample_rate_hz)?;
+        let filter = SecondOrderSections::butterworth_lowpass(filter_order, lower, sample_rate_hz)?;
         let q = zero_phase(&filter, position, Padding::Matlab)?;
         let taken = rms_differences(motion, &q, window);
         let allowed = |j: usize| (OF_NOISE * (densities[j] * (cutoff_hz - lower)).sqrt()).max(OF_MOTION * motions[j]);
@@ -116,7 +117,7 @@ mod tests {
         let record = record(highest_hz, noise);
         let filter = SecondOrderSections::butterworth_lowpass(4, CUTOFF_HZ, RATE_HZ).unwrap();
         let motion = zero_phase(&filter, &record, Padding::Matlab).unwrap();
-        smooth(&record, &motion, &(500..9500), RATE_HZ, (4, CUTOFF_HZ)).unwrap().cutoff_hz
+        smooth(&record, &motion, &(500..9500), RATE_HZ, 4, CUTOFF_HZ).unwrap().cutoff_hz
     }
 
     #[test]

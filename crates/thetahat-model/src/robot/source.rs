@@ -133,7 +133,7 @@ impl RobotSource {
 
     fn read_as(&self, transmissions: urdf::Transmissions, locks: &[LocksOf<'_>]) -> Result<Robot, RobotError> {
         if !is_xml(&self.text) {
-            return toml_file::read(&self.text, &self.path, (self.urdf.as_ref(), transmissions), locks);
+            return toml_file::read(&self.text, &self.path, self.urdf.as_ref(), transmissions, locks);
         }
         let whole = urdf::read(&self.text, &self.path, transmissions, locks)?;
         let values = resolve_all(&whole.joints, locks)?;

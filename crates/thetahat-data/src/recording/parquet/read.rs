@@ -111,7 +111,7 @@ impl Described {
         for (group, &of_group) in self.rows.iter().enumerate() {
             let range = rows.start.max(start)..rows.end.min(start + of_group);
             if !range.is_empty() {
-                self.add_group((index, group), source, range.start - start..range.end - start, &mut values)?;
+                self.add_group(index, group, source, range.start - start..range.end - start, &mut values)?;
             }
             start += of_group;
         }
@@ -156,7 +156,8 @@ impl Described {
     /// Adds rows of a group, counted within it; pages before them are skipped.
     fn add_group(
         &self,
-        (index, group): (usize, usize),
+        index: usize,
+        group: usize,
         source: &Source,
         rows: Range<usize>,
         values: &mut Values,

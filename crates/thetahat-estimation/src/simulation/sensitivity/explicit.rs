@@ -30,7 +30,7 @@ impl StageSlopes {
         let unknown = usize::from(!first)..STAGES;
         let time = |stage: usize| if stage == 0 { step.start_s } else { step.start_s + C[stage] * step.step };
         for stage in unknown.clone() {
-            self.place((step, &mut system.plant), (stage, time(stage)), A[stage], &stages[stage]);
+            self.place(step, &mut system.plant, stage, time(stage), A[stage], &stages[stage]);
         }
         slopes.evaluate_stages(system, &self.motion, unknown.clone());
         for stage in unknown {

@@ -29,7 +29,7 @@ impl StageSlopes {
         let scaled = step.step * GAMMA;
         let time = |stage: usize| step.start_s + ALPHA[stage].iter().sum::<f64>() * step.step;
         for stage in 0..STAGES {
-            self.place((step, &mut system.plant), (stage, time(stage)), &ALPHA[stage], &stages[stage]);
+            self.place(step, &mut system.plant, stage, time(stage), &ALPHA[stage], &stages[stage]);
         }
         slopes.evaluate_stages(system, &self.motion, 0..STAGES);
         for stage in 0..STAGES {

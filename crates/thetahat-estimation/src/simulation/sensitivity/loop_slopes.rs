@@ -60,7 +60,8 @@ impl LoopSlopes {
     pub(super) fn torques(
         &mut self,
         system: &mut Loop<'_>,
-        (t, x): (f64, &[f64]),
+        t: f64,
+        x: &[f64],
         state: &ColumnBlocks,
         out: &mut ColumnBlocks,
     ) {

@@ -212,7 +212,7 @@ impl<'a> Sensitivities<'a> {
         let n = system.u.len();
         output.x[..n].copy_from_slice(system.motion.q.sample(k));
         output.x[n..].copy_from_slice(system.motion.dq.sample(k));
-        slopes.torques(system, (t, &output.x), &output.state, &mut output.torques);
+        slopes.torques(system, t, &output.x, &output.state, &mut output.torques);
         output.state.write_rows(n, &mut output.q_slopes);
         output.torques.write_rows(n, &mut output.tau_slopes);
         let (q, tau) = (system.motion.q.sample(k), system.motion.tau.sample(k));

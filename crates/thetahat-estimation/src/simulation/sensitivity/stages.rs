@@ -73,8 +73,10 @@ impl StageSlopes {
     /// Writes a stage to the motion: its state has these weights of the previous slopes, and the recorded channels are those at its time.
     pub(super) fn place(
         &mut self,
-        (step, plant): (&AcceptedStep<'_>, &mut Plant<'_>),
-        (stage, time): (usize, f64),
+        step: &AcceptedStep<'_>,
+        plant: &mut Plant<'_>,
+        stage: usize,
+        time: f64,
         weights: &[f64],
         dynamics: &StageDynamics,
     ) {

@@ -18,7 +18,8 @@ const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 pub(in crate::robot) fn read(
     text: &str,
     path: &Path,
-    (urdf, transmissions): (Option<&(PathBuf, String)>, urdf::Transmissions),
+    urdf: Option<&(PathBuf, String)>,
+    transmissions: urdf::Transmissions,
     stated: &[LocksOf<'_>],
 ) -> Result<Robot, RobotError> {
     let mut file: RobotFile = toml::from_str(text).map_err(|e| RobotError::of_toml(&e, path))?;
@@ -26,7 +27,7 @@ pub(in crate::robot) fn read(
     let locks: Vec<LocksOf<'_>> = [LocksOf { path, locks: &locks }].into_iter().chain(stated.iter().copied()).collect();
     let reader = Reader { path, text };
     let below = match urdf {
-        Some((urdf_path, urdf_text)) => reader.on_urdf(&file, (urdf_path, urdf_text, transmissions), &locks)?,
+        Some((urdf_path, urdf_text)) => reader.on_urdf(&file, urdf_path, urdf_text, transmissions, &locks)?,
         None => reader.alone(&file)?,
     };
     let whole = reader.with_additions(below, file)?;
@@ -62,7 +63,9 @@ impl Reader<'_> {
     fn on_urdf(
         &self,
         file: &RobotFile,
-        (urdf_path, urdf_text, transmissions): (&Path, &str, urdf::Transmissions),
+        urdf_path: &Path,
+        urdf_text: &str,
+        transmissions: urdf::Transmissions,
         locks: &[LocksOf<'_>],
     ) -> Result<Robot, RobotError> {
         if !file.joint.is_empty() {

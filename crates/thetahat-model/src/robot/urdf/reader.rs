@@ -6,7 +6,7 @@ use super::{
     joints::{JointElement, Moving},
     links,
     shapes::{Solid, shapes_of},
-    structure::{Structure, unknown},
+    structure::{LinkPair, Structure, unknown},
     transmissions,
 };
 use crate::robot::{
@@ -49,7 +49,8 @@ pub(in crate::robot) fn read(
     let structure = Structure::read(element)?;
     let mut assembly = Assembly::new(&structure);
     for &joint in &structure.order {
-        assembly.add(&structure.joints[joint], structure.ends[joint])?;
+        let LinkPair { parent, child } = structure.ends[joint];
+        assembly.add(&structure.joints[joint], parent, child)?;
     }
     if assembly.joints.len() > MOST_JOINTS {
         let path = path.to_owned();
@@ -98,10 +99,12 @@ pub(in crate::robot) fn link_bodies(text: &str, path: &Path) -> Result<Vec<LinkB
     let structure = Structure::read(document::robot(&document, path)?)?;
     let mut assembly = Assembly::new(&structure);
     for &joint in &structure.order {
-        assembly.add(&structure.joints[joint], structure.ends[joint])?;
+        let LinkPair { parent, child } = structure.ends[joint];
+        assembly.add(&structure.joints[joint], parent, child)?;
     }
-    let moved =
-        |link: usize| structure.ends.iter().zip(&structure.joints).any(|(e, j)| e.1 == link && j.moving.is_some());
+    let moved = |link: usize| {
+        structure.ends.iter().zip(&structure.joints).any(|(pair, j)| pair.child == link && j.moving.is_some())
+    };
     let link = |(k, element): (usize, &Element<'_>)| {
         let place = assembly.places[k].unwrap_or(LinkPlace { carrier: None, frame: Frame::SAME });
         Ok(LinkBody {
@@ -144,7 +147,7 @@ impl<'s, 'a> Assembly<'s, 'a> {
         Self { links: &structure.links, places, joints: Vec::new(), moving: Vec::new(), bodies: Vec::new() }
     }
 
-    fn add(&mut self, joint: &'s JointElement<'a>, (parent, child): (usize, usize)) -> Result<(), UrdfError> {
+    fn add(&mut self, joint: &'s JointElement<'a>, parent: usize, child: usize) -> Result<(), UrdfError> {
         let Some(LinkPlace { carrier, frame }) = self.places[parent] else { return Ok(()) };
         let frame = frame.then(&joint.frame);
         let body = links::body_of(self.links[child])?;

@@ -6,12 +6,19 @@ use crate::robot::tree;
 /// Largest number of edits between two names that counts as a typing error.
 const SLIP: usize = 2;
 
+/// The two links of a joint, by their indices.
+#[derive(Clone, Copy)]
+pub(super) struct LinkPair {
+    pub(super) parent: usize,
+    pub(super) child: usize,
+}
+
 /// The links and joints of a file as a tree.
 pub(super) struct Structure<'a> {
     pub(super) links: Vec<Element<'a>>,
     pub(super) joints: Vec<JointElement<'a>>,
     /// Parent and child link of each joint.
-    pub(super) ends: Vec<(usize, usize)>,
+    pub(super) ends: Vec<LinkPair>,
     /// The joints, those nearer to the base first, depth first in the order of the file.
     pub(super) order: Vec<usize>,
     /// The link without a parent.
@@ -29,13 +36,15 @@ impl<'a> Structure<'a> {
             Some(&index) => Ok(index),
             None => Err(unknown(joint.element.child(tag).unwrap_or(joint.element), "link", name, link_names.keys())),
         };
-        let ends = joints.iter().map(|j| Ok((link(j, "parent", j.parent)?, link(j, "child", j.child)?)));
+        let ends = joints
+            .iter()
+            .map(|j| Ok(LinkPair { parent: link(j, "parent", j.parent)?, child: link(j, "child", j.child)? }));
         let ends = ends.collect::<Result<Vec<_>, UrdfError>>()?;
         if joints.iter().all(|joint| joint.moving.is_none()) {
             return Err(UrdfError::NoMovingJoint { path: robot.path().to_owned() });
         }
         let parent_joint = parent_joints(&links, &joints, &ends)?;
-        let parents: Vec<Option<usize>> = ends.iter().map(|(parent, _)| parent_joint[*parent]).collect();
+        let parents: Vec<Option<usize>> = ends.iter().map(|pair| parent_joint[pair.parent]).collect();
         let order = tree::depth_first(&parents).map_err(|found| cycle(&joints, &found))?;
         let root = only_root(&links, &parent_joint)?.unwrap_or(0);
         Ok(Self { links, joints, ends, order, root })
@@ -58,10 +67,10 @@ fn names<'a>(elements: &[Element<'a>]) -> Result<HashMap<&'a str, usize>, UrdfEr
 fn parent_joints(
     links: &[Element<'_>],
     joints: &[JointElement<'_>],
-    ends: &[(usize, usize)],
+    ends: &[LinkPair],
 ) -> Result<Vec<Option<usize>>, UrdfError> {
     let mut parent_joint: Vec<Option<usize>> = vec![None; links.len()];
-    for (joint, &(_, child)) in ends.iter().enumerate() {
+    for (joint, &LinkPair { child, .. }) in ends.iter().enumerate() {
         if let Some(other) = parent_joint[child].replace(joint) {
             let name = joints[other].name.to_owned();
             return Err(UrdfError::TwoParents {
