@@ -2,7 +2,7 @@
 
 use libtest_mimic::{Arguments, Failed};
 use thetahat::{identification::Status, results::Results};
-use thetahat_testing::{Folder, data, ensure, project, run, trials_on_shared_data, succeeded};
+use thetahat_testing::{Folder, data, ensure, project, run, succeeded, trials_on_shared_data};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_thetahat");
 

@@ -1,15 +1,15 @@
 //! The 95 % intervals have the stated coverage where the assumptions of the methods hold: a short form of
 //! `examples/coverage`, whose tables are in `docs/evidence/coverage.md`.
 
-#[path = "../../examples/coverage/noise.rs"]
+#[path = "../../examples/studies/coverage/noise.rs"]
 mod noise;
-#[path = "../../examples/coverage/stage.rs"]
+#[path = "../../examples/studies/coverage/stage.rs"]
 mod stage;
-#[path = "../../examples/coverage/tally.rs"]
+#[path = "../../examples/studies/coverage/tally.rs"]
 mod tally;
-#[path = "../../examples/coverage/trial.rs"]
+#[path = "../../examples/studies/coverage/trial.rs"]
 mod trial;
-#[path = "../../examples/coverage/twin.rs"]
+#[path = "../../examples/studies/coverage/twin.rs"]
 mod twin;
 
 use noise::{Colour, Level, Noise};

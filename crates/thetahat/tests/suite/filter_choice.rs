@@ -1,10 +1,10 @@
 //! The filter that is chosen from a record comes near the best of a wide grid: three rows of the table of `docs/evidence/filter_choice.md`,
 //! and the recorded robots, each as `init` proposes it.
 
-#[path = "../../examples/filter_study/case.rs"]
+#[path = "../../examples/studies/filter_study/case.rs"]
 mod case;
 #[expect(dead_code, reason = "the rest of the twins is for the robustness table")]
-#[path = "../../examples/twins/mod.rs"]
+#[path = "../../examples/studies/twins/mod.rs"]
 mod twins;
 
 use case::Case;

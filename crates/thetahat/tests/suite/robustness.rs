@@ -2,12 +2,12 @@
 //! the small form of `examples/robustness`. And IV without a stated controller, or with gains of start values that no robot
 //! has.
 
-#[path = "../../examples/robustness/arguments.rs"]
+#[path = "../../examples/studies/robustness/arguments.rs"]
 mod arguments;
-#[path = "../../examples/robustness/cells.rs"]
+#[path = "../../examples/studies/robustness/cells.rs"]
 mod cells;
 #[expect(dead_code, reason = "other motions are those of the filter study")]
-#[path = "../../examples/twins/mod.rs"]
+#[path = "../../examples/studies/twins/mod.rs"]
 mod twins;
 
 use arguments::{Arguments, FACTORS};

@@ -104,14 +104,17 @@ fn ranks_of_the_reference() -> Result<(), Failed> {
 
 /// The trials of this module.
 pub fn all_trials() -> Vec<Trial> {
-    thetahat_testing::trials_on_shared_data(&["datasets/kuka_lwr4", "datasets/tx40", "reference"], vec![
-        ("kuka_lwr4_has_43", kuka_lwr4),
-        ("tx40_from_its_urdf_has_36", tx40_from_its_urdf),
-        ("tree8", tree8),
-        ("ur10", ur10),
-        ("ranks_of_the_reference", ranks_of_the_reference),
-        ("planar", planar),
-        ("gantry", gantry),
-        ("followers", followers),
-    ])
+    thetahat_testing::trials_on_shared_data(
+        &["datasets/kuka_lwr4", "datasets/tx40", "reference"],
+        vec![
+            ("kuka_lwr4_has_43", kuka_lwr4),
+            ("tx40_from_its_urdf_has_36", tx40_from_its_urdf),
+            ("tree8", tree8),
+            ("ur10", ur10),
+            ("ranks_of_the_reference", ranks_of_the_reference),
+            ("planar", planar),
+            ("gantry", gantry),
+            ("followers", followers),
+        ],
+    )
 }

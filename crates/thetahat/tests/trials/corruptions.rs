@@ -1,7 +1,7 @@
 //! The checks before the estimate against corrupted records: each corruption raises its finding, no clean record does.
 //!
 //! `docs/evidence/checks.md` holds the outcomes as a table, which is compared with what is found here. It is written by
-//! `cargo run --release -p thetahat --example corruption_table -- DATA`.
+//! `cargo run --release -p thetahat --example studies -- corruption_table DATA`.
 
 use std::sync::OnceLock;
 

@@ -1,6 +1,6 @@
 //! Kinds of defects by robot: each is refused or named as the table of `docs/evidence/checks.md` says, and clean records are silent.
 //!
-//! The table is written by `cargo run --release -p thetahat --example defect_table`.
+//! The table is written by `cargo run --release -p thetahat --example studies -- defect_table`.
 
 use std::sync::OnceLock;
 

@@ -276,30 +276,33 @@ fn functions(t: f64, l: usize) -> ([f64; 3], [f64; 3]) {
 
 /// The trials of this module.
 pub fn all_trials() -> Vec<Trial> {
-    thetahat_testing::trials_on_shared_data(&["reference/excitation", "datasets/tx40", "datasets/kuka_lwr4"], vec![
-        ("criterion_of_the_tx40", || Reference::tx40()?.differences()),
-        ("criterion_of_the_lwr4", || Reference::kuka()?.differences()),
-        ("best_of_the_tx40", || Reference::tx40()?.best_of_six()),
-        ("best_of_the_lwr4", || Reference::kuka()?.best_of_six()),
-        ("five_harmonics_of_the_tx40_as_the_record", || {
-            let tx40 = Reference::tx40()?;
-            tx40.best("harmonics = 5", 6, &OF_THE_RECORD, tx40.best_of_scipy(5, "rec")?).map(drop)
-        }),
-        ("ten_harmonics_of_the_tx40", || {
-            let tx40 = Reference::tx40()?;
-            tx40.best("harmonics = 10", 6, &OF_THE_RECORD, tx40.best_of_scipy(10, "rec")?).map(drop)
-        }),
-        ("fourteen_harmonics_of_the_tx40", || {
-            let tx40 = Reference::tx40()?;
-            let parameters = tx40.data["base_names"].as_array().map_or(0, Vec::len) as f64;
-            let bound = tx40.record() - 2.0 * parameters * SMALLER_THAN_OF_THE_RECORD.ln();
-            tx40.best("harmonics = 14", 6, &OF_THE_RECORD, bound).map(drop)
-        }),
-        ("ten_harmonics_of_the_lwr4", || {
-            let lwr4 = Reference::kuka()?;
-            lwr4.best("harmonics = 10", 6, &lwr4.numbers("amax"), lwr4.best_of_scipy(10, "")?).map(drop)
-        }),
-        ("splines_of_the_tx40", || Reference::tx40()?.best_splines()),
-        ("splines_of_the_lwr4", || Reference::kuka()?.best_splines()),
-    ])
+    thetahat_testing::trials_on_shared_data(
+        &["reference/excitation", "datasets/tx40", "datasets/kuka_lwr4"],
+        vec![
+            ("criterion_of_the_tx40", || Reference::tx40()?.differences()),
+            ("criterion_of_the_lwr4", || Reference::kuka()?.differences()),
+            ("best_of_the_tx40", || Reference::tx40()?.best_of_six()),
+            ("best_of_the_lwr4", || Reference::kuka()?.best_of_six()),
+            ("five_harmonics_of_the_tx40_as_the_record", || {
+                let tx40 = Reference::tx40()?;
+                tx40.best("harmonics = 5", 6, &OF_THE_RECORD, tx40.best_of_scipy(5, "rec")?).map(drop)
+            }),
+            ("ten_harmonics_of_the_tx40", || {
+                let tx40 = Reference::tx40()?;
+                tx40.best("harmonics = 10", 6, &OF_THE_RECORD, tx40.best_of_scipy(10, "rec")?).map(drop)
+            }),
+            ("fourteen_harmonics_of_the_tx40", || {
+                let tx40 = Reference::tx40()?;
+                let parameters = tx40.data["base_names"].as_array().map_or(0, Vec::len) as f64;
+                let bound = tx40.record() - 2.0 * parameters * SMALLER_THAN_OF_THE_RECORD.ln();
+                tx40.best("harmonics = 14", 6, &OF_THE_RECORD, bound).map(drop)
+            }),
+            ("ten_harmonics_of_the_lwr4", || {
+                let lwr4 = Reference::kuka()?;
+                lwr4.best("harmonics = 10", 6, &lwr4.numbers("amax"), lwr4.best_of_scipy(10, "")?).map(drop)
+            }),
+            ("splines_of_the_tx40", || Reference::tx40()?.best_splines()),
+            ("splines_of_the_lwr4", || Reference::kuka()?.best_splines()),
+        ],
+    )
 }

@@ -207,8 +207,8 @@ fn the_promise_is_kept() -> Result<(), Failed> {
 
 /// The trials of this module.
 pub fn all_trials() -> Vec<Trial> {
-    thetahat_testing::slow_trials(&["datasets/tx40"], vec![
-        ("thirteen_moves", thirteen_moves),
-        ("the_promise_is_kept", the_promise_is_kept),
-    ])
+    thetahat_testing::slow_trials(
+        &["datasets/tx40"],
+        vec![("thirteen_moves", thirteen_moves), ("the_promise_is_kept", the_promise_is_kept)],
+    )
 }

@@ -200,11 +200,14 @@ fn limits() -> Result<(), Failed> {
 
 /// The trials of this module.
 pub fn all_trials() -> Vec<Trial> {
-    thetahat_testing::trials_on_shared_data(&["reference", "datasets/tx40", "datasets/kuka_lwr4"], vec![
-        ("tx40_from_toml", || check(tx40_toml())),
-        ("tx40_from_urdf", || check(tx40_urdf())),
-        ("kuka_lwr4_from_urdf", || check(kuka_lwr4())),
-        ("tree8_from_urdf", || check(tree8())),
-        ("limits_of_every_joint", limits),
-    ])
+    thetahat_testing::trials_on_shared_data(
+        &["reference", "datasets/tx40", "datasets/kuka_lwr4"],
+        vec![
+            ("tx40_from_toml", || check(tx40_toml())),
+            ("tx40_from_urdf", || check(tx40_urdf())),
+            ("kuka_lwr4_from_urdf", || check(kuka_lwr4())),
+            ("tree8_from_urdf", || check(tree8())),
+            ("limits_of_every_joint", limits),
+        ],
+    )
 }

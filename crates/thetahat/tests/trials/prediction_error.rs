@@ -110,10 +110,13 @@ fn the_tx40_with_an_unknown_gear_ratio() -> Result<(), Failed> {
 
 /// The trials of this module.
 pub fn all_trials() -> Vec<Trial> {
-    thetahat_testing::trials_on_shared_data(&["reference/emps_closed_loop.json", "datasets/emps", "datasets/tx40"], vec![
-        ("emps_is_that_of_the_reference_program", emps_is_that_of_the_reference_program),
-        ("positions_alone_give_the_same_numbers", positions_alone_give_the_same_numbers),
-        ("other_methods_need_torques", other_methods_need_torques),
-        ("the_tx40_with_an_unknown_gear_ratio", the_tx40_with_an_unknown_gear_ratio),
-    ])
+    thetahat_testing::trials_on_shared_data(
+        &["reference/emps_closed_loop.json", "datasets/emps", "datasets/tx40"],
+        vec![
+            ("emps_is_that_of_the_reference_program", emps_is_that_of_the_reference_program),
+            ("positions_alone_give_the_same_numbers", positions_alone_give_the_same_numbers),
+            ("other_methods_need_torques", other_methods_need_torques),
+            ("the_tx40_with_an_unknown_gear_ratio", the_tx40_with_an_unknown_gear_ratio),
+        ],
+    )
 }

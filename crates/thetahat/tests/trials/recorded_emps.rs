@@ -151,12 +151,15 @@ fn sensitivities() -> Result<(), Failed> {
 
 /// The trials of this module.
 pub fn all_trials() -> Vec<Trial> {
-    thetahat_testing::trials_on_shared_data(&["reference/emps_closed_loop.json", "datasets/emps"], vec![
-        ("least_squares_meets_every_printed_digit", least_squares),
-        ("cross_validation_on_the_pulses_meets_every_printed_digit", cross_validation),
-        ("asymmetric_friction_meets_every_printed_digit", asymmetric_friction),
-        ("closed_loop_errors_are_at_or_below_the_published_ones", closed_loop),
-        ("iv_and_didim_find_the_mass_of_ls", iv_and_didim),
-        ("sensitivities_are_those_of_the_reference_program", sensitivities),
-    ])
+    thetahat_testing::trials_on_shared_data(
+        &["reference/emps_closed_loop.json", "datasets/emps"],
+        vec![
+            ("least_squares_meets_every_printed_digit", least_squares),
+            ("cross_validation_on_the_pulses_meets_every_printed_digit", cross_validation),
+            ("asymmetric_friction_meets_every_printed_digit", asymmetric_friction),
+            ("closed_loop_errors_are_at_or_below_the_published_ones", closed_loop),
+            ("iv_and_didim_find_the_mass_of_ls", iv_and_didim),
+            ("sensitivities_are_those_of_the_reference_program", sensitivities),
+        ],
+    )
 }

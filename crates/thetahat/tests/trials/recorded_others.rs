@@ -110,13 +110,16 @@ fn verdicts() -> Result<(), Failed> {
 
 /// The trials of this module.
 pub fn all_trials() -> Vec<Trial> {
-    thetahat_testing::trials_on_shared_data(&["datasets/kuka_lwr4", "datasets/ur10"], vec![
-        ("kuka_is_fitted_to_two_percent", kuka_error),
-        ("kuka_has_43_inertial_parameters", kuka_parameters),
-        ("ur10_is_fitted_to_seven_percent", ur10_error),
-        ("kuka_by_iv_converges_with_any_controller", kuka_iv),
-        ("ur10_by_iv_converges_with_any_controller", ur10_iv),
-        ("ur10_has_the_friction_that_others_found", ur10_friction),
-        ("the_verdict_on_recordings_of_others_is_care", verdicts),
-    ])
+    thetahat_testing::trials_on_shared_data(
+        &["datasets/kuka_lwr4", "datasets/ur10"],
+        vec![
+            ("kuka_is_fitted_to_two_percent", kuka_error),
+            ("kuka_has_43_inertial_parameters", kuka_parameters),
+            ("ur10_is_fitted_to_seven_percent", ur10_error),
+            ("kuka_by_iv_converges_with_any_controller", kuka_iv),
+            ("ur10_by_iv_converges_with_any_controller", ur10_iv),
+            ("ur10_has_the_friction_that_others_found", ur10_friction),
+            ("the_verdict_on_recordings_of_others_is_care", verdicts),
+        ],
+    )
 }

@@ -174,17 +174,20 @@ fn inertias_are_enough_to_start() -> Result<(), Failed> {
 
 /// The trials of this module.
 pub fn all_trials() -> Vec<Trial> {
-    thetahat_testing::trials_on_shared_data(&["paper/tables.csv", "datasets/tx40"], vec![
-        ("nominal_errors_are_those_of_the_paper_or_less", nominal_errors),
-        ("every_run_converges", every_run_converges),
-        ("estimates_agree_with_tables_one_and_three", tables_one_and_three),
-        ("standard_deviations_of_ls_agree_with_table_one", standard_deviations_of_ls),
-        ("a_biased_simulator_leaves_iv_where_it_was", biased_simulator_leaves_iv),
-        ("a_biased_simulator_moves_didim_as_table_three", biased_simulator_moves_didim),
-        ("the_advice_is_quiet_in_the_nominal_case", advice_is_quiet_nominally),
-        ("the_advice_distrusts_didim_in_the_biased_case", advice_distrusts_didim_with_wrong_gear_ratios),
-        ("the_reference_is_thirteen_moves", reference_is_moves),
-        ("the_28_alone_are_a_list", twenty_eight_alone),
-        ("motor_inertias_are_enough_to_start_from", inertias_are_enough_to_start),
-    ])
+    thetahat_testing::trials_on_shared_data(
+        &["paper/tables.csv", "datasets/tx40"],
+        vec![
+            ("nominal_errors_are_those_of_the_paper_or_less", nominal_errors),
+            ("every_run_converges", every_run_converges),
+            ("estimates_agree_with_tables_one_and_three", tables_one_and_three),
+            ("standard_deviations_of_ls_agree_with_table_one", standard_deviations_of_ls),
+            ("a_biased_simulator_leaves_iv_where_it_was", biased_simulator_leaves_iv),
+            ("a_biased_simulator_moves_didim_as_table_three", biased_simulator_moves_didim),
+            ("the_advice_is_quiet_in_the_nominal_case", advice_is_quiet_nominally),
+            ("the_advice_distrusts_didim_in_the_biased_case", advice_distrusts_didim_with_wrong_gear_ratios),
+            ("the_reference_is_thirteen_moves", reference_is_moves),
+            ("the_28_alone_are_a_list", twenty_eight_alone),
+            ("motor_inertias_are_enough_to_start_from", inertias_are_enough_to_start),
+        ],
+    )
 }

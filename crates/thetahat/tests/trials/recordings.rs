@@ -91,11 +91,14 @@ fn emps_matlab() -> Result<(), Failed> {
 
 /// The trials of this module.
 pub fn all_trials() -> Vec<Trial> {
-    thetahat_testing::trials_on_shared_data(&["datasets/kuka_lwr4", "datasets/ur10", "datasets/emps"], vec![
-        ("kuka_archive_has_the_values_that_numpy_reads", kuka_archive),
-        ("kuka_archive_is_inspected", kuka_inspection),
-        ("ur10_bag_has_the_values_that_its_bytes_say", ur10_bag),
-        ("ur10_bag_is_inspected", ur10_inspection),
-        ("emps_is_inspected_and_its_gain_read", emps_matlab),
-    ])
+    thetahat_testing::trials_on_shared_data(
+        &["datasets/kuka_lwr4", "datasets/ur10", "datasets/emps"],
+        vec![
+            ("kuka_archive_has_the_values_that_numpy_reads", kuka_archive),
+            ("kuka_archive_is_inspected", kuka_inspection),
+            ("ur10_bag_has_the_values_that_its_bytes_say", ur10_bag),
+            ("ur10_bag_is_inspected", ur10_inspection),
+            ("emps_is_inspected_and_its_gain_read", emps_matlab),
+        ],
+    )
 }

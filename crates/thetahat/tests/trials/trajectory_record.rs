@@ -69,8 +69,8 @@ fn numbers(motion: &Move) -> usize {
 
 /// The trials of this module.
 pub fn all_trials() -> Vec<Trial> {
-    thetahat_testing::trials_on_shared_data(&["datasets/tx40"], vec![(
-        "thirteen_moves_follow_the_record",
-        thirteen_moves_follow_the_record,
-    )])
+    thetahat_testing::trials_on_shared_data(
+        &["datasets/tx40"],
+        vec![("thirteen_moves_follow_the_record", thirteen_moves_follow_the_record)],
+    )
 }
