@@ -5,9 +5,9 @@
 //! must explain the form of the torque.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
-    thinned_record::ThinnedRecord,
+    thinned_recording::ThinnedRecording,
 };
 use crate::{signal::Motion, statistics::median};
 use thetahat_ground::{
@@ -36,8 +36,8 @@ struct Scale {
     factor: f64,
 }
 
-pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) {
-    let scales = scales(record);
+pub(super) fn check(exam: &mut Examination<'_>, recording: &ThinnedRecording<'_>) {
+    let scales = scales(recording);
     let off = |factor: f64| factor.max(1.0 / factor);
     for scale in &scales {
         exam.note_measure(evidence(Some(scale.coordinate), off(scale.factor)));
@@ -65,7 +65,7 @@ fn evidence(coordinate: Option<usize>, value: f64) -> Evidence {
 }
 
 /// Gear ratios are named where several joints have theirs as a factor: one alone may have it by chance.
-fn words(robot: &Robot, wrong: &[&Scale], middle: f64, several: bool) -> Words {
+fn words(robot: &Robot, wrong: &[&Scale], middle: f64, several: bool) -> FindingText {
     let joints: Vec<String> = wrong.iter().map(|s| (robot.joint_of(s.coordinate) + 1).to_string()).collect();
     let joints =
         if joints.len() == 1 { format!("joint {}", joints[0]) } else { format!("joints {}", joints.join(" ")) };
@@ -85,41 +85,41 @@ fn words(robot: &Robot, wrong: &[&Scale], middle: f64, several: bool) -> Words {
         "check the unit of torque, and the side of the gears of torque and position (side = \"motor\" in [recording] with the \
          ratios in [transmission] matrix, or gain = ... of the channel); else the masses of the description are placeholders"
     };
-    Words::new(message, remedy)
+    FindingText::new(message, remedy)
 }
 
 /// The joints whose torque has the form that the a-priori masses give it, with its factor.
-fn scales(record: &ThinnedRecord<'_>) -> Vec<Scale> {
-    let Some(a_priori) = a_priori_torque(record) else { return Vec::new() };
+fn scales(recording: &ThinnedRecording<'_>) -> Vec<Scale> {
+    let Some(a_priori) = a_priori_torque(recording) else { return Vec::new() };
     let of_coordinate = |coordinate: usize| {
-        let own = own_columns(record, coordinate)?;
+        let own = own_columns(recording, coordinate)?;
         let qr = PivotedQr::new(&own);
         let less_own = |y: Vec<f64>| -> Vec<f64> {
             let by_own = own.times(&qr.solve(&y));
             y.iter().zip(by_own).map(|(y, own)| y - own).collect()
         };
-        let expected = less_own(record.stack_channel(&a_priori, coordinate));
-        let torque = less_own(record.stack_channel(&record.torque, coordinate));
+        let expected = less_own(recording.stack_channel(&a_priori, coordinate));
+        let torque = less_own(recording.stack_channel(&recording.torque, coordinate));
         let (size, common, squares) = (dot(&expected, &expected), dot(&expected, &torque), dot(&torque, &torque));
         let explained = common * common / (size * squares);
         (common > 0.0 && explained > EXPLAINED).then_some(Scale { coordinate, factor: common / size })
     };
-    (0..record.coordinates()).filter_map(of_coordinate).collect()
+    (0..recording.coordinates()).filter_map(of_coordinate).collect()
 }
 
 /// Velocity, its sign, acceleration and one of a coordinate, low-passed as the rows are; none where two of them are one.
-fn own_columns(record: &ThinnedRecord<'_>, j: usize) -> Option<Matrix> {
-    let motion = &record.motion;
+fn own_columns(recording: &ThinnedRecording<'_>, j: usize) -> Option<Matrix> {
+    let motion = &recording.motion;
     let values = (0..motion.q.len()).flat_map(|k| {
         let v = motion.dq.sample(k)[j];
         [v, Sign::Exact.of(v), motion.ddq.sample(k)[j], 1.0]
     });
-    record.columns_of(&Series::from_values(4, values.collect()))
+    recording.columns_of(&Series::from_values(4, values.collect()))
 }
 
 /// The torques of the links' a-priori parameters, low-passed as the rows are; none where there are no masses.
-fn a_priori_torque(record: &ThinnedRecord<'_>) -> Option<Series> {
-    let (robot, model): (&Robot, &Model) = (record.subject.robot, record.subject.model);
+fn a_priori_torque(recording: &ThinnedRecording<'_>) -> Option<Series> {
+    let (robot, model): (&Robot, &Model) = (recording.subject.robot, recording.subject.model);
     let table = model.parameter_table();
     let theta = robot.a_priori_parameters_for(table);
     let is_given = |i: &usize| matches!(table.get(*i).quantity, Quantity::Link(_)) && theta[*i] != 0.0;
@@ -127,8 +127,8 @@ fn a_priori_torque(record: &ThinnedRecord<'_>) -> Option<Series> {
     if given.is_empty() {
         return None;
     }
-    let Motion { q, dq, ddq } = &record.motion;
+    let Motion { q, dq, ddq } = &recording.motion;
     let values: Vec<f64> = given.iter().map(|&i| theta[i]).collect();
     let torque = Regressor::new(model, &given).torques(model, [q, dq, ddq], Sign::Exact, &values);
-    record.decimator.filter(&torque).ok()
+    recording.decimator.filter(&torque).ok()
 }

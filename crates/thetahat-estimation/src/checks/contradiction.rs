@@ -9,7 +9,7 @@ use super::{
     finding::{Code, Finding, Severity},
     numbers::autocorrelation,
     subject::Subject,
-    thinned_record::ThinnedRecord,
+    thinned_recording::ThinnedRecording,
 };
 use crate::regression::Regression;
 use thetahat_ground::linear_algebra::{Matrix, PivotedQr, dot};
@@ -25,7 +25,7 @@ const RANK_TOLERANCE: f64 = 1e-10;
 const NAMED: usize = 4;
 
 /// A recording, reduced.
-struct Reduced<'a> {
+struct ReducedRecording<'a> {
     name: &'a str,
     held_back: bool,
     /// The rows without weights.
@@ -38,7 +38,7 @@ struct Reduced<'a> {
 }
 
 /// Residual of recordings that are fitted together.
-struct Common {
+struct CommonFit {
     squares: f64,
     rank: f64,
     /// Zero where a parameter depends on others.
@@ -46,7 +46,7 @@ struct Common {
 }
 
 /// Fits together beside fits one by one.
-struct Comparison {
+struct FitComparison {
     /// Relative errors, percent of the torques.
     together: f64,
     apart: f64,
@@ -58,13 +58,14 @@ struct Comparison {
 /// The finding, where there is one. Held-back recordings are compared with the others once those agree.
 pub(super) fn check(companions: &[Companion<'_>]) -> Vec<Finding> {
     let all = reduced(companions);
-    let (held_back, main): (Vec<&Reduced<'_>>, Vec<&Reduced<'_>>) = all.iter().partition(|r| r.held_back);
+    let (held_back, main): (Vec<&ReducedRecording<'_>>, Vec<&ReducedRecording<'_>>) =
+        all.iter().partition(|r| r.held_back);
     let names = parameter_names(companions);
     if main.len() > 1 && compare(&main).ratio > LIMIT {
         return vec![finding(&main, &names)];
     }
-    let beside_main = |other: &&Reduced<'_>| {
-        let both: Vec<&Reduced<'_>> = main.iter().copied().chain([*other]).collect();
+    let beside_main = |other: &&ReducedRecording<'_>| {
+        let both: Vec<&ReducedRecording<'_>> = main.iter().copied().chain([*other]).collect();
         (!main.is_empty() && compare(&both).ratio > LIMIT).then(|| of_held_back(&both, other, &names))
     };
     held_back.iter().filter_map(beside_main).collect()
@@ -73,7 +74,7 @@ pub(super) fn check(companions: &[Companion<'_>]) -> Vec<Finding> {
 /// The ratio of the main recordings, and of each that is held back beside them.
 pub(super) fn measure(companions: &[Companion<'_>]) -> Vec<(Code, f64, f64)> {
     let all = reduced(companions);
-    let main: Vec<&Reduced<'_>> = all.iter().filter(|r| !r.held_back).collect();
+    let main: Vec<&ReducedRecording<'_>> = all.iter().filter(|r| !r.held_back).collect();
     let beside = |other| main.iter().copied().chain([other]).collect::<Vec<_>>();
     let groups = std::iter::once(main.clone()).chain(all.iter().filter(|r| r.held_back).map(beside));
     let several = groups.filter(|g| g.len() > 1);
@@ -86,7 +87,7 @@ fn parameter_names(companions: &[Companion<'_>]) -> Vec<String> {
 }
 
 /// A recording's rows, and what its own fit leaves of each joint.
-struct Fitted<'a> {
+struct FittedRecording<'a> {
     name: &'a str,
     held_back: bool,
     regression: Regression,
@@ -96,8 +97,8 @@ struct Fitted<'a> {
     independent: f64,
 }
 
-fn reduced<'a>(companions: &[Companion<'a>]) -> Vec<Reduced<'a>> {
-    let all: Vec<Fitted<'a>> = companions.iter().filter_map(fitted).collect();
+fn reduced<'a>(companions: &[Companion<'a>]) -> Vec<ReducedRecording<'a>> {
+    let all: Vec<FittedRecording<'a>> = companions.iter().filter_map(fitted).collect();
     if all.len() < 2 {
         return Vec::new();
     }
@@ -105,41 +106,41 @@ fn reduced<'a>(companions: &[Companion<'a>]) -> Vec<Reduced<'a>> {
     all.into_iter().map(|fitted| reduce(fitted, &weights)).collect()
 }
 
-fn fitted<'a>(companion: &Companion<'a>) -> Option<Fitted<'a>> {
-    let record = ThinnedRecord::new(&companion.subject, companion.subject.signal.cutoff_hz)?;
-    if !record.is_long_enough() {
+fn fitted<'a>(companion: &Companion<'a>) -> Option<FittedRecording<'a>> {
+    let recording = ThinnedRecording::new(&companion.subject, companion.subject.signal.cutoff_hz)?;
+    if !recording.is_long_enough() {
         return None;
     }
-    let (fit, regression) = (record.fit().ok()?, record.regression().ok()?);
-    let joints = record.coordinates();
-    let neighbours = |j: usize| autocorrelation(record.rows_of(&fit.residual, j));
+    let (fit, regression) = (recording.fit().ok()?, recording.regression().ok()?);
+    let joints = recording.coordinates();
+    let neighbours = |j: usize| autocorrelation(recording.rows_of(&fit.residual, j));
     let alike = ((0..joints).map(neighbours).sum::<f64>() / joints as f64).clamp(0.0, 0.99);
     let prediction = regression.x.times(&fit.theta());
     let squares = regression.layout.squares(&regression.residual(&prediction));
     let independent = (1.0 - alike) / (1.0 + alike);
-    Some(Fitted { name: companion.name, held_back: companion.held_back, regression, squares, independent })
+    Some(FittedRecording { name: companion.name, held_back: companion.held_back, regression, squares, independent })
 }
 
 /// One over the rms of what the fits one by one leave of each joint.
-fn joint_weights(all: &[Fitted<'_>]) -> Vec<f64> {
+fn joint_weights(all: &[FittedRecording<'_>]) -> Vec<f64> {
     let joints = all.first().map_or(0, |f| f.squares.len());
     let rows: f64 = all.iter().map(|f| f.regression.y.len() as f64 / joints as f64).sum();
     let left = |j: usize| (all.iter().map(|f| f.squares[j]).sum::<f64>() / rows).sqrt();
     (0..joints).map(|j| Some(left(j)).filter(|s| *s > 0.0).map_or(1.0, f64::recip)).collect()
 }
 
-fn reduce<'a>(fitted: Fitted<'a>, weights: &[f64]) -> Reduced<'a> {
-    let Fitted { name, held_back, regression, independent, .. } = fitted;
+fn reduce<'a>(fitted: FittedRecording<'a>, weights: &[f64]) -> ReducedRecording<'a> {
+    let FittedRecording { name, held_back, regression, independent, .. } = fitted;
     let weighted = regression.with_weights(Some(regression.layout.spread(|block| weights[block.joint])));
     let y = weighted.whiten(&weighted.y);
     let column = Matrix::from_fn(y.len(), 1, |i, _| y[i]);
     let triangle = Matrix::beside(&[&weighted.whiten_matrix(&weighted.x), &column]).triangular_factor();
     let rows = y.len() as f64;
-    Reduced { name, held_back, regression, triangle, rows, effective: rows * independent }
+    ReducedRecording { name, held_back, regression, triangle, rows, effective: rows * independent }
 }
 
 /// The fit of recordings with common parameters.
-fn common(recordings: &[&Reduced<'_>]) -> Common {
+fn common(recordings: &[&ReducedRecording<'_>]) -> CommonFit {
     let stacked = Matrix::stack(&recordings.iter().map(|r| &r.triangle).collect::<Vec<_>>());
     let columns = stacked.columns() - 1;
     let qr = PivotedQr::new(&stacked.select_columns(&(0..columns).collect::<Vec<_>>()));
@@ -149,12 +150,12 @@ fn common(recordings: &[&Reduced<'_>]) -> Common {
     let mut theta = vec![0.0; columns];
     independent.iter().zip(&solution).for_each(|(&c, v)| theta[c] = *v);
     let residual = residual(&x, stacked.column(columns));
-    Common { squares: dot(&residual, &residual), rank: independent.len() as f64, theta }
+    CommonFit { squares: dot(&residual, &residual), rank: independent.len() as f64, theta }
 }
 
 /// Squared residual and squares of the torques, without weights.
-fn unweighted(recordings: &[&Reduced<'_>], theta: &[f64]) -> [f64; 2] {
-    let of = |r: &&Reduced<'_>| {
+fn unweighted(recordings: &[&ReducedRecording<'_>], theta: &[f64]) -> [f64; 2] {
+    let of = |r: &&ReducedRecording<'_>| {
         let y = &r.regression.y;
         let rest: f64 = y.iter().zip(r.regression.x.times(theta)).map(|(y, p)| (y - p).powi(2)).sum();
         [rest, dot(y, y)]
@@ -167,9 +168,9 @@ fn residual(x: &Matrix, y: &[f64]) -> Vec<f64> {
     y.iter().zip(fitted).map(|(y, f)| y - f).collect()
 }
 
-fn compare(recordings: &[&Reduced<'_>]) -> Comparison {
+fn compare(recordings: &[&ReducedRecording<'_>]) -> FitComparison {
     let together = common(recordings);
-    let apart: Vec<Common> = recordings.iter().map(|r| common(&[r])).collect();
+    let apart: Vec<CommonFit> = recordings.iter().map(|r| common(&[r])).collect();
     let (squares, rank) = (apart.iter().map(|c| c.squares).sum::<f64>(), apart.iter().map(|c| c.rank).sum::<f64>());
     let rows: f64 = recordings.iter().map(|r| r.rows).sum();
     let effective = recordings.iter().map(|r| r.effective).sum::<f64>();
@@ -184,16 +185,17 @@ fn compare(recordings: &[&Reduced<'_>]) -> Comparison {
         percent(parts.fold([0.0; 2], |sum, part| [sum[0] + part[0], sum[1] + part[1]])),
     ];
     let ratio = ratio.max(whole[0] / whole[1].max(f64::MIN_POSITIVE));
-    Comparison { together: whole[0], apart: whole[1], ratio: if f > SURE { ratio } else { 0.0 } }
+    FitComparison { together: whole[0], apart: whole[1], ratio: if f > SURE { ratio } else { 0.0 } }
 }
 
 /// Recordings that are left out one after the other, the one that disturbs most first, until the others agree.
-fn outliers<'r, 'a>(recordings: &[&'r Reduced<'a>]) -> Vec<&'r Reduced<'a>> {
-    let mut left: Vec<&Reduced<'a>> = recordings.to_vec();
+fn outliers<'r, 'a>(recordings: &[&'r ReducedRecording<'a>]) -> Vec<&'r ReducedRecording<'a>> {
+    let mut left: Vec<&ReducedRecording<'a>> = recordings.to_vec();
     let mut out = Vec::new();
     while left.len() > 2 && compare(&left).ratio > LIMIT {
         let without = |i: usize| -> f64 {
-            let others: Vec<&Reduced<'a>> = left.iter().enumerate().filter(|(k, _)| *k != i).map(|(_, r)| *r).collect();
+            let others: Vec<&ReducedRecording<'a>> =
+                left.iter().enumerate().filter(|(k, _)| *k != i).map(|(_, r)| *r).collect();
             common(&others).squares + common(&[left[i]]).squares
         };
         let Some(worst) = (0..left.len()).min_by(|a, b| without(*a).total_cmp(&without(*b))) else { break };
@@ -202,14 +204,14 @@ fn outliers<'r, 'a>(recordings: &[&'r Reduced<'a>]) -> Vec<&'r Reduced<'a>> {
     if compare(&left).ratio > LIMIT { recordings.to_vec() } else { out }
 }
 
-fn finding(main: &[&Reduced<'_>], names: &[String]) -> Finding {
+fn finding(main: &[&ReducedRecording<'_>], names: &[String]) -> Finding {
     let comparison = compare(main);
     let out = outliers(main);
-    let list = |r: &[&Reduced<'_>]| r.iter().map(|r| r.name).collect::<Vec<_>>().join(", ");
+    let list = |r: &[&ReducedRecording<'_>]| r.iter().map(|r| r.name).collect::<Vec<_>>().join(", ");
     let (who, apart) = if out.len() == main.len() {
         (format!("{} differ from one another", list(main)), main[main.len() - 1])
     } else {
-        let others: Vec<&Reduced<'_>> =
+        let others: Vec<&ReducedRecording<'_>> =
             main.iter().copied().filter(|r| !out.iter().any(|o| std::ptr::eq(*o, *r))).collect();
         let differ = if out.len() == 1 { "differs" } else { "differ" };
         (format!("{} {differ} from {}, which agree", list(&out), list(&others)), out[0])
@@ -217,13 +219,13 @@ fn finding(main: &[&Reduced<'_>], names: &[String]) -> Finding {
     build(&comparison, &who, &changed(main, apart, names), Severity::Problem)
 }
 
-fn of_held_back(both: &[&Reduced<'_>], other: &Reduced<'_>, names: &[String]) -> Finding {
+fn of_held_back(both: &[&ReducedRecording<'_>], other: &ReducedRecording<'_>, names: &[String]) -> Finding {
     let who = format!("{}, which is held back, differs from the others", other.name);
     build(&compare(both), &who, &changed(both, other, names), Severity::Warning)
 }
 
-fn build(comparison: &Comparison, who: &str, parameters: &[String], severity: Severity) -> Finding {
-    let Comparison { together, apart, ratio } = comparison;
+fn build(comparison: &FitComparison, who: &str, parameters: &[String], severity: Severity) -> Finding {
+    let FitComparison { together, apart, ratio } = comparison;
     Finding {
         code: Code::RecordingsContradict,
         severity,
@@ -245,7 +247,7 @@ fn build(comparison: &Comparison, who: &str, parameters: &[String], severity: Se
 }
 
 /// The parameters whose own value in one of the recordings explains most of what the common fit leaves.
-fn changed(all: &[&Reduced<'_>], apart: &Reduced<'_>, names: &[String]) -> Vec<String> {
+fn changed(all: &[&ReducedRecording<'_>], apart: &ReducedRecording<'_>, names: &[String]) -> Vec<String> {
     let stacked = Matrix::stack(&all.iter().map(|r| &r.triangle).collect::<Vec<_>>());
     let columns = stacked.columns() - 1;
     let x = stacked.select_columns(&(0..columns).collect::<Vec<_>>());

@@ -1,7 +1,7 @@
 //! Whether the described controller gives the recorded drive signals from the recorded reference and motion.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::{deviation, rms},
     reference_fit::explanation,
@@ -66,14 +66,14 @@ fn compare(exam: &mut Examination<'_>, [command, drive]: [&[f64]; 2], ratio: f64
             i + 1
         );
         if let Some(factor) = other_unit(command, drive) {
-            return Words::new(
+            return FindingText::new(
                 format!("{seen}; it has the same course, {}", times_as_large(factor, ratio)),
                 "give the gains in joint units (docs/reference/experiments.md): multiply velocity_gain of a cascaded law, or both gains \
                  of pd, by that factor",
             );
         }
         let cause = explanation(drive, command, rate).map_or(String::new(), |cause| format!("; {cause}"));
-        Words::new(
+        FindingText::new(
             format!("{seen}{cause}"),
             "check [controller]'s law, gains and delay; IDIM-IV and DIDIM simulate the loop with it",
         )

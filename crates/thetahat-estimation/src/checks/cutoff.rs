@@ -1,9 +1,9 @@
 //! A position filter that takes motion away.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
-    thinned_record::ThinnedRecord,
+    thinned_recording::ThinnedRecording,
 };
 
 /// Rms torque, percent of the torques' deviation, that twice the cut-off explains and the experiment's does not, on
@@ -17,21 +17,21 @@ const WORTH_IT: f64 = 1.2;
 /// Highest cut-off, part of the sample rate.
 const HIGHEST: f64 = 0.4;
 
-pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) {
+pub(super) fn check(exam: &mut Examination<'_>, recording: &ThinnedRecording<'_>) {
     let cutoff = exam.subject.signal.cutoff_hz;
     let highest = HIGHEST * exam.subject.sample_rate_hz;
-    if record.is_corrected() || 2.0 * cutoff > highest {
+    if recording.is_corrected() || 2.0 * cutoff > highest {
         return;
     }
-    let squares = |record: &ThinnedRecord<'_>| record.fit().ok()?.held_out_squares();
-    let at = |cutoff_hz: f64| record.with_cutoff(cutoff_hz).and_then(|wider| squares(&wider));
-    let (Some(narrow), Some(wide)) = (squares(record), at(2.0 * cutoff)) else { return };
+    let squares = |recording: &ThinnedRecording<'_>| recording.fit().ok()?.held_out_squares();
+    let at = |cutoff_hz: f64| recording.with_cutoff(cutoff_hz).and_then(|wider| squares(&wider));
+    let (Some(narrow), Some(wide)) = (squares(recording), at(2.0 * cutoff)) else { return };
     let value = if narrow > WORTH_IT * wide { 100.0 * (narrow - wide).sqrt() } else { 0.0 };
     let evidence =
         Evidence { code: Code::CutoffLow, coordinate: None, value, unit: "% of the torques", limit: LIMIT_PERCENT };
     exam.judge(evidence, Severity::Warning, || {
         let (best, squares) = raised(2.0 * cutoff, wide, highest, &at);
-        Words::new(
+        FindingText::new(
             format!(
                 "with the position filter at {best} Hz in place of {cutoff} Hz the squared error of what was not fitted \
                  is {:.2} times smaller, by {:.0} % of the torques: the filter takes motion away",

@@ -1,7 +1,7 @@
 //! Joints that only tremble.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::quantile_abs,
     signals::Signals,
@@ -39,7 +39,7 @@ pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
                 signals.peak[j]
             );
             let remedy = "move it, or take its parameters out of the estimate with exclude = [...] in [parameters]";
-            Words::new(message, remedy).about(parameters)
+            FindingText::new(message, remedy).about(parameters)
         });
     }
 }

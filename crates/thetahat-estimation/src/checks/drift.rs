@@ -4,10 +4,10 @@
 //! time explain of the residual is the drift.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     orthogonal_fit::OrthogonalFit,
-    thinned_record::ThinnedRecord,
+    thinned_recording::ThinnedRecording,
 };
 use thetahat_ground::linear_algebra::{Matrix, dot};
 
@@ -32,10 +32,10 @@ struct Drift {
     deviation: f64,
 }
 
-pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) {
-    let Ok(fit) = record.fit() else { return };
-    for j in 0..record.coordinates() {
-        let Some([gain, friction]) = drifts(record, &fit, j) else { continue };
+pub(super) fn check(exam: &mut Examination<'_>, recording: &ThinnedRecording<'_>) {
+    let Ok(fit) = recording.fit() else { return };
+    for j in 0..recording.coordinates() {
+        let Some([gain, friction]) = drifts(recording, &fit, j) else { continue };
         judge(exam, j, Code::GainDrift, gain);
         judge(exam, j, Code::FrictionDrift, friction);
     }
@@ -69,21 +69,21 @@ fn judge(exam: &mut Examination<'_>, j: usize, code: Code, drift: Drift) {
             "joint {number}: the {what} changes by {percent:+.1} % (± {:.1}) from the start to the end of the record",
             100.0 * drift.deviation
         );
-        Words::new(message, remedy)
+        FindingText::new(message, remedy)
     });
 }
 
 /// The drifts of a joint's gain and friction. The one that explains more is estimated by itself, the other beside it; none
 /// where there is nothing that could drift.
-fn drifts(record: &ThinnedRecord<'_>, fit: &OrthogonalFit, j: usize) -> Option<[Drift; 2]> {
+fn drifts(recording: &ThinnedRecording<'_>, fit: &OrthogonalFit, j: usize) -> Option<[Drift; 2]> {
     let theta = fit.theta();
     let friction_alone: Vec<f64> =
-        theta.iter().enumerate().map(|(c, v)| if record.is_friction(c) { *v } else { 0.0 }).collect();
-    let directions = [theta, friction_alone].map(|theta| fit.project_out(&ramped(record, fit, j, &theta)));
+        theta.iter().enumerate().map(|(c, v)| if recording.is_friction(c) { *v } else { 0.0 }).collect();
+    let directions = [theta, friction_alone].map(|theta| fit.project_out(&ramped(recording, fit, j, &theta)));
     let explained = |d: &Vec<f64>| dot(d, &fit.residual).powi(2) / dot(d, d).max(f64::MIN_POSITIVE);
     let first = usize::from(explained(&directions[1]) > explained(&directions[0]));
-    let alone = estimate(record, &fit.residual, &[&directions[first]])?;
-    let beside = estimate(record, &fit.residual, &[&directions[0], &directions[1]]);
+    let alone = estimate(recording, &fit.residual, &[&directions[first]])?;
+    let beside = estimate(recording, &fit.residual, &[&directions[0], &directions[1]]);
     let none = Drift { change: 0.0, deviation: f64::INFINITY };
     let mut drifts = [none; 2];
     drifts[first] = alone[0];
@@ -92,21 +92,21 @@ fn drifts(record: &ThinnedRecord<'_>, fit: &OrthogonalFit, j: usize) -> Option<[
 }
 
 /// The changes along directions by least squares, with deviations from blocks of time; none where the directions are one.
-fn estimate(record: &ThinnedRecord<'_>, residual: &[f64], directions: &[&Vec<f64>]) -> Option<Vec<Drift>> {
+fn estimate(recording: &ThinnedRecording<'_>, residual: &[f64], directions: &[&Vec<f64>]) -> Option<Vec<Drift>> {
     let n = directions.len();
     let inverse = Matrix::from_fn(n, n, |a, b| dot(directions[a], directions[b])).inverse()?;
     let change = inverse.times(&directions.iter().map(|d| dot(d, residual)).collect::<Vec<_>>());
     let explained = |i: usize| directions.iter().zip(&change).map(|(d, c)| c * d[i]).sum::<f64>();
     let rest: Vec<f64> = residual.iter().enumerate().map(|(i, r)| r - explained(i)).collect();
-    let spread = block_spread(record, directions, &rest);
+    let spread = block_spread(recording, directions, &rest);
     let covariance = inverse.times_matrix(&spread).times_matrix(&inverse);
     let drift = |i: usize| Drift { change: change[i], deviation: covariance.at(i, i).max(0.0).sqrt() };
     change.iter().all(|c| c.is_finite()).then(|| (0..n).map(drift).collect())
 }
 
 /// The predicted torque of a joint times a ramp of time from -1/2 to 1/2; zero in the other joints' rows.
-fn ramped(record: &ThinnedRecord<'_>, fit: &OrthogonalFit, j: usize, theta: &[f64]) -> Vec<f64> {
-    let rows = record.rows();
+fn ramped(recording: &ThinnedRecording<'_>, fit: &OrthogonalFit, j: usize, theta: &[f64]) -> Vec<f64> {
+    let rows = recording.rows();
     let mut direction = fit.x.times(theta);
     let ramp = |i: usize| (i % rows) as f64 / (rows - 1).max(1) as f64 - 0.5;
     direction.iter_mut().enumerate().for_each(|(i, v)| *v *= if i / rows == j { ramp(i) } else { 0.0 });
@@ -114,8 +114,8 @@ fn ramped(record: &ThinnedRecord<'_>, fit: &OrthogonalFit, j: usize, theta: &[f6
 }
 
 /// The sum over blocks of time of the squared scores.
-fn block_spread(record: &ThinnedRecord<'_>, directions: &[&Vec<f64>], rest: &[f64]) -> Matrix {
-    let (rows, n) = (record.rows(), directions.len());
+fn block_spread(recording: &ThinnedRecording<'_>, directions: &[&Vec<f64>], rest: &[f64]) -> Matrix {
+    let (rows, n) = (recording.rows(), directions.len());
     let mut scores = vec![vec![0.0; n]; BLOCKS];
     for (i, r) in rest.iter().enumerate() {
         let score = &mut scores[(i % rows) * BLOCKS / rows];

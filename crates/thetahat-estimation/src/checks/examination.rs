@@ -24,7 +24,7 @@ pub(super) struct Evidence {
 }
 
 /// What a finding says.
-pub(super) struct Words {
+pub(super) struct FindingText {
     /// What was seen.
     message: String,
     /// What to do.
@@ -33,7 +33,7 @@ pub(super) struct Words {
     parameters: Vec<String>,
 }
 
-impl Words {
+impl FindingText {
     pub(super) fn new(message: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self { message: message.into(), remedy: remedy.into(), parameters: Vec::new() }
     }
@@ -50,7 +50,12 @@ impl<'a> Examination<'a> {
     }
 
     /// Notes the evidence, and raises a finding where it is above its limit; whether it is.
-    pub(super) fn judge(&mut self, evidence: Evidence, severity: Severity, words: impl FnOnce() -> Words) -> bool {
+    pub(super) fn judge(
+        &mut self,
+        evidence: Evidence,
+        severity: Severity,
+        words: impl FnOnce() -> FindingText,
+    ) -> bool {
         self.note_measure(evidence);
         let raised = evidence.value.is_finite() && evidence.value > evidence.limit;
         if raised {
@@ -66,9 +71,9 @@ impl<'a> Examination<'a> {
     }
 
     /// Raises a finding, whatever its limit.
-    pub(super) fn raise(&mut self, evidence: Evidence, severity: Severity, words: Words) {
+    pub(super) fn raise(&mut self, evidence: Evidence, severity: Severity, words: FindingText) {
         let Evidence { code, coordinate, value, unit, limit } = evidence;
-        let Words { message, remedy, parameters } = words;
+        let FindingText { message, remedy, parameters } = words;
         self.findings.push(Finding {
             code,
             severity,

@@ -1,10 +1,10 @@
 //! Parameters that the motion does not excite, and what they are confounded with.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     orthogonal_fit::OrthogonalFit,
-    thinned_record::ThinnedRecord,
+    thinned_recording::ThinnedRecording,
 };
 use thetahat_ground::linear_algebra::{Matrix, PivotedQr, norm};
 
@@ -16,8 +16,8 @@ const PARTNERS: usize = 3;
 /// Smallest share of a partner that is named, relative to the strongest partner's.
 const WEAKEST_PARTNER: f64 = 0.2;
 
-pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) {
-    let Ok(fit) = record.fit() else { return };
+pub(super) fn check(exam: &mut Examination<'_>, recording: &ThinnedRecording<'_>) {
+    let Ok(fit) = recording.fit() else { return };
     let columns = unit_columns(&fit.x);
     let names: Vec<&str> = exam.subject.base.parameters().iter().map(|p| p.name.as_str()).collect();
     let independent = &fit.qr.pivots()[..fit.rank];
@@ -67,7 +67,7 @@ fn dependent(exam: &mut Examination<'_>, fit: &OrthogonalFit, columns: &Matrix, 
         let message =
             format!("the motion does not separate {} parameters from the others: {}", lost.len(), list.join(", "));
         let remedy = "move the joints concerned, faster and in other configurations, or exclude these parameters";
-        Words::new(message, remedy).about(owned(names, &lost))
+        FindingText::new(message, remedy).about(owned(names, &lost))
     });
 }
 
@@ -93,7 +93,7 @@ fn confounded(exam: &mut Examination<'_>, columns: &Matrix, names: &[&str]) {
         let message =
             format!("the motion hardly separates {} parameters from others: {}", worst.len(), list.join(", "));
         let remedy = "move the joints concerned in other configurations and speeds, or exclude these parameters";
-        Words::new(message, remedy).about(owned(names, &worst))
+        FindingText::new(message, remedy).about(owned(names, &worst))
     });
 }
 

@@ -4,7 +4,7 @@
 //! velocity, and not proportional at high velocity. To the regression all of these look like a lag of the torque. Where
 //! the columns here are free beside the parameters, what is left of a lag is one of inertia and gravity.
 
-use super::{numbers::span, thinned_record::ThinnedRecord};
+use super::{numbers::span, thinned_recording::ThinnedRecording};
 use thetahat_ground::{linear_algebra::Matrix, series::Series};
 
 /// Travels over which friction turns around, part of the joint's span.
@@ -19,43 +19,45 @@ const REACH: f64 = 1.5;
 
 /// The columns of all joints that move, filtered as the rows are; a row for each of the record's. None where the record has too few
 /// rows for them beside the parameters.
-pub(super) fn friction_shapes(record: &ThinnedRecord<'_>) -> Option<Matrix> {
-    let rows = record.rows();
+pub(super) fn friction_shapes(recording: &ThinnedRecording<'_>) -> Option<Matrix> {
+    let rows = recording.rows();
     let mut columns: Vec<Vec<f64>> = Vec::new();
-    for (motion, acts_on) in rubbing(record) {
-        let filtered = record.decimator.filter(&Series::from_channels(&shapes(&motion))).ok()?;
-        for shape in record.stack(&filtered).chunks(rows) {
+    for (motion, acts_on) in friction_sources(recording) {
+        let filtered = recording.decimator.filter(&Series::from_channels(&shapes(&motion))).ok()?;
+        for shape in recording.stack(&filtered).chunks(rows) {
             let torques = acts_on.iter().flat_map(|n| shape.iter().map(move |s| n * s));
             columns.push(torques.collect());
         }
     }
-    let all = Matrix::from_fn(rows * record.coordinates(), columns.len(), |i, c| columns[c][i]);
-    record.has_rows_for(record.parameters() + all.columns()).then_some(all)
+    let all = Matrix::from_fn(rows * recording.coordinates(), columns.len(), |i, c| columns[c][i]);
+    recording.has_rows_for(recording.parameters() + all.columns()).then_some(all)
 }
 
 /// The rows in which a joint, or a motor that it shares, turns around or hardly moves: no law says what friction is there.
-pub(super) fn rows_of_reversals(record: &ThinnedRecord<'_>) -> Vec<bool> {
-    let reach = (REACH * record.steps_per_row() as f64).ceil() as usize;
-    let slow = slow_samples(record);
+pub(super) fn rows_of_reversals(recording: &ThinnedRecording<'_>) -> Vec<bool> {
+    let reach = (REACH * recording.steps_per_row() as f64).ceil() as usize;
+    let slow = slow_samples(recording);
     let near = |j: usize, k: usize| {
         let last = slow[j].len() - 1;
         slow[j][k.saturating_sub(reach)..=(k + reach).min(last)].iter().any(|s| *s)
     };
-    (0..record.coordinates()).flat_map(|j| record.kept.iter().map(move |&k| near(j, k)).collect::<Vec<_>>()).collect()
+    (0..recording.coordinates())
+        .flat_map(|j| recording.kept.iter().map(move |&k| near(j, k)).collect::<Vec<_>>())
+        .collect()
 }
 
 /// The samples at which each joint, or a motor that acts on it, is slow.
-fn slow_samples(record: &ThinnedRecord<'_>) -> Vec<Vec<bool>> {
+fn slow_samples(recording: &ThinnedRecording<'_>) -> Vec<Vec<bool>> {
     let slow = |(travel, acts_on): (Travel, Vec<f64>)| {
         let fastest = travel.dq.iter().fold(0.0_f64, |f, v| f.max(v.abs()));
         (travel.dq.iter().map(|v| v.abs() < SLOW * fastest).collect::<Vec<bool>>(), acts_on)
     };
-    let all: Vec<(Vec<bool>, Vec<f64>)> = rubbing(record).into_iter().map(slow).collect();
+    let all: Vec<(Vec<bool>, Vec<f64>)> = friction_sources(recording).into_iter().map(slow).collect();
     let of_joint = |j: usize| {
         let own: Vec<&Vec<bool>> = all.iter().filter(|(_, acts_on)| acts_on[j] != 0.0).map(|(slow, _)| slow).collect();
-        (0..record.motion.dq.len()).map(|k| own.iter().any(|slow| slow[k])).collect()
+        (0..recording.motion.dq.len()).map(|k| own.iter().any(|slow| slow[k])).collect()
     };
-    (0..record.coordinates()).map(of_joint).collect()
+    (0..recording.coordinates()).map(of_joint).collect()
 }
 
 /// Positions and velocities of a joint or motor.
@@ -65,18 +67,18 @@ struct Travel {
 }
 
 /// What rubs: joints, and the motors that several joints share, with the torque on each joint per torque of friction.
-fn rubbing(record: &ThinnedRecord<'_>) -> Vec<(Travel, Vec<f64>)> {
-    let motors = record.subject.robot.transmission.motor_in_joint_units();
-    let n = record.coordinates();
+fn friction_sources(recording: &ThinnedRecording<'_>) -> Vec<(Travel, Vec<f64>)> {
+    let motors = recording.subject.robot.transmission.motor_in_joint_units();
+    let n = recording.coordinates();
     let of_joint = |j: usize| (0..n).map(|i| if i == j { 1.0 } else { 0.0 }).collect::<Vec<f64>>();
     let of_motor = |m: usize| (0..n).map(|j| motors.at(m, j)).collect::<Vec<f64>>();
     let coupled = (0..n).map(of_motor).filter(|row| row.iter().filter(|entry| **entry != 0.0).count() > 1);
-    (0..n).map(of_joint).chain(coupled).map(|row| (along(record, &row), row)).collect()
+    (0..n).map(of_joint).chain(coupled).map(|row| (along(recording, &row), row)).collect()
 }
 
 /// The travel of a motor with the joints.
-fn along(record: &ThinnedRecord<'_>, row: &[f64]) -> Travel {
-    let [q, dq] = [&record.motion.q, &record.motion.dq]
+fn along(recording: &ThinnedRecording<'_>, row: &[f64]) -> Travel {
+    let [q, dq] = [&recording.motion.q, &recording.motion.dq]
         .map(|series| (0..series.len()).map(|k| row.iter().zip(series.sample(k)).map(|(n, v)| n * v).sum()).collect());
     Travel { q, dq }
 }

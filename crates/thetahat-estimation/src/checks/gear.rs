@@ -6,11 +6,11 @@
 
 use super::{
     affine::Affine,
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::block_score,
     orthogonal_fit::OrthogonalFit,
-    thinned_record::{ThinnedRecord, motion_at},
+    thinned_recording::{ThinnedRecording, motion_at},
 };
 use thetahat_ground::linear_algebra::dot;
 
@@ -62,24 +62,24 @@ struct GearRatioFit {
     effect: f64,
 }
 
-pub(super) fn check(exam: &mut Examination<'_>, record: &mut ThinnedRecord<'_>) {
-    let geared: Vec<usize> = (0..record.coordinates()).filter(|&j| ratio(record, j).abs() != 1.0).collect();
-    if record.coordinates() == 1 || !exam.subject.geared {
+pub(super) fn check(exam: &mut Examination<'_>, recording: &mut ThinnedRecording<'_>) {
+    let geared: Vec<usize> = (0..recording.coordinates()).filter(|&j| ratio(recording, j).abs() != 1.0).collect();
+    if recording.coordinates() == 1 || !exam.subject.geared {
         return;
     }
     for round in 0..MOST_FAULTS {
-        let Ok(fit) = record.fit() else { return };
+        let Ok(fit) = recording.fit() else { return };
         let theta = fit.theta();
         let found: Vec<GearRatioFit> =
-            geared.iter().filter_map(|&j| best_of_coordinate(record, &fit, &theta, j)).collect();
+            geared.iter().filter_map(|&j| best_of_coordinate(recording, &fit, &theta, j)).collect();
         if round == 0 {
             note_measures(exam, &geared, &found);
         }
         let best = found.into_iter().min_by(|a, b| a.squares.total_cmp(&b.squares));
         let Some(best) = best.filter(|b| b.effect > EFFECT_LIMIT_PERCENT) else { return };
-        raise(exam, record, &best, best.squares / fit.squares);
-        let Some(correction) = best.scale.correction(record, best.factor) else { return };
-        record.correct(&correction);
+        raise(exam, recording, &best, best.squares / fit.squares);
+        let Some(correction) = best.scale.correction(recording, best.factor) else { return };
+        recording.correct(&correction);
     }
 }
 
@@ -92,7 +92,7 @@ fn note_measures(exam: &mut Examination<'_>, geared: &[usize], found: &[GearRati
 
 /// The scale of a coordinate or its motor that explains most, of those that are certain and large enough to matter.
 fn best_of_coordinate(
-    record: &ThinnedRecord<'_>,
+    recording: &ThinnedRecording<'_>,
     fit: &OrthogonalFit,
     theta: &[f64],
     coordinate: usize,
@@ -100,16 +100,16 @@ fn best_of_coordinate(
     let kinds = [Kind::Ratio, Kind::Position, Kind::Torque].into_iter();
     let found = kinds.filter_map(|kind| {
         let scale = Scale { coordinate, kind };
-        let estimate = estimate(record, fit, theta, scale).filter(Estimate::is_certain)?;
-        let (factor, squares) = refined(record, scale, 1.0 + estimate.change);
+        let estimate = estimate(recording, fit, theta, scale).filter(Estimate::is_certain)?;
+        let (factor, squares) = refined(recording, scale, 1.0 + estimate.change);
         let effect = 100.0 * ((fit.squares - squares).max(0.0) / fit.y.len() as f64).sqrt();
         ((factor - 1.0).abs() > SMALLEST).then_some(GearRatioFit { scale, factor, squares, effect })
     });
     found.min_by(|a, b| a.squares.total_cmp(&b.squares))
 }
 
-fn ratio(record: &ThinnedRecord<'_>, j: usize) -> f64 {
-    record.subject.robot.transmission.matrix().at(j, j)
+fn ratio(recording: &ThinnedRecording<'_>, j: usize) -> f64 {
+    recording.subject.robot.transmission.matrix().at(j, j)
 }
 
 fn evidence(coordinate: usize, value: f64) -> Evidence {
@@ -117,18 +117,18 @@ fn evidence(coordinate: usize, value: f64) -> Evidence {
     Evidence { code: Code::GearRatio, coordinate: Some(coordinate), value, unit, limit }
 }
 
-fn raise(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>, found: &GearRatioFit, left: f64) {
+fn raise(exam: &mut Examination<'_>, recording: &ThinnedRecording<'_>, found: &GearRatioFit, left: f64) {
     let GearRatioFit { scale: Scale { coordinate, kind }, factor, .. } = *found;
     let (motor, joint) = (coordinate + 1, exam.subject.joint_number(coordinate));
     let what = match kind {
         Kind::Ratio => {
-            let ratio = ratio(record, coordinate);
+            let ratio = ratio(recording, coordinate);
             format!("the gear ratio of motor {motor} is {:.4}, not {ratio:.4}", factor * ratio)
         }
         Kind::Position => format!("the position of joint {joint} is {factor:.4} times what was recorded"),
         Kind::Torque => format!("the torque of joint {joint} is {factor:.4} times what was recorded"),
     };
-    let words = Words::new(
+    let words = FindingText::new(
         format!("the squared residual is {:.0} % smaller if {what}", 100.0 * (1.0 - left)),
         "check the motor's row of [transmission] matrix, its drive gain, and the gains of the channels",
     );
@@ -138,10 +138,10 @@ fn raise(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>, found: &GearRat
 }
 
 impl Scale {
-    fn correction(self, record: &ThinnedRecord<'_>, factor: f64) -> Option<Affine> {
-        let robot = record.subject.robot;
+    fn correction(self, recording: &ThinnedRecording<'_>, factor: f64) -> Option<Affine> {
+        let robot = recording.subject.robot;
         let factors: Vec<f64> =
-            (0..record.coordinates()).map(|j| if j == self.coordinate { factor } else { 1.0 }).collect();
+            (0..recording.coordinates()).map(|j| if j == self.coordinate { factor } else { 1.0 }).collect();
         match self.kind {
             Kind::Ratio => Affine::geared(robot, &factors),
             Kind::Position => Some(Affine::scaled_positions(&factors, robot.transmission.offset())),
@@ -157,8 +157,8 @@ impl Estimate {
 }
 
 /// One step of Gauss-Newton for a scale; none where the parameters make up for every change of it.
-fn estimate(record: &ThinnedRecord<'_>, fit: &OrthogonalFit, theta: &[f64], scale: Scale) -> Option<Estimate> {
-    let direction = fit.unexplained(&direction(record, theta, scale)?);
+fn estimate(recording: &ThinnedRecording<'_>, fit: &OrthogonalFit, theta: &[f64], scale: Scale) -> Option<Estimate> {
+    let direction = fit.unexplained(&direction(recording, theta, scale)?);
     let information = dot(&direction, &direction);
     if information <= f64::EPSILON * dot(&fit.y, &fit.y) {
         return None;
@@ -166,19 +166,19 @@ fn estimate(record: &ThinnedRecord<'_>, fit: &OrthogonalFit, theta: &[f64], scal
     let change = -dot(&direction, &fit.residual) / information;
     let deviation = (fit.variance() / information).sqrt();
     let rest: Vec<f64> = fit.residual.iter().zip(&direction).map(|(r, d)| r + change * d).collect();
-    let in_blocks = block_score(&direction, &rest, record.rows()) / information;
+    let in_blocks = block_score(&direction, &rest, recording.rows()) / information;
     Some(Estimate { change, sure: change / deviation, sure_in_blocks: change / in_blocks })
 }
 
 /// The derivative of `tau' - X' theta` by the scale, with the predicted torque in the place of the measured one.
-fn direction(record: &ThinnedRecord<'_>, theta: &[f64], scale: Scale) -> Option<Vec<f64>> {
-    let motion = motion_at(&record.motion, &record.kept);
-    let torque = record.predict(&motion, theta);
+fn direction(recording: &ThinnedRecording<'_>, theta: &[f64], scale: Scale) -> Option<Vec<f64>> {
+    let motion = motion_at(&recording.motion, &recording.kept);
+    let torque = recording.predict(&motion, theta);
     let error = |factor: f64| {
-        let correction = scale.correction(record, factor)?;
-        let predicted = record.predict(&correction.motion(&motion), theta);
+        let correction = scale.correction(recording, factor)?;
+        let predicted = recording.predict(&correction.motion(&motion), theta);
         let torque = correction.torque(&torque);
-        let rows = (0..record.coordinates()).flat_map(|j| torque.channel(j).into_iter().zip(predicted.channel(j)));
+        let rows = (0..recording.coordinates()).flat_map(|j| torque.channel(j).into_iter().zip(predicted.channel(j)));
         Some(rows.map(|(t, p)| t - p).collect::<Vec<f64>>())
     };
     let (more, less) = (error(1.0 + STEP)?, error(1.0 - STEP)?);
@@ -186,15 +186,15 @@ fn direction(record: &ThinnedRecord<'_>, theta: &[f64], scale: Scale) -> Option<
 }
 
 /// The scale by further steps of Gauss-Newton, and the squared residual that it leaves.
-fn refined(record: &ThinnedRecord<'_>, scale: Scale, first: f64) -> (f64, f64) {
+fn refined(recording: &ThinnedRecording<'_>, scale: Scale, first: f64) -> (f64, f64) {
     let mut best = (1.0, f64::INFINITY);
     let mut factor = first;
     for _ in 0..ITERATIONS {
         if !RANGE.contains(&factor) {
             break;
         }
-        let Some(correction) = scale.correction(record, factor) else { break };
-        let corrected = record.corrected(&correction);
+        let Some(correction) = scale.correction(recording, factor) else { break };
+        let corrected = recording.corrected(&correction);
         let Ok(fit) = corrected.fit() else { break };
         if fit.squares < best.1 {
             best = (factor, fit.squares);

@@ -5,11 +5,11 @@
 //! much, gravity is sought among the axes, and then by Gauss-Newton on its two angles. Masses of the description are not needed.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     fault,
     finding::{Code, Severity},
     orthogonal_fit::OrthogonalFit,
-    thinned_record::ThinnedRecord,
+    thinned_recording::ThinnedRecording,
 };
 use crate::regression::Regression;
 use thetahat_ground::{
@@ -43,9 +43,9 @@ const LARGEST_STEP: f64 = 0.7;
 const AXES: [Vec3; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// Whether no number is right because of it. Another fault of the record is the better explanation where it makes the squared residual smaller.
-pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) -> bool {
+pub(super) fn check(exam: &mut Examination<'_>, recording: &ThinnedRecording<'_>) -> bool {
     let stated = exam.subject.robot.gravity;
-    let Some((ratio, found)) = better(record, stated) else { return false };
+    let Some((ratio, found)) = better(recording, stated) else { return false };
     let evidence = Evidence {
         code: Code::GravityDirection,
         coordinate: None,
@@ -54,7 +54,7 @@ pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) -> b
         limit: LIMIT,
     };
     let angle = angle_deg(stated, found);
-    if angle < LEAST_DEG || ratio <= LIMIT || fault::largest_gain(record) > ratio {
+    if angle < LEAST_DEG || ratio <= LIMIT || fault::largest_gain(recording) > ratio {
         exam.note_measure(evidence);
         return false;
     }
@@ -63,7 +63,7 @@ pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) -> b
     severity == Severity::Problem
 }
 
-fn words(ratio: f64, found: Vec3, angle: f64) -> Words {
+fn words(ratio: f64, found: Vec3, angle: f64) -> FindingText {
     let gravity = found.map(|component| fixed(component, 2)).join(", ");
     let message = format!(
         "the torques fit {} times better if gravity is [{gravity}] m/s^2 in the base frame, {angle:.0} degrees from the stated one: \
@@ -74,7 +74,7 @@ fn words(ratio: f64, found: Vec3, angle: f64) -> Words {
         "look at how the base is mounted; if so, give gravity = [{gravity}] in the robot's TOML (for a URDF: a TOML with urdf = \
          \"...\" and that line), else look at the zeros of the first joints, and whether the description is of this robot"
     );
-    Words::new(message, remedy)
+    FindingText::new(message, remedy)
 }
 
 fn angle_deg(a: Vec3, b: Vec3) -> f64 {
@@ -83,22 +83,22 @@ fn angle_deg(a: Vec3, b: Vec3) -> f64 {
 
 /// How many times smaller the squared residual is with another gravity of the same length, and that gravity; the stated one where no other explains
 /// the torques, none without gravity or links.
-fn better(record: &ThinnedRecord<'_>, stated: Vec3) -> Option<(f64, Vec3)> {
+fn better(recording: &ThinnedRecording<'_>, stated: Vec3) -> Option<(f64, Vec3)> {
     let length = norm(stated);
     if length == 0.0 {
         return None;
     }
-    let of_stated = Weighed::new(record, stated)?;
-    let reach = of_stated.squares() / of_stated.fit_beside(record, &AXES)?.squares;
+    let of_stated = GravityFit::new(recording, stated)?;
+    let reach = of_stated.squares() / of_stated.fit_beside(recording, &AXES)?.squares;
     if reach < LIMIT {
         return Some((reach, stated));
     }
     let along = |axis: &Vec3| [length, -length].map(|l| scale(l, *axis));
     let others = AXES.iter().flat_map(along).filter(|g| angle_deg(*g, stated) > LEAST_DEG);
-    let all = others.filter_map(|gravity| Weighed::new(record, gravity));
+    let all = others.filter_map(|gravity| GravityFit::new(recording, gravity));
     let squares = of_stated.squares();
     let best = all.fold(of_stated, |best, other| if other.squares() < best.squares() { other } else { best });
-    let best = refined(record, best);
+    let best = refined(recording, best);
     if best.fit.relative_error() > POOR {
         return Some((1.0, stated));
     }
@@ -106,10 +106,10 @@ fn better(record: &ThinnedRecord<'_>, stated: Vec3) -> Option<(f64, Vec3)> {
 }
 
 /// The best direction near a start.
-fn refined(record: &ThinnedRecord<'_>, start: Weighed) -> Weighed {
+fn refined(recording: &ThinnedRecording<'_>, start: GravityFit) -> GravityFit {
     let mut best = start;
     for _ in 0..STEPS {
-        let Some(next) = best.next(record).filter(|next| next.squares() < (1.0 - PROGRESS) * best.squares()) else {
+        let Some(next) = best.next(recording).filter(|next| next.squares() < (1.0 - PROGRESS) * best.squares()) else {
             break;
         };
         best = next;
@@ -118,18 +118,18 @@ fn refined(record: &ThinnedRecord<'_>, start: Weighed) -> Weighed {
 }
 
 /// The robot's parameters fitted under some gravity.
-struct Weighed {
+struct GravityFit {
     gravity: Vec3,
     columns: Vec<usize>,
     regression: Regression,
     fit: OrthogonalFit,
 }
 
-impl Weighed {
-    fn new(record: &ThinnedRecord<'_>, gravity: Vec3) -> Option<Self> {
-        let model = Model::new(&Robot { gravity, ..record.subject.robot.clone() });
-        let columns = columns(record);
-        let regression = record.regression_of(&model, &columns).ok()?;
+impl GravityFit {
+    fn new(recording: &ThinnedRecording<'_>, gravity: Vec3) -> Option<Self> {
+        let model = Model::new(&Robot { gravity, ..recording.subject.robot.clone() });
+        let columns = columns(recording);
+        let regression = recording.regression_of(&model, &columns).ok()?;
         let fit = OrthogonalFit::new(&regression);
         Some(Self { gravity, columns, regression, fit })
     }
@@ -139,43 +139,43 @@ impl Weighed {
     }
 
     /// With the torques of the fitted links in unit gravity along directions as further columns.
-    fn fit_beside(&self, record: &ThinnedRecord<'_>, directions: &[Vec3]) -> Option<OrthogonalFit> {
+    fn fit_beside(&self, recording: &ThinnedRecording<'_>, directions: &[Vec3]) -> Option<OrthogonalFit> {
         let theta = self.fit.theta();
         let torques: Vec<Vec<f64>> =
-            directions.iter().map(|d| self.torque_along(record, *d, &theta)).collect::<Option<_>>()?;
+            directions.iter().map(|d| self.torque_along(recording, *d, &theta)).collect::<Option<_>>()?;
         let further = Matrix::from_fn(self.regression.x.rows(), directions.len(), |i, c| torques[c][i]);
         let beside = Matrix::beside(&[&self.regression.x, &further]);
         Some(OrthogonalFit::new(&self.regression.clone().with_matrix(beside)))
     }
 
     /// Rows of the torque of the fitted links at rest in unit gravity.
-    fn torque_along(&self, record: &ThinnedRecord<'_>, direction: Vec3, theta: &[f64]) -> Option<Vec<f64>> {
-        let model = Model::new(&Robot { gravity: direction, ..record.subject.robot.clone() });
+    fn torque_along(&self, recording: &ThinnedRecording<'_>, direction: Vec3, theta: &[f64]) -> Option<Vec<f64>> {
+        let model = Model::new(&Robot { gravity: direction, ..recording.subject.robot.clone() });
         let links = |(column, value): (&usize, &f64)| is_link(&model, *column).then_some((*column, *value));
         let (columns, values): (Vec<usize>, Vec<f64>) = self.columns.iter().zip(theta).filter_map(links).unzip();
-        let q = &record.motion.q;
+        let q = &recording.motion.q;
         let rest = Series::zeros(q.len(), q.channels());
         let torque = Regressor::new(&model, &columns).torques(&model, [q, &rest, &rest], Sign::Exact, &values);
-        Some(record.stack(&record.decimator.filter(&torque).ok()?))
+        Some(recording.stack(&recording.decimator.filter(&torque).ok()?))
     }
 
     /// One step of Gauss-Newton on the two angles.
-    fn next(&self, record: &ThinnedRecord<'_>) -> Option<Self> {
+    fn next(&self, recording: &ThinnedRecording<'_>) -> Option<Self> {
         let length = norm(self.gravity);
         let across = across(self.gravity);
-        let theta = self.fit_beside(record, &across)?.theta();
+        let theta = self.fit_beside(recording, &across)?.theta();
         let change =
             theta[self.columns.len()..].iter().zip(across).fold([0.0; 3], |sum, (c, d)| add(sum, scale(*c, d)));
         let shorter = (LARGEST_STEP * length / norm(change).max(f64::MIN_POSITIVE)).min(1.0);
         let moved = add(self.gravity, scale(shorter, change));
-        Self::new(record, scale(length / norm(moved), moved))
+        Self::new(recording, scale(length / norm(moved), moved))
     }
 }
 
 /// The columns of the fit, and all of the links: another gravity makes others of them independent.
-fn columns(record: &ThinnedRecord<'_>) -> Vec<usize> {
-    let model = record.subject.model;
-    let of_fit = record.subject.all.columns();
+fn columns(recording: &ThinnedRecording<'_>) -> Vec<usize> {
+    let model = recording.subject.model;
+    let of_fit = recording.subject.all.columns();
     (0..model.parameter_table().len()).filter(|i| is_link(model, *i) || of_fit.contains(i)).collect()
 }
 

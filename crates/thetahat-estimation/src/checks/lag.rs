@@ -9,13 +9,13 @@
 //! each have a lag of their own are an error of the model.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     friction_shapes::rows_of_reversals,
-    lag_search::{LONGEST_S, Lags, Search, shifted},
+    lag_search::{LONGEST_S, LagSearch, Lags, shifted},
     orthogonal_fit::OrthogonalFit,
     subject::Subject,
-    thinned_record::ThinnedRecord,
+    thinned_recording::ThinnedRecording,
 };
 use thetahat_ground::linear_algebra::Matrix;
 
@@ -54,44 +54,44 @@ const STANDS_OUT: f64 = 2.0;
 const INSIDE: f64 = 0.95;
 
 /// Corrects the record by the lags that are found beside the shapes of friction.
-pub(super) fn check(exam: &mut Examination<'_>, record: &mut ThinnedRecord<'_>, shapes: &Matrix) {
-    let Some(delays) = measured(record, shapes) else { return };
+pub(super) fn check(exam: &mut Examination<'_>, recording: &mut ThinnedRecording<'_>, shapes: &Matrix) {
+    let Some(delays) = measured(recording, shapes) else { return };
     if delays.is_empty() {
         exam.note_measure(evidence(None, 0.0));
     }
-    let mut correction = vec![0.0; record.coordinates()];
+    let mut correction = vec![0.0; recording.coordinates()];
     for delay in &delays {
         if delay.raise(exam) {
             delay.joints.iter().for_each(|&j| correction[j] = delay.steps);
         }
     }
     if correction.iter().any(|s| *s != 0.0) {
-        record.replace_torque(shifted(&record.torque, &correction));
+        recording.replace_torque(shifted(&recording.torque, &correction));
     }
 }
 
 /// The delay of all joints, or those of the joints that are late; none where the record does not tell.
-fn measured(record: &ThinnedRecord<'_>, shapes: &Matrix) -> Option<Vec<Delay>> {
-    let parameters = record.fit().ok()?;
-    let beside = record.fit_beside(shapes, &rows_of_reversals(record)).ok()?;
+fn measured(recording: &ThinnedRecording<'_>, shapes: &Matrix) -> Option<Vec<Delay>> {
+    let parameters = recording.fit().ok()?;
+    let beside = recording.fit_beside(shapes, &rows_of_reversals(recording)).ok()?;
     if 100.0 * beside.relative_error() > POOR_PERCENT {
         return None;
     }
-    let search = Search { record, parameters: &parameters, beside: &beside };
+    let search = LagSearch { recording, parameters: &parameters, beside: &beside };
     let (each, all) = (search.of_each()?, search.of_all()?);
     let is_certain = |lags: &Lags, j: usize| {
         let size = lags.steps[j].abs();
-        size > SURE * lags.deviation[j] && size < INSIDE * LONGEST_S * record.rate_hz
+        size > SURE * lags.deviation[j] && size < INSIDE * LONGEST_S * recording.rate_hz
     };
-    let joints = 0..record.coordinates();
-    let friction = record.friction_share(&parameters.theta());
+    let joints = 0..recording.coordinates();
+    let friction = recording.friction_share(&parameters.theta());
     let common = Delay::new(&search, joints.clone().collect(), &all);
     let is_one = |j: usize| same(each.steps[j], each.deviation[j], all.steps[0]);
     let is_half = |j: usize| {
         let from_half = (each.steps[j] * common.samples_per_step - HELD).abs();
         from_half < (SAME_DEVIATIONS * each.deviation[j] * common.samples_per_step).max(JOINT_HELD_WITHIN)
     };
-    let may_hold = common.is_held(record.subject) && agree(&each, &friction, is_half);
+    let may_hold = common.is_held(recording.subject) && agree(&each, &friction, is_half);
     if is_certain(&all, 0) && (may_hold || agree(&each, &friction, is_one)) {
         return Some(vec![common]);
     }
@@ -157,18 +157,18 @@ struct Delay {
 }
 
 impl Delay {
-    fn new(search: &Search<'_, '_>, joints: Vec<usize>, lags: &Lags) -> Self {
-        let record = search.record;
+    fn new(search: &LagSearch<'_, '_>, joints: Vec<usize>, lags: &Lags) -> Self {
+        let recording = search.recording;
         let steps = lags.steps[joints[0]];
         let late = |j: usize| if joints.contains(&j) { steps } else { 0.0 };
-        let correction: Vec<f64> = (0..record.coordinates()).map(late).collect();
-        let corrected = record.stack(&shifted(&record.torque, &correction));
+        let correction: Vec<f64> = (0..recording.coordinates()).map(late).collect();
+        let corrected = recording.stack(&shifted(&recording.torque, &correction));
         let squares = |rest: &[f64]| -> f64 {
             let each = search.joint_squares(rest);
             joints.iter().map(|&j| each[j]).sum()
         };
-        let rows = (joints.len() * record.rows()) as f64;
-        let of_all = joints.len() == record.coordinates();
+        let rows = (joints.len() * recording.rows()) as f64;
+        let of_all = joints.len() == recording.coordinates();
         let evidence = |fit: &OrthogonalFit| {
             let (was, is) = (squares(&fit.residual), squares(&fit.unexplained(&corrected)));
             Explained { residual: 100.0 * (1.0 - is / was), torque: 100.0 * ((was - is).max(0.0) / rows).sqrt() }
@@ -181,8 +181,8 @@ impl Delay {
             deviation: lags.deviation[joints[0]],
             explained,
             of_all,
-            samples_per_step: record.subject.sample_rate_hz / record.rate_hz,
-            rate: record.subject.sample_rate_hz,
+            samples_per_step: recording.subject.sample_rate_hz / recording.rate_hz,
+            rate: recording.subject.sample_rate_hz,
             joints,
         }
     }
@@ -213,7 +213,7 @@ impl Delay {
         self.of_all && subject.held_part_of_step == 0.0 && MEASURED_HELD.contains(&self.samples())
     }
 
-    fn words(&self, joint_number: Option<usize>, subject: &Subject<'_>) -> Words {
+    fn words(&self, joint_number: Option<usize>, subject: &Subject<'_>) -> FindingText {
         let ms = |steps: f64| 1e3 * self.samples_per_step * steps / self.rate;
         let (size, order) = (self.samples().abs(), if self.steps > 0.0 { "later" } else { "earlier" });
         let whose = joint_number
@@ -236,6 +236,6 @@ impl Delay {
             let delay_s = self.samples() / self.rate;
             format!("say how late the torque is: delay_s = {delay_s:.5} beside its columns{also}")
         };
-        Words::new(message, remedy)
+        FindingText::new(message, remedy)
     }
 }

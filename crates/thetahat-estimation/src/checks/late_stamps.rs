@@ -22,7 +22,7 @@ const AROUND: usize = 8;
 
 /// Whose instants the stamps are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Stamped {
+pub(super) enum StampMeaning {
     /// Those of the samples.
     Sampling,
     /// Those of the arrival of samples that were taken at equal steps.
@@ -32,14 +32,14 @@ pub(super) enum Stamped {
 }
 
 /// Whose instants the stamps are, by the positions at equal steps in the window.
-pub(super) fn stamped(subject: &Subject<'_>, time: &[f64]) -> Stamped {
+pub(super) fn stamp_meaning(subject: &Subject<'_>, time: &[f64]) -> StampMeaning {
     let window = subject.signal.window.clone();
     let late = &lateness(time, subject.position.len())[window.clone()];
     let rows = rows(subject.left_out, window.len());
     let position = subject.position.window(window);
     let mut sums = Sums::default();
     (0..position.channels()).for_each(|j| sums.add(&position.channel(j), late, &rows));
-    sums.stamped()
+    sums.stamp_meaning()
 }
 
 /// How much later than equal steps the stamps around each of them are, in steps.
@@ -105,16 +105,16 @@ impl Sums {
         }
     }
 
-    fn stamped(&self) -> Stamped {
+    fn stamp_meaning(&self) -> StampMeaning {
         let square: f64 = self.square.iter().sum();
         let factor = -self.cross.iter().sum::<f64>() / square;
         let scores = self.cross.iter().zip(&self.square).map(|(cross, square)| cross + factor * square);
         let deviation = scores.map(|s| s * s).sum::<f64>().sqrt() / square;
         let is_sure = deviation < UNSURE;
         match (is_sure && factor.abs() < CLEAR, is_sure && (factor - 1.0).abs() < CLEAR) {
-            (true, _) => Stamped::Sampling,
-            (_, true) => Stamped::Arrival,
-            (false, false) => Stamped::Unknown,
+            (true, _) => StampMeaning::Sampling,
+            (_, true) => StampMeaning::Arrival,
+            (false, false) => StampMeaning::Unknown,
         }
     }
 }
@@ -134,7 +134,7 @@ mod tests {
     }
 
     /// The verdict on samples that were taken at some instants, in steps, and stamped 0.15 steps of noise beside equal steps.
-    fn of(taken: impl Fn(usize) -> f64, position_noise: f64) -> Stamped {
+    fn of(taken: impl Fn(usize) -> f64, position_noise: f64) -> StampMeaning {
         let stamps: Vec<f64> = (0..SAMPLES).map(|k| k as f64 + 0.15 * noise(k)).collect();
         let clock =
             thetahat_data::recording::Clock::from_stamps(stamps.clone(), 0.5, std::path::Path::new("q.csv"), "t")
@@ -143,18 +143,18 @@ mod tests {
         let position = clock.to_equal_steps(thetahat_ground::series::Series::from_values(1, recorded)).channel(0);
         let mut sums = Sums::default();
         sums.add(&position, &lateness(&stamps, position.len()), &rows(&[], position.len()));
-        sums.stamped()
+        sums.stamp_meaning()
     }
 
     #[test]
     fn the_positions_tell_whose_instants_the_stamps_are() {
         let jittered = |k: usize| k as f64 + 0.15 * noise(k);
         for position_noise in [0.0, 1e-5, 1e-3] {
-            assert_eq!(of(jittered, position_noise), Stamped::Sampling, "{position_noise}");
-            assert_eq!(of(|k| k as f64, position_noise), Stamped::Arrival, "{position_noise}");
+            assert_eq!(of(jittered, position_noise), StampMeaning::Sampling, "{position_noise}");
+            assert_eq!(of(|k| k as f64, position_noise), StampMeaning::Arrival, "{position_noise}");
         }
         let half = |k: usize| k as f64 + 0.075 * noise(k);
-        assert_eq!(of(half, 1e-5), Stamped::Unknown);
-        assert_eq!(of(jittered, 0.1), Stamped::Unknown);
+        assert_eq!(of(half, 1e-5), StampMeaning::Unknown);
+        assert_eq!(of(jittered, 0.1), StampMeaning::Unknown);
     }
 }

@@ -1,7 +1,7 @@
 //! Torques that hold few values: coarse steps that are no equal ones, or one value for most of the time.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::span,
     signals::Signals,
@@ -51,7 +51,7 @@ fn idle(exam: &mut Examination<'_>, j: usize, moving: &[f64]) -> bool {
             format!("joint {number}: the drive's signal is {at} for {value:.0} % of the time at which the joint moves");
         let remedy = "record the torque at every sample: the driver fills gaps with this value, or a dead band or the \
                       resolution hides the torque";
-        Words::new(message, remedy).about(parameters)
+        FindingText::new(message, remedy).about(parameters)
     })
 }
 
@@ -71,7 +71,7 @@ fn few_values(exam: &mut Examination<'_>, j: usize, drive: &[f64]) {
     let number = exam.subject.joint_number(j);
     exam.judge(evidence, Severity::Warning, || {
         let message = format!("joint {number}: the torque takes only {values} values in {} samples", drive.len());
-        Words::new(message, "record more digits, or a finer current range")
+        FindingText::new(message, "record more digits, or a finer current range")
     });
 }
 

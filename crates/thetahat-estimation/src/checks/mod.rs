@@ -54,7 +54,7 @@ mod signals;
 mod spikes;
 mod stamps;
 mod subject;
-mod thinned_record;
+mod thinned_recording;
 mod torque;
 mod unexplained;
 mod velocity;
@@ -71,7 +71,7 @@ pub use subject::{SignalSettings, Subject};
 
 use examination::Examination;
 use signals::Signals;
-use thinned_record::ThinnedRecord;
+use thinned_recording::ThinnedRecording;
 
 /// What the checks find in a recording: most severe first, then by code and joint.
 ///
@@ -100,8 +100,8 @@ fn examination<'a>(subject: &'a Subject<'a>) -> Examination<'a> {
     check_samples(&mut exam);
     if let Ok(signals) = Signals::new(subject, subject.signal.cutoff_hz) {
         check_motion(&mut exam, &signals);
-        if let Some(mut record) = ThinnedRecord::new(subject, subject.signal.cutoff_hz) {
-            check_fit(&mut exam, &signals, &mut record);
+        if let Some(mut recording) = ThinnedRecording::new(subject, subject.signal.cutoff_hz) {
+            check_fit(&mut exam, &signals, &mut recording);
         }
     }
     exam
@@ -131,40 +131,40 @@ fn check_motion(exam: &mut Examination<'_>, signals: &Signals) {
 }
 
 /// The fit. What a defect that was found makes meaningless is left out.
-fn check_fit(exam: &mut Examination<'_>, signals: &Signals, record: &mut ThinnedRecord<'_>) {
+fn check_fit(exam: &mut Examination<'_>, signals: &Signals, recording: &mut ThinnedRecording<'_>) {
     let blind = exam.has(&[Code::TorqueConstant, Code::JointStill, Code::JointDither])
-        || !record.has_rows_for(record.parameters());
+        || !recording.has_rows_for(recording.parameters());
     if blind {
-        return excitation::check(exam, &record.of_estimated());
+        return excitation::check(exam, &recording.with_estimated_parameters());
     }
-    if record.is_long_enough() && gravity::check(exam, record) {
-        return excitation::check(exam, &record.of_estimated());
+    if recording.is_long_enough() && gravity::check(exam, recording) {
+        return excitation::check(exam, &recording.with_estimated_parameters());
     }
-    fault::check(exam, record);
+    fault::check(exam, recording);
     if !exam.has(&[Code::PositionScale]) {
         position_range::check(exam, signals);
     }
-    friction::check(exam, record);
-    let shapes = friction_shapes::friction_shapes(record);
-    if record.is_long_enough() {
-        unexplained::check(exam, record);
+    friction::check(exam, recording);
+    let shapes = friction_shapes::friction_shapes(recording);
+    if recording.is_long_enough() {
+        unexplained::check(exam, recording);
         if let Some(shapes) = &shapes {
-            wrong_robot::check(exam, record, shapes);
+            wrong_robot::check(exam, recording, shapes);
         }
-        a_priori::check(exam, record);
+        a_priori::check(exam, recording);
     }
-    cutoff::check(exam, record);
-    excitation::check(exam, &record.of_estimated());
-    if exam.has(&[Code::CutoffLow]) || !record.has_full_rank() {
+    cutoff::check(exam, recording);
+    excitation::check(exam, &recording.with_estimated_parameters());
+    if exam.has(&[Code::CutoffLow]) || !recording.has_full_rank() {
         return;
     }
     if let Some(shapes) = &shapes {
-        lag::check(exam, record, shapes);
+        lag::check(exam, recording, shapes);
     }
     if !exam.has(&[Code::PoorFit]) {
-        gear::check(exam, record);
-        if record.is_long_enough() {
-            drift::check(exam, record);
+        gear::check(exam, recording);
+        if recording.is_long_enough() {
+            drift::check(exam, recording);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Joints that do not move, and times at which nothing moves.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::{mean, span},
     signals::{STILL, Signals},
@@ -31,7 +31,7 @@ fn still_joint(exam: &mut Examination<'_>, signals: &Signals, j: usize) {
     // A joint that is held on purpose, with nothing estimated of it, harms nothing.
     let severity = if parameters.is_empty() { Severity::Note } else { Severity::Problem };
     exam.judge(evidence, severity, || {
-        let words = Words::new(
+        let words = FindingText::new(
             format!(
                 "joint {number} does not move: it spans {:.2e} rad or m, and its velocity stays below {:.1e}",
                 span(&signals.raw.channel(j)),
@@ -72,7 +72,7 @@ fn still_periods(exam: &mut Examination<'_>, signals: &Signals) {
             )
         };
         let longest = rests.iter().max_by_key(|r| r.len()).cloned().unwrap_or(0..0);
-        Words::new(
+        FindingText::new(
             format!(
                 "no joint moves for {value:.0} % of the window, the longest time from {:.3} s to {:.3} s; {rows}",
                 at(longest.start),

@@ -1,7 +1,7 @@
 //! Motions that are larger than the joints allow: positions of motors, or in another unit.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::span,
     signals::Signals,
@@ -30,7 +30,7 @@ pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
         exam.judge(evidence, Severity::Problem, || {
             let message =
                 format!("joint {number}: the position spans {spanned:.1} rad or m, its limits allow {range:.1}");
-            Words::new(message, REMEDY)
+            FindingText::new(message, REMEDY)
         });
     }
 }

@@ -1,7 +1,7 @@
 //! Whether the motion follows the reference.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::{correlation, deviation, rms},
     reference_fit::{Correction, explanation, proposed},
@@ -74,7 +74,10 @@ fn recorded(exam: &mut Examination<'_>, position: &Series, reference: &Series, j
     let number = subject.joint_number(j);
     exam.judge(evidence(j, percent_off(position, reference, j)), Severity::Warning, || {
         let cause = cause(subject, &position.channel(j), reference, j);
-        Words::new(format!("joint {number}: the motion is {off:.3e} rad or m rms off its reference: {cause}"), remedy)
+        FindingText::new(
+            format!("joint {number}: the motion is {off:.3e} rad or m rms off its reference: {cause}"),
+            remedy,
+        )
     });
 }
 
@@ -93,7 +96,7 @@ fn cause(subject: &Subject<'_>, q: &[f64], reference: &Series, j: usize) -> Stri
 fn reconstructed(exam: &mut Examination<'_>, q: &[f64], rms_deviation: f64, j: usize) {
     let number = exam.subject.joint_number(j);
     exam.judge(evidence(j, 100.0 * rms_deviation / deviation(q)), Severity::Warning, || {
-        Words::new(
+        FindingText::new(
             format!("joint {number}: the motion is {rms_deviation:.3e} rad or m rms off the reconstructed moves"),
             "the motion is not made of synchronised moves: record the reference and name it in [recording]",
         )

@@ -100,8 +100,7 @@ fn fit(q: &[f64], r: &[f64], free: [bool; 3]) -> Option<(JointCorrection, f64)> 
     let reach = (q.len() / LONGEST_PART).max(1);
     let mut found = NONE;
     if free[0] {
-        let about = |x: &[f64], size: f64| x.iter().map(|v| (v - mean(x)) / size).collect::<Vec<_>>();
-        found.samples = delay(&about(q, deviation(q)), &about(r, deviation(r)), reach)?;
+        found.samples = delay(&standardised(q), &standardised(r), reach)?;
     }
     for _ in 0..ITERATIONS {
         let (rest, columns) = linearised(q, r, found, free, reach);
@@ -120,6 +119,12 @@ fn fit(q: &[f64], r: &[f64], free: [bool; 3]) -> Option<(JointCorrection, f64)> 
     }
     let left = rms(&linearised(q, r, found, free, reach).0);
     (left.is_finite() && found.samples.abs() < reach as f64).then_some((found, left))
+}
+
+/// A signal less its mean, divided by its standard deviation.
+fn standardised(x: &[f64]) -> Vec<f64> {
+    let (mean, deviation) = (mean(x), deviation(x));
+    x.iter().map(|v| (v - mean) / deviation).collect()
 }
 
 /// What a correction leaves of the motion, and its slopes by what is free, away from the ends.

@@ -1,7 +1,7 @@
 //! Samples that are missing or repeated, seen in the motion itself.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::{NORMAL_PER_MEDIAN, quantile_abs, step_of},
     signals::Signals,
@@ -59,7 +59,7 @@ fn repeated(exam: &mut Examination<'_>, signals: &Signals, series: &Series, what
     let start = exam.subject.signal.window.start;
     exam.judge(evidence, Severity::Warning, || {
         let first = repeated.first().map_or(0, |k| k + start);
-        Words::new(
+        FindingText::new(
             format!(
                 "{} samples ({value:.2} %) repeat the {what} of the one before, the first is sample {first}",
                 repeated.len()
@@ -94,7 +94,7 @@ fn moving_fast(rate: f64, signals: &Signals) -> Vec<usize> {
 
 /// A sample that is missing shows as a step of all moving joints that is as long as their velocities say.
 fn dropped(exam: &mut Examination<'_>, signals: &Signals) {
-    let ahead = Ahead::new(exam.subject.sample_rate_hz, signals);
+    let ahead = StepErrors::new(exam.subject.sample_rate_hz, signals);
     let jumps = ahead.jumps();
     let missing = 0.0 + jumps.iter().map(|&k| ahead.steps[k].samples.round().max(1.0)).sum::<f64>();
     let evidence =
@@ -102,7 +102,7 @@ fn dropped(exam: &mut Examination<'_>, signals: &Signals) {
     let (start, rate) = (exam.subject.signal.window.start, exam.subject.sample_rate_hz);
     exam.judge(evidence, Severity::Warning, || {
         let first = jumps.first().map_or(0, |k| k + start);
-        Words::new(
+        FindingText::new(
             format!(
                 "the joints jump ahead at {} places, as if {missing:.0} samples were missing, the first at sample \
                  {first} ({:.4} s)",
@@ -115,10 +115,10 @@ fn dropped(exam: &mut Examination<'_>, signals: &Signals) {
 }
 
 /// The motion against its velocity, step by step.
-struct Ahead {
+struct StepErrors {
     steps: Vec<Step>,
     /// Whether a step follows a repeated sample: there, the motion catches up.
-    behind_repeats: Vec<bool>,
+    follows_repeat: Vec<bool>,
 }
 
 /// The unexpected motion from one sample to the next.
@@ -131,7 +131,7 @@ struct Step {
     explained: f64,
 }
 
-impl Ahead {
+impl StepErrors {
     fn new(rate: f64, signals: &Signals) -> Self {
         let joints: Vec<usize> = (0..signals.coordinates()).filter(|&j| signals.moves(j)).collect();
         let step = |k: usize, j: usize| {
@@ -161,7 +161,7 @@ impl Ahead {
             }
         };
         let repeat = |k: usize| k > 0 && signals.raw.sample(k) == signals.raw.sample(k - 1);
-        Self { steps: (0..samples).map(ahead).collect(), behind_repeats: (0..samples).map(repeat).collect() }
+        Self { steps: (0..samples).map(ahead).collect(), follows_repeat: (0..samples).map(repeat).collect() }
     }
 
     /// Steps with a jump ahead that the samples around do not take back.
@@ -174,7 +174,7 @@ impl Ahead {
             let Step { samples, deviation, explained } = self.steps[k];
             samples > JUMP
                 && samples > SURE * deviation
-                && !self.behind_repeats[k]
+                && !self.follows_repeat[k]
                 && explained > EXPLAINED
                 && lasting(k) > JUMP
         };

@@ -1,7 +1,7 @@
 //! The step of the positions and their noise, and what the filter makes of both.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::{rms, step_of},
     signals::Signals,
@@ -48,7 +48,7 @@ fn quantisation(exam: &mut Examination<'_>, signals: &Signals, j: usize, relativ
     };
     let (cutoff, number) = (exam.subject.signal.cutoff_hz, exam.subject.joint_number(j));
     exam.judge(evidence, Severity::Warning, || {
-        Words::new(
+        FindingText::new(
             format!(
                 "joint {number}: the position comes in steps of {step:.3e} rad or m, which behind the filter are noise \
                  of {value:.1} % of the acceleration"
@@ -69,7 +69,7 @@ fn noise(exam: &mut Examination<'_>, signals: &Signals, j: usize, relative_gain:
     };
     let (cutoff, number) = (exam.subject.signal.cutoff_hz, exam.subject.joint_number(j));
     exam.judge(evidence, Severity::Warning, || {
-        Words::new(
+        FindingText::new(
             format!(
                 "joint {number}: behind the filter at {cutoff} Hz, {value:.0} % of the acceleration is noise of the position"
             ),

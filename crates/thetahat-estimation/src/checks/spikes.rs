@@ -1,7 +1,7 @@
 //! Outliers of single samples.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::{NORMAL_PER_MEDIAN, quantile_abs},
 };
@@ -43,7 +43,7 @@ fn spikes(exam: &mut Examination<'_>, code: Code, series: &Series, j: usize) {
     let off = format!("joint {number}: {count} samples of the {what} lie far off their neighbours");
     if let Some(size) = steps_of_a_drive(&found, x.len()) {
         exam.judge(evidence, Severity::Note, || {
-            Words::new(
+            FindingText::new(
                 format!("{off}, by {size:.3} each, the first is sample {first}"),
                 "nothing to do where the drive's velocity loop sees the single steps of its encoder: the drive gives these \
                  torques, and decimation averages them",
@@ -52,7 +52,7 @@ fn spikes(exam: &mut Examination<'_>, code: Code, series: &Series, j: usize) {
         return;
     }
     exam.judge(evidence, Severity::Warning, || {
-        Words::new(
+        FindingText::new(
             format!("{off}, the first is sample {first}"),
             "replace them by their neighbours' mean, or find the loose contact or transmission error",
         )

@@ -1,9 +1,9 @@
 //! Time stamps: gaps and jitter.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
-    late_stamps::{Stamped, stamped},
+    late_stamps::{StampMeaning, stamp_meaning},
     numbers::{quantile_abs, rms},
 };
 
@@ -45,7 +45,7 @@ fn check_gaps(exam: &mut Examination<'_>, time: &[f64], gaps: &[usize], missing:
     let severity = if is_much { Severity::Warning } else { Severity::Note };
     exam.judge(evidence, severity, || {
         let first = gaps.first().map_or(0.0, |&k| time[k]);
-        Words::new(
+        FindingText::new(
             format!(
                 "the time stamps have {} gaps, the first after {first:.4} s, where {missing:.0} samples are missing in all; \
                  rows in and beside them are left out",
@@ -65,14 +65,14 @@ fn check_jitter(exam: &mut Examination<'_>, time: &[f64], regular: &[f64], (medi
         exam.note_measure(evidence);
         return;
     }
-    let whose = stamped(exam.subject, time);
-    let severity = if whose == Stamped::Sampling { Severity::Note } else { Severity::Warning };
+    let whose = stamp_meaning(exam.subject, time);
+    let severity = if whose == StampMeaning::Sampling { Severity::Note } else { Severity::Warning };
     let rate = exam.subject.sample_rate_hz;
     exam.judge(evidence, severity, || {
         let largest = 100.0 * quantile_abs(regular.iter().copied(), 1.0);
         let (seen, remedy) = match whose {
-            Stamped::Sampling => ("the positions show that the stamps are those of the samples", "nothing to do".to_owned()),
-            Stamped::Arrival => (
+            StampMeaning::Sampling => ("the positions show that the stamps are those of the samples", "nothing to do".to_owned()),
+            StampMeaning::Arrival => (
                 "the positions show that the samples were taken at equal steps and stamped at their arrival",
                 if is_whole {
                     format!("state sample_rate_hz = {rate:.6} in place of time, or log by the controller's clock")
@@ -80,13 +80,13 @@ fn check_jitter(exam: &mut Examination<'_>, time: &[f64], regular: &[f64], (medi
                     "log by the controller's clock".to_owned()
                 },
             ),
-            Stamped::Unknown => (
+            StampMeaning::Unknown => (
                 "the positions do not tell whether the stamps are those of the samples or of their arrival",
                 "nothing where they are those of the samples; where they are of the arrival, log by the controller's clock"
                     .to_owned(),
             ),
         };
-        Words::new(
+        FindingText::new(
             format!(
                 "the time between samples varies by {value:.1} % rms (at most {largest:.0} %) about {median:.6} s; the \
                  record is brought to equal steps by its stamps; {seen}"
@@ -109,7 +109,7 @@ fn check_rate(exam: &mut Examination<'_>) {
         limit: RATE_LIMIT_PERCENT,
     };
     exam.judge(evidence, Severity::Problem, || {
-        Words::new(
+        FindingText::new(
             format!("sample_rate_hz states {stated} Hz, but the times in column {column:?} say {rate:.6} Hz"),
             "name that column as time instead of stating the rate, or rename it where it is no time",
         )

@@ -1,7 +1,7 @@
 //! The torque's own defects: constant, at its limit, in coarse steps.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::{deviation, quantile_abs, span, step_of},
 };
@@ -37,7 +37,7 @@ pub(super) fn check(exam: &mut Examination<'_>) {
 fn constant(exam: &mut Examination<'_>, j: usize, value: f64) {
     let evidence =
         Evidence { code: Code::TorqueConstant, coordinate: Some(j), value, unit: "N m or N", limit: f64::NAN };
-    let words = Words::new(
+    let words = FindingText::new(
         format!("joint {}: the torque is {value} throughout", exam.subject.joint_number(j)),
         "check the channel's column: the drive was not recorded, or the file names another one",
     );
@@ -57,7 +57,7 @@ fn saturation(exam: &mut Examination<'_>, j: usize, drive: &[f64]) {
     };
     let number = exam.subject.joint_number(j);
     exam.judge(evidence, Severity::Warning, || {
-        Words::new(
+        FindingText::new(
             format!("joint {number}: the drive stays at its extreme value for {count} samples ({value:.2} %)"),
             "the recorded torque is cut off there: move more slowly or widen the drive's or recorder's range",
         )
@@ -95,7 +95,7 @@ fn quantisation(exam: &mut Examination<'_>, j: usize, tau: &[f64]) {
     };
     let number = exam.subject.joint_number(j);
     exam.judge(evidence, Severity::Warning, || {
-        Words::new(
+        FindingText::new(
             format!(
                 "joint {number}: the torque comes in steps of {step:.3e}, an error of {value:.1} % of its deviation"
             ),

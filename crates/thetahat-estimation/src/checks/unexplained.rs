@@ -1,10 +1,10 @@
 //! Torques of which the model explains no more than their mean: noise, or the torques of something else.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::autocorrelation,
-    thinned_record::ThinnedRecord,
+    thinned_recording::ThinnedRecording,
 };
 
 /// Rms residual of a joint per degree of freedom, percent of its torque's deviation. The clean records have at most 48
@@ -13,10 +13,10 @@ const LIMIT_PERCENT: f64 = 95.0;
 /// Correlation of neighbouring rows below which a torque is noise: white noise behind the parallel filter has 0.23.
 const NOISE_CORRELATION: f64 = 0.4;
 
-pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) {
-    let Ok(fit) = record.fit() else { return };
-    for j in 0..record.coordinates() {
-        let torque = record.rows_of(&fit.y, j);
+pub(super) fn check(exam: &mut Examination<'_>, recording: &ThinnedRecording<'_>) {
+    let Ok(fit) = recording.fit() else { return };
+    for j in 0..recording.coordinates() {
+        let torque = recording.rows_of(&fit.y, j);
         let is_noise = autocorrelation(torque) < NOISE_CORRELATION;
         let code = if is_noise { Code::TorqueNoise } else { Code::WorseThanMean };
         let value = 100.0 * fit.joint_error_per_freedom(j);
@@ -41,7 +41,7 @@ pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>) {
                     "check that this column is this joint's torque, that it belongs to this motion, and the robot's geometry",
                 )
             };
-            Words::new(message, remedy).about(parameters)
+            FindingText::new(message, remedy).about(parameters)
         });
     }
 }

@@ -1,7 +1,7 @@
 //! Recorded velocities against the derivative of the positions.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::{correlation, rms},
     reference_fit::explanation,
@@ -50,7 +50,7 @@ fn compare(exam: &mut Examination<'_>, recorded: &[f64], motion: &[Vec<f64>], j:
         let why =
             |cause: String| (cause, "check the velocity's column, unit and sign; the estimate uses the position only");
         let (cause, remedy) = cause.map_or((UNEXPLAINED.to_owned(), USES_POSITION), why);
-        Words::new(format!("{seen}: {cause}"), remedy)
+        FindingText::new(format!("{seen}: {cause}"), remedy)
     });
 }
 

@@ -5,10 +5,10 @@
 //! [`friction_shapes`](super::friction_shapes) beside them: where friction is most of the torques and its law is not the model's, no geometry fits.
 
 use super::{
-    examination::{Evidence, Examination, Words},
+    examination::{Evidence, Examination, FindingText},
     finding::{Code, Severity},
     numbers::{autocorrelation, rms},
-    thinned_record::ThinnedRecord,
+    thinned_recording::ThinnedRecording,
 };
 use thetahat_ground::{
     linear_algebra::{Matrix, PivotedQr},
@@ -41,11 +41,13 @@ const DRIVE: usize = 4;
 /// The same with the sine and cosine of its position.
 const PENDULUM: usize = 6;
 
-pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>, shapes: &Matrix) {
-    if record.coordinates() < 2 || exam.has(&CAUSES) {
+pub(super) fn check(exam: &mut Examination<'_>, recording: &ThinnedRecording<'_>, shapes: &Matrix) {
+    if recording.coordinates() < 2 || exam.has(&CAUSES) {
         return;
     }
-    let Some(Left { model, pendulums, drives, whole, structure }) = Left::of(record, shapes) else { return };
+    let Some(ModelErrors { model, pendulums, drives, whole, structure }) = ModelErrors::of(recording, shapes) else {
+        return;
+    };
     let is_tested = whole > POOR_PERCENT && drives > GEOMETRY_PERCENT && structure > STRUCTURE;
     let value = if is_tested { 100.0 * model / pendulums } else { 0.0 };
     let evidence = Evidence {
@@ -64,12 +66,12 @@ pub(super) fn check(exam: &mut Examination<'_>, record: &ThinnedRecord<'_>, shap
         );
         let remedy = "check that the description is of this robot (axes, lengths, zeros, gravity of a tilted base), and that \
                       position and torque are columns of the same motion in the order of its joints";
-        Words::new(message, remedy)
+        FindingText::new(message, remedy)
     });
 }
 
 /// What models leave of the torques beside the shapes of friction, percent.
-struct Left {
+struct ModelErrors {
     /// Of the joints' deviations, by the robot, by pendulums and by drives without links.
     model: f64,
     pendulums: f64,
@@ -80,19 +82,19 @@ struct Left {
     structure: f64,
 }
 
-impl Left {
+impl ModelErrors {
     /// None where the columns of a joint's own motion depend on one another.
-    fn of(record: &ThinnedRecord<'_>, shapes: &Matrix) -> Option<Self> {
-        let joints = 0..record.coordinates();
-        let rivals = joints.clone().map(|j| own_motion(record, j)).collect::<Option<Vec<_>>>()?;
-        let fit = record.fit_beside(shapes, &vec![false; shapes.rows()]).ok()?;
+    fn of(recording: &ThinnedRecording<'_>, shapes: &Matrix) -> Option<Self> {
+        let joints = 0..recording.coordinates();
+        let rivals = joints.clone().map(|j| own_motion(recording, j)).collect::<Option<Vec<_>>>()?;
+        let fit = recording.fit_beside(shapes, &vec![false; shapes.rows()]).ok()?;
         let by_own = |columns: usize, j: usize| {
             let own = rivals[j].select_columns(&(0..columns).collect::<Vec<_>>());
-            let rows = j * record.rows()..(j + 1) * record.rows();
-            left(record.rows_of(&fit.y, j), &Matrix::beside(&[&own, &shapes.row_range(rows)]))
+            let rows = j * recording.rows()..(j + 1) * recording.rows();
+            left(recording.rows_of(&fit.y, j), &Matrix::beside(&[&own, &shapes.row_range(rows)]))
         };
         let all = |of: &dyn Fn(usize) -> f64| 100.0 * rms(&joints.clone().map(of).collect::<Vec<_>>());
-        let neighbours = |j: usize| autocorrelation(record.rows_of(&fit.residual, j));
+        let neighbours = |j: usize| autocorrelation(recording.rows_of(&fit.residual, j));
         Some(Self {
             model: all(&|j| fit.joint_error_per_freedom(j)),
             pendulums: all(&|j| by_own(PENDULUM, j)),
@@ -113,11 +115,11 @@ fn left(y: &[f64], x: &Matrix) -> f64 {
 }
 
 /// The columns of a joint's own motion, low-passed as the rows are; none where they depend on one another.
-fn own_motion(record: &ThinnedRecord<'_>, j: usize) -> Option<Matrix> {
-    let motion = &record.motion;
+fn own_motion(recording: &ThinnedRecording<'_>, j: usize) -> Option<Matrix> {
+    let motion = &recording.motion;
     let values = (0..motion.q.len()).flat_map(|k| {
         let (q, v) = (motion.q.sample(k)[j], motion.dq.sample(k)[j]);
         [v, Sign::Exact.of(v), motion.ddq.sample(k)[j], 1.0, q.sin(), q.cos()]
     });
-    record.columns_of(&Series::from_values(PENDULUM, values.collect()))
+    recording.columns_of(&Series::from_values(PENDULUM, values.collect()))
 }

@@ -61,7 +61,7 @@ fn thinned(left_out: &[Range<usize>], first: &Decimator, stride: usize) -> Vec<R
 
 /// Motion and torque between the two decimations, corrected as faults are found, with their fit.
 #[derive(Clone)]
-pub(super) struct ThinnedRecord<'a> {
+pub(super) struct ThinnedRecording<'a> {
     pub(super) subject: &'a Subject<'a>,
     /// The parameters of the fit.
     base: &'a BaseParameters,
@@ -81,7 +81,7 @@ pub(super) struct ThinnedRecord<'a> {
     corrected: bool,
 }
 
-impl<'a> ThinnedRecord<'a> {
+impl<'a> ThinnedRecording<'a> {
     /// The record of a subject, to be fitted by all base parameters; none where its torques were not recorded or it is too
     /// short for the filters.
     pub(super) fn new(subject: &'a Subject<'a>, cutoff_hz: f64) -> Option<Self> {
@@ -127,7 +127,7 @@ impl<'a> ThinnedRecord<'a> {
     }
 
     /// The record as corrected so far, to be fitted by the parameters that are estimated.
-    pub(super) fn of_estimated(&self) -> Self {
+    pub(super) fn with_estimated_parameters(&self) -> Self {
         let Subject { model, base, .. } = *self.subject;
         if base.columns() == self.base.columns() {
             return self.clone();
