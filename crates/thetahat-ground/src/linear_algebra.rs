@@ -234,9 +234,9 @@ impl Matrix {
         Self { rows: parts.iter().map(|part| part.rows).sum(), columns, values }
     }
 
-    /// Matrices of equally many rows, one beside the other.
+    /// Matrices of equally many rows, side by side.
     #[must_use]
-    pub fn beside(parts: &[&Self]) -> Self {
+    pub fn side_by_side(parts: &[&Self]) -> Self {
         let values = parts.iter().flat_map(|part| &part.values).copied().collect();
         let columns = parts.iter().map(|part| part.columns).sum();
         Self { rows: parts.first().map_or(0, |part| part.rows), columns, values }

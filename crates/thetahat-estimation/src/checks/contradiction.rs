@@ -134,7 +134,7 @@ fn reduce<'a>(fitted: FittedRecording<'a>, weights: &[f64]) -> ReducedRecording<
     let weighted = regression.with_weights(Some(regression.layout.spread(|block| weights[block.joint])));
     let y = weighted.whiten(&weighted.y);
     let column = Matrix::from_fn(y.len(), 1, |i, _| y[i]);
-    let triangle = Matrix::beside(&[&weighted.whiten_matrix(&weighted.x), &column]).triangular_factor();
+    let triangle = Matrix::side_by_side(&[&weighted.whiten_matrix(&weighted.x), &column]).triangular_factor();
     let rows = y.len() as f64;
     ReducedRecording { name, held_back, regression, triangle, rows, effective: rows * independent }
 }

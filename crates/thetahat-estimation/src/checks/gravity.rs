@@ -144,7 +144,7 @@ impl GravityFit {
         let torques: Vec<Vec<f64>> =
             directions.iter().map(|d| self.torque_along(recording, *d, &theta)).collect::<Option<_>>()?;
         let further = Matrix::from_fn(self.regression.x.rows(), directions.len(), |i, c| torques[c][i]);
-        let beside = Matrix::beside(&[&self.regression.x, &further]);
+        let beside = Matrix::side_by_side(&[&self.regression.x, &further]);
         Some(OrthogonalFit::new(&self.regression.clone().with_matrix(beside)))
     }
 

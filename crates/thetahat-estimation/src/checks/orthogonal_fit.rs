@@ -171,7 +171,7 @@ pub(super) fn squared_residual(regression: &Regression) -> f64 {
     let rows = weighted(regression);
     let (x, y) = (rows.whiten_matrix(&rows.x), rows.whiten(&rows.y));
     let columns = x.columns();
-    let triangle = Matrix::beside(&[&x, &Matrix::from_fn(y.len(), 1, |i, _| y[i])]).triangular_factor();
+    let triangle = Matrix::side_by_side(&[&x, &Matrix::from_fn(y.len(), 1, |i, _| y[i])]).triangular_factor();
     let of_x = triangle.select_columns(&(0..columns).collect::<Vec<_>>());
     if triangle.rows() <= columns || PivotedQr::new(&of_x).rank(RANK_TOLERANCE) < columns {
         return OrthogonalFit::new(regression).squares;

@@ -206,7 +206,7 @@ impl<'a> ThinnedRecording<'a> {
     /// The fit with further columns beside those of the parameters, without some rows.
     pub(super) fn fit_beside(&self, columns: &Matrix, left_out: &[bool]) -> Result<OrthogonalFit, SignalError> {
         let regression = self.regression()?;
-        let beside = Matrix::beside(&[&regression.x, columns]);
+        let beside = Matrix::side_by_side(&[&regression.x, columns]);
         Ok(OrthogonalFit::without(&regression.with_matrix(beside), left_out))
     }
 

@@ -91,7 +91,7 @@ impl ModelErrors {
         let by_own = |columns: usize, j: usize| {
             let own = rivals[j].select_columns(&(0..columns).collect::<Vec<_>>());
             let rows = j * recording.rows()..(j + 1) * recording.rows();
-            left(recording.rows_of(&fit.y, j), &Matrix::beside(&[&own, &shapes.row_range(rows)]))
+            left(recording.rows_of(&fit.y, j), &Matrix::side_by_side(&[&own, &shapes.row_range(rows)]))
         };
         let all = |of: &dyn Fn(usize) -> f64| 100.0 * rms(&joints.clone().map(of).collect::<Vec<_>>());
         let neighbours = |j: usize| autocorrelation(recording.rows_of(&fit.residual, j));

@@ -58,7 +58,7 @@ fn compressed(regression: &Regression) -> Regression {
     let mut factors = Vec::new();
     let mut few = RowLayout::empty(layout.joints(), layout.recordings());
     let y = Matrix::from_fn(regression.y.len(), 1, |i, _| regression.y[i]);
-    let all = Matrix::beside(&[&regression.x, &y]);
+    let all = Matrix::side_by_side(&[&regression.x, &y]);
     for block in layout.blocks() {
         let rows = all.row_range(block.rows.clone());
         let factor = if rows.rows() > rows.columns() { rows.triangular_factor() } else { rows };

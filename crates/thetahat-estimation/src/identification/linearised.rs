@@ -35,7 +35,7 @@ impl Linearised {
     ) -> Self {
         let residual = regression.residual(&simulated.response);
         let e = Matrix::from_fn(residual.len(), 1, |k, _| residual[k]);
-        let all = regression.whiten_matrix(&Matrix::beside(&[&simulated.sensitivities, &e])).triangular_factor();
+        let all = regression.whiten_matrix(&Matrix::side_by_side(&[&simulated.sensitivities, &e])).triangular_factor();
         let columns: Vec<usize> = (0..theta.len()).collect();
         let (r, z) = (all.select_columns(&columns), all.column(theta.len()).to_vec());
         Self { theta, r, z, simulated, fit }

@@ -158,7 +158,7 @@ impl Fit {
     fn linearise(&self, samples: &Samples, weights: &[f64]) -> Linear {
         let sensitivity = sensitivity(&samples.time, &self.laws);
         let unknowns = sensitivity.columns();
-        let r = Matrix::beside(&[&self.basis, &sensitivity, &samples.position]).triangular_factor();
+        let r = Matrix::side_by_side(&[&self.basis, &sensitivity, &samples.position]).triangular_factor();
         let first = self.basis.columns();
         let left = r.row_range(first..r.rows().min(first + unknowns));
         let columns = |from: usize, count: usize| left.select_columns(&(from..from + count).collect::<Vec<_>>());

@@ -192,7 +192,7 @@ impl Equations {
         let has_measured = method.design() == Design::Measured || z.is_none();
         let x = has_measured.then_some(regression.x.as_ref());
         let parts: Vec<&Matrix> = z.into_iter().chain(x).chain([&y]).collect();
-        let rows = regression.whiten_matrix(&Matrix::beside(&parts)).into_owned();
+        let rows = regression.whiten_matrix(&Matrix::side_by_side(&parts)).into_owned();
         Self {
             rows,
             parameters: parameters_of(regression, method, instruments),

@@ -109,7 +109,7 @@ struct Fifths(Vec<Matrix>);
 impl Fifths {
     fn new(regression: &Regression) -> Self {
         let y = Matrix::from_fn(regression.y.len(), 1, |i, _| regression.y[i]);
-        let all = Matrix::beside(&[&regression.x, &y]);
+        let all = Matrix::side_by_side(&[&regression.x, &y]);
         let fold = folds_by_part(all.rows() / regression.layout.joints().max(1));
         let count = fold.iter().max().map_or(0, |last| last + 1);
         let own = |f: usize| (0..all.rows()).map(|i| fold[i % fold.len()] == f).collect::<Vec<bool>>();
