@@ -1,7 +1,7 @@
-//! Torques whose scale, or whose friction, changes from the first to the last part of the record.
+//! Torques whose scale or friction drifts over the recording.
 //!
-//! The fit explains the mean of the record. What a joint's predicted torque, and its predicted friction, times a ramp of
-//! time explain of the residual is the drift.
+//! The fit explains the mean over the recording. The drift is the coefficient of a joint's predicted torque, or its predicted
+//! friction, times a ramp of time, in a regression of the residual.
 
 use super::{
     examination::{Evidence, Examination, FindingText},
@@ -11,17 +11,40 @@ use super::{
 };
 use thetahat_ground::linear_algebra::{Matrix, dot};
 
-/// Drift of a torque's scale over the record, percent, that counts.
-const GAIN_LIMIT_PERCENT: f64 = 5.0;
-/// Drift of a joint's friction over the record, percent, that counts.
-const FRICTION_LIMIT_PERCENT: f64 = 12.0;
-/// Drifts that are larger than this, percent, are none of a robot: they are seen where nothing else tells of a torque.
+/// Largest drift, percent: larger ones are physically impossible and occur where the torque has little information.
 const PLAUSIBLE_PERCENT: f64 = 70.0;
-/// Standard deviations, taken from blocks of time, by which the drift of a scale must differ from none. Clean: the recorded
-/// TX40 has 4 at its first joint (-7 %), all others 3 or less.
-const SURE_OF_GAIN: f64 = 5.0;
-/// The same of friction: the clean records have at most 3.
-const SURE_OF_FRICTION: f64 = 4.0;
+
+/// What may drift.
+struct Quantity {
+    code: Code,
+    name: &'static str,
+    /// Drift over the recording that counts, percent.
+    limit_percent: f64,
+    /// Standard deviations, from blocks of time, by which the drift must differ from zero.
+    significant: f64,
+    remedy: &'static str,
+}
+
+/// Clean: the recorded TX40 has a drift of 4 standard deviations at its first joint (-7 %), all others 3 or less.
+const GAIN: Quantity = Quantity {
+    code: Code::GainDrift,
+    name: "scale of the torque",
+    limit_percent: 5.0,
+    significant: 5.0,
+    remedy: "check whether the drive's gain depends on temperature, and whether a payload was picked up or put down; cut the \
+             recording into shorter ones ([signal] window_start_s, window_end_s) and compare their estimates",
+};
+
+/// The clean recordings have at most 3 standard deviations.
+const FRICTION: Quantity = Quantity {
+    code: Code::FrictionDrift,
+    name: "friction",
+    limit_percent: 12.0,
+    significant: 4.0,
+    remedy: "warm the joint up before recording, or start later by [signal] window_start_s: the model has one friction for \
+             the whole recording",
+};
+
 /// Blocks of time.
 const BLOCKS: usize = 20;
 
@@ -36,45 +59,29 @@ pub(super) fn check(exam: &mut Examination<'_>, recording: &ThinnedRecording<'_>
     let Ok(fit) = recording.fit() else { return };
     for j in 0..recording.coordinates() {
         let Some([gain, friction]) = drifts(recording, &fit, j) else { continue };
-        judge(exam, j, Code::GainDrift, gain);
-        judge(exam, j, Code::FrictionDrift, friction);
+        judge(exam, j, &GAIN, gain);
+        judge(exam, j, &FRICTION, friction);
     }
 }
 
-fn judge(exam: &mut Examination<'_>, j: usize, code: Code, drift: Drift) {
+fn judge(exam: &mut Examination<'_>, j: usize, quantity: &Quantity, drift: Drift) {
+    let Quantity { code, name, limit_percent, significant, remedy } = *quantity;
     let percent = 100.0 * drift.change;
-    let (limit, sure, what, remedy) = if code == Code::GainDrift {
-        (
-            GAIN_LIMIT_PERCENT,
-            SURE_OF_GAIN,
-            "scale of the torque",
-            "check the drive's gain over temperature, and whether a payload was taken up or put down; cut the record into \
-             shorter ones ([signal] window_start_s, window_end_s) and compare their estimates",
-        )
-    } else {
-        (
-            FRICTION_LIMIT_PERCENT,
-            SURE_OF_FRICTION,
-            "friction",
-            "warm the joint up before recording, or start later by [signal] window_start_s: one friction holds for the whole \
-             record",
-        )
-    };
-    let is_sure = percent.abs() > sure * 100.0 * drift.deviation && percent.abs() < PLAUSIBLE_PERCENT;
-    let value = if is_sure { percent.abs() } else { 0.0 };
-    let evidence = Evidence { code, coordinate: Some(j), value, unit: "% over the record", limit };
+    let is_significant = percent.abs() > significant * 100.0 * drift.deviation && percent.abs() < PLAUSIBLE_PERCENT;
+    let value = if is_significant { percent.abs() } else { 0.0 };
+    let (unit, limit) = ("% over the recording", limit_percent);
     let number = exam.subject.joint_number(j);
-    exam.judge(evidence, Severity::Warning, || {
+    exam.judge(Evidence { code, coordinate: Some(j), value, unit, limit }, Severity::Warning, || {
         let message = format!(
-            "joint {number}: the {what} changes by {percent:+.1} % (± {:.1}) from the start to the end of the record",
+            "joint {number}: the {name} changes by {percent:+.1} % (± {:.1}) from the start to the end of the recording",
             100.0 * drift.deviation
         );
         FindingText::new(message, remedy)
     });
 }
 
-/// The drifts of a joint's gain and friction. The one that explains more is estimated by itself, the other beside it; none
-/// where there is nothing that could drift.
+/// The drifts of a joint's gain and friction. The one that explains more is estimated alone, the other together with it.
+/// `None` if nothing could drift.
 fn drifts(recording: &ThinnedRecording<'_>, fit: &OrthogonalFit, j: usize) -> Option<[Drift; 2]> {
     let theta = fit.theta();
     let friction_alone: Vec<f64> =
@@ -83,15 +90,16 @@ fn drifts(recording: &ThinnedRecording<'_>, fit: &OrthogonalFit, j: usize) -> Op
     let explained = |d: &Vec<f64>| dot(d, &fit.residual).powi(2) / dot(d, d).max(f64::MIN_POSITIVE);
     let first = usize::from(explained(&directions[1]) > explained(&directions[0]));
     let alone = estimate(recording, &fit.residual, &[&directions[first]])?;
-    let beside = estimate(recording, &fit.residual, &[&directions[0], &directions[1]]);
+    let both = estimate(recording, &fit.residual, &[&directions[0], &directions[1]]);
     let none = Drift { change: 0.0, deviation: f64::INFINITY };
     let mut drifts = [none; 2];
     drifts[first] = alone[0];
-    drifts[1 - first] = beside.map_or(none, |both| both[1 - first]);
+    drifts[1 - first] = both.map_or(none, |both| both[1 - first]);
     Some(drifts)
 }
 
-/// The changes along directions by least squares, with deviations from blocks of time; none where the directions are one.
+/// The changes along directions by least squares, with standard deviations from blocks of time; `None` if the directions are
+/// linearly dependent.
 fn estimate(recording: &ThinnedRecording<'_>, residual: &[f64], directions: &[&Vec<f64>]) -> Option<Vec<Drift>> {
     let n = directions.len();
     let inverse = Matrix::from_fn(n, n, |a, b| dot(directions[a], directions[b])).inverse()?;

@@ -1,8 +1,8 @@
 //! Gear ratios, and scales of positions and torques, that are wrong by some percent.
 //!
-//! A scale of a joint's motion changes the coupling with the other joints and gravity, which the parameters cannot make
-//! up for. Where a robot's joints are recorded as they are, without gears, nothing is converted and nothing is looked
-//! for: errors of the model move such scales as much as errors of the record do.
+//! A wrong scale of a joint's motion changes the coupling with the other joints and gravity, which the parameters cannot
+//! compensate. Nothing is checked if the joints are recorded directly, without gears: modelling errors change the estimated
+//! scales as much as errors of the recording do.
 
 use super::{
     affine::Affine,
@@ -15,13 +15,13 @@ use super::{
 use thetahat_ground::linear_algebra::dot;
 
 /// Standard deviations by which a scale must differ from one.
-const SURE: f64 = 6.0;
-/// The same with deviations by blocks of time, which hold for residuals that are no white noise.
-const SURE_IN_BLOCKS: f64 = 4.0;
-/// Smallest error of a scale that counts: modelling errors move the scales of the recorded TX40 by up to 0.13.
+const SIGNIFICANT: f64 = 6.0;
+/// The same with standard deviations from blocks of time, which are valid for residuals that are not white noise.
+const SIGNIFICANT_IN_BLOCKS: f64 = 4.0;
+/// Smallest error of a scale that counts: modelling errors change the scales of the recorded TX40 by up to 0.13.
 const SMALLEST: f64 = 0.05;
-/// Rms torque that the right scale must explain, percent of the torques' deviation, with the parameters estimated again.
-/// Friction that is not quite a sign gives up to 1.2 on the clean twins.
+/// Rms torque that the right scale must explain, percent of the torques' standard deviation, with the parameters estimated
+/// again. Friction that differs from a sign of the velocity gives up to 1.2 on the clean twins.
 const EFFECT_LIMIT_PERCENT: f64 = 1.5;
 /// Relative step of the difference quotient.
 const STEP: f64 = 0.02;
@@ -29,7 +29,7 @@ const STEP: f64 = 0.02;
 const ITERATIONS: usize = 4;
 /// Range of scales.
 const RANGE: std::ops::RangeInclusive<f64> = 0.2..=5.0;
-/// Scales that are looked for one after the other.
+/// Most scales that are corrected one after the other.
 const MOST_FAULTS: usize = 3;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,11 +46,12 @@ struct Scale {
     kind: Kind,
 }
 
-/// How far a scale is from one, by one step of Gauss-Newton.
+/// The difference of a scale from one, by one step of Gauss-Newton.
 struct Estimate {
     change: f64,
-    sure: f64,
-    sure_in_blocks: f64,
+    /// The change in standard deviations, for white noise and from blocks of time.
+    significance: f64,
+    significance_in_blocks: f64,
 }
 
 /// A scale and the squared residual with it.
@@ -58,7 +59,7 @@ struct GearRatioFit {
     scale: Scale,
     factor: f64,
     squares: f64,
-    /// Rms torque that it explains, percent of the torques' deviation.
+    /// Rms torque that it explains, percent of the torques' standard deviation.
     effect: f64,
 }
 
@@ -90,7 +91,7 @@ fn note_measures(exam: &mut Examination<'_>, geared: &[usize], found: &[GearRati
     }
 }
 
-/// The scale of a coordinate or its motor that explains most, of those that are certain and large enough to matter.
+/// The scale of a coordinate or its motor that explains most, among those that are significant and large enough.
 fn best_of_coordinate(
     recording: &ThinnedRecording<'_>,
     fit: &OrthogonalFit,
@@ -100,7 +101,7 @@ fn best_of_coordinate(
     let kinds = [Kind::Ratio, Kind::Position, Kind::Torque].into_iter();
     let found = kinds.filter_map(|kind| {
         let scale = Scale { coordinate, kind };
-        let estimate = estimate(recording, fit, theta, scale).filter(Estimate::is_certain)?;
+        let estimate = estimate(recording, fit, theta, scale).filter(Estimate::is_significant)?;
         let (factor, squares) = refined(recording, scale, 1.0 + estimate.change);
         let effect = 100.0 * ((fit.squares - squares).max(0.0) / fit.y.len() as f64).sqrt();
         ((factor - 1.0).abs() > SMALLEST).then_some(GearRatioFit { scale, factor, squares, effect })
@@ -125,16 +126,16 @@ fn raise(exam: &mut Examination<'_>, recording: &ThinnedRecording<'_>, found: &G
             let ratio = ratio(recording, coordinate);
             format!("the gear ratio of motor {motor} is {:.4}, not {ratio:.4}", factor * ratio)
         }
-        Kind::Position => format!("the position of joint {joint} is {factor:.4} times what was recorded"),
-        Kind::Torque => format!("the torque of joint {joint} is {factor:.4} times what was recorded"),
+        Kind::Position => format!("the position of joint {joint} is {factor:.4} times the recorded one"),
+        Kind::Torque => format!("the torque of joint {joint} is {factor:.4} times the recorded one"),
     };
-    let words = FindingText::new(
+    let text = FindingText::new(
         format!("the squared residual is {:.0} % smaller if {what}", 100.0 * (1.0 - left)),
         "check the motor's row of [transmission] matrix, its drive gain, and the gains of the channels",
     );
     let value = 100.0 * (factor - 1.0);
     let evidence = Evidence { value, unit: "% of the scale", limit: f64::NAN, ..evidence(coordinate, value) };
-    exam.raise(evidence, Severity::Problem, words);
+    exam.raise(evidence, Severity::Problem, text);
 }
 
 impl Scale {
@@ -151,12 +152,14 @@ impl Scale {
 }
 
 impl Estimate {
-    fn is_certain(&self) -> bool {
-        self.sure.abs() > SURE && self.sure_in_blocks.abs() > SURE_IN_BLOCKS && self.change.abs() > SMALLEST
+    fn is_significant(&self) -> bool {
+        self.significance.abs() > SIGNIFICANT
+            && self.significance_in_blocks.abs() > SIGNIFICANT_IN_BLOCKS
+            && self.change.abs() > SMALLEST
     }
 }
 
-/// One step of Gauss-Newton for a scale; none where the parameters make up for every change of it.
+/// One step of Gauss-Newton for a scale; `None` if the parameters compensate every change of it.
 fn estimate(recording: &ThinnedRecording<'_>, fit: &OrthogonalFit, theta: &[f64], scale: Scale) -> Option<Estimate> {
     let direction = fit.unexplained(&direction(recording, theta, scale)?);
     let information = dot(&direction, &direction);
@@ -167,10 +170,10 @@ fn estimate(recording: &ThinnedRecording<'_>, fit: &OrthogonalFit, theta: &[f64]
     let deviation = (fit.variance() / information).sqrt();
     let rest: Vec<f64> = fit.residual.iter().zip(&direction).map(|(r, d)| r + change * d).collect();
     let in_blocks = block_score(&direction, &rest, recording.rows()) / information;
-    Some(Estimate { change, sure: change / deviation, sure_in_blocks: change / in_blocks })
+    Some(Estimate { change, significance: change / deviation, significance_in_blocks: change / in_blocks })
 }
 
-/// The derivative of `tau' - X' theta` by the scale, with the predicted torque in the place of the measured one.
+/// The derivative of `tau' - X' theta` by the scale, with the predicted torque instead of the measured one.
 fn direction(recording: &ThinnedRecording<'_>, theta: &[f64], scale: Scale) -> Option<Vec<f64>> {
     let motion = motion_at(&recording.motion, &recording.kept);
     let torque = recording.predict(&motion, theta);
@@ -185,7 +188,7 @@ fn direction(recording: &ThinnedRecording<'_>, theta: &[f64], scale: Scale) -> O
     Some(more.iter().zip(&less).map(|(m, l)| (m - l) / (2.0 * STEP)).collect())
 }
 
-/// The scale by further steps of Gauss-Newton, and the squared residual that it leaves.
+/// The scale after further steps of Gauss-Newton, and its squared residual.
 fn refined(recording: &ThinnedRecording<'_>, scale: Scale, first: f64) -> (f64, f64) {
     let mut best = (1.0, f64::INFINITY);
     let mut factor = first;

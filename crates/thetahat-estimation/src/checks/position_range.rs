@@ -7,7 +7,7 @@ use super::{
     signals::Signals,
 };
 
-/// How many times larger than its range a joint's motion is. Clean records stay within the range.
+/// How many times larger than its range a joint's motion is. Clean recordings stay within the range.
 const LIMIT: f64 = 1.5;
 const REMEDY: &str =
     "set the unit of position in [recording], or side = \"motor\" with the ratios in [transmission] matrix";

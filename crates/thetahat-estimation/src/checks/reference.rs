@@ -10,7 +10,7 @@ use super::{
 use thetahat_ground::series::Series;
 
 /// Rms deviation of the motion from the reference, percent of the motion's standard deviation. The clean
-/// records have at most 0.8.
+/// recordings have at most 0.8.
 const LIMIT_PERCENT: f64 = 5.0;
 /// Standard deviation of a position, rad or m, of a joint that does not move.
 const STILL: f64 = 1e-4;
@@ -62,7 +62,7 @@ fn percent_off(position: &Series, reference: &Series, j: usize) -> f64 {
 /// The remedy where a correction of the reference would do.
 fn remedy(correction: &Correction, sample_rate_hz: f64) -> String {
     format!(
-        "where the record is at fault, and not the tracking of the control, put the reference right under [recording]: \
+        "where the recording is at fault, and not the tracking of the control, put the reference right under [recording]: \
          {}; otherwise {CHECK_CHANNEL}",
         correction.text(sample_rate_hz)
     )

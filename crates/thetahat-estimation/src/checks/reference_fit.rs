@@ -7,17 +7,17 @@ use thetahat_ground::{
     series::Series,
 };
 
-/// Part of the record in which a delay is looked for.
+/// Part of the recording in which a delay is looked for.
 const LONGEST_PART: usize = 20;
 /// Steps of Gauss-Newton.
 const ITERATIONS: usize = 12;
 /// A simpler correction is taken where it leaves no more than this times the rms deviation of the full one.
 const AS_GOOD: f64 = 1.25;
-/// So is one that leaves no more than this part of the motion's deviation: clean records have up to 0.8 %.
+/// So is one that leaves no more than this part of the motion's deviation: clean recordings have up to 0.8 %.
 const CLEAN: f64 = 0.01;
 /// Part of the rms difference that an explanation may leave.
 const EXPLAINED: f64 = 0.5;
-/// Delays of joints that differ by less, in samples or as a part, are one delay of the record.
+/// Delays of joints that differ by less, in samples or as a part, are one delay of the recording.
 const SAME: f64 = 0.25;
 
 /// Which of delay, scale and offset are free, the simplest first.

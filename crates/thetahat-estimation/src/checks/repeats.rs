@@ -8,7 +8,7 @@ use super::{
 };
 use thetahat_ground::series::Series;
 
-/// Repeated samples, percent of those at which the robot moves. None of the clean records has one.
+/// Repeated samples, percent of those at which the robot moves. None of the clean recordings has one.
 const REPEATED_LIMIT_PERCENT: f64 = 0.05;
 /// Expected steps of a joint between two samples, from which on an equal position is no coincidence.
 const EXPECTED_STEPS: f64 = 4.0;
@@ -109,7 +109,7 @@ fn dropped(exam: &mut Examination<'_>, signals: &Signals) {
                 jumps.len(),
                 first as f64 / rate
             ),
-            "cut the record at the jumps or record again; a filter takes them for accelerations",
+            "cut the recording at the jumps or record again; a filter takes them for accelerations",
         )
     });
 }

@@ -10,10 +10,10 @@ use super::{
 use crate::signal::{Derivative, band_pass};
 use thetahat_ground::series::Series;
 
-/// Noise of the acceleration by the position's steps, percent of the acceleration's rms. The clean records have at most
+/// Noise of the acceleration by the position's steps, percent of the acceleration's rms. The clean recordings have at most
 /// 0.3.
 const STEP_LIMIT_PERCENT: f64 = 5.0;
-/// Noise of the acceleration by white noise of the position, percent of the acceleration's rms. The clean records have at
+/// Noise of the acceleration by white noise of the position, percent of the acceleration's rms. The clean recordings have at
 /// most 0.4.
 const NOISE_LIMIT_PERCENT: f64 = 10.0;
 /// A sensible cut-off, in bands of the decimated rows: 5 times the dynamics' bandwidth where the rows hold twice of it.

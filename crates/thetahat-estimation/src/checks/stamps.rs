@@ -9,7 +9,7 @@ use super::{
 
 /// Rms deviation of a step from the median step, percent of it, without the gaps. The recorded KUKA has 1.4 (clean).
 const JITTER_LIMIT_PERCENT: f64 = 5.0;
-/// Time that is missing around a step, in steps: less is a late stamp that the next steps make up for. The clean records
+/// Time that is missing around a step, in steps: less is a late stamp that the next steps make up for. The clean recordings
 /// stay below 0.36.
 const GAP: f64 = 0.75;
 /// A step that is later by less is no gap.
@@ -56,7 +56,7 @@ fn check_gaps(exam: &mut Examination<'_>, time: &[f64], gaps: &[usize], missing:
     });
 }
 
-/// Deviations of the steps from the median one, as parts of it, in a record that may be whole.
+/// Deviations of the steps from the median one, as parts of it, in a recording that may be whole.
 fn check_jitter(exam: &mut Examination<'_>, time: &[f64], regular: &[f64], (median, is_whole): (f64, bool)) {
     let value = 100.0 * rms(regular);
     let evidence =

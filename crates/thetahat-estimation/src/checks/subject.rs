@@ -8,7 +8,7 @@ use thetahat_model::{
     robot::{Joint, Robot},
 };
 
-/// How the record is filtered, decimated and cut for the estimate.
+/// How the recording is filtered, decimated and cut for the estimate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SignalSettings {
     /// Order of the Butterworth filter of the positions.
@@ -17,7 +17,7 @@ pub struct SignalSettings {
     pub cutoff_hz: f64,
     /// Every how many samples one is kept.
     pub decimation: usize,
-    /// The samples that are used, of the whole record.
+    /// The samples that are used, of the whole recording.
     pub window: Range<usize>,
 }
 

@@ -55,7 +55,7 @@ const SAMPLES: usize = 6000;
 /// Amplitude (rad or m), frequency (Hz) and phase (rad) of the sines of each coordinate.
 const SINES: [[[f64; 3]; 2]; 2] = [[[0.8, 0.31, 0.0], [0.4, 0.83, 1.0]], [[0.25, 0.47, 0.5], [0.1, 1.13, 2.0]]];
 
-/// The crane with a record of its motion, which a test spoils.
+/// The crane with a recording of its motion, which a test spoils.
 struct Crane {
     robot: Robot,
     position: Series,
@@ -64,7 +64,7 @@ struct Crane {
 }
 
 impl Crane {
-    /// A clean record, with white noise of 0.2 % of the largest torques.
+    /// A clean recording, with white noise of 0.2 % of the largest torques.
     fn recorded() -> Self {
         Self::moving([1.0, 1.0])
     }

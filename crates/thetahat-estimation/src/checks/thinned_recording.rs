@@ -1,4 +1,4 @@
-//! The record and its regression as the checks see them: the band of the estimate at a fraction of its cost.
+//! The recording and its regression as the checks see them: the band of the estimate at a fraction of its cost.
 //!
 //! Motion is band-passed as for the estimate, but evaluated at only ten samples per period of the cut-off; torque and
 //! observation matrix then pass the same second decimation. On the TX40 that takes 10 ms instead of 110 and the relative
@@ -82,14 +82,14 @@ pub(super) struct ThinnedRecording<'a> {
 }
 
 impl<'a> ThinnedRecording<'a> {
-    /// The record of a subject, to be fitted by all base parameters; none where its torques were not recorded or it is too
+    /// The recording of a subject, to be fitted by all base parameters; none where its torques were not recorded or it is too
     /// short for the filters.
     pub(super) fn new(subject: &'a Subject<'a>, cutoff_hz: f64) -> Option<Self> {
         let bounded = bounded_factor(subject.signal.window.len(), subject.sample_rate_hz, cutoff_hz);
         Self::of_factor(subject, subject.signal.decimation.max(bounded), cutoff_hz)
     }
 
-    /// The record as it was, with another filter of the positions and the same of the torques.
+    /// The recording as it was, with another filter of the positions and the same of the torques.
     pub(super) fn with_cutoff(&self, cutoff_hz: f64) -> Option<Self> {
         Self::of_factor(self.subject, self.factor, cutoff_hz)
     }
@@ -126,7 +126,7 @@ impl<'a> ThinnedRecording<'a> {
         Ok(Self { subject, base, motion, torque, decimator, rate_hz, kept, every, factor, regressor, fit, corrected })
     }
 
-    /// The record as corrected so far, to be fitted by the parameters that are estimated.
+    /// The recording as corrected so far, to be fitted by the parameters that are estimated.
     pub(super) fn with_estimated_parameters(&self) -> Self {
         let Subject { model, base, .. } = *self.subject;
         if base.columns() == self.base.columns() {
@@ -167,7 +167,7 @@ impl<'a> ThinnedRecording<'a> {
         self.rows() >= FEWEST_ROWS
     }
 
-    /// Puts the record right.
+    /// Puts the recording right.
     pub(super) fn correct(&mut self, correction: &Affine) {
         self.motion = correction.motion(&self.motion);
         self.torque = correction.torque(&self.torque);
@@ -182,19 +182,19 @@ impl<'a> ThinnedRecording<'a> {
         self.fit = OnceCell::new();
     }
 
-    /// Whether the record was put right.
+    /// Whether the recording was put right.
     pub(super) fn is_corrected(&self) -> bool {
         self.corrected
     }
 
-    /// A copy with the record put right.
+    /// A copy with the recording put right.
     pub(super) fn corrected(&self, correction: &Affine) -> Self {
         let mut other = self.clone();
         other.correct(correction);
         other
     }
 
-    /// The fit of the record as corrected so far, made once.
+    /// The fit of the recording as corrected so far, made once.
     pub(super) fn fit(&self) -> Result<Rc<OrthogonalFit>, SignalError> {
         if let Some(fit) = self.fit.get() {
             return Ok(Rc::clone(fit));
@@ -204,13 +204,13 @@ impl<'a> ThinnedRecording<'a> {
     }
 
     /// The fit with further columns beside those of the parameters, without some rows.
-    pub(super) fn fit_beside(&self, columns: &Matrix, left_out: &[bool]) -> Result<OrthogonalFit, SignalError> {
+    pub(super) fn fit_with_columns(&self, columns: &Matrix, left_out: &[bool]) -> Result<OrthogonalFit, SignalError> {
         let regression = self.regression()?;
         let beside = Matrix::side_by_side(&[&regression.x, columns]);
         Ok(OrthogonalFit::without(&regression.with_matrix(beside), left_out))
     }
 
-    /// The rows of the record as corrected so far, without weights.
+    /// The rows of the recording as corrected so far, without weights.
     pub(super) fn regression(&self) -> Result<Regression, SignalError> {
         self.regression_of(self.subject.model, &self.base.columns())
     }

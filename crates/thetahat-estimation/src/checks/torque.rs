@@ -8,7 +8,7 @@ use super::{
 
 /// Span of a torque, relative to the largest size of any, below which it counts as constant.
 const CONSTANT: f64 = 1e-9;
-/// Samples at the limit of a drive, percent of the window: the clean records have one sample at each extreme.
+/// Samples at the limit of a drive, percent of the window: the clean recordings have one sample at each extreme.
 const SATURATED_LIMIT_PERCENT: f64 = 0.05;
 /// A limit holds this many times as many samples as the level next to it, which tells it from a coarse step.
 const PILE: usize = 5;
@@ -16,7 +16,7 @@ const PILE: usize = 5;
 const FEWEST_AT_LIMIT: usize = 10;
 /// Values this close, relative to the span, are the same: the conversion to the motor side rounds.
 const SAME: f64 = 1e-7;
-/// Effect of the torque's steps, percent of its standard deviation; the clean records have less than 0.001.
+/// Effect of the torque's steps, percent of its standard deviation; the clean recordings have less than 0.001.
 const STEP_LIMIT_PERCENT: f64 = 3.0;
 
 pub(super) fn check(exam: &mut Examination<'_>) {

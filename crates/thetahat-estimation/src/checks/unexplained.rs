@@ -7,7 +7,7 @@ use super::{
     thinned_recording::ThinnedRecording,
 };
 
-/// Rms residual of a joint per degree of freedom, percent of its torque's deviation. The clean records have at most 48
+/// Rms residual of a joint per degree of freedom, percent of its torque's deviation. The clean recordings have at most 48
 /// (recorded KUKA), twins with noise, heavy friction or Stribeck friction 9.
 const LIMIT_PERCENT: f64 = 95.0;
 /// Correlation of neighbouring rows below which a torque is noise: white noise behind the parallel filter has 0.23.

@@ -21,7 +21,7 @@ use thetahat_model::dynamics::Sign;
 const LIMIT_PERCENT: f64 = 60.0;
 /// The same from which it is wrong. Descriptions of other robots have 84 to 98.
 const WRONG_PERCENT: f64 = 80.0;
-/// Relative error of the whole fit, percent, from which the model may be another robot's. Clean records whose residual has a
+/// Relative error of the whole fit, percent, from which the model may be another robot's. Clean recordings whose residual has a
 /// structure leave at most 5.2, torques of another motion 8 and more.
 const POOR_PERCENT: f64 = 7.0;
 /// What drives without links must leave of the torques, percent: else friction and motor inertia hide the geometry. The TX40
@@ -62,7 +62,7 @@ pub(super) fn check(exam: &mut Examination<'_>, recording: &ThinnedRecording<'_>
         let how = if value > WRONG_PERCENT { "nothing fits" } else { "little fits" };
         let message = format!(
             "{how}: with friction of any law the robot's geometry leaves {model:.0} % of the joints' torques, joints that \
-             know nothing of one another leave {pendulums:.0} %, and no single correction of the record helps"
+             know nothing of one another leave {pendulums:.0} %, and no single correction of the recording helps"
         );
         let remedy = "check that the description is of this robot (axes, lengths, zeros, gravity of a tilted base), and that \
                       position and torque are columns of the same motion in the order of its joints";
@@ -87,7 +87,7 @@ impl ModelErrors {
     fn of(recording: &ThinnedRecording<'_>, shapes: &Matrix) -> Option<Self> {
         let joints = 0..recording.coordinates();
         let rivals = joints.clone().map(|j| own_motion(recording, j)).collect::<Option<Vec<_>>>()?;
-        let fit = recording.fit_beside(shapes, &vec![false; shapes.rows()]).ok()?;
+        let fit = recording.fit_with_columns(shapes, &vec![false; shapes.rows()]).ok()?;
         let by_own = |columns: usize, j: usize| {
             let own = rivals[j].select_columns(&(0..columns).collect::<Vec<_>>());
             let rows = j * recording.rows()..(j + 1) * recording.rows();

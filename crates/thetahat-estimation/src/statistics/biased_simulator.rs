@@ -90,7 +90,7 @@ impl SimulatorComparison {
         })
     }
 
-    /// The statistic of each of so many records with the same Z and noise like `u`, but no bias: smallest first.
+    /// The statistic of each of so many recordings with the same Z and noise like `u`, but no bias: smallest first.
     ///
     /// Each draws `u`, estimates its `d` and its noise again, and forms the statistic with the covariance scaled joint by
     /// joint to that noise. The same seed gives the same numbers. Draws without a statistic count as infinite, so that there are

@@ -57,7 +57,7 @@ impl Sandwich<'_> {
     /// with lags up to `4 (n / 100)^(2/9)` in recordings of n rows per joint, on residuals over `sqrt(1 - h)`.
     ///
     /// The joints' rows of one instant form a cluster; lags do not cross recordings. It assumes the least, and pays for it
-    /// in short records: with many parameters its variances are too small (`docs/evidence/coverage.md`).
+    /// in short recordings: with many parameters its variances are too small (`docs/evidence/coverage.md`).
     #[must_use]
     pub fn newey_west(&self) -> Vec<f64> {
         let errors = self.rescaled_residual(0.5);

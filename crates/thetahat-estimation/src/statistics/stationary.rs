@@ -35,7 +35,7 @@ impl Sandwich<'_> {
     /// For each parameter the variance that gives the wider interval: [`Sandwich::stationary`], or
     /// [`Sandwich::newey_west`] with as many degrees of freedom as there are rows.
     ///
-    /// The first follows errors as slow as the record allows, but takes them to be as large in one moment as in another;
+    /// The first follows errors as slow as the recording allows, but takes them to be as large in one moment as in another;
     /// the second takes the moments as they are, but sees few lags.
     #[must_use]
     pub fn robust(&self) -> Vec<EstimatedVariance> {
