@@ -1,4 +1,4 @@
-//! Motions that are larger than the joints allow: positions of motors, or in another unit.
+//! Motions beyond the joints' limits: positions of motors, or in another unit.
 
 use super::{
     examination::{Evidence, Examination, FindingText},
@@ -7,12 +7,12 @@ use super::{
     signals::Signals,
 };
 
-/// How many times larger than its range a joint's motion is. Clean recordings stay within the range.
+/// Largest ratio of a joint's motion to its range. Clean recordings stay within the range.
 const LIMIT: f64 = 1.5;
 const REMEDY: &str =
     "set the unit of position in [recording], or side = \"motor\" with the ratios in [transmission] matrix";
 
-/// Joints whose limits the description states.
+/// Checks the joints with limits in the description.
 pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
     for j in 0..signals.coordinates() {
         let limits = &exam.subject.joint(j).limits;
