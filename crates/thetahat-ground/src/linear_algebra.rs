@@ -234,7 +234,7 @@ impl Matrix {
         Self { rows: parts.iter().map(|part| part.rows).sum(), columns, values }
     }
 
-    /// Matrices of equally many rows, side by side.
+    /// Joins matrices with the same number of rows horizontally.
     #[must_use]
     pub fn side_by_side(parts: &[&Self]) -> Self {
         let values = parts.iter().flat_map(|part| &part.values).copied().collect();

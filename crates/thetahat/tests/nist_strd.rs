@@ -53,7 +53,7 @@ fn fewest(values: &[f64], certified: &[f64]) -> Option<f64> {
 }
 
 fn regression(set: &DataSet) -> Regression {
-    Regression::of_one_series(matrix(set), set.y.to_vec())
+    Regression::single_series(matrix(set), set.y.to_vec())
 }
 
 fn residual_deviation(set: &DataSet, fit: &Fit) -> f64 {

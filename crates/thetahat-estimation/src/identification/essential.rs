@@ -101,7 +101,7 @@ mod tests {
         let noise = |k: usize| ((78.233 * k as f64).sin() * 43758.5453).fract();
         let x = Matrix::from_fn(300, 5, |k, j| (0.037 * (k * (j + 1)) as f64).sin());
         let y: Vec<f64> = (0..300).map(|k| 2.0 * x.at(k, 0) - x.at(k, 3) + 0.1 * noise(k)).collect();
-        let regression = Regression::of_one_series(x, y);
+        let regression = Regression::single_series(x, y);
         let result = eliminate(&regression, EliminationRule::default(), &|_, _| true).unwrap();
         assert_eq!(result.kept, vec![0, 3]);
         assert!(result.f_test.unwrap().p_value > 0.05);

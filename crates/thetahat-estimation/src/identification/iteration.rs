@@ -242,7 +242,7 @@ mod tests {
     fn measured() -> Regression {
         let x = z_of(2.0);
         let y = x.times(&[2.0]);
-        Regression::of_one_series(x, y)
+        Regression::single_series(x, y)
     }
 
     fn options(convergence: Convergence) -> IterationOptions {
@@ -254,7 +254,7 @@ mod tests {
         // Some noise, so that the deviations to which changes are compared are no rounding.
         let Regression { x, y, .. } = measured();
         let y = y.iter().enumerate().map(|(k, y)| y + 1e-8 * (7.7 * k as f64).sin()).collect();
-        let regression = Regression::of_one_series(x.as_ref().clone(), y);
+        let regression = Regression::single_series(x.as_ref().clone(), y);
         let limits = Convergence { parameter_change: 1e-3, error_change: 1e-6, iterations: 50 };
         for method in [Method::IDIM_IV, Method::DIDIM] {
             let outcome = iterate(method, &regression, options(limits), &[1.0], &mut |theta| Ok(z_of(theta[0])));
@@ -268,7 +268,7 @@ mod tests {
     fn iv_settles_where_any_instruments_give_nearly_the_same() {
         let Regression { x, y, .. } = measured();
         let y = y.iter().enumerate().map(|(k, y)| y + 1e-2 * (7.7 * k as f64).sin()).collect();
-        let regression = Regression::of_one_series(x.as_ref().clone(), y);
+        let regression = Regression::single_series(x.as_ref().clone(), y);
         let run = |method: Method, jump: f64| {
             let mut calls = 0;
             let mut jumping = |_: &[f64]| {
@@ -324,7 +324,7 @@ mod tests {
         let regression = {
             let Regression { x, y, .. } = measured();
             let y = y.iter().enumerate().map(|(k, y)| y + 1e-2 * (7.7 * k as f64).sin()).collect();
-            Regression::of_one_series(x.as_ref().clone(), y)
+            Regression::single_series(x.as_ref().clone(), y)
         };
         let mut estimation = Estimation::new(Method::IDIM_IV, options(limits), vec![2.1]);
         while let Some(theta) = estimation.wanted().map(<[f64]>::to_vec) {

@@ -345,7 +345,7 @@ mod tests {
     fn record() -> Regression {
         let SimulatedResponse { mut response, sensitivities } = simulate(&[1.5, 0.2]);
         response.iter_mut().enumerate().for_each(|(k, y)| *y += 1e-3 * (7.7 * k as f64).sin());
-        Regression::of_one_series(sensitivities, response)
+        Regression::single_series(sensitivities, response)
     }
 
     fn estimate(start: Vec<Vec<f64>>, limit: f64) -> Outcome {
@@ -477,7 +477,7 @@ mod tests {
         let fit = estimate(vec![vec![1.4, 0.2]], f64::INFINITY).fit.unwrap();
         let (regression, simulated) = (record(), simulate(&fit.theta));
         let y = regression.y.iter().zip(offset(&simulated, &fit.theta)).map(|(y, o)| y - o).collect();
-        let linear = Regression::of_one_series(simulated.sensitivities, y);
+        let linear = Regression::single_series(simulated.sensitivities, y);
         let expected = Method::IDIM_LS.estimate(&linear, None, Divisor::default()).unwrap();
         for i in 0..2 {
             assert!((fit.theta[i] - expected.theta[i]).abs() < 1e-5 * fit.standard_deviation[i]);

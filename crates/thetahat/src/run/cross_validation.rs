@@ -206,7 +206,7 @@ impl Equations {
         let part = |first: usize| rows.select_columns(&(first..first + self.parameters).collect::<Vec<_>>());
         let z = self.has_instruments.then(|| part(0));
         let x = if self.has_measured && self.has_instruments { part(self.parameters) } else { part(0) };
-        let regression = Regression::of_one_series(x, rows.column(rows.columns() - 1).to_vec());
+        let regression = Regression::single_series(x, rows.column(rows.columns() - 1).to_vec());
         method.estimate(&regression, z.as_ref(), Divisor::default()).map(|fit| fit.theta)
     }
 }

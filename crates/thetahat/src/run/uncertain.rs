@@ -122,7 +122,7 @@ impl Fifths {
         let columns = rows.columns() - 1;
         let x = rows.select_columns(&(0..columns).collect::<Vec<_>>());
         let represented = vec![rows_represented as f64];
-        Regression { represented, ..Regression::of_one_series(x, rows.column(columns).to_vec()) }
+        Regression { represented, ..Regression::single_series(x, rows.column(columns).to_vec()) }
     }
 
     /// The length of the error of the fifths, each with the parameters of the others.

@@ -62,7 +62,7 @@ impl Pair {
         self.with_companions(compare)
     }
 
-    /// The numbers behind the findings.
+    /// The evidence of the checks.
     pub fn measures(&self) -> Vec<Measure> {
         self.with_companions(measure_across_recordings)
     }
