@@ -11,6 +11,15 @@ use super::{
 };
 use thetahat_ground::linear_algebra::{Matrix, dot};
 
+/// Drift of a torque's scale over the recording that counts, percent.
+const GAIN_LIMIT_PERCENT: f64 = 5.0;
+/// Drift of a joint's friction over the recording that counts, percent.
+const FRICTION_LIMIT_PERCENT: f64 = 12.0;
+/// Standard deviations, from blocks of time, by which the drift of a scale must differ from zero. Clean: the recorded TX40 has 4
+/// at its first joint (-7 %), all others 3 or less.
+const SIGNIFICANT_GAIN: f64 = 5.0;
+/// The same for friction: the clean recordings have at most 3.
+const SIGNIFICANT_FRICTION: f64 = 4.0;
 /// Largest drift, percent: larger ones are physically impossible and occur where the torque has little information.
 const PLAUSIBLE_PERCENT: f64 = 70.0;
 
@@ -18,29 +27,27 @@ const PLAUSIBLE_PERCENT: f64 = 70.0;
 struct Quantity {
     code: Code,
     name: &'static str,
-    /// Drift over the recording that counts, percent.
+    /// Limit of the drift over the recording, percent.
     limit_percent: f64,
     /// Standard deviations, from blocks of time, by which the drift must differ from zero.
     significant: f64,
     remedy: &'static str,
 }
 
-/// Clean: the recorded TX40 has a drift of 4 standard deviations at its first joint (-7 %), all others 3 or less.
 const GAIN: Quantity = Quantity {
     code: Code::GainDrift,
     name: "scale of the torque",
-    limit_percent: 5.0,
-    significant: 5.0,
+    limit_percent: GAIN_LIMIT_PERCENT,
+    significant: SIGNIFICANT_GAIN,
     remedy: "check whether the drive's gain depends on temperature, and whether a payload was picked up or put down; cut the \
              recording into shorter ones ([signal] window_start_s, window_end_s) and compare their estimates",
 };
 
-/// The clean recordings have at most 3 standard deviations.
 const FRICTION: Quantity = Quantity {
     code: Code::FrictionDrift,
     name: "friction",
-    limit_percent: 12.0,
-    significant: 4.0,
+    limit_percent: FRICTION_LIMIT_PERCENT,
+    significant: SIGNIFICANT_FRICTION,
     remedy: "warm the joint up before recording, or start later by [signal] window_start_s: the model has one friction for \
              the whole recording",
 };
