@@ -4,7 +4,7 @@ use super::{
     estimators::idim_ls,
     fit::{Divisor, EstimationError},
 };
-use crate::regression::{Regression, RowLayout};
+use crate::regression::{BlockKey, Regression, RowBlock, RowLayout};
 use thetahat_ground::linear_algebra::Matrix;
 
 /// Largest relative change of a weight in the last step.
@@ -62,7 +62,8 @@ fn compressed(regression: &Regression) -> Regression {
     for block in layout.blocks() {
         let rows = all.row_range(block.rows.clone());
         let factor = if rows.rows() > rows.columns() { rows.triangular_factor() } else { rows };
-        few.push(block.joint, (block.recording, block.stretch), factor.rows());
+        let RowBlock { joint, recording, stretch, .. } = *block;
+        few.push(BlockKey { joint, recording, stretch }, factor.rows());
         factors.push(factor);
     }
     let stacked = Matrix::stack(&factors.iter().collect::<Vec<_>>());

@@ -113,7 +113,7 @@ fn the_one_that_differs_is_named() -> Result<(), Failed> {
     payload(&mut third);
     let found = beside_one_another(&[("a", &first, false), ("b", &second, false), ("c", &third, false)], compare);
     ensure(found.len() == 1 && found[0].code == Code::RecordingsContradict, format!("{found:?}"))?;
-    ensure(found[0].message.contains("c differs from a, b, which agree, most in m"), found[0].message.clone())?;
+    ensure(found[0].message.contains("c differs from a, b, which agree, mainly in m"), found[0].message.clone())?;
     let found = beside_one_another(&[("a", &first, false), ("b", &second, false), ("c", &third, true)], compare);
     ensure(found.len() == 1 && found[0].severity == Severity::Warning, format!("{found:?}"))?;
     ensure(found[0].message.contains("c, which is held back, differs from the others"), found[0].message.clone())

@@ -78,7 +78,7 @@ pub const FINDINGS: [[&str; 4]; 41] = [
     [
         "gear-ratio",
         "problem",
-        "rms torque that another ratio of a motor, or another scale of a position or torque, explains ({checks/gear EFFECT_LIMIT_PERCENT} % of the torques; the scale differs from one by {checks/gear SURE} standard deviations)",
+        "rms torque that another ratio of a motor, or another scale of a position or torque, explains ({checks/gear EFFECT_LIMIT_PERCENT} % of the torques; the scale differs from one by {checks/gear SIGNIFICANT} standard deviations)",
         "check the ratio, the position's scale or the drive's gain that the message names",
     ],
     [
@@ -247,13 +247,13 @@ pub const FINDINGS: [[&str; 4]; 41] = [
     [
         "gain-drift",
         "warning",
-        "change of a joint's torque over the recording ({checks/drift GAIN_LIMIT_PERCENT} %, and {checks/drift SURE_OF_GAIN} standard deviations)",
+        "change of a joint's torque over the recording ({checks/drift GAIN_LIMIT_PERCENT} %, and {checks/drift SIGNIFICANT_GAIN} standard deviations)",
         "check drive gain and payload; compare shorter windows",
     ],
     [
         "friction-drift",
         "warning",
-        "change of a joint's friction over the recording ({checks/drift FRICTION_LIMIT_PERCENT} %, and {checks/drift SURE_OF_FRICTION} standard deviations)",
+        "change of a joint's friction over the recording ({checks/drift FRICTION_LIMIT_PERCENT} %, and {checks/drift SIGNIFICANT_FRICTION} standard deviations)",
         "warm the joint up, or start the window later",
     ],
     [

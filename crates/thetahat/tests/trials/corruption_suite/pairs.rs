@@ -2,7 +2,7 @@
 
 use thetahat::{
     base_parameters::BaseParameters,
-    checks::{Code, Companion, Finding, compare, measure_together},
+    checks::{Code, Companion, Finding, Measure, compare, measure_across_recordings},
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     signal::{Derivative, band_pass},
 };
@@ -62,9 +62,9 @@ impl Pair {
         self.with_companions(compare)
     }
 
-    /// The numbers behind the findings.
-    pub fn measures(&self) -> Vec<(Code, f64, f64)> {
-        self.with_companions(measure_together)
+    /// The evidence of the checks.
+    pub fn measures(&self) -> Vec<Measure> {
+        self.with_companions(measure_across_recordings)
     }
 
     fn with_companions<T>(&self, f: impl FnOnce(&[Companion<'_>]) -> T) -> T {

@@ -1,8 +1,8 @@
-//! The record and its regression as the checks see them: the band of the estimate at a fraction of its cost.
+//! The recording and its regression for the checks: the band of the estimate at a fraction of its cost.
 //!
-//! Motion is band-passed as for the estimate, but evaluated at only ten samples per period of the cut-off; torque and
-//! observation matrix then pass the same second decimation. On the TX40 that takes 10 ms instead of 110 and the relative
-//! error agrees to 0.01 %.
+//! The motion is band-passed as for the estimate, but the model is evaluated at only ten samples per period of the cut-off.
+//! Torque and observation matrix then pass the same second decimation. On the TX40 this takes 10 ms instead of 110, and the
+//! relative error agrees to 0.01 %.
 
 use std::{cell::OnceCell, ops::Range, rc::Rc};
 
@@ -25,30 +25,30 @@ use thetahat_model::{
 
 /// Samples per period of the cut-off at which the motion is evaluated.
 const SAMPLES_PER_PERIOD: f64 = 10.0;
-/// Most samples at which the motion is evaluated: the time of a check is bounded.
+/// Most samples at which the motion is evaluated, to bound the time of a check.
 const MOST_SAMPLES: usize = 20_000;
-/// Thinned samples beside a gap that the low-pass of the thinning makes of it.
+/// Thinned samples next to a gap that the low-pass of the thinning affects.
 const AROUND: usize = 2;
 /// Rows of a coordinate beyond which more add nothing.
 const ENOUGH_ROWS: usize = 2_000;
-/// Most work of one factorisation, rows times squared columns: of more rows, every n-th is taken.
+/// Most work of one factorisation, rows times squared columns: beyond it only every n-th row is used.
 const MOST_WORK: f64 = 2e7;
 
-/// Rows of a coordinate from which their statistics say something.
+/// Fewest rows of a coordinate for meaningful statistics.
 const FEWEST_ROWS: usize = 40;
-/// Relative size of the last diagonal entries of R below which columns made of a motion depend on one another.
+/// Relative size of the last diagonal entries of R below which columns made of a motion are linearly dependent.
 const DEPENDENT: f64 = 1e-8;
-/// Fewest rows per column of a fit in which something is looked for.
+/// Fewest rows per column of a fit that is checked.
 const ROWS_PER_COLUMN: usize = 2;
-/// Rows per parameter that are left of more: with as many rows as parameters any motion fits.
+/// Fewest rows per parameter that a reduction keeps: with as many rows as parameters any motion fits.
 const FEWEST_ROWS_PER_PARAMETER: usize = 6;
 
-/// Samples that are left out, among every so many samples kept, with what the low-pass of the thinning makes of them.
+/// The left-out samples in the thinned recording, with those that the low-pass of the thinning affects.
 fn thinned(left_out: &[Range<usize>], first: &Decimator, stride: usize) -> Vec<Range<usize>> {
     let offset = first.kept().next().unwrap_or(0);
-    let place = |k: usize| k.saturating_sub(offset) / stride;
+    let index = |k: usize| k.saturating_sub(offset) / stride;
     let around =
-        |gap: &Range<usize>| place(gap.start).saturating_sub(AROUND)..(place(gap.end) + 1 + AROUND).min(first.rows());
+        |gap: &Range<usize>| index(gap.start).saturating_sub(AROUND)..(index(gap.end) + 1 + AROUND).min(first.rows());
     let mut thinned: Vec<Range<usize>> = Vec::new();
     for gap in left_out.iter().map(around) {
         match thinned.last_mut().filter(|last| last.end >= gap.start) {
@@ -61,18 +61,19 @@ fn thinned(left_out: &[Range<usize>], first: &Decimator, stride: usize) -> Vec<R
 
 /// Motion and torque between the two decimations, corrected as faults are found, with their fit.
 #[derive(Clone)]
-pub(super) struct ThinnedRecord<'a> {
+pub(super) struct ThinnedRecording<'a> {
     pub(super) subject: &'a Subject<'a>,
     /// The parameters of the fit.
     base: &'a BaseParameters,
     pub(super) motion: Motion,
-    /// Low-passed as the rows are.
+    /// Low-passed like the rows.
     pub(super) torque: Series,
     pub(super) decimator: Decimator,
     /// Samples per second of motion and torque.
     pub(super) rate_hz: f64,
     /// Samples that become rows.
     pub(super) kept: Vec<usize>,
+    /// One of this many rows is used.
     every: usize,
     /// Recorded samples from one row to the next, before rows are left out.
     factor: usize,
@@ -81,24 +82,24 @@ pub(super) struct ThinnedRecord<'a> {
     corrected: bool,
 }
 
-impl<'a> ThinnedRecord<'a> {
-    /// The record of a subject, to be fitted by all base parameters; none where its torques were not recorded or it is too
-    /// short for the filters.
+impl<'a> ThinnedRecording<'a> {
+    /// The recording of a subject, for a fit of all base parameters; `None` if its torques were not recorded or it is too short
+    /// for the filters.
     pub(super) fn new(subject: &'a Subject<'a>, cutoff_hz: f64) -> Option<Self> {
         let bounded = bounded_factor(subject.signal.window.len(), subject.sample_rate_hz, cutoff_hz);
-        Self::of_factor(subject, subject.signal.decimation.max(bounded), cutoff_hz)
+        Self::with_factor(subject, subject.signal.decimation.max(bounded), cutoff_hz)
     }
 
-    /// The record as it was, with another filter of the positions and the same of the torques.
+    /// The original recording, with another filter of the positions and the same filter of the torques.
     pub(super) fn with_cutoff(&self, cutoff_hz: f64) -> Option<Self> {
-        Self::of_factor(self.subject, self.factor, cutoff_hz)
+        Self::with_factor(self.subject, self.factor, cutoff_hz)
     }
 
-    fn of_factor(subject: &'a Subject<'a>, factor: usize, cutoff_hz: f64) -> Option<Self> {
-        Self::of_torque(subject, &subject.centred_torque_in_window()?, factor, cutoff_hz).ok()
+    fn with_factor(subject: &'a Subject<'a>, factor: usize, cutoff_hz: f64) -> Option<Self> {
+        Self::from_torque(subject, &subject.centred_torque_in_window()?, factor, cutoff_hz).ok()
     }
 
-    fn of_torque(
+    fn from_torque(
         subject: &'a Subject<'a>,
         torque: &Series,
         factor: usize,
@@ -126,8 +127,8 @@ impl<'a> ThinnedRecord<'a> {
         Ok(Self { subject, base, motion, torque, decimator, rate_hz, kept, every, factor, regressor, fit, corrected })
     }
 
-    /// The record as corrected so far, to be fitted by the parameters that are estimated.
-    pub(super) fn of_estimated(&self) -> Self {
+    /// The recording as corrected so far, for a fit of the estimated parameters.
+    pub(super) fn with_estimated_parameters(&self) -> Self {
         let Subject { model, base, .. } = *self.subject;
         if base.columns() == self.base.columns() {
             return self.clone();
@@ -135,7 +136,7 @@ impl<'a> ThinnedRecord<'a> {
         Self { base, regressor: Regressor::new(model, &base.columns()), fit: OnceCell::new(), ..self.clone() }
     }
 
-    /// Whether there are enough rows for what is looked for in the fit of so many columns.
+    /// Whether there are enough rows for checks of a fit of so many columns.
     pub(super) fn has_rows_for(&self, columns: usize) -> bool {
         self.rows() * self.coordinates() >= ROWS_PER_COLUMN * columns
     }
@@ -145,7 +146,7 @@ impl<'a> ThinnedRecord<'a> {
         self.base.len()
     }
 
-    /// Samples of the thinned record from one row to the next, before rows are left out.
+    /// Samples of the thinned recording from one row to the next, before rows are left out.
     pub(super) fn steps_per_row(&self) -> usize {
         match self.kept[..] {
             [first, second, ..] => (second - first) / self.every,
@@ -162,12 +163,12 @@ impl<'a> ThinnedRecord<'a> {
         self.kept.len()
     }
 
-    /// Whether its rows are enough for statistics of them.
+    /// Whether there are enough rows for statistics.
     pub(super) fn is_long_enough(&self) -> bool {
         self.rows() >= FEWEST_ROWS
     }
 
-    /// Puts the record right.
+    /// Corrects the recording.
     pub(super) fn correct(&mut self, correction: &Affine) {
         self.motion = correction.motion(&self.motion);
         self.torque = correction.torque(&self.torque);
@@ -175,26 +176,26 @@ impl<'a> ThinnedRecord<'a> {
         self.fit = OnceCell::new();
     }
 
-    /// Puts other torques in the place of the recorded ones.
+    /// Replaces the recorded torques.
     pub(super) fn replace_torque(&mut self, torque: Series) {
         self.torque = torque;
         self.corrected = true;
         self.fit = OnceCell::new();
     }
 
-    /// Whether the record was put right.
+    /// Whether the recording was corrected.
     pub(super) fn is_corrected(&self) -> bool {
         self.corrected
     }
 
-    /// A copy with the record put right.
+    /// A corrected copy.
     pub(super) fn corrected(&self, correction: &Affine) -> Self {
         let mut other = self.clone();
         other.correct(correction);
         other
     }
 
-    /// The fit of the record as corrected so far, made once.
+    /// The fit of the recording as corrected so far, computed once.
     pub(super) fn fit(&self) -> Result<Rc<OrthogonalFit>, SignalError> {
         if let Some(fit) = self.fit.get() {
             return Ok(Rc::clone(fit));
@@ -203,26 +204,26 @@ impl<'a> ThinnedRecord<'a> {
         Ok(Rc::clone(self.fit.get_or_init(|| fit)))
     }
 
-    /// The fit with further columns beside those of the parameters, without some rows.
-    pub(super) fn fit_beside(&self, columns: &Matrix, left_out: &[bool]) -> Result<OrthogonalFit, SignalError> {
+    /// The fit with further columns in addition to those of the parameters, without some rows.
+    pub(super) fn fit_with_columns(&self, columns: &Matrix, left_out: &[bool]) -> Result<OrthogonalFit, SignalError> {
         let regression = self.regression()?;
-        let beside = Matrix::side_by_side(&[&regression.x, columns]);
-        Ok(OrthogonalFit::without(&regression.with_matrix(beside), left_out))
+        let all = Matrix::side_by_side(&[&regression.x, columns]);
+        Ok(OrthogonalFit::without(&regression.with_matrix(all), left_out))
     }
 
-    /// The rows of the record as corrected so far, without weights.
+    /// The rows of the recording as corrected so far, without weights.
     pub(super) fn regression(&self) -> Result<Regression, SignalError> {
         self.regression_of(self.subject.model, &self.base.columns())
     }
 
-    /// The same with some columns of another model of the robot.
+    /// The same for some columns of another model of the robot.
     pub(super) fn regression_of(&self, model: &Model, columns: &[usize]) -> Result<Regression, SignalError> {
         let assembly = Assembly::new(model, columns, self.decimator.clone());
         let Motion { q, dq, ddq } = &self.motion;
         let x = assembly.observation_matrix(q, dq, ddq, Sign::Exact)?;
         let all = self.decimator.rows();
-        let taken: Vec<bool> = (0..x.rows()).map(|i| (i % all).is_multiple_of(self.every)).collect();
-        let x = if self.every == 1 { x } else { x.select_rows(&taken) };
+        let used: Vec<bool> = (0..x.rows()).map(|i| (i % all).is_multiple_of(self.every)).collect();
+        let x = if self.every == 1 { x } else { x.select_rows(&used) };
         let layout = RowLayout::new(self.coordinates(), &[self.rows()]);
         Ok(Regression::new(x, self.stack(&self.torque), layout))
     }
@@ -242,7 +243,7 @@ impl<'a> ThinnedRecord<'a> {
         self.kept.iter().map(|&k| series.sample(k)[channel]).collect()
     }
 
-    /// The channels of a series as columns, low-passed as the rows are; none where they depend on one another.
+    /// The channels of a series as columns, low-passed like the rows; `None` if they are linearly dependent.
     pub(super) fn columns_of(&self, series: &Series) -> Option<Matrix> {
         let filtered = self.decimator.filter(series).ok()?;
         let rows = self.stack(&filtered);
@@ -251,7 +252,7 @@ impl<'a> ThinnedRecord<'a> {
         (PivotedQr::new(&columns).rank(DEPENDENT) == series.channels()).then_some(columns)
     }
 
-    /// The rows of coordinate `j` of all rows.
+    /// The rows of coordinate `j`.
     pub(super) fn rows_of<'r>(&self, rows: &'r [f64], j: usize) -> &'r [f64] {
         &rows[j * self.rows()..(j + 1) * self.rows()]
     }
@@ -262,7 +263,7 @@ impl<'a> ThinnedRecord<'a> {
         self.regressor.torques(self.subject.model, [q, dq, ddq], Sign::Exact, theta)
     }
 
-    /// Deviation of each joint's predicted friction, part of that of the rest of its torque.
+    /// Standard deviation of each joint's predicted friction, relative to that of the rest of its torque.
     pub(super) fn friction_share(&self, theta: &[f64]) -> Vec<f64> {
         let part = |friction: bool| {
             let own = |(c, t): (usize, &f64)| if self.is_friction(c) == friction { *t } else { 0.0 };
@@ -282,7 +283,7 @@ impl<'a> ThinnedRecord<'a> {
         self.subject.model.parameter_table().get(kept).quantity
     }
 
-    /// The regression of a motion and its torques, not filtered: for hypotheses that change much.
+    /// The regression of a motion and its torques, not filtered: for hypotheses with large effects.
     pub(super) fn unfiltered_regression(&self, motion: &Motion, torque: &Series) -> Regression {
         let phi = self.regressor.evaluate_series(self.subject.model, &motion.q, &motion.dq, &motion.ddq, Sign::Exact);
         let rows = phi.len();
@@ -297,19 +298,19 @@ impl<'a> ThinnedRecord<'a> {
     }
 }
 
-/// The decimation that leaves about [`ENOUGH_ROWS`], where that keeps the band of the position filter.
+/// The decimation that leaves about [`ENOUGH_ROWS`], or a smaller one that keeps the band of the position filter.
 fn bounded_factor(samples: usize, rate: f64, cutoff_hz: f64) -> usize {
     let keeps_the_band = (0.4 * rate / (2.0 * cutoff_hz)) as usize;
     keeps_the_band.min(samples / ENOUGH_ROWS)
 }
 
-/// The samples of a motion at given places.
+/// The samples of a motion with given indices.
 pub(super) fn motion_at(motion: &Motion, samples: &[usize]) -> Motion {
     let Motion { q, dq, ddq } = motion;
     Motion { q: at(q, samples), dq: at(dq, samples), ddq: at(ddq, samples) }
 }
 
-/// The samples of a series at given places.
+/// The samples of a series with given indices.
 pub(super) fn at(series: &Series, samples: &[usize]) -> Series {
     let values = samples.iter().flat_map(|&k| series.sample(k).iter().copied()).collect();
     Series::from_values(series.channels(), values)
