@@ -152,7 +152,7 @@ fn record_twin(simulate: &Simulate) -> Result<Ending, Box<dyn Error>> {
     let experiment = Experiment::read(&simulate.experiment, Path::new(""))?;
     OutputGuard::new(experiment.input_files(Path::new("")), simulate.force.force).file(&simulate.out)?;
     let record = experiment.record_twin()?;
-    report::write_record(&record, &simulate.out)?;
+    report::write_recording(&record, &simulate.out)?;
     let (samples, rate) = (record.position.len(), record.sample_rate_hz);
     print(&format!(
         "{samples} samples at {rate} Hz of {} joints: time_s, position_1 ..., torque_1 ... (rad and N m, or m and N)\n\

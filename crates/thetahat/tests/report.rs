@@ -142,7 +142,7 @@ fn reason() -> VerdictReason {
         code: ReasonCode::CheckProblem,
         verdict: Verdict::DoNotUse,
         numbers: BTreeMap::from([("value".to_owned(), 2.4)]),
-        concerned: ReasonSubject {
+        subject: ReasonSubject {
             recording: Some("1".to_owned()),
             finding: Some(Code::Lag),
             ..ReasonSubject::default()
@@ -192,7 +192,7 @@ fn diagnosis(case: &str) -> CaseDiagnosis {
 fn advice(case: &str) -> Advice {
     Advice {
         case: case.to_owned(),
-        take: Some(Method::IDIM_IV),
+        recommended: Some(Method::IDIM_IV),
         distrust: vec![Method::DIDIM],
         text: "Take idim-iv. Distrust didim: it differs by 3.76 standard deviations on average.".to_owned(),
     }
@@ -262,7 +262,7 @@ fn results() -> Results {
             sample_rate_hz: 1000.0,
             window_s: [0.05, 0.35],
             resampling: None,
-            torque_ends_hz: None,
+            torque_bandwidth_hz: None,
             torque_hold_s: 0.0,
             near_rest: None,
             reference: Some(ReferenceResult {

@@ -49,7 +49,7 @@ class Advice(NamedTuple):
 
     case: str
     """The case."""
-    take: str | None
+    recommended: str | None
     """The method to take; None where no method has an estimate."""
     distrust: tuple[str, ...]
     """Methods whose estimates are not to be trusted."""
@@ -238,7 +238,7 @@ class Result:
     def advice(self) -> list[Advice]:
         """Which numbers of each case to take, and why."""
         return [
-            Advice(advice["case"], advice["take"], tuple(advice["distrust"]), advice["text"])
+            Advice(advice["case"], advice["recommended"], tuple(advice["distrust"]), advice["text"])
             for advice in self._data["advice"]
         ]
 

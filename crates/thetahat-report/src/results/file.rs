@@ -16,7 +16,7 @@ pub enum ResultsError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// The file is not JSON of the expected form.
@@ -53,7 +53,7 @@ pub enum ResultsError {
     },
 }
 
-/// The one key that every schema has; a file without it is of schema 0.
+/// The key that every schema has; a file without it has schema 0.
 #[derive(Deserialize)]
 struct SchemaKey {
     #[serde(default)]
@@ -77,7 +77,7 @@ impl Results {
     /// [`ResultsError`] for a text that is not of the expected form or has a larger schema than [`SCHEMA`].
     pub fn from_json(path: &Path, text: &str) -> Result<Self, ResultsError> {
         let malformed = |source| ResultsError::Malformed { path: path.to_owned(), source };
-        // The schema comes first: what a later one holds need not be of the form of this one.
+        // The schema is read first: a later one may have another form.
         let SchemaKey { schema } = serde_json::from_str(text).map_err(malformed)?;
         if schema > SCHEMA.into() {
             return Err(ResultsError::NewerSchema { path: path.to_owned(), found: schema, supported: SCHEMA });

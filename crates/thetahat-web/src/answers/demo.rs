@@ -24,7 +24,7 @@ pub(crate) struct DemoAnswer {
 impl Demo {
     pub(crate) fn new() -> Outcome<Self> {
         let demo = Experiment::demo()?;
-        let log = report::record_csv(&demo.record_twin()?)?;
+        let log = report::recording_csv(&demo.record_twin()?)?;
         let own = demo.file.robot.display().to_string();
         Ok(Self {
             files: [(ROBOT, demo.robot_text.into_bytes()), (LOG, log)],

@@ -103,7 +103,7 @@ fn outside(table: &ParameterTable, physical: &PhysicalResult, limit: f64, asked:
         let unit = table.index_of(name).map_or("kg m^2", |i| &*table.get(i).unit);
         format!("{name} by {} {unit}", significant(*lacking, 2))
     };
-    let all: Vec<String> = physical.outside.iter().zip(&physical.lacking).map(lacking).collect();
+    let all: Vec<String> = physical.inconsistent.iter().zip(&physical.violations).map(lacking).collect();
     if all.is_empty() {
         return None;
     }
@@ -125,7 +125,7 @@ fn outside(table: &ParameterTable, physical: &PhysicalResult, limit: f64, asked:
             "no robot has these estimates: they are {deviations:.1} standard deviations outside, {noise}; too small are {named}{more}"
         ),
         remedy: link_remedy(asked, is_noise).to_owned(),
-        parameters: physical.outside.clone(),
+        parameters: physical.inconsistent.clone(),
     })
 }
 

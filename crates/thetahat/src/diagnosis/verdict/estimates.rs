@@ -53,7 +53,7 @@ pub(super) fn reasons(results: &Results) -> Vec<VerdictReason> {
 /// Adds reasons; what is said of one method is not said of the next one too.
 fn add(reasons: &mut Vec<VerdictReason>, more: Vec<VerdictReason>) {
     for reason in more {
-        let about = |r: &VerdictReason| (r.code, r.concerned.joint.clone(), r.concerned.parameter.clone());
+        let about = |r: &VerdictReason| (r.code, r.subject.joint.clone(), r.subject.parameter.clone());
         if reasons.iter().all(|r| about(r) != about(&reason)) {
             reasons.push(reason);
         }
@@ -83,7 +83,7 @@ impl NotExplained {
         [
             ("relative_error_percent", self.error_percent),
             ("p_value", self.test.map(|t| t.test.p_value)),
-            ("stands_out_deviations", self.test.and_then(|t| t.stands_out)),
+            ("deviations_above_shifted", self.test.and_then(|t| t.deviations_above_shifted)),
             ("limit", Some(limit)),
         ]
     }
