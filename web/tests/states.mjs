@@ -39,6 +39,6 @@ export const STATES = {
   },
   exported: async (page) => {
     await page.getByRole("button", { name: "MJCF", exact: true }).click();
-    await page.getByRole("region", { name: "What is said of the export" }).waitFor();
+    await page.getByRole("region", { name: "Remarks on the export" }).waitFor();
   },
 };
