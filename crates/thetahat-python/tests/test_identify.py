@@ -166,7 +166,7 @@ def test_results_are_read_from_their_file(result, tmp_path):
     read = th.Result.read(tmp_path / "results.json")
     assert read.to_json() == result.to_json()
     assert read.robot is None
-    with pytest.raises(th.ResultsError, match="know no robot"):
+    with pytest.raises(th.ResultsError, match="have no robot"):
         read.predict([0, 0], [0, 0], [0, 0])
     (tmp_path / "other.json").write_text(json.dumps({"a": 1}))
     with pytest.raises(th.ResultsError, match=r"other\.json"):

@@ -7,7 +7,7 @@ use crate::{
         card::physically,
         grades::{class, is_counted},
         names,
-        number::{fixed, significant},
+        number::significant,
     },
     results::{Card, Grade, Method, Physical, Results, Unseen, Verdict},
 };

@@ -249,8 +249,8 @@ fn of_negative(verdict: Verdict, run: &RunResult, same: &[&Finding]) -> VerdictR
     let others: Vec<String> = same[1..].iter().map(named).collect();
     if !others.is_empty() {
         let names: Vec<&str> = same[1..].iter().flat_map(|f| &f.parameters).map(String::as_str).collect();
-        let seen = format!("{}; likewise {}", reason.seen(), others.join(", "));
-        reason.remedy = format!("{}; likewise {}", reason.remedy, names.join(", "));
+        let seen = format!("{}; also {}", reason.seen(), others.join(", "));
+        reason.remedy = format!("{}; also for {}", reason.remedy, names.join(", "));
         reason.text = format!("{seen}; {}.", reason.remedy);
     }
     reason
