@@ -1,5 +1,6 @@
 // One list of all findings in the files: the most serious first, each with its remedy.
 
+import { sentence } from "../words";
 import type { Finding, RobotAnswer, Severity, Understanding } from "../contract";
 
 /** The code of doubtful values in a robot's description. */
@@ -25,7 +26,7 @@ export function Findings({ understanding, problem }: { understanding: Understand
 
 function allFindings({ robot, proposal, proposal_error: failed, findings }: Understanding, problem: string | null): Finding[] {
   const problems = [problem, failed, robot?.problem].filter((text) => text != null).map(plain("problem"));
-  const guesses = (proposal?.guesses ?? []).map(plain("guess"));
+  const guesses = (proposal?.guesses ?? []).map(sentence).map(plain("guess"));
   // The checks of a log also report doubtful values of the robot.
   const doubts = findings.some(({ code }) => code === DOUBT) ? [] : (robot?.doubts ?? []).map(doubtful);
   return [...problems, ...findings, ...doubts, ...guesses].sort((a, b) => ORDER.indexOf(a.severity) - ORDER.indexOf(b.severity));

@@ -1,7 +1,7 @@
 //! The content of a recording, for the terminal.
 
 use super::{
-    number::significant,
+    number::{rate, significant},
     table::Table,
     wrap::{TextWidth, wrap},
 };
@@ -91,7 +91,7 @@ fn times(time: &TimeSummary, width: TextWidth) -> String {
             "time: {:?} in {}, {} Hz; steps deviate by {rms} % rms, at most {largest} %",
             time.column,
             time.unit.symbol(),
-            significant(time.rate_hz, 7),
+            rate(time.rate_hz),
         ),
         "",
         width,
