@@ -61,14 +61,14 @@ pub fn solve(request: &arguments::Solve) -> Result<Ending, Box<dyn Error>> {
     show(&solution.results, published.as_ref(), &request.output, &note(&solution, request.merged.as_deref()))
 }
 
-/// The origin of the intervals, and the file of the merged reductions.
+/// Where the intervals come from, and where the merged reductions are.
 fn note(solution: &Solution, merged: Option<&Path>) -> String {
     let intervals = match solution.segments {
         Some(segments) => format!(
-            "\nIntervals from {segments} time segments, cluster-robust; identify computes them from the correlation of rows, \
-             and the two differ (docs/manual/long_recordings.md).\n"
+            "\nIntervals from {segments} stretches of time, cluster-robust; identify takes them from the correlation of rows, \
+             and they differ (docs/manual/long_recordings.md).\n"
         ),
-        None => "\nNo intervals: fewer than two time segments.\n".to_owned(),
+        None => "\nNo intervals: fewer than two stretches of time.\n".to_owned(),
     };
     merged.map_or(intervals.clone(), |path| format!("{intervals}\nwritten: {}\n", path.display()))
 }

@@ -83,7 +83,7 @@ impl Bench {
 /// Why a campaign's page is not written; unlike the command, this never replaces a page of another origin.
 fn not_replaced(error: OutputError) -> PythonError {
     if let OutputError::NotOurs { path } = &error {
-        let problem = "exists and was not written by thetahat; use another `out`";
+        let problem = "exists and was not written by thetahat; take another `out`";
         return PythonError::new("CampaignError", format!("{}: {problem}", path.display()));
     }
     PythonError::new("CampaignError", error)

@@ -118,7 +118,7 @@ def test_a_folder_of_another_campaign_is_refused(described, checkout, tmp_path):
 
 def test_remedies_name_arguments_and_not_flags(described, tmp_path):
     (tmp_path / "campaign.html").write_text("a page of others")
-    with pytest.raises(th.CampaignError, match="exists and was not written by thetahat; use another `out`$"):
+    with pytest.raises(th.CampaignError, match="exists and was not written by thetahat; take another `out`$"):
         distributed.campaign(described, tmp_path)
     with pytest.raises(th.CampaignError, match="expected a folder, found a file; give another folder with `out`$"):
         distributed.campaign(described, tmp_path / "campaign.html")
@@ -690,7 +690,7 @@ def test_jobs_are_taken_as_workers_get_free():
 @pytest.mark.parametrize("name", ["fleet.json", "fleet.html", "merged.reduction"])
 def test_files_of_others_are_not_replaced(name, recorded, tmp_path):
     (tmp_path / name).write_text("mine")
-    with pytest.raises(th.ReportError, match=rf"{name}: exists and was not written by thetahat; use another place"):
+    with pytest.raises(th.ReportError, match=rf"{name}: exists and was not written by thetahat; take another place"):
         if name == "merged.reduction":
             distributed.reduce(recorded / "0.toml", tmp_path)
         else:

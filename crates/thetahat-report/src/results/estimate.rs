@@ -8,7 +8,7 @@ use thetahat_estimation::identification::Method;
 #[non_exhaustive]
 pub enum NoEstimate {
     /// No method was requested, and the advice recommends none.
-    #[error("the advice recommends no method in case {case}; choose one with --method: {}", methods.join(", "))]
+    #[error("the advice takes no method in case {case}; ask for one of {}", methods.join(", "))]
     NotAdvised {
         /// The case.
         case: String,

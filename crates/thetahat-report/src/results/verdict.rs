@@ -43,7 +43,7 @@ impl fmt::Display for Verdict {
 pub enum ReasonCode {
     /// The checks found a problem in a recording that was used.
     CheckProblem,
-    /// Each recording is explained alone, but not all together.
+    /// Separate fits explain the recordings, a common fit does not.
     RecordingsDisagree,
     /// A known payload contradicts the torques.
     DriveGain,

@@ -120,7 +120,7 @@ class Store:
         for name, mark in marks.items():
             if name in there and mark.encode() not in self.read(name)[:_HEAD]:
                 raise ReportError(
-                    f"{self.place}/{name}: exists and was not written by thetahat; use another place, or delete it"
+                    f"{self.place}/{name}: exists and was not written by thetahat; take another place, or delete it"
                 )
 
     def require(self, names: Sequence[str]) -> None:
