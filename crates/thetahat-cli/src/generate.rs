@@ -71,7 +71,7 @@ fn read_robot(request: &Generate, path: &Path) -> Result<Source, Box<dyn Error>>
 
 fn read_results(request: &Generate, path: PathBuf) -> Result<Source, Box<dyn Error>> {
     if !request.lock.is_empty() || !request.until.is_empty() {
-        return Err("the results already define the locked joints; remove --lock and --until".into());
+        return Err("the results say which joints are locked; leave --lock and --until out".into());
     }
     let identified = IdentifiedRobot::read(
         &path,

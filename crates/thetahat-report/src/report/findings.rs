@@ -199,7 +199,7 @@ pub(super) fn count(recordings: &[RecordingFindings]) -> String {
     };
     let parts: Vec<String> = SEVERITIES.into_iter().filter_map(part).collect();
     match (recordings, parts.is_empty()) {
-        ([], _) => "no checks".to_owned(),
+        ([], _) => "none made".to_owned(),
         (_, true) => "no problems found".to_owned(),
         _ => parts.join(", "),
     }

@@ -16,7 +16,7 @@ pub enum NoEstimate {
         methods: Vec<String>,
     },
     /// The case has no estimate by any method.
-    #[error("there is no estimate of case {case}; {}", listed(runs))]
+    #[error("there is no estimate of case {case}; there {}", listed(runs))]
     NoCase {
         /// The case.
         case: String,
@@ -24,7 +24,7 @@ pub enum NoEstimate {
         runs: Vec<String>,
     },
     /// There is no such run, or it has no estimate.
-    #[error("{method} has no estimate in case {case}; {}", listed(runs))]
+    #[error("{method} has no estimate in case {case}; there {}", listed(runs))]
     Absent {
         /// The case.
         case: String,
@@ -58,5 +58,5 @@ impl Results {
 }
 
 fn listed(runs: &[String]) -> String {
-    if runs.is_empty() { "there are none at all".to_owned() } else { format!("estimates: {}", runs.join(", ")) }
+    if runs.is_empty() { "is none".to_owned() } else { format!("are {}", runs.join(", ")) }
 }
