@@ -28,7 +28,7 @@ def test_a_result_is_read_by_its_keys(result):
     assert [run.method for run in result] == ["idim-ls", "idim-iv"]
     run = result["idim-iv", "nominal"]
     assert run["fv1"].unit == "N m s/rad" and run["fv1"].estimate == run.estimates[run.names.index("fv1")]
-    assert result.best.method == result.advice[0].take
+    assert result.best.method == result.advice[0].recommended
     with pytest.raises(KeyError, match="there is no run of didim"):
         result["didim"]
     with pytest.raises(KeyError, match="idim-iv estimates no m1"):
@@ -166,7 +166,7 @@ def test_results_are_read_from_their_file(result, tmp_path):
     read = th.Result.read(tmp_path / "results.json")
     assert read.to_json() == result.to_json()
     assert read.robot is None
-    with pytest.raises(th.ResultsError, match="know no robot"):
+    with pytest.raises(th.ResultsError, match="have no robot"):
         read.predict([0, 0], [0, 0], [0, 0])
     (tmp_path / "other.json").write_text(json.dumps({"a": 1}))
     with pytest.raises(th.ResultsError, match=r"other\.json"):

@@ -250,7 +250,7 @@ fn a_prediction_takes_the_method_that_is_advised() {
     let mut other = results["runs"][0].clone();
     other["method"] = "idim-iv".into();
     results["runs"].as_array_mut().unwrap().push(other);
-    results["advice"][0]["take"] = "idim-iv".into();
+    results["advice"][0]["recommended"] = "idim-iv".into();
     folder.write("advised.json", results.to_string());
     let predict = |rest: &str| succeeds(&folder, &format!("predict advised.json --recording record.csv{rest}"));
     assert!(predict("").contains("idim-iv"));

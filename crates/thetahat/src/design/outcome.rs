@@ -97,7 +97,7 @@ impl Design {
                 standard_deviation: expected.standard_deviation[i],
                 half_width_95: half,
                 compared: compared.iter().flat_map(|c| &c.parameters).find(|p| p.name == parameter.name).cloned(),
-                by_own_motion: remedies[i],
+                narrower_by_own_motion: remedies[i],
                 seconds: (a_priori != 0.0).then_some(self.file.duration_s * times),
             }
         });

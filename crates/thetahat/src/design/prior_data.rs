@@ -76,7 +76,8 @@ impl Design {
             Some(experiment) => experiment.run_on_threads(folder_of(&experiment.path), threads, progress)?,
             None => Results::read(&file)?,
         };
-        let taken = |run: &&RunResult| results.advice.iter().any(|a| a.case == run.case && a.take == Some(run.method));
+        let taken =
+            |run: &&RunResult| results.advice.iter().any(|a| a.case == run.case && a.recommended == Some(run.method));
         let of = |run: &&RunResult| !run.parameters.is_empty();
         let run = results.runs.iter().filter(of).find(taken).or_else(|| results.runs.iter().find(of));
         let run = run.ok_or_else(|| DesignError::NothingToCompare { path: self.path.clone(), file: file.clone() })?;
@@ -110,7 +111,7 @@ impl Design {
     fn residual_of<'a>(&self, results: &'a Results) -> Option<&'a [JointResidual]> {
         let names = self.robot.coordinates().map(|joint| &joint.name);
         let is_same = names.eq(results.robot_joints.iter().map(|joint| &joint.name));
-        let taken = results.cases().into_iter().find_map(|case| results.taken_in(case)?.residual.as_ref());
+        let taken = results.cases().into_iter().find_map(|case| results.recommended_run_in(case)?.residual.as_ref());
         let residual = taken.or_else(|| results.runs.iter().find_map(|run| run.residual.as_ref()))?;
         let is_whole = residual.joints.len() == self.robot.coordinate_count();
         let is_noise = residual.joints.iter().all(|joint| joint.rms > 0.0 && joint.rms.is_finite());

@@ -16,7 +16,7 @@ use thetahat_estimation::{
 };
 use thetahat_ground::{digest::sha256, files, series::Series};
 use thetahat_model::{base_parameters::BaseParameters, dynamics::Model};
-use thetahat_report::results::TwinRecord;
+use thetahat_report::results::TwinRecording;
 
 /// Fewer samples of a twin cannot be filtered; more are not needed for any use of it: an hour at 25 kHz.
 const TWIN_SAMPLES: std::ops::RangeInclusive<f64> = 100.0..=1e8;
@@ -111,13 +111,13 @@ impl Experiment {
     ///
     /// # Errors
     /// [`ExperimentError`] where there is no twin, or its motion cannot be simulated.
-    pub fn record_twin(&self) -> Result<TwinRecord, ExperimentError> {
+    pub fn record_twin(&self) -> Result<TwinRecording, ExperimentError> {
         let why = "it describes the simulated robot that is recorded";
         let twin = self.file.twin.as_ref().ok_or_else(|| self.missing("[twin]", why))?;
         let Recording { sample_rate_hz, position, torque, .. } = self.simulate_twin(twin)?;
         let joints = self.robot.coordinates().map(|j| j.name.clone()).collect();
         let torque = torque.unwrap_or_else(|| Series::zeros(position.len(), position.channels()));
-        Ok(TwinRecord { joints, sample_rate_hz, position, torque })
+        Ok(TwinRecording { joints, sample_rate_hz, position, torque })
     }
 
     /// The motion of a twin before its sensors, with this experiment's robot, controller and solver.

@@ -483,7 +483,7 @@ fn a_method_without_an_estimate_is_refused() {
     assert!(matches!(refusal(model(&none, &EstimateRequest::default())), ExperimentError::NoEstimate { .. }));
     // Where the advice takes none, somebody must choose.
     let mut not_advised = two_joint().clone();
-    not_advised.advice.iter_mut().for_each(|advice| advice.take = None);
+    not_advised.advice.iter_mut().for_each(|advice| advice.recommended = None);
     assert!(no_advice(&not_advised));
     let chosen = EstimateRequest { method: Some(Method::IDIM_LS), ..EstimateRequest::default() };
     assert!(model(&not_advised, &chosen).is_ok());

@@ -136,7 +136,7 @@ fn spoiled(specimen: Specimen, name: &str) -> Record {
 fn nothing_is_taken_of_another_robot() -> Result<(), Failed> {
     let results = identified(&spoiled(Specimen::SevenAxes, "the description of another robot"));
     let advice = &results.advice[0];
-    ensure(advice.take.is_none() && results.verdict == Some(Verdict::DoNotUse), format!("{advice:?}"))?;
+    ensure(advice.recommended.is_none() && results.verdict == Some(Verdict::DoNotUse), format!("{advice:?}"))?;
     let start = "Take none of these estimates: the recordings have a problem that makes them false (wrong-robot in recording 1)";
     ensure(advice.text.starts_with(start), advice.text.clone())
 }
@@ -145,7 +145,7 @@ fn nothing_is_taken_of_another_robot() -> Result<(), Failed> {
 fn a_joint_of_noise_is_named() -> Result<(), Failed> {
     let results = identified(&spoiled(Specimen::SevenAxes, "torque 2 is noise"));
     let advice = &results.advice[0];
-    ensure(advice.take.is_some() && results.verdict == Some(Verdict::DoNotUse), format!("{advice:?}"))?;
+    ensure(advice.recommended.is_some() && results.verdict == Some(Verdict::DoNotUse), format!("{advice:?}"))?;
     ensure(advice.text.contains("Do not take the parameters of joint 2 (torque-noise"), advice.text.clone())
 }
 

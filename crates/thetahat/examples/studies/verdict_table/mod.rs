@@ -94,7 +94,7 @@ fn verdict(results: &Results) -> &'static str {
 
 fn reasons(results: &Results) -> String {
     let words = results.verdict_reasons.iter().take(NAMED).map(|r| {
-        let finding = r.concerned.finding.map(|code| code.name()).filter(|name| *name != r.code.name());
+        let finding = r.subject.finding.map(|code| code.name()).filter(|name| *name != r.code.name());
         let finding = finding.map(|name| format!(" ({name})")).unwrap_or_default();
         format!("`{}`{finding}", r.code)
     });

@@ -119,7 +119,7 @@ impl Trial {
     /// Whether a reason names what is wrong.
     pub fn is_cause(self, reason: &VerdictReason) -> bool {
         let lacking = matches!(reason.code, ReasonCode::CorrelatedResidual);
-        let found = |codes: &[Code]| reason.concerned.finding.is_some_and(|code| codes.contains(&code));
+        let found = |codes: &[Code]| reason.subject.finding.is_some_and(|code| codes.contains(&code));
         match self {
             Self::Late => found(&[Code::Lag]),
             Self::Stribeck => lacking || found(&[Code::PoorFit]),

@@ -75,6 +75,13 @@ fn uses(recordings: &[ProposedRecording], source: &Source<'_>) -> bool {
     recordings.iter().flat_map(used_channels).any(|channels| channels.file == source.file)
 }
 
+/// A number with at most four decimals, without trailing zeros.
+fn short(value: f64) -> String {
+    let text = format!("{value:.4}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+}
+
 fn used_channels(recording: &ProposedRecording) -> impl Iterator<Item = &ProposedChannels> {
     recording.channels.iter().map(|(_, channels)| channels).chain(&recording.clock.time)
 }
@@ -129,7 +136,7 @@ impl<'a> Describer<'_, 'a> {
             side: measured.side,
             drop_cut_line: source.is_cut(),
             channels_in_rows: columns.iter().any(|c| c.in_rows),
-            comment: format!("From {least:.4} to {most:.4}; unit {}.", measured.why),
+            comment: format!("From {} to {}; unit {}.", short(least), short(most), measured.why),
             gain: measured.gain.clone(),
             left_out: false,
         }

@@ -375,7 +375,7 @@ fn guesses_are_told() {
     let proposal = proposed_from(&[("log.csv", "t,q1,q2,tau1,tau2")], request(), ARM).unwrap();
     let guesses = proposal.guesses();
     assert!(
-        guesses.len() == 2 && guesses[0].starts_with("position: ") && guesses[1].contains("a guess"),
+        guesses.len() == 2 && guesses[0].starts_with("position: ") && guesses[1].contains("we assumed N m"),
         "{guesses:?}"
     );
     let stated =

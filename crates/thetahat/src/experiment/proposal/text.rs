@@ -178,10 +178,10 @@ impl Proposal {
         let of_recording = |recording: &ProposedRecording| {
             let place = recording.name.iter().map(|name| format!("{name}: ")).collect::<String>();
             let channels = recording.channels.iter().filter(|(_, channels)| channels.comment.contains(GUESS));
-            channels.map(|(signal, channels)| format!("{place}{signal}: {}", channels.comment)).collect::<Vec<_>>()
+            channels.map(|(signal, channels)| format!("{place}{signal}: {}", channels.assumption())).collect::<Vec<_>>()
         };
         let locks = self.locks.iter().filter(|lock| lock.why.contains(GUESS));
-        let locks = locks.map(|lock| format!("{} is locked at {}: {}.", lock.joint, lock.value, lock.why));
+        let locks = locks.map(|lock| format!("{} is locked at {}: {}", lock.joint, lock.value, lock.why));
         self.recordings.iter().flat_map(of_recording).chain(locks).collect()
     }
 
@@ -247,6 +247,15 @@ impl ProposedRecording {
 }
 
 impl ProposedChannels {
+    /// The unit that was assumed, and why.
+    fn assumption(&self) -> String {
+        let why = self.comment.split_once("; unit ").map_or(self.comment.as_str(), |(_, why)| why);
+        let why = why.strip_prefix("a guess: ").or_else(|| why.strip_prefix("a guess ")).unwrap_or(why);
+        let mut units: Vec<&str> = self.unit.given().iter().map(|unit| unit.symbol()).collect();
+        units.dedup();
+        format!("we assumed {} ({})", units.join(", "), why.trim_end_matches('.'))
+    }
+
     fn line(&self, name: &str) -> String {
         let names: Vec<String> = self.columns.iter().map(|c| quoted(c)).collect();
         let topic = self.topic.iter().map(|t| format!(", topic = {}", quoted(t))).collect::<String>();

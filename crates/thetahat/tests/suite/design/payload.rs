@@ -104,7 +104,7 @@ fn a_rehearsal_carries_the_payload() {
     let folder = Folder::new();
     let (design, results, rehearsal) = rehearsal(&folder, &with_payload());
     let out = folder.path().join("out");
-    thetahat::report::write_record(&rehearsal.record_twin().unwrap(), &out.join("recording.csv")).unwrap();
+    thetahat::report::write_recording(&rehearsal.record_twin().unwrap(), &out.join("recording.csv")).unwrap();
     let experiment = Experiment::read(&out.join("experiment.toml"), Path::new("")).unwrap();
     let found = experiment.run(&out, &mut |_| {}).unwrap();
     let run = found.runs.iter().find(|run| run.method.name() == results.method).unwrap();

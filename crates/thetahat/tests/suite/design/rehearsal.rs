@@ -67,7 +67,7 @@ fn what_stays_unknown_has_a_remedy() {
     let results = design.run(2, &mut |_| {}).unwrap();
     let is_unknown = |p: &&PredictedParameter| p.a_priori != 0.0 && p.half_width_95 >= p.a_priori.abs();
     let unknown: Vec<&PredictedParameter> = results.predicted.iter().filter(is_unknown).collect();
-    let times: Vec<f64> = results.predicted.iter().filter_map(|p| p.by_own_motion).collect();
+    let times: Vec<f64> = results.predicted.iter().filter_map(|p| p.narrower_by_own_motion).collect();
     println!("{times:?}");
     assert!(!unknown.is_empty() && unknown.len() < results.predicted.len());
     assert_eq!(times.len(), unknown.len());

@@ -1,18 +1,18 @@
-//! Curves over the time of records: measured values, what runs predict of them, and where recordings begin.
+//! Curves over the time of recordings: measured values, predictions, and borders between recordings.
 
 use crate::{
     report::plot::{Curve, Panel},
     results::RecordStart,
 };
 
-/// Values joint by joint over the time of records.
-pub(super) struct Records<'a> {
+/// Values per joint over the time of recordings.
+pub(super) struct RecordingCurves<'a> {
     pub(super) time_s: &'a [f64],
     pub(super) measured: &'a [Vec<f64>],
     pub(super) starts: &'a [RecordStart],
 }
 
-impl Records<'_> {
+impl RecordingCurves<'_> {
     /// A curve with a gap between recordings.
     pub(super) fn curve(&self, class: &str, values: impl Iterator<Item = f64>) -> Curve {
         let mut points = Vec::with_capacity(self.time_s.len() + self.starts.len());
@@ -52,7 +52,7 @@ mod tests {
     #[test]
     fn the_second_recording_begins_at_its_border() {
         let starts = [("a", 0), ("b", 2)].map(|(name, row)| RecordStart { name: name.to_owned(), row });
-        let records = Records { time_s: &[0.0, 1.0, 5.0, 10.0], measured: &[], starts: &starts };
+        let records = RecordingCurves { time_s: &[0.0, 1.0, 5.0, 10.0], measured: &[], starts: &starts };
         let curve = records.curve("measured", [1.0, 2.0, 3.0, 4.0].into_iter());
         assert!(curve.points.len() == 5 && curve.points[2].0.is_nan());
         let range = Range { low: 0.0, high: 10.0 };
