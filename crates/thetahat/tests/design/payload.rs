@@ -6,7 +6,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use thetahat::{
-    Identification, Recording, Robot, Settings, design::ExpectedRecord, experiment::Experiment, series::Series,
+    Identification, Recording, Robot, Settings, design::ExpectedRecording, experiment::Experiment, series::Series,
 };
 use thetahat_testing::{Folder, project};
 
@@ -46,7 +46,7 @@ fn a_payload_is_in_the_torques_and_not_in_the_intervals() {
         assert!((most(&loaded, joint) - most(&unloaded, joint)).abs() > 1.0);
     }
     let settings = Settings { payloads: Vec::new(), ..design.settings.clone() };
-    let record = ExpectedRecord {
+    let record = ExpectedRecording {
         robot: &design.robot,
         settings: &settings,
         sample_rate_hz: 500.0,
