@@ -6,9 +6,6 @@
 
 use std::{error::Error, f64::consts::TAU, path::Path};
 
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use thetahat::{
     Identification, Method, Recording, Settings,
     control::ControllerDescription,
@@ -18,7 +15,10 @@ use thetahat::{
     robot::Robot,
     series::Series,
     signal::{Derivative, band_pass, smooth},
-    simulation::{ClosedLoop, Job, OutputGrid, Reference, SampledReference, SimulatorBias, Solver, simulate_all},
+    simulation::{
+        ClosedLoop, Job, NoisySignals, OutputGrid, RecordingNoise, Reference, SampledReference, SignalNoise,
+        SimulatorBias, Solver, random_numbers, simulate_all,
+    },
 };
 
 const RATE_HZ: f64 = 500.0;
@@ -140,16 +140,9 @@ impl<'a> Study<'a> {
     }
 
     fn record(&self, q: &Series, tau: &Series, noise: f64, seed: u64) -> Recording {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let mut noisy = |series: &Series, deviation: f64| {
-            let mut series = series.clone();
-            series.values_mut().iter_mut().for_each(|v| {
-                let unit: f64 = StandardNormal.sample(&mut rng);
-                *v += deviation * unit;
-            });
-            series
-        };
-        let (position, torque) = (noisy(q, noise), noisy(tau, TORQUE_NOISE));
+        let [positions, torques] = [noise, TORQUE_NOISE].map(|deviation| vec![deviation; q.channels()]);
+        let noise = RecordingNoise { position: SignalNoise::White(&positions), torque: SignalNoise::White(&torques) };
+        let NoisySignals { position, torque } = noise.record(q.clone(), tau.clone(), &mut random_numbers(seed, 0));
         let truth = Some(self.robot.a_priori_parameters());
         Recording { truth, ..Recording::new(RATE_HZ, position, torque) }
     }

@@ -8,10 +8,11 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
-use thetahat::{experiment::Experiment, series::Series};
+use thetahat::{
+    experiment::Experiment,
+    series::Series,
+    simulation::{SignalNoise, random_numbers},
+};
 
 const RATE_HZ: f64 = 5000.0;
 
@@ -72,15 +73,15 @@ impl Twin {
         samples: usize,
         mut sample: impl FnMut(&[f64], &[f64]) -> Result<(), Box<dyn Error>>,
     ) -> Result<(), Box<dyn Error>> {
-        let mut random = ChaCha8Rng::seed_from_u64(1);
-        let mut torque = vec![0.0; self.noise.len()];
+        let mut random = random_numbers(1, 0);
+        let noise = SignalNoise::White(&self.noise);
+        let mut torque = self.torque.clone();
         for k in 0..samples {
-            let place = k % self.position.len();
-            for ((tau, clean), noise) in torque.iter_mut().zip(self.torque.sample(place)).zip(&self.noise) {
-                let white: f64 = StandardNormal.sample(&mut random);
-                *tau = clean + noise * white;
+            let in_motion = k % self.position.len();
+            if in_motion == 0 {
+                torque = noise.added_to(self.torque.clone(), &mut random);
             }
-            sample(self.position.sample(place), &torque)?;
+            sample(self.position.sample(in_motion), torque.sample(in_motion))?;
         }
         Ok(())
     }

@@ -1,13 +1,10 @@
 use std::error::Error;
 
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use thetahat::{
     Recording, Robot,
     checks::Code,
     results::{ReasonCode, VerdictReason},
-    simulation::SimulatorBias,
+    simulation::{Autoregression, SignalNoise, SimulatorBias, random_numbers},
 };
 
 use super::specimen::Specimen;
@@ -149,20 +146,11 @@ fn late(specimen: &Specimen) -> Recording {
 }
 
 fn noise(specimen: &Specimen, seed: u64, correlation: f64) -> Recording {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let torque = specimen.torque();
     let rms = |j: usize| (torque.channel(j).iter().map(|t| t * t).sum::<f64>() / torque.len() as f64).sqrt();
     let size: Vec<f64> = (0..torque.channels()).map(rms).collect();
-    let mut state = vec![0.0; torque.channels()];
-    let fresh = f64::sqrt(1.0 - correlation * correlation);
-    let mut values = Vec::with_capacity(torque.values().len());
-    for _ in 0..torque.len() {
-        for (state, size) in state.iter_mut().zip(&size) {
-            let normal: f64 = StandardNormal.sample(&mut rng);
-            *state = correlation * *state + fresh * normal;
-            values.push(size * *state);
-        }
-    }
-    let channels = torque.channels();
-    specimen.with_torques(|j, k, _| values[k * channels + j])
+    let fresh = vec![f64::sqrt(1.0 - correlation * correlation); torque.channels()];
+    let unit = Autoregression { correlation, first: fresh.clone(), innovation: fresh };
+    let noise = SignalNoise::Autoregressive(&unit).draw(torque.len(), &mut random_numbers(seed, 0));
+    specimen.with_torques(|j, k, _| size[j] * noise.sample(k)[j])
 }

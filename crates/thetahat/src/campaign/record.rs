@@ -3,7 +3,7 @@
 use super::{
     Campaign, CampaignError, Key, Row, Subset,
     facts::Facts,
-    noise::{measure, random, record_stream},
+    noise::{measure, recording_stream},
 };
 use crate::{
     experiment::{Experiment, ExperimentError, TwinMotion},
@@ -13,7 +13,7 @@ use crate::{
 };
 use thetahat_estimation::{
     identification::{Fit, Method, Outcome, uncertainty},
-    simulation::SimulatedMotion,
+    simulation::{NoisySignals, SimulatedMotion, random_numbers},
 };
 use thetahat_ground::{clock::Stopwatch, linear_algebra::norm, series::Series};
 use thetahat_model::{
@@ -128,9 +128,9 @@ impl Bench {
     }
 
     fn prepare(&self, key: Key) -> Result<PreparedDraw, CampaignError> {
-        let mut rng = random(self.campaign.file.seed, record_stream(key));
+        let mut rng = random_numbers(self.campaign.file.seed, recording_stream(key));
         let level = &self.campaign.file.noise[key.level as usize];
-        let (position, torque) = measure(&self.campaign.experiment, &self.twin, level, &mut rng);
+        let NoisySignals { position, torque } = measure(&self.campaign.experiment, &self.twin, level, &mut rng);
         let prepared = self.filter(position, torque);
         prepared.map_err(|e| self.campaign.experiment.refuse(e).into())
     }

@@ -1,8 +1,5 @@
 //! A twin of a record: its motion without noise, the torques of a model along it, and noise like the record's.
 
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-
 use super::{
     bands,
     low_pass::rate_of_noise,
@@ -13,7 +10,9 @@ use crate::preparation::{Recording, STILL, SimulationOptions};
 use thetahat_estimation::{
     control::ControllerDescription,
     signal::{Motion, Padding, SecondOrderSections, SignalError, Spectrum, zero_phase},
-    simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatorBias, Solver},
+    simulation::{
+        ClosedLoop, OutputGrid, Reference, SampledReference, SignalNoise, SimulatorBias, Solver, random_numbers,
+    },
 };
 use thetahat_ground::series::Series;
 use thetahat_model::{
@@ -87,17 +86,22 @@ impl RecordTwin {
 
     /// The torques of the twin along its motion, whose positions are recorded with noise; another one for each seed.
     pub(super) fn record(&self, seed: u64) -> Recording {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let noise = self.position_noise.draw(self.position.len(), self.sample_rate_hz, &mut rng);
-        let torque = plus(&self.torque, &self.static_friction.draw(&mut rng));
-        Recording::new(self.sample_rate_hz, plus(&self.position, &noise), torque)
+        let mut rng = random_numbers(seed, 0);
+        let position = self.coloured(&self.position_noise).added_to(self.position.clone(), &mut rng);
+        let mut torque = self.torque.clone();
+        torque.add(&self.static_friction.draw(&mut rng));
+        Recording::new(self.sample_rate_hz, position, torque)
     }
 
     /// Several draws of the noise of the torques.
     pub(super) fn torque_noise(&self) -> Noise {
-        let mut rng = ChaCha8Rng::seed_from_u64(TORQUE_SEED);
-        let mut draw = |_| self.torque_noise.draw(self.position.len(), self.sample_rate_hz, &mut rng);
-        (0..TORQUE_DRAWS).map(&mut draw).collect()
+        let mut rng = random_numbers(TORQUE_SEED, 0);
+        let noise = self.coloured(&self.torque_noise);
+        (0..TORQUE_DRAWS).map(|_| noise.draw(self.position.len(), &mut rng)).collect()
+    }
+
+    fn coloured<'s>(&self, spectrum: &'s Spectrum) -> SignalNoise<'s> {
+        SignalNoise::Coloured { spectrum, sample_rate_hz: self.sample_rate_hz }
     }
 }
 
@@ -199,8 +203,4 @@ fn flat_below(noise: Spectrum, bands_hz: &[f64]) -> Spectrum {
 
 fn less(a: &Series, b: &Series) -> Series {
     Series::from_values(a.channels(), a.values().iter().zip(b.values()).map(|(a, b)| a - b).collect())
-}
-
-fn plus(a: &Series, b: &Series) -> Series {
-    Series::from_values(a.channels(), a.values().iter().zip(b.values()).map(|(a, b)| a + b).collect())
 }

@@ -1,6 +1,5 @@
 //! Predicted intervals of the parameters, from the identification of noisy recordings of the motion.
 
-use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use crate::design::error::DesignError;
@@ -11,6 +10,7 @@ use crate::{
 use thetahat_estimation::{
     identification::{Fit, Method, Needs, Uncertainty, uncertainty},
     signal::Spectrum,
+    simulation::{NoisySignals, RecordingNoise, SignalNoise, random_numbers},
 };
 use thetahat_ground::{pool::in_parallel, series::Series};
 use thetahat_model::{base_parameters::BaseParameter, robot::Robot};
@@ -98,7 +98,7 @@ impl ExpectedRecording<'_> {
     pub fn estimate(&self, path: &std::path::Path, seed: u64, number: u64) -> Result<NoisyEstimate, DesignError> {
         let refuse = |source: PreparationError| DesignError::Preparation { path: path.to_owned(), source };
         let method = self.method();
-        let recording = self.recording(&mut self.numbers(seed, number));
+        let recording = self.recording(&mut random_numbers(seed, number));
         let identification = self.identification(vec![recording]).map_err(refuse)?;
         let problems = identification.problems(&mut |_| {}).map_err(refuse)?;
         let problem = &problems[0];
@@ -113,21 +113,13 @@ impl ExpectedRecording<'_> {
 }
 
 impl ExpectedRecording<'_> {
-    /// The random numbers of a recording.
-    pub(in crate::design) fn numbers(&self, seed: u64, number: u64) -> ChaCha8Rng {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        rng.set_stream(number);
-        rng
-    }
-
     /// One noisy recording.
     pub(in crate::design) fn recording(&self, rng: &mut ChaCha8Rng) -> Recording {
-        let [mut position, mut torque] = [self.q, self.tau].map(Series::clone);
-        position.add_white_noise(self.position_noise, rng);
-        match self.torque_spectrum {
-            Some(spectrum) => torque.add(&spectrum.draw(torque.len(), self.sample_rate_hz, rng)),
-            None => torque.add_white_noise(self.torque_noise, rng),
-        }
+        let white = SignalNoise::White(self.torque_noise);
+        let coloured = |spectrum| SignalNoise::Coloured { spectrum, sample_rate_hz: self.sample_rate_hz };
+        let torque = self.torque_spectrum.map_or(white, coloured);
+        let noise = RecordingNoise { position: SignalNoise::White(self.position_noise), torque };
+        let NoisySignals { position, torque } = noise.record(self.q.clone(), self.tau.clone(), rng);
         let payload = self.settings.payloads.first().map(|payload| payload.name.clone());
         let recording = Recording::new(self.sample_rate_hz, position, torque).with_reference(self.q.clone());
         Recording { payload, ..recording }

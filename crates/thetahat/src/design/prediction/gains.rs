@@ -7,6 +7,7 @@ use crate::design::{
     prediction::expected::{ExpectedRecording, RECORDINGS},
 };
 use crate::preparation::{PreparationError, Recording};
+use thetahat_estimation::simulation::random_numbers;
 use thetahat_ground::pool::in_parallel;
 use thetahat_report::results::{DriveGainResult, PredictedGain};
 
@@ -34,7 +35,7 @@ impl ExpectedRecording<'_> {
     }
 
     fn gains_of_pair(&self, unloaded: &Self, seed: u64, number: u64) -> Result<Vec<DriveGainResult>, PreparationError> {
-        let mut rng = self.numbers(seed, number);
+        let mut rng = random_numbers(seed, number);
         let loaded = self.recording(&mut rng);
         let without = Recording { payload: None, ..unloaded.recording(&mut rng) };
         let identification = self.identification(vec![without, loaded])?;
