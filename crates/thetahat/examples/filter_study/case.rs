@@ -6,7 +6,7 @@ use thetahat::{
     Recording, Settings,
     base_parameters::BaseParameters,
     dynamics::Model,
-    filter_choice::{choose_filter, estimate_behind, sizes},
+    filter_choice::{choose_filter, estimate_with_filter, sizes},
     results::Filter,
     series::Series,
     signal::{Padding, SecondOrderSections, delayed, zero_phase},
@@ -175,7 +175,7 @@ fn squares(twin: &Twin, records: &[Recording], filter: Filter) -> Option<Vec<f64
     let truth = base.from_standard(&twin.truth);
     let mut sum = vec![0.0; truth.len()];
     for record in records {
-        let found = estimate_behind(&twin.robot, record, filter).ok()?;
+        let found = estimate_with_filter(&twin.robot, record, filter).ok()?;
         let squares = found.iter().zip(&truth).map(|(found, truth)| (found - truth).powi(2));
         sum.iter_mut().zip(squares).for_each(|(sum, square)| *sum += square / records.len() as f64);
     }

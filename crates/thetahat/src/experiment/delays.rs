@@ -8,8 +8,8 @@ use thetahat_data::recording::ChannelSource;
 use thetahat_estimation::signal::delayed;
 use thetahat_ground::series::Series;
 
-/// Every signal moved to where it belongs by its delay. What was recorded too late lacks its last samples: the record ends
-/// before them. What was recorded too early lacks its first, which are a gap.
+/// Every signal moved to where it belongs by its delay. A signal recorded too late lacks its last samples: the recording ends
+/// before them. A signal recorded too early lacks its first ones, which become a gap.
 pub(super) fn without_delays(recording: Recording, description: &RecordingDescription) -> Recording {
     let rate = recording.sample_rate_hz;
     let of = |source: Option<&ChannelSource>| source.map_or(0.0, |s| s.delay_s * rate);

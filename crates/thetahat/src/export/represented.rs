@@ -1,7 +1,7 @@
-//! What a format can say of a robot, and what it cannot.
+//! The part of a robot that a format can represent, and what it cannot.
 
 use super::{
-    coupling::{Tendon, tendons, unsayable},
+    coupling::{Tendon, not_representable, tendons},
     format::Format,
     xml::{number, numbers},
 };
@@ -10,12 +10,12 @@ use thetahat_model::robot::{
     Friction, INERTIAL, JointQuantity, MotorQuantity, Parameter, ParameterTable, Quantity, Robot, Transmission,
 };
 
-/// Gravity of simulators where a file does not say it, m/s^2.
+/// Gravity of simulators if a file does not state it, m/s^2.
 const USUAL_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
-/// The robot as a format says it: its torques are those of the exported file.
+/// The robot as a format represents it: its torques are those of the exported file.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct FormatCapability {
+pub(super) struct RepresentedRobot {
     /// The robot with the friction, drives and terms that the format has.
     pub(super) robot: Robot,
     /// Its parameters.
@@ -24,11 +24,11 @@ pub(super) struct FormatCapability {
     pub(super) parameters: Vec<f64>,
     /// Its coupled motors, where the format has them.
     pub(super) tendons: Vec<Tendon>,
-    /// What the format cannot say, a sentence each.
-    pub(super) unsaid: Vec<String>,
+    /// What the format cannot represent, a sentence each.
+    pub(super) not_represented: Vec<String>,
 }
 
-impl FormatCapability {
+impl RepresentedRobot {
     /// The value of a quantity of a joint.
     pub(super) fn of_joint(&self, quantity: JointQuantity, joint: usize) -> f64 {
         self.table.value(&self.parameters, Quantity::Joint(quantity), joint)
@@ -40,19 +40,19 @@ impl FormatCapability {
     }
 }
 
-/// What a format says of a robot with standard parameters.
-pub(super) fn said(robot: &Robot, parameters: &[f64], format: Format) -> FormatCapability {
+/// A robot with standard parameters, as a format represents it.
+pub(super) fn represented(robot: &Robot, parameters: &[f64], format: Format) -> RepresentedRobot {
     let table = robot.parameter_table();
     if format == Format::Json {
-        return FormatCapability {
+        return RepresentedRobot {
             robot: robot.clone(),
             table,
             parameters: parameters.to_vec(),
             tendons: Vec::new(),
-            unsaid: Vec::new(),
+            not_represented: Vec::new(),
         };
     }
-    let of_format = Saying { robot, table, parameters, format };
+    let of_format = Conversion { robot, table, parameters, format };
     let transmission = match format {
         Format::Mjcf => robot.transmission.clone(),
         Format::Urdf | Format::Sdf | Format::Json => Transmission::direct(robot.coordinate_count()),
@@ -69,37 +69,43 @@ pub(super) fn said(robot: &Robot, parameters: &[f64], format: Format) -> FormatC
     let values: Vec<f64> = table.iter().map(|parameter| of_format.value(parameter, &lost)).collect();
     rest.a_priori = table.iter().map(Parameter::name).zip(values.iter().copied()).collect();
     let tendons = if format == Format::Mjcf { tendons(&rest, &values) } else { Vec::new() };
-    FormatCapability { unsaid: of_format.unsaid(&lost), tendons, robot: rest, table, parameters: values }
+    RepresentedRobot {
+        not_represented: of_format.not_represented(&lost),
+        tendons,
+        robot: rest,
+        table,
+        parameters: values,
+    }
 }
 
-/// A robot in a format that cannot say everything.
-struct Saying<'a> {
+/// The conversion of a robot to a format that cannot represent everything.
+struct Conversion<'a> {
     robot: &'a Robot,
     table: ParameterTable,
     parameters: &'a [f64],
     format: Format,
 }
 
-impl Saying<'_> {
-    fn says_motor_inertia(&self) -> bool {
+impl Conversion<'_> {
+    fn has_motor_inertia(&self) -> bool {
         match self.format {
             Format::Urdf | Format::Sdf => false,
             Format::Mjcf | Format::Json => true,
         }
     }
 
-    fn says_gravity(&self) -> bool {
+    fn has_gravity(&self) -> bool {
         match self.format {
             Format::Urdf | Format::Sdf => false,
             Format::Mjcf | Format::Json => true,
         }
     }
 
-    /// The quantities of coupled motors that the format has not.
+    /// The quantities of coupled motors that the format does not have.
     fn lost_of_motors(&self) -> Vec<MotorQuantity> {
         match self.format {
             Format::Urdf | Format::Sdf => MotorQuantity::ALL.to_vec(),
-            Format::Mjcf => unsayable(self.robot, self.parameters),
+            Format::Mjcf => not_representable(self.robot, self.parameters),
             Format::Json => Vec::new(),
         }
     }
@@ -111,7 +117,7 @@ impl Saying<'_> {
         let of = |quantity| self.table.value(self.parameters, quantity, joint);
         let mean = |a, b| 0.5 * (of(Quantity::Joint(a)) + of(Quantity::Joint(b)));
         match (parameter.quantity, self.robot.friction) {
-            (Quantity::Joint(Ia), _) if !self.says_motor_inertia() => 0.0,
+            (Quantity::Joint(Ia), _) if !self.has_motor_inertia() => 0.0,
             (Quantity::Joint(Off), _) => 0.0,
             (Quantity::Joint(Fv), Friction::Asymmetric) => mean(Fvp, Fvn),
             (Quantity::Joint(Fc), Friction::Asymmetric) => mean(Fcp, Fcn),
@@ -122,15 +128,15 @@ impl Saying<'_> {
         }
     }
 
-    /// What the format cannot say, a sentence each.
-    fn unsaid(&self, lost: &[MotorQuantity]) -> Vec<String> {
+    /// What the format cannot represent, a sentence each.
+    fn not_represented(&self, lost: &[MotorQuantity]) -> Vec<String> {
         use JointQuantity::{Fcn, Fcp, Fvn, Fvp, Ia, Off};
         let joint = |wanted: &'static [JointQuantity]| {
             self.listed(|p| matches!(p.quantity, Quantity::Joint(quantity) if wanted.contains(&quantity)))
         };
         let coupled = self.listed(|p| matches!(p.quantity, Quantity::Motor(quantity) if lost.contains(&quantity)));
         let terms = self.listed(|p| p.quantity.is_term());
-        let inertia = if self.says_motor_inertia() { String::new() } else { joint(&[Ia]) };
+        let inertia = if self.has_motor_inertia() { String::new() } else { joint(&[Ia]) };
         let of_motors = match self.format {
             Format::Mjcf => "such coupled motors, as a joint's own armature or damping would be below zero",
             Format::Urdf | Format::Sdf | Format::Json => "coupled motors",
@@ -147,16 +153,20 @@ impl Saying<'_> {
         let verb = |what: &str| if what == both { "has" } else { "has no" };
         let line =
             |(what, list): (&str, String)| (!list.is_empty()).then(|| format!("{title} {} {what}: {list}", verb(what)));
-        all.into_iter().filter_map(line).chain(self.unsaid_of_drives()).chain(self.unsaid_of_the_tree()).collect()
+        all.into_iter()
+            .filter_map(line)
+            .chain(self.not_represented_of_drives())
+            .chain(self.not_represented_of_the_tree())
+            .collect()
     }
 
     /// Gear ratios, offsets and gains of the motors. The ratios of motors that are not coupled are in a URDF.
-    fn unsaid_of_drives(&self) -> Option<String> {
+    fn not_represented_of_drives(&self) -> Option<String> {
         let transmission = &self.robot.transmission;
         let n = transmission.joints();
-        let says_ratios = self.format == Format::Urdf && transmission.coupled_motors().is_empty();
+        let has_ratios = self.format == Format::Urdf && transmission.coupled_motors().is_empty();
         let row = |i: usize| numbers(&(0..n).map(|j| transmission.matrix().at(i, j)).collect::<Vec<_>>());
-        let ratios = if says_ratios || *transmission.matrix() == Matrix::identity(n) {
+        let ratios = if has_ratios || *transmission.matrix() == Matrix::identity(n) {
             None
         } else {
             Some(format!("motor positions per joint positions [{}]", (0..n).map(row).collect::<Vec<_>>().join("; ")))
@@ -172,10 +182,10 @@ impl Saying<'_> {
     }
 
     /// Gravity, and joints that follow others.
-    fn unsaid_of_the_tree(&self) -> Vec<String> {
+    fn not_represented_of_the_tree(&self) -> Vec<String> {
         let mut lines = Vec::new();
         let title = self.format.title();
-        if !self.says_gravity() && self.robot.gravity != USUAL_GRAVITY {
+        if !self.has_gravity() && self.robot.gravity != USUAL_GRAVITY {
             let [x, y, z] = self.robot.gravity.map(number);
             lines.push(format!("{title} has no gravity: the robot's is {x} {y} {z} m/s^2 in the frame of its base"));
         }
@@ -185,11 +195,11 @@ impl Saying<'_> {
         lines
     }
 
-    /// The parameters that are meant and are not zero, with their values.
-    fn listed(&self, is_meant: impl Fn(&Parameter) -> bool) -> String {
+    /// The selected parameters that are not zero, with their values.
+    fn listed(&self, is_selected: impl Fn(&Parameter) -> bool) -> String {
         let with = |(p, v): (&Parameter, &f64)| {
             let shown = || format!("{} = {} {}", p.name(), number(*v), p.unit).trim_end().to_owned();
-            (*v != 0.0 && is_meant(p)).then(shown)
+            (*v != 0.0 && is_selected(p)).then(shown)
         };
         self.table.iter().zip(self.parameters).filter_map(with).collect::<Vec<_>>().join(", ")
     }

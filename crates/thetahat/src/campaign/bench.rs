@@ -1,4 +1,4 @@
-//! One record and its runs: measurements, filters, every case and method.
+//! One recording and its runs: measurements, filters, every case and method.
 
 use super::{
     Campaign, CampaignError, Key, Row, Subset,
@@ -21,8 +21,8 @@ use thetahat_model::{
     robot::Friction,
 };
 
-/// What all records of a campaign share: the true motion, the base parameters, the starts. Any of its records can be run on it, one
-/// by one and in any order, by several threads at a time.
+/// What all recordings of a campaign share: the true motion, the base parameters, the starts. It runs any recording of the campaign,
+/// one by one and in any order, on several threads.
 #[derive(Debug)]
 pub struct Bench {
     campaign: Campaign,
@@ -40,12 +40,12 @@ struct CaseBasis {
     friction: Friction,
     basis: Basis,
     truth: Option<Vec<f64>>,
-    /// Place of each estimated parameter among the campaign's parameters.
+    /// Index of each estimated parameter among the campaign's parameters.
     places: Vec<usize>,
 }
 
-/// A record that is filtered, with the problem of each friction model.
-struct PreparedDraw {
+/// A filtered recording, with the identification problem of each friction model.
+struct PreparedRecording {
     filtered: FilteredRecording,
     reference: RecordedReference,
     problems: Vec<CaseProblem>,
@@ -80,13 +80,13 @@ impl Bench {
         Ok(Self { campaign, twin, sample_rate_hz, cases, bases, starts, facts })
     }
 
-    /// Runs every case and method on the records at `keys`: their rows, record by record. They are the same whichever records are
-    /// run together.
+    /// Runs every case and method on the recordings at `keys`: their rows, recording by recording. The rows do not depend on which
+    /// recordings are run together.
     ///
     /// # Errors
-    /// [`CampaignError`] for a key that is not of the campaign, and for records that cannot be used.
+    /// [`CampaignError`] for a key that is not of the campaign, and for recordings that cannot be used.
     pub fn run(&self, keys: &[Key]) -> Result<Vec<Vec<Row>>, CampaignError> {
-        keys.iter().try_for_each(|key| self.require_record(*key))?;
+        keys.iter().try_for_each(|key| self.require_key(*key))?;
         let prepared = keys.iter().map(|key| self.prepare(*key)).collect::<Result<Vec<_>, _>>()?;
         let methods = &self.campaign.file.methods;
         let pairs = || self.cases.iter().flat_map(|case| methods.iter().map(move |method| (case, *method)));
@@ -100,18 +100,18 @@ impl Bench {
             rows[k] = Some(self.fill(keys[r], &prepared[r], case, &jobs[k], &finished));
             Ok::<(), std::convert::Infallible>(())
         });
-        let mut of_records: Vec<Vec<Row>> = vec![Vec::new(); keys.len()];
-        all.iter().zip(rows).for_each(|((r, ..), row)| of_records[*r].extend(row));
-        Ok(of_records)
+        let mut of_recordings: Vec<Vec<Row>> = vec![Vec::new(); keys.len()];
+        all.iter().zip(rows).for_each(|((r, ..), row)| of_recordings[*r].extend(row));
+        Ok(of_recordings)
     }
 
-    fn require_record(&self, key: Key) -> Result<(), CampaignError> {
+    fn require_key(&self, key: Key) -> Result<(), CampaignError> {
         let file = &self.campaign.file;
         let inside = (key.level as usize) < file.noise.len() && (key.start as usize) < self.starts.len();
         if inside && key.seed < file.seeds {
             return Ok(());
         }
-        Err(CampaignError::NoRecord { path: self.campaign.path.clone(), key })
+        Err(CampaignError::NoRecording { path: self.campaign.path.clone(), key })
     }
 
     fn setup(&self) -> Setup<'_> {
@@ -127,7 +127,7 @@ impl Bench {
         }
     }
 
-    fn prepare(&self, key: Key) -> Result<PreparedDraw, CampaignError> {
+    fn prepare(&self, key: Key) -> Result<PreparedRecording, CampaignError> {
         let mut rng = random_numbers(self.campaign.file.seed, recording_stream(key));
         let level = &self.campaign.file.noise[key.level as usize];
         let NoisySignals { position, torque } = measure(&self.campaign.experiment, &self.twin, level, &mut rng);
@@ -135,7 +135,7 @@ impl Bench {
         prepared.map_err(|e| self.campaign.experiment.refuse(e).into())
     }
 
-    fn filter(&self, position: Series, torque: Series) -> Result<PreparedDraw, PreparationError> {
+    fn filter(&self, position: Series, torque: Series) -> Result<PreparedRecording, PreparationError> {
         let setup = self.setup();
         let stopwatch = Stopwatch::start();
         let filtered = setup.filter(self.twin.recording(self.sample_rate_hz, position, torque))?;
@@ -146,10 +146,10 @@ impl Bench {
             Ok(CaseProblem::new(b.friction, problem))
         };
         let problems = self.bases.iter().map(problem).collect::<Result<_, PreparationError>>()?;
-        Ok(PreparedDraw { filtered, reference, problems, seconds: stopwatch.seconds() })
+        Ok(PreparedRecording { filtered, reference, problems, seconds: stopwatch.seconds() })
     }
 
-    fn job<'r>(&'r self, key: Key, prepared: &'r PreparedDraw, case: &Case, method: Method) -> EstimationJob<'r> {
+    fn job<'r>(&'r self, key: Key, prepared: &'r PreparedRecording, case: &Case, method: Method) -> EstimationJob<'r> {
         let problem = &prepared.problems[self.basis_of(case)];
         let setup = self.starts[key.start as usize].setup();
         let recordings = [(&prepared.filtered, &prepared.reference)];
@@ -159,7 +159,7 @@ impl Bench {
         EstimationJob::new(&problem.problem, method, weights, simulator)
     }
 
-    /// Place of the base parameters of a case.
+    /// Index of the base parameters of a case.
     fn basis_of(&self, case: &Case) -> usize {
         let friction = case.friction.unwrap_or(self.campaign.experiment.robot.friction);
         self.bases.iter().position(|b| b.friction == friction).unwrap_or_default()
@@ -168,7 +168,7 @@ impl Bench {
     fn fill(
         &self,
         key: Key,
-        prepared: &PreparedDraw,
+        prepared: &PreparedRecording,
         case: &Case,
         job: &EstimationJob<'_>,
         Finished { outcome, motions, seconds, .. }: &Finished,
@@ -212,7 +212,7 @@ impl Bench {
     }
 
     /// The errors of the simulated motion against the true one, in the window, at as many instants as y has.
-    fn fill_motion(&self, row: &mut Row, prepared: &PreparedDraw, motion: &SimulatedMotion) {
+    fn fill_motion(&self, row: &mut Row, prepared: &PreparedRecording, motion: &SimulatedMotion) {
         let step = self.setup().settings.signal.decimation.max(1);
         let instants = || prepared.filtered.window.clone().step_by(step);
         let error = |truth: &Series, simulated: &Series| {
