@@ -1,6 +1,6 @@
 //! What noise of the recorded positions does to IV through the reference: the table of `docs/evidence/closed_loop.md`. Twins of a
 //! two-joint arm make moves, a periodic motion, and one that is neither; IV follows the recorded reference, or what is made
-//! of the record.
+//! of the recording.
 //!
 //! `cargo run --release --example reference_study -p thetahat -- experiments/two_joint.toml`
 
@@ -15,11 +15,9 @@ use thetahat::{
     robot::Robot,
     series::Series,
     signal::{Derivative, band_pass, smooth},
-    simulation::{
-        ClosedLoop, Job, NoisySignals, OutputGrid, RecordingNoise, Reference, SampledReference, SignalNoise,
-        SimulatorBias, Solver, random_numbers, simulate_all,
-    },
+    simulation::{ClosedLoop, Job, OutputGrid, Reference, SampledReference, SimulatorBias, Solver, simulate_all},
 };
+use thetahat_estimation::simulation::{NoisySignals, RecordingNoise, SignalNoise, random_numbers};
 
 const RATE_HZ: f64 = 500.0;
 const DURATION_S: f64 = 25.0;
@@ -57,11 +55,11 @@ fn main() -> Result<(), Box<dyn Error>> {
 enum Follows {
     /// The true reference.
     Recorded,
-    /// What is made of the record by default.
+    /// The reference that is found from the recording by default.
     Found,
-    /// The record, smoothed.
+    /// The recording, smoothed.
     Smoothed,
-    /// The record behind the position filter.
+    /// The recording after the position filter.
     Filtered,
 }
 

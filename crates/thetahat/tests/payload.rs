@@ -10,8 +10,8 @@ use thetahat::{
     preparation::{Payload, PayloadFrame},
     results::Verdict,
     series::Series,
-    simulation::{SignalNoise, random_numbers},
 };
+use thetahat_estimation::simulation::{SignalNoise, random_numbers};
 use thetahat_testing::project;
 
 const RATE_HZ: f64 = 200.0;

@@ -9,8 +9,8 @@ use thetahat::{
     identification::Method,
     results::{Comparison, ReasonCode, Results, TwinRecord, Verdict},
     series::Series,
-    simulation::{Autoregression, SignalNoise, random_numbers},
 };
+use thetahat_estimation::simulation::{Autoregression, SignalNoise, random_numbers};
 
 const SEEDS: u64 = 60;
 

@@ -106,7 +106,8 @@ impl RecordingNoise<'_> {
     /// True positions and torques with noise added. The random numbers of the positions are drawn first.
     ///
     /// ```
-    /// use thetahat::{series::Series, simulation::{RecordingNoise, SignalNoise, random_numbers}};
+    /// use thetahat_estimation::simulation::{RecordingNoise, SignalNoise, random_numbers};
+    /// use thetahat_ground::series::Series;
     /// let noise = RecordingNoise { position: SignalNoise::White(&[0.0]), torque: SignalNoise::White(&[0.5]) };
     /// let (q, tau) = (Series::zeros(100, 1), Series::zeros(100, 1));
     /// let [one, same, other] = [1, 1, 2].map(|seed| noise.record(q.clone(), tau.clone(), &mut random_numbers(seed, 0)));

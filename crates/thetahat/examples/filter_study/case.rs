@@ -27,14 +27,14 @@ const REST: f64 = 2e-4;
 const PERIODIC: u64 = 100;
 const KINDS: [Kind; 4] = [Kind::Moves, Kind::OneByOne, Kind::Slow, Kind::Periodic];
 
-/// A record of a twin.
+/// A recording of a twin.
 pub struct Case {
     number: u64,
     sampling: Sampling,
     noise: Noise,
     /// Cut-off of the low-pass through which positions and torques were recorded, where they were; part of the rate.
     low_pass: Option<f64>,
-    /// Torques behind positions, samples.
+    /// Samples by which the torques are late.
     late: f64,
     /// Step of the encoders, where positions have no noise.
     encoder: Option<f64>,
@@ -168,7 +168,7 @@ fn wide_grid(rate_hz: f64) -> impl Iterator<Item = Filter> {
     })
 }
 
-/// Mean squared error of each parameter over the records, none beyond its size; none where a record gives no estimate.
+/// Mean squared error of each parameter over the recordings, at most the square of its size; `None` if a recording gives no estimate.
 fn squares(twin: &Twin, records: &[Recording], filter: Filter) -> Option<Vec<f64>> {
     let model = Model::new(&twin.robot);
     let base = BaseParameters::of(&model, &[]).ok()?;

@@ -1,4 +1,4 @@
-//! The record and its experiment.
+//! The long recording and its experiment.
 
 use std::{
     error::Error,
@@ -8,15 +8,12 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use thetahat::{
-    experiment::Experiment,
-    series::Series,
-    simulation::{SignalNoise, random_numbers},
-};
+use thetahat::{experiment::Experiment, series::Series};
+use thetahat_estimation::simulation::{SignalNoise, random_numbers};
 
 const RATE_HZ: f64 = 5000.0;
 
-/// The files of a record.
+/// The files of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// `record.csv`.
@@ -86,7 +83,7 @@ impl Twin {
         Ok(())
     }
 
-    /// The demonstration with the record in place of the twin, and a window that leaves the edges of the filter.
+    /// The demonstration with the recording instead of the twin, and a window without the edges of the filter.
     fn experiment(&self, kind: Kind, samples: usize) -> Result<String, Box<dyn Error>> {
         let (before, rest) = self.text.split_once("[twin]").ok_or("the twin")?;
         let (_, rest) = rest.split_once("[signal]").ok_or("its end")?;

@@ -6,11 +6,9 @@ use thetahat::{
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     robot::{JointQuantity, Quantity},
     series::Series,
-    simulation::{
-        ClosedLoop, NoisySignals, OutputGrid, RecordingNoise, Reference, SampledReference, SignalNoise,
-        SimulatedMotion, SimulatorBias, Solver, random_numbers,
-    },
+    simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulatorBias, Solver},
 };
+use thetahat_estimation::simulation::{NoisySignals, RecordingNoise, SignalNoise, random_numbers};
 
 use super::{
     reference::{Kind, motion},

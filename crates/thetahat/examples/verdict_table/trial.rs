@@ -4,8 +4,9 @@ use thetahat::{
     Recording, Robot,
     checks::Code,
     results::{ReasonCode, VerdictReason},
-    simulation::{Autoregression, SignalNoise, SimulatorBias, random_numbers},
+    simulation::SimulatorBias,
 };
+use thetahat_estimation::simulation::{Autoregression, SignalNoise, random_numbers};
 
 use super::specimen::Specimen;
 
@@ -24,7 +25,7 @@ pub enum Trial {
     /// The robot follows the reference scaled by 0.95.
     ScaledReference,
     WrongRobot,
-    /// The torques grow by 20 % over the record.
+    /// The torques grow by 20 % over the recording.
     DriftingGain,
     /// White noise as large as the torques.
     Noise,
@@ -34,7 +35,7 @@ pub enum Trial {
     OtherRecording,
 }
 
-/// What is identified: a robot as described, and its record.
+/// What is identified: a robot as described, and its recording.
 pub type Made = (Robot, Recording);
 
 impl Trial {
@@ -68,7 +69,7 @@ impl Trial {
         }
     }
 
-    /// The robot and the record; none where the specimen has no such thing.
+    /// The robot and the recording; `None` if the specimen does not allow the trial.
     pub fn make(self, specimen: &Specimen, seed: u64) -> Result<Option<Made>, Box<dyn Error>> {
         let robot = specimen.experiment.robot.clone();
         let recording = match self {
@@ -134,7 +135,7 @@ impl Trial {
 const STRIBECK_VELOCITY: f64 = 0.05;
 const LATE_S: f64 = 5e-3;
 
-/// No parameters of the robot as described are those of such a record.
+/// Such a recording has no true parameters of the robot as described.
 fn without_truth(recording: Recording) -> Recording {
     Recording { truth: None, ..recording }
 }

@@ -213,7 +213,7 @@ pub struct TwinDescription {
     /// Rest before the first and after the last move, s.
     #[serde(default)]
     pub rest_s: f64,
-    /// The sensors that record the motion.
+    /// The sensors of the recording.
     pub sensors: Sensors,
 }
 

@@ -12,8 +12,8 @@ use thetahat::{
     regressor::Regressor,
     robot::{JointKind, Robot},
     series::Series,
-    simulation::{SignalNoise, random_numbers},
 };
+use thetahat_estimation::simulation::{SignalNoise, random_numbers};
 
 /// How the joints rub, in parts of the peak torque that the links and motors need.
 #[derive(Debug, Clone, Copy)]

@@ -3,12 +3,9 @@
 use std::path::Path;
 
 use thetahat::{
-    Identification, Recording, Robot, Settings,
-    design::ExpectedRecording,
-    experiment::Experiment,
-    series::Series,
-    simulation::{SignalNoise, random_numbers},
+    Identification, Recording, Robot, Settings, design::ExpectedRecording, experiment::Experiment, series::Series,
 };
+use thetahat_estimation::simulation::{SignalNoise, random_numbers};
 use thetahat_testing::{Folder, project};
 
 use crate::support::{DESIGN, assert_within_limits, key_of, parse, rehearsal, torques};

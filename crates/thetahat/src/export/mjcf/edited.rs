@@ -191,7 +191,7 @@ impl<'f> Edit<'_, 'f> {
         self.notes.extend(other_joints(matched, robot));
         if matched.difference > ROUNDING {
             self.notes.push(format!(
-                "the axes of the model are within {:.1e} rad and m of those of the identified robot",
+                "the axes of the model are within {:.1e} rad and m of the axes of the identified robot",
                 matched.difference
             ));
         }
