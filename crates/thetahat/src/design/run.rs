@@ -76,12 +76,12 @@ impl Design {
         let gains = match self.payload() {
             Some(_) => {
                 let unloaded = self.expected_recording(&unloaded, &noise);
-                recording.gains(&unloaded, (&self.path, self.file.motion.seed), threads)?
+                recording.gains(&unloaded, &self.path, self.file.motion.seed, threads)?
             }
             None => Vec::new(),
         };
         progress("searching a motion for what stays unknown");
-        let remedies = self.remedies(&problem, (&base, &limits), (&chosen.motion, &expected), threads);
+        let remedies = self.remedies(&problem, &base, &limits, &chosen.motion, &expected, threads);
         self.results(&model, &base, chosen, Forecast { expected, remedies, gains, compared })
     }
 
@@ -129,7 +129,7 @@ impl Design {
     /// described.
     fn true_motions(&self, model: &Model, chosen: &FeasibleMotion) -> Result<[TrueMotion; 2], DesignError> {
         let of = |theta: &[f64]| match &self.settings.controller {
-            Some(controller) => self.followed((model, controller), &chosen.motion[0], theta),
+            Some(controller) => self.followed(model, controller, &chosen.motion[0], theta),
             None => {
                 let loads = Loads::new(model, &[theta.to_vec()], Vec::new());
                 let tau = loads.torques(&chosen.motion, Sign::Exact).swap_remove(0);
@@ -144,7 +144,8 @@ impl Design {
     /// The motion of a robot in the closed loop, whose controller is made for the robot without payload.
     fn followed(
         &self,
-        (model, controller): (&Model, &ControllerDescription),
+        model: &Model,
+        controller: &ControllerDescription,
         q: &Series,
         theta: &[f64],
     ) -> Result<TrueMotion, DesignError> {

@@ -256,7 +256,7 @@ impl Experiment {
         if let Some(published) = &file.published {
             paths::path_in_project(path, "published", published)?;
         }
-        Self::assemble(path, (file, settings), text, robot)
+        Self::assemble(path, file, settings, text, robot)
     }
 
     /// The same with another robot description than the one that the experiment names.
@@ -265,8 +265,8 @@ impl Experiment {
     /// As [`Experiment::read`].
     pub fn read_with_robot(path: &Path, robot: &Path) -> Result<Self, ExperimentError> {
         let text = read_text(path)?;
-        let parsed = parse(&text, path)?;
-        Self::assemble(path, parsed, text, RobotSource::read(robot)?)
+        let (file, settings) = parse(&text, path)?;
+        Self::assemble(path, file, settings, text, RobotSource::read(robot)?)
     }
 
     /// An experiment from the texts of its two files; `path` is its name in messages.
@@ -276,7 +276,7 @@ impl Experiment {
     pub fn from_texts(path: &Path, text: String, robot_text: String) -> Result<Self, ExperimentError> {
         let (file, settings) = parse(&text, path)?;
         let source = RobotSource::from_text(robot_text, &file.robot)?;
-        Self::assemble(path, (file, settings), text, source)
+        Self::assemble(path, file, settings, text, source)
     }
 
     /// The built-in demonstration: a TX40 twin.
@@ -316,7 +316,8 @@ impl Experiment {
 
     fn assemble(
         path: &Path,
-        (mut file, settings): (ExperimentFile, Settings),
+        mut file: ExperimentFile,
+        settings: Settings,
         text: String,
         source: RobotSource,
     ) -> Result<Self, ExperimentError> {

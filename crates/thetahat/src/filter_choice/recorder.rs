@@ -36,7 +36,7 @@ impl Recorder {
     ) -> Result<Self, FilterChoiceError> {
         let torque = filtered.centred_torque();
         let left = residual_of(&torque, &filtered.motion, &problem.model, theta);
-        let lag = lag(problem, columns, (&torque, &left))?;
+        let lag = lag(problem, columns, &torque, &left)?;
         let noise = match &problem.masks[0] {
             None => left,
             Some(mask) => as_if_unmasked(&mask.applied_to(&left), &mask.left_out()),
@@ -61,7 +61,7 @@ fn as_if_unmasked(noise: &Series, left_out: &[f64]) -> Series {
 }
 
 /// Samples by which torques are late, to first order; zero if it is not significant: `y(t) = y0(t - d)` leaves `-d dy0/dt`.
-fn lag(problem: &Problem, columns: &[usize], (torque, left): (&Series, &Series)) -> Result<f64, FilterChoiceError> {
+fn lag(problem: &Problem, columns: &[usize], torque: &Series, left: &Series) -> Result<f64, FilterChoiceError> {
     let regression = problem.regression.with_columns(columns);
     let influence = Method::IDIM_LS.influence(&regression, None)?;
     let predicted = torque.values().iter().zip(left.values()).map(|(y, e)| y - e).collect();

@@ -1,5 +1,5 @@
 use crate::design::{
-    motions::{family::Motions, sums::Derivatives},
+    motions::{family::MotionPoint, sums::Derivatives},
     search::quadratic::Row,
 };
 use thetahat_ground::series::Series;
@@ -42,8 +42,8 @@ impl Clearances {
     }
 
     /// The rows of a step from a motion, linearised at the local minima of each distance.
-    pub(in crate::design) fn rows(&self, motions: &Motions, x: &[f64], motion: &Derivatives) -> Vec<Row> {
-        let distances = self.distances(&motion[0]);
+    pub(in crate::design) fn rows(&self, at: MotionPoint<'_>) -> Vec<Row> {
+        let distances = self.distances(&at.motion[0]);
         let mut rows = Vec::new();
         for pair in 0..self.scene.pairs() {
             for k in 0..distances.len() {
@@ -51,14 +51,15 @@ impl Clearances {
                 let is_least = |other: usize| distances[other][pair] >= here;
                 let last = distances.len() - 1;
                 if here < self.margin + NEAR && is_least(k.saturating_sub(1)) && is_least((k + 1).min(last)) {
-                    rows.push(self.row(motions, x, motion, pair, k));
+                    rows.push(self.row(at, pair, k));
                 }
             }
         }
         rows
     }
 
-    fn row(&self, motions: &Motions, x: &[f64], motion: &Derivatives, pair: usize, instant: usize) -> Row {
+    fn row(&self, at: MotionPoint<'_>, pair: usize, instant: usize) -> Row {
+        let MotionPoint { motions, x, motion } = at;
         let clearance = self.scene.clearance(pair, motion[0].sample(instant));
         let zeros = || Series::zeros(1, clearance.slopes.len());
         let by_motion = [Series::from_values(clearance.slopes.len(), clearance.slopes.clone()), zeros(), zeros()];

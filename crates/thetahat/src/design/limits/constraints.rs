@@ -2,7 +2,10 @@ use std::collections::BTreeSet;
 
 use crate::design::{
     limits::joint_limits::JointLimits,
-    motions::{family::Motions, sums::Derivatives},
+    motions::{
+        family::{MotionPoint, Motions},
+        sums::Derivatives,
+    },
     search::quadratic::Row,
 };
 use thetahat_report::results::Limited;
@@ -122,18 +125,13 @@ impl Constraints {
     }
 
     /// The rows of a step from a motion at these places, over half the range of each.
-    pub(in crate::design) fn rows(
-        &self,
-        motions: &Motions,
-        x: &[f64],
-        motion: &Derivatives,
-        places: &BTreeSet<Place>,
-    ) -> Vec<Row> {
-        places.iter().map(|place| self.row(motions, x, motion, place)).collect()
+    pub(in crate::design) fn rows(&self, at: MotionPoint<'_>, places: &BTreeSet<Place>) -> Vec<Row> {
+        places.iter().map(|place| self.row(at, place)).collect()
     }
 
     /// A row that holds for the step where motions are linear, and is linearised where they are not.
-    fn row(&self, motions: &Motions, x: &[f64], motion: &Derivatives, place: &Place) -> Row {
+    fn row(&self, at: MotionPoint<'_>, place: &Place) -> Row {
+        let MotionPoint { motions, x, motion } = at;
         let Place { joint, order, instant, is_upper } = *place;
         let limited = Limited::ALL[order];
         let [lower, upper] = self.limits[joint].range(limited).unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);

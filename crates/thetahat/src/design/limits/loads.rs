@@ -1,6 +1,6 @@
 use crate::design::{
     limits::joint_limits::JointLimits,
-    motions::{family::Motions, sums::Derivatives},
+    motions::{family::MotionPoint, sums::Derivatives},
     search::quadratic::Row,
 };
 use thetahat_ground::series::Series;
@@ -102,24 +102,13 @@ impl Loads {
     }
 
     /// The rows of a step from a motion with its torques, linearised at the extremes that are near a limit.
-    pub(in crate::design) fn rows(
-        &self,
-        motions: &Motions,
-        x: &[f64],
-        (motion, torques): (&Derivatives, &[Series]),
-        sign: Sign,
-    ) -> Vec<Row> {
+    pub(in crate::design) fn rows(&self, at: MotionPoint<'_>, torques: &[Series], sign: Sign) -> Vec<Row> {
         let of_robots = self.robots.iter().zip(torques);
-        of_robots.flat_map(|(robot, tau)| self.rows_of(robot, (motions, x), (motion, tau), sign)).collect()
+        of_robots.flat_map(|(robot, tau)| self.rows_of(robot, at, tau, sign)).collect()
     }
 
-    fn rows_of(
-        &self,
-        robot: &LoadedRobot,
-        (motions, x): (&Motions, &[f64]),
-        (motion, tau): (&Derivatives, &Series),
-        sign: Sign,
-    ) -> Vec<Row> {
+    fn rows_of(&self, robot: &LoadedRobot, at: MotionPoint<'_>, tau: &Series, sign: Sign) -> Vec<Row> {
+        let MotionPoint { motions, x, motion } = at;
         let near = self.near(motion, tau);
         let [by_q, by_dq, by_ddq] = self.torque_slopes(robot, motion, &near, sign);
         let row = |(k, of): (usize, &Use)| {
@@ -215,7 +204,7 @@ mod tests {
         let motion = motions.at(&x);
         let torques = loads.limited_torques(&motion, sign);
         let near: Vec<Vec<Use>> = torques.iter().map(|tau| loads.near(&motion, tau)).collect();
-        let rows = loads.rows(&motions, &x, (&motion, &torques), sign);
+        let rows = loads.rows(MotionPoint { motions: &motions, x: &x, motion: &motion }, &torques, sign);
         assert!(
             [Limited::Torque, Limited::Power].iter().all(|limited| near[0].iter().any(|of| of.limited == *limited))
         );

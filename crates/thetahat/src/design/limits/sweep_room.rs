@@ -24,7 +24,8 @@ impl Design {
     /// The longer of the two ways of a joint from the start posture, rad or m with its sign.
     pub(in crate::design) fn sweep_way(
         &self,
-        (joint, limits): (usize, &JointLimits),
+        joint: usize,
+        limits: &JointLimits,
         start: &[f64],
         clearances: Option<&Clearances>,
     ) -> Result<f64, DesignError> {

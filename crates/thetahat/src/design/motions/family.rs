@@ -17,6 +17,15 @@ pub(in crate::design) enum Motions {
     Moves { family: MoveFamily, points: Vec<Point> },
 }
 
+/// A motion of a family, by its unknowns.
+#[derive(Clone, Copy)]
+pub(in crate::design) struct MotionPoint<'a> {
+    pub(in crate::design) motions: &'a Motions,
+    pub(in crate::design) x: &'a [f64],
+    /// The motion at the instants of the family.
+    pub(in crate::design) motion: &'a Derivatives,
+}
+
 impl Motions {
     /// Whether motions are linear in the unknowns.
     pub(in crate::design) fn is_linear(&self) -> bool {

@@ -1,6 +1,6 @@
 //! The sweeps after the moves, as moves themselves.
 
-use crate::design::motions::{moves::MoveFamily, sweeps::Sweep};
+use crate::design::motions::moves::{MoveFamily, Sweep};
 use thetahat_estimation::{
     signal::Motion,
     trajectory::{Move, Moves, TimeLaw},

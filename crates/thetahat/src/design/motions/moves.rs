@@ -1,9 +1,6 @@
 //! Sequences of point-to-point moves that return to their first posture.
 
-use crate::design::{
-    limits::joint_limits::JointLimits,
-    motions::{sums::Derivatives, sweeps::Sweep},
-};
+use crate::design::{limits::joint_limits::JointLimits, motions::sums::Derivatives};
 use thetahat_estimation::trajectory::{Move, Moves, PHASES, TimeLaw};
 use thetahat_ground::series::Series;
 
@@ -28,6 +25,22 @@ pub struct MoveFamily {
     pub(in crate::design) rest_s: f64,
     /// Sweeps after the moves, in time of their own.
     pub(in crate::design) sweeps: Vec<Sweep>,
+}
+
+/// One way of a sweep: a joint moves alone.
+#[derive(Debug, Clone)]
+pub(in crate::design) struct Sweep {
+    pub(in crate::design) joint: usize,
+    /// Where it ends.
+    pub(in crate::design) end: Vec<f64>,
+    /// T1, T2 and T3.
+    pub(in crate::design) widths: [f64; 3],
+}
+
+impl Sweep {
+    pub(in crate::design) fn seconds(&self) -> f64 {
+        self.widths.iter().sum()
+    }
 }
 
 /// A point in a phase of a move.

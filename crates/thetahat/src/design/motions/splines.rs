@@ -11,11 +11,21 @@ pub(in crate::design) fn raw(period_s: f64, splines: usize, t: f64) -> [Vec<f64>
     let intervals = splines + 2 * MOVING - DEGREE;
     let knot = |i: usize| period_s * i.saturating_sub(DEGREE).min(intervals) as f64 / intervals as f64;
     let knots: Vec<f64> = (0..=intervals + 2 * DEGREE).map(knot).collect();
-    std::array::from_fn(|order| (MOVING..MOVING + splines).map(|i| spline(&knots, (i, DEGREE), order, t)).collect())
+    std::array::from_fn(|order| {
+        (MOVING..MOVING + splines).map(|i| spline(&knots, Spline { number: i, degree: DEGREE }, order, t)).collect()
+    })
 }
 
-/// A derivative of the spline of a number and degree at a time: zero where its knots do not enclose it.
-fn spline(knots: &[f64], (i, degree): (usize, usize), order: usize, t: f64) -> f64 {
+/// A spline on given knots.
+#[derive(Clone, Copy)]
+struct Spline {
+    number: usize,
+    degree: usize,
+}
+
+/// A derivative of a spline at a time: zero where its knots do not enclose it.
+fn spline(knots: &[f64], of: Spline, order: usize, t: f64) -> f64 {
+    let Spline { number: i, degree } = of;
     let (first, last) = (knots[i], knots[i + degree + 1]);
     let is_end = t == last && last == knots[knots.len() - 1];
     if t < first || (t >= last && !is_end) {
@@ -28,7 +38,7 @@ fn spline(knots: &[f64], (i, degree): (usize, usize), order: usize, t: f64) -> f
     let over = |value: f64, length: f64| if length > 0.0 { value / length } else { 0.0 };
     let lengths = [knots[i + degree] - first, last - knots[i + 1]];
     let next = order.saturating_sub(1);
-    let [a, b] = [i, i + 1].map(|i| spline(knots, (i, degree - 1), next, t));
+    let [a, b] = [i, i + 1].map(|number| spline(knots, Spline { number, degree: degree - 1 }, next, t));
     if order > 0 {
         return degree as f64 * (over(a, lengths[0]) - over(b, lengths[1]));
     }

@@ -1,30 +1,17 @@
 //! Sweeps of single joints at constant velocities, after the moves of a design: there and back from its first posture.
 
 use crate::design::{
-    error::DesignError, limits::joint_limits::JointLimits, motions::moves::MoveFamily,
-    search::information::Information, text::description::Design,
+    error::DesignError,
+    limits::joint_limits::JointLimits,
+    motions::moves::{MoveFamily, Sweep},
+    search::information::Information,
+    text::description::Design,
 };
 use thetahat_ground::linear_algebra::Matrix;
 use thetahat_model::{
     base_parameters::BaseParameters,
     dynamics::{Model, Sign},
 };
-
-/// One way of a sweep: a joint moves alone.
-#[derive(Debug, Clone)]
-pub(in crate::design) struct Sweep {
-    pub(in crate::design) joint: usize,
-    /// Where it ends.
-    pub(in crate::design) end: Vec<f64>,
-    /// T1, T2 and T3.
-    pub(in crate::design) widths: [f64; 3],
-}
-
-impl Sweep {
-    pub(in crate::design) fn seconds(&self) -> f64 {
-        self.widths.iter().sum()
-    }
-}
 
 impl Design {
     /// The sweeps of a design: joint by joint, the slowest first, there and back, while shapes stay apart. Empty if the design
@@ -37,13 +24,13 @@ impl Design {
         let (family, clearances) = (self.move_family(kept, Vec::new()), self.clearances(model)?);
         let mut sweeps = Vec::new();
         for (joint, limits) in kept.iter().enumerate() {
-            let way = self.sweep_way((joint, limits), &start, clearances.as_ref())?;
-            sweeps.extend(self.sweeps_of(&family, (joint, way), &start));
+            let way = self.sweep_way(joint, limits, &start, clearances.as_ref())?;
+            sweeps.extend(self.sweeps_of(&family, joint, way, &start));
         }
         Ok(sweeps)
     }
 
-    fn sweeps_of(&self, family: &MoveFamily, (joint, way): (usize, f64), start: &[f64]) -> Vec<Sweep> {
+    fn sweeps_of(&self, family: &MoveFamily, joint: usize, way: f64, start: &[f64]) -> Vec<Sweep> {
         let motion = &self.file.motion;
         let (speeds, longest_s) = (motion.sweeps(), motion.sweep_s());
         let fastest = fastest(&family.limits[joint], way.abs(), longest_s);

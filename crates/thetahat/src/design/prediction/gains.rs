@@ -17,7 +17,8 @@ impl ExpectedRecording<'_> {
     pub(in crate::design) fn gains(
         &self,
         unloaded: &Self,
-        (path, seed): (&Path, u64),
+        path: &Path,
+        seed: u64,
         threads: usize,
     ) -> Result<Vec<PredictedGain>, DesignError> {
         let pairs = in_parallel(RECORDINGS, threads, |number| self.gains_of_pair(unloaded, seed, number as u64));

@@ -23,8 +23,10 @@ impl Design {
     pub(in crate::design) fn remedies(
         &self,
         problem: &Problem,
-        (base, limits): (&BaseParameters, &[JointLimits]),
-        (motion, expected): (&Derivatives, &Expected),
+        base: &BaseParameters,
+        limits: &[JointLimits],
+        motion: &Derivatives,
+        expected: &Expected,
         threads: usize,
     ) -> Vec<Option<f64>> {
         let a_priori = self.a_priori_of(base, expected);

@@ -16,7 +16,8 @@ pub(in crate::design) fn crossed(
     family: &Sums,
     x: &[f64],
     pool: &[Vec<f64>],
-    (sign, rng): (Sign, &mut ChaCha8Rng),
+    sign: Sign,
+    rng: &mut ChaCha8Rng,
 ) -> Option<Vec<f64>> {
     let mut joints: Vec<usize> = (0..family.joints()).collect();
     joints.shuffle(rng);

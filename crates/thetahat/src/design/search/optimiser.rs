@@ -1,7 +1,7 @@
 use crate::design::{
     limits::{clearances::Clearances, constraints::Constraints, loads::Loads},
     motions::{
-        family::Motions,
+        family::{MotionPoint, Motions},
         sums::{Derivatives, Slopes},
     },
     search::{criterion::Criterion, information::Information, quadratic},
@@ -165,15 +165,16 @@ impl Problem {
     /// The step of the quadratic program, within all linear limits.
     fn step(&self, state: &State, hessian: &Matrix, sign: Sign) -> Option<Vec<f64>> {
         let Watched { motion, torques, .. } = &state.watched;
-        let mut others = self.loads.rows(&self.watched, &state.x, (motion, torques), self.sign_of_loads(sign));
+        let at = MotionPoint { motions: &self.watched, x: &state.x, motion };
+        let mut others = self.loads.rows(at, torques, self.sign_of_loads(sign));
         others.extend(self.watched.rows(&state.x));
         if let Some(clearances) = &self.clearances {
-            others.extend(clearances.rows(&self.watched, &state.x, motion));
+            others.extend(clearances.rows(at));
         }
         let mut places = self.constraints.near(motion);
         let mut found = None;
         for _ in 0..MOST_ROUNDS {
-            let mut rows = self.constraints.rows(&self.watched, &state.x, motion, &places);
+            let mut rows = self.constraints.rows(at, &places);
             rows.extend(others.iter().cloned());
             let step = quadratic::least(hessian, &state.gradient, &rows, PRICE)?;
             found = Some(step);

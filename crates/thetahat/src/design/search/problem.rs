@@ -6,7 +6,12 @@ use rand_chacha::ChaCha8Rng;
 use crate::design::{
     error::DesignError,
     limits::{clearances::Clearances, constraints::Constraints, joint_limits::JointLimits, loads::Loads},
-    motions::{basis::Basis, family::Motions, moves::MoveFamily, sums::Sums, sweeps::Sweep},
+    motions::{
+        basis::Basis,
+        family::Motions,
+        moves::{MoveFamily, Sweep},
+        sums::Sums,
+    },
     search::{
         criterion::{Criterion, CriterionName},
         information::Information,

@@ -81,7 +81,7 @@ impl Searches {
         if let Motions::Sums { family, .. } = &problem.watched {
             for _ in 0..EXCHANGES {
                 let bests: Vec<Vec<f64>> = searches.iter().map(|search| search.best.found.x.clone()).collect();
-                let exchange = |number: usize| self.cross((problem, family), &searches[number], &bests);
+                let exchange = |number: usize| self.cross(problem, family, &searches[number], &bests);
                 searches = in_parallel(searches.len(), self.threads, exchange);
             }
         }
@@ -119,11 +119,11 @@ impl Searches {
     }
 
     /// Descents from combinations of the joints' motions in `bests` and in the search's own.
-    fn cross(&self, (problem, family): (&Problem, &Sums), search: &Search, bests: &[Vec<f64>]) -> Search {
+    fn cross(&self, problem: &Problem, family: &Sums, search: &Search, bests: &[Vec<f64>]) -> Search {
         let Search { mut rng, mut best, mut children } = search.clone();
         for _ in 0..CHILDREN {
             let pool: Vec<Vec<f64>> = bests.iter().chain(&children).cloned().collect();
-            let child = crossed(problem, family, &best.found.x, &pool, (self.wide(), &mut rng));
+            let child = crossed(problem, family, &best.found.x, &pool, self.wide(), &mut rng);
             let from = |child| DescentEnd::from(problem, child, self.wide(), best.first_value);
             if let Some(other) = child.and_then(from) {
                 children.push(other.found.x.clone());
