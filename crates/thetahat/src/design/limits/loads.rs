@@ -165,7 +165,7 @@ struct Use {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::design::{motions::basis::Basis, motions::sums::Sums};
+    use crate::design::motions::{basis::Basis, family::Motions, sums::Sums};
     use thetahat_model::robot::{JointKind, Robot};
 
     fn robot() -> Robot {
