@@ -91,8 +91,8 @@ fn write_samples(
     let unfinished = request.out.join(format!(".samples.{}.part", std::process::id()));
     fs::create_dir_all(&unfinished)?;
     let mut counter = Counter::new("samples");
-    let (mut waiting, samples) = (names.iter().enumerate(), (request.count, request.seed));
-    let made = robot.export_samples(samples, target, threads(None), |_, export| {
+    let mut waiting = names.iter().enumerate();
+    let made = robot.export_samples(request.count, request.seed, target, threads(None), |_, export| {
         let Some((done, name)) = waiting.next() else { return Ok(()) };
         fs::write(unfinished.join(name), export.text)?;
         counter.show(done + 1, names.len(), String::new());

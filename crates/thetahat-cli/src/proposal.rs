@@ -27,7 +27,7 @@ pub fn inspect_recordings(request: &Inspect) -> Result<Ending, Box<dyn Error>> {
         print(&format!("{}{}", if number > 0 { "\n" } else { "" }, report::contents_text(contents, width())))?;
     }
     if let Some(robot) = &request.robot {
-        let files = ProposalFiles::beside_recordings(robot.clone(), files);
+        let files = ProposalFiles::in_folder_of_recordings(robot.clone(), files);
         let proposal = proposal(&files, &request.columns, &contents)?;
         print(&format!("\nproposed experiment; `thetahat init` writes it:\n\n{}", proposal.text()))?;
     }

@@ -129,7 +129,7 @@ impl From<CampaignError> for PythonError {
             | CampaignError::Syntax { .. }
             | CampaignError::Value { .. }
             | CampaignError::NoPhysicalStart { .. }
-            | CampaignError::NoRecord { .. }
+            | CampaignError::NoRecording { .. }
             | CampaignError::OtherCampaign { .. }
             | CampaignError::NoCampaign { .. }
             | CampaignError::Damaged { .. }

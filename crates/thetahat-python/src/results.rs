@@ -144,7 +144,7 @@ impl Results {
                 IdentifiedModel::of_results(Path::new("the results"), &self.results, &request).map_err(refused)?;
             let export = model.export(format).map_err(refused)?;
             write_guarded(&path, export.text.as_bytes(), force)?;
-            Ok([model.about(), export.notes, export.unsaid].concat())
+            Ok([model.about(), export.notes, export.not_represented].concat())
         })
         .map_err(|e: PythonError| e.into())
     }

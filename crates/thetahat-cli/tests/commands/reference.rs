@@ -60,7 +60,7 @@ const ROOTS: [Root; 7] = [
         heading: "Keys of a design file",
         word: "Design",
         form: Form::Toml,
-        of: ["DesignFile", "design/description"],
+        of: ["DesignFile", "design/text/description"],
     },
     Root {
         block: "results",

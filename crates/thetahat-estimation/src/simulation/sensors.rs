@@ -1,15 +1,16 @@
 use std::f64::consts::TAU;
 
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use serde::Deserialize;
 
-use super::motion::SimulatedMotion;
+use super::{
+    motion::SimulatedMotion,
+    noise::{SignalNoise, random_numbers},
+};
 use thetahat_ground::{one_or_each, series::Series};
 use thetahat_model::robot::Robot;
 
-/// Random stream of the position noise; the torque noise has stream zero.
+/// Streams of the random numbers of torques and positions.
+const TORQUES: u64 = 0;
 const POSITIONS: u64 = 1;
 
 /// The sensors between a simulated motion and its recording: encoders, torque ripple and torque noise.
@@ -42,15 +43,14 @@ impl Sensors {
     #[must_use]
     pub fn record(&self, motion: &SimulatedMotion, robot: &Robot) -> (Series, Series) {
         let transmission = &robot.transmission;
-        let mut positions = transmission.motor_positions(&self.noisy_positions(&motion.q, robot));
+        let mut positions = transmission.motor_positions(&self.noisy_positions(motion.q.clone(), robot));
         let mut torques = motion.tau.clone();
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let noise = SignalNoise::White(&self.torque_noise).draw(torques.len(), &mut random_numbers(self.seed, TORQUES));
         for k in 0..torques.len() {
             let motors = positions.sample(k).to_vec();
             for (j, tau) in torques.sample_mut(k).iter_mut().enumerate() {
-                let noise: f64 = StandardNormal.sample(&mut rng);
                 let ripple = (self.ripple_per_turn * motors[j]).sin();
-                *tau += self.torque_noise[j] * noise + self.torque_ripple[j] * ripple;
+                *tau += noise.sample(k)[j] + self.torque_ripple[j] * ripple;
             }
         }
         let step = TAU / self.encoder_counts_per_turn;
@@ -58,15 +58,12 @@ impl Sensors {
         (positions, transmission.drive_signals(&torques))
     }
 
-    /// Positions with noise from a random stream of their own.
-    fn noisy_positions(&self, q: &Series, robot: &Robot) -> Series {
-        let mut q = q.clone();
+    /// Positions with their noise, whose numbers are not those of the torques'.
+    fn noisy_positions(&self, q: Series, robot: &Robot) -> Series {
         let joints = self.position_noise.iter().zip(robot.coordinates());
         let deviations: Vec<f64> = joints.map(|(value, joint)| joint.kind.to_si(*value)).collect();
         if deviations.iter().any(|deviation| *deviation > 0.0) {
-            let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-            rng.set_stream(POSITIONS);
-            q.add_white_noise(&deviations, &mut rng);
+            return SignalNoise::White(&deviations).added_to(q, &mut random_numbers(self.seed, POSITIONS));
         }
         q
     }

@@ -89,7 +89,7 @@ fn record(robot: &Robot, samples: usize) -> (Series, Series) {
     (positions, torques)
 }
 
-/// The largest resident memory of this process so far, where the system tells it.
+/// The largest resident memory of this process so far, if the system reports it.
 fn peak_kb() -> Option<usize> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;

@@ -17,7 +17,7 @@ use thetahat::{
     },
 };
 
-/// The rate of the record.
+/// The rate of the recording.
 const RATE_HZ: f64 = 200.0;
 /// Simulated time in s.
 const DURATION_S: f64 = 25.0;

@@ -2,9 +2,6 @@
 //!
 //! The truth of a payload is a set of point masses; their parameters are summed up here, not by the code under test.
 
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use thetahat::{
     Identification, Method, Recording, Results, Robot, Settings,
     base_parameters::BaseParameters,
@@ -14,6 +11,7 @@ use thetahat::{
     results::Verdict,
     series::Series,
 };
+use thetahat_estimation::simulation::{SignalNoise, random_numbers};
 use thetahat_testing::project;
 
 const RATE_HZ: f64 = 200.0;
@@ -97,14 +95,14 @@ impl Twin {
 
     /// Two recordings, the second with the payload, of drives whose torque is `factor` times what is recorded.
     fn recordings(&self, seed: u64, factors: &[f64]) -> Vec<Recording> {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut random = random_numbers(seed, 0);
         let n = self.robot.coordinate_count();
+        let deviations: Vec<f64> = (0..n).map(|j| NOISE / (1.0 + j as f64)).collect();
         let mut series = |torque: &[f64]| {
-            let noisy = torque.iter().enumerate().map(|(i, tau)| {
-                let noise: f64 = StandardNormal.sample(&mut random);
-                (tau + NOISE / (1.0 + (i % n) as f64) * noise) / factors[i % n]
-            });
-            Series::from_values(n, noisy.collect())
+            let torque = Series::from_values(n, torque.to_vec());
+            let mut noisy = SignalNoise::White(&deviations).added_to(torque, &mut random);
+            noisy.values_mut().iter_mut().enumerate().for_each(|(i, tau)| *tau /= factors[i % n]);
+            noisy
         };
         let without =
             Recording::new(RATE_HZ * self.speed, self.positions[0].clone(), series(&self.unloaded[0])).named("without");

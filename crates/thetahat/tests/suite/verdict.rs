@@ -3,9 +3,6 @@
 
 use std::path::{Path, PathBuf};
 
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use thetahat::{
     Identification, Recording, Robot, Settings,
     experiment::Experiment,
@@ -13,6 +10,7 @@ use thetahat::{
     results::{Comparison, ReasonCode, Results, TwinRecording, Verdict},
     series::Series,
 };
+use thetahat_estimation::simulation::{Autoregression, SignalNoise, random_numbers};
 
 const SEEDS: u64 = 60;
 
@@ -24,15 +22,9 @@ fn experiment(file: &str) -> (PathBuf, Experiment) {
 
 /// Noise with a correlation from sample to sample.
 fn noise(like: &Series, seed: u64, correlation: f64) -> Series {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut state = vec![0.0; like.channels()];
-    let values = (0..like.values().len()).map(|i| {
-        let fresh: f64 = StandardNormal.sample(&mut rng);
-        let own = &mut state[i % like.channels()];
-        *own = correlation * *own + fresh;
-        *own
-    });
-    Series::from_values(like.channels(), values.collect())
+    let ones = vec![1.0; like.channels()];
+    let noise = Autoregression { correlation, first: ones.clone(), innovation: ones };
+    SignalNoise::Autoregressive(&noise).draw(like.len(), &mut random_numbers(seed, 0))
 }
 
 fn by_ls(robot: &Robot, record: &TwinRecording, torque: Series) -> Results {

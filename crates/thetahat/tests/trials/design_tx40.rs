@@ -5,7 +5,7 @@ use std::path::Path;
 use libtest_mimic::{Failed, Trial};
 use thetahat::{
     base_parameters::BaseParameters,
-    design::{Criterion, Design, ExpectedRecord, Information},
+    design::{Criterion, Design, ExpectedRecording, Information},
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     experiment::Experiment,
     robot::Robot,
@@ -164,7 +164,7 @@ fn the_promise_is_kept() -> Result<(), Failed> {
     let experiment = Experiment::read(&out.join("rehearsal.toml"), Path::new(""))?;
     let twin = experiment.file.twin.as_ref().ok_or("no twin")?;
     let motion = experiment.twin_motion(twin)?.motion;
-    let record = ExpectedRecord {
+    let record = ExpectedRecording {
         robot: &design.robot,
         settings: &design.settings,
         sample_rate_hz: RATE_HZ,

@@ -1,4 +1,4 @@
-//! Times of generated C beside the library's kernels, on the TX40 in one run: the table of `docs/manual/generated_code.md`.
+//! Times of generated C and of the library's kernels, on the TX40 in one run: the table of `docs/manual/generated_code.md`.
 //!
 //! `cargo run --release -p thetahat --example studies -- generated_times [PYTHON]`; it needs `cc`. With a Python that has `pin` and `cmeel-eigen`,
 //! Pinocchio in C++ runs in the same run.

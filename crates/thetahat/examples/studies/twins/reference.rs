@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use thetahat::{Robot, robot::JointKind, series::Series};
 
-/// Harmonics of the periodic motion; the first has the length of the record as its period.
+/// Harmonics of the periodic motion; the first has the length of the recording as its period.
 const HARMONICS: usize = 5;
 /// Time in which the motion begins and ends.
 const RAMP_S: f64 = 1.0;

@@ -58,7 +58,7 @@ fn recorded(data: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The row of a trial: of its worst outcome where there are several seeds; none where the twin has no such trial.
+/// The row of a trial: of its worst outcome if there are several seeds; `None` if the twin has no such trial.
 fn row(trial: Trial, specimen: &Specimen) -> Result<Option<String>, Box<dyn Error>> {
     let mut all: Vec<(Outcome, Results)> = Vec::new();
     for seed in 0..trial.seeds() {

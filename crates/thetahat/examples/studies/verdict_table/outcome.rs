@@ -14,7 +14,7 @@ pub enum Outcome {
     Undecided,
     /// The numbers are good, and refused.
     Strict,
-    /// The numbers are false, and the verdict says nothing of it.
+    /// The numbers are wrong, and the verdict does not warn.
     Misled,
 }
 

@@ -22,10 +22,10 @@ const REFERENCE_RANGE: f64 = 3.0;
 
 /// An experiment proposed for a robot and its recordings, one [`Contents`] for each file of the request.
 ///
-/// Least squares alone is proposed: the other methods need the controller, which no recording tells.
+/// Least squares alone is proposed: the other methods need the controller, which no recording shows.
 ///
 /// # Errors
-/// [`ProposalError`] where columns or files cannot be told from their names; nothing is guessed from the order of columns.
+/// [`ProposalError`] where columns or files are not clear from their names; nothing is guessed from the order of columns.
 pub fn propose(
     request: &ProposalRequest,
     description: &RobotSource,

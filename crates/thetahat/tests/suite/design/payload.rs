@@ -2,12 +2,10 @@
 
 use std::path::Path;
 
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use thetahat::{
-    Identification, Recording, Robot, Settings, design::ExpectedRecord, experiment::Experiment, series::Series,
+    Identification, Recording, Robot, Settings, design::ExpectedRecording, experiment::Experiment, series::Series,
 };
+use thetahat_estimation::simulation::{SignalNoise, random_numbers};
 use thetahat_testing::{Folder, project};
 
 use super::support::{DESIGN, assert_within_limits, key_of, parse, rehearsal, torques};
@@ -46,7 +44,7 @@ fn a_payload_is_in_the_torques_and_not_in_the_intervals() {
         assert!((most(&loaded, joint) - most(&unloaded, joint)).abs() > 1.0);
     }
     let settings = Settings { payloads: Vec::new(), ..design.settings.clone() };
-    let record = ExpectedRecord {
+    let record = ExpectedRecording {
         robot: &design.robot,
         settings: &settings,
         sample_rate_hz: 500.0,
@@ -71,11 +69,8 @@ fn gains_are_predicted_as_pairs_of_records_tell_them() {
     let design = parse(&with_payload()).unwrap();
     let results = design.run(2, &mut |_| {}).unwrap();
     let unloaded = torques(&design.robot, &results);
-    let mut rng = ChaCha8Rng::seed_from_u64(7);
-    let mut noisy = |tau: &Series| {
-        let noise = (0..tau.values().len()).map(|_| 0.1 * Distribution::<f64>::sample(&StandardNormal, &mut rng));
-        Series::from_values(2, tau.values().iter().zip(noise).map(|(t, e)| t + e).collect())
-    };
+    let mut rng = random_numbers(7, 0);
+    let mut noisy = |tau: &Series| SignalNoise::White(&[0.1, 0.1]).added_to(tau.clone(), &mut rng);
     let pairs = 40;
     let gains: Vec<Vec<f64>> = (0..pairs)
         .map(|_| {

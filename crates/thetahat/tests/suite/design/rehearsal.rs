@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use thetahat::{
-    design::ExpectedRecord,
+    design::ExpectedRecording,
     experiment::Experiment,
     results::{DesignResults, PredictedParameter},
 };
@@ -87,7 +87,7 @@ fn the_promise_is_kept_by_records_of_the_closed_loop() {
     let (design, results, experiment) = rehearsal(&folder, &with_controller());
     assert!(results.is_closed_loop);
     let motion = experiment.twin_motion(experiment.file.twin.as_ref().unwrap()).unwrap().motion;
-    let record = ExpectedRecord {
+    let record = ExpectedRecording {
         robot: &design.robot,
         settings: &design.settings,
         sample_rate_hz: 500.0,
