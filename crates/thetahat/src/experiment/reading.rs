@@ -95,13 +95,12 @@ impl Experiment {
 
     fn read_channels(&self, source: &ChannelSource, data: &Path) -> Result<Series, ExperimentError> {
         let series = recording::read_channels(source, data)?;
-        let joints = self.robot.coordinate_count();
-        if series.channels() == joints {
+        let (expected, found) = (self.robot.coordinate_count(), series.channels());
+        if found == expected {
             return Ok(series);
         }
-        let key = format!("{}: number of channels", source.path(data).display());
-        let expected = format!("{joints}, one for each joint of {}", self.robot.name);
-        Err(self.refuse(PreparationError::value(&key, &expected, series.channels())))
+        let place = source.path(data).display().to_string();
+        Err(self.refuse(PreparationError::JointCount { place, expected, found }))
     }
 }
 
