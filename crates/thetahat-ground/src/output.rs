@@ -42,18 +42,19 @@ pub const PROPOSAL: &str = "# Proposed by thetahat from ";
 /// First bytes among which a mark stands.
 const HEAD: u64 = 512;
 
-/// Why a file is not written.
+/// Why a file is not written. The remedy is another place, or, for [`OutputError::NotOurs`] and
+/// [`OutputError::MayHoldChanges`], a guard that is made with `force`.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OutputError {
-    /// The file is read by the same command.
-    #[error("{}: the command reads this file; give another file or folder with --out", path.display())]
+    /// The file is an input of the same run.
+    #[error("{}: is read as an input, and is not replaced", path.display())]
     IsInput {
         /// The file.
         path: PathBuf,
     },
     /// Something else than a file is there.
-    #[error("{}: expected a file, found {found}; give the name of a file with --out", path.display())]
+    #[error("{}: expected a file, found {found}", path.display())]
     NotAFile {
         /// The place.
         path: PathBuf,
@@ -61,7 +62,7 @@ pub enum OutputError {
         found: &'static str,
     },
     /// Something else than a folder is there.
-    #[error("{}: expected a folder, found {found}; give another folder with --out", path.display())]
+    #[error("{}: expected a folder, found {found}", path.display())]
     NotAFolder {
         /// The place.
         path: PathBuf,
@@ -75,20 +76,13 @@ pub enum OutputError {
         path: PathBuf,
     },
     /// A file is there that this program did not write.
-    #[error(
-        "{}: is there already and not known to be written by thetahat; give another place with --out, or replace it \
-         with --force",
-        path.display()
-    )]
+    #[error("{}: is there already and not known to be written by thetahat", path.display())]
     NotOurs {
         /// The file.
         path: PathBuf,
     },
     /// A file is there that this program wrote for the user to edit.
-    #[error(
-        "{}: is there already, and may hold your changes; give another place with --out, or replace it with --force",
-        path.display()
-    )]
+    #[error("{}: is there already, and may hold your changes", path.display())]
     MayHoldChanges {
         /// The file.
         path: PathBuf,
@@ -120,7 +114,7 @@ impl OutputGuard {
     /// Checks that a file can be written here.
     ///
     /// # Errors
-    /// [`OutputError`], with the remedy.
+    /// [`OutputError`].
     pub fn file(&self, path: &Path) -> Result<(), OutputError> {
         let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
         if !folder.is_dir() {
@@ -147,7 +141,7 @@ impl OutputGuard {
     /// Checks that files of these names can be written into a folder, which need not be there.
     ///
     /// # Errors
-    /// [`OutputError`], with the remedy.
+    /// [`OutputError`].
     pub fn folder<'n>(&self, folder: &Path, names: impl IntoIterator<Item = &'n str>) -> Result<(), OutputError> {
         let there = folder.ancestors().filter(|path| !path.as_os_str().is_empty()).find(|path| path.exists());
         if let Some(path) = there.filter(|path| !path.is_dir()) {

@@ -21,7 +21,7 @@ use crate::{
     store,
 };
 
-/// A result, or what the command line says.
+/// A result, or an error of the library.
 pub type Outcome<T> = Result<T, Box<dyn Error>>;
 
 /// The name of the experiment file.

@@ -1,4 +1,4 @@
-"""What thetahat raises: one class for each thing that can be wrong, with the texts of the library and the command line."""
+"""What thetahat raises: one class for each thing that can be wrong, with the texts of the library and remedies in the words of the package."""
 
 
 class ThetahatError(Exception):

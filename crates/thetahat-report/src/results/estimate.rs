@@ -8,7 +8,7 @@ use thetahat_estimation::identification::Method;
 #[non_exhaustive]
 pub enum NoEstimate {
     /// No method was asked for, and the advice takes none.
-    #[error("the advice takes no method in case {case}; say which with --method, of {}", methods.join(", "))]
+    #[error("the advice takes no method in case {case}; ask for one of {}", methods.join(", "))]
     NotAdvised {
         /// The case.
         case: String,
