@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let experiment = Experiment::read(Path::new("experiments/tx40_paper.toml"), Path::new(&data))?;
     let model = Model::new(&experiment.robot);
     let sample = |k: usize| (0..6).map(move |j| (0.37 * k as f64 + j as f64).sin());
-    let q = Series::from_values(6, (0..SAMPLES).flat_map(sample).collect());
+    let q = Series::shaped(6, (0..SAMPLES).flat_map(sample).collect());
 
     let all: Vec<usize> = (0..model.parameter_table().len()).collect();
     let regressor = Regressor::new(&model, &all);

@@ -42,7 +42,7 @@ fn moves_of_the_record(robot: &Robot) -> Result<Moves, Failed> {
             values.push(cell.trim().parse()?);
         }
     }
-    let q = robot.transmission.joint_positions(&Series::from_values(JOINTS, values));
+    let q = robot.transmission.joint_positions(&Series::shaped(JOINTS, values));
     Ok(reconstruct(&q, &velocity(&q), RECORD_HZ)?.moves)
 }
 
@@ -57,7 +57,7 @@ fn velocity(position: &Series) -> Series {
         let last = x.len() - 1;
         (0..x.len()).map(|k| (x[(k + 1).min(last)] - x[k.saturating_sub(1)]) * RECORD_HZ / 2.0).collect()
     };
-    Series::from_channels(&(0..JOINTS).map(channel).collect::<Vec<_>>())
+    Series::side_by_side(&(0..JOINTS).map(channel).collect::<Vec<_>>())
 }
 
 /// Smallest and largest value of each joint.

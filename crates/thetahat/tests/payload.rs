@@ -104,7 +104,7 @@ impl Twin {
                 let noise: f64 = StandardNormal.sample(&mut random);
                 (tau + NOISE / (1.0 + (i % n) as f64) * noise) / factors[i % n]
             });
-            Series::from_values(n, noisy.collect())
+            Series::shaped(n, noisy.collect())
         };
         let without =
             Recording::new(RATE_HZ * self.speed, self.positions[0].clone(), series(&self.unloaded[0])).named("without");
@@ -261,7 +261,7 @@ fn a_known_payload_moves_to_the_left_side() {
     let mut recordings = twin.recordings(1, &ones);
     let noise: Vec<f64> = recordings[1].torque.as_ref().unwrap().values().to_vec();
     let bare = noise.iter().zip(&twin.loaded).zip(&twin.unloaded[1]).map(|((s, l), u)| s - l + u).collect();
-    recordings[1].torque = Some(Series::from_values(7, bare));
+    recordings[1].torque = Some(Series::shaped(7, bare));
     recordings[1].payload = None;
     let settings = Settings::new(20.0, 10).with_methods([Method::IDIM_LS]);
     let without = Identification::new(&twin.robot, recordings, settings).unwrap().run().unwrap();

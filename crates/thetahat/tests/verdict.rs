@@ -32,7 +32,7 @@ fn noise(like: &Series, seed: u64, correlation: f64) -> Series {
         *own = correlation * *own + fresh;
         *own
     });
-    Series::from_values(like.channels(), values.collect())
+    Series::shaped(like.channels(), values.collect())
 }
 
 fn by_ls(robot: &Robot, record: &TwinRecord, torque: Series) -> Results {

@@ -23,7 +23,7 @@ pub(super) fn friction_shapes(record: &ThinnedRecord<'_>) -> Option<Matrix> {
     let rows = record.rows();
     let mut columns: Vec<Vec<f64>> = Vec::new();
     for (motion, acts_on) in rubbing(record) {
-        let filtered = record.decimator.filter(&Series::from_channels(&shapes(&motion))).ok()?;
+        let filtered = record.decimator.filter(&Series::side_by_side(&shapes(&motion))).ok()?;
         for shape in record.stack(&filtered).chunks(rows) {
             let torques = acts_on.iter().flat_map(|n| shape.iter().map(move |s| n * s));
             columns.push(torques.collect());

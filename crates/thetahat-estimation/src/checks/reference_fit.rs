@@ -124,7 +124,7 @@ fn fit(q: &[f64], r: &[f64], free: [bool; 3]) -> Option<(JointCorrection, f64)> 
 
 /// What a correction leaves of the motion, and its slopes by what is free, away from the ends.
 fn linearised(q: &[f64], r: &[f64], at: JointCorrection, free: [bool; 3], reach: usize) -> (Vec<f64>, Matrix) {
-    let late = delayed(&Series::from_channels(&[r.to_vec()]), &[at.samples]);
+    let late = delayed(&Series::side_by_side(&[r.to_vec()]), &[at.samples]);
     let slope = central_difference(&late, 1.0);
     let inside = reach..q.len() - reach;
     let value = |k: usize| late.sample(k)[0];
@@ -161,7 +161,7 @@ mod tests {
     }
 
     fn series(of: impl Fn(f64, usize) -> f64) -> Series {
-        Series::from_values(2, (0..2000).flat_map(|k| [of(f64::from(k), 0), of(f64::from(k), 1)]).collect())
+        Series::shaped(2, (0..2000).flat_map(|k| [of(f64::from(k), 0), of(f64::from(k), 1)]).collect())
     }
 
     fn text_of(position: &Series, reference: &Series, off: &[usize]) -> Option<String> {

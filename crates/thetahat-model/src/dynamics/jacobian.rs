@@ -132,7 +132,7 @@ mod tests {
         };
         let (q, dq) = state.split_at(3);
         let motion = [&[q, q].concat(), &[dq, dq].concat(), &[ddq, ddq].concat()];
-        let [q, dq, ddq] = motion.map(|values| Series::from_values(3, values.clone()));
+        let [q, dq, ddq] = motion.map(|values| Series::shaped(3, values.clone()));
         let mut found = [Jacobian::zeros(3), Jacobian::zeros(3)];
         model.inverse_dynamics_jacobians(&parameters, [&q, &dq, &ddq], None, 0..2, SIGN, &mut found);
         assert_eq!(found[0], found[1]);

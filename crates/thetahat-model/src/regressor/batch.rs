@@ -200,7 +200,7 @@ mod tests {
         // More than two batches, and a rest.
         let (samples, range) = (2 * AHEAD + 7, 3..2 * AHEAD + 7);
         let motion =
-            [0.1, 0.7, 1.3].map(|w| Series::from_values(2, (0..2 * samples).map(|k| (w * k as f64).sin()).collect()));
+            [0.1, 0.7, 1.3].map(|w| Series::shaped(2, (0..2 * samples).map(|k| (w * k as f64).sin()).collect()));
         let [q, dq, ddq] = [0, 1, 2].map(|i: usize| &motion[i]);
         let entries = regressor.evaluate_series(&model, q, dq, ddq, Sign::Exact);
         let mut rows = vec![f64::NAN; range.len() * 2 * 4];

@@ -122,7 +122,7 @@ impl Chain {
             Ok(model.forward_dynamics(parameters, black_box(State::new(q, dq)), ddq, SIGN, &mut workspace, &mut out)?)
         })?;
         let regressor = Regressor::new(model, &(0..model.parameter_table().len()).collect::<Vec<_>>());
-        let motion = [q, dq, ddq].map(|x| Series::from_values(x.len(), x.repeat(16)));
+        let motion = [q, dq, ddq].map(|x| Series::shaped(x.len(), x.repeat(16)));
         let mut phi = vec![0.0; 16 * regressor.entries().len()];
         let batch = per_call(|| {
             let [q, dq, ddq] = &motion;

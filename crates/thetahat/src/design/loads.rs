@@ -148,7 +148,7 @@ impl Loads {
         let joints = self.model.coordinate_count();
         let there = [0, 1, 2].map(|order: usize| {
             let values = uses.iter().flat_map(|of| motion[order].sample(of.instant)).copied().collect();
-            Series::from_values(joints, values)
+            Series::shaped(joints, values)
         });
         let size = robot.theta.len();
         let mut weights = vec![0.0; uses.len() * joints * size];

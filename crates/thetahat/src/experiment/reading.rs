@@ -149,7 +149,7 @@ fn of_all_channels(times: Series, source: &ChannelSource, file: &Path) -> Result
         return Err(RecordingError::NotLong { file: file.to_owned(), problem });
     }
     let mean = |k: usize| times.sample(k).iter().sum::<f64>() / times.channels() as f64;
-    Ok(Series::from_values(1, (0..samples).map(mean).collect()))
+    Ok(Series::shaped(1, (0..samples).map(mean).collect()))
 }
 
 /// The channels that the robot's torque terms take.

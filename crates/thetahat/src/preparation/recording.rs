@@ -101,7 +101,7 @@ impl Recording {
     /// # Errors
     /// As [`Recording::at_times`].
     pub fn with_time_stamps(self, time_s: Vec<f64>) -> Result<Self, RecordingError> {
-        let (source, times) = (Path::new("arrays"), Series::from_values(1, time_s));
+        let (source, times) = (Path::new("arrays"), Series::shaped(1, time_s));
         let optional = [("torque", &self.torque), ("velocity", &self.velocity), ("reference", &self.reference)];
         let named = optional.into_iter().chain([("added signal", &self.added_signal)]);
         let channels = self.channels.iter().map(|(name, series)| (name.as_str(), series));
@@ -262,7 +262,7 @@ impl Recording {
             };
             columns.extend((0..coordinates).map(|c| series.channel(if series.channels() == 1 { 0 } else { c })));
         }
-        Ok((!columns.is_empty()).then(|| Series::from_channels(&columns)))
+        Ok((!columns.is_empty()).then(|| Series::side_by_side(&columns)))
     }
 }
 
@@ -274,7 +274,7 @@ mod tests {
     use super::*;
 
     fn series(values: &[f64]) -> Series {
-        Series::from_values(1, values.to_vec())
+        Series::shaped(1, values.to_vec())
     }
 
     fn good() -> Recording {

@@ -128,7 +128,7 @@ impl Arm {
                 };
                 waves[j].iter().enumerate().map(wave).sum()
             };
-            Series::from_values(
+            Series::shaped(
                 n,
                 (0..samples).flat_map(|k| (0..n).map(move |j| (k, j))).map(|(k, j)| value(k, j)).collect(),
             )

@@ -84,7 +84,7 @@ fn best_passes(model: &Model, columns: &[usize], gravity: &[usize], rng: &mut Ch
 }
 
 fn behind(first: &Motion, second: &Motion) -> Motion {
-    let one = |a: &Series, b: &Series| Series::from_values(3, [a.values(), b.values()].concat());
+    let one = |a: &Series, b: &Series| Series::shaped(3, [a.values(), b.values()].concat());
     Motion { q: one(&first.q, &second.q), dq: one(&first.dq, &second.dq), ddq: one(&first.ddq, &second.ddq) }
 }
 

@@ -74,7 +74,7 @@ fn gains_are_predicted_as_pairs_of_records_tell_them() {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let mut noisy = |tau: &Series| {
         let noise = (0..tau.values().len()).map(|_| 0.1 * Distribution::<f64>::sample(&StandardNormal, &mut rng));
-        Series::from_values(2, tau.values().iter().zip(noise).map(|(t, e)| t + e).collect())
+        Series::shaped(2, tau.values().iter().zip(noise).map(|(t, e)| t + e).collect())
     };
     let pairs = 40;
     let gains: Vec<Vec<f64>> = (0..pairs)

@@ -241,7 +241,7 @@ impl Units<'_, '_> {
         let (Some(least), Some(most), true) = (ends(|c| c.min), ends(|c| c.max), self.has_gears()) else {
             return false;
         };
-        let motors = thetahat_ground::series::Series::from_values(least.len(), [least, most].concat());
+        let motors = thetahat_ground::series::Series::shaped(least.len(), [least, most].concat());
         let joints = self.robot.transmission.joint_positions(&motors);
         joints.values().iter().all(|q| q.abs() <= LARGEST_ANGLE)
     }
