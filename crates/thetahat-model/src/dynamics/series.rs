@@ -19,6 +19,9 @@ impl Model {
     ///
     /// # Errors
     /// The first sample, from zero, at which these parameters have no positive definite mass matrix.
+    ///
+    /// # Panics
+    /// If the series differ in length, or have another number of channels.
     pub fn forward_dynamics_series(
         &self,
         parameters: &DynamicParameters,

@@ -10,6 +10,9 @@ use thetahat_ground::{real::Lanes, series::Series};
 
 impl Regressor {
     /// The entries of `phi` over a motion: one channel for each entry.
+    ///
+    /// # Panics
+    /// If the series differ in length, or have not one channel for each coordinate of the model.
     #[must_use]
     pub fn evaluate_series(&self, model: &Model, q: &Series, dq: &Series, ddq: &Series, sign: Sign) -> Series {
         let mut phi = Series::zeros(q.len(), self.entries().len());

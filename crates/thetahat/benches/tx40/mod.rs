@@ -35,7 +35,7 @@ impl Tx40 {
         let model = Model::new(&robot);
         let base = BaseParameters::of(&model, &["iam6".to_owned()])?;
         Ok(Self {
-            parameters: DynamicParameters::new(&model, &robot.a_priori_parameters()),
+            parameters: DynamicParameters::sorted(&model, &robot.a_priori_parameters()),
             workspace: Workspace::new(&model),
             regressor: Regressor::new(&model, &base.columns()),
             model,

@@ -35,7 +35,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
     println!("regressor {}", best(|| rows(&mut phi)));
     println!("regressor_new {}", best(|| rows(&mut vec![0.0; SAMPLES * 6 * all.len()])));
 
-    let parameters = DynamicParameters::new(&model, &experiment.robot.a_priori_parameters());
+    let parameters = DynamicParameters::sorted(&model, &experiment.robot.a_priori_parameters());
     let mut workspace = Workspace::new(&model);
     let torques = || {
         let mut tau = vec![0.0; SAMPLES * 6];

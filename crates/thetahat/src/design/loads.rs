@@ -28,7 +28,7 @@ impl LoadedRobot {
     fn new(model: &Model, theta: &[f64]) -> Self {
         let columns: Vec<usize> = (0..theta.len()).filter(|&i| theta[i] != 0.0).collect();
         Self {
-            parameters: DynamicParameters::new(model, theta),
+            parameters: DynamicParameters::sorted(model, theta),
             regressor: Regressor::new(model, &columns),
             theta: columns.iter().map(|&c| theta[c]).collect(),
         }

@@ -85,7 +85,7 @@ fn lag(problem: &Problem, columns: &[usize], (torque, left): (&Series, &Series))
 
 /// What a model leaves of torques.
 pub(super) fn left(torque: &Series, motion: &Motion, model: &Model, theta: &[f64]) -> Series {
-    let (parameters, mut workspace) = (DynamicParameters::new(model, theta), Workspace::new(model));
+    let (parameters, mut workspace) = (DynamicParameters::sorted(model, theta), Workspace::new(model));
     let mut left = torque.clone();
     let mut tau = vec![0.0; torque.channels()];
     for k in 0..torque.len() {

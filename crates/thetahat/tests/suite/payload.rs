@@ -79,7 +79,7 @@ impl Twin {
         let n = robot.coordinate_count();
         let paths = [0, 1].map(|record| motion(n, record, speed));
         let torque = |record: usize, theta: &[f64]| {
-            let theta = DynamicParameters::new(&model, theta);
+            let theta = DynamicParameters::sorted(&model, theta);
             let [q, dq, ddq] = &paths[record];
             let mut workspace = Workspace::new(&model);
             let mut tau = vec![0.0; n * SAMPLES];

@@ -72,7 +72,7 @@ fn largest(series: &Series) -> Vec<f64> {
 
 fn torques(robot: &Robot, [q, dq, ddq]: [&Series; 3]) -> Series {
     let model = Model::new(robot);
-    let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters());
+    let parameters = DynamicParameters::sorted(&model, &robot.a_priori_parameters());
     let (mut tau, mut workspace) = (Series::zeros(q.len(), JOINTS), Workspace::new(&model));
     for k in 0..q.len() {
         let state = State::new(q.sample(k), dq.sample(k));

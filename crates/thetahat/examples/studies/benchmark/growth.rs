@@ -105,7 +105,7 @@ impl Chain {
         );
         let robot = Robot::parse(&text, Path::new("chain.toml"))?;
         let model = Model::new(&robot);
-        let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters());
+        let parameters = DynamicParameters::sorted(&model, &robot.a_priori_parameters());
         let state = [0.7, 1.3, 2.1].map(|f| (0..joints).map(|j| (f * j as f64 + f).sin()).collect());
         Ok(Self { model, parameters, state })
     }

@@ -91,7 +91,7 @@ fn behind(first: &Motion, second: &Motion) -> Motion {
 /// The torques of a motion; with friction that the model does not have.
 fn torques(robot: &Robot, motion: &Motion, stribeck: f64) -> Series {
     let model = Model::new(robot);
-    let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters());
+    let parameters = DynamicParameters::sorted(&model, &robot.a_priori_parameters());
     let (mut tau, mut workspace) = (Series::zeros(motion.q.len(), 3), Workspace::new(&model));
     for k in 0..motion.q.len() {
         let dq = motion.dq.sample(k);

@@ -101,7 +101,7 @@ pub fn moves(jerk: &str) -> String {
 /// The torques of a motion by a robot.
 pub fn torques(robot: &Robot, results: &DesignResults) -> Series {
     let model = Model::new(robot);
-    let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters());
+    let parameters = DynamicParameters::sorted(&model, &robot.a_priori_parameters());
     let (mut tau, mut workspace) = (Series::zeros(results.q.len(), 2), Workspace::new(&model));
     for k in 0..results.q.len() {
         let state = State::new(results.q.sample(k), results.dq.sample(k));
