@@ -1,5 +1,5 @@
 //! The tables of `docs/reference` between `<!-- generated: NAME -->` and `<!-- end -->` are those that the sources give: keys, codes,
-//! units and columns with their doc comments. `UPDATE_REFERENCE=1 cargo test -p thetahat-cli --test reference` writes them.
+//! units and columns with their doc comments. `UPDATE_REFERENCE=1 cargo test -p thetahat-cli --test commands reference` writes them.
 
 #[path = "reference/facts.rs"]
 mod facts;
@@ -139,7 +139,7 @@ fn tables_are_those_of_the_sources() {
             stale.push(difference(document, &text, &expected));
         }
     }
-    let how = "UPDATE_REFERENCE=1 cargo test -p thetahat-cli --test reference writes the tables";
+    let how = "UPDATE_REFERENCE=1 cargo test -p thetahat-cli --test commands reference writes the tables";
     assert!(stale.is_empty(), "{}\n{how}", stale.join("\n"));
     let missing: Vec<&&str> = blocks.keys().filter(|name| !shown.iter().any(|s| s == *name)).collect();
     assert!(missing.is_empty(), "no document shows {missing:?}");

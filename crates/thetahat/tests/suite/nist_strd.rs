@@ -1,6 +1,6 @@
 //! The estimator of the program against the NIST reference sets for linear regression: digits of estimates and of
 //! standard deviations. The table in `docs/evidence/reference_data.md` is printed by
-//! `cargo test --release -p thetahat --test nist_strd -- --nocapture`.
+//! `cargo test --release -p thetahat --test suite nist_strd -- --nocapture`.
 
 #[path = "nist_strd/data.rs"]
 mod data;
