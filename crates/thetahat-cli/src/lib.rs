@@ -10,6 +10,7 @@ mod inputs;
 mod progress;
 mod proposal;
 mod reduction;
+mod remedies;
 mod shell;
 mod shown;
 mod terminal;
@@ -36,7 +37,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Ok(terminal::Ending::Good) => 0,
         Ok(terminal::Ending::NotTrusted) => NOT_TRUSTED,
         Err(error) => {
-            eprintln!("error: {}", visible_lines(&error.to_string()));
+            eprintln!("error: {}", visible_lines(&remedies::with_remedy(error.as_ref())));
             ERROR
         }
     }

@@ -43,26 +43,27 @@ pub const PROPOSAL: &str = "# Proposed by thetahat from ";
 /// Number of first bytes searched for a mark.
 const HEAD: u64 = 512;
 
-/// Why a file cannot be written.
+/// Why a file is not written. The remedy is another place, or, for [`OutputError::NotOurs`] and
+/// [`OutputError::MayHoldChanges`], a guard that is made with `force`.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OutputError {
-    /// The file is read by the same command.
-    #[error("{}: the command reads this file; give another file or folder with --out", path.display())]
+    /// The file is an input of the same run.
+    #[error("{}: is read as an input, and is not replaced", path.display())]
     IsInput {
         /// The file.
         path: PathBuf,
     },
-    /// The path is not a file.
-    #[error("{}: expected a file, found {found}; give the name of a file with --out", path.display())]
+    /// Something else than a file is there.
+    #[error("{}: expected a file, found {found}", path.display())]
     NotAFile {
         /// The path.
         path: PathBuf,
         /// A folder, a pipe or a device.
         found: &'static str,
     },
-    /// The path is not a folder.
-    #[error("{}: expected a folder, found {found}; give another folder with --out", path.display())]
+    /// Something else than a folder is there.
+    #[error("{}: expected a folder, found {found}", path.display())]
     NotAFolder {
         /// The path.
         path: PathBuf,
@@ -75,21 +76,14 @@ pub enum OutputError {
         /// The folder.
         path: PathBuf,
     },
-    /// The file exists and was not written by this program.
-    #[error(
-        "{}: exists and was not written by thetahat; give another place with --out, or replace it \
-         with --force",
-        path.display()
-    )]
+    /// A file is there that this program did not write.
+    #[error("{}: is there already and not known to be written by thetahat", path.display())]
     NotOurs {
         /// The file.
         path: PathBuf,
     },
-    /// The file exists and was written by this program for the user to edit.
-    #[error(
-        "{}: exists and may contain your changes; give another place with --out, or replace it with --force",
-        path.display()
-    )]
+    /// A file is there that this program wrote for the user to edit.
+    #[error("{}: is there already, and may hold your changes", path.display())]
     MayHoldChanges {
         /// The file.
         path: PathBuf,
@@ -121,7 +115,7 @@ impl OutputGuard {
     /// Checks that a file can be written here.
     ///
     /// # Errors
-    /// [`OutputError`], with the remedy.
+    /// [`OutputError`].
     pub fn file(&self, path: &Path) -> Result<(), OutputError> {
         let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
         if !folder.is_dir() {
@@ -148,7 +142,7 @@ impl OutputGuard {
     /// Checks that files of these names can be written into a folder, which need not exist.
     ///
     /// # Errors
-    /// [`OutputError`], with the remedy.
+    /// [`OutputError`].
     pub fn folder<'n>(&self, folder: &Path, names: impl IntoIterator<Item = &'n str>) -> Result<(), OutputError> {
         let there = folder.ancestors().filter(|path| !path.as_os_str().is_empty()).find(|path| path.exists());
         if let Some(path) = there.filter(|path| !path.is_dir()) {

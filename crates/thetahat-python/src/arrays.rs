@@ -17,7 +17,7 @@ const PIECE: usize = 8192;
 
 /// A copy of an array, or of a part of it.
 pub fn series_of(array: ArrayView2<'_, f64>) -> Series {
-    Series::from_values(array.ncols(), array.iter().copied().collect())
+    Series::shaped(array.ncols(), array.iter().copied().collect())
 }
 
 /// A series as an array, without a copy.

@@ -15,7 +15,7 @@ use thetahat::{
     statistics,
 };
 
-use crate::{python_error::PythonError, results::Results, robot::Robot};
+use crate::{python_error::PythonError, remedies, results::Results, robot::Robot};
 
 /// The texts of a campaign, of its experiment and of its robot, each of the first two after its path, and the SHA-256 of the file that
 /// the twin follows, if it follows one.
@@ -82,11 +82,8 @@ impl Bench {
 
 /// Why a campaign's page is not written; unlike the command, this never replaces a page of another origin.
 fn not_replaced(error: OutputError) -> PythonError {
-    if let OutputError::NotOurs { path } = &error {
-        let problem = "exists and was not written by thetahat; take another `out`";
-        return PythonError::new("CampaignError", format!("{}: {problem}", path.display()));
-    }
-    PythonError::new("CampaignError", error)
+    let remedy = remedies::of_campaign_folder(&error);
+    PythonError::with_remedy("CampaignError", error, remedy)
 }
 
 /// Combines the parts of a folder, as the command `campaign` does at its end: the tables, the numbers of runs and of converged runs, and

@@ -11,6 +11,7 @@ mod identification;
 mod interruptible;
 mod python_error;
 mod recording;
+mod remedies;
 mod results;
 mod robot;
 mod signal;

@@ -9,7 +9,7 @@ use pyo3::{prelude::*, types::PyBytes};
 use thetahat::{
     Experiment,
     experiment::EstimateRequest,
-    export::{ExportError, Format, IdentifiedModel},
+    export::{Format, IdentifiedModel},
     identification::UnknownMethod,
     output::{OutputGuard, replace_file},
     report::{self, Published, TextWidth},
@@ -139,10 +139,8 @@ impl Results {
         let method = method.map(str::parse).transpose().map_err(|e: UnknownMethod| PythonError::from(e))?;
         let request = EstimateRequest { method, untrusted, ..EstimateRequest::default() };
         py.detach(|| {
-            let refused = |e: ExportError| PythonError::new("ResultsError", e);
-            let model =
-                IdentifiedModel::of_results(Path::new("the results"), &self.results, &request).map_err(refused)?;
-            let export = model.export(format).map_err(refused)?;
+            let model = IdentifiedModel::of_results(Path::new("the results"), &self.results, &request)?;
+            let export = model.export(format)?;
             write_guarded(&path, export.text.as_bytes(), force)?;
             Ok([model.about(), export.notes, export.not_represented].concat())
         })

@@ -12,7 +12,7 @@ use pyo3::{exceptions::PyValueError, prelude::*};
 use thetahat::{
     Experiment,
     base_parameters::BaseParameters,
-    dynamics::{DynamicParameters, Model, Sign, State, Workspace},
+    dynamics::{DynamicParameters, DynamicsError, Model, Sign, State, Workspace},
     regressor::Regressor,
     report,
     results::ProfiledTerm,
@@ -231,7 +231,7 @@ impl Robot {
         mut tau: PyReadwriteArray2<'py, f64>,
     ) -> PyResult<()> {
         let (n, sign) = (self.model.coordinate_count(), sign_of(sign_velocity_scale)?);
-        let parameters = DynamicParameters::new(&self.model, &theta);
+        let parameters = DynamicParameters::new(&self.model, &theta).map_err(wrong_parameters)?;
         Samples::of(motion.each_ref()).fill(py, tau.as_slice_mut()?, |[q, dq, ddq], tau| {
             let mut workspace = Workspace::new(&self.model);
             for (k, tau) in tau.chunks_exact_mut(n).enumerate() {
@@ -252,7 +252,7 @@ impl Robot {
         mut ddq: PyReadwriteArray2<'py, f64>,
     ) -> PyResult<()> {
         let sign = sign_of(sign_velocity_scale)?;
-        let parameters = DynamicParameters::new(&self.model, &theta);
+        let parameters = DynamicParameters::new(&self.model, &theta).map_err(wrong_parameters)?;
         Samples::of(inputs.each_ref()).fill(py, ddq.as_slice_mut()?, |inputs, ddq| {
             let found = self.model.forward_dynamics_series(&parameters, inputs, sign)?;
             ddq.copy_from_slice(found.values());
@@ -269,7 +269,7 @@ impl Robot {
         mut masses: PyReadwriteArray3<'py, f64>,
     ) -> PyResult<()> {
         let n = self.model.coordinate_count();
-        let parameters = DynamicParameters::new(&self.model, &theta);
+        let parameters = DynamicParameters::new(&self.model, &theta).map_err(wrong_parameters)?;
         Samples::of([&q]).fill(py, masses.as_slice_mut()?, |[q], masses| {
             let mut workspace = Workspace::new(&self.model);
             for (k, m) in masses.chunks_exact_mut(n * n).enumerate() {
@@ -307,6 +307,10 @@ pub fn sign_of(scale: Option<f64>) -> PyResult<Sign> {
             Err(PyValueError::new_err(format!("sign_velocity_scale is {scale}; it is a velocity above zero, or None")))
         }
     }
+}
+
+fn wrong_parameters(error: DynamicsError) -> PythonError {
+    PythonError::new("RobotError", error)
 }
 
 /// A vector as it was given.

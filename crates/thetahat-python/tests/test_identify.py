@@ -257,5 +257,5 @@ def test_settings_that_cannot_be_used_are_refused(twin, options, error, text):
 def test_a_recording_of_another_robot_is_refused(twin):
     one = twin.recording.position[:, :1]
     log = th.Recording(sample_rate_hz=1000, position=one, torque=one, name="log")
-    with pytest.raises(th.SettingsError, match="recording log: channels of position is 1, expected 2"):
+    with pytest.raises(th.SettingsError, match="recording log, position: number of channels is 1, expected 2"):
         th.identify(twin.robot, log, cutoff_hz=40, decimation=10)

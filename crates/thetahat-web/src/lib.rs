@@ -6,6 +6,7 @@ mod answers;
 mod budget;
 mod kind;
 mod page;
+mod remedies;
 mod request;
 mod session;
 mod store;

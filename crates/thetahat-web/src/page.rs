@@ -1,12 +1,15 @@
-//! The class that the page's worker calls. Texts are JSON; an error is a JavaScript `Error` with the message of the command line.
+//! The class that the page's worker calls. Texts are JSON; an error is a JavaScript `Error` with the library's message and the page's remedy.
 
 use std::{path::Path, sync::Mutex};
 
 use wasm_bindgen::prelude::*;
 
-use crate::session::{self, Session};
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
 use crate::threads;
+use crate::{
+    remedies::with_remedy,
+    session::{self, Session},
+};
 
 /// A session in the page.
 #[wasm_bindgen(js_name = Session)]
@@ -14,8 +17,8 @@ pub struct PageSession(Session);
 
 type Outcome<T> = Result<T, JsError>;
 
-fn to_js<T>(outcome: session::Outcome<T>) -> Outcome<T> {
-    outcome.map_err(|error| JsError::new(&error.to_string()))
+fn told<T>(outcome: session::Outcome<T>) -> Outcome<T> {
+    outcome.map_err(|error| JsError::new(&with_remedy(error.as_ref())))
 }
 
 #[wasm_bindgen(js_class = Session)]

@@ -98,8 +98,8 @@ fn a_proposal_replaces_an_experiment_with_force_only() {
     assert!(folder.text("experiment.toml").starts_with("# Proposed by thetahat from"));
     is_refused(&folder, init, &["exists and may contain your changes", "--force"]);
     let over = |input: &str| format!("init --robot robot.toml --recording record.csv --out {input} --force");
-    is_refused(&folder, &over("record.csv"), &["record.csv", "the command reads this file"]);
-    is_refused(&folder, &over("robot.toml"), &["robot.toml", "the command reads this file"]);
+    is_refused(&folder, &over("record.csv"), &["record.csv", "is read as an input"]);
+    is_refused(&folder, &over("robot.toml"), &["robot.toml", "is read as an input"]);
 }
 
 /// The columns of a simulated record are those of any record: ours is known by the quotes of a name.
@@ -122,7 +122,7 @@ fn inputs_are_never_replaced() {
     let folder = case();
     succeeds(&folder, "identify experiment.toml --out out");
     succeeds(&folder, "reduce experiment.toml --out a.reduction");
-    let reads = "the command reads this file";
+    let reads = "is read as an input";
     for command in [
         "reduce experiment.toml --out record.csv",
         "reduce experiment.toml --out experiment.toml",
@@ -149,7 +149,7 @@ fn pipes_devices_links_and_folders_stay() {
     is_refused(&folder, &reduce("pipe"), &["pipe", "expected a file, found a pipe or a device"]);
     is_refused(&folder, &reduce("/dev/null"), &["/dev/null", "expected a file, found a pipe or a device"]);
     is_refused(&folder, &reduce("sub"), &["sub", "expected a file, found a folder"]);
-    is_refused(&folder, &reduce("link"), &["link", "the command reads this file"]);
+    is_refused(&folder, &reduce("link"), &["link", "is read as an input"]);
     is_refused(&folder, &reduce("absent/a"), &["absent", "there is no such folder"]);
     let identify = |out: &str| format!("identify experiment.toml --out {out} --force");
     is_refused(&folder, &identify("pipe"), &["pipe", "expected a folder, found a pipe or a device"]);

@@ -209,7 +209,7 @@ mod tests {
     fn equal_steps_are_left_alone() {
         let clock = clock((0..100).map(|k| 1e-3 * f64::from(k)).collect()).unwrap();
         assert!((clock.sample_rate_hz() - 1000.0).abs() < 1e-9 && clock.resampling().is_none());
-        let series = Series::from_values(1, (0..100).map(f64::from).collect());
+        let series = Series::shaped(1, (0..100).map(f64::from).collect());
         assert_eq!(clock.to_equal_steps(series.clone()), series);
     }
 
@@ -218,7 +218,7 @@ mod tests {
     fn a_cubic_is_met_exactly() {
         let stamps = jittered(200);
         let cubic = |t: f64| 1.0 + (t - 5.0) * (2.0 - 30.0 * (t - 5.0) * (1.0 - 4.0 * (t - 5.0)));
-        let series = Series::from_values(1, stamps.iter().map(|&t| cubic(t)).collect());
+        let series = Series::shaped(1, stamps.iter().map(|&t| cubic(t)).collect());
         let (first, last) = (stamps[0], stamps[199]);
         let even = clock(stamps).unwrap().to_equal_steps(series);
         for k in 0..200 {
@@ -233,7 +233,7 @@ mod tests {
     fn a_motion_is_recovered() {
         let stamps = jittered(2000);
         let motion = |t: f64| (2.0 * std::f64::consts::PI * 10.0 * t).sin();
-        let series = Series::from_values(1, stamps.iter().map(|&t| motion(t)).collect());
+        let series = Series::shaped(1, stamps.iter().map(|&t| motion(t)).collect());
         let (first, last) = (stamps[0], stamps[1999]);
         let even = clock(stamps).unwrap().to_equal_steps(series);
         let error = |k: usize| even.sample(k)[0] - motion(first + (last - first) * k as f64 / 1999.0);
@@ -247,7 +247,7 @@ mod tests {
             let kept = |k: &usize| *k < 500 || *k >= 500 + lost;
             let stamps: Vec<f64> = (0..2000).filter(kept).map(|k| 3.0 + 1e-3 * k as f64).collect();
             let motion = |t: f64| (2.0 * std::f64::consts::PI * 0.7 * t).sin();
-            let series = Series::from_values(1, stamps.iter().map(|&t| motion(t)).collect());
+            let series = Series::shaped(1, stamps.iter().map(|&t| motion(t)).collect());
             let clock = clock(stamps).unwrap();
             assert!((clock.sample_rate_hz() - 1000.0).abs() < 1e-6, "{lost}");
             assert_eq!((clock.gaps().len(), clock.gaps()[0].clone()), (1, 500..500 + lost), "{lost}");
@@ -269,7 +269,7 @@ mod tests {
             .filter(|(k, _)| !(300..305).contains(k))
             .map(|(k, t)| t + late(k))
             .collect();
-        let series = Series::from_values(1, stamps.clone());
+        let series = Series::shaped(1, stamps.clone());
         let clock = clock(stamps).unwrap();
         let resampling = clock.resampling().unwrap();
         assert!(resampling.gaps == 1 && (5..=6).contains(&resampling.missing), "{resampling:?}");
@@ -284,7 +284,7 @@ mod tests {
     fn noise_is_not_raised_in_a_gap() {
         let stamps: Vec<f64> = (0..1000).filter(|k| !(400..500).contains(k)).map(|k| 1e-3 * f64::from(k)).collect();
         let values = stamps.iter().enumerate().map(|(k, _)| (7.3 * k as f64).sin()).collect();
-        let even = clock(stamps).unwrap().to_equal_steps(Series::from_values(1, values));
+        let even = clock(stamps).unwrap().to_equal_steps(Series::shaped(1, values));
         assert!(even.values().iter().all(|v| v.abs() < 2.0));
     }
 
@@ -309,7 +309,7 @@ mod tests {
     #[test]
     fn few_samples_are_interpolated_with_what_there_is() {
         let clock = clock(vec![0.0, 1.0, 2.3]).unwrap();
-        let even = clock.to_equal_steps(Series::from_values(1, vec![0.0, 2.0, 4.6]));
+        let even = clock.to_equal_steps(Series::shaped(1, vec![0.0, 2.0, 4.6]));
         assert!((even.sample(1)[0] - 2.3).abs() < 1e-12);
     }
 

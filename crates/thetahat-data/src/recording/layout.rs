@@ -30,14 +30,14 @@ pub(super) fn laid_out(layout: Layout, columns: Series, path: &Path) -> Result<S
         Layout::Columns => Ok(columns),
         Layout::Rows => {
             let rows: Vec<Vec<f64>> = (0..columns.len()).map(|k| columns.sample(k).to_vec()).collect();
-            Ok(Series::from_channels(&rows))
+            Ok(Series::side_by_side(&rows))
         }
         Layout::Interleaved { channels } => {
             let (values, found) = (columns.len(), columns.channels());
             if channels == 0 || found != 1 || !values.is_multiple_of(channels) {
                 return Err(RecordingError::NotInterleaved { file: path.to_owned(), values, columns: found, channels });
             }
-            Ok(Series::from_values(channels, columns.values().to_vec()))
+            Ok(Series::shaped(channels, columns.values().to_vec()))
         }
         Layout::Long => of_long_table(&columns, path),
     }
@@ -63,7 +63,7 @@ fn of_long_table(columns: &Series, path: &Path) -> Result<Series, RecordingError
     };
     let channels: Vec<Vec<f64>> = distinct.iter().map(of).collect();
     match channels.iter().position(|c| c.len() != channels[0].len()) {
-        None => Ok(Series::from_channels(&channels)),
+        None => Ok(Series::side_by_side(&channels)),
         Some(other) => {
             let (first, rows) = (distinct[0], channels[0].len());
             Err(refuse(format!(

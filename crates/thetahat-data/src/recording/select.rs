@@ -91,7 +91,7 @@ fn side_by_side(columns: &[Selected<'_>]) -> Series {
     for sample in 0..samples {
         values.extend(channels.iter().map(|channel| channel[sample]));
     }
-    Series::from_values(channels.len(), values)
+    Series::shaped(channels.len(), values)
 }
 
 fn chosen(column: &Column, only: Option<usize>) -> Vec<&[f64]> {

@@ -333,7 +333,7 @@ mod tests {
             let text = format!("file = 'q.csv'\nunit = 'rad'\ninterleaved = {channels}");
             read_channels(&toml::from_str(&text).unwrap(), folder.path())
         };
-        assert_eq!(of(3).unwrap(), Series::from_values(3, vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]));
+        assert_eq!(of(3).unwrap(), Series::shaped(3, vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]));
         let error = of(4).unwrap_err().to_string();
         assert!(error.contains("6 values in 1 columns are no samples of 4 interleaved channels"), "{error}");
     }
@@ -346,7 +346,7 @@ mod tests {
             read_channels(&toml::from_str(&format!("file = 'q.csv'\nunit = 'rad'\n{extra}")).unwrap(), folder.path())
         };
         let series = of("columns = ['q']\nchannel_column = 'joint'").unwrap();
-        assert_eq!(series, Series::from_values(2, vec![10.0, 20.0, 11.0, 21.0]));
+        assert_eq!(series, Series::shaped(2, vec![10.0, 20.0, 11.0, 21.0]));
         let error = of("columns = ['q']\nchannel_column = 't'\ninterleaved = 2").unwrap_err();
         assert!(matches!(error, RecordingError::UselessSetting { setting: "channel_column", .. }));
         folder.write("q.csv", "t,joint,q\n0,2,20\n0,1,10\n1,1,11\n");
@@ -361,7 +361,7 @@ mod tests {
         let folder = Folder::with("q.npy", super::super::test_files::npy("<f8", false, "(2, 4)", &values));
         let source: ChannelSource = toml::from_str("file = 'q.npy'\nunit = 'rad'\nchannels_in_rows = true").unwrap();
         let series = read_channels(&source, folder.path()).unwrap();
-        assert_eq!(series, Series::from_channels(&[vec![0.0, 1.0, 2.0, 3.0], vec![4.0, 5.0, 6.0, 7.0]]));
+        assert_eq!(series, Series::side_by_side(&[vec![0.0, 1.0, 2.0, 3.0], vec![4.0, 5.0, 6.0, 7.0]]));
     }
 
     #[test]

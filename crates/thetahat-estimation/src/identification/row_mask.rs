@@ -39,7 +39,7 @@ impl RowMask {
                 used.fill(1.0);
             }
         }
-        let mask = Self { used: Series::from_channels(&channels) };
+        let mask = Self { used: Series::side_by_side(&channels) };
         mask.used.values().contains(&0.0).then_some(mask)
     }
 
@@ -47,7 +47,7 @@ impl RowMask {
     #[doc(hidden)]
     pub fn applied_to(&self, series: &Series) -> Series {
         let values = series.values().iter().zip(self.used.values()).map(|(value, used)| value * used);
-        Series::from_values(series.channels(), values.collect())
+        Series::shaped(series.channels(), values.collect())
     }
 
     /// Sets the values of a sample to zero whose coordinates are not used there.
@@ -130,7 +130,7 @@ mod tests {
     #[test]
     fn samples_near_rest_and_next_to_it_are_left_out_of_their_own_joint() {
         let first: Vec<f64> = (0..20).map(|k| f64::from(k) - 9.5).collect();
-        let dq = Series::from_channels(&[first, vec![3.0; 20]]);
+        let dq = Series::side_by_side(&[first, vec![3.0; 20]]);
         let rule = NearRest { velocity: vec![1.0, 1.0], widened: 2 };
         let mask = RowMask::near_rest(&[own(0), own(1)], &dq, &rule).unwrap();
         let used: Vec<usize> = (0..20).filter(|&k| mask.used.sample(k)[0] == 1.0).collect();
@@ -141,8 +141,8 @@ mod tests {
     #[test]
     fn a_motor_near_rest_takes_all_joints_that_move_it() {
         let rule = NearRest { velocity: vec![0.1, 0.1], widened: 0 };
-        // The motor's velocity is -1, 3, 0, 3, 3 ...: it changes its sign after the first sample and at the third.
-        let dq = Series::from_channels(&[vec![2.0; 8], vec![-3.0, 1.0, -2.0, 1.0, 1.0, 1.0, 1.0, 1.0]]);
+        // The motor's velocity is -1, 3, 0, 3, 3 ...: it changes its sign behind the first sample and at the third.
+        let dq = Series::side_by_side(&[vec![2.0; 8], vec![-3.0, 1.0, -2.0, 1.0, 1.0, 1.0, 1.0, 1.0]]);
         let motor = Jump { velocity: vec![(0, 1.0), (1, 1.0)], acts_on: vec![0, 1] };
         let mask = RowMask::near_rest(&[motor], &dq, &rule).unwrap();
         assert_eq!(mask.left_out(), [0.375, 0.375]);
@@ -150,7 +150,7 @@ mod tests {
 
     #[test]
     fn a_joint_that_hardly_moves_keeps_all_samples() {
-        let dq = Series::from_channels(&[vec![1e-3; 30]]);
+        let dq = Series::side_by_side(&[vec![1e-3; 30]]);
         let rule = NearRest { velocity: vec![0.1], widened: 1 };
         assert_eq!(RowMask::near_rest(&[own(0)], &dq, &rule), None);
     }
@@ -161,7 +161,7 @@ mod tests {
         let moves =
             |from: usize, to: usize| (0..5000).map(|k| if (from..to).contains(&k) { 1.0 } else { 1e-3 }).collect();
         let left_out = |samples: usize| {
-            let dq = Series::from_channels(&[moves(2000, 2000 + samples)]);
+            let dq = Series::side_by_side(&[moves(2000, 2000 + samples)]);
             RowMask::near_rest(&[own(0)], &dq, &NearRest { velocity: vec![0.1], widened: 20 }).map(|m| m.left_out()[0])
         };
         assert_eq!(left_out(500), Some(1.0 - 460.0 / 5000.0));
@@ -171,7 +171,7 @@ mod tests {
     #[test]
     fn shares_are_one_away_from_what_is_left_out_and_zero_inside() {
         let velocity: Vec<f64> = (0..4000).map(|k| if (1000..1600).contains(&k) { 0.0 } else { 1.0 }).collect();
-        let dq = Series::from_channels(&[velocity]);
+        let dq = Series::side_by_side(&[velocity]);
         let mask = RowMask::near_rest(&[own(0)], &dq, &NearRest { velocity: vec![0.1], widened: 0 }).unwrap();
         let decimator = Decimator::new(10, 4000).unwrap();
         let shares = mask.shares(&decimator).unwrap();

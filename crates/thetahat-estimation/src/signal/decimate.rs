@@ -139,7 +139,7 @@ impl Decimator {
             bridge.pass(k, sample);
         });
         let values = self.rows.iter().flat_map(|&row| all.sample(row)).copied().collect();
-        Ok(Series::from_values(channels, values))
+        Ok(Series::shaped(channels, values))
     }
 
     /// The rows of a recording without gaps.
@@ -291,7 +291,7 @@ mod tests {
 
     #[test]
     fn decimating_is_filtering_and_keeping() -> Result<(), SignalError> {
-        let series = Series::from_values(3, (0..900).map(|k| (f64::from(k) * 0.7).sin() + f64::from(k % 3)).collect());
+        let series = Series::shaped(3, (0..900).map(|k| (f64::from(k) * 0.7).sin() + f64::from(k % 3)).collect());
         let decimator = Decimator::new(7, 300)?;
         let (decimated, filtered) = (decimator.decimate(&series)?, decimator.filter(&series)?);
         for (row, k) in decimator.kept().enumerate() {
@@ -308,7 +308,7 @@ mod tests {
     fn sums_over_poles_are_the_two_recursions() -> Result<(), SignalError> {
         for (factor, samples) in [(2, 25), (2, 400), (7, 31), (10, 1000), (100, 90), (100, 7001), (1000, 5000)] {
             let value = |k: usize| 50.0 + (k as f64 * 0.37).sin() + ((k * k) % 17) as f64 + k as f64 * 1e-3;
-            let series = Series::from_values(3, (0..3 * samples).map(value).collect());
+            let series = Series::shaped(3, (0..3 * samples).map(value).collect());
             let decimator = Decimator::new(factor, samples)?;
             let (decimated, filtered) = (decimator.decimate(&series)?, decimator.filter(&series)?);
             for (row, k) in decimator.kept().enumerate() {
@@ -326,7 +326,7 @@ mod tests {
         for (factor, samples, rows) in [(1, 300, 60), (2, 3001, 25), (10, 9999, 30), (10, 9999, 333), (100, 60_003, 50)]
         {
             let value = |k: usize| 50.0 + (k as f64 * 0.37).sin() + ((k * k) % 17) as f64 + k as f64 * 1e-3;
-            let series = Series::from_values(3, (0..3 * samples).map(value).collect());
+            let series = Series::shaped(3, (0..3 * samples).map(value).collect());
             let decimator = Decimator::new(factor, samples)?;
             let (whole, mut joiner) = (decimator.decimate(&series)?, decimator.joiner());
             let mut joined: Vec<f64> = Vec::new();
@@ -355,7 +355,7 @@ mod tests {
             let decimator = Decimator::new(factor, samples)?.with_zero_padding();
             let found = decimator.decimate_computed(1, |k, sample| sample[0] = value(k))?;
             let of_padded = |k: usize| k.checked_sub(margin).filter(|k| *k < samples).map_or(0.0, value);
-            let padded = Series::from_values(1, (0..samples + 2 * margin).map(of_padded).collect());
+            let padded = Series::shaped(1, (0..samples + 2 * margin).map(of_padded).collect());
             let padded = Decimator::new(factor, padded.len())?.filter(&padded)?;
             let (mut joiner, mut joined) = (decimator.joiner(), Vec::new());
             for piece in decimator.pieces(rows) {
@@ -373,7 +373,7 @@ mod tests {
 
     #[test]
     fn factor_1_keeps_the_series() -> Result<(), SignalError> {
-        let series = Series::from_values(2, (0..10).map(f64::from).collect());
+        let series = Series::shaped(2, (0..10).map(f64::from).collect());
         let decimator = Decimator::new(1, 5)?;
         assert_eq!(decimator.decimate(&series)?, series);
         assert_eq!(decimator.filter(&series)?, series);
@@ -384,7 +384,7 @@ mod tests {
     fn a_sine_below_the_cutoff_stays_a_sine() -> Result<(), SignalError> {
         let (factor, samples) = (5, 4000);
         let w = 2.0 * PI * 0.01;
-        let sine = Series::from_values(1, (0..samples).map(|k| (w * k as f64).sin()).collect());
+        let sine = Series::shaped(1, (0..samples).map(|k| (w * k as f64).sin()).collect());
         let decimator = Decimator::new(factor, samples)?;
         let decimated = decimator.decimate(&sine)?.channel(0);
         let gain = low_pass(factor)?.map_or(1.0, |filter| filter.sections.gain(2.0 * 0.01).powi(2));
@@ -397,7 +397,7 @@ mod tests {
 
     #[test]
     fn a_sine_above_the_cutoff_is_gone() -> Result<(), SignalError> {
-        let sine = Series::from_values(1, (0..4000).map(|k| (2.0 * PI * 0.4 * f64::from(k)).sin()).collect());
+        let sine = Series::shaped(1, (0..4000).map(|k| (2.0 * PI * 0.4 * f64::from(k)).sin()).collect());
         let decimated = Decimator::new(5, 4000)?.decimate(&sine)?.channel(0);
         assert!(decimated[300..500].iter().all(|y| y.abs() < 1e-11));
         Ok(())

@@ -5,9 +5,10 @@ use thetahat_ground::series::Series;
 ///
 /// ```
 /// use thetahat::{series::Series, signal::delayed};
-/// let squares = Series::from_values(1, (0..10).map(|k| f64::from(k * k)).collect());
+/// let squares = Series::from_values(1, (0..10).map(|k| f64::from(k * k)).collect())?;
 /// let late = delayed(&squares, &[0.5]);
 /// assert!((late.sample(6)[0] - 5.5 * 5.5).abs() < 1e-12);
+/// # Ok::<(), thetahat::series::SeriesError>(())
 /// ```
 ///
 /// # Panics
@@ -45,7 +46,7 @@ mod tests {
     #[test]
     fn cubics_are_exact_and_whole_samples_are_kept() {
         let cubic = |t: f64| 0.3 * t * t * t - t * t + 2.0;
-        let series = Series::from_values(1, (0..20).map(|k| cubic(f64::from(k))).collect());
+        let series = Series::shaped(1, (0..20).map(|k| cubic(f64::from(k))).collect());
         for delay in [-2.0, -0.3, 0.0, 1.7, 2.9] {
             let late = delayed(&series, &[delay]);
             for k in 4..17 {

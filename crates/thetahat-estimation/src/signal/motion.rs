@@ -18,9 +18,9 @@ use super::error::SignalError;
 ///
 /// ```
 /// use thetahat::{series::Series, signal::moving_samples};
-/// let velocity = Series::from_values(1, vec![0.0, 0.001, 0.5, 1.0, 0.0, 0.5, 0.0]);
+/// let velocity = Series::from_values(1, vec![0.0, 0.001, 0.5, 1.0, 0.0, 0.5, 0.0])?;
 /// assert_eq!(moving_samples(&velocity, 0.01, 0.1)?, 2..6);
-/// # Ok::<(), thetahat::signal::SignalError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn moving_samples(
     velocity: &Series,
@@ -69,7 +69,7 @@ mod tests {
     fn any_channel_counts_and_pauses_are_kept() -> Result<(), SignalError> {
         let first = vec![0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0];
         let second = vec![0.0, 0.0, 0.0, 0.0, 0.02, 0.0005, 0.0];
-        let velocity = Series::from_channels(&[first, second]);
+        let velocity = Series::side_by_side(&[first, second]);
         assert_eq!(moving_samples(&velocity, 0.01, 0.001)?, 2..6);
         assert_eq!(moving_samples(&velocity, 0.1, 0.001)?, 2..5);
         Ok(())
@@ -78,15 +78,15 @@ mod tests {
     #[test]
     fn the_noise_of_a_still_channel_does_not_count() -> Result<(), SignalError> {
         let noise = vec![1e-5, -1e-5, 1e-5, -1e-5];
-        let velocity = Series::from_channels(&[noise, vec![0.0, 1.0, 0.5, 0.0]]);
+        let velocity = Series::side_by_side(&[noise, vec![0.0, 1.0, 0.5, 0.0]]);
         assert_eq!(moving_samples(&velocity, 0.01, 1e-3)?, 1..3);
         assert_eq!(moving_samples(&velocity, 0.01, 0.0)?, 0..4);
         Ok(())
     }
 
     #[test]
-    fn a_recording_at_rest_is_refused() {
-        let result = moving_samples(&Series::from_values(2, vec![1e-4, 0.0, -2e-4, 0.0]), 0.01, 1e-3);
+    fn a_record_at_rest_is_refused() {
+        let result = moving_samples(&Series::shaped(2, vec![1e-4, 0.0, -2e-4, 0.0]), 0.01, 1e-3);
         assert_eq!(result, Err(SignalError::NoMotion { peak_velocity: 2e-4, still_velocity: 1e-3 }));
         let result = moving_samples(&Series::zeros(5, 1), 0.01, 0.0);
         assert_eq!(result, Err(SignalError::NoMotion { peak_velocity: 0.0, still_velocity: 0.0 }));

@@ -110,7 +110,7 @@ mod tests {
         };
         let wave = |t: f64| (6.0 * t).sin() + 0.1 * (std::f64::consts::TAU * highest_hz * t).cos();
         let values = (0..10_000).map(|k| wave(f64::from(k) / RATE_HZ) + noise * 12_f64.sqrt() * uniform()).collect();
-        Series::from_values(1, values)
+        Series::shaped(1, values)
     }
 
     fn cutoff_of(highest_hz: f64, noise: f64) -> f64 {

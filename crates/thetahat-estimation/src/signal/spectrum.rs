@@ -35,8 +35,9 @@ impl Spectrum {
     /// use thetahat::{series::Series, signal::Spectrum};
     /// // A sine of amplitude 2 at 5 Hz: its variance of 2 lies around 5 Hz.
     /// let sine = |k: i32| 2.0 * (std::f64::consts::TAU * 5.0 * f64::from(k) / 100.0).sin();
-    /// let spectrum = Spectrum::of(&Series::from_values(1, (0..4000).map(sine).collect()), 100.0);
+    /// let spectrum = Spectrum::of(&Series::from_values(1, (0..4000).map(sine).collect())?, 100.0);
     /// assert!((spectrum.variance(0, 4.0..6.0) - 2.0).abs() < 0.02);
+    /// # Ok::<(), thetahat::series::SeriesError>(())
     /// ```
     #[must_use]
     pub fn of(series: &Series, sample_rate_hz: f64) -> Self {
@@ -97,7 +98,7 @@ impl Spectrum {
                 noise
             })
             .collect();
-        Series::from_channels(&channels)
+        Series::side_by_side(&channels)
     }
 
     /// The density of a channel at a frequency, interpolated linearly.
@@ -161,7 +162,7 @@ mod tests {
     fn white(samples: usize, deviation: f64) -> Series {
         let mut rng = ChaCha8Rng::seed_from_u64(7);
         let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
-        Series::from_values(1, (0..samples).map(|_| deviation * normal()).collect())
+        Series::shaped(1, (0..samples).map(|_| deviation * normal()).collect())
     }
 
     #[test]
@@ -177,7 +178,7 @@ mod tests {
 
     #[test]
     fn a_straight_line_has_no_power() {
-        let line = Series::from_values(1, (0..1000).map(|k| 3.0 + 0.1 * f64::from(k)).collect());
+        let line = Series::shaped(1, (0..1000).map(|k| 3.0 + 0.1 * f64::from(k)).collect());
         assert!(Spectrum::of(&line, RATE_HZ).variance(0, 0.0..RATE_HZ) < 1e-20);
     }
 

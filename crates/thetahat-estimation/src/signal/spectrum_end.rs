@@ -46,7 +46,7 @@ mod tests {
             let dq = (2.0 * t).cos() + 0.4 * (5.3 * t).cos();
             20.0 * (2.0 * t).sin() + 5.0 * dq.signum() + noise * ((k * k % 1009) as f64 / 1009.0 - 0.5)
         };
-        Series::from_values(1, (0..8000).map(value).collect())
+        Series::shaped(1, (0..8000).map(value).collect())
     }
 
     #[test]

@@ -52,7 +52,7 @@ impl ClosedLoop<'_> {
     #[must_use]
     pub fn motor_inertia(&self, theta: &[f64], duration_s: f64) -> Vec<f64> {
         let joints = self.model.coordinate_count();
-        let parameters = DynamicParameters::new(self.model, theta);
+        let parameters = DynamicParameters::sorted(self.model, theta);
         let mut workspace = Workspace::new(self.model);
         let [mut q, mut dq, mut ddq] = [(); 3].map(|()| vec![0.0; joints]);
         let mut m = vec![0.0; joints * joints];

@@ -11,7 +11,7 @@ impl ClosedLoop<'_> {
     #[must_use]
     pub fn has_mass_matrix_above(&self, theta: &[f64], part: f64, least: &[f64], duration_s: f64) -> bool {
         let n = self.model.coordinate_count();
-        let parameters = [theta, least].map(|theta| DynamicParameters::new(self.model, theta));
+        let parameters = [theta, least].map(|theta| DynamicParameters::sorted(self.model, theta));
         let mut workspace = Workspace::new(self.model);
         let [mut q, mut dq, mut ddq] = [(); 3].map(|()| vec![0.0; n]);
         let [mut mass, mut other] = [(); 2].map(|()| vec![0.0; n * n]);

@@ -11,10 +11,11 @@
 //! use thetahat::{series::Series, simulation::{Reference, SampledReference}};
 //! // A recorded reference t^2, and its derivatives between two samples.
 //! let samples = (0..100).map(|k| (f64::from(k) / 100.0).powi(2)).collect();
-//! let reference = Reference::Sampled(SampledReference::new(Series::from_values(1, samples), 100.0));
+//! let reference = Reference::Sampled(SampledReference::new(Series::from_values(1, samples)?, 100.0));
 //! let (mut q, mut dq, mut ddq) = ([0.0], [0.0], [0.0]);
 //! reference.evaluate(0.505, &mut q, &mut dq, &mut ddq);
 //! assert!((dq[0] - 1.01).abs() < 1e-9 && (ddq[0] - 2.0).abs() < 1e-9);
+//! # Ok::<(), thetahat::series::SeriesError>(())
 //! ```
 
 mod bias;

@@ -37,7 +37,7 @@ impl<'a> Plant<'a> {
         let joints_per_motor = setup.transmission.joints_per_motor();
         let drive = setup.transmission.drive_to_joint_units();
         Self {
-            parameters: DynamicParameters::new(setup.model, &with_friction(setup, theta)),
+            parameters: DynamicParameters::sorted(setup.model, &with_friction(setup, theta)),
             sign: Sign::Smooth { scale: setup.sign_velocity_scale },
             workspace: Workspace::new(setup.model),
             damping: DampingWorkspace::default(),

@@ -156,7 +156,7 @@ impl Reference {
 }
 
 fn mapped(series: &Series, map: &dyn Fn(&[f64]) -> Vec<f64>) -> Series {
-    Series::from_values(series.channels(), (0..series.len()).flat_map(|k| map(series.sample(k))).collect())
+    Series::shaped(series.channels(), (0..series.len()).flat_map(|k| map(series.sample(k))).collect())
 }
 
 #[cfg(test)]
@@ -168,10 +168,10 @@ mod tests {
     fn a_periodic_reference_holds_where_its_recording_ends() {
         let (rate, samples) = (100.0, 1030);
         let wave = |k: usize| (std::f64::consts::TAU * k as f64 / 130.0).sin();
-        let position = Series::from_values(1, (0..samples).map(wave).collect());
+        let position = Series::shaped(1, (0..samples).map(wave).collect());
         let low_pass = LowPass { sample_rate_hz: rate, order: 4, cutoff_hz: 20.0 };
         let periodic = find_periodic(&position, &(0..samples), low_pass).unwrap();
-        let rest = SampledReference::new(Series::from_values(1, vec![0.0; samples]), rate);
+        let rest = SampledReference::new(Series::shaped(1, vec![0.0; samples]), rate);
         let reference = Reference::Periodic(PeriodicReference::new(periodic.series, rest));
         let at = |t: f64| {
             let [mut q, mut dq, mut ddq] = [[0.0]; 3];

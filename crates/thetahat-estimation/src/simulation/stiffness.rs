@@ -18,7 +18,7 @@ impl ClosedLoop<'_> {
     #[must_use]
     pub fn stiffness(&self, theta: &[f64], duration_s: f64) -> f64 {
         let n = self.model.coordinate_count();
-        let parameters = DynamicParameters::new(self.model, theta);
+        let parameters = DynamicParameters::sorted(self.model, theta);
         let mut workspace = Workspace::new(self.model);
         let [mut q, mut dq, mut ddq] = [(); 3].map(|()| vec![0.0; n]);
         let [mut mass, mut damping] = [(); 2].map(|()| vec![0.0; n * n]);

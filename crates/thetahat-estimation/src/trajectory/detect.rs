@@ -175,8 +175,8 @@ mod tests {
     fn the_first_law_of_a_clean_trapezoid_is_close() {
         let law = TimeLaw { start_s: 0.1, t1_s: 0.4, t2_s: 0.2, t3_s: 0.02 };
         let at = |k: usize| law.evaluate(k as f64 / 1000.0);
-        let q = Series::from_values(1, (0..900).map(|k| 2.0 * at(k).0).collect());
-        let dq = Series::from_values(1, (0..900).map(|k| 2.0 * at(k).1).collect());
+        let q = Series::shaped(1, (0..900).map(|k| 2.0 * at(k).0).collect());
+        let dq = Series::shaped(1, (0..900).map(|k| 2.0 * at(k).1).collect());
         let found = first_law(&q, &dq, &[1.0], 0..900, 1000.0);
         assert!((found.t1_s - law.t1_s).abs() < 5e-3 && (found.t2_s - law.t2_s).abs() < 5e-3);
         assert!((found.start_s - law.start_s).abs() < 0.03);

@@ -107,7 +107,7 @@ pub(super) fn periodic_stretch(motion: &Thinned, lag: f64) -> Option<Range<usize
     let count = motion.samples().checked_sub(lag.ceil() as usize + 1)?;
     let mut same = vec![true; count];
     for &j in &motion.moving {
-        let later = delayed(&Series::from_channels(&[motion.channels[j].clone()]), &[-lag]);
+        let later = delayed(&Series::side_by_side(&[motion.channels[j].clone()]), &[-lag]);
         let differences: Vec<f64> = (0..count).map(|k| later.sample(k)[0] - motion.channels[j][k]).collect();
         let mut sorted = differences.clone();
         sorted.sort_unstable_by(f64::total_cmp);

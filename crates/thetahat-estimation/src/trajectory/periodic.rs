@@ -294,7 +294,7 @@ mod tests {
 
     fn record(seconds: f64, of: impl Fn(f64, usize) -> f64) -> Series {
         let time = (0..(seconds * LOW_PASS.sample_rate_hz) as usize).map(|k| k as f64 / LOW_PASS.sample_rate_hz);
-        Series::from_values(2, time.flat_map(|t| [of(t, 0), of(t, 1)]).collect())
+        Series::shaped(2, time.flat_map(|t| [of(t, 0), of(t, 1)]).collect())
     }
 
     /// Noise of a standard deviation of 1, smooth below the cut-off.

@@ -218,7 +218,7 @@ mod tests {
             let last = x.len() - 1;
             (0..x.len()).map(|k| (x[(k + 1).min(last)] - x[k.saturating_sub(1)]) * RATE_HZ / 2.0).collect()
         };
-        Series::from_channels(&(0..position.channels()).map(channel).collect::<Vec<_>>())
+        Series::side_by_side(&(0..position.channels()).map(channel).collect::<Vec<_>>())
     }
 
     /// Asserts that `found` is `truth`, `delay` seconds earlier.

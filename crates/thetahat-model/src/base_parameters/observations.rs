@@ -45,7 +45,7 @@ pub(super) fn random_channels(model: &Model, count: usize) -> Option<Series> {
     let width = model.channels().len() * model.coordinate_count();
     let mut rng = ChaCha8Rng::seed_from_u64(SEED + 2);
     let values = (0..count * width).map(|_| rng.random_range(-50.0..50.0)).collect();
-    (width > 0).then(|| Series::from_values(width, values))
+    (width > 0).then(|| Series::shaped(width, values))
 }
 
 /// The entries of `phi` in random states, each column divided by its norm over all of them.

@@ -418,7 +418,7 @@ fn assert_simulatable(robot: &Robot, noise: f64) {
     assert!(found.converged);
     let model = Model::new(robot);
     let n = model.coordinate_count();
-    let parameters = DynamicParameters::new(&model, &found.standard);
+    let parameters = DynamicParameters::sorted(&model, &found.standard);
     let (mut workspace, mut m) = (Workspace::new(&model), vec![0.0; n * n]);
     for k in 0..50 {
         let q: Vec<f64> = (0..n).map(|j| 3.0 * (1.9 * k as f64 + 0.7 * j as f64).sin()).collect();

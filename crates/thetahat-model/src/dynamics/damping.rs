@@ -69,7 +69,7 @@ mod tests {
     fn damping_is_the_derivative_of_friction() {
         let robot = Robot::parse(COUPLED, Path::new("robot.toml")).unwrap();
         let model = Model::new(&robot);
-        let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters());
+        let parameters = DynamicParameters::sorted(&model, &robot.a_priori_parameters());
         let sign = Sign::Smooth { scale: 0.05 };
         let mut workspace = Workspace::new(&model);
         let mut torques = |dq: &[f64]| {

@@ -122,7 +122,7 @@ mod tests {
         let robot = Robot::parse(MIXED, Path::new("robot.toml")).unwrap();
         let model = Model::new(&robot);
         let theta: Vec<f64> = (0..model.parameter_table().len()).map(|i| (1.7 * i as f64).sin()).collect();
-        let parameters = DynamicParameters::new(&model, &theta);
+        let parameters = DynamicParameters::sorted(&model, &theta);
         let (state, ddq) = ([0.3, -0.2, 1.1, 0.07, -0.6, 0.9], [2.0, -1.0, 3.0]);
         let torques = |state: &[f64]| {
             let (mut tau, mut workspace) = ([0.0; 3], Workspace::new(&model));
@@ -132,7 +132,7 @@ mod tests {
         };
         let (q, dq) = state.split_at(3);
         let motion = [&[q, q].concat(), &[dq, dq].concat(), &[ddq, ddq].concat()];
-        let [q, dq, ddq] = motion.map(|values| Series::from_values(3, values.clone()));
+        let [q, dq, ddq] = motion.map(|values| Series::shaped(3, values.clone()));
         let mut found = [Jacobian::zeros(3), Jacobian::zeros(3)];
         model.inverse_dynamics_jacobians(&parameters, [&q, &dq, &ddq], None, 0..2, SIGN, &mut found);
         assert_eq!(found[0], found[1]);

@@ -25,11 +25,11 @@
 //! let text = "name = 'pendulum'\n[[joint]]\nname = 'pivot'\nkind = 'revolute'\n[parameters]\nzz1 = 0.5\nia1 = 0.3";
 //! let robot = Robot::parse(text, Path::new("pendulum.toml"))?;
 //! let model = Model::new(&robot);
-//! let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters());
+//! let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters())?;
 //! let mut mass = [0.0];
 //! model.mass_matrix(&parameters, &[0.1], &mut Workspace::new(&model), &mut mass);
 //! assert!((mass[0] - (0.5 + 0.3)).abs() < 1e-15);
-//! # Ok::<(), thetahat::robot::RobotError>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod adjoint;

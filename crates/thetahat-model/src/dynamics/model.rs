@@ -7,7 +7,7 @@ use super::{
 use crate::robot::{ParameterTable, Quantity, Robot};
 use thetahat_ground::vector::{Mat3, Vec3};
 
-/// Why accelerations cannot be computed.
+/// Why dynamics cannot be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DynamicsError {
@@ -21,6 +21,14 @@ pub enum DynamicsError {
         joint: usize,
         /// The pivot found there.
         pivot: f64,
+    },
+    /// There is not one value for each standard parameter.
+    #[error("expected {expected} parameter values, one for each standard parameter of the robot, found {found}")]
+    ParameterCount {
+        /// Standard parameters of the robot.
+        expected: usize,
+        /// Values found.
+        found: usize,
     },
 }
 

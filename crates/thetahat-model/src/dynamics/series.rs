@@ -18,7 +18,10 @@ impl Model {
     /// and a channel for each coordinate.
     ///
     /// # Errors
-    /// The first sample, from zero, at which the mass matrix of these parameters is not positive definite.
+    /// The first sample, from zero, at which these parameters have no positive definite mass matrix.
+    ///
+    /// # Panics
+    /// If the series differ in length, or have another number of channels.
     pub fn forward_dynamics_series(
         &self,
         parameters: &DynamicParameters,

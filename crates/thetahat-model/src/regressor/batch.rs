@@ -10,6 +10,9 @@ use thetahat_ground::{real::Lanes, series::Series};
 
 impl Regressor {
     /// The entries of `phi` over a motion: one channel for each entry.
+    ///
+    /// # Panics
+    /// If the series differ in length, or have not one channel for each coordinate of the model.
     #[must_use]
     pub fn evaluate_series(&self, model: &Model, q: &Series, dq: &Series, ddq: &Series, sign: Sign) -> Series {
         let mut phi = Series::zeros(q.len(), self.entries().len());
@@ -199,7 +202,7 @@ mod tests {
         // More than two batches, and a remainder.
         let (samples, range) = (2 * AHEAD + 7, 3..2 * AHEAD + 7);
         let motion =
-            [0.1, 0.7, 1.3].map(|w| Series::from_values(2, (0..2 * samples).map(|k| (w * k as f64).sin()).collect()));
+            [0.1, 0.7, 1.3].map(|w| Series::shaped(2, (0..2 * samples).map(|k| (w * k as f64).sin()).collect()));
         let [q, dq, ddq] = [0, 1, 2].map(|i: usize| &motion[i]);
         let entries = regressor.evaluate_series(&model, q, dq, ddq, Sign::Exact);
         let mut rows = vec![f64::NAN; range.len() * 2 * 4];

@@ -74,6 +74,9 @@ impl DriveEntry {
 
 impl Regressor {
     /// A regressor for the standard parameters at `indices` of the model's table.
+    ///
+    /// # Panics
+    /// If an index is beyond the table.
     #[must_use]
     pub fn new(model: &Model, indices: &[usize]) -> Self {
         let mut placed = Vec::new();
@@ -123,6 +126,9 @@ impl Regressor {
     }
 
     /// The entries of `phi` for one sample.
+    ///
+    /// # Panics
+    /// If a slice is shorter than the robot has coordinates, or than `phi` has entries.
     pub fn evaluate(
         &self,
         model: &Model,

@@ -87,7 +87,17 @@ pub enum RobotError {
         /// The row or condition that is singular.
         reason: String,
     },
-    /// A value is not finite or out of range.
+    /// A value is NaN or infinite.
+    #[error("{}: {key} is {found}, expected finite numbers", path.display())]
+    NotFinite {
+        /// The file.
+        path: PathBuf,
+        /// The key.
+        key: String,
+        /// The value.
+        found: f64,
+    },
+    /// A value is not in its range.
     #[error("{}: {key} is {found}, expected {expected}", path.display())]
     Value {
         /// The file.

@@ -165,7 +165,7 @@ mod tests {
     #[test]
     fn positions_and_torques_go_there_and_back() {
         let t = coupled_wrist();
-        let q = Series::from_values(2, vec![0.3, -0.7, 1.1, 0.4]);
+        let q = Series::shaped(2, vec![0.3, -0.7, 1.1, 0.4]);
         let back = t.joint_positions(&t.motor_positions(&q));
         let tau = t.joint_torques(&t.drive_signals(&q));
         for k in 0..4 {
@@ -178,7 +178,7 @@ mod tests {
     #[test]
     fn power_is_kept() {
         let t = Transmission::new(coupled_wrist().matrix().clone(), vec![0.0; 2], vec![1.0; 2]).unwrap();
-        let (dq, motor_torque) = (Series::from_values(2, vec![0.3, -0.7]), Series::from_values(2, vec![1.5, 0.2]));
+        let (dq, motor_torque) = (Series::shaped(2, vec![0.3, -0.7]), Series::shaped(2, vec![1.5, 0.2]));
         let power = |a: &Series, b: &Series| a.values().iter().zip(b.values()).map(|(a, b)| a * b).sum::<f64>();
         let joint = power(&t.joint_torques(&motor_torque), &dq);
         assert!((joint - power(&motor_torque, &t.motor_positions(&dq))).abs() < 1e-12);

@@ -10,8 +10,8 @@ pub enum SymbolicError {
     /// A torque term uses a recorded channel.
     #[error(
         "the torque term of `{parameter}` takes the recorded channel `{channel}`, which is no input of generated code; take the term \
-         out of the robot's description, or generate --model mass-matrix, gravity, coriolis, forward-kinematics or jacobian, which \
-         it does not change"
+         out of the robot's description, or generate a function that it does not change (mass matrix, gravity torques, Coriolis \
+         matrix, forward kinematics or Jacobian)"
     )]
     Channel {
         /// The term's parameter.
@@ -22,7 +22,7 @@ pub enum SymbolicError {
     /// A torque term depends on accelerations, which direct dynamics computes.
     #[error(
         "the torque term of `{parameter}` takes accelerations, which direct dynamics would have to find from themselves; take the \
-         term out of the robot's description, or generate --model idm or regressor"
+         term out of the robot's description, or generate the inverse dynamic model or the regressor"
     )]
     Acceleration {
         /// The term's parameter.
@@ -54,15 +54,13 @@ pub enum SymbolicError {
         joint: String,
     },
     /// The robot states no parameters.
-    #[error(
-        "{robot}: states no parameter values; give --parameters symbolic, a results.json, or values under [parameters]"
-    )]
+    #[error("{robot}: states no parameter values, which the generated code is to hold")]
     NoValues {
         /// The robot.
         robot: String,
     },
-    /// A name from which no identifier can be derived.
-    #[error("`{name}` gives no name that C, Rust, Python and MATLAB can have; give one with --name, such as arm")]
+    /// A name from which no identifier can be made.
+    #[error("`{name}` gives no name that C, Rust, Python and MATLAB can have; give one, such as arm")]
     NoIdentifier {
         /// The name.
         name: String,

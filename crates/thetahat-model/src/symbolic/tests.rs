@@ -56,7 +56,7 @@ impl Case {
         let theta = random(model.parameter_table().len());
         let n = model.coordinate_count();
         let state = [random(n), random(n), random(n)];
-        let parameters = DynamicParameters::new(&model, &theta);
+        let parameters = DynamicParameters::sorted(&model, &theta);
         Self { robot, model, theta, parameters, state }
     }
 
@@ -98,7 +98,7 @@ impl Case {
     fn keeping(&self, is_kept: impl Fn(&Parameter) -> bool) -> Self {
         let table = self.model.parameter_table();
         let theta: Vec<f64> = table.iter().zip(&self.theta).map(|(p, v)| if is_kept(p) { *v } else { 0.0 }).collect();
-        Self { parameters: DynamicParameters::new(&self.model, &theta), theta, ..self.clone() }
+        Self { parameters: DynamicParameters::sorted(&self.model, &theta), theta, ..self.clone() }
     }
 
     pub(super) fn values(&self, set: ParameterSet) -> Vec<f64> {
@@ -178,7 +178,7 @@ fn forward_dynamics_reverses_inverse_dynamics() {
     of_each_robot(|case, name| {
         let [q, dq, ddq] = &case.state;
         let theta = bodies(&case.model);
-        let parameters = DynamicParameters::new(&case.model, &theta);
+        let parameters = DynamicParameters::sorted(&case.model, &theta);
         let mut tau = vec![0.0; q.len()];
         let (state, mut workspace) = (State::new(q, dq), Workspace::new(&case.model));
         case.model.inverse_dynamics(&parameters, state, ddq, Sign::Exact, &mut workspace, &mut tau);

@@ -7,7 +7,7 @@ use thetahat_estimation::identification::Method;
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NoEstimate {
-    /// No method was requested, and the advice recommends none.
+    /// No method was asked for, and the advice takes none.
     #[error("the advice takes no method in case {case}; ask for one of {}", methods.join(", "))]
     NotAdvised {
         /// The case.

@@ -21,8 +21,7 @@ pub enum ResultsError {
     },
     /// The file is not JSON of the expected form.
     #[error(
-        "{}: is not the results.json of an identification: {source}; give the results.json that `thetahat identify` \
-         wrote",
+        "{}: is not the results.json of an identification: {source}; give one that an identification wrote",
         path.display()
     )]
     Malformed {

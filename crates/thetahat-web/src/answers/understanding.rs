@@ -13,7 +13,7 @@ use thetahat::{
 };
 
 use super::{channels::RecordingAnswer, proposed::ProposalAnswer, series::SeriesAnswer, skeleton::Skeleton};
-use crate::{budget, request::Request, session::Outcome};
+use crate::{budget, remedies::with_remedy, request::Request, session::Outcome};
 
 /// What was read, and errors in the rest.
 #[derive(Serialize, Default)]
@@ -53,8 +53,8 @@ impl Understanding {
         let robot = request.robot.as_ref().and_then(|robot| answer.read_robot(&folder.join(robot)));
         let contents = answer.read_recordings(request, folder);
         if let Some((source, _)) = robot.as_ref().filter(|_| !contents.is_empty()) {
-            let outcome = answer.read_proposed(request, folder, source, &contents);
-            answer.proposal_error = outcome.err().map(|error| error.to_string());
+            let told = answer.read_proposed(request, folder, source, &contents);
+            answer.proposal_error = told.err().map(|error| with_remedy(error.as_ref()));
         }
         if answer.skeleton.is_none() {
             answer.skeleton = robot.as_ref().map(|(_, robot)| Skeleton::at_rest(robot));

@@ -123,10 +123,10 @@ fn parameters(robot: &Robot) -> Vec<f64> {
 fn torques(export: &Export) -> serde_json::Value {
     let robot = export.robot();
     let model = Model::new(robot);
-    let parameters = DynamicParameters::new(&model, export.parameters());
+    let parameters = DynamicParameters::sorted(&model, export.parameters());
     let without = |(p, v): (&Parameter, &f64)| if p.quantity.is_friction() { 0.0 } else { *v };
     let frictionless: Vec<f64> = robot.parameter_table().iter().zip(export.parameters()).map(without).collect();
-    let frictionless = DynamicParameters::new(&model, &frictionless);
+    let frictionless = DynamicParameters::sorted(&model, &frictionless);
     let mut workspace = Workspace::new(&model);
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let n = robot.coordinate_count();

@@ -64,7 +64,7 @@ fn chain(joints: usize) -> Result<Robot, Box<dyn Error>> {
 fn record(robot: &Robot, samples: usize) -> (Series, Series) {
     let n = robot.coordinate_count();
     let model = Model::new(robot);
-    let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters());
+    let parameters = DynamicParameters::sorted(&model, &robot.a_priori_parameters());
     let mut workspace = Workspace::new(&model);
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let waves: Vec<[[f64; 3]; 4]> = (0..n)

@@ -72,7 +72,7 @@ fn motion(frequency_hz: impl Fn(f64, usize) -> f64) -> Series {
     };
     let samples = (DURATION_S * RATE_HZ) as usize;
     let time = (0..samples).map(|k| k as f64 / RATE_HZ);
-    Series::from_values(2, time.flat_map(|t| [wave(t, 0), wave(t, 1)]).collect())
+    Series::shaped(2, time.flat_map(|t| [wave(t, 0), wave(t, 1)]).collect())
 }
 
 struct Study<'a> {

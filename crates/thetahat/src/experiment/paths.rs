@@ -41,8 +41,5 @@ fn is_inside(file: &Path, folder: &Path) -> bool {
 }
 
 fn outside(experiment: &Path, key: &str, named: &Path) -> ExperimentError {
-    let expected = "a file in the folder of the experiment or the one above (a robot also in the folder of the data, or \
-                    anywhere by --robot)";
-    let source = PreparationError::value(key, expected, named.display());
-    ExperimentError::Preparation { path: experiment.to_owned(), source }
+    ExperimentError::OutsideFolder { path: experiment.to_owned(), key: key.to_owned(), found: named.to_owned() }
 }

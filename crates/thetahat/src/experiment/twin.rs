@@ -84,7 +84,7 @@ impl TwinMotion {
             TwinReference::Sampled(positions) => {
                 let last = positions.len() - 1;
                 let values = (0..samples).flat_map(|k| positions.sample(k.min(last)).iter().copied());
-                Some(Series::from_values(positions.channels(), values.collect()))
+                Some(Series::shaped(positions.channels(), values.collect()))
             }
         }
     }

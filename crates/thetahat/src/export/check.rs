@@ -112,7 +112,7 @@ struct Torques {
 impl Torques {
     fn of(robot: &Robot, parameters: &[f64]) -> Self {
         let model = Model::new(robot);
-        Self { parameters: DynamicParameters::new(&model, parameters), model }
+        Self { parameters: DynamicParameters::sorted(&model, parameters), model }
     }
 
     fn at(&self, [q, dq, ddq]: &[Vec<f64>; 3]) -> Vec<f64> {

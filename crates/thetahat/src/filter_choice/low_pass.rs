@@ -70,7 +70,7 @@ mod tests {
         let torque = |k: usize| 20.0 * phase(k).sin() + 5.0 * phase(k).cos().signum() + 0.1 * noise();
         let torque: Vec<f64> = (0..12_000).map(torque).collect();
         let position: Vec<f64> = (0..12_000).map(|k| -phase(k).sin() + 3e-5 * noise()).collect();
-        [torque, position].map(|values| Series::from_values(1, values))
+        [torque, position].map(|values| Series::shaped(1, values))
     }
 
     #[test]

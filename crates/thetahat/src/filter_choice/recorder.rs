@@ -57,7 +57,7 @@ impl Recorder {
 fn as_if_unmasked(noise: &Series, left_out: &[f64]) -> Series {
     let scales: Vec<f64> = left_out.iter().map(|part| (1.0 - part).max(f64::MIN_POSITIVE).sqrt().recip()).collect();
     let scaled = noise.values().iter().enumerate().map(|(i, value)| value * scales[i % scales.len()]);
-    Series::from_values(noise.channels(), scaled.collect())
+    Series::shaped(noise.channels(), scaled.collect())
 }
 
 /// Samples by which torques are late, to first order; zero if it is not significant: `y(t) = y0(t - d)` leaves `-d dy0/dt`.
@@ -65,7 +65,7 @@ fn lag(problem: &Problem, columns: &[usize], torque: &Series, left: &Series) -> 
     let regression = problem.regression.with_columns(columns);
     let influence = Method::IDIM_LS.influence(&regression, None)?;
     let predicted = torque.values().iter().zip(left.values()).map(|(y, e)| y - e).collect();
-    let slope = central_difference(&Series::from_values(torque.channels(), predicted), 1.0);
+    let slope = central_difference(&Series::shaped(torque.channels(), predicted), 1.0);
     let rows_of = |series: &Series| -> Result<Vec<f64>, FilterChoiceError> {
         let rows = problem.assembly(0).measurement_vector(series)?;
         let explained = regression.x.times(&influence.transpose_times(&rows));
@@ -83,9 +83,9 @@ fn lag(problem: &Problem, columns: &[usize], torque: &Series, left: &Series) -> 
     Ok(if lag.abs() * squares.sqrt() > SURE { lag } else { 0.0 })
 }
 
-/// The residual of torques after a model.
-pub(super) fn residual_of(torque: &Series, motion: &Motion, model: &Model, theta: &[f64]) -> Series {
-    let (parameters, mut workspace) = (DynamicParameters::new(model, theta), Workspace::new(model));
+/// What a model leaves of torques.
+pub(super) fn left(torque: &Series, motion: &Motion, model: &Model, theta: &[f64]) -> Series {
+    let (parameters, mut workspace) = (DynamicParameters::sorted(model, theta), Workspace::new(model));
     let mut left = torque.clone();
     let mut tau = vec![0.0; torque.channels()];
     for k in 0..torque.len() {
@@ -112,12 +112,12 @@ mod tests {
         let model = Model::new(&robot);
         let swing = |k: usize, j: usize| 0.6 * ((1.1 + 0.3 * j as f64) * k as f64 / RATE_HZ + j as f64).sin();
         let q = Matrix::from_fn(8000, 6, swing);
-        let q = Series::from_channels(&(0..6).map(|j| q.column(j).to_vec()).collect::<Vec<_>>());
+        let q = Series::side_by_side(&(0..6).map(|j| q.column(j).to_vec()).collect::<Vec<_>>());
         let dq = central_difference(&q, RATE_HZ);
         let motion = Motion { ddq: central_difference(&dq, RATE_HZ), dq, q };
         let theta = vec![0.3; model.parameter_table().len()];
-        let minus = residual_of(&Series::zeros(8000, 6), &motion, &model, &theta);
-        let torque = Series::from_values(6, minus.values().iter().map(|v| -v).collect());
+        let minus = left(&Series::zeros(8000, 6), &motion, &model, &theta);
+        let torque = Series::shaped(6, minus.values().iter().map(|v| -v).collect());
         let torque = delayed(&torque, &[samples; 6]);
         (robot, Recording::new(RATE_HZ, motion.q, torque))
     }
@@ -142,7 +142,7 @@ mod tests {
 
     #[test]
     fn noise_has_the_power_of_the_samples_that_are_left() {
-        let noise = as_if_unmasked(&Series::from_values(2, vec![0.0, 1.0, 3.0, 1.0]), &[0.75, 0.0]);
+        let noise = as_if_unmasked(&Series::shaped(2, vec![0.0, 1.0, 3.0, 1.0]), &[0.75, 0.0]);
         assert_eq!(noise.values(), [0.0, 1.0, 6.0, 1.0]);
     }
 }

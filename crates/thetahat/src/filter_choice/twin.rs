@@ -131,8 +131,8 @@ impl Mover<'_> {
             }
             Err(_) => {
                 let motion = differentiated(reference, rate);
-                let none = residual_of(&Series::zeros(samples, motion.q.channels()), &motion, self.model, self.theta);
-                let torque = Series::from_values(none.channels(), none.values().iter().map(|v| -v).collect());
+                let none = left(&Series::zeros(samples, motion.q.channels()), &motion, self.model, self.theta);
+                let torque = Series::shaped(none.channels(), none.values().iter().map(|v| -v).collect());
                 (motion.q, torque, self.static_friction(&motion.dq, sign_velocity_scale))
             }
         }
@@ -151,10 +151,10 @@ impl Mover<'_> {
 fn low_passed(series: &Series, cutoffs_hz: &[f64], rate: f64) -> Result<Series, SignalError> {
     let channel = |(j, cutoff): (usize, &f64)| {
         let filter = SecondOrderSections::butterworth_lowpass(ORDER, *cutoff, rate)?;
-        Ok(zero_phase(&filter, &Series::from_values(1, series.channel(j)), Padding::Matlab)?.channel(0))
+        Ok(zero_phase(&filter, &Series::shaped(1, series.channel(j)), Padding::Matlab)?.channel(0))
     };
     let channels = cutoffs_hz.iter().enumerate().map(channel).collect::<Result<Vec<_>, SignalError>>()?;
-    Ok(Series::from_channels(&channels))
+    Ok(Series::side_by_side(&channels))
 }
 
 /// The velocity scale of friction, rad/s or m/s: the usual one, or a part of the slowest joint's velocity, where that is less.
@@ -202,5 +202,9 @@ fn flat_below(noise: Spectrum, bands_hz: &[f64]) -> Spectrum {
 }
 
 fn less(a: &Series, b: &Series) -> Series {
-    Series::from_values(a.channels(), a.values().iter().zip(b.values()).map(|(a, b)| a - b).collect())
+    Series::shaped(a.channels(), a.values().iter().zip(b.values()).map(|(a, b)| a - b).collect())
+}
+
+fn plus(a: &Series, b: &Series) -> Series {
+    Series::shaped(a.channels(), a.values().iter().zip(b.values()).map(|(a, b)| a + b).collect())
 }

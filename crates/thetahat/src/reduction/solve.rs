@@ -243,7 +243,7 @@ impl Solver<'_> {
         }
         let reason = format!(
             "an estimate is {largest:.2} standard deviations from the parameters of its instruments; reduce again with \
-             --instruments-from these results"
+             instruments simulated from these results"
         );
         (Status::IterationLimit, Some(reason))
     }

@@ -22,9 +22,15 @@ fn experiment(file: &str) -> (PathBuf, Experiment) {
 
 /// Noise with a correlation from sample to sample.
 fn noise(like: &Series, seed: u64, correlation: f64) -> Series {
-    let ones = vec![1.0; like.channels()];
-    let noise = Autoregression { correlation, first: ones.clone(), innovation: ones };
-    SignalNoise::Autoregressive(&noise).draw(like.len(), &mut random_numbers(seed, 0))
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut state = vec![0.0; like.channels()];
+    let values = (0..like.values().len()).map(|i| {
+        let fresh: f64 = StandardNormal.sample(&mut rng);
+        let own = &mut state[i % like.channels()];
+        *own = correlation * *own + fresh;
+        *own
+    });
+    Series::shaped(like.channels(), values.collect())
 }
 
 fn by_ls(robot: &Robot, record: &TwinRecording, torque: Series) -> Results {

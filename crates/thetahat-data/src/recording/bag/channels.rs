@@ -75,7 +75,7 @@ pub(super) fn of(topics: &Topics, topic: Option<&str>, columns: &[String]) -> Re
     if values.is_empty() {
         return Err(RecordingError::NoSamples { file: topics.path.clone() });
     }
-    let series = Series::from_values(asked.len(), values);
+    let series = Series::shaped(asked.len(), values);
     for (channel, column) in asked.iter().enumerate() {
         require_finite(&series.channel(channel), &topics.path, &format!("{column:?}"))?;
     }

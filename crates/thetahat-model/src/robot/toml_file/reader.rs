@@ -117,7 +117,7 @@ impl Reader<'_> {
 
     pub(super) fn check_finite(&self, key: &str, values: impl IntoIterator<Item = f64>) -> Result<(), RobotError> {
         match values.into_iter().find(|v| !v.is_finite()) {
-            Some(v) => Err(self.value(key, "finite numbers", &v.to_string())),
+            Some(found) => Err(RobotError::NotFinite { path: self.path.to_owned(), key: key.to_owned(), found }),
             None => Ok(()),
         }
     }

@@ -69,7 +69,7 @@ impl Case {
         let mut recording = twin.record(noise, 1000 * self.number + seed);
         if let Some(step) = self.encoder {
             let values = recording.position.values().iter().map(|q| (q / step).round() * step).collect();
-            recording.position = Series::from_values(recording.position.channels(), values);
+            recording.position = Series::shaped(recording.position.channels(), values);
         }
         recording.torque = recording.torque.map(|torque| self.with_static_friction(torque, twin, seed));
         let delay = |series: Series| delayed(&series, &vec![self.late; series.channels()]);

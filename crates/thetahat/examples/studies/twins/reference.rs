@@ -58,7 +58,7 @@ pub fn motion(kind: Kind, robot: &Robot, duration_s: f64, rate_hz: f64, seed: u6
         JointKind::Revolute => REVOLUTE,
         JointKind::Prismatic => PRISMATIC,
     });
-    Series::from_channels(&limits.enumerate().map(channel).collect::<Vec<_>>())
+    Series::side_by_side(&limits.enumerate().map(channel).collect::<Vec<_>>())
 }
 
 /// A periodic motion about zero within limits of way and velocity, whose period is its length.

@@ -156,7 +156,7 @@ struct Usual {
 impl Usual {
     fn along(q: &Series, model: &Model, theta: &[f64]) -> Self {
         let n = q.channels();
-        let (parameters, mut workspace) = (DynamicParameters::new(model, theta), Workspace::new(model));
+        let (parameters, mut workspace) = (DynamicParameters::sorted(model, theta), Workspace::new(model));
         let [mut torque, mut velocity, mut inertia] = [(); 3].map(|()| vec![0.0; n]);
         let (mut tau, mut mass) = (vec![0.0; n], vec![0.0; n * n]);
         let every = 10;

@@ -79,7 +79,7 @@ impl Specimen {
         let torque = self.torque();
         let joints = torque.channels();
         let changed = torque.values().iter().enumerate().map(|(i, t)| change(i % joints, i / joints, *t)).collect();
-        recording.torque = Some(Series::from_values(joints, changed));
+        recording.torque = Some(Series::shaped(joints, changed));
         recording
     }
 

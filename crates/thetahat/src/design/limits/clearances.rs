@@ -62,7 +62,7 @@ impl Clearances {
         let MotionPoint { motions, x, motion } = at;
         let clearance = self.scene.clearance(pair, motion[0].sample(instant));
         let zeros = || Series::zeros(1, clearance.slopes.len());
-        let by_motion = [Series::from_values(clearance.slopes.len(), clearance.slopes.clone()), zeros(), zeros()];
+        let by_motion = [Series::shaped(clearance.slopes.len(), clearance.slopes.clone()), zeros(), zeros()];
         let slopes = motions.chain_at(x, instant, by_motion);
         Row {
             start: 0,

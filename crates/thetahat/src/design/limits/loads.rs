@@ -32,7 +32,7 @@ impl LoadedRobot {
     fn new(model: &Model, theta: &[f64]) -> Self {
         let columns: Vec<usize> = (0..theta.len()).filter(|&i| theta[i] != 0.0).collect();
         Self {
-            parameters: DynamicParameters::new(model, theta),
+            parameters: DynamicParameters::sorted(model, theta),
             regressor: Regressor::new(model, &columns),
             theta: columns.iter().map(|&c| theta[c]).collect(),
         }
@@ -141,7 +141,7 @@ impl Loads {
         let joints = self.model.coordinate_count();
         let there = [0, 1, 2].map(|order: usize| {
             let values = uses.iter().flat_map(|of| motion[order].sample(of.instant)).copied().collect();
-            Series::from_values(joints, values)
+            Series::shaped(joints, values)
         });
         let size = robot.theta.len();
         let mut weights = vec![0.0; uses.len() * joints * size];

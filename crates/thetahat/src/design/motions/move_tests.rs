@@ -63,7 +63,7 @@ fn the_chain_is_that_of_finite_differences() {
             sum
         };
         let by_motion = [0, 1, 2]
-            .map(|order| Series::from_values(2, (0..2 * points.len()).map(|i| number(i / 2, i % 2, order)).collect()));
+            .map(|order| Series::shaped(2, (0..2 * points.len()).map(|i| number(i / 2, i % 2, order)).collect()));
         let by_seconds = (0..points.len()).map(|k| number(k, 0, 9)).collect();
         let exact = family.chain(&points, &x, &Slopes { by_motion, by_seconds });
         for (i, exact) in exact.iter().enumerate() {

@@ -144,7 +144,7 @@ impl Sums {
             let centre = |j: usize| if order == 0 { self.centre[j] } else { 0.0 };
             let columns: Vec<Vec<f64>> =
                 (0..self.joints()).map(|j| values.column(j).iter().map(|v| v + centre(j)).collect()).collect();
-            Series::from_channels(&columns)
+            Series::side_by_side(&columns)
         };
         [0, 1, 2, 3].map(of_order)
     }

@@ -64,7 +64,7 @@ fn names_that_are_not_clear_are_not_guessed() {
 fn the_columns_that_look_like_a_signal_are_counted() {
     let said = |header| proposed(header, request()).unwrap_err().to_string();
     let none = said("t,q1,q2,c1,c2");
-    assert!(none.contains("are not clear from their names: no column looks like it; name them"), "{none}");
+    assert!(none.contains("are not clear from their names: no column looks like it; expected"), "{none}");
     let one = said("t,q1,q2,tau1,c2");
     assert!(one.contains("1 column looks like it (tau1); "), "{one}");
     let three = said("t,q1,q2,tau1,tau2,tau3");
@@ -166,8 +166,7 @@ fn a_file_that_says_nothing_is_asked_for() {
     let error = proposed_from(&files, request(), ARM).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "b.csv: neither its name nor its columns say which signal it holds; say it with --position b.csv, --torque b.csv \
-         or --time b.csv; the columns are: j1 j2"
+        "b.csv: neither its name nor its columns say which signal it holds; the columns are: j1 j2"
     );
     let named = ProposalRequest { torque: vec!["b.csv".into()], ..request() };
     let found = files_of(&proposed_from(&files, named, ARM).unwrap());
@@ -187,15 +186,13 @@ fn columns_of_a_file_are_named_with_it() {
     assert_eq!(proposal.recordings[0].channels[1].1.columns, ["j1", "j2"]);
 }
 
-const SAME: &str = "log.csv: column \"tau1\" is taken for the positions and for the torques; name the columns of both with \
-                    --position and --torque";
+const SAME: &str = "log.csv: column \"tau1\" is taken for the positions and for the torques";
 
 #[test]
 fn too_few_columns_and_the_torque_s_are_refused_at_once() {
     let named = ProposalRequest { position: vec!["q1".into()], ..request() };
     let error = proposed("t,q1,q2,tau1,tau2", named).unwrap_err();
-    let expected = "--position names 1 columns; arm has 2 joints, and one is needed for each of them; where the log lacks \
-                    joints, name those that it has with --joints NAME,NAME,...: the others are locked";
+    let expected = "1 columns are named for the position; arm has 2 joints, and one is needed for each of them";
     assert_eq!(error.to_string(), expected);
     let same = vec!["tau1".to_owned(), "tau2".to_owned()];
     let named = ProposalRequest { position: same.clone(), torque: same, ..request() };
@@ -223,7 +220,7 @@ fn a_rate_that_the_times_contradict_is_refused() {
     let error = proposed("t,q1,q2,tau1,tau2", stated).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "log.csv: --rate states 500 Hz, but the times in column \"t\" say 1000.000000 Hz; leave --rate out"
+        "log.csv: a rate of 500 Hz is stated, but the times in column \"t\" say 1000.000000 Hz"
     );
 }
 
@@ -304,11 +301,11 @@ fn joints_may_be_named_where_columns_are_not() {
     let named = ProposalRequest { joints: vec!["lift_joint".into(), "arm_joint".into()], ..request() };
     let proposal = proposed_from(&[("log.csv", "t,q1,q2,tau1,tau2")], named, LIFT).unwrap();
     assert_eq!(proposal.locks.len(), 1);
-    let message = proposed_from(&[("log.csv", "t,q1,q2,tau1,tau2")], request(), LIFT).unwrap_err().to_string();
-    assert!(message.contains("--joints NAME,NAME,...: the others are locked"), "{message}");
+    let error = proposed_from(&[("log.csv", "t,q1,q2,tau1,tau2")], request(), LIFT).unwrap_err();
+    assert!(matches!(error, ProposalError::UnclearColumns { signal: "position", joints: 3, .. }), "{error}");
     let wrong = ProposalRequest { joints: vec!["arm".into()], ..request() };
     let message = proposed_from(&[("log.csv", "t,q1,q2,tau1,tau2")], wrong, LIFT).unwrap_err().to_string();
-    assert_eq!(message, "--joints arm: expected joints of the robot, in its order: lift_joint,arm_joint,head_joint");
+    assert_eq!(message, "joints arm: expected joints of the robot, in its order: lift_joint,arm_joint,head_joint");
 }
 
 /// What is stated of side and window stands in the file, also where the range would suggest another side.
@@ -434,14 +431,11 @@ fn a_unit_that_is_none_is_refused_and_not_replaced() {
     let error = |header| proposed_from(&[("log.csv", header)], request(), SCARA).unwrap_err().to_string();
     assert_eq!(
         error("t,q1,q2,q3,tau1 [Nm],tau2 [N],tau3 [Nm/rad]"),
-        "log.csv: column \"tau3 [Nm/rad]\" is written in \"Nm/rad\", which is no unit of a torque that thetahat knows; state \
-         the unit with --torque-unit UNIT (1 for numbers that a gain turns into torques), or name other columns with --torque \
-         NAME,NAME,..."
+        "log.csv: column \"tau3 [Nm/rad]\" is written in \"Nm/rad\", which is no unit of a torque that thetahat knows"
     );
     assert_eq!(
         error("t,q1 [deg],q2 [deg],q3 [deg],tau1,tau2,tau3"),
-        "log.csv: column \"q2 [deg]\" is written in deg, an angle, and joint `b` slides; name the columns in the order of the \
-         joints with --position NAME,NAME,..., or state the unit with --position-unit UNIT"
+        "log.csv: column \"q2 [deg]\" is written in deg, an angle, and joint `b` slides"
     );
     assert!(error("t,q1,q2 [A],q3,tau1,tau2,tau3").contains("\"A\", which is no unit of a position"));
     let stated = ProposalRequest { torque_unit: Some(Unit::NewtonMetre), ..request() };

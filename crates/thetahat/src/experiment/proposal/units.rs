@@ -188,20 +188,7 @@ impl Units<'_, '_> {
 
     fn refused(&self, signal: &'static str, misfit: Misfit) -> ProposalError {
         let Misfit { column, problem, is_of_a_joint } = misfit;
-        let remedy = match (is_of_a_joint, signal) {
-            (true, _) => format!(
-                "name the columns in the order of the joints with --{signal} NAME,NAME,..., or state the unit with --{signal}-unit UNIT"
-            ),
-            (false, "torque") => {
-                "state the unit with --torque-unit UNIT (1 for numbers that a gain turns into torques), or name other columns \
-                 with --torque NAME,NAME,..."
-                    .to_owned()
-            }
-            (false, _) => format!(
-                "state the unit with --{signal}-unit UNIT, or name other columns with --{signal} NAME,NAME,..."
-            ),
-        };
-        ProposalError::UnclearUnit { file: self.source.file.to_owned(), column, problem, remedy }
+        ProposalError::UnclearUnit { file: self.source.file.to_owned(), column, problem, signal, is_of_a_joint }
     }
 
     /// A unit for each channel, that of SI for joints of the other kind.
@@ -254,7 +241,7 @@ impl Units<'_, '_> {
         let (Some(least), Some(most), true) = (ends(|c| c.min), ends(|c| c.max), self.has_gears()) else {
             return false;
         };
-        let motors = thetahat_ground::series::Series::from_values(least.len(), [least, most].concat());
+        let motors = thetahat_ground::series::Series::shaped(least.len(), [least, most].concat());
         let joints = self.robot.transmission.joint_positions(&motors);
         joints.values().iter().all(|q| q.abs() <= LARGEST_ANGLE)
     }

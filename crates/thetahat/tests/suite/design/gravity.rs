@@ -84,14 +84,14 @@ fn best_passes(model: &Model, columns: &[usize], gravity: &[usize], rng: &mut Ch
 }
 
 fn behind(first: &Motion, second: &Motion) -> Motion {
-    let one = |a: &Series, b: &Series| Series::from_values(3, [a.values(), b.values()].concat());
+    let one = |a: &Series, b: &Series| Series::shaped(3, [a.values(), b.values()].concat());
     Motion { q: one(&first.q, &second.q), dq: one(&first.dq, &second.dq), ddq: one(&first.ddq, &second.ddq) }
 }
 
 /// The torques of a motion; with friction that the model does not have.
 fn torques(robot: &Robot, motion: &Motion, stribeck: f64) -> Series {
     let model = Model::new(robot);
-    let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters());
+    let parameters = DynamicParameters::sorted(&model, &robot.a_priori_parameters());
     let (mut tau, mut workspace) = (Series::zeros(motion.q.len(), 3), Workspace::new(&model));
     for k in 0..motion.q.len() {
         let dq = motion.dq.sample(k);

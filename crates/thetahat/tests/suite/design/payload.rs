@@ -69,8 +69,11 @@ fn gains_are_predicted_as_pairs_of_records_tell_them() {
     let design = parse(&with_payload()).unwrap();
     let results = design.run(2, &mut |_| {}).unwrap();
     let unloaded = torques(&design.robot, &results);
-    let mut rng = random_numbers(7, 0);
-    let mut noisy = |tau: &Series| SignalNoise::White(&[0.1, 0.1]).added_to(tau.clone(), &mut rng);
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let mut noisy = |tau: &Series| {
+        let noise = (0..tau.values().len()).map(|_| 0.1 * Distribution::<f64>::sample(&StandardNormal, &mut rng));
+        Series::shaped(2, tau.values().iter().zip(noise).map(|(t, e)| t + e).collect())
+    };
     let pairs = 40;
     let gains: Vec<Vec<f64>> = (0..pairs)
         .map(|_| {

@@ -95,7 +95,7 @@ impl Twin {
             robot.coordinates().map(|j| Sines::drawn(&mut rng, size(j.kind), self.motion_hz)).collect();
         let series = |order: i32, late: f64| {
             let at = |k: usize| sines.iter().map(move |s| s.at(order, (k as f64 - late) / self.rate_hz));
-            Series::from_values(sines.len(), (0..samples).flat_map(at).collect())
+            Series::shaped(sines.len(), (0..samples).flat_map(at).collect())
         };
         let mut torque = frictionless(&robot, &model, [0, 1, 2].map(|order| series(order, self.late)));
         let [q, dq] = [0, 1].map(|order| series(order, self.late));

@@ -97,7 +97,7 @@ pub fn payload(record: &mut Record) {
         let index = model.parameter_table().index_of(&format!("{name}{n}")).unwrap();
         theta[index] = PAYLOAD_KG * value;
     }
-    let parameters = DynamicParameters::new(&model, &theta);
+    let parameters = DynamicParameters::sorted(&model, &theta);
     let signal = &record.signal;
     let motion =
         band_pass(&record.position, record.rate_hz, signal.filter_order, signal.cutoff_hz, Derivative::Central)
