@@ -17,7 +17,7 @@ mod terminal;
 use std::{borrow::Cow, ffi::OsString};
 
 use clap::Parser;
-use thetahat::visible::visible_lines;
+use thetahat_ground::visible::visible_lines;
 
 /// Finished, but a nominal run is not to be trusted.
 const NOT_TRUSTED: u8 = 1;

@@ -6,7 +6,7 @@ use std::{
 };
 
 use indicatif::{ProgressBar, ProgressStyle};
-use thetahat::visible::visible;
+use thetahat_ground::visible::visible;
 
 /// How long to be silent.
 const PATIENCE: Duration = Duration::from_secs(1);

@@ -2,26 +2,33 @@
 
 use crate::real::{Parameter, Real};
 
+/// A vector of three.
 pub type Vec3<T = f64> = [T; 3];
+/// A matrix of three rows.
 pub type Mat3<T = f64> = [[T; 3]; 3];
 
+/// The identity.
 pub const IDENTITY: Mat3 = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
+/// `a + b`.
 #[inline(always)]
 pub fn add<T: Real>(a: Vec3<T>, b: Vec3<T>) -> Vec3<T> {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
+/// `s a`.
 #[inline(always)]
 pub fn scale<T: Real>(s: T, a: Vec3<T>) -> Vec3<T> {
     [s * a[0], s * a[1], s * a[2]]
 }
 
+/// `a . b`.
 #[inline(always)]
 pub fn dot<T: Real>(a: Vec3<T>, b: Vec3<T>) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+/// `a x b`.
 #[inline(always)]
 pub fn cross<T: Real>(a: Vec3<T>, b: Vec3<T>) -> Vec3<T> {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
@@ -57,6 +64,7 @@ pub fn product(a: &Mat3, b: &Mat3) -> Mat3 {
     a.map(|row| transpose_times(b, row))
 }
 
+/// `A^T`.
 pub fn transpose(a: &Mat3) -> Mat3 {
     [0, 1, 2].map(|j| [a[0][j], a[1][j], a[2][j]])
 }
@@ -66,6 +74,7 @@ pub fn turned(r: &Mat3, b: &Mat3) -> Mat3 {
     product(&product(r, b), &transpose(r))
 }
 
+/// `|a|`.
 pub fn norm(a: Vec3) -> f64 {
     dot(a, a).sqrt()
 }

@@ -16,7 +16,8 @@ use corruption_suite::{
     record::{Record, Which, from_experiment, other_twin, twin, tx40_with_reference},
     table::{Clean, markdown, row, short},
 };
-use thetahat::checks::{Code, measure};
+use thetahat::checks::Code;
+use thetahat_estimation::checks::measure;
 
 fn main() {
     let data = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| "../shared/datasets".to_owned()));
@@ -51,7 +52,7 @@ fn margins(records: &[(&str, Record)]) {
         limits.sort_by(f64::total_cmp);
         limits.dedup();
         for limit in limits {
-            let worst = |measures: &Vec<thetahat::checks::Measure>| {
+            let worst = |measures: &Vec<thetahat_estimation::checks::Measure>| {
                 let own = measures.iter().filter(|m| m.code == code && m.limit == limit).map(|m| m.value);
                 own.fold(f64::NEG_INFINITY, f64::max)
             };

@@ -4,11 +4,7 @@
 
 use std::{error::Error, path::Path};
 
-use thetahat::{
-    experiment::Experiment,
-    identification::Method,
-    results::{Results, RunResult},
-};
+use thetahat::{Experiment, Method, Results, results::RunResult};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

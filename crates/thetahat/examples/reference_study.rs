@@ -10,15 +10,15 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use thetahat::{
-    Identification, Method, Recording, Settings,
-    control::ControllerDescription,
+    ControllerDescription, Experiment, Identification, Method, Recording, Results, Robot, Series, Settings,
     dynamics::Model,
-    experiment::Experiment,
-    results::{Results, RunResult},
-    robot::Robot,
-    series::Series,
-    signal::{Derivative, band_pass, smooth},
-    simulation::{ClosedLoop, Job, OutputGrid, Reference, SampledReference, SimulatorBias, Solver, simulate_all},
+    results::RunResult,
+    signal::{Derivative, band_pass},
+    simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatorBias, Solver},
+};
+use thetahat_estimation::{
+    signal::smooth,
+    simulation::{Job, simulate_all},
 };
 
 const RATE_HZ: f64 = 500.0;

@@ -13,7 +13,8 @@ use corruption_suite::{
     table::{Clean, cells, row, same},
 };
 use libtest_mimic::{Arguments, Failed, Trial};
-use thetahat::checks::{Code, Finding, Severity, examine, measure};
+use thetahat::checks::{Code, Finding, Severity};
+use thetahat_estimation::checks::{examine, measure};
 use thetahat_testing::ensure;
 
 /// Twins with other seeds, noise and trajectories.

@@ -16,10 +16,11 @@ use corruption_suite::{
 };
 use libtest_mimic::{Arguments, Failed, Trial};
 use thetahat::{
-    Identification, Recording, Settings,
-    checks::{Code, Finding, Severity, compare},
-    results::{Results, Verdict},
+    Identification, Recording, Results, Settings,
+    checks::{Code, Finding, Severity},
+    results::Verdict,
 };
+use thetahat_estimation::checks::compare;
 use thetahat_testing::ensure;
 
 /// The findings of this suite: clean records raise none of them.

@@ -7,12 +7,10 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use thetahat::{
-    Identification, Recording, Robot, Settings,
-    experiment::Experiment,
-    identification::Method,
-    results::{Comparison, ReasonCode, Results, TwinRecord, Verdict},
-    series::Series,
+    Experiment, Identification, Method, Recording, Results, Robot, Series, Settings,
+    results::{ReasonCode, Verdict},
 };
+use thetahat_report::results::{Comparison, TwinRecord};
 
 const SEEDS: u64 = 60;
 

@@ -17,7 +17,7 @@ use thetahat_ground::{one_or_each::OneOrEach, series::Series};
 /// Where the channels of one signal are, and what they are.
 ///
 /// ```
-/// use thetahat::recording::{ChannelSource, Side, Unit};
+/// use thetahat_data::recording::{ChannelSource, Side, Unit};
 /// let text = r#"
 ///     file = "torque.csv"
 ///     columns = ["motor_1", "motor_2"]

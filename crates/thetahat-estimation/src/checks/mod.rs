@@ -9,7 +9,7 @@
 //! A check is a file with a function `check`, a [`Code`], and a line in the order of the checks, which stands here.
 //!
 //! ```
-//! use thetahat::checks::{Code, Severity};
+//! use thetahat_estimation::checks::{Code, Severity};
 //! // Codes and severities have names that stay, for scripts that look for them.
 //! assert_eq!((Code::DroppedSamples.name(), Severity::Problem.name()), ("dropped-samples", "problem"));
 //! let mut names = Code::ALL.map(Code::name).to_vec();

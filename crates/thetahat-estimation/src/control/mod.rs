@@ -11,7 +11,7 @@
 //! | `u` | drive signal | N m at the motor, or V |
 //!
 //! ```
-//! use thetahat::control::ControllerDescription;
+//! use thetahat_estimation::control::ControllerDescription;
 //! let text = "law = 'pd'\nposition_gain = [100]\nvelocity_gain = [20]\nsaturation = [50]";
 //! let description: ControllerDescription = toml::from_str(text)?;
 //! let controller = description.resolve(&[1.0], 1.0);

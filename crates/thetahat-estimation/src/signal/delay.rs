@@ -4,7 +4,8 @@ use thetahat_ground::series::Series;
 /// the four nearest samples. Before its first sample and behind its last a channel stays as it is there.
 ///
 /// ```
-/// use thetahat::{series::Series, signal::delayed};
+/// use thetahat_estimation::signal::delayed;
+/// use thetahat_ground::series::Series;
 /// let squares = Series::from_values(1, (0..10).map(|k| f64::from(k * k)).collect());
 /// let late = delayed(&squares, &[0.5]);
 /// assert!((late.sample(6)[0] - 5.5 * 5.5).abs() < 1e-12);

@@ -6,7 +6,7 @@
 //! recording's border.
 //!
 //! ```
-//! use thetahat::statistics::{autocorrelation, t_quantile};
+//! use thetahat_estimation::statistics::{autocorrelation, t_quantile};
 //! // 95 % of a t distribution with ten degrees of freedom lie within 2.228.
 //! assert!(t_quantile(0.975, 10.0).is_some_and(|t| (t - 2.228).abs() < 1e-3));
 //! // What alternates is the opposite of itself one sample later.

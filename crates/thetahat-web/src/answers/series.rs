@@ -1,7 +1,7 @@
 //! The record that is drawn.
 
 use serde::Serialize;
-use thetahat::{preparation::Recording, results::JointResult, robot::Robot, series::Series};
+use thetahat::{Recording, Robot, Series, results::JointResult};
 
 /// Most samples that are drawn.
 const MOST: usize = 2000;

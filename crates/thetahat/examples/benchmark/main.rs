@@ -23,10 +23,8 @@ use std::{error::Error, hint::black_box, path::Path, time::Instant};
 
 use peers::Peers;
 use table::Row;
-use thetahat::{
-    experiment::Experiment,
-    report::{self, Published},
-};
+use thetahat::{Experiment, report::Published};
+use thetahat_report::report;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments: Vec<String> = std::env::args().skip(1).collect();

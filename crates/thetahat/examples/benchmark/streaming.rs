@@ -8,7 +8,7 @@ use std::{
     time::Instant,
 };
 
-use thetahat::{experiment::Experiment, reduction::ReduceOptions};
+use thetahat::{Experiment, reduction::ReduceOptions};
 
 use crate::{
     long_record::{Kind, Twin},

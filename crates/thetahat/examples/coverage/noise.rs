@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
-use thetahat::series::Series;
+use thetahat::Series;
 
 use super::twin::Twin;
 

@@ -11,7 +11,7 @@ use std::{
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use thetahat::{experiment::Experiment, series::Series};
+use thetahat::{Experiment, Series};
 
 const RATE_HZ: f64 = 5000.0;
 

@@ -22,7 +22,7 @@ use std::{error::Error, time::Instant};
 use arguments::{Arguments, FACTORS};
 use cells::{Cell, run_cells};
 use table::{failures, robot_row, totals};
-use thetahat::identification::{Method, Needs};
+use thetahat::{Method, identification::Needs};
 use twins::{
     reference::Kind,
     robots::robots,

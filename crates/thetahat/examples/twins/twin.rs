@@ -4,13 +4,13 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use thetahat::{
-    ControllerDescription, Recording, Robot,
+    ControllerDescription, Recording, Robot, Series,
     consistency::completed_a_priori,
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
-    robot::{JointQuantity, Quantity},
-    series::Series,
+    robot::Quantity,
     simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulatorBias, Solver},
 };
+use thetahat_model::robot::JointQuantity;
 
 use super::{
     reference::{Kind, motion},

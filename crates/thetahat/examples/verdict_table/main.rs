@@ -19,7 +19,7 @@ use std::{
 
 use outcome::{Outcome, largest_error};
 use specimen::Specimen;
-use thetahat::{Identification, experiment::Experiment, results::Results};
+use thetahat::{Experiment, Identification, Results};
 use trial::Trial;
 
 /// Experiments on recordings of others.

@@ -78,10 +78,17 @@ mod validation_of_motion;
 mod verification;
 mod verified;
 
+#[doc(hidden)]
 pub use criterion::{Criterion, CriterionName};
-pub use description::{Design, DesignFile};
+pub use description::Design;
+#[doc(hidden)]
+pub use description::DesignFile;
 pub use error::DesignError;
+#[doc(hidden)]
 pub use information::{Information, Judgement};
+#[doc(hidden)]
 pub use options::{DesignObjective, LimitOptions, MotionKind, MotionOptions, NoiseOptions, UncertaintyOptions};
+#[doc(hidden)]
 pub use prediction::{Expected, ExpectedRecord, NoisyEstimate};
+#[doc(hidden)]
 pub use surroundings_options::{CapsuleOptions, CollisionOptions, ObstacleOptions};
