@@ -137,7 +137,7 @@ pub mod trajectory {
 /// Controllers, as data or as a law of your own.
 pub mod control {
     #[doc(inline)]
-    pub use thetahat_estimation::control::{Controller, ControllerError, Law, VelocityEstimate};
+    pub use thetahat_estimation::control::{ControlLaw, Controller, ControllerError, Law, LawInput, VelocityEstimate};
 }
 
 /// The closed loop of robot and controller, its sensitivities, and how a simulator is biased.

@@ -1,4 +1,4 @@
-//! Controllers as data: PD and cascaded loops with feed-forward, saturation, sample time and delay.
+//! Controllers: PD and cascaded loops as data, with feed-forward, saturation, sample time and delay, and laws of the user's own.
 //!
 //! A controller acts on each motor by itself, in the motor's position expressed in joint units, and gives the drive
 //! signal (motor torque, or volts where the drive has a gain).
@@ -22,5 +22,7 @@
 //! ```
 
 mod controller;
+mod own_law;
 
 pub use controller::{Controller, ControllerDescription, ControllerError, Law, VelocityEstimate};
+pub use own_law::{ControlLaw, LawInput, OwnLaw};
