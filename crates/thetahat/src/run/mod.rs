@@ -35,6 +35,7 @@ mod prediction;
 mod prepared;
 mod profile;
 mod profiled_robot;
+mod regression;
 mod residual_curves;
 mod sensitivity;
 mod term_comparison;
