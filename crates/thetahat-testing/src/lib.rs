@@ -13,4 +13,6 @@ pub use assertions::{assert_close, ensure, ensure_printed};
 pub use folder::Folder;
 pub use mjcf::users_mjcf;
 pub use program::{refused, run, shown, succeeded};
-pub use shared::{Named, data, project, root, run_slow_with_shared_data, run_with_shared_data, shared};
+pub use shared::{
+    Module, Named, data, has_shared, project, root, run_modules, shared, slow_trials, trials_on_shared_data,
+};
