@@ -60,7 +60,8 @@
 //! | The results | [`results`], [`report`], [`export`] |
 //! | From files, and many runs | [`experiment`], [`campaign`], [`reduction`], [`design`] |
 //!
-//! [`Series`] and [`Matrix`] hold all arrays. Every error converts to [`enum@Error`].
+//! [`Series`] and [`Matrix`] hold all arrays. Every error converts to [`enum@Error`]. Six programs are in the manual:
+//! `docs/manual/rust.md`.
 
 /// A robot: its joints and transmission, from URDF or TOML, and the table of its standard parameters.
 pub mod robot {
@@ -237,3 +238,12 @@ pub use thetahat_ground::series::Series;
 pub use thetahat_model::robot::Robot;
 #[doc(inline)]
 pub use thetahat_report::results::Results;
+
+/// The programs of the manual and the README, which are compiled and run as documentation tests.
+#[cfg(doctest)]
+mod documents {
+    #[doc = include_str!("../../../docs/manual/rust.md")]
+    mod rust {}
+    #[doc = include_str!("../../../README.md")]
+    mod readme {}
+}
