@@ -7,8 +7,8 @@ use clap::{
 };
 use clap_complete::Shell;
 use thetahat::{
+    Method,
     export::Format,
-    identification::Method,
     recording::{Side, Unit},
     symbolic::{DriveTorques, Language, ModelKind},
 };

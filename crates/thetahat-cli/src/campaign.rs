@@ -4,10 +4,10 @@ use std::error::Error;
 
 use thetahat::{
     campaign::{Campaign, CampaignRuns, Progress, Row, Store, Subset},
-    output::OutputGuard,
-    report,
     results::CampaignResults,
 };
+use thetahat_ground::output::OutputGuard;
+use thetahat_report::report;
 
 use crate::{
     arguments,

@@ -5,14 +5,15 @@ use std::{
 };
 
 use thetahat::{
-    experiment::{Experiment, PredictionRequest, predict},
-    output::OutputGuard,
-    report::{self, Published},
-    results::{Results, ResultsError, SideBySide},
-    robot::{Locks, RobotSource},
-    robot_summary::RobotSummary,
+    Experiment, Results,
+    experiment::{PredictionRequest, predict},
+    report::Published,
+    results::{ResultsError, SideBySide},
+    robot::{Locks, RobotSource, RobotSummary},
     symbolic::BaseFormulas,
 };
+use thetahat_ground::output::OutputGuard;
+use thetahat_report::report;
 
 use crate::{
     arguments::{Arguments, Check, Command, Compare, Identify, Model, Output, Predict, Sensitivity, Simulate},

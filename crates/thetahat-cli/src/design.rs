@@ -2,7 +2,9 @@
 
 use std::error::Error;
 
-use thetahat::{design::Design, output::OutputGuard, report};
+use thetahat::design::Design;
+use thetahat_ground::output::OutputGuard;
+use thetahat_report::report;
 
 use crate::{
     arguments,

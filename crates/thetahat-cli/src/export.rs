@@ -9,8 +9,8 @@ use std::{
 use thetahat::{
     experiment::{EstimateRequest, ExperimentError, IdentifiedRobot},
     export::{ExportError, Format, IdentifiedModel, MjcfModel, Target},
-    output::{OutputGuard, remove_own, replace_file},
 };
+use thetahat_ground::output::{OutputGuard, remove_own, replace_file};
 
 use crate::{
     arguments::{Export as Request, Exported, Sample},

@@ -8,12 +8,13 @@ use std::{
 };
 
 use thetahat::{
+    Robot,
     experiment::{EstimateRequest, IdentifiedRobot},
-    output::{OutputGuard, replace_file},
     results::NOMINAL,
-    robot::{Locks, Robot, RobotSource},
+    robot::{Locks, RobotSource},
     symbolic::{Function, ParameterSet, Request, SymbolicError},
 };
+use thetahat_ground::output::{OutputGuard, replace_file};
 
 use crate::{
     arguments::{Generate, GeneratedParameters},

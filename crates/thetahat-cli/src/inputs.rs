@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use thetahat::experiment::Experiment;
+use thetahat::Experiment;
 
 use crate::arguments::Described;
 

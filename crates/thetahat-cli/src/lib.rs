@@ -18,7 +18,7 @@ mod terminal;
 use std::{borrow::Cow, ffi::OsString};
 
 use clap::Parser;
-use thetahat::visible::visible_lines;
+use thetahat_ground::visible::visible_lines;
 
 /// Finished, but the verdict is do-not-use.
 const NOT_TRUSTED: u8 = 1;

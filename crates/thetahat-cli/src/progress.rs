@@ -6,7 +6,7 @@ use std::{
 };
 
 use indicatif::{ProgressBar, ProgressStyle};
-use thetahat::visible::visible;
+use thetahat_ground::visible::visible;
 
 /// Time without output.
 const PATIENCE: Duration = Duration::from_secs(1);

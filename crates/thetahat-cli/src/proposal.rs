@@ -7,11 +7,11 @@ use std::{
 
 use thetahat::{
     experiment::{Proposal, ProposalFiles, ProposalRequest, propose},
-    output::{OutputGuard, replace_file},
     recording::{Contents, RecordingError, inspect_with_time},
-    report,
     robot::RobotSource,
 };
+use thetahat_ground::output::{OutputGuard, replace_file};
+use thetahat_report::report;
 
 use crate::{
     arguments::{Columns, Init, Inspect},

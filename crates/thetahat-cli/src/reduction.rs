@@ -3,11 +3,12 @@
 use std::{error::Error, path::Path};
 
 use thetahat::{
-    experiment::Experiment,
-    output::OutputGuard,
+    Experiment,
     reduction::{ReduceOptions, ReduceProgress, ReducedRecording, Reduction, Solution, estimates_of_results},
-    report::{self, Published},
+    report::Published,
 };
+use thetahat_ground::output::OutputGuard;
+use thetahat_report::report;
 
 use crate::{
     arguments,

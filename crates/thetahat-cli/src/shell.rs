@@ -4,7 +4,7 @@ use std::{error::Error, fs};
 
 use clap::CommandFactory;
 use clap_complete::Shell;
-use thetahat::output::OutputGuard;
+use thetahat_ground::output::OutputGuard;
 
 use crate::{
     arguments::{Arguments, Man},

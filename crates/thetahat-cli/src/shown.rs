@@ -2,10 +2,8 @@
 
 use std::{error::Error, path::Path};
 
-use thetahat::{
-    report::{self, Published},
-    results::{Results, Verdict},
-};
+use thetahat::{Results, report::Published, results::Verdict};
+use thetahat_report::report;
 
 use crate::{
     arguments::Output,

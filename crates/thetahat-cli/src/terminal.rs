@@ -3,11 +3,9 @@
 use std::io::{self, Write};
 
 use anstyle::{AnsiColor, Style};
-use thetahat::{
-    report::{self, TextWidth},
-    results::{Results, Verdict},
-    visible::visible_lines,
-};
+use thetahat::{Results, results::Verdict};
+use thetahat_ground::visible::visible_lines;
+use thetahat_report::report::{self, TextWidth};
 
 /// The outcome of a finished command: its exit code.
 pub enum Ending {

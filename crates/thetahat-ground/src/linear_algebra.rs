@@ -3,7 +3,7 @@
 //! Least squares are solved by QR with column pivoting, never by normal equations.
 //!
 //! ```
-//! use thetahat::linear_algebra::{Matrix, PivotedQr};
+//! use thetahat_ground::linear_algebra::{Matrix, PivotedQr};
 //! // The line 1 + 2 t through four points.
 //! let x = Matrix::from_fn(4, 2, |i, j| if j == 0 { 1.0 } else { i as f64 });
 //! let qr = PivotedQr::new(&x);

@@ -10,7 +10,7 @@ use serde::{
 /// One value for all joints (motors, channels), or a list with one for each, in order.
 ///
 /// ```
-/// use thetahat::OneOrEach;
+/// use thetahat_ground::one_or_each::OneOrEach;
 /// #[derive(serde::Deserialize)]
 /// struct Keys {
 ///     gain: OneOrEach<f64>,
@@ -122,26 +122,12 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for OneOrEach<T> {
 mod tests {
     use super::*;
 
-    /// As the units of recordings, which are read from text.
-    #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-    #[serde(try_from = "String")]
+    #[derive(Debug, Deserialize, PartialEq)]
+    #[serde(rename_all = "lowercase")]
     enum Unit {
         Metre,
-        Degree,
         Radian,
-    }
-
-    impl TryFrom<String> for Unit {
-        type Error = String;
-
-        fn try_from(symbol: String) -> Result<Self, String> {
-            match symbol.as_str() {
-                "m" => Ok(Self::Metre),
-                "deg" => Ok(Self::Degree),
-                "rad" => Ok(Self::Radian),
-                _ => Err(format!("unknown unit {symbol:?}; the known units are m, deg, rad")),
-            }
-        }
+        Degree,
     }
 
     #[derive(Debug, Deserialize)]
@@ -157,20 +143,17 @@ mod tests {
 
     #[test]
     fn scalars_and_lists_are_read() {
-        let keys: Keys = toml::from_str("number = 3\nunit = ['m', 'rad']").unwrap();
+        let keys: Keys = toml::from_str("number = 3\nunit = ['metre', 'radian']").unwrap();
         assert_eq!((keys.number, keys.unit), (vec![3.0], Some(OneOrEach::Each(vec![Unit::Metre, Unit::Radian]))));
-        let keys: Keys = toml::from_str("number = [3, 4.5]\nunit = 'deg'").unwrap();
+        let keys: Keys = toml::from_str("number = [3, 4.5]\nunit = 'degree'").unwrap();
         assert_eq!((keys.number, keys.unit), (vec![3.0, 4.5], Some(OneOrEach::One(Unit::Degree))));
     }
 
     #[test]
     fn what_is_wrong_inside_is_said() {
-        assert!(
-            message("unit = 'lbf'").starts_with("unknown unit \"lbf\"; the known units are"),
-            "{}",
-            message("unit = 'lbf'")
-        );
-        assert!(message("unit = ['m', 'lbf']").starts_with("unknown unit \"lbf\""));
+        let unknown = "unknown variant `lbf`, expected one of `metre`, `radian`, `degree`";
+        assert_eq!(message("unit = 'lbf'"), unknown);
+        assert_eq!(message("unit = ['metre', 'lbf']"), unknown);
         assert_eq!(message("number = 'a'"), "invalid type: string \"a\", expected f64");
         assert_eq!(
             message("number = true"),

@@ -1,8 +1,8 @@
 //! Equally sampled channels: the one container for time series.
 //!
 //! ```
-//! use thetahat::series::Series;
-//! let series = Series::from_channels(&[vec![0.0, 1.0, 2.0], vec![5.0, 6.0, 7.0]])?;
+//! use thetahat_ground::series::Series;
+//! let series = Series::from_channels(&[vec![0.0, 1.0, 2.0], vec![5.0, 6.0, 7.0]]);
 //! assert_eq!(series.sample(1), [1.0, 6.0]);
 //! assert_eq!(series.channel(1), [5.0, 6.0, 7.0]);
 //! assert_eq!(series.window(1..3).len(), 2);

@@ -2,12 +2,12 @@
 
 use crate::real::{Parameter, Real};
 
-/// A vector of three components.
+/// A vector of three.
 pub type Vec3<T = f64> = [T; 3];
-/// A 3 by 3 matrix, row by row.
+/// A matrix of three rows.
 pub type Mat3<T = f64> = [[T; 3]; 3];
 
-/// The identity matrix.
+/// The identity.
 pub const IDENTITY: Mat3 = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// `a + b`.
@@ -22,13 +22,13 @@ pub fn scale<T: Real>(s: T, a: Vec3<T>) -> Vec3<T> {
     [s * a[0], s * a[1], s * a[2]]
 }
 
-/// The scalar product `a . b`.
+/// `a . b`.
 #[inline(always)]
 pub fn dot<T: Real>(a: Vec3<T>, b: Vec3<T>) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The vector product `a x b`.
+/// `a x b`.
 #[inline(always)]
 pub fn cross<T: Real>(a: Vec3<T>, b: Vec3<T>) -> Vec3<T> {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
@@ -74,7 +74,7 @@ pub fn turned(r: &Mat3, b: &Mat3) -> Mat3 {
     product(&product(r, b), &transpose(r))
 }
 
-/// The Euclidean length.
+/// `|a|`.
 pub fn norm(a: Vec3) -> f64 {
     dot(a, a).sqrt()
 }

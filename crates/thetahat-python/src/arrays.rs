@@ -8,7 +8,7 @@ use numpy::{
     ndarray::{Array2, ArrayView2, Axis, ShapeBuilder, Slice},
 };
 use pyo3::prelude::*;
-use thetahat::{dynamics::DynamicsError, linear_algebra::Matrix, series::Series};
+use thetahat::{Matrix, Series, dynamics::DynamicsError};
 
 use crate::python_error::PythonError;
 

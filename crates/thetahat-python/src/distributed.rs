@@ -9,11 +9,11 @@ use pyo3::{prelude::*, types::PyBytes};
 use thetahat::{
     Experiment,
     campaign::{self, Campaign, Key, Row, Store, Subset},
-    output::{OutputError, OutputGuard},
     reduction::{ReduceOptions, Reduction, estimates_of_results},
-    report::{self, TextWidth},
-    statistics,
 };
+use thetahat_estimation::statistics;
+use thetahat_ground::output::{OutputError, OutputGuard};
+use thetahat_report::report::{self, TextWidth};
 
 use crate::{python_error::PythonError, remedies, results::Results, robot::Robot};
 

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use numpy::{IntoPyArray, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use thetahat::{
-    Experiment, Identification, Settings,
+    Experiment, Identification, Method, Settings,
     experiment::ProposedSignal,
     filter_choice,
-    identification::{Method, UserEstimate, UserEstimator, UserRegression},
+    identification::{UserEstimate, UserEstimator, UserRegression},
 };
 
 use crate::{

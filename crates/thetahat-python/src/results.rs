@@ -11,8 +11,11 @@ use thetahat::{
     experiment::EstimateRequest,
     export::{Format, IdentifiedModel},
     identification::UnknownMethod,
-    output::{OutputGuard, replace_file},
-    report::{self, Published, TextWidth},
+    report::Published,
+};
+use thetahat_ground::output::{OutputGuard, replace_file};
+use thetahat_report::{
+    report::{self, TextWidth},
     results::{Plots, RunPlots},
 };
 

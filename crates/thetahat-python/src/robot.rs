@@ -14,12 +14,11 @@ use thetahat::{
     base_parameters::BaseParameters,
     dynamics::{DynamicParameters, DynamicsError, Model, Sign, State, Workspace},
     regressor::Regressor,
-    report,
     results::ProfiledTerm,
-    robot::{Locks, RobotSource},
-    robot_summary::RobotSummary,
+    robot::{Locks, RobotSource, RobotSummary},
     run::with_constants,
 };
+use thetahat_report::report;
 
 use crate::{
     arrays::{Samples, array_of, series_of},

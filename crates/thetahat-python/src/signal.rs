@@ -2,7 +2,8 @@
 
 use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
-use thetahat::signal::{self, Decimator, Derivative, Padding, SecondOrderSections};
+use thetahat::signal::{Decimator, Derivative, Padding, SecondOrderSections};
+use thetahat_estimation::signal;
 
 use crate::{
     arrays::{array_of, series_of},

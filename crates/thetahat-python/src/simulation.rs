@@ -4,9 +4,8 @@ use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use serde::Deserialize;
 use thetahat::{
-    ControllerDescription,
+    ControllerDescription, Series,
     preparation::SimulationOptions,
-    series::Series,
     simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulatorBias},
 };
 

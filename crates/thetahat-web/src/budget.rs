@@ -1,7 +1,7 @@
 //! Limits of the page: a browser gives a module at most 4 GB. An identification needs about 140 bytes for each value of a
 //! position or torque, and about ten times the bytes of a text.
 
-use thetahat::preparation::Recording;
+use thetahat::Recording;
 
 use crate::session::Outcome;
 
@@ -36,7 +36,7 @@ pub(crate) fn require_length(recordings: &[Recording]) -> Outcome<()> {
 
 #[cfg(test)]
 mod tests {
-    use thetahat::series::Series;
+    use thetahat::Series;
 
     use super::*;
 

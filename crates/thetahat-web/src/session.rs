@@ -5,13 +5,14 @@ use std::{
 
 use serde::Serialize;
 use thetahat::{
-    experiment::{EstimateRequest, Experiment, propose},
+    Experiment, Results,
+    experiment::{EstimateRequest, propose},
     export::{Format, IdentifiedModel},
     recording::{Contents, inspect_with_time},
-    report::{self, Published},
-    results::Results,
+    report::Published,
     robot::RobotSource,
 };
+use thetahat_report::report;
 
 use crate::{
     answers::{Demo, Exported, Identified, Understanding},

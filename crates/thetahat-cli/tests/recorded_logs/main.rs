@@ -1,7 +1,7 @@
 //! From recorded logs to estimates by `init` and `identify`, with no edit between them.
 
 use libtest_mimic::{Arguments, Failed};
-use thetahat::{identification::Status, results::Results};
+use thetahat::{Results, identification::Status};
 use thetahat_testing::{Folder, data, ensure, project, run, succeeded, trials_on_shared_data};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_thetahat");

@@ -21,7 +21,7 @@ pub const STEP_TOLERANCE: f64 = 1e-3;
 /// the mean step by more than [`STEP_TOLERANCE`].
 ///
 /// ```
-/// let rate = thetahat::recording::sample_rate_from_time(&[0.0, 0.5, 1.0], "q.csv".as_ref(), "t").unwrap();
+/// let rate = thetahat_data::recording::sample_rate_from_time(&[0.0, 0.5, 1.0], "q.csv".as_ref(), "t").unwrap();
 /// assert_eq!(rate, 2.0);
 /// ```
 pub fn sample_rate_from_time(time: &[f64], file: &Path, column: &str) -> Result<f64, RecordingError> {

@@ -24,7 +24,7 @@
 //! | `fuzzing` | every reader applied to bytes, for fuzz tests |
 //!
 //! ```
-//! use thetahat::recording::{ChannelSource, read_channels};
+//! use thetahat_data::recording::{read_channels, ChannelSource};
 //! let folder = std::env::temp_dir();
 //! let file = format!("thetahat-example-{}.csv", std::process::id());
 //! std::fs::write(folder.join(&file), "t,q\n0,0\n1,90\n")?;

@@ -17,7 +17,7 @@ use thetahat_ground::{one_or_each::OneOrEach, series::Series};
 /// Where the channels of one signal are, and what they are.
 ///
 /// ```
-/// use thetahat::recording::{ChannelSource, Side, Unit};
+/// use thetahat_data::recording::{ChannelSource, Side, Unit};
 /// let text = r#"
 ///     file = "torque.csv"
 ///     columns = ["motor_1", "motor_2"]
@@ -93,7 +93,39 @@ pub enum Side {
 }
 
 impl ChannelSource {
-    /// The path of the file inside the folder of the data.
+    /// Columns of a text file by name, or all of them where none is named, in a unit and on the joint side.
+    ///
+    /// ```
+    /// use thetahat_data::recording::{ChannelSource, Unit, read_channels};
+    /// # let folder = tempfile::tempdir().unwrap();
+    /// # let file = folder.path().join("log.csv");
+    /// std::fs::write(&file, "t,q1,q2\n0.0,0,90\n0.1,0,180\n").unwrap();
+    /// let position = ChannelSource::csv(&file, ["q1", "q2"], Unit::Degree);
+    /// let (series, _) = read_channels(&position, "".as_ref()).unwrap();
+    /// assert!((series.sample(1)[1] - std::f64::consts::PI).abs() < 1e-12);
+    /// ```
+    pub fn csv<S: Into<String>>(file: impl Into<PathBuf>, columns: impl IntoIterator<Item = S>, unit: Unit) -> Self {
+        Self {
+            file: file.into(),
+            columns: columns.into_iter().map(Into::into).collect(),
+            unit: OneOrEach::One(unit),
+            side: Side::Joint,
+            gain: None,
+            topic: None,
+            delimiter: None,
+            decimal: None,
+            header: None,
+            drop_cut_line: false,
+            channels_in_rows: false,
+            interleaved: None,
+            channel_column: None,
+            delay_s: 0.0,
+            held: false,
+            anywhere: true,
+        }
+    }
+
+    /// The path of the file below the folder of the data.
     #[must_use]
     pub fn path(&self, root: &Path) -> PathBuf {
         root.join(&self.file)

@@ -181,7 +181,7 @@ impl Unit {
     /// The factor to SI: a value in SI is `to_si()` times the value in this unit.
     ///
     /// ```
-    /// use thetahat::recording::Unit;
+    /// use thetahat_data::recording::Unit;
     /// assert_eq!(180.0 * Unit::Degree.to_si(), std::f64::consts::PI);
     /// ```
     #[must_use]

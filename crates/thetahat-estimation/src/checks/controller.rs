@@ -33,7 +33,9 @@ pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
     let subject = exam.subject;
     let (Some(reference), Some(description)) = (subject.reference, subject.controller) else { return };
     let Some(torque) = subject.torque_in_window() else { return };
-    if subject.added_signal || description.validate(signals.coordinates()).is_err() {
+    // What a law with a memory gives depends on where its memory began.
+    let has_memory = description.own_law().is_some_and(|law| law.memory() > 0);
+    if subject.added_signal || has_memory || description.validate(signals.coordinates()).is_err() {
         return;
     }
     let law = LawInputs::new(subject, signals, reference, description);

@@ -32,12 +32,13 @@ pub struct Motion {
 /// 0 and half the sample rate, or a recording no longer than the padding of `3 filter_order` samples.
 ///
 /// ```
-/// use thetahat::{series::Series, signal::{Derivative, band_pass}};
+/// use thetahat_estimation::signal::{band_pass, Derivative};
+/// use thetahat_ground::series::Series;
 /// // 0.5 t^2 at 100 Hz: away from the ends, the acceleration is 1.
 /// let position = Series::from_values(1, (0..400).map(|k| 0.5 * (0.01 * f64::from(k)).powi(2)).collect())?;
 /// let motion = band_pass(&position, 100.0, 4, 10.0, Derivative::NinePoint)?;
 /// assert!((motion.ddq.sample(200)[0] - 1.0).abs() < 1e-6);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// # Ok::<(), thetahat_estimation::signal::SignalError>(())
 /// ```
 pub fn band_pass(
     position: &Series,

@@ -41,11 +41,11 @@ const NO_GAIN: f64 = 1e-9;
 /// has no gain at DC.
 ///
 /// ```
-/// use thetahat::signal::{Padding, SecondOrderSections, minus_3_db_bandwidth_hz, zero_phase};
+/// use thetahat_estimation::signal::{minus_3_db_bandwidth_hz, zero_phase, Padding, SecondOrderSections};
 /// let filter = SecondOrderSections::butterworth_lowpass(4, 50.0, 5000.0)?;
 /// let bandwidth_hz = minus_3_db_bandwidth_hz(5000.0, 10_000, 0, |x| zero_phase(&filter, x, Padding::Matlab))?;
 /// assert!(bandwidth_hz.is_some_and(|f| (f - 44.78).abs() < 0.01));
-/// # Ok::<(), thetahat::signal::SignalError>(())
+/// # Ok::<(), thetahat_estimation::signal::SignalError>(())
 /// ```
 pub fn minus_3_db_bandwidth_hz(
     sample_rate_hz: f64,

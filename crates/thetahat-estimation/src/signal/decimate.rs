@@ -29,11 +29,12 @@ const CUTOFF_FRACTION: f64 = 0.8;
 /// The sections are used as such: MATLAB's polynomial form of the same filter loses its digits from factor 13 on.
 ///
 /// ```
-/// use thetahat::{series::Series, signal::Decimator};
+/// use thetahat_estimation::signal::Decimator;
+/// use thetahat_ground::series::Series;
 /// let decimator = Decimator::new(10, 95)?;
 /// assert_eq!(decimator.kept().collect::<Vec<_>>(), [4, 14, 24, 34, 44, 54, 64, 74, 84, 94]);
 /// assert_eq!(decimator.decimate(&Series::zeros(95, 3))?.len(), decimator.rows());
-/// # Ok::<(), thetahat::signal::SignalError>(())
+/// # Ok::<(), thetahat_estimation::signal::SignalError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Decimator {

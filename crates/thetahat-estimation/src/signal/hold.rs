@@ -8,8 +8,9 @@ use thetahat_ground::series::Series;
 /// interpolated linearly between samples.
 ///
 /// ```
-/// use thetahat::{series::Series, signal::centred_hold};
-/// let held = Series::from_values(1, vec![1.0, 3.0, 7.0])?;
+/// use thetahat_estimation::signal::centred_hold;
+/// use thetahat_ground::series::Series;
+/// let held = Series::from_values(1, vec![1.0, 3.0, 7.0]);
 /// assert_eq!(centred_hold(&held, 1.0).values(), [1.0, 2.0, 5.0]);
 /// # Ok::<(), thetahat::series::SeriesError>(())
 /// ```

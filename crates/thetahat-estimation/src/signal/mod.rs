@@ -11,13 +11,14 @@
 //!
 //! ```
 //! use std::f64::consts::TAU;
-//! use thetahat::{series::Series, signal::{Padding, SecondOrderSections, central_difference, zero_phase}};
+//! use thetahat_estimation::signal::{central_difference, zero_phase, Padding, SecondOrderSections};
+//! use thetahat_ground::series::Series;
 //! // A sine of 1 Hz, sampled at 1 kHz: its velocity in the middle, to a part in ten thousand.
 //! let q = Series::from_values(1, (0..1000).map(|k| (TAU * k as f64 / 1000.0).sin()).collect())?;
 //! let filter = SecondOrderSections::butterworth_lowpass(4, 50.0, 1000.0)?;
 //! let dq = central_difference(&zero_phase(&filter, &q, Padding::Matlab)?, 1000.0);
 //! assert!((dq.sample(500)[0] + TAU).abs() < 1e-4 * TAU);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! # Ok::<(), thetahat_estimation::signal::SignalError>(())
 //! ```
 
 mod band_pass;

@@ -17,10 +17,11 @@ use super::error::SignalError;
 /// If the fraction is out of range, or no channel moves.
 ///
 /// ```
-/// use thetahat::{series::Series, signal::moving_samples};
-/// let velocity = Series::from_values(1, vec![0.0, 0.001, 0.5, 1.0, 0.0, 0.5, 0.0])?;
+/// use thetahat_estimation::signal::moving_samples;
+/// use thetahat_ground::series::Series;
+/// let velocity = Series::from_values(1, vec![0.0, 0.001, 0.5, 1.0, 0.0, 0.5, 0.0]);
 /// assert_eq!(moving_samples(&velocity, 0.01, 0.1)?, 2..6);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// # Ok::<(), thetahat_estimation::signal::SignalError>(())
 /// ```
 pub fn moving_samples(
     velocity: &Series,

@@ -32,7 +32,8 @@ impl Spectrum {
     /// Electroacoustics 15 (1967), equations (1) to (7).
     ///
     /// ```
-    /// use thetahat::{series::Series, signal::Spectrum};
+    /// use thetahat_estimation::signal::Spectrum;
+    /// use thetahat_ground::series::Series;
     /// // A sine of amplitude 2 at 5 Hz: its variance of 2 lies around 5 Hz.
     /// let sine = |k: i32| 2.0 * (std::f64::consts::TAU * 5.0 * f64::from(k) / 100.0).sin();
     /// let spectrum = Spectrum::of(&Series::from_values(1, (0..4000).map(sine).collect())?, 100.0);

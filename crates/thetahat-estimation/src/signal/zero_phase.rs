@@ -37,12 +37,13 @@ impl Padding {
 /// [`SignalError::RecordTooShort`] if the series is not longer than the padding.
 ///
 /// ```
-/// use thetahat::{series::Series, signal::{Padding, SecondOrderSections, zero_phase}};
+/// use thetahat_estimation::signal::{zero_phase, Padding, SecondOrderSections};
+/// use thetahat_ground::series::Series;
 /// let filter = SecondOrderSections::butterworth_lowpass(4, 50.0, 1000.0)?;
 /// let constant = Series::from_values(1, vec![2.0; 100])?;
 /// let filtered = zero_phase(&filter, &constant, Padding::Matlab)?;
 /// assert!(filtered.values().iter().all(|y| (y - 2.0).abs() < 1e-11));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// # Ok::<(), thetahat_estimation::signal::SignalError>(())
 /// ```
 pub fn zero_phase(filter: &SecondOrderSections, series: &Series, padding: Padding) -> Result<Series, SignalError> {
     let fill = |k: usize, sample: &mut [f64]| sample.copy_from_slice(series.sample(k));

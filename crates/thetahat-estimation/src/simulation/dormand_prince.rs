@@ -39,7 +39,7 @@ const P: [[f64; 4]; 7] = [
 /// It does not call f but requests its values from the caller, so that several integrations can be interleaved:
 ///
 /// ```
-/// use thetahat::simulation::{DormandPrince, Next};
+/// use thetahat_estimation::simulation::{DormandPrince, Next};
 ///
 /// let mut integrator = DormandPrince::adaptive(1e-3, 1e-6, vec![1.0]);
 /// integrator.begin(0.0, 1.0);
@@ -54,7 +54,7 @@ const P: [[f64; 4]; 7] = [
 ///     }
 /// }
 /// assert!((integrator.state()[0] - (-1.0_f64).exp()).abs() < 1e-3);
-/// # Ok::<(), thetahat::simulation::StepTooSmall>(())
+/// # Ok::<(), thetahat_estimation::simulation::StepTooSmall>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct DormandPrince {

@@ -8,7 +8,8 @@
 //! result is in `docs/evidence/simulation.md`.
 //!
 //! ```
-//! use thetahat::{series::Series, simulation::{Reference, SampledReference}};
+//! use thetahat_estimation::simulation::{Reference, SampledReference};
+//! use thetahat_ground::series::Series;
 //! // A recorded reference t^2, and its derivatives between two samples.
 //! let samples = (0..100).map(|k| (f64::from(k) / 100.0).powi(2)).collect();
 //! let reference = Reference::Sampled(SampledReference::new(Series::from_values(1, samples)?, 100.0));

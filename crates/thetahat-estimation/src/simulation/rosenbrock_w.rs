@@ -66,7 +66,7 @@ pub struct Linearisation {
 /// Like [`super::DormandPrince`] it requests slopes, and once a step a [`Linearisation`]:
 ///
 /// ```
-/// use thetahat::simulation::{Next, RosenbrockW};
+/// use thetahat_estimation::simulation::{Next, RosenbrockW};
 ///
 /// // dv/dt = -1e6 (v - 1): the time constant is a microsecond.
 /// let mut integrator = RosenbrockW::new(1e-3, 1e-6, vec![0.0, 0.0]);
@@ -86,7 +86,7 @@ pub struct Linearisation {
 ///     }
 /// }
 /// assert!((integrator.state()[1] - 1.0).abs() < 1e-6 && integrator.counts().steps < 100);
-/// # Ok::<(), thetahat::simulation::StepTooSmall>(())
+/// # Ok::<(), thetahat_estimation::simulation::StepTooSmall>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct RosenbrockW {

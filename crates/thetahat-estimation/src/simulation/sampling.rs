@@ -1,6 +1,6 @@
 use std::collections::VecDeque;
 
-use super::system::{Loop, SAME_TIME, command};
+use super::system::{Loop, SAME_TIME};
 use crate::control::VelocityEstimate;
 
 /// A sampled controller: each drive signal acts after the delay, and is held until the next.
@@ -55,9 +55,11 @@ impl Sampling {
             self.positions.averaged_velocity(controller.sample_time_s, &plant.p, &mut plant.v);
         }
         self.positions.push(&plant.p);
-        let mut u = vec![0.0; self.commanded.len()];
-        command(controller, reference, plant, &mut u);
-        u
+        let sample = |i: usize| {
+            let error = reference.p[i] - plant.p[i];
+            controller.sample(i, error, plant.v[i], reference.dp[i], reference.ddp[i])
+        };
+        (0..self.commanded.len()).map(sample).collect()
     }
 }
 

@@ -17,13 +17,13 @@
 //! | `w_j` | weight of joint j in a fit | 1 | 1/rad |
 //!
 //! ```
-//! use thetahat::trajectory::{MotionLimits, plan};
+//! use thetahat_estimation::trajectory::{plan, MotionLimits};
 //! let limits = MotionLimits { max_velocity: vec![2.0], acceleration_time_s: 0.1, smoothing_time_s: 0.02, dwell_s: 0.1 };
 //! let moves = plan(vec![0.0], &[vec![1.0]], &limits, 0.0)?;
 //! let motion = moves.sample(1000.0, 1000);
 //! assert!((motion.q.sample(999)[0] - 1.0).abs() < 1e-12);
 //! assert!((motion.dq.values().iter().copied().fold(0.0, f64::max) - 2.0).abs() < 1e-12);
-//! # Ok::<(), thetahat::trajectory::TrajectoryError>(())
+//! # Ok::<(), thetahat_estimation::trajectory::TrajectoryError>(())
 //! ```
 
 mod detect;

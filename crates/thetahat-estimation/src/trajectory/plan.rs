@@ -18,13 +18,13 @@ pub struct MotionLimits {
 /// `T1 = max_j |D_j| / max_velocity_j`, at least T2: the slowest joint runs at its limit and the others below theirs.
 ///
 /// ```
-/// use thetahat::trajectory::{MotionLimits, plan};
+/// use thetahat_estimation::trajectory::{plan, MotionLimits};
 /// let limits = MotionLimits { max_velocity: vec![2.0], acceleration_time_s: 0.1, smoothing_time_s: 0.02, dwell_s: 0.1 };
 /// let moves = plan(vec![0.0], &[vec![1.0], vec![0.4]], &limits, 0.5)?;
 /// let (mut q, mut dq, mut ddq) = ([0.0], [0.0], [0.0]);
 /// moves.evaluate(0.5 + 0.31, &mut q, &mut dq, &mut ddq);
 /// assert!((q[0] - 0.5).abs() < 1e-12 && (dq[0] - 2.0).abs() < 1e-12 && ddq[0].abs() < 1e-9);
-/// # Ok::<(), thetahat::trajectory::TrajectoryError>(())
+/// # Ok::<(), thetahat_estimation::trajectory::TrajectoryError>(())
 /// ```
 ///
 /// # Errors

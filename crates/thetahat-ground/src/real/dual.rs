@@ -6,7 +6,7 @@ use super::Real;
 /// derivatives of what it computes.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Dual<T = f64> {
-    /// The number.
+    /// The value.
     pub value: T,
     /// Its derivative.
     pub derivative: T,

@@ -13,7 +13,7 @@
 //!
 //! ```
 //! use std::path::Path;
-//! use thetahat::{base_parameters::BaseParameters, dynamics::Model, robot::Robot};
+//! use thetahat_model::{base_parameters::BaseParameters, dynamics::Model, robot::Robot};
 //! let text = "name = 'pendulum'\n[[joint]]\nname = 'pivot'\nkind = 'revolute'\n[parameters]\nzz1 = 0.5\nia1 = 0.3";
 //! let robot = Robot::parse(text, Path::new("pendulum.toml"))?;
 //! // About a vertical axis only the inertia about it acts, together with the motor's inertia.

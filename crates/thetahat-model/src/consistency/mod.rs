@@ -9,7 +9,7 @@
 //! Every problem is a small convex program, solved by a primal-dual interior-point method. Formulas, sources and the choice of the method: `docs/theory/physical_consistency.md`.
 //!
 //! ```
-//! use thetahat::{Robot, consistency::{ConsistentSet, completed_a_priori}};
+//! use thetahat_model::{consistency::{completed_a_priori, ConsistentSet}, robot::Robot};
 //!
 //! # let robot = "name = 'r'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n";
 //! # let robot = Robot::parse(robot, std::path::Path::new("r.toml")).unwrap();

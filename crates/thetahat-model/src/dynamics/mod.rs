@@ -21,7 +21,7 @@
 //!
 //! ```
 //! use std::path::Path;
-//! use thetahat::{dynamics::{DynamicParameters, Model, Workspace}, robot::Robot};
+//! use thetahat_model::{dynamics::{DynamicParameters, Model, Workspace}, robot::Robot};
 //! let text = "name = 'pendulum'\n[[joint]]\nname = 'pivot'\nkind = 'revolute'\n[parameters]\nzz1 = 0.5\nia1 = 0.3";
 //! let robot = Robot::parse(text, Path::new("pendulum.toml"))?;
 //! let model = Model::new(&robot);
@@ -29,7 +29,7 @@
 //! let mut mass = [0.0];
 //! model.mass_matrix(&parameters, &[0.1], &mut Workspace::new(&model), &mut mass);
 //! assert!((mass[0] - (0.5 + 0.3)).abs() < 1e-15);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! # Ok::<(), thetahat_model::robot::RobotError>(())
 //! ```
 
 mod adjoint;

@@ -5,7 +5,7 @@
 //!
 //! ```
 //! use std::path::Path;
-//! use thetahat::{robot::Robot, symbolic::{DriveTorques, Function, Inputs, Language, ModelKind, ParameterSet, Request}};
+//! use thetahat_model::{robot::Robot, symbolic::{DriveTorques, Function, Inputs, Language, ModelKind, ParameterSet, Request}};
 //! let text = "name = 'pendulum'\n[[joint]]\nname = 'pivot'\nkind = 'revolute'\n";
 //! let robot = Robot::parse(text, Path::new("pendulum.toml"))?;
 //! let (model, parameters) = (ModelKind::InverseDynamics, ParameterSet::Base);

@@ -5,7 +5,7 @@
 //! from [`results`](crate::results) alone.
 //!
 //! ```
-//! use thetahat::report::{TextWidth, Table};
+//! use thetahat_report::report::{Table, TextWidth};
 //!
 //! let table = Table {
 //!     title: "nominal: estimates".to_owned(),

@@ -5,9 +5,9 @@
 //!
 //! ```
 //! use std::path::Path;
-//! use thetahat::results::Results;
+//! use thetahat_report::results::Results;
 //!
-//! # fn main() -> Result<(), thetahat::results::ResultsError> {
+//! # fn main() -> Result<(), thetahat_report::results::ResultsError> {
 //! let text = r#"{
 //!   "schema": 2, "thetahat": "0.1.0", "robot": "EMPS", "title": "One axis", "samples_used": 100, "decimated_rows": 10,
 //!   "recordings": [], "validation_recordings": [], "seed": null, "elimination": null,

@@ -3,10 +3,8 @@
 use std::path::Path;
 
 use serde::Serialize;
-use thetahat::{
-    recording::{ColumnSummary, Contents},
-    report::{self, TextWidth},
-};
+use thetahat::recording::{ColumnSummary, Contents};
+use thetahat_report::report::{self, TextWidth};
 
 /// A recording.
 #[derive(Serialize)]

@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 use serde_json::{Value, json};
-use thetahat::{experiment::Experiment, report};
+use thetahat::Experiment;
+use thetahat_report::report;
 
 use crate::session::Outcome;
 

@@ -3,10 +3,8 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use thetahat::{
-    report::{self, Published, TextWidth},
-    results::Results,
-};
+use thetahat::{Results, report::Published};
+use thetahat_report::report::{self, TextWidth};
 
 use crate::session::Outcome;
 

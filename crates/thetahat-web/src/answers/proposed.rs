@@ -2,9 +2,8 @@
 
 use serde::Serialize;
 use thetahat::{
-    OneOrEach,
-    experiment::{Experiment, Proposal, ProposedChannels},
-    preparation::Recording,
+    Experiment, OneOrEach, Recording,
+    experiment::{Proposal, ProposedChannels},
     recording::{Side, Unit},
 };
 

@@ -1,7 +1,7 @@
 //! The curves of a recording.
 
 use serde::Serialize;
-use thetahat::{preparation::Recording, results::JointResult, robot::Robot, series::Series};
+use thetahat::{Recording, Robot, Series, results::JointResult};
 
 /// Largest number of samples in the curves.
 const MOST: usize = 2000;

@@ -2,10 +2,8 @@
 
 use serde::Serialize;
 use thetahat::{
-    preparation::Recording,
-    robot::Robot,
-    robot_summary::{FrameJoint, MovingFrames},
-    series::Series,
+    Recording, Robot, Series,
+    robot::{FrameJoint, MovingFrames},
 };
 
 /// Largest number of instants of a motion.

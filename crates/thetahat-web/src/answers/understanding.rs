@@ -4,13 +4,13 @@ use std::path::Path;
 
 use serde::Serialize;
 use thetahat::{
-    experiment::{Experiment, Proposal, propose},
-    preparation::Recording,
+    Experiment, Recording, Robot,
+    experiment::{Proposal, propose},
     recording::{Contents, inspect_with_time},
-    results::{Finding, RecordingFindings, Severity},
-    robot::{Robot, RobotError, RobotSource},
-    robot_summary::RobotSummary,
+    results::RecordingFindings,
+    robot::{RobotError, RobotSource, RobotSummary},
 };
+use thetahat_report::results::{Finding, Severity};
 
 use super::{channels::RecordingAnswer, proposed::ProposalAnswer, series::SeriesAnswer, skeleton::Skeleton};
 use crate::{budget, remedies::with_remedy, request::Request, session::Outcome};

@@ -4,10 +4,7 @@
 
 use std::error::Error;
 
-use thetahat::{
-    experiment::{Experiment, PowerPoint},
-    simulation::BiasKind,
-};
+use thetahat::{Experiment, experiment::PowerPoint, simulation::BiasKind};
 
 /// Records for each error, and for none.
 const RECORDS: usize = 50;

@@ -12,17 +12,15 @@ use rand::{Rng, RngExt as _, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 use thetahat::{
-    Robot,
+    Matrix, Robot,
     base_parameters::BaseParameters,
-    consistency::{
-        ConsistencyError, ConsistentFit, ConsistentSet, LeastSquares, Prior, bounds_of, completed_a_priori, fit,
-        interval_in,
-    },
+    consistency::{ConsistencyError, ConsistentFit, ConsistentSet, LeastSquares, Prior, completed_a_priori, fit},
     dynamics::{Model, Sign, State, Workspace},
-    linear_algebra::{Matrix, PivotedQr, norm},
     regressor::Regressor,
     statistics::{f_probability, t_quantile},
 };
+use thetahat_ground::linear_algebra::{PivotedQr, norm};
+use thetahat_model::consistency::{bounds_of, interval_in};
 
 const STATES: usize = 400;
 /// Standard deviation of the noise, relative to the root mean square of the torques.

@@ -13,7 +13,8 @@ use super::corruption_suite::{
     record::{Record, Which, from_experiment, other_twin, twin, tx40_with_reference},
     table::{Clean, markdown, row, short},
 };
-use thetahat::checks::{Code, measure};
+use thetahat::checks::Code;
+use thetahat_estimation::checks::measure;
 
 /// Runs the study.
 pub fn main() {
@@ -49,7 +50,7 @@ fn margins(records: &[(&str, Record)]) {
         limits.sort_by(f64::total_cmp);
         limits.dedup();
         for limit in limits {
-            let worst = |measures: &Vec<thetahat::checks::Measure>| {
+            let worst = |measures: &Vec<thetahat_estimation::checks::Measure>| {
                 let own = measures.iter().filter(|m| m.code == code && m.limit == limit).map(|m| m.value);
                 own.fold(f64::NEG_INFINITY, f64::max)
             };

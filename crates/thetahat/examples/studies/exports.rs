@@ -24,9 +24,10 @@ use thetahat::{
     consistency::completed_a_priori,
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     export::{Export, Format, MjcfModel, Target, export_robot},
-    robot::{Parameter, Quantity, RobotSource, Role},
+    robot::{Parameter, Quantity, RobotSource},
     symbolic::{DriveTorques, Function, Language, ModelKind, ParameterSet, Request},
 };
+use thetahat_model::robot::Role;
 use thetahat_testing::{data, project, shared, users_mjcf};
 
 const STATES: usize = 1000;

@@ -8,9 +8,8 @@ use std::{error::Error, fmt::Write, path::Path, time::Instant};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use thetahat::{
-    Identification, Recording, Robot, Settings,
+    Identification, Recording, Robot, Series, Settings,
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
-    series::Series,
 };
 
 const SAMPLE_RATE_HZ: f64 = 1000.0;

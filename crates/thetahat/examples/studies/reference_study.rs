@@ -7,15 +7,15 @@
 use std::{error::Error, f64::consts::TAU, path::Path};
 
 use thetahat::{
-    Identification, Method, Recording, Settings,
-    control::ControllerDescription,
+    ControllerDescription, Experiment, Identification, Method, Recording, Results, Robot, Series, Settings,
     dynamics::Model,
-    experiment::Experiment,
-    results::{Results, RunResult},
-    robot::Robot,
-    series::Series,
-    signal::{Derivative, band_pass, smooth},
-    simulation::{ClosedLoop, Job, OutputGrid, Reference, SampledReference, SimulatorBias, Solver, simulate_all},
+    results::RunResult,
+    signal::{Derivative, band_pass},
+    simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatorBias, Solver},
+};
+use thetahat_estimation::{
+    signal::smooth,
+    simulation::{Job, simulate_all},
 };
 use thetahat_estimation::simulation::{NoisySignals, RecordingNoise, SignalNoise, random_numbers};
 

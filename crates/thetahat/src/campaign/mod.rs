@@ -33,9 +33,11 @@ mod starts;
 mod store;
 mod summary;
 
-pub use bench::Bench;
-pub use description::{Campaign, CampaignFile, Claim, NoiseLevel, Starts, Subset};
+pub use description::{Campaign, Subset};
+#[doc(hidden)]
+pub use description::{CampaignFile, Claim, NoiseLevel, Starts};
 pub use error::CampaignError;
+#[doc(hidden)]
 pub use facts::{CampaignParameter, Facts};
 #[cfg(not(feature = "parquet"))]
 pub use no_store::Store;
@@ -43,4 +45,5 @@ pub use row::{Key, Row};
 pub use run::{CampaignRuns, Progress};
 #[cfg(feature = "parquet")]
 pub use store::Store;
+#[doc(hidden)]
 pub use summary::{parameter_summaries, quantiles, summarise};

@@ -28,14 +28,17 @@ mod run;
 mod search;
 mod text;
 
+#[doc(hidden)]
+pub use criterion::{Criterion, CriterionName};
+pub use description::Design;
+#[doc(hidden)]
+pub use description::DesignFile;
 pub use error::DesignError;
-pub use prediction::expected::{Expected, ExpectedRecording, NoisyEstimate};
-pub use search::{
-    criterion::{Criterion, CriterionName},
-    information::{Information, MotionCriterion},
-};
-pub use text::{
-    collision_options::{CapsuleOptions, CollisionOptions, ObstacleOptions},
-    description::{Design, DesignFile},
-    options::{DesignObjective, LimitOptions, MotionKind, MotionOptions, NoiseOptions, UncertaintyOptions},
-};
+#[doc(hidden)]
+pub use information::{Information, Judgement};
+#[doc(hidden)]
+pub use options::{DesignObjective, LimitOptions, MotionKind, MotionOptions, NoiseOptions, UncertaintyOptions};
+#[doc(hidden)]
+pub use prediction::{Expected, ExpectedRecord, NoisyEstimate};
+#[doc(hidden)]
+pub use surroundings_options::{CapsuleOptions, CollisionOptions, ObstacleOptions};

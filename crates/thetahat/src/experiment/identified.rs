@@ -10,14 +10,15 @@ use super::{
 };
 use crate::{
     diagnosis::judge,
-    preparation::{Case, Settings, Setup},
+    preparation::{Case, PreparationError, Recording, Settings, Setup, SignalOptions},
+    run::{Identification, Identified, predict_torques},
 };
 use thetahat_estimation::identification::{Method, Status};
 use thetahat_model::{
     base_parameters::BaseParameters,
     robot::{Robot, RobotSource},
 };
-use thetahat_report::results::{NOMINAL, Results, RunResult, Verdict, VerdictReason};
+use thetahat_report::results::{NOMINAL, Prediction, Results, RunResult, Verdict, VerdictReason};
 
 /// Which estimate of results to use, and what is required of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,15 +62,45 @@ pub struct IdentifiedRobot {
     pub verdict_reasons: Vec<VerdictReason>,
     /// Title of the results.
     pub title: String,
-    /// The description in the results.
-    pub source: RobotSource,
+    /// The robot's description, where the results hold it: an export to URDF edits it.
+    pub source: Option<RobotSource>,
     /// The files that were read: that of the results, and those of the description that was compared with it.
     pub files: Vec<PathBuf>,
     experiment: Option<Experiment>,
+    /// Whether the settings' filters are those of the identification.
+    knows_filters: bool,
 }
 
 impl IdentifiedRobot {
-    /// The identified robot of a `results.json`.
+    /// The robot of an identification with the estimates of a run of its results, in memory.
+    ///
+    /// # Errors
+    /// As [`IdentifiedRobot::of_results`].
+    pub fn of_identification(
+        identification: &Identification,
+        results: &Results,
+        request: &EstimateRequest,
+    ) -> Result<Self, ExperimentError> {
+        let Setup { robot, settings } = identification.setup();
+        let subject = Subject { robot: robot.clone(), settings: settings.clone(), file: None, experiment: None };
+        let robot = Self::of_subject(Path::new("results"), results, request, |_| Ok(subject))?;
+        Ok(Self { knows_filters: true, files: Vec::new(), ..robot })
+    }
+
+    /// The same with the text of the robot's description, which an export to URDF edits.
+    #[must_use]
+    pub fn with_description(self, source: RobotSource) -> Self {
+        Self { source: Some(source), ..self }
+    }
+
+    /// The same with the filters of the identification, which results of arrays do not hold and a prediction needs.
+    #[must_use]
+    pub fn with_filters(mut self, signal: SignalOptions) -> Self {
+        self.settings.signal = signal;
+        Self { knows_filters: true, ..self }
+    }
+
+    /// That of a `results.json`.
     ///
     /// # Errors
     /// As [`IdentifiedRobot::of_results`], and for a file that cannot be read.
@@ -84,13 +115,26 @@ impl IdentifiedRobot {
     /// [`ExperimentError`]: results that are not to be used, no such estimate, parameters that are not those of the robot, or
     /// another description than the one that was identified.
     pub fn of_results(path: &Path, results: &Results, request: &EstimateRequest) -> Result<Self, ExperimentError> {
+        let text = results.robot_description.clone();
+        let source = |path| RobotSource::from_text(text, path);
+        let robot = Self::of_subject(path, results, request, |run| Subject::of(path, results, run))?;
+        Ok(Self { source: Some(source(path)?), knows_filters: robot.experiment.is_some(), ..robot })
+    }
+
+    /// The robot of results and of what they were identified from.
+    fn of_subject(
+        path: &Path,
+        results: &Results,
+        request: &EstimateRequest,
+        subject: impl FnOnce(&RunResult) -> Result<Subject, ExperimentError>,
+    ) -> Result<Self, ExperimentError> {
         let (verdict, verdict_reasons) = judged(results);
         if verdict == Verdict::DoNotUse && !request.untrusted {
             return Err(not_trusted(path, &verdict_reasons));
         }
         let no_estimate = |source| ExperimentError::NoEstimate { path: path.to_owned(), source };
         let run = results.estimate(&request.case, request.method).map_err(no_estimate)?;
-        let Subject { robot, settings, file, experiment } = Subject::of(path, results, run)?;
+        let Subject { robot, settings, file, experiment } = subject(run)?;
         let mut files = vec![path.to_owned()];
         if let Some(description) = description_file(path, request, file)? {
             files.extend(require_same(results, &robot, &description)?);
@@ -104,7 +148,7 @@ impl IdentifiedRobot {
             robot: setup.robot_for(&case),
             run: run.clone(),
             title: results.title.clone(),
-            source: RobotSource::from_text(results.robot_description.clone(), path)?,
+            source: None,
             settings,
             case,
             base,
@@ -112,10 +156,38 @@ impl IdentifiedRobot {
             verdict_reasons,
             files,
             experiment,
+            knows_filters: false,
         })
     }
 
-    /// The estimates of all base parameters: zero for those that the run does not estimate, as in its model.
+    /// The torques that the estimates predict for a motion, with the verdict on them; and their error where the recording has
+    /// torques. The motion is filtered as the recordings of the identification were.
+    ///
+    /// # Errors
+    /// [`PreparationError`] for a recording that does not fit the robot, and where the filters are not known: results of arrays
+    /// that were read from a file need [`IdentifiedRobot::with_filters`].
+    pub fn predict(&self, mut recording: Recording) -> Result<Prediction, PreparationError> {
+        if !self.knows_filters {
+            let why = "the results are of arrays and do not hold the filters of the identification";
+            return Err(PreparationError::Missing { missing: "[signal]", why });
+        }
+        if recording.name.is_empty() {
+            recording.name = "1".to_owned();
+        }
+        recording.validate(self.robot.coordinate_count())?;
+        self.predict_valid(recording)
+    }
+
+    /// The same for a recording that is known to fit.
+    pub(super) fn predict_valid(&self, recording: Recording) -> Result<Prediction, PreparationError> {
+        let Self { run, case, verdict, verdict_reasons, .. } = self;
+        let parameters = run.parameters.iter().map(|p| (p.name.clone(), p.estimate)).collect();
+        let verdict = (*verdict, verdict_reasons.clone());
+        let estimate = Identified { case, method: run.method, parameters, verdict };
+        predict_torques(self.setup(), &estimate, recording)
+    }
+
+    /// The estimates of all base parameters: zero of those that the run does not estimate, as in its model.
     #[must_use]
     pub fn estimates(&self) -> Vec<f64> {
         let estimate = |name: &str| self.run.parameter(name).map_or(0.0, |parameter| parameter.estimate);
@@ -142,6 +214,11 @@ impl IdentifiedRobot {
     #[must_use]
     pub fn experiment(&self) -> Option<&Experiment> {
         self.experiment.as_ref()
+    }
+
+    /// The URDF that the robot was read from, where it was and is known.
+    pub(crate) fn urdf_text(&self) -> Option<&str> {
+        self.source.as_ref().and_then(RobotSource::urdf_text)
     }
 
     pub(crate) fn setup(&self) -> Setup<'_> {

@@ -32,13 +32,17 @@ mod validation;
 
 pub(crate) use paths::path_in_project;
 
+#[doc(hidden)]
 pub use description::{Experiment, ExperimentFile, RecordingDescription, TwinDescription, Unlisted};
 pub use error::ExperimentError;
 pub use identified::{EstimateRequest, IdentifiedRobot};
+#[doc(hidden)]
 pub use power::PowerPoint;
 pub use predict::{PredictionRequest, predict};
 pub use proposal::{
-    Proposal, ProposalError, ProposalFiles, ProposalRequest, ProposedChannels, ProposedClock, ProposedLock,
-    ProposedRecording, ProposedSignal, propose,
+    Proposal, ProposalError, ProposalFiles, ProposalRequest, ProposedChannels, ProposedSignal, propose,
 };
+#[doc(hidden)]
+pub use proposal::{ProposedClock, ProposedLock, ProposedRecording};
+#[doc(hidden)]
 pub use twin::{TwinMotion, TwinReference};

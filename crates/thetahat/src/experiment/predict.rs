@@ -7,10 +7,7 @@ use super::{
     error::ExperimentError,
     identified::{EstimateRequest, IdentifiedRobot},
 };
-use crate::{
-    preparation::PreparationError,
-    run::{Identified, predict_torques},
-};
+use crate::preparation::PreparationError;
 use thetahat_data::recording::{ChannelSource, Side, Unit};
 use thetahat_estimation::identification::Method;
 use thetahat_ground::one_or_each::OneOrEach;
@@ -62,11 +59,7 @@ pub fn predict(request: &PredictionRequest) -> Result<Prediction, ExperimentErro
     } else {
         experiment.read_motion(&description, Path::new(""))?
     };
-    let IdentifiedRobot { run, case, verdict, verdict_reasons, .. } = &identified;
-    let parameters = run.parameters.iter().map(|p| (p.name.clone(), p.estimate)).collect();
-    let verdict = (*verdict, verdict_reasons.clone());
-    let estimate = Identified { case, method: run.method, parameters, verdict };
-    predict_torques(identified.setup(), &estimate, recording).map_err(|e| experiment.refuse(e))
+    identified.predict_valid(recording).map_err(|e| experiment.refuse(e))
 }
 
 /// The experiment's description of a recording, with the files and columns of the request: that of the same file, with

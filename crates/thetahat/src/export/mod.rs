@@ -52,7 +52,11 @@ mod xml;
 pub use error::ExportError;
 pub use format::Format;
 pub use identified::IdentifiedModel;
-pub use mjcf::{MjcfError, MjcfModel};
+#[doc(hidden)]
+pub use mjcf::MjcfError;
+pub use mjcf::MjcfModel;
+#[doc(hidden)]
 pub use provenance::{MovedParameter, Provenance};
 pub use render::{Export, Target, export_robot};
+#[doc(hidden)]
 pub use samples::Sample;

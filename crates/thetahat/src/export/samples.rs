@@ -81,6 +81,6 @@ impl IdentifiedModel {
         ];
         let about = [vec![self.identified.origin()], drawn.into(), self.provenance_in_words()].concat();
         let Self { identified, .. } = self;
-        export_robot(&identified.robot, identified.source.urdf_text(), &sample.standard, target, &about)
+        export_robot(&identified.robot, identified.urdf_text(), &sample.standard, target, &about)
     }
 }

@@ -25,7 +25,11 @@ mod separated;
 mod static_friction;
 mod twin;
 
-pub use choose::{choose_filter, estimate_with_filter};
+pub use choose::choose_filter;
+#[doc(hidden)]
+pub use choose::estimate_behind;
 pub use error::FilterChoiceError;
+#[doc(hidden)]
 pub use grid::FilterGrid;
+#[doc(hidden)]
 pub use score::sizes;

@@ -2,11 +2,8 @@
 
 use std::path::Path;
 
-use thetahat::{
-    experiment::Experiment,
-    identification::Method,
-    results::{Comparison, Results},
-};
+use thetahat::{Experiment, Method, Results};
+use thetahat_report::results::Comparison;
 
 /// The twin of EMPS with changes of its experiment.
 fn run(changes: &[(&str, &str)]) -> Results {

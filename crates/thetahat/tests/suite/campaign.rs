@@ -3,13 +3,13 @@
 use std::{fs, path::Path};
 
 use thetahat::{
+    Experiment,
     campaign::{
         Bench, Campaign, CampaignError, CampaignRuns, Key, Store, Subset, parameter_summaries, quantiles, summarise,
     },
-    experiment::Experiment,
     identification::Status,
-    report,
 };
+use thetahat_report::report;
 use thetahat_testing::{Folder, project};
 
 fn small() -> Campaign {
@@ -90,7 +90,8 @@ fn methods_find_the_truth_and_a_wrong_simulator_leads_didim_astray() {
     let failed = |r: &&thetahat::campaign::Row| r.case == "nominal" && !r.has_converged();
     assert_eq!(runs.rows.iter().find(failed), None);
     let median = |case: &str, method: &str| {
-        let fits = |s: &thetahat::results::MethodSummary| s.case == case && s.method == method && s.noise == "low";
+        let fits =
+            |s: &thetahat_report::results::MethodSummary| s.case == case && s.method == method && s.noise == "low";
         summarise(&runs).into_iter().find(fits).unwrap().distance_percent.unwrap().median
     };
     for method in ["idim-ls", "idim-wls", "idim-iv", "didim"] {

@@ -2,12 +2,8 @@
 
 use std::{path::Path, sync::OnceLock};
 
-use thetahat::{
-    experiment::Experiment,
-    identification::{Method, Status},
-    results::{Advice, BiasedSimulatorResult, Comparison, Results, Verdict},
-    simulation::BiasKind,
-};
+use thetahat::{Experiment, Method, Results, identification::Status, results::Verdict, simulation::BiasKind};
+use thetahat_report::results::{Advice, BiasedSimulatorResult, Comparison};
 
 fn results() -> &'static Results {
     static RESULTS: OnceLock<Results> = OnceLock::new();

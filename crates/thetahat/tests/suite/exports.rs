@@ -3,14 +3,16 @@
 use std::{ops::Range, path::Path, sync::OnceLock};
 
 use thetahat::{
-    Experiment, Identification, Method, Recording, Results, Settings,
+    Experiment, Identification, Method, Recording, Results, Robot, Settings,
     consistency::completed_a_priori,
     experiment::{EstimateRequest, ExperimentError, IdentifiedRobot},
     export::{Export, ExportError, Format, IdentifiedModel, MjcfError, MjcfModel, Provenance, Target, export_robot},
-    results::{NOMINAL, NoEstimate, ProfiledTerm, Status, Verdict},
-    robot::{Locks, Robot, RobotError, RobotSource, TermDescription},
+    results::{NOMINAL, ProfiledTerm, Verdict},
+    robot::{Locks, RobotError, RobotSource},
     run::with_constants,
 };
+use thetahat_model::robot::TermDescription;
+use thetahat_report::results::{NoEstimate, Status};
 use thetahat_testing::{Folder, data, project, shared, users_mjcf};
 
 /// The robots of the checkout: of tables, with prismatic joints, trees, followers, motors that are coupled.

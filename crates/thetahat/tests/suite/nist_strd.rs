@@ -7,10 +7,11 @@ mod data;
 
 use data::{Columns, DataSet, SETS};
 use thetahat::{
-    identification::{Divisor, Fit, idim_ls},
-    linear_algebra::Matrix,
+    Matrix,
+    identification::{Fit, idim_ls},
     regression::Regression,
 };
+use thetahat_estimation::identification::Divisor;
 
 /// Certified values have 15 digits.
 const CERTIFIED_DIGITS: f64 = 15.0;

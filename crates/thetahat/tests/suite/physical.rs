@@ -3,11 +3,9 @@
 use std::path::Path;
 
 use thetahat::{
-    Method,
-    experiment::{Experiment, ExperimentError},
-    preparation::PreparationError,
-    results::{Code, ConsistentEstimate, PhysicalResult, Results, RunResult, Severity},
+    Experiment, Method, Results, experiment::ExperimentError, preparation::PreparationError, results::RunResult,
 };
+use thetahat_report::results::{Code, ConsistentEstimate, PhysicalResult, Severity};
 
 /// As `robots/two_joint.toml`, which lies outside the package.
 const ROBOT: &str = r#"

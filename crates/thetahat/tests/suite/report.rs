@@ -7,16 +7,22 @@ use std::{
 };
 
 use thetahat::{
-    report::{self, Agreement, Published, ReportError, TextWidth, text, write_all},
+    Results,
+    report::{Published, ReportError, write_all},
+    results::{
+        JointResult, ParameterResult, ReasonCode, RecordingFindings, ResultsError, RunResult, Verdict, VerdictReason,
+    },
+    statistics::chi_squared_test,
+};
+use thetahat_report::{
+    report::{self, Agreement, TextWidth, text},
     results::{
         Advice, Bandwidth, BiasExplanation, BiasKind, BiasedSimulatorResult, Bin, CaseDiagnosis, Code, Comparison,
         EliminationResult, EndogeneityResult, FTest, Finding, Frame, HeldBackPlots, HiddenBias, HiddenError, Influence,
-        IterationResult, JointKind, JointResidual, JointResult, Method, ParameterDifference, ParameterResult, Plots,
-        ReasonCode, ReasonSubject, RecordStart, RecordingFindings, RecordingResult, ReferenceResult, ResidualCurves,
-        ResidualResult, Results, ResultsError, RunPlots, RunResult, SCHEMA, Severity, Skeleton, Status, Verdict,
-        VerdictReason, Weighting,
+        IterationResult, JointKind, JointResidual, Method, ParameterDifference, Plots, ReasonSubject, RecordStart,
+        RecordingResult, ReferenceResult, ResidualCurves, ResidualResult, RunPlots, SCHEMA, Severity, Skeleton, Status,
+        Weighting,
     },
-    statistics::chi_squared_test,
 };
 
 /// Of a terminal that does not tell.

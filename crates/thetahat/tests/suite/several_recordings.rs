@@ -3,9 +3,9 @@
 
 use std::{fmt::Write as _, path::Path};
 
+use thetahat::Results;
 use thetahat::checks::{Code, Severity};
-use thetahat::experiment::{Experiment, ExperimentError};
-use thetahat::results::Results;
+use thetahat::{Experiment, experiment::ExperimentError};
 use thetahat_testing::Folder;
 
 const ROBOT: &str = "name = 'joint'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n";

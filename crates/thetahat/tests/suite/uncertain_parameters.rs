@@ -3,12 +3,11 @@
 use std::path::Path;
 
 use thetahat::{
+    Experiment, Method,
     checks::{Code, Severity},
-    experiment::Experiment,
-    identification::Method,
     preparation::{NamedChoice, ParameterChoice},
-    results::Finding,
 };
+use thetahat_report::results::Finding;
 
 /// The note named parameters by deviations of its own: fc2, which the table had at 15 %, and not others that it had above 30 %.
 #[test]

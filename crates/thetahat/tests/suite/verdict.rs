@@ -4,13 +4,10 @@
 use std::path::{Path, PathBuf};
 
 use thetahat::{
-    Identification, Recording, Robot, Settings,
-    experiment::Experiment,
-    identification::Method,
-    results::{Comparison, ReasonCode, Results, TwinRecording, Verdict},
-    series::Series,
+    Experiment, Identification, Method, Recording, Results, Robot, Series, Settings,
+    results::{ReasonCode, Verdict},
 };
-use thetahat_estimation::simulation::{Autoregression, SignalNoise, random_numbers};
+use thetahat_report::results::{Comparison, TwinRecord};
 
 const SEEDS: u64 = 60;
 

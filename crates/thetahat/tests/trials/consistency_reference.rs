@@ -6,14 +6,14 @@ use std::{path::PathBuf, time::Instant};
 use libtest_mimic::{Failed, Trial};
 use serde::Deserialize;
 use thetahat::{
+    Matrix, Robot,
     base_parameters::BaseParameters,
-    consistency::{
-        ConsistentFit, ConsistentSet, Known, LeastSquares, Prior, SimulationOptions, examine, fit, nearest_to_simulate,
-    },
+    consistency::{ConsistentFit, ConsistentSet, Known, LeastSquares, Prior, examine, fit},
     dynamics::Model,
-    linear_algebra::{Matrix, PivotedQr, norm},
-    robot::{Parameter, Robot},
+    robot::Parameter,
 };
+use thetahat_ground::linear_algebra::{PivotedQr, norm};
+use thetahat_model::consistency::{SimulationOptions, nearest_to_simulate};
 use thetahat_testing::{Named, data, ensure, shared};
 
 /// Clarabel was asked for gaps of 1e-11.

@@ -14,10 +14,11 @@ use super::corruption_suite::{
 };
 use libtest_mimic::{Failed, Trial};
 use thetahat::{
-    Identification, Recording, Settings,
-    checks::{Code, Finding, Severity, compare},
-    results::{Results, Verdict},
+    Identification, Recording, Results, Settings,
+    checks::{Code, Finding, Severity},
+    results::Verdict,
 };
+use thetahat_estimation::checks::compare;
 use thetahat_testing::{ensure, has_shared};
 
 /// The findings of this suite: clean records raise none of them.

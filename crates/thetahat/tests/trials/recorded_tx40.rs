@@ -7,11 +7,12 @@ use std::{collections::HashMap, sync::OnceLock};
 
 use libtest_mimic::{Failed, Trial};
 use thetahat::{
-    experiment::Experiment,
-    identification::{Method, Status},
-    results::{BiasedSimulatorResult, Comparison, ParameterResult, Results, RunResult},
+    Experiment, Method, Results,
+    identification::Status,
+    results::{ParameterResult, RunResult},
     simulation::BiasKind,
 };
+use thetahat_report::results::{BiasedSimulatorResult, Comparison};
 use thetahat_testing::ensure;
 
 fn identify(name: &str) -> Results {

@@ -34,11 +34,11 @@ static NAMES: LazyLock<Vec<&'static str>> = LazyLock::new(|| ESTIMATORS.iter().m
 /// An estimator of the table.
 ///
 /// ```
-/// use thetahat::identification::{Method, Needs};
+/// use thetahat_estimation::identification::{Method, Needs};
 ///
 /// let method: Method = "idim-iv".parse()?;
 /// assert_eq!((method, method.needs()), (Method::IDIM_IV, Needs::Instruments));
-/// # Ok::<(), thetahat::identification::UnknownMethod>(())
+/// # Ok::<(), thetahat_estimation::identification::UnknownMethod>(())
 /// ```
 #[derive(Clone, Copy)]
 pub struct Method(&'static Estimator);

@@ -88,8 +88,10 @@ impl ControllerSlopes {
                     Tuned::PositionGain(motors) => motors.factor(i) * position,
                     Tuned::VelocityGain(motors) => motors.factor(i) * velocity,
                     Tuned::CascadeGain(motors) => motors.factor(i) * (position + velocity),
-                    Tuned::GearRatio => controller.parts(i, -p, v, 0.0, 0.0).iter().sum(),
-                    Tuned::Delay => -self.rate_of_command(controller, i),
+                    Tuned::GearRatio => controller
+                        .derivative_of_own(i, [error, v, dr, ddr], [-p, v, 0.0, 0.0])
+                        .unwrap_or_else(|| controller.parts(i, -p, v, 0.0, 0.0).iter().sum()),
+                    Tuned::Delay => -self.rate_of_command(controller, i, [error, v, dr, ddr]),
                 };
                 out.add(i, *column, slope);
             }
@@ -102,9 +104,10 @@ impl ControllerSlopes {
     }
 
     /// The derivative in time of a motor's drive signal with its state held.
-    fn rate_of_command(&self, controller: &Controller, i: usize) -> f64 {
+    fn rate_of_command(&self, controller: &Controller, i: usize, state: [f64; 4]) -> f64 {
         let [dr, ddr, dddr] = self.rates.each_ref().map(|rate| rate[i]);
-        controller.parts(i, dr, 0.0, ddr, dddr).iter().sum()
+        let of_own = controller.derivative_of_own(i, state, [dr, 0.0, ddr, dddr]);
+        of_own.unwrap_or_else(|| controller.parts(i, dr, 0.0, ddr, dddr).iter().sum())
     }
 }
 

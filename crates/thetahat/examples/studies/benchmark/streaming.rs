@@ -8,7 +8,7 @@ use std::{
     time::Instant,
 };
 
-use thetahat::{experiment::Experiment, reduction::ReduceOptions};
+use thetahat::{Experiment, reduction::ReduceOptions};
 
 use super::{
     long_record::{Kind, Twin},

@@ -3,9 +3,8 @@
 use std::f64::consts::TAU;
 
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardUniform};
-use thetahat::series::Series;
-use thetahat_estimation::simulation::{Autoregression, SignalNoise, random_numbers};
+use rand_distr::{Distribution, StandardNormal, StandardUniform};
+use thetahat::Series;
 
 use super::twin::Twin;
 

@@ -3,14 +3,14 @@
 use std::{error::Error, sync::Arc};
 
 use thetahat::{
-    dynamics::{Jump, Sign},
-    identification::RowMask,
-    linear_algebra::Matrix,
+    Matrix, Series,
+    dynamics::Sign,
     preparation::{Mask, NamedMask, SignalOptions, near_rest},
     regression::Regression,
-    series::Series,
-    signal::{Derivative, Motion, band_pass, centred_hold},
+    signal::{Derivative, Motion, band_pass},
 };
+use thetahat_estimation::{identification::RowMask, signal::centred_hold};
+use thetahat_model::dynamics::Jump;
 
 use super::twin::Twin;
 

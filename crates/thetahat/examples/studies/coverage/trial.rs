@@ -3,12 +3,13 @@
 use std::{error::Error, sync::Arc};
 
 use thetahat::{
+    Matrix, Method,
     dynamics::Sign,
-    identification::{Design, Divisor, Fit, Method, RowMask, Uncertainty, idim_iv, idim_ls, uncertainty},
-    linear_algebra::Matrix,
+    identification::{Fit, Uncertainty, idim_iv, idim_ls, uncertainty},
     regression::Regression,
     statistics::Sandwich,
 };
+use thetahat_estimation::identification::{Design, Divisor, RowMask};
 
 use super::{noise::Noise, stage::Stage, twin::Twin};
 

@@ -3,14 +3,14 @@ use std::error::Error;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use thetahat::{
-    Recording, Settings,
+    Recording, Series, Settings,
     base_parameters::BaseParameters,
     dynamics::Model,
-    filter_choice::{choose_filter, estimate_with_filter, sizes},
-    results::Filter,
-    series::Series,
-    signal::{Padding, SecondOrderSections, delayed, zero_phase},
+    filter_choice::{choose_filter, estimate_behind, sizes},
+    signal::{Padding, SecondOrderSections, zero_phase},
 };
+use thetahat_estimation::signal::delayed;
+use thetahat_report::results::Filter;
 
 use super::twins::{
     reference::Kind,

@@ -8,10 +8,10 @@ mod pinocchio;
 use std::{error::Error, fmt::Write, hint::black_box, path::PathBuf, process::Command, time::Instant};
 
 use thetahat::{
+    Robot,
     base_parameters::BaseParameters,
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     regressor::Regressor,
-    robot::Robot,
     symbolic::{Function, Language, ModelKind, ParameterSet, Request},
 };
 

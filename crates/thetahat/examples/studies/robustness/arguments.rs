@@ -1,6 +1,6 @@
 use std::path::PathBuf;
 
-use thetahat::identification::Method;
+use thetahat::Method;
 
 /// What the command line asks for.
 pub struct Arguments {

@@ -1,14 +1,13 @@
 use std::{error::Error, f64::consts::TAU};
 
 use thetahat::{
-    ControllerDescription, Recording, Robot,
+    ControllerDescription, Recording, Robot, Series,
     consistency::completed_a_priori,
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
-    robot::{JointQuantity, Quantity},
-    series::Series,
+    robot::Quantity,
     simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulatorBias, Solver},
 };
-use thetahat_estimation::simulation::{NoisySignals, RecordingNoise, SignalNoise, random_numbers};
+use thetahat_model::robot::JointQuantity;
 
 use super::{
     reference::{Kind, motion},

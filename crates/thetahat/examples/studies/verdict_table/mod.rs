@@ -20,7 +20,7 @@ use std::{
 use self::outcome::{Outcome, largest_error};
 use self::specimen::Specimen;
 use self::trial::Trial;
-use thetahat::{Identification, experiment::Experiment, results::Results};
+use thetahat::{Experiment, Identification, Results};
 
 /// Experiments on recordings of others.
 const RECORDED: [&str; 4] = ["tx40_paper", "emps", "kuka_lwr4", "ur10"];

@@ -1,4 +1,7 @@
-use thetahat::results::{NOMINAL, Results, Verdict};
+use thetahat::{
+    Results,
+    results::{NOMINAL, Verdict},
+};
 
 use super::trial::Trial;
 

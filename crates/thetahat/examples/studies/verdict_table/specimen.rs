@@ -1,13 +1,12 @@
 use std::{error::Error, path::Path};
 
 use thetahat::{
-    Recording, Robot,
+    Experiment, Recording, Robot, Series,
     dynamics::Model,
-    experiment::{Experiment, TwinDescription, TwinMotion},
-    robot::TermDescription,
-    series::Series,
+    experiment::{TwinDescription, TwinMotion},
     simulation::{ClosedLoop, OutputGrid, Reference, Sensors, SimulatedMotion, SimulatorBias},
 };
+use thetahat_model::robot::TermDescription;
 
 /// Lengths of the wrong robot, relative to the true ones.
 const LONGER: f64 = 1.5;

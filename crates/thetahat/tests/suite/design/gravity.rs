@@ -5,14 +5,14 @@ use std::path::Path;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use thetahat::{
-    Robot, Settings,
+    Robot, Series, Settings,
     base_parameters::BaseParameters,
     design::{Criterion, Design, ExpectedRecording, Information},
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
-    series::Series,
     signal::Motion,
-    trajectory::{Move, Moves, TimeLaw},
+    trajectory::{Move, Moves},
 };
+use thetahat_estimation::trajectory::TimeLaw;
 use thetahat_testing::project;
 
 const RATE_HZ: f64 = 500.0;

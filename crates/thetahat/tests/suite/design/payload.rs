@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use thetahat::{
-    Identification, Recording, Robot, Settings, design::ExpectedRecording, experiment::Experiment, series::Series,
-};
-use thetahat_estimation::simulation::{SignalNoise, random_numbers};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use thetahat::{Experiment, Identification, Recording, Robot, Series, Settings, design::ExpectedRecord};
 use thetahat_testing::{Folder, project};
 
 use super::support::{DESIGN, assert_within_limits, key_of, parse, rehearsal, torques};
@@ -58,7 +58,7 @@ fn a_payload_is_in_the_torques_and_not_in_the_intervals() {
     for (with, half) in results.predicted.iter().zip(&without.half_width_95) {
         assert!((with.half_width_95 / half - 1.0).abs() < 0.02, "{}: {} {half}", with.name, with.half_width_95);
     }
-    let text = thetahat::report::design_text(&results, thetahat::report::TextWidth::DEFAULT);
+    let text = thetahat_report::report::design_text(&results, thetahat_report::report::TextWidth::DEFAULT);
     let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(words.contains("Payload disc of 1.500 kg: limits hold with it and without it."), "{text}");
 }
@@ -102,7 +102,7 @@ fn a_rehearsal_carries_the_payload() {
     let folder = Folder::new();
     let (design, results, rehearsal) = rehearsal(&folder, &with_payload());
     let out = folder.path().join("out");
-    thetahat::report::write_recording(&rehearsal.record_twin().unwrap(), &out.join("recording.csv")).unwrap();
+    thetahat_report::report::write_record(&rehearsal.record_twin().unwrap(), &out.join("recording.csv")).unwrap();
     let experiment = Experiment::read(&out.join("experiment.toml"), Path::new("")).unwrap();
     let found = experiment.run(&out, &mut |_| {}).unwrap();
     let run = found.runs.iter().find(|run| run.method.name() == results.method).unwrap();

@@ -5,8 +5,8 @@ use std::path::Path;
 use thetahat::{
     design::{Design, DesignError},
     reduction::ReduceOptions,
-    results::PredictedParameter,
 };
+use thetahat_report::results::PredictedParameter;
 use thetahat_testing::{Folder, project};
 
 use super::support::{rehearsal, with_controller};
@@ -53,8 +53,8 @@ fn results_at_hand_are_compared_with() {
     assert_eq!(times.len(), both.predicted.len());
     let mean = (times.iter().map(|t| t.ln()).sum::<f64>() / times.len() as f64).exp();
     assert!((0.8..1.25).contains(&mean), "{mean}");
-    let text = thetahat::report::design_text(&both, thetahat::report::TextWidth::DEFAULT);
-    assert!(text.contains("times narrower"), "{text}");
+    let text = thetahat_report::report::design_text(&both, thetahat_report::report::TextWidth::DEFAULT);
+    assert!(text.contains("times as narrow"), "{text}");
     // The residual of that record is the noise of the design: a design with it predicts the same.
     let with_noise = |file: &str| with_controller().replace("torque = 0.1", &format!("results = '{file}'"));
     let from_residual = Design::parse(&with_noise("results.json"), &design.path).unwrap().run(2, &mut |_| {}).unwrap();
@@ -91,7 +91,7 @@ fn an_experiment_at_hand_is_compared_with() {
         assert!(a.compared.is_some() && a.times_smaller() == b.times_smaller(), "{}", a.name);
     }
     let out = folder.path().join("page");
-    thetahat::report::write_design(&of_experiment, &out).unwrap();
+    thetahat_report::report::write_design(&of_experiment, &out).unwrap();
     let page = std::fs::read_to_string(out.join("design.html")).unwrap();
     assert!(page.contains("predicted interval") && page.contains("of two joints"), "the legend of both");
     let error = with("nowhere.toml").run(1, &mut |_| {}).unwrap_err();

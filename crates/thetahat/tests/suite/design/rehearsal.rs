@@ -2,11 +2,8 @@
 
 use std::path::Path;
 
-use thetahat::{
-    design::ExpectedRecording,
-    experiment::Experiment,
-    results::{DesignResults, PredictedParameter},
-};
+use thetahat::{Experiment, design::ExpectedRecord, results::DesignResults};
+use thetahat_report::results::PredictedParameter;
 use thetahat_testing::Folder;
 
 use super::support::{DESIGN, parse, rehearsal, with_controller};
@@ -72,7 +69,7 @@ fn what_stays_unknown_has_a_remedy() {
     assert!(!unknown.is_empty() && unknown.len() < results.predicted.len());
     assert_eq!(times.len(), unknown.len());
     assert!(times.iter().map(|t| t.ln()).sum::<f64>() > 0.0, "{times:?}");
-    let text = thetahat::report::design_text(&results, thetahat::report::TextWidth::DEFAULT);
+    let text = thetahat_report::report::design_text(&results, thetahat_report::report::TextWidth::DEFAULT);
     assert!(text.contains("What would show them") && text.contains(&format!("{} after", unknown[0].name)), "{text}");
 }
 

@@ -6,14 +6,14 @@ use std::f64::consts::TAU;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use thetahat::{
+    Robot, Series,
     base_parameters::BaseParameters,
-    checks::{Finding, SignalSettings, Subject, examine},
+    checks::Finding,
     dynamics::{Model, Sign},
     regressor::Regressor,
-    robot::{JointKind, Robot},
-    series::Series,
+    robot::JointKind,
 };
-use thetahat_estimation::simulation::{SignalNoise, random_numbers};
+use thetahat_estimation::checks::{SignalSettings, Subject, examine};
 
 /// How the joints rub, in parts of the peak torque that the links and motors need.
 #[derive(Debug, Clone, Copy)]

@@ -2,10 +2,11 @@
 
 use thetahat::{
     base_parameters::BaseParameters,
-    checks::{Code, Companion, Finding, Measure, compare, measure_across_recordings},
+    checks::{Code, Finding},
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     signal::{Derivative, band_pass},
 };
+use thetahat_estimation::checks::{Companion, compare, measure_together};
 
 use super::{
     corruptions::{scale, set},
