@@ -33,7 +33,9 @@ pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
     let subject = exam.subject;
     let (Some(reference), Some(description)) = (subject.reference, subject.controller) else { return };
     let Some(torque) = subject.torque_in_window() else { return };
-    if subject.added_signal || description.validate(signals.coordinates()).is_err() {
+    // What a law with a memory gives depends on where its memory began.
+    let has_memory = description.own_law().is_some_and(|law| law.memory() > 0);
+    if subject.added_signal || has_memory || description.validate(signals.coordinates()).is_err() {
         return;
     }
     let law = LawInputs::new(subject, signals, reference, description);
@@ -44,7 +46,7 @@ pub(super) fn check(exam: &mut Examination<'_>, signals: &Signals) {
     let commands: Vec<Vec<f64>> = (0..signals.coordinates()).map(|i| law.command(&controller, i)).collect();
     let smooth =
         |series: &Series| Decimator::new(subject.signal.decimation, series.len()).and_then(|d| d.filter(series));
-    let (Ok(command), Ok(drive)) = (smooth(&Series::from_channels(&commands)), smooth(&drive)) else { return };
+    let (Ok(command), Ok(drive)) = (smooth(&Series::side_by_side(&commands)), smooth(&drive)) else { return };
     let ratios: Vec<f64> = subject.robot.transmission.drive_to_joint_units().iter().map(|d| d.abs()).collect();
     for (i, &gear_ratio) in ratios.iter().enumerate().take(signals.coordinates()) {
         compare(exam, &DriveSignal { command: command.channel(i), recorded: drive.channel(i), gear_ratio }, i);
@@ -140,7 +142,7 @@ impl LawInputs {
         let cut = |series: &Series| series.window(window.clone());
         let delayed = |series: Series| delayed(&series, delay);
         Self {
-            error: delayed(cut(&Series::from_values(position.channels(), error))),
+            error: delayed(cut(&Series::shaped(position.channels(), error))),
             velocity: delayed(velocity),
             reference_velocity: delayed(cut(&dr)),
             reference_acceleration: delayed(cut(&ddr)),
@@ -180,7 +182,7 @@ impl LawInputs {
 /// Joint positions to motor positions in joint units, without offsets.
 fn motors(n: &Matrix, series: &Series) -> Series {
     let values = (0..series.len()).flat_map(|k| n.times(series.sample(k))).collect();
-    Series::from_values(series.channels(), values)
+    Series::shaped(series.channels(), values)
 }
 
 /// `(p_k - p_{k-2}) / (2 T)`.
@@ -189,13 +191,13 @@ fn averaged_difference(position: &Series, rate: f64) -> Series {
         let before = position.sample(k.saturating_sub(2));
         position.sample(k).iter().zip(before).map(|(a, b)| 0.5 * rate * (a - b)).collect::<Vec<_>>()
     };
-    Series::from_values(position.channels(), (0..position.len()).flat_map(difference).collect())
+    Series::shaped(position.channels(), (0..position.len()).flat_map(difference).collect())
 }
 
 /// The series delayed by some samples; the first sample is repeated.
 fn delayed(series: &Series, samples: usize) -> Series {
     let values = (0..series.len()).flat_map(|k| series.sample(k.saturating_sub(samples)).iter().copied()).collect();
-    Series::from_values(series.channels(), values)
+    Series::shaped(series.channels(), values)
 }
 
 #[cfg(test)]

@@ -141,7 +141,7 @@ mod tests {
             thetahat_data::recording::Clock::from_stamps(stamps.clone(), 0.5, std::path::Path::new("q.csv"), "t")
                 .unwrap();
         let recorded = (0..SAMPLES).map(|k| motion(taken(k)) + position_noise * noise(k + SAMPLES)).collect();
-        let position = clock.to_equal_steps(thetahat_ground::series::Series::from_values(1, recorded)).channel(0);
+        let position = clock.to_equal_steps(thetahat_ground::series::Series::shaped(1, recorded)).channel(0);
         let mut sums = Sums::default();
         sums.add(&position, &lateness(&stamps, position.len()), &rows(&[], position.len()));
         sums.meaning()

@@ -9,8 +9,8 @@
 //! A check is a file with a function `check`, a [`Code`], and a line in the order of the checks in this file.
 //!
 //! ```
-//! use thetahat::checks::{Code, Severity};
-//! // Codes and severities have stable names for scripts.
+//! use thetahat_estimation::checks::{Code, Severity};
+//! // Codes and severities have names that stay, for scripts that look for them.
 //! assert_eq!((Code::DroppedSamples.name(), Severity::Problem.name()), ("dropped-samples", "problem"));
 //! let mut names = Code::ALL.map(Code::name).to_vec();
 //! names.sort_unstable();

@@ -129,7 +129,7 @@ fn standardised(x: &[f64]) -> Vec<f64> {
 
 /// The residual of a correction and its derivatives by the free quantities, without the ends of the recording.
 fn linearised(q: &[f64], r: &[f64], at: JointCorrection, free: [bool; 3], reach: usize) -> (Vec<f64>, Matrix) {
-    let late = delayed(&Series::from_channels(&[r.to_vec()]), &[at.samples]);
+    let late = delayed(&Series::side_by_side(&[r.to_vec()]), &[at.samples]);
     let slope = central_difference(&late, 1.0);
     let inside = reach..q.len() - reach;
     let value = |k: usize| late.sample(k)[0];
@@ -166,7 +166,7 @@ mod tests {
     }
 
     fn series(of: impl Fn(f64, usize) -> f64) -> Series {
-        Series::from_values(2, (0..2000).flat_map(|k| [of(f64::from(k), 0), of(f64::from(k), 1)]).collect())
+        Series::shaped(2, (0..2000).flat_map(|k| [of(f64::from(k), 0), of(f64::from(k), 1)]).collect())
     }
 
     fn text_of(position: &Series, reference: &Series, off: &[usize]) -> Option<String> {

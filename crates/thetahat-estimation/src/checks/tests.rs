@@ -136,7 +136,7 @@ fn motion(order: i32, factor: [f64; 2]) -> Series {
         };
         factor[coordinate] * SINES[coordinate].map(sine).iter().sum::<f64>()
     };
-    Series::from_channels(&[0, 1].map(|c| (0..SAMPLES).map(|k| value(c, k)).collect::<Vec<_>>()))
+    Series::side_by_side(&[0, 1].map(|c| (0..SAMPLES).map(|k| value(c, k)).collect::<Vec<_>>()))
 }
 
 /// Numbers from -1 to 1 that repeat from run to run.
@@ -224,9 +224,8 @@ fn six_axes(stated: [f64; 3]) -> Crane {
         };
         0.6 * term(0.31 + 0.07 * j as f64, j as f64) + 0.3 * term(0.83 + 0.05 * j as f64, 2.0 * j as f64)
     };
-    let [position, velocity, acceleration] = [0, 1, 2].map(|order| {
-        Series::from_values(6, (0..SAMPLES).flat_map(|k| (0..6).map(move |j| sine(order, j, k))).collect())
-    });
+    let [position, velocity, acceleration] = [0, 1, 2]
+        .map(|order| Series::shaped(6, (0..SAMPLES).flat_map(|k| (0..6).map(move |j| sine(order, j, k))).collect()));
     let phi = Regressor::new(&model, &all);
     let values = phi.evaluate_series(&model, &position, &velocity, &acceleration, Sign::Exact);
     let mut noise = noise();

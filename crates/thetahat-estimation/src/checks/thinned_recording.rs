@@ -313,5 +313,5 @@ pub(super) fn motion_at(motion: &Motion, samples: &[usize]) -> Motion {
 /// The samples of a series with given indices.
 pub(super) fn at(series: &Series, samples: &[usize]) -> Series {
     let values = samples.iter().flat_map(|&k| series.sample(k).iter().copied()).collect();
-    Series::from_values(series.channels(), values)
+    Series::shaped(series.channels(), values)
 }

@@ -10,7 +10,8 @@
 //! | `Z` | instrument matrix: the observation matrix of the simulated motion, same rows | r x b |
 //!
 //! ```
-//! use thetahat::{linear_algebra::Matrix, regression::{Regression, RowLayout}};
+//! use thetahat_estimation::regression::{Regression, RowLayout};
+//! use thetahat_ground::linear_algebra::Matrix;
 //!
 //! // Two joints with two rows each; the second joint's torque is off by a tenth.
 //! let x = Matrix::from_fn(4, 1, |_, _| 1.0);

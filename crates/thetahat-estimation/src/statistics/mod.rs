@@ -5,7 +5,7 @@
 //! [`Autoregressive`] noise describes correlation in time, which never crosses from one joint or recording to another.
 //!
 //! ```
-//! use thetahat::statistics::{autocorrelation, t_quantile};
+//! use thetahat_estimation::statistics::{autocorrelation, t_quantile};
 //! // 95 % of a t distribution with ten degrees of freedom lie within 2.228.
 //! assert!(t_quantile(0.975, 10.0).is_some_and(|t| (t - 2.228).abs() < 1e-3));
 //! // An alternating series changes its sign with each sample.

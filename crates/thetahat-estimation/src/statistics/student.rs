@@ -12,7 +12,7 @@ const EXPANDED: f64 = 1e4;
 /// Functions", 26.7.5).
 ///
 /// ```
-/// use thetahat::statistics::t_quantile;
+/// use thetahat_estimation::statistics::t_quantile;
 /// let quantile = t_quantile(0.975, 1e7).unwrap_or_default();
 /// assert!((quantile - 1.959_964_221_767).abs() < 1e-12);
 /// ```

@@ -122,7 +122,7 @@ mod tests {
             let channels = JointColumns { channels: vec![(0..=columns).collect()], mask: None };
             let decimator = Decimator::new(1, rows).unwrap();
             let mut accumulator = Accumulator::new(channels, &decimator);
-            accumulator.take(&Series::from_values(columns + 1, values));
+            accumulator.take(&Series::shaped(columns + 1, values));
             let (mut parts, mut y, mut layout) = (Vec::new(), Vec::new(), RowLayout::empty(1, 1));
             for (g, stretch) in accumulator.finish().iter().enumerate() {
                 let factor = &stretch.factors[0];

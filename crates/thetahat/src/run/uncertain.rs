@@ -68,7 +68,12 @@ fn remedy(setup: Setup<'_>, problem: &Problem) -> String {
             "{motion}; leaving out {eliminated} parameters by estimate = \"essential\" does not change the error on parts left out"
         );
     }
-    let errors = format!("error on unseen fifths {}, not {} %", significant(essential, 3), significant(whole, 3));
+    let errors = format!(
+        "cross-validated error {} from {} to {} %",
+        if essential <= whole { "falls" } else { "rises" },
+        significant(whole, 3),
+        significant(essential, 3)
+    );
     if essential <= whole {
         return format!("{motion}, or leave out {eliminated} parameters by estimate = \"essential\" ({errors})");
     }

@@ -54,7 +54,7 @@ fn iv_is_the_formula_of_the_paper() {
 
 #[test]
 fn whitening_acts_on_all_three_alike() {
-    // Rows of weight zero are as good as absent.
+    // Rows of weight zero count as absent.
     let (regression, z) = example();
     let weights: Vec<f64> = (0..ROWS).map(|k| if k % 2 == 0 { 1.0 } else { 0.0 }).collect();
     let keep: Vec<bool> = (0..ROWS).map(|k| k % 2 == 0).collect();
@@ -113,7 +113,7 @@ fn without_instruments_iv_and_didim_have_no_estimate() {
 }
 
 #[test]
-fn names_are_told_apart_and_come_back() {
+fn names_are_distinct_and_parse_to_their_methods() {
     for method in Method::all() {
         assert_eq!(method.name().parse::<Method>(), Ok(method));
     }
