@@ -54,7 +54,7 @@ fn results_at_hand_are_compared_with() {
     let mean = (times.iter().map(|t| t.ln()).sum::<f64>() / times.len() as f64).exp();
     assert!((0.8..1.25).contains(&mean), "{mean}");
     let text = thetahat::report::design_text(&both, thetahat::report::TextWidth::DEFAULT);
-    assert!(text.contains("times narrower"), "{text}");
+    assert!(text.contains("times as narrow"), "{text}");
     // The residual of that record is the noise of the design: a design with it predicts the same.
     let with_noise = |file: &str| with_controller().replace("torque = 0.1", &format!("results = '{file}'"));
     let from_residual = Design::parse(&with_noise("results.json"), &design.path).unwrap().run(2, &mut |_| {}).unwrap();
