@@ -97,8 +97,7 @@ fn files_are_written_and_name_the_robot() {
     // Three harmonics in 4 s: 0.75 Hz, and what the quintics add.
     assert!(results.spectrum.end_hz.iter().all(|hz| (0.5..3.0).contains(hz)), "{:?}", results.spectrum.end_hz);
     let page = std::fs::read_to_string(folder.path().join("design.html")).unwrap();
-    for words in
-        ["Frequencies of the motion", "the robot at its start", "position filter 40", "shoulder: rad, s, N m"]
+    for words in ["Frequencies of the motion", "the robot at its start", "position filter 40", "shoulder: rad, s, N m"]
     {
         assert!(page.contains(words), "{words}");
     }
