@@ -228,7 +228,7 @@ pub struct Finding {
     pub code: Code,
     /// How much it matters.
     pub severity: Severity,
-    /// The joint's number, from one, as in the names of its parameters; `None` if the finding is about all joints. Mimic joints
+    /// The joint's number, from one, as in the names of its parameters; none if the finding is about all joints. Mimic joints
     /// before it make it larger than the number of its channel.
     pub joint: Option<usize>,
     /// The joint's name.

@@ -236,7 +236,7 @@ pub(super) fn predicted(results: &DesignResults) -> Table {
         .collect()
     };
     let mut head = strings(&["name", "unit", "a priori", "deviation", "half of 95 %", "in %", &time_for, "grade"]);
-    head.extend(results.compared.iter().map(|_| "times narrower".to_owned()));
+    head.extend(results.compared.iter().map(|_| "times as narrow".to_owned()));
     Table {
         title: "Predicted intervals".to_owned(),
         lead: 1,

@@ -53,8 +53,8 @@ pub(super) fn summary(results: &Results) -> Table {
 pub(super) fn validation(results: &Results) -> Option<&'static str> {
     let unseen = results.runs.iter().find_map(|r| results.unseen(r))?;
     Some(match unseen {
-        Unseen::HeldBack(_) => "the error on recordings held back",
-        Unseen::LeftOut(_) => "the error on parts of the recording, each left out in turn",
+        Unseen::HeldBack(_) => "error on recordings held back",
+        Unseen::LeftOut(_) => "error on parts of the recording left out in turn",
     })
 }
 
@@ -230,7 +230,7 @@ pub(super) fn interval_counts(runs: &[&RunResult]) -> Option<String> {
         (!held.is_empty()).then(|| format!("{} {of} of {}", r.method.name(), held.len()))
     };
     let counts: Vec<String> = runs.iter().filter_map(count).collect();
-    let what = "95 % intervals that contain the true value, of all parameters";
+    let what = "95 % intervals that contain the truth, of all parameters";
     (!counts.is_empty()).then(|| format!("{what}: {}", counts.join(", ")))
 }
 

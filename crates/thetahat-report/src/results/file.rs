@@ -114,7 +114,7 @@ mod tests {
         "joint_relative_error_percent": [5.5], "seconds": 0.1, "convergence": [], "parameters": [],
         "residual": { "homoscedasticity": null, "joints": [{
           "joint": 1, "rms": 0.5, "autocorrelation": 0.1, "whiteness": null, "normality": null, "explained": {
-            "statistic": 1.5, "numerator_freedom": 1.0, "denominator_freedom": 9.0, "p_value": 0.25, "stands_out": 3.5 } }] },
+            "statistic": 1.5, "numerator_freedom": 1, "denominator_freedom": 9, "p_value": 0.25, "stands_out": 3.5 } }] },
         "physical": {
           "consistent": false, "outside": ["ia1"], "lacking": [0.125], "smallest_eigenvalue": -1.0, "estimate": {
             "parameters": [{ "name": "ia1", "unit": "", "estimate": 0.0, "beside": -0.125, "interval_95": null }],

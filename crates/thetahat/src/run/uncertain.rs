@@ -75,7 +75,7 @@ fn remedy(setup: Setup<'_>, problem: &Problem) -> String {
         significant(essential, 3)
     );
     if essential <= whole {
-        return format!("{motion}, or leave out {eliminated} parameters by estimate = \"essential\" ({errors})");
+        return format!("{motion}, or set estimate = \"essential\": {eliminated} parameters fewer, {errors}");
     }
     format!("{motion}; leave estimate as it is: \"essential\" predicts worse ({errors})")
 }
