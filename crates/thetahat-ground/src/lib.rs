@@ -1,6 +1,7 @@
 //! What the crates of thetahat stand on. Internal: use the crate `thetahat`.
 
 pub mod clock;
+mod conversions;
 pub mod digest;
 pub mod files;
 pub mod linear_algebra;
