@@ -53,7 +53,7 @@ pub fn transpose_times<T: Real>(a: &Mat3, x: Vec3<T>) -> Vec3<T> {
     [column(0), column(1), column(2)]
 }
 
-/// A constant vector, in every lane; or one for each.
+/// A constant vector in every lane, or one vector for each lane.
 #[inline(always)]
 pub fn in_lanes<T: Real, P: Parameter<T>>(kind: T, v: Vec3<P>) -> Vec3<T> {
     [v[0].in_lanes(kind), v[1].in_lanes(kind), v[2].in_lanes(kind)]
@@ -102,7 +102,7 @@ pub fn quaternion_rotation([w, x, y, z]: [f64; 4]) -> Mat3 {
     ]
 }
 
-/// A rotation with a z axis: the identity where it is z, exact zeros and ones where it is an axis of the frame.
+/// A rotation with the given z axis: the identity where it is z, with exact zeros and ones where it is an axis of the frame.
 pub fn with_z(z: Vec3) -> Mat3 {
     let size = |i: &usize| z[*i].abs();
     let largest = [2, 0, 1].into_iter().reduce(|a, b| if size(&b) > size(&a) { b } else { a }).unwrap_or(2);

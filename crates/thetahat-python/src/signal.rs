@@ -11,7 +11,7 @@ use crate::{
     values,
 };
 
-/// Positions, velocities and accelerations behind the band-pass.
+/// Positions, velocities and accelerations after the band-pass.
 #[pyfunction]
 pub fn band_pass<'py>(
     py: Python<'py>,

@@ -48,7 +48,7 @@ struct Simulation {
     settings: LoopSettings,
 }
 
-/// What is simulated of the loop beside the robot.
+/// The simulated loop except the robot.
 #[derive(Deserialize)]
 struct LoopSettings {
     controller: ControllerDescription,

@@ -1,4 +1,4 @@
-//! Where the session's files are: in memory in a page, and in a folder on systems with files.
+//! Storage of the session's files: in memory in a page, and in a folder on systems with files.
 
 use std::path::Path;
 

@@ -12,7 +12,7 @@
 //! #   <limit lower="-3" upper="3" effort="50" velocity="5"/></joint></robot>"#;
 //! # use std::path::Path;
 //! # // 10 s at 1 kHz: tau = 0.23 ddq - 5.886 cos q + 0.4 dq + 0.6 sign(dq), with noise on the torque.
-//! # fn logged() -> (f64, Series, Series) {
+//! # fn logged() -> Result<(f64, Series, Series), SeriesError> {
 //! #     let (w, a) = ([1.7_f64, 4.1], [0.7_f64, 0.15]);
 //! #     let (mut q, mut tau) = (Vec::new(), Vec::new());
 //! #     for k in 0..10_000 {
@@ -24,10 +24,10 @@
 //! #         q.push(x);
 //! #         tau.push(0.23 * acc - 5.886 * x.cos() + 0.4 * v + 0.6 * v.signum() + noise);
 //! #     }
-//! #     (1000.0, Series::from_values(1, q), Series::from_values(1, tau))
+//! #     Ok((1000.0, Series::from_values(1, q)?, Series::from_values(1, tau)?))
 //! # }
 //! let robot = Robot::parse(URDF, Path::new("pendulum.urdf"))?;
-//! let (rate_hz, positions, torques) = logged(); // one channel per joint, in rad and N m
+//! let (rate_hz, positions, torques) = logged()?; // one channel per joint, in rad and N m
 //! let recording = Recording::new(rate_hz, positions.clone(), torques).with_reference(positions);
 //! let settings = Settings::new(25.0, 10) // cut-off of the position filter in Hz, decimation
 //!     .with_methods([Method::IDIM_LS, Method::IDIM_IV])

@@ -64,7 +64,7 @@ fn what_cannot_be_exported_is_refused() {
     };
     folder.write("theirs.urdf", "<robot name=\"theirs\"/>");
     assert!(export("results.json", &["--out", "theirs.urdf"]).contains("--force"));
-    assert!(export("results.json", &["--out", "results.json"]).contains("reads this file"));
+    assert!(export("results.json", &["--out", "results.json"]).contains("is read as an input"));
     assert_eq!(folder.text("theirs.urdf"), "<robot name=\"theirs\"/>");
     assert!(export("results.json", &["--method", "didim"]).contains("there are nominal idim-ls"));
     let unread = refused(&thetahat(folder.path(), ["export", "results.json", "--to", "json", "--check"]));
@@ -115,7 +115,7 @@ fn a_robot_goes_into_a_users_own_model() {
     assert!(
         text.contains("<!-- my own -->") && text.contains("thetahat export") && text.contains("<light pos='0 0 3'/>")
     );
-    assert!(refused(&into("mine.xml", &["--out", "mine.xml", "--force"])).contains("reads this file"));
+    assert!(refused(&into("mine.xml", &["--out", "mine.xml", "--force"])).contains("is read as an input"));
     assert_eq!(folder.text("mine.xml"), mine);
     let sample = ["sample", "results.json", "--to", "mjcf", "--into", "mine.xml", "--count", "2", "--out", "samples"];
     succeeded(&run_with(&sample));
@@ -168,7 +168,7 @@ fn what_lies_beside_is_of_this_export() {
     assert!(!folder.at("arm.urdf.covariance.json").exists());
     // The description that was compared is an input.
     let description = ["export", "results.json", "--to", "json", "--data", ".", "--out", "two_joint.toml", "--force"];
-    assert!(refused(&run_with(&description)).contains("reads this file"));
+    assert!(refused(&run_with(&description)).contains("is read as an input"));
     // Samples of another call.
     let sample = |count| run_with(&["sample", "results.json", "--to", "json", "--out", "samples", "--count", count]);
     succeeded(&sample("4"));

@@ -76,7 +76,7 @@ fn a_file_of_others_stays() {
     let message = refused(&generate(&folder, &arguments));
     assert!(message.contains("--force"), "{message}");
     let message = refused(&generate(&folder, &[&arguments[..6], &["two_joint.toml", "--force"]].concat()));
-    assert!(message.contains("reads this file"), "{message}");
+    assert!(message.contains("is read as an input"), "{message}");
     assert_eq!(folder.text("mine.h"), "int mine;\n");
 }
 

@@ -170,7 +170,7 @@ fn what_cannot_be_told_or_locked_is_said() {
     let message = refused(&manipulator.run(two));
     assert!(
         message
-            .contains("--joints arm_2_joint,arm_1_joint: expected joints of the robot, in its order: torso_lift_joint"),
+            .contains("joints arm_2_joint,arm_1_joint: expected joints of the robot, in its order: torso_lift_joint"),
         "{message}"
     );
 }

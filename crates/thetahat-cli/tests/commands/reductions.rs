@@ -249,7 +249,7 @@ fn instruments_from_results_are_steps_of_iv() {
 #[test]
 fn a_file_that_is_no_reduction() {
     let folder = Records::new();
-    folder.refuses("solve a.csv --out out", &["a.csv", "not a reduction", "run `thetahat reduce` again"]);
+    folder.refuses("solve a.csv --out out", &["a.csv", "not a reduction", "reduce the recordings again"]);
     folder.refuses("solve missing.reduction --out out", &["missing.reduction", "cannot be read"]);
     fs::create_dir(folder.path("folder")).unwrap();
     folder.refuses("solve folder --out out", &["folder", "cannot be read"]);
@@ -260,7 +260,7 @@ fn a_damaged_reduction() {
     let folder = Records::new();
     folder.succeeds("reduce a.toml --out a.reduction");
     let whole = folder.bytes("a.reduction");
-    let again = "run `thetahat reduce` again";
+    let again = "reduce the recordings again";
     for length in [0, 10, 21, whole.len() / 2, whole.len() - 1] {
         fs::write(folder.path("short.reduction"), &whole[..length]).unwrap();
         folder.refuses("solve short.reduction --out out --merged m", &["short.reduction", "not a reduction", again]);

@@ -5,7 +5,7 @@ use serde::Deserialize;
 use super::own_law::{ControlLaw, LawInput, OwnLaw, ResolvedLaw};
 use thetahat_ground::one_or_each;
 
-/// The structure of the loop.
+/// The structure of the control loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Law {
@@ -15,7 +15,7 @@ pub enum Law {
     Cascaded,
 }
 
-/// What velocity the controller sees.
+/// The velocity that the controller uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum VelocityEstimate {
@@ -26,7 +26,7 @@ pub enum VelocityEstimate {
     AveragedDifference,
 }
 
-/// A controller as it stands in an experiment file.
+/// A controller as an experiment file describes it.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ControllerDescription {
@@ -35,19 +35,19 @@ pub struct ControllerDescription {
     /// Natural frequency of each loop in Hz, one for all or one per motor: the gains follow from the inertia.
     #[serde(default, deserialize_with = "one_or_each::list")]
     pub bandwidth_hz: Vec<f64>,
-    /// Damping of the loops where they are given by their bandwidth.
+    /// Damping ratio of the loops where they are given by their bandwidth.
     #[serde(default = "one")]
     pub damping: f64,
-    /// Position gains, one for all or one per motor, where they are known.
+    /// Position gains, one for all or one per motor, if they are known.
     #[serde(default, deserialize_with = "one_or_each::list")]
     pub position_gain: Vec<f64>,
-    /// Velocity gains, one for all or one per motor, where they are known.
+    /// Velocity gains, one for all or one per motor, if they are known.
     #[serde(default, deserialize_with = "one_or_each::list")]
     pub velocity_gain: Vec<f64>,
-    /// Part of the reference velocity that is fed forward.
+    /// Fraction of the reference velocity that is fed forward.
     #[serde(default)]
     pub velocity_feed_forward: f64,
-    /// Part of the reference acceleration, times the inertia, that is fed forward.
+    /// Fraction of the reference acceleration, times the inertia, that is fed forward.
     #[serde(default)]
     pub acceleration_feed_forward: f64,
     /// Largest drive signal, one for all or one per motor; none means no limit.

@@ -1,8 +1,8 @@
-//! Reference trajectories: what the robot was told to do.
+//! Reference trajectories: the commanded motion of the robot.
 //!
-//! A trajectory is a row of point-to-point moves, synchronised over the joints, each with one normalised time law. It is
-//! planned from end points and limits ([`plan`]), or found again from a recorded motion ([`reconstruct`]), which gives
-//! the simulator a reference free of noise and ten numbers a move instead of a file. A motion that repeats is a
+//! A trajectory is a sequence of point-to-point moves, synchronised over the joints, each with one normalised time law. It is planned from
+//! end points and limits ([`plan`]), or reconstructed from a recorded motion ([`reconstruct`]), which gives the simulator a reference free
+//! of noise, with ten numbers per move instead of a file. A motion that repeats is a
 //! [`FourierSeries`] instead ([`find_periodic`]), which averages the noise over its periods.
 //!
 //! | letter | word | shape | unit |

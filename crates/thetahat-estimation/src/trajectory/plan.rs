@@ -13,9 +13,9 @@ pub struct MotionLimits {
     pub dwell_s: f64,
 }
 
-/// Plans synchronised moves through `end_points`, the first starting at `start_s`, back to back but for the dwell.
+/// Plans synchronised moves through `end_points`, the first starting at `start_s`, separated by the dwell.
 ///
-/// `T1 = max_j |D_j| / max_velocity_j`, at least T2: the slowest joint runs at its limit and no joint above.
+/// `T1 = max_j |D_j| / max_velocity_j`, at least T2: the slowest joint runs at its limit and the others below theirs.
 ///
 /// ```
 /// use thetahat_estimation::trajectory::{plan, MotionLimits};
@@ -28,7 +28,7 @@ pub struct MotionLimits {
 /// ```
 ///
 /// # Errors
-/// Where a point or the limits have another number of joints than `start`, or a limit is not in its range.
+/// If a point or the limits have another number of joints than `start`, or a limit is out of range.
 pub fn plan(
     start: Vec<f64>,
     end_points: &[Vec<f64>],

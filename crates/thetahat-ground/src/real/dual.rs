@@ -56,7 +56,7 @@ impl<T: Real> Real for Dual<T> {
         self.value.is_positive()
     }
 
-    /// Of a function whose derivative is not known here: as if it were constant.
+    /// A function whose derivative is not known here is treated as constant.
     #[inline(always)]
     fn map(self, f: impl Fn(f64) -> f64) -> Self {
         Self::constant(self.value.map(f))

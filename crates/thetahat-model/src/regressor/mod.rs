@@ -14,6 +14,7 @@
 //! // Viscous friction: its entry of phi is the velocity.
 //! let column = model.parameter_table().index_of("fv1").into_iter().collect::<Vec<_>>();
 //! let [q, dq, ddq] = [0.1, 0.2, 0.3].map(|value| Series::from_values(1, vec![value]));
+//! let (q, dq, ddq) = (q?, dq?, ddq?);
 //! let phi = Regressor::new(&model, &column).evaluate_series(&model, &q, &dq, &ddq, Sign::Exact);
 //! assert_eq!(phi.values(), [0.2]);
 //! # Ok::<(), thetahat_model::robot::RobotError>(())

@@ -32,7 +32,7 @@ mod tree;
 mod urdf;
 
 #[doc(hidden)]
-pub use body::{Body as RigidBody, Frame};
+pub use body::{Frame, RigidBody};
 pub use description::{Doubt, Robot};
 pub use error::RobotError;
 pub use joint::{DenavitHartenberg, Joint, JointKind, Limits, Mimic, Placement};

@@ -1,4 +1,4 @@
-//! What a file holds.
+//! The content of a file.
 
 use std::path::Path;
 
@@ -21,7 +21,7 @@ pub(super) struct RecordingAnswer {
 /// A column, or a variable of several.
 #[derive(Serialize)]
 struct Channel {
-    /// As a request takes it: `NAME`, or `FILE:NAME` where several files have the name.
+    /// The name for requests: `NAME`, or `FILE:NAME` if several files have the name.
     name: String,
     rows: usize,
     columns: usize,

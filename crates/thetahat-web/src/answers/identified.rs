@@ -10,7 +10,7 @@ use crate::session::Outcome;
 
 const REPORT: &str = "report.html";
 
-/// What an identification gives.
+/// The answer of an identification.
 #[derive(Serialize)]
 pub(crate) struct Identified<'a> {
     results: &'a Results,
@@ -18,7 +18,7 @@ pub(crate) struct Identified<'a> {
     report: String,
     /// The other files that the command line writes, by name.
     files: BTreeMap<&'static str, String>,
-    /// What the command line prints, without the names of files.
+    /// The output of the command line, without the names of files.
     text: String,
 }
 

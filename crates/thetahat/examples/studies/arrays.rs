@@ -20,7 +20,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
     let experiment = Experiment::read(Path::new("experiments/tx40_paper.toml"), Path::new(&data))?;
     let model = Model::new(&experiment.robot);
     let sample = |k: usize| (0..6).map(move |j| (0.37 * k as f64 + j as f64).sin());
-    let q = Series::from_values(6, (0..SAMPLES).flat_map(sample).collect());
+    let q = Series::shaped(6, (0..SAMPLES).flat_map(sample).collect());
 
     let all: Vec<usize> = (0..model.parameter_table().len()).collect();
     let regressor = Regressor::new(&model, &all);
@@ -34,7 +34,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
     println!("regressor {}", best(|| rows(&mut phi)));
     println!("regressor_new {}", best(|| rows(&mut vec![0.0; SAMPLES * 6 * all.len()])));
 
-    let parameters = DynamicParameters::new(&model, &experiment.robot.a_priori_parameters());
+    let parameters = DynamicParameters::sorted(&model, &experiment.robot.a_priori_parameters());
     let mut workspace = Workspace::new(&model);
     let torques = || {
         let mut tau = vec![0.0; SAMPLES * 6];

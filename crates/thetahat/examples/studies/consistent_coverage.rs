@@ -79,11 +79,19 @@ pub fn main() -> Result<(), Box<dyn Error>> {
         for (place, truth) in [("inside", &inside), ("boundary", &boundary)] {
             // The refits of the larger robots take some ten times longer: one seed in ten has them.
             let every = if name == "two_joint" { 1 } else { 10 };
-            let tally = twin.tally(truth, scale, (seeds, draws, every), &mut rng)?;
+            let tally = twin.tally(truth, scale, Draws { seeds, draws, every }, &mut rng)?;
             tally.print(name, place);
         }
     }
     Ok(())
+}
+
+/// How many data sets are drawn, and how many refits for every how many-th of them.
+#[derive(Clone, Copy)]
+struct Draws {
+    seeds: usize,
+    draws: usize,
+    every: usize,
 }
 
 impl Twin {
@@ -127,7 +135,7 @@ impl Twin {
         &self,
         truth: &[f64],
         scale: f64,
-        (seeds, draws, every): (usize, usize, usize),
+        Draws { seeds, draws, every }: Draws,
         rng: &mut ChaCha8Rng,
     ) -> Result<Tally, Box<dyn Error>> {
         let mut tally = Tally::default();

@@ -1,4 +1,4 @@
-//! Prints the tables of `docs/evidence/checks.md`: what the checks find in corrupted records, how far the clean records are from
+//! Prints the tables of `docs/evidence/checks.md`: what the checks find in corrupted recordings, how far the clean recordings are from
 //! the limits, and the smallest corruptions that are found. DATA is the folder of the recordings.
 //!
 //! ```sh

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! DIR gets NAME.urdf, NAME.xml and NAME.sdf with NAME.urdf.json and so on: 1000 random states, and the torques of the robot as
-//! the format says it, with friction and without. Beside them go NAME_into_a_users_own.xml, a user's MuJoCo model with the
+//! the format says it, with friction and without. Next to them are NAME_into_a_users_own.xml, a user's MuJoCo model with the
 //! robot's values, and NAME_derivatives.py, generated derivatives of the links' torques.
 
 use std::{
@@ -79,7 +79,7 @@ fn export(file: &Path, folder: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A file with its torques beside it.
+/// Writes a file, and its torques next to it.
 fn write(export: &Export, path: &Path) -> Result<(), Box<dyn Error>> {
     fs::write(path, &export.text)?;
     let mut torques_file = path.file_name().unwrap_or_default().to_owned();
@@ -124,10 +124,10 @@ fn parameters(robot: &Robot) -> Vec<f64> {
 fn torques(export: &Export) -> serde_json::Value {
     let robot = export.robot();
     let model = Model::new(robot);
-    let parameters = DynamicParameters::new(&model, export.parameters());
+    let parameters = DynamicParameters::sorted(&model, export.parameters());
     let without = |(p, v): (&Parameter, &f64)| if p.quantity.is_friction() { 0.0 } else { *v };
     let frictionless: Vec<f64> = robot.parameter_table().iter().zip(export.parameters()).map(without).collect();
-    let frictionless = DynamicParameters::new(&model, &frictionless);
+    let frictionless = DynamicParameters::sorted(&model, &frictionless);
     let mut workspace = Workspace::new(&model);
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let n = robot.coordinate_count();

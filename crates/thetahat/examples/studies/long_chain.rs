@@ -63,7 +63,7 @@ fn chain(joints: usize) -> Result<Robot, Box<dyn Error>> {
 fn record(robot: &Robot, samples: usize) -> (Series, Series) {
     let n = robot.coordinate_count();
     let model = Model::new(robot);
-    let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters());
+    let parameters = DynamicParameters::sorted(&model, &robot.a_priori_parameters());
     let mut workspace = Workspace::new(&model);
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let waves: Vec<[[f64; 3]; 4]> = (0..n)
@@ -88,7 +88,7 @@ fn record(robot: &Robot, samples: usize) -> (Series, Series) {
     (positions, torques)
 }
 
-/// The largest resident memory of this process so far, where the system tells it.
+/// The largest resident memory of this process so far, if the system reports it.
 fn peak_kb() -> Option<usize> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;

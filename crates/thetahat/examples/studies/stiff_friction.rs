@@ -14,7 +14,7 @@ use thetahat::{
 };
 use thetahat_estimation::simulation::{Job, simulate_all};
 
-/// The rate of the record.
+/// The rate of the recording.
 const RATE_HZ: f64 = 200.0;
 /// Simulated time in s.
 const DURATION_S: f64 = 25.0;

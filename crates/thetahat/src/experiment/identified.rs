@@ -1,4 +1,4 @@
-//! The one way from results to a robot with identified parameters.
+//! From results to a robot with identified parameters: the only way, for predictions and exports.
 
 use std::path::{Path, PathBuf};
 
@@ -20,23 +20,23 @@ use thetahat_model::{
 };
 use thetahat_report::results::{NOMINAL, Prediction, Results, RunResult, Verdict, VerdictReason};
 
-/// Which estimate of results is taken, and what is required of it.
+/// Which estimate of results to use, and what is required of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EstimateRequest {
     /// The case.
     pub case: String,
-    /// The method; none takes the one that the results advise.
+    /// The method; `None` for the one that the results recommend.
     pub method: Option<Method>,
-    /// The robot description, which must be the one that was identified; none takes the text in the results.
+    /// The robot description, which must be the identified one; `None` for the text in the results.
     pub robot: Option<PathBuf>,
     /// The folder in which that description is looked for by its name.
     pub data: Option<PathBuf>,
-    /// Whether results whose verdict is do-not-use are taken.
+    /// Whether results with the verdict do-not-use are accepted.
     pub untrusted: bool,
 }
 
 impl Default for EstimateRequest {
-    /// The nominal estimate that the results advise.
+    /// The nominal estimate that the results recommend.
     fn default() -> Self {
         Self { case: NOMINAL.to_owned(), method: None, robot: None, data: None, untrusted: false }
     }
@@ -48,7 +48,7 @@ pub struct IdentifiedRobot {
     /// The robot, with the joints that were locked, the constants of torque terms that were found, and the friction model of
     /// the case.
     pub robot: Robot,
-    /// How it was identified; where the results are of arrays, which parameters, and else what is usual.
+    /// How it was identified; for results of arrays the estimated parameters, and defaults otherwise.
     pub settings: Settings,
     /// The case.
     pub case: Case,
@@ -56,9 +56,9 @@ pub struct IdentifiedRobot {
     pub run: RunResult,
     /// All base parameters of the robot, those that the run does not estimate included.
     pub base: BaseParameters,
-    /// What the results are good for.
+    /// The verdict on the results.
     pub verdict: Verdict,
-    /// Why they are not good, the gravest first.
+    /// The reasons of the verdict, the most serious first.
     pub verdict_reasons: Vec<VerdictReason>,
     /// Title of the results.
     pub title: String,
@@ -108,8 +108,8 @@ impl IdentifiedRobot {
         Self::of_results(path, &Results::read(path)?, request)
     }
 
-    /// The robot of results with the estimates of a run; `path` names the results in messages. Results of before the verdict are
-    /// judged now.
+    /// The robot of results with the estimates of a run; `path` names the results in messages. The verdict of results from before
+    /// verdicts existed is computed now.
     ///
     /// # Errors
     /// [`ExperimentError`]: results that are not to be used, no such estimate, parameters that are not those of the robot, or
@@ -210,7 +210,7 @@ impl IdentifiedRobot {
         format!("identified by {}{title}, {} case; verdict: {verdict}{status}", run.method, case.name)
     }
 
-    /// The experiment that the results are of; none where they are of arrays.
+    /// The experiment that the results are of; `None` if they are of arrays.
     #[must_use]
     pub fn experiment(&self) -> Option<&Experiment> {
         self.experiment.as_ref()

@@ -56,7 +56,8 @@ impl IdentifiedModel {
     /// As [`IdentifiedModel::sample`] and [`export_robot`], and what `take` returns.
     pub fn export_samples<E: From<ExportError>>(
         &self,
-        (count, seed): (u32, u64),
+        count: u32,
+        seed: u64,
         target: Target<'_>,
         threads: usize,
         mut take: impl FnMut(u32, Export) -> Result<(), E>,

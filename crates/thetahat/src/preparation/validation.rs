@@ -12,7 +12,7 @@ use thetahat_estimation::{
     identification::{Design, Method, Needs, Response, Weighting},
     simulation::Solver,
 };
-use thetahat_model::robot::Robot;
+use thetahat_model::{base_parameters::BaseParametersError, robot::Robot};
 
 /// Highest order of the position filter: beyond it, its transients are longer than what it is to keep.
 const HIGHEST_ORDER: usize = 20;
@@ -30,6 +30,7 @@ impl Settings {
         robot.check_sound()?;
         self.validate_signal()?;
         self.validate_parameters()?;
+        self.validate_excluded(robot)?;
         self.validate_physical(robot)?;
         self.validate_fixed(robot)?;
         self.validate_methods()?;
@@ -128,6 +129,15 @@ impl Settings {
         let level = rule.significance;
         let key = "[parameters] elimination.significance";
         PreparationError::require((0.0..1.0).contains(&level) && level > 0.0, key, "between 0 and 1", level)
+    }
+
+    /// The names of excluded parameters are those of the robot's table.
+    fn validate_excluded(&self, robot: &Robot) -> Checked {
+        let table = robot.parameter_table();
+        match self.parameters.exclude.iter().find(|name| table.index_of(name).is_none()) {
+            None => Ok(()),
+            Some(name) => Err(BaseParametersError::UnknownStandardParameter { name: name.clone() }.into()),
+        }
     }
 
     fn validate_methods(&self) -> Checked {
@@ -242,4 +252,34 @@ pub(crate) fn validate_window(table: &str, [start, end]: [Option<f64>; 2]) -> Ch
     let end = end.unwrap_or(f64::MAX);
     let key = format!("{table} window_end_s");
     PreparationError::require(end > start && end.is_finite(), &key, "later than window_start_s", end)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    const ARM: &str = "name = 'arm'\n[[joint]]\nname = 'a'\nkind = 'revolute'";
+
+    fn validated(name: &str) -> Checked {
+        let mut settings = Settings::new(20.0, 10);
+        settings.parameters.exclude = vec![name.to_owned()];
+        settings.validate(&Robot::parse(ARM, Path::new("arm.toml")).unwrap())
+    }
+
+    #[test]
+    fn a_parameter_of_the_robot_is_excluded() {
+        assert!(validated("ia1").is_ok());
+    }
+
+    #[test]
+    fn an_unknown_name_in_exclude_is_refused_before_anything_is_read() {
+        let error = validated("ia9").unwrap_err();
+        let PreparationError::Parameters { source: BaseParametersError::UnknownStandardParameter { name } } = &error
+        else {
+            panic!("{error}")
+        };
+        assert_eq!(name, "ia9");
+    }
 }

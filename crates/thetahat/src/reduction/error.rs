@@ -17,7 +17,7 @@ pub enum ReductionError {
     /// A record has time steps that are not equal.
     #[error(
         "recording {recording}: the step to sample {sample} is {found:e} s, expected {expected:e} s within a thousandth; \
-         a long record is not brought to equal steps: export it at equal steps, or use `thetahat identify`"
+         a long record is not brought to equal steps: export it at equal steps, or identify from the whole record"
     )]
     UnequalSteps {
         /// The recording.
@@ -32,7 +32,7 @@ pub enum ReductionError {
     /// A record has gaps.
     #[error(
         "recording {recording}: {gaps} gaps, the first at sample {sample}; a reduction takes records without gaps: cut the record \
-         there, or use `thetahat identify`"
+         there, or identify from the whole record"
     )]
     Gaps {
         /// The recording.
@@ -82,7 +82,7 @@ pub enum ReductionError {
     /// A long record has no reference that can be read in pieces.
     #[error(
         "recording {recording}: instruments for a long record follow its recorded reference: name it as `reference`, or \
-         use `thetahat identify`"
+         identify from the whole record"
     )]
     NoReference {
         /// The recording.
@@ -115,8 +115,8 @@ pub enum ReductionError {
     },
     /// The results hold no estimates to simulate with.
     #[error(
-        "{}: no estimates for instruments: {reason}; give the results.json that `thetahat solve` or `identify` wrote for \
-         this robot",
+        "{}: no estimates for instruments: {reason}; give the results.json of an identification or of solved reductions \
+         of this robot",
         path.display()
     )]
     NoEstimates {
@@ -129,7 +129,7 @@ pub enum ReductionError {
     #[error("there is no reduction to solve; give at least one")]
     Nothing,
     /// The file is not a reduction, or damaged.
-    #[error("{}: not a reduction, or damaged: {reason}; run `thetahat reduce` again", path.display())]
+    #[error("{}: not a reduction, or damaged: {reason}; reduce the recordings again", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -137,7 +137,7 @@ pub enum ReductionError {
         reason: String,
     },
     /// The file is of another version of its form.
-    #[error("{}: a reduction of form {found}, this program reads forms up to {newest}; run `thetahat reduce` again", path.display())]
+    #[error("{}: a reduction of form {found}, this program reads forms up to {newest}; reduce the recordings again", path.display())]
     Version {
         /// The file.
         path: PathBuf,
@@ -155,7 +155,7 @@ pub enum ReductionError {
         source: io::Error,
     },
     /// The file cannot be written.
-    #[error("{}: cannot be written: {source}; choose another file with --out", path.display())]
+    #[error("{}: cannot be written: {source}; choose another file", path.display())]
     Unwritable {
         /// The file.
         path: PathBuf,

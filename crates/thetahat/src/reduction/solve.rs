@@ -122,7 +122,7 @@ impl ReducedRecording {
             sample_rate_hz: self.sample_rate_hz,
             window_s: self.window_s,
             resampling: None,
-            torque_ends_hz: None,
+            torque_bandwidth_hz: None,
             torque_hold_s: self.torque_hold_s,
             near_rest: self.near_rest.clone(),
             reference: None,
@@ -243,7 +243,7 @@ impl Solver<'_> {
         }
         let reason = format!(
             "an estimate is {largest:.2} standard deviations from the parameters of its instruments; reduce again with \
-             --instruments-from these results"
+             instruments simulated from these results"
         );
         (Status::IterationLimit, Some(reason))
     }

@@ -79,7 +79,7 @@ fn parts_made_elsewhere_are_those_of_the_store() {
     assert_eq!(run(&campaign, all, 1, Some(&parts)).rows.len(), 64);
     assert_eq!(folder.bytes("here/runs.parquet"), folder.bytes("parts/runs.parquet"));
     for beyond in [Key { level: 2, ..keys[0] }, Key { start: 2, ..keys[0] }, Key { seed: 2, ..keys[0] }] {
-        assert!(matches!(bench.part(&[keys[0], beyond]), Err(CampaignError::NoRecord { key, .. }) if key == beyond));
+        assert!(matches!(bench.part(&[keys[0], beyond]), Err(CampaignError::NoRecording { key, .. }) if key == beyond));
     }
 }
 

@@ -82,7 +82,7 @@ fn one_move(start: Vec<f64>, end: Vec<f64>) -> Moves {
 /// A step of the reference before the first output: held by a recorded reference that jumps at its second sample.
 fn step(height: f64, samples: usize) -> Reference {
     let values = (0..samples).map(|k| if k == 0 { 0.0 } else { height }).collect();
-    Reference::Sampled(SampledReference::new(Series::from_values(1, values), RATE))
+    Reference::Sampled(SampledReference::new(Series::shaped(1, values), RATE))
 }
 
 /// `m ddq + f dq = g (kp (r - q) - kv dq)`, underdamped, from rest at a step: the textbook's oscillation.
@@ -194,7 +194,7 @@ fn the_inertia_of_a_motor_is_averaged_along_the_reference() {
                  [parameters]\nzz1 = 0.2\nxx2 = 0.9\nyy2 = 0.1\nzz2 = 0.3\n";
     let turn = |k: usize| 1.2 * k as f64 / RATE;
     let values = (0..=1000).flat_map(|k| [0.0, turn(k)]).collect();
-    let reference = Reference::Sampled(SampledReference::new(Series::from_values(2, values), RATE));
+    let reference = Reference::Sampled(SampledReference::new(Series::shaped(2, values), RATE));
     let bench = Bench::new(robot, "law = \"pd\"\nbandwidth_hz = [10.0]", reference);
     let inertia = bench.closed_loop().motor_inertia(&bench.robot.a_priori_parameters(), 1.0);
     // The mean of sin^2 over an angle that grows evenly from 0 to 1.2 rad.

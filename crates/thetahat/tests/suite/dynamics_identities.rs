@@ -133,7 +133,7 @@ struct Case {
 
 impl Case {
     fn parameters(&self) -> DynamicParameters {
-        DynamicParameters::new(&self.model, &self.theta)
+        DynamicParameters::sorted(&self.model, &self.theta)
     }
 
     fn torques(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Vec<f64> {
@@ -229,7 +229,7 @@ fn energy_balances() {
             .zip(&case.theta)
             .map(|(p, v)| if p.quantity.is_inertial() || p.quantity.is_motor_inertia() { *v } else { 0.0 })
             .collect();
-        let parameters = DynamicParameters::new(&case.model, &without_losses);
+        let parameters = DynamicParameters::sorted(&case.model, &without_losses);
         let mut workspace = Workspace::new(&case.model);
         let mut tau = vec![0.0; case.n];
         case.model.inverse_dynamics(&parameters, State::new(&q, &dq), &ddq, SMOOTH, &mut workspace, &mut tau);
@@ -334,7 +334,7 @@ fn a_mass_matrix_that_is_not_positive_definite_is_named() {
     let is_motor_inertia = |p: &Parameter| p.quantity.is_motor_inertia();
     let theta: Vec<f64> =
         model.parameter_table().iter().map(|p| if is_motor_inertia(p) { -0.1 } else { 0.0 }).collect();
-    let parameters = DynamicParameters::new(&model, &theta);
+    let parameters = DynamicParameters::sorted(&model, &theta);
     let mut ddq = [0.0];
     let mut workspace = Workspace::new(&model);
     let result =

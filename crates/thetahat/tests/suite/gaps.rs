@@ -17,7 +17,7 @@ fn wave() -> Series {
         [0.31, 0.83, 1.37].map(|hz| 0.4 * (TAU * hz * t + 3.0 * hz + j).sin() / (0.5 + hz)).iter().sum()
     };
     let time = (0..(SECONDS * RATE_HZ) as usize).map(|k| k as f64 / RATE_HZ);
-    Series::from_values(2, time.flat_map(|t| [of(t, 0.0), of(t, 1.0)]).collect())
+    Series::shaped(2, time.flat_map(|t| [of(t, 0.0), of(t, 1.0)]).collect())
 }
 
 /// The record with its reference, without the samples of some ranges.
@@ -27,7 +27,7 @@ fn without(lost: &[Range<usize>]) -> Recording {
     let (q, tau) = (whole.position, whole.torque.unwrap());
     let kept: Vec<usize> = (0..q.len()).filter(|k| !lost.iter().any(|range| range.contains(k))).collect();
     let take = |series: &Series| {
-        Series::from_values(series.channels(), kept.iter().flat_map(|&k| series.sample(k)).copied().collect())
+        Series::shaped(series.channels(), kept.iter().flat_map(|&k| series.sample(k)).copied().collect())
     };
     let time: Vec<f64> = kept.iter().map(|&k| k as f64 / RATE_HZ).collect();
     let with_reference = Recording::at_times(time.clone(), take(&reference), take(&tau)).unwrap().position;

@@ -19,7 +19,7 @@ fn wave() -> Series {
         [0.31, 0.83, 1.37].map(|hz| 0.4 * (TAU * hz * t + 3.0 * hz + j).sin() / (0.5 + hz)).iter().sum()
     };
     let time = (0..(SECONDS * RATE_HZ) as usize).map(|k| k as f64 / RATE_HZ);
-    Series::from_values(2, time.flat_map(|t| [of(t, 0.0), of(t, 1.0)]).collect())
+    Series::shaped(2, time.flat_map(|t| [of(t, 0.0), of(t, 1.0)]).collect())
 }
 
 fn identify(recording: Recording) -> Results {
@@ -33,7 +33,7 @@ fn identify(recording: Recording) -> Results {
 fn late(clean: &Recording) -> Recording {
     let torque = clean.torque.as_ref().unwrap();
     let later = (0..torque.len()).flat_map(|k| torque.sample(k.saturating_sub(SAMPLES)).to_vec()).collect();
-    Recording { torque: Some(Series::from_values(2, later)), ..clean.clone() }
+    Recording { torque: Some(Series::shaped(2, later)), ..clean.clone() }
 }
 
 /// The same record with friction of a joint that grows near rest, over the velocity of the recorded positions.

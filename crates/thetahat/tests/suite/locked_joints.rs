@@ -37,7 +37,7 @@ struct Dynamics {
 impl Dynamics {
     fn new(robot: Robot) -> Self {
         let model = Model::new(&robot);
-        let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters());
+        let parameters = DynamicParameters::sorted(&model, &robot.a_priori_parameters());
         Self { robot, model, parameters }
     }
 

@@ -1,6 +1,6 @@
 //! The estimator of the program against the NIST reference sets for linear regression: digits of estimates and of
 //! standard deviations. The table in `docs/evidence/reference_data.md` is printed by
-//! `cargo test --release -p thetahat --test nist_strd -- --nocapture`.
+//! `cargo test --release -p thetahat --test suite nist_strd -- --nocapture`.
 
 #[path = "nist_strd/data.rs"]
 mod data;
@@ -54,7 +54,7 @@ fn fewest(values: &[f64], certified: &[f64]) -> Option<f64> {
 }
 
 fn regression(set: &DataSet) -> Regression {
-    Regression::of_one_series(matrix(set), set.y.to_vec())
+    Regression::single_series(matrix(set), set.y.to_vec())
 }
 
 fn residual_deviation(set: &DataSet, fit: &Fit) -> f64 {

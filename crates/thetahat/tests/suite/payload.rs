@@ -2,9 +2,6 @@
 //!
 //! The truth of a payload is a set of point masses; their parameters are summed up here, not by the code under test.
 
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use thetahat::{
     Identification, Method, Recording, Results, Robot, Series, Settings,
     base_parameters::BaseParameters,
@@ -79,7 +76,7 @@ impl Twin {
         let n = robot.coordinate_count();
         let paths = [0, 1].map(|record| motion(n, record, speed));
         let torque = |record: usize, theta: &[f64]| {
-            let theta = DynamicParameters::new(&model, theta);
+            let theta = DynamicParameters::sorted(&model, theta);
             let [q, dq, ddq] = &paths[record];
             let mut workspace = Workspace::new(&model);
             let mut tau = vec![0.0; n * SAMPLES];
@@ -97,14 +94,15 @@ impl Twin {
 
     /// Two recordings, the second with the payload, of drives whose torque is `factor` times what is recorded.
     fn recordings(&self, seed: u64, factors: &[f64]) -> Vec<Recording> {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut random = random_numbers(seed, 0);
         let n = self.robot.coordinate_count();
+        let deviations: Vec<f64> = (0..n).map(|j| NOISE / (1.0 + j as f64)).collect();
         let mut series = |torque: &[f64]| {
             let noisy = torque.iter().enumerate().map(|(i, tau)| {
                 let noise: f64 = StandardNormal.sample(&mut random);
                 (tau + NOISE / (1.0 + (i % n) as f64) * noise) / factors[i % n]
             });
-            Series::from_values(n, noisy.collect())
+            Series::shaped(n, noisy.collect())
         };
         let without =
             Recording::new(RATE_HZ * self.speed, self.positions[0].clone(), series(&self.unloaded[0])).named("without");
@@ -261,7 +259,7 @@ fn a_known_payload_moves_to_the_left_side() {
     let mut recordings = twin.recordings(1, &ones);
     let noise: Vec<f64> = recordings[1].torque.as_ref().unwrap().values().to_vec();
     let bare = noise.iter().zip(&twin.loaded).zip(&twin.unloaded[1]).map(|((s, l), u)| s - l + u).collect();
-    recordings[1].torque = Some(Series::from_values(7, bare));
+    recordings[1].torque = Some(Series::shaped(7, bare));
     recordings[1].payload = None;
     let settings = Settings::new(20.0, 10).with_methods([Method::IDIM_LS]);
     let without = Identification::new(&twin.robot, recordings, settings).unwrap().run().unwrap();

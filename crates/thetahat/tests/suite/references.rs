@@ -25,7 +25,7 @@ fn settings() -> Settings {
 fn wave(seconds: f64) -> Series {
     let of = |t: f64, j: f64| [1.0, 2.0, 3.0].map(|h| 0.5 * (TAU * BASE_HZ * h * t + h * h + j).sin() / h).iter().sum();
     let time = (0..(seconds * RATE_HZ) as usize).map(|k| k as f64 / RATE_HZ);
-    Series::from_values(2, time.flat_map(|t| [of(t, 0.0), of(t, 1.0)]).collect())
+    Series::shaped(2, time.flat_map(|t| [of(t, 0.0), of(t, 1.0)]).collect())
 }
 
 fn identify(recording: Recording) -> Results {
@@ -88,8 +88,8 @@ fn a_wrong_reference_is_right_after_pasting_the_remedy() {
     let reference = wave(12.0);
     let right = record(&reference, 1e-5).with_reference(reference.clone());
     let late = delayed(&reference, &[17.0, 17.0]);
-    let scaled = Series::from_values(2, reference.values().chunks(2).flat_map(|r| [r[0] / 1.1, r[1]]).collect());
-    let moved = Series::from_values(2, reference.values().chunks(2).flat_map(|r| [r[0], r[1] - 0.2]).collect());
+    let scaled = Series::shaped(2, reference.values().chunks(2).flat_map(|r| [r[0] / 1.1, r[1]]).collect());
+    let moved = Series::shaped(2, reference.values().chunks(2).flat_map(|r| [r[0], r[1] - 0.2]).collect());
     let expected = identify(right.clone());
     assert_eq!(mismatches(&expected), Vec::<&str>::new());
     for wrong in [late, scaled, moved] {

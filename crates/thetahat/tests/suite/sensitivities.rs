@@ -308,7 +308,7 @@ fn the_delay() {
                  acceleration_feed_forward = 0.8";
     let wave =
         (0..500).flat_map(|k| [0.3 - 0.3 * (0.008 * f64::from(k)).cos(), 0.2 - 0.2 * (0.011 * f64::from(k)).cos()]);
-    let recorded = Reference::Sampled(SampledReference::new(Series::from_values(2, wave.collect()), 1000.0));
+    let recorded = Reference::Sampled(SampledReference::new(Series::shaped(2, wave.collect()), 1000.0));
     for controller in [
         format!("law = \"pd\"\n{gains}\nsample_time_s = 0.002\ndelay_s = 0.0013"),
         format!("law = \"cascaded\"\n{gains}\nsample_time_s = 0.002\ndelay_s = 0.0027"),

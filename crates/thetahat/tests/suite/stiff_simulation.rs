@@ -88,7 +88,7 @@ fn largest(a: &Series, b: &Series) -> f64 {
 fn the_step_response_of_an_overdamped_slide_has_its_closed_form() {
     let robot = format!("{SLIDE}fv1 = 6000.0\n");
     let values = (0..2000).map(|k| if k == 0 { 0.0 } else { 0.01 }).collect();
-    let reference = Reference::Sampled(SampledReference::new(Series::from_values(1, values), RATE));
+    let reference = Reference::Sampled(SampledReference::new(Series::shaped(1, values), RATE));
     let bench = Bench::new(&robot, "law = \"pd\"\nposition_gain = [9000.0]\nvelocity_gain = [0.1]", reference);
     let motion = bench.run(implicit(1e-8), 1500).unwrap();
     let (stiffness, damping) = (40.0 * 9000.0 / 2.0, (6000.0 + 4.0) / 2.0);
@@ -108,7 +108,7 @@ fn it_agrees_with_the_explicit_method() {
     let pd = "law = \"pd\"\nbandwidth_hz = [10]\nvelocity_feed_forward = 1.0";
     let moves = one_move(vec![0.3, -0.1], vec![0.9, 0.5]);
     let wave = (0..1000).flat_map(|k| [0.3 * (0.008 * f64::from(k)).sin(), 0.2 * (0.011 * f64::from(k)).sin()]);
-    let recorded = Reference::Sampled(SampledReference::new(Series::from_values(2, wave.collect()), RATE));
+    let recorded = Reference::Sampled(SampledReference::new(Series::shaped(2, wave.collect()), RATE));
     for (controller, reference) in [
         (pd.to_owned(), &moves),
         (pd.to_owned(), &recorded),

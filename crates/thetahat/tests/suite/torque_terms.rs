@@ -47,7 +47,7 @@ fn wave(seconds: f64) -> Series {
         slow * [1.0, 2.0, 3.0].map(|h| 0.4 * (TAU * 0.25 * h * t + h * h + j).sin() / h).iter().sum::<f64>()
     };
     let time = (0..(seconds * RATE_HZ) as usize).map(|k| k as f64 / RATE_HZ);
-    Series::from_values(2, time.flat_map(|t| [of(t, 0.0), of(t, 1.0)]).collect())
+    Series::shaped(2, time.flat_map(|t| [of(t, 0.0), of(t, 1.0)]).collect())
 }
 
 /// White noise from a linear congruential generator, the sum of four uniform numbers.
@@ -58,7 +58,7 @@ fn noisy(series: &Series, deviation: f64) -> Series {
         (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
     };
     let mut noise = || 3_f64.sqrt() * deviation * (uniform() + uniform() + uniform() + uniform());
-    Series::from_values(series.channels(), series.values().iter().map(|v| v + noise()).collect())
+    Series::shaped(series.channels(), series.values().iter().map(|v| v + noise()).collect())
 }
 
 /// The record of a twin of a robot with its a-priori parameters; `channel` is recorded along.
@@ -66,7 +66,7 @@ fn record(robot: &Robot, seconds: f64, channel: Option<(&str, &Series)>) -> Reco
     let (model, controller, theta) = (Model::new(robot), controller(), robot.a_priori_parameters());
     let reference = wave(seconds);
     let followed = Reference::Sampled(SampledReference::new(reference.clone(), RATE_HZ));
-    let side_by_side = channel.map(|(_, s)| Series::from_channels(&[s.channel(0), s.channel(0)]));
+    let side_by_side = channel.map(|(_, s)| Series::side_by_side(&[s.channel(0), s.channel(0)]));
     let closed_loop = ClosedLoop {
         model: &model,
         transmission: &robot.transmission,
@@ -202,7 +202,7 @@ fn friction_that_follows_a_recorded_temperature_is_found() {
     let truth = robot(TEMPERATURE, values);
     let seconds = 40.0;
     let of_time = |k: usize| 20.0 + 40.0 * (1.0 - (-(k as f64) / RATE_HZ / 15.0).exp());
-    let temperature = Series::from_values(1, (0..(seconds * RATE_HZ) as usize).map(of_time).collect());
+    let temperature = Series::shaped(1, (0..(seconds * RATE_HZ) as usize).map(of_time).collect());
     let recording = record(&truth, seconds, Some(("temperature", &temperature)));
     let methods = [Method::IDIM_LS, Method::IDIM_IV, Method::CLIE];
     let start = robot(TEMPERATURE, "");

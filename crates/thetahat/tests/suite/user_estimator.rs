@@ -16,7 +16,7 @@ const SAME: f64 = 1e-8;
 fn wave() -> Series {
     let of = |t: f64, j: f64| [0.31, 0.83, 1.37].map(|hz| 0.4 * (TAU * hz * t + 3.0 * hz + j).sin()).iter().sum();
     let time = (0..(6.0 * RATE_HZ) as usize).map(|k| k as f64 / RATE_HZ);
-    Series::from_values(2, time.flat_map(|t| [of(t, 0.0), of(t, 1.0)]).collect())
+    Series::shaped(2, time.flat_map(|t| [of(t, 0.0), of(t, 1.0)]).collect())
 }
 
 fn identification(weight: f64) -> Identification {

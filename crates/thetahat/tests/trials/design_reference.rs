@@ -95,8 +95,7 @@ impl Reference {
         let rows: Vec<Vec<f64>> =
             text.lines().skip(1).map(|line| line.split(',').filter_map(|v| v.parse().ok()).collect()).collect();
         let n = design.robot.coordinate_count();
-        let series =
-            |from: usize| Series::from_values(n, rows.iter().flat_map(|r| r[from..from + n].to_vec()).collect());
+        let series = |from: usize| Series::shaped(n, rows.iter().flat_map(|r| r[from..from + n].to_vec()).collect());
         let [q, dq, ddq] = [1, 1 + n, 1 + 2 * n].map(series);
         Ok(self.best_of_scipy(5, "")? - self.value(design, [&q, &dq, &ddq])?)
     }
@@ -240,7 +239,7 @@ fn as_large_as_allowed(motion: &[Series; 3], limits: &[Vec<f64>; 3], middle: &[f
             let centre = if order == 0 { *middle } else { 0.0 };
             motion[order].channel(joint).iter().map(|v| centre + v / used(joint)).collect()
         };
-        Series::from_channels(&middle.iter().enumerate().map(of_joint).collect::<Vec<_>>())
+        Series::side_by_side(&middle.iter().enumerate().map(of_joint).collect::<Vec<_>>())
     })
 }
 

@@ -6,7 +6,7 @@ use libtest_mimic::{Failed, Trial};
 use thetahat::{
     Experiment, Robot, Series,
     base_parameters::BaseParameters,
-    design::{Criterion, Design, ExpectedRecord, Information},
+    design::{Criterion, Design, ExpectedRecording, Information},
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     trajectory::Moves,
 };
@@ -41,7 +41,7 @@ fn moves_of_the_record(robot: &Robot) -> Result<Moves, Failed> {
             values.push(cell.trim().parse()?);
         }
     }
-    let q = robot.transmission.joint_positions(&Series::from_values(JOINTS, values));
+    let q = robot.transmission.joint_positions(&Series::shaped(JOINTS, values));
     Ok(reconstruct(&q, &velocity(&q), RECORD_HZ)?.moves)
 }
 
@@ -56,7 +56,7 @@ fn velocity(position: &Series) -> Series {
         let last = x.len() - 1;
         (0..x.len()).map(|k| (x[(k + 1).min(last)] - x[k.saturating_sub(1)]) * RECORD_HZ / 2.0).collect()
     };
-    Series::from_channels(&(0..JOINTS).map(channel).collect::<Vec<_>>())
+    Series::side_by_side(&(0..JOINTS).map(channel).collect::<Vec<_>>())
 }
 
 /// Smallest and largest value of each joint.
@@ -71,7 +71,7 @@ fn largest(series: &Series) -> Vec<f64> {
 
 fn torques(robot: &Robot, [q, dq, ddq]: [&Series; 3]) -> Series {
     let model = Model::new(robot);
-    let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters());
+    let parameters = DynamicParameters::sorted(&model, &robot.a_priori_parameters());
     let (mut tau, mut workspace) = (Series::zeros(q.len(), JOINTS), Workspace::new(&model));
     for k in 0..q.len() {
         let state = State::new(q.sample(k), dq.sample(k));
@@ -163,7 +163,7 @@ fn the_promise_is_kept() -> Result<(), Failed> {
     let experiment = Experiment::read(&out.join("rehearsal.toml"), Path::new(""))?;
     let twin = experiment.file.twin.as_ref().ok_or("no twin")?;
     let motion = experiment.twin_motion(twin)?.motion;
-    let record = ExpectedRecord {
+    let record = ExpectedRecording {
         robot: &design.robot,
         settings: &design.settings,
         sample_rate_hz: RATE_HZ,

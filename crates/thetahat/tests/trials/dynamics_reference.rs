@@ -92,7 +92,7 @@ impl Case {
     }
 
     fn inverse_dynamics(&self, [q, dq, ddq]: [&[f64]; 3], workspace: &mut Workspace) -> Vec<f64> {
-        let parameters = DynamicParameters::new(&self.model, &self.theta);
+        let parameters = DynamicParameters::sorted(&self.model, &self.theta);
         let mut tau = vec![0.0; q.len()];
         self.model.inverse_dynamics(&parameters, dynamics::State::new(q, dq), ddq, Sign::Exact, workspace, &mut tau);
         tau
@@ -114,7 +114,7 @@ impl Case {
 
     fn mass_matrix(&self, s: &State, workspace: &mut Workspace) -> f64 {
         let n = self.places.len();
-        let parameters = DynamicParameters::new(&self.model, &self.theta);
+        let parameters = DynamicParameters::sorted(&self.model, &self.theta);
         let mut m = vec![0.0; n * n];
         self.model.mass_matrix(&parameters, &self.ours(&s.q), workspace, &mut m);
         let rows = self.places.iter().map(|&p| self.ours(&s.mass_matrix[p]));

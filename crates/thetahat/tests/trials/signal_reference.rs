@@ -85,7 +85,7 @@ fn trials(path: &Path) -> Result<Vec<Trial>, Box<dyn std::error::Error>> {
     }
     let reference: Reference = serde_json::from_reader(std::io::BufReader::new(std::fs::File::open(path)?))?;
     println!("reference: {}", reference.source);
-    let (fs_hz, x) = (reference.fs_hz, Series::from_values(1, reference.x));
+    let (fs_hz, x) = (reference.fs_hz, Series::shaped(1, reference.x));
     Ok(reference.cases.into_iter().map(|case| trial(case, fs_hz, x.clone())).collect())
 }
 

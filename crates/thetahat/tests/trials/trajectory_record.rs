@@ -21,7 +21,7 @@ fn read_motor_positions() -> Result<Series, Failed> {
             values.push(cell.trim().parse()?);
         }
     }
-    Ok(Series::from_values(6, values))
+    Ok(Series::shaped(6, values))
 }
 
 fn joint_positions() -> Result<Series, Failed> {
@@ -41,7 +41,7 @@ fn velocity(position: &Series) -> Series {
         let last = x.len() - 1;
         (0..x.len()).map(|k| (x[(k + 1).min(last)] - x[k.saturating_sub(1)]) * RATE_HZ / 2.0).collect()
     };
-    Series::from_channels(&(0..position.channels()).map(channel).collect::<Vec<_>>())
+    Series::side_by_side(&(0..position.channels()).map(channel).collect::<Vec<_>>())
 }
 
 fn rms_in_window(q: &Series, moves: &Moves) -> Vec<f64> {

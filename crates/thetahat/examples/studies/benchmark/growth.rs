@@ -104,7 +104,7 @@ impl Chain {
         );
         let robot = Robot::parse(&text, Path::new("chain.toml"))?;
         let model = Model::new(&robot);
-        let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters());
+        let parameters = DynamicParameters::sorted(&model, &robot.a_priori_parameters());
         let state = [0.7, 1.3, 2.1].map(|f| (0..joints).map(|j| (f * j as f64 + f).sin()).collect());
         Ok(Self { model, parameters, state })
     }
@@ -121,7 +121,7 @@ impl Chain {
             Ok(model.forward_dynamics(parameters, black_box(State::new(q, dq)), ddq, SIGN, &mut workspace, &mut out)?)
         })?;
         let regressor = Regressor::new(model, &(0..model.parameter_table().len()).collect::<Vec<_>>());
-        let motion = [q, dq, ddq].map(|x| Series::from_values(x.len(), x.repeat(16)));
+        let motion = [q, dq, ddq].map(|x| Series::shaped(x.len(), x.repeat(16)));
         let mut phi = vec![0.0; 16 * regressor.entries().len()];
         let batch = per_call(|| {
             let [q, dq, ddq] = &motion;

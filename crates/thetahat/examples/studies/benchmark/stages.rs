@@ -1,4 +1,4 @@
-//! The stages of an identification of the TX40 record beside a baseline in Python.
+//! The stages of an identification of the TX40 recording, compared with a baseline in Python.
 
 use std::{error::Error, path::Path};
 

@@ -1,4 +1,4 @@
-//! What the program does with a record before it estimates, step by step.
+//! What the program does with a recording before it estimates, step by step.
 
 use std::{error::Error, sync::Arc};
 
@@ -65,7 +65,7 @@ impl Stage {
     }
 }
 
-/// A record on its way to rows.
+/// A recording between two steps on the way to rows.
 pub struct Measured<'a> {
     twin: &'a Twin,
     stage: Stage,

@@ -1,4 +1,4 @@
-//! Times of generated C beside the library's kernels, on the TX40 in one run: the table of `docs/manual/generated_code.md`.
+//! Times of generated C and of the library's kernels, on the TX40 in one run: the table of `docs/manual/generated_code.md`.
 //!
 //! `cargo run --release -p thetahat --example studies -- generated_times [PYTHON]`; it needs `cc`. With a Python that has `pin` and `cmeel-eigen`,
 //! Pinocchio in C++ runs in the same run.
@@ -138,7 +138,7 @@ fn run(folder: &std::path::Path, flags: &[&str]) -> Result<Vec<f64>, Box<dyn Err
 fn kernels(robot: &Robot) -> Result<[f64; 4], Box<dyn Error>> {
     let model = Model::new(robot);
     let base = BaseParameters::of(&model, &[])?;
-    let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters());
+    let parameters = DynamicParameters::sorted(&model, &robot.a_priori_parameters());
     let regressor = Regressor::new(&model, &base.columns());
     let mut workspace = Workspace::new(&model);
     let (q, dq, ddq) = ([0.1, -0.4, 0.7, 1.1, -0.8, 0.3], [0.5; JOINTS], [1.0; JOINTS]);

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use thetahat::{Robot, Series, robot::JointKind};
 
-/// Harmonics of the periodic motion; the first has the length of the record as its period.
+/// Harmonics of the periodic motion; the first has the length of the recording as its period.
 const HARMONICS: usize = 5;
 /// Time in which the motion begins and ends.
 const RAMP_S: f64 = 1.0;
@@ -58,7 +58,7 @@ pub fn motion(kind: Kind, robot: &Robot, duration_s: f64, rate_hz: f64, seed: u6
         JointKind::Revolute => REVOLUTE,
         JointKind::Prismatic => PRISMATIC,
     });
-    Series::from_channels(&limits.enumerate().map(channel).collect::<Vec<_>>())
+    Series::side_by_side(&limits.enumerate().map(channel).collect::<Vec<_>>())
 }
 
 /// A periodic motion about zero within limits of way and velocity, whose period is its length.

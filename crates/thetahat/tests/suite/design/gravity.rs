@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use thetahat::{
     Robot, Series, Settings,
     base_parameters::BaseParameters,
-    design::{Criterion, Design, ExpectedRecord, Information},
+    design::{Criterion, Design, ExpectedRecording, Information},
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     signal::Motion,
     trajectory::{Move, Moves},
@@ -70,7 +70,7 @@ fn passes(postures: &[Vec<f64>]) -> Motion {
 /// Of random sets of postures the one whose passes tell most of the gravity parameters.
 fn best_passes(model: &Model, columns: &[usize], gravity: &[usize], rng: &mut ChaCha8Rng) -> Motion {
     let information = Information::new(model, columns, &NOISE);
-    let criterion = Criterion::FeasibleMotion { columns: gravity.to_vec() };
+    let criterion = Criterion::SelectedParameters { columns: gravity.to_vec() };
     let set = |rng: &mut ChaCha8Rng| {
         let posture = |rng: &mut ChaCha8Rng| [2.6, 1.9, 2.3].map(|end: f64| rng.random_range(-end..end)).to_vec();
         passes(&(0..POSTURES).map(|_| posture(rng)).collect::<Vec<_>>())
@@ -84,14 +84,14 @@ fn best_passes(model: &Model, columns: &[usize], gravity: &[usize], rng: &mut Ch
 }
 
 fn behind(first: &Motion, second: &Motion) -> Motion {
-    let one = |a: &Series, b: &Series| Series::from_values(3, [a.values(), b.values()].concat());
+    let one = |a: &Series, b: &Series| Series::shaped(3, [a.values(), b.values()].concat());
     Motion { q: one(&first.q, &second.q), dq: one(&first.dq, &second.dq), ddq: one(&first.ddq, &second.ddq) }
 }
 
 /// The torques of a motion; with friction that the model does not have.
 fn torques(robot: &Robot, motion: &Motion, stribeck: f64) -> Series {
     let model = Model::new(robot);
-    let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters());
+    let parameters = DynamicParameters::sorted(&model, &robot.a_priori_parameters());
     let (mut tau, mut workspace) = (Series::zeros(motion.q.len(), 3), Workspace::new(&model));
     for k in 0..motion.q.len() {
         let dq = motion.dq.sample(k);
@@ -115,7 +115,7 @@ fn torques(robot: &Robot, motion: &Motion, stribeck: f64) -> Series {
 /// have changes of their estimates.
 fn told(robot: &Robot, settings: &Settings, motion: &Motion, is_gravity: &dyn Fn(&str) -> bool) -> [f64; 2] {
     let [model_only, with_stribeck] = [0.0, 1.0].map(|part| torques(robot, motion, part));
-    let record = |tau| ExpectedRecord {
+    let record = |tau| ExpectedRecording {
         robot,
         settings,
         sample_rate_hz: RATE_HZ,

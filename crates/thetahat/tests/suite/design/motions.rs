@@ -29,7 +29,7 @@ fn each_criterion_serves_its_own_purpose() {
     // Each parameter's unit changes the torques at random states by the noise, as in the design, but for its random numbers.
     let wave = |[one, other]: [f64; 2], w: f64| {
         let values = (0..1000).flat_map(|k| [one * (w * f64::from(k)).sin(), other * (1.7 * w * f64::from(k)).cos()]);
-        Series::from_values(2, values.collect())
+        Series::shaped(2, values.collect())
     };
     let states = [wave([1.5, 2.0], 0.37), wave([4.0, 6.0], 0.91), wave([26.0, 35.0], 1.33)];
     let m = of(states.each_ref());
@@ -97,8 +97,7 @@ fn files_are_written_and_name_the_robot() {
     // Three harmonics in 4 s: 0.75 Hz, and what the quintics add.
     assert!(results.spectrum.end_hz.iter().all(|hz| (0.5..3.0).contains(hz)), "{:?}", results.spectrum.end_hz);
     let page = std::fs::read_to_string(folder.path().join("design.html")).unwrap();
-    for words in
-        ["Frequencies of the motion", "the robot where it starts", "position filter 40", "shoulder: rad, s, N m"]
+    for words in ["Frequencies of the motion", "the robot at its start", "position filter 40", "shoulder: rad, s, N m"]
     {
         assert!(page.contains(words), "{words}");
     }

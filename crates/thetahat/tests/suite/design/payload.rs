@@ -44,7 +44,7 @@ fn a_payload_is_in_the_torques_and_not_in_the_intervals() {
         assert!((most(&loaded, joint) - most(&unloaded, joint)).abs() > 1.0);
     }
     let settings = Settings { payloads: Vec::new(), ..design.settings.clone() };
-    let record = ExpectedRecord {
+    let record = ExpectedRecording {
         robot: &design.robot,
         settings: &settings,
         sample_rate_hz: 500.0,
@@ -72,7 +72,7 @@ fn gains_are_predicted_as_pairs_of_records_tell_them() {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let mut noisy = |tau: &Series| {
         let noise = (0..tau.values().len()).map(|_| 0.1 * Distribution::<f64>::sample(&StandardNormal, &mut rng));
-        Series::from_values(2, tau.values().iter().zip(noise).map(|(t, e)| t + e).collect())
+        Series::shaped(2, tau.values().iter().zip(noise).map(|(t, e)| t + e).collect())
     };
     let pairs = 40;
     let gains: Vec<Vec<f64>> = (0..pairs)

@@ -38,8 +38,11 @@ pub fn key(from: &str, to: &str) -> String {
 
 pub fn key_of(error: DesignError) -> String {
     let text = error.to_string();
-    let DesignError::Preparation { source: PreparationError::Value { key, .. }, .. } = error else { panic!("{text}") };
-    key
+    let DesignError::Preparation { source, .. } = error else { panic!("{text}") };
+    match source {
+        PreparationError::Value { key, .. } | PreparationError::NotPositive { key, .. } => key,
+        other => panic!("{other}"),
+    }
 }
 
 /// The samples of a design are within the limits that it names, and as large as it says.
@@ -97,7 +100,7 @@ pub fn moves(jerk: &str) -> String {
 /// The torques of a motion by a robot.
 pub fn torques(robot: &Robot, results: &DesignResults) -> Series {
     let model = Model::new(robot);
-    let parameters = DynamicParameters::new(&model, &robot.a_priori_parameters());
+    let parameters = DynamicParameters::sorted(&model, &robot.a_priori_parameters());
     let (mut tau, mut workspace) = (Series::zeros(results.q.len(), 2), Workspace::new(&model));
     for k in 0..results.q.len() {
         let state = State::new(results.q.sample(k), results.dq.sample(k));

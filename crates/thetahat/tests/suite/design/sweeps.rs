@@ -52,7 +52,7 @@ fn sweeps_keep_their_velocities() {
     let base = BaseParameters::of(&model, &[]).unwrap();
     let rows_of = |joint: usize, samples: usize| {
         let kept: Vec<usize> = (0..samples).filter(|&k| results.dq.sample(k)[joint] != 0.0).collect();
-        let pick = |s: &Series| Series::from_values(2, kept.iter().flat_map(|&k| s.sample(k).to_vec()).collect());
+        let pick = |s: &Series| Series::shaped(2, kept.iter().flat_map(|&k| s.sample(k).to_vec()).collect());
         let [q, dq, ddq] = [&results.q, &results.dq, &results.ddq].map(pick);
         let noise = if joint == 0 { [0.1, f64::INFINITY] } else { [f64::INFINITY, 0.1] };
         Information::new(&model, &base.columns(), &noise).of([&q, &dq, &ddq], 1.0, Sign::Exact)

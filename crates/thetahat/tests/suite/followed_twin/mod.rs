@@ -51,7 +51,7 @@ pub fn record(reference: &Series, position_noise: f64) -> Recording {
     let noisy = |series: &Series, deviation: f64| {
         let noise = noise(series.values().len(), deviation);
         let values = series.values().iter().zip(noise).map(|(v, e)| v + e).collect();
-        Series::from_values(series.channels(), values)
+        Series::shaped(series.channels(), values)
     };
     let (q, tau) = (noisy(&motion.q, position_noise), noisy(&motion.tau, 0.05));
     Recording { truth: Some(theta), ..Recording::new(RATE_HZ, q, tau) }

@@ -1,6 +1,6 @@
 //! No generated model takes more operations than `counts.toml` says.
 //!
-//! `THETAHAT_UPDATE_COUNTS=1 cargo test --release -p thetahat --test operation_counts` writes the file anew.
+//! `THETAHAT_UPDATE_COUNTS=1 cargo test --release -p thetahat --test suite operation_counts` writes the file anew.
 
 mod counted;
 

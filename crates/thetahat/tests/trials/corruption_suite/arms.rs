@@ -128,7 +128,7 @@ impl Arm {
                 };
                 waves[j].iter().enumerate().map(wave).sum()
             };
-            Series::from_values(
+            Series::shaped(
                 n,
                 (0..samples).flat_map(|k| (0..n).map(move |j| (k, j))).map(|(k, j)| value(k, j)).collect(),
             )
@@ -145,7 +145,7 @@ impl Arm {
                 *value = 0.0;
             }
         }
-        let parameters = DynamicParameters::new(&model, &theta);
+        let parameters = DynamicParameters::sorted(&model, &theta);
         let (n, mut workspace) = (q.channels(), Workspace::new(&model));
         let mut tau = Series::zeros(q.len(), n);
         for k in 0..q.len() {

@@ -204,7 +204,7 @@ fn motion_and_filter() -> Vec<Corruption> {
         }),
         with("torques of another motion", PoorFit, None, |r| {
             let values: Vec<f64> = (0..r.torque.len()).rev().flat_map(|k| r.torque.sample(k).to_vec()).collect();
-            r.torque = Series::from_values(6, values);
+            r.torque = Series::shaped(6, values);
         }),
     ]
 }
@@ -434,7 +434,7 @@ pub fn remove(record: &mut Record, samples: &[usize]) {
     let keep: Vec<usize> = (0..record.position.len()).filter(|k| !samples.contains(k)).collect();
     let of = |series: &Series| {
         let values = keep.iter().flat_map(|&k| series.sample(k).to_vec()).collect();
-        Series::from_values(series.channels(), values)
+        Series::shaped(series.channels(), values)
     };
     (record.position, record.torque) = (of(&record.position), of(&record.torque));
     record.time_s = record.time_s.take().map(|t| keep.iter().map(|&k| t[k]).collect());
@@ -460,7 +460,7 @@ pub fn insert_rest(record: &mut Record, after: usize, samples: usize) {
             values.extend(series.sample(rest).iter().map(|v| v + noise * rng.random_range(-1.0..1.0)));
         }
         values.extend_from_slice(&series.values()[rest * series.channels()..]);
-        Series::from_values(series.channels(), values)
+        Series::shaped(series.channels(), values)
     };
     record.position = insert(&record.position, 1e-6);
     record.torque = insert(&record.torque, 0.01);

@@ -63,9 +63,9 @@ impl Pair {
         self.with_companions(compare)
     }
 
-    /// The numbers behind the findings.
-    pub fn measures(&self) -> Vec<(Code, f64, f64)> {
-        self.with_companions(measure_together)
+    /// The evidence of the checks.
+    pub fn measures(&self) -> Vec<Measure> {
+        self.with_companions(measure_across_recordings)
     }
 
     fn with_companions<T>(&self, f: impl FnOnce(&[Companion<'_>]) -> T) -> T {
@@ -98,7 +98,7 @@ pub fn payload(record: &mut Record) {
         let index = model.parameter_table().index_of(&format!("{name}{n}")).unwrap();
         theta[index] = PAYLOAD_KG * value;
     }
-    let parameters = DynamicParameters::new(&model, &theta);
+    let parameters = DynamicParameters::sorted(&model, &theta);
     let signal = &record.signal;
     let motion =
         band_pass(&record.position, record.rate_hz, signal.filter_order, signal.cutoff_hz, Derivative::Central)
