@@ -7,7 +7,10 @@ use thetahat::{
     Experiment, Identification, Method, Recording, Results, Robot, Series, Settings,
     results::{ReasonCode, Verdict},
 };
-use thetahat_report::results::{Comparison, TwinRecord};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use thetahat_report::results::{Comparison, TwinRecording};
 
 const SEEDS: u64 = 60;
 

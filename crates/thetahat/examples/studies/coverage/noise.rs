@@ -3,8 +3,9 @@
 use std::f64::consts::TAU;
 
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal, StandardUniform};
+use rand_distr::{Distribution, StandardUniform};
 use thetahat::Series;
+use thetahat_estimation::simulation::{Autoregression, SignalNoise, random_numbers};
 
 use super::twin::Twin;
 

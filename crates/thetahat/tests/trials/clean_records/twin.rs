@@ -14,6 +14,7 @@ use thetahat::{
     robot::JointKind,
 };
 use thetahat_estimation::checks::{SignalSettings, Subject, examine};
+use thetahat_estimation::simulation::{SignalNoise, random_numbers};
 
 /// How the joints rub, in parts of the peak torque that the links and motors need.
 #[derive(Debug, Clone, Copy)]
