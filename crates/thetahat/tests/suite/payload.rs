@@ -10,6 +10,7 @@ use thetahat::{
     preparation::{Payload, PayloadFrame},
     results::Verdict,
 };
+use thetahat_estimation::simulation::random_numbers;
 use thetahat_model::consistency::pseudo_inertia;
 use thetahat_testing::project;
 

@@ -7,7 +7,7 @@ use thetahat::{
     Experiment, Identification, Method, Recording, Results, Robot, Series, Settings,
     results::{ReasonCode, Verdict},
 };
-use thetahat_report::results::{Comparison, TwinRecord};
+use thetahat_report::results::{Comparison, TwinRecording};
 
 const SEEDS: u64 = 60;
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use thetahat::{Experiment, Identification, Recording, Robot, Series, Settings, design::ExpectedRecord};
+use thetahat::{Experiment, Identification, Recording, Robot, Series, Settings, design::ExpectedRecording};
 use thetahat_testing::{Folder, project};
 
 use super::support::{DESIGN, assert_within_limits, key_of, parse, rehearsal, torques};
