@@ -1,6 +1,7 @@
 //! What the sensors of a twin add to its motion: encoder steps and noise, white or coloured torque noise.
 
 use std::f64::consts::TAU;
+use thetahat_estimation::simulation::{Autoregression, SignalNoise, random_numbers};
 
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardUniform};
