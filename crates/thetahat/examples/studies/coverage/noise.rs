@@ -6,7 +6,6 @@ use thetahat_estimation::simulation::{Autoregression, SignalNoise, random_number
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardUniform};
 use thetahat::Series;
-use thetahat_estimation::simulation::{Autoregression, SignalNoise, random_numbers};
 
 use super::twin::Twin;
 

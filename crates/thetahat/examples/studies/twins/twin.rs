@@ -8,7 +8,6 @@ use thetahat::{
     robot::Quantity,
     simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulatorBias, Solver},
 };
-use thetahat_estimation::simulation::{NoisySignals, RecordingNoise, SignalNoise, random_numbers};
 use thetahat_model::robot::JointQuantity;
 
 use super::{
