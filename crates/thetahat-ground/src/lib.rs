@@ -1,8 +1,11 @@
-//! What the crates of thetahat stand on. Internal: use the crate `thetahat`.
+//! Foundations shared by the crates of thetahat: numbers, vectors, linear algebra, series, files, threads. Internal: use the crate
+//! `thetahat`.
 
 pub mod series;
 
 pub mod linear_algebra;
+
+mod conversions;
 
 pub mod real;
 

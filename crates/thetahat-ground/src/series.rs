@@ -1,8 +1,8 @@
 //! Equally sampled channels: the one container for time series.
 //!
 //! ```
-//! use thetahat::series::Series;
-//! let series = Series::from_channels(&[vec![0.0, 1.0, 2.0], vec![5.0, 6.0, 7.0]])?;
+//! use thetahat_ground::series::Series;
+//! let series = Series::from_channels(&[vec![0.0, 1.0, 2.0], vec![5.0, 6.0, 7.0]]);
 //! assert_eq!(series.sample(1), [1.0, 6.0]);
 //! assert_eq!(series.channel(1), [5.0, 6.0, 7.0]);
 //! assert_eq!(series.window(1..3).len(), 2);
@@ -136,7 +136,7 @@ impl Series {
         &self.values
     }
 
-    /// All values, sample by sample, taken out.
+    /// All values, sample by sample; consumes the series.
     #[must_use]
     pub fn into_values(self) -> Vec<f64> {
         self.values
@@ -158,7 +158,7 @@ impl Series {
         &mut self.values[k * self.channels..(k + 1) * self.channels]
     }
 
-    /// Adds white noise with a standard deviation for each channel: one number is drawn for each value, sample by sample.
+    /// Adds white noise with a standard deviation for each channel: one random number for each value, sample by sample.
     pub fn add_white_noise(&mut self, deviations: &[f64], rng: &mut ChaCha8Rng) {
         for k in 0..self.len() {
             for (value, deviation) in self.sample_mut(k).iter_mut().zip(deviations) {
@@ -168,7 +168,7 @@ impl Series {
         }
     }
 
-    /// Adds a series of the same form.
+    /// Adds a series of the same shape.
     pub fn add(&mut self, other: &Self) {
         self.values.iter_mut().zip(&other.values).for_each(|(value, other)| *value += other);
     }

@@ -4,12 +4,22 @@ use std::{error::Error, sync::Arc};
 
 use pyo3::prelude::*;
 use thetahat::{
-    base_parameters::BaseParametersError, campaign::CampaignError, dynamics::DynamicsError,
-    experiment::ExperimentError, experiment::ProposalError, export::ExportError, filter_choice::FilterChoiceError,
-    identification::EstimationError, identification::UnknownMethod, output::OutputError, preparation::PreparationError,
-    recording::RecordingError, reduction::ReductionError, report::ReportError, results::ResultsError,
-    robot::RobotError, signal::SignalError, simulation::SimulationError,
+    base_parameters::BaseParametersError,
+    campaign::CampaignError,
+    dynamics::DynamicsError,
+    experiment::{ExperimentError, ProposalError},
+    filter_choice::FilterChoiceError,
+    identification::{EstimationError, UnknownMethod},
+    preparation::PreparationError,
+    recording::RecordingError,
+    reduction::ReductionError,
+    report::ReportError,
+    results::ResultsError,
+    robot::RobotError,
+    signal::SignalError,
+    simulation::SimulationError,
 };
+use thetahat_ground::output::OutputError;
 
 use crate::remedies;
 
@@ -136,7 +146,7 @@ impl From<CampaignError> for PythonError {
             | CampaignError::Syntax { .. }
             | CampaignError::Value { .. }
             | CampaignError::NoPhysicalStart { .. }
-            | CampaignError::NoRecord { .. }
+            | CampaignError::NoRecording { .. }
             | CampaignError::OtherCampaign { .. }
             | CampaignError::NoCampaign { .. }
             | CampaignError::Damaged { .. }

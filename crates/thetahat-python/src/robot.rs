@@ -1,4 +1,4 @@
-//! The robot: its description, its model, and what is computed of many samples.
+//! The robot: its description, its model, and computations on many samples.
 
 use std::{
     collections::BTreeMap,
@@ -14,22 +14,21 @@ use thetahat::{
     base_parameters::BaseParameters,
     dynamics::{DynamicParameters, DynamicsError, Model, Sign, State, Workspace},
     regressor::Regressor,
-    report,
     results::ProfiledTerm,
-    robot::{Locks, RobotSource},
-    robot_summary::RobotSummary,
+    robot::{Locks, RobotSource, RobotSummary},
     run::with_constants,
 };
+use thetahat_report::report;
 
 use crate::{
     arrays::{Samples, array_of, series_of},
     python_error::PythonError,
 };
 
-/// What a robot is made from anew.
+/// The data from which a robot is rebuilt.
 #[derive(Debug, Clone)]
 enum Origin {
-    /// A description, with joints that were locked beside those that it locks.
+    /// A description, with joints locked in addition to those that it locks.
     Description(RobotSource, Locks),
     /// An experiment, which may lock joints and add torque terms, and the constants that were found for these.
     Experiment { path: PathBuf, text: String, robot_text: String, constants: Vec<ProfiledTerm> },
@@ -68,7 +67,7 @@ impl Robot {
         Self::new(Origin::Experiment { path, text: text.to_owned(), robot_text: robot_text.to_owned(), constants })
     }
 
-    /// The text that it was made from.
+    /// The text of its description.
     pub fn description(&self) -> String {
         match &self.origin {
             Origin::Description(source, _) => source.to_text(),
@@ -132,7 +131,7 @@ impl Robot {
         }
     }
 
-    /// The description that it was made from.
+    /// The text of its description.
     fn text(&self) -> String {
         self.description()
     }
@@ -162,7 +161,7 @@ impl Robot {
         self.robot.a_priori_parameters().into_pyarray(py)
     }
 
-    /// What it is, as JSON.
+    /// Its summary as JSON.
     fn summary(&self, py: Python<'_>) -> Result<String, PythonError> {
         py.detach(|| Ok(report::model_json(&RobotSummary::new(&self.source()?, &self.robot))?))
     }
@@ -298,7 +297,7 @@ impl Robot {
     }
 }
 
-/// How the sign of a velocity is taken: as it is, or regularised with this velocity.
+/// The sign function of velocities: exact, or smoothed with this velocity.
 pub fn sign_of(scale: Option<f64>) -> PyResult<Sign> {
     match scale {
         None => Ok(Sign::Exact),

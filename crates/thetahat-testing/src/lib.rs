@@ -1,7 +1,6 @@
-//! What the tests of both crates share: temporary folders, runs of the program, the shared data, models
-//! of others, and assertions.
+//! What the tests of the crates share: temporary folders, runs of the program, the shared data, models of other programs, and assertions.
 //!
-//! Everything here panics where it fails, as tests do, except checks for tests that return their failure.
+//! Functions here panic on failure, except checks that return their failure.
 
 mod assertions;
 mod folder;

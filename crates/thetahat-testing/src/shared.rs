@@ -1,4 +1,4 @@
-//! The checkout, and the shared data beside it.
+//! The checkout, and the shared data next to it.
 
 use std::path::{Path, PathBuf};
 
@@ -16,7 +16,7 @@ pub fn project(file: &str) -> PathBuf {
     root().join(file)
 }
 
-/// The folder of data sets and reference values: `shared` beside the checkout, or `THETAHAT_SHARED`.
+/// The folder of data sets and reference values: `shared` next to the checkout, or `THETAHAT_SHARED`.
 #[must_use]
 pub fn shared() -> PathBuf {
     std::env::var_os("THETAHAT_SHARED").map_or_else(|| root().join("../shared"), PathBuf::from)
@@ -28,10 +28,10 @@ pub fn data() -> PathBuf {
     shared().join("datasets")
 }
 
-/// A test by name.
+/// A test with its name.
 pub type Named = (&'static str, fn() -> Result<(), Failed>);
 
-/// Tests that read these files of the shared data; where one is absent they count as ignored, and a line says so.
+/// Tests that read these files of the shared data; if one is absent they count as ignored, and a line says so.
 #[must_use]
 pub fn trials_on_shared_data(files: &[&str], tests: Vec<Named>) -> Vec<Trial> {
     let absent = first_absent(files);
@@ -41,7 +41,7 @@ pub fn trials_on_shared_data(files: &[&str], tests: Vec<Named>) -> Vec<Trial> {
     tests.into_iter().map(|(name, run)| Trial::test(name, run).with_ignored_flag(absent.is_some())).collect()
 }
 
-/// Tests of minutes on the shared data: ignored but with `--ignored`, as the nightly script runs them.
+/// Slow tests (minutes) on the shared data: run only with `--ignored`, as the nightly script does.
 #[must_use]
 pub fn slow_trials(files: &[&str], tests: Vec<Named>) -> Vec<Trial> {
     if let Some(file) = first_absent(files) {

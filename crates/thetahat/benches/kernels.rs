@@ -5,7 +5,7 @@ mod tx40;
 use std::path::Path;
 
 use divan::{Bencher, black_box};
-use thetahat::{dynamics::Sign, experiment::Experiment, series::Series, signal::Decimator};
+use thetahat::{Experiment, Series, dynamics::Sign, signal::Decimator};
 use tx40::{DDQ, Q, SIGN, Tx40, state};
 
 fn main() {

@@ -61,7 +61,7 @@ fn a_killed_campaign_goes_on_and_ends_with_the_same_file() {
     let output = command(&folder, "killed", "2").output().unwrap();
     let told = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{told}");
-    assert!(told.contains(&format!("{kept} there before")), "{told}");
+    assert!(told.contains(&format!("{kept} already there")), "{told}");
     assert_eq!(fs::read(runs("whole")).unwrap(), fs::read(runs("killed")).unwrap());
     assert!(folder.at("killed/campaign.html").is_file());
     assert_eq!(fs::read_dir(folder.at("killed/parts")).unwrap().count(), 0);

@@ -15,7 +15,7 @@ mod source;
 use std::{collections::BTreeMap, fs};
 
 use keys::{Form, Keys, Root};
-use source::{Holds, Sources};
+use source::Sources;
 use thetahat_testing::project;
 
 const DOCUMENTS: [&str; 6] = ["checks.md", "experiments.md", "recordings.md", "results.md", "robots.md", "verdict.md"];
@@ -60,7 +60,7 @@ const ROOTS: [Root; 7] = [
         heading: "Keys of a design file",
         word: "Design",
         form: Form::Toml,
-        of: ["DesignFile", "design/description"],
+        of: ["DesignFile", "design/text/description"],
     },
     Root {
         block: "results",
@@ -143,19 +143,6 @@ fn tables_are_those_of_the_sources() {
     assert!(stale.is_empty(), "{}\n{how}", stale.join("\n"));
     let missing: Vec<&&str> = blocks.keys().filter(|name| !shown.iter().any(|s| s == *name)).collect();
     assert!(missing.is_empty(), "no document shows {missing:?}");
-}
-
-/// What facts.rs says of keys is of keys that are there, and that no doc comment explains.
-#[test]
-fn no_fact_is_stale() {
-    let sources = Sources::read();
-    for (item, key, ..) in facts::UNDOCUMENTED {
-        let members = &sources.item(item, "robot/toml_file/file").members;
-        let member = members.iter().find(|m| m.name == key && matches!(m.holds, Holds::One(_)));
-        let member = member.unwrap_or_else(|| panic!("facts.rs: {item} has no key {key}"));
-        let is_needed = member.docs.is_empty() || keys::is_ignored(member);
-        assert!(is_needed, "{item}.{key} has a doc comment: take it out of facts.rs");
-    }
 }
 
 /// The headings above the blocks are those that links from other tables lead to.

@@ -57,7 +57,7 @@ fn is_refused(folder: &Folder, arguments: &str, words: &[&str]) {
 /// Asserts that a command does not touch a file of others, does with `--force`, and then without it again.
 fn keeps_files_of_others(folder: &Folder, command: &str, file: &str) {
     folder.write(file, FOREIGN);
-    is_refused(folder, command, &[file, "is there already", "--force"]);
+    is_refused(folder, command, &[file, "exists and", "--force"]);
     assert_eq!(folder.text(file), FOREIGN, "{command}");
     succeeds(folder, &format!("{command} --force"));
     assert_ne!(folder.bytes(file), FOREIGN.as_bytes(), "{command}");
@@ -92,11 +92,11 @@ fn files_of_others_are_replaced_with_force_only() {
 fn a_proposal_replaces_an_experiment_with_force_only() {
     let folder = case();
     let init = "init --robot robot.toml --recording record.csv --out experiment.toml";
-    is_refused(&folder, init, &["experiment.toml", "is there already", "--force"]);
+    is_refused(&folder, init, &["experiment.toml", "exists and", "--force"]);
     assert_eq!(folder.text("experiment.toml"), EXPERIMENT);
     succeeds(&folder, &format!("{init} --force"));
     assert!(folder.text("experiment.toml").starts_with("# Proposed by thetahat from"));
-    is_refused(&folder, init, &["is there already, and may hold your changes", "--force"]);
+    is_refused(&folder, init, &["exists and may contain your changes", "--force"]);
     let over = |input: &str| format!("init --robot robot.toml --recording record.csv --out {input} --force");
     is_refused(&folder, &over("record.csv"), &["record.csv", "is read as an input"]);
     is_refused(&folder, &over("robot.toml"), &["robot.toml", "is read as an input"]);
@@ -108,7 +108,7 @@ fn a_record_is_replaced_with_force_only() {
     let folder = arm();
     let simulate = "simulate experiments/two_joint.toml --out log.csv";
     folder.write("log.csv", "time_s,position_1,position_2,torque_1,torque_2\n0,1,2,3,4\n");
-    is_refused(&folder, simulate, &["log.csv", "is there already"]);
+    is_refused(&folder, simulate, &["log.csv", "exists and"]);
     assert_eq!(folder.text("log.csv").lines().count(), 2);
     succeeds(&folder, &format!("{simulate} --force"));
     let text = folder.text("log.csv");
@@ -168,7 +168,7 @@ fn a_campaign_goes_into_a_folder_of_its_own() {
     fs::remove_file(folder.at("runs/notes.txt")).unwrap();
     succeeds(&folder, campaign);
     folder.write("runs/campaign.html", FOREIGN);
-    is_refused(&folder, campaign, &["campaign.html", "is there already"]);
+    is_refused(&folder, campaign, &["campaign.html", "exists and"]);
 }
 
 /// One byte of a kept record, in the middle of its values, is another one.
@@ -250,7 +250,7 @@ fn a_prediction_takes_the_method_that_is_advised() {
     let mut other = results["runs"][0].clone();
     other["method"] = "idim-iv".into();
     results["runs"].as_array_mut().unwrap().push(other);
-    results["advice"][0]["take"] = "idim-iv".into();
+    results["advice"][0]["recommended"] = "idim-iv".into();
     folder.write("advised.json", results.to_string());
     let predict = |rest: &str| succeeds(&folder, &format!("predict advised.json --recording record.csv{rest}"));
     assert!(predict("").contains("idim-iv"));

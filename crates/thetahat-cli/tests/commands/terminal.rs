@@ -41,10 +41,11 @@ fn one_screen_begins_and_ends_with_the_verdict() {
     let text = printed(&folder, "demo", 0);
     assert!(text.lines().count() <= LINES, "{} lines\n{text}", text.lines().count());
     assert!(text.lines().all(|line| line.chars().count() <= COLUMNS), "{text}");
-    assert!(text.starts_with("\u{2713} GOOD: take idim-iv"), "{text}");
+    assert!(text.starts_with("\u{2713} GOOD: use idim-iv"), "{text}");
     let card = card(&text);
-    assert!(card.ends_with("\n\u{2713} GOOD: take idim-iv (nominal)\n"), "{card}");
-    for what in ["error ", "unseen ", "worst joint ", "physical ", "precise, ", "not identified of 60", "to improve  "]
+    assert!(card.ends_with("\n\u{2713} GOOD: use idim-iv (nominal)\n"), "{card}");
+    for what in
+        ["error ", "on data not used", "worst joint ", "physical ", "precise, ", "not identified of 60", "to improve  "]
     {
         assert!(card.contains(what), "{what}: {card}");
     }
@@ -77,7 +78,7 @@ fn a_broken_record_cannot_be_taken_for_good() {
     assert!(text.starts_with("\u{2717} DO NOT USE these numbers\n"), "{text}");
     let card = card(&text);
     assert!(card.ends_with("\n\u{2717} DO NOT USE these numbers\n") && card.contains("[check-problem]"), "{card}");
-    assert!(!card.contains("take idim") && !text.contains("GOOD"), "{text}");
+    assert!(!card.contains("use idim") && !text.contains("GOOD"), "{text}");
     assert!(card.contains("next        1. "), "{card}");
 }
 

@@ -1,7 +1,7 @@
 //! From recorded logs to estimates by `init` and `identify`, with no edit between them.
 
 use libtest_mimic::{Arguments, Failed};
-use thetahat::{identification::Status, results::Results};
+use thetahat::{Results, identification::Status};
 use thetahat_testing::{Folder, data, ensure, project, run, succeeded, trials_on_shared_data};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_thetahat");
@@ -20,7 +20,7 @@ fn identified(robot: &str, recordings: &[&str], more: &[&str]) -> Result<Results
 
 /// The methods that init proposes converge, and the one that is advised is within a relative error, percent.
 fn is_within(limit: f64, results: &Results) -> Result<(), Failed> {
-    let take = results.advice[0].take.ok_or("no method is advised")?;
+    let take = results.advice[0].recommended.ok_or("no method is advised")?;
     for name in ["idim-ls", "idim-iv"] {
         let run = results.runs.iter().find(|r| r.method.name() == name).ok_or("init did not propose it")?;
         ensure(run.status == Status::Converged, format!("{name}: {:?}", run.reason))?;

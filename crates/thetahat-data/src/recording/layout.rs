@@ -1,4 +1,4 @@
-//! How the channels of a signal lie in its columns.
+//! How the channels of a signal are arranged in its columns.
 
 use std::path::Path;
 
@@ -8,23 +8,23 @@ use thetahat_ground::series::Series;
 /// Most channels of a long table.
 const MOST_CHANNELS: usize = 100;
 
-/// How the channels of a signal lie in its columns.
+/// How the channels of a signal are arranged in its columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Layout {
     /// A channel in each column.
     Columns,
     /// A channel in each row of a matrix.
     Rows,
-    /// The channels of a sample one behind the other in one column.
+    /// The channels of a sample one after the other in one column.
     Interleaved {
-        /// Their number.
+        /// Number of channels.
         channels: usize,
     },
     /// A channel in each row of two columns: its value, and its number.
     Long,
 }
 
-/// The channels of columns that lie so.
+/// Arranges the channels of columns.
 pub(super) fn laid_out(layout: Layout, columns: Series, path: &Path) -> Result<Series, RecordingError> {
     match layout {
         Layout::Columns => Ok(columns),

@@ -20,7 +20,7 @@ pub struct Motion {
     pub ddq: Series,
 }
 
-/// The band-passed motion of recorded positions, with as many samples as they have and without delay.
+/// The band-passed motion of recorded positions, with the same number of samples and without delay.
 ///
 /// The positions (rad or m, one channel per coordinate) are filtered forward and backward by a Butterworth low-pass of
 /// `filter_order` and `cutoff_hz` with MATLAB's padding ([`zero_phase`]), then differentiated twice by
@@ -29,15 +29,16 @@ pub struct Motion {
 ///
 /// # Errors
 /// As [`SecondOrderSections::butterworth_lowpass`] and [`zero_phase`]: an order of zero, a cut-off that is not between
-/// 0 and half the sample rate, or a record no longer than the padding of `3 filter_order` samples.
+/// 0 and half the sample rate, or a recording no longer than the padding of `3 filter_order` samples.
 ///
 /// ```
-/// use thetahat::{series::Series, signal::{Derivative, band_pass}};
+/// use thetahat_estimation::signal::{band_pass, Derivative};
+/// use thetahat_ground::series::Series;
 /// // 0.5 t^2 at 100 Hz: away from the ends, the acceleration is 1.
 /// let position = Series::from_values(1, (0..400).map(|k| 0.5 * (0.01 * f64::from(k)).powi(2)).collect())?;
 /// let motion = band_pass(&position, 100.0, 4, 10.0, Derivative::NinePoint)?;
 /// assert!((motion.ddq.sample(200)[0] - 1.0).abs() < 1e-6);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// # Ok::<(), thetahat_estimation::signal::SignalError>(())
 /// ```
 pub fn band_pass(
     position: &Series,

@@ -16,8 +16,9 @@ use thetahat_ground::series::Series;
 /// If the series has fewer than two samples.
 ///
 /// ```
-/// use thetahat::{series::Series, signal::central_difference};
-/// let ramp = Series::from_values(1, vec![0.0, 0.5, 1.0, 1.5])?;
+/// use thetahat_estimation::signal::central_difference;
+/// use thetahat_ground::series::Series;
+/// let ramp = Series::from_values(1, vec![0.0, 0.5, 1.0, 1.5]);
 /// assert_eq!(central_difference(&ramp, 10.0).values(), [5.0; 4]);
 /// # Ok::<(), thetahat::series::SeriesError>(())
 /// ```
@@ -65,8 +66,9 @@ impl Derivative {
     /// If the series has fewer than two samples.
     ///
     /// ```
-    /// use thetahat::{series::Series, signal::Derivative};
-    /// let cubes = Series::from_values(1, (0..20).map(|k| f64::from(k).powi(3)).collect())?;
+    /// use thetahat_estimation::signal::Derivative;
+    /// use thetahat_ground::series::Series;
+    /// let cubes = Series::from_values(1, (0..20).map(|k| f64::from(k).powi(3)).collect());
     /// assert!((Derivative::NinePoint.of(&cubes, 1.0).sample(10)[0] - 300.0).abs() < 1e-9);
     /// assert!((Derivative::Central.of(&cubes, 1.0).sample(10)[0] - 301.0).abs() < 1e-9);
     /// # Ok::<(), thetahat::series::SeriesError>(())
@@ -80,7 +82,7 @@ impl Derivative {
         }
     }
 
-    /// Samples on either side that it takes.
+    /// Number of samples that it uses on either side.
     #[must_use]
     pub fn reach(self) -> usize {
         match self {

@@ -1,4 +1,4 @@
-//! The moving part of a record.
+//! The moving part of a recording.
 
 use std::ops::Range;
 
@@ -6,22 +6,22 @@ use thetahat_ground::series::Series;
 
 use super::error::SignalError;
 
-/// The samples from the first to the last at which something moves: what remains when the still periods at both ends
-/// are cut.
+/// The samples from the first to the last at which any channel moves, without the still periods at both ends.
 ///
 /// A channel moves where its absolute velocity is at least `threshold_fraction` (above 0, below 1) of its own peak. A
-/// channel whose peak is not above `still_velocity`, in the unit of the velocity, never moves: so the noise of a joint
-/// at rest does not count as motion. Pauses between motions are kept. The velocity should be filtered, as a single
+/// channel whose peak is not above `still_velocity`, in the unit of the velocity, never moves, so that the noise of a joint
+/// at rest does not count as motion. Pauses between motions are kept. The velocity should be filtered, because a single
 /// spike counts as motion too.
 ///
 /// # Errors
 /// If the fraction is out of range, or no channel moves.
 ///
 /// ```
-/// use thetahat::{series::Series, signal::moving_samples};
-/// let velocity = Series::from_values(1, vec![0.0, 0.001, 0.5, 1.0, 0.0, 0.5, 0.0])?;
+/// use thetahat_estimation::signal::moving_samples;
+/// use thetahat_ground::series::Series;
+/// let velocity = Series::from_values(1, vec![0.0, 0.001, 0.5, 1.0, 0.0, 0.5, 0.0]);
 /// assert_eq!(moving_samples(&velocity, 0.01, 0.1)?, 2..6);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// # Ok::<(), thetahat_estimation::signal::SignalError>(())
 /// ```
 pub fn moving_samples(
     velocity: &Series,
@@ -37,7 +37,7 @@ pub fn moving_samples(
     }
 }
 
-/// The absolute velocity from which on each channel counts as moving, from its peak over the whole record; infinite for one
+/// The absolute velocity from which each channel counts as moving, from its peak over the whole recording; infinite for one
 /// that never moves.
 ///
 /// # Errors

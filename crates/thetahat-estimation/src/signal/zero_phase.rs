@@ -6,7 +6,7 @@ use super::design::SecondOrderSections;
 use super::error::SignalError;
 use super::forward_backward::{Kept, Shape, forward_backward};
 
-/// How many samples a record is extended by at both ends before it is filtered forward and backward.
+/// Number of samples by which a recording is extended at both ends before it is filtered forward and backward.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Padding {
     /// MATLAB's `filtfilt(b, a, x)`: three times the order.
@@ -28,8 +28,8 @@ impl Padding {
 
 /// The series filtered forward and backward: no delay, and the gain of one pass squared.
 ///
-/// Both ends are extended by the odd reflection `2 x[0] - x[k]`, and each pass starts in the steady state of the first
-/// value it meets, so that a constant passes unchanged (for a filter with gain 1 at DC). The padding is MATLAB's or
+/// Both ends are extended by the odd reflection `2 x[0] - x[k]`, and each pass starts in the steady state of its first value, so that a
+/// constant passes unchanged (for a filter with gain 1 at DC). The padding is MATLAB's or
 /// SciPy's, see [`Padding`]; away from the ends the two agree. The effective bandwidth is below the cut-off, see
 /// [`minus_3_db_bandwidth_hz`](super::minus_3_db_bandwidth_hz).
 ///
@@ -37,12 +37,13 @@ impl Padding {
 /// [`SignalError::RecordTooShort`] if the series is not longer than the padding.
 ///
 /// ```
-/// use thetahat::{series::Series, signal::{Padding, SecondOrderSections, zero_phase}};
+/// use thetahat_estimation::signal::{zero_phase, Padding, SecondOrderSections};
+/// use thetahat_ground::series::Series;
 /// let filter = SecondOrderSections::butterworth_lowpass(4, 50.0, 1000.0)?;
 /// let constant = Series::from_values(1, vec![2.0; 100])?;
 /// let filtered = zero_phase(&filter, &constant, Padding::Matlab)?;
 /// assert!(filtered.values().iter().all(|y| (y - 2.0).abs() < 1e-11));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// # Ok::<(), thetahat_estimation::signal::SignalError>(())
 /// ```
 pub fn zero_phase(filter: &SecondOrderSections, series: &Series, padding: Padding) -> Result<Series, SignalError> {
     let fill = |k: usize, sample: &mut [f64]| sample.copy_from_slice(series.sample(k));
@@ -121,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn a_record_as_short_as_the_padding_is_refused() -> Result<(), SignalError> {
+    fn a_recording_as_short_as_the_padding_is_refused() -> Result<(), SignalError> {
         let result = zero_phase(&filter(4)?, &Series::zeros(12, 1), Padding::Matlab);
         assert_eq!(result, Err(SignalError::RecordTooShort { needed: 13, found: 12 }));
         assert!(zero_phase(&filter(4)?, &Series::zeros(13, 1), Padding::Matlab).is_ok());

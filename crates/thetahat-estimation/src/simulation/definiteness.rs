@@ -1,9 +1,9 @@
-//! Whether parameters can be simulated: their mass matrix against that of other ones.
+//! Whether parameters can be simulated: compares their mass matrix with that of other parameters.
 
 use super::closed_loop::ClosedLoop;
 use thetahat_model::dynamics::{DynamicParameters, Workspace, factorise};
 
-/// Points of the reference at which the mass matrix is looked at.
+/// Points of the reference at which the mass matrix is evaluated.
 const POINTS: usize = 25;
 
 impl ClosedLoop<'_> {

@@ -1,4 +1,4 @@
-//! How the torques of a motion change with positions and velocities: exactly, from the kernel that gives them.
+//! Derivatives of a motion's torques with respect to positions and velocities: exact, from the torque kernel.
 
 use std::ops::Range;
 
@@ -31,9 +31,9 @@ impl Jacobian {
 }
 
 impl Model {
-    /// `d ID / d q` and `d ID / d dq` of inverse dynamics `ID(q, dq, ddq)`, friction and coupled motors included, at each
-    /// of the `samples` of a motion, to the same places of `out`: by dual numbers, as many directions side by side as a vector of this machine holds. The derivative
-    /// by the accelerations is the mass matrix.
+    /// `d ID / d q` and `d ID / d dq` of inverse dynamics `ID(q, dq, ddq)`, friction and coupled motors included, at each of
+    /// the `samples` of a motion, at the same indices of `out`: by dual numbers, with one direction in each lane of a vector.
+    /// The derivative with respect to the accelerations is the mass matrix.
     #[doc(hidden)]
     pub fn inverse_dynamics_jacobians(
         &self,
@@ -92,8 +92,8 @@ impl WithSimd for Kernel<'_> {
     }
 }
 
-/// Values that vary, each in its direction: the one at `place` in the direction `offset + place`. Lane `l` holds the
-/// direction `first + l`.
+/// Seeds the dual numbers: the value at `place` varies in the direction `offset + place`. Lane `l` holds the direction `first +
+/// l`.
 #[inline(always)]
 fn seed<S: Simd>(simd: S, numbers: &mut [Dual<Lanes<S>>], values: &[f64], first: usize, offset: usize) {
     for (place, (number, &value)) in numbers.iter_mut().zip(values).enumerate() {

@@ -29,7 +29,7 @@ impl Model {
         pulp::Arch::new().dispatch(InverseDynamics { model: self, parameters, state, ddq, sign, workspace, tau });
     }
 
-    /// Forward dynamics (5): the accelerations `ddq` that torques `tau` give.
+    /// Forward dynamics (5): the accelerations `ddq` of torques `tau`.
     ///
     /// # Errors
     /// [`DynamicsError::MassMatrixNotPositiveDefinite`] where these parameters have no such mass matrix.
@@ -105,7 +105,7 @@ impl WithSimd for ForwardDynamics<'_> {
     }
 }
 
-/// The lower triangle of the mass matrix at `q`, left in the workspace.
+/// Computes the lower triangle of the mass matrix at `q` in the workspace.
 struct MassMatrix<'a> {
     model: &'a Model,
     parameters: &'a DynamicParameters,

@@ -8,15 +8,15 @@ use super::{
 use crate::robot::Quantity;
 use thetahat_ground::real::Lanes;
 
-/// A vector of standard parameters, sorted for the kernels; or several side by side.
+/// A vector of standard parameters, arranged for the kernels; or one in each lane.
 #[derive(Debug, Clone)]
 pub struct DynamicParameters<P = f64> {
     pub(super) links: Vec<Inertial<P>>,
     pub(super) joints: Vec<JointTerms<P>>,
-    /// Terms of the joints beside those, joint by joint.
+    /// Further terms of the joints, joint by joint.
     pub(super) others: Vec<OtherTerm<P>>,
     pub(super) motors: Vec<MotorTerms<P>>,
-    /// Those of the robot's terms, column by column.
+    /// The parameters of the robot's terms, column by column.
     pub(super) terms: Vec<P>,
 }
 
@@ -68,7 +68,7 @@ impl DynamicParameters {
 }
 
 impl<S: Simd> DynamicParameters<Lanes<S>> {
-    /// Those of each lane, which must be of the same model.
+    /// Combines the parameters of all lanes, which must belong to the same model.
     #[inline(always)]
     #[doc(hidden)]
     pub fn side_by_side<'a>(simd: S, of_lane: impl Fn(usize) -> &'a DynamicParameters) -> Self {

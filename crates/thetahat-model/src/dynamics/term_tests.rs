@@ -1,4 +1,4 @@
-//! The terms of one robot that has every kind, by mechanics itself: potentials, central differences, identities.
+//! All kinds of terms on one robot, tested by mechanics: potentials, central differences, identities.
 
 use std::path::Path;
 
@@ -14,7 +14,8 @@ use thetahat_ground::{
 
 const SIGN: Sign = Sign::Smooth { scale: 0.1 };
 
-/// A tree with a prismatic joint, a follower and a coupled motor; every kind of term but those of channels and accelerations.
+/// A tree with a prismatic joint, a follower and a coupled motor; every kind of term except those of channels and
+/// accelerations.
 pub(crate) const ROBOT: &str = r#"
 name = "all"
 gravity = [0.3, -1.2, -9.7]
@@ -269,7 +270,7 @@ fn phi_theta_is_inverse_dynamics_alone_and_side_by_side() {
     }
 }
 
-/// The sensitivities of simulations take these derivatives.
+/// Sensitivities of simulations use these derivatives.
 #[test]
 fn derivatives_are_central_differences() {
     let case = case();
@@ -326,7 +327,7 @@ fn what_cannot_be_a_term_is_named() {
     );
     assert_eq!(
         message("name = \"second\"", "name = \"first\""),
-        "[[term]] 9 (gas-spring): its parameter k_first is there already; state each law once for a joint, and give springs \
+        "[[term]] 9 (gas-spring): its parameter k_first exists already; state each law once for a joint, and give springs \
          and expressions names of their own"
     );
     assert!(

@@ -6,7 +6,8 @@
 //!
 //! ```
 //! use std::path::Path;
-//! use thetahat::{dynamics::{Model, Sign}, regressor::Regressor, series::Series, robot::Robot};
+//! use thetahat_ground::series::Series;
+//! use thetahat_model::{dynamics::{Model, Sign}, regressor::Regressor, robot::Robot};
 //! let text = "name = 'pendulum'\n[[joint]]\nname = 'pivot'\nkind = 'revolute'\n";
 //! let robot = Robot::parse(text, Path::new("pendulum.toml"))?;
 //! let model = Model::new(&robot);
@@ -16,7 +17,7 @@
 //! let (q, dq, ddq) = (q?, dq?, ddq?);
 //! let phi = Regressor::new(&model, &column).evaluate_series(&model, &q, &dq, &ddq, Sign::Exact);
 //! assert_eq!(phi.values(), [0.2]);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! # Ok::<(), thetahat_model::robot::RobotError>(())
 //! ```
 
 mod batch;

@@ -3,11 +3,10 @@
 use std::error::Error;
 
 use thetahat::{
+    Experiment, Series,
     base_parameters::BaseParameters,
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
-    experiment::Experiment,
     regressor::Regressor,
-    series::Series,
 };
 
 /// Joint positions of one state, rad.

@@ -4,10 +4,9 @@
 use std::{error::Error, hint::black_box, path::Path, time::Instant};
 
 use thetahat::{
-    Experiment, Identification, Method, Settings,
+    Experiment, Identification, Method, Series, Settings,
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     regressor::Regressor,
-    series::Series,
 };
 
 /// Samples of the motion.

@@ -4,10 +4,7 @@
 
 use std::error::Error;
 
-use thetahat::{
-    experiment::{Experiment, PowerPoint},
-    simulation::BiasKind,
-};
+use thetahat::{Experiment, experiment::PowerPoint, simulation::BiasKind};
 
 /// Records for each error, and for none.
 const RECORDS: usize = 50;
@@ -40,7 +37,7 @@ fn errors() -> Vec<(BiasKind, f64)> {
 
 fn print(points: &[PowerPoint]) {
     for point in points {
-        let judged = point.records - point.failures;
+        let judged = point.recordings - point.failures;
         let percent = |count: usize| 100.0 * count as f64 / judged.max(1) as f64;
         let failures =
             if point.failures > 0 { format!(", {} without estimate", point.failures) } else { String::new() };

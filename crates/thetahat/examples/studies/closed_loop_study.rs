@@ -8,9 +8,8 @@
 use std::{error::Error, path::Path};
 
 use thetahat::{
-    ControllerDescription,
-    experiment::Experiment,
-    identification::{Method, Needs, Status},
+    ControllerDescription, Experiment, Method,
+    identification::{Needs, Status},
     results::RunResult,
 };
 

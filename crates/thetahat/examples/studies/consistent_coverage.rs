@@ -12,17 +12,15 @@ use rand::{Rng, RngExt as _, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 use thetahat::{
-    Robot,
+    Matrix, Robot,
     base_parameters::BaseParameters,
-    consistency::{
-        ConsistencyError, ConsistentFit, ConsistentSet, LeastSquares, Prior, bounds_of, completed_a_priori, fit,
-        interval_in,
-    },
+    consistency::{ConsistencyError, ConsistentFit, ConsistentSet, LeastSquares, Prior, completed_a_priori, fit},
     dynamics::{Model, Sign, State, Workspace},
-    linear_algebra::{Matrix, PivotedQr, norm},
     regressor::Regressor,
     statistics::{f_probability, t_quantile},
 };
+use thetahat_ground::linear_algebra::{PivotedQr, norm};
+use thetahat_model::consistency::{bounds_of, interval_in};
 
 const STATES: usize = 400;
 /// Standard deviation of the noise, relative to the root mean square of the torques.
@@ -81,11 +79,19 @@ pub fn main() -> Result<(), Box<dyn Error>> {
         for (place, truth) in [("inside", &inside), ("boundary", &boundary)] {
             // The refits of the larger robots take some ten times longer: one seed in ten has them.
             let every = if name == "two_joint" { 1 } else { 10 };
-            let tally = twin.tally(truth, scale, (seeds, draws, every), &mut rng)?;
+            let tally = twin.tally(truth, scale, Draws { seeds, draws, every }, &mut rng)?;
             tally.print(name, place);
         }
     }
     Ok(())
+}
+
+/// How many data sets are drawn, and how many refits for every how many-th of them.
+#[derive(Clone, Copy)]
+struct Draws {
+    seeds: usize,
+    draws: usize,
+    every: usize,
 }
 
 impl Twin {
@@ -129,7 +135,7 @@ impl Twin {
         &self,
         truth: &[f64],
         scale: f64,
-        (seeds, draws, every): (usize, usize, usize),
+        Draws { seeds, draws, every }: Draws,
         rng: &mut ChaCha8Rng,
     ) -> Result<Tally, Box<dyn Error>> {
         let mut tally = Tally::default();

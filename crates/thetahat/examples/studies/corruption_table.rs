@@ -1,4 +1,4 @@
-//! Prints the tables of `docs/evidence/checks.md`: what the checks find in corrupted records, how far the clean records are from
+//! Prints the tables of `docs/evidence/checks.md`: what the checks find in corrupted recordings, how far the clean recordings are from
 //! the limits, and the smallest corruptions that are found. DATA is the folder of the recordings.
 //!
 //! ```sh
@@ -13,7 +13,8 @@ use super::corruption_suite::{
     record::{Record, Which, from_experiment, other_twin, twin, tx40_with_reference},
     table::{Clean, markdown, row, short},
 };
-use thetahat::checks::{Code, measure};
+use thetahat::checks::Code;
+use thetahat_estimation::checks::measure;
 
 /// Runs the study.
 pub fn main() {
@@ -49,7 +50,7 @@ fn margins(records: &[(&str, Record)]) {
         limits.sort_by(f64::total_cmp);
         limits.dedup();
         for limit in limits {
-            let worst = |measures: &Vec<thetahat::checks::Measure>| {
+            let worst = |measures: &Vec<thetahat_estimation::checks::Measure>| {
                 let own = measures.iter().filter(|m| m.code == code && m.limit == limit).map(|m| m.value);
                 own.fold(f64::NEG_INFINITY, f64::max)
             };

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! DIR gets NAME.urdf, NAME.xml and NAME.sdf with NAME.urdf.json and so on: 1000 random states, and the torques of the robot as
-//! the format says it, with friction and without. Beside them go NAME_into_a_users_own.xml, a user's MuJoCo model with the
+//! the format says it, with friction and without. Next to them are NAME_into_a_users_own.xml, a user's MuJoCo model with the
 //! robot's values, and NAME_derivatives.py, generated derivatives of the links' torques.
 
 use std::{
@@ -24,9 +24,10 @@ use thetahat::{
     consistency::completed_a_priori,
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     export::{Export, Format, MjcfModel, Target, export_robot},
-    robot::{Parameter, Quantity, RobotSource, Role},
+    robot::{Parameter, Quantity, RobotSource},
     symbolic::{DriveTorques, Function, Language, ModelKind, ParameterSet, Request},
 };
+use thetahat_model::robot::Role;
 use thetahat_testing::{data, project, shared, users_mjcf};
 
 const STATES: usize = 1000;
@@ -78,7 +79,7 @@ fn export(file: &Path, folder: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A file with its torques beside it.
+/// Writes a file, and its torques next to it.
 fn write(export: &Export, path: &Path) -> Result<(), Box<dyn Error>> {
     fs::write(path, &export.text)?;
     let mut torques_file = path.file_name().unwrap_or_default().to_owned();

@@ -8,9 +8,8 @@ use std::{error::Error, fmt::Write, path::Path, time::Instant};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use thetahat::{
-    Identification, Recording, Robot, Settings,
+    Identification, Recording, Robot, Series, Settings,
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
-    series::Series,
 };
 
 const SAMPLE_RATE_HZ: f64 = 1000.0;
@@ -89,7 +88,7 @@ fn record(robot: &Robot, samples: usize) -> (Series, Series) {
     (positions, torques)
 }
 
-/// The largest resident memory of this process so far, where the system tells it.
+/// The largest resident memory of this process so far, if the system reports it.
 fn peak_kb() -> Option<usize> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;

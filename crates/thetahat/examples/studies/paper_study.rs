@@ -4,11 +4,7 @@
 
 use std::{error::Error, path::Path};
 
-use thetahat::{
-    experiment::Experiment,
-    identification::Method,
-    results::{Results, RunResult},
-};
+use thetahat::{Experiment, Method, Results, results::RunResult};
 
 /// Runs the study.
 pub fn main() -> Result<(), Box<dyn Error>> {

@@ -1,24 +1,22 @@
 //! What noise of the recorded positions does to IV through the reference: the table of `docs/evidence/closed_loop.md`. Twins of a
 //! two-joint arm make moves, a periodic motion, and one that is neither; IV follows the recorded reference, or what is made
-//! of the record.
+//! of the recording.
 //!
 //! `cargo run --release --example studies -p thetahat -- reference_study experiments/two_joint.toml`
 
 use std::{error::Error, f64::consts::TAU, path::Path};
 
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use thetahat::{
-    Identification, Method, Recording, Settings,
-    control::ControllerDescription,
+    ControllerDescription, Experiment, Identification, Method, Recording, Results, Robot, Series, Settings,
     dynamics::Model,
-    experiment::Experiment,
-    results::{Results, RunResult},
-    robot::Robot,
-    series::Series,
-    signal::{Derivative, band_pass, smooth},
-    simulation::{ClosedLoop, Job, OutputGrid, Reference, SampledReference, SimulatorBias, Solver, simulate_all},
+    results::RunResult,
+    signal::{Derivative, band_pass},
+    simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatorBias, Solver},
+};
+use thetahat_estimation::simulation::{NoisySignals, RecordingNoise, SignalNoise, random_numbers};
+use thetahat_estimation::{
+    signal::smooth,
+    simulation::{Job, simulate_all},
 };
 
 const RATE_HZ: f64 = 500.0;
@@ -58,11 +56,11 @@ pub fn main() -> Result<(), Box<dyn Error>> {
 enum Follows {
     /// The true reference.
     Recorded,
-    /// What is made of the record by default.
+    /// The reference that is found from the recording by default.
     Found,
-    /// The record, smoothed.
+    /// The recording, smoothed.
     Smoothed,
-    /// The record behind the position filter.
+    /// The recording after the position filter.
     Filtered,
 }
 
@@ -141,16 +139,9 @@ impl<'a> Study<'a> {
     }
 
     fn record(&self, q: &Series, tau: &Series, noise: f64, seed: u64) -> Recording {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let mut noisy = |series: &Series, deviation: f64| {
-            let mut series = series.clone();
-            series.values_mut().iter_mut().for_each(|v| {
-                let unit: f64 = StandardNormal.sample(&mut rng);
-                *v += deviation * unit;
-            });
-            series
-        };
-        let (position, torque) = (noisy(q, noise), noisy(tau, TORQUE_NOISE));
+        let [positions, torques] = [noise, TORQUE_NOISE].map(|deviation| vec![deviation; q.channels()]);
+        let noise = RecordingNoise { position: SignalNoise::White(&positions), torque: SignalNoise::White(&torques) };
+        let NoisySignals { position, torque } = noise.record(q.clone(), tau.clone(), &mut random_numbers(seed, 0));
         let truth = Some(self.robot.a_priori_parameters());
         Recording { truth, ..Recording::new(RATE_HZ, position, torque) }
     }
@@ -163,7 +154,7 @@ impl<'a> Study<'a> {
         let reference = match way {
             Follows::Recorded => record.reference.clone(),
             Follows::Found => None,
-            Follows::Smoothed => Some(smooth(&record.position, &filtered, &window, RATE_HZ, (order, CUTOFF_HZ))?.q),
+            Follows::Smoothed => Some(smooth(&record.position, &filtered, &window, RATE_HZ, order, CUTOFF_HZ)?.q),
             Follows::Filtered => Some(filtered),
         };
         let record = Recording { reference, ..record };

@@ -4,12 +4,7 @@
 
 use std::{error::Error, path::Path};
 
-use thetahat::{
-    experiment::Experiment,
-    identification::Method,
-    results::{Results, RunResult},
-    simulation::Solver,
-};
+use thetahat::{Experiment, Method, Results, results::RunResult, simulation::Solver};
 
 /// Runs the study.
 pub fn main() -> Result<(), Box<dyn Error>> {

@@ -7,17 +7,14 @@
 use std::{error::Error, path::Path, time::Instant};
 
 use thetahat::{
-    control::ControllerDescription,
+    ControllerDescription, Experiment, Series,
     dynamics::Model,
-    experiment::Experiment,
     recording::read_channels,
-    series::Series,
-    simulation::{
-        ClosedLoop, Job, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulatorBias, Solver, simulate_all,
-    },
+    simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulatorBias, Solver},
 };
+use thetahat_estimation::simulation::{Job, simulate_all};
 
-/// The rate of the record.
+/// The rate of the recording.
 const RATE_HZ: f64 = 200.0;
 /// Simulated time in s.
 const DURATION_S: f64 = 25.0;

@@ -26,7 +26,7 @@ pub enum ExperimentError {
         /// The parser's message, with line, column and the expected keys.
         message: String,
     },
-    /// What the experiment says cannot be used for its robot or recordings.
+    /// The experiment does not fit its robot or recordings.
     #[error("{}: {source}", path.display())]
     Preparation {
         /// The experiment file.
@@ -69,7 +69,7 @@ pub enum ExperimentError {
         /// Why.
         source: TrajectoryError,
     },
-    /// The twin's record cannot be simulated.
+    /// The twin's recording cannot be simulated.
     #[error("{}: [twin] {source}", path.display())]
     Twin {
         /// The experiment file.

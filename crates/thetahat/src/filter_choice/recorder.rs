@@ -1,4 +1,4 @@
-//! How the torques of a record were recorded, as far as an estimate tells: their noise, their lag, the low-pass they went through.
+//! How the torques of a recording were measured, judged by an estimate: their noise, lag and low-pass.
 
 use super::{error::FilterChoiceError, low_pass::low_pass_hz};
 use crate::preparation::{FilteredRecording, Problem};
@@ -9,16 +9,16 @@ use thetahat_estimation::{
 use thetahat_ground::{linear_algebra::dot, series::Series};
 use thetahat_model::dynamics::{DynamicParameters, Model, Sign, State, Workspace};
 
-/// Standard deviations of independent rows by which a lag must differ from zero.
+/// Significance threshold of a lag, in standard deviations of independent rows.
 const SURE: f64 = 8.0;
 /// Longest lag, samples.
 const LONGEST: f64 = 2.0;
-/// Order of the low-pass that is put in place of the recorder's.
+/// Order of the low-pass that imitates the recorder's.
 const ORDER: usize = 2;
 
 /// How torques were recorded.
 pub(super) struct Recorder {
-    /// What the estimate leaves of the samples that make rows, larger by what the others leave out.
+    /// The residual of the samples in rows, scaled to the power that it would have without the masked samples.
     pub(super) noise: Series,
     /// Samples by which the torques are late.
     lag: f64,
@@ -35,8 +35,8 @@ impl Recorder {
         theta: &[f64],
     ) -> Result<Self, FilterChoiceError> {
         let torque = filtered.centred_torque();
-        let left = left(&torque, &filtered.motion, &problem.model, theta);
-        let lag = lag(problem, columns, (&torque, &left))?;
+        let left = residual_of(&torque, &filtered.motion, &problem.model, theta);
+        let lag = lag(problem, columns, &torque, &left)?;
         let noise = match &problem.masks[0] {
             None => left,
             Some(mask) => as_if_unmasked(&mask.applied_to(&left), &mask.left_out()),
@@ -60,8 +60,8 @@ fn as_if_unmasked(noise: &Series, left_out: &[f64]) -> Series {
     Series::shaped(noise.channels(), scaled.collect())
 }
 
-/// Samples by which torques are late, to first order; zero where it is not sure: `y(t) = y0(t - d)` leaves `-d dy0/dt`.
-fn lag(problem: &Problem, columns: &[usize], (torque, left): (&Series, &Series)) -> Result<f64, FilterChoiceError> {
+/// Samples by which torques are late, to first order; zero if it is not significant: `y(t) = y0(t - d)` leaves `-d dy0/dt`.
+fn lag(problem: &Problem, columns: &[usize], torque: &Series, left: &Series) -> Result<f64, FilterChoiceError> {
     let regression = problem.regression.with_columns(columns);
     let influence = Method::IDIM_LS.influence(&regression, None)?;
     let predicted = torque.values().iter().zip(left.values()).map(|(y, e)| y - e).collect();

@@ -14,7 +14,7 @@ pub(super) struct StaticFriction {
 }
 
 impl StaticFriction {
-    /// That of joints with so much Coulomb friction along velocities, where the simulated one is smooth over a velocity scale.
+    /// The static friction of joints with this Coulomb friction along velocities, for a simulated sign that is smooth over a velocity scale.
     pub(super) fn new(coulomb: &[f64], dq: &Series, sign_velocity_scale: f64) -> Self {
         let joints = coulomb.len();
         let missing = |(i, dq): (usize, &f64)| coulomb[i % joints] * (1.0 - (dq / sign_velocity_scale).tanh().abs());

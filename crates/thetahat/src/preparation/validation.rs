@@ -8,6 +8,7 @@ use super::{
     settings::{Case, Mask, ParameterChoice, ParameterSelection, Settings, StatedMask},
 };
 use thetahat_estimation::{
+    control::ControllerDescription,
     identification::{Design, Method, Needs, Response, Weighting},
     simulation::Solver,
 };
@@ -38,9 +39,27 @@ impl Settings {
         self.validate_convergence()?;
         if let Some(controller) = &self.controller {
             controller.validate(robot.coordinate_count())?;
+            self.validate_own_law(controller)?;
         }
         self.validate_payloads(robot)?;
         self.validate_simulation()
+    }
+
+    /// Of a user's own law there are neither gains to estimate nor derivatives of a memory.
+    fn validate_own_law(&self, controller: &ControllerDescription) -> Checked {
+        let Some(law) = controller.own_law() else { return Ok(()) };
+        if let Some(gain) = self.estimation.loop_parameters.iter().find(|p| p.is_gain()) {
+            let expected = "no position or velocity gain with a control law of your own";
+            return Err(PreparationError::value("[estimation] loop_parameters", expected, format!("{gain:?}")));
+        }
+        let with_sensitivities = |m: &Method| m.needs() == Needs::Sensitivities && law.memory() > 0;
+        match self.all_methods().into_iter().find(with_sensitivities) {
+            Some(method) => {
+                let expected = "no method that needs sensitivities, which a control law with a memory does not have";
+                Err(PreparationError::value("[estimation] methods", expected, method))
+            }
+            None => Ok(()),
+        }
     }
 
     fn validate_payloads(&self, robot: &Robot) -> Checked {

@@ -63,7 +63,9 @@ mod value;
 
 pub use error::ReductionError;
 pub use estimates::estimates_of_results;
+#[doc(hidden)]
 pub use factors::Segment;
+#[doc(hidden)]
 pub use identity::Identity;
 pub use reduce::{ReduceOptions, ReduceProgress};
 pub use solve::Solution;

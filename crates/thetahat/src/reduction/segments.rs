@@ -96,7 +96,11 @@ mod tests {
 
     use super::super::factors::{Accumulator, JointColumns};
     use super::*;
-    use thetahat_estimation::{identification::idim_ls, regression::RowLayout, signal::Decimator};
+    use thetahat_estimation::{
+        identification::idim_ls,
+        regression::{BlockKey, RowLayout},
+        signal::Decimator,
+    };
     use thetahat_ground::series::Series;
 
     /// Percentage of 95 % intervals that contain the true value, with errors autoregressive of the first order; each
@@ -124,7 +128,7 @@ mod tests {
                 let factor = &stretch.factors[0];
                 parts.push(factor.select_columns(&(0..columns).collect::<Vec<_>>()));
                 y.extend_from_slice(factor.column(columns));
-                layout.push(0, (0, g), factor.rows());
+                layout.push(BlockKey { joint: 0, recording: 0, stretch: g }, factor.rows());
             }
             let x = Matrix::stack(&parts.iter().collect::<Vec<_>>());
             let regression = Regression::new(x, y, layout);
@@ -151,7 +155,7 @@ mod tests {
 
     #[test]
     fn one_stretch_has_no_variance() {
-        let regression = Regression::of_one_series(Matrix::from_fn(10, 1, |i, _| i as f64), vec![1.0; 10]);
+        let regression = Regression::single_series(Matrix::from_fn(10, 1, |i, _| i as f64), vec![1.0; 10]);
         assert!(cluster_variances(&regression, None, &[1.0; 10]).is_err());
     }
 
@@ -162,7 +166,7 @@ mod tests {
         let y = [1.0, 3.0, -2.0, 0.0, 4.0, 6.0, -5.0, -7.0];
         let x = Matrix::from_fn(8, 1, |_, _| 1.0);
         let mut layout = RowLayout::empty(1, 1);
-        (0..4).for_each(|stretch| layout.push(0, (0, stretch), 2));
+        (0..4).for_each(|stretch| layout.push(BlockKey { joint: 0, recording: 0, stretch }, 2));
         let means = [2.0, -1.0, 5.0, -6.0];
         let expected = means.iter().map(|m| m * m).sum::<f64>() / 3.0 / 4.0;
         let regression = Regression::new(x, y.to_vec(), layout);

@@ -134,7 +134,7 @@ impl Bounded<'_> {
         let MethodEstimate { method, regression, outcome } = self.estimated;
         let torques = directions.iter().flat_map(|d| d.torque.iter().copied()).collect();
         let errors = Matrix::from_columns(regression.x.rows(), torques);
-        let beside = |matrix: &Matrix| Matrix::beside(&[matrix, &errors]);
+        let beside = |matrix: &Matrix| Matrix::side_by_side(&[matrix, &errors]);
         let (regression, z) = (regression.with_matrix(beside(&regression.x)), outcome.instruments.as_ref().map(beside));
         let fit = method.estimate(&regression, z.as_ref(), self.divisor)?;
         let intervals = uncertainty(*method, &regression, z.as_ref(), &fit)?.interval_95;

@@ -35,6 +35,7 @@ mod prediction;
 mod prepared;
 mod profile;
 mod profiled_robot;
+mod regression;
 mod residual_curves;
 mod sensitivity;
 mod term_comparison;
@@ -44,8 +45,10 @@ mod user_estimators;
 
 pub(crate) use curves::skeleton_in;
 pub(crate) use examination::{check_recordings, examine_robot};
+#[doc(hidden)]
 pub use identification::Identification;
 pub(crate) use identification::{CaseProblem, explain};
 pub(crate) use parameters::{covariance_of, parameter_results};
 pub(crate) use prediction::{Identified, predict_torques};
+#[doc(hidden)]
 pub use profiled_robot::with_constants;

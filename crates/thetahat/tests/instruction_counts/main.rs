@@ -11,9 +11,9 @@ use std::{collections::BTreeMap, error::Error, hint::black_box, path::PathBuf, p
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use thetahat::{
+    Series,
     dynamics::Sign,
     identification::Assembly,
-    series::Series,
     signal::Decimator,
     trajectory::{MotionLimits, plan},
 };

@@ -2,11 +2,8 @@
 
 use std::path::Path;
 
-use thetahat::{
-    experiment::Experiment,
-    identification::Method,
-    results::{Comparison, Results},
-};
+use thetahat::{Experiment, Method, Results};
+use thetahat_report::results::Comparison;
 
 /// The twin of EMPS with changes of its experiment.
 fn run(changes: &[(&str, &str)]) -> Results {
@@ -41,7 +38,7 @@ fn all_methods_agree_with_the_truth_where_the_simulator_is_exact() {
     }
     let (test, advice) = (results.diagnostics[0].biased_simulator.as_ref().unwrap(), &results.advice[0]);
     assert!(!test.verdict.distrusts() && test.verdict != Comparison::Undecided, "{test:?}");
-    assert!(advice.take.is_some() && advice.distrust.is_empty(), "{advice:?}");
+    assert!(advice.recommended.is_some() && advice.distrust.is_empty(), "{advice:?}");
 }
 
 /// The signs of small velocities move IV by more than two standard deviations, and DIDIM by one at most: the simulator is not to be
@@ -54,6 +51,6 @@ fn an_exact_simulator_beside_a_wrong_measured_motion_is_not_blamed() {
     let [didim, iv] = [Method::DIDIM, Method::IDIM_IV].map(|m| away(&results, m, "fv1"));
     assert!(didim.abs() < 1.5 && iv.abs() > 2.0, "{didim} {iv}");
     assert_eq!(test.verdict, Comparison::Undecided, "{test:?}");
-    assert_eq!(advice.take, None, "{advice:?}");
+    assert_eq!(advice.recommended, None, "{advice:?}");
     assert!(!advice.distrust.contains(&Method::DIDIM) && !advice.text.contains("later"), "{advice:?}");
 }

@@ -3,13 +3,13 @@
 use std::{fs, path::Path};
 
 use thetahat::{
+    Experiment,
     campaign::{
         Bench, Campaign, CampaignError, CampaignRuns, Key, Store, Subset, parameter_summaries, quantiles, summarise,
     },
-    experiment::Experiment,
     identification::Status,
-    report,
 };
+use thetahat_report::report;
 use thetahat_testing::{Folder, project};
 
 fn small() -> Campaign {
@@ -79,7 +79,7 @@ fn parts_made_elsewhere_are_those_of_the_store() {
     assert_eq!(run(&campaign, all, 1, Some(&parts)).rows.len(), 64);
     assert_eq!(folder.bytes("here/runs.parquet"), folder.bytes("parts/runs.parquet"));
     for beyond in [Key { level: 2, ..keys[0] }, Key { start: 2, ..keys[0] }, Key { seed: 2, ..keys[0] }] {
-        assert!(matches!(bench.part(&[keys[0], beyond]), Err(CampaignError::NoRecord { key, .. }) if key == beyond));
+        assert!(matches!(bench.part(&[keys[0], beyond]), Err(CampaignError::NoRecording { key, .. }) if key == beyond));
     }
 }
 
@@ -90,7 +90,8 @@ fn methods_find_the_truth_and_a_wrong_simulator_leads_didim_astray() {
     let failed = |r: &&thetahat::campaign::Row| r.case == "nominal" && !r.has_converged();
     assert_eq!(runs.rows.iter().find(failed), None);
     let median = |case: &str, method: &str| {
-        let fits = |s: &thetahat::results::MethodSummary| s.case == case && s.method == method && s.noise == "low";
+        let fits =
+            |s: &thetahat_report::results::MethodSummary| s.case == case && s.method == method && s.noise == "low";
         summarise(&runs).into_iter().find(fits).unwrap().distance_percent.unwrap().median
     };
     for method in ["idim-ls", "idim-wls", "idim-iv", "didim"] {

@@ -3,16 +3,15 @@
 use std::path::Path;
 
 use thetahat::{
-    control::ControllerDescription,
+    ControllerDescription, Robot, Series,
     dynamics::Model,
-    robot::Robot,
-    series::Series,
     simulation::{
-        BiasKind, ClosedLoop, Job, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulationError,
-        SimulatorBias, Solver, simulate_all,
+        BiasKind, ClosedLoop, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulationError, SimulatorBias,
+        Solver,
     },
     trajectory::{MotionLimits, Moves, plan},
 };
+use thetahat_estimation::simulation::{Job, simulate_all};
 
 const TIGHT: Solver = Solver::Adaptive { relative_tolerance: 1e-10, absolute_tolerance: 1e-12 };
 const RATE: f64 = 1000.0;

@@ -2,12 +2,8 @@
 
 use std::{path::Path, sync::OnceLock};
 
-use thetahat::{
-    experiment::Experiment,
-    identification::{Method, Status},
-    results::{Advice, BiasedSimulatorResult, Comparison, Results, Verdict},
-    simulation::BiasKind,
-};
+use thetahat::{Experiment, Method, Results, identification::Status, results::Verdict, simulation::BiasKind};
+use thetahat_report::results::{Advice, BiasedSimulatorResult, Comparison};
 
 fn results() -> &'static Results {
     static RESULTS: OnceLock<Results> = OnceLock::new();
@@ -58,7 +54,7 @@ fn the_exact_simulator_passes() {
     assert!(!test.verdict.distrusts() && test.average_difference < 0.1, "{test:?}");
     assert!(test.explanations.is_empty());
     let advice = advice("nominal");
-    assert_eq!((advice.take, advice.distrust.as_slice()), (Some(Method::IDIM_IV), &[][..]), "{advice:?}");
+    assert_eq!((advice.recommended, advice.distrust.as_slice()), (Some(Method::IDIM_IV), &[][..]), "{advice:?}");
 }
 
 /// The estimates are outside what a robot can have by three deviations, which noise makes of one of so many conditions.
@@ -79,7 +75,11 @@ fn the_biased_simulator_is_found_and_measured() {
     assert!((value - 0.9).abs() < 3.0 * deviation, "{best:?}");
     assert!(deviation < 0.003 && best.explained_percent > 98.0, "{best:?}");
     let advice = advice("gear_ratio_0.9");
-    assert_eq!((advice.take, advice.distrust.as_slice()), (Some(Method::IDIM_IV), &[Method::DIDIM][..]), "{advice:?}");
+    assert_eq!(
+        (advice.recommended, advice.distrust.as_slice()),
+        (Some(Method::IDIM_IV), &[Method::DIDIM][..]),
+        "{advice:?}"
+    );
 }
 
 #[test]

@@ -140,7 +140,7 @@ fn keeps_apart(motion: &str) {
 /// The position of a joint between two samples, with their velocities.
 fn cubic(results: &thetahat::results::DesignResults, k: usize, j: usize, t: f64) -> f64 {
     let step = 1.0 / results.sample_rate_hz;
-    let at = |series: &thetahat::series::Series, k: usize| series.sample(k)[j];
+    let at = |series: &thetahat::Series, k: usize| series.sample(k)[j];
     let (q0, q1) = (at(&results.q, k), at(&results.q, k + 1));
     let (v0, v1) = (step * at(&results.dq, k), step * at(&results.dq, k + 1));
     let (t2, t3) = (t * t, t * t * t);

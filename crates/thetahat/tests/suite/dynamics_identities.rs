@@ -4,9 +4,10 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::{fmt::Write, path::Path};
 use thetahat::{
+    Robot,
     dynamics::{DynamicParameters, DynamicsError, Model, Sign, State, Workspace},
     regressor::Regressor,
-    robot::{Friction, Parameter, Robot},
+    robot::{Friction, Parameter},
 };
 use thetahat_testing::assert_close;
 

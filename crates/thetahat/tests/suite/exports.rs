@@ -3,14 +3,16 @@
 use std::{ops::Range, path::Path, sync::OnceLock};
 
 use thetahat::{
-    Experiment, Identification, Method, Recording, Results, Settings,
+    Experiment, Identification, Method, Recording, Results, Robot, Settings,
     consistency::completed_a_priori,
     experiment::{EstimateRequest, ExperimentError, IdentifiedRobot},
     export::{Export, ExportError, Format, IdentifiedModel, MjcfError, MjcfModel, Provenance, Target, export_robot},
-    results::{NOMINAL, NoEstimate, ProfiledTerm, Status, Verdict},
-    robot::{Locks, Robot, RobotError, RobotSource, TermDescription},
+    results::{NOMINAL, ProfiledTerm, Verdict},
+    robot::{Locks, RobotError, RobotSource},
     run::with_constants,
 };
+use thetahat_model::robot::TermDescription;
+use thetahat_report::results::{NoEstimate, Status};
 use thetahat_testing::{Folder, data, project, shared, users_mjcf};
 
 /// The robots of the checkout: of tables, with prismatic joints, trees, followers, motors that are coupled.
@@ -276,13 +278,13 @@ fn what_a_format_cannot_say_is_listed_with_its_values() {
     let of = |format| export_robot(&robot, None, &robot.a_priori_parameters(), format, &[]).unwrap();
     let urdf = of(Format::Urdf);
     assert!(
-        urdf.unsaid.iter().any(|line| line.contains("motor inertia") && line.contains("ia1 = ")),
+        urdf.not_represented.iter().any(|line| line.contains("motor inertia") && line.contains("ia1 = ")),
         "{:?}",
-        urdf.unsaid
+        urdf.not_represented
     );
     let escaped = |line: &String| urdf.text.contains(&line.replace("--", "- -"));
-    assert!(urdf.unsaid.iter().all(escaped));
-    assert!(of(Format::Json).unsaid.is_empty());
+    assert!(urdf.not_represented.iter().all(escaped));
+    assert!(of(Format::Json).not_represented.is_empty());
 }
 
 /// The experiment of the two-joint twin with LS alone, and with further tables.
@@ -483,7 +485,7 @@ fn a_method_without_an_estimate_is_refused() {
     assert!(matches!(refusal(model(&none, &EstimateRequest::default())), ExperimentError::NoEstimate { .. }));
     // Where the advice takes none, somebody must choose.
     let mut not_advised = two_joint().clone();
-    not_advised.advice.iter_mut().for_each(|advice| advice.take = None);
+    not_advised.advice.iter_mut().for_each(|advice| advice.recommended = None);
     assert!(no_advice(&not_advised));
     let chosen = EstimateRequest { method: Some(Method::IDIM_LS), ..EstimateRequest::default() };
     assert!(model(&not_advised, &chosen).is_ok());
@@ -693,7 +695,7 @@ fn each_joint_has_the_reduction_of_its_own_motor() {
     assert_eq!(back.transmission.ratios(), Some(vec![40.0, 50.0]));
     // Other formats list them.
     let sdf = export_robot(&robot, None, &robot.a_priori_parameters(), Format::Sdf, &[]).unwrap();
-    assert!(sdf.unsaid.iter().any(|line| line.contains("[0 50; 40 0]")), "{:?}", sdf.unsaid);
+    assert!(sdf.not_represented.iter().any(|line| line.contains("[0 50; 40 0]")), "{:?}", sdf.not_represented);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::{f64::consts::TAU, ops::Range};
 
 use super::followed_twin::{RATE_HZ, controller, record, robot};
 use thetahat::{
-    Identification, Method, Recording, Results, Settings, checks::Code, identification::Status, series::Series,
+    Identification, Method, Recording, Results, Series, Settings, checks::Code, identification::Status,
     simulation::Solver,
 };
 

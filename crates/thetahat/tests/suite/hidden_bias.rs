@@ -3,11 +3,8 @@
 use std::f64::consts::TAU;
 
 use super::followed_twin::{RATE_HZ, controller, record, robot};
-use thetahat::{
-    Identification, Method, Recording, Results, Settings,
-    results::{HiddenBias, HiddenError},
-    series::Series,
-};
+use thetahat::{Identification, Method, Recording, Results, Series, Settings};
+use thetahat_report::results::{HiddenBias, HiddenError};
 
 const SECONDS: f64 = 16.0;
 const METHODS: [Method; 2] = [Method::IDIM_LS, Method::IDIM_IV];

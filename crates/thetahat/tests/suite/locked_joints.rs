@@ -5,9 +5,10 @@ use std::{fmt::Write, path::Path};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use thetahat::{
+    Robot,
     base_parameters::BaseParameters,
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
-    robot::{Joint, LockError, Locks, Robot, RobotError, RobotSource},
+    robot::{Joint, LockError, Locks, RobotError, RobotSource},
 };
 
 const STATES: usize = 20;

@@ -17,7 +17,7 @@ use parquet::{
     schema::parser::parse_message_type,
 };
 use thetahat::{
-    experiment::Experiment,
+    Experiment,
     reduction::{ReduceOptions, Reduction},
 };
 use thetahat_testing::Folder;
@@ -31,7 +31,7 @@ const CHILD: &str = "THETAHAT_TEST_LONG_PARQUET";
 /// One motion of the demonstration, repeated for longer records: for each channel its samples.
 fn channels(samples: usize) -> Vec<Vec<f64>> {
     let record = Experiment::demo().unwrap().record_twin().unwrap();
-    let of = |series: &thetahat::series::Series| -> Vec<Vec<f64>> {
+    let of = |series: &thetahat::Series| -> Vec<Vec<f64>> {
         let channel = |c| series.channel(c).into_iter().cycle().take(samples).collect();
         (0..series.channels()).map(channel).collect()
     };

@@ -2,11 +2,7 @@
 
 use std::path::Path;
 
-use thetahat::{
-    experiment::{Experiment, ExperimentError},
-    identification::Method,
-    results::{Results, RunResult},
-};
+use thetahat::{Experiment, Method, Results, experiment::ExperimentError, results::RunResult};
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 

@@ -7,10 +7,11 @@ mod data;
 
 use data::{Columns, DataSet, SETS};
 use thetahat::{
-    identification::{Divisor, Fit, idim_ls},
-    linear_algebra::Matrix,
+    Matrix,
+    identification::{Fit, idim_ls},
     regression::Regression,
 };
+use thetahat_estimation::identification::Divisor;
 
 /// Certified values have 15 digits.
 const CERTIFIED_DIGITS: f64 = 15.0;
@@ -53,7 +54,7 @@ fn fewest(values: &[f64], certified: &[f64]) -> Option<f64> {
 }
 
 fn regression(set: &DataSet) -> Regression {
-    Regression::of_one_series(matrix(set), set.y.to_vec())
+    Regression::single_series(matrix(set), set.y.to_vec())
 }
 
 fn residual_deviation(set: &DataSet, fit: &Fit) -> f64 {

@@ -2,18 +2,15 @@
 //!
 //! The truth of a payload is a set of point masses; their parameters are summed up here, not by the code under test.
 
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use thetahat::{
-    Identification, Method, Recording, Results, Robot, Settings,
+    Identification, Method, Recording, Results, Robot, Series, Settings,
     base_parameters::BaseParameters,
-    consistency::{completed_a_priori, pseudo_inertia},
+    consistency::completed_a_priori,
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     preparation::{Payload, PayloadFrame},
     results::Verdict,
-    series::Series,
 };
+use thetahat_model::consistency::pseudo_inertia;
 use thetahat_testing::project;
 
 const RATE_HZ: f64 = 200.0;
@@ -97,8 +94,9 @@ impl Twin {
 
     /// Two recordings, the second with the payload, of drives whose torque is `factor` times what is recorded.
     fn recordings(&self, seed: u64, factors: &[f64]) -> Vec<Recording> {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut random = random_numbers(seed, 0);
         let n = self.robot.coordinate_count();
+        let deviations: Vec<f64> = (0..n).map(|j| NOISE / (1.0 + j as f64)).collect();
         let mut series = |torque: &[f64]| {
             let noisy = torque.iter().enumerate().map(|(i, tau)| {
                 let noise: f64 = StandardNormal.sample(&mut random);
@@ -282,7 +280,7 @@ fn joints_that_the_payload_does_not_load_are_named() {
         let [low, high] = gain.interval_95.unwrap_or_else(|| panic!("{gain:?}"));
         assert!(low < 1.2 && 1.2 < high && high - low < 0.3, "{gain:?}");
     }
-    let text = thetahat::report::text::all(&results, None, thetahat::report::TextWidth::DEFAULT);
+    let text = thetahat_report::report::text::all(&results, None, thetahat_report::report::TextWidth::DEFAULT);
     let row = text.lines().find(|line| line.starts_with("shoulder_pan_joint ")).unwrap();
     assert!(row.contains("not identifiable"), "{text}");
     assert!(text.contains("PROBLEM: the torques of shoulder_lift_joint"), "{text}");

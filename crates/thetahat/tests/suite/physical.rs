@@ -3,11 +3,9 @@
 use std::path::Path;
 
 use thetahat::{
-    Method,
-    experiment::{Experiment, ExperimentError},
-    preparation::PreparationError,
-    results::{Code, ConsistentEstimate, PhysicalResult, Results, RunResult, Severity},
+    Experiment, Method, Results, experiment::ExperimentError, preparation::PreparationError, results::RunResult,
 };
+use thetahat_report::results::{Code, ConsistentEstimate, PhysicalResult, Severity};
 
 /// As `robots/two_joint.toml`, which lies outside the package.
 const ROBOT: &str = r#"
@@ -156,12 +154,12 @@ fn friction_that_drives_is_found_and_rejected() {
         problem.message.contains("fv2 is negative") && problem.remedy.contains("sign of the torque"),
         "{problem:?}"
     );
-    assert!(!physical(run).consistent && physical(run).outside.contains(&"fv2".to_owned()));
+    assert!(!physical(run).consistent && physical(run).inconsistent.contains(&"fv2".to_owned()));
     assert!(physical(run).deviations.unwrap() > 10.0);
     assert_eq!(physical(run).rejects(), Some(true));
     let e = estimate(run);
     let fv2 = e.parameters.iter().find(|p| p.name == "fv2").unwrap();
-    assert!(fv2.estimate >= 0.0 && fv2.estimate < 1e-3 && fv2.beside.unwrap() < -0.7, "{fv2:?}");
+    assert!(fv2.estimate >= 0.0 && fv2.estimate < 1e-3 && fv2.reference_value.unwrap() < -0.7, "{fv2:?}");
     assert!(e.at_boundary.contains(&"fv2".to_owned()));
     assert!(e.squared_residual > 1.1 * e.squared_residual_free);
     let clean = physical(&self::run("", "", "'idim-ls'").runs[0]).findings.clone();

@@ -1,12 +1,7 @@
 //! Twelve servos that log positions and commands and no torques: `experiments/quadruped_positions.toml`.
 
-use thetahat::{
-    experiment::Experiment,
-    identification::{Method, Status},
-    preparation::LoopParameter,
-    report,
-    results::{Results, RunResult},
-};
+use thetahat::{Experiment, Method, Results, identification::Status, preparation::LoopParameter, results::RunResult};
+use thetahat_report::report;
 use thetahat_testing::root;
 
 fn all(change: impl Fn(&mut Experiment)) -> Results {

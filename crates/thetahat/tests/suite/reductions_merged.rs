@@ -4,10 +4,11 @@
 use std::{fmt::Write as _, path::Path};
 
 use thetahat::{
-    experiment::{Experiment, ExperimentError},
+    Experiment, Results,
+    experiment::ExperimentError,
     preparation::PreparationError,
     reduction::{ReduceOptions, Reduction, ReductionError},
-    results::{ParameterResult, Results},
+    results::ParameterResult,
     signal::SignalError,
 };
 use thetahat_testing::Folder;

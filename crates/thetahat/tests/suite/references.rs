@@ -4,14 +4,13 @@ use std::{f64::consts::TAU, path::Path};
 
 use super::followed_twin::{RATE_HZ, controller, record, robot};
 use thetahat::{
-    Experiment, Identification, Method, Recording, Results, Settings,
+    Experiment, Identification, Method, Recording, Results, Series, Settings,
     checks::Code,
     identification::Status,
     preparation::ReferenceCorrection,
-    series::Series,
-    signal::delayed,
-    trajectory::{Move, Moves, TimeLaw},
+    trajectory::{Move, Moves},
 };
+use thetahat_estimation::{signal::delayed, trajectory::TimeLaw};
 
 const BASE_HZ: f64 = 0.4;
 

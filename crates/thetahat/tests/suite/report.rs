@@ -7,16 +7,22 @@ use std::{
 };
 
 use thetahat::{
-    report::{self, Agreement, Published, ReportError, TextWidth, text, write_all},
+    Results,
+    report::{Published, ReportError, write_all},
+    results::{
+        JointResult, ParameterResult, ReasonCode, RecordingFindings, ResultsError, RunResult, Verdict, VerdictReason,
+    },
+    statistics::chi_squared_test,
+};
+use thetahat_report::{
+    report::{self, Agreement, TextWidth, text},
     results::{
         Advice, Bandwidth, BiasExplanation, BiasKind, BiasedSimulatorResult, Bin, CaseDiagnosis, Code, Comparison,
         EliminationResult, EndogeneityResult, FTest, Finding, Frame, HeldBackPlots, HiddenBias, HiddenError, Influence,
-        IterationResult, JointKind, JointResidual, JointResult, Method, ParameterDifference, ParameterResult, Plots,
-        ReasonCode, ReasonSubject, RecordStart, RecordingFindings, RecordingResult, ReferenceResult, ResidualCurves,
-        ResidualResult, Results, ResultsError, RunPlots, RunResult, SCHEMA, Severity, Skeleton, Status, Verdict,
-        VerdictReason, Weighting,
+        IterationResult, JointKind, JointResidual, Method, ParameterDifference, Plots, ReasonSubject, RecordStart,
+        RecordingResult, ReferenceResult, ResidualCurves, ResidualResult, RunPlots, SCHEMA, Severity, Skeleton, Status,
+        Weighting,
     },
-    statistics::chi_squared_test,
 };
 
 /// Of a terminal that does not tell.
@@ -142,7 +148,7 @@ fn reason() -> VerdictReason {
         code: ReasonCode::CheckProblem,
         verdict: Verdict::DoNotUse,
         numbers: BTreeMap::from([("value".to_owned(), 2.4)]),
-        concerned: ReasonSubject {
+        subject: ReasonSubject {
             recording: Some("1".to_owned()),
             finding: Some(Code::Lag),
             ..ReasonSubject::default()
@@ -192,7 +198,7 @@ fn diagnosis(case: &str) -> CaseDiagnosis {
 fn advice(case: &str) -> Advice {
     Advice {
         case: case.to_owned(),
-        take: Some(Method::IDIM_IV),
+        recommended: Some(Method::IDIM_IV),
         distrust: vec![Method::DIDIM],
         text: "Take idim-iv. Distrust didim: it differs by 3.76 standard deviations on average.".to_owned(),
     }
@@ -262,7 +268,7 @@ fn results() -> Results {
             sample_rate_hz: 1000.0,
             window_s: [0.05, 0.35],
             resampling: None,
-            torque_ends_hz: None,
+            torque_bandwidth_hz: None,
             torque_hold_s: 0.0,
             near_rest: None,
             reference: Some(ReferenceResult {
@@ -378,7 +384,7 @@ fn json_has_the_fixed_keys_and_reads_back() {
     let results = results();
     let files = written("json", &results);
     let json: serde_json::Value = serde_json::from_str(&files["results.json"]).unwrap();
-    assert!(files["results.json"].starts_with("{\n  \"schema\": 1,\n  \"thetahat\""));
+    assert!(files["results.json"].starts_with("{\n  \"schema\": 2,\n  \"thetahat\""));
     for key in ["thetahat", "robot", "robot_joints", "samples_used", "decimated_rows", "advice", "diagnostics", "runs"]
     {
         assert!(json.get(key).is_some(), "{key}");
@@ -435,11 +441,11 @@ fn results_without_a_schema_are_read_and_reported() {
 #[test]
 fn results_of_a_later_version_are_refused() {
     // Nothing but the schema is asked of a later file: its other keys may be of any form.
-    let later = "{ \"schema\": 2, \"runs\": 7 }";
+    let later = "{ \"schema\": 3, \"runs\": 7 }";
     let error = Results::from_json(Path::new("later.json"), later).unwrap_err();
-    assert!(matches!(error, ResultsError::NewerSchema { found: 2, supported: SCHEMA, .. }), "{error}");
+    assert!(matches!(error, ResultsError::NewerSchema { found: 3, supported: SCHEMA, .. }), "{error}");
     let text = error.to_string();
-    for words in ["later.json", "schema 2", "up to 1", "update thetahat"] {
+    for words in ["later.json", "schema 3", "up to 2", "update thetahat"] {
         assert!(text.contains(words), "no {words:?} in: {text}");
     }
 }
@@ -576,8 +582,10 @@ fn a_broken_run_cannot_be_taken_for_good() {
     let verdict = card.find("Do not use").expect("the word");
     let reason = card.find("Recording 1 has a problem for joint 2, lag").expect("the first reason");
     assert!(verdict < reason, "{card}");
-    assert!(card.contains("none; the numbers below are of idim-iv"), "{card}");
-    for praise in ["Take idim", "take the numbers", "Method to take", "Take with care", "taken</span>"] {
+    assert!(card.contains("none; the numbers below are those of idim-iv"), "{card}");
+    for praise in
+        ["Take idim", "use the recommended numbers", "Recommended method", "Use with care", "recommended</span>"]
+    {
         assert!(!page.contains(praise), "{praise}");
     }
     assert!(between(page, "<style>", "</style>").contains(".is-do-not-use { --good: var(--ink)"), "no green");
@@ -587,7 +595,9 @@ fn a_broken_run_cannot_be_taken_for_good() {
 fn a_good_run_names_the_method_and_what_its_parameters_are_worth() {
     let good = Results { verdict: Some(Verdict::Good), verdict_reasons: Vec::new(), ..results() };
     let page = &written("good", &good)["report.html"];
-    assert!(page.contains("<body class=\"is-good takes-idim-iv\">") && page.contains("<dd>idim-iv (nominal)</dd>"));
+    assert!(
+        page.contains("<body class=\"is-good recommends-idim-iv\">") && page.contains("<dd>idim-iv (nominal)</dd>")
+    );
     let card = between(page, "<section class=\"card\"", "</section>");
     // Half of the interval of off1, 0.398, is 0.156; of xy2 it is a fifth of the estimate at most.
     assert!(card.contains("3 precise") && card.contains("1 rough") && card.contains("0 not identified"), "{card}");
@@ -644,14 +654,14 @@ fn the_figures_show_borders_held_back_records_misfits_and_confounded_pairs() {
     // The panels are 324 pixels wide: 5 s of 10 s lies at 1620 tenths.
     assert!(page.contains("class=\"border\" d=\"M1620 0v"), "the border of the second recording");
     assert!(page.contains(">second</text>") && page.contains("held back, not used for the estimate"));
-    assert!(page.contains("Neighbouring rows of 2 of 2 joints&#x27; residuals are correlated (up to 0.80)"));
-    assert!(page.contains("The velocity matters most for Joint"), "a step in the velocity is friction");
+    assert!(page.contains("Adjacent rows of the residual are correlated at 2 of 2 joints (up to 0.80)"));
+    assert!(page.contains("The residual depends most on velocity at Joint"), "a step in the velocity is friction");
     assert!(page.contains("zz1r and fc1 are confounded (correlation -0.95): only their weighted sum is known well"));
     assert!(page.contains("One more pair is correlated by 0.9 or more."));
     assert!(page.contains("class=\"a-priori\"") && page.contains("class=\"truth\"") && page.contains("class=\"link\""));
     assert!(page.contains(">Joint 2</th>"), "estimates are grouped by joint");
-    let wide = page.contains("The cut-off of the position filter, 50.0 Hz, lies beyond the picture.");
-    assert!(wide, "a cut-off that is not in the picture is told");
+    let wide = page.contains("The cut-off of the position filter, 50.0 Hz, is beyond the chart.");
+    assert!(wide, "a cut-off beyond the chart is mentioned");
 }
 
 /// Screen readers list regions and pictures by their labels.
@@ -693,7 +703,7 @@ fn advice_stands_in_the_head_and_the_tests_behind_it_follow() {
     assert!(diagnosis.contains("gear ratios") && diagnosis.contains("0.8999"), "{diagnosis}");
     assert!(diagnosis.contains("move 10") && diagnosis.contains("zz1r"), "{diagnosis}");
     let page = &written("advice", &results)["report.html"];
-    assert!(page.contains("Residuals, joint by joint") && page.contains("estimates of idim-iv with 95 % intervals"));
+    assert!(page.contains("Residuals of each joint") && page.contains("estimates of idim-iv with 95 % intervals"));
 }
 
 #[test]
@@ -754,9 +764,9 @@ fn agreement_is_counted() {
 #[test]
 fn bias_that_no_interval_holds_is_a_table_with_the_error_and_its_size() {
     let text = text::diagnosis(&results(), WIDTH);
-    let table = between(&text, "Bias that no interval holds", "rest friction: that at");
-    assert!(table.contains("torques are late"), "{table}");
-    let row = table.lines().find(|line| line.contains("torques are late")).unwrap();
+    let table = between(&text, "Possible bias outside the intervals", "rest friction: friction at");
+    assert!(table.contains("torque delay"), "{table}");
+    let row = table.lines().find(|line| line.contains("torque delay")).unwrap();
     let cells: Vec<&str> = row.split_whitespace().rev().take(5).collect();
     assert_eq!(cells, ["-1.2", "zz1r", "0.29", "-1.3", "ms"]);
     assert!(table.contains("rest friction, joint 2"), "{table}");

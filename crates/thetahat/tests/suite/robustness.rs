@@ -12,12 +12,7 @@ mod twins;
 
 use arguments::{Arguments, FACTORS};
 use cells::{Cell, Start, run_cells, settings};
-use thetahat::{
-    Identification,
-    identification::{Method, Status},
-    preparation::Gains,
-    results::RunResult,
-};
+use thetahat::{Identification, Method, identification::Status, preparation::Gains, results::RunResult};
 use twins::{
     reference::Kind,
     robots::robots,

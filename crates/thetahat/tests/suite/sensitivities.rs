@@ -3,18 +3,17 @@
 use std::path::Path;
 
 use thetahat::{
+    ControllerDescription, Matrix, Robot, Series,
     base_parameters::BaseParameters,
-    control::ControllerDescription,
     dynamics::Model,
-    linear_algebra::Matrix,
-    robot::{Robot, Transmission},
-    series::Series,
+    robot::Transmission,
     simulation::{
-        ClosedLoop, Job, Motors, OutputGrid, Reference, SampledReference, SensitiveTo, Sensitivities, SimulatedMotion,
-        SimulatorBias, Solver, simulate_all,
+        ClosedLoop, OutputGrid, Reference, SampledReference, SensitiveTo, Sensitivities, SimulatedMotion,
+        SimulatorBias, Solver,
     },
     trajectory::{MotionLimits, plan},
 };
+use thetahat_estimation::simulation::{Job, Motors, simulate_all};
 
 /// Relative, in the norm of a column: what central differences leave.
 const EXACT: f64 = 1e-6;

@@ -3,9 +3,9 @@
 
 use std::{fmt::Write as _, path::Path};
 
+use thetahat::Results;
 use thetahat::checks::{Code, Severity};
-use thetahat::experiment::{Experiment, ExperimentError};
-use thetahat::results::Results;
+use thetahat::{Experiment, experiment::ExperimentError};
 use thetahat_testing::Folder;
 
 const ROBOT: &str = "name = 'joint'\n[[joint]]\nname = 'a'\nkind = 'revolute'\n";
@@ -162,7 +162,7 @@ fn jittering_stamps_are_resampled() {
     assert!((0.2..0.31).contains(&resampling.largest_deviation), "{resampling:?}");
     assert_truth(&results, TRUTH[3], FILTER);
     let found = results.findings[0].findings.iter().find(|f| f.code == Code::ClockJitter).unwrap();
-    assert!(found.message.contains("the record is brought to equal steps by its stamps"), "{}", found.message);
+    assert!(found.message.contains("the recording is resampled to equal steps by its stamps"), "{}", found.message);
     assert_eq!((found.severity, found.remedy.as_str()), (Severity::Note, "nothing to do"));
     let strict = with_time.replace("time =", "largest_jitter = 0.1\ntime =");
     assert!(folder.identify(&strict).unwrap_err().to_string().contains("largest_jitter"));
@@ -213,7 +213,7 @@ fn a_rate_that_the_times_contradict_is_a_problem() {
     folder.write("a.csv", 0.4, TRUTH[3], even);
     let results = folder.identify(&recording("[recording]", "a.csv", "").replace("1000", "800")).unwrap();
     let found = results.findings[0].findings.iter().find(|f| f.code.name() == "rate-contradicted").unwrap();
-    assert_eq!(found.message, "sample_rate_hz states 800 Hz, but the times in column \"t\" say 1000.000000 Hz");
+    assert_eq!(found.message, "sample_rate_hz is 800 Hz, but the times in column \"t\" give 1000.000000 Hz");
     assert!(results.findings[0].has_problem());
     let right = folder.identify(&recording("[recording]", "a.csv", "")).unwrap();
     assert!(right.findings[0].findings.iter().all(|f| f.code.name() != "rate-contradicted"));

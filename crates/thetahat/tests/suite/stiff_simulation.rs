@@ -4,10 +4,8 @@
 use std::path::Path;
 
 use thetahat::{
-    control::ControllerDescription,
+    ControllerDescription, Robot, Series,
     dynamics::Model,
-    robot::Robot,
-    series::Series,
     simulation::{
         ClosedLoop, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulationError, SimulatorBias, Solver,
     },

@@ -3,13 +3,13 @@
 use std::{f64::consts::TAU, path::Path};
 
 use thetahat::{
-    ControllerDescription, Identification, Method, Recording, Results, Settings,
+    ControllerDescription, Identification, Method, Recording, Results, Robot, Series, Settings,
     dynamics::Model,
     identification::Status,
-    robot::{Robot, TermDescription},
-    series::Series,
-    simulation::{ClosedLoop, Job, OutputGrid, Reference, SampledReference, SimulatorBias, Solver, simulate_all},
+    simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatorBias, Solver},
 };
+use thetahat_estimation::simulation::{Job, simulate_all};
+use thetahat_model::robot::TermDescription;
 
 const RATE_HZ: f64 = 500.0;
 const SCALE: f64 = 0.005;
@@ -259,7 +259,7 @@ fn a_law_that_fits_is_recommended_and_no_other() {
     let recording = Recording { truth: None, ..recording };
     let results = compared(&robot(SPRING, ""), recording.clone());
     let comparison = results.term_comparison.as_ref().unwrap();
-    println!("{}", thetahat::report::text::all(&results, None, thetahat::report::TextWidth::DEFAULT));
+    println!("{}", thetahat_report::report::text::all(&results, None, thetahat_report::report::TextWidth::DEFAULT));
     for joint in &comparison.joints {
         let recommended: Vec<_> = joint.laws.iter().filter(|law| law.recommended).collect();
         assert_eq!(recommended.len(), 1, "{}: {:?}", joint.joint, joint.laws);
@@ -282,7 +282,7 @@ fn a_law_that_fits_is_recommended_and_no_other() {
     let accepted = robot(&format!("{SPRING}{}", pasted.join("\n")), "");
     let results = compared(&accepted, recording);
     let again = results.term_comparison.as_ref().unwrap();
-    println!("{}", thetahat::report::text::all(&results, None, thetahat::report::TextWidth::DEFAULT));
+    println!("{}", thetahat_report::report::text::all(&results, None, thetahat_report::report::TextWidth::DEFAULT));
     let left = again.joints.iter().flat_map(|j| &j.laws).filter(|l| l.recommended).count();
     assert_eq!(left, 0, "{again:?}");
 }

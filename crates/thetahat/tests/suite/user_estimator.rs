@@ -4,12 +4,11 @@ use std::f64::consts::TAU;
 
 use super::followed_twin::{RATE_HZ, controller, record, robot};
 use thetahat::{
-    Identification, Method, Results, Settings,
+    Identification, Method, Results, Series, Settings,
     identification::{UserEstimate, UserEstimator, UserRegression},
-    linear_algebra::PivotedQr,
     preparation::PreparationError,
-    series::Series,
 };
+use thetahat_ground::linear_algebra::PivotedQr;
 
 /// Agreement of two ways to the same solution of least squares.
 const SAME: f64 = 1e-8;

@@ -3,16 +3,11 @@
 
 use std::path::{Path, PathBuf};
 
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use thetahat::{
-    Identification, Recording, Robot, Settings,
-    experiment::Experiment,
-    identification::Method,
-    results::{Comparison, ReasonCode, Results, TwinRecord, Verdict},
-    series::Series,
+    Experiment, Identification, Method, Recording, Results, Robot, Series, Settings,
+    results::{ReasonCode, Verdict},
 };
+use thetahat_report::results::{Comparison, TwinRecord};
 
 const SEEDS: u64 = 60;
 
@@ -35,7 +30,7 @@ fn noise(like: &Series, seed: u64, correlation: f64) -> Series {
     Series::shaped(like.channels(), values.collect())
 }
 
-fn by_ls(robot: &Robot, record: &TwinRecord, torque: Series) -> Results {
+fn by_ls(robot: &Robot, record: &TwinRecording, torque: Series) -> Results {
     let recording = Recording::new(record.sample_rate_hz, record.position.clone(), torque);
     Identification::new(robot, vec![recording], Settings::new(40.0, 10)).unwrap().run().unwrap()
 }
@@ -50,7 +45,11 @@ fn torques_of_noise_are_not_used() {
         let reasons = &results.verdict_reasons;
         assert_eq!(results.verdict, Some(Verdict::DoNotUse), "seed {seed}, {correlation}: {reasons:?}");
         let nothing = reasons.iter().any(|r| r.code == ReasonCode::NothingExplained);
-        assert!(!nothing || results.advice[0].take.is_none(), "seed {seed}, {correlation}: {:?}", results.advice);
+        assert!(
+            !nothing || results.advice[0].recommended.is_none(),
+            "seed {seed}, {correlation}: {:?}",
+            results.advice
+        );
     }
     let clean = by_ls(&experiment.robot, &record, record.torque.clone());
     let of_joints = [ReasonCode::NothingExplained, ReasonCode::JointNotExplained];
@@ -82,7 +81,7 @@ fn a_simulated_motion_that_explains_much_better_speaks_against_the_measured_one(
     let results = experiment.run(&folder, &mut |_| {}).unwrap();
     let test = results.diagnostics[0].biased_simulator.as_ref().unwrap();
     assert_eq!(test.verdict, Comparison::Undecided, "{test:?}");
-    assert!(test.residual_ratio < 0.9 && results.advice[0].take.is_none(), "{test:?}");
+    assert!(test.residual_ratio < 0.9 && results.advice[0].recommended.is_none(), "{test:?}");
     assert!(!results.advice[0].distrust.contains(&Method::DIDIM));
     assert_eq!(results.verdict, Some(Verdict::DoNotUse));
     assert_eq!(results.verdict_reasons[0].code, ReasonCode::Undecided, "{:?}", results.verdict_reasons);

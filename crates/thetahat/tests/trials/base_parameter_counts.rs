@@ -3,12 +3,8 @@
 use std::path::Path;
 
 use libtest_mimic::{Failed, Trial};
-use thetahat::{
-    base_parameters::BaseParameters,
-    dynamics::Model,
-    linear_algebra::{Matrix, PivotedQr},
-    robot::Robot,
-};
+use thetahat::{Matrix, Robot, base_parameters::BaseParameters, dynamics::Model};
+use thetahat_ground::linear_algebra::PivotedQr;
 
 /// Base parameters of the rigid links alone, and all with motor inertias, friction and offsets.
 fn counts(robot: &Robot) -> (Vec<String>, usize) {

@@ -99,7 +99,7 @@ fn velocities_with_noise_are_not_late() -> Result<(), Failed> {
     ensure(!noisy.is_empty(), "the noise is not seen")?;
     for finding in &noisy {
         let is_said =
-            finding.message.ends_with("no gain, delay or other joint explains it, as noise or another filter would");
+            finding.message.ends_with("no gain, delay or other joint explains it; noise or another filter may");
         ensure(finding.severity == Severity::Note && is_said, finding.message.clone())?;
     }
     let late = mismatches(0.0, 60);

@@ -6,14 +6,14 @@ use std::{path::PathBuf, time::Instant};
 use libtest_mimic::{Failed, Trial};
 use serde::Deserialize;
 use thetahat::{
+    Matrix, Robot,
     base_parameters::BaseParameters,
-    consistency::{
-        ConsistentFit, ConsistentSet, Known, LeastSquares, Prior, SimulationOptions, examine, fit, nearest_to_simulate,
-    },
+    consistency::{ConsistentFit, ConsistentSet, Known, LeastSquares, Prior, examine, fit},
     dynamics::Model,
-    linear_algebra::{Matrix, PivotedQr, norm},
-    robot::{Parameter, Robot},
+    robot::Parameter,
 };
+use thetahat_ground::linear_algebra::{PivotedQr, norm};
+use thetahat_model::consistency::{SimulationOptions, nearest_to_simulate};
 use thetahat_testing::{Named, data, ensure, shared};
 
 /// Clarabel was asked for gaps of 1e-11.
@@ -82,7 +82,7 @@ impl Case {
         for k in 1..=7 {
             set = set.with_known(&Known::Value { parameter: format!("ia{k}"), value: 0.0 })?;
         }
-        let data = LeastSquares::in_standard(matrix, z.concat()).unmasked_comparison(golden.rest_of_squares);
+        let data = LeastSquares::in_standard(matrix, z.concat()).with_residual_squares(golden.rest_of_squares);
         Ok(Self { golden, set, data, places })
     }
 
@@ -165,7 +165,7 @@ fn nearest() -> Result<(), Failed> {
     let case = Case::read()?;
     let InBase { base, r, estimate } = InBase::of(&case)?;
     let data = LeastSquares::nearest(&r, &estimate, &base, case.set.a_priori().len())?;
-    let fit = fit(&case.set, &data.unmasked_comparison(case.golden.ls_cost), Prior::None, None)?;
+    let fit = fit(&case.set, &data.with_residual_squares(case.golden.ls_cost), Prior::None, None)?;
     ensure_near(fit.squared_residual, case.golden.lmi.data_cost, "squared residual")
 }
 

@@ -11,7 +11,8 @@ use super::corruption_suite::{
     table::{Clean, cells, row, same},
 };
 use libtest_mimic::{Failed, Trial};
-use thetahat::checks::{Code, Finding, Severity, examine, measure};
+use thetahat::checks::{Code, Finding, Severity};
+use thetahat_estimation::checks::{examine, measure};
 use thetahat_testing::{ensure, has_shared};
 
 /// Twins with other seeds, noise and trajectories.

@@ -14,10 +14,11 @@ use super::corruption_suite::{
 };
 use libtest_mimic::{Failed, Trial};
 use thetahat::{
-    Identification, Recording, Settings,
-    checks::{Code, Finding, Severity, compare},
-    results::{Results, Verdict},
+    Identification, Recording, Results, Settings,
+    checks::{Code, Finding, Severity},
+    results::Verdict,
 };
+use thetahat_estimation::checks::compare;
 use thetahat_testing::{ensure, has_shared};
 
 /// The findings of this suite: clean records raise none of them.
@@ -113,7 +114,7 @@ fn the_one_that_differs_is_named() -> Result<(), Failed> {
     payload(&mut third);
     let found = beside_one_another(&[("a", &first, false), ("b", &second, false), ("c", &third, false)], compare);
     ensure(found.len() == 1 && found[0].code == Code::RecordingsContradict, format!("{found:?}"))?;
-    ensure(found[0].message.contains("c differs from a, b, which agree, most in m"), found[0].message.clone())?;
+    ensure(found[0].message.contains("c differs from a, b, which agree, mainly in m"), found[0].message.clone())?;
     let found = beside_one_another(&[("a", &first, false), ("b", &second, false), ("c", &third, true)], compare);
     ensure(found.len() == 1 && found[0].severity == Severity::Warning, format!("{found:?}"))?;
     ensure(found[0].message.contains("c, which is held back, differs from the others"), found[0].message.clone())
@@ -136,7 +137,7 @@ fn spoiled(specimen: Specimen, name: &str) -> Record {
 fn nothing_is_taken_of_another_robot() -> Result<(), Failed> {
     let results = identified(&spoiled(Specimen::SevenAxes, "the description of another robot"));
     let advice = &results.advice[0];
-    ensure(advice.take.is_none() && results.verdict == Some(Verdict::DoNotUse), format!("{advice:?}"))?;
+    ensure(advice.recommended.is_none() && results.verdict == Some(Verdict::DoNotUse), format!("{advice:?}"))?;
     let start = "Take none of these estimates: the recordings have a problem that makes them false (wrong-robot in recording 1)";
     ensure(advice.text.starts_with(start), advice.text.clone())
 }
@@ -145,7 +146,7 @@ fn nothing_is_taken_of_another_robot() -> Result<(), Failed> {
 fn a_joint_of_noise_is_named() -> Result<(), Failed> {
     let results = identified(&spoiled(Specimen::SevenAxes, "torque 2 is noise"));
     let advice = &results.advice[0];
-    ensure(advice.take.is_some() && results.verdict == Some(Verdict::DoNotUse), format!("{advice:?}"))?;
+    ensure(advice.recommended.is_some() && results.verdict == Some(Verdict::DoNotUse), format!("{advice:?}"))?;
     ensure(advice.text.contains("Do not take the parameters of joint 2 (torque-noise"), advice.text.clone())
 }
 

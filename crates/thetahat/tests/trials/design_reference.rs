@@ -8,10 +8,10 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde_json::Value;
 use thetahat::{
+    Series,
     base_parameters::BaseParameters,
     design::{Criterion, Design, Information},
     dynamics::{Model, Sign},
-    series::Series,
 };
 use thetahat_testing::{data, ensure, shared};
 

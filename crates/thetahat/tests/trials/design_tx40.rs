@@ -4,14 +4,13 @@ use std::path::Path;
 
 use libtest_mimic::{Failed, Trial};
 use thetahat::{
+    Experiment, Robot, Series,
     base_parameters::BaseParameters,
-    design::{Criterion, Design, ExpectedRecord, Information},
+    design::{Criterion, Design, ExpectedRecording, Information},
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
-    experiment::Experiment,
-    robot::Robot,
-    series::Series,
-    trajectory::{Moves, reconstruct},
+    trajectory::Moves,
 };
+use thetahat_estimation::trajectory::reconstruct;
 use thetahat_testing::{Folder, ensure, project, shared};
 
 const JOINTS: usize = 6;
@@ -160,11 +159,11 @@ fn the_promise_is_kept() -> Result<(), Failed> {
     let design = Design::parse(&predict(), &folder.path().join("design.toml"))?;
     let results = design.run(2, &mut |_| {})?;
     let out = folder.path().join("out");
-    thetahat::report::write_design(&results, &out)?;
+    thetahat_report::report::write_design(&results, &out)?;
     let experiment = Experiment::read(&out.join("rehearsal.toml"), Path::new(""))?;
     let twin = experiment.file.twin.as_ref().ok_or("no twin")?;
     let motion = experiment.twin_motion(twin)?.motion;
-    let record = ExpectedRecord {
+    let record = ExpectedRecording {
         robot: &design.robot,
         settings: &design.settings,
         sample_rate_hz: RATE_HZ,

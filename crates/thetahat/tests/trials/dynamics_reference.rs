@@ -6,10 +6,11 @@ use std::path::PathBuf;
 use libtest_mimic::{Failed, Trial};
 use serde::Deserialize;
 use thetahat::{
-    dynamics::{self, DynamicParameters, Model, Sign, Workspace},
+    Robot,
+    dynamics::{DynamicParameters, Model, Sign, Workspace},
     regressor::Regressor,
-    robot::Robot,
 };
+use thetahat_model::dynamics;
 
 /// Both sides are exact but for rounding.
 const TOLERANCE: f64 = 1e-9;

@@ -4,12 +4,7 @@
 use std::sync::OnceLock;
 
 use libtest_mimic::{Failed, Trial};
-use thetahat::{
-    experiment::Experiment,
-    identification::{Method, Status},
-    preparation::LoopParameter,
-    results::{Results, RunResult},
-};
+use thetahat::{Experiment, Method, Results, identification::Status, preparation::LoopParameter, results::RunResult};
 use thetahat_testing::{data, ensure, root, shared};
 
 /// Relative; the reference program integrates with other steps.

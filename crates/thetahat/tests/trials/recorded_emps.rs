@@ -5,17 +5,16 @@ use std::{collections::BTreeMap, sync::OnceLock};
 
 use libtest_mimic::{Failed, Trial};
 use thetahat::{
-    control::ControllerDescription,
+    ControllerDescription, Experiment, Method, Results, Robot,
     dynamics::Model,
-    experiment::Experiment,
-    identification::{Method, Status},
+    identification::Status,
     recording::{ChannelSource, read_channels},
-    results::{Results, RunResult},
-    robot::Robot,
+    results::RunResult,
     simulation::{
-        ClosedLoop, Job, OutputGrid, Reference, SampledReference, SensitiveTo, Sensitivities, SimulatorBias, Solver,
+        ClosedLoop, OutputGrid, Reference, SampledReference, SensitiveTo, Sensitivities, SimulatorBias, Solver,
     },
 };
+use thetahat_estimation::simulation::Job;
 use thetahat_testing::{ensure, ensure_printed};
 
 fn results() -> &'static Results {

@@ -3,13 +3,12 @@
 
 use libtest_mimic::{Failed, Trial};
 use thetahat::{
-    control::ControllerDescription,
-    experiment::Experiment,
-    identification::{Method, Status},
+    ControllerDescription, Experiment, Method, Results,
+    identification::Status,
     preparation::{Mask, NamedMask},
-    results::{ReasonCode, Results, Verdict},
-    robot::INERTIAL,
+    results::{ReasonCode, Verdict},
 };
+use thetahat_model::robot::INERTIAL;
 use thetahat_testing::ensure;
 
 /// The estimates of others from these records differ by their filters: 15 % of each.

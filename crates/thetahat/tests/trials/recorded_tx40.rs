@@ -7,11 +7,12 @@ use std::{collections::HashMap, sync::OnceLock};
 
 use libtest_mimic::{Failed, Trial};
 use thetahat::{
-    experiment::Experiment,
-    identification::{Method, Status},
-    results::{BiasedSimulatorResult, Comparison, ParameterResult, Results, RunResult},
+    Experiment, Method, Results,
+    identification::Status,
+    results::{ParameterResult, RunResult},
     simulation::BiasKind,
 };
+use thetahat_report::results::{BiasedSimulatorResult, Comparison};
 use thetahat_testing::ensure;
 
 fn identify(name: &str) -> Results {
@@ -123,7 +124,7 @@ fn advice_is_quiet_nominally() -> Result<(), Failed> {
     let test = simulator_test("nominal")?;
     ensure(test.verdict != Comparison::Alarm, format!("{test:?}"))?;
     let advice = &results().advice[0];
-    ensure(advice.take == Some(Method::IDIM_IV) && advice.distrust.is_empty(), format!("{advice:?}"))
+    ensure(advice.recommended == Some(Method::IDIM_IV) && advice.distrust.is_empty(), format!("{advice:?}"))
 }
 
 /// The alarm of the 90 % case, and gear ratios near 0.9 as its cause.
@@ -134,7 +135,7 @@ fn advice_distrusts_didim_with_wrong_gear_ratios() -> Result<(), Failed> {
     ensure(best.kind == BiasKind::GearRatio && best.explained_percent > 95.0, format!("{best:?}"))?;
     ensure(best.simulator_to_true.is_some_and(|v| (v - 0.9).abs() < 0.005), format!("{best:?}"))?;
     let advice = &results().advice[1];
-    ensure(advice.take == Some(Method::IDIM_IV) && advice.distrust == [Method::DIDIM], format!("{advice:?}"))
+    ensure(advice.recommended == Some(Method::IDIM_IV) && advice.distrust == [Method::DIDIM], format!("{advice:?}"))
 }
 
 fn reference_is_moves() -> Result<(), Failed> {

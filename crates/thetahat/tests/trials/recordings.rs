@@ -3,9 +3,10 @@
 
 use libtest_mimic::{Failed, Trial};
 use thetahat::{
-    recording::{ChannelSource, Format, TableSummary, Unit, inspect, read_channels},
-    series::Series,
+    Series,
+    recording::{ChannelSource, Format, Unit, inspect, read_channels},
 };
+use thetahat_data::recording::TableSummary;
 use thetahat_testing::ensure;
 
 /// Sums of columns are compared to this share of the sum, since they are added in another order.

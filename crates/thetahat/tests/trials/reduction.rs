@@ -4,11 +4,11 @@ use std::{collections::BTreeMap, path::Path};
 
 use libtest_mimic::{Failed, Trial};
 use thetahat::{
-    experiment::Experiment,
-    identification::{Method, Status},
+    Experiment, Method, Results,
+    identification::Status,
     preparation::{Mask, NamedMask, StatedMask},
     reduction::{ReduceOptions, Reduction},
-    results::{ParameterResult, Results, RunResult},
+    results::{ParameterResult, RunResult},
 };
 use thetahat_testing::{Folder, ensure};
 

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use libtest_mimic::{Failed, Trial};
 use serde::Deserialize;
-use thetahat::series::Series;
+use thetahat::Series;
 use thetahat::signal::{Decimator, Padding, SecondOrderSections, central_difference, zero_phase};
 
 /// Largest difference over the largest value: the rounding of SciPy's polynomial form, and margin for other machines.

@@ -2,10 +2,10 @@
 
 use libtest_mimic::{Failed, Trial};
 use thetahat::{
-    robot::Robot,
-    series::Series,
-    trajectory::{Move, Moves, reconstruct},
+    Robot, Series,
+    trajectory::{Move, Moves},
 };
+use thetahat_estimation::trajectory::reconstruct;
 
 const RATE_HZ: f64 = 5000.0;
 /// The moving part of the record, in s.

@@ -1,12 +1,5 @@
-//! What the sources do not say in a form that can be read: meanings of keys without doc comments, and what each code demands.
+//! What the sources do not say in a form that can be read: what each code demands.
 //! `{file NAME}` stands for the constant of that name in that file.
-
-/// What is said of a key without a doc comment; an empty value is that of its type.
-#[derive(Debug, Clone)]
-pub struct Undocumented {
-    pub value: &'static str,
-    pub meaning: String,
-}
 
 /// How the value of a type is named that has its own table, or that is read by hand.
 pub fn named(of: &str) -> Option<&'static str> {
@@ -34,73 +27,6 @@ pub fn same_keys(of: &str) -> &'static [&'static str] {
         "Tables" => &["ExperimentFile", "Settings", "Locks"],
         "RobotFile" => &["Locks"],
         _ => &[],
-    }
-}
-
-pub fn undocumented(of: &str, key: &str) -> Option<Undocumented> {
-    let found = UNDOCUMENTED.iter().find(|(item, name, ..)| *item == of && *name == key)?;
-    Some(Undocumented { value: found.2, meaning: found.3.to_owned() })
-}
-
-/// Struct, key, value and meaning.
-pub const UNDOCUMENTED: [(&str, &str, &str, &str); 28] = [
-    ("RobotFile", "name", "", "Its name; none takes that of the URDF, or of the file."),
-    ("RobotFile", "urdf", "path", "A URDF that has the joints and links, in the folder of this file or the one above."),
-    ("RobotFile", "urdf_text", "", "The text of the URDF itself."),
-    ("RobotFile", "convention", "", "What the Denavit-Hartenberg numbers of `[[joint]]` mean; none is `\"modified\"`."),
-    ("RobotFile", "gravity", "", "Acceleration of gravity in the base frame, m/s^2; none is `[0, 0, -9.81]`."),
-    ("RobotFile", "friction", "", "The friction model of the joints; none is `\"symmetric\"`."),
-    ("RobotFile", "joint", "", "The joints, where there is no URDF."),
-    (
-        "RobotFile",
-        "transmission",
-        "",
-        "From motors to joints; none is one motor for each joint without gears, or that of the URDF.",
-    ),
-    ("RobotFile", "term", "", "Torque terms in addition to links and drives."),
-    (
-        "RobotFile",
-        "parameters",
-        "",
-        "A-priori values of standard parameters by name, SI; others are zero, or those of the URDF.",
-    ),
-    ("JointEntry", "name", "", "Its name."),
-    (
-        "JointEntry",
-        "parent",
-        "",
-        "The joint before it; none is the joint before it in the file, and of the first the base.",
-    ),
-    ("JointEntry", "kind", "", "How it moves."),
-    ("JointEntry", "gamma_deg", "", "Angle about the parent's z axis, of a branch of a tree, degrees."),
-    ("JointEntry", "b_m", "", "Length along the parent's z axis, of a branch of a tree, m."),
-    ("JointEntry", "alpha_deg", "", "Angle between the z axes, degrees."),
-    ("JointEntry", "a_m", "", "Length between the z axes, m."),
-    ("JointEntry", "theta_deg", "", "Angle about the z axis, degrees; the coordinate of a revolute joint is added."),
-    ("JointEntry", "d_m", "", "Length along the z axis, m; the coordinate of a prismatic joint is added."),
-    ("JointEntry", "mimic", "", "The joint that it follows."),
-    ("MimicEntry", "joint", "", "The joint that is followed."),
-    ("MimicEntry", "ratio", "", "Its factor."),
-    ("MimicEntry", "offset_deg", "", "What is added for a revolute joint, degrees."),
-    ("MimicEntry", "offset_m", "", "What is added for a prismatic joint, m."),
-    (
-        "TransmissionEntry",
-        "matrix",
-        "",
-        "N: motors in rows, joints in columns; none is the identity, or that of the URDF.",
-    ),
-    ("TransmissionEntry", "offset_deg", "", "Offsets of revolute joints, degrees."),
-    ("TransmissionEntry", "offset_m", "", "Offsets of prismatic joints, m."),
-    ("TransmissionEntry", "drive_gain", "", "Motor torque per unit of the drive signal."),
-];
-
-/// What the struct of a table without a doc comment is.
-pub fn table_of(item: &str) -> &'static str {
-    match item {
-        "JointEntry" => "A joint by its Denavit-Hartenberg numbers.",
-        "MimicEntry" => "A joint that follows another.",
-        "TransmissionEntry" => "`q = N^-1 q_motor + offset`, `tau = N^T (drive_gain * tau_motor)`.",
-        _ => "",
     }
 }
 
@@ -152,7 +78,7 @@ pub const FINDINGS: [[&str; 4]; 41] = [
     [
         "gear-ratio",
         "problem",
-        "rms torque that another ratio of a motor, or another scale of a position or torque, explains ({checks/gear EFFECT_LIMIT_PERCENT} % of the torques; the scale differs from one by {checks/gear SURE} standard deviations)",
+        "rms torque that another ratio of a motor, or another scale of a position or torque, explains ({checks/gear EFFECT_LIMIT_PERCENT} % of the torques; the scale differs from one by {checks/gear SIGNIFICANT} standard deviations)",
         "check the ratio, the position's scale or the drive's gain that the message names",
     ],
     [
@@ -321,13 +247,13 @@ pub const FINDINGS: [[&str; 4]; 41] = [
     [
         "gain-drift",
         "warning",
-        "change of a joint's torque over the recording ({checks/drift GAIN_LIMIT_PERCENT} %, and {checks/drift SURE_OF_GAIN} standard deviations)",
+        "change of a joint's torque over the recording ({checks/drift GAIN_LIMIT_PERCENT} %, and {checks/drift SIGNIFICANT_GAIN} standard deviations)",
         "check drive gain and payload; compare shorter windows",
     ],
     [
         "friction-drift",
         "warning",
-        "change of a joint's friction over the recording ({checks/drift FRICTION_LIMIT_PERCENT} %, and {checks/drift SURE_OF_FRICTION} standard deviations)",
+        "change of a joint's friction over the recording ({checks/drift FRICTION_LIMIT_PERCENT} %, and {checks/drift SIGNIFICANT_FRICTION} standard deviations)",
         "warm the joint up, or start the window later",
     ],
     [

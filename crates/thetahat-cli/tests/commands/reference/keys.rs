@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, VecDeque};
 
 use super::{
-    facts::{self, Undocumented},
+    facts,
     markdown::{anchor, code, plural, prose, table},
     source::{Holds, Item, Member, Sources, split},
 };
@@ -137,7 +137,7 @@ impl<'s> Keys<'s> {
         if section.path.is_empty() {
             return table + "\n";
         }
-        let docs = if section.item.docs.is_empty() { facts::table_of(&section.item.name) } else { &section.item.docs };
+        let docs = &section.item.docs;
         format!("### {}\n\n{}\n\n{table}\n", title(root, &section.path), prose(docs))
     }
 
@@ -162,12 +162,8 @@ impl<'s> Keys<'s> {
 
     fn row(&self, root: &Root, item: &Item, member: &Member) -> Vec<String> {
         let Holds::One(of) = &member.holds else { panic!("{}.rs: {} is no field", item.file, member.name) };
-        let undocumented = self.undocumented(item, member);
-        let value = match undocumented.as_ref().filter(|u| !u.value.is_empty()) {
-            Some(stated) => stated.value.to_owned(),
-            None => self.value_of(root, item, member, of),
-        };
-        let docs = undocumented.map_or_else(|| member.docs.clone(), |u| u.meaning);
+        let value = self.value_of(root, item, member, of);
+        let docs = self.shared_docs(item, member).unwrap_or_else(|| member.docs.clone());
         let meaning = [prose(&docs), self.names_in(of, &item.file)].join(" ").trim().to_owned();
         let mut row = vec![code(&key(member)), value];
         if root.form == Form::Toml {
@@ -177,21 +173,18 @@ impl<'s> Keys<'s> {
         row
     }
 
-    /// What is said of a field without a doc comment.
-    fn undocumented(&self, item: &Item, member: &Member) -> Option<Undocumented> {
+    /// The doc comment of the same field of another struct, for a field without one.
+    fn shared_docs(&self, item: &Item, member: &Member) -> Option<String> {
         if !member.docs.is_empty() && !is_ignored(member) {
             return None;
         }
         let key = key(member);
-        let same = facts::same_keys(&item.name).iter().filter_map(|other| {
+        let found = facts::same_keys(&item.name).iter().find_map(|other| {
             let other = self.sources.item(other, &item.file);
             other.members.iter().find(|m| self::key(m) == key || m.name == format!("{key}s"))
         });
-        let same = same.map(|m| Undocumented { value: "", meaning: m.docs.clone() });
-        let stated = facts::undocumented(&item.name, &key);
-        Some(same.chain(stated).next().unwrap_or_else(|| {
-            panic!("{}.rs: `{key}` of {} has no doc comment, and facts.rs says nothing of it", item.file, item.name)
-        }))
+        let found = found.unwrap_or_else(|| panic!("{}.rs: `{key}` of {} has no doc comment", item.file, item.name));
+        Some(found.docs.clone())
     }
 
     fn value_of(&self, root: &Root, item: &Item, member: &Member, of: &str) -> String {

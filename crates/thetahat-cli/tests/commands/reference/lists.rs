@@ -97,7 +97,7 @@ pub fn column_names(sources: &Sources) -> String {
         ("velocity", "VELOCITY"),
         ("torque", "TORQUE"),
         ("reference of the position", "REFERENCE"),
-        ("a position word with one of these is a reference", "WANTED"),
+        ("a position word with one of these is a reference", "DESIRED_WORDS"),
         ("not used", "OTHER"),
     ];
     let rows = lists.map(|(what, list)| vec![what.to_owned(), words(file.constant(list))]);

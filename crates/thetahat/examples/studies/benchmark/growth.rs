@@ -3,11 +3,10 @@
 use std::{error::Error, hint::black_box, path::Path};
 
 use thetahat::{
+    Robot, Series,
     base_parameters::BaseParameters,
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     regressor::Regressor,
-    robot::Robot,
-    series::Series,
     signal::Decimator,
 };
 

@@ -23,10 +23,8 @@ use std::{error::Error, hint::black_box, path::Path, time::Instant};
 
 use self::peers::Peers;
 use self::table::Row;
-use thetahat::{
-    experiment::Experiment,
-    report::{self, Published},
-};
+use thetahat::{Experiment, report::Published};
+use thetahat_report::report;
 
 /// Runs the study.
 pub fn main() -> Result<(), Box<dyn Error>> {

@@ -1,16 +1,20 @@
-//! The stages of an identification of the TX40 record beside a baseline in Python.
+//! The stages of an identification of the TX40 recording, compared with a baseline in Python.
 
 use std::{error::Error, path::Path};
 
 use thetahat::{
+    Experiment,
     base_parameters::BaseParameters,
     dynamics::{Model, Sign},
-    experiment::Experiment,
-    identification::{Assembly, Divisor, idim_ls},
+    identification::{Assembly, idim_ls},
     recording::read_channels,
     regression::{Regression, RowLayout},
     signal::{Decimator, Padding, SecondOrderSections, central_difference, zero_phase},
-    simulation::{ClosedLoop, Job, OutputGrid, Reference, SimulatorBias, simulate_all},
+    simulation::{ClosedLoop, OutputGrid, Reference, SimulatorBias},
+};
+use thetahat_estimation::{
+    identification::Divisor,
+    simulation::{Job, simulate_all},
     trajectory::reconstruct,
 };
 
@@ -65,7 +69,7 @@ fn our_stages(data: &Path) -> Result<Stages, Box<dyn Error>> {
         let qf = zero_phase(&filter, &q, Padding::Matlab)?;
         let dq = central_difference(&qf, rate);
         let ddq = central_difference(&dq, rate);
-        let cut = |s: &thetahat::series::Series| s.window(window.clone());
+        let cut = |s: &thetahat::Series| s.window(window.clone());
         let x = assembly.observation_matrix(&cut(&qf), &cut(&dq), &cut(&ddq), Sign::Exact)?;
         let y = assembly.measurement_vector(&cut(&tau))?;
         let regression = Regression::new(x, y, RowLayout::new(model.coordinate_count(), &[assembly.rows_per_joint()]));

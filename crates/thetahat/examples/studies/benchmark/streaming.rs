@@ -1,4 +1,4 @@
-//! A long record from its file to the estimate, each in a process of its own, whose memory is then its alone.
+//! A long recording from its file to the estimate, each in its own process, so that the memory of each is measured.
 
 use std::{
     error::Error,
@@ -8,7 +8,7 @@ use std::{
     time::Instant,
 };
 
-use thetahat::{experiment::Experiment, reduction::ReduceOptions};
+use thetahat::{Experiment, reduction::ReduceOptions};
 
 use super::{
     long_record::{Kind, Twin},
@@ -27,7 +27,7 @@ const HOUR_MB: f64 = 500.0;
 /// Times a second that Linux counts processor time.
 const TICKS: f64 = 100.0;
 
-/// What a process took; what the system does not tell is not a number.
+/// Time and memory of a process; not a number if the system does not report it.
 pub struct Measured {
     pub wall_s: f64,
     pub processor_s: f64,
@@ -68,7 +68,7 @@ fn known(value: f64, unit: &str) -> String {
     if value.is_nan() { "not measured".to_owned() } else { format!("{value:.1} {unit}") }
 }
 
-/// A record on the disk, taken away at the end.
+/// A recording on the disk, deleted at the end.
 pub struct Record {
     folder: PathBuf,
     experiment: PathBuf,
@@ -121,7 +121,7 @@ pub fn child(experiment: &Path, threads: usize) -> Result<(), Box<dyn Error>> {
 /// Processor time of all threads, in the program and in the system for it.
 fn processor_s() -> Option<f64> {
     let text = fs::read_to_string("/proc/self/stat").ok()?;
-    // Behind the name, which is in brackets, the third field comes first.
+    // After the name, which is in brackets, the third field comes first.
     let (_, fields) = text.rsplit_once(')')?;
     let ticks: Option<Vec<f64>> = fields.split_whitespace().skip(11).take(2).map(|field| field.parse().ok()).collect();
     Some(ticks?.iter().sum::<f64>() / TICKS)

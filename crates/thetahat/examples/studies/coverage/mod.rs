@@ -3,7 +3,7 @@
 //! `cargo run --release -p thetahat --example studies -- coverage [--seeds 500] [--threads 2]`
 //!
 //! Two twins, two levels of noise, white and coloured. First the methods where their assumptions hold, then the same through
-//! what the program does with a record, step by step.
+//! what the program does with a recording, step by step.
 
 mod noise;
 mod stage;
@@ -63,7 +63,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The number behind a name on the command line.
+/// The number after a name on the command line.
 fn option(name: &str) -> Result<Option<u64>, Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().collect();
     let Some(place) = arguments.iter().position(|a| a == name) else { return Ok(None) };
@@ -111,7 +111,7 @@ impl Condition<'_> {
         self.row("DIDIM", |o| o.chain[DIDIM].as_ref());
     }
 
-    /// Bias of each shown parameter at every stage, and its coverage behind the last.
+    /// Bias of each shown parameter at every stage, and its coverage after the last.
     fn each_parameter(&self) {
         let of = |place: usize| Tally::new(self.outcomes.iter().map(|o| o.chain[place].as_ref()));
         let methods = [Method::IDIM_LS, Method::IDIM_IV].map(|m| of(place(m, Stage::Derivative)));

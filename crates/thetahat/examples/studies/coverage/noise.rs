@@ -2,10 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
-use thetahat::series::Series;
+use thetahat::Series;
 
 use super::twin::Twin;
 
@@ -71,9 +70,7 @@ pub struct Noise {
 impl Noise {
     /// The generator of one seed: conditions draw from streams of their own.
     pub fn generator(self, seed: u64) -> ChaCha8Rng {
-        let mut generator = ChaCha8Rng::seed_from_u64(seed);
-        generator.set_stream(2 * self.level as u64 + self.colour as u64);
-        generator
+        random_numbers(seed, 2 * self.level as u64 + self.colour as u64)
     }
 
     /// Standard deviation of the white noise on each joint's torque.
@@ -83,24 +80,22 @@ impl Noise {
 
     /// Noise on the joint torques in the twin's window.
     pub fn torque(self, twin: &Twin, generator: &mut ChaCha8Rng) -> Series {
-        let deviation = self.torque_deviation(twin);
-        let mut noise = Series::zeros(twin.window.len(), deviation.len());
+        let (deviation, samples) = (self.torque_deviation(twin), twin.window.len());
         match self.colour {
-            Colour::White => fill_white(&mut noise, &deviation, generator),
-            Colour::Coloured => fill_coloured(&mut noise, &deviation, twin, generator),
+            Colour::White => SignalNoise::White(&deviation).draw(samples, generator),
+            // The stream has one sample more than the window: numbers that are published were drawn with it.
+            Colour::Coloured => {
+                SignalNoise::Autoregressive(&coloured(&deviation, twin)).draw(samples + 1, generator).window(0..samples)
+            }
         }
-        noise
     }
 
     /// The recorded joint positions of the whole motion: white noise, then the steps of encoders whose zero lies anywhere
     /// in a step.
     pub fn positions(self, twin: &Twin, generator: &mut ChaCha8Rng) -> Series {
         let transmission = &twin.experiment.robot.transmission;
-        let mut joints = twin.motion.q.clone();
-        let deviation = vec![self.level.factor() * twin.position_noise; joints.channels()];
-        for k in 0..joints.len() {
-            joints.sample_mut(k).iter_mut().zip(&deviation).for_each(|(q, sd)| *q += sd * normal(generator));
-        }
+        let deviation = vec![self.level.factor() * twin.position_noise; twin.motion.q.channels()];
+        let joints = SignalNoise::White(&deviation).added_to(twin.motion.q.clone(), generator);
         let mut motors = transmission.motor_positions(&joints);
         let zeros: Vec<f64> = (0..motors.channels()).map(|_| StandardUniform.sample(generator)).collect();
         let step = TAU / twin.sensors().encoder_counts_per_turn;
@@ -111,25 +106,11 @@ impl Noise {
     }
 }
 
-fn normal(generator: &mut ChaCha8Rng) -> f64 {
-    StandardNormal.sample(generator)
-}
-
-fn fill_white(noise: &mut Series, deviation: &[f64], generator: &mut ChaCha8Rng) {
-    for k in 0..noise.len() {
-        noise.sample_mut(k).iter_mut().zip(deviation).for_each(|(n, sd)| *n = sd * normal(generator));
-    }
-}
-
-/// Stationary from the first sample on.
-fn fill_coloured(noise: &mut Series, deviation: &[f64], twin: &Twin, generator: &mut ChaCha8Rng) {
+/// Stationary noise with the standard deviation of decimated white noise.
+fn coloured(deviation: &[f64], twin: &Twin) -> Autoregression {
     let pole = (-1.0 / (twin.sample_rate_hz * TIME_CONSTANT_S)).exp();
     let decimated = (PASS_BAND / twin.experiment.settings.signal.decimation as f64).sqrt();
-    let size: Vec<f64> = deviation.iter().map(|sd| sd * decimated).collect();
-    let mut state: Vec<f64> = size.iter().map(|sd| sd * normal(generator)).collect();
-    for k in 0..noise.len() {
-        noise.sample_mut(k).copy_from_slice(&state);
-        let innovation = (1.0 - pole * pole).sqrt();
-        state.iter_mut().zip(&size).for_each(|(s, sd)| *s = pole * *s + innovation * sd * normal(generator));
-    }
+    let first: Vec<f64> = deviation.iter().map(|sd| sd * decimated).collect();
+    let innovation = first.iter().map(|sd| (1.0 - pole * pole).sqrt() * sd).collect();
+    Autoregression { correlation: pole, first, innovation }
 }

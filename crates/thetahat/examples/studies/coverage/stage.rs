@@ -1,16 +1,16 @@
-//! What the program does with a record before it estimates, step by step.
+//! What the program does with a recording before it estimates, step by step.
 
 use std::{error::Error, sync::Arc};
 
 use thetahat::{
-    dynamics::{Jump, Sign},
-    identification::RowMask,
-    linear_algebra::Matrix,
+    Matrix, Series,
+    dynamics::Sign,
     preparation::{Mask, NamedMask, SignalOptions, near_rest},
     regression::Regression,
-    series::Series,
-    signal::{Derivative, Motion, band_pass, centred_hold},
+    signal::{Derivative, Motion, band_pass},
 };
+use thetahat_estimation::{identification::RowMask, signal::centred_hold};
+use thetahat_model::dynamics::Jump;
 
 use super::twin::Twin;
 
@@ -65,7 +65,7 @@ impl Stage {
     }
 }
 
-/// A record on its way to rows.
+/// A recording between two steps on the way to rows.
 pub struct Measured<'a> {
     twin: &'a Twin,
     stage: Stage,

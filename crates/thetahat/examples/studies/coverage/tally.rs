@@ -7,7 +7,7 @@ use std::{
 
 use super::trial::{Estimate, KINDS, Outcome, Trials};
 
-/// Runs the seeds 1 to `seeds` on so many threads; the outcomes stand in the order of the seeds.
+/// Runs the seeds 1 to `seeds` on `threads` threads; the outcomes are in the order of the seeds.
 ///
 /// # Errors
 /// The first that a seed has.
@@ -39,7 +39,7 @@ pub struct Tally<'a> {
 }
 
 impl<'a> Tally<'a> {
-    /// None where no seed has an estimate.
+    /// `None` if no seed has an estimate.
     pub fn new(estimates: impl Iterator<Item = Option<&'a Estimate>>) -> Option<Self> {
         let estimates: Vec<&Estimate> = estimates.flatten().collect();
         let parameters = estimates.first()?.error.len();

@@ -3,12 +3,13 @@
 use std::{error::Error, sync::Arc};
 
 use thetahat::{
+    Matrix, Method,
     dynamics::Sign,
-    identification::{Design, Divisor, Fit, Method, RowMask, Uncertainty, idim_iv, idim_ls, uncertainty},
-    linear_algebra::Matrix,
+    identification::{Fit, Uncertainty, idim_iv, idim_ls, uncertainty},
     regression::Regression,
     statistics::Sandwich,
 };
+use thetahat_estimation::identification::{Design, Divisor, RowMask};
 
 use super::{noise::Noise, stage::Stage, twin::Twin};
 
@@ -109,7 +110,7 @@ pub fn place(method: Method, stage: Stage) -> usize {
     stage as usize + if method == Method::IDIM_IV { Stage::ALL.len() } else { 0 }
 }
 
-/// What a seed gives: with the assumptions, and through the chain; none where it was not run.
+/// What a seed gives: with the assumptions, and through the chain; `None` if it was not run.
 #[derive(Debug, Default, PartialEq)]
 pub struct Outcome {
     pub assumed: [Option<Estimate>; 3],
@@ -123,7 +124,7 @@ pub struct Scope {
     pub measured_every: u64,
     /// The stages of the chain.
     pub stages: &'static [Stage],
-    /// DIDIM with simulations, behind the last stage, on one seed of so many; none for not at all.
+    /// DIDIM with simulations, after the last stage, on one seed of this many; `None` for never.
     pub simulated_every: Option<u64>,
 }
 
@@ -194,7 +195,7 @@ impl<'a> Trials<'a> {
         as_the_program(self.twin, Method::IDIM_IV, regression, Some(z), &fit)
     }
 
-    /// None where the iteration does not converge.
+    /// `None` if the iteration does not converge.
     fn didim(&self, regression: &Regression, mask: Option<&Arc<RowMask>>) -> Result<Option<Estimate>, Box<dyn Error>> {
         let outcome = self.twin.iterate_didim(regression, mask);
         let (Some(fit), Some(z)) = (outcome.fit, outcome.instruments) else { return Ok(None) };

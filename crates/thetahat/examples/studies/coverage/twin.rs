@@ -5,16 +5,19 @@ use std::{error::Error, ops::Range, path::Path, sync::Arc};
 use super::stage::Stage;
 
 use thetahat::{
+    Experiment, Matrix, Method, Series,
     base_parameters::BaseParameters,
     dynamics::{Model, Sign},
-    experiment::{Experiment, TwinMotion},
-    identification::{Assembly, IterationOptions, Method, Outcome, RowMask, iterate},
-    linear_algebra::Matrix,
+    experiment::TwinMotion,
+    identification::{Assembly, Outcome},
     regression::{Regression, RowLayout},
-    series::Series,
-    signal::{Decimator, SignalError, moving_samples},
+    signal::{Decimator, SignalError},
     simulation::{ClosedLoop, OutputGrid, Reference, Sensors, SimulatedMotion, SimulationError, SimulatorBias},
     trajectory::Moves,
+};
+use thetahat_estimation::{
+    identification::{IterationOptions, RowMask, iterate},
+    signal::moving_samples,
 };
 
 const EMPS: &str = include_str!("../../../../../experiments/emps_twin.toml");

@@ -3,14 +3,14 @@ use std::error::Error;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use thetahat::{
-    Recording, Settings,
+    Recording, Series, Settings,
     base_parameters::BaseParameters,
     dynamics::Model,
     filter_choice::{choose_filter, estimate_behind, sizes},
-    results::Filter,
-    series::Series,
-    signal::{Padding, SecondOrderSections, delayed, zero_phase},
+    signal::{Padding, SecondOrderSections, zero_phase},
 };
+use thetahat_estimation::signal::delayed;
+use thetahat_report::results::Filter;
 
 use super::twins::{
     reference::Kind,
@@ -27,14 +27,14 @@ const REST: f64 = 2e-4;
 const PERIODIC: u64 = 100;
 const KINDS: [Kind; 4] = [Kind::Moves, Kind::OneByOne, Kind::Slow, Kind::Periodic];
 
-/// A record of a twin.
+/// A recording of a twin.
 pub struct Case {
     number: u64,
     sampling: Sampling,
     noise: Noise,
     /// Cut-off of the low-pass through which positions and torques were recorded, where they were; part of the rate.
     low_pass: Option<f64>,
-    /// Torques behind positions, samples.
+    /// Samples by which the torques are late.
     late: f64,
     /// Step of the encoders, where positions have no noise.
     encoder: Option<f64>,
@@ -168,14 +168,14 @@ fn wide_grid(rate_hz: f64) -> impl Iterator<Item = Filter> {
     })
 }
 
-/// Mean squared error of each parameter over the records, none beyond its size; none where a record gives no estimate.
+/// Mean squared error of each parameter over the recordings, at most the square of its size; `None` if a recording gives no estimate.
 fn squares(twin: &Twin, records: &[Recording], filter: Filter) -> Option<Vec<f64>> {
     let model = Model::new(&twin.robot);
     let base = BaseParameters::of(&model, &[]).ok()?;
     let truth = base.from_standard(&twin.truth);
     let mut sum = vec![0.0; truth.len()];
     for record in records {
-        let found = estimate_behind(&twin.robot, record, filter).ok()?;
+        let found = estimate_with_filter(&twin.robot, record, filter).ok()?;
         let squares = found.iter().zip(&truth).map(|(found, truth)| (found - truth).powi(2));
         sum.iter_mut().zip(squares).for_each(|(sum, square)| *sum += square / records.len() as f64);
     }

@@ -1,8 +1,8 @@
-//! How near the filter that is chosen from a record comes to the best of a grid: the table of `docs/theory/filter_choice.md`.
+//! How close the filter that is chosen from a recording comes to the best of a grid: the table of `docs/theory/filter_choice.md`.
 //!
 //! Twins of several robots move, are sampled at 30 Hz to 5 kHz, and are recorded with noise of random size: cases 1 to 100 periodically,
 //! those above from rest to rest, one joint after the other, slowly or periodically, some with the steps of encoders. The
-//! rms error of the estimates against the truth is compared with that of every filter of a wide grid, over records with other
+//! rms error of the estimates against the truth is compared with that of every filter of a wide grid, over recordings with other
 //! noise of the same kind. Each parameter's error counts in units of the least rms error that any filter gives it.
 //!
 //! `cargo run --release -p thetahat --example studies -- filter_study [--data DIR] [--cases 100] [--first 1] [--robot NAME]`

@@ -1,7 +1,10 @@
 //! What the page says of a report.
 
 use minijinja::{Value, context};
-use thetahat::results::{Results, RunResult, Verdict};
+use thetahat::{
+    Results,
+    results::{RunResult, Verdict},
+};
 
 /// What `results` say, for the page; their report is in `folder`, with a picture or without.
 pub fn entry(folder: &str, results: &Results, has_picture: bool) -> Value {

@@ -18,12 +18,9 @@ use std::{
 
 use self::entry::entry;
 use minijinja::{Environment, Value, context};
-use thetahat::{
-    experiment::Experiment,
-    output::replace_file,
-    report::{self, Published},
-    results::Verdict,
-};
+use thetahat::{Experiment, report::Published, results::Verdict};
+use thetahat_ground::output::replace_file;
+use thetahat_report::report;
 
 /// The experiments, in the order of the page.
 const EXPERIMENTS: [&str; 4] = ["tx40_paper", "emps", "kuka_lwr4", "ur10"];

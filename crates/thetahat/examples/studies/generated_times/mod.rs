@@ -1,4 +1,4 @@
-//! Times of generated C beside the library's kernels, on the TX40 in one run: the table of `docs/manual/generated_code.md`.
+//! Times of generated C and of the library's kernels, on the TX40 in one run: the table of `docs/manual/generated_code.md`.
 //!
 //! `cargo run --release -p thetahat --example studies -- generated_times [PYTHON]`; it needs `cc`. With a Python that has `pin` and `cmeel-eigen`,
 //! Pinocchio in C++ runs in the same run.
@@ -8,10 +8,10 @@ mod pinocchio;
 use std::{error::Error, fmt::Write, hint::black_box, path::PathBuf, process::Command, time::Instant};
 
 use thetahat::{
+    Robot,
     base_parameters::BaseParameters,
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     regressor::Regressor,
-    robot::Robot,
     symbolic::{Function, Language, ModelKind, ParameterSet, Request},
 };
 

@@ -8,9 +8,10 @@ use std::{
 };
 
 use thetahat::{
-    robot::Robot,
-    symbolic::{DriveTorques, Function, Inputs, ModelKind, ParameterSet, Request},
+    Robot,
+    symbolic::{DriveTorques, Function, ModelKind, ParameterSet, Request},
 };
+use thetahat_model::symbolic::Inputs;
 
 /// Finds the folder of its headers.
 const PREFIX: &str = "import pathlib, pinocchio; print(pathlib.Path(pinocchio.__file__).parents[4])";

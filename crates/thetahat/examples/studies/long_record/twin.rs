@@ -1,4 +1,4 @@
-//! The record and its experiment.
+//! The long recording and its experiment.
 
 use std::{
     error::Error,
@@ -11,11 +11,11 @@ use std::{
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use thetahat::{experiment::Experiment, series::Series};
+use thetahat::{Experiment, Series};
 
 const RATE_HZ: f64 = 5000.0;
 
-/// The files of a record.
+/// The files of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// `record.csv`.
@@ -72,20 +72,20 @@ impl Twin {
         samples: usize,
         mut sample: impl FnMut(&[f64], &[f64]) -> Result<(), Box<dyn Error>>,
     ) -> Result<(), Box<dyn Error>> {
-        let mut random = ChaCha8Rng::seed_from_u64(1);
-        let mut torque = vec![0.0; self.noise.len()];
+        let mut random = random_numbers(1, 0);
+        let noise = SignalNoise::White(&self.noise);
+        let mut torque = self.torque.clone();
         for k in 0..samples {
-            let place = k % self.position.len();
-            for ((tau, clean), noise) in torque.iter_mut().zip(self.torque.sample(place)).zip(&self.noise) {
-                let white: f64 = StandardNormal.sample(&mut random);
-                *tau = clean + noise * white;
+            let in_motion = k % self.position.len();
+            if in_motion == 0 {
+                torque = noise.added_to(self.torque.clone(), &mut random);
             }
-            sample(self.position.sample(place), &torque)?;
+            sample(self.position.sample(in_motion), torque.sample(in_motion))?;
         }
         Ok(())
     }
 
-    /// The demonstration with the record in place of the twin, and a window that leaves the edges of the filter.
+    /// The demonstration with the recording instead of the twin, and a window without the edges of the filter.
     fn experiment(&self, kind: Kind, samples: usize) -> Result<String, Box<dyn Error>> {
         let (before, rest) = self.text.split_once("[twin]").ok_or("the twin")?;
         let (_, rest) = rest.split_once("[signal]").ok_or("its end")?;

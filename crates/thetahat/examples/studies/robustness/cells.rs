@@ -10,8 +10,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use thetahat::{
-    ControllerDescription, Identification, Robot, Settings,
-    identification::{Method, Needs, Status},
+    ControllerDescription, Identification, Method, Robot, Settings,
+    identification::{Needs, Status},
     results::RunResult,
 };
 

@@ -26,7 +26,7 @@ use super::twins::{
     robots::robots,
     twin::{RATE_HZ, Sampling, Twin},
 };
-use thetahat::identification::{Method, Needs};
+use thetahat::{Method, identification::Needs};
 
 /// Runs the study.
 pub fn main() -> Result<(), Box<dyn Error>> {

@@ -1,4 +1,4 @@
-use thetahat::identification::Method;
+use thetahat::Method;
 
 use super::{cells::Cell, twins::twin::Twin};
 

@@ -3,9 +3,9 @@ use std::f64::consts::TAU;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use thetahat::{Robot, robot::JointKind, series::Series};
+use thetahat::{Robot, Series, robot::JointKind};
 
-/// Harmonics of the periodic motion; the first has the length of the record as its period.
+/// Harmonics of the periodic motion; the first has the length of the recording as its period.
 const HARMONICS: usize = 5;
 /// Time in which the motion begins and ends.
 const RAMP_S: f64 = 1.0;

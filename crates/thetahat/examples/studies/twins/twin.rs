@@ -1,16 +1,13 @@
 use std::{error::Error, f64::consts::TAU};
 
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use thetahat::{
-    ControllerDescription, Recording, Robot,
+    ControllerDescription, Recording, Robot, Series,
     consistency::completed_a_priori,
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
-    robot::{JointQuantity, Quantity},
-    series::Series,
+    robot::Quantity,
     simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulatorBias, Solver},
 };
+use thetahat_model::robot::JointQuantity;
 
 use super::{
     reference::{Kind, motion},
@@ -30,7 +27,7 @@ const FRICTION_PART: f64 = 0.1;
 const LEAST_TORQUE: f64 = 0.1;
 const TIGHT: Solver = Solver::Automatic { relative_tolerance: 1e-7, absolute_tolerance: 1e-10 };
 
-/// Noise of a record.
+/// Noise of a recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
     pub name: &'static str,
@@ -55,7 +52,7 @@ pub struct Sampling {
 pub struct Twin {
     pub name: &'static str,
     pub robot: Robot,
-    /// What CAD knows: the true links, and motors and friction as far as the file has them.
+    /// What CAD knows: the true links, and the motors and friction that the file has.
     pub cad: Vec<f64>,
     pub truth: Vec<f64>,
     reference: Series,
@@ -110,23 +107,15 @@ impl Twin {
         }
     }
 
-    /// A record of the motion with noise, with the reference where both have the same rate.
+    /// A recording of the motion with noise, with the reference if both have the same rate.
     pub fn record(&self, noise: Noise, seed: u64) -> Recording {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let mut add = |series: &mut Series, deviation: &[f64]| {
-            for k in 0..series.len() {
-                for (value, deviation) in series.sample_mut(k).iter_mut().zip(deviation) {
-                    let normal: f64 = StandardNormal.sample(&mut rng);
-                    *value += deviation * normal;
-                }
-            }
-        };
-        let (mut q, mut tau) = (self.motion.q.clone(), self.motion.tau.clone());
-        let torque: Vec<f64> = (0..tau.channels()).map(|j| noise.torque * rms(&tau.channel(j))).collect();
-        add(&mut q, &vec![noise.position; torque.len()]);
-        add(&mut tau, &torque);
+        let SimulatedMotion { q, tau, .. } = &self.motion;
+        let torques: Vec<f64> = (0..tau.channels()).map(|j| noise.torque * rms(&tau.channel(j))).collect();
+        let positions = vec![noise.position; torques.len()];
+        let noise = RecordingNoise { position: SignalNoise::White(&positions), torque: SignalNoise::White(&torques) };
+        let NoisySignals { position, torque } = noise.record(q.clone(), tau.clone(), &mut random_numbers(seed, 0));
         let reference = (self.rate_hz == RATE_HZ).then(|| self.reference.clone());
-        Recording { truth: Some(self.truth.clone()), reference, ..Recording::new(self.rate_hz, q, tau) }
+        Recording { truth: Some(self.truth.clone()), reference, ..Recording::new(self.rate_hz, position, torque) }
     }
 }
 

@@ -20,7 +20,7 @@ use std::{
 use self::outcome::{Outcome, largest_error};
 use self::specimen::Specimen;
 use self::trial::Trial;
-use thetahat::{Identification, experiment::Experiment, results::Results};
+use thetahat::{Experiment, Identification, Results};
 
 /// Experiments on recordings of others.
 const RECORDED: [&str; 4] = ["tx40_paper", "emps", "kuka_lwr4", "ur10"];
@@ -58,7 +58,7 @@ fn recorded(data: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The row of a trial: of its worst outcome where there are several seeds; none where the twin has no such trial.
+/// The row of a trial: of its worst outcome if there are several seeds; `None` if the twin has no such trial.
 fn row(trial: Trial, specimen: &Specimen) -> Result<Option<String>, Box<dyn Error>> {
     let mut all: Vec<(Outcome, Results)> = Vec::new();
     for seed in 0..trial.seeds() {
@@ -94,7 +94,7 @@ fn verdict(results: &Results) -> &'static str {
 
 fn reasons(results: &Results) -> String {
     let words = results.verdict_reasons.iter().take(NAMED).map(|r| {
-        let finding = r.concerned.finding.map(|code| code.name()).filter(|name| *name != r.code.name());
+        let finding = r.subject.finding.map(|code| code.name()).filter(|name| *name != r.code.name());
         let finding = finding.map(|name| format!(" ({name})")).unwrap_or_default();
         format!("`{}`{finding}", r.code)
     });

@@ -1,4 +1,7 @@
-use thetahat::results::{NOMINAL, Results, Verdict};
+use thetahat::{
+    Results,
+    results::{NOMINAL, Verdict},
+};
 
 use super::trial::Trial;
 
@@ -14,7 +17,7 @@ pub enum Outcome {
     Undecided,
     /// The numbers are good, and refused.
     Strict,
-    /// The numbers are false, and the verdict says nothing of it.
+    /// The numbers are wrong, and the verdict does not warn.
     Misled,
 }
 
@@ -46,7 +49,7 @@ impl Outcome {
 /// The largest error of the method that is taken, or else of those that could be, in deviations with correlated errors;
 /// infinite where there is no truth for the robot as described.
 pub fn largest_error(results: &Results) -> f64 {
-    let taken = results.advice.first().and_then(|a| a.take);
+    let taken = results.advice.first().and_then(|a| a.recommended);
     let runs = results.runs.iter().filter(|r| r.case == NOMINAL && taken.is_none_or(|m| m == r.method));
     let errors = runs.flat_map(|r| &r.parameters).map(|p| {
         let error = p.true_value.zip(p.standard_deviation_robust).map(|(truth, sd)| (p.estimate - truth).abs() / sd);

@@ -1,13 +1,12 @@
 use std::{error::Error, path::Path};
 
 use thetahat::{
-    Recording, Robot,
+    Experiment, Recording, Robot, Series,
     dynamics::Model,
-    experiment::{Experiment, TwinDescription, TwinMotion},
-    robot::TermDescription,
-    series::Series,
+    experiment::{TwinDescription, TwinMotion},
     simulation::{ClosedLoop, OutputGrid, Reference, Sensors, SimulatedMotion, SimulatorBias},
 };
+use thetahat_model::robot::TermDescription;
 
 /// Lengths of the wrong robot, relative to the true ones.
 const LONGER: f64 = 1.5;
@@ -66,14 +65,14 @@ impl Specimen {
         self.recording(&self.motion.motion)
     }
 
-    /// The record with a tenth of the noise.
+    /// The recording with a tenth of the noise.
     pub fn quiet(&self) -> Recording {
         let mut sensors = self.description.sensors.clone();
         sensors.torque_noise.iter_mut().chain(&mut sensors.torque_ripple).for_each(|size| *size *= 0.1);
         self.seen_by(&sensors, &self.motion.motion)
     }
 
-    /// The record with other torques, which `change` makes of joint, sample and torque.
+    /// The recording with other torques: `change` gives them by joint, sample and torque.
     pub fn with_torques(&self, change: impl Fn(usize, usize, f64) -> f64) -> Recording {
         let mut recording = self.clean();
         let torque = self.torque();
@@ -88,7 +87,7 @@ impl Specimen {
         self.clean().torque.unwrap_or_else(|| Series::zeros(0, 1))
     }
 
-    /// The record of a loop that differs from the one which is simulated.
+    /// The recording of a loop that differs from the simulated one.
     pub fn of_another_loop(&self, bias: SimulatorBias) -> Result<Recording, Box<dyn Error>> {
         let experiment = &self.experiment;
         let model = Model::new(&experiment.robot);
@@ -112,7 +111,7 @@ impl Specimen {
         Ok(self.recording(&closed_loop.simulate(&self.motion.parameters, &inertia, &grid)?))
     }
 
-    /// The record of a robot with a Stribeck torque of a part of its Coulomb friction.
+    /// The recording of a robot with a Stribeck torque of a part of its Coulomb friction.
     pub fn with_stribeck(&self, velocity: f64, part: f64) -> Result<Recording, Box<dyn Error>> {
         let mut experiment = self.experiment.clone();
         let before = Model::new(&experiment.robot).parameter_table().len();
@@ -136,7 +135,7 @@ impl Specimen {
         self.experiment.robot.a_priori.iter().find(|(n, _)| n.as_str() == name).map_or(0.0, |(_, value)| *value)
     }
 
-    /// The torques of another motion of the same robot, beside the positions of this one.
+    /// The torques of another motion of the same robot, with the positions of this one.
     pub fn with_torques_of_another_motion(&self) -> Result<Recording, Box<dyn Error>> {
         let mut description = self.description.clone();
         let last = description.points.len() - 1;
@@ -147,7 +146,7 @@ impl Specimen {
         Ok(self.with_torques(|j, k, _| at(j, k)))
     }
 
-    /// The robot with other lengths; none where one axis has none.
+    /// The robot with other lengths; `None` if an axis has no length.
     pub fn wrong_robot(&self) -> Option<Robot> {
         let mut robot = self.experiment.robot.clone();
         if robot.joints.len() < 2 {

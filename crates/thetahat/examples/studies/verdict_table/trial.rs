@@ -1,14 +1,12 @@
 use std::error::Error;
 
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use thetahat::{
     Recording, Robot,
     checks::Code,
     results::{ReasonCode, VerdictReason},
     simulation::SimulatorBias,
 };
+use thetahat_estimation::simulation::{Autoregression, SignalNoise, random_numbers};
 
 use super::specimen::Specimen;
 
@@ -27,7 +25,7 @@ pub enum Trial {
     /// The robot follows the reference scaled by 0.95.
     ScaledReference,
     WrongRobot,
-    /// The torques grow by 20 % over the record.
+    /// The torques grow by 20 % over the recording.
     DriftingGain,
     /// White noise as large as the torques.
     Noise,
@@ -37,7 +35,7 @@ pub enum Trial {
     OtherRecording,
 }
 
-/// What is identified: a robot as described, and its record.
+/// What is identified: a robot as described, and its recording.
 pub type Made = (Robot, Recording);
 
 impl Trial {
@@ -71,7 +69,7 @@ impl Trial {
         }
     }
 
-    /// The robot and the record; none where the specimen has no such thing.
+    /// The robot and the recording; `None` if the specimen does not allow the trial.
     pub fn make(self, specimen: &Specimen, seed: u64) -> Result<Option<Made>, Box<dyn Error>> {
         let robot = specimen.experiment.robot.clone();
         let recording = match self {
@@ -119,7 +117,7 @@ impl Trial {
     /// Whether a reason names what is wrong.
     pub fn is_cause(self, reason: &VerdictReason) -> bool {
         let lacking = matches!(reason.code, ReasonCode::CorrelatedResidual);
-        let found = |codes: &[Code]| reason.concerned.finding.is_some_and(|code| codes.contains(&code));
+        let found = |codes: &[Code]| reason.subject.finding.is_some_and(|code| codes.contains(&code));
         match self {
             Self::Late => found(&[Code::Lag]),
             Self::Stribeck => lacking || found(&[Code::PoorFit]),
@@ -137,7 +135,7 @@ impl Trial {
 const STRIBECK_VELOCITY: f64 = 0.05;
 const LATE_S: f64 = 5e-3;
 
-/// No parameters of the robot as described are those of such a record.
+/// Such a recording has no true parameters of the robot as described.
 fn without_truth(recording: Recording) -> Recording {
     Recording { truth: None, ..recording }
 }
@@ -149,20 +147,11 @@ fn late(specimen: &Specimen) -> Recording {
 }
 
 fn noise(specimen: &Specimen, seed: u64, correlation: f64) -> Recording {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let torque = specimen.torque();
     let rms = |j: usize| (torque.channel(j).iter().map(|t| t * t).sum::<f64>() / torque.len() as f64).sqrt();
     let size: Vec<f64> = (0..torque.channels()).map(rms).collect();
-    let mut state = vec![0.0; torque.channels()];
-    let fresh = f64::sqrt(1.0 - correlation * correlation);
-    let mut values = Vec::with_capacity(torque.values().len());
-    for _ in 0..torque.len() {
-        for (state, size) in state.iter_mut().zip(&size) {
-            let normal: f64 = StandardNormal.sample(&mut rng);
-            *state = correlation * *state + fresh * normal;
-            values.push(size * *state);
-        }
-    }
-    let channels = torque.channels();
-    specimen.with_torques(|j, k, _| values[k * channels + j])
+    let fresh = vec![f64::sqrt(1.0 - correlation * correlation); torque.channels()];
+    let unit = Autoregression { correlation, first: fresh.clone(), innovation: fresh };
+    let noise = SignalNoise::Autoregressive(&unit).draw(torque.len(), &mut random_numbers(seed, 0));
+    specimen.with_torques(|j, k, _| size[j] * noise.sample(k)[j])
 }

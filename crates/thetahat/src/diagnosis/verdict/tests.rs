@@ -38,7 +38,7 @@ fn parameter() -> ParameterResult {
     }
 }
 
-fn joint(joint: usize, p_value: f64, stands_out: Option<f64>) -> JointResidual {
+fn joint(joint: usize, p_value: f64, deviations_above_shifted: Option<f64>) -> JointResidual {
     let test = FTest { statistic: 1.0, numerator_freedom: 3, denominator_freedom: 30, p_value };
     JointResidual {
         joint,
@@ -46,7 +46,7 @@ fn joint(joint: usize, p_value: f64, stands_out: Option<f64>) -> JointResidual {
         autocorrelation: 0.2,
         whiteness: None,
         normality: None,
-        explained: Some(Explained { test, stands_out }),
+        explained: Some(Explained { test, deviations_above_shifted }),
     }
 }
 
@@ -65,7 +65,7 @@ fn run(method: Method) -> RunResult {
 }
 
 fn advice(take: Option<Method>) -> Advice {
-    Advice { case: NOMINAL.to_owned(), take, distrust: Vec::new(), text: "Because.".to_owned() }
+    Advice { case: NOMINAL.to_owned(), recommended: take, distrust: Vec::new(), text: "Because.".to_owned() }
 }
 
 fn good() -> Results {
@@ -175,7 +175,7 @@ fn a_nominal_run_that_did_not_converge_names_the_numbers_that_hold() {
     results.runs.push(RunResult::new("gear_ratio_0.9", Method::DIDIM, Status::Diverged));
     assert_eq!(judge(&mut results), Verdict::Care);
     let [reason] = &results.verdict_reasons[..] else { panic!("{:?}", results.verdict_reasons) };
-    assert_eq!(reason.concerned.method, Some(Method::IDIM_LS));
+    assert_eq!(reason.subject.method, Some(Method::IDIM_LS));
     assert!(reason.text.contains("the numbers of idim-iv, which the advice takes, hold"), "{}", reason.text);
     results.advice[0] = advice(None);
     assert_eq!(judge(&mut results), Verdict::DoNotUse);
@@ -282,8 +282,8 @@ fn what_no_robot_has_is_not_used_where_the_interval_can_be_believed() {
             run.residual.as_mut().unwrap().joints[1].autocorrelation = autocorrelation;
             run.physical = Some(PhysicalResult {
                 consistent: false,
-                outside: Vec::new(),
-                lacking: Vec::new(),
+                inconsistent: Vec::new(),
+                violations: Vec::new(),
                 deviations: Some(3.0),
                 smallest_eigenvalue: -1.0,
                 findings: vec![finding(Code::NotPhysical, severity)],

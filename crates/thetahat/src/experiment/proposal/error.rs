@@ -4,7 +4,7 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ProposalError {
-    /// The columns of a signal cannot be told.
+    /// The columns of a signal are not clear.
     #[error(
         "{}: the columns of the {signal} are not clear from their names: {problem}; expected one for each joint, {joints} in all; \
          the columns are: {}",
@@ -153,9 +153,9 @@ pub enum ProposalError {
         /// The columns of the recording.
         columns: Vec<String>,
     },
-    /// Files that belong together cannot be told.
+    /// It is not clear which files belong together.
     #[error(
-        "{}: it holds {holds}, and which of the other files belong to the same recording cannot be told from the names; \
+        "{}: it holds {holds}, and the names do not show which of the other files belong to the same recording; \
          give the files of one recording at a time", file.display()
     )]
     NoPartner {

@@ -53,7 +53,7 @@ fn references_and_velocities_are_taken_along() {
 }
 
 #[test]
-fn names_that_do_not_tell_are_not_guessed() {
+fn names_that_are_not_clear_are_not_guessed() {
     let error = proposed("t,q1,q2,c1,c2", request()).unwrap_err();
     assert!(matches!(error, ProposalError::UnclearColumns { signal: "torque", joints: 2, .. }));
     let named = ProposalRequest { torque: vec!["c1".into(), "c2".into()], ..request() };
@@ -150,13 +150,13 @@ fn files_of_several_recordings_find_each_other_by_their_names() {
 }
 
 #[test]
-fn files_whose_partner_cannot_be_told_are_refused() {
+fn files_without_a_clear_partner_are_refused() {
     let files = [("q_a.csv", "t,j1,j2"), ("q_b.csv", "t,j1,j2"), ("tau_c.csv", "j1,j2"), ("tau_d.csv", "j1,j2")];
     let error = proposed_from(&files, request(), ARM).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "q_a.csv: it holds positions, and which of the other files belong to the same recording cannot be told from the \
-         names; give the files of one recording at a time"
+        "q_a.csv: it holds positions, and the names do not show which of the other files belong to the \
+         same recording; give the files of one recording at a time"
     );
 }
 
@@ -236,9 +236,9 @@ fn files_of_different_lengths_are_not_of_one_recording() {
     assert_eq!(error.to_string(), "q.csv has 3 samples, tau.csv has 2: they are not of one recording");
 }
 
-/// Angles of motors are told by the gears of the robot.
+/// Angles of motors are recognised by the gears of the robot.
 #[test]
-fn motors_are_told_by_their_range_and_the_robot_s_gears() {
+fn motors_are_recognised_by_their_range_and_the_robot_s_gears() {
     let geared = format!("{ARM}[transmission]\nmatrix = [[40, 0], [0, 50]]\n");
     let folder = thetahat_testing::Folder::new();
     let row = |k: usize| format!("{},{},{},1,2\n", 1e-3 * k as f64, 60.0 * (0.1 * k as f64).sin(), 0.3 * k as f64);
@@ -308,7 +308,7 @@ fn joints_may_be_named_where_columns_are_not() {
     assert_eq!(message, "joints arm: expected joints of the robot, in its order: lift_joint,arm_joint,head_joint");
 }
 
-/// What is stated of side and window stands in the file, also where the range would tell another side.
+/// What is stated of side and window stands in the file, also where the range would suggest another side.
 #[test]
 fn side_and_window_may_be_stated() {
     let header = "t,q1,q2,tau1,tau2";
@@ -368,11 +368,11 @@ fn a_lock_of_no_joint_or_of_a_named_one_is_refused() {
 }
 
 #[test]
-fn guesses_are_told() {
+fn guesses_are_listed() {
     let proposal = proposed_from(&[("log.csv", "t,q1,q2,tau1,tau2")], request(), ARM).unwrap();
     let guesses = proposal.guesses();
     assert!(
-        guesses.len() == 2 && guesses[0].starts_with("position: ") && guesses[1].contains("a guess"),
+        guesses.len() == 2 && guesses[0].starts_with("position: ") && guesses[1].contains("we assumed N m"),
         "{guesses:?}"
     );
     let stated =
@@ -484,7 +484,7 @@ fn the_name_of_a_file_alone_makes_no_current() {
     assert!(proposal.text().contains(guess) && proposal.text().contains("unit = \"N m\""), "{}", proposal.text());
 }
 
-/// Behind the gears the robot's drive gains turn currents into torques, and need no gain beside them.
+/// At the motors the robot's drive gains turn currents into torques, and no other gain is needed.
 #[test]
 fn drive_gains_of_the_robot_are_the_gains_of_currents() {
     let geared = |gains: &str| format!("{ARM}[transmission]\nmatrix = [[40, 0], [0, 50]]\n{gains}");
@@ -505,7 +505,7 @@ fn columns_of(signal: &str, header: &str) -> Vec<String> {
 
 /// The names of a Franka log: what ends with `d` is desired, and the measured values are taken.
 #[test]
-fn desired_values_stand_beside_the_measured_ones() {
+fn desired_values_are_separate_from_measured_ones() {
     let header = "t,q_0,q_1,dq_0,dq_1,tau_J_0,tau_J_1,tau_J_d_0,tau_J_d_1,q_d_0,q_d_1,control_command_success_rate";
     assert_eq!(columns_of("position", header), ["q_0", "q_1"]);
     assert_eq!(columns_of("torque", header), ["tau_J_0", "tau_J_1"]);
@@ -521,7 +521,7 @@ fn references_are_known_by_words_for_wanted_values() {
 }
 
 #[test]
-fn a_file_of_commands_is_the_reference_and_what_is_not_used_is_told() {
+fn a_file_of_commands_is_the_reference_and_unused_columns_are_listed() {
     let files = [
         ("left_positions.csv", "t,a,b"),
         ("left_efforts.csv", "t,a,b"),
@@ -543,7 +543,7 @@ fn a_file_of_commands_is_the_reference_and_what_is_not_used_is_told() {
 
 /// Files whose columns have the names of joints alone, and not of all.
 #[test]
-fn joints_are_told_by_columns_whose_file_says_the_signal() {
+fn joints_are_found_by_columns_whose_file_names_the_signal() {
     let files = [("positions.csv", "t,lift_joint,arm_joint"), ("efforts.csv", "t,lift_joint,arm_joint")];
     let proposal = proposed_from(&files, request(), LIFT).unwrap();
     assert_eq!(proposal.locks.iter().map(|lock| lock.joint.as_str()).collect::<Vec<_>>(), ["head_joint"]);

@@ -5,14 +5,14 @@ use std::path::Path;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use thetahat::{
-    Robot, Settings,
+    Robot, Series, Settings,
     base_parameters::BaseParameters,
-    design::{Criterion, Design, ExpectedRecord, Information},
+    design::{Criterion, Design, ExpectedRecording, Information},
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
-    series::Series,
     signal::Motion,
-    trajectory::{Move, Moves, TimeLaw},
+    trajectory::{Move, Moves},
 };
+use thetahat_estimation::trajectory::TimeLaw;
 use thetahat_testing::project;
 
 const RATE_HZ: f64 = 500.0;
@@ -70,7 +70,7 @@ fn passes(postures: &[Vec<f64>]) -> Motion {
 /// Of random sets of postures the one whose passes tell most of the gravity parameters.
 fn best_passes(model: &Model, columns: &[usize], gravity: &[usize], rng: &mut ChaCha8Rng) -> Motion {
     let information = Information::new(model, columns, &NOISE);
-    let criterion = Criterion::FeasibleMotion { columns: gravity.to_vec() };
+    let criterion = Criterion::SelectedParameters { columns: gravity.to_vec() };
     let set = |rng: &mut ChaCha8Rng| {
         let posture = |rng: &mut ChaCha8Rng| [2.6, 1.9, 2.3].map(|end: f64| rng.random_range(-end..end)).to_vec();
         passes(&(0..POSTURES).map(|_| posture(rng)).collect::<Vec<_>>())
@@ -115,7 +115,7 @@ fn torques(robot: &Robot, motion: &Motion, stribeck: f64) -> Series {
 /// have changes of their estimates.
 fn told(robot: &Robot, settings: &Settings, motion: &Motion, is_gravity: &dyn Fn(&str) -> bool) -> [f64; 2] {
     let [model_only, with_stribeck] = [0.0, 1.0].map(|part| torques(robot, motion, part));
-    let record = |tau| ExpectedRecord {
+    let record = |tau| ExpectedRecording {
         robot,
         settings,
         sample_rate_hz: RATE_HZ,

@@ -2,8 +2,9 @@
 
 use thetahat::{
     design::{Design, DesignError},
-    results::{DesignResults, Limited},
+    results::DesignResults,
 };
+use thetahat_report::results::Limited;
 use thetahat_testing::Folder;
 
 use super::support::{DESIGN, assert_within_limits, key, parse};
@@ -114,7 +115,7 @@ fn all_limits_of_a_lift_with_an_arm_hold() {
         let expected = [0.06, 0.01, 80f64.to_radians()];
         assert!(start.iter().zip(expected).all(|(q, e)| (q - e).abs() < 1e-9), "{start:?}");
         assert!(results.starts.iter().all(|s| s.found < s.first - 1.0), "{:?}", results.starts);
-        let of_power = |l: &&thetahat::results::LimitUse| l.quantity == Limited::Power;
+        let of_power = |l: &&thetahat_report::results::LimitUse| l.quantity == Limited::Power;
         assert!(results.limits.iter().filter(of_power).any(|l| l.part > 0.8), "{:?}", results.limits);
     }
 }
@@ -139,7 +140,7 @@ fn torques_hold_for_robots_that_are_drawn() {
         assert!(own < 0.9 * reached && reached <= 1.3 * own * 1.02, "{own} {reached}");
     }
     assert!(drawn.starts[0].found > alone.starts[0].found + 0.5, "room that is kept costs information");
-    let text = thetahat::report::design_text(&drawn, thetahat::report::TextWidth::DEFAULT);
+    let text = thetahat_report::report::design_text(&drawn, thetahat_report::report::TextWidth::DEFAULT);
     assert!(text.contains("12 robots"), "{text}");
     assert_eq!(key("[noise]", "[uncertainty]\ndraws = 12\n[noise]"), "[uncertainty] draws");
     assert_eq!(key("[noise]", "[uncertainty]\ndraws = 2\npercent = 100\n[noise]"), "[uncertainty] percent");

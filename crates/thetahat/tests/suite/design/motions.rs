@@ -1,10 +1,10 @@
 //! Kinds of motions and criteria, and the files that are written of them.
 
 use thetahat::{
+    Series,
     base_parameters::BaseParameters,
     design::{Criterion, Information},
     dynamics::{Model, Sign},
-    series::Series,
 };
 use thetahat_testing::Folder;
 
@@ -87,8 +87,8 @@ fn moves_hold_their_limits_and_end_where_they_start() {
 fn files_are_written_and_name_the_robot() {
     let (design, folder) = (parse(DESIGN).unwrap(), Folder::new());
     let results = design.run(2, &mut |_| {}).unwrap();
-    let files = thetahat::report::write_design(&results, folder.path()).unwrap();
-    assert_eq!(files.len(), thetahat::report::DESIGN_FILES.len());
+    let files = thetahat_report::report::write_design(&results, folder.path()).unwrap();
+    assert_eq!(files.len(), thetahat_report::report::DESIGN_FILES.len());
     let trajectory = std::fs::read_to_string(folder.path().join("trajectory.csv")).unwrap();
     assert_eq!(trajectory.lines().count(), results.q.len() + 1);
     let yaml = std::fs::read_to_string(folder.path().join("trajectory.yaml")).unwrap();
@@ -97,8 +97,7 @@ fn files_are_written_and_name_the_robot() {
     // Three harmonics in 4 s: 0.75 Hz, and what the quintics add.
     assert!(results.spectrum.end_hz.iter().all(|hz| (0.5..3.0).contains(hz)), "{:?}", results.spectrum.end_hz);
     let page = std::fs::read_to_string(folder.path().join("design.html")).unwrap();
-    for words in
-        ["Frequencies of the motion", "the robot where it starts", "position filter 40", "shoulder: rad, s, N m"]
+    for words in ["Frequencies of the motion", "the robot at its start", "position filter 40", "shoulder: rad, s, N m"]
     {
         assert!(page.contains(words), "{words}");
     }
@@ -108,8 +107,8 @@ fn files_are_written_and_name_the_robot() {
 fn moves_are_written_for_controllers() {
     let (design, folder) = (parse(&moves("")).unwrap(), Folder::new());
     let results = design.run(2, &mut |_| {}).unwrap();
-    let files = thetahat::report::write_design(&results, folder.path()).unwrap();
-    assert_eq!(files.len(), thetahat::report::DESIGN_FILES.len() + thetahat::report::MOVE_FILES.len());
+    let files = thetahat_report::report::write_design(&results, folder.path()).unwrap();
+    assert_eq!(files.len(), thetahat_report::report::DESIGN_FILES.len() + thetahat_report::report::MOVE_FILES.len());
     let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
     for (file, start) in [
         ("moves.src", "  PTP {A1 "),

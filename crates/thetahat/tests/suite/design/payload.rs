@@ -5,9 +5,7 @@ use std::path::Path;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use thetahat::{
-    Identification, Recording, Robot, Settings, design::ExpectedRecord, experiment::Experiment, series::Series,
-};
+use thetahat::{Experiment, Identification, Recording, Robot, Series, Settings, design::ExpectedRecord};
 use thetahat_testing::{Folder, project};
 
 use super::support::{DESIGN, assert_within_limits, key_of, parse, rehearsal, torques};
@@ -46,7 +44,7 @@ fn a_payload_is_in_the_torques_and_not_in_the_intervals() {
         assert!((most(&loaded, joint) - most(&unloaded, joint)).abs() > 1.0);
     }
     let settings = Settings { payloads: Vec::new(), ..design.settings.clone() };
-    let record = ExpectedRecord {
+    let record = ExpectedRecording {
         robot: &design.robot,
         settings: &settings,
         sample_rate_hz: 500.0,
@@ -60,7 +58,7 @@ fn a_payload_is_in_the_torques_and_not_in_the_intervals() {
     for (with, half) in results.predicted.iter().zip(&without.half_width_95) {
         assert!((with.half_width_95 / half - 1.0).abs() < 0.02, "{}: {} {half}", with.name, with.half_width_95);
     }
-    let text = thetahat::report::design_text(&results, thetahat::report::TextWidth::DEFAULT);
+    let text = thetahat_report::report::design_text(&results, thetahat_report::report::TextWidth::DEFAULT);
     let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(words.contains("Payload disc of 1.500 kg: limits hold with it and without it."), "{text}");
 }
@@ -104,7 +102,7 @@ fn a_rehearsal_carries_the_payload() {
     let folder = Folder::new();
     let (design, results, rehearsal) = rehearsal(&folder, &with_payload());
     let out = folder.path().join("out");
-    thetahat::report::write_record(&rehearsal.record_twin().unwrap(), &out.join("recording.csv")).unwrap();
+    thetahat_report::report::write_record(&rehearsal.record_twin().unwrap(), &out.join("recording.csv")).unwrap();
     let experiment = Experiment::read(&out.join("experiment.toml"), Path::new("")).unwrap();
     let found = experiment.run(&out, &mut |_| {}).unwrap();
     let run = found.runs.iter().find(|run| run.method.name() == results.method).unwrap();

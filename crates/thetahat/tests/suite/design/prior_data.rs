@@ -5,8 +5,8 @@ use std::path::Path;
 use thetahat::{
     design::{Design, DesignError},
     reduction::ReduceOptions,
-    results::PredictedParameter,
 };
+use thetahat_report::results::PredictedParameter;
 use thetahat_testing::{Folder, project};
 
 use super::support::{rehearsal, with_controller};
@@ -91,7 +91,7 @@ fn an_experiment_at_hand_is_compared_with() {
         assert!(a.compared.is_some() && a.times_smaller() == b.times_smaller(), "{}", a.name);
     }
     let out = folder.path().join("page");
-    thetahat::report::write_design(&of_experiment, &out).unwrap();
+    thetahat_report::report::write_design(&of_experiment, &out).unwrap();
     let page = std::fs::read_to_string(out.join("design.html")).unwrap();
     assert!(page.contains("predicted interval") && page.contains("of two joints"), "the legend of both");
     let error = with("nowhere.toml").run(1, &mut |_| {}).unwrap_err();

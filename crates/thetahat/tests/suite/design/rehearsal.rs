@@ -2,11 +2,8 @@
 
 use std::path::Path;
 
-use thetahat::{
-    design::ExpectedRecord,
-    experiment::Experiment,
-    results::{DesignResults, PredictedParameter},
-};
+use thetahat::{Experiment, design::ExpectedRecord, results::DesignResults};
+use thetahat_report::results::PredictedParameter;
 use thetahat_testing::Folder;
 
 use super::support::{DESIGN, parse, rehearsal, with_controller};
@@ -67,12 +64,12 @@ fn what_stays_unknown_has_a_remedy() {
     let results = design.run(2, &mut |_| {}).unwrap();
     let is_unknown = |p: &&PredictedParameter| p.a_priori != 0.0 && p.half_width_95 >= p.a_priori.abs();
     let unknown: Vec<&PredictedParameter> = results.predicted.iter().filter(is_unknown).collect();
-    let times: Vec<f64> = results.predicted.iter().filter_map(|p| p.by_own_motion).collect();
+    let times: Vec<f64> = results.predicted.iter().filter_map(|p| p.narrower_by_own_motion).collect();
     println!("{times:?}");
     assert!(!unknown.is_empty() && unknown.len() < results.predicted.len());
     assert_eq!(times.len(), unknown.len());
     assert!(times.iter().map(|t| t.ln()).sum::<f64>() > 0.0, "{times:?}");
-    let text = thetahat::report::design_text(&results, thetahat::report::TextWidth::DEFAULT);
+    let text = thetahat_report::report::design_text(&results, thetahat_report::report::TextWidth::DEFAULT);
     assert!(text.contains("What would show them") && text.contains(&format!("{} after", unknown[0].name)), "{text}");
 }
 
@@ -87,7 +84,7 @@ fn the_promise_is_kept_by_records_of_the_closed_loop() {
     let (design, results, experiment) = rehearsal(&folder, &with_controller());
     assert!(results.is_closed_loop);
     let motion = experiment.twin_motion(experiment.file.twin.as_ref().unwrap()).unwrap().motion;
-    let record = ExpectedRecord {
+    let record = ExpectedRecording {
         robot: &design.robot,
         settings: &design.settings,
         sample_rate_hz: 500.0,

@@ -3,14 +3,13 @@
 use std::path::Path;
 
 use thetahat::{
-    Robot,
+    Experiment, Robot, Series,
     design::{Design, DesignError},
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
-    experiment::Experiment,
     preparation::PreparationError,
-    results::{DesignResults, Limited},
-    series::Series,
+    results::DesignResults,
 };
+use thetahat_report::results::Limited;
 use thetahat_testing::{Folder, project};
 
 /// A planar arm of two joints.
@@ -88,7 +87,7 @@ pub fn rehearsal(folder: &Folder, text: &str) -> (Design, thetahat::results::Des
     let design = Design::parse(text, &folder.path().join("design.toml")).unwrap();
     let results = design.run(2, &mut |_| {}).unwrap();
     let out = folder.path().join("out");
-    thetahat::report::write_design(&results, &out).unwrap();
+    thetahat_report::report::write_design(&results, &out).unwrap();
     let experiment = Experiment::read(&out.join("rehearsal.toml"), Path::new("")).unwrap();
     (design, results, experiment)
 }

@@ -1,10 +1,10 @@
 //! Sweeps behind moves.
 
 use thetahat::{
+    Series,
     base_parameters::BaseParameters,
     design::{Criterion, DesignError, Information},
     dynamics::{Model, Sign},
-    series::Series,
 };
 use thetahat_testing::Folder;
 
@@ -66,7 +66,7 @@ fn sweeps_keep_their_velocities() {
     // The search sums at Gauss points and with a smoothed sign: within 2 % of each of 13 deviations. The sweeps tell more than that.
     assert!((value - found).abs() < 0.5 && value < alone - 2.0, "{value} {found} {alone}");
     let folder = Folder::new();
-    thetahat::report::write_design(&results, folder.path()).unwrap();
+    thetahat_report::report::write_design(&results, folder.path()).unwrap();
     let page = std::fs::read_to_string(folder.path().join("design.html")).unwrap();
     assert!(results.sweeps == 12 && page.contains("6 moves and 12 sweeps"));
 }

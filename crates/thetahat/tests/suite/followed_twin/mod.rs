@@ -1,13 +1,11 @@
 //! A robot of two joints that follows a reference under a controller, and its record.
 
 use thetahat::{
-    Recording,
-    control::ControllerDescription,
+    ControllerDescription, Recording, Robot, Series,
     dynamics::Model,
-    robot::Robot,
-    series::Series,
-    simulation::{ClosedLoop, Job, OutputGrid, Reference, SampledReference, SimulatorBias, Solver, simulate_all},
+    simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatorBias, Solver},
 };
+use thetahat_estimation::simulation::{Job, simulate_all};
 
 pub const RATE_HZ: f64 = 500.0;
 

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use thetahat::{
-    robot::Robot,
-    symbolic::{DriveTorques, Function, ModelKind, OperationCount, ParameterSet, Request},
+    Robot,
+    symbolic::{DriveTorques, Function, ModelKind, ParameterSet, Request},
 };
+use thetahat_model::symbolic::OperationCount;
 
 /// Robots by name, with their files from the root of the checkout.
 pub const ROBOTS: [(&str, &str); 9] = [

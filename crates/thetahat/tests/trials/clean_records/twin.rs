@@ -3,17 +3,17 @@
 
 use std::f64::consts::TAU;
 
-use rand::{RngExt, SeedableRng};
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use thetahat::{
+    Robot, Series,
     base_parameters::BaseParameters,
-    checks::{Finding, SignalSettings, Subject, examine},
+    checks::Finding,
     dynamics::{Model, Sign},
     regressor::Regressor,
-    robot::{JointKind, Robot},
-    series::Series,
+    robot::JointKind,
 };
+use thetahat_estimation::checks::{SignalSettings, Subject, examine};
 
 /// How the joints rub, in parts of the peak torque that the links and motors need.
 #[derive(Debug, Clone, Copy)]
@@ -88,7 +88,7 @@ impl Twin {
     pub fn record(&self) -> Record {
         let robot = robot(self.robot);
         let model = Model::new(&robot);
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let mut rng = random_numbers(self.seed, 0);
         let samples = (self.rate_hz * self.seconds) as usize;
         let size = |kind| if kind == JointKind::Revolute { 0.8 } else { 0.15 };
         let sines: Vec<Sines> =
@@ -136,9 +136,9 @@ impl Twin {
         let deviation = (own.iter().map(|t| (t - mean).powi(2)).sum::<f64>() / own.len() as f64).sqrt();
         let span =
             own.iter().fold(f64::NEG_INFINITY, |p, t| p.max(*t)) - own.iter().fold(f64::INFINITY, |p, t| p.min(*t));
-        for (k, own) in own.iter().enumerate() {
-            let noise: f64 = StandardNormal.sample(rng);
-            let noisy = own + self.noise * deviation * noise;
+        let noise = SignalNoise::White(&[self.noise * deviation]);
+        let noisy = noise.added_to(Series::shaped(1, own), rng).channel(0);
+        for (k, noisy) in noisy.into_iter().enumerate() {
             let step = if self.torque_steps > 0.0 { span / self.torque_steps } else { 0.0 };
             torque.sample_mut(k)[j] = if step > 0.0 { step * (noisy / step).round() } else { noisy };
         }
@@ -189,13 +189,13 @@ fn frictionless(robot: &Robot, model: &Model, [q, dq, ddq]: [Series; 3]) -> Seri
 impl Record {
     /// The same with white noise on the recorded velocities, part of their deviation, and those late by some samples.
     pub fn with_velocity(mut self, noise: f64, late: usize) -> Self {
-        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let mut rng = random_numbers(3, 0);
         let own = self.velocity.clone();
         for j in 0..own.channels() {
             let rms = (own.channel(j).iter().map(|v| v * v).sum::<f64>() / own.len() as f64).sqrt();
+            let noise = SignalNoise::White(&[noise * rms]).draw(own.len(), &mut rng);
             for k in 0..own.len() {
-                let draw: f64 = StandardNormal.sample(&mut rng);
-                self.velocity.sample_mut(k)[j] = own.sample(k.saturating_sub(late))[j] + noise * rms * draw;
+                self.velocity.sample_mut(k)[j] = own.sample(k.saturating_sub(late))[j] + noise.sample(k)[0];
             }
         }
         self

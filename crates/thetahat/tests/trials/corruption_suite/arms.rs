@@ -6,11 +6,11 @@ use std::f64::consts::TAU;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use thetahat::{
-    checks::SignalSettings,
+    Robot, Series,
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
-    robot::{JointKind, Robot},
-    series::Series,
+    robot::JointKind,
 };
+use thetahat_estimation::checks::SignalSettings;
 
 use super::record::Record;
 

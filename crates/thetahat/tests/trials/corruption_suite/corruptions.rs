@@ -4,7 +4,8 @@ use std::path::Path;
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use thetahat::{checks::Code, control::ControllerDescription, recording::Clock, robot::Transmission, series::Series};
+use thetahat::{ControllerDescription, Series, checks::Code, robot::Transmission};
+use thetahat_data::recording::Clock;
 
 use super::record::Record;
 
@@ -422,7 +423,7 @@ pub fn wrong_ratio(record: &mut Record, motor: usize, factor: f64) {
     let right = &record.robot.transmission;
     let n = right.joints();
     let of = |i: usize| if i == motor - 1 { factor } else { 1.0 };
-    let matrix = thetahat::linear_algebra::Matrix::from_fn(n, n, |i, j| of(i) * right.matrix().at(i, j));
+    let matrix = thetahat::Matrix::from_fn(n, n, |i, j| of(i) * right.matrix().at(i, j));
     let wrong = Transmission::new(matrix, right.offset().to_vec(), vec![1.0; n]).unwrap();
     record.position = wrong.joint_positions(&right.motor_positions(&record.position));
     record.torque = wrong.joint_torques(&right.drive_signals(&record.torque));

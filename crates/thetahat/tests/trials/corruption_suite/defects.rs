@@ -5,11 +5,10 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use thetahat::{
+    Matrix, Robot, Series,
     checks::{Code, Finding, Severity},
-    linear_algebra::{Matrix, PivotedQr},
-    robot::Robot,
-    series::Series,
 };
+use thetahat_ground::linear_algebra::PivotedQr;
 
 use super::{
     corruptions::{limit, peak, quantise, scale, set},

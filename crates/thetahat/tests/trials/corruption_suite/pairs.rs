@@ -2,10 +2,11 @@
 
 use thetahat::{
     base_parameters::BaseParameters,
-    checks::{Code, Companion, Finding, compare, measure_together},
+    checks::{Code, Finding},
     dynamics::{DynamicParameters, Model, Sign, State, Workspace},
     signal::{Derivative, band_pass},
 };
+use thetahat_estimation::checks::{Companion, compare, measure_together};
 
 use super::{
     corruptions::{scale, set},
@@ -62,9 +63,9 @@ impl Pair {
         self.with_companions(compare)
     }
 
-    /// The numbers behind the findings.
-    pub fn measures(&self) -> Vec<(Code, f64, f64)> {
-        self.with_companions(measure_together)
+    /// The evidence of the checks.
+    pub fn measures(&self) -> Vec<Measure> {
+        self.with_companions(measure_across_recordings)
     }
 
     fn with_companions<T>(&self, f: impl FnOnce(&[Companion<'_>]) -> T) -> T {

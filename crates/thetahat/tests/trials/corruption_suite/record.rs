@@ -5,17 +5,21 @@ use std::path::Path;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use thetahat::{
+    ControllerDescription, Experiment, Robot, Series,
     base_parameters::BaseParameters,
-    checks::{Finding, SignalSettings, Subject, examine},
-    control::ControllerDescription,
+    checks::Finding,
     dynamics::Model,
-    experiment::{Experiment, TwinDescription},
+    experiment::TwinDescription,
     recording::read_channels,
-    robot::{JointKind, Robot},
-    series::Series,
-    signal::{Derivative, band_pass, moving_samples},
+    robot::JointKind,
+    signal::{Derivative, band_pass},
     simulation::{ClosedLoop, OutputGrid, Reference, SimulatorBias},
-    trajectory::{self, MotionLimits, Moves},
+    trajectory::{MotionLimits, Moves},
+};
+use thetahat_estimation::{
+    checks::{SignalSettings, Subject, examine},
+    signal::moving_samples,
+    trajectory,
 };
 
 /// A record with everything that the checks look at, to be changed at will.

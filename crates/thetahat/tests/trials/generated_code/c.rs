@@ -4,7 +4,8 @@ use std::fmt::Write;
 use std::process::Command;
 
 use libtest_mimic::Failed;
-use thetahat::symbolic::{Array, Language};
+use thetahat::symbolic::Language;
+use thetahat_model::symbolic::Array;
 use thetahat_testing::{Folder, ensure};
 
 use super::{STATES, Sample, WITH_TERMS, check_printed, output, samples};

@@ -15,10 +15,12 @@ use libtest_mimic::{Failed, Trial};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use thetahat::{
+    Robot,
     dynamics::Model,
-    robot::{Locks, Robot, RobotSource},
-    symbolic::{Array, Function, Inputs, ModelKind, ParameterSet, Request},
+    robot::{Locks, RobotSource},
+    symbolic::{Function, ModelKind, ParameterSet, Request},
 };
+use thetahat_model::symbolic::{Array, Inputs};
 
 const ROBOTS: [&str; 9] = [
     "two_joint.toml",
