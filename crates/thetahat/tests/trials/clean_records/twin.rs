@@ -2,6 +2,7 @@
 //! friction of its own law, seen through sensors.
 
 use std::f64::consts::TAU;
+use thetahat_estimation::simulation::{SignalNoise, random_numbers};
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
