@@ -17,7 +17,7 @@ use thetahat_estimation::{
     simulation::SimulationError,
     trajectory::TrajectoryError,
 };
-use thetahat_ground::output::OutputError;
+use thetahat_ground::{output::OutputError, series::SeriesError};
 use thetahat_model::{
     base_parameters::BaseParametersError,
     consistency::ConsistencyError,
@@ -55,6 +55,8 @@ pub enum Error {
     Lock(#[from] LockError),
     /// A recording cannot be read.
     Recording(#[from] RecordingError),
+    /// Arrays are no series.
+    Series(#[from] SeriesError),
     /// A unit is not known.
     Unit(#[from] UnknownUnit),
     /// A robot has no dynamics.

@@ -233,7 +233,7 @@ pub use thetahat_ground::linear_algebra::Matrix;
 #[doc(inline)]
 pub use thetahat_ground::one_or_each::OneOrEach;
 #[doc(inline)]
-pub use thetahat_ground::series::Series;
+pub use thetahat_ground::series::{Series, SeriesError};
 #[doc(inline)]
 pub use thetahat_model::robot::Robot;
 #[doc(inline)]

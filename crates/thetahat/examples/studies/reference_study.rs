@@ -13,11 +13,11 @@ use thetahat::{
     signal::{Derivative, band_pass},
     simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatorBias, Solver},
 };
+use thetahat_estimation::simulation::{NoisySignals, RecordingNoise, SignalNoise, random_numbers};
 use thetahat_estimation::{
     signal::smooth,
     simulation::{Job, simulate_all},
 };
-use thetahat_estimation::simulation::{NoisySignals, RecordingNoise, SignalNoise, random_numbers};
 
 const RATE_HZ: f64 = 500.0;
 const DURATION_S: f64 = 25.0;
