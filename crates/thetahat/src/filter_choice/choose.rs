@@ -24,7 +24,7 @@ use thetahat_estimation::{
 use thetahat_ground::{pool, series::Series};
 use thetahat_model::{
     base_parameters::BaseParameters,
-    consistency::{SimulationOptions, nearest_to_simulate},
+    consistency::{InteriorOptions, nearest_to_simulate},
     robot::Robot,
 };
 use thetahat_report::results::{ComparedFilter, Filter, FilterChoice, FilterError};
@@ -255,7 +255,7 @@ impl<'a> Study<'a> {
         columns.iter().zip(theta).for_each(|(&c, value)| all[c] = value);
         let set = problem.consistent_set(Setup { robot: self.robot, settings: &settings });
         let r = problem.regression.x.triangular_factor();
-        let options = SimulationOptions::default();
+        let options = InteriorOptions::default();
         let near = set.ok().and_then(|set| nearest_to_simulate(set, &problem.base, &r, &all, &options, None).ok());
         let found = problem.base.to_standard(&all);
         let recorder = Recorder::of(&problem, &filtered, &columns, &found)?;
