@@ -1,4 +1,4 @@
-//! Matrices and series to and from those of other crates, each behind a feature of its name. Rows of a series are samples.
+//! Matrices and series to and from those of other crates, each by a feature of its name. Rows of a series are samples.
 
 #[cfg(any(feature = "faer", feature = "nalgebra", feature = "ndarray"))]
 use crate::{linear_algebra::Matrix, series::Series};

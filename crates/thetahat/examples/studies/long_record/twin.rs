@@ -7,6 +7,7 @@ use std::{
     io::{BufWriter, Write},
     path::{Path, PathBuf},
 };
+use thetahat_estimation::simulation::{SignalNoise, random_numbers};
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

@@ -1,4 +1,5 @@
 use std::{error::Error, f64::consts::TAU};
+use thetahat_estimation::simulation::{NoisySignals, RecordingNoise, SignalNoise, random_numbers};
 
 use thetahat::{
     ControllerDescription, Recording, Robot, Series,
@@ -7,6 +8,7 @@ use thetahat::{
     robot::Quantity,
     simulation::{ClosedLoop, OutputGrid, Reference, SampledReference, SimulatedMotion, SimulatorBias, Solver},
 };
+use thetahat_estimation::simulation::{NoisySignals, RecordingNoise, SignalNoise, random_numbers};
 use thetahat_model::robot::JointQuantity;
 
 use super::{
