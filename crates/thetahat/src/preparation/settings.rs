@@ -14,7 +14,7 @@ use thetahat_estimation::{
     simulation::{SimulatorBias, Solver},
 };
 use thetahat_model::robot::Friction;
-use thetahat_report::results::NOMINAL;
+use thetahat_report::results::{Filter, NOMINAL};
 
 /// How a robot is identified from its recordings. Its form as data is that of an experiment file's tables of these names.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -189,6 +189,12 @@ fn default_filter_order() -> usize {
 }
 
 impl SignalOptions {
+    /// The cut-off with the decimation.
+    #[must_use]
+    pub fn filter(&self) -> Filter {
+        Filter { cutoff_hz: self.cutoff_hz, decimation: self.decimation }
+    }
+
     /// The same with the window of a recording, where that states one.
     #[must_use]
     pub fn in_window(self, [start_s, end_s]: [Option<f64>; 2]) -> Self {
