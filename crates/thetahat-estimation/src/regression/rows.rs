@@ -19,6 +19,9 @@ pub struct Regression {
     /// Rows of each joint that these stand for: their own number, fewer where a mask leaves parts of them, more where they are
     /// triangular factors.
     pub represented: Vec<f64>,
+    /// Whether the rows of a block follow one another in time, so that their residual can be tested for correlation: the
+    /// rows of triangular factors do not.
+    pub is_in_time_order: bool,
 }
 
 impl Regression {
@@ -26,7 +29,14 @@ impl Regression {
     #[must_use]
     pub fn new(x: Matrix, y: Vec<f64>, layout: RowLayout) -> Self {
         let represented = layout.counted_by_joint();
-        Self { x: Arc::new(x), y: Arc::new(y), weights: None, layout: Arc::new(layout), represented }
+        let (x, y, layout) = (Arc::new(x), Arc::new(y), Arc::new(layout));
+        Self { x, y, weights: None, layout, represented, is_in_time_order: true }
+    }
+
+    /// Rows of triangular factors, without weights, and the number of rows of each joint for which they stand.
+    #[must_use]
+    pub fn of_factors(x: Matrix, y: Vec<f64>, layout: RowLayout, represented: Vec<f64>) -> Self {
+        Self { represented, is_in_time_order: false, ..Self::new(x, y, layout) }
     }
 
     /// Rows of one joint in one recording, without weights.

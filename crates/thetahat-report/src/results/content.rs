@@ -12,7 +12,7 @@ use super::{
     run::RunResult,
     terms::{ProfiledTerm, TermComparison},
     user_run::UserRun,
-    verdict::{Verdict, VerdictReason},
+    verdict::{NotExamined, Verdict, VerdictReason},
 };
 use thetahat_estimation::identification::Method;
 use thetahat_model::robot::{LockedJoint, RobotFile};
@@ -41,6 +41,9 @@ pub struct Results {
     /// Why they are not good, the gravest first.
     #[serde(default)]
     pub verdict_reasons: Vec<VerdictReason>,
+    /// Reasons that could not be examined, as the results come from a reduction.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub not_examined: Vec<NotExamined>,
     /// The joints, one for each coordinate: the order of all numbers that are given joint by joint. Empty where it was
     /// read from a file of schema 0.
     #[serde(default)]

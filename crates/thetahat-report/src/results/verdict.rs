@@ -167,3 +167,12 @@ pub struct VerdictReason {
     #[serde(default)]
     pub remedy: String,
 }
+
+/// A reason that the verdict does not know, because what decides of it was not there.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct NotExamined {
+    /// The rule.
+    pub code: ReasonCode,
+    /// What was missing, in a sentence.
+    pub why: String,
+}

@@ -83,7 +83,7 @@ impl Setup<'_> {
     }
 
     /// The torques of the parameters at a value; none where there are none.
-    fn fixed_torque(&self, motion: &Motion, channels: Option<Series>) -> Option<Series> {
+    pub(crate) fn fixed_torque(&self, motion: &Motion, channels: Option<Series>) -> Option<Series> {
         let fix = &self.settings.parameters.fix;
         if fix.is_empty() {
             return None;

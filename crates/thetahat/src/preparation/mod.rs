@@ -42,7 +42,7 @@ pub(crate) use near_rest::near_rest_of_noise;
 pub use payload::{Payload, PayloadFrame};
 pub(crate) use physical::known_in_words;
 pub use physical::{Axis, KnownQuantity, PriorKind, PriorOptions, PriorWeight, ValueOrRange, WeightRule};
-pub(crate) use problem::{Problem, SelectedParameters, full_model_test, named_elimination};
+pub(crate) use problem::Problem;
 pub(crate) use proposed_controller::{ProposedController, is_iv, propose_controller};
 pub use recording::Recording;
 pub(crate) use reference::RecordedReference;

@@ -45,11 +45,11 @@ pub(crate) struct Problem {
 }
 
 /// Which base parameters are estimated.
-pub(crate) struct SelectedParameters {
-    pub(crate) estimated: BaseParameters,
+struct SelectedParameters {
+    estimated: BaseParameters,
     /// Their columns among those of the base.
-    pub(crate) columns: Vec<usize>,
-    pub(crate) elimination: Option<Elimination>,
+    columns: Vec<usize>,
+    elimination: Option<Elimination>,
 }
 
 impl Setup<'_> {
@@ -90,11 +90,21 @@ impl Setup<'_> {
             vectors.push(assembly.measurement_vector(&recording.centred_torque())?);
         }
         let (x, y) = (layout.stack_matrices(matrices), layout.stack_vectors(vectors));
-        let all = Regression::new(x, y, layout);
+        let problem = self.problem_of_rows(Basis { model, base }, Regression::new(x, y, layout), choice)?;
+        Ok(Problem { decimators, masks, ..problem })
+    }
+
+    /// The problem of rows with all columns of a base, for the parameters chosen from it.
+    pub(crate) fn problem_of_rows(
+        &self,
+        Basis { model, base }: Basis,
+        all: Regression,
+        choice: &ParameterChoice,
+    ) -> Result<Problem, PreparationError> {
         let SelectedParameters { estimated, columns, elimination } = self.choose(choice, (&model, &base), &all)?;
         let (regression, full) =
             if columns.len() == base.len() { (all, None) } else { (all.with_columns(&columns), Some(all)) };
-        let consistent_set = OnceLock::new();
+        let (decimators, masks, consistent_set) = (Vec::new(), Vec::new(), OnceLock::new());
         Ok(Problem { model, base, estimated, elimination, decimators, masks, regression, full, consistent_set })
     }
 
@@ -125,7 +135,7 @@ impl Setup<'_> {
     }
 
     /// Chooses parameters from the regression of all base parameters.
-    pub(crate) fn choose(
+    fn choose(
         &self,
         choice: &ParameterChoice,
         (model, base): (&Model, &BaseParameters),
@@ -158,6 +168,13 @@ impl Problem {
     /// The rows with X of all base parameters.
     pub(crate) fn all_columns(&self) -> &Regression {
         self.full.as_ref().unwrap_or(&self.regression)
+    }
+
+    /// The columns of the estimated parameters among those of the base.
+    pub(crate) fn estimated_columns(&self) -> Vec<usize> {
+        let columns = self.base.columns();
+        let place = |p: &BaseParameter| columns.iter().position(|&c| c == p.kept);
+        self.estimated.parameters().iter().filter_map(place).collect()
     }
 
     /// The assembly of one recording.
@@ -218,12 +235,12 @@ fn with_shares(
 }
 
 /// The F-test of a fit against least squares with all columns.
-pub(crate) fn full_model_test(full: &Regression, fit: &Fit) -> Option<FTest> {
+fn full_model_test(full: &Regression, fit: &Fit) -> Option<FTest> {
     nested_f_test(full, fit, &idim_ls(full, Default::default()).ok()?)
 }
 
 /// An elimination with the names of base parameters.
-pub(crate) fn named_elimination(elimination: &Elimination, base: &BaseParameters) -> EliminationResult {
+fn named_elimination(elimination: &Elimination, base: &BaseParameters) -> EliminationResult {
     let names = |columns: &[usize]| columns.iter().map(|&c| base.parameters()[c].name.clone()).collect();
     EliminationResult {
         kept: names(&elimination.kept),

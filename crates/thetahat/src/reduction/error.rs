@@ -4,6 +4,28 @@ use crate::experiment::ExperimentError;
 use thetahat_estimation::{identification::EstimationError, simulation::SimulationError};
 use thetahat_report::results::ResultsError;
 
+/// The part of a recording that another one holds as well.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SharedSpan {
+    /// The recording's name.
+    pub recording: String,
+    /// The file of its positions; empty for a twin.
+    pub file: String,
+    /// From and to, s.
+    pub span_s: [f64; 2],
+}
+
+impl SharedSpan {
+    fn named(&self) -> String {
+        if self.file.is_empty() { self.recording.clone() } else { format!("{} ({})", self.recording, self.file) }
+    }
+
+    fn span(&self) -> String {
+        let [start, end] = self.span_s;
+        format!("{start:.4} to {end:.4} s")
+    }
+}
+
 /// Why there is no reduction, or no estimate from it.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -68,6 +90,21 @@ pub enum ReductionError {
         first: String,
         /// Its other name.
         other: String,
+    },
+    /// Two recordings share samples.
+    #[error(
+        "recordings {} and {} share samples: {} of the one are {} of the other, and their rows would count twice; give them \
+         windows that do not overlap (window_start_s, window_end_s in [[recording]]), or leave one out",
+        first.named(),
+        other.named(),
+        first.span(),
+        other.span()
+    )]
+    Overlap {
+        /// Of the first recording.
+        first: SharedSpan,
+        /// Of the other.
+        other: SharedSpan,
     },
     /// Two files do not go together.
     #[error("{}, {}: {source}", first.display(), other.display())]
@@ -137,14 +174,18 @@ pub enum ReductionError {
         reason: String,
     },
     /// The file is of another version of its form.
-    #[error("{}: a reduction of form {found}, this program reads forms up to {newest}; run `thetahat reduce` again", path.display())]
+    #[error(
+        "{}: a reduction of form {found}, this program reads form {form} alone, which holds the findings of the checks and what \
+         tells samples that two recordings share; run `thetahat reduce` again",
+        path.display()
+    )]
     Version {
         /// The file.
         path: PathBuf,
         /// The form of the file.
         found: String,
-        /// The newest form that is read.
-        newest: u32,
+        /// The form that is read.
+        form: u32,
     },
     /// The file cannot be read.
     #[error("{}: cannot be read: {source}", path.display())]

@@ -2,11 +2,13 @@ use std::{collections::BTreeMap, path::Path};
 
 use super::{
     error::ReductionError,
-    factors::{Accumulator, JointColumns},
+    examined::Examiner,
+    factors::{JointColumns, RowCollector},
     fingerprint::Fingerprint,
     identity::Identity,
     instruments::Simulated,
     near_rest::NearRestMask,
+    overlap::Marks,
     pieces::{Pieces, refuse},
     rows::{Channels, Piece, Rows},
     source::Source,
@@ -92,21 +94,39 @@ impl Experiment {
         }
         let Basis { model, base } = self.setup().basis(&Case::nominal()).map_err(|e| self.refuse(e))?;
         let theta = instruments.map(|named| self.base_values(&model, &base, named)).transpose()?;
+        self.require_stated_terms()?;
         let mut reducer = Reducer::new(self, &model, &base, options);
         reducer.theta = theta;
         let mut reduction = reducer.nothing_yet();
+        let mut examiner = Examiner::new(self, &model, &base)?;
         let recordings = self.file.recording.len().max(1);
         for (i, description) in self.file.recording.iter().enumerate() {
             let source = Source::open(self, description, (i + 1, data), reducer.theta.is_some())?;
             let mut tell = |done, to_do| progress(ReduceProgress { recording: i + 1, recordings, done, to_do });
-            reduction.add(reducer.recording(&source, Some(description), &mut tell)?)?;
+            let reduced = reducer.recording(&source, Some(description), &mut tell)?;
+            let examined = examiner.examine(&source, (i + 1, data), &reduced)?;
+            reduction.add(reduced.examined(examined))?;
         }
         if let Some(twin) = &self.file.twin {
             let source = Source::of_recording(self, self.simulate_twin(twin)?);
             let mut tell = |done, to_do| progress(ReduceProgress { recording: 1, recordings, done, to_do });
-            reduction.add(reducer.recording(&source, None, &mut tell)?)?;
+            let reduced = reducer.recording(&source, None, &mut tell)?;
+            let examined = examiner.examine(&source, (1, data), &reduced)?;
+            reduction.add(reduced.examined(examined))?;
         }
+        reduction.compared = examiner.compared(&reduction).into_iter().collect();
         Ok(reduction)
+    }
+
+    /// Refuses torque terms whose constants are searched for.
+    fn require_stated_terms(&self) -> Result<(), ReductionError> {
+        match self.robot.term_descriptions.iter().any(|term| term.is_profiled()) {
+            false => Ok(()),
+            true => {
+                let expected = "constants that are stated: a reduction does not search for them; use thetahat identify";
+                Err(self.refuse(PreparationError::value("[[term]] profile", expected, true)).into())
+            }
+        }
     }
 
     /// Values of all base parameters from those named.
@@ -125,8 +145,9 @@ impl Experiment {
 /// What the pieces taken so far have given.
 struct Taken<'a> {
     joiner: Joiner<'a>,
-    accumulator: Accumulator<'a>,
+    collector: RowCollector<'a>,
     fingerprint: Fingerprint,
+    marks: Marks,
     /// Largest velocity.
     peak: f64,
     has_torque: bool,
@@ -139,13 +160,15 @@ struct Taken<'a> {
 impl<'a> Taken<'a> {
     fn new(decimator: &'a Decimator, columns: JointColumns) -> Self {
         let (joiner, left_out) = (decimator.joiner(), vec![0; columns.channels.len()]);
-        let (accumulator, fingerprint) = (Accumulator::new(columns, decimator), Fingerprint::EMPTY);
-        Self { joiner, accumulator, fingerprint, peak: 0.0, has_torque: false, left_out, seam: None }
+        let (collector, fingerprint) = (RowCollector::new(columns, decimator), Fingerprint::EMPTY);
+        let marks = Marks::default();
+        Self { joiner, collector, fingerprint, marks, peak: 0.0, has_torque: false, left_out, seam: None }
     }
 
     /// Takes the next piece, which starts at sample `start` of the recording.
     fn take(&mut self, piece: Piece, simulated: Option<&Simulated<'_>>, start: usize) -> Result<(), ReductionError> {
         self.fingerprint = self.fingerprint.followed_by(piece.fingerprint);
+        self.marks.join(piece.marks);
         self.peak = self.peak.max(piece.peak);
         self.has_torque |= piece.has_torque;
         self.left_out.iter_mut().zip(&piece.left_out).for_each(|(sum, samples)| *sum += samples);
@@ -153,7 +176,7 @@ impl<'a> Taken<'a> {
             self.seam.iter().try_for_each(|before| simulated.require_seam(before, &first, start))?;
             self.seam = next;
         }
-        self.joiner.take(piece.decimated).iter().for_each(|rows| self.accumulator.take(rows));
+        self.joiner.take(piece.decimated).iter().for_each(|rows| self.collector.take(rows));
         Ok(())
     }
 
@@ -221,18 +244,26 @@ impl<'a> Reducer<'a> {
         };
         taken.require_motion_and_torque(self.experiment, &source.name)?;
         let rate = source.sample_rate_hz;
+        let near_rest = mask.as_ref().and_then(|mask| mask.describe(&taken.left_out, rate));
+        let kept = taken.collector.finish();
+        let truth = source.truth.as_ref().filter(|truth| self.base.agrees_with_fixed(truth));
         Ok(ReducedRecording {
             name: source.name.clone(),
+            file: source.file().to_owned(),
             weight: source.weight,
             fingerprint: taken.fingerprint.to_hex(),
+            marks: taken.marks,
             samples: window.len(),
             rows: decimator.rows(),
             sample_rate_hz: rate,
             window_s: [window.start as f64 / rate, window.end as f64 / rate],
             torque_hold_s: source.torque_hold_s,
-            near_rest: mask.as_ref().and_then(|mask| mask.describe(&taken.left_out, rate)),
-            truth: source.truth.as_ref().map(|truth| self.base.from_standard(truth)),
-            segments: taken.accumulator.finish(),
+            kept: if near_rest.is_some() { kept } else { kept.without_mask() },
+            near_rest,
+            truth: truth.map(|truth| self.base.from_standard(truth)),
+            findings: Vec::new(),
+            examined_parts: 0,
+            folds: None,
         })
     }
 
@@ -272,6 +303,7 @@ impl<'a> Reducer<'a> {
             robot_description: experiment.robot_text.clone(),
             instruments: self.theta.clone(),
             recordings: Vec::new(),
+            compared: Vec::new(),
         }
     }
 }

@@ -24,6 +24,7 @@ const STAMPS: usize = 1 << 16;
 pub(super) struct Source<'a> {
     experiment: &'a Experiment,
     pub name: String,
+    file: String,
     pub weight: f64,
     pub samples: usize,
     pub sample_rate_hz: f64,
@@ -60,15 +61,14 @@ impl<'a> Source<'a> {
             let why = "a reduction has no columns of payloads; `thetahat identify` takes recordings with one";
             return Err(experiment.missing("[recording] without payload", why).into());
         }
-        if !experiment.settings.parameters.fix.is_empty() {
-            let why = "a reduction has no torques of fixed parameters; `thetahat identify` has";
-            return Err(experiment.missing("[parameters] without fix", why).into());
-        }
         let Some(torque) = &description.torque else {
             let why = "a reduction is of torques; `thetahat identify` takes positions alone, with methods = [\"cloe\"]";
             return Err(experiment.missing("[recording] torque", why).into());
         };
         let (sources, places) = sources_of(description, torque, simulated);
+        if sources.iter().any(|source| source.delay_s != 0.0) {
+            return Self::whole(experiment, description, (number, data));
+        }
         let Some(signals) = SignalPieces::open(&sources, data).map_err(ExperimentError::from)? else {
             return Self::whole(experiment, description, (number, data));
         };
@@ -76,6 +76,7 @@ impl<'a> Source<'a> {
         let mut source = Self {
             experiment,
             name: description.name.clone().unwrap_or_else(|| number.to_string()),
+            file: file_of(description),
             weight: description.weight,
             samples: signals.samples(POSITION),
             sample_rate_hz: description.sample_rate_hz.unwrap_or_default(),
@@ -108,7 +109,7 @@ impl<'a> Source<'a> {
     ) -> Result<Self, ReductionError> {
         let recording = experiment.read_recording(description, number, data)?;
         match recording.gaps.first() {
-            None => Ok(Self::of_recording(experiment, recording)),
+            None => Ok(Self { file: file_of(description), ..Self::of_recording(experiment, recording) }),
             Some(first) => {
                 let (gaps, sample) = (recording.gaps.len(), first.start);
                 Err(ReductionError::Gaps { recording: recording.name, gaps, sample })
@@ -144,11 +145,45 @@ impl<'a> Source<'a> {
         Ok((cut(&corrected), read.next().map(|added| cut(&added))))
     }
 
+    /// A part of the record, with positions and torques alone.
+    pub(super) fn excerpt(&self, range: Range<usize>) -> Result<Recording, ReductionError> {
+        let (position, torque) = self.motion(range)?;
+        let is_geared = |description: &RecordingDescription| {
+            let torque = description.torque.as_ref().map_or(Side::Joint, |torque| torque.side);
+            description.position.side == Side::Motor || torque == Side::Motor
+        };
+        let geared = match &self.values {
+            Values::Whole(record) => record.geared,
+            Values::Pieces { description, .. } => is_geared(description),
+        };
+        Ok(Recording {
+            name: self.name.clone(),
+            weight: self.weight,
+            torque_hold_s: self.torque_hold_s,
+            geared,
+            ..Recording::new(self.sample_rate_hz, position, torque)
+        })
+    }
+
+    /// All of the record, as an identification reads it.
+    pub(super) fn complete(&self, number: usize, data: &Path) -> Result<Recording, ReductionError> {
+        match &self.values {
+            Values::Whole(record) => Ok(Recording::clone(record)),
+            Values::Pieces { description, .. } => Ok(self.experiment.read_recording(description, number, data)?),
+        }
+    }
+
+    /// The file of its positions; empty for a twin.
+    pub(super) fn file(&self) -> &str {
+        &self.file
+    }
+
     /// A record that is in memory.
     pub(super) fn of_recording(experiment: &'a Experiment, recording: Recording) -> Self {
         Self {
             experiment,
             name: recording.name.clone(),
+            file: String::new(),
             weight: recording.weight,
             samples: recording.position.len(),
             sample_rate_hz: recording.sample_rate_hz,
@@ -302,6 +337,10 @@ impl<'a> Source<'a> {
         }
         Ok(())
     }
+}
+
+fn file_of(description: &RecordingDescription) -> String {
+    description.position.file.display().to_string()
 }
 
 /// The signals that are read, and where in their list those are that not every recording has.

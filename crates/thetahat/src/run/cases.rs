@@ -5,7 +5,8 @@ use std::cell::Cell;
 use super::{
     assessment::Assessment,
     curves,
-    examination::{compare, examine, examine_robot, with_note},
+    estimation_data::EstimationData,
+    examination::{ExaminationModel, compare, examine, examine_robot, with_note},
     identification::{CaseProblem, Identification},
     prepared::{PreparedRecording, filtered},
     uncertain,
@@ -99,7 +100,7 @@ impl Identification {
         };
         run_all(&jobs, options, &mut tell, &mut |k, finished| {
             done.set(done.get() + 1);
-            let assessment = Assessment { identification: self, case: &cases[all[k].0], job: &jobs[k] };
+            let assessment = Assessment { data: EstimationData::Samples(self), case: &cases[all[k].0], job: &jobs[k] };
             let (mut run, estimated) = assessment.assess(finished)?;
             let problem = self.problem_of(problems, &cases[all[k].0]);
             if let Some(reason) = problem.unsettled_weights(self.setup().settings, run.method)
@@ -143,7 +144,7 @@ impl Identification {
         let options = RunOptions { iteration, motion_step: Some(1), threads: self.threads };
         let mut again = None;
         run_all(&jobs, options, &mut |_| {}, &mut |_, finished| {
-            again = Some(Assessment { identification: self, case, job: &jobs[0] }.assess(finished)?);
+            again = Some(Assessment { data: EstimationData::Samples(self), case, job: &jobs[0] }.assess(finished)?);
             Ok::<(), PreparationError>(())
         })?;
         Ok(again.filter(|(run, _)| run.status == Status::Converged).map(|(mut run, estimated)| {
@@ -168,7 +169,7 @@ impl Identification {
     fn findings(&self, nominal: &Problem, runs: &[RunResult]) -> Vec<RecordingFindings> {
         let setup = self.setup();
         let of = |all: &[PreparedRecording], held_back| -> Vec<RecordingFindings> {
-            all.iter().map(|p| examine(setup, p, nominal, held_back)).collect()
+            all.iter().map(|p| examine(setup, p, ExaminationModel::of(nominal), held_back)).collect()
         };
         let main = with_note(of(&self.main, false), uncertain::of_runs(setup, nominal, runs));
         let mut findings: Vec<_> = examine_robot(setup.robot).into_iter().chain(main).collect();
@@ -193,6 +194,7 @@ impl Identification {
             title: String::new(),
             verdict: None,
             verdict_reasons: Vec::new(),
+            not_examined: Vec::new(),
             robot_joints: JointResult::of_coordinates(self.setup().robot),
             robot_locked: self.setup().robot.locked.clone(),
             samples_used: self.main.iter().map(|p| p.filtered.used_samples().count()).sum(),

@@ -5,6 +5,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 use thetahat_estimation::{
     identification::{Design, Divisor, EstimationError, Method, Needs, Outcome},
     regression::{Regression, relative_error_percent},
+    simulation::Reference,
     trajectory::Moves,
 };
 use thetahat_ground::linear_algebra::Matrix;
@@ -24,19 +25,19 @@ pub(super) fn folds_by_part(rows: usize) -> Vec<usize> {
 
 /// The fifth of a period to which each decimated row of a joint belongs: other periods do not help to predict one, for they
 /// are the same motion.
-pub(super) fn folds_by_phase(base_frequency_hz: f64, times: &[f64]) -> Vec<usize> {
+fn folds_by_phase(base_frequency_hz: f64, times: &[f64]) -> Vec<usize> {
     times.iter().map(|t| ((t * base_frequency_hz).fract() * PARTS as f64) as usize).collect()
 }
 
 /// The recording, from zero, to which each decimated row of a joint belongs.
-pub(super) fn folds_by_recording(recordings: Vec<usize>) -> Option<Vec<usize>> {
+fn folds_by_recording(recordings: Vec<usize>) -> Option<Vec<usize>> {
     let count = recordings.iter().max().map_or(0, |last| last + 1);
     (count >= FEWEST_RECORDINGS).then_some(recordings)
 }
 
 /// The move, from zero, to which each decimated row of a joint belongs: the last one that has started. None where the rows
 /// belong to fewer than three.
-pub(super) fn folds_by_move(moves: &Moves, times: &[f64]) -> Option<Vec<usize>> {
+fn folds_by_move(moves: &Moves, times: &[f64]) -> Option<Vec<usize>> {
     let starts: Vec<f64> = moves.moves().iter().map(|m| m.law.start_s).collect();
     let fold = |t: &f64| starts.iter().filter(|s| **s <= *t).count().saturating_sub(1);
     let folds: Vec<usize> = times.iter().map(fold).collect();
@@ -45,14 +46,42 @@ pub(super) fn folds_by_move(moves: &Moves, times: &[f64]) -> Option<Vec<usize>> 
 }
 
 /// What is left out in turn.
-pub(super) struct Folds {
-    /// The fold of each decimated row of a joint.
-    pub(super) of_row: Vec<usize>,
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Folds {
+    /// The fold of each decimated row of a joint, or of each row of all joints.
+    pub(crate) of_row: Vec<usize>,
     /// The name of each fold.
-    pub(super) names: Vec<String>,
+    pub(crate) names: Vec<String>,
 }
 
 impl Folds {
+    /// A move where three or more are known, else the same fifth of every period, else a part, of one recording with rows at
+    /// these times.
+    pub(super) fn of_one_recording(reference: Option<&Reference>, times: &[f64]) -> Self {
+        let by_move = match reference {
+            Some(Reference::Moves(moves)) => folds_by_move(moves, times),
+            Some(Reference::Periodic(periodic)) => {
+                let phases = folds_by_phase(periodic.series().base_frequency_hz(), times);
+                return Self::numbered("fifth of the period", phases);
+            }
+            Some(Reference::Sampled(_)) | None => None,
+        };
+        let by_part = || Self::numbered("part", folds_by_part(times.len()));
+        by_move.map_or_else(by_part, |of_row| Self::numbered("move", of_row))
+    }
+
+    /// A recording each, from the recording of each row; none for fewer than two.
+    pub(crate) fn of_recordings<'n>(of_row: Vec<usize>, names: impl Iterator<Item = &'n str>) -> Option<Self> {
+        let names = names.map(|name| format!("recording {name}")).collect();
+        Some(Self { of_row: folds_by_recording(of_row)?, names })
+    }
+
+    /// Fifths of the stretches of time, from the stretch of each row.
+    pub(crate) fn of_stretches(stretch_of_row: &[usize]) -> Self {
+        let fifths = folds_by_part(stretch_of_row.iter().max().map_or(0, |last| last + 1));
+        Self::numbered("part", stretch_of_row.iter().map(|stretch| fifths[*stretch]).collect())
+    }
+
     /// Folds that are called by a word and their number from one. Those without rows, as moves before the window, are none.
     pub(super) fn numbered(word: &str, of_row: Vec<usize>) -> Self {
         let mut numbers = of_row.clone();

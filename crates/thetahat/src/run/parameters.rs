@@ -4,7 +4,7 @@ use thetahat_model::base_parameters::{BaseParameter, BaseParameters};
 use thetahat_report::results::{LoopParameterResult, ParameterResult};
 
 /// The estimates of a run with their deviations, intervals and true values.
-pub(crate) fn parameter_results(
+pub(super) fn parameter_results(
     settings: &Settings,
     estimated: &BaseParameters,
     fit: &Fit,
@@ -29,7 +29,7 @@ pub(crate) fn parameter_results(
 
 /// The lower triangle, row by row, of the covariance of estimates: classical correlations with the deviations of the results,
 /// those with correlated errors where there are any.
-pub(crate) fn covariance_of(fit: &Fit, parameters: &[ParameterResult]) -> Vec<f64> {
+pub(super) fn covariance_of(fit: &Fit, parameters: &[ParameterResult]) -> Vec<f64> {
     let factor = |(i, p): (usize, &ParameterResult)| {
         let classical = fit.standard_deviation[i];
         let deviation = p.deviation().unwrap_or(classical);

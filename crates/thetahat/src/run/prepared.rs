@@ -1,4 +1,6 @@
+use super::cross_validation::Folds;
 use crate::preparation::{FilteredRecording, PreparationError, Problem, RecordedReference, Recording, Setup};
+use thetahat_estimation::signal::Decimator;
 use thetahat_report::results::{NearRestResult, RecordingResult};
 
 /// A recording ready for every case: filtered, with its reference where a method or report needs one.
@@ -20,6 +22,12 @@ impl PreparedRecording {
         let filtered = self.filtered.clone();
         let reference = Some(setup.reference_of_motion(&filtered.recording)?);
         Ok(Self { filtered, reference })
+    }
+
+    /// What is left out in turn of this recording alone, where its rows are those of a decimator.
+    pub(crate) fn folds(&self, decimator: &Decimator) -> Folds {
+        let times: Vec<f64> = times_of(&self.filtered, decimator, 0.0).collect();
+        Folds::of_one_recording(self.reference.as_ref().map(|r| &r.reference), &times)
     }
 
     pub(super) fn describe(&self, problem: &Problem) -> RecordingResult {
@@ -60,9 +68,18 @@ pub(super) fn times(prepared: &[PreparedRecording], problem: &Problem) -> Vec<f6
     let mut times = Vec::new();
     let mut before_s = 0.0;
     for (PreparedRecording { filtered, .. }, decimator) in prepared.iter().zip(&problem.decimators) {
-        let rate = filtered.recording.sample_rate_hz;
-        times.extend(decimator.kept().map(|k| before_s + filtered.start_s() + k as f64 / rate));
-        before_s += filtered.recording.position.len() as f64 / rate;
+        times.extend(times_of(filtered, decimator, before_s));
+        before_s += filtered.recording.position.len() as f64 / filtered.recording.sample_rate_hz;
     }
     times
+}
+
+/// The time of each row of a joint in one recording, which starts at `before_s`.
+fn times_of<'a>(
+    filtered: &'a FilteredRecording,
+    decimator: &'a Decimator,
+    before_s: f64,
+) -> impl Iterator<Item = f64> + 'a {
+    let rate = filtered.recording.sample_rate_hz;
+    decimator.kept().map(move |k| before_s + filtered.start_s() + k as f64 / rate)
 }

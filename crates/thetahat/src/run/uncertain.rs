@@ -5,7 +5,7 @@ use crate::preparation::{NamedChoice, ParameterChoice, Problem, Setup, Simulable
 use thetahat_estimation::{
     checks::{Code, Finding, Severity},
     identification::{Method, Needs, eliminate},
-    regression::Regression,
+    regression::{Regression, RowLayout},
 };
 use thetahat_ground::{
     linear_algebra::{Matrix, PivotedQr, dot, norm},
@@ -87,7 +87,7 @@ impl Trial {
     /// None where nothing would be left out, or the fifths do not separate the parameters.
     fn new(setup: Setup<'_>, problem: &Problem) -> Option<Self> {
         let regression = &problem.regression;
-        if norm(&regression.y) == 0.0 {
+        if norm(&regression.y) == 0.0 || !regression.is_in_time_order {
             return None;
         }
         let fifths = Fifths::new(regression);
@@ -121,8 +121,8 @@ impl Fifths {
         let rows = Matrix::stack(&self.0.iter().collect::<Vec<_>>()).triangular_factor();
         let columns = rows.columns() - 1;
         let x = rows.select_columns(&(0..columns).collect::<Vec<_>>());
-        let represented = vec![rows_represented as f64];
-        Regression { represented, ..Regression::of_one_series(x, rows.column(columns).to_vec()) }
+        let layout = RowLayout::new(1, &[x.rows()]);
+        Regression::of_factors(x, rows.column(columns).to_vec(), layout, vec![rows_represented as f64])
     }
 
     /// The length of the error of the fifths, each with the parameters of the others.
